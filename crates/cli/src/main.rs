@@ -1,0 +1,2 @@
+//! The undrift command.
+fn main() {}

@@ -1,0 +1,77 @@
+//! Attitude: unit quaternion `q_nb` (body to navigation), Euler angles, rotation vectors.
+
+use crate::{Matrix3, Quaternion, Vector3};
+use libm::{asin, atan2, cos, sin, sqrt};
+
+/// `q_nb` from roll, pitch, yaw [rad]: yaw about down, then pitch about right, then roll about
+/// forward. Groves eq. 2.22 (transposed).
+pub fn from_rpy(rpy: &Vector3) -> Quaternion {
+    Quaternion::from_euler_angles(rpy.x, rpy.y, rpy.z)
+}
+
+/// Roll, pitch, yaw [rad] of `q_nb`: roll and yaw in (−π, π], pitch in [−π/2, π/2]. Groves eq. 2.23.
+pub fn to_rpy(q_nb: &Quaternion) -> Vector3 {
+    let q = q_nb.quaternion();
+    let (w, x, y, z) = (q.w, q.i, q.j, q.k);
+    let sin_pitch = (2.0 * (w * y - x * z)).clamp(-1.0, 1.0);
+    Vector3::new(
+        atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y)),
+        asin(sin_pitch),
+        atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)),
+    )
+}
+
+/// Rotation by the rotation vector `phi` [rad]; exact, by series where it is small. Groves eq. E.30.
+pub fn from_rotation_vector(phi: &Vector3) -> Quaternion {
+    let half_sq = phi.norm_squared() / 4.0;
+    // cos(a) and sin(a)/a with a = |φ|/2. The series' next terms are below 1e-17 for a² < 1e-4.
+    let (c, sinc) = if half_sq < 1e-4 {
+        let a2 = half_sq;
+        (
+            1.0 - a2 / 2.0 * (1.0 - a2 / 12.0 * (1.0 - a2 / 30.0)),
+            1.0 - a2 / 6.0 * (1.0 - a2 / 20.0 * (1.0 - a2 / 42.0)),
+        )
+    } else {
+        let a = sqrt(half_sq);
+        (cos(a), sin(a) / a)
+    };
+    let v = phi * (sinc / 2.0);
+    Quaternion::new_unchecked(nalgebra::Quaternion::new(c, v.x, v.y, v.z))
+}
+
+/// Cross-product matrix `[v×]`, so that `skew(a) * b = a × b`.
+pub fn skew(v: &Vector3) -> Matrix3 {
+    Matrix3::new(0.0, -v.z, v.y, v.z, 0.0, -v.x, -v.y, v.x, 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn euler_round_trip_and_meaning() {
+        let rpy = Vector3::new(0.3, -0.4, 2.5);
+        assert!((to_rpy(&from_rpy(&rpy)) - rpy).norm() < 1e-14);
+        // Yaw 90°: forward points east. Pitch up: forward points up, which is −down.
+        let east = from_rpy(&Vector3::new(0.0, 0.0, core::f64::consts::FRAC_PI_2)) * Vector3::x();
+        assert!((east - Vector3::y()).norm() < 1e-15);
+        let up = from_rpy(&Vector3::new(0.0, 0.1, 0.0)) * Vector3::x();
+        assert!(up.z < 0.0);
+    }
+
+    #[test]
+    fn rotation_vector_series_meets_closed_form() {
+        for scale in [1e-9, 1e-3, 0.019_9, 0.020_1, 1.0, 3.0] {
+            let phi = Vector3::new(0.6, -0.64, 0.48) * scale;
+            let exact = Quaternion::from_scaled_axis(phi);
+            let ours = from_rotation_vector(&phi);
+            assert!((exact.coords - ours.coords).norm() < 4e-16, "{scale}");
+        }
+    }
+
+    #[test]
+    fn skew_is_the_cross_product() {
+        let (a, b) = (Vector3::new(1.0, 2.0, 3.0), Vector3::new(-4.0, 0.5, 2.0));
+        assert_eq!(skew(&a) * b, a.cross(&b));
+    }
+}

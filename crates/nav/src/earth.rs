@@ -1,0 +1,279 @@
+//! WGS-84: radii, normal gravity, Earth and transport rate, geodetic ↔ ECEF ↔ NED.
+//!
+//! Sources: NIMA TR8350.2, 3rd edition (constants, eq. 4-1 and 4-3); Groves 2013, chapter 2.
+
+use crate::{Matrix3, Vector3};
+use libm::{atan2, cos, sin, sqrt, tan};
+
+/// Semi-major axis a [m].
+pub const SEMI_MAJOR: f64 = 6_378_137.0;
+/// Flattening f.
+pub const FLATTENING: f64 = 1.0 / 298.257_223_563;
+/// First eccentricity squared e².
+pub const ECCENTRICITY_SQ: f64 = FLATTENING * (2.0 - FLATTENING);
+/// Semi-minor axis b [m].
+pub const SEMI_MINOR: f64 = SEMI_MAJOR * (1.0 - FLATTENING);
+/// Earth rotation rate ω_ie [rad/s].
+pub const EARTH_RATE: f64 = 7.292_115_146_7e-5;
+/// Gravitational constant of the Earth's mass, atmosphere included [m³/s²].
+pub const GM: f64 = 3.986_004_418e14;
+/// Normal gravity at the equator [m/s²].
+pub const GRAVITY_EQUATOR: f64 = 9.780_325_335_9;
+/// Normal gravity at the pole [m/s²].
+pub const GRAVITY_POLE: f64 = 9.832_184_937_8;
+/// Standard gravity, the `g` of data sheets [m/s²].
+pub const STANDARD_GRAVITY: f64 = 9.806_65;
+
+/// A point by geodetic latitude, longitude and ellipsoidal height.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Geodetic {
+    /// Latitude [rad], north positive.
+    pub lat: f64,
+    /// Longitude [rad], east positive.
+    pub lon: f64,
+    /// Height above the ellipsoid [m].
+    pub height: f64,
+}
+
+/// Radii of curvature: meridian `rm` and transverse (prime vertical) `rn` [m]. Groves eq. 2.105-2.106.
+pub fn radii(lat: f64) -> (f64, f64) {
+    let s = sin(lat);
+    radii_of_sin(s)
+}
+
+fn radii_of_sin(s: f64) -> (f64, f64) {
+    let w2 = 1.0 - ECCENTRICITY_SQ * s * s;
+    let rn = SEMI_MAJOR / sqrt(w2);
+    (rn * (1.0 - ECCENTRICITY_SQ) / w2, rn)
+}
+
+/// Normal gravity at latitude [rad] and height [m], along down [m/s²]: Somigliana with the
+/// second-order height term, NIMA TR8350.2 eq. 4-1 and 4-3.
+pub fn gravity(lat: f64, height: f64) -> f64 {
+    let s = sin(lat);
+    gravity_of_sin(s, height)
+}
+
+fn gravity_of_sin(s: f64, height: f64) -> f64 {
+    const K: f64 = SEMI_MINOR * GRAVITY_POLE / (SEMI_MAJOR * GRAVITY_EQUATOR) - 1.0;
+    const M: f64 = EARTH_RATE * EARTH_RATE * SEMI_MAJOR * SEMI_MAJOR * SEMI_MINOR / GM;
+    let s2 = s * s;
+    let surface = GRAVITY_EQUATOR * (1.0 + K * s2) / sqrt(1.0 - ECCENTRICITY_SQ * s2);
+    let slope = 2.0 / SEMI_MAJOR * (1.0 + FLATTENING + M - 2.0 * FLATTENING * s2);
+    surface * (1.0 - slope * height + 3.0 * height * height / (SEMI_MAJOR * SEMI_MAJOR))
+}
+
+/// Earth rotation rate in the navigation frame ω_ie^n [rad/s].
+pub fn earth_rate_n(lat: f64) -> Vector3 {
+    Vector3::new(EARTH_RATE * cos(lat), 0.0, -EARTH_RATE * sin(lat))
+}
+
+/// Transport rate ω_en^n [rad/s] at `position` with velocity `v_n` [m/s]. Groves eq. 5.44.
+pub fn transport_rate_n(position: &Geodetic, v_n: &Vector3) -> Vector3 {
+    let (rm, rn) = radii(position.lat);
+    let e = v_n.y / (rn + position.height);
+    Vector3::new(e, -v_n.x / (rm + position.height), -e * tan(position.lat))
+}
+
+/// Everything local that one navigation step needs, from one sine and cosine of the latitude.
+#[derive(Clone, Copy, Debug)]
+pub struct LocalEarth {
+    /// Meridian radius plus height [m].
+    pub rm_h: f64,
+    /// Transverse radius plus height [m].
+    pub rn_h: f64,
+    /// Normal gravity, down [m/s²].
+    pub gravity: f64,
+    /// Sine of the latitude.
+    pub sin_lat: f64,
+    /// Cosine of the latitude.
+    pub cos_lat: f64,
+}
+
+impl LocalEarth {
+    /// Of the given point.
+    pub fn at(position: &Geodetic) -> Self {
+        let (sin_lat, cos_lat) = (sin(position.lat), cos(position.lat));
+        let (rm, rn) = radii_of_sin(sin_lat);
+        Self {
+            rm_h: rm + position.height,
+            rn_h: rn + position.height,
+            gravity: gravity_of_sin(sin_lat, position.height),
+            sin_lat,
+            cos_lat,
+        }
+    }
+
+    /// Earth rotation rate ω_ie^n [rad/s].
+    pub fn earth_rate(&self) -> Vector3 {
+        Vector3::new(EARTH_RATE * self.cos_lat, 0.0, -EARTH_RATE * self.sin_lat)
+    }
+
+    /// Transport rate ω_en^n [rad/s] at velocity `v_n` [m/s].
+    pub fn transport_rate(&self, v_n: &Vector3) -> Vector3 {
+        let e = v_n.y / self.rn_h;
+        Vector3::new(e, -v_n.x / self.rm_h, -e * self.sin_lat / self.cos_lat)
+    }
+}
+
+impl Geodetic {
+    /// From degrees, degrees and metres.
+    pub fn from_degrees(lat_deg: f64, lon_deg: f64, height: f64) -> Self {
+        Self {
+            lat: lat_deg.to_radians(),
+            lon: lon_deg.to_radians(),
+            height,
+        }
+    }
+
+    /// Earth-centred Earth-fixed coordinates [m]. Groves eq. 2.112.
+    pub fn to_ecef(&self) -> Vector3 {
+        let (_, rn) = radii(self.lat);
+        let horizontal = (rn + self.height) * cos(self.lat);
+        Vector3::new(
+            horizontal * cos(self.lon),
+            horizontal * sin(self.lon),
+            ((1.0 - ECCENTRICITY_SQ) * rn + self.height) * sin(self.lat),
+        )
+    }
+
+    /// From Earth-centred Earth-fixed coordinates [m]: Bowring's start and Newton steps on the
+    /// reduced latitude, good to rounding from the Earth's core up. Groves section 2.4.3.
+    pub fn from_ecef(ecef: &Vector3) -> Self {
+        let p = sqrt(ecef.x * ecef.x + ecef.y * ecef.y);
+        let lon = atan2(ecef.y, ecef.x);
+        let second_eccentricity_sq = ECCENTRICITY_SQ / (1.0 - ECCENTRICITY_SQ);
+        let mut beta = atan2(ecef.z * SEMI_MAJOR, p * SEMI_MINOR);
+        let mut lat = 0.0;
+        for _ in 0..5 {
+            let (sb, cb) = (sin(beta), cos(beta));
+            lat = atan2(
+                ecef.z + second_eccentricity_sq * SEMI_MINOR * sb * sb * sb,
+                p - ECCENTRICITY_SQ * SEMI_MAJOR * cb * cb * cb,
+            );
+            beta = atan2((1.0 - FLATTENING) * sin(lat), cos(lat));
+        }
+        let (s, c) = (sin(lat), cos(lat));
+        let (_, rn) = radii(lat);
+        // p·cos + z·sin is the distance along the normal, regular at the poles.
+        let height = p * c + ecef.z * s - rn * (1.0 - ECCENTRICITY_SQ * s * s);
+        Self { lat, lon, height }
+    }
+
+    /// Rotation C_e^n of the north-east-down frame here. Groves eq. 2.150.
+    pub fn ned_from_ecef(&self) -> Matrix3 {
+        let (sl, cl) = (sin(self.lat), cos(self.lat));
+        let (so, co) = (sin(self.lon), cos(self.lon));
+        Matrix3::new(
+            -sl * co,
+            -sl * so,
+            cl,
+            -so,
+            co,
+            0.0,
+            -cl * co,
+            -cl * so,
+            -sl,
+        )
+    }
+
+    /// Vector from `self` to `other` in the north-east-down frame at `self` [m], exact.
+    pub fn ned_to(&self, other: &Geodetic) -> Vector3 {
+        self.ned_from_ecef() * (other.to_ecef() - self.to_ecef())
+    }
+
+    /// The point at a small north-east-down offset [m] along the local radii: what an error state
+    /// of metres means. For offsets of kilometres use ECEF.
+    pub fn displaced(&self, ned: &Vector3) -> Self {
+        let (rm, rn) = radii(self.lat);
+        Self {
+            lat: self.lat + ned.x / (rm + self.height),
+            lon: self.lon + ned.y / ((rn + self.height) * cos(self.lat)),
+            height: self.height - ned.z,
+        }
+    }
+
+    /// The small north-east-down offset [m] along the local radii from `self` to `other`; the
+    /// inverse of [`Geodetic::displaced`]. Longitudes are compared the short way round.
+    pub fn offset_to(&self, other: &Geodetic) -> Vector3 {
+        let (rm, rn) = radii(self.lat);
+        Vector3::new(
+            (other.lat - self.lat) * (rm + self.height),
+            wrap_pi(other.lon - self.lon) * (rn + self.height) * cos(self.lat),
+            self.height - other.height,
+        )
+    }
+
+    /// Whether the numbers are a place: finite, |lat| ≤ 90°, |lon| ≤ 360°, height within −20…100 km.
+    pub fn is_valid(&self) -> bool {
+        use core::f64::consts::{FRAC_PI_2, TAU};
+        self.lat.abs() <= FRAC_PI_2
+            && self.lon.abs() <= TAU
+            && (-20_000.0..100_000.0).contains(&self.height)
+    }
+}
+
+/// An angle [rad] wrapped to (−π, π].
+pub fn wrap_pi(angle: f64) -> f64 {
+    use core::f64::consts::{PI, TAU};
+    let wrapped = angle - TAU * libm::floor((angle + PI) / TAU);
+    if wrapped <= -PI {
+        wrapped + TAU
+    } else {
+        wrapped
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One rounding of a coordinate of 6.4e6 m is 9e-10 m; a few of them add up.
+    const ECEF_TOLERANCE_M: f64 = 5e-9;
+
+    #[test]
+    fn ecef_round_trip_everywhere() {
+        for lat_deg in [-90.0, -89.999_999, -45.0, -1e-9, 0.0, 30.5, 89.9, 90.0] {
+            for lon_deg in [-180.0, -68.8, 0.0, 114.47, 179.999_999] {
+                for height in [-400.0, 0.0, 20.9, 30_000.0] {
+                    let there = Geodetic::from_degrees(lat_deg, lon_deg, height);
+                    let back = Geodetic::from_ecef(&there.to_ecef());
+                    let miss = (back.to_ecef() - there.to_ecef()).norm();
+                    assert!(miss < ECEF_TOLERANCE_M, "{there:?} {miss}");
+                    assert!((back.height - height).abs() < ECEF_TOLERANCE_M);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn gravity_at_equator_and_pole_is_the_published_constant() {
+        assert!((gravity(0.0, 0.0) - GRAVITY_EQUATOR).abs() < 1e-12);
+        let pole = gravity(core::f64::consts::FRAC_PI_2, 0.0);
+        // The constants are published to ten decimals.
+        assert!((pole - GRAVITY_POLE).abs() < 1e-9, "{pole}");
+    }
+
+    #[test]
+    fn radii_are_the_curvature_of_the_ellipsoid() {
+        let here = Geodetic::from_degrees(-32.83, -68.79, 700.0);
+        for d in [
+            Vector3::new(1.0, 0.0, 0.0),
+            Vector3::new(0.0, 1.0, 0.0),
+            Vector3::new(0.0, 0.0, 1.0),
+        ] {
+            // One metre along the local radii is one metre in ECEF up to curvature, 1 m / 6.4e6 m.
+            let moved = here.ned_to(&here.displaced(&d));
+            assert!((moved - d).norm() < 3e-7, "{moved}");
+            assert!((here.offset_to(&here.displaced(&d)) - d).norm() < 1e-8);
+        }
+    }
+
+    #[test]
+    fn wrap() {
+        use core::f64::consts::PI;
+        assert_eq!(wrap_pi(PI), PI);
+        assert_eq!(wrap_pi(-PI), PI);
+        assert!((wrap_pi(3.0 * PI + 0.1) - (0.1 - PI)).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,72 @@
+//! What the filter takes in: inertial increments and GNSS fixes.
+
+use crate::{Matrix3, Vector3, earth::Geodetic};
+
+/// One inertial sample as increments over the interval `(time − dt, time]`, body axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImuSample {
+    /// End of the interval [s], in the log's time base.
+    pub time: f64,
+    /// Length of the interval [s].
+    pub dt: f64,
+    /// Integrated angular rate ∫ω_ib^b dt [rad].
+    pub dtheta: Vector3,
+    /// Integrated specific force ∫f^b dt [m/s].
+    pub dvel: Vector3,
+}
+
+/// Where a position fix is, and relative to what.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Position {
+    /// Antenna position on the ellipsoid.
+    Geodetic(Geodetic),
+    /// Antenna relative to a base station, in the base's own north-east-down frame [m].
+    Baseline {
+        /// The base station.
+        base: Geodetic,
+        /// Baseline base → antenna [m], north-east-down of the base.
+        ned: Vector3,
+    },
+}
+
+/// One GNSS epoch of the antenna: position, velocity, or both.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GnssFix {
+    /// Time of validity [s], in the same base as the inertial samples.
+    pub time: f64,
+    /// Position with its covariance [m²]: north-east-down at the antenna, or of the base for a baseline.
+    pub position: Option<(Position, Matrix3)>,
+    /// Velocity over ground north-east-down [m/s] with its covariance [(m/s)²].
+    pub velocity: Option<(Vector3, Matrix3)>,
+    /// What kind of solution the receiver calls it.
+    pub quality: FixQuality,
+}
+
+/// Kind of GNSS solution.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FixQuality {
+    /// The file does not say.
+    #[default]
+    Unknown,
+    /// Code solution without corrections.
+    Single,
+    /// Differential code or precise point positioning.
+    Differential,
+    /// Carrier phase, ambiguities not resolved.
+    Float,
+    /// Carrier phase, ambiguities resolved.
+    Fixed,
+}
+
+/// A reference solution at one instant, at the IMU.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TruthSample {
+    /// Time [s], in the same base as the inertial samples.
+    pub time: f64,
+    /// Position of the IMU.
+    pub position: Geodetic,
+    /// Velocity over ground north-east-down [m/s]; absent where the file has none.
+    pub v_n: Option<Vector3>,
+    /// Roll, pitch, yaw [rad]; absent where the file has none.
+    pub rpy: Option<Vector3>,
+}

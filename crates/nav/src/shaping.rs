@@ -1,0 +1,523 @@
+//! Shaping filters: every noise model of a sensor axis as a linear filter driven by white noise.
+//!
+//! ```text
+//! x_{k+1} = F x_k + G w_k,    ε_k = H x_k + D w_k,    w_k ~ N(0, I)
+//! ```
+//!
+//! One step is one sample interval T. The driving noise enters only through its second moments
+//! `q = G Gᵀ`, `s = G Dᵀ`, `r = D Dᵀ`, so these are what is stored; a sum of filters is then a sum
+//! of blocks. `s` is the cross-covariance between the bias's noise and the measurement's own noise:
+//! leaving it out is a different model. Hamilton 1994, chapter 13 (state space); Gardner, Harvey &
+//! Phillips 1980 (ARMA companion form); Box, Jenkins & Reinsel for the sign of θ.
+//!
+//! ε is an angular-rate or specific-force error, [rad/s] or [m/s²]; "unit" below is either.
+//!
+//! ```
+//! use undrift_nav::shaping::ShapingFilter;
+//! // White noise of 2 deg/√h and a Gauss-Markov bias of 25 deg/h over an hour, at 200 Hz.
+//! let (deg, hour) = (1f64.to_radians(), 3600.0);
+//! let white = ShapingFilter::white(2.0 * deg / 60.0, 0.005)?;
+//! let bias = ShapingFilter::gauss_markov(25.0 * deg / hour, hour, 0.005)?;
+//! let gyro = white.plus(&bias)?;
+//! assert_eq!(gyro.order, 1);
+//! # Ok::<(), undrift_nav::shaping::ShapingError>(())
+//! ```
+
+use core::fmt;
+use libm::{exp, expm1, sqrt};
+
+/// Most states one axis may have.
+pub const MAX_ORDER: usize = 6;
+
+/// A square matrix of one axis's states; only the leading `order` rows and columns are used.
+pub type AxisMatrix = [[f64; MAX_ORDER]; MAX_ORDER];
+/// A vector of one axis's states; only the leading `order` entries are used.
+pub type AxisVector = [f64; MAX_ORDER];
+
+/// The noise model of one sensor axis. Fields beyond `order` are zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShapingFilter {
+    /// Number of states.
+    pub order: usize,
+    /// Sample interval T [s] of one step.
+    pub interval: f64,
+    /// Transition F.
+    pub f: AxisMatrix,
+    /// Output row H: the part of ε that can be predicted is `h · x` [unit].
+    pub h: AxisVector,
+    /// Driving covariance `G Gᵀ`.
+    pub q: AxisMatrix,
+    /// Cross-covariance `G Dᵀ`.
+    pub s: AxisVector,
+    /// Direct variance `D Dᵀ` [unit²] of one sample.
+    pub r: f64,
+    /// Covariance of the state before the first sample.
+    pub p0: AxisMatrix,
+}
+
+/// Why a shaping filter cannot be made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ShapingError {
+    /// A parameter is not finite, or negative where it may not be, or the interval is not positive.
+    BadParameter(&'static str),
+    /// More states than [`MAX_ORDER`].
+    TooManyStates {
+        /// States asked for.
+        order: usize,
+    },
+    /// The autoregressive part has a root outside the unit circle, or more than one on it.
+    Unstable,
+    /// Two filters of different sample intervals were added.
+    IntervalsDiffer,
+    /// F has no real logarithm (a pole at zero or on the negative real axis): the model exists at
+    /// its own rate only; identify it again at the rate wanted.
+    NoRealLogarithm,
+    /// The coloured part alone has no valid spectrum at the rate wanted.
+    NoModelAtRate,
+}
+
+impl fmt::Display for ShapingError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::BadParameter(what) => write!(f, "{what} must be finite and not negative"),
+            Self::TooManyStates { order } => {
+                write!(f, "the noise model has {order} states, at most {MAX_ORDER} fit one axis")
+            }
+            Self::Unstable => f.write_str(
+                "the autoregressive part is unstable: its roots must lie inside the unit circle, one may be 1",
+            ),
+            Self::IntervalsDiffer => f.write_str("noise models of different sample rates cannot be added"),
+            Self::NoRealLogarithm => f.write_str(
+                "the model cannot be carried to another sample rate (a pole at zero or on the negative real axis); identify it at the rate it will run at",
+            ),
+            Self::NoModelAtRate => f.write_str(
+                "the model has no valid spectrum at the sample rate asked for; identify it at the rate it will run at",
+            ),
+        }
+    }
+}
+
+impl core::error::Error for ShapingError {}
+
+fn not_negative(value: f64, what: &'static str) -> Result<f64, ShapingError> {
+    if value.is_finite() && value >= 0.0 {
+        Ok(value)
+    } else {
+        Err(ShapingError::BadParameter(what))
+    }
+}
+
+impl ShapingFilter {
+    /// No error at all: order 0, no noise.
+    pub fn none(interval: f64) -> Result<Self, ShapingError> {
+        if !(interval.is_finite() && interval > 0.0) {
+            return Err(ShapingError::BadParameter("the sample interval"));
+        }
+        Ok(Self {
+            order: 0,
+            interval,
+            f: [[0.0; MAX_ORDER]; MAX_ORDER],
+            h: [0.0; MAX_ORDER],
+            q: [[0.0; MAX_ORDER]; MAX_ORDER],
+            s: [0.0; MAX_ORDER],
+            r: 0.0,
+            p0: [[0.0; MAX_ORDER]; MAX_ORDER],
+        })
+    }
+
+    fn single_state(f: f64, q: f64, p0: f64, interval: f64) -> Result<Self, ShapingError> {
+        let mut filter = Self::none(interval)?;
+        filter.order = 1;
+        filter.f[0][0] = f;
+        filter.h[0] = 1.0;
+        filter.q[0][0] = q;
+        filter.p0[0][0] = p0;
+        Ok(filter)
+    }
+
+    /// White noise of density `density` [unit/√Hz = unit·√s], the angle or velocity
+    /// random walk N: variance N²/T a sample, no state. IEEE Std 952, annex C.
+    pub fn white(density: f64, interval: f64) -> Result<Self, ShapingError> {
+        let mut filter = Self::none(interval)?;
+        let density = not_negative(density, "the white noise density")?;
+        filter.r = density * density / interval;
+        Ok(filter)
+    }
+
+    /// A turn-on constant with standard deviation `sigma` [unit].
+    pub fn constant(sigma: f64, interval: f64) -> Result<Self, ShapingError> {
+        let sigma = not_negative(sigma, "the turn-on bias")?;
+        Self::single_state(1.0, 0.0, sigma * sigma, interval)
+    }
+
+    /// Random walk of the bias with coefficient K `[unit/√s]`, starting at zero. IEEE Std 952, annex C.
+    pub fn random_walk(k: f64, interval: f64) -> Result<Self, ShapingError> {
+        let k = not_negative(k, "the random walk coefficient")?;
+        Self::single_state(1.0, k * k * interval, 0.0, interval)
+    }
+
+    /// First-order Gauss-Markov process with standard deviation `sigma` [unit] and correlation time
+    /// `tau` [s], stationary. Groves section 14.2.6.
+    pub fn gauss_markov(sigma: f64, tau: f64, interval: f64) -> Result<Self, ShapingError> {
+        let sigma = not_negative(sigma, "the Gauss-Markov standard deviation")?;
+        if !(tau > 0.0 && tau.is_finite()) {
+            return Err(ShapingError::BadParameter("the correlation time"));
+        }
+        let variance = sigma * sigma;
+        // 1 − φ² by expm1: φ is 1 to ten digits for a slow process.
+        let q = -variance * expm1(-2.0 * interval / tau);
+        Self::single_state(exp(-interval / tau), q, variance, interval)
+    }
+
+    /// AR(p): `x_t − φ1 x_{t−1} − … = a_t`, `a_t ~ N(0, sigma²)` [unit].
+    pub fn ar(phi: &[f64], sigma: f64, interval: f64) -> Result<Self, ShapingError> {
+        Self::arma(phi, &[], sigma, interval)
+    }
+
+    /// ARMA(p, q) in innovations form with max(p, q) states, exact:
+    /// `x_t − φ1 x_{t−1} − … − φp x_{t−p} = a_t − θ1 a_{t−1} − … − θq a_{t−q}`, `a_t ~ N(0, sigma²)` [unit].
+    ///
+    /// F is the companion matrix of φ (first column φ, ones above the diagonal),
+    /// `G_i = (φ_i − θ_i) σ`, `H = [1 0 …]`, `D = σ`. One root of φ may be exactly 1: the random
+    /// walk it makes starts at zero, the rest stationary.
+    pub fn arma(
+        phi: &[f64],
+        theta: &[f64],
+        sigma: f64,
+        interval: f64,
+    ) -> Result<Self, ShapingError> {
+        let sigma = not_negative(sigma, "the innovations' standard deviation")?;
+        if phi.iter().chain(theta).any(|c| !c.is_finite()) {
+            return Err(ShapingError::BadParameter("every ARMA coefficient"));
+        }
+        let mut filter = Self::none(interval)?;
+        let order = phi.len().max(theta.len());
+        if order > MAX_ORDER {
+            return Err(ShapingError::TooManyStates { order });
+        }
+        filter.order = order;
+        let coefficient = |of: &[f64], i: usize| of.get(i).copied().unwrap_or(0.0);
+        let mut g = [0.0; MAX_ORDER];
+        for i in 0..order {
+            filter.f[i][0] = coefficient(phi, i);
+            if i + 1 < order {
+                filter.f[i][i + 1] = 1.0;
+            }
+            g[i] = (coefficient(phi, i) - coefficient(theta, i)) * sigma;
+        }
+        for i in 0..order {
+            filter.s[i] = g[i] * sigma;
+            for j in 0..order {
+                filter.q[i][j] = g[i] * g[j];
+            }
+        }
+        filter.r = sigma * sigma;
+        if order > 0 {
+            filter.h[0] = 1.0;
+        }
+        filter.p0 = filter.stationary_covariance()?;
+        Ok(filter)
+    }
+
+    /// Covariance of the stationary state, `P = F P Fᵀ + q`, by doubling. Where φ has one root at
+    /// exactly 1 (companion form), that of the stable part: the unit root's mode is projected out.
+    fn stationary_covariance(&self) -> Result<AxisMatrix, ShapingError> {
+        let n = self.order;
+        let mut f = self.f;
+        let mut p = self.q;
+        let sum: f64 = (0..n).map(|i| self.f[i][0]).sum();
+        if n > 0 && (sum - 1.0).abs() < 1e-13 {
+            // Left eigenvector of the companion matrix at 1: all ones. Right: 1, 1−φ1, 1−φ1−φ2, …
+            let mut right = [0.0; MAX_ORDER];
+            let mut tail = 1.0;
+            for i in 0..n {
+                right[i] = tail;
+                tail -= self.f[i][0];
+            }
+            let norm: f64 = right[..n].iter().sum();
+            if norm.abs() < 1e-9 {
+                return Err(ShapingError::Unstable); // a double root at 1
+            }
+            let mut keep = [[0.0; MAX_ORDER]; MAX_ORDER];
+            for i in 0..n {
+                for j in 0..n {
+                    keep[i][j] = f64::from(i == j) - right[i] / norm;
+                }
+            }
+            f = product(&keep, &f, n);
+            p = product(&product(&keep, &p, n), &transpose(&keep, n), n);
+        }
+        // P ← P + F P Fᵀ, F ← F²: 2^60 steps; a slower pole than that is no stationary one.
+        for _ in 0..60 {
+            let step = product(&product(&f, &p, n), &transpose(&f, n), n);
+            let mut change = 0.0f64;
+            let mut size = 0.0f64;
+            for i in 0..n {
+                for j in 0..n {
+                    p[i][j] += step[i][j];
+                }
+                change = change.max(step[i][i].abs());
+                size = size.max(p[i][i].abs());
+            }
+            if !size.is_finite() {
+                return Err(ShapingError::Unstable);
+            }
+            f = product(&f, &f, n);
+            let gain = (0..n)
+                .flat_map(|i| (0..n).map(move |j| (i, j)))
+                .fold(0.0f64, |m, (i, j)| m.max(f[i][j].abs()));
+            if !gain.is_finite() || gain > 1e6 {
+                return Err(ShapingError::Unstable);
+            }
+            if change <= 1e-17 * size && gain < 1e-8 {
+                return Ok(p);
+            }
+        }
+        Err(ShapingError::Unstable)
+    }
+
+    /// The sum of two independent errors. A random walk and a constant (or two of either) share
+    /// one state, since their sum is again a random walk.
+    pub fn plus(&self, other: &Self) -> Result<Self, ShapingError> {
+        if self.interval != other.interval {
+            return Err(ShapingError::IntervalsDiffer);
+        }
+        let mut sum = *self;
+        sum.r += other.r;
+        if let (Some(mine), Some(0), 1) = (self.integrator(), other.integrator(), other.order) {
+            sum.q[mine][mine] += other.q[0][0];
+            sum.s[mine] += other.s[0];
+            sum.p0[mine][mine] += other.p0[0][0];
+            return Ok(sum);
+        }
+        let (n, m) = (self.order, other.order);
+        if n + m > MAX_ORDER {
+            return Err(ShapingError::TooManyStates { order: n + m });
+        }
+        sum.order = n + m;
+        for i in 0..m {
+            for j in 0..m {
+                sum.f[n + i][n + j] = other.f[i][j];
+                sum.q[n + i][n + j] = other.q[i][j];
+                sum.p0[n + i][n + j] = other.p0[i][j];
+            }
+            sum.h[n + i] = other.h[i];
+            sum.s[n + i] = other.s[i];
+        }
+        Ok(sum)
+    }
+
+    /// The state that is a pure integrator read out with 1 and coupled to no other, if there is one.
+    fn integrator(&self) -> Option<usize> {
+        let n = self.order;
+        (0..n).find(|&i| {
+            self.h[i] == 1.0
+                && (0..n).all(|j| {
+                    let expected = f64::from(i == j);
+                    self.f[i][j] == expected
+                        && self.f[j][i] == expected
+                        && (i == j || (self.q[i][j] == 0.0 && self.p0[i][j] == 0.0))
+                })
+        })
+    }
+
+    /// Autocovariance of ε at lags 0, 1, … [unit²] into `out`, started from `p0` as if it were stationary.
+    pub fn autocovariance(&self, out: &mut [f64]) {
+        let n = self.order;
+        // N = F P Hᵀ + S is the covariance of x_{k+1} with ε_k.
+        let mut carried = [0.0; MAX_ORDER];
+        let ph = apply(&self.p0, &self.h, n);
+        let fph = apply(&self.f, &ph, n);
+        for i in 0..n {
+            carried[i] = fph[i] + self.s[i];
+        }
+        for (lag, slot) in out.iter_mut().enumerate() {
+            if lag == 0 {
+                *slot = dot(&self.h, &ph, n) + self.r;
+            } else {
+                *slot = dot(&self.h, &carried, n);
+                carried = apply(&self.f, &carried, n);
+            }
+        }
+    }
+
+    /// Joint factor of one sample's noise: lower-triangular L with `L Lᵀ` the covariance of
+    /// `[D w; G w]` (row 0 the measurement's own noise, rows 1… the states'), for simulation.
+    /// Semi-definite is fine: a zero pivot leaves a zero column.
+    pub fn noise_factor(&self) -> [[f64; MAX_ORDER + 1]; MAX_ORDER + 1] {
+        const M: usize = MAX_ORDER + 1;
+        let n = self.order + 1;
+        let mut joint = [[0.0; M]; M];
+        joint[0][0] = self.r;
+        for i in 0..self.order {
+            joint[i + 1][0] = self.s[i];
+            joint[0][i + 1] = self.s[i];
+            for j in 0..self.order {
+                joint[i + 1][j + 1] = self.q[i][j];
+            }
+        }
+        semidefinite_cholesky(&joint, n)
+    }
+
+    /// Lower-triangular factor of the initial covariance `p0`.
+    pub fn initial_factor(&self) -> AxisMatrix {
+        semidefinite_cholesky(&self.p0, self.order)
+    }
+}
+
+/// Cholesky factor of a positive semi-definite leading block; pivots at rounding level count as zero.
+fn semidefinite_cholesky<const M: usize>(a: &[[f64; M]; M], n: usize) -> [[f64; M]; M] {
+    let mut l = [[0.0; M]; M];
+    for j in 0..n {
+        let mut pivot = a[j][j];
+        for k in 0..j {
+            pivot -= l[j][k] * l[j][k];
+        }
+        if pivot <= 1e-13 * a[j][j] {
+            continue;
+        }
+        l[j][j] = sqrt(pivot);
+        for i in j + 1..n {
+            let mut below = a[i][j];
+            for k in 0..j {
+                below -= l[i][k] * l[j][k];
+            }
+            l[i][j] = below / l[j][j];
+        }
+    }
+    l
+}
+
+fn product(a: &AxisMatrix, b: &AxisMatrix, n: usize) -> AxisMatrix {
+    let mut c = [[0.0; MAX_ORDER]; MAX_ORDER];
+    for i in 0..n {
+        for k in 0..n {
+            for j in 0..n {
+                c[i][j] += a[i][k] * b[k][j];
+            }
+        }
+    }
+    c
+}
+
+fn transpose(a: &AxisMatrix, n: usize) -> AxisMatrix {
+    let mut t = [[0.0; MAX_ORDER]; MAX_ORDER];
+    for i in 0..n {
+        for j in 0..n {
+            t[i][j] = a[j][i];
+        }
+    }
+    t
+}
+
+fn apply(a: &AxisMatrix, x: &AxisVector, n: usize) -> AxisVector {
+    let mut y = [0.0; MAX_ORDER];
+    for i in 0..n {
+        y[i] = dot(&a[i], x, n);
+    }
+    y
+}
+
+fn dot(a: &AxisVector, b: &AxisVector, n: usize) -> f64 {
+    (0..n).map(|i| a[i] * b[i]).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    const T: f64 = 0.01;
+
+    #[test]
+    fn arma11_autocovariance_is_the_closed_form() {
+        // Box, Jenkins & Reinsel eq. 3.4.7.
+        let (phi, theta, sigma) = (0.9, 0.5, 2.0);
+        let filter = ShapingFilter::arma(&[phi], &[theta], sigma, T).unwrap();
+        let mut acov = [0.0; 4];
+        filter.autocovariance(&mut acov);
+        let g0 = (1.0 + theta * theta - 2.0 * phi * theta) / (1.0 - phi * phi) * sigma * sigma;
+        let g1 = (1.0 - phi * theta) * (phi - theta) / (1.0 - phi * phi) * sigma * sigma;
+        for (ours, exact) in acov.iter().zip([g0, g1, phi * g1, phi * phi * g1]) {
+            assert!((ours - exact).abs() < 1e-12 * g0, "{ours} {exact}");
+        }
+    }
+
+    #[test]
+    fn arma11_is_ar1_plus_white() {
+        // THEORY: driving variance S σ² and white variance W σ², S = (1−φθ)(φ−θ)/φ, W = θ/φ.
+        let (phi, theta, sigma) = (0.999, 0.98, 0.3);
+        let arma = ShapingFilter::arma(&[phi], &[theta], sigma, T).unwrap();
+        let variance = (1.0 - phi * theta) * (phi - theta) / phi * sigma * sigma;
+        let stationary = variance / (1.0 - phi * phi);
+        let coloured =
+            ShapingFilter::gauss_markov(sqrt(stationary), -T / libm::log(phi), T).unwrap();
+        let white = ShapingFilter::white(sigma * sqrt(theta / phi * T), T).unwrap();
+        let (mut a, mut b) = ([0.0; 50], [0.0; 50]);
+        arma.autocovariance(&mut a);
+        white.plus(&coloured).unwrap().autocovariance(&mut b);
+        for (x, y) in a.iter().zip(b) {
+            // 1−φ loses three digits of sixteen.
+            assert!((x - y).abs() < 1e-12 * a[0], "{x} {y}");
+        }
+    }
+
+    #[test]
+    fn ar2_stationary_variance_is_the_closed_form() {
+        let (p1, p2) = (1.2, -0.5);
+        let filter = ShapingFilter::ar(&[p1, p2], 1.0, T).unwrap();
+        let mut acov = [0.0; 3];
+        filter.autocovariance(&mut acov);
+        let g0 = (1.0 - p2) / ((1.0 + p2) * ((1.0 - p2) * (1.0 - p2) - p1 * p1));
+        assert!((acov[0] - g0).abs() < 1e-12 * g0);
+        assert!((acov[1] - g0 * p1 / (1.0 - p2)).abs() < 1e-12 * g0);
+    }
+
+    #[test]
+    fn unit_root_starts_at_zero_with_its_stable_part_stationary() {
+        let filter = ShapingFilter::arma(&[1.0], &[0.9994], 1.0, T).unwrap();
+        assert_eq!(filter.p0[0][0], 0.0);
+        // (1 − B)(1 − 0.5 B): the projected stable mode has pole 0.5.
+        let filter = ShapingFilter::arma(&[1.5, -0.5], &[0.9], 1.0, T).unwrap();
+        assert!(filter.p0[0][0] > 0.0 && filter.p0[0][0] < 10.0);
+    }
+
+    #[test]
+    fn instability_is_refused() {
+        for phi in [
+            &[1.000_001][..],
+            &[-1.1],
+            &[2.0, -1.0],
+            &[0.0, 1.1],
+            &[-1.0],
+        ] {
+            let made = ShapingFilter::arma(phi, &[0.3], 1.0, T);
+            assert_eq!(made, Err(ShapingError::Unstable), "{phi:?}");
+        }
+        assert!(ShapingFilter::white(f64::NAN, T).is_err());
+        assert!(ShapingFilter::white(-1.0, T).is_err());
+        assert!(ShapingFilter::white(1.0, 0.0).is_err());
+        assert!(ShapingFilter::arma(&[0.1; 7], &[], 1.0, T).is_err());
+    }
+
+    #[test]
+    fn constant_and_random_walk_share_a_state() {
+        let sum = ShapingFilter::random_walk(2.0, T)
+            .unwrap()
+            .plus(&ShapingFilter::constant(3.0, T).unwrap())
+            .unwrap();
+        assert_eq!((sum.order, sum.p0[0][0], sum.q[0][0]), (1, 9.0, 4.0 * T));
+    }
+
+    #[test]
+    fn noise_factor_reproduces_the_moments() {
+        let filter = ShapingFilter::arma(&[0.9, -0.2, 0.1], &[0.5, 0.1], 0.7, T).unwrap();
+        let l = filter.noise_factor();
+        let entry = |i: usize, j: usize| (0..=3).map(|k| l[i][k] * l[j][k]).sum::<f64>();
+        assert!((entry(0, 0) - filter.r).abs() < 1e-15);
+        for i in 0..3 {
+            assert!((entry(i + 1, 0) - filter.s[i]).abs() < 1e-15);
+            for j in 0..3 {
+                assert!((entry(i + 1, j + 1) - filter.q[i][j]).abs() < 1e-15);
+            }
+        }
+    }
+}
