@@ -14,8 +14,12 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod aiding;
 pub mod attitude;
+pub mod covariance;
 pub mod earth;
+pub mod filter;
+pub mod mechanisation;
 pub mod sample;
 pub mod shaping;
 pub mod units;

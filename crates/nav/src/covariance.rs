@@ -1,0 +1,356 @@
+//! Covariance of the error state over one step, exploiting its structure.
+//!
+//! The error state is `[δr; δv; ψ; x]`: nine navigation errors and the shaping filters' states.
+//! Over one step, with ε the six sensor errors `H x + D w`,
+//!
+//! ```text
+//! n' = Φ n + Γ ε,    x' = F x + G w,    ε = H x + D w
+//! ```
+//!
+//! so the navigation block needs only the covariance of `(n, ε)`, fifteen wide whatever the order
+//! of the models, and the cross block is the same linear map applied to the states' columns. The
+//! same `w` drives ε and x, hence the cross terms `Γ D Gᵀ`. Φ and Γ are never formed: [`Transition::carry`]
+//! applies them to rows.
+//!
+//! Error model: Groves 2013, section 14.2.4, with the signs of `docs/conventions.md`.
+
+use crate::{Matrix3, Vector3, attitude::skew, mechanisation::Step, shaping::ShapingFilter};
+
+/// Navigation errors: position, velocity, misalignment.
+pub const NAV: usize = 9;
+/// Sensor axes: gyro x, y, z, accelerometer x, y, z.
+pub const AXES: usize = 6;
+/// Width of the joint navigation and sensor error.
+const JOINT: usize = NAV + AXES;
+
+/// The linear map of one step from navigation and sensor errors to navigation errors.
+#[derive(Clone, Copy, Debug)]
+pub struct Transition {
+    half_dt: f64,
+    /// C_b^n dt at the middle of the step [s].
+    c_dt: Matrix3,
+    /// Specific force integrated over the step, navigation frame [m/s].
+    dvel_n: Vector3,
+    /// Rotation of the navigation frame over the step [rad].
+    frame_turn: Vector3,
+    /// dt times the partial derivatives of the error model.
+    rr: Matrix3,
+    vr: Matrix3,
+    vv: Matrix3,
+    pr: Matrix3,
+    pv: Matrix3,
+}
+
+impl Transition {
+    /// Of the mechanisation step `step`, with C_b^n at its middle.
+    pub fn new(step: &Step, c_mid: &Matrix3) -> Self {
+        let Step {
+            dt,
+            earth,
+            v_mid: v,
+            dvel_n,
+            earth_rate,
+            transport_rate,
+        } = step;
+        let tan = earth.sin_lat / earth.cos_lat;
+        let (rm, rn) = (earth.rm_h, earth.rn_h);
+        // ∂ω_ie/∂δr and ∂ω_en/∂δr: latitude moves with δr_N / rm, height with −δr_D.
+        let ie_r = Matrix3::new(
+            earth_rate.z / rm,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            -earth_rate.x / rm,
+            0.0,
+            0.0,
+        );
+        let sec2 = 1.0 / (earth.cos_lat * earth.cos_lat);
+        let en_r = Matrix3::new(
+            0.0,
+            0.0,
+            v.y / (rn * rn),
+            0.0,
+            0.0,
+            -v.x / (rm * rm),
+            -v.y * sec2 / (rn * rm),
+            0.0,
+            -v.y * tan / (rn * rn),
+        );
+        let en_v = Matrix3::new(0.0, 1.0 / rn, 0.0, -1.0 / rm, 0.0, 0.0, 0.0, -tan / rn, 0.0);
+        let v_skew = skew(v);
+        let mut vr = v_skew * (ie_r * 2.0 + en_r);
+        vr[(2, 2)] += 2.0 * earth.gravity / libm::sqrt(rm * rn);
+        let rr = Matrix3::new(
+            -v.z / rm,
+            0.0,
+            v.x / rm,
+            v.y * tan / rm,
+            -v.z / rn - v.x * tan / rm,
+            v.y / rn,
+            0.0,
+            0.0,
+            0.0,
+        );
+        Self {
+            half_dt: 0.5 * dt,
+            c_dt: c_mid * *dt,
+            dvel_n: *dvel_n,
+            frame_turn: (earth_rate + transport_rate) * *dt,
+            rr: rr * *dt,
+            vr: vr * *dt,
+            vv: (v_skew * en_v - skew(&(earth_rate * 2.0 + transport_rate))) * *dt,
+            pr: (ie_r + en_r) * *dt,
+            pv: en_v * *dt,
+        }
+    }
+
+    /// `[Φ Γ]` times the rows `[δr; δv; ψ; ε_gyro; ε_accel]`, giving `[δr'; δv'; ψ']`.
+    ///
+    /// Misalignment first, velocity from the mean of old and new misalignment, position from the
+    /// mean of old and new velocity: second order in the step.
+    pub fn carry<const W: usize>(&self, rows: &[[f64; W]; JOINT]) -> [[f64; W]; NAV] {
+        let mut out = [[0.0; W]; NAV];
+        let (rr, vr, vv, pr, pv, c) =
+            (&self.rr, &self.vr, &self.vv, &self.pr, &self.pv, &self.c_dt);
+        let (z, f) = (&self.frame_turn, &self.dvel_n);
+        let h = self.half_dt;
+        for k in 0..W {
+            let r = [rows[0][k], rows[1][k], rows[2][k]];
+            let v = [rows[3][k], rows[4][k], rows[5][k]];
+            let p = [rows[6][k], rows[7][k], rows[8][k]];
+            let g = [rows[9][k], rows[10][k], rows[11][k]];
+            let a = [rows[12][k], rows[13][k], rows[14][k]];
+
+            // ∂ω/∂δr has no east column, ∂ω_en/∂δv no down column.
+            let turn = |i: usize| {
+                pr[(i, 0)] * r[0] + pr[(i, 2)] * r[2] + pv[(i, 0)] * v[0] + pv[(i, 1)] * v[1]
+                    - (c[(i, 0)] * g[0] + c[(i, 1)] * g[1] + c[(i, 2)] * g[2])
+            };
+            let p_new = [
+                p[0] + turn(0) - (z.y * p[2] - z.z * p[1]),
+                p[1] + turn(1) - (z.z * p[0] - z.x * p[2]),
+                p[2] + turn(2) - (z.x * p[1] - z.y * p[0]),
+            ];
+            let m = [
+                0.5 * (p[0] + p_new[0]),
+                0.5 * (p[1] + p_new[1]),
+                0.5 * (p[2] + p_new[2]),
+            ];
+            let push = |i: usize| {
+                vr[(i, 0)] * r[0]
+                    + vr[(i, 2)] * r[2]
+                    + (vv[(i, 0)] * v[0] + vv[(i, 1)] * v[1] + vv[(i, 2)] * v[2])
+                    + (c[(i, 0)] * a[0] + c[(i, 1)] * a[1] + c[(i, 2)] * a[2])
+            };
+            let v_new = [
+                v[0] + push(0) + (f.y * m[2] - f.z * m[1]),
+                v[1] + push(1) + (f.z * m[0] - f.x * m[2]),
+                v[2] + push(2) + (f.x * m[1] - f.y * m[0]),
+            ];
+            out[0][k] = r[0] + rr[(0, 0)] * r[0] + rr[(0, 2)] * r[2] + h * (v[0] + v_new[0]);
+            out[1][k] = r[1]
+                + rr[(1, 0)] * r[0]
+                + rr[(1, 1)] * r[1]
+                + rr[(1, 2)] * r[2]
+                + h * (v[1] + v_new[1]);
+            out[2][k] = r[2] + h * (v[2] + v_new[2]);
+            for i in 0..3 {
+                out[3 + i][k] = v_new[i];
+                out[6 + i][k] = p_new[i];
+            }
+        }
+        out
+    }
+}
+
+/// Which part of a sample interval a step covers; the shaping filters move once a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// The interval does not end here: the sensors' states hold, white noise enters with the time.
+    Inner,
+    /// The interval ends here: the sensors' states make their step.
+    Last,
+}
+
+/// The six shaping filters and where their states lie behind the nine navigation errors.
+#[derive(Clone, Copy, Debug)]
+pub struct Sensors {
+    axes: [ShapingFilter; AXES],
+    start: [usize; AXES + 1],
+}
+
+impl Sensors {
+    /// In the order gyro x, y, z, accelerometer x, y, z.
+    pub fn new(axes: [ShapingFilter; AXES]) -> Self {
+        let mut start = [NAV; AXES + 1];
+        for i in 0..AXES {
+            start[i + 1] = start[i] + axes[i].order;
+        }
+        Self { axes, start }
+    }
+
+    /// Navigation errors and sensor states together: the size of the error state.
+    pub fn states(&self) -> usize {
+        self.start[AXES]
+    }
+
+    /// The shaping filter of an axis.
+    pub fn axis(&self, axis: usize) -> &ShapingFilter {
+        &self.axes[axis]
+    }
+
+    /// Index of an axis's first state in the error state.
+    pub fn start(&self, axis: usize) -> usize {
+        self.start[axis]
+    }
+
+    /// Predicted sensor error `H x` of each axis [rad/s, m/s²], `x` the whole error-state vector.
+    pub fn predicted_error<const N: usize>(&self, x: &[f64; N]) -> [f64; AXES] {
+        let mut error = [0.0; AXES];
+        for (axis, filter) in self.axes.iter().enumerate() {
+            for i in 0..filter.order {
+                error[axis] += filter.h[i] * x[self.start[axis] + i];
+            }
+        }
+        error
+    }
+
+    /// `x ← F x` of the predicted sensor states.
+    pub fn step_mean<const N: usize>(&self, x: &mut [f64; N]) {
+        for (axis, filter) in self.axes.iter().enumerate() {
+            let at = self.start[axis];
+            let n = filter.order;
+            let mut moved = [0.0; crate::shaping::MAX_ORDER];
+            for i in 0..n {
+                for j in 0..n {
+                    moved[i] += filter.f[i][j] * x[at + j];
+                }
+            }
+            x[at..at + n].copy_from_slice(&moved[..n]);
+        }
+    }
+
+    /// Rows `H P` of the sensor errors against every state: 6 × N.
+    fn error_rows<const N: usize>(&self, p: &[[f64; N]; N]) -> [[f64; N]; AXES] {
+        let mut rows = [[0.0; N]; AXES];
+        for (axis, filter) in self.axes.iter().enumerate() {
+            for i in 0..filter.order {
+                let (h, from) = (filter.h[i], &p[self.start[axis] + i]);
+                for k in 0..N {
+                    rows[axis][k] += h * from[k];
+                }
+            }
+        }
+        rows
+    }
+
+    /// The columns of `rows` from the first sensor state on, times Fᵀ.
+    fn times_f_transposed<const N: usize>(&self, row: &mut [f64; N]) {
+        self.step_mean(row);
+    }
+
+    /// `P ← [Φ ΓH; 0 F] P […]ᵀ + Q` over a step of `transition`, `dt` seconds long.
+    ///
+    /// White noise keeps its density: over `dt` it enters with variance `r T / dt`.
+    pub fn propagate<const N: usize>(
+        &self,
+        p: &mut [[f64; N]; N],
+        transition: &Transition,
+        dt: f64,
+        part: Part,
+    ) {
+        debug_assert!(self.states() <= N);
+        let errors = self.error_rows(p);
+
+        // Joint covariance of navigation and sensor errors.
+        let mut joint = [[0.0; JOINT]; JOINT];
+        for i in 0..NAV {
+            joint[i][..NAV].copy_from_slice(&p[i][..NAV]);
+            for axis in 0..AXES {
+                joint[i][NAV + axis] = errors[axis][i];
+                joint[NAV + axis][i] = errors[axis][i];
+            }
+        }
+        for (axis, filter) in self.axes.iter().enumerate() {
+            for (other, theirs) in self.axes.iter().enumerate() {
+                let at = self.start[other];
+                joint[NAV + axis][NAV + other] = (0..theirs.order)
+                    .map(|j| errors[axis][at + j] * theirs.h[j])
+                    .sum();
+            }
+            joint[NAV + axis][NAV + axis] += filter.r * filter.interval / dt;
+        }
+        // Navigation: A J Aᵀ as A (A J)ᵀ.
+        let half = transition.carry(&joint);
+        let mut turned = [[0.0; NAV]; JOINT];
+        for i in 0..NAV {
+            for j in 0..JOINT {
+                turned[j][i] = half[i][j];
+            }
+        }
+        let nav = transition.carry(&turned);
+
+        // Cross: A [P_nx; H P_xx] with the states' own step applied from the right first.
+        let mut cross = [[0.0; N]; JOINT];
+        cross[..NAV].copy_from_slice(&p[..NAV]);
+        cross[NAV..].copy_from_slice(&errors);
+        if part == Part::Last {
+            for row in &mut cross {
+                self.times_f_transposed(row);
+            }
+            for (axis, filter) in self.axes.iter().enumerate() {
+                for i in 0..filter.order {
+                    cross[NAV + axis][self.start[axis] + i] += filter.s[i];
+                }
+            }
+            self.step_state_covariance(p);
+        }
+        let moved = transition.carry(&cross);
+
+        for i in 0..NAV {
+            for j in 0..=i {
+                p[i][j] = nav[i][j];
+                p[j][i] = nav[i][j];
+            }
+            for j in NAV..N {
+                p[i][j] = moved[i][j];
+                p[j][i] = moved[i][j];
+            }
+        }
+    }
+
+    /// `P_xx ← F P_xx Fᵀ + q`.
+    fn step_state_covariance<const N: usize>(&self, p: &mut [[f64; N]; N]) {
+        for i in NAV..self.states() {
+            self.times_f_transposed(&mut p[i]);
+        }
+        // Now the rows: the block's transpose is symmetric only after both sides are done.
+        for (axis, filter) in self.axes.iter().enumerate() {
+            let at = self.start[axis];
+            let n = filter.order;
+            for k in NAV..self.states() {
+                let mut moved = [0.0; crate::shaping::MAX_ORDER];
+                for i in 0..n {
+                    for j in 0..n {
+                        moved[i] += filter.f[i][j] * p[at + j][k];
+                    }
+                }
+                for i in 0..n {
+                    p[at + i][k] = moved[i];
+                }
+            }
+            for i in 0..n {
+                for j in 0..n {
+                    p[at + i][at + j] += filter.q[i][j];
+                }
+            }
+        }
+        for i in NAV..self.states() {
+            for j in NAV..i {
+                p[j][i] = p[i][j];
+            }
+        }
+    }
+}

@@ -1,0 +1,303 @@
+//! Every block of Φ, Γ and H against central differences of the code it linearises, and the
+//! structured covariance step against the dense one.
+
+use nalgebra::{SMatrix, Vector3};
+use proptest::prelude::*;
+use undrift_nav::{
+    Matrix3, Vector3 as V3,
+    attitude::{from_rotation_vector, from_rpy},
+    covariance::{AXES, NAV, Part, Sensors, Transition},
+    earth::Geodetic,
+    filter::{Filter, InitialStd},
+    mechanisation::{Increments, NavState},
+    sample::{ImuSample, Position},
+    shaping::ShapingFilter,
+};
+
+const JOINT: usize = NAV + AXES;
+type Dense = SMatrix<f64, 27, 27>;
+
+fn vector(scale: f64) -> impl Strategy<Value = V3> {
+    prop::array::uniform3(-scale..scale).prop_map(V3::from)
+}
+
+prop_compose! {
+    /// A vehicle anywhere but near the poles, from a parked car to a jet.
+    fn state()(
+        lat in -80.0..80.0, lon in -180.0..180.0, height in -100.0..12_000.0,
+        v_n in vector(150.0), rpy in vector(3.0),
+    ) -> NavState {
+        NavState {
+            time: 0.0,
+            position: Geodetic::from_degrees(lat, lon, height),
+            v_n,
+            q_nb: from_rpy(&Vector3::new(rpy.x, rpy.y / 2.0, rpy.z)),
+        }
+    }
+}
+
+prop_compose! {
+    fn increments()(rate in vector(1.0), force in vector(20.0), dt in 0.002..0.02) -> Increments {
+        Increments { dt, rotation: rate * dt, dvel: force * dt }
+    }
+}
+
+/// The state that an error `e` (estimate less truth) turns `truth` into.
+fn with_error(truth: &NavState, e: &[f64]) -> NavState {
+    let at = |i: usize| V3::new(-e[i], -e[i + 1], -e[i + 2]);
+    truth.without_error(&at(0), &at(3), &at(6))
+}
+
+/// Error of `estimate` against `truth`.
+fn error_of(estimate: &NavState, truth: &NavState) -> [f64; NAV] {
+    let dr = truth.position.offset_to(&estimate.position);
+    let dv = estimate.v_n - truth.v_n;
+    let psi = -(estimate.q_nb * truth.q_nb.inverse()).scaled_axis();
+    [dr.x, dr.y, dr.z, dv.x, dv.y, dv.z, psi.x, psi.y, psi.z]
+}
+
+/// Size of the perturbation and of what is expected back, by kind: metres, metres a second, radians.
+const NUDGE: [f64; 5] = [10.0, 0.01, 1e-4, 1e-3, 1e-2];
+
+fn sensors(orders: [usize; AXES]) -> Sensors {
+    Sensors::new(orders.map(|order| {
+        let phi = [0.95, -0.2, 0.1];
+        let theta = [0.5, 0.1];
+        match order {
+            0 => ShapingFilter::white(1e-3, 0.01).unwrap(),
+            n => ShapingFilter::arma(&phi[..n], &theta[..n - 1], 2e-2, 0.01).unwrap(),
+        }
+    }))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    #[test]
+    fn transition_is_the_derivative_of_the_mechanisation(truth in state(), inc in increments()) {
+        let mut nominal = truth;
+        let step = nominal.step(&inc);
+        let c_mid = (truth.q_nb.to_rotation_matrix().into_inner()
+            + nominal.q_nb.to_rotation_matrix().into_inner()) * 0.5;
+        let transition = Transition::new(&step, &c_mid);
+        let mut identity = [[0.0; JOINT]; JOINT];
+        for i in 0..JOINT { identity[i][i] = 1.0; }
+        let analytic = transition.carry(&identity);
+
+        for column in 0..JOINT {
+            let d = NUDGE[column / 3];
+            let moved = |sign: f64| {
+                let mut e = [0.0; JOINT];
+                e[column] = sign * d;
+                let mut state = with_error(&truth, &e[..NAV]);
+                let mut inc = inc;
+                inc.rotation += V3::new(e[9], e[10], e[11]) * inc.dt;
+                inc.dvel += V3::new(e[12], e[13], e[14]) * inc.dt;
+                state.step(&inc);
+                error_of(&state, &nominal)
+            };
+            let (plus, minus) = (moved(1.0), moved(-1.0));
+            for row in 0..NAV {
+                let numeric = (plus[row] - minus[row]) / (2.0 * d);
+                // Terms left out: gravity's change with latitude (8e-9 1/s² a metre), the radii's
+                // with latitude, and second order in the step: (ω dt)² and dt² relative to dt for
+                // the sensor columns. Rounding of a position is 2e-9 m over the nudge of 10 m.
+                let scale = match (row / 3, column / 3) {
+                    (0, 0) => 1e-9 + 1e-7 * inc.dt,
+                    (1, 0) => 2e-8 * inc.dt,
+                    (2, 0) => 2e-12 * inc.dt + 1e-16,
+                    (0, 1) => 2e-6 * inc.dt + 1e-6,
+                    (1, 1) => 1e-6 * inc.dt + 1e-9,
+                    (2, 1) => 1e-9 * inc.dt + 1e-13,
+                    (0, 2) => 1e-3 * inc.dt + 2e-5,
+                    (1, 2) => 2e-4 * inc.dt + 1e-8,
+                    (2, 2) => 1e-7,
+                    (0, _) => 1e-2 * inc.dt * inc.dt + 2e-6,
+                    (1, 3) => 0.2 * inc.dt * inc.dt,
+                    _ => 3e-4 * inc.dt,
+                };
+                let miss = (numeric - analytic[row][column]).abs();
+                prop_assert!(miss < scale, "row {row} column {column}: {numeric} {} miss {miss:e} allowed {scale:e}", analytic[row][column]);
+            }
+        }
+    }
+
+    #[test]
+    fn structured_step_is_the_dense_step(
+        truth in state(), inc in increments(), orders in prop::array::uniform6(0usize..=3),
+        seed in prop::collection::vec(-1.0..1.0f64, 27 * 27), last in any::<bool>(),
+    ) {
+        const N: usize = 27;
+        let sensors = sensors(orders);
+        let n = sensors.states();
+        let mut nominal = truth;
+        let step = nominal.step(&inc);
+        let c_mid = truth.q_nb.to_rotation_matrix().into_inner();
+        let transition = Transition::new(&step, &c_mid);
+
+        let a = Dense::from_fn(|i, j| if i < n && j < n { seed[i * N + j] } else { 0.0 });
+        let p0 = a * a.transpose();
+        let mut p = [[0.0; N]; N];
+        for i in 0..n { for j in 0..n { p[i][j] = p0[(i, j)]; } }
+
+        let part = if last { Part::Last } else { Part::Inner };
+        sensors.propagate(&mut p, &transition, inc.dt, part);
+
+        // Dense: the whole matrices, with w ~ N(0, I) in the form G w, D w.
+        let mut identity = [[0.0; JOINT]; JOINT];
+        for i in 0..JOINT { identity[i][i] = 1.0; }
+        let map = transition.carry(&identity);
+        let mut phi = Dense::zeros();
+        let mut q = Dense::zeros();
+        for i in 0..NAV { for j in 0..NAV { phi[(i, j)] = map[i][j]; } }
+        for axis in 0..AXES {
+            let (filter, at) = (sensors.axis(axis), sensors.start(axis));
+            let white = filter.r * filter.interval / inc.dt;
+            for i in 0..NAV {
+                for j in 0..NAV { q[(i, j)] += map[i][NAV + axis] * white * map[j][NAV + axis]; }
+                for j in 0..filter.order { phi[(i, at + j)] = map[i][NAV + axis] * filter.h[j]; }
+            }
+            for i in 0..filter.order {
+                for j in 0..filter.order {
+                    phi[(at + i, at + j)] = if last { filter.f[i][j] } else { f64::from(i == j) };
+                    if last { q[(at + i, at + j)] += filter.q[i][j]; }
+                }
+                if last {
+                    for row in 0..NAV {
+                        q[(row, at + i)] += map[row][NAV + axis] * filter.s[i];
+                        q[(at + i, row)] += map[row][NAV + axis] * filter.s[i];
+                    }
+                }
+            }
+        }
+        let dense = phi * p0 * phi.transpose() + q;
+        for i in 0..n {
+            for j in 0..n {
+                prop_assert_eq!(p[i][j], p[j][i]);
+                // Rounding of sums of some hundred terms, relative to the two variances.
+                let allowed = 1e-13 * (dense[(i, i)] * dense[(j, j)]).sqrt();
+                prop_assert!((p[i][j] - dense[(i, j)]).abs() <= allowed, "{i} {j} {} {}", p[i][j], dense[(i, j)]);
+            }
+        }
+    }
+
+    #[test]
+    fn observations_are_derivatives(
+        truth in state(), inc in increments(), lever in vector(3.0),
+        baseline in vector(20_000.0), v_fix in vector(50.0),
+    ) {
+        const N: usize = 15;
+        let order_one = ShapingFilter::arma(&[0.9], &[0.5], 1e-2, 0.01).unwrap();
+        let std = InitialStd { position: V3::repeat(1.0), velocity: V3::repeat(1.0), attitude: V3::repeat(0.1) };
+        // A filter at `truth` with an error, its gyro and accelerometer reading with an error.
+        let at = |e: &[f64; N]| {
+            let mut filter = Filter::<N>::new(with_error(&truth, &e[..NAV]), &std, [order_one; AXES]).unwrap();
+            let sample = ImuSample {
+                time: 0.0,
+                dt: inc.dt,
+                dtheta: inc.rotation + V3::new(e[9], e[10], e[11]) * inc.dt,
+                dvel: inc.dvel + V3::new(e[12], e[13], e[14]) * inc.dt,
+            };
+            filter.begin(&sample);
+            (filter, sample)
+        };
+        let base = truth.position.displaced(&baseline);
+        let geodetic = Position::Geodetic(truth.position.displaced(&V3::new(3.0, -2.0, 1.0)));
+        let relative = Position::Baseline { base, ned: V3::new(1.0, 2.0, 3.0) };
+        type Observe<'a> = &'a dyn Fn(&Filter<N>, &ImuSample) -> (V3, SMatrix<f64, 3, N>);
+        let kinds: [(&str, Observe); 5] = [
+            ("geodetic", &|f, _| { let o = f.observe_position(&geodetic, &lever); (o.innovation, o.h) }),
+            ("baseline", &|f, _| { let o = f.observe_position(&relative, &lever); (o.innovation, o.h) }),
+            ("velocity", &|f, _| { let o = f.observe_velocity(&v_fix, &lever); (o.innovation, o.h) }),
+            ("earth rate", &|f, s| { let o = f.observe_earth_rate(&(s.dtheta / s.dt)); (o.innovation, o.h) }),
+            ("level", &|f, s| {
+                let (z, h) = f.observe_level(&(s.dvel / s.dt));
+                let mut padded = SMatrix::<f64, 3, N>::zeros();
+                padded.fixed_view_mut::<2, N>(0, 0).copy_from(&h);
+                (V3::new(z.x, z.y, 0.0), padded)
+            }),
+        ];
+        for (name, observe) in kinds {
+            let (filter, sample) = at(&[0.0; N]);
+            let (_, h) = observe(&filter, &sample);
+            for column in 0..N {
+                let d = NUDGE[column / 3];
+                let shifted = |sign: f64| {
+                    let mut e = [0.0; N];
+                    e[column] = sign * d;
+                    let (filter, sample) = at(&e);
+                    observe(&filter, &sample).0
+                };
+                let numeric = (shifted(1.0) - shifted(-1.0)) / (2.0 * d);
+                for row in 0..3 {
+                    let miss = (numeric[row] - h[(row, column)]).abs();
+                    // Position by position: the lever arm and the baseline see a metre's change of
+                    // the frame, l tan(lat)/R = 3e-6; velocity: ω_in by position and velocity, times the
+                    // lever arm, is left out (1e-12 and 5e-7); the Earth rate by position, 1e-11.
+                    let allowed = match (name, column / 3) {
+                        ("baseline", 0) => 4e-3,
+                        (_, 0 | 1) => 1e-5,
+                        ("baseline", 2) => 2e-2,
+                        (_, 2) => 2e-5,
+                        _ => 1e-9,
+                    };
+                    prop_assert!(miss < allowed, "{name} row {row} column {column}: {} {} miss {miss:e}", numeric[row], h[(row, column)]);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn covariance_stays_symmetric_and_positive_through_a_day_of_updates() {
+    const N: usize = 21;
+    let dt = 0.02;
+    let gyro = ShapingFilter::white(5e-4, dt)
+        .and_then(|w| w.plus(&ShapingFilter::gauss_markov(1e-4, 100.0, dt)?))
+        .and_then(|w| w.plus(&ShapingFilter::constant(5e-2, dt)?))
+        .unwrap();
+    let accel = ShapingFilter::white(3e-3, dt)
+        .and_then(|w| w.plus(&ShapingFilter::gauss_markov(2e-3, 100.0, dt)?))
+        .and_then(|w| w.plus(&ShapingFilter::constant(0.5, dt)?))
+        .unwrap();
+    let nav = NavState {
+        time: 0.0,
+        position: Geodetic::from_degrees(45.0, 7.0, 300.0),
+        v_n: V3::zeros(),
+        q_nb: from_rotation_vector(&V3::zeros()),
+    };
+    let std = InitialStd {
+        position: V3::repeat(100.0),
+        velocity: V3::repeat(10.0),
+        attitude: V3::new(0.3, 0.3, 3.0),
+    };
+    let mut filter = Filter::<N>::new(nav, &std, [gyro, gyro, gyro, accel, accel, accel]).unwrap();
+    let earth = undrift_nav::earth::LocalEarth::at(&nav.position);
+    for k in 0..400_000u32 {
+        filter.predict(&ImuSample {
+            time: f64::from(k) * dt,
+            dt,
+            dtheta: earth.earth_rate() * dt,
+            dvel: V3::new(0.0, 0.0, -earth.gravity * dt),
+        });
+        if k % 10 == 0 {
+            // Millimetres against a start of hundreds of metres: ten orders of magnitude of variance.
+            let fix = Position::Geodetic(nav.position);
+            let observed = filter.observe_position(&fix, &V3::zeros());
+            filter
+                .update_with(&observed, &(Matrix3::identity() * 1e-6))
+                .unwrap();
+        }
+    }
+    filter.check().unwrap();
+    let p = filter.covariance();
+    assert_eq!(*p, p.transpose());
+    // Scaled to unit diagonal, so that units do not decide.
+    let scale = p.diagonal().map(|v| 1.0 / v.sqrt());
+    let unit = SMatrix::<f64, N, N>::from_fn(|i, j| p[(i, j)] * scale[i] * scale[j]);
+    let least = unit.symmetric_eigenvalues().min();
+    // A covariance that lost positivity has an eigenvalue well below zero; rounding leaves ±1e-12.
+    assert!(least > -1e-12, "{least}");
+    // From 100 m to the level of the fixes and of what the accelerometers add between two of them.
+    assert!(filter.nav_std()[0] < 2e-3, "{:?}", filter.nav_std());
+}
