@@ -1,2 +1,40 @@
-//! The undrift command.
-fn main() {}
+//! The undrift command: one file per verb.
+
+mod demo;
+mod navigate;
+mod outages;
+mod report;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Make cheap inertial sensors trustworthy: navigate a log with any noise model of its IMU, and
+/// measure how far the solution drifts when GNSS is cut.
+#[derive(Parser)]
+#[command(name = "undrift", version, arg_required_else_help = true)]
+struct Arguments {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Subcommand)]
+enum Verb {
+    Demo(demo::Arguments),
+    Navigate(navigate::Arguments),
+    Outages(outages::Arguments),
+}
+
+fn main() -> ExitCode {
+    let result = match Arguments::parse().verb {
+        Verb::Demo(arguments) => demo::run(&arguments),
+        Verb::Navigate(arguments) => navigate::run(&arguments),
+        Verb::Outages(arguments) => outages::run(&arguments),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("undrift: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,1 +1,25 @@
-//! Placeholder.
+//! Readers of inertial, GNSS and reference logs, and the writer of the solution.
+//!
+//! Everything is streamed: memory does not grow with the length of a file. Bad records are
+//! skipped and counted in [`skipped::Skipped`] with the first position of each kind; what makes
+//! a file unusable is a [`ReadError`] that names the file, the line and the mend.
+//!
+//! Numbers leave this crate in the units and frames of `undrift-nav`: SI and radians,
+//! north-east-down and forward-right-down; whatever a file has is scaled and rotated on reading.
+
+pub mod gnss;
+pub mod imu;
+pub mod number;
+pub mod rtklib;
+pub mod skipped;
+pub mod source;
+pub mod table;
+pub mod truth;
+pub mod write;
+
+mod clock;
+mod error;
+mod gaps;
+mod lines;
+
+pub use error::ReadError;

@@ -85,6 +85,8 @@ pub struct Filter<const N: usize> {
     previous: Option<RawIncrements>,
     /// The present sample, its predicted error removed, and how much of it is done.
     current: Option<(Increments, f64)>,
+    /// Where the present sample ends [s].
+    end: f64,
     /// Angular rate ω_ib^b of the present sample, its predicted error removed [rad/s].
     omega_ib_b: Vector3,
 }
@@ -129,6 +131,7 @@ impl<const N: usize> Filter<N> {
             c_nb: nav.q_nb.to_rotation_matrix().into_inner(),
             previous: None,
             current: None,
+            end: nav.time,
             omega_ib_b: Vector3::zeros(),
         })
     }
@@ -216,6 +219,7 @@ impl<const N: usize> Filter<N> {
         self.omega_ib_b = raw.dtheta / raw.dt;
         self.previous = Some(raw);
         self.current = Some((increments, 0.0));
+        self.end = sample.time;
     }
 
     /// Moves to the fraction `to` (0…1) of the sample taken up; does nothing if already there.
@@ -238,8 +242,56 @@ impl<const N: usize> Filter<N> {
         if last {
             self.sensors.step_mean(&mut self.x);
             self.current = None;
+            // The sum of many intervals would round away from the stamps.
+            self.nav.time = self.end;
         } else {
             self.current = Some((increments, to));
+        }
+    }
+
+    /// Moves to `time` [s] within the sample taken up; a time within `rounding` [s] of its end is
+    /// the end.
+    pub fn advance_to(&mut self, time: f64, rounding: f64) {
+        let end = self.end;
+        let Some((increments, done)) = self.current else {
+            return;
+        };
+        if end - time <= rounding {
+            self.advance(1.0);
+        } else {
+            let to = 1.0 - (end - time) / increments.dt;
+            if (to - done) * increments.dt > rounding {
+                self.advance(to);
+            }
+        }
+    }
+
+    /// Puts the navigation state elsewhere (another time, place, attitude), keeping the
+    /// covariance and the sensors' states: the end of an alignment.
+    pub fn set_nav(&mut self, nav: NavState) {
+        self.nav = nav;
+        self.c_nb = nav.q_nb.to_rotation_matrix().into_inner();
+        self.previous = None;
+        self.current = None;
+    }
+
+    /// Sets the covariance of position and velocity [m², (m/s)²], north-east-down, free of
+    /// correlation with all else.
+    pub fn set_position_velocity_covariance(&mut self, position: &Matrix3, velocity: &Matrix3) {
+        for i in 0..6 {
+            for j in 0..N {
+                self.p[(i, j)] = 0.0;
+                self.p[(j, i)] = 0.0;
+            }
+        }
+        self.p.fixed_view_mut::<3, 3>(0, 0).copy_from(position);
+        self.p.fixed_view_mut::<3, 3>(3, 3).copy_from(velocity);
+    }
+
+    /// Adds `variance` [rad²] to the misalignment about north, east, down.
+    pub fn add_attitude_variance(&mut self, variance: &Vector3) {
+        for i in 0..3 {
+            self.p[(6 + i, 6 + i)] += variance[i];
         }
     }
 

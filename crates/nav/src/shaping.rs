@@ -23,6 +23,10 @@
 //! # Ok::<(), undrift_nav::shaping::ShapingError>(())
 //! ```
 
+pub mod innovations;
+mod matrix;
+pub mod rate;
+
 use core::fmt;
 use libm::{exp, expm1, sqrt};
 

@@ -1,1 +1,370 @@
-//! Units as people write them; filled in by units parsing.
+//! Units as people write them: `"2 deg/sqrt(h)"`, `"0.2 mg"`, `"5 mdps/√Hz"`, `"100 Hz"`.
+//!
+//! A unit is an expression of symbols with `/`, `*`, `^`, parentheses and square roots
+//! (`sqrt(…)`, `√…`, `rt…`). It is read together with its dimension in time, length and angle, so
+//! any spelling of the right dimension works and a wrong one is refused. Angle counts as a
+//! dimension of its own here: `m/s` is no angular rate and `1/s` neither. `g` is standard gravity,
+//! so `mg` is a thousandth of it, never a mass. A number without a unit is refused, except where
+//! the quantity has none.
+//!
+//! ```
+//! use undrift_nav::units::{Quantity, parse, unit_factor};
+//! let density = parse("2 deg/sqrt(h)", Quantity::AngleRandomWalk)?; // [rad/√s]
+//! assert!((density - 2f64.to_radians() / 60.0).abs() < 1e-18);
+//! assert!(unit_factor("m/s", Quantity::AngularRate).is_err());
+//! # Ok::<(), undrift_nav::units::UnitError>(())
+//! ```
+
+mod expression;
+
+use core::fmt;
+use expression::Dimension;
+
+/// What a number measures; the SI unit that [`parse`] returns it in is given with each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// Angular rate [rad/s].
+    AngularRate,
+    /// Acceleration or specific force [m/s²].
+    Acceleration,
+    /// Angle or angle increment [rad].
+    Angle,
+    /// Length [m].
+    Length,
+    /// Time [s].
+    Time,
+    /// Frequency or sample rate [Hz].
+    Frequency,
+    /// Velocity or velocity increment [m/s].
+    Velocity,
+    /// Angle random walk N, the density of a gyro's white noise [rad/√s = rad/s/√Hz].
+    AngleRandomWalk,
+    /// Velocity random walk N, the density of an accelerometer's white noise [m/s/√s = m/s²/√Hz].
+    VelocityRandomWalk,
+    /// Rate random walk K of a gyro's bias [rad/s/√s].
+    RateRandomWalk,
+    /// Acceleration random walk K of an accelerometer's bias [m/s²/√s].
+    AccelerationRandomWalk,
+    /// A pure number.
+    Dimensionless,
+}
+
+const QUANTITIES: [(Quantity, Dimension, &str, &str); 12] = {
+    use Quantity::*;
+    [
+        (
+            AngularRate,
+            [-2, 0, 2],
+            "an angular rate",
+            "\"deg/s\" or \"rad/s\"",
+        ),
+        (
+            Acceleration,
+            [-4, 2, 0],
+            "an acceleration",
+            "\"m/s^2\" or \"mg\"",
+        ),
+        (Angle, [0, 0, 2], "an angle", "\"deg\" or \"rad\""),
+        (Length, [0, 2, 0], "a length", "\"m\" or \"cm\""),
+        (Time, [2, 0, 0], "a time", "\"s\" or \"ms\""),
+        (Frequency, [-2, 0, 0], "a frequency", "\"Hz\" or \"1/s\""),
+        (Velocity, [-2, 2, 0], "a velocity", "\"m/s\" or \"km/h\""),
+        (
+            AngleRandomWalk,
+            [-1, 0, 2],
+            "an angle random walk",
+            "\"deg/sqrt(h)\" or \"deg/s/sqrt(Hz)\"",
+        ),
+        (
+            VelocityRandomWalk,
+            [-3, 2, 0],
+            "a velocity random walk",
+            "\"m/s/sqrt(h)\" or \"ug/sqrt(Hz)\"",
+        ),
+        (
+            RateRandomWalk,
+            [-3, 0, 2],
+            "a rate random walk",
+            "\"deg/h/sqrt(h)\" or \"rad/s/sqrt(s)\"",
+        ),
+        (
+            AccelerationRandomWalk,
+            [-5, 2, 0],
+            "an acceleration random walk",
+            "\"mg/sqrt(h)\" or \"m/s^2/sqrt(s)\"",
+        ),
+        (
+            Dimensionless,
+            [0, 0, 0],
+            "a number without unit",
+            "\"1.5\" or \"2 %\"",
+        ),
+    ]
+};
+
+impl Quantity {
+    fn row(self) -> &'static (Quantity, Dimension, &'static str, &'static str) {
+        // Every variant is in the table; the fallback is never taken.
+        QUANTITIES
+            .iter()
+            .find(|row| row.0 == self)
+            .unwrap_or(&QUANTITIES[11])
+    }
+
+    /// Its name with an article, as in "an angular rate".
+    pub fn name(self) -> &'static str {
+        self.row().2
+    }
+
+    /// Two spellings of its unit, each in quotes: `"deg/s" or "rad/s"`.
+    pub fn examples(self) -> &'static str {
+        self.row().3
+    }
+}
+
+/// A word of the input kept for the message, cut to what fits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Word {
+    bytes: [u8; 24],
+    len: u8,
+}
+
+impl Word {
+    fn new(text: &str) -> Self {
+        let mut bytes = [0; 24];
+        let mut len = text.len().min(bytes.len());
+        while !text.is_char_boundary(len) {
+            len -= 1;
+        }
+        bytes[..len].copy_from_slice(&text.as_bytes()[..len]);
+        Self {
+            bytes,
+            len: len as u8,
+        }
+    }
+
+    /// The text.
+    pub fn as_str(&self) -> &str {
+        core::str::from_utf8(&self.bytes[..usize::from(self.len)]).unwrap_or("")
+    }
+}
+
+/// Why a text is no number with a unit of the wanted quantity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct UnitError {
+    /// What was expected.
+    pub expected: Quantity,
+    /// What is wrong.
+    pub kind: UnitErrorKind,
+}
+
+/// What is wrong with a unit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UnitErrorKind {
+    /// The text does not start with a finite number.
+    NoNumber,
+    /// There is no unit.
+    NoUnit,
+    /// This symbol is no unit known here.
+    UnknownUnit(Word),
+    /// The unit cannot be read from here on.
+    Malformed(Word),
+    /// The unit measures something else, named if it is one of [`Quantity`].
+    WrongDimension(Option<Quantity>),
+}
+
+impl fmt::Display for UnitError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.kind {
+            UnitErrorKind::NoNumber => f.write_str("no finite number at the start; ")?,
+            UnitErrorKind::NoUnit => f.write_str("the unit is missing; ")?,
+            UnitErrorKind::UnknownUnit(word) => write!(f, "unknown unit \"{}\"; ", word.as_str())?,
+            UnitErrorKind::Malformed(word) if word.len == 0 => {
+                f.write_str("the unit ends too early; ")?
+            }
+            UnitErrorKind::Malformed(word) => {
+                write!(f, "the unit cannot be read at \"{}\"; ", word.as_str())?
+            }
+            UnitErrorKind::WrongDimension(Some(found)) => {
+                write!(f, "that is the unit of {}; ", found.name())?
+            }
+            UnitErrorKind::WrongDimension(None) => {
+                f.write_str("the unit has a wrong dimension; ")?
+            }
+        }
+        write!(
+            f,
+            "expected {} such as {}",
+            self.expected.name(),
+            self.expected.examples()
+        )
+    }
+}
+
+impl core::error::Error for UnitError {}
+
+/// The factor that turns a number in `unit` into SI and radians, e.g. π/180 for `"deg/s"`.
+pub fn unit_factor(unit: &str, quantity: Quantity) -> Result<f64, UnitError> {
+    let error = |kind| UnitError {
+        expected: quantity,
+        kind,
+    };
+    let unit = unit.trim();
+    if unit.is_empty() {
+        return match quantity {
+            Quantity::Dimensionless => Ok(1.0),
+            _ => Err(error(UnitErrorKind::NoUnit)),
+        };
+    }
+    let value = expression::read(unit).map_err(error)?;
+    if value.dimension != quantity.row().1 {
+        let found = QUANTITIES.iter().find(|row| row.1 == value.dimension);
+        return Err(error(UnitErrorKind::WrongDimension(found.map(|row| row.0))));
+    }
+    if !(value.factor.is_finite() && value.factor > 0.0) {
+        return Err(error(UnitErrorKind::Malformed(Word::new(unit))));
+    }
+    Ok(value.factor)
+}
+
+/// A number with its unit, in SI and radians: `parse("25 deg/h", Quantity::AngularRate)` is 1.2e-4.
+pub fn parse(text: &str, quantity: Quantity) -> Result<f64, UnitError> {
+    let error = |kind| UnitError {
+        expected: quantity,
+        kind,
+    };
+    let text = text.trim();
+    // The true minus sign, which word processors and data sheets write.
+    let (negative, digits) = match text.strip_prefix('\u{2212}') {
+        Some(rest) if rest.starts_with(|c: char| c.is_ascii_digit() || c == '.') => (true, rest),
+        _ => (false, text),
+    };
+    let end = expression::number_length(digits);
+    let number: f64 = digits[..end]
+        .parse()
+        .map_err(|_| error(UnitErrorKind::NoNumber))?;
+    let value = number * unit_factor(&digits[end..], quantity)?;
+    if !value.is_finite() {
+        return Err(error(UnitErrorKind::NoNumber));
+    }
+    Ok(if negative { -value } else { value })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Quantity::*;
+    use super::*;
+    use crate::earth::STANDARD_GRAVITY;
+    use core::f64::consts::PI;
+    use std::string::ToString;
+
+    /// A few roundings of the factor.
+    const RELATIVE: f64 = 1e-15;
+
+    #[test]
+    fn spellings_of_the_field() {
+        let d = PI / 180.0;
+        let g = STANDARD_GRAVITY;
+        for (text, quantity, si) in [
+            ("2 deg/sqrt(h)", AngleRandomWalk, 2.0 * d / 60.0),
+            ("2.0deg/√h", AngleRandomWalk, 2.0 * d / 60.0),
+            ("2 °/√hr", AngleRandomWalk, 2.0 * d / 60.0),
+            ("2 deg/rt-hr", AngleRandomWalk, 2.0 * d / 60.0),
+            ("2 deg h^-0.5", AngleRandomWalk, 2.0 * d / 60.0),
+            ("0.05 deg/s/sqrt(Hz)", AngleRandomWalk, 0.05 * d),
+            ("0.05 deg/s / √Hz", AngleRandomWalk, 0.05 * d),
+            ("0.05 (deg/s)/sqrt(Hz)", AngleRandomWalk, 0.05 * d),
+            ("4 dps/rtHz", AngleRandomWalk, 4.0 * d),
+            ("4 mdps/√Hz", AngleRandomWalk, 4e-3 * d),
+            ("120 deg/h/sqrt(Hz)", AngleRandomWalk, 120.0 * d / 3600.0),
+            ("1e-4 rad/sqrt(s)", AngleRandomWalk, 1e-4),
+            ("1e-4 rad/s/Hz^(1/2)", AngleRandomWalk, 1e-4),
+            ("0.2 m/s/sqrt(h)", VelocityRandomWalk, 0.2 / 60.0),
+            ("100 ug/sqrt(Hz)", VelocityRandomWalk, 1e-4 * g),
+            ("100 µg/√Hz", VelocityRandomWalk, 1e-4 * g),
+            ("0.1 mg/rt(Hz)", VelocityRandomWalk, 1e-4 * g),
+            ("0.01 m/s^2/sqrt(Hz)", VelocityRandomWalk, 0.01),
+            ("0.01 m/s²/√Hz", VelocityRandomWalk, 0.01),
+            ("6 deg/h/sqrt(h)", RateRandomWalk, 6.0 * d / 3600.0 / 60.0),
+            ("6 deg/h^(3/2)", RateRandomWalk, 6.0 * d / 3600.0 / 60.0),
+            ("6 deg/h^1.5", RateRandomWalk, 6.0 * d / 3600.0 / 60.0),
+            ("1e-6 rad/s/sqrt(s)", RateRandomWalk, 1e-6),
+            ("1e-6 rad/s^2/sqrt(Hz)", RateRandomWalk, 1e-6),
+            ("0.1 deg/s/sqrt(s)", RateRandomWalk, 0.1 * d),
+            ("1 mg/sqrt(h)", AccelerationRandomWalk, 1e-3 * g / 60.0),
+            ("1 m/s^2/sqrt(s)", AccelerationRandomWalk, 1.0),
+            ("1 m/s^3/sqrt(Hz)", AccelerationRandomWalk, 1.0),
+            ("25 deg/h", AngularRate, 25.0 * d / 3600.0),
+            ("25 dph", AngularRate, 25.0 * d / 3600.0),
+            ("1e-3 rad/s", AngularRate, 1e-3),
+            ("3 rad s⁻¹", AngularRate, 3.0),
+            ("0.2 mg", Acceleration, 2e-4 * g),
+            ("200 mGal", Acceleration, 2e-3),
+            ("9.8 m*s^-2", Acceleration, 9.8),
+            ("\u{2212}5.5 deg", Angle, -5.5 * d),
+            ("-5.5 deg", Angle, -5.5 * d),
+            ("36 arcsec", Angle, 0.01 * d),
+            ("30 cm", Length, 0.3),
+            ("10 ms", Time, 0.01),
+            ("1.5 h", Time, 5400.0),
+            ("100 Hz", Frequency, 100.0),
+            ("50 1/s", Frequency, 50.0),
+            ("36 km/h", Velocity, 10.0),
+            ("3600 kn", Velocity, 1852.0),
+            ("0.7", Dimensionless, 0.7),
+            ("5 %", Dimensionless, 0.05),
+            ("1e2m", Length, 100.0),
+        ] {
+            let value = parse(text, quantity).unwrap_or_else(|e| panic!("{text}: {e}"));
+            assert!(
+                (value - si).abs() <= RELATIVE * si.abs() * 2.0,
+                "{text}: {value} {si}"
+            );
+        }
+    }
+
+    #[test]
+    fn messages_say_what_was_expected() {
+        let message = |text, quantity| parse(text, quantity).unwrap_err().to_string();
+        assert_eq!(
+            message("3 m/s", AngularRate),
+            "that is the unit of a velocity; expected an angular rate such as \"deg/s\" or \"rad/s\""
+        );
+        assert!(
+            message("3 deg/h/sqrt(h)", AngleRandomWalk)
+                .starts_with("that is the unit of a rate random walk")
+        );
+        assert!(message("3 1/s", AngularRate).starts_with("that is the unit of a frequency"));
+        assert!(message("3 m^7", Length).starts_with("the unit has a wrong dimension"));
+        assert!(message("3 furlong", Length).starts_with("unknown unit \"furlong\""));
+        assert!(message("3", Time).starts_with("the unit is missing"));
+        assert!(message("s", Time).starts_with("no finite number"));
+        assert!(message("1e999 s", Time).starts_with("no finite number"));
+        assert!(message("1,5 s", Time).starts_with("the unit cannot be read at \",5 s\""));
+        assert!(message("3 deg/", AngularRate).starts_with("the unit ends too early"));
+        assert!(message("3 s", Dimensionless).contains("a number without unit"));
+    }
+
+    #[test]
+    fn hostile_text_is_refused_without_panic() {
+        let deep = "(".repeat(10_000);
+        let long = "√".repeat(10_000);
+        let many = "m*".repeat(10_000);
+        let short = "| |√|sqrt|rt|1 |1 ^|1 m^|1 m^(|1 m^(1/0)|1 m^99999999999|1 m^0.3|1 sqrt(sqrt(m))|\u{2212}|1 m)|1 ()|nan m|inf m|+-1 m|1e|1e+|.|1 \0|1 ëëëëëëëëëëëëëëëëëëëëëëëëëë";
+        for text in short.split('|').chain([&deep[..], &long, &many]) {
+            assert!(parse(text, Length).is_err(), "{text:.20}");
+            assert!(unit_factor(text, Length).is_err(), "{text:.20}");
+        }
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn any_text_is_read_or_refused(text in "[-+0-9.e ]{0,6}[ a-zA-Z0-9°√/*^().²µ%-]{0,24}") {
+            for (quantity, ..) in QUANTITIES {
+                if let Ok(value) = parse(&text, quantity) {
+                    proptest::prop_assert!(value.is_finite());
+                }
+            }
+        }
+    }
+}

@@ -1,1 +1,21 @@
-//! Placeholder.
+//! Make cheap inertial sensors trustworthy: simulate a drive, navigate a log with any noise model,
+//! and measure how far the solution drifts when GNSS is cut.
+//!
+//! A log's way through this crate: [`drive`] names files and columns, [`align`] finds the first
+//! attitude, [`replay`] merges samples and fixes through the filter of `undrift-nav`, and
+//! [`navigate`] or [`outages`] collect what comes out. [`simulate`] makes logs with a known truth.
+
+pub mod align;
+pub mod demo;
+pub mod drive;
+pub mod figure;
+pub mod navigate;
+pub mod outages;
+pub mod reference;
+pub mod replay;
+pub mod simulate;
+pub mod table;
+
+pub use undrift_io as io;
+pub use undrift_nav as nav;
+pub use undrift_noise as noise;

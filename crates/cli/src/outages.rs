@@ -1,0 +1,131 @@
+//! `undrift outages`: cut the GNSS of a drive and compare bias models.
+
+use crate::{navigate, report};
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use std::path::PathBuf;
+use undrift::{
+    figure,
+    noise::BiasModel,
+    outages::{self, Schedule},
+};
+
+/// Cut GNSS again and again on a drive and measure how far each bias model drifts.
+///
+/// Example: undrift outages examples/navego-adis16405.toml --data logs --length 10 --every 24 --count 15
+#[derive(Args)]
+pub struct Arguments {
+    /// The drive file
+    #[arg(value_name = "DRIVE.toml")]
+    drive: PathBuf,
+    #[command(flatten)]
+    common: navigate::Common,
+    /// Bias models to compare
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_values = ["white", "paper", "gauss-markov", "random-walk", "ar", "arma"])]
+    bias_models: Vec<BiasModel>,
+    /// Length of an outage [s]
+    #[arg(long, value_name = "S", default_value_t = 10.0)]
+    length: f64,
+    /// Number of outages; evenly spread unless --every is given
+    #[arg(long, value_name = "N")]
+    count: Option<usize>,
+    /// From the start of one outage to the start of the next [s]
+    #[arg(long, value_name = "S")]
+    every: Option<f64>,
+    /// Start of the first outage [s], counted from the first fix
+    #[arg(long, value_name = "S", default_value_t = 60.0)]
+    start: f64,
+    /// Starts of the outages in the GNSS file's own time base [s], instead of --start, --count and --every
+    #[arg(long, value_name = "T1,T2,…", value_delimiter = ',', conflicts_with_all = ["count", "every", "start"])]
+    at: Option<Vec<f64>>,
+    /// Write the result as JSON; "-" for standard output instead of the table
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write outages.json and outages.svg into this folder
+    #[arg(short, long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let drive = navigate::load(&arguments.drive, &arguments.common)?;
+    let mut imu_reader = drive.open_imu()?;
+    let imu = imu_reader.by_ref().collect::<Result<Vec<_>, _>>()?;
+    let mut gnss_reader = drive.open_gnss()?;
+    let gnss = gnss_reader.by_ref().map(|f| f.map(|f| drive.used(f))).collect::<Result<Vec<_>, _>>()?;
+    let truth = match drive.open_truth()? {
+        Some(reader) => reader.collect::<Result<Vec<_>, _>>()?,
+        None => Vec::new(),
+    };
+    let (Some(first), Some(last)) = (gnss.first(), gnss.last()) else {
+        bail!("{} holds no usable fix", drive.gnss.0.display());
+    };
+    let plan = match (&arguments.at, arguments.every, arguments.count) {
+        (Some(times), ..) => Schedule::At(times.clone()),
+        (None, Some(every), count) => Schedule::Every { start: arguments.start, every, count },
+        (None, None, Some(count)) => Schedule::Count { start: arguments.start, count },
+        (None, None, None) => bail!("say how many outages: --count N, --every SECONDS, or --at T1,T2,…"),
+    };
+    let cuts = outages::schedule(&plan, arguments.length, first.time, last.time).map_err(anyhow::Error::msg)?;
+    if !truth.is_empty() {
+        let covered = |t: f64| truth[0].time <= t && t <= truth[truth.len() - 1].time;
+        if let Some(cut) = cuts.iter().find(|c| !covered(c.start) || !covered(c.end)) {
+            bail!(
+                "the truth covers {:.3} to {:.3} s, not the outage from {:.3} to {:.3} s; compare the time columns, or leave the truth out to measure against the withheld fixes",
+                truth[0].time,
+                truth[truth.len() - 1].time,
+                cut.start,
+                cut.end
+            );
+        }
+    }
+    let models = arguments
+        .bias_models
+        .iter()
+        .map(|kind| {
+            let mut settings = undrift::navigate::settings(&drive, *kind)?;
+            settings.outages = cuts.clone();
+            Ok((kind.name().to_owned(), settings))
+        })
+        .collect::<Result<Vec<_>>>()?;
+
+    let results = outages::run(&imu, &gnss, &truth, &models);
+    let (runs, failed) = report::split(&results);
+    let reference = if truth.is_empty() { "gnss" } else { "truth" };
+    let json = report::json(&cuts, &runs, reference);
+    let to_standard_output = arguments.json.as_deref().is_some_and(|p| p.as_os_str() == "-");
+    if to_standard_output {
+        println!("{json}");
+    } else {
+        println!(
+            "{} outages of {} s, reference: {}. Errors inside the outages:\n",
+            cuts.len(),
+            arguments.length,
+            if truth.is_empty() { "the withheld fixes" } else { "the truth" }
+        );
+        print!("{}", report::table(&runs));
+        if let Some(file) = &arguments.json {
+            report::write_whole(file, &json)?;
+        }
+    }
+    report::print_failed(&failed);
+    report::print_warnings(&runs);
+    if let Some(run) = runs.first() {
+        report::print_health(&run.summary);
+    }
+    for (file, skipped) in [("IMU", imu_reader.skipped()), ("GNSS", gnss_reader.skipped())] {
+        if !skipped.is_empty() {
+            eprintln!("{file} log: {skipped}");
+        }
+    }
+    if let Some(folder) = &arguments.out {
+        std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
+        report::write_whole(&folder.join("outages.json"), &json)?;
+        let curves: Vec<_> = runs.iter().map(|r| figure::drift_curve(r)).collect();
+        let track = report::track(&truth, &gnss);
+        figure::experiment(&folder.join("outages.svg"), &track, &cuts, &curves).map_err(anyhow::Error::msg)?;
+    }
+    if runs.is_empty() {
+        bail!("no model could be run");
+    }
+    Ok(())
+}

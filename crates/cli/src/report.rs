@@ -1,0 +1,114 @@
+//! What the verbs share in telling their results.
+
+use anyhow::{Context, Result};
+use serde_json::json;
+use std::path::Path;
+use undrift::{
+    nav::sample::{GnssFix, Position, TruthSample},
+    outages::ModelRun,
+    replay::{Outage, ReplayError, Summary},
+    table::outage_table,
+};
+
+type Outcome = (String, Result<ModelRun, ReplayError>);
+
+/// The runs that ended with a result, and the others' names and errors.
+pub fn split(results: &[Outcome]) -> (Vec<&ModelRun>, Vec<(&str, &ReplayError)>) {
+    let mut runs = Vec::new();
+    let mut failed = Vec::new();
+    for (name, result) in results {
+        match result {
+            Ok(run) => runs.push(run),
+            Err(error) => failed.push((name.as_str(), error)),
+        }
+    }
+    (runs, failed)
+}
+
+/// The table of the runs.
+pub fn table(runs: &[&ModelRun]) -> String {
+    let rows: Vec<_> = runs.iter().map(|r| (r.name.clone(), &r.errors)).collect();
+    outage_table(&rows)
+}
+
+/// The result as JSON.
+pub fn json(outages: &[Outage], runs: &[&ModelRun], reference: &str) -> String {
+    let outages: Vec<_> = outages
+        .iter()
+        .map(|o| json!({"start_s": o.start, "length_s": o.end - o.start}))
+        .collect();
+    let models: serde_json::Map<_, _> = runs
+        .iter()
+        .map(|r| (r.name.clone(), json!(r.errors)))
+        .collect();
+    let result = json!({"outages": outages, "models": models, "reference": reference});
+    format!("{result:#}")
+}
+
+/// Tells which models could not be run.
+pub fn print_failed(failed: &[(&str, &ReplayError)]) {
+    for (name, error) in failed {
+        eprintln!("{name}: {error}");
+    }
+}
+
+/// Tells which results cannot be trusted.
+pub fn print_warnings(runs: &[&ModelRun]) {
+    for run in runs {
+        if let Some(warning) = &run.errors.warning {
+            eprintln!("{}: {warning}", run.name);
+        }
+    }
+}
+
+/// Tells what was unusual about the log.
+pub fn print_health(summary: &Summary) {
+    if summary.bridged > 0 {
+        eprintln!("{} short gaps between samples were bridged", summary.bridged);
+    }
+    if let Some((count, first, longest)) = summary.long_gaps {
+        eprintln!(
+            "{count} long gaps between samples, the first at {first:.3} s, the longest {longest:.3} s: the covariance was grown over them"
+        );
+    }
+    let (from, length) = summary.longest_without_gnss;
+    if length > 5.0 {
+        eprintln!("longest span without a usable fix: {length:.1} s from {from:.3} s");
+    }
+    if summary.bad_fixes > 0 {
+        eprintln!("{} fixes had a covariance that is none", summary.bad_fixes);
+    }
+    if let Some(time) = summary.suspect {
+        eprintln!(
+            "the innovations from {time:.1} s on are far beyond their predicted size: the solution diverges from the fixes, or the noise model or the stated GNSS accuracy is wrong"
+        );
+    }
+}
+
+/// Writes a file whole or not at all.
+pub fn write_whole(path: &Path, text: &str) -> Result<()> {
+    let write = || {
+        let beside = path.with_extension("partial");
+        std::fs::write(&beside, text)?;
+        std::fs::rename(&beside, path)
+    };
+    write().with_context(|| format!("cannot write {}", path.display()))
+}
+
+/// What to draw as the trajectory: the truth, or the fixes where there is none.
+pub fn track(truth: &[TruthSample], gnss: &[GnssFix]) -> Vec<TruthSample> {
+    if !truth.is_empty() {
+        return truth.to_vec();
+    }
+    gnss.iter()
+        .filter_map(|fix| match fix.position {
+            Some((Position::Geodetic(position), _)) => Some(TruthSample {
+                time: fix.time,
+                position,
+                v_n: None,
+                rpy: None,
+            }),
+            _ => None,
+        })
+        .collect()
+}

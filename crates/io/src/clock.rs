@@ -1,0 +1,173 @@
+//! Whether the times of a log go forward.
+
+use std::path::{Path, PathBuf};
+
+use crate::ReadError;
+use crate::skipped::{SkipKind, Skipped};
+
+/// Times beyond this are no times of a log [s]: 30 000 years.
+const MAX_TIME: f64 = 1e12;
+
+/// Keeps the time of the last accepted record and what came out of order after it.
+pub(crate) struct Clock {
+    path: PathBuf,
+    last: Option<f64>,
+    /// Records in a row earlier than `last` that mean the clock was set back for good.
+    patience: u32,
+    behind: u32,
+    jump_line: u64,
+    jump_to: f64,
+}
+
+/// A record's place in time.
+pub(crate) enum Tick {
+    /// Accepted; the time since the last accepted record [s], `None` for the first.
+    Forward(Option<f64>),
+    /// Left out and counted.
+    Skip,
+}
+
+impl Clock {
+    /// For the file that messages name.
+    pub(crate) fn new(path: &Path, patience: u32) -> Self {
+        Self {
+            path: path.to_path_buf(),
+            last: None,
+            patience,
+            behind: 0,
+            jump_line: 0,
+            jump_to: 0.0,
+        }
+    }
+
+    /// Judges the time [s] of the record on `line`.
+    ///
+    /// # Errors
+    /// When the clock has stayed behind for as many records as its patience.
+    #[inline]
+    pub(crate) fn tick(
+        &mut self,
+        time: f64,
+        line: u64,
+        skipped: &mut Skipped,
+    ) -> Result<Tick, ReadError> {
+        if time.is_nan() || time.abs() > MAX_TIME {
+            skipped.add(SkipKind::OutOfRange, line, format_args!("time {time} s"));
+            return Ok(Tick::Skip);
+        }
+        let Some(last) = self.last else {
+            self.last = Some(time);
+            return Ok(Tick::Forward(None));
+        };
+        if time > last {
+            self.last = Some(time);
+            self.behind = 0;
+            return Ok(Tick::Forward(Some(time - last)));
+        }
+        if time == last {
+            skipped.add(SkipKind::DuplicateTime, line, format_args!("{time} s"));
+            return Ok(Tick::Skip);
+        }
+        if self.behind == 0 {
+            (self.jump_line, self.jump_to) = (line, time);
+        }
+        self.behind += 1;
+        skipped.add(
+            SkipKind::TimeBackwards,
+            line,
+            format_args!("{time} s after {last} s"),
+        );
+        if self.behind >= self.patience {
+            return Err(self.set_back(last));
+        }
+        Ok(Tick::Skip)
+    }
+
+    fn set_back(&self, last: f64) -> ReadError {
+        let jump = self.jump_to - last;
+        let mend = if (jump + 604_800.0).abs() < 60.0 {
+            "this is the end of a GPS week: add 604800 s to what follows"
+        } else if (jump + 86_400.0).abs() < 60.0 {
+            "this is midnight: add 86400 s to what follows"
+        } else {
+            "split the file there, or remove the rows with a wrong time before it"
+        };
+        ReadError::new(
+            &self.path,
+            format!(
+                "time jumps back by {:.3} s, from {last} s to {} s, and stays behind",
+                -jump, self.jump_to
+            ),
+        )
+        .at(self.jump_line)
+        .mend(mend)
+    }
+}
+
+/// Whether a time is inside an optional span [s], borders included.
+#[inline]
+pub(crate) fn within(span: Option<(f64, f64)>, time: f64) -> bool {
+    span.is_none_or(|(from, to)| time >= from && time <= to)
+}
+
+/// Whether a time is past an optional span [s], so that reading can stop.
+#[inline]
+pub(crate) fn past(span: Option<(f64, f64)>, time: f64) -> bool {
+    span.is_some_and(|(_, to)| time > to)
+}
+
+/// The error of a file that has records, but none in the span.
+pub(crate) fn none_in_span(
+    path: &Path,
+    span: (f64, f64),
+    covered: Option<(f64, f64)>,
+) -> ReadError {
+    let problem = format!("no record between {} s and {} s", span.0, span.1);
+    let mend = covered.map_or(String::new(), |(a, b)| {
+        format!("what was read of the file covers {a} s to {b} s")
+    });
+    ReadError::new(path, problem).mend(mend)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn run(times: &[f64], patience: u32) -> (Vec<f64>, Skipped, Option<ReadError>) {
+        let (mut clock, mut skipped) = (
+            Clock::new(Path::new("imu.csv"), patience),
+            Skipped::default(),
+        );
+        let mut accepted = Vec::new();
+        for (k, &time) in times.iter().enumerate() {
+            match clock.tick(time, k as u64 + 1, &mut skipped) {
+                Ok(Tick::Forward(_)) => accepted.push(time),
+                Ok(Tick::Skip) => {}
+                Err(error) => return (accepted, skipped, Some(error)),
+            }
+        }
+        (accepted, skipped, None)
+    }
+
+    #[test]
+    fn single_setbacks_are_skipped() {
+        let (accepted, skipped, error) = run(&[1.0, 2.0, 2.0, 1.5, 3.0, 1e300, 4.0], 2);
+        assert_eq!(accepted, [1.0, 2.0, 3.0, 4.0]);
+        assert_eq!(skipped.count(SkipKind::DuplicateTime), 1);
+        assert_eq!(skipped.count(SkipKind::TimeBackwards), 1);
+        assert_eq!(skipped.count(SkipKind::OutOfRange), 1);
+        assert!(error.is_none());
+    }
+
+    #[test]
+    fn a_clock_set_back_for_good_is_an_error_that_names_the_jump() {
+        let (_, _, error) = run(&[604_799.0, 604_799.5, 0.0, 0.5, 1.0], 3);
+        let error = error.unwrap();
+        assert_eq!(error.line, Some(3));
+        assert!(
+            error.to_string().contains("back by 604799.500 s"),
+            "{error}"
+        );
+        assert!(error.to_string().contains("GPS week"), "{error}");
+    }
+}

@@ -1,0 +1,94 @@
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Why a file cannot be read: where, what is wrong, and what would mend it.
+///
+/// Displayed as `imu.csv.gz line 1: no column "gx" (key imu.gyro); the file has: t_s, gx_radps`.
+#[derive(Debug, thiserror::Error)]
+#[error("{}{}: {problem}{}{}", .path.display(), on_line(.line), of_key(.key), with_mend(.mend))]
+pub struct ReadError {
+    /// The file, as it was given.
+    pub path: PathBuf,
+    /// Line in the file, the first is 1.
+    pub line: Option<u64>,
+    /// The configuration key that asked for what is missing.
+    pub key: Option<String>,
+    /// What was expected and found.
+    pub problem: String,
+    /// What to do about it, or what the file offers instead; may be empty.
+    pub mend: String,
+    /// The error of the operating system or the decompressor below, if there was one.
+    pub source: Option<io::Error>,
+}
+
+impl ReadError {
+    /// A problem of the file as a whole; the other fields are filled in by the builders.
+    pub fn new(path: &Path, problem: impl Into<String>) -> Self {
+        Self {
+            path: path.to_path_buf(),
+            line: None,
+            key: None,
+            problem: problem.into(),
+            mend: String::new(),
+            source: None,
+        }
+    }
+
+    pub(crate) fn at(mut self, line: u64) -> Self {
+        self.line = Some(line);
+        self
+    }
+
+    pub(crate) fn key(mut self, key: &str) -> Self {
+        self.key = Some(key.to_owned());
+        self
+    }
+
+    pub(crate) fn mend(mut self, mend: impl Into<String>) -> Self {
+        self.mend = mend.into();
+        self
+    }
+
+    pub(crate) fn caused_by(mut self, source: io::Error) -> Self {
+        self.source = Some(source);
+        self
+    }
+}
+
+fn on_line(line: &Option<u64>) -> String {
+    line.map_or(String::new(), |n| format!(" line {n}"))
+}
+
+fn of_key(key: &Option<String>) -> String {
+    key.as_ref()
+        .map_or(String::new(), |k| format!(" (key {k})"))
+}
+
+fn with_mend(mend: &str) -> String {
+    if mend.is_empty() {
+        String::new()
+    } else {
+        format!("; {mend}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn display_names_file_line_key_and_mend() {
+        let error = ReadError::new(Path::new("imu.csv.gz"), "no column \"gx\"")
+            .at(1)
+            .key("imu.gyro")
+            .mend("the file has: t_s, gx_radps");
+        assert_eq!(
+            error.to_string(),
+            "imu.csv.gz line 1: no column \"gx\" (key imu.gyro); the file has: t_s, gx_radps"
+        );
+        assert_eq!(
+            ReadError::new(Path::new("a"), "empty").to_string(),
+            "a: empty"
+        );
+    }
+}

@@ -1,0 +1,157 @@
+use std::io::Cursor;
+
+use undrift_nav::earth::Geodetic;
+use undrift_nav::sample::Position;
+
+use super::*;
+use crate::table::Column;
+
+fn group(from: usize) -> [Column; 3] {
+    [0, 1, 2].map(|k| Column::Number(from + k))
+}
+
+/// Time, latitude and longitude [deg], height, velocity with up, stds of position and velocity, quality.
+fn format() -> GnssFormat {
+    let [lat, lon, height] = group(2);
+    GnssFormat {
+        time: Column::Number(1),
+        time_scale: 1.0,
+        time_offset: 0.0,
+        position: Some(PositionFormat {
+            place: Place::Geodetic {
+                lat,
+                lon,
+                height,
+                angle_scale: 1f64.to_radians(),
+            },
+            std: Std::Columns(group(8)),
+            std_factor: 2.0,
+        }),
+        velocity: Some(VelocityFormat {
+            columns: group(5),
+            up: true,
+            std: Std::Constant([0.1, 0.2, 0.5]),
+            std_factor: 10.0,
+        }),
+        quality: Some(Column::Number(11)),
+        delimiter: None,
+        span: None,
+    }
+}
+
+fn reader(text: &str, format: &GnssFormat) -> Result<GnssReader, ReadError> {
+    let path = Path::new("gnss.csv");
+    let source = Box::new(Cursor::new(text.as_bytes().to_vec()));
+    let rows = CsvRows::new(path, source, format)?;
+    Ok(GnssReader::new(
+        path,
+        Rows::Csv(Box::new(rows)),
+        format.span,
+    ))
+}
+
+fn all(text: &str, format: &GnssFormat) -> (Vec<GnssFix>, Skipped) {
+    let mut reader = reader(text, format).unwrap();
+    let fixes = reader.by_ref().map(Result::unwrap).collect();
+    (fixes, reader.skipped().clone())
+}
+
+#[test]
+fn units_signs_and_factors() {
+    let (fixes, skipped) = all("7,45,-90,100,1,2,3,1,2,3,1\n", &format());
+    assert!(skipped.is_empty());
+    let fix = fixes[0];
+    let (position, covariance) = fix.position.unwrap();
+    let place = Geodetic::from_degrees(45.0, -90.0, 100.0);
+    assert_eq!(position, Position::Geodetic(place));
+    assert_eq!(covariance.diagonal(), Vector3::new(4.0, 16.0, 36.0));
+    let (velocity, covariance) = fix.velocity.unwrap();
+    assert_eq!(velocity, Vector3::new(1.0, 2.0, -3.0));
+    assert_eq!(covariance.diagonal(), Vector3::new(1.0, 4.0, 25.0));
+    assert_eq!((fix.time, fix.quality), (7.0, FixQuality::Fixed));
+}
+
+#[test]
+fn unusable_parts_leave_the_other_part() {
+    let text = "1,45,-90,100,1,2,3,0,2,3,1\n\
+                2,45,-90,100,nan,2,3,1,2,3,2\n\
+                3,,,,1,2,3,1,2,3,9\n\
+                4,0,0,0,1,2,3,1,2,3,9\n\
+                5,90.1,0,0,1,2,3,1,2,3,9\n\
+                6,45,-90,100,1,2,3,nan,2,3,5\n\
+                6,45,-90,100,1,2,3,1,2,3,5\n\
+                5,45,-90,100,1,2,3,1,2,3,5\n\
+                nan,45,-90,100,1,2,3,1,2,3,5\n\
+                8,45,-90,100,,,,,,,\n\
+                9,45,-90,100,1,2,3,1,2,3,4\n";
+    let (fixes, skipped) = all(text, &format());
+    let parts: Vec<_> = fixes
+        .iter()
+        .map(|fix| (fix.time, fix.position.is_some(), fix.velocity.is_some()))
+        .collect();
+    let expected = [
+        (1.0, false, true),
+        (2.0, true, false),
+        (3.0, false, true),
+        (6.0, false, true),
+        (9.0, true, true),
+    ];
+    assert_eq!(parts, expected);
+    assert_eq!(fixes[2].quality, FixQuality::Unknown);
+    assert_eq!(fixes[4].quality, FixQuality::Differential);
+    assert_eq!(skipped.count(SkipKind::Uncertainty), 3);
+    assert_eq!(skipped.count(SkipKind::OutOfRange), 2);
+    assert_eq!(skipped.count(SkipKind::NotFinite), 4);
+    assert_eq!(skipped.count(SkipKind::DuplicateTime), 1);
+    assert_eq!(skipped.count(SkipKind::TimeBackwards), 1);
+}
+
+#[test]
+fn baselines_and_spans() {
+    let base = Geodetic::from_degrees(45.0, 7.0, 300.0);
+    let baseline = GnssFormat {
+        position: Some(PositionFormat {
+            place: Place::Baseline {
+                ned: group(2),
+                base,
+            },
+            std: Std::Constant([1.0; 3]),
+            std_factor: 1.0,
+        }),
+        velocity: None,
+        quality: None,
+        time_offset: 10.0,
+        span: Some((12.0, 13.0)),
+        ..format()
+    };
+    let text = "t n e d\n1 0 0 0\n2 1 2 3\n3 1 2 3\n4 1 2 3\n";
+    let (fixes, _) = all(text, &baseline);
+    assert_eq!(fixes.len(), 2);
+    let ned = Vector3::new(1.0, 2.0, 3.0);
+    assert_eq!(
+        fixes[0].position.unwrap().0,
+        Position::Baseline { base, ned }
+    );
+    assert_eq!(fixes[0].time, 12.0);
+}
+
+#[test]
+fn unusable_formats_and_files_are_named() {
+    let nothing = GnssFormat {
+        position: None,
+        velocity: None,
+        ..format()
+    };
+    assert!(reader("1\n", &nothing).is_err());
+    let mut zero = format();
+    zero.velocity.as_mut().unwrap().std = Std::Constant([0.1, 0.0, 0.1]);
+    let error = reader("1\n", &zero).err().unwrap().to_string();
+    assert!(error.contains("gnss.velocity_std"), "{error}");
+    let mut none = reader("1,0,0,0,1,2,3,1,2,3,5\n", &format()).unwrap();
+    let error = none.next().unwrap().unwrap_err().to_string();
+    assert!(
+        error.contains("no usable fix") && error.contains("0, 0, 0"),
+        "{error}"
+    );
+    assert!(none.next().is_none());
+}

@@ -1,0 +1,223 @@
+//! Times of a solution file as GPS seconds.
+
+use crate::number;
+
+const DAY: f64 = 86_400.0;
+const WEEK: f64 = 604_800.0;
+
+/// Time system of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum TimeSystem {
+    Gps,
+    Utc,
+    /// Japan: UTC + 9 h.
+    Jst,
+}
+
+impl TimeSystem {
+    pub(super) fn named(name: &str) -> Option<Self> {
+        match name {
+            "GPST" => Some(Self::Gps),
+            "UTC" => Some(Self::Utc),
+            "JST" => Some(Self::Jst),
+            _ => None,
+        }
+    }
+}
+
+/// Counts seconds from the beginning of the GPS week of the first time it is given.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct WeekClock {
+    /// Days from the GPS epoch to that week.
+    start: Option<i64>,
+}
+
+impl WeekClock {
+    /// Seconds of the time that two fields give: date and time of day, or week and second.
+    pub(super) fn seconds(
+        &mut self,
+        first: &[u8],
+        second: &[u8],
+        system: TimeSystem,
+    ) -> Option<f64> {
+        let (day, seconds) = match date(first) {
+            Some(day) => gps(day, time_of_day(second)?, system),
+            None => {
+                let week = number::parse(first)?;
+                let seconds = number::parse(second)?;
+                let plausible = (0.0..10_000.0).contains(&week) && week.fract() == 0.0;
+                if !plausible || !(0.0..2.0 * WEEK).contains(&seconds) {
+                    return None;
+                }
+                (week as i64 * 7, seconds)
+            }
+        };
+        let start = *self.start.get_or_insert_with(|| {
+            let whole = day + (seconds / DAY).floor() as i64;
+            whole.div_euclid(7) * 7
+        });
+        Some((day - start) as f64 * DAY + seconds)
+    }
+}
+
+/// Day and second of day in GPS time; the second may be outside of the day.
+fn gps(day: i64, seconds: f64, system: TimeSystem) -> (i64, f64) {
+    match system {
+        TimeSystem::Gps => (day, seconds),
+        TimeSystem::Utc => (day, seconds + leap_seconds(day)),
+        TimeSystem::Jst => {
+            let utc = seconds - 9.0 * 3600.0;
+            let utc_day = if utc < 0.0 { day - 1 } else { day };
+            (day, utc + leap_seconds(utc_day))
+        }
+    }
+}
+
+/// Days from the GPS epoch, 6 January 1980, to a date `yyyy/mm/dd`.
+fn date(field: &[u8]) -> Option<i64> {
+    let mut parts = field.split(|&byte| byte == b'/').map(whole);
+    let (year, month, day) = (parts.next()??, parts.next()??, parts.next()??);
+    let plausible = (1980..2200).contains(&year) && (1..=12).contains(&month);
+    if parts.next().is_some() || !plausible || !(1..=31).contains(&day) {
+        return None;
+    }
+    Some(days_of_civil(year, month, day) - days_of_civil(1980, 1, 6))
+}
+
+/// Seconds of day of `hh:mm:ss.sss`; the second may be 60.
+fn time_of_day(field: &[u8]) -> Option<f64> {
+    let mut parts = field.split(|&byte| byte == b':');
+    let (hour, minute) = (whole(parts.next()?)?, whole(parts.next()?)?);
+    let second = number::parse(parts.next()?)?;
+    let plausible = (0..24).contains(&hour) && (0..60).contains(&minute);
+    if parts.next().is_some() || !plausible || !(0.0..61.0).contains(&second) {
+        return None;
+    }
+    Some((hour * 3600 + minute * 60) as f64 + second)
+}
+
+/// A whole number of at most four digits.
+fn whole(field: &[u8]) -> Option<i64> {
+    if field.is_empty() || field.len() > 4 {
+        return None;
+    }
+    field.iter().try_fold(0, |sum, byte| match byte {
+        b'0'..=b'9' => Some(sum * 10 + i64::from(byte - b'0')),
+        _ => None,
+    })
+}
+
+/// Days of the proleptic Gregorian calendar since 1 March of year 0: years that start in March
+/// put the leap day last, so the months before a month have (153 m + 2) / 5 days.
+fn days_of_civil(year: i64, month: i64, day: i64) -> i64 {
+    let (y, m) = if month > 2 {
+        (year, month - 3)
+    } else {
+        (year - 1, month + 9)
+    };
+    365 * y + y / 4 - y / 100 + y / 400 + (153 * m + 2) / 5 + day - 1
+}
+
+/// GPS time minus UTC [s] on a UTC day counted from the GPS epoch (IERS Bulletin C).
+fn leap_seconds(day: i64) -> f64 {
+    /// Year and month on whose first day the difference grew by one second.
+    const STEPS: [(i64, i64); 18] = [
+        (1981, 7),
+        (1982, 7),
+        (1983, 7),
+        (1985, 7),
+        (1988, 1),
+        (1990, 1),
+        (1991, 1),
+        (1992, 7),
+        (1993, 7),
+        (1994, 7),
+        (1996, 1),
+        (1997, 7),
+        (1999, 1),
+        (2006, 1),
+        (2009, 1),
+        (2012, 7),
+        (2015, 7),
+        (2017, 1),
+    ];
+    let absolute = day + days_of_civil(1980, 1, 6);
+    let before = |&&(year, month): &&(i64, i64)| days_of_civil(year, month, 1) <= absolute;
+    STEPS.iter().take_while(before).count() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn seconds(first: &str, second: &str, system: TimeSystem) -> Option<f64> {
+        WeekClock::default().seconds(first.as_bytes(), second.as_bytes(), system)
+    }
+
+    /// One rounding of a number of 6e5 s is 6e-11 s.
+    const ROUNDING_S: f64 = 2e-10;
+
+    #[test]
+    fn known_dates() {
+        // 8 July 2025 is a Tuesday of GPS week 2374.
+        let tuesday = seconds("2025/07/08", "19:34:18.499", TimeSystem::Gps).unwrap();
+        assert!((tuesday - 243_258.499).abs() < ROUNDING_S, "{tuesday}");
+        assert_eq!(date(b"2025/07/08").unwrap().div_euclid(7), 2374);
+        assert_eq!(date(b"1980/01/06"), Some(0));
+        assert_eq!(
+            date(b"2000/03/01").unwrap() - date(b"2000/02/28").unwrap(),
+            2
+        );
+        assert_eq!(
+            seconds("2374", "243258.5", TimeSystem::Gps),
+            Some(243_258.5)
+        );
+        let utc = seconds("2025/07/08", "19:34:00", TimeSystem::Utc).unwrap();
+        assert_eq!(utc, 243_258.0);
+        assert_eq!(
+            seconds("2025/07/09", "04:34:00", TimeSystem::Jst),
+            Some(utc)
+        );
+        assert_eq!(
+            (leap_seconds(0), leap_seconds(date(b"2016/12/31").unwrap())),
+            (0.0, 17.0)
+        );
+    }
+
+    #[test]
+    fn counts_on_past_the_end_of_the_week() {
+        let mut weeks = WeekClock::default();
+        let mut at = |date: &str, time: &str| {
+            weeks.seconds(date.as_bytes(), time.as_bytes(), TimeSystem::Gps)
+        };
+        assert_eq!(at("2025/07/12", "23:59:59.5"), Some(604_799.5));
+        assert_eq!(at("2025/07/13", "00:00:00.5"), Some(604_800.5));
+        assert_eq!(at("2375", "1"), Some(604_801.0));
+        // UTC late on a Saturday is GPS time of the next week.
+        let late = seconds("2025/07/12", "23:59:50", TimeSystem::Utc);
+        assert_eq!(late, Some(8.0));
+    }
+
+    #[test]
+    fn what_is_no_time() {
+        for (first, second) in [
+            ("2025/13/08", "00:00:00"),
+            ("2025/07", "00:00:00"),
+            ("2025/07/08/1", "00:00:00"),
+            ("2025/07/08", "24:00:00"),
+            ("2025/07/08", "00:61:00"),
+            ("2025/07/08", "00:00:nan"),
+            ("2025/07/08", ""),
+            ("2374.5", "1"),
+            ("-1", "1"),
+            ("2374", "inf"),
+            ("", ""),
+        ] {
+            assert_eq!(
+                seconds(first, second, TimeSystem::Gps),
+                None,
+                "{first} {second}"
+            );
+        }
+    }
+}

@@ -1,0 +1,172 @@
+//! Records that were left out while reading: how many of each kind, and where the first is.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// Why a record was left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum SkipKind {
+    /// Text where a number belongs.
+    Text,
+    /// Fewer fields than needed, or an empty one.
+    MissingField,
+    /// NaN or infinite.
+    NotFinite,
+    /// Time earlier than that of the record before.
+    TimeBackwards,
+    /// Time equal to that of the record before.
+    DuplicateTime,
+    /// A line longer than any row can be.
+    TooLong,
+    /// A number that cannot be what it stands for, such as a latitude of 95° or the 0°, 0° of "no fix".
+    OutOfRange,
+    /// A standard deviation that is zero, negative or not a number.
+    Uncertainty,
+    /// The file breaks off: an input error or damaged compression; what was before it has been read.
+    EndsEarly,
+}
+
+impl SkipKind {
+    fn describe(self, many: bool) -> &'static str {
+        match (self, many) {
+            (Self::Text, false) => "row with text where a number belongs",
+            (Self::Text, true) => "rows with text where a number belongs",
+            (Self::MissingField, false) => "row with a missing field",
+            (Self::MissingField, true) => "rows with a missing field",
+            (Self::NotFinite, false) => "row with NaN or infinity",
+            (Self::NotFinite, true) => "rows with NaN or infinity",
+            (Self::TimeBackwards, false) => "row with a time before that of the last row",
+            (Self::TimeBackwards, true) => "rows with a time before that of the last row",
+            (Self::DuplicateTime, false) => "row with the same time as the last row",
+            (Self::DuplicateTime, true) => "rows with the same time as the last row",
+            (Self::TooLong, false) => "line too long to be a row",
+            (Self::TooLong, true) => "lines too long to be a row",
+            (Self::OutOfRange, false) => "row with a value out of its range",
+            (Self::OutOfRange, true) => "rows with a value out of its range",
+            (Self::Uncertainty, false) => "value with an unusable standard deviation",
+            (Self::Uncertainty, true) => "values with an unusable standard deviation",
+            (Self::EndsEarly, false) => "file ends early",
+            (Self::EndsEarly, true) => "files end early",
+        }
+    }
+}
+
+/// How often one kind of record was skipped, and the first of them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SkipEntry {
+    /// Number of records.
+    pub count: u64,
+    /// Line of the first one in its file, counted from 1.
+    pub first_line: u64,
+    /// What stood there.
+    pub first_detail: String,
+}
+
+/// Counter of skipped records by kind.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Skipped {
+    kinds: BTreeMap<SkipKind, SkipEntry>,
+}
+
+impl Skipped {
+    /// Counts one more record; `detail` is rendered only for the first of its kind.
+    pub fn add(&mut self, kind: SkipKind, line: u64, detail: impl fmt::Display) {
+        self.kinds
+            .entry(kind)
+            .and_modify(|entry| entry.count += 1)
+            .or_insert_with(|| SkipEntry {
+                count: 1,
+                first_line: line,
+                first_detail: detail.to_string(),
+            });
+    }
+
+    /// Adds the counts of another counter; the earlier first position is kept.
+    pub fn merge(&mut self, other: &Skipped) {
+        for (&kind, theirs) in &other.kinds {
+            self.kinds
+                .entry(kind)
+                .and_modify(|ours| {
+                    ours.count += theirs.count;
+                    if theirs.first_line < ours.first_line {
+                        ours.first_line = theirs.first_line;
+                        ours.first_detail.clone_from(&theirs.first_detail);
+                    }
+                })
+                .or_insert_with(|| theirs.clone());
+        }
+    }
+
+    /// Whether nothing was skipped.
+    pub fn is_empty(&self) -> bool {
+        self.kinds.is_empty()
+    }
+
+    /// Number of skipped records of all kinds.
+    pub fn total(&self) -> u64 {
+        self.kinds.values().map(|entry| entry.count).sum()
+    }
+
+    /// Number of skipped records of one kind.
+    pub fn count(&self, kind: SkipKind) -> u64 {
+        self.kinds.get(&kind).map_or(0, |entry| entry.count)
+    }
+
+    /// The kinds that occurred, in a fixed order.
+    pub fn iter(&self) -> impl Iterator<Item = (SkipKind, &SkipEntry)> {
+        self.kinds.iter().map(|(&kind, entry)| (kind, entry))
+    }
+}
+
+/// One line per kind, without a trailing newline.
+impl fmt::Display for Skipped {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, (kind, entry)) in self.iter().enumerate() {
+            if i > 0 {
+                f.write_str("\n")?;
+            }
+            let what = kind.describe(entry.count > 1);
+            let (line, detail) = (entry.first_line, &entry.first_detail);
+            match (kind, entry.count) {
+                (SkipKind::EndsEarly, 1) => write!(f, "{what}, after line {line}: {detail}")?,
+                (_, 1) => write!(f, "1 {what}, at line {line}: {detail}")?,
+                (_, n) => write!(f, "{n} {what}, first at line {line}: {detail}")?,
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_first_positions_and_wording() {
+        let mut skipped = Skipped::default();
+        assert!(skipped.is_empty());
+        skipped.add(SkipKind::NotFinite, 20, "nan");
+        for line in [17, 30, 31] {
+            skipped.add(SkipKind::Text, line, "\"abc\"");
+        }
+        assert_eq!((skipped.total(), skipped.count(SkipKind::Text)), (4, 3));
+        assert_eq!(
+            skipped.to_string(),
+            "3 rows with text where a number belongs, first at line 17: \"abc\"\n\
+             1 row with NaN or infinity, at line 20: nan"
+        );
+    }
+
+    #[test]
+    fn merge_adds_counts_and_keeps_the_earlier_position() {
+        let (mut a, mut b) = (Skipped::default(), Skipped::default());
+        a.add(SkipKind::Text, 9, "late");
+        b.add(SkipKind::Text, 3, "early");
+        b.add(SkipKind::TooLong, 5, "");
+        a.merge(&b);
+        assert_eq!(a.total(), 3);
+        let (_, text) = a.iter().next().unwrap();
+        assert_eq!((text.count, text.first_line), (2, 3));
+        assert_eq!(text.first_detail, "early");
+    }
+}

@@ -1,0 +1,394 @@
+//! One line, field by field.
+
+use std::fmt;
+
+use crate::number;
+use crate::skipped::SkipKind;
+
+/// What stands between fields.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Delimiter {
+    /// One byte; fields may be empty.
+    Byte(u8),
+    /// Runs of blanks and tabs.
+    Blanks,
+}
+
+impl Delimiter {
+    /// The likeliest one of a line.
+    pub(crate) fn detect(line: &[u8]) -> Self {
+        [b',', b';', b'\t']
+            .into_iter()
+            .find(|byte| line.contains(byte))
+            .map_or(Self::Blanks, Self::Byte)
+    }
+
+    pub(crate) fn of(byte: u8) -> Self {
+        if byte == b' ' {
+            Self::Blanks
+        } else {
+            Self::Byte(byte)
+        }
+    }
+
+    #[inline]
+    fn ends(self, byte: u8) -> bool {
+        match self {
+            Self::Byte(delimiter) => byte == delimiter,
+            Self::Blanks => matches!(byte, b' ' | b'\t'),
+        }
+    }
+
+    /// Whether the byte is padding inside a field's bounds.
+    #[inline]
+    fn pads(self, byte: u8) -> bool {
+        byte == b' ' || (byte == b'\t' && !self.ends(byte))
+    }
+}
+
+/// Why a row cannot be used.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Defect {
+    Text(String),
+    TooFew { fields: usize, wanted: usize },
+    Empty { column: usize },
+    NotFinite(f64),
+}
+
+impl Defect {
+    pub(crate) fn kind(&self) -> SkipKind {
+        match self {
+            Self::Text(_) => SkipKind::Text,
+            Self::TooFew { .. } | Self::Empty { .. } => SkipKind::MissingField,
+            Self::NotFinite(_) => SkipKind::NotFinite,
+        }
+    }
+}
+
+impl fmt::Display for Defect {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Text(text) => f.write_str(text),
+            Self::TooFew { fields, wanted } => {
+                write!(f, "{fields} fields, column {wanted} is wanted")
+            }
+            Self::Empty { column } => write!(f, "column {column} is empty"),
+            Self::NotFinite(value) => write!(f, "{value}"),
+        }
+    }
+}
+
+/// A field as messages show it: quoted, control characters escaped, cut at 40 bytes.
+pub(crate) fn shown(field: &[u8]) -> String {
+    let cut = &field[..field.len().min(40)];
+    let text = String::from_utf8_lossy(cut);
+    let more = if cut.len() < field.len() { "…" } else { "" };
+    format!("\"{}{more}\"", text.escape_debug())
+}
+
+/// Walks along the fields of a line.
+#[derive(Clone)]
+pub(crate) struct Fields<'a> {
+    line: &'a [u8],
+    at: usize,
+    delimiter: Delimiter,
+    /// The last field has been given.
+    done: bool,
+}
+
+impl<'a> Fields<'a> {
+    #[inline]
+    pub(crate) fn new(line: &'a [u8], delimiter: Delimiter) -> Self {
+        Self {
+            line,
+            at: 0,
+            delimiter,
+            done: false,
+        }
+    }
+
+    /// Goes to the first byte of the next field that is no padding; false if there is no field.
+    #[inline]
+    fn start(&mut self) -> bool {
+        if self.done {
+            return false;
+        }
+        while let Some(&byte) = self.line.get(self.at) {
+            if byte > b' ' || !matches!(byte, b' ' | b'\t') {
+                break;
+            }
+            if byte == b'\t' && self.delimiter == Delimiter::Byte(b'\t') {
+                break;
+            }
+            self.at += 1;
+        }
+        if self.delimiter == Delimiter::Blanks && self.at >= self.line.len() {
+            self.done = true;
+            return false;
+        }
+        true
+    }
+
+    /// Steps over the delimiter at `end`.
+    #[inline]
+    fn leave(&mut self, end: usize) {
+        self.done = end >= self.line.len();
+        self.at = end + 1;
+    }
+
+    /// End of the field that starts at `at`: the next delimiter outside quotes.
+    #[inline]
+    fn end_of_field(&self) -> usize {
+        let mut end = self.at;
+        if self.line.get(end) == Some(&b'"')
+            && let Some(length) = self.line[end + 1..].iter().position(|&byte| byte == b'"')
+        {
+            end += 1 + length;
+        }
+        while let Some(&byte) = self.line.get(end) {
+            if self.delimiter.ends(byte) {
+                break;
+            }
+            end += 1;
+        }
+        end
+    }
+
+    /// Passes over a field; false if there is none.
+    #[inline]
+    fn pass(&mut self) -> bool {
+        if !self.start() {
+            return false;
+        }
+        let end = self.end_of_field();
+        self.leave(end);
+        true
+    }
+
+    /// The number in the next field: `None` if there is no field, `Err` with the field's text if
+    /// it is no number.
+    #[inline]
+    fn number(&mut self) -> Option<Result<f64, &'a [u8]>> {
+        if !self.start() {
+            return None;
+        }
+        let rest = self.line.get(self.at..).unwrap_or_default();
+        if let Some((value, length)) = number::parse_prefix(rest) {
+            let mut end = self.at + length;
+            while let Some(&byte) = self.line.get(end) {
+                if self.delimiter.ends(byte) {
+                    break;
+                }
+                if !self.delimiter.pads(byte) {
+                    return Some(self.unusual());
+                }
+                end += 1;
+            }
+            self.leave(end);
+            return Some(Ok(value));
+        }
+        Some(self.unusual())
+    }
+
+    /// A field that is quoted, text, empty or not finite.
+    #[cold]
+    fn unusual(&mut self) -> Result<f64, &'a [u8]> {
+        let text = self.next().unwrap_or_default();
+        number::parse(text).ok_or(text)
+    }
+}
+
+/// The fields' text, trimmed and without quotes.
+impl<'a> Iterator for Fields<'a> {
+    type Item = &'a [u8];
+
+    fn next(&mut self) -> Option<&'a [u8]> {
+        if !self.start() {
+            return None;
+        }
+        let end = self.end_of_field();
+        let text = self.line.get(self.at..end).unwrap_or_default();
+        self.leave(end);
+        let text = text.trim_ascii();
+        let bare = text.strip_prefix(b"\"").and_then(|t| t.strip_suffix(b"\""));
+        Some(bare.map_or(text, <[u8]>::trim_ascii))
+    }
+}
+
+/// Reads the wanted columns, which are sorted by place, of one line.
+#[inline]
+pub(crate) fn parse_row(
+    line: &[u8],
+    delimiter: Delimiter,
+    wanted: &[(usize, usize)],
+    keep_not_finite: bool,
+    out: &mut [f64],
+) -> Result<(), Defect> {
+    match delimiter {
+        Delimiter::Byte(byte) if parse_plain_row(line, byte, wanted, out) => Ok(()),
+        _ => parse_any_row(line, delimiter, wanted, keep_not_finite, out),
+    }
+}
+
+/// The usual row: finite numbers without padding or quotes. False if it is not one, or lacks a
+/// column; `out` is then filled in part.
+#[inline]
+fn parse_plain_row(line: &[u8], delimiter: u8, wanted: &[(usize, usize)], out: &mut [f64]) -> bool {
+    let mut rest = line;
+    let mut column = 0;
+    let mut last = 0.0;
+    for &(target, slot) in wanted {
+        while column < target {
+            let is_end = |&byte: &u8| byte == delimiter || byte == b'"';
+            match rest.iter().position(is_end) {
+                Some(end) if rest[end] == delimiter => rest = &rest[end + 1..],
+                _ => return false,
+            }
+            column += 1;
+        }
+        if column == target {
+            let Some((value, length)) = number::parse_prefix(rest) else {
+                return false;
+            };
+            rest = match rest.get(length..) {
+                Some([byte, rest @ ..]) if *byte == delimiter => rest,
+                Some([]) => &[],
+                _ => return false,
+            };
+            if !value.is_finite() {
+                return false;
+            }
+            last = value;
+            column += 1;
+        }
+        match out.get_mut(slot) {
+            Some(place) => *place = last,
+            None => return false,
+        }
+    }
+    true
+}
+
+/// Any row, whatever is wrong with it.
+fn parse_any_row(
+    line: &[u8],
+    delimiter: Delimiter,
+    wanted: &[(usize, usize)],
+    keep_not_finite: bool,
+    out: &mut [f64],
+) -> Result<(), Defect> {
+    let mut fields = Fields::new(line, delimiter);
+    let mut column = 0;
+    let mut last = f64::NAN;
+    for &(target, slot) in wanted {
+        while column < target {
+            if !fields.pass() {
+                return Err(too_few(column, target));
+            }
+            column += 1;
+        }
+        // A column that is wanted twice has been read already.
+        if column == target {
+            last = match fields.number() {
+                Some(Ok(value)) if value.is_finite() || keep_not_finite => value,
+                Some(Ok(value)) => return Err(Defect::NotFinite(value)),
+                Some(Err(b"")) if keep_not_finite => f64::NAN,
+                Some(Err(b"")) => return Err(Defect::Empty { column: target + 1 }),
+                Some(Err(text)) => return Err(Defect::Text(shown(text))),
+                None => return Err(too_few(column, target)),
+            };
+            column += 1;
+        }
+        if let Some(place) = out.get_mut(slot) {
+            *place = last;
+        }
+    }
+    Ok(())
+}
+
+#[cold]
+fn too_few(fields: usize, target: usize) -> Defect {
+    Defect::TooFew {
+        fields,
+        wanted: target + 1,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn texts(line: &str, delimiter: Delimiter) -> Vec<&str> {
+        Fields::new(line.as_bytes(), delimiter)
+            .map(|field| std::str::from_utf8(field).unwrap())
+            .collect()
+    }
+
+    #[test]
+    fn splitting() {
+        let comma = Delimiter::Byte(b',');
+        assert_eq!(texts("a, b ,,\"c,d\",", comma), ["a", "b", "", "c,d", ""]);
+        assert_eq!(texts("\"open,1", comma), ["\"open", "1"]);
+        assert_eq!(texts("  1 2\t 3  ", Delimiter::Blanks), ["1", "2", "3"]);
+        assert_eq!(
+            texts("\t1\t\t2", Delimiter::Byte(b'\t')),
+            ["", "1", "", "2"]
+        );
+        assert_eq!(Delimiter::detect(b"1;2"), Delimiter::Byte(b';'));
+        assert_eq!(Delimiter::detect(b"1 2"), Delimiter::Blanks);
+    }
+
+    #[test]
+    fn rows_and_their_defects() {
+        let comma = Delimiter::Byte(b',');
+        let wanted = [(0, 1), (2, 0), (2, 2)];
+        let row = |line: &str, keep| {
+            let mut out = [0.0; 3];
+            parse_row(line.as_bytes(), comma, &wanted, keep, &mut out).map(|()| out)
+        };
+        assert_eq!(row("1,x,-2.5e1,z", false), Ok([-25.0, 1.0, -25.0]));
+        assert_eq!(row(" 1 ,x,\" 3 \"", false), Ok([3.0, 1.0, 3.0]));
+        assert_eq!(row("1,x,3y", false), Err(Defect::Text("\"3y\"".into())));
+        assert_eq!(row("1,x,", false), Err(Defect::Empty { column: 3 }));
+        assert_eq!(
+            row("1,x", false),
+            Err(Defect::TooFew {
+                fields: 2,
+                wanted: 3
+            })
+        );
+        assert_eq!(row("1,x,inf", false), Err(Defect::NotFinite(f64::INFINITY)));
+        assert_eq!(
+            row("1,x,1e999", false).unwrap_err().kind(),
+            SkipKind::NotFinite
+        );
+        assert!(row("1,x,", true).unwrap()[0].is_nan());
+        assert!(row("nan,x,4", true).unwrap()[1].is_nan());
+    }
+
+    #[test]
+    fn the_short_way_agrees_with_the_long_one() {
+        let pieces = [
+            ",", ",", "1.5", "-2e3", " ", "\"", "x", "nan", "7", "1e999", "\t",
+        ];
+        let comma = Delimiter::Byte(b',');
+        let wanted = [(0, 2), (2, 0), (2, 3), (3, 1)];
+        let (mut state, mut plain) = (1u64, 0);
+        for _ in 0..100_000 {
+            let mut line = String::new();
+            for _ in 0..12 {
+                state = state
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1);
+                line += pieces[(state >> 33) as usize % pieces.len()];
+            }
+            let (mut short, mut long) = ([0.0; 4], [0.0; 4]);
+            if parse_plain_row(line.as_bytes(), b',', &wanted, &mut short) {
+                let other = parse_any_row(line.as_bytes(), comma, &wanted, false, &mut long);
+                assert_eq!((other, short), (Ok(()), long), "{line}");
+                plain += 1;
+            }
+        }
+        assert!(plain > 100, "{plain}");
+    }
+}

@@ -1,0 +1,213 @@
+use std::io::{Cursor, Read, Write};
+
+use super::*;
+
+fn options(columns: &[Column]) -> TableOptions {
+    TableOptions {
+        columns: columns
+            .iter()
+            .map(|column| ("imu.gyro".to_owned(), column.clone()))
+            .collect(),
+        ..TableOptions::default()
+    }
+}
+
+fn named(names: &[&str]) -> TableOptions {
+    let columns: Vec<Column> = names.iter().map(|&n| Column::Name(n.into())).collect();
+    options(&columns)
+}
+
+fn numbered(numbers: &[usize]) -> TableOptions {
+    let columns: Vec<Column> = numbers.iter().map(|&n| Column::Number(n)).collect();
+    options(&columns)
+}
+
+fn from(bytes: &[u8], options: &TableOptions) -> Result<Table, ReadError> {
+    Table::from_source(
+        Path::new("imu.csv"),
+        Box::new(Cursor::new(bytes.to_vec())),
+        options,
+    )
+}
+
+type Rows = Vec<(u64, Vec<f64>)>;
+
+fn drain(table: &mut Table) -> Result<Rows, ReadError> {
+    let mut rows = Vec::new();
+    let mut row = vec![0.0; table.width];
+    while let Some(line) = table.next_row(&mut row)? {
+        rows.push((line, row.clone()));
+    }
+    Ok(rows)
+}
+
+fn rows(text: &str, options: &TableOptions) -> (Rows, Skipped) {
+    let mut table = from(text.as_bytes(), options).unwrap();
+    (drain(&mut table).unwrap(), table.skipped().clone())
+}
+
+fn message(text: &str, options: &TableOptions) -> String {
+    match from(text.as_bytes(), options) {
+        Err(error) => error.to_string(),
+        Ok(mut table) => drain(&mut table).unwrap_err().to_string(),
+    }
+}
+
+#[test]
+fn columns_by_name_in_the_wanted_order_whatever_the_delimiter() {
+    for text in [
+        "t,a,b\n1,2,3\n4,5,6",
+        "\u{feff}t;a;b\r\n1;2;3\r\n4;5;6\r\n",
+        "t\ta\tb\n1\t2\t3\n4\t5\t6\n",
+        "  t  a b\n 1   2 3 \n 4 5\t6\n",
+        "\"t\",\"a\",\"b\"\n\"1\",\"2\",\"3\"\n\"4\",5,\"6\"\n",
+    ] {
+        let (rows, skipped) = rows(text, &named(&["b", "t"]));
+        assert_eq!(rows, [(2, vec![3.0, 1.0]), (3, vec![6.0, 4.0])], "{text}");
+        assert!(skipped.is_empty());
+    }
+}
+
+#[test]
+fn columns_by_number_with_and_without_header() {
+    let wanted = numbered(&[3, 1, 3]);
+    assert_eq!(rows("1,2,3\n", &wanted).0, [(1, vec![3.0, 1.0, 3.0])]);
+    assert_eq!(
+        rows("a,b,c\n1,2,3\n", &wanted).0,
+        [(2, vec![3.0, 1.0, 3.0])]
+    );
+    // Text in a column that nobody wants makes no header of a row.
+    assert_eq!(rows("1,ok,3\n4,ok,6\n", &wanted).0.len(), 2);
+    assert_eq!(rows("# t a b\n1 2 3\n", &wanted).0.len(), 1);
+    let pipes = TableOptions {
+        delimiter: Some(b'|'),
+        ..numbered(&[2])
+    };
+    assert_eq!(rows("1|2\n", &pipes).0, [(1, vec![2.0])]);
+}
+
+#[test]
+fn a_comment_before_the_data_is_the_header() {
+    let wanted = named(&["gx"]);
+    let text = "# made by hand\n%t, gx, flag\n1, 2, ok\n# 9, 9, 9\n3, 4, ok\n";
+    assert_eq!(rows(text, &wanted).0, [(3, vec![2.0]), (5, vec![4.0])]);
+    assert_eq!(rows("# t gx\n1,2\n", &wanted).0, [(2, vec![2.0])]);
+}
+
+#[test]
+fn missing_columns_are_named_with_what_there_is() {
+    assert_eq!(
+        message("# x\nt_s,gx_radps\n1,2\n", &named(&["t_s", "gx"])),
+        "imu.csv line 2: no column \"gx\" (key imu.gyro); the file has: t_s, gx_radps"
+    );
+    assert!(message("1,2\n", &named(&["gx"])).contains("no header"));
+    assert!(message("a,b\n1,2\n", &numbered(&[5])).contains("no column 5, there are 2"));
+    assert!(message("1,2\n", &numbered(&[0])).contains("the first column is 1"));
+    assert!(message("a,a\n1,2\n", &named(&["a"])).contains("columns 1 and 2"));
+}
+
+#[test]
+fn files_without_data() {
+    for text in ["", "\n\n", "# only\n", "a,b\n", "\u{feff}"] {
+        let wanted = if text == "a,b\n" {
+            named(&["a"])
+        } else {
+            numbered(&[1])
+        };
+        assert!(
+            message(text, &wanted).contains("no row of data"),
+            "{text:?}"
+        );
+    }
+    let text = message("a,b\nx,1\ny,2\n", &named(&["a"]));
+    assert!(
+        text.contains("2 rows with text") && text.contains("line 2"),
+        "{text}"
+    );
+    let error = from(b"\xff\xfea\0,\0", &numbered(&[1])).err().unwrap();
+    assert!(error.to_string().contains("UTF-16"));
+}
+
+#[test]
+fn bad_rows_are_skipped_and_counted() {
+    let text = "a,b\n1,2\nx,2\n3\n4,\nnan,5\n\n  \n# note\n6,7,extra\n8,9";
+    let (good, skipped) = rows(text, &named(&["a", "b"]));
+    let lines: Vec<u64> = good.iter().map(|row| row.0).collect();
+    assert_eq!(lines, [2, 10, 11]);
+    assert_eq!(skipped.count(SkipKind::Text), 1);
+    assert_eq!(skipped.count(SkipKind::MissingField), 2);
+    assert_eq!(skipped.count(SkipKind::NotFinite), 1);
+    assert!(skipped.to_string().contains("line 3: \"x\""), "{skipped}");
+
+    let keeping = TableOptions {
+        keep_not_finite: true,
+        ..named(&["a", "b"])
+    };
+    assert_eq!(rows(text, &keeping).0.len(), 5);
+}
+
+#[test]
+fn endless_lines_are_skipped() {
+    let long = "7".repeat(3_000_000);
+    let (good, skipped) = rows(&format!("{long}\n1,2\n{long},\n3,4"), &numbered(&[1, 2]));
+    assert_eq!(good.len(), 2);
+    assert_eq!(skipped.count(SkipKind::TooLong), 2);
+}
+
+#[test]
+fn a_row_buffer_of_the_wrong_length_is_refused() {
+    let mut table = from(b"1,2\n", &numbered(&[1, 2])).unwrap();
+    assert!(table.next_row(&mut [0.0]).is_err());
+    assert_eq!(table.next_row(&mut [0.0; 2]).unwrap(), Some(1));
+}
+
+/// A stream that fails after some bytes.
+struct Failing(Cursor<Vec<u8>>);
+
+impl Read for Failing {
+    fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
+        match self.0.read(into)? {
+            0 => Err(std::io::Error::other("disk gone")),
+            n => Ok(n),
+        }
+    }
+}
+
+#[test]
+fn what_was_read_before_an_input_error_is_kept() {
+    let failing = |text: &str| {
+        let stream = std::io::BufReader::new(Failing(Cursor::new(text.as_bytes().to_vec())));
+        Table::from_source(Path::new("imu.csv"), Box::new(stream), &numbered(&[1]))
+    };
+    // The 12 may be the beginning of 123: not used.
+    let mut table = failing("10\n11\n12").unwrap();
+    assert_eq!(drain(&mut table).unwrap().len(), 2);
+    let text = table.skipped().to_string();
+    assert_eq!(text, "file ends early, after line 2: disk gone");
+    let error = failing("12").err().unwrap();
+    assert!(error.to_string().contains("disk gone"), "{error}");
+}
+
+#[test]
+fn a_cut_gzip_file_ends_early() {
+    let mut text = String::from("t,a\n");
+    for k in 0..50_000 {
+        text += &format!("{k},{}\n", k * 7919 % 10_007);
+    }
+    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    encoder.write_all(text.as_bytes()).unwrap();
+    let mut bytes = encoder.finish().unwrap();
+    bytes.truncate(bytes.len() / 2);
+    let path = std::env::temp_dir().join(format!("undrift-io-cut-{}.csv.gz", std::process::id()));
+    std::fs::write(&path, bytes).unwrap();
+    let mut table = Table::open(&path, &named(&["t", "a"])).unwrap();
+    let rows = drain(&mut table).unwrap();
+    std::fs::remove_file(&path).unwrap();
+    assert!((10_000..40_000).contains(&rows.len()), "{}", rows.len());
+    assert!(
+        rows.iter()
+            .enumerate()
+            .all(|(k, (_, row))| row[0] == k as f64)
+    );
+    assert_eq!(table.skipped().count(SkipKind::EndsEarly), 1);
+}

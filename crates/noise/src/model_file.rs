@@ -1,0 +1,268 @@
+//! The model file `IMU.toml`: what is known of an IMU's random errors, per axis, with provenance.
+//!
+//! ```toml
+//! format = "undrift-imu"
+//! version = 1
+//! name = "Some IMU"
+//! source = "its data sheet, revision C, table 1"
+//! [gyro]                            # all three axes; [gyro_x], [gyro_y], [gyro_z] override keys
+//! white_noise = "2 deg/sqrt(h)"
+//! bias_instability = "25 deg/h"     # standard deviation of a Gauss-Markov process
+//! correlation_time = "100 s"        # … with this correlation time
+//! random_walk = "6 deg/h/sqrt(h)"   # rate random walk K, beside or instead of it
+//! turn_on = "3 deg/s"               # standard deviation of the turn-on constant
+//! [gyro.arma]                       # x_t − Σ ar_i x_{t−i} = a_t − Σ ma_i a_{t−i}
+//! rate = "200 Hz"
+//! ar = [1.0]
+//! ma = [0.9994]
+//! sigma = "0.4714 deg/s"
+//! [accel]                           # the same keys
+//! white_noise = "0.2 m/s/sqrt(h)"
+//! ```
+//!
+//! `preset = "adis16405"` at the top takes that preset first and lets the file override it key by
+//! key. `paper_sigma` of an axis is the σ of the `paper` model. `[provenance]` (record, rate,
+//! samples, sha256, program) and `[gyro_x.identification]` (free form) carry where identified
+//! values come from. Every dimensional number is a string with its unit; see
+//! [`undrift_nav::units`] for what is understood.
+
+mod entries;
+mod read;
+mod write;
+
+use crate::presets;
+use std::path::Path;
+use undrift_nav::shaping::ShapingError;
+
+/// `format` of a model file.
+pub const FORMAT: &str = "undrift-imu";
+/// Latest `version` of the format that is understood, and the one written.
+pub const VERSION: i64 = 1;
+/// Names of the six axes in the order of [`ImuModel::axes`].
+pub const AXES: [&str; 6] = [
+    "gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z",
+];
+
+/// The random errors of an IMU, axis by axis, in body axes of the sensor.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ImuModel {
+    /// Name of the sensor.
+    pub name: String,
+    /// Where the numbers come from, free text.
+    pub source: String,
+    /// The record they were identified from, if they were.
+    pub provenance: Provenance,
+    /// Gyros x, y, z [rad, s].
+    pub gyro: [AxisModel; 3],
+    /// Accelerometers x, y, z [m, s].
+    pub accel: [AxisModel; 3],
+}
+
+/// Where an identified model comes from; every part may be unknown.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Provenance {
+    /// Name of the static record.
+    pub record: Option<String>,
+    /// Its sample rate [Hz].
+    pub rate_hz: Option<f64>,
+    /// Its length in samples.
+    pub samples: Option<u64>,
+    /// SHA-256 of its bytes in hexadecimal.
+    pub sha256: Option<String>,
+    /// Program and version that wrote the model.
+    pub program: Option<String>,
+}
+
+/// The random error of one axis in the terms of a data sheet, or as ARMA, or both. "unit" is rad/s
+/// for a gyro and m/s² for an accelerometer.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct AxisModel {
+    /// Standard deviation of the turn-on constant [unit].
+    pub turn_on: f64,
+    /// Density of the white noise N [unit·√s].
+    pub white: Option<f64>,
+    /// Gauss-Markov part of the bias.
+    pub instability: Option<Instability>,
+    /// Random walk K of the bias [unit/√s].
+    pub random_walk: Option<f64>,
+    /// ARMA of the whole error less its constant, beside the terms above, not added to them.
+    pub arma: Option<Arma>,
+    /// σ of the `paper` model [unit]; without it the white noise per sample is taken.
+    pub paper_sigma: Option<f64>,
+    /// What identification found out about the axis (chosen, runner-up, scores …), kept as it is.
+    pub identification: toml::Table,
+}
+
+/// A first-order Gauss-Markov process.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Instability {
+    /// Standard deviation [unit].
+    pub sigma: f64,
+    /// Correlation time [s].
+    pub tau: f64,
+}
+
+/// `x_t − ar_1 x_{t−1} − … = a_t − ma_1 a_{t−1} − …`, `a_t ~ N(0, sigma²)`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Arma {
+    /// φ1…φp.
+    pub ar: Vec<f64>,
+    /// θ1…θq.
+    pub ma: Vec<f64>,
+    /// Standard deviation of the innovations [unit].
+    pub sigma: f64,
+    /// Sample rate it holds at [Hz].
+    pub rate_hz: f64,
+}
+
+/// Why there is no model, or no shaping filter of it.
+#[derive(Debug, thiserror::Error)]
+pub enum ModelError {
+    /// The file cannot be read.
+    #[error("{file}: {error}{hint}")]
+    Read {
+        /// Path of the file.
+        file: String,
+        /// What the system says.
+        error: std::io::Error,
+        /// What else could have been meant, or nothing.
+        hint: String,
+    },
+    /// The text is no TOML.
+    #[error("{file}:{line}: {message}")]
+    Syntax {
+        /// Name of the text.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// What is wrong.
+        message: String,
+    },
+    /// An entry is missing, unknown or has a wrong value.
+    #[error("{}: {key}: {message}", place(file, *line))]
+    Entry {
+        /// Name of the text.
+        file: String,
+        /// Line of the entry from 1, where it is known.
+        line: Option<usize>,
+        /// Dotted path of the key.
+        key: String,
+        /// What is wrong and what was expected.
+        message: String,
+    },
+    /// The bias model cannot be made of what is known of the axis.
+    #[error("{}the {model} model needs {needs}", axis_prefix(*axis))]
+    Missing {
+        /// Axis, where it is known.
+        axis: Option<&'static str>,
+        /// The bias model asked for.
+        model: &'static str,
+        /// What would have to be given.
+        needs: &'static str,
+    },
+    /// The shaping filter cannot be made.
+    #[error("{}the {model} model: {error}", axis_prefix(*axis))]
+    Shaping {
+        /// Axis, where it is known.
+        axis: Option<&'static str>,
+        /// The bias model asked for.
+        model: &'static str,
+        /// Why not.
+        error: ShapingError,
+    },
+}
+
+fn place(file: &str, line: Option<usize>) -> String {
+    match line {
+        Some(line) => format!("{file}:{line}"),
+        None => file.to_owned(),
+    }
+}
+
+fn axis_prefix(axis: Option<&'static str>) -> String {
+    axis.map(|axis| format!("{axis}: ")).unwrap_or_default()
+}
+
+impl ImuModel {
+    /// Reads a model file's text; `file` is what messages call it.
+    pub fn from_toml(text: &str, file: &str) -> Result<Self, ModelError> {
+        read::from_text(text, file)
+    }
+
+    /// Reads a model from a table of another file, e.g. an inline `model = { … }`, where `format`
+    /// and `version` may be left out. `file` and the dotted key `path` of the table are for
+    /// messages; see [`ImuModel::from_spanned`] for messages with a line.
+    pub fn from_table(table: &toml::Table, file: &str, path: &str) -> Result<Self, ModelError> {
+        read::from_plain(table, file, path)
+    }
+
+    /// As [`ImuModel::from_table`], from a table that knows its place in `text`.
+    pub fn from_spanned(
+        table: &toml::de::DeTable<'_>,
+        text: &str,
+        file: &str,
+        path: &str,
+    ) -> Result<Self, ModelError> {
+        read::from_spanned(table, text, file, path)
+    }
+
+    /// Reads a model file.
+    pub fn load(path: &Path) -> Result<Self, ModelError> {
+        let file = path.display().to_string();
+        match std::fs::read_to_string(path) {
+            Ok(text) => Self::from_toml(&text, &file),
+            Err(error) => Err(ModelError::Read {
+                file,
+                error,
+                hint: String::new(),
+            }),
+        }
+    }
+
+    /// The preset of that name, or the model file at that path relative to `base`.
+    pub fn resolve(name_or_path: &str, base: &Path) -> Result<Self, ModelError> {
+        if let Some(model) = Self::preset(name_or_path) {
+            return Ok(model);
+        }
+        Self::load(&base.join(name_or_path)).map_err(|error| match error {
+            ModelError::Read { file, error, .. } => {
+                let hint = format!(
+                    " (a model is a file or one of the presets {})",
+                    presets::NAMES.join(", ")
+                );
+                ModelError::Read { file, error, hint }
+            }
+            other => other,
+        })
+    }
+
+    /// A preset by its name, see [`presets`].
+    pub fn preset(name: &str) -> Option<Self> {
+        let text = presets::text(name)?;
+        Self::from_toml(text, name).ok()
+    }
+
+    /// Names of the presets.
+    pub fn preset_names() -> &'static [&'static str] {
+        &presets::NAMES
+    }
+
+    /// The text of a model file that reads back as this model.
+    pub fn to_toml(&self) -> String {
+        write::to_text(self)
+    }
+
+    /// The six axes with their names: gyro x, y, z, accelerometer x, y, z.
+    pub fn axes(&self) -> [(&'static str, &AxisModel); 6] {
+        std::array::from_fn(|i| {
+            (
+                AXES[i],
+                if i < 3 {
+                    &self.gyro[i]
+                } else {
+                    &self.accel[i - 3]
+                },
+            )
+        })
+    }
+}

@@ -1,0 +1,156 @@
+//! Writing of model files, in the units of data sheets.
+
+use super::{AXES, AxisModel, FORMAT, ImuModel, VERSION};
+use std::fmt::Write;
+use undrift_nav::units::{self, Quantity};
+
+/// The units written: level at turn-on and in ARMA, slow bias, white noise, random walk.
+struct Units {
+    slow: (&'static str, Quantity),
+    level: (&'static str, Quantity),
+    noise: (&'static str, Quantity),
+    walk: (&'static str, Quantity),
+}
+
+const GYRO: Units = Units {
+    level: ("deg/s", Quantity::AngularRate),
+    slow: ("deg/h", Quantity::AngularRate),
+    noise: ("deg/sqrt(h)", Quantity::AngleRandomWalk),
+    walk: ("deg/h/sqrt(h)", Quantity::RateRandomWalk),
+};
+const ACCEL: Units = Units {
+    level: ("mg", Quantity::Acceleration),
+    slow: ("mg", Quantity::Acceleration),
+    noise: ("m/s/sqrt(h)", Quantity::VelocityRandomWalk),
+    walk: ("mg/sqrt(h)", Quantity::AccelerationRandomWalk),
+};
+
+pub(super) fn to_text(model: &ImuModel) -> String {
+    let mut out = String::new();
+    line(&mut out, "format", &quoted(FORMAT));
+    line(&mut out, "version", &VERSION.to_string());
+    line(&mut out, "name", &quoted(&model.name));
+    line(&mut out, "source", &quoted(&model.source));
+    let p = &model.provenance;
+    if *p != super::Provenance::default() {
+        out.push_str("\n[provenance]\n");
+        let texts = [
+            ("record", &p.record),
+            ("sha256", &p.sha256),
+            ("program", &p.program),
+        ];
+        for (key, text) in texts {
+            if let Some(text) = text {
+                line(&mut out, key, &quoted(text));
+            }
+        }
+        if let Some(rate) = p.rate_hz {
+            line(
+                &mut out,
+                "rate",
+                &measure(rate, ("Hz", Quantity::Frequency)),
+            );
+        }
+        if let Some(samples) = p.samples {
+            line(&mut out, "samples", &samples.to_string());
+        }
+    }
+    for (group, axes, units, names) in [
+        ("gyro", &model.gyro, &GYRO, &AXES[..3]),
+        ("accel", &model.accel, &ACCEL, &AXES[3..]),
+    ] {
+        if axes[0] == axes[1] && axes[0] == axes[2] {
+            axis(&mut out, group, &axes[0], units);
+        } else {
+            for (name, model) in names.iter().zip(axes) {
+                axis(&mut out, name, model, units);
+            }
+        }
+    }
+    out
+}
+
+fn axis(out: &mut String, name: &str, axis: &AxisModel, units: &Units) {
+    // Writing into a String cannot fail.
+    let _ = writeln!(out, "\n[{name}]");
+    line(out, "turn_on", &measure(axis.turn_on, units.level));
+    if let Some(white) = axis.white {
+        line(out, "white_noise", &measure(white, units.noise));
+    }
+    if let Some(instability) = axis.instability {
+        line(
+            out,
+            "bias_instability",
+            &measure(instability.sigma, units.slow),
+        );
+        line(
+            out,
+            "correlation_time",
+            &measure(instability.tau, ("s", Quantity::Time)),
+        );
+    }
+    if let Some(walk) = axis.random_walk {
+        line(out, "random_walk", &measure(walk, units.walk));
+    }
+    if let Some(sigma) = axis.paper_sigma {
+        line(out, "paper_sigma", &measure(sigma, units.level));
+    }
+    if let Some(arma) = &axis.arma {
+        let _ = writeln!(out, "\n[{name}.arma]");
+        line(
+            out,
+            "rate",
+            &measure(arma.rate_hz, ("Hz", Quantity::Frequency)),
+        );
+        line(out, "ar", &format!("{:?}", arma.ar));
+        line(out, "ma", &format!("{:?}", arma.ma));
+        line(out, "sigma", &measure(arma.sigma, units.level));
+    }
+    if !axis.identification.is_empty() {
+        let _ = writeln!(out, "\n[{name}.identification]");
+        for (key, value) in &axis.identification {
+            let key = if key
+                .bytes()
+                .all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-')
+                && !key.is_empty()
+            {
+                key.clone()
+            } else {
+                quoted(key)
+            };
+            line(out, &key, &value.to_string());
+        }
+    }
+}
+
+fn line(out: &mut String, key: &str, value: &str) {
+    let _ = writeln!(out, "{key} = {value}");
+}
+
+fn quoted(text: &str) -> String {
+    toml::Value::String(text.to_owned()).to_string()
+}
+
+/// The fewest digits that read back as the same number to its last places.
+fn measure(value: f64, (unit, quantity): (&str, Quantity)) -> String {
+    let factor = units::unit_factor(unit, quantity).unwrap_or(1.0);
+    let in_unit = value / factor;
+    let written = |digits: usize| {
+        let rounded: f64 = format!("{in_unit:.digits$e}").parse().unwrap_or(in_unit);
+        if rounded == 0.0 || (1e-5..1e7).contains(&rounded.abs()) {
+            format!("{rounded} {unit}")
+        } else {
+            format!("{rounded:e} {unit}")
+        }
+    };
+    // A product with the factor rounds twice: not every number can be had back exactly.
+    let same = |text: &String| {
+        units::parse(text, quantity).is_ok_and(|back| (back - value).abs() <= 1e-15 * value.abs())
+    };
+    quoted(
+        &(0..17)
+            .map(written)
+            .find(same)
+            .unwrap_or_else(|| written(16)),
+    )
+}

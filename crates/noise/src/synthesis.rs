@@ -1,0 +1,95 @@
+//! Random noise of any shaping filter, from a named generator: a seed means the same noise on
+//! every machine.
+
+use rand::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use undrift_nav::shaping::{MAX_ORDER, ShapingFilter};
+
+/// Draws the samples ε_0, ε_1, … of a shaping filter.
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::synthesis::NoiseGenerator;
+/// let filter = ShapingFilter::arma(&[0.9], &[0.5], 0.01, 0.005)?;
+/// let mut record = vec![0.0; 1000];
+/// NoiseGenerator::new(&filter, 1).fill(&mut record);
+/// # Ok::<(), undrift_nav::shaping::ShapingError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct NoiseGenerator {
+    filter: ShapingFilter,
+    factor: [[f64; MAX_ORDER + 1]; MAX_ORDER + 1],
+    state: [f64; MAX_ORDER],
+    rng: Xoshiro256PlusPlus,
+}
+
+impl NoiseGenerator {
+    /// A generator with the state drawn from the filter's `p0`, from xoshiro256++ seeded with `seed`.
+    pub fn new(filter: &ShapingFilter, seed: u64) -> Self {
+        Self::with_rng(filter, Xoshiro256PlusPlus::seed_from_u64(seed))
+    }
+
+    /// As [`NoiseGenerator::new`], from a generator of the caller, e.g. one jumped ahead per axis.
+    pub fn with_rng(filter: &ShapingFilter, mut rng: Xoshiro256PlusPlus) -> Self {
+        let initial = filter.initial_factor();
+        let mut state = [0.0; MAX_ORDER];
+        for j in 0..filter.order {
+            let w: f64 = StandardNormal.sample(&mut rng);
+            for i in j..filter.order {
+                state[i] += initial[i][j] * w;
+            }
+        }
+        Self {
+            filter: *filter,
+            factor: filter.noise_factor(),
+            state,
+            rng,
+        }
+    }
+
+    /// The next sample ε_k [rad/s or m/s²].
+    pub fn sample(&mut self) -> f64 {
+        let n = self.filter.order;
+        let mut w = [0.0; MAX_ORDER + 1];
+        for slot in &mut w[..=n] {
+            *slot = StandardNormal.sample(&mut self.rng);
+        }
+        let mut value = self.factor[0][0] * w[0];
+        let mut next = [0.0; MAX_ORDER];
+        for i in 0..n {
+            value += self.filter.h[i] * self.state[i];
+            for j in 0..n {
+                next[i] += self.filter.f[i][j] * self.state[j];
+            }
+            for j in 0..=i + 1 {
+                next[i] += self.factor[i + 1][j] * w[j];
+            }
+        }
+        self.state = next;
+        value
+    }
+
+    /// Fills `out` with the next samples [rad/s or m/s²].
+    pub fn fill(&mut self, out: &mut [f64]) {
+        for slot in out {
+            *slot = self.sample();
+        }
+    }
+
+    /// What can be predicted of the next sample, `h · x` [rad/s or m/s²]: the true bias.
+    pub fn bias(&self) -> f64 {
+        (0..self.filter.order)
+            .map(|i| self.filter.h[i] * self.state[i])
+            .sum()
+    }
+}
+
+impl Iterator for NoiseGenerator {
+    type Item = f64;
+
+    /// The next sample; never ends.
+    fn next(&mut self) -> Option<f64> {
+        Some(self.sample())
+    }
+}

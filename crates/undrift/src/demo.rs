@@ -1,0 +1,109 @@
+//! The source paper's experiment on a simulated drive: nothing but a seed goes in.
+
+use crate::{
+    align::AlignSettings,
+    outages::{self, ModelRun, Schedule},
+    replay::{Outage, ReplayError, Settings},
+    simulate::{GnssNoise, Simulation, SimulationError, Trajectory, simulate},
+};
+use rand::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use undrift_nav::{Vector3, sample::ImuSample};
+use undrift_noise::{BiasModel, ImuModel, ModelError};
+
+/// IMU of the demo.
+pub const PRESET: &str = "adis16405";
+/// Sample rate of the simulated IMU [Hz].
+pub const RATE_HZ: f64 = 200.0;
+/// Length of the simulated drive [s].
+pub const DURATION: f64 = 600.0;
+/// Outages: number, length and spacing [s], the first this long after the first fix [s].
+pub const OUTAGES: (usize, f64, f64, f64) = (15, 10.0, 34.0, 90.0);
+
+/// The drive and what each model made of it.
+pub struct Demo {
+    /// Samples, fixes and truth.
+    pub simulation: Simulation,
+    /// Where GNSS was cut.
+    pub outages: Vec<Outage>,
+    /// Model by model; the last is `white` with the turn-on constants removed beforehand.
+    pub runs: Vec<(String, Result<ModelRun, ReplayError>)>,
+}
+
+/// Why there is no demo.
+#[derive(Debug, thiserror::Error)]
+pub enum DemoError {
+    /// The preset made no shaping filter.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// Nothing was simulated.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// The outages do not fit the drive.
+    #[error("{0}")]
+    Schedule(String),
+}
+
+/// Simulates the drive and runs all bias models through its outages.
+pub fn run(seed: u64) -> Result<Demo, DemoError> {
+    let model = ImuModel::preset(PRESET).unwrap_or_default();
+    let interval = 1.0 / RATE_HZ;
+    let lever_arm = Vector3::new(0.3, 0.1, -1.2);
+    let gnss = GnssNoise {
+        position_std: [0.02, 0.02, 0.04],
+        velocity_std: [0.03, 0.03, 0.05],
+        rate_hz: 5.0,
+        lever_arm,
+        ..GnssNoise::default()
+    };
+    // The sensors' truth: white noise and Gauss-Markov bias here, the turn-on constants below, so
+    // that they can also be left out.
+    let mut without_turn_on = model.clone();
+    for axis in without_turn_on.gyro.iter_mut().chain(&mut without_turn_on.accel) {
+        axis.turn_on = 0.0;
+    }
+    let sensors = without_turn_on.shaping(BiasModel::GaussMarkov, interval)?;
+    let mut simulation = simulate(&Trajectory::car(DURATION, seed), RATE_HZ, Some(&sensors), &gnss, seed)?;
+    let calibrated = simulation.imu.clone();
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+    let mut constant = |axes: &[undrift_noise::AxisModel; 3]| {
+        Vector3::from_iterator(axes.iter().map(|axis| {
+            let unit: f64 = StandardNormal.sample(&mut random);
+            axis.turn_on * unit
+        }))
+    };
+    let (gyro, accel) = (constant(&model.gyro), constant(&model.accel));
+    for sample in &mut simulation.imu {
+        *sample = ImuSample {
+            dtheta: sample.dtheta + gyro * sample.dt,
+            dvel: sample.dvel + accel * sample.dt,
+            ..*sample
+        };
+    }
+
+    let ends = simulation.gnss.first().zip(simulation.gnss.last());
+    let (first, last) = ends.map_or((0.0, 0.0), |(a, b)| (a.time, b.time));
+    let (count, length, every, start) = OUTAGES;
+    let plan = Schedule::Every { start, every, count: Some(count) };
+    let outages = outages::schedule(&plan, length, first, last).map_err(DemoError::Schedule)?;
+    let settings = |kind: BiasModel| -> Result<(String, Settings), ModelError> {
+        let settings = Settings {
+            sensors: model.shaping(kind, interval)?,
+            lever_arm,
+            align: AlignSettings::default(),
+            outages: outages.clone(),
+        };
+        Ok((kind.name().to_owned(), settings))
+    };
+    let models = BiasModel::ALL.into_iter().map(settings).collect::<Result<Vec<_>, _>>()?;
+    let mut runs = outages::run(&simulation.imu, &simulation.gnss, &simulation.truth, &models);
+    let (_, white) = settings(BiasModel::White)?;
+    let white = [(WHITE_CALIBRATED.to_owned(), white)];
+    runs.splice(1..1, outages::run(&calibrated, &simulation.gnss, &simulation.truth, &white));
+    Ok(Demo { simulation, outages, runs })
+}
+
+/// Name of the row for `white` on samples without their turn-on constants, as a laboratory
+/// calibration of this very run would leave them.
+pub const WHITE_CALIBRATED: &str = "white, no constants";

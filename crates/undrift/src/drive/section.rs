@@ -1,0 +1,208 @@
+//! Access to one table of a TOML file, with errors that name file, line, key and what was expected.
+
+use std::cell::RefCell;
+use toml::de::{DeTable, DeValue};
+use undrift_io::table::Column;
+use undrift_nav::{
+    Vector3,
+    units::{self, Quantity},
+};
+
+/// What is wrong with a configuration file, and where.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{file}{}{}: {message}", line.map_or(String::new(), |l| format!(" line {l}")), if key.is_empty() { String::new() } else { format!(", {key}") })]
+pub struct ConfigError {
+    /// The file as it was given.
+    pub file: String,
+    /// Line from 1, where it is known.
+    pub line: Option<usize>,
+    /// Dotted key.
+    pub key: String,
+    /// What is wrong and what was expected.
+    pub message: String,
+}
+
+/// One table of a file; remembers which keys were asked for, so that the others can be refused.
+pub struct Section<'a> {
+    table: Option<&'a DeTable<'a>>,
+    text: &'a str,
+    file: &'a str,
+    path: &'a str,
+    line: Option<usize>,
+    asked: RefCell<Vec<&'a str>>,
+}
+
+/// Line of a byte offset, from 1.
+pub fn line_at(text: &str, offset: usize) -> usize {
+    text.as_bytes().iter().take(offset).filter(|&&b| b == b'\n').count() + 1
+}
+
+impl<'a> Section<'a> {
+    /// The top of a file.
+    pub fn top(table: &'a DeTable<'a>, text: &'a str, file: &'a str) -> Self {
+        Self { table: Some(table), text, file, path: "", line: None, asked: RefCell::default() }
+    }
+
+    /// A sub-table; an absent one has no keys.
+    pub fn section(&self, key: &'a str) -> Result<Section<'a>, ConfigError> {
+        let mut section = Section { table: None, text: self.text, file: self.file, path: key, line: None, asked: RefCell::default() };
+        if let Some((value, line)) = self.get(key) {
+            section.line = Some(line);
+            section.table = match value {
+                DeValue::Table(table) => Some(table),
+                _ => return Err(self.error(key, "must be a table")),
+            };
+        }
+        Ok(section)
+    }
+
+    /// Whether the table is there.
+    pub fn exists(&self) -> bool {
+        self.table.is_some()
+    }
+
+    /// The value of a key and its line.
+    pub fn get(&self, key: &'a str) -> Option<(&'a DeValue<'a>, usize)> {
+        self.asked.borrow_mut().push(key);
+        let (name, value) = self.table?.iter().find(|(k, _)| k.get_ref().as_ref() == key)?;
+        Some((value.get_ref(), line_at(self.text, name.span().start)))
+    }
+
+    /// An error at a key of this table.
+    pub fn error(&self, key: &str, message: impl Into<String>) -> ConfigError {
+        let found = self.table.and_then(|t| t.iter().find(|(k, _)| k.get_ref().as_ref() == key));
+        ConfigError {
+            file: self.file.to_owned(),
+            line: found.map(|(k, _)| line_at(self.text, k.span().start)).or(self.line),
+            key: if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) },
+            message: message.into(),
+        }
+    }
+
+    /// Refuses keys that were never asked for.
+    pub fn only_known(&self) -> Result<(), ConfigError> {
+        let asked = self.asked.borrow();
+        let unknown = self.table.and_then(|t| t.keys().find(|k| !asked.contains(&k.get_ref().as_ref())));
+        match unknown {
+            None => Ok(()),
+            Some(key) => {
+                let mut known: Vec<&str> = asked.clone();
+                known.sort_unstable();
+                known.dedup();
+                Err(self.error(key.get_ref(), format!("unknown key; known here: {}", known.join(", "))))
+            }
+        }
+    }
+
+    /// A string.
+    pub fn text(&self, key: &'a str) -> Result<Option<&'a str>, ConfigError> {
+        match self.get(key) {
+            None => Ok(None),
+            Some((DeValue::String(s), _)) => Ok(Some(s.as_ref())),
+            Some(_) => Err(self.error(key, "must be a string")),
+        }
+    }
+
+    /// A string that must be there.
+    pub fn required_text(&self, key: &'a str) -> Result<&'a str, ConfigError> {
+        self.text(key)?.ok_or_else(|| self.error(key, "missing"))
+    }
+
+    /// One of a few words.
+    pub fn word<T: Copy>(&self, key: &'a str, words: &[(&str, T)]) -> Result<Option<T>, ConfigError> {
+        let Some(text) = self.text(key)? else { return Ok(None) };
+        match words.iter().find(|(w, _)| *w == text) {
+            Some((_, value)) => Ok(Some(*value)),
+            None => {
+                let known: Vec<String> = words.iter().map(|(w, _)| format!("\"{w}\"")).collect();
+                Err(self.error(key, format!("\"{text}\" is none of {}", known.join(", "))))
+            }
+        }
+    }
+
+    /// A bare positive number.
+    pub fn factor(&self, key: &'a str) -> Result<Option<f64>, ConfigError> {
+        let number = match self.get(key) {
+            None => return Ok(None),
+            Some((DeValue::Float(x), _)) => x.as_str().replace('_', "").parse().ok(),
+            Some((DeValue::Integer(x), _)) => x.as_str().replace('_', "").parse().ok(),
+            Some(_) => None,
+        };
+        match number.filter(|x: &f64| x.is_finite() && *x > 0.0) {
+            Some(x) => Ok(Some(x)),
+            None => Err(self.error(key, "must be a number above zero")),
+        }
+    }
+
+    /// A column by name or, as a person counts, by number.
+    pub fn column(&self, key: &'a str) -> Result<Option<Column>, ConfigError> {
+        self.get(key).map(|(value, _)| self.column_of(key, value)).transpose()
+    }
+
+    fn column_of(&self, key: &str, value: &DeValue) -> Result<Column, ConfigError> {
+        match value {
+            DeValue::String(name) => Ok(Column::Name(name.to_string())),
+            DeValue::Integer(number) => match number.as_str().parse::<usize>() {
+                Ok(n) if n > 0 => Ok(Column::Number(n)),
+                _ => Err(self.error(key, "columns are numbered from 1")),
+            },
+            _ => Err(self.error(key, "must be a column's name or number")),
+        }
+    }
+
+    /// Three columns.
+    pub fn columns(&self, key: &'a str) -> Result<Option<[Column; 3]>, ConfigError> {
+        let Some((value, _)) = self.get(key) else { return Ok(None) };
+        let wrong = || self.error(key, "must be a list of three columns such as [\"x\", \"y\", \"z\"] or [2, 3, 4]");
+        let DeValue::Array(items) = value else { return Err(wrong()) };
+        let columns = items
+            .iter()
+            .map(|item| self.column_of(key, item.get_ref()))
+            .collect::<Result<Vec<_>, _>>()?;
+        columns.try_into().map(Some).map_err(|_| wrong())
+    }
+
+    /// A number with its unit.
+    pub fn quantity(&self, key: &'a str, quantity: Quantity) -> Result<Option<f64>, ConfigError> {
+        match self.get(key) {
+            None => Ok(None),
+            Some((DeValue::String(text), _)) => {
+                units::parse(text, quantity).map(Some).map_err(|e| self.error(key, format!("\"{text}\": {e}")))
+            }
+            Some(_) => Err(self.error(key, needs_unit(quantity))),
+        }
+    }
+
+    /// The factor to SI of a unit without number, `default` where the key is absent.
+    pub fn unit(&self, key: &'a str, quantity: Quantity, default: f64) -> Result<f64, ConfigError> {
+        match self.text(key)? {
+            None => Ok(default),
+            Some(unit) => units::unit_factor(unit, quantity).map_err(|e| self.error(key, format!("\"{unit}\": {e}"))),
+        }
+    }
+
+    /// Three numbers with one unit, `"0.1, -0.3, 0 m"`; one number means it for all three.
+    pub fn vector(&self, key: &'a str, quantity: Quantity) -> Result<Option<Vector3>, ConfigError> {
+        let text = match self.get(key) {
+            None => return Ok(None),
+            Some((DeValue::String(text), _)) => text,
+            Some(_) => return Err(self.error(key, format!("write a string such as \"1, 2, 3 unit\": {}", needs_unit(quantity)))),
+        };
+        let wrong = |e: &dyn std::fmt::Display| self.error(key, format!("\"{text}\": {e}"));
+        let parts: Vec<&str> = text.split(',').map(str::trim).collect();
+        match parts.as_slice() {
+            [one] => Ok(Some(Vector3::repeat(units::parse(one, quantity).map_err(|e| wrong(&e))?))),
+            [x, y, z] => {
+                let end = z.find(|c: char| !(c.is_ascii_digit() || ".+-eE\u{2212}".contains(c))).unwrap_or(z.len());
+                let unit = &z[end..];
+                let number = |n: &str| units::parse(&format!("{n}{unit}"), quantity).map_err(|e| wrong(&e));
+                Ok(Some(Vector3::new(number(x)?, number(y)?, number(&z[..end])?)))
+            }
+            _ => Err(wrong(&"expected one number, or three with commas between them, and a unit")),
+        }
+    }
+}
+
+fn needs_unit(quantity: Quantity) -> String {
+    format!("the number needs a unit: write {} as a string such as {}", quantity.name(), quantity.examples())
+}

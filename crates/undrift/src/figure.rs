@@ -1,0 +1,147 @@
+//! Static figures as SVG.
+
+use crate::{outages::ModelRun, replay::Outage};
+use plotters::prelude::*;
+use std::path::Path;
+use undrift_nav::{earth::Geodetic, sample::TruthSample};
+
+/// What is drawn of one model.
+pub struct DriftCurve<'a> {
+    /// Name in the legend.
+    pub name: &'a str,
+    /// Root mean square over the outages of the horizontal error [m] at each time since the cut [s].
+    pub points: Vec<(f64, f64)>,
+}
+
+/// The RMS drift over the outages of a model run, at the times its first outage was sampled.
+pub fn drift_curve(run: &ModelRun) -> DriftCurve<'_> {
+    let outages = &run.errors.per_outage;
+    let times: Vec<f64> = outages.first().map_or(Vec::new(), |o| o.drift.iter().map(|p| p.0).collect());
+    let points = times
+        .iter()
+        .enumerate()
+        .filter_map(|(i, &t)| {
+            let squares: Option<Vec<f64>> = outages
+                .iter()
+                .map(|o| o.drift.get(i).map(|p| p.1 * p.1).filter(|s| s.is_finite()))
+                .collect();
+            let squares = squares?;
+            Some((t, (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()))
+        })
+        .collect();
+    DriftCurve { name: &run.name, points }
+}
+
+/// Colours that stay apart in grey and for the colour-blind (Okabe & Ito 2008).
+const COLOURS: [RGBColor; 8] = [
+    RGBColor(0, 0, 0),
+    RGBColor(120, 120, 120),
+    RGBColor(204, 121, 167),
+    RGBColor(86, 180, 233),
+    RGBColor(0, 158, 115),
+    RGBColor(230, 159, 0),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 114, 178),
+];
+
+/// Draws the trajectory to scale with its outages, and the drift of each model since the cut.
+///
+/// # Errors
+/// A sentence for the user when the file cannot be written.
+pub fn experiment(path: &Path, truth: &[TruthSample], outages: &[Outage], curves: &[DriftCurve]) -> Result<(), String> {
+    draw(path, truth, outages, curves).map_err(|e| format!("cannot draw {}: {e}", path.display()))
+}
+
+fn draw(
+    path: &Path,
+    truth: &[TruthSample],
+    outages: &[Outage],
+    curves: &[DriftCurve],
+) -> Result<(), Box<dyn std::error::Error>> {
+    let root = SVGBackend::new(path, (1160, 520)).into_drawing_area();
+    root.fill(&WHITE)?;
+    let (left, right) = root.split_horizontally(540);
+    draw_trajectory(&left, truth, outages)?;
+    draw_drift(&right, curves)?;
+    root.present()?;
+    Ok(())
+}
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
+
+fn draw_trajectory(area: &Area, truth: &[TruthSample], outages: &[Outage]) -> Result<(), Box<dyn std::error::Error>> {
+    let origin = truth.first().map_or(Geodetic::default(), |t| t.position);
+    // Ten points a second are plenty on paper.
+    let every = (truth.len() / 6000).max(1);
+    let track: Vec<(f64, (f64, f64))> = truth
+        .iter()
+        .step_by(every)
+        .map(|t| {
+            let ned = origin.ned_to(&t.position);
+            (t.time, (ned.y, ned.x))
+        })
+        .collect();
+    let (mut east, mut north) = ((0.0f64, 0.0f64), (0.0f64, 0.0f64));
+    for (_, (e, n)) in &track {
+        east = (east.0.min(*e), east.1.max(*e));
+        north = (north.0.min(*n), north.1.max(*n));
+    }
+    // One metre east is as long as one metre north.
+    let half = 0.53 * (east.1 - east.0).max(north.1 - north.0).max(1.0);
+    let (ce, cn) = ((east.0 + east.1) / 2.0, (north.0 + north.1) / 2.0);
+    let mut chart = ChartBuilder::on(area)
+        .margin(14)
+        .caption("Drive, GNSS outages in orange", ("sans-serif", 18))
+        .x_label_area_size(38)
+        .y_label_area_size(58)
+        .build_cartesian_2d(ce - half..ce + half, cn - half..cn + half)?;
+    chart
+        .configure_mesh()
+        .x_desc("east [m]")
+        .y_desc("north [m]")
+        .light_line_style(WHITE)
+        .label_style(("sans-serif", 13))
+        .draw()?;
+    chart.draw_series(LineSeries::new(track.iter().map(|p| p.1), RGBColor(90, 90, 90).stroke_width(1)))?;
+    for outage in outages {
+        let inside = track.iter().filter(|(t, _)| outage.contains(*t)).map(|p| p.1);
+        chart.draw_series(LineSeries::new(inside, COLOURS[6].stroke_width(4)))?;
+    }
+    Ok(())
+}
+
+fn draw_drift(area: &Area, curves: &[DriftCurve]) -> Result<(), Box<dyn std::error::Error>> {
+    let end = curves.iter().flat_map(|c| c.points.last()).fold(1.0f64, |m, p| m.max(p.0));
+    let most = curves.iter().flat_map(|c| &c.points).fold(1.0f64, |m, p| m.max(p.1));
+    const LEAST: f64 = 0.01;
+    let mut chart = ChartBuilder::on(area)
+        .margin(14)
+        .caption("Horizontal drift since the cut, RMS over the outages", ("sans-serif", 18))
+        .x_label_area_size(38)
+        .y_label_area_size(58)
+        .build_cartesian_2d(0.0..end, (LEAST..most * 1.5).log_scale())?;
+    chart
+        .configure_mesh()
+        .x_desc("time since the cut [s]")
+        .y_desc("horizontal error [m]")
+        .light_line_style(WHITE)
+        .label_style(("sans-serif", 13))
+        .y_label_formatter(&|v| if *v >= 1.0 { format!("{v:.0}") } else { format!("{v}") })
+        .draw()?;
+    for (i, curve) in curves.iter().enumerate() {
+        let colour = COLOURS[i % COLOURS.len()];
+        let points = curve.points.iter().map(|(t, e)| (*t, e.max(LEAST)));
+        chart
+            .draw_series(LineSeries::new(points, colour.stroke_width(2)))?
+            .label(curve.name)
+            .legend(move |(x, y)| PathElement::new(vec![(x, y), (x + 18, y)], colour.stroke_width(2)));
+    }
+    chart
+        .configure_series_labels()
+        .position(SeriesLabelPosition::UpperLeft)
+        .background_style(WHITE.mix(0.85))
+        .border_style(RGBColor(200, 200, 200))
+        .label_font(("sans-serif", 13))
+        .draw()?;
+    Ok(())
+}

@@ -1,0 +1,166 @@
+//! One drive through the filter and into a file, streamed: memory does not grow with the log.
+
+use crate::{
+    drive::{Drive, DriveError},
+    reference::{COMPONENTS, Errors, TruthCursor},
+    replay::{Observer, ReplayError, Settings, Summary, replay},
+};
+use std::path::Path;
+use undrift_io::{
+    ReadError,
+    imu::GapSummary,
+    skipped::Skipped,
+    truth::TruthReader,
+    write::{PendingFile, solution::{SolutionRow, SolutionWriter}},
+};
+use undrift_nav::{
+    Vector3,
+    attitude::to_rpy,
+    filter::Filter,
+    sample::{GnssFix, TruthSample},
+};
+use undrift_noise::BiasModel;
+
+/// What came of it.
+#[derive(Debug)]
+pub struct Report {
+    /// Counts, alignment, innovations.
+    pub summary: Summary,
+    /// Root-mean-square error over all samples that have a truth, and their number.
+    pub rmse: Option<(Errors, u64)>,
+    /// What was left out of the inertial log.
+    pub imu_skipped: Skipped,
+    /// What was left out of the GNSS log.
+    pub gnss_skipped: Skipped,
+    /// What was left out of the truth.
+    pub truth_skipped: Skipped,
+    /// Gaps of the inertial log.
+    pub gaps: GapSummary,
+}
+
+/// Why there is no solution.
+#[derive(Debug, thiserror::Error)]
+pub enum NavigateError {
+    /// The drive cannot be set up.
+    #[error(transparent)]
+    Drive(#[from] DriveError),
+    /// The replay stopped.
+    #[error(transparent)]
+    Replay(#[from] ReplayError),
+    /// No noise model is named.
+    #[error("no noise model: name one with --model or with model = \"…\" in the drive file; presets: {}", undrift_noise::ImuModel::preset_names().join(", "))]
+    NoModel,
+}
+
+impl From<ReadError> for NavigateError {
+    fn from(e: ReadError) -> Self {
+        Self::Drive(e.into())
+    }
+}
+
+impl From<undrift_noise::ModelError> for NavigateError {
+    fn from(e: undrift_noise::ModelError) -> Self {
+        Self::Drive(e.into())
+    }
+}
+
+/// The filter's settings for a drive under one bias model of its IMU.
+pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateError> {
+    let model = drive.model.as_ref().ok_or(NavigateError::NoModel)?;
+    Ok(Settings {
+        sensors: model.shaping(kind, drive.sample_interval()?)?,
+        lever_arm: drive.lever_arm,
+        align: drive.align.clone(),
+        outages: Vec::new(),
+    })
+}
+
+/// Navigates a drive; the solution at every sample goes to `output` as CSV, if there is one.
+pub fn navigate(drive: &Drive, kind: BiasModel, output: Option<&Path>) -> Result<Report, NavigateError> {
+    let settings = settings(drive, kind)?;
+    let mut imu = drive.open_imu()?;
+    let mut gnss = drive.open_gnss()?;
+    let mut recorder = Recorder {
+        writer: output.map(SolutionWriter::create).transpose().map_err(ReplayError::Write)?,
+        truth: drive.open_truth()?.map(|reader| TruthCursor::new(Readable { reader, error: None })),
+        squares: [0.0; COMPONENTS.len()],
+        compared: 0,
+    };
+    let summary = replay(&mut imu, gnss.by_ref().map(|f| f.map(|f| drive.used(f))), &settings, &mut recorder)?;
+    if let Some(writer) = recorder.writer {
+        writer.finish().map_err(ReplayError::Write)?;
+    }
+    let mut truth_skipped = Skipped::default();
+    if let Some(cursor) = recorder.truth {
+        let Readable { reader, error } = cursor.into_inner();
+        if let Some(error) = error {
+            return Err(error.into());
+        }
+        truth_skipped = reader.skipped().clone();
+    }
+    let n = recorder.compared;
+    Ok(Report {
+        summary,
+        rmse: (n > 0).then(|| (Errors(recorder.squares.map(|s| (s / n as f64).sqrt())), n)),
+        imu_skipped: imu.skipped().clone(),
+        gnss_skipped: gnss.skipped().clone(),
+        truth_skipped,
+        gaps: imu.gaps(),
+    })
+}
+
+/// A truth reader that ends at its first error and keeps it.
+struct Readable {
+    reader: TruthReader,
+    error: Option<ReadError>,
+}
+
+impl Iterator for Readable {
+    type Item = TruthSample;
+
+    fn next(&mut self) -> Option<TruthSample> {
+        match self.reader.next()? {
+            Ok(sample) => Some(sample),
+            Err(e) => {
+                self.error = Some(e);
+                None
+            }
+        }
+    }
+}
+
+struct Recorder {
+    writer: Option<SolutionWriter<PendingFile>>,
+    truth: Option<TruthCursor<Readable>>,
+    squares: [f64; COMPONENTS.len()],
+    compared: u64,
+}
+
+impl Observer for Recorder {
+    fn sample<const N: usize>(&mut self, filter: &Filter<N>) -> Result<(), ReplayError> {
+        let nav = filter.nav();
+        if let Some(truth) = self.truth.as_mut().and_then(|t| t.at(nav.time)) {
+            let errors = Errors::against_truth(nav, &truth);
+            for (sum, e) in self.squares.iter_mut().zip(errors.0) {
+                *sum += e * e;
+            }
+            self.compared += 1;
+        }
+        if let Some(writer) = &mut self.writer {
+            let e = filter.sensor_error();
+            writer.write(&SolutionRow {
+                time: nav.time,
+                position: nav.position,
+                v_n: nav.v_n,
+                rpy: to_rpy(&nav.q_nb),
+                nav_std: filter.nav_std(),
+                gyro_error: Vector3::new(e[0], e[1], e[2]),
+                accel_error: Vector3::new(e[3], e[4], e[5]),
+                error_std: filter.sensor_error_std(),
+            })?;
+        }
+        Ok(())
+    }
+
+    fn fix<const N: usize>(&mut self, _: &Filter<N>, _: &GnssFix, _: bool) {}
+}

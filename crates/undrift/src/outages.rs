@@ -1,0 +1,297 @@
+//! The experiment: GNSS cut many times on one drive, each bias model run through it, the drift
+//! reported as in the source paper's Table 4.
+
+use crate::{
+    reference::{self, Errors, HORIZONTAL, TruthCursor},
+    replay::{Observer, Outage, ReplayError, Settings, Summary, replay},
+};
+use rayon::prelude::*;
+use serde::Serialize;
+use undrift_nav::{
+    filter::Filter,
+    sample::{GnssFix, ImuSample, TruthSample},
+};
+
+/// What one outage did to one model.
+#[derive(Clone, Debug, Serialize)]
+pub struct OutageErrors {
+    /// Start in the log's time base [s].
+    pub start_s: f64,
+    /// Largest magnitude inside the outage.
+    pub max: Errors,
+    /// Error at its end.
+    pub end: Errors,
+    /// Horizontal error against time since the cut: pairs of [s] and [m], at most about ten a second.
+    #[serde(skip)]
+    pub drift: Vec<(f64, f64)>,
+}
+
+/// What the outages did to one model.
+#[derive(Clone, Debug, Serialize)]
+pub struct ModelErrors {
+    /// Largest magnitude over all samples inside the outages.
+    pub max: Errors,
+    /// Root mean square over the outages of each one's largest error.
+    pub rms: Errors,
+    /// Median over the outages of each one's largest error.
+    pub median: Errors,
+    /// Root mean square over the outages of the error at the end.
+    pub end_rms: Errors,
+    /// Outage by outage.
+    pub per_outage: Vec<OutageErrors>,
+    /// Set when the numbers cannot be trusted, and why.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub warning: Option<String>,
+}
+
+/// A model's name, its filter settings, and how its replay went.
+pub struct ModelRun {
+    /// Name of the bias model.
+    pub name: String,
+    /// The outcome.
+    pub errors: ModelErrors,
+    /// Counts and innovations of the replay.
+    pub summary: Summary,
+}
+
+/// Where the outages lie, from the times of the fixes.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Schedule {
+    /// `count` of them, evenly from `start` [s after the first fix] to the end of the fixes.
+    Count {
+        /// After the first fix [s].
+        start: f64,
+        /// How many.
+        count: usize,
+    },
+    /// From `start` [s after the first fix] on, one every `every` [s], at most `count`.
+    Every {
+        /// After the first fix [s].
+        start: f64,
+        /// From start to start [s].
+        every: f64,
+        /// At most so many, as many as fit if `None`.
+        count: Option<usize>,
+    },
+    /// At these times in the log's own time base [s].
+    At(Vec<f64>),
+}
+
+/// The outages of `length` [s] a schedule asks for, given the first and last fix [s].
+///
+/// # Errors
+/// A sentence for the user when they do not fit, overlap or are not positive.
+pub fn schedule(plan: &Schedule, length: f64, first_fix: f64, last_fix: f64) -> Result<Vec<Outage>, String> {
+    if !(length > 0.0 && length.is_finite()) {
+        return Err(format!("an outage must last longer than 0 s, not {length} s"));
+    }
+    let starts: Vec<f64> = match plan {
+        Schedule::Count { start, count } => {
+            let from = first_fix + start;
+            let room = last_fix - length - from;
+            if *count == 0 || room < 0.0 {
+                return Err(format!(
+                    "no outage of {length} s fits between {start} s after the first fix and the last fix at {:.1} s",
+                    last_fix - first_fix
+                ));
+            }
+            let every = if *count > 1 { room / (*count - 1) as f64 } else { 0.0 };
+            (0..*count).map(|i| from + every * i as f64).collect()
+        }
+        Schedule::Every { start, every, count } => {
+            if !(*every > 0.0 && every.is_finite()) {
+                return Err(format!("outages must be more than 0 s apart, not {every} s"));
+            }
+            let from = first_fix + start;
+            let fits = ((last_fix - length - from) / every + 1e-9).floor() + 1.0;
+            if fits < 1.0 {
+                return Err(format!(
+                    "no outage of {length} s fits after {start} s: the fixes end {:.1} s after the first",
+                    last_fix - first_fix
+                ));
+            }
+            let fits = fits as usize;
+            if let Some(count) = count.filter(|c| *c > fits) {
+                return Err(format!("only {fits} of the {count} outages fit before the fixes end"));
+            }
+            (0..count.unwrap_or(fits)).map(|i| from + every * i as f64).collect()
+        }
+        Schedule::At(times) => {
+            let mut times = times.clone();
+            times.sort_by(f64::total_cmp);
+            if let Some(time) = times
+                .iter()
+                .find(|t| !t.is_finite() || **t < first_fix || **t + length > last_fix + 1e-6)
+            {
+                return Err(format!(
+                    "an outage of {length} s at {time} does not lie within the fixes, {first_fix} to {last_fix}"
+                ));
+            }
+            times
+        }
+    };
+    if starts.windows(2).any(|w| w[1] < w[0] + length) {
+        return Err(format!(
+            "the outages overlap: {} of {length} s do not fit apart from each other",
+            starts.len()
+        ));
+    }
+    Ok(starts.into_iter().map(|start| Outage { start, end: start + length }).collect())
+}
+
+/// Runs every model through the outages of its settings, on all cores. `truth` empty: the withheld
+/// fixes are the reference.
+pub fn run(
+    imu: &[ImuSample],
+    gnss: &[GnssFix],
+    truth: &[TruthSample],
+    models: &[(String, Settings)],
+) -> Vec<(String, Result<ModelRun, ReplayError>)> {
+    models
+        .par_iter()
+        .map(|(name, settings)| {
+            let mut watch = OutageWatch::new(settings, truth);
+            let result = replay(
+                imu.iter().copied().map(Ok),
+                gnss.iter().copied().map(Ok),
+                settings,
+                &mut watch,
+            )
+            .map(|summary| ModelRun {
+                name: name.clone(),
+                errors: watch.finish(&summary),
+                summary,
+            });
+            (name.clone(), result)
+        })
+        .collect()
+}
+
+/// Collects the errors inside the outages.
+struct OutageWatch<'a> {
+    settings: &'a Settings,
+    truth: Option<TruthCursor<std::iter::Copied<std::slice::Iter<'a, TruthSample>>>>,
+    present: usize,
+    outages: Vec<OutageErrors>,
+}
+
+/// Points of the drift curve are at least this far apart [s].
+const DRIFT_STEP: f64 = 0.1;
+
+impl<'a> OutageWatch<'a> {
+    fn new(settings: &'a Settings, truth: &'a [TruthSample]) -> Self {
+        let outages = settings
+            .outages
+            .iter()
+            .map(|o| OutageErrors {
+                start_s: o.start,
+                max: Errors::UNKNOWN,
+                end: Errors::UNKNOWN,
+                drift: Vec::new(),
+            })
+            .collect();
+        Self {
+            settings,
+            truth: (!truth.is_empty()).then(|| TruthCursor::new(truth.iter().copied())),
+            present: 0,
+            outages,
+        }
+    }
+
+    /// The outage that `time` lies in; asked in order of time.
+    fn outage_at(&mut self, time: f64) -> Option<usize> {
+        let all = &self.settings.outages;
+        while self.present < all.len() && time > all[self.present].end + crate::replay::STAMP_ROUNDING {
+            self.present += 1;
+        }
+        (self.present < all.len() && all[self.present].contains(time)).then_some(self.present)
+    }
+
+    fn note(&mut self, outage: usize, time: f64, errors: Errors) {
+        let o = &mut self.outages[outage];
+        o.max = o.max.max_abs(errors);
+        o.end = errors;
+        let since = time - o.start_s;
+        if o.drift.last().is_none_or(|(last, _)| since - last >= DRIFT_STEP - 1e-6) {
+            o.drift.push((since, errors.0[HORIZONTAL]));
+        }
+    }
+
+    fn finish(self, summary: &Summary) -> ModelErrors {
+        // A solution that ended early has no error to show for the outages after its end.
+        let per_outage = self.outages;
+        let largest: Vec<Errors> = per_outage.iter().map(|o| o.max).collect();
+        let ends: Vec<Errors> = per_outage.iter().map(|o| o.end).collect();
+        let empty = per_outage.iter().filter(|o| o.end.0[HORIZONTAL].is_nan()).count();
+        let warning = if let Some(time) = summary.diverged {
+            Some(format!("the solution diverged at {time:.1} s"))
+        } else if empty > 0 {
+            Some(format!("{empty} of the outages have no reference inside them"))
+        } else {
+            summary.suspect.map(|time| {
+                format!("the innovations from {time:.1} s on are far beyond their predicted size: the solution diverges from the fixes or the model is wrong")
+            })
+        };
+        ModelErrors {
+            max: reference::max(&largest),
+            rms: reference::rms(&largest),
+            median: reference::median(&largest),
+            end_rms: reference::rms(&ends),
+            per_outage,
+            warning,
+        }
+    }
+}
+
+impl Observer for OutageWatch<'_> {
+    fn sample<const N: usize>(&mut self, filter: &Filter<N>) -> Result<(), ReplayError> {
+        let time = filter.nav().time;
+        if self.truth.is_some()
+            && let Some(outage) = self.outage_at(time)
+            && let Some(truth) = self.truth.as_mut().and_then(|t| t.at(time))
+        {
+            self.note(outage, time, Errors::against_truth(filter.nav(), &truth));
+        }
+        Ok(())
+    }
+
+    fn fix<const N: usize>(&mut self, filter: &Filter<N>, fix: &GnssFix, withheld: bool) {
+        if withheld
+            && self.truth.is_none()
+            && fix.position.is_some()
+            && let Some(outage) = self.outage_at(fix.time)
+        {
+            let errors = Errors::against_fix(filter, fix, &self.settings.lever_arm);
+            self.note(outage, fix.time, errors);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn schedules() {
+        let every = Schedule::Every { start: 60.0, every: 24.0, count: Some(15) };
+        let outages = schedule(&every, 10.0, 0.0, 437.2).unwrap();
+        assert_eq!(outages.len(), 15);
+        assert_eq!(outages[14], Outage { start: 396.0, end: 406.0 });
+        let count = Schedule::Count { start: 60.0, count: 15 };
+        let outages = schedule(&count, 10.0, 100.0, 700.0).unwrap();
+        assert_eq!((outages[0].start, outages[14].end), (160.0, 700.0));
+        let too_many = Schedule::Every { start: 60.0, every: 24.0, count: Some(17) };
+        assert!(schedule(&too_many, 10.0, 0.0, 437.2).unwrap_err().contains("only 16"));
+        assert!(schedule(&Schedule::At(vec![5.0, 8.0]), 10.0, 0.0, 100.0).is_err());
+        assert!(schedule(&Schedule::At(vec![95.0]), 10.0, 0.0, 100.0).is_err());
+        assert!(schedule(&Schedule::At(vec![f64::NAN]), 10.0, 0.0, 100.0).is_err());
+        assert!(schedule(&count, 0.0, 0.0, 100.0).is_err());
+    }
+
+    #[test]
+    fn an_outage_is_open_at_its_start_and_closed_at_its_end() {
+        let outage = Outage { start: 100.0, end: 110.0 };
+        assert!(!outage.contains(100.0) && outage.contains(100.2));
+        assert!(outage.contains(110.0) && !outage.contains(110.2));
+    }
+}
