@@ -128,9 +128,11 @@ impl Table {
                 format!("{} places for {} columns", out.len(), self.width),
             ));
         }
+        let (delimiter, keep) = (self.delimiter, self.keep_not_finite);
         if let Some(first) = self.held.take() {
             let line = self.lines.number();
-            if self.take(&first, line, out) {
+            let parsed = fields::parse_row(&first, delimiter, &self.wanted, keep, out);
+            if self.accept(parsed, line) {
                 return Ok(Some(line));
             }
         }
@@ -154,26 +156,12 @@ impl Table {
             };
             let line = self.lines.number();
             let bytes = self.lines.bytes(range);
-            // The usual row first: what is neither empty nor a comment starts with a digit or sign.
             if !starts_a_row(bytes) {
                 continue;
             }
-            match fields::parse_row(
-                bytes,
-                self.delimiter,
-                &self.wanted,
-                self.keep_not_finite,
-                out,
-            ) {
-                Ok(()) => {
-                    self.rows_seen += 1;
-                    self.rows_read += 1;
-                    return Ok(Some(line));
-                }
-                Err(defect) => {
-                    self.rows_seen += 1;
-                    count(&mut self.skipped, &defect, line);
-                }
+            let parsed = fields::parse_row(bytes, delimiter, &self.wanted, keep, out);
+            if self.accept(parsed, line) {
+                return Ok(Some(line));
             }
         }
         Ok(None)
@@ -198,21 +186,17 @@ impl Table {
         &mut self.skipped
     }
 
-    fn take(&mut self, bytes: &[u8], line: u64, out: &mut [f64]) -> bool {
+    /// Whether a parsed row is usable; counted where not.
+    #[inline]
+    fn accept(&mut self, parsed: Result<(), Defect>, line: u64) -> bool {
         self.rows_seen += 1;
-        match fields::parse_row(
-            bytes,
-            self.delimiter,
-            &self.wanted,
-            self.keep_not_finite,
-            out,
-        ) {
+        match parsed {
             Ok(()) => {
                 self.rows_read += 1;
                 true
             }
             Err(defect) => {
-                count(&mut self.skipped, &defect, line);
+                self.skipped.add(defect.kind(), line, &defect);
                 false
             }
         }
@@ -234,10 +218,6 @@ impl Table {
         };
         Err(ReadError::new(&self.path, problem).mend(self.skipped.to_string().replace('\n', "; ")))
     }
-}
-
-fn count(skipped: &mut Skipped, defect: &Defect, line: u64) {
-    skipped.add(defect.kind(), line, defect);
 }
 
 /// Whether a line is neither blank nor a comment.

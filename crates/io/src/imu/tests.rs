@@ -1,0 +1,168 @@
+use super::*;
+use crate::skipped::SkipKind;
+use std::io::Cursor;
+
+fn format() -> ImuFormat {
+    let column = |n| Column::Number(n);
+    ImuFormat::new(
+        Some(column(1)),
+        [column(2), column(3), column(4)],
+        [column(5), column(6), column(7)],
+    )
+}
+
+fn reader(text: &str, format: &ImuFormat) -> ImuReader {
+    let source = Box::new(Cursor::new(text.as_bytes().to_vec()));
+    ImuReader::from_source(Path::new("imu.csv"), source, format).unwrap()
+}
+
+fn all(text: &str, format: &ImuFormat) -> Vec<ImuSample> {
+    reader(text, format).map(Result::unwrap).collect()
+}
+
+/// A few roundings of numbers of order one.
+const ROUNDING: f64 = 1e-14;
+
+#[test]
+fn rates_become_increments_over_the_real_interval() {
+    let text = "0,1,2,3,4,5,6\n0.5,1,2,3,4,5,6\n1.5,1,2,3,4,5,6\n";
+    let samples = all(text, &format());
+    let intervals: Vec<f64> = samples.iter().map(|s| s.dt).collect();
+    assert_eq!(intervals, [0.5, 0.5, 1.0]);
+    assert_eq!(samples[1].dtheta, Vector3::new(0.5, 1.0, 1.5));
+    assert_eq!(samples[2].dvel, Vector3::new(4.0, 5.0, 6.0));
+    let rated = ImuFormat {
+        rate_hz: Some(4.0),
+        ..format()
+    };
+    assert_eq!(all(text, &rated)[0].dt, 0.25);
+}
+
+#[test]
+fn scale_rotation_and_offset() {
+    // Sensor x is body y, sensor y is body x, sensor z is up.
+    let mounted = ImuFormat {
+        time_scale: 1e-3,
+        time_offset: 100.0,
+        gyro_scale: 2.0,
+        accel_scale: 10.0,
+        rotation: Matrix3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0),
+        gyro_offset: Vector3::new(0.5, 0.0, 0.0),
+        accel_offset: Vector3::new(0.0, 0.0, 1.0),
+        ..format()
+    };
+    let text = "0,1,2,3,4,5,6\n500,1,2,3,4,5,6\n";
+    let rates = all(text, &mounted)[1];
+    assert_eq!(rates.time, 100.5);
+    assert!((rates.dtheta - Vector3::new(3.5, 2.0, -6.0) * 0.5).norm() < ROUNDING);
+    assert!((rates.dvel - Vector3::new(50.0, 40.0, -61.0) * 0.5).norm() < ROUNDING);
+    let increments = ImuFormat {
+        increments: true,
+        ..mounted
+    };
+    let increment = all(text, &increments)[1];
+    assert!((increment.dtheta - Vector3::new(3.75, 2.0, -6.0)).norm() < ROUNDING);
+    assert!((increment.dvel - Vector3::new(50.0, 40.0, -60.5)).norm() < ROUNDING);
+}
+
+#[test]
+fn without_a_time_column_a_bad_row_still_takes_its_time() {
+    let column = |n| Column::Number(n);
+    let rated = ImuFormat {
+        rate_hz: Some(10.0),
+        ..ImuFormat::new(
+            None,
+            [column(1), column(2), column(3)],
+            [column(4), column(5), column(6)],
+        )
+    };
+    let samples = all("1,1,1,1,1,1\n1,1,bad,1,1,1\n1,1,1,1,1,1\n", &rated);
+    assert_eq!(samples.len(), 2);
+    assert_eq!((samples[0].time, samples[0].dt), (0.0, 0.1));
+    assert_eq!((samples[1].time, samples[1].dt), (0.2, 0.2));
+}
+
+#[test]
+fn one_sample_without_a_rate_is_an_error_and_only_once() {
+    let mut reader = reader("0,1,2,3,4,5,6\n", &format());
+    assert!(
+        reader
+            .next()
+            .unwrap()
+            .unwrap_err()
+            .to_string()
+            .contains("rate")
+    );
+    assert!(reader.next().is_none());
+}
+
+#[test]
+fn formats_that_make_no_times() {
+    for bad in [
+        ImuFormat {
+            time: None,
+            ..format()
+        },
+        ImuFormat {
+            rate_hz: Some(0.0),
+            ..format()
+        },
+        ImuFormat {
+            time_scale: f64::NAN,
+            ..format()
+        },
+    ] {
+        let source = Box::new(Cursor::new(b"1,1,1,1,1,1,1\n".to_vec()));
+        assert!(ImuReader::from_source(Path::new("x"), source, &bad).is_err());
+    }
+}
+
+#[test]
+fn duplicates_are_skipped_and_a_reset_clock_is_an_error() {
+    let row = |t: f64| format!("{t},0,0,0,0,0,0\n");
+    let mut text: String = (0..50).map(|k| row(k as f64 * 0.01)).collect();
+    text += &row(0.49);
+    text += &row(0.2);
+    text += &row(0.5);
+    let mut good = reader(&text, &format());
+    assert_eq!(good.by_ref().filter(Result::is_ok).count(), 51);
+    assert_eq!(good.skipped().count(SkipKind::DuplicateTime), 1);
+    assert_eq!(good.skipped().count(SkipKind::TimeBackwards), 1);
+
+    text.extend((0..200).map(|k| row(k as f64 * 1e-3)));
+    let last = reader(&text, &format()).last().unwrap();
+    let error = last.unwrap_err();
+    assert_eq!(error.line, Some(54));
+    assert!(error.to_string().contains("jumps back"), "{error}");
+}
+
+#[test]
+fn span_keeps_the_interval_of_its_first_sample_and_names_what_there_is() {
+    let text: String = (0..10).map(|k| format!("{k},0,0,0,0,0,0\n")).collect();
+    let part = |span| ImuFormat {
+        span: Some(span),
+        ..format()
+    };
+    let samples = all(&text, &part((3.0, 5.0)));
+    let times: Vec<f64> = samples.iter().map(|s| s.time).collect();
+    assert_eq!(times, [3.0, 4.0, 5.0]);
+    assert_eq!(samples[0].dt, 1.0);
+    let mut outside = reader(&text, &part((30.0, 50.0)));
+    let error = outside.next().unwrap().unwrap_err().to_string();
+    assert!(error.contains("0 s to 9 s"), "{error}");
+}
+
+#[test]
+fn gaps_keep_their_length() {
+    let mut text: String = (0..200).map(|k| format!("{k},0,0,0,0,0,0\n")).collect();
+    text += "207,0,0,0,0,0,0\n";
+    let mut reader = reader(&text, &format());
+    assert_eq!(reader.by_ref().last().unwrap().unwrap().dt, 8.0);
+    let gap = Gap {
+        start: 199.0,
+        length: 8.0,
+        line: 201,
+    };
+    assert_eq!(reader.gaps().count, 1);
+    assert_eq!(reader.gaps().longest, Some(gap));
+}
