@@ -347,6 +347,7 @@ impl<const N: usize> Filter<N> {
     fn take_out(&mut self, error: &SVector<f64, N>) {
         let part = |at: usize| Vector3::new(error[at], error[at + 1], error[at + 2]);
         self.nav = self.nav.without_error(&part(0), &part(3), &part(6));
+        self.reset_attitude(&part(6));
         self.c_nb = self.nav.q_nb.to_rotation_matrix().into_inner();
         let before = self.sensors.predicted_error(&self.x);
         for i in NAV..N {
@@ -361,6 +362,28 @@ impl<const N: usize> Filter<N> {
         if let Some((increments, _)) = &mut self.current {
             increments.rotation -= gyro * increments.dt;
             increments.dvel -= accel * increments.dt;
+        }
+    }
+
+    /// Moves the misalignment's covariance to the corrected attitude: after a turn by δ the error
+    /// that is left, e, becomes e + ½ δ × e. It matters while the heading is far less certain than
+    /// the level. Markley & Crassidis 2014, section 6.2.
+    fn reset_attitude(&mut self, delta: &Vector3) {
+        let cross = |v: Vector3| v + delta.cross(&v) * 0.5;
+        for j in 0..N {
+            let column = cross(Vector3::new(self.p[(6, j)], self.p[(7, j)], self.p[(8, j)]));
+            for i in 0..3 {
+                self.p[(6 + i, j)] = column[i];
+            }
+        }
+        for i in 0..N {
+            let row = cross(Vector3::new(self.p[(i, 6)], self.p[(i, 7)], self.p[(i, 8)]));
+            for j in 0..3 {
+                self.p[(i, 6 + j)] = row[j];
+            }
+        }
+        for (i, j) in [(6, 7), (6, 8), (7, 8)] {
+            self.p[(i, j)] = self.p[(j, i)];
         }
     }
 
