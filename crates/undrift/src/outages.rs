@@ -226,7 +226,12 @@ impl<'a> OutageWatch<'a> {
         let warning = if let Some(time) = summary.diverged {
             Some(format!("the solution diverged at {time:.1} s"))
         } else if empty > 0 {
-            Some(format!("{empty} of the outages have no reference inside them"))
+            Some(match summary.started {
+                Some(start) if per_outage.iter().any(|o| o.start_s < start) => {
+                    format!("navigation began at {start:.1} s, after the start of the first outage; begin the outages later")
+                }
+                _ => format!("{empty} of the outages have no reference inside them"),
+            })
         } else {
             summary.suspect.map(|time| {
                 format!("the innovations from {time:.1} s on are far beyond their predicted size: the solution diverges from the fixes or the model is wrong")

@@ -274,7 +274,12 @@ impl<const N: usize> Run<'_, N> {
         sample: &ImuSample,
         observer: &mut impl Observer,
     ) -> Result<(), ReplayError> {
+        let withheld = self.settings.outages.iter().any(|o| o.contains(fix.time));
         let Some(filter) = &mut self.filter else {
+            if withheld {
+                self.summary.withheld += 1;
+                return Ok(());
+            }
             self.aligner.advance(sample, fix.time);
             if let Some(aligned) = self.aligner.fix::<N>(fix, self.settings)? {
                 self.summary.started = Some(fix.time);
@@ -299,7 +304,6 @@ impl<const N: usize> Run<'_, N> {
             return Ok(());
         };
         filter.advance_to(fix.time, STAMP_ROUNDING);
-        let withheld = self.settings.outages.iter().any(|o| o.contains(fix.time));
         observer.fix(filter, fix, withheld);
         if withheld {
             self.summary.withheld += 1;
