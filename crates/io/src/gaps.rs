@@ -24,7 +24,8 @@ pub struct GapSummary {
 
 /// Intervals that the first median is taken of.
 const START: usize = 101;
-const GAP_INTERVALS: f64 = 1.5;
+/// An interval of more usual ones than this is a gap.
+pub(crate) const GAP_INTERVALS: f64 = 1.5;
 /// Slowest and first relative step of the running median. Rounded stamps (10 or 11 ms) move it
 /// by these steps only.
 const STEP_MIN: f64 = 1e-4;
@@ -56,6 +57,16 @@ impl GapWatch {
             let step = (1.0 / self.seen as f64).max(STEP_MIN);
             self.summary.nominal_interval += off.signum() * (step * nominal).min(off.abs());
         }
+    }
+
+    /// The usual interval so far [s]. Of few intervals the lower median: gaps only lengthen.
+    pub(crate) fn nominal(&self) -> Option<f64> {
+        if self.start.len() == START {
+            return Some(self.summary.nominal_interval);
+        }
+        let mut lengths: Vec<f64> = self.start.iter().map(|gap| gap.length).collect();
+        lengths.sort_by(f64::total_cmp);
+        lengths.get(lengths.len().saturating_sub(1) / 2).copied()
     }
 
     pub(crate) fn summary(&self) -> GapSummary {

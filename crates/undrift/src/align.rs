@@ -63,11 +63,17 @@ pub struct Aligned<const N: usize> {
 
 /// Length of the blocks that are compared to tell rest [s].
 const BLOCK: f64 = 0.5;
-/// Blocks that agree before they count as rest.
+/// Blocks on end that agree before they count as rest.
 const REST_BLOCKS: u32 = 2;
-/// A block belongs to the rest while its means are this close to the rest's [rad/s, m/s²].
-const REST_RATE: f64 = 0.02;
-const REST_FORCE: f64 = 0.25;
+/// Blocks on end, GNSS at rest, before they count as rest with another gyro bias than before.
+const NEW_BIAS_BLOCKS: u32 = 10;
+/// A block belongs to the rest while its means are this many standard deviations of their white
+/// noise from the rest's, and this far beyond [rad/s, m/s²].
+const REST_SIGMAS: f64 = 5.0;
+const REST_RATE: f64 = 0.003;
+const REST_FORCE: f64 = 0.05;
+/// Speed of the last fix above which nothing counts as rest [m/s].
+const REST_SPEED: f64 = 0.5;
 /// What disturbs the mean specific force and rate of a vehicle at rest (engine, wind, people) [m/s², rad/s].
 const LEVEL_FLOOR: f64 = 0.02;
 const RATE_FLOOR: f64 = 1e-4;
@@ -86,29 +92,36 @@ pub struct Aligner {
     settings: AlignSettings,
     time: Option<f64>,
     rest: Rest,
-    /// Attitude against a level frame of arbitrary azimuth, once at rest.
-    level: Option<Quaternion>,
+    /// Attitude against a frame of arbitrary azimuth, level once there was rest.
+    level: Quaternion,
+    /// The last rest: attitude in that frame, mean specific force [m/s²] and length [s].
+    rested: Option<(Quaternion, Vector3, f64)>,
     /// Velocity change since the last fix in that frame [m/s].
     dv_level: Vector3,
     omega_b: Vector3,
     last_fix: Option<(f64, Option<Vector3>, Geodetic)>,
     matching: Matching,
+    speed: f64,
     fastest: f64,
     fixes: u64,
 }
 
-/// Means of the span without acceleration.
-#[derive(Default)]
+/// Tells rest by comparing block means, and keeps what it says.
 struct Rest {
-    blocks: u32,
-    over: bool,
-    mean_rate: Vector3,
-    mean_force: Vector3,
+    /// Tolerances of a block's means [rad/s, m/s²].
+    rate_tolerance: f64,
+    force_tolerance: f64,
     /// Sums of the present block.
     duration: f64,
     dtheta: Vector3,
     dvel: Vector3,
-    turn: Quaternion,
+    /// Blocks of the present span and their means.
+    blocks: u32,
+    mean_rate: Vector3,
+    mean_force: Vector3,
+    /// Mean rate over all rest, what is called the gyro bias, and its blocks.
+    bias: Vector3,
+    bias_blocks: u32,
 }
 
 /// Sums of velocity matching over pairs of fixes.
@@ -124,15 +137,29 @@ struct Matching {
 impl Aligner {
     /// For the given settings.
     pub fn new(settings: &Settings) -> Self {
+        let (gyro, accel) = settings.sensors.split_at(3);
         Self {
             settings: settings.align.clone(),
             time: None,
-            rest: Rest::default(),
-            level: None,
+            rest: Rest {
+                rate_tolerance: REST_RATE + REST_SIGMAS * noise_of_mean(gyro, BLOCK).sqrt(),
+                force_tolerance: REST_FORCE + REST_SIGMAS * noise_of_mean(accel, BLOCK).sqrt(),
+                duration: 0.0,
+                dtheta: Vector3::zeros(),
+                dvel: Vector3::zeros(),
+                blocks: 0,
+                mean_rate: Vector3::zeros(),
+                mean_force: Vector3::zeros(),
+                bias: Vector3::zeros(),
+                bias_blocks: 0,
+            },
+            level: Quaternion::identity(),
+            rested: None,
             dv_level: Vector3::zeros(),
             omega_b: Vector3::zeros(),
             last_fix: None,
             matching: Matching::default(),
+            speed: 0.0,
             fastest: 0.0,
             fixes: 0,
         }
@@ -148,16 +175,37 @@ impl Aligner {
         }
         let part = span / sample.dt;
         let (dtheta, dvel) = (sample.dtheta * part, sample.dvel * part);
-        self.omega_b = sample.dtheta / sample.dt - self.rest.mean_rate;
-        if !self.rest.over {
-            self.rest.add(span, &dtheta, &dvel);
-            self.level = self.rest.attitude();
-        } else if let Some(q) = &mut self.level {
-            let turn = from_rotation_vector(&(dtheta - self.rest.mean_rate * span));
-            // Gravity of the equator and 45°: differs from the true one by 0.3 %, vertical only.
-            self.dv_level += *q * dvel + Vector3::new(0.0, 0.0, earth::STANDARD_GRAVITY * span);
-            *q *= turn;
+        self.omega_b = sample.dtheta / sample.dt - self.rest.bias;
+        // Gravity at 45°: 0.3 % from the true one, and vertical only.
+        self.dv_level += self.level * dvel + Vector3::new(0.0, 0.0, earth::STANDARD_GRAVITY * span);
+        self.level *= from_rotation_vector(&(dtheta - self.rest.bias * span));
+        if self.rest.add(span, &dtheta, &dvel) && self.is_rest(until) {
+            self.rest.take_bias();
+            // The smallest turn that makes the mean specific force point up: the azimuth stays.
+            let up = self.level * self.rest.mean_force;
+            let tilt = Quaternion::rotation_between(&up, &-Vector3::z())
+                .unwrap_or_else(|| from_rotation_vector(&(Vector3::x() * std::f64::consts::PI)));
+            self.level = tilt * self.level;
+            self.level.renormalize();
+            self.rested = Some((self.level, self.rest.mean_force, self.rest.span()));
         }
+    }
+
+    /// Whether the present span is rest. A steady turn has steady readings too, so the rate must be
+    /// that of the rest before, unless GNSS has said for a while that the vehicle stands.
+    fn is_rest(&self, time: f64) -> bool {
+        let stands = match self.last_fix {
+            Some((fixed, ..)) if time - fixed <= PAIR_SPAN => Some(self.speed < REST_SPEED),
+            _ => None,
+        };
+        let steady = self.rest.bias_blocks == 0 || self.rest.is_steady();
+        let needed = match (stands, steady) {
+            (Some(false), _) => return false,
+            (_, true) => REST_BLOCKS,
+            (Some(true), false) => NEW_BIAS_BLOCKS,
+            (None, false) => return false,
+        };
+        self.rest.blocks >= needed
     }
 
     /// Takes a fix; the filter, if it completes the alignment.
@@ -193,10 +241,8 @@ impl Aligner {
             return Ok(None);
         };
         let speed = velocity.xy().norm();
+        self.speed = speed;
         self.fastest = self.fastest.max(speed);
-        if speed > self.settings.min_speed.min(1.0) {
-            self.rest.end();
-        }
 
         let start = |q_nb: Quaternion| {
             let lever_n = q_nb * settings.lever_arm;
@@ -221,9 +267,10 @@ impl Aligner {
             }));
         }
 
-        let Some(level) = self.level else {
+        let Some((level_at_rest, force_at_rest, duration)) = self.rested else {
             return Ok(None);
         };
+        let level = self.level;
         let forward = level * Vector3::x();
         let azimuth = forward.y.atan2(forward.x);
         let (turn, std, how) = match self.settings.heading {
@@ -238,7 +285,7 @@ impl Aligner {
                 (course - azimuth, std, "level at rest, heading from the course".to_string())
             }
             Heading::VelocityMatching => {
-                if let (true, Some((_, Some(v_before), _)), Some((v_now, _))) = (self.rest.over, before, fix.velocity) {
+                if let (Some((_, Some(v_before), _)), Some((v_now, _))) = (before, fix.velocity) {
                     self.matching.add(&dv_level, &(v_now - v_before));
                 }
                 let Some((turn, std)) = self.matching.heading() else {
@@ -251,7 +298,7 @@ impl Aligner {
 
         // What rest says of level and bias, at the attitude it had.
         let spin = from_rotation_vector(&Vector3::new(0.0, 0.0, turn));
-        let (rest_attitude, now) = (spin * self.rest.level(), spin * level);
+        let (rest_attitude, now) = (spin * level_at_rest, spin * level);
         let wide = InitialStd {
             position: Vector3::repeat(1.0),
             velocity: Vector3::repeat(1.0),
@@ -260,13 +307,12 @@ impl Aligner {
         let mut at_rest = start(now);
         at_rest.q_nb = rest_attitude;
         let mut filter = Filter::new(at_rest, &wide, settings.sensors)?;
-        let duration = self.rest.span();
-        let (z, h) = filter.observe_level(&self.rest.mean_force);
+        let (z, h) = filter.observe_level(&force_at_rest);
         let variance = noise_of_mean(&settings.sensors[3..], duration) + LEVEL_FLOOR * LEVEL_FLOOR;
         filter.update(&z, &h, &(nalgebra::Matrix2::identity() * variance))?;
         if settings.sensors[..3].iter().all(|s| s.order > 0) {
-            let observed = filter.observe_earth_rate(&self.rest.mean_rate);
-            let variance = noise_of_mean(&settings.sensors[..3], duration) + RATE_FLOOR * RATE_FLOOR;
+            let observed = filter.observe_earth_rate(&self.rest.bias);
+            let variance = noise_of_mean(&settings.sensors[..3], self.rest.bias_span()) + RATE_FLOOR * RATE_FLOOR;
             filter.update_with(&observed, &(Matrix3::identity() * variance))?;
         }
         filter.set_nav(start(now));
@@ -281,7 +327,7 @@ impl Aligner {
     pub fn why_not(&self) -> String {
         let reason = if self.fixes == 0 {
             "no GNSS position fell within the inertial log; compare the two time columns".to_string()
-        } else if self.settings.attitude.is_some() || self.level.is_some() {
+        } else if self.settings.attitude.is_some() || self.rested.is_some() {
             match self.settings.heading {
                 Heading::Course if self.settings.attitude.is_none() => format!(
                     "the speed never reached {:.1} m/s (fastest {:.1} m/s), so the course gives no heading; \
@@ -303,58 +349,54 @@ impl Aligner {
 }
 
 impl Rest {
-    fn add(&mut self, span: f64, dtheta: &Vector3, dvel: &Vector3) {
+    /// Adds to the present block; true when it is complete and was compared.
+    fn add(&mut self, span: f64, dtheta: &Vector3, dvel: &Vector3) -> bool {
         self.duration += span;
         self.dtheta += dtheta;
         self.dvel += dvel;
-        self.turn *= from_rotation_vector(&(dtheta - self.mean_rate * span));
         if self.duration < BLOCK - 1e-9 {
-            return;
+            return false;
         }
         let (rate, force) = (self.dtheta / self.duration, self.dvel / self.duration);
-        let agrees = (rate - self.mean_rate).norm() < REST_RATE
-            && (force - self.mean_force).norm() < REST_FORCE;
-        if self.blocks == 0 || (!agrees && self.blocks < REST_BLOCKS) {
-            self.blocks = 1;
-            self.mean_rate = rate;
-            self.mean_force = force;
-        } else if agrees {
-            self.blocks += 1;
-            let weight = 1.0 / f64::from(self.blocks);
-            self.mean_rate += (rate - self.mean_rate) * weight;
-            self.mean_force += (force - self.mean_force) * weight;
-        } else {
-            self.over = true;
-            return; // the block's own turn is in `attitude`
+        let agrees = (rate - self.mean_rate).norm() < self.rate_tolerance
+            && (force - self.mean_force).norm() < self.force_tolerance;
+        if !agrees {
+            self.blocks = 0;
         }
+        self.blocks += 1;
+        let weight = 1.0 / f64::from(self.blocks);
+        self.mean_rate += (rate - self.mean_rate) * weight;
+        self.mean_force += (force - self.mean_force) * weight;
         self.duration = 0.0;
         self.dtheta = Vector3::zeros();
         self.dvel = Vector3::zeros();
-        self.turn = Quaternion::identity();
+        true
     }
 
-    /// Motion seen by GNSS ends the rest.
-    fn end(&mut self) {
-        if self.blocks >= REST_BLOCKS {
-            self.over = true;
+    /// Whether the present span turns no faster than the rest before it did.
+    fn is_steady(&self) -> bool {
+        (self.mean_rate - self.bias).norm() < self.rate_tolerance
+    }
+
+    /// Takes the latest blocks of the present span into the bias; where they say another one (a
+    /// sensor warming up, or calibrating itself), only the present span counts.
+    fn take_bias(&mut self) {
+        if !self.is_steady() {
+            self.bias_blocks = 0;
         }
+        let fresh = if self.bias_blocks == 0 || self.blocks <= REST_BLOCKS { self.blocks } else { 1 };
+        self.bias_blocks += fresh;
+        self.bias += (self.mean_rate - self.bias) * (f64::from(fresh) / f64::from(self.bias_blocks));
     }
 
+    /// Length of the present span [s].
     fn span(&self) -> f64 {
         f64::from(self.blocks) * BLOCK
     }
 
-    /// Level attitude, yaw zero, of the mean specific force. Groves eq. 5.101.
-    fn level(&self) -> Quaternion {
-        let f = &self.mean_force;
-        let roll = (-f.y).atan2(-f.z);
-        let pitch = f.x.atan2((f.y * f.y + f.z * f.z).sqrt());
-        from_rpy(&Vector3::new(roll, pitch, 0.0))
-    }
-
-    /// Attitude now: level at rest, turned by what the present block has turned.
-    fn attitude(&self) -> Option<Quaternion> {
-        (self.blocks >= REST_BLOCKS).then(|| self.level() * self.turn)
+    /// Length of all rest [s].
+    fn bias_span(&self) -> f64 {
+        f64::from(self.bias_blocks.max(1)) * BLOCK
     }
 }
 

@@ -3,6 +3,12 @@
 //! A sample stamped t covers the interval since the sample before, (t_prev, t]. A rate is taken
 //! as the mean over that interval, so the increment is rate · dt. After a gap the interval is the
 //! real difference of the stamps; whoever integrates decides how to bridge it.
+//!
+//! A row of increments holds what its own nominal interval collected, also after a gap. There, where
+//! dt is beyond 1.5 nominal intervals, the increments are scaled by dt / nominal: then increment / dt
+//! is the mean rate, as it is for a log of rates. The nominal interval is 1 / `rate_hz`, else the
+//! running median of the intervals. Where the increments of one row after another would have to be
+//! scaled, the rate is another than was thought, and the file is refused.
 
 use std::path::Path;
 
@@ -11,7 +17,7 @@ use undrift_nav::{Matrix3, Vector3};
 
 use crate::ReadError;
 use crate::clock::{self, Clock, Tick};
-use crate::gaps::GapWatch;
+use crate::gaps::{GAP_INTERVALS, GapWatch};
 pub use crate::gaps::{Gap, GapSummary};
 use crate::skipped::Skipped;
 use crate::source::{self, Source};
@@ -19,6 +25,9 @@ use crate::table::{Column, Table, TableOptions};
 
 /// Samples in a row that must be earlier than the last accepted one to count as a clock set back.
 const PATIENCE: u32 = 100;
+
+/// Gaps in a row that mean another sampling rate, in a log of increments.
+const GAPS_IN_A_ROW: u32 = 100;
 
 /// Where the columns of an inertial log are and what they mean.
 #[derive(Clone, Debug)]
@@ -39,8 +48,9 @@ pub struct ImuFormat {
     pub accel_scale: f64,
     /// The columns are increments over the interval rather than rates.
     pub increments: bool,
-    /// Sampling rate [Hz]: makes the times where there is no time column, and the interval of the
-    /// first sample, which is otherwise taken from the second one.
+    /// Sampling rate [Hz]: makes the times where there is no time column, the interval of the first
+    /// sample, which is otherwise taken from the second one, and the interval that a row of
+    /// increments covers.
     pub rate_hz: Option<f64>,
     /// Added to the time after scaling [s].
     pub time_offset: f64,
@@ -79,13 +89,13 @@ impl ImuFormat {
         if let Some(rate) = self.rate_hz {
             if !(rate.is_finite() && rate > 0.0) {
                 let problem = format!("a rate of {rate} Hz makes no times");
-                return Err(ReadError::new(path, problem).key("imu.rate_hz"));
+                return Err(ReadError::new(path, problem).key("imu.rate"));
             }
         } else if self.time.is_none() {
             return Err(
                 ReadError::new(path, "neither a time column nor a rate is given")
                     .key("imu.time")
-                    .mend("give imu.time or imu.rate_hz"),
+                    .mend("give imu.time or imu.rate"),
             );
         }
         if !(self.time_scale.is_finite() && self.time_scale > 0.0) {
@@ -109,6 +119,7 @@ pub struct ImuReader {
     /// First and last time of the file up to here [s].
     covered: Option<(f64, f64)>,
     given: u64,
+    gaps_in_a_row: u32,
     finished: bool,
 }
 
@@ -163,6 +174,7 @@ impl ImuReader {
             held: None,
             covered: None,
             given: 0,
+            gaps_in_a_row: 0,
             finished: false,
         })
     }
@@ -225,7 +237,7 @@ impl ImuReader {
                 "only one sample, so its interval is unknown",
             )
             .at(raw.line)
-            .key("imu.rate_hz")
+            .key("imu.rate")
             .mend("give the rate")),
         }
     }
@@ -251,7 +263,8 @@ impl ImuReader {
                 });
             }
             self.given += 1;
-            return Ok(Some(self.sample(&raw, dt)));
+            let covered = self.covered_by_increments(&raw, dt)?;
+            return Ok(Some(self.sample(&raw, dt, covered)));
         }
         match span {
             Some(span) if self.given == 0 => {
@@ -261,9 +274,41 @@ impl ImuReader {
         }
     }
 
-    fn sample(&self, raw: &Raw, dt: f64) -> ImuSample {
+    /// The part of the interval `dt` [s] that the increments of a row were collected in [s]: the
+    /// nominal interval after a gap, else all of it.
+    ///
+    /// # Errors
+    /// After [`GAPS_IN_A_ROW`] of them.
+    fn covered_by_increments(&mut self, raw: &Raw, dt: f64) -> Result<f64, ReadError> {
+        if !self.format.increments {
+            return Ok(dt);
+        }
+        let stated = self.format.rate_hz.map(|rate| 1.0 / rate);
+        let Some(nominal) = stated.or_else(|| self.gaps.nominal()) else {
+            return Ok(dt);
+        };
+        if dt <= GAP_INTERVALS * nominal {
+            self.gaps_in_a_row = 0;
+            return Ok(dt);
+        }
+        self.gaps_in_a_row += 1;
+        if self.gaps_in_a_row < GAPS_IN_A_ROW {
+            return Ok(nominal);
+        }
+        let problem = format!(
+            "increments {dt:.4} s apart, {GAPS_IN_A_ROW} in a row, where the rate is {:.2} Hz: what they cover is unknown",
+            1.0 / nominal
+        );
+        Err(ReadError::new(self.table.path(), problem)
+            .at(raw.line)
+            .key("imu.rate")
+            .mend("correct the rate, or split the file where the rate changes"))
+    }
+
+    /// The sample of a row whose increments, if it has increments, were collected in `covered` [s].
+    fn sample(&self, raw: &Raw, dt: f64, covered: f64) -> ImuSample {
         let format = &self.format;
-        let length = if format.increments { 1.0 } else { dt };
+        let length = if format.increments { dt / covered } else { dt };
         let body = |value: &Vector3, scale: f64, offset: &Vector3| {
             format.rotation * value * (scale * length) - offset * dt
         };

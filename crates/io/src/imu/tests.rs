@@ -166,3 +166,83 @@ fn gaps_keep_their_length() {
     assert_eq!(reader.gaps().count, 1);
     assert_eq!(reader.gaps().longest, Some(gap));
 }
+
+/// Increments at 100 Hz of 2 rad/s and 3 m/s² for `rows` rows, without those at `missing`.
+fn increments(rows: std::ops::Range<u32>, missing: &[u32]) -> String {
+    rows.filter(|k| !missing.contains(k))
+        .map(|k| format!("{},0.02,0,0,0,0.03,0\n", f64::from(k) / 100.0))
+        .collect()
+}
+
+/// Stamps are decimals whose difference is off by rounding, and the running median is with them.
+const STAMP_ROUNDING: f64 = 1e-9;
+
+#[test]
+fn increments_after_a_gap_are_scaled_to_the_mean_rate() {
+    let unrated = ImuFormat {
+        increments: true,
+        gyro_offset: Vector3::new(0.0, 0.0, 0.5),
+        ..format()
+    };
+    let rated = ImuFormat {
+        rate_hz: Some(100.0),
+        ..unrated.clone()
+    };
+    // The third row, one after the median runs, and a whole second.
+    let mut missing = vec![2, 150];
+    missing.extend(200..299);
+    let text = increments(0..400, &missing);
+    for format in [&unrated, &rated] {
+        let samples = all(&text, format);
+        assert_eq!(samples.len(), 400 - missing.len());
+        let longest = samples.iter().map(|s| s.dt).fold(0.0, f64::max);
+        assert!((longest - 1.0).abs() < STAMP_ROUNDING);
+        for s in &samples {
+            let (rate, force) = (s.dtheta / s.dt, s.dvel / s.dt);
+            let expected = Vector3::new(2.0, 0.0, -0.5);
+            assert!((rate - expected).norm() < 1e-6, "{} {rate}", s.time);
+            let expected = Vector3::new(0.0, 3.0, 0.0);
+            assert!((force - expected).norm() < 1e-6, "{} {force}", s.time);
+        }
+    }
+    // Rates need no such thing, whatever the rate.
+    let rates = ImuFormat {
+        increments: false,
+        ..rated
+    };
+    let late = all(&text, &rates).into_iter().find(|s| s.dt > 0.5).unwrap();
+    assert!((late.dvel.y / late.dt - 0.03).abs() < 1e-12);
+}
+
+#[test]
+fn increments_at_another_rate_are_refused() {
+    let stated = ImuFormat {
+        increments: true,
+        rate_hz: Some(200.0),
+        ..format()
+    };
+    let error = reader(&increments(0..400, &[]), &stated)
+        .find_map(Result::err)
+        .unwrap();
+    // The first row has no interval of its own.
+    assert_eq!(error.line, Some(101));
+    let text = error.to_string();
+    assert!(
+        text.contains("imu.rate") && text.contains("200.00 Hz"),
+        "{text}"
+    );
+
+    let unrated = ImuFormat {
+        rate_hz: None,
+        ..stated
+    };
+    let slower: Vec<u32> = (300..1000).filter(|k| k % 3 != 0).collect();
+    let error = reader(&increments(0..1000, &slower), &unrated)
+        .find_map(Result::err)
+        .unwrap();
+    assert!(error.to_string().contains("split the file"), "{error}");
+    // A log that loses every other row for a while is no other rate.
+    let losses: Vec<u32> = (300..490).filter(|k| k % 2 != 0).collect();
+    let text = increments(0..1000, &losses);
+    assert_eq!(all(&text, &unrated).len(), 1000 - losses.len());
+}
