@@ -106,6 +106,24 @@ impl Transition {
         }
     }
 
+    /// The columns of Γ, one per sensor axis: what a unit error of it does to `[δr; δv; ψ]`.
+    fn input(&self) -> [[f64; NAV]; AXES] {
+        let mut gamma = [[0.0; NAV]; AXES];
+        for axis in 0..3 {
+            let c: Vector3 = self.c_dt.column(axis).into();
+            // A gyro error turns by −c dt, by half of that while the specific force acts.
+            let v = self.dvel_n.cross(&c) * -0.5;
+            for i in 0..3 {
+                gamma[axis][i] = self.half_dt * v[i];
+                gamma[axis][3 + i] = v[i];
+                gamma[axis][6 + i] = -c[i];
+                gamma[3 + axis][i] = self.half_dt * c[i];
+                gamma[3 + axis][3 + i] = c[i];
+            }
+        }
+        gamma
+    }
+
     /// `[Φ Γ]` times the rows `[δr; δv; ψ; ε_gyro; ε_accel]`, giving `[δr'; δv'; ψ']`.
     ///
     /// Misalignment first, velocity from the mean of old and new misalignment, position from the
@@ -217,11 +235,15 @@ impl Sensors {
         error
     }
 
-    /// `x ← F x` of the predicted sensor states.
+    /// `x ← F x` of the sensor states in `x`, which is a whole error-state vector.
     pub fn step_mean<const N: usize>(&self, x: &mut [f64; N]) {
         for (axis, filter) in self.axes.iter().enumerate() {
             let at = self.start[axis];
             let n = filter.order;
+            if n == 1 {
+                x[at] *= filter.f[0][0];
+                continue;
+            }
             let mut moved = [0.0; crate::shaping::MAX_ORDER];
             for i in 0..n {
                 for j in 0..n {
@@ -232,23 +254,17 @@ impl Sensors {
         }
     }
 
-    /// Rows `H P` of the sensor errors against every state: 6 × N.
-    fn error_rows<const N: usize>(&self, p: &[[f64; N]; N]) -> [[f64; N]; AXES] {
-        let mut rows = [[0.0; N]; AXES];
+    /// Rows `H P` of the sensor errors against every state, into the last six of `rows`.
+    fn error_rows<const N: usize>(&self, p: &[[f64; N]; N], rows: &mut [[f64; N]; JOINT]) {
         for (axis, filter) in self.axes.iter().enumerate() {
+            let row = &mut rows[NAV + axis];
             for i in 0..filter.order {
                 let (h, from) = (filter.h[i], &p[self.start[axis] + i]);
                 for k in 0..N {
-                    rows[axis][k] += h * from[k];
+                    row[k] += h * from[k];
                 }
             }
         }
-        rows
-    }
-
-    /// The columns of `rows` from the first sensor state on, times Fᵀ.
-    fn times_f_transposed<const N: usize>(&self, row: &mut [f64; N]) {
-        self.step_mean(row);
     }
 
     /// `P ← [Φ ΓH; 0 F] P […]ᵀ + Q` over a step of `transition`, `dt` seconds long.
@@ -262,52 +278,47 @@ impl Sensors {
         part: Part,
     ) {
         debug_assert!(self.states() <= N);
-        let errors = self.error_rows(p);
+        // A [P_n; H P_x], A = [Φ Γ]: the navigation rows of the new covariance, before the
+        // sensors' own step and the white noise.
+        let mut rows = [[0.0; N]; JOINT];
+        rows[..NAV].copy_from_slice(&p[..NAV]);
+        self.error_rows(p, &mut rows);
+        let mut moved = transition.carry(&rows);
 
-        // Joint covariance of navigation and sensor errors.
-        let mut joint = [[0.0; JOINT]; JOINT];
+        // Navigation block: A J Aᵀ as A (A J)ᵀ, J the joint covariance of (n, ε).
+        let gamma = transition.input();
+        let mut turned = [[0.0; NAV]; JOINT];
         for i in 0..NAV {
-            joint[i][..NAV].copy_from_slice(&p[i][..NAV]);
-            for axis in 0..AXES {
-                joint[i][NAV + axis] = errors[axis][i];
-                joint[NAV + axis][i] = errors[axis][i];
+            for j in 0..NAV {
+                turned[j][i] = moved[i][j];
             }
         }
         for (axis, filter) in self.axes.iter().enumerate() {
-            for (other, theirs) in self.axes.iter().enumerate() {
-                let at = self.start[other];
-                joint[NAV + axis][NAV + other] = (0..theirs.order)
-                    .map(|j| errors[axis][at + j] * theirs.h[j])
-                    .sum();
-            }
-            joint[NAV + axis][NAV + axis] += filter.r * filter.interval / dt;
-        }
-        // Navigation: A J Aᵀ as A (A J)ᵀ.
-        let half = transition.carry(&joint);
-        let mut turned = [[0.0; NAV]; JOINT];
-        for i in 0..NAV {
-            for j in 0..JOINT {
-                turned[j][i] = half[i][j];
+            let white = filter.r * filter.interval / dt;
+            for i in 0..NAV {
+                let mut sum = gamma[axis][i] * white;
+                for k in 0..filter.order {
+                    sum += moved[i][self.start[axis] + k] * filter.h[k];
+                }
+                turned[NAV + axis][i] = sum;
             }
         }
         let nav = transition.carry(&turned);
 
-        // Cross: A [P_nx; H P_xx] with the states' own step applied from the right first.
-        let mut cross = [[0.0; N]; JOINT];
-        cross[..NAV].copy_from_slice(&p[..NAV]);
-        cross[NAV..].copy_from_slice(&errors);
+        // Cross block: the states' step from the right, and the noise that drives both.
         if part == Part::Last {
-            for row in &mut cross {
-                self.times_f_transposed(row);
+            for i in 0..NAV {
+                self.step_mean(&mut moved[i]);
             }
             for (axis, filter) in self.axes.iter().enumerate() {
-                for i in 0..filter.order {
-                    cross[NAV + axis][self.start[axis] + i] += filter.s[i];
+                for k in 0..filter.order {
+                    for i in 0..NAV {
+                        moved[i][self.start[axis] + k] += gamma[axis][i] * filter.s[k];
+                    }
                 }
             }
             self.step_state_covariance(p);
         }
-        let moved = transition.carry(&cross);
 
         for i in 0..NAV {
             for j in 0..=i {
@@ -324,12 +335,20 @@ impl Sensors {
     /// `P_xx ← F P_xx Fᵀ + q`.
     fn step_state_covariance<const N: usize>(&self, p: &mut [[f64; N]; N]) {
         for i in NAV..self.states() {
-            self.times_f_transposed(&mut p[i]);
+            self.step_mean(&mut p[i]);
         }
-        // Now the rows: the block's transpose is symmetric only after both sides are done.
+        // Now the rows: the block is symmetric only after both sides are done.
         for (axis, filter) in self.axes.iter().enumerate() {
             let at = self.start[axis];
             let n = filter.order;
+            if n == 1 {
+                let f = filter.f[0][0];
+                for k in NAV..N {
+                    p[at][k] *= f;
+                }
+                p[at][at] += filter.q[0][0];
+                continue;
+            }
             for k in NAV..self.states() {
                 let mut moved = [0.0; crate::shaping::MAX_ORDER];
                 for i in 0..n {
