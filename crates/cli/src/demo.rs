@@ -22,26 +22,28 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let demo = demo::run(arguments.seed)?;
     let (count, length, ..) = demo::OUTAGES;
-    println!(
-        "Simulated car drive of {:.0} min, {} at {:.0} Hz, RTK-like GNSS at 5 Hz, seed {};",
+    report::say(format!(
+        "Simulated car drive of {:.0} min, {} at {:.0} Hz, RTK-like GNSS at 5 Hz, seed {};\n\
+         GNSS cut {count} times for {length:.0} s. Errors inside the outages:\n",
         demo::DURATION / 60.0,
         demo::PRESET,
         demo::RATE_HZ,
         arguments.seed
-    );
-    println!("GNSS cut {count} times for {length:.0} s. Errors inside the outages:\n");
+    ))?;
     let (runs, failed) = report::split(&demo.runs);
-    print!("{}", report::table(&runs));
+    report::say(report::table(&runs))?;
+    report::say(format!(
+        "The models are made from the simulation's own parameters: a Gauss-Markov process plus white\n\
+         noise is exactly an ARMA(1,1), so arma and gauss-markov differ only by how each starts from the\n\
+         mean over the rest. \"{}\" is white on samples whose turn-on constants were\n\
+         removed beforehand.",
+        demo::WHITE_CALIBRATED
+    ))?;
     report::print_failed(&failed);
     report::print_warnings(&runs);
-    println!(
-        "The models are made from the simulation's own parameters. A Gauss-Markov process plus white\n\
-         noise is exactly an ARMA(1,1), so arma and gauss-markov agree to rounding here. \"{}\"\n\
-         is white on samples whose turn-on constants were removed beforehand.",
-        demo::WHITE_CALIBRATED
-    );
     if let Some(folder) = &arguments.out {
-        std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("cannot make {}", folder.display()))?;
         let json = report::json(&demo.outages, &runs, "truth");
         let file = folder.join("outages.json");
         report::write_whole(&file, &json)?;
@@ -49,7 +51,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let picture = folder.join("demo.svg");
         figure::experiment(&picture, &demo.simulation.truth, &demo.outages, &curves)
             .map_err(anyhow::Error::msg)?;
-        println!("\nWritten: {}, {}", file.display(), picture.display());
+        report::say(format!(
+            "\nWritten: {}, {}",
+            file.display(),
+            picture.display()
+        ))?;
     }
     Ok(())
 }

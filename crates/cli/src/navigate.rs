@@ -53,9 +53,9 @@ pub fn load(drive: &std::path::Path, common: &Common) -> Result<Drive> {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let drive = load(&arguments.drive, &arguments.common)?;
     let report = navigate::navigate(&drive, arguments.bias_model, arguments.output.as_deref())?;
-    print_report(&report, arguments.bias_model);
+    print_report(&report, arguments.bias_model)?;
     if let Some(path) = &arguments.output {
-        println!("solution: {}", path.display());
+        report::say(format!("solution: {}", path.display()))?;
     }
     if let Some(time) = report.summary.diverged {
         anyhow::bail!("the solution diverged at {time:.3} s; what was written ends there");
@@ -63,20 +63,20 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-fn print_report(report: &Report, kind: BiasModel) {
+fn print_report(report: &Report, kind: BiasModel) -> Result<()> {
     let s = &report.summary;
     let started = s.started.unwrap_or(f64::NAN);
-    println!("bias model {kind}; {}", s.alignment);
-    println!(
+    report::say(format!("bias model {kind}; {}", s.alignment))?;
+    report::say(format!(
         "navigated {} samples from {started:.3} s to {:.3} s; {} samples and {} fixes before that",
         s.samples, s.ended, s.align_samples, s.fixes_before
-    );
-    println!(
+    ))?;
+    report::say(format!(
         "{} fixes used; NIS per degree of freedom (1 when the model is right): position {}, velocity {}",
         s.fixes,
         nis(&s.position),
         nis(&s.velocity)
-    );
+    ))?;
     if let Some((errors, n)) = &report.rmse {
         let parts: Vec<String> = COMPONENTS
             .iter()
@@ -84,7 +84,21 @@ fn print_report(report: &Report, kind: BiasModel) {
             .filter(|(_, e)| e.is_finite())
             .map(|(name, e)| format!("{name} {e:.4}"))
             .collect();
-        println!("RMS error against the truth at {n} samples: {}", parts.join(", "));
+        report::say(format!(
+            "RMS error against the truth at {n} samples: {}",
+            parts.join(", ")
+        ))?;
+    }
+    if let (None, Some((from, to))) = (&report.rmse, report.truth_read) {
+        let why = if to < started || from > s.ended {
+            "the truth does not overlap the solution"
+        } else {
+            "the truth has no two samples within 2 s of each other beside the solution"
+        };
+        eprintln!(
+            "{why}, so there is no error: it was read from {from:.3} s to {to:.3} s, the solution runs from {started:.3} s to {:.3} s; compare the time columns, truth.time_offset moves one",
+            s.ended
+        );
     }
     report::print_health(s);
     for (file, skipped) in [
@@ -96,6 +110,7 @@ fn print_report(report: &Report, kind: BiasModel) {
             eprintln!("{file} log: {skipped}");
         }
     }
+    Ok(())
 }
 
 fn nis(sums: &Innovations) -> String {

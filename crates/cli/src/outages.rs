@@ -51,8 +51,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut imu_reader = drive.open_imu()?;
     let imu = imu_reader.by_ref().collect::<Result<Vec<_>, _>>()?;
     let mut gnss_reader = drive.open_gnss()?;
-    let gnss = gnss_reader.by_ref().map(|f| f.map(|f| drive.used(f))).collect::<Result<Vec<_>, _>>()?;
-    let truth = match drive.open_truth()? {
+    let gnss = gnss_reader.by_ref().collect::<Result<Vec<_>, _>>()?;
+    let mut truth_reader = drive.open_truth()?;
+    let truth = match &mut truth_reader {
         Some(reader) => reader.collect::<Result<Vec<_>, _>>()?,
         None => Vec::new(),
     };
@@ -61,11 +62,21 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     };
     let plan = match (&arguments.at, arguments.every, arguments.count) {
         (Some(times), ..) => Schedule::At(times.clone()),
-        (None, Some(every), count) => Schedule::Every { start: arguments.start, every, count },
-        (None, None, Some(count)) => Schedule::Count { start: arguments.start, count },
-        (None, None, None) => bail!("say how many outages: --count N, --every SECONDS, or --at T1,T2,…"),
+        (None, Some(every), count) => Schedule::Every {
+            start: arguments.start,
+            every,
+            count,
+        },
+        (None, None, Some(count)) => Schedule::Count {
+            start: arguments.start,
+            count,
+        },
+        (None, None, None) => {
+            bail!("say how many outages: --count N, --every SECONDS, or --at T1,T2,…")
+        }
     };
-    let cuts = outages::schedule(&plan, arguments.length, first.time, last.time).map_err(anyhow::Error::msg)?;
+    let cuts = outages::schedule(&plan, arguments.length, first.time, last.time)
+        .map_err(anyhow::Error::msg)?;
     if !truth.is_empty() {
         let covered = |t: f64| truth[0].time <= t && t <= truth[truth.len() - 1].time;
         if let Some(cut) = cuts.iter().find(|c| !covered(c.start) || !covered(c.end)) {
@@ -92,17 +103,24 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (runs, failed) = report::split(&results);
     let reference = if truth.is_empty() { "gnss" } else { "truth" };
     let json = report::json(&cuts, &runs, reference);
-    let to_standard_output = arguments.json.as_deref().is_some_and(|p| p.as_os_str() == "-");
+    let to_standard_output = arguments
+        .json
+        .as_deref()
+        .is_some_and(|p| p.as_os_str() == "-");
     if to_standard_output {
-        println!("{json}");
+        report::say(&json)?;
     } else {
-        println!(
+        report::say(format!(
             "{} outages of {} s, reference: {}. Errors inside the outages:\n",
             cuts.len(),
             arguments.length,
-            if truth.is_empty() { "the withheld fixes" } else { "the truth" }
-        );
-        print!("{}", report::table(&runs));
+            if truth.is_empty() {
+                "the withheld fixes"
+            } else {
+                "the truth"
+            }
+        ))?;
+        report::say(report::table(&runs))?;
         if let Some(file) = &arguments.json {
             report::write_whole(file, &json)?;
         }
@@ -112,17 +130,24 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(run) = runs.first() {
         report::print_health(&run.summary);
     }
-    for (file, skipped) in [("IMU", imu_reader.skipped()), ("GNSS", gnss_reader.skipped())] {
-        if !skipped.is_empty() {
+    let truth_skipped = truth_reader.as_ref().map(|reader| reader.skipped());
+    for (file, skipped) in [
+        ("IMU", Some(imu_reader.skipped())),
+        ("GNSS", Some(gnss_reader.skipped())),
+        ("truth", truth_skipped),
+    ] {
+        if let Some(skipped) = skipped.filter(|skipped| !skipped.is_empty()) {
             eprintln!("{file} log: {skipped}");
         }
     }
     if let Some(folder) = &arguments.out {
-        std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("cannot make {}", folder.display()))?;
         report::write_whole(&folder.join("outages.json"), &json)?;
         let curves: Vec<_> = runs.iter().map(|r| figure::drift_curve(r)).collect();
         let track = report::track(&truth, &gnss);
-        figure::experiment(&folder.join("outages.svg"), &track, &cuts, &curves).map_err(anyhow::Error::msg)?;
+        figure::experiment(&folder.join("outages.svg"), &track, &cuts, &curves)
+            .map_err(anyhow::Error::msg)?;
     }
     if runs.is_empty() {
         bail!("no model could be run");

@@ -64,11 +64,11 @@ pub fn print_warnings(runs: &[&ModelRun]) {
 /// Tells what was unusual about the log.
 pub fn print_health(summary: &Summary) {
     if summary.bridged > 0 {
-        eprintln!("{} short gaps between samples were bridged", summary.bridged);
+        eprintln!("short gaps between samples, bridged: {}", summary.bridged);
     }
     if let Some((count, first, longest)) = summary.long_gaps {
         eprintln!(
-            "{count} long gaps between samples, the first at {first:.3} s, the longest {longest:.3} s: the covariance was grown over them"
+            "long gaps between samples: {count}, the first at {first:.3} s, the longest {longest:.3} s; the covariance was grown over each"
         );
     }
     let (from, length) = summary.longest_without_gnss;
@@ -76,12 +76,21 @@ pub fn print_health(summary: &Summary) {
         eprintln!("longest span without a usable fix: {length:.1} s from {from:.3} s");
     }
     if summary.bad_fixes > 0 {
-        eprintln!("{} fixes had a covariance that is none", summary.bad_fixes);
+        eprintln!("fixes whose covariance is none: {}", summary.bad_fixes);
     }
     if let Some(time) = summary.suspect {
         eprintln!(
             "the innovations from {time:.1} s on are far beyond their predicted size: the solution diverges from the fixes, or the noise model or the stated GNSS accuracy is wrong"
         );
+    }
+}
+
+/// Prints to standard output; a reader that went away (`undrift … | head`) ends the program quietly.
+pub fn say(text: impl std::fmt::Display) -> Result<()> {
+    use std::io::Write;
+    match writeln!(std::io::stdout(), "{text}") {
+        Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => std::process::exit(0),
+        other => Ok(other?),
     }
 }
 

@@ -224,7 +224,9 @@ impl Aligner {
                 Geodetic::from_ecef(&(base.to_ecef() + base.ned_from_ecef().transpose() * ned))
             }
         };
-        let before = self.last_fix.replace((fix.time, fix.velocity.map(|v| v.0), antenna));
+        let before = self
+            .last_fix
+            .replace((fix.time, fix.velocity.map(|v| v.0), antenna));
         let dv_level = std::mem::replace(&mut self.dv_level, Vector3::zeros());
         let before = before.filter(|(time, _, _)| fix.time - time <= PAIR_SPAN && fix.time > *time);
 
@@ -274,7 +276,11 @@ impl Aligner {
         let forward = level * Vector3::x();
         let azimuth = forward.y.atan2(forward.x);
         let (turn, std, how) = match self.settings.heading {
-            Heading::Given(heading, std) => (heading - azimuth, std, "level at rest, heading as given".to_string()),
+            Heading::Given(heading, std) => (
+                heading - azimuth,
+                std,
+                "level at rest, heading as given".to_string(),
+            ),
             Heading::Course => {
                 if speed < self.settings.min_speed {
                     return Ok(None);
@@ -282,7 +288,11 @@ impl Aligner {
                 let course = velocity.y.atan2(velocity.x);
                 let noise = velocity_covariance.fixed_view::<2, 2>(0, 0).trace() / 2.0;
                 let std = (noise / (speed * speed) + COURSE_FLOOR * COURSE_FLOOR).sqrt();
-                (course - azimuth, std, "level at rest, heading from the course".to_string())
+                (
+                    course - azimuth,
+                    std,
+                    "level at rest, heading from the course".to_string(),
+                )
             }
             Heading::VelocityMatching => {
                 if let (Some((_, Some(v_before), _)), Some((v_now, _))) = (before, fix.velocity) {
@@ -292,7 +302,11 @@ impl Aligner {
                     return Ok(None);
                 };
                 let pairs = self.matching.pairs;
-                (turn, std, format!("level at rest, heading from {pairs} velocity changes"))
+                (
+                    turn,
+                    std,
+                    format!("level at rest, heading from {pairs} velocity changes"),
+                )
             }
         };
 
@@ -312,7 +326,8 @@ impl Aligner {
         filter.update(&z, &h, &(nalgebra::Matrix2::identity() * variance))?;
         if settings.sensors[..3].iter().all(|s| s.order > 0) {
             let observed = filter.observe_earth_rate(&self.rest.bias);
-            let variance = noise_of_mean(&settings.sensors[..3], self.rest.bias_span()) + RATE_FLOOR * RATE_FLOOR;
+            let variance = noise_of_mean(&settings.sensors[..3], self.rest.bias_span())
+                + RATE_FLOOR * RATE_FLOOR;
             filter.update_with(&observed, &(Matrix3::identity() * variance))?;
         }
         filter.set_nav(start(now));
@@ -326,7 +341,8 @@ impl Aligner {
     /// Why there was no alignment, for the user.
     pub fn why_not(&self) -> String {
         let reason = if self.fixes == 0 {
-            "no GNSS position fell within the inertial log; compare the two time columns".to_string()
+            "no usable GNSS position fell within the inertial log; compare the two time columns"
+                .to_string()
         } else if self.settings.attitude.is_some() || self.rested.is_some() {
             match self.settings.heading {
                 Heading::Course if self.settings.attitude.is_none() => format!(
@@ -384,9 +400,14 @@ impl Rest {
         if !self.is_steady() {
             self.bias_blocks = 0;
         }
-        let fresh = if self.bias_blocks == 0 || self.blocks <= REST_BLOCKS { self.blocks } else { 1 };
+        let fresh = if self.bias_blocks == 0 || self.blocks <= REST_BLOCKS {
+            self.blocks
+        } else {
+            1
+        };
         self.bias_blocks += fresh;
-        self.bias += (self.mean_rate - self.bias) * (f64::from(fresh) / f64::from(self.bias_blocks));
+        self.bias +=
+            (self.mean_rate - self.bias) * (f64::from(fresh) / f64::from(self.bias_blocks));
     }
 
     /// Length of the present span [s].

@@ -3,7 +3,7 @@
 use crate::{
     align::AlignSettings,
     outages::{self, ModelRun, Schedule},
-    replay::{Outage, ReplayError, Settings},
+    replay::{GnssUse, Outage, ReplayError, Settings},
     simulate::{GnssNoise, Simulation, SimulationError, Trajectory, simulate},
 };
 use rand::SeedableRng;
@@ -60,11 +60,21 @@ pub fn run(seed: u64) -> Result<Demo, DemoError> {
     // The sensors' truth: white noise and Gauss-Markov bias here, the turn-on constants below, so
     // that they can also be left out.
     let mut without_turn_on = model.clone();
-    for axis in without_turn_on.gyro.iter_mut().chain(&mut without_turn_on.accel) {
+    for axis in without_turn_on
+        .gyro
+        .iter_mut()
+        .chain(&mut without_turn_on.accel)
+    {
         axis.turn_on = 0.0;
     }
     let sensors = without_turn_on.shaping(BiasModel::GaussMarkov, interval)?;
-    let mut simulation = simulate(&Trajectory::car(DURATION, seed), RATE_HZ, Some(&sensors), &gnss, seed)?;
+    let mut simulation = simulate(
+        &Trajectory::car(DURATION, seed),
+        RATE_HZ,
+        Some(&sensors),
+        &gnss,
+        seed,
+    )?;
     let calibrated = simulation.imu.clone();
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     let mut constant = |axes: &[undrift_noise::AxisModel; 3]| {
@@ -85,23 +95,43 @@ pub fn run(seed: u64) -> Result<Demo, DemoError> {
     let ends = simulation.gnss.first().zip(simulation.gnss.last());
     let (first, last) = ends.map_or((0.0, 0.0), |(a, b)| (a.time, b.time));
     let (count, length, every, start) = OUTAGES;
-    let plan = Schedule::Every { start, every, count: Some(count) };
+    let plan = Schedule::Every {
+        start,
+        every,
+        count: Some(count),
+    };
     let outages = outages::schedule(&plan, length, first, last).map_err(DemoError::Schedule)?;
     let settings = |kind: BiasModel| -> Result<(String, Settings), ModelError> {
         let settings = Settings {
             sensors: model.shaping(kind, interval)?,
             lever_arm,
+            gnss_use: GnssUse::Both,
             align: AlignSettings::default(),
             outages: outages.clone(),
         };
         Ok((kind.name().to_owned(), settings))
     };
-    let models = BiasModel::ALL.into_iter().map(settings).collect::<Result<Vec<_>, _>>()?;
-    let mut runs = outages::run(&simulation.imu, &simulation.gnss, &simulation.truth, &models);
+    let models = BiasModel::ALL
+        .into_iter()
+        .map(settings)
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut runs = outages::run(
+        &simulation.imu,
+        &simulation.gnss,
+        &simulation.truth,
+        &models,
+    );
     let (_, white) = settings(BiasModel::White)?;
     let white = [(WHITE_CALIBRATED.to_owned(), white)];
-    runs.splice(1..1, outages::run(&calibrated, &simulation.gnss, &simulation.truth, &white));
-    Ok(Demo { simulation, outages, runs })
+    runs.splice(
+        1..1,
+        outages::run(&calibrated, &simulation.gnss, &simulation.truth, &white),
+    );
+    Ok(Demo {
+        simulation,
+        outages,
+        runs,
+    })
 }
 
 /// Name of the row for `white` on samples without their turn-on constants, as a laboratory

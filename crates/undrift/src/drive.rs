@@ -21,27 +21,22 @@
 //! All keys are in `docs/drive-file.md`.
 
 mod section;
+mod tables;
 
 pub use section::{ConfigError, Section};
 
-use crate::align::{AlignSettings, Heading};
+use crate::{align::AlignSettings, replay::GnssUse};
 use section::line_at;
 use std::path::{Path, PathBuf};
 use toml::de::{DeTable, DeValue};
 use undrift_io::{
     ReadError,
-    gnss::{GnssFormat, GnssReader, Place, PositionFormat, Std, VelocityFormat},
+    gnss::{GnssFormat, GnssReader},
     imu::{ImuFormat, ImuReader},
-    rtklib::{self, RtklibOptions},
+    rtklib::RtklibOptions,
     truth::{TruthFormat, TruthReader},
 };
-use undrift_nav::{
-    Matrix3, Vector3,
-    attitude::from_rpy,
-    earth::Geodetic,
-    sample::{GnssFix, ImuSample},
-    units::Quantity,
-};
+use undrift_nav::{Vector3, sample::ImuSample, units::Quantity};
 use undrift_noise::{ImuModel, ModelError};
 
 /// A drive, ready to be read.
@@ -51,8 +46,8 @@ pub struct Drive {
     pub imu: (PathBuf, ImuFormat),
     /// GNSS log.
     pub gnss: (PathBuf, GnssSource),
-    /// Whether the positions and the velocities of the fixes are used.
-    pub gnss_use: (bool, bool),
+    /// Which parts of a fix are used.
+    pub gnss_use: GnssUse,
     /// Reference solution, if there is one.
     pub truth: Option<(PathBuf, TruthFormat)>,
     /// IMU → antenna, body axes [m].
@@ -67,7 +62,7 @@ pub struct Drive {
 #[derive(Clone, Debug)]
 pub enum GnssSource {
     /// Delimited text.
-    Csv(GnssFormat),
+    Csv(Box<GnssFormat>),
     /// RTKLIB solution file.
     Rtklib(RtklibOptions),
 }
@@ -111,25 +106,41 @@ impl Drive {
             message: e.message().to_owned(),
         })?;
         let top = Section::top(table.get_ref(), text, file);
-        let span = read_span(&top.section("span")?)?;
+        top.only(&["model", "imu", "gnss", "truth", "initial", "span"])?;
+        let span = tables::read_span(&top.section("span")?)?;
         let gnss = top.section("gnss")?;
-        let gnss_use = read_use(&gnss)?;
-        let lever_arm = gnss.vector("lever_arm", Quantity::Length)?.unwrap_or_else(Vector3::zeros);
+        let gnss_use = tables::read_use(&gnss)?;
+        let lever_arm = gnss
+            .vector("lever_arm", Quantity::Length)?
+            .unwrap_or_else(Vector3::zeros);
         let drive = Self {
-            imu: read_imu(&top.section("imu")?, data, span)?,
-            gnss: read_gnss(&gnss, data, span)?,
-            truth: read_truth(&top.section("truth")?, data)?,
+            imu: tables::read_imu(&top.section("imu")?, data, span)?,
+            gnss: tables::read_gnss(&gnss, data, span)?,
+            truth: tables::read_truth(&top.section("truth")?, data)?,
             gnss_use,
             lever_arm,
-            align: read_initial(&top.section("initial")?)?,
+            align: tables::read_initial(&top.section("initial")?)?,
             model: match top.get("model") {
                 None => None,
-                Some((DeValue::String(name), _)) => Some(ImuModel::resolve(name, home)?),
-                Some((DeValue::Table(table), _)) => Some(ImuModel::from_spanned(table, text, file, "model")?),
-                Some(_) => return Err(top.error("model", "must be a preset's name, a file, or a table").into()),
+                Some((DeValue::String(name), _)) => {
+                    Some(ImuModel::resolve(name, home).map_err(|e| match e {
+                        // Not the model's fault but the name's.
+                        ModelError::Read { .. } => {
+                            DriveError::from(top.error("model", e.to_string()))
+                        }
+                        other => other.into(),
+                    })?)
+                }
+                Some((DeValue::Table(table), _)) => {
+                    Some(ImuModel::from_spanned(table, text, file, "model")?)
+                }
+                Some(_) => {
+                    return Err(top
+                        .error("model", "must be a preset's name, a file, or a table")
+                        .into());
+                }
             },
         };
-        top.only_known()?;
         Ok(drive)
     }
 
@@ -146,15 +157,6 @@ impl Drive {
         }
     }
 
-    /// The parts of a fix that the drive file wants used.
-    pub fn used(&self, fix: GnssFix) -> GnssFix {
-        GnssFix {
-            position: fix.position.filter(|_| self.gnss_use.0),
-            velocity: fix.velocity.filter(|_| self.gnss_use.1),
-            ..fix
-        }
-    }
-
     /// Opens the reference from its start, if there is one.
     pub fn open_truth(&self) -> Result<Option<TruthReader>, ReadError> {
         self.truth
@@ -165,21 +167,41 @@ impl Drive {
 
     /// The log's sample interval [s]: stated by `imu.rate`, else the mean over its first samples,
     /// gaps left out.
+    ///
+    /// # Errors
+    /// If the log cannot be read, is too short, or is at another rate than stated: by a fifth or more.
     pub fn sample_interval(&self) -> Result<f64, ReadError> {
-        if let Some(rate) = self.imu.1.rate_hz {
-            return Ok(1.0 / rate);
+        let stated = self.imu.1.rate_hz.map(|rate| 1.0 / rate);
+        if let (Some(interval), None) = (stated, &self.imu.1.time) {
+            return Ok(interval);
         }
         let first: Vec<f64> = self
             .open_imu()?
             .take(PROBE)
             .map(|s| s.map(|s: ImuSample| s.dt))
             .collect::<Result<_, _>>()?;
-        mean_interval(&first).ok_or_else(|| ReadError::new(&self.imu.0, "has no two samples to take a sample rate from"))
+        // The first interval is made up.
+        let measured = mean_interval(first.get(1..).unwrap_or_default());
+        match (stated, measured) {
+            (Some(stated), Some(measured)) if !(0.8..1.25).contains(&(measured / stated)) => {
+                let problem = format!(
+                    "the time column has {:.2} samples a second, but imu.rate says {:.2} Hz",
+                    1.0 / measured,
+                    1.0 / stated
+                );
+                Err(ReadError {
+                    key: Some("imu.rate".into()),
+                    ..ReadError::new(&self.imu.0, problem)
+                })
+            }
+            (Some(interval), _) | (None, Some(interval)) => Ok(interval),
+            (None, None) => Err(ReadError::new(
+                &self.imu.0,
+                "has no two samples to take a sample rate from",
+            )),
+        }
     }
 }
-
-/// Whether the third component of a velocity is up.
-const VELOCITY_AXES: [(&str, bool); 2] = [("north,east,down", false), ("north,east,up", true)];
 
 /// Samples looked at for the rate.
 const PROBE: usize = 2000;
@@ -189,273 +211,9 @@ fn mean_interval(intervals: &[f64]) -> Option<f64> {
     let mut sorted = intervals.to_vec();
     sorted.sort_by(f64::total_cmp);
     let median = *sorted.get(sorted.len() / 2)?;
-    let regular: Vec<f64> = sorted.into_iter().filter(|dt| *dt <= 1.5 * median).collect();
+    let regular: Vec<f64> = sorted
+        .into_iter()
+        .filter(|dt| *dt <= 1.5 * median)
+        .collect();
     Some(regular.iter().sum::<f64>() / regular.len() as f64)
-}
-
-fn read_span(section: &Section) -> Result<Option<(f64, f64)>, ConfigError> {
-    let start = section.quantity("start", Quantity::Time)?;
-    let end = section.quantity("end", Quantity::Time)?;
-    section.only_known()?;
-    if start.is_none() && end.is_none() {
-        return Ok(None);
-    }
-    let span = (start.unwrap_or(f64::NEG_INFINITY), end.unwrap_or(f64::INFINITY));
-    if span.0 >= span.1 {
-        return Err(section.error("end", "must be later than span.start"));
-    }
-    Ok(Some(span))
-}
-
-fn read_imu(section: &Section, data: &Path, span: Option<(f64, f64)>) -> Result<(PathBuf, ImuFormat), ConfigError> {
-    let path = data.join(section.required_text("file")?);
-    let need = |key, columns: Option<_>| columns.ok_or_else(|| section.error(key, "missing: the three columns x, y, z"));
-    let gyro = need("gyro", section.columns("gyro")?)?;
-    let accel = need("accel", section.columns("accel")?)?;
-    let mut format = ImuFormat::new(section.column("time")?, gyro, accel);
-    format.increments = section
-        .word("data", &[("rates", false), ("increments", true)])?
-        .unwrap_or(false);
-    let (gyro_quantity, accel_quantity) = if format.increments {
-        (Quantity::Angle, Quantity::Velocity)
-    } else {
-        (Quantity::AngularRate, Quantity::Acceleration)
-    };
-    // A unit wrongly taken for granted is the commonest silent error of this field: it must be said.
-    for key in ["gyro_unit", "accel_unit"] {
-        if section.get(key).is_none() {
-            let quantity = if key == "gyro_unit" { gyro_quantity } else { accel_quantity };
-            return Err(section.error(key, format!("missing: the unit of the columns, {}", quantity.examples())));
-        }
-    }
-    format.gyro_scale = section.unit("gyro_unit", gyro_quantity, 1.0)?;
-    format.accel_scale = section.unit("accel_unit", accel_quantity, 1.0)?;
-    format.time_scale = section.unit("time_unit", Quantity::Time, 1.0)?;
-    format.rate_hz = section.quantity("rate", Quantity::Frequency)?;
-    if format.rate_hz.is_some_and(|r| r <= 0.0) {
-        return Err(section.error("rate", "must be above 0 Hz"));
-    }
-    if format.time.is_none() && format.rate_hz.is_none() {
-        return Err(section.error("time", "missing: give the time column, or rate where there is none"));
-    }
-    format.time_offset = section.quantity("time_offset", Quantity::Time)?.unwrap_or(0.0);
-    format.delimiter = read_delimiter(section)?;
-    format.rotation = match (section.text("axes")?, section.vector("mounting", Quantity::Angle)?) {
-        (Some(_), Some(_)) => return Err(section.error("mounting", "give axes or mounting, not both")),
-        (Some(axes), None) => rotation_of_axes(axes).map_err(|m| section.error("axes", m))?,
-        (None, Some(rpy)) => from_rpy(&rpy).to_rotation_matrix().into_inner(),
-        (None, None) => Matrix3::identity(),
-    };
-    format.gyro_offset = section.vector("gyro_offset", Quantity::AngularRate)?.unwrap_or_else(Vector3::zeros);
-    format.accel_offset = section.vector("accel_offset", Quantity::Acceleration)?.unwrap_or_else(Vector3::zeros);
-    format.span = span;
-    section.only_known()?;
-    Ok((path, format))
-}
-
-fn read_delimiter(section: &Section) -> Result<Option<u8>, ConfigError> {
-    match section.text("delimiter")? {
-        None => Ok(None),
-        Some(text) if text.len() == 1 => Ok(text.bytes().next()),
-        Some(text) => Err(section.error("delimiter", format!("\"{text}\" is not one character"))),
-    }
-}
-
-/// `"x,-y,-z"`: body forward, right and down, each one of the sensor's axes or its opposite.
-fn rotation_of_axes(axes: &str) -> Result<Matrix3, String> {
-    let wrong = || format!("\"{axes}\" is not three of x, y, z with signs, such as \"y,x,-z\"");
-    let mut rotation = Matrix3::zeros();
-    let parts: Vec<&str> = axes.split(',').map(str::trim).collect();
-    if parts.len() != 3 {
-        return Err(wrong());
-    }
-    for (row, part) in parts.iter().enumerate() {
-        let (sign, name) = match part.strip_prefix('-') {
-            Some(rest) => (-1.0, rest.trim()),
-            None => (1.0, part.strip_prefix('+').unwrap_or(part)),
-        };
-        let column = match name {
-            "x" => 0,
-            "y" => 1,
-            "z" => 2,
-            _ => return Err(wrong()),
-        };
-        rotation[(row, column)] = sign;
-    }
-    let det = rotation.determinant();
-    if det == 1.0 {
-        Ok(rotation)
-    } else if det == -1.0 {
-        Err(format!("\"{axes}\" is left-handed: one sign is wrong or two axes are swapped"))
-    } else {
-        Err(format!("\"{axes}\" names an axis twice"))
-    }
-}
-
-/// `use = "position"`: which parts of a fix are taken, position and velocity.
-fn read_use(section: &Section) -> Result<(bool, bool), ConfigError> {
-    let words = [("both", (true, true)), ("position", (true, false)), ("velocity", (false, true))];
-    Ok(section.word("use", &words)?.unwrap_or((true, true)))
-}
-
-fn read_gnss(section: &Section, data: &Path, span: Option<(f64, f64)>) -> Result<(PathBuf, GnssSource), ConfigError> {
-    let path = data.join(section.required_text("file")?);
-    let is_rtklib = match section.word("format", &[("csv", false), ("rtklib", true)])? {
-        Some(stated) => stated,
-        None => rtklib::detect(&path).unwrap_or(false),
-    };
-    let time_offset = section.quantity("time_offset", Quantity::Time)?.unwrap_or(0.0);
-    let position_std_factor = section.factor("position_std_factor")?.unwrap_or(1.0);
-    let velocity_std_factor = section.factor("velocity_std_factor")?.unwrap_or(1.0);
-    let base = read_base(section)?;
-    let _ = section.get("lever_arm");
-    let source = if is_rtklib {
-        GnssSource::Rtklib(RtklibOptions {
-            time_offset,
-            position_std_factor,
-            velocity_std_factor,
-            position_std: section.vector("position_std", Quantity::Length)?.map(|v| [v.x, v.y, v.z]),
-            velocity_std: section.vector("velocity_std", Quantity::Velocity)?.map(|v| [v.x, v.y, v.z]),
-            base,
-            span,
-        })
-    } else {
-        let time = section
-            .column("time")?
-            .ok_or_else(|| section.error("time", "missing: the time column"))?;
-        let angle_scale = section.unit("position_unit", Quantity::Angle, 1f64.to_radians())?;
-        let place = match (section.columns("position")?, section.columns("baseline")?) {
-            (Some(_), Some(_)) => return Err(section.error("baseline", "give position or baseline, not both")),
-            (Some([lat, lon, height]), None) => Some(Place::Geodetic { lat, lon, height, angle_scale }),
-            (None, Some(ned)) => Some(Place::Baseline {
-                ned,
-                base: base.ok_or_else(|| section.error("base", "missing: the base station of the baseline, \"lat, lon deg, height m\""))?,
-            }),
-            (None, None) => None,
-        };
-        let position_std = read_std(section, "position_std", "position_std_columns", Quantity::Length)?;
-        let position = match place {
-            None => None,
-            Some(place) => Some(PositionFormat {
-                place,
-                std: position_std.ok_or_else(|| {
-                    section.error("position_std", "missing: the file's columns (position_std_columns) or \"north, east, down m\"")
-                })?,
-                std_factor: position_std_factor,
-            }),
-        };
-        let up = section.word("velocity_axes", &VELOCITY_AXES)?.unwrap_or(false);
-        let velocity_std = read_std(section, "velocity_std", "velocity_std_columns", Quantity::Velocity)?;
-        let velocity = match section.columns("velocity")? {
-            None => None,
-            Some(columns) => Some(VelocityFormat {
-                columns,
-                up,
-                std: velocity_std.ok_or_else(|| {
-                    section.error("velocity_std", "missing: the file's columns (velocity_std_columns) or \"north, east, down m/s\"")
-                })?,
-                std_factor: velocity_std_factor,
-            }),
-        };
-        GnssSource::Csv(GnssFormat {
-            time,
-            time_scale: section.unit("time_unit", Quantity::Time, 1.0)?,
-            time_offset,
-            position,
-            velocity,
-            quality: section.column("quality")?,
-            delimiter: read_delimiter(section)?,
-            span,
-        })
-    };
-    section.only_known()?;
-    Ok((path, source))
-}
-
-/// `base = "40.0966 deg, -105.1474 deg, 1601.5 m"`.
-fn read_base(section: &Section) -> Result<Option<Geodetic>, ConfigError> {
-    let Some(text) = section.text("base")? else { return Ok(None) };
-    let wrong = |e: &dyn std::fmt::Display| section.error("base", format!("\"{text}\": {e}"));
-    let parts: Vec<&str> = text.split(',').collect();
-    let [lat, lon, height] = parts.as_slice() else {
-        return Err(wrong(&"expected \"LAT deg, LON deg, HEIGHT m\""));
-    };
-    let angle = |s: &str| undrift_nav::units::parse(s, Quantity::Angle).map_err(|e| wrong(&e));
-    let base = Geodetic {
-        lat: angle(lat)?,
-        lon: angle(lon)?,
-        height: undrift_nav::units::parse(height, Quantity::Length).map_err(|e| wrong(&e))?,
-    };
-    if base.is_valid() { Ok(Some(base)) } else { Err(wrong(&"is not a place on the Earth")) }
-}
-
-fn read_std<'a>(section: &Section<'a>, constant: &'a str, columns: &'a str, quantity: Quantity) -> Result<Option<Std>, ConfigError> {
-    match (section.vector(constant, quantity)?, section.columns(columns)?) {
-        (Some(_), Some(_)) => Err(section.error(columns, format!("give {constant} or {columns}, not both"))),
-        (Some(v), None) if v.iter().any(|s| *s <= 0.0) => Err(section.error(constant, "standard deviations must be above zero")),
-        (Some(v), None) => Ok(Some(Std::Constant([v.x, v.y, v.z]))),
-        (None, Some(columns)) => Ok(Some(Std::Columns(columns))),
-        (None, None) => Ok(None),
-    }
-}
-
-fn read_truth(section: &Section, data: &Path) -> Result<Option<(PathBuf, TruthFormat)>, ConfigError> {
-    if !section.exists() {
-        return Ok(None);
-    }
-    let path = data.join(section.required_text("file")?);
-    let time = section
-        .column("time")?
-        .ok_or_else(|| section.error("time", "missing: the time column"))?;
-    let position = section
-        .columns("position")?
-        .ok_or_else(|| section.error("position", "missing: the columns latitude, longitude, height"))?;
-    let degree = 1f64.to_radians();
-    let format = TruthFormat {
-        time,
-        time_scale: section.unit("time_unit", Quantity::Time, 1.0)?,
-        time_offset: section.quantity("time_offset", Quantity::Time)?.unwrap_or(0.0),
-        position,
-        angle_scale: section.unit("position_unit", Quantity::Angle, degree)?,
-        velocity: section.columns("velocity")?,
-        attitude: section.columns("attitude")?,
-        attitude_scale: section.unit("attitude_unit", Quantity::Angle, degree)?,
-        delimiter: read_delimiter(section)?,
-        velocity_up: section.word("velocity_axes", &VELOCITY_AXES)?.unwrap_or(false),
-        span: None,
-    };
-    section.only_known()?;
-    Ok(Some((path, format)))
-}
-
-fn read_initial(section: &Section) -> Result<AlignSettings, ConfigError> {
-    let mut align = AlignSettings::default();
-    let degrees = |d: f64| d.to_radians();
-    let attitude = section.vector("attitude", Quantity::Angle)?;
-    let attitude_std = section
-        .vector("attitude_std", Quantity::Angle)?
-        .unwrap_or_else(|| Vector3::new(degrees(1.0), degrees(1.0), degrees(3.0)));
-    align.attitude = attitude.map(|a| (a, attitude_std));
-    let velocity_std = section.vector("velocity_std", Quantity::Velocity)?.unwrap_or_else(|| Vector3::repeat(0.1));
-    align.velocity = section.vector("velocity", Quantity::Velocity)?.map(|v| (v, velocity_std));
-    let heading_std = section.quantity("heading_std", Quantity::Angle)?.unwrap_or(degrees(3.0));
-    align.heading = match section.text("heading")? {
-        None | Some("course") => Heading::Course,
-        Some("velocity-matching") => Heading::VelocityMatching,
-        Some(text) => match undrift_nav::units::parse(text, Quantity::Angle) {
-            Ok(angle) => Heading::Given(angle, heading_std),
-            Err(e) => {
-                let message = format!("\"{text}\" is neither \"course\" nor \"velocity-matching\" nor an angle: {e}");
-                return Err(section.error("heading", message));
-            }
-        },
-    };
-    if let Some(speed) = section.quantity("min_speed", Quantity::Velocity)? {
-        align.min_speed = speed;
-    }
-    if [attitude_std, velocity_std].iter().any(|v| v.iter().any(|s| *s < 0.0)) || heading_std < 0.0 {
-        return Err(section.error("attitude_std", "standard deviations must not be negative"));
-    }
-    section.only_known()?;
-    Ok(align)
 }

@@ -16,7 +16,9 @@ pub struct DriftCurve<'a> {
 /// The RMS drift over the outages of a model run, at the times its first outage was sampled.
 pub fn drift_curve(run: &ModelRun) -> DriftCurve<'_> {
     let outages = &run.errors.per_outage;
-    let times: Vec<f64> = outages.first().map_or(Vec::new(), |o| o.drift.iter().map(|p| p.0).collect());
+    let times: Vec<f64> = outages
+        .first()
+        .map_or(Vec::new(), |o| o.drift.iter().map(|p| p.0).collect());
     let points = times
         .iter()
         .enumerate()
@@ -26,10 +28,16 @@ pub fn drift_curve(run: &ModelRun) -> DriftCurve<'_> {
                 .map(|o| o.drift.get(i).map(|p| p.1 * p.1).filter(|s| s.is_finite()))
                 .collect();
             let squares = squares?;
-            Some((t, (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()))
+            Some((
+                t,
+                (squares.iter().sum::<f64>() / squares.len() as f64).sqrt(),
+            ))
         })
         .collect();
-    DriftCurve { name: &run.name, points }
+    DriftCurve {
+        name: &run.name,
+        points,
+    }
 }
 
 /// Colours that stay apart in grey and for the colour-blind (Okabe & Ito 2008).
@@ -48,7 +56,12 @@ const COLOURS: [RGBColor; 8] = [
 ///
 /// # Errors
 /// A sentence for the user when the file cannot be written.
-pub fn experiment(path: &Path, truth: &[TruthSample], outages: &[Outage], curves: &[DriftCurve]) -> Result<(), String> {
+pub fn experiment(
+    path: &Path,
+    truth: &[TruthSample],
+    outages: &[Outage],
+    curves: &[DriftCurve],
+) -> Result<(), String> {
     draw(path, truth, outages, curves).map_err(|e| format!("cannot draw {}: {e}", path.display()))
 }
 
@@ -69,7 +82,11 @@ fn draw(
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 
-fn draw_trajectory(area: &Area, truth: &[TruthSample], outages: &[Outage]) -> Result<(), Box<dyn std::error::Error>> {
+fn draw_trajectory(
+    area: &Area,
+    truth: &[TruthSample],
+    outages: &[Outage],
+) -> Result<(), Box<dyn std::error::Error>> {
     let origin = truth.first().map_or(Geodetic::default(), |t| t.position);
     // Ten points a second are plenty on paper.
     let every = (truth.len() / 6000).max(1);
@@ -102,21 +119,36 @@ fn draw_trajectory(area: &Area, truth: &[TruthSample], outages: &[Outage]) -> Re
         .light_line_style(WHITE)
         .label_style(("sans-serif", 13))
         .draw()?;
-    chart.draw_series(LineSeries::new(track.iter().map(|p| p.1), RGBColor(90, 90, 90).stroke_width(1)))?;
+    chart.draw_series(LineSeries::new(
+        track.iter().map(|p| p.1),
+        RGBColor(90, 90, 90).stroke_width(1),
+    ))?;
     for outage in outages {
-        let inside = track.iter().filter(|(t, _)| outage.contains(*t)).map(|p| p.1);
+        let inside = track
+            .iter()
+            .filter(|(t, _)| outage.contains(*t))
+            .map(|p| p.1);
         chart.draw_series(LineSeries::new(inside, COLOURS[6].stroke_width(4)))?;
     }
     Ok(())
 }
 
 fn draw_drift(area: &Area, curves: &[DriftCurve]) -> Result<(), Box<dyn std::error::Error>> {
-    let end = curves.iter().flat_map(|c| c.points.last()).fold(1.0f64, |m, p| m.max(p.0));
-    let most = curves.iter().flat_map(|c| &c.points).fold(1.0f64, |m, p| m.max(p.1));
+    let end = curves
+        .iter()
+        .flat_map(|c| c.points.last())
+        .fold(1.0f64, |m, p| m.max(p.0));
+    let most = curves
+        .iter()
+        .flat_map(|c| &c.points)
+        .fold(1.0f64, |m, p| m.max(p.1));
     const LEAST: f64 = 0.01;
     let mut chart = ChartBuilder::on(area)
         .margin(14)
-        .caption("Horizontal drift since the cut, RMS over the outages", ("sans-serif", 18))
+        .caption(
+            "Horizontal drift since the cut, RMS over the outages",
+            ("sans-serif", 18),
+        )
         .x_label_area_size(38)
         .y_label_area_size(58)
         .build_cartesian_2d(0.0..end, (LEAST..most * 1.5).log_scale())?;
@@ -126,7 +158,13 @@ fn draw_drift(area: &Area, curves: &[DriftCurve]) -> Result<(), Box<dyn std::err
         .y_desc("horizontal error [m]")
         .light_line_style(WHITE)
         .label_style(("sans-serif", 13))
-        .y_label_formatter(&|v| if *v >= 1.0 { format!("{v:.0}") } else { format!("{v}") })
+        .y_label_formatter(&|v| {
+            if *v >= 1.0 {
+                format!("{v:.0}")
+            } else {
+                format!("{v}")
+            }
+        })
         .draw()?;
     for (i, curve) in curves.iter().enumerate() {
         let colour = COLOURS[i % COLOURS.len()];
@@ -134,7 +172,9 @@ fn draw_drift(area: &Area, curves: &[DriftCurve]) -> Result<(), Box<dyn std::err
         chart
             .draw_series(LineSeries::new(points, colour.stroke_width(2)))?
             .label(curve.name)
-            .legend(move |(x, y)| PathElement::new(vec![(x, y), (x + 18, y)], colour.stroke_width(2)));
+            .legend(move |(x, y)| {
+                PathElement::new(vec![(x, y), (x + 18, y)], colour.stroke_width(2))
+            });
     }
     chart
         .configure_series_labels()

@@ -11,7 +11,10 @@ use undrift_io::{
     imu::GapSummary,
     skipped::Skipped,
     truth::TruthReader,
-    write::{PendingFile, solution::{SolutionRow, SolutionWriter}},
+    write::{
+        PendingFile,
+        solution::{SolutionRow, SolutionWriter},
+    },
 };
 use undrift_nav::{
     Vector3,
@@ -28,6 +31,8 @@ pub struct Report {
     pub summary: Summary,
     /// Root-mean-square error over all samples that have a truth, and their number.
     pub rmse: Option<(Errors, u64)>,
+    /// First and last time of the truth as far as it was read [s], if there is a truth.
+    pub truth_read: Option<(f64, f64)>,
     /// What was left out of the inertial log.
     pub imu_skipped: Skipped,
     /// What was left out of the GNSS log.
@@ -70,38 +75,60 @@ pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateErro
     Ok(Settings {
         sensors: model.shaping(kind, drive.sample_interval()?)?,
         lever_arm: drive.lever_arm,
+        gnss_use: drive.gnss_use,
         align: drive.align.clone(),
         outages: Vec::new(),
     })
 }
 
 /// Navigates a drive; the solution at every sample goes to `output` as CSV, if there is one.
-pub fn navigate(drive: &Drive, kind: BiasModel, output: Option<&Path>) -> Result<Report, NavigateError> {
+pub fn navigate(
+    drive: &Drive,
+    kind: BiasModel,
+    output: Option<&Path>,
+) -> Result<Report, NavigateError> {
     let settings = settings(drive, kind)?;
     let mut imu = drive.open_imu()?;
     let mut gnss = drive.open_gnss()?;
     let mut recorder = Recorder {
-        writer: output.map(SolutionWriter::create).transpose().map_err(ReplayError::Write)?,
-        truth: drive.open_truth()?.map(|reader| TruthCursor::new(Readable { reader, error: None })),
+        writer: output
+            .map(SolutionWriter::create)
+            .transpose()
+            .map_err(ReplayError::Write)?,
+        truth: drive.open_truth()?.map(|reader| {
+            TruthCursor::new(Readable {
+                reader,
+                error: None,
+                read: None,
+            })
+        }),
         squares: [0.0; COMPONENTS.len()],
         compared: 0,
     };
-    let summary = replay(&mut imu, gnss.by_ref().map(|f| f.map(|f| drive.used(f))), &settings, &mut recorder)?;
-    if let Some(writer) = recorder.writer {
-        writer.finish().map_err(ReplayError::Write)?;
-    }
+    let summary = replay(&mut imu, &mut gnss, &settings, &mut recorder)?;
     let mut truth_skipped = Skipped::default();
+    let mut truth_read = None;
     if let Some(cursor) = recorder.truth {
-        let Readable { reader, error } = cursor.into_inner();
+        let Readable {
+            reader,
+            error,
+            read,
+        } = cursor.into_inner();
         if let Some(error) = error {
             return Err(error.into());
         }
         truth_skipped = reader.skipped().clone();
+        truth_read = read;
+    }
+    // Last: with an error there is no file.
+    if let Some(writer) = recorder.writer {
+        writer.finish().map_err(ReplayError::Write)?;
     }
     let n = recorder.compared;
     Ok(Report {
         summary,
         rmse: (n > 0).then(|| (Errors(recorder.squares.map(|s| (s / n as f64).sqrt())), n)),
+        truth_read,
         imu_skipped: imu.skipped().clone(),
         gnss_skipped: gnss.skipped().clone(),
         truth_skipped,
@@ -113,6 +140,8 @@ pub fn navigate(drive: &Drive, kind: BiasModel, output: Option<&Path>) -> Result
 struct Readable {
     reader: TruthReader,
     error: Option<ReadError>,
+    /// First and last time [s].
+    read: Option<(f64, f64)>,
 }
 
 impl Iterator for Readable {
@@ -120,7 +149,11 @@ impl Iterator for Readable {
 
     fn next(&mut self) -> Option<TruthSample> {
         match self.reader.next()? {
-            Ok(sample) => Some(sample),
+            Ok(sample) => {
+                let start = self.read.map_or(sample.time, |(start, _)| start);
+                self.read = Some((start, sample.time));
+                Some(sample)
+            }
             Err(e) => {
                 self.error = Some(e);
                 None

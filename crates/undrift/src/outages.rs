@@ -77,14 +77,35 @@ pub enum Schedule {
     At(Vec<f64>),
 }
 
+/// More outages than this are a mistake.
+const MOST_OUTAGES: usize = 100_000;
+
 /// The outages of `length` [s] a schedule asks for, given the first and last fix [s].
 ///
 /// # Errors
 /// A sentence for the user when they do not fit, overlap or are not positive.
-pub fn schedule(plan: &Schedule, length: f64, first_fix: f64, last_fix: f64) -> Result<Vec<Outage>, String> {
+pub fn schedule(
+    plan: &Schedule,
+    length: f64,
+    first_fix: f64,
+    last_fix: f64,
+) -> Result<Vec<Outage>, String> {
     if !(length > 0.0 && length.is_finite()) {
-        return Err(format!("an outage must last longer than 0 s, not {length} s"));
+        return Err(format!(
+            "an outage must last longer than 0 s, not {length} s"
+        ));
     }
+    if let Schedule::Count { start, .. } | Schedule::Every { start, .. } = plan
+        && !(*start >= 0.0 && start.is_finite())
+    {
+        return Err(format!(
+            "the outages must start 0 s or more after the first fix, not {start} s"
+        ));
+    }
+    let overlap = |count: usize| {
+        format!("the outages overlap: {count} of {length} s do not fit apart from each other")
+    };
+    let too_many = || format!("more than {MOST_OUTAGES} outages; make them fewer");
     let starts: Vec<f64> = match plan {
         Schedule::Count { start, count } => {
             let from = first_fix + start;
@@ -95,12 +116,28 @@ pub fn schedule(plan: &Schedule, length: f64, first_fix: f64, last_fix: f64) -> 
                     last_fix - first_fix
                 ));
             }
-            let every = if *count > 1 { room / (*count - 1) as f64 } else { 0.0 };
+            if *count > MOST_OUTAGES {
+                return Err(too_many());
+            }
+            let every = if *count > 1 {
+                room / (*count - 1) as f64
+            } else {
+                0.0
+            };
+            if *count > 1 && every < length {
+                return Err(overlap(*count));
+            }
             (0..*count).map(|i| from + every * i as f64).collect()
         }
-        Schedule::Every { start, every, count } => {
+        Schedule::Every {
+            start,
+            every,
+            count,
+        } => {
             if !(*every > 0.0 && every.is_finite()) {
-                return Err(format!("outages must be more than 0 s apart, not {every} s"));
+                return Err(format!(
+                    "outages must be more than 0 s apart, not {every} s"
+                ));
             }
             let from = first_fix + start;
             let fits = ((last_fix - length - from) / every + 1e-9).floor() + 1.0;
@@ -111,10 +148,23 @@ pub fn schedule(plan: &Schedule, length: f64, first_fix: f64, last_fix: f64) -> 
                 ));
             }
             let fits = fits as usize;
-            if let Some(count) = count.filter(|c| *c > fits) {
-                return Err(format!("only {fits} of the {count} outages fit before the fixes end"));
+            if *count == Some(0) {
+                return Err("the number of outages must be above 0".into());
             }
-            (0..count.unwrap_or(fits)).map(|i| from + every * i as f64).collect()
+            if fits > 1 && *every < length && count.is_none_or(|count| count > 1) {
+                return Err(overlap(count.unwrap_or(fits)));
+            }
+            if let Some(count) = count.filter(|c| *c > fits) {
+                return Err(format!(
+                    "only {fits} of the {count} outages fit before the fixes end"
+                ));
+            }
+            if count.unwrap_or(fits) > MOST_OUTAGES {
+                return Err(too_many());
+            }
+            (0..count.unwrap_or(fits))
+                .map(|i| from + every * i as f64)
+                .collect()
         }
         Schedule::At(times) => {
             let mut times = times.clone();
@@ -131,12 +181,15 @@ pub fn schedule(plan: &Schedule, length: f64, first_fix: f64, last_fix: f64) -> 
         }
     };
     if starts.windows(2).any(|w| w[1] < w[0] + length) {
-        return Err(format!(
-            "the outages overlap: {} of {length} s do not fit apart from each other",
-            starts.len()
-        ));
+        return Err(overlap(starts.len()));
     }
-    Ok(starts.into_iter().map(|start| Outage { start, end: start + length }).collect())
+    Ok(starts
+        .into_iter()
+        .map(|start| Outage {
+            start,
+            end: start + length,
+        })
+        .collect())
 }
 
 /// Runs every model through the outages of its settings, on all cores. `truth` empty: the withheld
@@ -201,7 +254,9 @@ impl<'a> OutageWatch<'a> {
     /// The outage that `time` lies in; asked in order of time.
     fn outage_at(&mut self, time: f64) -> Option<usize> {
         let all = &self.settings.outages;
-        while self.present < all.len() && time > all[self.present].end + crate::replay::STAMP_ROUNDING {
+        while self.present < all.len()
+            && time > all[self.present].end + crate::replay::STAMP_ROUNDING
+        {
             self.present += 1;
         }
         (self.present < all.len() && all[self.present].contains(time)).then_some(self.present)
@@ -212,7 +267,10 @@ impl<'a> OutageWatch<'a> {
         o.max = o.max.max_abs(errors);
         o.end = errors;
         let since = time - o.start_s;
-        if o.drift.last().is_none_or(|(last, _)| since - last >= DRIFT_STEP - 1e-6) {
+        if o.drift
+            .last()
+            .is_none_or(|(last, _)| since - last >= DRIFT_STEP - 1e-6)
+        {
             o.drift.push((since, errors.0[HORIZONTAL]));
         }
     }
@@ -222,13 +280,18 @@ impl<'a> OutageWatch<'a> {
         let per_outage = self.outages;
         let largest: Vec<Errors> = per_outage.iter().map(|o| o.max).collect();
         let ends: Vec<Errors> = per_outage.iter().map(|o| o.end).collect();
-        let empty = per_outage.iter().filter(|o| o.end.0[HORIZONTAL].is_nan()).count();
+        let empty = per_outage
+            .iter()
+            .filter(|o| o.end.0[HORIZONTAL].is_nan())
+            .count();
         let warning = if let Some(time) = summary.diverged {
             Some(format!("the solution diverged at {time:.1} s"))
         } else if empty > 0 {
             Some(match summary.started {
                 Some(start) if per_outage.iter().any(|o| o.start_s < start) => {
-                    format!("navigation began at {start:.1} s, after the start of the first outage; begin the outages later")
+                    format!(
+                        "navigation began at {start:.1} s, after the start of the first outage; begin the outages later"
+                    )
                 }
                 _ => format!("{empty} of the outages have no reference inside them"),
             })
@@ -278,24 +341,91 @@ mod tests {
 
     #[test]
     fn schedules() {
-        let every = Schedule::Every { start: 60.0, every: 24.0, count: Some(15) };
+        let every = Schedule::Every {
+            start: 60.0,
+            every: 24.0,
+            count: Some(15),
+        };
         let outages = schedule(&every, 10.0, 0.0, 437.2).unwrap();
         assert_eq!(outages.len(), 15);
-        assert_eq!(outages[14], Outage { start: 396.0, end: 406.0 });
-        let count = Schedule::Count { start: 60.0, count: 15 };
+        assert_eq!(
+            outages[14],
+            Outage {
+                start: 396.0,
+                end: 406.0
+            }
+        );
+        let count = Schedule::Count {
+            start: 60.0,
+            count: 15,
+        };
         let outages = schedule(&count, 10.0, 100.0, 700.0).unwrap();
         assert_eq!((outages[0].start, outages[14].end), (160.0, 700.0));
-        let too_many = Schedule::Every { start: 60.0, every: 24.0, count: Some(17) };
-        assert!(schedule(&too_many, 10.0, 0.0, 437.2).unwrap_err().contains("only 16"));
+        let too_many = Schedule::Every {
+            start: 60.0,
+            every: 24.0,
+            count: Some(17),
+        };
+        assert!(
+            schedule(&too_many, 10.0, 0.0, 437.2)
+                .unwrap_err()
+                .contains("only 16")
+        );
         assert!(schedule(&Schedule::At(vec![5.0, 8.0]), 10.0, 0.0, 100.0).is_err());
         assert!(schedule(&Schedule::At(vec![95.0]), 10.0, 0.0, 100.0).is_err());
         assert!(schedule(&Schedule::At(vec![f64::NAN]), 10.0, 0.0, 100.0).is_err());
         assert!(schedule(&count, 0.0, 0.0, 100.0).is_err());
+        for start in [f64::NAN, f64::INFINITY, -1.0] {
+            let late = Schedule::Every {
+                start,
+                every: 24.0,
+                count: None,
+            };
+            assert!(schedule(&late, 10.0, 0.0, 100.0).is_err());
+        }
+        // So many that they would not fit into memory either.
+        let dense = Schedule::Every {
+            start: 0.0,
+            every: 1e-300,
+            count: None,
+        };
+        assert!(
+            schedule(&dense, 10.0, 0.0, 100.0)
+                .unwrap_err()
+                .contains("overlap")
+        );
+        let dense = Schedule::Count {
+            start: 0.0,
+            count: usize::MAX,
+        };
+        assert!(
+            schedule(&dense, 10.0, 0.0, 100.0)
+                .unwrap_err()
+                .contains("100000")
+        );
+        let dense = Schedule::Count {
+            start: 0.0,
+            count: 12,
+        };
+        assert!(
+            schedule(&dense, 10.0, 0.0, 100.0)
+                .unwrap_err()
+                .contains("overlap")
+        );
+        let none = Schedule::Every {
+            start: 0.0,
+            every: 20.0,
+            count: Some(0),
+        };
+        assert!(schedule(&none, 10.0, 0.0, 100.0).is_err());
     }
 
     #[test]
     fn an_outage_is_open_at_its_start_and_closed_at_its_end() {
-        let outage = Outage { start: 100.0, end: 110.0 };
+        let outage = Outage {
+            start: 100.0,
+            end: 110.0,
+        };
         assert!(!outage.contains(100.0) && outage.contains(100.2));
         assert!(outage.contains(110.0) && !outage.contains(110.2));
     }

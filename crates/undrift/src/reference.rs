@@ -53,7 +53,16 @@ impl Errors {
         let dv = dv.unwrap_or(missing);
         let angle = rpy.map_or(missing, |a| a.map(|x| wrap_pi(x).to_degrees()));
         Self([
-            dr.x, dr.y, dr.z, dr.xy().norm(), dv.x, dv.y, dv.z, angle.x, angle.y, angle.z,
+            dr.x,
+            dr.y,
+            dr.z,
+            dr.xy().norm(),
+            dv.x,
+            dv.y,
+            dv.z,
+            angle.x,
+            angle.y,
+            angle.z,
         ])
     }
 
@@ -66,20 +75,28 @@ impl Errors {
     }
 
     /// Of the predicted antenna against a fix; the attitude stays unknown.
-    pub fn against_fix<const N: usize>(filter: &Filter<N>, fix: &GnssFix, lever_b: &Vector3) -> Self {
+    pub fn against_fix<const N: usize>(
+        filter: &Filter<N>,
+        fix: &GnssFix,
+        lever_b: &Vector3,
+    ) -> Self {
         let antenna = filter.antenna_position(lever_b);
         let dr = match fix.position {
             Some((Position::Geodetic(measured), _)) => measured.offset_to(&antenna),
             Some((Position::Baseline { base, ned }, _)) => base.ned_to(&antenna) - ned,
             None => Vector3::repeat(f64::NAN),
         };
-        let dv = fix.velocity.map(|(v, _)| filter.antenna_velocity(lever_b) - v);
+        let dv = fix
+            .velocity
+            .map(|(v, _)| filter.antenna_velocity(lever_b) - v);
         Self::new(&dr, dv, None)
     }
 
     /// Component by component, the larger magnitude; unknown only where both are.
     pub fn max_abs(self, other: Self) -> Self {
-        Self(std::array::from_fn(|i| self.0[i].abs().max(other.0[i].abs())))
+        Self(std::array::from_fn(|i| {
+            self.0[i].abs().max(other.0[i].abs())
+        }))
     }
 }
 
@@ -133,12 +150,18 @@ pub fn max(values: &[Errors]) -> Errors {
 /// where there are velocities, else straight; velocity straight; attitude by the shortest turn.
 pub fn interpolate(a: &TruthSample, b: &TruthSample, time: f64) -> TruthSample {
     let span = b.time - a.time;
-    let s = if span > 0.0 { ((time - a.time) / span).clamp(0.0, 1.0) } else { 0.0 };
+    let s = if span > 0.0 {
+        ((time - a.time) / span).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
     let chord = a.position.offset_to(&b.position);
     let offset = match (a.v_n, b.v_n) {
         (Some(va), Some(vb)) => {
             let (s2, s3) = (s * s, s * s * s);
-            va * (span * (s3 - 2.0 * s2 + s)) + chord * (3.0 * s2 - 2.0 * s3) + vb * (span * (s3 - s2))
+            va * (span * (s3 - 2.0 * s2 + s))
+                + chord * (3.0 * s2 - 2.0 * s3)
+                + vb * (span * (s3 - s2))
         }
         _ => chord * s,
     };
@@ -156,7 +179,11 @@ pub fn interpolate(a: &TruthSample, b: &TruthSample, time: f64) -> TruthSample {
 
 /// `a` displaced by `offset`, such that an offset of `chord` ends at `b` without rounding.
 fn displaced_towards(a: &Geodetic, b: &Geodetic, chord: &Vector3, offset: &Vector3) -> Geodetic {
-    if offset == chord { *b } else { a.displaced(offset) }
+    if offset == chord {
+        *b
+    } else {
+        a.displaced(offset)
+    }
 }
 
 /// The truth at any time, from samples in order of time; asked in order of time, so that only two
@@ -171,7 +198,11 @@ impl<I: Iterator<Item = TruthSample>> TruthCursor<I> {
     /// Over samples in order of time.
     pub fn new(mut samples: I) -> Self {
         let after = samples.next();
-        Self { samples, before: None, after }
+        Self {
+            samples,
+            before: None,
+            after,
+        }
     }
 
     /// The truth at `time` [s]; `None` outside the samples or where they are more than 2 s apart.
@@ -187,7 +218,8 @@ impl<I: Iterator<Item = TruthSample>> TruthCursor<I> {
             return Some(TruthSample { time, ..before });
         }
         let after = self.after?;
-        (before.time <= time && after.time - before.time <= LONGEST).then(|| interpolate(&before, &after, time))
+        (before.time <= time && after.time - before.time <= LONGEST)
+            .then(|| interpolate(&before, &after, time))
     }
 
     /// The reader below.
@@ -203,7 +235,8 @@ mod tests {
     fn sample(time: f64, north: f64, v: f64, yaw_deg: f64) -> TruthSample {
         TruthSample {
             time,
-            position: Geodetic::from_degrees(45.0, 7.0, 0.0).displaced(&Vector3::new(north, 0.0, 0.0)),
+            position: Geodetic::from_degrees(45.0, 7.0, 0.0)
+                .displaced(&Vector3::new(north, 0.0, 0.0)),
             v_n: Some(Vector3::new(v, 0.0, 0.0)),
             rpy: Some(Vector3::new(0.0, 0.0, f64::to_radians(yaw_deg))),
         }
@@ -212,11 +245,18 @@ mod tests {
     #[test]
     fn truth_is_interpolated_through_acceleration_and_north() {
         // 2 m/s²: north = t², v = 2 t. The cubic is exact for it.
-        let truth = [sample(0.0, 0.0, 0.0, 350.0), sample(1.0, 1.0, 2.0, 10.0), sample(2.0, 4.0, 4.0, 30.0)];
+        let truth = [
+            sample(0.0, 0.0, 0.0, 350.0),
+            sample(1.0, 1.0, 2.0, 10.0),
+            sample(2.0, 4.0, 4.0, 30.0),
+        ];
         let mut cursor = TruthCursor::new(truth.iter().copied());
         assert!(cursor.at(-0.1).is_none());
         let back = cursor.at(0.5).unwrap();
-        assert!(back.rpy.unwrap().z.abs() < 1e-12, "through north, not round by south");
+        assert!(
+            back.rpy.unwrap().z.abs() < 1e-12,
+            "through north, not round by south"
+        );
         let at = cursor.at(1.5).unwrap();
         let origin = Geodetic::from_degrees(45.0, 7.0, 0.0);
         // Curvature over metres and rounding of a latitude, 1.5e-9 m.

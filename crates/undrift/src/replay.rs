@@ -3,7 +3,10 @@
 //! Streamed: nothing here grows with the log. A fix between two samples splits the interval at its
 //! own time. What happens at each sample and fix is told to an [`Observer`].
 
-use crate::align::{Aligner, AlignSettings};
+mod bridge;
+
+use crate::align::{AlignSettings, Aligner};
+use bridge::Bridge;
 use undrift_nav::{
     Vector3,
     covariance::{AXES, NAV},
@@ -38,10 +41,24 @@ pub struct Settings {
     pub sensors: [ShapingFilter; AXES],
     /// IMU → antenna, body axes [m].
     pub lever_arm: Vector3,
+    /// Which parts of a fix are used. Alignment takes the position in any case.
+    pub gnss_use: GnssUse,
     /// How the first position, velocity and attitude are found.
     pub align: AlignSettings,
     /// Spans without GNSS, in order.
     pub outages: Vec<Outage>,
+}
+
+/// Which parts of a fix are used.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum GnssUse {
+    /// Position and velocity, whichever it has.
+    #[default]
+    Both,
+    /// Position only.
+    Position,
+    /// Velocity only, once aligned.
+    Velocity,
 }
 
 /// Told of everything that happens, in order of time.
@@ -109,8 +126,8 @@ pub struct Summary {
     pub longest_without_gnss: (f64, f64),
     /// When the solution stopped being one, if it did [s].
     pub diverged: Option<f64>,
-    /// First time the innovations were far beyond their predicted size for [`SUSPECT_UPDATES`]
-    /// updates on end [s].
+    /// Start of the first [`SUSPECT_UPDATES`] updates on end, or fewer at the end of the log, whose
+    /// innovations were far beyond their predicted size [s].
     pub suspect: Option<f64>,
 }
 
@@ -138,8 +155,6 @@ pub enum ReplayError {
 
 /// A gap longer than this many sample intervals is not one late sample …
 const GAP_INTERVALS: f64 = 1.5;
-/// … and one longer than this [s] is too long to interpolate over.
-const LONGEST_BRIDGE: f64 = 0.2;
 /// What a vehicle may do unseen in a long gap: acceleration [m/s²] and turn rate [rad/s], one sigma.
 const GAP_ACCEL: f64 = 2.0;
 const GAP_RATE: f64 = 0.2;
@@ -154,10 +169,10 @@ pub fn replay(
     let states = NAV + settings.sensors.iter().map(|f| f.order).sum::<usize>();
     match states {
         ..=9 => run::<9>(imu, gnss, settings, observer),
-        ..=15 => run::<15>(imu, gnss, settings, observer),
-        ..=21 => run::<21>(imu, gnss, settings, observer),
-        ..=27 => run::<27>(imu, gnss, settings, observer),
-        ..=33 => run::<33>(imu, gnss, settings, observer),
+        10..=15 => run::<15>(imu, gnss, settings, observer),
+        16..=21 => run::<21>(imu, gnss, settings, observer),
+        22..=27 => run::<27>(imu, gnss, settings, observer),
+        28..=33 => run::<33>(imu, gnss, settings, observer),
         _ => run::<45>(imu, gnss, settings, observer),
     }
 }
@@ -174,13 +189,22 @@ fn run<const N: usize>(
         settings,
         summary: Summary::default(),
         last_fix: None,
-        streak: (0, 0.0, 0),
+        streak: Streak::default(),
         previous: None,
+        bridge: None,
     };
     let mut gnss = gnss.peekable();
+    let (mut imu_start, mut first_fix) = (None, None);
     for sample in imu {
         let sample = sample?;
         let start = sample.time - sample.dt;
+        if imu_start.is_none() {
+            imu_start = Some(sample.time);
+            first_fix = gnss
+                .peek()
+                .and_then(|fix| fix.as_ref().ok())
+                .map(|fix| fix.time);
+        }
         if run.summary.ended == 0.0 && run.previous.is_none() {
             while let Some(Ok(fix)) = gnss.peek() {
                 if fix.time >= start - STAMP_ROUNDING {
@@ -201,13 +225,24 @@ fn run<const N: usize>(
             }
         }
         run.finish(&sample, observer)?;
+        if run.summary.diverged.is_some() {
+            return Ok(run.summary);
+        }
     }
     if run.filter.is_none() {
-        return Err(ReplayError::NotAligned(run.aligner.why_not()));
+        let mut why = run.aligner.why_not();
+        if let (Some(imu), Some(gnss)) = (imu_start, first_fix) {
+            let end = run.summary.ended;
+            why += &format!(
+                "; the samples run from {imu:.3} s to {end:.3} s, the fixes from {gnss:.3} s on"
+            );
+        }
+        return Err(ReplayError::NotAligned(why));
     }
     if let Some(last) = run.last_fix {
         run.note_span_without_gnss(last, run.summary.ended);
     }
+    run.judge_streak();
     Ok(run.summary)
 }
 
@@ -218,9 +253,19 @@ struct Run<'a, const N: usize> {
     settings: &'a Settings,
     summary: Summary,
     last_fix: Option<f64>,
-    /// Updates, their NIS and degrees of freedom since the count began.
-    streak: (u32, f64, u32),
+    streak: Streak,
     previous: Option<ImuSample>,
+    /// While a gap is being bridged.
+    bridge: Option<Bridge>,
+}
+
+/// Updates, their NIS and degrees of freedom since the count began, and when that was [s].
+#[derive(Default)]
+struct Streak {
+    updates: u32,
+    nis: f64,
+    dof: u32,
+    start: f64,
 }
 
 impl<const N: usize> Run<'_, N> {
@@ -234,36 +279,44 @@ impl<const N: usize> Run<'_, N> {
             filter.begin(sample);
             return;
         }
-        // The missing samples: rates on a line from the last sample's to this one's.
         let before = self.previous.filter(|p| p.dt > 0.0);
-        let steps = (sample.dt / interval).round().clamp(2.0, 1e6);
-        let dt = sample.dt / steps;
-        let rate = |s: &ImuSample| (s.dtheta / s.dt, s.dvel / s.dt);
-        let (to_rate, to_force) = rate(sample);
-        let (from_rate, from_force) = before.as_ref().map_or((to_rate, to_force), rate);
-        let mut time = sample.time - sample.dt;
-        for k in 1..=steps as u64 {
-            let weight = k as f64 / steps;
-            time += dt;
-            let bridge = ImuSample {
-                time,
-                dt,
-                dtheta: (from_rate * (1.0 - weight) + to_rate * weight) * dt,
-                dvel: (from_force * (1.0 - weight) + to_force * weight) * dt,
-            };
-            if k < steps as u64 {
-                filter.predict(&bridge);
-            } else {
-                filter.begin(&bridge);
+        let mut bridge = Bridge::new(sample, before.as_ref(), interval);
+        match bridge.unknown_since {
+            Some(start) => {
+                let (count, first, longest) = self.summary.long_gaps.unwrap_or((0, start, 0.0));
+                self.summary.long_gaps = Some((count + 1, first, longest.max(sample.dt)));
+            }
+            None => self.summary.bridged += 1,
+        }
+        if let Some(first) = bridge.next() {
+            filter.begin(&first);
+        }
+        self.bridge = Some(bridge);
+    }
+
+    /// Moves the filter to `time` [s] within the present sample.
+    fn advance_to(&mut self, time: f64) {
+        let Some(filter) = &mut self.filter else {
+            return;
+        };
+        if let Some(bridge) = &mut self.bridge {
+            while bridge.reached() < time - STAMP_ROUNDING
+                && let Some(next) = bridge.next()
+            {
+                filter.advance(1.0);
+                filter.begin(&next);
             }
         }
-        if sample.dt > LONGEST_BRIDGE {
-            filter.grow(sample.dt, GAP_RATE, GAP_ACCEL);
-            let gap_start = sample.time - sample.dt;
-            let (count, first, longest) = self.summary.long_gaps.unwrap_or((0, gap_start, 0.0));
-            self.summary.long_gaps = Some((count + 1, first, longest.max(sample.dt)));
-        } else {
-            self.summary.bridged += 1;
+        filter.advance_to(time, STAMP_ROUNDING);
+    }
+
+    /// Grows the covariance for the part of a long gap up to `time` [s] that it has not grown for.
+    fn grow_to(&mut self, time: f64) {
+        if let (Some(filter), Some(bridge)) = (&mut self.filter, &mut self.bridge)
+            && let Some(since) = bridge.unknown_since
+        {
+            filter.grow((time - since).max(0.0), GAP_RATE, GAP_ACCEL);
+            bridge.unknown_since = Some(time);
         }
     }
 
@@ -275,35 +328,47 @@ impl<const N: usize> Run<'_, N> {
         observer: &mut impl Observer,
     ) -> Result<(), ReplayError> {
         let withheld = self.settings.outages.iter().any(|o| o.contains(fix.time));
-        let Some(filter) = &mut self.filter else {
+        if self.filter.is_none() {
             if withheld {
                 self.summary.withheld += 1;
                 return Ok(());
             }
             self.aligner.advance(sample, fix.time);
+            let fix = &match self.settings.gnss_use {
+                GnssUse::Position => GnssFix {
+                    velocity: None,
+                    ..*fix
+                },
+                _ => *fix,
+            };
             if let Some(aligned) = self.aligner.fix::<N>(fix, self.settings)? {
                 self.summary.started = Some(fix.time);
                 self.summary.alignment = aligned.how;
                 self.last_fix = Some(fix.time);
-                let mut filter = aligned.filter;
+                self.filter = Some(aligned.filter);
                 // The rest of this sample's interval.
                 let rest = sample.time - fix.time;
                 if rest > STAMP_ROUNDING {
                     let part = rest / sample.dt;
-                    filter.begin(&ImuSample {
+                    self.begin(&ImuSample {
                         time: sample.time,
                         dt: rest,
                         dtheta: sample.dtheta * part,
                         dvel: sample.dvel * part,
                     });
                 }
-                self.filter = Some(filter);
             } else {
                 self.summary.fixes_before += 1;
             }
             return Ok(());
+        }
+        self.advance_to(fix.time);
+        if !withheld {
+            self.grow_to(fix.time);
+        }
+        let Some(filter) = &mut self.filter else {
+            return Ok(());
         };
-        filter.advance_to(fix.time, STAMP_ROUNDING);
         observer.fix(filter, fix, withheld);
         if withheld {
             self.summary.withheld += 1;
@@ -314,11 +379,15 @@ impl<const N: usize> Run<'_, N> {
         let lever = &self.settings.lever_arm;
         let mut used = false;
         let mut updates = [None, None];
-        if let Some((position, covariance)) = &fix.position {
+        if let Some((position, covariance)) = &fix.position
+            && self.settings.gnss_use != GnssUse::Velocity
+        {
             let observed = filter.observe_position(position, lever);
             updates[0] = Some(filter.update_with(&observed, covariance));
         }
-        if let Some((v_n, covariance)) = &fix.velocity {
+        if let Some((v_n, covariance)) = &fix.velocity
+            && self.settings.gnss_use != GnssUse::Position
+        {
             let observed = filter.observe_velocity(v_n, lever);
             updates[1] = Some(filter.update_with(&observed, covariance));
         }
@@ -352,29 +421,46 @@ impl<const N: usize> Run<'_, N> {
     }
 
     /// The rest of the sample, after its fixes.
-    fn finish(&mut self, sample: &ImuSample, observer: &mut impl Observer) -> Result<(), ReplayError> {
+    fn finish(
+        &mut self,
+        sample: &ImuSample,
+        observer: &mut impl Observer,
+    ) -> Result<(), ReplayError> {
         self.previous = Some(*sample);
         self.summary.ended = sample.time;
+        self.advance_to(sample.time);
+        self.grow_to(sample.time);
+        self.bridge = None;
         let Some(filter) = &mut self.filter else {
             self.summary.align_samples += 1;
             self.aligner.advance(sample, sample.time);
             return Ok(());
         };
-        filter.advance(1.0);
+        if filter.check().is_err() {
+            self.summary.diverged = Some(sample.time);
+            return Ok(());
+        }
         self.summary.samples += 1;
         observer.sample(filter)
     }
 
     /// Watches for innovations far beyond their covariance, block by block.
     fn watch(&mut self, update: undrift_nav::filter::Update, time: f64) {
-        self.streak.0 += 1;
-        self.streak.1 += update.nis;
-        self.streak.2 += update.dof as u32;
-        if self.streak.0 == SUSPECT_UPDATES {
-            if self.streak.1 > SUSPECT_NIS * f64::from(self.streak.2) && self.summary.suspect.is_none() {
-                self.summary.suspect = Some(time);
-            }
-            self.streak = (0, 0.0, 0);
+        if self.streak.updates == 0 {
+            self.streak.start = time;
+        }
+        self.streak.updates += 1;
+        self.streak.nis += update.nis;
+        self.streak.dof += update.dof as u32;
+        if self.streak.updates == SUSPECT_UPDATES {
+            self.judge_streak();
+        }
+    }
+
+    fn judge_streak(&mut self) {
+        let streak = std::mem::take(&mut self.streak);
+        if streak.nis > SUSPECT_NIS * f64::from(streak.dof) && self.summary.suspect.is_none() {
+            self.summary.suspect = Some(streak.start);
         }
     }
 

@@ -3,13 +3,20 @@
 use crate::{outages::ModelErrors, reference::Errors};
 use std::fmt::Write as _;
 
-const HEADINGS: [&str; 9] = ["N m", "E m", "D m", "vN m/s", "vE m/s", "vD m/s", "roll °", "pitch °", "yaw °"];
+const HEADINGS: [&str; 9] = [
+    "N m", "E m", "D m", "vN m/s", "vE m/s", "vD m/s", "roll °", "pitch °", "yaw °",
+];
 /// Places of [`HEADINGS`] among the components of [`Errors`].
 const PLACES: [usize; 9] = [0, 1, 2, 4, 5, 6, 7, 8, 9];
 
 /// One line per model for each of: maximum, RMS and median over the outages of the largest error.
 pub fn outage_table(models: &[(String, &ModelErrors)]) -> String {
-    let width = models.iter().map(|(n, _)| n.chars().count()).max().unwrap_or(0).max(12);
+    let width = models
+        .iter()
+        .map(|(n, _)| n.chars().count())
+        .max()
+        .unwrap_or(0)
+        .max(12);
     let mut text = String::new();
     type Pick = fn(&ModelErrors) -> &Errors;
     let blocks: [(&str, Pick); 3] = [
@@ -32,6 +39,7 @@ pub fn outage_table(models: &[(String, &ModelErrors)]) -> String {
         }
         text.push('\n');
     }
+    text.pop();
     text
 }
 

@@ -254,6 +254,7 @@ impl ImuReader {
             if !clock::within(span, raw.time) {
                 continue;
             }
+            let covered = self.covered_by_increments(&raw, dt)?;
             // The first interval given out is either made up or reaches back before the span.
             if self.given > 0 {
                 self.gaps.add(Gap {
@@ -263,7 +264,6 @@ impl ImuReader {
                 });
             }
             self.given += 1;
-            let covered = self.covered_by_increments(&raw, dt)?;
             return Ok(Some(self.sample(&raw, dt, covered)));
         }
         match span {

@@ -34,18 +34,37 @@ pub struct Section<'a> {
 
 /// Line of a byte offset, from 1.
 pub fn line_at(text: &str, offset: usize) -> usize {
-    text.as_bytes().iter().take(offset).filter(|&&b| b == b'\n').count() + 1
+    text.as_bytes()
+        .iter()
+        .take(offset)
+        .filter(|&&b| b == b'\n')
+        .count()
+        + 1
 }
 
 impl<'a> Section<'a> {
     /// The top of a file.
     pub fn top(table: &'a DeTable<'a>, text: &'a str, file: &'a str) -> Self {
-        Self { table: Some(table), text, file, path: "", line: None, asked: RefCell::default() }
+        Self {
+            table: Some(table),
+            text,
+            file,
+            path: "",
+            line: None,
+            asked: RefCell::default(),
+        }
     }
 
     /// A sub-table; an absent one has no keys.
     pub fn section(&self, key: &'a str) -> Result<Section<'a>, ConfigError> {
-        let mut section = Section { table: None, text: self.text, file: self.file, path: key, line: None, asked: RefCell::default() };
+        let mut section = Section {
+            table: None,
+            text: self.text,
+            file: self.file,
+            path: key,
+            line: None,
+            asked: RefCell::default(),
+        };
         if let Some((value, line)) = self.get(key) {
             section.line = Some(line);
             section.table = match value {
@@ -64,32 +83,54 @@ impl<'a> Section<'a> {
     /// The value of a key and its line.
     pub fn get(&self, key: &'a str) -> Option<(&'a DeValue<'a>, usize)> {
         self.asked.borrow_mut().push(key);
-        let (name, value) = self.table?.iter().find(|(k, _)| k.get_ref().as_ref() == key)?;
+        let (name, value) = self
+            .table?
+            .iter()
+            .find(|(k, _)| k.get_ref().as_ref() == key)?;
         Some((value.get_ref(), line_at(self.text, name.span().start)))
     }
 
     /// An error at a key of this table.
     pub fn error(&self, key: &str, message: impl Into<String>) -> ConfigError {
-        let found = self.table.and_then(|t| t.iter().find(|(k, _)| k.get_ref().as_ref() == key));
+        let found = self
+            .table
+            .and_then(|t| t.iter().find(|(k, _)| k.get_ref().as_ref() == key));
         ConfigError {
             file: self.file.to_owned(),
-            line: found.map(|(k, _)| line_at(self.text, k.span().start)).or(self.line),
-            key: if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) },
+            line: found
+                .map(|(k, _)| line_at(self.text, k.span().start))
+                .or(self.line),
+            key: if self.path.is_empty() {
+                key.to_owned()
+            } else {
+                format!("{}.{key}", self.path)
+            },
             message: message.into(),
         }
+    }
+
+    /// Refuses keys that are none of `known`.
+    pub fn only(&self, known: &[&'a str]) -> Result<(), ConfigError> {
+        self.asked.borrow_mut().extend_from_slice(known);
+        self.only_known()
     }
 
     /// Refuses keys that were never asked for.
     pub fn only_known(&self) -> Result<(), ConfigError> {
         let asked = self.asked.borrow();
-        let unknown = self.table.and_then(|t| t.keys().find(|k| !asked.contains(&k.get_ref().as_ref())));
+        let unknown = self
+            .table
+            .and_then(|t| t.keys().find(|k| !asked.contains(&k.get_ref().as_ref())));
         match unknown {
             None => Ok(()),
             Some(key) => {
                 let mut known: Vec<&str> = asked.clone();
                 known.sort_unstable();
                 known.dedup();
-                Err(self.error(key.get_ref(), format!("unknown key; known here: {}", known.join(", "))))
+                Err(self.error(
+                    key.get_ref(),
+                    format!("unknown key; known here: {}", known.join(", ")),
+                ))
             }
         }
     }
@@ -103,14 +144,31 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// A string that must be there.
-    pub fn required_text(&self, key: &'a str) -> Result<&'a str, ConfigError> {
-        self.text(key)?.ok_or_else(|| self.error(key, "missing"))
+    /// The name of a file, which must be there.
+    pub fn file(&self, key: &'a str) -> Result<&'a str, ConfigError> {
+        match self.text(key)? {
+            Some(name) if !name.is_empty() => Ok(name),
+            Some(_) => Err(self.error(key, "the name of the file is empty")),
+            None if self.exists() => Err(self.error(key, "missing: the name of the file")),
+            None => Err(self.error(
+                key,
+                format!(
+                    "missing: there is no [{}] table with the name of a file",
+                    self.path
+                ),
+            )),
+        }
     }
 
     /// One of a few words.
-    pub fn word<T: Copy>(&self, key: &'a str, words: &[(&str, T)]) -> Result<Option<T>, ConfigError> {
-        let Some(text) = self.text(key)? else { return Ok(None) };
+    pub fn word<T: Copy>(
+        &self,
+        key: &'a str,
+        words: &[(&str, T)],
+    ) -> Result<Option<T>, ConfigError> {
+        let Some(text) = self.text(key)? else {
+            return Ok(None);
+        };
         match words.iter().find(|(w, _)| *w == text) {
             Some((_, value)) => Ok(Some(*value)),
             None => {
@@ -136,7 +194,9 @@ impl<'a> Section<'a> {
 
     /// A column by name or, as a person counts, by number.
     pub fn column(&self, key: &'a str) -> Result<Option<Column>, ConfigError> {
-        self.get(key).map(|(value, _)| self.column_of(key, value)).transpose()
+        self.get(key)
+            .map(|(value, _)| self.column_of(key, value))
+            .transpose()
     }
 
     fn column_of(&self, key: &str, value: &DeValue) -> Result<Column, ConfigError> {
@@ -152,9 +212,18 @@ impl<'a> Section<'a> {
 
     /// Three columns.
     pub fn columns(&self, key: &'a str) -> Result<Option<[Column; 3]>, ConfigError> {
-        let Some((value, _)) = self.get(key) else { return Ok(None) };
-        let wrong = || self.error(key, "must be a list of three columns such as [\"x\", \"y\", \"z\"] or [2, 3, 4]");
-        let DeValue::Array(items) = value else { return Err(wrong()) };
+        let Some((value, _)) = self.get(key) else {
+            return Ok(None);
+        };
+        let wrong = || {
+            self.error(
+                key,
+                "must be a list of three columns such as [\"x\", \"y\", \"z\"] or [2, 3, 4]",
+            )
+        };
+        let DeValue::Array(items) = value else {
+            return Err(wrong());
+        };
         let columns = items
             .iter()
             .map(|item| self.column_of(key, item.get_ref()))
@@ -166,9 +235,9 @@ impl<'a> Section<'a> {
     pub fn quantity(&self, key: &'a str, quantity: Quantity) -> Result<Option<f64>, ConfigError> {
         match self.get(key) {
             None => Ok(None),
-            Some((DeValue::String(text), _)) => {
-                units::parse(text, quantity).map(Some).map_err(|e| self.error(key, format!("\"{text}\": {e}")))
-            }
+            Some((DeValue::String(text), _)) => units::parse(text, quantity)
+                .map(Some)
+                .map_err(|e| self.error(key, format!("\"{text}\": {e}"))),
             Some(_) => Err(self.error(key, needs_unit(quantity))),
         }
     }
@@ -177,7 +246,8 @@ impl<'a> Section<'a> {
     pub fn unit(&self, key: &'a str, quantity: Quantity, default: f64) -> Result<f64, ConfigError> {
         match self.text(key)? {
             None => Ok(default),
-            Some(unit) => units::unit_factor(unit, quantity).map_err(|e| self.error(key, format!("\"{unit}\": {e}"))),
+            Some(unit) => units::unit_factor(unit, quantity)
+                .map_err(|e| self.error(key, format!("\"{unit}\": {e}"))),
         }
     }
 
@@ -186,23 +256,54 @@ impl<'a> Section<'a> {
         let text = match self.get(key) {
             None => return Ok(None),
             Some((DeValue::String(text), _)) => text,
-            Some(_) => return Err(self.error(key, format!("write a string such as \"1, 2, 3 unit\": {}", needs_unit(quantity)))),
+            Some(_) => {
+                return Err(self.error(
+                    key,
+                    format!(
+                        "write a string such as \"1, 2, 3 unit\": {}",
+                        needs_unit(quantity)
+                    ),
+                ));
+            }
         };
         let wrong = |e: &dyn std::fmt::Display| self.error(key, format!("\"{text}\": {e}"));
         let parts: Vec<&str> = text.split(',').map(str::trim).collect();
         match parts.as_slice() {
-            [one] => Ok(Some(Vector3::repeat(units::parse(one, quantity).map_err(|e| wrong(&e))?))),
+            [one] => Ok(Some(Vector3::repeat(
+                units::parse(one, quantity).map_err(|e| wrong(&e))?,
+            ))),
             [x, y, z] => {
-                let end = z.find(|c: char| !(c.is_ascii_digit() || ".+-eE\u{2212}".contains(c))).unwrap_or(z.len());
+                let end = z
+                    .find(|c: char| !(c.is_ascii_digit() || ".+-eE\u{2212}".contains(c)))
+                    .unwrap_or(z.len());
                 let unit = &z[end..];
-                let number = |n: &str| units::parse(&format!("{n}{unit}"), quantity).map_err(|e| wrong(&e));
-                Ok(Some(Vector3::new(number(x)?, number(y)?, number(&z[..end])?)))
+                let number = |n: &str| {
+                    // A unit of its own, or the last one's.
+                    let own = !n.ends_with(|c: char| c.is_ascii_digit() || c == '.');
+                    let text = if own {
+                        n.to_owned()
+                    } else {
+                        format!("{n}{unit}")
+                    };
+                    units::parse(&text, quantity).map_err(|e| wrong(&e))
+                };
+                Ok(Some(Vector3::new(
+                    number(x)?,
+                    number(y)?,
+                    number(&z[..end])?,
+                )))
             }
-            _ => Err(wrong(&"expected one number, or three with commas between them, and a unit")),
+            _ => Err(wrong(
+                &"expected one number, or three with commas between them, and a unit",
+            )),
         }
     }
 }
 
 fn needs_unit(quantity: Quantity) -> String {
-    format!("the number needs a unit: write {} as a string such as {}", quantity.name(), quantity.examples())
+    format!(
+        "the number needs a unit: write {} as a string such as {}",
+        quantity.name(),
+        quantity.examples()
+    )
 }

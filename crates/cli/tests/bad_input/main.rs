@@ -1,0 +1,6 @@
+//! The command on damaged logs and wrong settings: what it says, how it ends, what it leaves behind.
+
+mod configuration;
+mod log;
+mod logs;
+mod schedule;

@@ -1,0 +1,229 @@
+//! The example files on the public drives in `../shared/data`, with the figures that the project
+//! promises of them. Skipped, and said so, where the data is missing.
+
+use std::path::{Path, PathBuf};
+use undrift::{
+    drive::Drive,
+    io::ReadError,
+    navigate::{navigate, settings},
+    noise::BiasModel,
+    outages::{self, ModelErrors, Schedule},
+    reference::HORIZONTAL,
+};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// The drive of an example file on the data in `folder`, if it is there.
+fn example(name: &str, folder: &Path) -> Option<Drive> {
+    if !folder.is_dir() {
+        println!("skipped: {} is missing", folder.display());
+        return None;
+    }
+    let drive = Drive::load(&root().join("examples").join(name), Some(folder));
+    Some(drive.unwrap_or_else(|e| panic!("{e}")))
+}
+
+fn data(folder: &str) -> PathBuf {
+    root().join("../shared/data").join(folder)
+}
+
+fn cut(drive: &Drive, models: &[BiasModel], plan: &Schedule, length: f64) -> Vec<ModelErrors> {
+    let imu: Result<Vec<_>, ReadError> = drive.open_imu().unwrap().collect();
+    let gnss: Result<Vec<_>, ReadError> = drive.open_gnss().unwrap().collect();
+    let gnss = gnss.unwrap();
+    let truth = drive
+        .open_truth()
+        .unwrap()
+        .map_or(Vec::new(), |t| t.collect::<Result<Vec<_>, _>>().unwrap());
+    let (first, last) = (gnss[0].time, gnss[gnss.len() - 1].time);
+    let cuts = outages::schedule(plan, length, first, last).unwrap();
+    let models: Vec<_> = models
+        .iter()
+        .map(|kind| {
+            let mut settings = settings(drive, *kind).unwrap();
+            settings.outages = cuts.clone();
+            (kind.name().to_owned(), settings)
+        })
+        .collect();
+    outages::run(&imu.unwrap(), &gnss, &truth, &models)
+        .into_iter()
+        .map(|(_, run)| run.unwrap().errors)
+        .collect()
+}
+
+/// Outages as in THEORY.md's table: 15 of 10 s from 60 s, every 24 s.
+fn navego_plan() -> Schedule {
+    Schedule::Every {
+        start: 60.0,
+        every: 24.0,
+        count: Some(15),
+    }
+}
+
+#[test]
+fn navego_outages() {
+    let Some(drive) = example("navego-adis16405.toml", &data("navego-adis16405")) else {
+        return;
+    };
+    let result = cut(
+        &drive,
+        &[BiasModel::Arma, BiasModel::White],
+        &navego_plan(),
+        10.0,
+    );
+    let (arma, white) = (result[0].max.0, result[1].max.0);
+    println!(
+        "arma N/E/D {:.2} {:.2} {:.2} m, yaw {:.2} deg",
+        arma[0], arma[1], arma[2], arma[9]
+    );
+    assert!(arma[0] < 2.6 && arma[1] < 5.2 && arma[2] < 1.9, "{arma:?}");
+    // 1.3 deg is the aim; the first cut falls into a turn in which the heading is being found, and
+    // one fix more or less moves this maximum between 1.1 and 1.8 deg: see docs/results.md.
+    assert!(arma[9] < 1.6, "{arma:?}");
+    assert!(white[0] > 8.0 * arma[0] && white[1] > 8.0 * arma[1]);
+
+    let removed = example(
+        "navego-adis16405-constants-removed.toml",
+        &data("navego-adis16405"),
+    )
+    .unwrap();
+    let white = cut(&removed, &[BiasModel::White], &navego_plan(), 10.0)[0]
+        .max
+        .0;
+    println!(
+        "white, constants removed, N/E/D {:.1} {:.1} {:.1} m",
+        white[0], white[1], white[2]
+    );
+    assert!(
+        white[0] > 8.0 * arma[0] && white[1] > 8.0 * arma[1],
+        "{white:?}"
+    );
+}
+
+#[test]
+fn navego_whole_run() {
+    let Some(drive) = example("navego-adis16405.toml", &data("navego-adis16405")) else {
+        return;
+    };
+    let report = navigate(&drive, BiasModel::Arma, None).unwrap();
+    let (errors, _) = report.rmse.unwrap();
+    println!("{errors:?}");
+    assert!(errors.0[9] < 1.5, "yaw {} deg", errors.0[9]);
+    // Better than the GNSS velocity alone, 0.049 m/s.
+    assert!(errors.0[4..7].iter().all(|v| *v < 0.049), "{errors:?}");
+    assert!(report.summary.suspect.is_none() && report.summary.diverged.is_none());
+    // 6558 degrees of freedom: one standard deviation of the ratio is 0.017.
+    let nis = report.summary.velocity.per_dof().unwrap();
+    assert!((nis - 1.0).abs() < 0.1, "{nis}");
+}
+
+#[test]
+fn rtk_drive_outages() {
+    let Some(drive) = example("rtk-drive.toml", &data("rtk-drive")) else {
+        return;
+    };
+    let plan = Schedule::Every {
+        start: 40.0,
+        every: 30.0,
+        count: Some(16),
+    };
+    let result = cut(
+        &drive,
+        &[BiasModel::Arma, BiasModel::RandomWalk],
+        &plan,
+        10.0,
+    );
+    let best = result
+        .iter()
+        .map(|m| m.rms.0[HORIZONTAL])
+        .fold(f64::INFINITY, f64::min);
+    println!("RMS of the largest horizontal error {best:.2} m");
+    assert!(best < 3.9, "{best}");
+}
+
+#[test]
+fn uav_flight_aligns_and_stays_with_the_aircrafts_own_filter() {
+    let Some(drive) = example("uav-flight.toml", &data("uav-flight")) else {
+        return;
+    };
+    let report = navigate(&drive, BiasModel::Arma, None).unwrap();
+    let (errors, _) = report.rmse.unwrap();
+    println!("{errors:?}");
+    // The reference is a filter of its own on the same sensors, its attitude a sample late: at
+    // roll rates of 0.5 rad/s RMS that alone is 0.6 deg. A lost alignment shows as tens of degrees.
+    assert!(
+        errors.0[HORIZONTAL] < 2.0 && errors.0[7] < 3.0 && errors.0[8] < 1.5,
+        "{errors:?}"
+    );
+    assert!(report.summary.suspect.is_none());
+}
+
+#[test]
+fn ublox_drives_align_without_being_told_the_mounting() {
+    for drive_name in [
+        "mixed-road-long-drive-nominal-001",
+        "parkinglot-maneuvers",
+        "urban-stop-go-tight-turns-nominal-001",
+    ] {
+        let folder = data("ublox-drives").join(drive_name);
+        let Some(drive) = example("ublox-drives.toml", &folder) else {
+            return;
+        };
+        let report = navigate(&drive, BiasModel::Arma, None).unwrap();
+        let (errors, _) = report.rmse.unwrap();
+        println!(
+            "{drive_name}: {:.2} m, {}",
+            errors.0[HORIZONTAL], report.summary.alignment
+        );
+        // The reference is the receiver's own fused track, metres off at its start.
+        assert!(errors.0[HORIZONTAL] < 2.0, "{drive_name}: {errors:?}");
+        assert!(report.summary.suspect.is_none());
+        let plan = Schedule::Every {
+            start: 60.0,
+            every: 30.0,
+            count: None,
+        };
+        let outages = &cut(&drive, &[BiasModel::Arma], &plan, 10.0)[0];
+        println!("10 s outages: RMS {:.2} m", outages.rms.0[HORIZONTAL]);
+        assert!(outages.rms.0[HORIZONTAL] < 4.0);
+    }
+}
+
+/// Made by `tools/make-drive30` at the project's root, which `.ci/run` runs.
+fn drive30(variant: &str) -> PathBuf {
+    root().join("target/drive30").join(variant)
+}
+
+#[test]
+fn simulated_half_hour_agrees_with_other_implementations() {
+    let Some(drive) = example("drive30.toml", &drive30("seed1")) else {
+        return;
+    };
+    // Fifteen starts, 240 s after the first sample and then every 104 s: its outages.json.
+    let starts: Vec<f64> = (0..15).map(|i| 100_240.0 + 104.0 * f64::from(i)).collect();
+    // Two independent open implementations agree with each other on these to 0.3 %.
+    for (length, published) in [(10.0, 0.204), (30.0, 1.757), (60.0, 8.828)] {
+        let result = cut(
+            &drive,
+            &[BiasModel::GaussMarkov],
+            &Schedule::At(starts.clone()),
+            length,
+        );
+        let ours = result[0].end_rms.0[HORIZONTAL];
+        println!("{length} s: {ours:.4} m, published {published} m");
+        assert!((ours / published - 1.0).abs() < 0.01, "{length} s: {ours}");
+    }
+}
+
+#[test]
+fn simulated_half_hour_without_noise() {
+    let Some(drive) = example("drive30-noise-free.toml", &drive30("noise-free")) else {
+        return;
+    };
+    let report = navigate(&drive, BiasModel::GaussMarkov, None).unwrap();
+    let (errors, _) = report.rmse.unwrap();
+    println!("{errors:?}");
+    assert!(errors.0[..3].iter().all(|e| *e < 1e-3), "{errors:?}");
+}
