@@ -1,9 +1,11 @@
 //! The undrift command: one file per verb.
 
 mod demo;
+mod identify;
 mod navigate;
 mod outages;
 mod report;
+mod tables;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -20,6 +22,7 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Verb {
     Demo(demo::Arguments),
+    Identify(identify::Arguments),
     Navigate(navigate::Arguments),
     Outages(outages::Arguments),
 }
@@ -27,6 +30,7 @@ enum Verb {
 fn main() -> ExitCode {
     let result = match Arguments::parse().verb {
         Verb::Demo(arguments) => demo::run(&arguments),
+        Verb::Identify(arguments) => identify::run(&arguments),
         Verb::Navigate(arguments) => navigate::run(&arguments),
         Verb::Outages(arguments) => outages::run(&arguments),
     };

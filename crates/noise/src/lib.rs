@@ -5,10 +5,24 @@
 //! [`undrift_nav::shaping::ShapingFilter`] that the navigation filter takes; [`presets`] are model
 //! files of well-known sensors; [`synthesis`] draws noise from any shaping filter.
 
+pub mod allan;
+pub mod arma;
 pub mod bias_model;
+pub mod composite;
+pub mod correlation;
+pub mod drift_score;
+pub mod identify;
 pub mod model_file;
+pub mod normality;
+pub mod pandit_wu;
 pub mod presets;
+pub mod scales;
+pub mod screening;
+pub mod spectrum;
+pub mod stationarity;
 pub mod synthesis;
+pub mod wavelet;
+pub mod whiteness;
 
 pub use bias_model::BiasModel;
 pub use model_file::{Arma, AxisModel, ImuModel, Instability, ModelError, Provenance};

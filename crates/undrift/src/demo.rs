@@ -1,7 +1,9 @@
 //! The source paper's experiment on a simulated drive: nothing but a seed goes in.
 
+use crate::record::Record;
 use crate::{
     align::AlignSettings,
+    identify::{self, Identified},
     outages::{self, ModelRun, Schedule},
     replay::{GnssUse, Outage, ReplayError, Settings},
     simulate::{GnssNoise, Simulation, SimulationError, Trajectory, simulate},
@@ -10,7 +12,10 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use undrift_nav::{Vector3, sample::ImuSample};
-use undrift_noise::{BiasModel, ImuModel, ModelError};
+use undrift_noise::{
+    BiasModel, ImuModel, ModelError, Provenance, identify::Options, model_file::AXES,
+    synthesis::NoiseGenerator,
+};
 
 /// IMU of the demo.
 pub const PRESET: &str = "adis16405";
@@ -21,8 +26,22 @@ pub const DURATION: f64 = 600.0;
 /// Outages: number, length and spacing [s], the first this long after the first fix [s].
 pub const OUTAGES: (usize, f64, f64, f64) = (15, 10.0, 34.0, 90.0);
 
+/// Length of the simulated static record [s].
+pub const STATIC_DURATION: f64 = 1000.0;
+
+/// Where the models of the demo come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Models {
+    /// A simulated static record of the same sensors, identified.
+    Identified,
+    /// The simulation's own parameters.
+    Truth,
+}
+
 /// The drive and what each model made of it.
 pub struct Demo {
+    /// The static record and what was identified from it, if the models come from there.
+    pub identified: Option<(Record, Identified)>,
     /// Samples, fixes and truth.
     pub simulation: Simulation,
     /// Where GNSS was cut.
@@ -40,14 +59,14 @@ pub enum DemoError {
     /// Nothing was simulated.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
-    /// The outages do not fit the drive.
+    /// The outages do not fit the drive, or an axis could not be identified.
     #[error("{0}")]
-    Schedule(String),
+    Plan(String),
 }
 
 /// Simulates the drive and runs all bias models through its outages.
-pub fn run(seed: u64) -> Result<Demo, DemoError> {
-    let model = ImuModel::preset(PRESET).unwrap_or_default();
+pub fn run(seed: u64, models: Models) -> Result<Demo, DemoError> {
+    let preset = ImuModel::preset(PRESET).unwrap_or_default();
     let interval = 1.0 / RATE_HZ;
     let lever_arm = Vector3::new(0.3, 0.1, -1.2);
     let gnss = GnssNoise {
@@ -59,7 +78,7 @@ pub fn run(seed: u64) -> Result<Demo, DemoError> {
     };
     // The sensors' truth: white noise and Gauss-Markov bias here, the turn-on constants below, so
     // that they can also be left out.
-    let mut without_turn_on = model.clone();
+    let mut without_turn_on = preset.clone();
     for axis in without_turn_on
         .gyro
         .iter_mut()
@@ -83,7 +102,7 @@ pub fn run(seed: u64) -> Result<Demo, DemoError> {
             axis.turn_on * unit
         }))
     };
-    let (gyro, accel) = (constant(&model.gyro), constant(&model.accel));
+    let (gyro, accel) = (constant(&preset.gyro), constant(&preset.accel));
     for sample in &mut simulation.imu {
         *sample = ImuSample {
             dtheta: sample.dtheta + gyro * sample.dt,
@@ -91,6 +110,22 @@ pub fn run(seed: u64) -> Result<Demo, DemoError> {
             ..*sample
         };
     }
+
+    let (model, identified) = match models {
+        Models::Truth => (preset, None),
+        Models::Identified => {
+            let record = static_record(&sensors, &preset, seed);
+            let options = Options {
+                rate_hz: RATE_HZ,
+                n_max: 2,
+            };
+            let found = identify::run(&record, &options, || {});
+            let model = found
+                .model(Some(&preset), PRESET, Provenance::default())
+                .map_err(DemoError::Plan)?;
+            (model, Some((record, found)))
+        }
+    };
 
     let ends = simulation.gnss.first().zip(simulation.gnss.last());
     let (first, last) = ends.map_or((0.0, 0.0), |(a, b)| (a.time, b.time));
@@ -100,7 +135,7 @@ pub fn run(seed: u64) -> Result<Demo, DemoError> {
         every,
         count: Some(count),
     };
-    let outages = outages::schedule(&plan, length, first, last).map_err(DemoError::Schedule)?;
+    let outages = outages::schedule(&plan, length, first, last).map_err(DemoError::Plan)?;
     let settings = |kind: BiasModel| -> Result<(String, Settings), ModelError> {
         let settings = Settings {
             sensors: model.shaping(kind, interval)?,
@@ -128,10 +163,41 @@ pub fn run(seed: u64) -> Result<Demo, DemoError> {
         outages::run(&calibrated, &simulation.gnss, &simulation.truth, &white),
     );
     Ok(Demo {
+        identified,
         simulation,
         outages,
         runs,
     })
+}
+
+/// A static record of the sensors, with other draws of everything than the drive's.
+fn static_record(
+    sensors: &[undrift_nav::shaping::ShapingFilter; 6],
+    preset: &ImuModel,
+    seed: u64,
+) -> Record {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(seed ^ 0x57a7_1c00);
+    let samples = (STATIC_DURATION * RATE_HZ) as usize;
+    let series = |axis: usize| {
+        let constant: f64 = StandardNormal.sample(&mut random);
+        let mut generator = NoiseGenerator::with_rng(&sensors[axis], random.clone());
+        random.jump();
+        // At rest, level: the accelerometers' z reads the reaction to gravity.
+        let at_rest = if axis == 5 {
+            -undrift_nav::earth::STANDARD_GRAVITY
+        } else {
+            0.0
+        };
+        let turn_on = preset.axes()[axis].1.turn_on * constant;
+        (0..samples)
+            .map(|_| at_rest + turn_on + generator.sample())
+            .collect()
+    };
+    Record {
+        axes: AXES.to_vec(),
+        samples: (0..6).map(series).collect(),
+        skipped: Default::default(),
+    }
 }
 
 /// Name of the row for `white` on samples without their turn-on constants, as a laboratory

@@ -262,3 +262,18 @@ fn listing(names: &[String]) -> String {
     }
     format!("the file has: {}", list.join(", "))
 }
+
+/// Names of the columns of a table, from its header line or, where that is data, the comment
+/// directly before it; empty where neither names them.
+///
+/// # Errors
+/// If the file cannot be opened or has no line.
+pub fn header_names(path: &Path) -> Result<Vec<String>, ReadError> {
+    let mut lines = Lines::new(crate::source::open(path)?);
+    let (first, comment) = first_line(path, &mut lines, &mut Skipped::default())?;
+    let delimiter = Delimiter::detect(&first);
+    if Fields::new(&first, delimiter).any(is_text) {
+        return Ok(names_of(&first, delimiter));
+    }
+    Ok(comment.map_or(Vec::new(), |(_, text)| comment_names(&text, None)))
+}

@@ -20,6 +20,7 @@
 
 mod fields;
 mod header;
+pub use header::header_names;
 
 use std::fmt;
 use std::path::{Path, PathBuf};

@@ -1,0 +1,186 @@
+//! `undrift identify`: a static record into a noise model.
+
+use crate::report;
+use anyhow::{Result, bail};
+use clap::Args;
+use std::path::PathBuf;
+use undrift::{
+    identify::{self, Identified},
+    io::table::Column,
+    noise::{ImuModel, Provenance, identify::Options},
+    record::{self, RecordFormat},
+};
+
+/// Identify how a sensor errs from a record of it at rest, and write the model file.
+///
+/// Example: undrift identify static.csv.gz --rate 100 -o imu.toml
+#[derive(Args)]
+pub struct Arguments {
+    /// Static record: a table of six axes, or one
+    #[arg(value_name = "RECORD.csv")]
+    record: PathBuf,
+    /// Sample rate [Hz]
+    #[arg(long, value_name = "HZ", default_value_t = 100.0)]
+    rate: f64,
+    /// Columns by name or number: gyro x,y,z, accelerometer x,y,z, or a single one; told from the header if absent
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    columns: Vec<String>,
+    /// Axis of a single column, gyro_x to accel_z
+    #[arg(long, value_name = "AXIS")]
+    axis: Option<String>,
+    /// Units of gyro and accelerometer columns, for instance "deg/s,g"; told from the header if absent
+    #[arg(long, value_name = "GYRO,ACCEL")]
+    units: Option<String>,
+    /// Largest n of ARMA(2n, 2n-1) in the Pandit-Wu table
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    n_max: usize,
+    /// Model that gives the axes the record does not have: a preset or a file
+    #[arg(long, value_name = "PRESET|FILE")]
+    base: Option<String>,
+    /// Write the model file
+    #[arg(short, long, value_name = "imu.toml")]
+    output: Option<PathBuf>,
+    /// Write everything found as JSON; "-" for standard output instead of the summary
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let units = match arguments
+        .units
+        .as_deref()
+        .map(|u| u.split(',').map(str::trim).collect::<Vec<_>>())
+    {
+        None => None,
+        Some(parts) => match parts.as_slice() {
+            [one] => Some(((*one).to_owned(), (*one).to_owned())),
+            [gyro, accel] => Some(((*gyro).to_owned(), (*accel).to_owned())),
+            _ => bail!(
+                "--units takes the gyros' and the accelerometers' unit, for instance \"deg/s,g\""
+            ),
+        },
+    };
+    let format = RecordFormat {
+        columns: arguments
+            .columns
+            .iter()
+            .map(|c| {
+                c.parse()
+                    .map_or_else(|_| Column::Name(c.clone()), Column::Number)
+            })
+            .collect(),
+        axis: arguments.axis.clone(),
+        units,
+    };
+    let record = record::read(&arguments.record, &format)?;
+    if !record.skipped.is_empty() {
+        eprintln!("{}: {}", arguments.record.display(), record.skipped);
+    }
+    let options = Options {
+        rate_hz: arguments.rate,
+        n_max: arguments.n_max,
+    };
+    let identified = identify::run(&record, &options, || {});
+    let failed = identified
+        .axes
+        .iter()
+        .filter(|(_, found)| found.is_err())
+        .count();
+
+    let json = || format!("{:#}", identified.json());
+    if arguments
+        .json
+        .as_deref()
+        .is_some_and(|p| p.as_os_str() == "-")
+    {
+        report::say(json())?;
+    } else {
+        report::say(summary(&identified))?;
+        if let Some(file) = &arguments.json {
+            report::write_whole(file, &json())?;
+        }
+    }
+    for (name, found) in &identified.axes {
+        if let Err(error) = found {
+            eprintln!("{name}: {error}");
+        }
+    }
+    if let Some(file) = &arguments.output {
+        let base = arguments
+            .base
+            .as_ref()
+            .map(|name| ImuModel::resolve(name, std::path::Path::new("")))
+            .transpose()?;
+        let name = arguments
+            .record
+            .file_name()
+            .map_or(String::new(), |n| n.to_string_lossy().into_owned());
+        let provenance = Provenance {
+            record: Some(name.clone()),
+            rate_hz: Some(arguments.rate),
+            samples: record.samples.first().map(|s| s.len() as u64),
+            sha256: None,
+            program: Some(format!("undrift {}", env!("CARGO_PKG_VERSION"))),
+        };
+        let model = identified
+            .model(base.as_ref(), &name, provenance)
+            .map_err(anyhow::Error::msg)?;
+        report::write_whole(file, &model.to_toml())?;
+        report::say(format!("model: {}", file.display()))?;
+    }
+    if failed == identified.axes.len() {
+        bail!("no axis could be identified");
+    }
+    Ok(())
+}
+
+/// The candidates of each axis with their drift scores, and the choice.
+fn summary(identified: &Identified) -> String {
+    use std::fmt::Write;
+    let mut text = String::new();
+    for (name, found) in &identified.axes {
+        let Ok(axis) = found else { continue };
+        let gyro = name.starts_with("gyro");
+        // Spec-sheet units: deg/√h and deg, m/s/√h and m/s.
+        let (scale, white_unit, drift_unit) = if gyro {
+            (1f64.to_degrees(), "deg/√h", "deg")
+        } else {
+            (1.0, "m/s/√h", "m/s")
+        };
+        let _ = writeln!(
+            text,
+            "{name}: {} samples at {} Hz",
+            axis.samples, identified.rate_hz
+        );
+        let _ = writeln!(text, "  {}", axis.stationarity.sentence);
+        let _ = writeln!(
+            text,
+            "  Allan: white noise {:.4} {white_unit}; skewness {:.3}, excess kurtosis {:.3}",
+            axis.allan_terms.white.value * scale * 60.0,
+            axis.normality.skewness,
+            axis.normality.kurtosis_excess
+        );
+        let _ = write!(text, "  {:38}", format!("drift after [{drift_unit}]"));
+        if let Some(first) = axis.candidates.first() {
+            for score in &first.score {
+                let _ = write!(text, " {:>10}", format!("{:.0} s", score.horizon_s));
+            }
+        }
+        text.push('\n');
+        for (index, candidate) in axis.candidates.iter().enumerate() {
+            let mark = if index == axis.chosen { "→" } else { " " };
+            let _ = write!(text, "  {mark} {:36}", candidate.name);
+            for score in &candidate.score {
+                let _ = write!(text, " {:>10.3e}", score.rms * scale);
+            }
+            text.push('\n');
+        }
+        let _ = writeln!(text, "  {}", axis.reason);
+        for warning in &axis.warnings {
+            let _ = writeln!(text, "  Note: {warning}.");
+        }
+        text.push('\n');
+    }
+    text.pop();
+    text
+}

@@ -1,0 +1,55 @@
+//! Times one likelihood evaluation per order and whole fits. `cargo run --release --example arma_speed [samples [likelihood]]`
+
+use std::time::Instant;
+use undrift_nav::shaping::ShapingFilter;
+use undrift_noise::arma::{FitOptions, Mean, fit, log_likelihood};
+use undrift_noise::synthesis::NoiseGenerator;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let samples = match std::env::args().nth(1) {
+        Some(text) => text.parse()?,
+        None => 2_000_000,
+    };
+    let filter = ShapingFilter::arma(&[0.99995], &[0.9994], 0.006, 0.01)?;
+    let mut record = vec![0.0; samples];
+    NoiseGenerator::new(&filter, 1).fill(&mut record);
+    for (name, ar, ma) in [
+        ("(1,1)", &[0.99995][..], &[0.9994][..]),
+        ("(2,1)", &[1.19, -0.19999], &[0.9994]),
+        ("(4,3)", &[1.2, -0.5, 0.3, -0.1], &[0.6, -0.2, -0.1]),
+        (
+            "(6,5)",
+            &[0.3, 0.2, 0.1, 0.1, 0.1, 0.1],
+            &[0.1, 0.1, 0.1, 0.1, 0.1],
+        ),
+    ] {
+        let mut best = f64::INFINITY;
+        let mut value = 0.0;
+        for _ in 0..9 {
+            let start = Instant::now();
+            value = log_likelihood(&record, ar, ma, Mean::Known(0.0), false)?.log_likelihood;
+            best = best.min(start.elapsed().as_secs_f64());
+        }
+        println!(
+            "likelihood {name}: {:.2} ns/sample, {value:.6}",
+            best / samples as f64 * 1e9
+        );
+    }
+    if std::env::args().nth(2).is_some() {
+        return Ok(());
+    }
+    for (p, q) in [(1, 1), (2, 1), (4, 3)] {
+        let start = Instant::now();
+        let model = fit(&record, p, q, &FitOptions::default())?;
+        println!(
+            "fit ({p},{q}): {:.2} s, log-likelihood {:.4}, φ {:?}, θ {:?}, errors {:?}, {:?}",
+            start.elapsed().as_secs_f64(),
+            model.log_likelihood,
+            model.ar,
+            model.ma,
+            model.standard_errors,
+            model.warnings
+        );
+    }
+    Ok(())
+}

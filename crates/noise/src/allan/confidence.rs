@@ -1,0 +1,226 @@
+//! Confidence of a deviation: equivalent degrees of freedom by noise type, and the type by lag-1
+//! autocorrelation.
+//!
+//! Noise types are the exponent α of the rate's spectral density S(f) ∝ f^α: 2 quantisation (white
+//! phase), 1 flicker phase, 0 white, −1 bias instability (flicker rate), −2 rate random walk.
+//! Sources: Greenhall & Riley, "Uncertainty of stability variances based on finite differences"
+//! (35th PTTI, 2003) as in NIST SP 1065 section 5.4.1 (Allan, modified, Hadamard); Howe & Greenhall
+//! as in SP 1065 table 8 (total); Riley & Greenhall, "Power law noise identification using the lag 1
+//! autocorrelation" (18th EFTF, 2004), SP 1065 section 5.5.6.
+
+use super::deviation::{Curve, Kind};
+use crate::screening::record::{RecordError, check, mean, prefix_sums};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+/// Terms of the sum over lags; with more the sum is taken on a coarser grid of lags.
+const LAGS: f64 = 1000.0;
+
+/// Averaging factors from which on a filter of one sample's width is short.
+const CONTINUOUS: f64 = 1000.0;
+
+/// Averages from which on reflection adds nothing to the confidence of a total deviation.
+const MANY: usize = 32;
+
+/// Averages that the identification of the noise type needs.
+const AVERAGES: usize = 30;
+
+/// Confidence of one point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interval {
+    /// Noise type α assumed (−4 … 2).
+    pub alpha: i32,
+    /// Equivalent degrees of freedom of the variance.
+    pub edf: f64,
+    /// Lower bound of the deviation [unit of the samples].
+    pub lower: f64,
+    /// Upper bound of the deviation [unit of the samples].
+    pub upper: f64,
+}
+
+/// Two-sided intervals of the true deviation at each point, `level` their probability (0.683 for one
+/// sigma), with the noise type found at each τ.
+///
+/// Errors: as [`noise_types`], or a level outside (0, 1).
+pub fn intervals(rates: &[f64], curve: &Curve, level: f64) -> Result<Vec<Interval>, RecordError> {
+    let factors: Vec<usize> = curve.points.iter().map(|p| p.m).collect();
+    intervals_of(curve, &noise_types(rates, &factors)?, level)
+}
+
+/// As [`intervals`], with the noise type of each point given.
+///
+/// Errors: a level outside (0, 1), or not one type a point.
+pub fn intervals_of(
+    curve: &Curve,
+    alphas: &[i32],
+    level: f64,
+) -> Result<Vec<Interval>, RecordError> {
+    if !(level > 0.0 && level < 1.0) {
+        return Err(RecordError::Argument(
+            "the confidence level must be between 0 and 1",
+        ));
+    }
+    if alphas.len() != curve.points.len() {
+        return Err(RecordError::Argument(
+            "one noise type is needed for each point",
+        ));
+    }
+    let bounds = curve.points.iter().zip(alphas).map(|(point, &alpha)| {
+        let edf = edf(curve.kind, alpha, curve.samples, point.m);
+        let quantile = |p: f64| ChiSquared::new(edf).map_or(f64::NAN, |chi| chi.inverse_cdf(p));
+        let scale = |chi: f64| point.deviation * (edf / chi).sqrt();
+        Interval {
+            alpha,
+            edf,
+            lower: scale(quantile(0.5 + 0.5 * level)),
+            upper: scale(quantile(0.5 - 0.5 * level)),
+        }
+    });
+    Ok(bounds.collect())
+}
+
+/// Equivalent degrees of freedom of a variance at `m` of `samples` rates under noise type `alpha`
+/// (clamped to −4 … 2, for Allan and total to −2 … 2); at least 1.
+pub fn edf(kind: Kind, alpha: i32, samples: usize, m: usize) -> f64 {
+    let m = m.max(1);
+    let alpha = alpha.clamp(if kind == Kind::Hadamard { -4 } else { -2 }, 2);
+    if kind == Kind::Modified && m == 1 {
+        return edf(Kind::Overlapping, alpha, samples, m);
+    }
+    if kind == Kind::Total && alpha <= 0 && samples / m < MANY {
+        // Fitted by its authors for τ up to half of the record; with many averages the overlapping
+        // estimate is as good, and right for the shortest τ as well.
+        let (slope, offset) = [(1.5, 0.0), (1.17, 0.22), (0.93, 0.36)][(-alpha) as usize];
+        return (slope * samples as f64 / m as f64 - offset).max(1.0);
+    }
+    let order: usize = if kind == Kind::Hadamard { 3 } else { 2 };
+    let width = m as f64;
+    let modified = kind == Kind::Modified;
+    let span = if modified { width } else { 1.0 } + width * order as f64;
+    // Overlapped: a difference at every sample, S = m.
+    let count = (samples as f64 + 1.0 - span).floor().max(0.0) + 1.0;
+    if alpha == 2 && !modified {
+        // White phase: differences share a phase only at whole multiples of τ.
+        let centre = binomial(2 * order, order);
+        let mut sum = centre * centre;
+        for lag in 1..=order {
+            let share = (1.0 - lag as f64 * width / count).max(0.0);
+            sum += 2.0 * share * binomial(2 * order, order - lag).powi(2);
+        }
+        return (count * centre * centre / sum).max(1.0);
+    }
+    let full_lags = count.min((order as f64 + 1.0) * width);
+    // Scaling S and M together leaves the sum over lags a Riemann sum of the same integral.
+    let coarse = (LAGS / full_lags).min(1.0);
+    let (lags, stride, terms) = ((full_lags * coarse).round(), width * coarse, count * coarse);
+    // Rates are exact averages, so phases are samples, not short averages, of the integrated noise:
+    // no filter at all for α ≤ 0. White and flicker phase need the filter of one sample.
+    let fineness = if modified {
+        1.0
+    } else if alpha <= 0 {
+        f64::INFINITY
+    } else {
+        width
+    };
+    let z0 = structure(0.0, fineness, alpha, order);
+    let mut sum = z0 * z0;
+    let last = structure(lags / stride, fineness, alpha, order);
+    sum += (1.0 - lags / terms).max(0.0) * last * last;
+    for j in 1..lags as usize {
+        let lag = j as f64;
+        let z = structure(lag / stride, fineness, alpha, order);
+        sum += 2.0 * (1.0 - lag / terms).max(0.0) * z * z;
+    }
+    (terms * z0 * z0 / sum).max(1.0)
+}
+
+/// Binomial coefficient, small arguments.
+fn binomial(n: usize, k: usize) -> f64 {
+    (0..k).fold(1.0, |product, i| product * (n - i) as f64 / (i + 1) as f64)
+}
+
+/// Generalised autocovariance of the d-th difference at lag `t` [τ]: `s_z` of Greenhall & Riley.
+fn structure(t: f64, fineness: f64, alpha: i32, order: usize) -> f64 {
+    let mut sum = binomial(2 * order, order) * smoothed(t, fineness, alpha);
+    for lag in 1..=order {
+        let sign = if lag % 2 == 0 { 1.0 } else { -1.0 };
+        let shift = lag as f64;
+        let sides = smoothed(t - shift, fineness, alpha) + smoothed(t + shift, fineness, alpha);
+        sum += sign * binomial(2 * order, order - lag) * sides;
+    }
+    sum
+}
+
+/// `s_x`: the same of the averaged phase.
+fn smoothed(t: f64, fineness: f64, alpha: i32) -> f64 {
+    let t = t.abs();
+    let step = 1.0 / fineness;
+    if fineness > CONTINUOUS && alpha <= 0 {
+        return generalised(t, alpha + 2);
+    }
+    if fineness > CONTINUOUS && t > 8.0 * step {
+        // The second derivative of t² ln t, which has no name of its own in the table below.
+        return -(2.0 * t.ln() + 3.0);
+    }
+    let sides = generalised(t - step, alpha) + generalised(t + step, alpha);
+    fineness * fineness * (2.0 * generalised(t, alpha) - sides)
+}
+
+/// `s_w`: the generalised autocovariance of the phase, up to a factor.
+fn generalised(t: f64, alpha: i32) -> f64 {
+    let t = t.abs();
+    let log = if t > 0.0 { t.ln() } else { 0.0 };
+    match alpha {
+        2 => -t,
+        1 => t.powi(2) * log,
+        0 => t.powi(3),
+        -1 => -t.powi(4) * log,
+        -2 => -t.powi(5),
+        -3 => t.powi(6) * log,
+        _ => t.powi(7),
+    }
+}
+
+/// Noise type at each averaging factor, from the lag-1 autocorrelation of the averages (differenced
+/// until it looks stationary). Where fewer than 30 averages are left, the last type found goes on.
+///
+/// Errors: fewer than 3 samples, not finite.
+pub fn noise_types(rates: &[f64], factors: &[usize]) -> Result<Vec<i32>, RecordError> {
+    check(rates, 3)?;
+    let sums = prefix_sums(rates, mean(rates));
+    let mut last = 0;
+    let mut types = Vec::with_capacity(factors.len());
+    for &m in factors {
+        let m = m.max(1);
+        if rates.len() / m >= AVERAGES {
+            let ends: Vec<f64> = sums.iter().step_by(m).copied().collect();
+            let averages = ends.windows(2).map(|pair| pair[1] - pair[0]).collect();
+            last = type_of_averages(averages);
+        }
+        types.push(last);
+    }
+    Ok(types)
+}
+
+/// α = −2 (δ + differences taken), rounded, δ = r₁ / (1 + r₁).
+fn type_of_averages(mut averages: Vec<f64>) -> i32 {
+    for differences in 0..3 {
+        let centre = mean(&averages);
+        let squares: f64 = averages.iter().map(|v| (v - centre).powi(2)).sum();
+        if squares <= 0.0 {
+            return 0;
+        }
+        let products: f64 = averages
+            .windows(2)
+            .map(|w| (w[0] - centre) * (w[1] - centre))
+            .sum();
+        let r1 = products / squares;
+        let delta = r1 / (1.0 + r1).max(f64::MIN_POSITIVE);
+        if delta < 0.25 || differences == 2 {
+            return (-2.0 * (delta + f64::from(differences)))
+                .round()
+                .clamp(-4.0, 2.0) as i32;
+        }
+        averages = averages.windows(2).map(|w| w[1] - w[0]).collect();
+    }
+    0
+}

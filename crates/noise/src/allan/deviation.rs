@@ -1,0 +1,347 @@
+//! Overlapping Allan, modified Allan, overlapping Hadamard and total deviation of rate samples.
+//!
+//! With `S_k` the sum of the first k samples less their mean and `m` samples to a τ, the variances
+//! are mean squares of `S_{i+2m} − 2 S_{i+m} + S_i` and its kin. The mean only adds a straight line
+//! to `S`, which none of them sees; without it `S` stays small and keeps its digits.
+
+use crate::screening::record::{RecordError, check, mean, prefix_sums};
+use rayon::prelude::*;
+
+/// Which deviation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Fully overlapping Allan deviation, NIST SP 1065 section 5.2.4, equation 11.
+    Overlapping,
+    /// Modified Allan deviation, section 5.2.5, equation 14: tells white phase noise (quantisation)
+    /// from flicker phase noise.
+    Modified,
+    /// Overlapping Hadamard deviation, section 5.2.10, equation 24: blind to a linear ramp.
+    Hadamard,
+    /// Total deviation, section 5.2.11, equation 25: the record is continued by reflection at both
+    /// ends, for better confidence at the longest τ; τ up to the record's length.
+    Total,
+}
+
+/// Which averaging times.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Grid {
+    /// m = 1, 2, 4, 8, … samples.
+    Octave,
+    /// m = 1, 2, 5, 10, 20, 50, … samples.
+    Decade,
+    /// So many a factor of two, rounded to whole samples, without repetition.
+    PerOctave(u32),
+    /// Every m from 1 on: O(N²) time, spread over the cores.
+    All,
+}
+
+/// One averaging time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Samples averaged.
+    pub m: usize,
+    /// Averaging time τ = m / rate [s].
+    pub tau_s: f64,
+    /// Deviation [unit of the samples].
+    pub deviation: f64,
+    /// Differences whose squares were averaged.
+    pub terms: usize,
+}
+
+/// A deviation over averaging time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// Which deviation.
+    pub kind: Kind,
+    /// Sample rate [Hz].
+    pub rate_hz: f64,
+    /// Samples in the record.
+    pub samples: usize,
+    /// The points, by growing τ.
+    pub points: Vec<Point>,
+}
+
+/// Samples that are differenced together before the next averaging time takes its turn: the
+/// stretches that the averaging times share stay in the first cache.
+const STRETCH: usize = 2048;
+
+/// Averaging times from which on the work is spread over the cores.
+const SPREAD: usize = 128;
+
+impl Kind {
+    /// Largest m of a record of `samples` rates.
+    pub fn largest_m(self, samples: usize) -> usize {
+        match self {
+            Self::Overlapping => samples / 2,
+            Self::Modified => (samples + 1) / 3,
+            Self::Hadamard => samples / 3,
+            Self::Total => samples,
+        }
+    }
+
+    /// Differences that `m` leaves of `samples` rates; 0 where `m` is too large.
+    fn terms(self, samples: usize, m: usize) -> usize {
+        let phases = samples + 1;
+        match self {
+            Self::Overlapping => phases.saturating_sub(2 * m),
+            Self::Modified => (phases + 1).saturating_sub(3 * m),
+            Self::Hadamard => phases.saturating_sub(3 * m),
+            Self::Total => phases.saturating_sub(2),
+        }
+    }
+}
+
+impl Grid {
+    /// The averaging factors up to `largest`, growing.
+    pub fn factors(self, largest: usize) -> Vec<usize> {
+        let mut factors = Vec::new();
+        match self {
+            Self::Octave => {
+                let doubled = |&m: &usize| m.checked_mul(2);
+                factors
+                    .extend(std::iter::successors(Some(1), doubled).take_while(|&m| m <= largest));
+            }
+            Self::Decade => {
+                let mut decade = 1usize;
+                while decade <= largest {
+                    factors.extend(
+                        [1, 2, 5]
+                            .map(|k| k * decade)
+                            .into_iter()
+                            .filter(|&m| m <= largest),
+                    );
+                    decade = decade.saturating_mul(10);
+                }
+            }
+            Self::PerOctave(count) => {
+                let step = 1.0 / f64::from(count.max(1));
+                let mut exponent = 0.0f64;
+                while exponent.exp2().round() <= largest as f64 {
+                    let m = exponent.exp2().round() as usize;
+                    if factors.last() != Some(&m) {
+                        factors.push(m);
+                    }
+                    exponent += step;
+                }
+            }
+            Self::All => factors.extend(1..=largest),
+        }
+        factors
+    }
+}
+
+/// The deviation of `rates` sampled at `rate_hz` [Hz] at a grid of averaging times.
+///
+/// Errors: too short for m = 1 (2 samples, 3 for Hadamard), not finite, a rate that is not positive.
+pub fn deviations(
+    rates: &[f64],
+    rate_hz: f64,
+    kind: Kind,
+    grid: Grid,
+) -> Result<Curve, RecordError> {
+    deviations_at(
+        rates,
+        rate_hz,
+        kind,
+        &grid.factors(kind.largest_m(rates.len())),
+    )
+}
+
+/// As [`deviations`], at averaging factors `m` of the caller; those too large for the record or 0
+/// are left out.
+pub fn deviations_at(
+    rates: &[f64],
+    rate_hz: f64,
+    kind: Kind,
+    factors: &[usize],
+) -> Result<Curve, RecordError> {
+    check(rates, if kind == Kind::Hadamard { 3 } else { 2 })?;
+    if !(rate_hz > 0.0 && rate_hz.is_finite()) {
+        return Err(RecordError::Argument(
+            "the sample rate must be a positive number",
+        ));
+    }
+    let samples = rates.len();
+    let sums = prefix_sums(rates, mean(rates));
+    let largest = kind.largest_m(samples);
+    let factors: Vec<usize> = factors
+        .iter()
+        .copied()
+        .filter(|&m| m >= 1 && m <= largest)
+        .collect();
+    let energies = match kind {
+        Kind::Overlapping | Kind::Hadamard if factors.len() < SPREAD => {
+            shared_pass(&sums, samples, kind, &factors)
+        }
+        _ if factors.len() < SPREAD => factors
+            .iter()
+            .map(|&m| energy(&sums, samples, kind, m))
+            .collect(),
+        _ => factors
+            .par_iter()
+            .map(|&m| energy(&sums, samples, kind, m))
+            .collect::<Vec<_>>(),
+    };
+    let mut points = Vec::with_capacity(factors.len());
+    for (&m, energy) in factors.iter().zip(energies) {
+        let terms = kind.terms(samples, m);
+        let width = m as f64;
+        let divisor = match kind {
+            Kind::Overlapping | Kind::Total => 2.0 * width * width,
+            Kind::Modified => 2.0 * width.powi(4),
+            Kind::Hadamard => 6.0 * width * width,
+        };
+        let variance = energy / (divisor * terms as f64);
+        points.push(Point {
+            m,
+            tau_s: width / rate_hz,
+            deviation: variance.sqrt(),
+            terms,
+        });
+    }
+    Ok(Curve {
+        kind,
+        rate_hz,
+        samples,
+        points,
+    })
+}
+
+/// Sums of squared differences of all factors, one stretch of the record after the other.
+fn shared_pass(sums: &[f64], samples: usize, kind: Kind, factors: &[usize]) -> Vec<f64> {
+    let mut energies = vec![0.0; factors.len()];
+    for start in (0..=samples).step_by(STRETCH) {
+        for (&m, energy) in factors.iter().zip(&mut energies) {
+            let end = kind.terms(samples, m).min(start + STRETCH);
+            if start < end {
+                *energy += stretch_energy(sums, kind, m, start, end);
+            }
+        }
+    }
+    energies
+}
+
+/// Sum of squared differences of one factor.
+fn energy(sums: &[f64], samples: usize, kind: Kind, m: usize) -> f64 {
+    match kind {
+        Kind::Overlapping | Kind::Hadamard => {
+            let terms = kind.terms(samples, m);
+            let starts = (0..terms).step_by(STRETCH);
+            starts
+                .map(|start| stretch_energy(sums, kind, m, start, terms.min(start + STRETCH)))
+                .sum()
+        }
+        Kind::Modified => modified_energy(sums, m),
+        Kind::Total => total_energy(sums, m),
+    }
+}
+
+/// Sum of squared second (Allan) or third (Hadamard) differences that start in `start..end`.
+fn stretch_energy(sums: &[f64], kind: Kind, m: usize, start: usize, end: usize) -> f64 {
+    let at = |shift: usize| &sums[start + shift * m..end + shift * m];
+    if kind == Kind::Hadamard {
+        return third_energy(at(0), at(1), at(2), at(3));
+    }
+    second_energy(at(0), at(1), at(2))
+}
+
+/// Σ (c − 2b + a)².
+fn second_energy(a: &[f64], b: &[f64], c: &[f64]) -> f64 {
+    let ((a8, a_tail), (b8, b_tail), (c8, c_tail)) =
+        (a.as_chunks::<8>(), b.as_chunks::<8>(), c.as_chunks::<8>());
+    let mut lanes = [0.0; 8];
+    for ((a, b), c) in a8.iter().zip(b8).zip(c8) {
+        for i in 0..8 {
+            let difference = (c[i] - b[i]) - (b[i] - a[i]);
+            lanes[i] += difference * difference;
+        }
+    }
+    let mut total: f64 = lanes.iter().sum();
+    for ((a, b), c) in a_tail.iter().zip(b_tail).zip(c_tail) {
+        let difference = (c - b) - (b - a);
+        total += difference * difference;
+    }
+    total
+}
+
+/// Σ (d − 3c + 3b − a)².
+fn third_energy(a: &[f64], b: &[f64], c: &[f64], d: &[f64]) -> f64 {
+    let mut lanes = [0.0; 8];
+    let stretch = a.len() / 8 * 8;
+    for k in (0..stretch).step_by(8) {
+        let (a, b, c, d) = (&a[k..k + 8], &b[k..k + 8], &c[k..k + 8], &d[k..k + 8]);
+        for i in 0..8 {
+            let difference = (d[i] - a[i]) - 3.0 * (c[i] - b[i]);
+            lanes[i] += difference * difference;
+        }
+    }
+    let mut total: f64 = lanes.iter().sum();
+    for k in stretch..a.len() {
+        let difference = (d[k] - a[k]) - 3.0 * (c[k] - b[k]);
+        total += difference * difference;
+    }
+    total
+}
+
+/// Sum of squares of the sums over m second differences each. The sum slides on by one third
+/// difference; it is formed anew after m steps (but not below 1024) before rounding adds up.
+fn modified_energy(sums: &[f64], m: usize) -> f64 {
+    let terms = (sums.len() + 1).saturating_sub(3 * m);
+    let second = |i: usize| (sums[i + 2 * m] - sums[i + m]) - (sums[i + m] - sums[i]);
+    let mut total = 0.0;
+    let mut start = 0;
+    while start < terms {
+        let end = terms.min(start + m.max(1024));
+        let mut window: f64 = (start..start + m).map(second).sum();
+        let mut energy = window * window;
+        for j in start + 1..end {
+            window += second(j + m - 1) - second(j - 1);
+            energy += window * window;
+        }
+        total += energy;
+        start = end;
+    }
+    total
+}
+
+/// Sum of squared second differences about every inner phase of the record continued by reflection.
+fn total_energy(sums: &[f64], m: usize) -> f64 {
+    let last = sums.len() - 1;
+    let left = |i: usize| {
+        if i >= m {
+            sums[i - m]
+        } else {
+            2.0 * sums[0] - sums[m - i]
+        }
+    };
+    let right = |i: usize| {
+        if i + m <= last {
+            sums[i + m]
+        } else {
+            2.0 * sums[last] - sums[2 * last - i - m]
+        }
+    };
+    let square = |i: usize| {
+        let difference = (right(i) - sums[i]) - (sums[i] - left(i));
+        difference * difference
+    };
+    if 2 * m > last {
+        return (1..last).map(square).sum();
+    }
+    // Phases m … last − m see no reflection; the others are 1 … m − 1 and last − m + 1 … last − 1.
+    let ends: f64 = (1..m).chain(last - m + 1..last).map(square).sum();
+    let inner_end = last - 2 * m + 1;
+    let inner: f64 = (0..inner_end)
+        .step_by(STRETCH)
+        .map(|start| {
+            stretch_energy(
+                sums,
+                Kind::Overlapping,
+                m,
+                start,
+                inner_end.min(start + STRETCH),
+            )
+        })
+        .sum();
+    ends + inner
+}

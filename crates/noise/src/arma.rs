@@ -1,0 +1,88 @@
+//! ARMA(p, q) models of a record by exact Gaussian maximum likelihood.
+//!
+//! Sign convention: `x_t − φ1 x_{t−1} − … − φp x_{t−p} = a_t − θ1 a_{t−1} − … − θq a_{t−q}`,
+//! `a_t ~ N(0, σ²)`, x about its mean; "unit" is the record's. A record is a slice; NaN marks a
+//! missing sample. Gardner, Harvey & Phillips 1980; Box, Jenkins & Reinsel chapter 7.
+//!
+//! [`log_likelihood`] evaluates, [`fit`] searches the global optimum, [`select`] compares a grid of
+//! orders, [`burg`] and [`yule_walker`] fit AR(p) without a search.
+//!
+//! ```
+//! use undrift_noise::arma::{FitOptions, fit};
+//! // A slow error under white noise.
+//! let (mut slow, mut seed) = (0.0, 1u64);
+//! let mut uniform = || {
+//!     seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+//!     (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+//! };
+//! let record: Vec<f64> = (0..2000)
+//!     .map(|_| { slow = 0.99 * slow + 0.2 * uniform(); slow + uniform() })
+//!     .collect();
+//! let model = fit(&record, 1, 1, &FitOptions::default())?;
+//! assert!(model.ar[0] > 0.95 && model.ma[0] > 0.6 && model.ma[0] < model.ar[0]);
+//! # Ok::<(), undrift_noise::arma::ArmaError>(())
+//! ```
+
+mod autoregressive;
+mod diagnosis;
+mod fit;
+mod kalman;
+mod kernel;
+mod likelihood;
+mod linear;
+mod optimise;
+mod polynomial;
+mod search;
+mod selection;
+mod starts;
+
+pub use autoregressive::{ArFit, burg, order_by_aicc, yule_walker};
+pub use diagnosis::Warning;
+pub(crate) use fit::climb_to;
+pub use fit::{ArmaFit, FitOptions, fit, fit_from, log_likelihood};
+pub use likelihood::{Likelihood, Mean};
+pub(crate) use search::Ladder;
+pub use selection::{Selection, select};
+
+/// Highest p or q that is fitted.
+pub const MAX_FIT_ORDER: usize = 24;
+
+/// Why a record has no ARMA fit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ArmaError {
+    /// Fewer samples than the order needs.
+    #[error("{present} samples are too few: this order needs {needed}")]
+    TooShort {
+        /// Samples present (missing ones not counted).
+        present: usize,
+        /// Samples needed.
+        needed: usize,
+    },
+    /// All samples present are equal.
+    #[error("the record is constant")]
+    Constant,
+    /// An infinite sample, or a mean that is not finite.
+    #[error("the record or its mean is not finite")]
+    NotFinite,
+    /// The method needs an unbroken record.
+    #[error("samples are missing, which this method cannot take")]
+    Missing,
+    /// An order above [`MAX_FIT_ORDER`].
+    #[error("orders above 24 are not fitted")]
+    OrderTooHigh,
+    /// An option outside its range.
+    #[error("{0} is outside its range")]
+    BadOption(&'static str),
+    /// A unit root was asked for with p = 0.
+    #[error("a unit root needs an autoregressive part")]
+    NoUnitRootWithoutAr,
+    /// φ has a root on or outside the unit circle (or, with a unit root, none at 1).
+    #[error("the autoregressive part is not stationary")]
+    NotStationary,
+    /// θ has a root on or outside the unit circle.
+    #[error("the moving-average part is not invertible")]
+    NotInvertible,
+    /// No start gave a finite likelihood.
+    #[error("the likelihood is not finite at any start")]
+    NoOptimum,
+}

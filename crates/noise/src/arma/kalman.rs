@@ -1,0 +1,245 @@
+//! The Kalman filter of an ARMA process in innovations form: records with missing samples, and
+//! one-step residuals.
+//!
+//! State as in THEORY section 2, `x ← F x + G a`, `ε = x₁ + a`. With q = P₁₁ (in units of σ²) the
+//! one-step variance is `V = 1 + q`, the gain `K = A P Hᵀ/V + G`, and since the measurement noise is
+//! the driving noise, `P ← A (P − P HᵀH P/V) Aᵀ` with A the companion matrix of θ: P itself falls to
+//! zero, with no difference of large numbers, so it is P, not V, whose size says when the filter has
+//! settled. For (1,1) this is `q ← θ² q/(1+q)` from `q₀ = (φ−θ)²/(1−φ²)`. A missing sample only
+//! predicts: `P ← F P Fᵀ + G Gᵀ`. Gardner, Harvey & Phillips 1980 (AS 154); Jones 1980.
+//!
+//! A unit root starts as a random walk at zero beside an unknown level with a flat prior (diffuse),
+//! the rest stationary; for an unbroken record that is the likelihood of its differences.
+
+use super::likelihood::{Likelihood, Mean, concentrated};
+use super::linear::{companion, initial_covariance};
+
+/// Trace of P below which the filter has settled: P adds to V = 1 + P₁₁, and what follows sums to
+/// at most P/(1−θ²), rounding even for a moving-average root 1e-6 away from 1.
+const SETTLED: f64 = 1e-20;
+
+/// The filter's covariance side, shared by the record and the record of ones.
+struct Filter {
+    r: usize,
+    f: Vec<f64>,
+    a: Vec<f64>,
+    g: Vec<f64>,
+    p: Vec<f64>,
+    settled: bool,
+}
+
+impl Filter {
+    fn new(phi: &[f64], theta: &[f64], unit_root: bool) -> Option<Self> {
+        let r = phi.len().max(theta.len());
+        let at = |of: &[f64], i: usize| of.get(i).copied().unwrap_or(0.0);
+        Some(Self {
+            r,
+            f: companion(phi, r),
+            a: companion(theta, r),
+            g: (0..r).map(|i| at(phi, i) - at(theta, i)).collect(),
+            p: if r == 0 {
+                Vec::new()
+            } else {
+                initial_covariance(phi, theta, unit_root)?
+            },
+            settled: r == 0,
+        })
+    }
+
+    /// Relative excess q of the next sample's variance, `V = 1 + q`.
+    fn excess(&self) -> f64 {
+        if self.settled {
+            0.0
+        } else {
+            self.p[0].max(0.0)
+        }
+    }
+
+    /// Takes in a sample: writes the gain, moves P on.
+    fn observe(&mut self, gain: &mut [f64]) {
+        gain.copy_from_slice(&self.g);
+        if self.settled {
+            return;
+        }
+        let r = self.r;
+        let v = 1.0 + self.excess();
+        let column: Vec<f64> = (0..r).map(|i| self.p[i * r]).collect();
+        for i in 0..r {
+            let ap: f64 = (0..r).map(|k| self.a[i * r + k] * column[k]).sum();
+            gain[i] += ap / v;
+            for j in 0..r {
+                self.p[i * r + j] -= column[i] * column[j] / v;
+            }
+        }
+        if r > 0 {
+            // P − P Hᵀ H P/V in the first row and column is P/V: no difference.
+            for i in 0..r {
+                self.p[i * r] = column[i] / v;
+                self.p[i] = column[i] / v;
+            }
+        }
+        self.p = sandwich(&self.a, &self.p, r);
+        let trace: f64 = (0..r).map(|i| self.p[i * r + i]).sum();
+        if trace < SETTLED {
+            self.settled = true;
+            self.p.fill(0.0);
+        }
+    }
+
+    /// Passes a missing sample.
+    fn skip(&mut self) {
+        let r = self.r;
+        if r == 0 {
+            return;
+        }
+        self.p = sandwich(&self.f, &self.p, r);
+        for i in 0..r {
+            for j in 0..r {
+                self.p[i * r + j] += self.g[i] * self.g[j];
+            }
+        }
+        self.settled = false;
+    }
+}
+
+/// `M P Mᵀ` with M a companion matrix (first column, ones above the diagonal).
+fn sandwich(m: &[f64], p: &[f64], r: usize) -> Vec<f64> {
+    let mut half = vec![0.0; r * r];
+    for i in 0..r {
+        for j in 0..r {
+            let above = if i + 1 < r { p[(i + 1) * r + j] } else { 0.0 };
+            half[i * r + j] = m[i * r] * p[j] + above;
+        }
+    }
+    let mut out = vec![0.0; r * r];
+    for i in 0..r {
+        for j in 0..r {
+            let right = if j + 1 < r { half[i * r + j + 1] } else { 0.0 };
+            out[i * r + j] = half[i * r] * m[j * r] + right;
+        }
+    }
+    out
+}
+
+/// The state's mean: predicts, then moves on with or without a sample.
+struct Estimate {
+    x: Vec<f64>,
+}
+
+impl Estimate {
+    fn predicted(&self) -> f64 {
+        self.x.first().copied().unwrap_or(0.0)
+    }
+
+    /// `x ← F x + K v`; v = 0 passes a missing sample.
+    fn advance(&mut self, phi: &[f64], gain: &[f64], v: f64) {
+        let r = self.x.len();
+        let first = self.predicted();
+        for i in 0..r {
+            let above = if i + 1 < r { self.x[i + 1] } else { 0.0 };
+            self.x[i] = phi.get(i).copied().unwrap_or(0.0) * first + above + gain[i] * v;
+        }
+    }
+}
+
+/// Exact log-likelihood of a record in which NaN marks missing samples. With `unit_root`, φ holds a
+/// root at exactly 1 and `mean` is ignored (the level is free).
+pub(super) fn with_gaps(
+    samples: &[f64],
+    mean: Mean,
+    centre: f64,
+    phi: &[f64],
+    theta: &[f64],
+    unit_root: bool,
+) -> Option<Likelihood> {
+    let free = unit_root || mean == Mean::Estimated;
+    let centre = match mean {
+        Mean::Known(value) if !unit_root => value,
+        _ => centre,
+    };
+    let mut filter = Filter::new(phi, theta, unit_root)?;
+    let r = filter.r;
+    let mut record = Estimate { x: vec![0.0; r] };
+    let mut ones = Estimate { x: vec![0.0; r] };
+    let mut gain = vec![0.0; r];
+    let (mut squares, mut cross, mut information) = (0.0, 0.0, 0.0);
+    let (mut log_determinant, mut present) = (0.0, 0usize);
+    for &x in samples {
+        if x.is_nan() {
+            record.advance(phi, &gain, 0.0);
+            ones.advance(phi, &gain, 0.0);
+            filter.skip();
+            continue;
+        }
+        let q = filter.excess();
+        let v = x - centre - record.predicted();
+        filter.observe(&mut gain);
+        record.advance(phi, &gain, v);
+        squares += v * v / (1.0 + q);
+        log_determinant += q.ln_1p();
+        present += 1;
+        if free {
+            let o = 1.0 - ones.predicted();
+            ones.advance(phi, &gain, o);
+            cross += v * o / (1.0 + q);
+            information += o * o / (1.0 + q);
+        }
+    }
+    let mut value = centre;
+    let mut observations = present;
+    if free && information > 0.0 {
+        value += cross / information;
+        squares -= cross * cross / information;
+        if unit_root {
+            // Flat prior on the level: its integral leaves n − 1 contrasts.
+            observations -= 1;
+            log_determinant += information.ln();
+        }
+    } else if unit_root {
+        return None;
+    }
+    let likelihood = concentrated(observations, squares, log_determinant)?;
+    Some(Likelihood {
+        mean: value,
+        mean_standard_error: if free && information > 0.0 {
+            (likelihood.variance / information).sqrt()
+        } else {
+            0.0
+        },
+        ..likelihood
+    })
+}
+
+/// One-step innovations divided by their standard deviations, `v/√(σ² V)`: white with unit variance
+/// when the model is right. NaN where the sample is missing. With `unit_root`, `level` is the
+/// estimated starting level.
+pub(super) fn standardised(
+    samples: &[f64],
+    level: f64,
+    phi: &[f64],
+    theta: &[f64],
+    sigma: f64,
+    unit_root: bool,
+) -> Option<Vec<f64>> {
+    let mut filter = Filter::new(phi, theta, unit_root)?;
+    let mut record = Estimate {
+        x: vec![0.0; filter.r],
+    };
+    let mut gain = vec![0.0; filter.r];
+    let residuals = samples
+        .iter()
+        .map(|&x| {
+            if x.is_nan() {
+                record.advance(phi, &gain, 0.0);
+                filter.skip();
+                return f64::NAN;
+            }
+            let q = filter.excess();
+            let v = x - level - record.predicted();
+            filter.observe(&mut gain);
+            record.advance(phi, &gain, v);
+            v / (sigma * (1.0 + q).sqrt())
+        })
+        .collect();
+    Some(residuals)
+}

@@ -1,0 +1,299 @@
+//! Exact Gaussian log-likelihood of an unbroken record: the state before the first sample as a regression.
+//!
+//! With the state x₀ before the first sample known, the innovations follow the plain recursion
+//! `a_t = φ(B) ε_t / θ(B)` and have variance σ² from the first sample on. So with ã the recursion
+//! started from zero, `a_t = ã_t − h_t x₀ − μ o_t`, where `h_t = H Aᵗ` (A the companion matrix of θ)
+//! is the response to x₀, `h_t = (g_t, g_{t−1}, …)`, g the impulse response of 1/θ(B), and o the
+//! recursion run over a record of ones. Integrating x₀ ~ N(0, σ² P), P = L Lᵀ, out of that
+//! regression gives, exactly,
+//!
+//! ```text
+//! S = ãᵀã − bᵀL (I + Lᵀ M L)⁻¹ Lᵀb,   |V| = |I + Lᵀ M L|,   b = Σ h_tᵀ ã_t,   M = Σ h_tᵀ h_t
+//! −2 log L = N log(2π S/N) + N + log |V|
+//! ```
+//!
+//! (Rosenberg 1973; Ljung & Box 1979; de Jong 1988.) There is no transient to wait for: one step
+//! costs the same everywhere, and g and o are dropped once g is below rounding for good.
+
+use super::ArmaError;
+use super::kernel::{BLOCK, Recursion, Sums, autoregress, dot};
+use super::linear::{cholesky, forward_solve, initial_covariance, semidefinite_cholesky};
+
+/// What is known of the record's mean.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Mean {
+    /// Given [unit of the record]; 0 for a record whose constant has been removed for good.
+    Known(f64),
+    /// Estimated with the other parameters, by exact generalised least squares.
+    Estimated,
+}
+
+/// The likelihood at given coefficients, with σ² (and the mean) at their best values for them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Likelihood {
+    /// Exact Gaussian log-likelihood, constants included. A density: it depends on the unit.
+    pub log_likelihood: f64,
+    /// Sum of squares of the standardised one-step prediction errors, `Σ v²/V` [unit²].
+    pub sum_of_squares: f64,
+    /// σ² = sum of squares over the number of samples [unit²].
+    pub variance: f64,
+    /// The mean, given or estimated [unit].
+    pub mean: f64,
+    /// Standard error of an estimated mean [unit]; 0 for a given one.
+    pub mean_standard_error: f64,
+    /// Observations that count: samples present, less one where a unit root's level is free.
+    pub observations: usize,
+}
+
+/// Sums over the record that the likelihood is made of; o is the recursion over ones.
+#[derive(Default)]
+struct Accumulated {
+    squares: f64,
+    ones_squares: f64,
+    ones_cross: f64,
+    /// Σ g_{t−i} ã_t, i = 0…r−1.
+    state_cross: Vec<f64>,
+    /// Σ g_{t−i} o_t.
+    ones_state: Vec<f64>,
+    /// Σ g_t g_{t−i}.
+    state_lags: Vec<f64>,
+    /// The newest r values of g, newest first.
+    last_impulse: Vec<f64>,
+}
+
+/// Response to the start below which it is dropped: what is left out then is at most this times
+/// √(P₁₁/(1−θ²)) ~ 10⁴ in log-likelihood.
+const NEGLIGIBLE: f64 = 1e-13;
+
+fn accumulate(
+    samples: &[f64],
+    centre: f64,
+    phi: &[f64],
+    theta: &[f64],
+    with_ones: bool,
+) -> Accumulated {
+    let r = phi.len().max(theta.len());
+    let n = samples.len();
+    let mut sums = Accumulated {
+        state_cross: vec![0.0; r],
+        ones_state: vec![0.0; r],
+        state_lags: vec![0.0; r],
+        last_impulse: vec![0.0; r],
+        ..Accumulated::default()
+    };
+    let mut record = Recursion::new(theta, n);
+    let mut impulse = record.clone();
+    let mut ones = record.clone();
+    let mut block = [0.0; BLOCK];
+    let mut ones_block = [0.0; BLOCK];
+    // g with the r values before the block in front.
+    let mut g = vec![0.0; r + BLOCK];
+    let mut settled = r == 0 && !with_ones;
+    let mut limit = 0.0; // o after it has settled
+    for start in (0..n).step_by(BLOCK) {
+        let len = BLOCK.min(n - start);
+        let u = &mut block[..len];
+        autoregress(phi, samples, centre, start, u);
+        if settled {
+            let Sums { sum, squares } = record.run_sums(u);
+            sums.squares += squares;
+            sums.ones_cross += limit * sum;
+            sums.ones_squares += limit * limit * len as f64;
+            continue;
+        }
+        sums.squares += record.run(u).squares;
+        g.copy_within(BLOCK..BLOCK + r, 0);
+        if len < BLOCK {
+            // The last, short block: keep what precedes it in place.
+            g[r..].fill(0.0);
+        }
+        let now = &mut g[r..r + len];
+        now.fill(0.0);
+        if start == 0 {
+            now[0] = 1.0;
+        }
+        impulse.run(now);
+        let now = &g[r..r + len];
+        for i in 0..r {
+            let delayed = &g[r - i..r - i + len];
+            sums.state_cross[i] += dot(delayed, u);
+            sums.state_lags[i] += dot(delayed, now);
+        }
+        for i in 0..r {
+            sums.last_impulse[i] = g[r + len - 1 - i];
+        }
+        let mut still = 0.0f64;
+        if with_ones {
+            let o = &mut ones_block[..len];
+            // A block is longer than any order, so only the first has a start in it.
+            o.fill(1.0 - phi.iter().sum::<f64>());
+            if start == 0 {
+                let mut level = 1.0;
+                for (k, slot) in o.iter_mut().enumerate().take(phi.len()) {
+                    *slot = level;
+                    level -= phi[k];
+                }
+            }
+            ones.run(o);
+            sums.ones_squares += dot(o, o);
+            sums.ones_cross += dot(o, u);
+            for i in 0..r {
+                sums.ones_state[i] += dot(&g[r - i..r - i + len], o);
+            }
+            limit = o[len - 1];
+        }
+        for value in &g[r + len - len.min(64.max(r))..r + len] {
+            still = still.max(value.abs());
+        }
+        settled = still < NEGLIGIBLE;
+    }
+    sums
+}
+
+/// Exact log-likelihood of `x_t − φ1 x_{t−1} − … = a_t − θ1 a_{t−1} − …` about the mean, for a record
+/// without gaps. `None` where φ is not stationary to working precision or S vanishes.
+pub(super) fn unbroken(
+    samples: &[f64],
+    mean: Mean,
+    centre: f64,
+    phi: &[f64],
+    theta: &[f64],
+) -> Option<Likelihood> {
+    let r = phi.len().max(theta.len());
+    let estimated = mean == Mean::Estimated;
+    let centre = match mean {
+        Mean::Known(value) => value,
+        Mean::Estimated => centre,
+    };
+    let sums = accumulate(samples, centre, phi, theta, estimated);
+    let mut squares = sums.squares;
+    let mut ones_squares = sums.ones_squares;
+    let mut ones_cross = sums.ones_cross;
+    let mut log_determinant = 0.0;
+    if r > 0 {
+        let p = initial_covariance(phi, theta, false)?;
+        let l = semidefinite_cholesky(&p, r)?;
+        // M from its first row: each step down the diagonal loses the newest product.
+        let mut m = vec![0.0; r * r];
+        for lag in 0..r {
+            let mut value = sums.state_lags[lag];
+            for i in 0..r - lag {
+                let j = i + lag;
+                m[i * r + j] = value;
+                m[j * r + i] = value;
+                value -= sums.last_impulse[i] * sums.last_impulse[j];
+            }
+        }
+        let mut w = vec![0.0; r * r];
+        let mut ml = vec![0.0; r * r];
+        for i in 0..r {
+            for j in 0..r {
+                ml[i * r + j] = (j..r).map(|k| m[i * r + k] * l[k * r + j]).sum();
+            }
+        }
+        for i in 0..r {
+            for j in 0..=i {
+                let value: f64 = (i..r).map(|k| l[k * r + i] * ml[k * r + j]).sum();
+                w[i * r + j] = value + f64::from(i == j);
+                w[j * r + i] = w[i * r + j];
+            }
+        }
+        let factor = cholesky(&w, r)?;
+        let project = |b: &[f64]| {
+            let mut y: Vec<f64> = (0..r)
+                .map(|i| (i..r).map(|k| l[k * r + i] * b[k]).sum())
+                .collect();
+            forward_solve(&factor, r, &mut y);
+            y
+        };
+        let record = project(&sums.state_cross);
+        squares -= record.iter().map(|v| v * v).sum::<f64>();
+        if estimated {
+            let ones = project(&sums.ones_state);
+            ones_squares -= ones.iter().map(|v| v * v).sum::<f64>();
+            ones_cross -= ones.iter().zip(&record).map(|(a, b)| a * b).sum::<f64>();
+        }
+        for i in 0..r {
+            log_determinant += 2.0 * factor[i * r + i].ln();
+        }
+    }
+    let mut value = centre;
+    let mut information = 0.0;
+    // With an AR root at 1 to working precision the mean is not identified: leave it.
+    if estimated && ones_squares > 1e-13 * sums.ones_squares {
+        value += ones_cross / ones_squares;
+        squares -= ones_cross * ones_cross / ones_squares;
+        information = ones_squares;
+    }
+    concentrated(samples.len(), squares, log_determinant).map(|likelihood| Likelihood {
+        mean: value,
+        mean_standard_error: if information > 0.0 {
+            (likelihood.variance / information).sqrt()
+        } else {
+            0.0
+        },
+        ..likelihood
+    })
+}
+
+/// The concentrated likelihood of `n` observations from S and log |V|.
+pub(super) fn concentrated(
+    observations: usize,
+    squares: f64,
+    log_determinant: f64,
+) -> Option<Likelihood> {
+    let n = observations as f64;
+    let variance = squares / n;
+    let log_likelihood =
+        -0.5 * (n * (core::f64::consts::TAU.ln() + variance.ln()) + n + log_determinant);
+    (squares > 0.0 && log_likelihood.is_finite()).then_some(Likelihood {
+        log_likelihood,
+        sum_of_squares: squares,
+        variance,
+        mean: 0.0,
+        mean_standard_error: 0.0,
+        observations,
+    })
+}
+
+/// Rejects what no ARMA likelihood can be computed for; returns the sample mean of what is present
+/// and the number of samples present.
+pub(super) fn screen(samples: &[f64], parameters: usize) -> Result<(f64, usize), ArmaError> {
+    const LANES: usize = 8;
+    let first = samples.iter().copied().find(|x| !x.is_nan());
+    let first = first.unwrap_or(0.0);
+    let mut sums = [0.0; LANES];
+    let mut size = [0.0; LANES];
+    let mut missing = [0.0; LANES];
+    let chunks = samples.chunks_exact(LANES);
+    let rest = chunks.remainder();
+    for chunk in chunks.chain([rest]) {
+        for (l, x) in chunk.iter().enumerate() {
+            let from_first = if x.is_nan() { 0.0 } else { x - first };
+            sums[l] += from_first;
+            size[l] += from_first.abs();
+            missing[l] += f64::from(u8::from(x.is_nan()));
+        }
+    }
+    let sum: f64 = sums.iter().sum();
+    let varies = size.iter().any(|s| *s != 0.0);
+    let present = samples.len() - missing.iter().sum::<f64>() as usize;
+    if size.iter().any(|s| !s.is_finite()) {
+        return Err(ArmaError::NotFinite);
+    }
+    if present < parameters + 3 {
+        return Err(ArmaError::TooShort {
+            present,
+            needed: parameters + 3,
+        });
+    }
+    if !varies {
+        return Err(ArmaError::Constant);
+    }
+    let mean = first + sum / present as f64;
+    if mean.is_finite() {
+        Ok((mean, present))
+    } else {
+        Err(ArmaError::NotFinite)
+    }
+}

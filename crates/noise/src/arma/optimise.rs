@@ -1,0 +1,371 @@
+//! Minimisation of a smooth function of a few variables: BFGS with numeric gradients, finished by
+//! Nelder-Mead. Nocedal & Wright 2006, chapters 6 and 8; Nelder & Mead 1965.
+
+/// Difference step. The search coordinates have unit scale (standard errors 1e-3 to 10), so a
+/// likelihood with 1e-9 of rounding still gives gradients to 1e-5.
+const STEP: f64 = 1e-4;
+/// Longest move of one iteration, per coordinate.
+const LONGEST: f64 = 2.0;
+/// Coordinates are kept within this: further out the partial autocorrelations no longer change.
+const EDGE: f64 = 14.0;
+
+/// A point and its value.
+#[derive(Clone, Debug)]
+pub(super) struct Point {
+    pub(super) z: Vec<f64>,
+    pub(super) value: f64,
+    /// The predicted remaining decrease was below the tolerance.
+    pub(super) converged: bool,
+    /// Estimate of the inverse Hessian to go on with; empty where there is none.
+    pub(super) inverse: Vec<f64>,
+}
+
+impl Point {
+    /// A point nothing is known about but its value.
+    pub(super) fn new(z: Vec<f64>, value: f64) -> Self {
+        Self {
+            z,
+            value,
+            converged: false,
+            inverse: Vec::new(),
+        }
+    }
+}
+
+/// Counts evaluations and turns failures into +∞.
+pub(super) struct Objective<'a> {
+    function: &'a dyn Fn(&[f64]) -> Option<f64>,
+    /// Evaluations so far.
+    pub(super) evaluations: usize,
+}
+
+impl<'a> Objective<'a> {
+    pub(super) fn new(function: &'a dyn Fn(&[f64]) -> Option<f64>) -> Self {
+        Self {
+            function,
+            evaluations: 0,
+        }
+    }
+
+    pub(super) fn at(&mut self, z: &[f64]) -> f64 {
+        self.evaluations += 1;
+        match (self.function)(z) {
+            Some(value) if !value.is_nan() => value,
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// Gradient by forward differences, or central ones (twice the cost, for the last steps).
+    fn gradient(&mut self, z: &[f64], value: f64, central: bool, out: &mut [f64]) {
+        let mut moved = z.to_vec();
+        for i in 0..z.len() {
+            moved[i] = z[i] + STEP;
+            let above = self.at(&moved);
+            out[i] = if central {
+                moved[i] = z[i] - STEP;
+                (above - self.at(&moved)) / (2.0 * STEP)
+            } else {
+                (above - value) / STEP
+            };
+            moved[i] = z[i];
+            if !out[i].is_finite() {
+                out[i] = 0.0;
+            }
+        }
+    }
+}
+
+/// BFGS from `start` until the predicted decrease is below `tolerance` or `iterations` are spent.
+pub(super) fn bfgs(
+    objective: &mut Objective,
+    start: &Point,
+    tolerance: f64,
+    iterations: usize,
+) -> Point {
+    let n = start.z.len();
+    let mut z = start.z.clone();
+    let mut value = start.value;
+    let stop = |z: Vec<f64>, value, converged, inverse| Point {
+        z,
+        value,
+        converged,
+        inverse,
+    };
+    if n == 0 || !value.is_finite() {
+        return stop(z, value, n == 0, Vec::new());
+    }
+    let mut gradient = vec![0.0; n];
+    let mut central = false;
+    objective.gradient(&z, value, central, &mut gradient);
+    let mut fresh = start.inverse.len() != n * n;
+    let mut inverse = if fresh {
+        identity(n)
+    } else {
+        start.inverse.clone()
+    };
+    let mut refused = 0;
+    for _ in 0..iterations {
+        let mut direction: Vec<f64> = (0..n)
+            .map(|i| {
+                -(0..n)
+                    .map(|j| inverse[i * n + j] * gradient[j])
+                    .sum::<f64>()
+            })
+            .collect();
+        let mut slope: f64 = direction.iter().zip(&gradient).map(|(d, g)| d * g).sum();
+        if slope.is_nan() || slope >= 0.0 {
+            inverse = identity(n);
+            fresh = true;
+            direction = gradient.iter().map(|g| -g).collect();
+            slope = -gradient.iter().map(|g| g * g).sum::<f64>();
+        }
+        let longest = direction.iter().fold(0.0f64, |m, d| m.max(d.abs()));
+        // Before anything is known of the curvature, a short first step.
+        let cap = if fresh { 0.3 } else { LONGEST };
+        let scale = if longest > cap { cap / longest } else { 1.0 };
+        if -slope * 0.5 < tolerance && !fresh {
+            if central {
+                return stop(z, value, true, inverse);
+            }
+            central = true;
+            objective.gradient(&z, value, central, &mut gradient);
+            continue;
+        }
+        let mut t = scale;
+        let mut next = z.clone();
+        let mut next_value = f64::INFINITY;
+        for _ in 0..25 {
+            for i in 0..n {
+                next[i] = (z[i] + t * direction[i]).clamp(-EDGE, EDGE);
+            }
+            next_value = objective.at(&next);
+            if next_value <= value + 1e-4 * t * slope {
+                break;
+            }
+            // Quadratic interpolation, kept within a tenth and a half.
+            let guess = -slope * t * t / (2.0 * (next_value - value - slope * t));
+            t = if guess.is_finite() {
+                guess.clamp(0.1 * t, 0.5 * t)
+            } else {
+                0.2 * t
+            };
+        }
+        if next_value >= value {
+            refused += 1;
+            if refused > 2 {
+                return stop(z, value, -slope * 0.5 < 10.0 * tolerance, Vec::new());
+            }
+            // Start again from the steepest descent with the better gradient.
+            central = true;
+            inverse = identity(n);
+            fresh = true;
+            objective.gradient(&z, value, central, &mut gradient);
+            continue;
+        }
+        if value - next_value < 1e-2 {
+            central = true;
+        }
+        let old_gradient = gradient.clone();
+        objective.gradient(&next, next_value, central, &mut gradient);
+        let s: Vec<f64> = next.iter().zip(&z).map(|(a, b)| a - b).collect();
+        let y: Vec<f64> = gradient
+            .iter()
+            .zip(&old_gradient)
+            .map(|(a, b)| a - b)
+            .collect();
+        update(&mut inverse, &s, &y, fresh);
+        fresh = false;
+        z = next;
+        value = next_value;
+    }
+    let inverse = if fresh { Vec::new() } else { inverse };
+    stop(z, value, false, inverse)
+}
+
+fn identity(n: usize) -> Vec<f64> {
+    (0..n * n).map(|k| f64::from(k / n == k % n)).collect()
+}
+
+/// BFGS update of the inverse Hessian; skipped where the curvature is not positive.
+fn update(inverse: &mut [f64], s: &[f64], y: &[f64], fresh: bool) {
+    let n = s.len();
+    let sy: f64 = s.iter().zip(y).map(|(a, b)| a * b).sum();
+    let yy: f64 = y.iter().map(|v| v * v).sum();
+    let ss: f64 = s.iter().map(|v| v * v).sum();
+    if sy.is_nan() || sy <= 1e-10 * (ss * yy).sqrt() {
+        return;
+    }
+    if fresh {
+        for k in 0..n * n {
+            inverse[k] *= sy / yy;
+        }
+    }
+    let hy: Vec<f64> = (0..n)
+        .map(|i| (0..n).map(|j| inverse[i * n + j] * y[j]).sum())
+        .collect();
+    let yhy: f64 = y.iter().zip(&hy).map(|(a, b)| a * b).sum();
+    for i in 0..n {
+        for j in 0..n {
+            inverse[i * n + j] +=
+                (1.0 + yhy / sy) * s[i] * s[j] / sy - (hy[i] * s[j] + s[i] * hy[j]) / sy;
+        }
+    }
+}
+
+/// Nelder-Mead from `start` with a simplex of the given size.
+pub(super) fn nelder_mead(
+    objective: &mut Objective,
+    start: &Point,
+    size: f64,
+    tolerance: f64,
+    evaluations: usize,
+) -> Point {
+    let n = start.z.len();
+    let last = objective.evaluations + evaluations;
+    let mut simplex = vec![(start.z.clone(), start.value)];
+    for i in 0..n {
+        let mut z = start.z.clone();
+        z[i] += if z[i] > 0.0 { -size } else { size };
+        let value = objective.at(&z);
+        simplex.push((z, value));
+    }
+    while n > 0 && objective.evaluations < last {
+        simplex.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let (best, worst) = (simplex[0].1, simplex[n].1);
+        if worst - best < tolerance {
+            break;
+        }
+        let centre: Vec<f64> = (0..n)
+            .map(|i| simplex[..n].iter().map(|v| v.0[i]).sum::<f64>() / n as f64)
+            .collect();
+        let along = |t: f64| -> Vec<f64> {
+            (0..n)
+                .map(|i| (centre[i] + t * (simplex[n].0[i] - centre[i])).clamp(-EDGE, EDGE))
+                .collect()
+        };
+        let reflected = along(-1.0);
+        let value = objective.at(&reflected);
+        let replacement = if value < best {
+            let expanded = along(-2.0);
+            let further = objective.at(&expanded);
+            if further < value {
+                (expanded, further)
+            } else {
+                (reflected, value)
+            }
+        } else if value < simplex[n - 1].1 {
+            (reflected, value)
+        } else {
+            let contracted = along(if value < worst { -0.5 } else { 0.5 });
+            let inner = objective.at(&contracted);
+            if inner < value.min(worst) {
+                (contracted, inner)
+            } else {
+                for k in 1..=n {
+                    for i in 0..n {
+                        simplex[k].0[i] = 0.5 * (simplex[0].0[i] + simplex[k].0[i]);
+                    }
+                    simplex[k].1 = objective.at(&simplex[k].0);
+                }
+                continue;
+            }
+        };
+        simplex[n] = replacement;
+    }
+    simplex.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let (z, value) = simplex.swap_remove(0);
+    Point {
+        z,
+        value,
+        converged: start.converged,
+        inverse: Vec::new(),
+    }
+}
+
+/// Hessian by central second differences with steps that change the function by about `rise`, or
+/// `None` where it is not finite. Returned with the steps used.
+pub(super) fn hessian(objective: &mut Objective, z: &[f64], value: f64) -> Option<Vec<f64>> {
+    let n = z.len();
+    let mut steps = vec![0.0; n];
+    let mut moved = z.to_vec();
+    for i in 0..n {
+        // Steps that raise the function by 1e-3 to 1e-1: far above rounding, near the optimum.
+        let mut h = 1e-2;
+        for _ in 0..12 {
+            moved[i] = z[i] + h;
+            let up = objective.at(&moved) - value;
+            moved[i] = z[i] - h;
+            let down = objective.at(&moved) - value;
+            moved[i] = z[i];
+            let rise = 0.5 * (up + down);
+            if rise > 0.1 {
+                h *= 0.3;
+            } else if rise < 1e-3 && h < 0.3 {
+                h *= 2.5;
+            } else {
+                break;
+            }
+        }
+        steps[i] = h;
+    }
+    let mut out = vec![0.0; n * n];
+    for i in 0..n {
+        for j in 0..=i {
+            let mut corner = |a: f64, b: f64| {
+                moved.copy_from_slice(z);
+                moved[i] += a * steps[i];
+                moved[j] += b * steps[j];
+                objective.at(&moved)
+            };
+            let curvature = if i == j {
+                (corner(1.0, 0.0) - 2.0 * value + corner(-1.0, 0.0)) / (steps[i] * steps[i])
+            } else {
+                (corner(1.0, 1.0) - corner(1.0, -1.0) - corner(-1.0, 1.0) + corner(-1.0, -1.0))
+                    / (4.0 * steps[i] * steps[j])
+            };
+            if !curvature.is_finite() {
+                return None;
+            }
+            out[i * n + j] = curvature;
+            out[j * n + i] = curvature;
+        }
+    }
+    Some(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rosenbrock(z: &[f64]) -> Option<f64> {
+        Some((1.0 - z[0]).powi(2) + 100.0 * (z[1] - z[0] * z[0]).powi(2))
+    }
+
+    fn start() -> Point {
+        Point::new(vec![-1.2, 1.0], 24.2)
+    }
+
+    #[test]
+    fn bfgs_reaches_the_bottom_of_a_curved_valley() {
+        let mut objective = Objective::new(&rosenbrock);
+        let found = bfgs(&mut objective, &start(), 1e-9, 200);
+        assert!(found.converged && found.value < 1e-7, "{found:?}");
+    }
+
+    #[test]
+    fn nelder_mead_too() {
+        let mut objective = Objective::new(&rosenbrock);
+        let found = nelder_mead(&mut objective, &start(), 0.3, 1e-10, 1000);
+        assert!(found.value < 1e-8, "{found:?}");
+    }
+
+    #[test]
+    fn curvature_of_a_quadratic_is_its_matrix() {
+        let quadratic = |z: &[f64]| Some(2.0 * z[0] * z[0] + z[0] * z[1] + 50.0 * z[1] * z[1]);
+        let mut objective = Objective::new(&quadratic);
+        let found = hessian(&mut objective, &[0.0, 0.0], 0.0).unwrap();
+        for (ours, exact) in found.iter().zip([4.0, 1.0, 1.0, 100.0]) {
+            assert!((ours - exact).abs() < 1e-8);
+        }
+    }
+}

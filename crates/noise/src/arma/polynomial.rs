@@ -1,0 +1,182 @@
+//! Polynomials `1 − c1 B − … − cn Bⁿ`: partial autocorrelations, roots, products.
+//!
+//! Every stationary (invertible) polynomial corresponds to exactly one vector of n partial
+//! autocorrelations in (−1, 1): Barndorff-Nielsen & Schou 1973; Monahan 1984. They are searched as
+//! `z = artanh κ = ½ log((1+κ)/(1−κ))`, which near ±1 is the logarithm of the distance to it.
+
+/// Largest |z| of the search: |κ| stays below 1 − 1e-12.
+const Z_LIMIT: f64 = 14.16;
+
+/// Coefficients c of the polynomial with partial autocorrelations `tanh z` (Durbin-Levinson).
+pub(super) fn from_search(z: &[f64]) -> Vec<f64> {
+    let mut c = Vec::with_capacity(z.len());
+    let mut old = Vec::with_capacity(z.len());
+    for (k, z) in z.iter().enumerate() {
+        let kappa = z.clamp(-Z_LIMIT, Z_LIMIT).tanh();
+        old.clear();
+        old.extend_from_slice(&c);
+        for j in 0..k {
+            c[j] = old[j] - kappa * old[k - 1 - j];
+        }
+        c.push(kappa);
+    }
+    c
+}
+
+/// Search coordinates of a polynomial. Partial autocorrelations outside (−1, 1), or closer to ±1
+/// than `margin`, are drawn in to `1 − margin`: the nearest admissible start, not the same polynomial.
+pub(super) fn to_search(c: &[f64], margin: f64) -> Vec<f64> {
+    let mut c = c.to_vec();
+    let mut z = vec![0.0; c.len()];
+    for k in (0..c.len()).rev() {
+        let limit = 1.0 - margin;
+        let kappa = if c[k].is_finite() {
+            c[k].clamp(-limit, limit)
+        } else {
+            0.0
+        };
+        z[k] = kappa.atanh().clamp(-Z_LIMIT, Z_LIMIT);
+        let old = c.clone();
+        for j in 0..k {
+            c[j] = (old[j] + kappa * old[k - 1 - j]) / ((1.0 - kappa) * (1.0 + kappa));
+        }
+    }
+    z
+}
+
+/// Whether all partial autocorrelations lie inside (−1, 1): stationary or invertible.
+pub(super) fn is_stable(c: &[f64]) -> bool {
+    let mut c = c.to_vec();
+    for k in (0..c.len()).rev() {
+        let kappa = c[k];
+        let scale = (1.0 - kappa) * (1.0 + kappa);
+        if scale.is_nan() || scale <= 0.0 {
+            return false;
+        }
+        let old = c.clone();
+        for j in 0..k {
+            c[j] = (old[j] + kappa * old[k - 1 - j]) / scale;
+        }
+    }
+    true
+}
+
+/// Coefficients of `(1 − a1 B − …)(1 − b1 B − …)`.
+pub(super) fn multiply(a: &[f64], b: &[f64]) -> Vec<f64> {
+    let mut c = vec![0.0; a.len() + b.len()];
+    for (i, a) in a.iter().enumerate() {
+        c[i] += a;
+    }
+    for (j, b) in b.iter().enumerate() {
+        c[j] += b;
+    }
+    for (i, a) in a.iter().enumerate() {
+        for (j, b) in b.iter().enumerate() {
+            c[i + j + 1] -= a * b;
+        }
+    }
+    c
+}
+
+/// A complex number, real and imaginary part.
+pub(super) type Complex = (f64, f64);
+
+pub(super) fn distance(a: Complex, b: Complex) -> f64 {
+    (a.0 - b.0).hypot(a.1 - b.1)
+}
+
+fn times(a: Complex, b: Complex) -> Complex {
+    (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0)
+}
+
+fn over(a: Complex, b: Complex) -> Complex {
+    let norm = b.0 * b.0 + b.1 * b.1;
+    (
+        (a.0 * b.0 + a.1 * b.1) / norm,
+        (a.1 * b.0 - a.0 * b.1) / norm,
+    )
+}
+
+/// Inverse roots ρ of the polynomial, `∏(1 − ρ_i B)`: all inside the unit circle when it is stable.
+/// Aberth's simultaneous iteration; zeros for trailing zero coefficients.
+pub(super) fn inverse_roots(c: &[f64]) -> Vec<Complex> {
+    let degree = c.iter().rposition(|v| *v != 0.0).map_or(0, |k| k + 1);
+    let mut roots: Vec<Complex> = (0..degree)
+        .map(|k| {
+            let angle = 2.4 * (k as f64) + 0.4;
+            (0.8 * angle.cos(), 0.8 * angle.sin())
+        })
+        .collect();
+    for _ in 0..200 {
+        let mut change = 0.0f64;
+        for k in 0..degree {
+            let z = roots[k];
+            let (mut value, mut slope) = ((1.0, 0.0), (0.0, 0.0));
+            for coefficient in &c[..degree] {
+                slope = times(slope, z);
+                slope = (slope.0 + value.0, slope.1 + value.1);
+                value = times(value, z);
+                value.0 -= coefficient;
+            }
+            if value == (0.0, 0.0) {
+                continue;
+            }
+            let newton = over(value, slope);
+            let mut repulsion = (0.0, 0.0);
+            for (j, other) in roots.iter().enumerate() {
+                if j != k && *other != z {
+                    let term = over((1.0, 0.0), (z.0 - other.0, z.1 - other.1));
+                    repulsion = (repulsion.0 + term.0, repulsion.1 + term.1);
+                }
+            }
+            let product = times(newton, repulsion);
+            let step = over(newton, (1.0 - product.0, -product.1));
+            if step.0.is_finite() && step.1.is_finite() {
+                roots[k] = (z.0 - step.0, z.1 - step.1);
+                change = change.max(step.0.hypot(step.1));
+            }
+        }
+        if change < 1e-15 {
+            break;
+        }
+    }
+    roots.resize(c.len(), (0.0, 0.0));
+    roots
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn partial_autocorrelations_go_both_ways() {
+        let c = multiply(&[0.99995], &multiply(&[1.2, -0.72], &[-0.3]));
+        assert!(is_stable(&c));
+        let back = from_search(&to_search(&c, 0.0));
+        for (a, b) in c.iter().zip(&back) {
+            // The map's condition is 1/(1 − κ²): four digits of sixteen.
+            assert!((a - b).abs() < 1e-11, "{a} {b}");
+        }
+        assert!(!is_stable(&[1.0]));
+        assert!(!is_stable(&[0.5, 0.6]));
+        assert!(!is_stable(&[f64::NAN]));
+        assert!(is_stable(&from_search(&to_search(
+            &[3.0, f64::NAN, 2.0],
+            0.05
+        ))));
+    }
+
+    #[test]
+    fn roots_are_those_multiplied_in() {
+        let c = multiply(&[0.9999], &multiply(&[1.2, -0.72], &[-0.3]));
+        let mut roots = inverse_roots(&c);
+        roots.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        for (root, exact) in roots
+            .iter()
+            .zip([(-0.3, 0.0), (0.6, -0.6), (0.6, 0.6), (0.9999, 0.0)])
+        {
+            assert!(distance(*root, exact) < 1e-12, "{root:?}");
+        }
+        assert_eq!(inverse_roots(&[0.0, 0.0]), [(0.0, 0.0); 2]);
+    }
+}

@@ -1,0 +1,317 @@
+//! The search for the global optimum: many starts, thinned out in rounds, the best ones finished.
+
+use super::ArmaError;
+use super::kalman;
+use super::likelihood::{self, Likelihood, Mean};
+use super::optimise::{Objective, Point, bfgs, nelder_mead};
+use super::polynomial::{from_search, multiply};
+use super::starts;
+
+/// The record and what is asked of it. With a unit root `p` counts the other AR roots only, and an
+/// unbroken record is held as its differences, whose likelihood that is.
+pub(super) struct Problem<'a> {
+    pub(super) samples: &'a [f64],
+    pub(super) mean: Mean,
+    pub(super) centre: f64,
+    /// Some samples are missing: the Kalman filter is needed.
+    pub(super) gaps: bool,
+    /// φ gets a root at 1 on top (records with gaps only).
+    pub(super) unit_root: bool,
+}
+
+impl Problem<'_> {
+    /// φ (the factor 1 − B included where there is one) and θ at search coordinates.
+    pub(super) fn coefficients(&self, z: &[f64], p: usize) -> (Vec<f64>, Vec<f64>) {
+        let phi = from_search(&z[..p]);
+        let theta = from_search(&z[p..]);
+        if self.unit_root {
+            (multiply(&phi, &[1.0]), theta)
+        } else {
+            (phi, theta)
+        }
+    }
+
+    pub(super) fn likelihood(&self, phi: &[f64], theta: &[f64]) -> Option<Likelihood> {
+        if self.gaps {
+            kalman::with_gaps(
+                self.samples,
+                self.mean,
+                self.centre,
+                phi,
+                theta,
+                self.unit_root,
+            )
+        } else {
+            likelihood::unbroken(self.samples, self.mean, self.centre, phi, theta)
+        }
+    }
+
+    pub(super) fn negative_log_likelihood(&self, z: &[f64], p: usize) -> Option<f64> {
+        let (phi, theta) = self.coefficients(z, p);
+        Some(-self.likelihood(&phi, &theta)?.log_likelihood)
+    }
+
+    /// Likelihood evaluations that a search may spend: seconds for a long record, thoroughness
+    /// for a short one.
+    fn budget(&self, dimension: usize, effort: f64) -> f64 {
+        let per_sample = if self.gaps { 20.0 } else { 1.0 } * (1.0 + 0.5 * dimension as f64);
+        let cost = self.samples.len() as f64 * per_sample + 3_000.0;
+        (effort * 2e9 / cost).clamp(40.0 * (dimension + 2) as f64, effort * 100_000.0)
+    }
+}
+
+/// Decrease of the negative log-likelihood still to be expected where a search stops.
+const TOLERANCE: f64 = 1e-5;
+/// Optima this close in log-likelihood count as the same one.
+const SAME: f64 = 1e-4;
+/// Local optima handed to the next order.
+const KEPT: usize = 4;
+/// Samples of a long record on which starts of short memory are ranked.
+const GLANCE: usize = 25_000;
+
+/// Local optima by order, so that a higher order builds on what was found below it.
+#[derive(Default)]
+pub(crate) struct Ladder {
+    rungs: Vec<((usize, usize), Vec<Point>)>,
+}
+
+impl Ladder {
+    fn at(&self, p: usize, q: usize) -> Option<&[Point]> {
+        let rung = self.rungs.iter().find(|(order, _)| *order == (p, q));
+        rung.map(|(_, points)| points.as_slice())
+    }
+
+    /// The best value found at ARMA(p−1, q−1), if there is that order.
+    pub(super) fn below(&self, p: usize, q: usize) -> Option<f64> {
+        let points = self.at(p.checked_sub(1)?, q.checked_sub(1)?)?;
+        points.first().map(|point| point.value)
+    }
+
+    /// The best distinct local optima of ARMA(p, q), best first: every order (p−k, q−k) is searched
+    /// from the optima of the one and the two below it. `known` are further starts.
+    pub(super) fn climb(
+        &mut self,
+        problem: &Problem,
+        p: usize,
+        q: usize,
+        effort: f64,
+        known: &[Vec<f64>],
+    ) -> Result<&[Point], ArmaError> {
+        let lowest = p.min(q);
+        for down in (0..=lowest).rev() {
+            let (p, q) = (p - down, q - down);
+            if self.at(p, q).is_some() && (down > 0 || known.is_empty()) {
+                continue;
+            }
+            let by = |pairs| Some((p.checked_sub(pairs)?, q.checked_sub(pairs)?));
+            let one = by(1).and_then(|(p, q)| self.at(p, q));
+            let two = by(2).and_then(|(p, q)| self.at(p, q));
+            let starts = if down == 0 { known } else { &[] };
+            let found = optima(
+                problem,
+                (p, q),
+                effort,
+                starts,
+                one.unwrap_or_default(),
+                two.unwrap_or_default(),
+            )?;
+            self.rungs.retain(|(order, _)| *order != (p, q));
+            self.rungs.push(((p, q), found));
+        }
+        self.at(p, q).ok_or(ArmaError::NoOptimum)
+    }
+}
+
+fn optima(
+    problem: &Problem,
+    (p, q): (usize, usize),
+    effort: f64,
+    known: &[Vec<f64>],
+    one_below: &[Point],
+    two_below: &[Point],
+) -> Result<Vec<Point>, ArmaError> {
+    let function = |z: &[f64]| problem.negative_log_likelihood(z, p);
+    let mut objective = Objective::new(&function);
+    let dimension = p + q;
+    let budget = problem.budget(dimension, effort);
+    let mut candidates: Vec<Vec<f64>> = vec![vec![0.0; dimension]];
+    candidates.extend(known.iter().filter(|z| z.len() == dimension).cloned());
+    if dimension > 0 {
+        candidates.extend(starts::hannan_rissanen(
+            problem.samples,
+            problem.centre,
+            p,
+            q,
+        ));
+    }
+    let privileged = candidates.len();
+    real_starts(problem, one_below, (p, q), &mut candidates);
+    let mut lines = Vec::new();
+    line_starts(problem.samples.len(), two_below, p, &mut lines);
+    candidates.extend(glance(problem, lines, p, budget));
+    let mut found = distinct(rounds(
+        &mut objective,
+        candidates,
+        privileged,
+        budget,
+        dimension,
+    ));
+    // A model one pair smaller is inside this one: nothing may end below it.
+    let lower = one_below.first().map_or(f64::INFINITY, |l| l.value);
+    let best = found.first_mut().ok_or(ArmaError::NoOptimum)?;
+    best.converged &= best.value < lower + 1e-3;
+    found.truncate(2 * KEPT);
+    Ok(found)
+}
+
+/// The lower optima with a real AR and a real MA root laid over.
+fn real_starts(
+    problem: &Problem,
+    lower: &[Point],
+    (p, q): (usize, usize),
+    candidates: &mut Vec<Vec<f64>>,
+) {
+    let n = problem.samples.len();
+    let slow = if lower.is_empty() {
+        Vec::new()
+    } else {
+        starts::slow_bias(problem.samples, problem.centre)
+    };
+    for (k, optimum) in lower.iter().take(KEPT).enumerate() {
+        // The fine grid for the lowest order; the slow pairs are what must not be missed.
+        let per_decade = match k {
+            0 if p == 1 && q == 1 => 2.0,
+            0 => 1.0,
+            _ => 0.7,
+        };
+        let grid = starts::real_pairs(n, per_decade);
+        for (alpha, mu) in slow.iter().chain(&grid) {
+            candidates.push(starts::with_real_pair(&optimum.z, p - 1, *alpha, *mu));
+        }
+    }
+}
+
+/// The optima two orders below with a complex pair of AR and one of MA roots laid over.
+fn line_starts(n: usize, lower: &[Point], p: usize, candidates: &mut Vec<Vec<f64>>) {
+    const RADII: [(f64, f64); 5] = [
+        (0.9, 0.98),
+        (0.98, 0.9),
+        (0.94, 0.96),
+        (0.96, 0.94),
+        (0.7, 0.4),
+    ];
+    // A longer record resolves narrower lines.
+    let frequencies = if n < 1000 { 20 } else { 60 };
+    for optimum in lower.iter().take(KEPT) {
+        for k in 0..frequencies {
+            let omega = core::f64::consts::PI * (k as f64 + 0.5) / frequencies as f64;
+            for (ar, ma) in RADII {
+                candidates.push(starts::with_complex_pair(&optimum.z, p - 2, omega, ar, ma));
+            }
+        }
+    }
+}
+
+/// Of a long record: the candidates that are best on its first part. All of them otherwise.
+fn glance(problem: &Problem, candidates: Vec<Vec<f64>>, p: usize, budget: f64) -> Vec<Vec<f64>> {
+    if problem.samples.len() <= 2 * GLANCE {
+        return candidates;
+    }
+    let part = Problem {
+        samples: &problem.samples[..GLANCE],
+        ..*problem
+    };
+    let function = |z: &[f64]| part.negative_log_likelihood(z, p);
+    let mut objective = Objective::new(&function);
+    let points = candidates
+        .into_iter()
+        .map(|z| {
+            let value = objective.at(&z);
+            Point::new(z, value)
+        })
+        .collect();
+    let mut points = distinct(points);
+    points.truncate((budget / 20.0) as usize);
+    points.into_iter().map(|point| point.z).collect()
+}
+
+/// Short searches from many starts; the best quarter goes on, longer; the last few to the end.
+/// The first `privileged` candidates are in the first round whatever their value.
+fn rounds(
+    objective: &mut Objective,
+    candidates: Vec<Vec<f64>>,
+    privileged: usize,
+    budget: f64,
+    dimension: usize,
+) -> Vec<Point> {
+    let per_iteration = dimension as f64 + 2.0;
+    let places = ((budget / (20.0 * per_iteration)) as usize).clamp(6, 600);
+    let last = if places < 20 { 2 } else { 2 * KEPT };
+    let mut points: Vec<Point> = Vec::new();
+    for z in candidates {
+        let value = objective.at(&z);
+        points.push(Point::new(z, value));
+    }
+    let mut ranked = distinct(points.split_off(privileged));
+    let random = if dimension == 0 {
+        0
+    } else if dimension > 2 {
+        (places / 3).min(40 * dimension)
+    } else {
+        (places / 8).min(8)
+    };
+    ranked.truncate(places.saturating_sub(points.len() + random));
+    points.extend(ranked);
+    for z in starts::random(dimension, random) {
+        let value = objective.at(&z);
+        points.push(Point::new(z, value));
+    }
+    points = distinct(points);
+    let mut iterations = 6;
+    while points.len() > last {
+        let searched = points
+            .iter()
+            .map(|start| bfgs(objective, start, 1e-3, iterations));
+        let searched = searched.collect();
+        points = distinct(searched);
+        points.truncate((points.len().div_ceil(4)).max(last));
+        iterations *= 4;
+        if iterations > 100 {
+            points.truncate(last);
+        }
+    }
+    let finished = points
+        .iter()
+        .map(|start| bfgs(objective, start, TOLERANCE, 200));
+    let finished = finished.collect();
+    points = distinct(finished);
+    if let Some(best) = points.first_mut() {
+        polish(objective, best, dimension);
+    }
+    points
+}
+
+/// Nelder-Mead around the best point where BFGS has stuck, then BFGS again, as long as that helps.
+fn polish(objective: &mut Objective, best: &mut Point, dimension: usize) {
+    for _ in 0..3 {
+        if best.converged {
+            return;
+        }
+        let before = best.value;
+        let moved = nelder_mead(objective, best, 0.1, 1e-6, 60 * dimension);
+        let again = bfgs(objective, &moved, TOLERANCE, 100);
+        if again.value <= best.value {
+            *best = again;
+        }
+        // On the flat edge of the invertible region nothing is left to gain.
+        best.converged |= before - best.value < TOLERANCE;
+    }
+}
+
+/// Best first, one of each value.
+fn distinct(mut points: Vec<Point>) -> Vec<Point> {
+    points.retain(|point| point.value.is_finite());
+    points.sort_by(|a, b| a.value.total_cmp(&b.value));
+    points.dedup_by(|b, a| b.value - a.value < SAME);
+    points
+}

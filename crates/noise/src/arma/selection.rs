@@ -1,0 +1,70 @@
+//! Choice of the order over a grid, after Box and Jenkins.
+
+use super::fit::{ArmaFit, FitOptions, climb_to};
+use super::search::Ladder;
+use super::{ArmaError, MAX_FIT_ORDER};
+
+/// All fits of a grid and the orders that the criteria choose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Selection {
+    /// The fits, by p, then q; an order that the record is too short for is left out.
+    pub fits: Vec<ArmaFit>,
+    /// Index in `fits` of the least AIC.
+    pub by_aic: usize,
+    /// Index in `fits` of the least AICc.
+    pub by_aicc: usize,
+    /// Index in `fits` of the least BIC.
+    pub by_bic: usize,
+}
+
+/// Fits every ARMA(p, q) with p ≤ `p_max`, q ≤ `q_max` (with a unit root, p from 1) and names the
+/// orders of least AIC, AICc and BIC. Each fit starts from its neighbours of lower order too, so
+/// the likelihood never falls with the order. Box, Jenkins & Reinsel section 6.2; Hurvich & Tsai 1989.
+///
+/// # Errors
+/// As [`super::fit`] where no order at all can be fitted.
+pub fn select(
+    samples: &[f64],
+    p_max: usize,
+    q_max: usize,
+    options: &FitOptions,
+) -> Result<Selection, ArmaError> {
+    if p_max.max(q_max) > MAX_FIT_ORDER {
+        return Err(ArmaError::OrderTooHigh);
+    }
+    let mut fits: Vec<ArmaFit> = Vec::new();
+    let mut ladder = Ladder::default();
+    let mut failure = ArmaError::NoUnitRootWithoutAr;
+    for p in usize::from(options.unit_root)..=p_max {
+        for q in 0..=q_max {
+            let known: Vec<_> = fits
+                .iter()
+                .filter(|fit| {
+                    let (a, b) = fit.order();
+                    a <= p && b <= q && p + q <= a + b + 1
+                })
+                .map(|fit| (fit.ar.clone(), fit.ma.clone()))
+                .collect();
+            match climb_to(samples, p, q, options, &known, &mut ladder) {
+                Ok(fit) => fits.push(fit),
+                Err(error) => failure = error,
+            }
+        }
+    }
+    let least = |score: fn(&ArmaFit) -> f64| {
+        (0..fits.len()).min_by(|&i, &j| score(&fits[i]).total_cmp(&score(&fits[j])))
+    };
+    match (
+        least(|fit| fit.aic),
+        least(|fit| fit.aicc),
+        least(|fit| fit.bic),
+    ) {
+        (Some(by_aic), Some(by_aicc), Some(by_bic)) => Ok(Selection {
+            fits,
+            by_aic,
+            by_aicc,
+            by_bic,
+        }),
+        _ => Err(failure),
+    }
+}

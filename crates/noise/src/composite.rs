@@ -1,0 +1,288 @@
+//! Composite models: sums of independent terms, white noise, quantisation, random walk and up to two
+//! Gauss-Markov processes, and their exact likelihood.
+//!
+//! The parameters are those of the continuous terms (IEEE Std 952-1997 annex C: Q, N, K; Groves 2013
+//! section 14.2.6 for σ and τ), so one set of terms serves every sample rate;
+//! [`CompositeTerms::to_shaping`] gives the shaping filter of a rate. [`log_likelihood`] is that of
+//! any shaping filter, NaN a missing sample; [`fit`] maximises it from starts given by
+//! [`crate::wavelet`] moments; [`block_average`] is the exact model of block averages.
+//! "unit" is the record's, [rad/s] or [m/s²].
+//!
+//! ```
+//! use undrift_noise::composite::{self, CompositeTerms, FitOptions, GaussMarkov, TermSet};
+//! use undrift_noise::synthesis::NoiseGenerator;
+//! let truth = CompositeTerms {
+//!     white: 0.01,
+//!     gauss_markov: [GaussMarkov { sigma: 0.05, tau_s: 2.0 }, GaussMarkov::default()],
+//!     ..CompositeTerms::default()
+//! };
+//! let mut record = vec![0.0; 20_000];
+//! NoiseGenerator::new(&truth.to_shaping(0.01)?, 1).fill(&mut record);
+//! let terms = TermSet { white: true, gauss_markov: 1, ..TermSet::default() };
+//! let found = composite::fit(&record, 0.01, terms, &FitOptions::default())?;
+//! assert!((found.terms.white / truth.white).ln().abs() < 0.05);
+//! # Ok::<(), composite::CompositeError>(())
+//! ```
+
+mod blocks;
+mod fit;
+mod likelihood;
+pub(crate) mod predictor;
+pub(crate) mod search;
+
+pub(crate) use blocks::Span;
+pub use blocks::{average_in_blocks, block_average};
+pub use fit::{CompositeFit, FitOptions, Flag, Term, fit};
+pub(crate) use likelihood::present_mean;
+pub use likelihood::{Level, RecordLikelihood, log_likelihood};
+
+use undrift_nav::shaping::{MAX_ORDER, ShapingError, ShapingFilter};
+
+/// Most Gauss-Markov processes in one model.
+pub const MAX_GAUSS_MARKOV: usize = 2;
+
+/// Why a composite model cannot be evaluated or fitted.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum CompositeError {
+    /// Fewer samples than needed (missing ones not counted).
+    #[error("{present} samples are too few, {needed} are needed")]
+    TooShort {
+        /// Samples present.
+        present: usize,
+        /// Samples needed.
+        needed: usize,
+    },
+    /// All samples present are equal.
+    #[error("the record is constant")]
+    Constant,
+    /// A sample or the result is infinite.
+    #[error("the record is not finite")]
+    NotFinite,
+    /// The model gives a sample no variance at all.
+    #[error("the model leaves some sample without any variance")]
+    NoVariance,
+    /// The set of terms is empty or too large.
+    #[error("a composite model needs at least one term and at most two Gauss-Markov processes")]
+    BadTerms,
+    /// No start gave a finite likelihood.
+    #[error("the likelihood is not finite at any start")]
+    NoOptimum,
+    /// The terms make no shaping filter.
+    #[error(transparent)]
+    Shaping(#[from] ShapingError),
+}
+
+/// A first-order Gauss-Markov process.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct GaussMarkov {
+    /// Standard deviation σ [unit]; 0 where there is none.
+    pub sigma: f64,
+    /// Correlation time τ [s].
+    pub tau_s: f64,
+}
+
+impl GaussMarkov {
+    /// Coefficient σ √(2/τ) [unit/√s] of the random walk that the process is at times far below τ.
+    pub fn drive(&self) -> f64 {
+        if self.sigma > 0.0 {
+            self.sigma * (2.0 / self.tau_s).sqrt()
+        } else {
+            0.0
+        }
+    }
+}
+
+/// The terms of a composite model; a term of 0 is absent.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CompositeTerms {
+    /// White noise density N [unit·√s = unit/√Hz].
+    pub white: f64,
+    /// Quantisation Q [unit·s], the standard deviation of the rounding error of the integrated
+    /// signal: ε_k = (e_k − e_{k−1}) Q/T with e white, an MA(1) with θ = 1 of σ_Q = Q/T a sample.
+    pub quantisation: f64,
+    /// Random walk coefficient K [unit/√s].
+    pub random_walk: f64,
+    /// Gauss-Markov processes, by growing correlation time after a fit.
+    pub gauss_markov: [GaussMarkov; MAX_GAUSS_MARKOV],
+}
+
+impl CompositeTerms {
+    /// The shaping filter of the sum at a sample interval [s]: states in the order Gauss-Markov,
+    /// random walk (starting at zero), quantisation. At another rate build it anew from the terms:
+    /// the quantisation's pole at 0 keeps `ShapingFilter::at_interval` from it.
+    ///
+    /// # Errors
+    /// A term or the interval is negative or not finite.
+    pub fn to_shaping(&self, interval: f64) -> Result<ShapingFilter, ShapingError> {
+        let mut sum = ShapingFilter::white(self.white, interval)?;
+        for process in &self.gauss_markov {
+            if process.sigma != 0.0 {
+                let part = ShapingFilter::gauss_markov(process.sigma, process.tau_s, interval)?;
+                sum = sum.plus(&part)?;
+            }
+        }
+        if self.random_walk != 0.0 {
+            sum = sum.plus(&ShapingFilter::random_walk(self.random_walk, interval)?)?;
+        }
+        if self.quantisation != 0.0 {
+            if !(self.quantisation > 0.0 && self.quantisation.is_finite()) {
+                return Err(ShapingError::BadParameter("the quantisation"));
+            }
+            let variance = (self.quantisation / interval).powi(2);
+            let mut part = ShapingFilter::none(interval)?;
+            part.order = 1;
+            part.h[0] = 1.0;
+            part.r = variance;
+            part.q[0][0] = variance;
+            part.s[0] = -variance;
+            part.p0[0][0] = variance;
+            sum = sum.plus(&part)?;
+        }
+        Ok(sum)
+    }
+
+    /// Which terms are present.
+    pub fn set(&self) -> TermSet {
+        TermSet {
+            white: self.white != 0.0,
+            quantisation: self.quantisation != 0.0,
+            random_walk: self.random_walk != 0.0,
+            gauss_markov: self.gauss_markov.iter().filter(|g| g.sigma != 0.0).count(),
+        }
+    }
+
+    /// The same terms with every amplitude times `factor` (correlation times kept).
+    pub fn scaled(&self, factor: f64) -> Self {
+        let process = |g: GaussMarkov| GaussMarkov {
+            sigma: g.sigma * factor,
+            ..g
+        };
+        Self {
+            white: self.white * factor,
+            quantisation: self.quantisation * factor,
+            random_walk: self.random_walk * factor,
+            gauss_markov: self.gauss_markov.map(process),
+        }
+    }
+}
+
+/// Which terms a fit may use.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TermSet {
+    /// White noise.
+    pub white: bool,
+    /// Quantisation.
+    pub quantisation: bool,
+    /// Random walk.
+    pub random_walk: bool,
+    /// Number of Gauss-Markov processes, at most [`MAX_GAUSS_MARKOV`].
+    pub gauss_markov: usize,
+}
+
+impl TermSet {
+    /// Number of parameters.
+    pub fn parameters(&self) -> usize {
+        self.amplitudes() + self.gauss_markov
+    }
+
+    /// Number of amplitudes: all parameters but the correlation times.
+    pub(crate) fn amplitudes(&self) -> usize {
+        usize::from(self.white)
+            + usize::from(self.quantisation)
+            + usize::from(self.random_walk)
+            + self.gauss_markov
+    }
+
+    pub(crate) fn check(&self) -> Result<(), CompositeError> {
+        if self.parameters() == 0 || self.gauss_markov > MAX_GAUSS_MARKOV {
+            return Err(CompositeError::BadTerms);
+        }
+        Ok(())
+    }
+
+    /// Search coordinates: the logarithms of N, Q, K, of each process's drive σ√(2/τ), then of each
+    /// τ. The drive, unlike σ, stays determined when τ is beyond the record.
+    pub(crate) fn coordinates(&self, terms: &CompositeTerms) -> Vec<f64> {
+        let mut z = Vec::with_capacity(self.parameters());
+        if self.white {
+            z.push(terms.white.ln());
+        }
+        if self.quantisation {
+            z.push(terms.quantisation.ln());
+        }
+        if self.random_walk {
+            z.push(terms.random_walk.ln());
+        }
+        let processes = &terms.gauss_markov[..self.gauss_markov];
+        z.extend(processes.iter().map(|g| g.drive().ln()));
+        z.extend(processes.iter().map(|g| g.tau_s.ln()));
+        z
+    }
+
+    /// The terms at search coordinates.
+    pub(crate) fn terms(&self, z: &[f64]) -> CompositeTerms {
+        let mut values = z.iter().map(|v| v.exp());
+        let mut next = |wanted: bool| match wanted {
+            true => values.next().unwrap_or(0.0),
+            false => 0.0,
+        };
+        let mut terms = CompositeTerms {
+            white: next(self.white),
+            quantisation: next(self.quantisation),
+            random_walk: next(self.random_walk),
+            ..CompositeTerms::default()
+        };
+        let drives: [f64; MAX_GAUSS_MARKOV] = std::array::from_fn(|i| next(i < self.gauss_markov));
+        for (i, drive) in drives.into_iter().enumerate() {
+            let tau_s = next(i < self.gauss_markov);
+            let sigma = drive * (0.5 * tau_s).sqrt();
+            terms.gauss_markov[i] = GaussMarkov { sigma, tau_s };
+        }
+        terms
+    }
+
+    /// Standard errors of the logarithms of the terms' own parameters from the covariance of the
+    /// search coordinates, row-major: `ln σ = ln drive + ½ ln τ − ½ ln 2`.
+    pub(crate) fn relative_errors(&self, covariance: &[f64]) -> CompositeTerms {
+        let n = self.parameters();
+        let at = |i: usize, j: usize| covariance[i * n + j];
+        let mut index = 0;
+        let mut next = |wanted: bool| {
+            if !wanted {
+                return 0.0;
+            }
+            index += 1;
+            at(index - 1, index - 1).max(0.0).sqrt()
+        };
+        let mut errors = CompositeTerms {
+            white: next(self.white),
+            quantisation: next(self.quantisation),
+            random_walk: next(self.random_walk),
+            ..CompositeTerms::default()
+        };
+        let first = self.amplitudes() - self.gauss_markov;
+        for i in 0..self.gauss_markov {
+            let (drive, tau) = (first + i, first + self.gauss_markov + i);
+            let sigma = at(drive, drive) + at(drive, tau) + 0.25 * at(tau, tau);
+            errors.gauss_markov[i] = GaussMarkov {
+                sigma: sigma.max(0.0).sqrt(),
+                tau_s: at(tau, tau).max(0.0).sqrt(),
+            };
+        }
+        errors
+    }
+}
+
+// Six states of an axis: two Gauss-Markov, random walk and quantisation leave two for the caller.
+const _: () = assert!(MAX_GAUSS_MARKOV + 2 <= MAX_ORDER);
+
+/// Sorts the processes by correlation time (and `errors` with them); absent ones last.
+pub(crate) fn sort_processes(terms: &mut CompositeTerms, errors: Option<&mut CompositeTerms>) {
+    let [a, b] = terms.gauss_markov;
+    if b.sigma != 0.0 && (a.sigma == 0.0 || b.tau_s < a.tau_s) {
+        terms.gauss_markov.swap(0, 1);
+        if let Some(errors) = errors {
+            errors.gauss_markov.swap(0, 1);
+        }
+    }
+}

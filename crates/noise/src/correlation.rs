@@ -1,0 +1,127 @@
+//! Autocovariance, autocorrelation and partial autocorrelation with their bounds.
+//!
+//! Few lags are summed directly; many by FFT of blocks little longer than the lags, whose spectra are
+//! added up: O(N log L) time and O(L) memory at any record length. Autocovariances are about the
+//! mean with divisor n (biased, positive definite), as in Python's statsmodels and R.
+//!
+//! ```
+//! let x: Vec<f64> = (0..300).map(|k| f64::from(k * 7919 % 101)).collect();
+//! let acf = undrift_noise::correlation::autocorrelation(&x, 10)?;
+//! assert_eq!((acf.len(), acf[0]), (11, 1.0));
+//! # Ok::<(), undrift_noise::screening::RecordError>(())
+//! ```
+
+pub mod partial;
+
+pub use partial::{Partial, partial_autocorrelation};
+
+use crate::screening::record::{Compensated, RecordError, check_varying};
+use crate::stationarity::dot;
+use realfft::RealFftPlanner;
+use realfft::num_complex::Complex64;
+
+/// Two-sided 95 % point of the normal distribution.
+pub const NORMAL_95: f64 = 1.959_963_984_540_054;
+
+/// Lags from which on the FFT is faster.
+const FFT_FROM: usize = 48;
+
+/// Samples summed before the sums are added up with compensation.
+const BLOCK: usize = 2048;
+
+/// Autocovariances γ_0 … γ_lags [unit²], about the mean, divisor n.
+///
+/// Errors: fewer than lags + 1 samples (2 at least), not finite, constant.
+pub fn autocovariance(x: &[f64], lags: usize) -> Result<Vec<f64>, RecordError> {
+    let (mean, squares) = check_varying(x, lags.saturating_add(1).max(2))?;
+    let mut products = if lags < FFT_FROM {
+        direct(x, mean, lags)
+    } else {
+        by_fft(x, mean, lags)
+    };
+    products[0] = squares;
+    let count = x.len() as f64;
+    products.iter_mut().for_each(|v| *v /= count);
+    Ok(products)
+}
+
+/// Autocorrelations ρ_0 = 1 … ρ_lags.
+///
+/// Errors: as [`autocovariance`].
+pub fn autocorrelation(x: &[f64], lags: usize) -> Result<Vec<f64>, RecordError> {
+    let mut values = autocovariance(x, lags)?;
+    let variance = values[0];
+    values.iter_mut().for_each(|v| *v /= variance);
+    Ok(values)
+}
+
+/// 95 % bound of a sample (partial) autocorrelation of white noise: 1.96 / √n.
+pub fn white_bound(samples: usize) -> f64 {
+    NORMAL_95 / (samples.max(1) as f64).sqrt()
+}
+
+/// Bartlett's 95 % bounds of ρ_1 … : at lag k of a moving average of order k − 1,
+/// `1.96 √((1 + 2 Σ_{i<k} ρ_i²) / n)` (Box, Jenkins & Reinsel, equation 2.1.15).
+pub fn bartlett_bounds(autocorrelation: &[f64], samples: usize) -> Vec<f64> {
+    let mut sum = 1.0;
+    let mut bounds = Vec::with_capacity(autocorrelation.len().saturating_sub(1));
+    for value in autocorrelation.iter().skip(1) {
+        bounds.push(NORMAL_95 * (sum / samples.max(1) as f64).sqrt());
+        sum += 2.0 * value * value;
+    }
+    bounds
+}
+
+/// Σ (x_t − mean)(x_{t−k} − mean), lag by lag on blocks that stay in the cache.
+fn direct(x: &[f64], mean: f64, lags: usize) -> Vec<f64> {
+    let mut sums = vec![Compensated::default(); lags + 1];
+    let mut block = vec![0.0; BLOCK + lags];
+    for start in (0..x.len()).step_by(BLOCK) {
+        let end = (start + BLOCK).min(x.len());
+        let reach = (end + lags).min(x.len());
+        for (slot, value) in block.iter_mut().zip(&x[start..reach]) {
+            *slot = value - mean;
+        }
+        for (lag, sum) in sums.iter_mut().enumerate() {
+            let pairs = (end - start).min((reach - start).saturating_sub(lag));
+            sum.add(dot(&block[..pairs], &block[lag..lag + pairs]));
+        }
+    }
+    sums.iter().map(|s| s.value()).collect()
+}
+
+/// The same by FFT: cross spectra of each stretch with itself continued by `lags` samples.
+fn by_fft(x: &[f64], mean: f64, lags: usize) -> Vec<f64> {
+    // No circular overlap: a stretch and its continuation by `lags` fit in `size`.
+    let whole = (x.len() + lags).next_power_of_two();
+    let size = (4 * (lags + 1)).next_power_of_two().max(4096).min(whole);
+    let stretch = size - lags;
+    let mut planner = RealFftPlanner::<f64>::new();
+    let (forward, inverse) = (
+        planner.plan_fft_forward(size),
+        planner.plan_fft_inverse(size),
+    );
+    let (mut time, mut scratch) = (forward.make_input_vec(), forward.make_scratch_vec());
+    let (mut short, mut long) = (forward.make_output_vec(), forward.make_output_vec());
+    let mut sum = vec![Complex64::new(0.0, 0.0); short.len()];
+    for start in (0..x.len()).step_by(stretch) {
+        for (end, spectrum) in [(start + stretch, &mut short), (start + size, &mut long)] {
+            let part = &x[start..end.min(x.len())];
+            time.fill(0.0);
+            for (slot, value) in time.iter_mut().zip(part) {
+                *slot = value - mean;
+            }
+            // The buffers have the plan's own sizes: this cannot fail.
+            let _ = forward.process_with_scratch(&mut time, spectrum, &mut scratch);
+        }
+        for ((sum, a), b) in sum.iter_mut().zip(&short).zip(&long) {
+            *sum += a.conj() * b;
+        }
+    }
+    // Rounding leaves a trace of an imaginary part where there can be none.
+    let last = sum.len() - 1;
+    (sum[0].im, sum[last].im) = (0.0, 0.0);
+    let mut scratch = inverse.make_scratch_vec();
+    let _ = inverse.process_with_scratch(&mut sum, &mut time, &mut scratch);
+    time[..=lags].iter().map(|v| v / size as f64).collect()
+}

@@ -1,0 +1,219 @@
+//! The choice by drift score: the simplest model within the sampling error of the best.
+
+use super::HorizonScore;
+
+/// Standard errors of the paired difference that count as the sampling error: the best is the luckiest
+/// of several, at several horizons, and windows reach over the ends of their batches.
+const ERRORS: f64 = 3.0;
+/// A score worse by less than this share is as good as the best, however precise the comparison.
+const SAME: f64 = 0.01;
+/// A score worse by more than this share is not as good as the best, however imprecise.
+const WORSE: f64 = 0.05;
+
+/// Fewest batches whose scatter means anything; with fewer the best score's own error decides.
+const FEWEST: usize = 4;
+
+/// A candidate with its scores.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scored {
+    /// Name, for the reason given.
+    pub name: String,
+    /// States of its shaping filter.
+    pub states: usize,
+    /// Fitted parameters.
+    pub parameters: usize,
+    /// Scores, the same horizons in the same order for every candidate.
+    pub horizons: Vec<HorizonScore>,
+}
+
+/// The choice.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recommendation {
+    /// Position of the candidate chosen.
+    pub index: usize,
+    /// Why, in one sentence.
+    pub reason: String,
+}
+
+/// Standard error of the mean of the batches; 0 of fewer than two.
+pub(super) fn standard_error(batches: &[f64]) -> f64 {
+    let (mut n, mut mean, mut squares) = (0.0, 0.0, 0.0);
+    for &value in batches.iter().filter(|v| v.is_finite()) {
+        n += 1.0;
+        let step = value - mean;
+        mean += step / n;
+        squares += step * (value - mean);
+    }
+    if n < 2.0 {
+        0.0
+    } else {
+        (squares / (n * (n - 1.0))).sqrt()
+    }
+}
+
+/// Whether a score is within the sampling error of the best: the difference of their mean squares is
+/// within three standard errors, from the differences batch by batch (both saw the same record), and
+/// the RMS within 5 %; or the RMS is within 1 % anyway.
+fn is_as_good(score: &HorizonScore, best: &HorizonScore) -> bool {
+    if score.rms <= (1.0 + SAME) * best.rms {
+        return true;
+    }
+    if score.rms > (1.0 + WORSE) * best.rms {
+        return false;
+    }
+    if score.batches.len() < FEWEST {
+        return score.rms - best.rms <= best.standard_error;
+    }
+    let pairs = score.batches.iter().zip(&best.batches);
+    let differences: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
+    let gap = score.rms * score.rms - best.rms * best.rms;
+    gap <= ERRORS * standard_error(&differences)
+}
+
+/// The simplest candidate (fewest states, then fewest parameters, then the best sum of relative
+/// scores) that is within the sampling error of the best at every horizon; where none is at all of
+/// them, the one whose worst ratio to the best is least. None of an empty list, or where scores are
+/// missing or not finite in every candidate.
+pub fn recommend(candidates: &[Scored]) -> Option<Recommendation> {
+    let horizons = candidates.iter().map(|c| c.horizons.len()).max()?;
+    let valid =
+        |c: &&Scored| c.horizons.len() == horizons && c.horizons.iter().all(|h| h.rms.is_finite());
+    let usable: Vec<(usize, &Scored)> = candidates
+        .iter()
+        .enumerate()
+        .filter(|(_, c)| valid(c))
+        .collect();
+    if horizons == 0 || usable.is_empty() {
+        return None;
+    }
+    let best: Vec<&Scored> = (0..horizons)
+        .filter_map(|h| {
+            let rms = |c: &Scored| c.horizons[h].rms;
+            let least = usable.iter().min_by(|a, b| rms(a.1).total_cmp(&rms(b.1)));
+            least.map(|(_, c)| *c)
+        })
+        .collect();
+    let ratio =
+        |c: &Scored, h: usize| c.horizons[h].rms / best[h].horizons[h].rms.max(f64::MIN_POSITIVE);
+    let worst = |c: &Scored| (0..horizons).map(|h| ratio(c, h)).fold(0.0, f64::max);
+    let total = |c: &Scored| -> f64 { (0..horizons).map(|h| ratio(c, h)).sum() };
+    let good = |c: &Scored| (0..horizons).all(|h| is_as_good(&c.horizons[h], &best[h].horizons[h]));
+    let simplest = usable
+        .iter()
+        .filter(|(_, c)| good(c))
+        .min_by(|(_, a), (_, b)| {
+            let size = |c: &Scored| (c.states, c.parameters);
+            size(a).cmp(&size(b)).then(total(a).total_cmp(&total(b)))
+        });
+    let percent = |ratio: f64| 100.0 * (ratio - 1.0);
+    let counted = |n: usize, what: &str| match n {
+        1 => format!("1 {what}"),
+        _ => format!("{n} {what}s"),
+    };
+    let sizes = |c: &Scored| {
+        let (states, parameters) = (
+            counted(c.states, "state"),
+            counted(c.parameters, "parameter"),
+        );
+        format!("{states}, {parameters}")
+    };
+    let span: Vec<String> = best[0]
+        .horizons
+        .iter()
+        .map(|h| format!("{}", h.horizon_s))
+        .collect();
+    let span = span.join(", ");
+    if let Some(&(index, chosen)) = simplest {
+        let reason = if best.iter().all(|b| std::ptr::eq(*b, chosen)) {
+            format!(
+                "{} ({}) drifts least at {span} s, and no simpler candidate comes within the sampling error of it.",
+                chosen.name,
+                sizes(chosen)
+            )
+        } else {
+            format!(
+                "{} ({}) is the simplest candidate whose drift is within the sampling error of the least at {span} s (at most {:.1} % above it).",
+                chosen.name,
+                sizes(chosen),
+                percent(worst(chosen))
+            )
+        };
+        return Some(Recommendation { index, reason });
+    }
+    let least = usable
+        .iter()
+        .min_by(|a, b| worst(a.1).total_cmp(&worst(b.1)));
+    least.map(|&(index, chosen)| Recommendation {
+        index,
+        reason: format!(
+            "No candidate is within the sampling error of the least drift at all of {span} s; {} ({}) is worst off least, {:.1} % above it.",
+            chosen.name,
+            sizes(chosen),
+            percent(worst(chosen))
+        ),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn candidate(name: &str, states: usize, rms: &[f64], scatter: f64) -> Scored {
+        let horizons = rms.iter().enumerate().map(|(h, &rms)| HorizonScore {
+            horizon_s: [1.0, 10.0][h],
+            rms,
+            standard_error: 0.1 * rms,
+            predicted_rms: rms,
+            origins: 1000,
+            windows: 100.0,
+            batches: (0..8)
+                .map(|b| rms * rms * (1.0 + scatter * f64::from(b % 2 * 2 - 1)))
+                .collect(),
+        });
+        Scored {
+            name: name.into(),
+            states,
+            parameters: 2 * states + 1,
+            horizons: horizons.collect(),
+        }
+    }
+
+    #[test]
+    fn the_simplest_within_the_sampling_error_is_chosen() {
+        let list = [
+            candidate("white", 0, &[1.0, 5.0], 0.1),
+            candidate("two", 2, &[0.995, 2.00], 0.1),
+            candidate("one", 1, &[1.0, 2.01], 0.1),
+        ];
+        let choice = recommend(&list).unwrap();
+        assert_eq!(choice.index, 2);
+        assert!(
+            choice.reason.starts_with("one (1 state, 3 parameters)")
+                && choice.reason.ends_with("it).")
+        );
+    }
+
+    #[test]
+    fn a_paired_difference_decides_where_the_scores_overlap() {
+        // 3 % worse in every batch alike is worse, though each score scatters by 10 %.
+        let best = candidate("best", 2, &[1.0, 2.0], 0.1);
+        let alike = candidate("alike", 1, &[1.0, 2.06], 0.1);
+        assert_eq!(recommend(&[alike, best.clone()]).unwrap().index, 1);
+        // The same 3 % with batches that scatter the other way is nothing.
+        let apart = candidate("apart", 1, &[1.0, 2.06], -0.1);
+        assert_eq!(recommend(&[apart, best]).unwrap().index, 0);
+    }
+
+    #[test]
+    fn no_candidate_good_everywhere() {
+        let list = [
+            candidate("short", 1, &[1.0, 4.0], 0.01),
+            candidate("long", 1, &[1.2, 2.0], 0.01),
+        ];
+        let choice = recommend(&list).unwrap();
+        assert_eq!(choice.index, 1);
+        assert!(choice.reason.starts_with("No candidate"));
+        assert_eq!(recommend(&[]), None);
+        assert_eq!(recommend(&[candidate("bad", 0, &[f64::NAN], 0.1)]), None);
+    }
+}

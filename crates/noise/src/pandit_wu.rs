@@ -1,0 +1,306 @@
+//! The order of an ARMA model by Pandit and Wu's F tests, as in part 1 of the source paper.
+//!
+//! ARMA(2n, 2n−1) is fitted for n = 1, 2, … until the fall of the residual sum of squares is no longer
+//! significant,
+//!
+//! ```text
+//! F = ((A0 − A1)/s) / (A1/(N − r)),    compared with F_0.05(s, N − r)
+//! ```
+//!
+//! A0, A1 the sums of squares of the smaller and the larger model, s the parameters added, r those of
+//! the larger (φ, θ and an estimated mean). The order is then stepped down by one pair at a time, (2n−1, 2n−2), …,
+//! (2,1), (1,1), while that costs nothing significant. Pandit & Wu 1983, sections 4.4 and 4.5; Wang,
+//! Lyu & Wu 2016, section 1.3.
+//!
+//! A is the sum of squares of the *exact* one-step prediction errors, `Σ v²/V`, at the
+//! maximum-likelihood estimate, not a conditional sum of squares.
+//!
+//! The test is not F-distributed under the null, since the extra poles and zeros cancel: for a true
+//! ARMA(2,1) it goes up to (4,3) in three of four records where 5 % are meant. Use BIC and the drift
+//! score to decide, and this to say what the paper would have said.
+//!
+//! ```
+//! use undrift_noise::arma::FitOptions;
+//! use undrift_noise::pandit_wu::{PanditWuOptions, pandit_wu};
+//! let mut seed = 1u64;
+//! let record: Vec<f64> = (0..300)
+//!     .map(|_| {
+//!         seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+//!         (seed >> 11) as f64 / (1u64 << 53) as f64
+//!     })
+//!     .collect();
+//! let table = pandit_wu(&record, &PanditWuOptions { n_max: 2, ..Default::default() })?;
+//! assert_eq!(table.rows[1].order(), (2, 1));
+//! # Ok::<(), undrift_noise::arma::ArmaError>(())
+//! ```
+
+use crate::arma::{ArmaError, ArmaFit, FitOptions, Ladder, climb_to};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
+/// F_0.05(2, ∞), with which the source paper compares at every step: −ln 0.05.
+pub const PAPER_CRITICAL: f64 = 2.995_732_273_553_991;
+
+/// How far and how to fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PanditWuOptions {
+    /// Largest n of ARMA(2n, 2n−1), 1 to 12.
+    pub n_max: usize,
+    /// Level of the tests; 0.05 in the paper.
+    pub level: f64,
+    /// How each order is fitted.
+    pub fit: FitOptions,
+}
+
+impl Default for PanditWuOptions {
+    /// n up to 3, 5 %, mean estimated.
+    fn default() -> Self {
+        Self {
+            n_max: 3,
+            level: 0.05,
+            fit: FitOptions::default(),
+        }
+    }
+}
+
+/// One F test between two nested orders.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OrderTest {
+    /// The smaller order (p, q).
+    pub smaller: (usize, usize),
+    /// The larger one.
+    pub larger: (usize, usize),
+    /// A0, sum of squares of the smaller model [unit²].
+    pub sum_smaller: f64,
+    /// A1, sum of squares of the larger model [unit²].
+    pub sum_larger: f64,
+    /// F statistic.
+    pub f: f64,
+    /// Degrees of freedom s of the numerator: parameters added.
+    pub added: usize,
+    /// Degrees of freedom N − r of the denominator.
+    pub remaining: usize,
+    /// Critical value F(s, N − r) at the level asked for.
+    pub critical: f64,
+    /// Probability of a larger F, were it F-distributed.
+    pub p_value: f64,
+    /// F exceeds the critical value: the larger model is needed.
+    pub significant: bool,
+    /// F exceeds [`PAPER_CRITICAL`], the value the paper takes.
+    pub significant_in_paper: bool,
+}
+
+/// One order of the table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OrderRow {
+    /// n of ARMA(2n, 2n−1); 0 for the row of AR(1) before them, which is for comparison only.
+    pub n: usize,
+    /// The fit: sum of squares, AIC, BIC, coefficients.
+    pub fit: ArmaFit,
+    /// The test against the row before.
+    pub test: Option<OrderTest>,
+}
+
+impl OrderRow {
+    /// (p, q).
+    pub fn order(&self) -> (usize, usize) {
+        self.fit.order()
+    }
+}
+
+/// The whole procedure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PanditWu {
+    /// AR(1), then ARMA(2n, 2n−1), each tested against the row before. Ends with the first order
+    /// that brings nothing significant, or with n_max.
+    pub rows: Vec<OrderRow>,
+    /// n of the last significant order: where the paper's loop stops.
+    pub n: usize,
+    /// The loop ended because a test was not significant, not because n_max was reached.
+    pub adequate: bool,
+    /// The tests of stepping down from (2n, 2n−1), in the order made.
+    pub step_down: Vec<OrderTest>,
+    /// The neighbours (1,1), (2,1), (3,2), each tested against the next larger (the paper's section 1.3).
+    pub neighbours: Vec<OrderTest>,
+    /// All fits made, by order; the chosen ones are among them.
+    pub fits: Vec<ArmaFit>,
+    /// Order chosen by the F tests, after stepping down.
+    pub by_f: (usize, usize),
+    /// Order of least AIC among `fits`.
+    pub by_aic: (usize, usize),
+    /// Order of least BIC among `fits`.
+    pub by_bic: (usize, usize),
+}
+
+impl PanditWu {
+    /// The fit of an order, if it was made.
+    pub fn fit(&self, order: (usize, usize)) -> Option<&ArmaFit> {
+        self.fits.iter().find(|fit| fit.order() == order)
+    }
+}
+
+/// The F test of `larger` against `smaller` at the given level, from their sums of squares. `None`
+/// where `larger` has no more parameters or not enough samples remain.
+pub fn f_test(smaller: &ArmaFit, larger: &ArmaFit, level: f64) -> Option<OrderTest> {
+    // σ² is in `parameters` and not in r.
+    let added = larger.parameters.checked_sub(smaller.parameters)?;
+    let remaining = larger.n.checked_sub(larger.parameters - 1)?;
+    if added == 0 || remaining == 0 {
+        return None;
+    }
+    let (a0, a1) = (
+        smaller.residual_sum_of_squares,
+        larger.residual_sum_of_squares,
+    );
+    let f = ((a0 - a1) / added as f64) / (a1 / remaining as f64);
+    let distribution = FisherSnedecor::new(added as f64, remaining as f64).ok()?;
+    let critical = critical_value(added, remaining, level)?;
+    Some(OrderTest {
+        smaller: smaller.order(),
+        larger: larger.order(),
+        sum_smaller: a0,
+        sum_larger: a1,
+        f,
+        added,
+        remaining,
+        critical,
+        p_value: if f > 0.0 { distribution.sf(f) } else { 1.0 },
+        significant: f > critical,
+        significant_in_paper: f > PAPER_CRITICAL,
+    })
+}
+
+/// The value that F(`added`, `remaining`) exceeds with probability `level`, or `None` outside (0, 1).
+pub fn critical_value(added: usize, remaining: usize, level: f64) -> Option<f64> {
+    if !(level > 0.0 && level < 1.0) {
+        return None;
+    }
+    let distribution = FisherSnedecor::new(added as f64, remaining as f64).ok()?;
+    // By bisection of the tail: the library's own inverse stops at a fixed absolute accuracy.
+    let (mut low, mut high) = (0.0, 1.0);
+    while distribution.sf(high) > level && high < 1e300 {
+        low = high;
+        high *= 2.0;
+    }
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
+        if distribution.sf(middle) > level {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Some(0.5 * (low + high))
+}
+
+/// Fits of one record, each order once.
+struct Fits<'a> {
+    samples: &'a [f64],
+    options: &'a FitOptions,
+    ladder: Ladder,
+    made: Vec<ArmaFit>,
+}
+
+impl Fits<'_> {
+    fn at(&mut self, p: usize, q: usize) -> Result<ArmaFit, ArmaError> {
+        if let Some(fit) = self.made.iter().find(|fit| fit.order() == (p, q)) {
+            return Ok(fit.clone());
+        }
+        // Models inside this one: the sum of squares should not rise with the order.
+        let inside: Vec<_> = self
+            .made
+            .iter()
+            .filter(|fit| fit.ar.len() <= p && fit.ma.len() <= q)
+            .map(|fit| (fit.ar.clone(), fit.ma.clone()))
+            .collect();
+        let fit = climb_to(self.samples, p, q, self.options, &inside, &mut self.ladder)?;
+        self.made.push(fit.clone());
+        Ok(fit)
+    }
+}
+
+/// Runs the procedure on a record (constant removed or not; NaN for a missing sample).
+///
+/// # Errors
+/// As [`crate::arma::fit`] where not even ARMA(2,1) can be fitted; [`ArmaError::BadOption`] for a
+/// level outside (0, 1) or n_max outside 1…12.
+pub fn pandit_wu(samples: &[f64], options: &PanditWuOptions) -> Result<PanditWu, ArmaError> {
+    if !(1..=12).contains(&options.n_max) {
+        return Err(ArmaError::BadOption("n_max"));
+    }
+    if !(options.level > 0.0 && options.level < 1.0) {
+        return Err(ArmaError::BadOption("the level of the tests"));
+    }
+    let level = options.level;
+    let mut fits = Fits {
+        samples,
+        options: &options.fit,
+        ladder: Ladder::default(),
+        made: Vec::new(),
+    };
+    let mut rows = vec![OrderRow {
+        n: 0,
+        fit: fits.at(1, 0)?,
+        test: None,
+    }];
+    let mut n = 1;
+    let mut adequate = false;
+    for next in 1..=options.n_max {
+        let fit = match fits.at(2 * next, 2 * next - 1) {
+            Ok(fit) => fit,
+            // The record is too short for more: that ends the loop too.
+            Err(ArmaError::TooShort { .. }) if next > 1 => break,
+            Err(error) => return Err(error),
+        };
+        let test = rows.last().and_then(|row| f_test(&row.fit, &fit, level));
+        rows.push(OrderRow { n: next, fit, test });
+        if next > 1 {
+            // Too few samples for a test counts as not significant.
+            if test.is_some_and(|test| test.significant) {
+                n = next;
+            } else {
+                adequate = true;
+                break;
+            }
+        }
+    }
+    let mut chosen = fits.at(2 * n, 2 * n - 1)?;
+    let mut step_down = Vec::new();
+    let candidates = (2..2 * n).rev().map(|p| (p, p - 1)).chain([(1, 1)]);
+    for (p, q) in candidates {
+        let smaller = fits.at(p, q)?;
+        let Some(test) = f_test(&smaller, &chosen, level) else {
+            break;
+        };
+        step_down.push(test);
+        if test.significant {
+            break;
+        }
+        chosen = smaller;
+    }
+    let mut neighbours = Vec::new();
+    for ((p, q), (larger_p, larger_q)) in [((1, 1), (2, 1)), ((2, 1), (3, 2)), ((1, 1), (3, 2))] {
+        let pair = (fits.at(p, q), fits.at(larger_p, larger_q));
+        if let (Ok(smaller), Ok(larger)) = pair {
+            neighbours.extend(f_test(&smaller, &larger, level));
+        }
+    }
+    let made = fits.made;
+    let least = |score: fn(&ArmaFit) -> f64| {
+        let best = made.iter().min_by(|a, b| score(a).total_cmp(&score(b)));
+        best.map_or((1, 0), ArmaFit::order)
+    };
+    Ok(PanditWu {
+        rows,
+        n,
+        adequate,
+        step_down,
+        neighbours,
+        by_f: chosen.order(),
+        by_aic: least(|fit| fit.aic),
+        by_bic: least(|fit| fit.bic),
+        fits: made,
+    })
+}

@@ -1,0 +1,218 @@
+//! Identification at several time scales.
+//!
+//! A record is averaged in blocks of m = 1, 5, 20, 100, 500 samples, each set of averages fitted by
+//! ARMA(1,1), and the slow part lifted back exactly to the full rate: averages over m samples of an
+//! AR(1) plus white noise are an ARMA(1,1) with φ_m = φ^m, so that with γ the autocovariance of the
+//! averages, a = −ln φ and σ the AR(1)'s standard deviation
+//!
+//! ```text
+//! γ₁ = σ² φ^m B    γ₀ = σ² C + r/m    C = (1/m²) ΣΣ φ^|i−j|    B = C + (2/m²) Σ (m−d) sinh(a d)
+//! ```
+//!
+//! and for φ = 1 (THEORY section 1) a random walk of step variance `q = (1−θ)² σ_a²/m` beside white
+//! noise `r = m (θ σ_a² + q (m²−1)/(6m))`. One-step likelihood at the full rate describes a sensor's
+//! short memory; what drifts shows where blocks have averaged that away, and is the same from there
+//! on. Hamilton 1994, section 4.7; Wei 2006, chapter 20 (temporal aggregation).
+
+mod lift;
+
+pub use lift::{Lifted, lift};
+
+use crate::arma::{ArmaError, ArmaFit, FitOptions, fit};
+use crate::composite::{CompositeError, average_in_blocks};
+use rayon::prelude::*;
+use undrift_nav::shaping::ShapingFilter;
+
+/// Block lengths tried, in samples.
+pub const BLOCKS: [usize; 5] = [1, 5, 20, 100, 500];
+
+/// Fewest averages that are fitted.
+const FEWEST: usize = 200;
+/// Two scales agree where each lifted parameter differs by less than so many standard errors…
+const ERRORS: f64 = 3.0;
+/// … or by less than this share.
+const SHARE: f64 = 0.02;
+/// A slow part is seen where its standard errors are below this share (in logarithms).
+const SEEN: f64 = 1.0;
+
+/// What should be said with a scale.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Flag {
+    /// Fewer than 200 averages: not fitted.
+    TooFewAverages,
+    /// The fit failed.
+    NoFit,
+    /// φ ≤ 0 or φ ≤ θ: the best ARMA(1,1) describes a short memory and has no slow part.
+    NoSlowPart,
+    /// The averages are smoother than any slow part under white noise: white is put to 0.
+    NoWhite,
+    /// The correlation time exceeds a tenth of the record, or φ is 1: a random walk in effect.
+    LongCorrelation,
+    /// The correlation time is below two blocks: a coarser scale does not see it as slow.
+    FastForBlock,
+    /// The slow part is not distinguishable from none: φ − θ within two standard errors of 0.
+    NotDistinguishable,
+}
+
+/// The record at one scale.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScaleFit {
+    /// Samples averaged.
+    pub block: usize,
+    /// Averages present.
+    pub points: usize,
+    /// φ of the averages' ARMA(1,1).
+    pub phi: f64,
+    /// θ.
+    pub theta: f64,
+    /// Standard deviation of its innovations [unit].
+    pub sigma: f64,
+    /// The slow part and white noise at the full rate; none where there is no slow part.
+    pub lifted: Option<Lifted>,
+    /// Standard errors of the logarithms of white, sigma, tau and drive; infinite where not known.
+    pub relative_errors: Lifted,
+    /// Shaping filter at the full rate; none where there is no slow part.
+    pub filter: Option<ShapingFilter>,
+    /// What should be said with it.
+    pub flags: Vec<Flag>,
+}
+
+impl ScaleFit {
+    /// Whether the slow part is there and determined.
+    pub fn is_seen(&self) -> bool {
+        self.lifted.is_some()
+            && self.relative_errors.drive < SEEN
+            && !self.flags.contains(&Flag::NotDistinguishable)
+            && !self.flags.contains(&Flag::FastForBlock)
+    }
+
+    /// Whether two scales give the same white density, drive and (where both have one) correlation
+    /// time, within three standard errors of the differences or 2 %. The errors are added as if
+    /// independent, though the record is the same: agreement is granted rather too easily.
+    pub fn agrees_with(&self, other: &Self) -> bool {
+        let (Some(a), Some(b)) = (self.lifted, other.lifted) else {
+            return false;
+        };
+        let (ea, eb) = (self.relative_errors, other.relative_errors);
+        let near = |a: f64, b: f64, ea: f64, eb: f64| {
+            let gap = (a / b).ln().abs();
+            gap <= SHARE || gap <= ERRORS * ea.hypot(eb)
+        };
+        let white =
+            (a.white == 0.0 && b.white == 0.0) || near(a.white, b.white, ea.white, eb.white);
+        let tau = a.tau_s.is_infinite()
+            || b.tau_s.is_infinite()
+            || near(a.tau_s, b.tau_s, ea.tau_s, eb.tau_s);
+        white && tau && near(a.drive, b.drive, ea.drive, eb.drive)
+    }
+}
+
+/// All scales of a record.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scales {
+    /// By growing block length.
+    pub scales: Vec<ScaleFit>,
+    /// The finest scale that sees a slow part and agrees with every coarser one that sees one; where
+    /// none does, the coarsest that sees one.
+    pub chosen: Option<usize>,
+    /// The number of scales that agree with the chosen one, itself included.
+    pub agreeing: usize,
+}
+
+/// Fits a record sampled every `interval` [s] at block lengths `blocks` (as [`BLOCKS`]); `effort` is
+/// that of each ARMA search ([`FitOptions`]; 0.1 is enough). NaN is a missing sample.
+///
+/// # Errors
+/// A record too short for the shortest block, or infinite; a bad interval.
+pub fn identify(
+    record: &[f64],
+    interval: f64,
+    blocks: &[usize],
+    effort: f64,
+) -> Result<Scales, CompositeError> {
+    ShapingFilter::none(interval)?;
+    let shortest = blocks.iter().copied().min().unwrap_or(1);
+    if record.len() < FEWEST * shortest {
+        return Err(CompositeError::TooShort {
+            present: record.len(),
+            needed: FEWEST * shortest,
+        });
+    }
+    if record.iter().any(|v| v.is_infinite()) {
+        return Err(CompositeError::NotFinite);
+    }
+    let mut scales: Vec<ScaleFit> = blocks
+        .par_iter()
+        .map(|&block| scale(record, interval, block, effort))
+        .collect();
+    scales.sort_by_key(|s| s.block);
+    let seen: Vec<usize> = (0..scales.len()).filter(|&i| scales[i].is_seen()).collect();
+    let agreeable = |&i: &usize| {
+        let mut coarser = seen.iter().filter(|&&j| j > i);
+        coarser.all(|&j| scales[i].agrees_with(&scales[j]))
+    };
+    // The coarsest agrees with all coarser ones, there being none.
+    let chosen = seen.iter().copied().find(agreeable);
+    let agreeing = chosen.map_or(0, |i| {
+        let same = |&&j: &&usize| i == j || scales[i].agrees_with(&scales[j]);
+        seen.iter().filter(same).count()
+    });
+    Ok(Scales {
+        scales,
+        chosen,
+        agreeing,
+    })
+}
+
+fn scale(record: &[f64], interval: f64, block: usize, effort: f64) -> ScaleFit {
+    let mut scale = ScaleFit {
+        block,
+        points: 0,
+        phi: f64::NAN,
+        theta: f64::NAN,
+        sigma: f64::NAN,
+        lifted: None,
+        relative_errors: Lifted::unknown(),
+        filter: None,
+        flags: Vec::new(),
+    };
+    let averages = average_in_blocks(record, block).unwrap_or_default();
+    scale.points = averages.iter().filter(|v| !v.is_nan()).count();
+    if scale.points < FEWEST {
+        scale.flags.push(Flag::TooFewAverages);
+        return scale;
+    }
+    let options = FitOptions {
+        effort,
+        ..FitOptions::default()
+    };
+    let fitted: Result<ArmaFit, ArmaError> = fit(&averages, 1, 1, &options);
+    let Ok(model) = fitted else {
+        scale.flags.push(Flag::NoFit);
+        return scale;
+    };
+    scale.phi = model.ar[0];
+    scale.theta = model.ma[0];
+    scale.sigma = model.sigma;
+    let Some(lifted) = lift(scale.phi, scale.theta, scale.sigma, block, interval) else {
+        scale.flags.push(Flag::NoSlowPart);
+        return scale;
+    };
+    scale.relative_errors = lift::relative_errors(&model, block, interval);
+    if lifted.white == 0.0 {
+        scale.flags.push(Flag::NoWhite);
+    }
+    let length_s = record.len() as f64 * interval;
+    if lifted.tau_s > 0.1 * length_s {
+        scale.flags.push(Flag::LongCorrelation);
+    }
+    if lifted.tau_s < 2.0 * block as f64 * interval {
+        scale.flags.push(Flag::FastForBlock);
+    }
+    if model.near_cancelling {
+        scale.flags.push(Flag::NotDistinguishable);
+    }
+    scale.filter = lifted.terms().to_shaping(interval).ok();
+    scale.lifted = Some(lifted);
+    scale
+}

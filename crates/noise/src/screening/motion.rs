@@ -1,0 +1,95 @@
+//! A record that is not static: it moves, or its sensor stands still.
+
+use super::outlier::median;
+use super::record::{RecordError, check, mean_and_squares};
+
+/// When a record counts as moving.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotionRule {
+    /// Samples of a window; about a second.
+    pub window: usize,
+    /// A window moves where the square of the change of its mean is so many times what the white
+    /// noise inside the windows allows.
+    pub factor: f64,
+    /// The record moves where more than this share of its windows does.
+    pub share: f64,
+}
+
+impl Default for MotionRule {
+    /// 100 samples, 50 times, 1 % of the windows: flicker noise and vibration stay far below, a
+    /// single knock is reported but is no motion.
+    fn default() -> Self {
+        Self {
+            window: 100,
+            factor: 50.0,
+            share: 0.01,
+        }
+    }
+}
+
+/// What the window means say.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Motion {
+    /// Half the mean square change between the means of neighbouring windows over what white noise of
+    /// the windows' median variance allows: about 1 for white noise; a drift hardly adds to it.
+    pub ratio: f64,
+    /// First samples of the windows whose mean changed too much from the window before.
+    pub moving_windows: Vec<usize>,
+    /// Windows compared.
+    pub windows: usize,
+    /// True where the record is not static.
+    pub moving: bool,
+}
+
+/// Holds the change of window means against the variance inside the windows, O(N).
+///
+/// Errors: not finite, fewer than three windows, a window below 2 or a factor that is not positive.
+pub fn motion(x: &[f64], rule: MotionRule) -> Result<Motion, RecordError> {
+    if rule.window < 2 || rule.factor.is_nan() || rule.factor <= 0.0 {
+        return Err(RecordError::Argument(
+            "the motion rule needs 2 samples a window and a positive factor",
+        ));
+    }
+    check(x, rule.window.saturating_mul(3))?;
+    let width = rule.window as f64;
+    let summary: Vec<(f64, f64)> = x.chunks_exact(rule.window).map(mean_and_squares).collect();
+    let mut variances: Vec<f64> = summary.iter().map(|s| s.1 / (width - 1.0)).collect();
+    let inside = median(&mut variances);
+    let changes: Vec<f64> = summary
+        .windows(2)
+        .map(|w| 0.5 * (w[1].0 - w[0].0).powi(2))
+        .collect();
+    let total = changes.iter().sum::<f64>() / changes.len() as f64;
+    let allowed = inside / width;
+    let ratio = if total == 0.0 { 0.0 } else { total / allowed };
+    let moving_windows: Vec<usize> = changes
+        .iter()
+        .enumerate()
+        .filter(|(_, change)| **change > rule.factor * allowed)
+        .map(|(k, _)| (k + 1) * rule.window)
+        .collect();
+    let moving = moving_windows.len() as f64 > rule.share * changes.len() as f64;
+    Ok(Motion {
+        ratio,
+        windows: changes.len(),
+        moving_windows,
+        moving,
+    })
+}
+
+/// Stretches of at least `least` equal samples: first position and length. A sensor that hangs gives
+/// one; a constant record is one from end to end. Quantised samples repeat by chance, so `least`
+/// should be large (1000 samples).
+pub fn constant_runs(x: &[f64], least: usize) -> Vec<(usize, usize)> {
+    let mut runs = Vec::new();
+    let mut start = 0;
+    for k in 1..=x.len() {
+        if k == x.len() || x[k] != x[start] {
+            if k - start >= least.max(2) {
+                runs.push((start, k - start));
+            }
+            start = k;
+        }
+    }
+    runs
+}

@@ -1,0 +1,87 @@
+//! Constant, linear and temperature trend.
+
+use super::record::{Compensated, RecordError, check, mean, mean_and_squares};
+
+/// A record less its trend.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Detrended {
+    /// The residuals [unit].
+    pub residuals: Vec<f64>,
+    /// Mean of the record [unit].
+    pub mean: f64,
+    /// Slope: [unit a sample] for the linear trend, [unit/K] for temperature, 0 for a constant.
+    pub slope: f64,
+    /// Share of the variance about the mean that the slope explains, 0 to 1.
+    pub explained: f64,
+}
+
+/// Takes the mean out.
+///
+/// Errors: no sample, not finite.
+pub fn remove_constant(x: &[f64]) -> Result<Detrended, RecordError> {
+    check(x, 1)?;
+    let mean = mean(x);
+    Ok(Detrended {
+        residuals: x.iter().map(|v| v - mean).collect(),
+        mean,
+        slope: 0.0,
+        explained: 0.0,
+    })
+}
+
+/// Takes the mean and a straight line out, by least squares.
+///
+/// Errors: fewer than 3 samples, not finite.
+pub fn remove_linear(x: &[f64]) -> Result<Detrended, RecordError> {
+    check(x, 3)?;
+    let middle = 0.5 * (x.len() - 1) as f64;
+    Ok(regress(x, |k| k as f64 - middle))
+}
+
+/// Takes the mean and a multiple of the temperature (`temperature_c` [°C or K], one a sample) out, by
+/// least squares. A temperature that only drifts cannot be told from a linear trend.
+///
+/// Errors: fewer than 3 samples, not finite, lengths that differ, [`RecordError::Constant`] where the
+/// temperature does not change.
+pub fn remove_temperature(x: &[f64], temperature_c: &[f64]) -> Result<Detrended, RecordError> {
+    check(x, 3)?;
+    check(temperature_c, 3)?;
+    if x.len() != temperature_c.len() {
+        return Err(RecordError::Argument(
+            "there must be one temperature a sample",
+        ));
+    }
+    let (centre, squares) = mean_and_squares(temperature_c);
+    if squares <= 16.0 * f64::EPSILON * centre * centre * x.len() as f64 {
+        return Err(RecordError::Constant);
+    }
+    Ok(regress(x, |k| temperature_c[k] - centre))
+}
+
+/// Least squares on one regressor whose mean is 0.
+fn regress(x: &[f64], regressor: impl Fn(usize) -> f64) -> Detrended {
+    let (mean, squares) = mean_and_squares(x);
+    let (mut products, mut norm) = (Compensated::default(), Compensated::default());
+    for (k, value) in x.iter().enumerate() {
+        let r = regressor(k);
+        products.add(r * (value - mean));
+        norm.add(r * r);
+    }
+    let slope = products.value() / norm.value();
+    let residuals = x
+        .iter()
+        .enumerate()
+        .map(|(k, value)| value - mean - slope * regressor(k))
+        .collect();
+    let explained = if squares > 0.0 {
+        (slope * products.value() / squares).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    Detrended {
+        residuals,
+        mean,
+        slope,
+        explained,
+    }
+}

@@ -1,0 +1,99 @@
+//! Is a record stationary? Augmented Dickey-Fuller and Phillips-Perron ask for a unit root, KPSS for
+//! its absence; [`verdict()`] weighs the three.
+//!
+//! Conventions: THEORY section 1. Statistics follow Python's statsmodels (ADF, KPSS) and arch
+//! (Phillips-Perron), whose variants are named at each function; critical values and p of the
+//! unit-root tests are MacKinnon's (1994, 2010), of KPSS those of Kwiatkowski et al. (1992).
+//! Each test is O(N) a lag, whatever the record's length.
+//!
+//! ```
+//! use undrift_noise::stationarity::{Deterministic, Lags, adf};
+//! let walk: Vec<f64> = (0..500).scan(0.0, |s, k| { *s += f64::from(k * 7919 % 101 - 50); Some(*s) }).collect();
+//! let test = adf(&walk, Deterministic::Constant, Lags::Fixed(2))?;
+//! println!("{} against {} at 5 %", test.statistic, test.critical.five);
+//! # Ok::<(), undrift_noise::screening::RecordError>(())
+//! ```
+
+pub mod adf;
+pub mod kpss;
+pub mod mackinnon;
+pub mod phillips_perron;
+pub mod verdict;
+
+pub use adf::{Adf, Lags, adf};
+pub use kpss::{Kpss, KpssLags, kpss};
+pub use phillips_perron::{PhillipsPerron, phillips_perron};
+pub use verdict::{Conclusion, Verdict, verdict};
+
+/// What a test regression takes out beside the lags.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Deterministic {
+    /// Nothing: the mean is known to be 0.
+    None,
+    /// A constant.
+    Constant,
+    /// A constant and a linear trend.
+    Trend,
+}
+
+impl Deterministic {
+    /// Columns that it adds to a regression.
+    pub(crate) fn columns(self) -> usize {
+        match self {
+            Self::None => 0,
+            Self::Constant => 1,
+            Self::Trend => 2,
+        }
+    }
+}
+
+/// Critical values of a test statistic.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Critical {
+    /// At 1 %.
+    pub one: f64,
+    /// At 5 %.
+    pub five: f64,
+    /// At 10 %.
+    pub ten: f64,
+}
+
+/// Schwert's lag `factor · (n/100)^¼` (J. Business & Economic Statistics 7, 1989), not rounded.
+pub(crate) fn schwert(samples: usize, factor: f64) -> f64 {
+    factor * (samples as f64 / 100.0).powf(0.25)
+}
+
+/// Bartlett-weighted long-run variance `γ₀ + 2 Σ (1 − l/(L+1)) γ_l` of residuals [unit²], γ about 0
+/// with divisor n (Newey & West, Econometrica 55, 1987).
+pub(crate) fn long_run_variance(residuals: &[f64], lags: usize) -> f64 {
+    let count = residuals.len() as f64;
+    let mut variance = lagged_product(residuals, 0) / count;
+    for lag in 1..=lags.min(residuals.len().saturating_sub(1)) {
+        let weight = 1.0 - lag as f64 / (lags as f64 + 1.0);
+        variance += 2.0 * weight * lagged_product(residuals, lag) / count;
+    }
+    variance
+}
+
+/// Σ x_t x_{t−lag}.
+pub(crate) fn lagged_product(x: &[f64], lag: usize) -> f64 {
+    const BLOCK: usize = 1024;
+    let lag = lag.min(x.len());
+    let mut total = crate::screening::record::Compensated::default();
+    for (early, late) in x[..x.len() - lag].chunks(BLOCK).zip(x[lag..].chunks(BLOCK)) {
+        total.add(dot(early, late));
+    }
+    total.value()
+}
+
+/// Dot product in eight lanes, of slices of one length.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let ((a8, a_tail), (b8, b_tail)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
+    let mut lanes = [0.0; 8];
+    for (a, b) in a8.iter().zip(b8) {
+        for i in 0..8 {
+            lanes[i] += a[i] * b[i];
+        }
+    }
+    lanes.iter().sum::<f64>() + a_tail.iter().zip(b_tail).map(|(a, b)| a * b).sum::<f64>()
+}

@@ -1,0 +1,129 @@
+//! KPSS test of stationarity (Kwiatkowski, Phillips, Schmidt & Shin, J. Econometrics 54, 1992), as
+//! Python's statsmodels and R's urca do it.
+
+use super::{Critical, Deterministic, lagged_product, long_run_variance, schwert};
+use crate::screening::record::{Compensated, RecordError, check_varying, sum_of};
+
+/// Lags of the long-run variance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KpssLags {
+    /// So many.
+    Fixed(usize),
+    /// ⌊4 (n/100)^¼⌋: "short" in R's urca and tseries.
+    Short,
+    /// ⌊12 (n/100)^¼⌋: "long" in R's urca.
+    Long,
+    /// ⌈12 (n/100)^¼⌉: "legacy" in statsmodels.
+    Legacy,
+    /// By the data (Hobijn, Franses & Ooms, Statistica Neerlandica 58, 2004): "auto" in statsmodels.
+    Auto,
+}
+
+/// Result of the KPSS test. Large rejects stationarity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kpss {
+    /// η = Σ S_t² / (n² s²(L)).
+    pub statistic: f64,
+    /// Interpolated in the authors' table 1; 0.01 and 0.1 stand for what lies beyond it.
+    pub p_value: f64,
+    /// True where `p_value` is a bound only.
+    pub p_is_bound: bool,
+    /// Lags of the long-run variance.
+    pub lags: usize,
+    /// Critical values at 1, 5 and 10 %.
+    pub critical: Critical,
+}
+
+/// The test about a level ([`Deterministic::Constant`]) or a trend ([`Deterministic::Trend`]).
+///
+/// Errors: fewer than 4 samples, not finite, constant (or an exact line), or [`Deterministic::None`],
+/// which the test has no form for.
+pub fn kpss(x: &[f64], deterministic: Deterministic, lags: KpssLags) -> Result<Kpss, RecordError> {
+    let (mean, _) = check_varying(x, 4)?;
+    let count = x.len() as f64;
+    let middle = 0.5 * (count - 1.0);
+    // Critical values by falling p: 10, 5, 2.5, 1 %.
+    let (slope, table) = match deterministic {
+        Deterministic::None => {
+            return Err(RecordError::Argument("KPSS needs a constant or a trend"));
+        }
+        Deterministic::Constant => (0.0, [0.347, 0.463, 0.574, 0.739]),
+        Deterministic::Trend => {
+            let mut products = Compensated::default();
+            for (k, &value) in x.iter().enumerate() {
+                products.add((k as f64 - middle) * (value - mean));
+            }
+            // Σ (k − middle)² = n (n² − 1) / 12.
+            (
+                products.value() * 12.0 / (count * (count * count - 1.0)),
+                [0.119, 0.146, 0.176, 0.216],
+            )
+        }
+    };
+    let residuals: Vec<f64> = x
+        .iter()
+        .enumerate()
+        .map(|(k, value)| value - mean - slope * (k as f64 - middle))
+        .collect();
+    let largest = x.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    if sum_of(&residuals, |r| r * r) <= count * (16.0 * f64::EPSILON * largest).powi(2) {
+        return Err(RecordError::Constant);
+    }
+    let lags = match lags {
+        KpssLags::Fixed(lags) => lags,
+        KpssLags::Short => schwert(x.len(), 4.0) as usize,
+        KpssLags::Long => schwert(x.len(), 12.0) as usize,
+        KpssLags::Legacy => schwert(x.len(), 12.0).ceil() as usize,
+        KpssLags::Auto => automatic(&residuals),
+    };
+    let lags = lags.min(x.len() - 1);
+    let (mut sum, mut squares) = (Compensated::default(), Compensated::default());
+    for &residual in &residuals {
+        sum.add(residual);
+        squares.add(sum.value() * sum.value());
+    }
+    let statistic = squares.value() / (count * count * long_run_variance(&residuals, lags));
+    let (p_value, p_is_bound) = interpolate(statistic, table);
+    let critical = Critical {
+        one: table[3],
+        five: table[1],
+        ten: table[0],
+    };
+    Ok(Kpss {
+        statistic,
+        p_value,
+        p_is_bound,
+        lags,
+        critical,
+    })
+}
+
+/// p by linear interpolation between 10, 5, 2.5 and 1 %.
+fn interpolate(statistic: f64, table: [f64; 4]) -> (f64, bool) {
+    const P: [f64; 4] = [0.10, 0.05, 0.025, 0.01];
+    if statistic.is_nan() {
+        return (f64::NAN, true);
+    }
+    for k in 0..3 {
+        if statistic >= table[k] && statistic < table[k + 1] {
+            let share = (statistic - table[k]) / (table[k + 1] - table[k]);
+            return (P[k] + share * (P[k + 1] - P[k]), false);
+        }
+    }
+    (if statistic < table[0] { P[0] } else { P[3] }, true)
+}
+
+/// `⌊1.1447 (s₁/s₀)^⅔ n^⅓⌋` with sums over ⌊n^{2/9}⌋ autocovariances.
+fn automatic(residuals: &[f64]) -> usize {
+    let count = residuals.len() as f64;
+    let covariances = count.powf(2.0 / 9.0) as usize;
+    let (mut zeroth, mut first) = (lagged_product(residuals, 0) / count, 0.0);
+    for lag in 1..=covariances {
+        let product = 2.0 * lagged_product(residuals, lag) / count;
+        zeroth += product;
+        first += lag as f64 * product;
+    }
+    let ratio = first / zeroth;
+    let lags = 1.1447 * (ratio * ratio).cbrt() * count.cbrt();
+    if lags.is_finite() { lags as usize } else { 0 }
+}

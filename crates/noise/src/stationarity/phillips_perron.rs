@@ -1,0 +1,104 @@
+//! Phillips-Perron tests (Biometrika 75, 1988; Hamilton, Time Series Analysis, 1994, section 17.6),
+//! Z-tau and Z-rho as Python's arch computes them: residual variance with divisor n − k in the
+//! standard error, n in γ₀, Bartlett weights. (R's urca differs by terms of order 1/n.)
+
+use super::mackinnon::{critical_tau, p_tau};
+use super::{Critical, Deterministic, long_run_variance, schwert};
+use crate::screening::record::{RecordError, check_varying, mean, sum_of};
+
+/// Result of the Phillips-Perron tests. Small (very negative) rejects the unit root.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PhillipsPerron {
+    /// Z-tau: the t of ρ − 1, corrected for serial correlation.
+    pub z_tau: f64,
+    /// p of Z-tau by MacKinnon (1994).
+    pub p_value: f64,
+    /// Critical values of Z-tau by MacKinnon (2010).
+    pub critical: Critical,
+    /// Z-rho: n (ρ − 1), corrected likewise.
+    pub z_rho: f64,
+    /// Lags of the long-run variance.
+    pub lags: usize,
+    /// Rows of the regression, n.
+    pub observations: usize,
+}
+
+/// The tests on a record, with ⌈12 (n/100)^¼⌉ lags unless told.
+///
+/// Errors: fewer than 6 samples or than lags, not finite, constant, or an exact line.
+pub fn phillips_perron(
+    x: &[f64],
+    deterministic: Deterministic,
+    lags: Option<usize>,
+) -> Result<PhillipsPerron, RecordError> {
+    check_varying(x, 6)?;
+    let lags = lags.unwrap_or(schwert(x.len(), 12.0).ceil() as usize);
+    let rows = x.len() - 1;
+    if lags >= rows {
+        return Err(RecordError::TooShort {
+            needed: lags.saturating_add(2),
+            got: x.len(),
+        });
+    }
+    // Regress Δx on x_{t−1} less what the deterministic part explains of either.
+    let level = residual_of(x[..rows].to_vec(), deterministic);
+    let change = residual_of(x.windows(2).map(|w| w[1] - w[0]).collect(), deterministic);
+    let level_level = super::dot(&level, &level);
+    let total = sum_of(&change, |v| v * v);
+    let largest = x.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    let rounding = rows as f64 * (16.0 * f64::EPSILON * largest).powi(2);
+    if level_level <= rounding || total <= rounding {
+        return Err(RecordError::Constant);
+    }
+    let gamma = super::dot(&level, &change) / level_level;
+    let residuals: Vec<f64> = change
+        .iter()
+        .zip(&level)
+        .map(|(d, l)| d - gamma * l)
+        .collect();
+    let count = rows as f64;
+    let freedom = count - 1.0 - deterministic.columns() as f64;
+    let squares = sum_of(&residuals, |r| r * r);
+    let long_run = long_run_variance(&residuals, lags);
+    let (variance, gamma0) = (squares / freedom, squares / count);
+    if !(long_run > 0.0 && squares > rounding) {
+        return Err(RecordError::Argument(
+            "the regression is degenerate: the record is a line or a pattern",
+        ));
+    }
+    let error = (variance / level_level).sqrt();
+    let excess = long_run - gamma0;
+    let z_tau = (gamma0 / long_run).sqrt() * gamma / error
+        - 0.5 * excess / long_run.sqrt() * count * error / variance.sqrt();
+    let z_rho = count * gamma - 0.5 * count * count * error * error / variance * excess;
+    Ok(PhillipsPerron {
+        z_tau,
+        p_value: p_tau(z_tau, deterministic),
+        critical: critical_tau(deterministic, rows),
+        z_rho,
+        lags,
+        observations: rows,
+    })
+}
+
+/// What a constant or a trend leaves of a column.
+fn residual_of(mut column: Vec<f64>, deterministic: Deterministic) -> Vec<f64> {
+    if deterministic == Deterministic::None {
+        return column;
+    }
+    let centre = mean(&column);
+    column.iter_mut().for_each(|v| *v -= centre);
+    if deterministic == Deterministic::Trend {
+        let count = column.len() as f64;
+        let middle = 0.5 * (count - 1.0);
+        let mut sum = crate::screening::record::Compensated::default();
+        for (k, value) in column.iter().enumerate() {
+            sum.add((k as f64 - middle) * value);
+        }
+        let slope = sum.value() * 12.0 / (count * (count * count - 1.0));
+        for (k, value) in column.iter_mut().enumerate() {
+            *value -= slope * (k as f64 - middle);
+        }
+    }
+    column
+}

@@ -1,0 +1,117 @@
+//! The three tests weighed in one sentence.
+
+use super::{Adf, Kpss, PhillipsPerron};
+
+/// A moving-average root from which on Dickey-Fuller and Phillips-Perron reject a true unit root most
+/// of the time (Schwert 1989, table 6: at 0.8 already in 30 to 100 % of series).
+const NEAR_CANCELLING: f64 = 0.8;
+
+/// What the tests say together at 5 %.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Conclusion {
+    /// The unit root is rejected and stationarity is not.
+    Stationary,
+    /// Stationarity is rejected and the unit root is not.
+    UnitRoot,
+    /// Both are rejected: white noise hides a slow bias, or memory is long.
+    Conflict,
+    /// Neither is rejected: the record is too short to tell.
+    Undecided,
+    /// A moving-average root near 1 makes the unit-root tests worthless, and KPSS sees nothing slow.
+    NothingSlowSeen,
+    /// A moving-average root near 1 makes the unit-root tests worthless, and KPSS sees something slow:
+    /// a unit root or a long correlation time, which no test tells apart.
+    SlowPartSeen,
+}
+
+/// The conclusion and the sentence to print.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Verdict {
+    /// What the tests say together.
+    pub conclusion: Conclusion,
+    /// The reasoning in one or two sentences.
+    pub sentence: String,
+}
+
+/// Weighs the tests at 5 %. `ma_root` is the largest inverse root of the moving-average part where a
+/// model has been fitted (θ of an ARMA(1,1), sign of THEORY section 1); near 1 it makes augmented
+/// Dickey-Fuller and Phillips-Perron reject a unit root that is there.
+pub fn verdict(
+    adf: &Adf,
+    kpss: &Kpss,
+    phillips_perron: &PhillipsPerron,
+    ma_root: Option<f64>,
+) -> Verdict {
+    let adf_rejects = adf.statistic < adf.critical.five;
+    let pp_rejects = phillips_perron.z_tau < phillips_perron.critical.five;
+    let kpss_rejects = kpss.statistic > kpss.critical.five;
+    let word = |rejects: bool| if rejects { "reject" } else { "do not reject" };
+    let numbers = format!(
+        "ADF {:.2} (5 % {:.2}), Phillips-Perron {:.2} (5 % {:.2}), KPSS {:.3} (5 % {:.3})",
+        adf.statistic,
+        adf.critical.five,
+        phillips_perron.z_tau,
+        phillips_perron.critical.five,
+        kpss.statistic,
+        kpss.critical.five
+    );
+    if let Some(root) = ma_root.filter(|root| *root > NEAR_CANCELLING) {
+        let (conclusion, rest) = if kpss_rejects {
+            let rest = "KPSS rejects stationarity: there is a slow part, and whether it is a random walk or has a \
+                        correlation time is for the fitted model to say";
+            (Conclusion::SlowPartSeen, rest)
+        } else {
+            let rest = "KPSS does not reject stationarity: nothing slow stands out of the noise at this length";
+            (Conclusion::NothingSlowSeen, rest)
+        };
+        let sentence = format!(
+            "{numbers}. With a moving-average root of {root:.4} Dickey-Fuller and Phillips-Perron reject a unit root \
+             whether or not there is one, so they are worthless here; {rest}."
+        );
+        return Verdict {
+            conclusion,
+            sentence,
+        };
+    }
+    let (conclusion, reading) = match (adf_rejects, pp_rejects, kpss_rejects) {
+        (true, true, false) => (
+            Conclusion::Stationary,
+            "the record is stationary at this length".to_string(),
+        ),
+        (false, false, true) => (
+            Conclusion::UnitRoot,
+            "the record has a unit root: difference it".to_string(),
+        ),
+        (false, false, false) => (
+            Conclusion::Undecided,
+            "neither hypothesis falls: the record is too short to tell".to_string(),
+        ),
+        (true, true, true) => {
+            let reading = "both hypotheses fall: a slow bias below white noise, long memory or a break; fit a model \
+                           and look at its moving-average root";
+            (Conclusion::Conflict, reading.to_string())
+        }
+        (_, _, kpss_rejects) => {
+            let reading = format!(
+                "the unit-root tests disagree (Dickey-Fuller {}s, Phillips-Perron {}s) and KPSS {}: trust no single one",
+                if adf_rejects { "reject" } else { "accept" },
+                if pp_rejects { "reject" } else { "accept" },
+                if kpss_rejects {
+                    "rejects stationarity"
+                } else {
+                    "does not reject stationarity"
+                }
+            );
+            (Conclusion::Conflict, reading)
+        }
+    };
+    let both = if adf_rejects == pp_rejects {
+        format!("the unit-root tests {} a unit root; ", word(adf_rejects))
+    } else {
+        String::new()
+    };
+    Verdict {
+        conclusion,
+        sentence: format!("{numbers}: {both}{reading}."),
+    }
+}

@@ -1,0 +1,105 @@
+//! One pass over a record: running sums kept at strides 1, 2, 4, …, the last 65 of each.
+
+/// Means at the finest stride go up to this many samples; at stride 2^k the scale is this times 2^k.
+const WIDTH: usize = 32;
+/// Sums kept at a stride, a power of two above 2 · WIDTH.
+const RING: usize = 128;
+
+/// Squares of one scale.
+pub(super) struct Energy {
+    /// Samples to a mean.
+    pub(super) m: usize,
+    /// Σ of squared second differences of the running sum.
+    pub(super) squares: f64,
+    /// Their number.
+    pub(super) coefficients: usize,
+}
+
+struct Level {
+    sums: [f64; RING],
+    /// Samples missing so far.
+    missing: [u32; RING],
+    /// Sums pushed so far.
+    count: usize,
+}
+
+impl Level {
+    fn push(&mut self, sum: f64, missing: u32) {
+        self.sums[self.count % RING] = sum;
+        self.missing[self.count % RING] = missing;
+        self.count += 1;
+    }
+
+    /// Second difference over `width` entries, the newest last, if few enough of its samples
+    /// (`stride` to an entry) are missing.
+    fn difference(&self, width: usize, stride: usize) -> Option<f64> {
+        if self.count <= 2 * width {
+            return None;
+        }
+        let at = |back: usize| (self.count - 1 - back) % RING;
+        let (a, b, c) = (at(2 * width), at(width), at(0));
+        let missing = (self.missing[c] - self.missing[a]) as usize;
+        if missing > 0 && 10 * missing > 2 * width * stride {
+            return None;
+        }
+        Some((self.sums[c] - self.sums[b]) - (self.sums[b] - self.sums[a]))
+    }
+}
+
+/// Squares of all octave scales up to a quarter of the record, growing.
+pub(super) fn energies(record: &[f64], centre: f64) -> Vec<Energy> {
+    let largest = record.len() / 4;
+    let scales = largest.checked_ilog2().map_or(0, |l| l as usize + 1);
+    let mut energies: Vec<Energy> = (0..scales)
+        .map(|j| Energy {
+            m: 1 << j,
+            squares: 0.0,
+            coefficients: 0,
+        })
+        .collect();
+    let short = WIDTH.ilog2() as usize; // scales 0..=short stand at stride 1
+    let mut levels: Vec<Level> = (0..scales.saturating_sub(short).max(1))
+        .map(|_| Level {
+            sums: [0.0; RING],
+            missing: [0; RING],
+            count: 0,
+        })
+        .collect();
+    for level in &mut levels {
+        level.push(0.0, 0);
+    }
+    let (mut sum, mut missing) = (0.0, 0u32);
+    for (index, &sample) in record.iter().enumerate() {
+        if sample.is_nan() {
+            missing = missing.saturating_add(1);
+            // The mean of the last samples, so that the sum goes on as it went.
+            let first = &levels[0];
+            if first.count > WIDTH {
+                let before = first.sums[(first.count - 1 - WIDTH) % RING];
+                sum += (sum - before) / WIDTH as f64;
+            }
+        } else {
+            sum += sample - centre;
+        }
+        levels[0].push(sum, missing);
+        for (j, energy) in energies.iter_mut().enumerate().take(short + 1) {
+            if let Some(difference) = levels[0].difference(1 << j, 1) {
+                energy.squares += difference * difference;
+                energy.coefficients += 1;
+            }
+        }
+        let samples = index + 1;
+        for k in 1..levels.len() {
+            let stride = 1usize << k;
+            if !samples.is_multiple_of(stride) {
+                break;
+            }
+            levels[k].push(sum, missing);
+            if let Some(difference) = levels[k].difference(WIDTH, stride) {
+                energies[short + k].squares += difference * difference;
+                energies[short + k].coefficients += 1;
+            }
+        }
+    }
+    energies
+}
