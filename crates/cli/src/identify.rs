@@ -80,7 +80,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         rate_hz: arguments.rate,
         n_max: arguments.n_max,
     };
-    let identified = identify::run(&record, &options, || {});
+    // Silent when standard error is no terminal.
+    let bar = indicatif::ProgressBar::new(record.axes.len() as u64).with_style(
+        indicatif::ProgressStyle::with_template("identified {pos} of {len} axes, {elapsed}")?,
+    );
+    bar.tick();
+    let identified = identify::run(&record, &options, || bar.inc(1));
+    bar.finish_and_clear();
     let failed = identified
         .axes
         .iter()
@@ -119,7 +125,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             record: Some(name.clone()),
             rate_hz: Some(arguments.rate),
             samples: record.samples.first().map(|s| s.len() as u64),
-            sha256: None,
+            sha256: Some(sha256(&arguments.record)?),
             program: Some(format!("undrift {}", env!("CARGO_PKG_VERSION"))),
         };
         let model = identified
@@ -132,6 +138,18 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         bail!("no axis could be identified");
     }
     Ok(())
+}
+
+/// SHA-256 of a file's bytes, hexadecimal.
+fn sha256(path: &std::path::Path) -> Result<String> {
+    use sha2::{Digest, Sha256};
+    let mut hasher = Sha256::new();
+    std::io::copy(&mut std::fs::File::open(path)?, &mut hasher)?;
+    Ok(hasher
+        .finalize()
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect())
 }
 
 /// The candidates of each axis with their drift scores, and the choice.

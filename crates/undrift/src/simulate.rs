@@ -15,6 +15,7 @@
 pub mod gnss;
 pub mod increments;
 pub mod profile;
+pub mod recorded;
 mod scenarios;
 pub mod sensors;
 pub mod trajectory;
@@ -25,6 +26,7 @@ mod tests;
 pub use gnss::{GnssFixes, GnssNoise};
 pub use increments::{Increments, State, Stepper, antenna};
 pub use profile::{Channel, Profile, Wave};
+pub use recorded::RecordedErrors;
 pub use scenarios::REST_BEFORE;
 pub use sensors::{SensorErrors, stream_seed};
 pub use trajectory::{MAX_DURATION, Motion, Trajectory};

@@ -1,0 +1,210 @@
+//! Closing the loop on real noise: models identified from one static record, run through simulated
+//! drives whose sensor errors are stretches of other records of the same sensor.
+//!
+//! `cargo run --release -p undrift --example real_noise -- DATA/adis16405-static [DRIVES]`
+
+use std::path::Path;
+use undrift::{
+    align::AlignSettings,
+    identify,
+    nav::sample::ImuSample,
+    noise::{
+        AxisModel, BiasModel, ImuModel, Instability,
+        identify::{Axis, Options},
+    },
+    outages::{self, Schedule},
+    record::{self, Record, RecordFormat},
+    reference::{HORIZONTAL, rms},
+    replay::{GnssUse, Settings},
+    simulate::{GnssNoise, RecordedErrors, Trajectory, simulate},
+};
+
+const RATE: f64 = 100.0;
+const DURATION: f64 = 500.0;
+
+type Failure = Box<dyn std::error::Error>;
+
+fn main() -> Result<(), Failure> {
+    let mut arguments = std::env::args().skip(1);
+    let folder = arguments
+        .next()
+        .ok_or("usage: real_noise FOLDER [DRIVES]")?;
+    let drives: usize = arguments.next().map_or(Ok(20), |n| n.parse())?;
+    let read = |run: &str| {
+        record::read(
+            &Path::new(&folder).join(format!("{run}.csv.gz")),
+            &RecordFormat::default(),
+        )
+    };
+    let models = models(&read("run2")?)?;
+    for run in ["run1", "run4"] {
+        ride(run, &centred(&read(run)?), &models, drives)?;
+    }
+    Ok(())
+}
+
+/// The models compared, all identified on one record but the data sheet's.
+fn models(record: &Record) -> Result<Vec<(&'static str, ImuModel, BiasModel)>, Failure> {
+    let options = Options {
+        rate_hz: RATE,
+        n_max: 2,
+    };
+    let found = identify::run(record, &options, || {});
+    let axes: Vec<&Axis> = found
+        .axes
+        .iter()
+        .map(|(_, axis)| axis.as_ref().map_err(|e| e.to_string()))
+        .collect::<Result<_, _>>()?;
+    for ((name, _), axis) in found.axes.iter().zip(&axes) {
+        println!("{name}: {} — {}", axis.recommended().name, axis.reason);
+    }
+    let from = |pick: &dyn Fn(&Axis) -> Option<AxisModel>| -> ImuModel {
+        let mut model = ImuModel::default();
+        for (index, axis) in axes.iter().enumerate() {
+            let chosen = pick(axis).unwrap_or_else(|| axis.model());
+            if index < 3 {
+                model.gyro[index] = chosen;
+            } else {
+                model.accel[index - 3] = chosen;
+            }
+        }
+        model
+    };
+    let named = |axis: &Axis, start: &str| {
+        axis.candidates
+            .iter()
+            .find(|c| c.name.starts_with(start))
+            .map(|c| c.model.clone())
+    };
+    let recommended = from(&|axis| Some(axis.model()));
+    let mut sheet = ImuModel::preset("adis16405").ok_or("no preset")?;
+    for (index, axis) in axes.iter().enumerate() {
+        // The same turn-on for all: what differs is the model of what follows.
+        let turn_on = axis.model().turn_on;
+        if index < 3 {
+            sheet.gyro[index].turn_on = turn_on
+        } else {
+            sheet.accel[index - 3].turn_on = turn_on
+        }
+    }
+    let allan_process = from(&|axis| {
+        let fit = axis.allan_gauss_markov?;
+        let mut model = named(axis, "white")?;
+        model.instability = Some(Instability {
+            sigma: fit.sigma,
+            tau: fit.tau_c_s,
+        });
+        Some(model)
+    });
+    Ok(vec![
+        ("white", recommended.clone(), BiasModel::White),
+        (
+            "paper",
+            from(&|axis| named(axis, "ARMA(1,1)")),
+            BiasModel::Paper,
+        ),
+        ("data sheet", sheet, BiasModel::GaussMarkov),
+        (
+            "Allan random walk",
+            from(&|axis| named(axis, "white + random walk (Allan)")),
+            BiasModel::RandomWalk,
+        ),
+        ("Allan Gauss-Markov", allan_process, BiasModel::GaussMarkov),
+        ("AR(p)", from(&|axis| named(axis, "AR(")), BiasModel::Arma),
+        (
+            "ARMA(1,1)",
+            from(&|axis| named(axis, "ARMA(1,1)")),
+            BiasModel::Arma,
+        ),
+        ("recommended", recommended, BiasModel::Arma),
+    ])
+}
+
+/// The record about its means, axis by axis.
+fn centred(record: &Record) -> Vec<Vec<f64>> {
+    record
+        .samples
+        .iter()
+        .map(|axis| {
+            let mean = axis.iter().sum::<f64>() / axis.len() as f64;
+            axis.iter().map(|x| x - mean).collect()
+        })
+        .collect()
+}
+
+fn ride(
+    run: &str,
+    errors: &[Vec<f64>],
+    models: &[(&str, ImuModel, BiasModel)],
+    drives: usize,
+) -> Result<(), Failure> {
+    let axes: [&[f64]; 6] = std::array::from_fn(|i| errors[i].as_slice());
+    println!(
+        "\n{run}, {drives} drives of {DURATION} s; RMS over all outages of the largest horizontal error [m]"
+    );
+    print!("{:20}", "outage");
+    let lengths = [(10.0, 35.0), (30.0, 60.0), (60.0, 100.0)];
+    for (length, _) in lengths {
+        print!(" {:>10}", format!("{length} s"));
+    }
+    println!();
+    let mut sums = vec![vec![Vec::new(); lengths.len()]; models.len()];
+    for drive in 0..drives {
+        let gnss = GnssNoise {
+            rate_hz: 5.0,
+            ..GnssNoise::default()
+        };
+        let simulation = simulate(
+            &Trajectory::car(DURATION, drive as u64 + 1),
+            RATE,
+            None,
+            &gnss,
+            drive as u64 + 1,
+        )?;
+        let mut noise = RecordedErrors::new(axes, drive * (DURATION * RATE) as usize);
+        let imu: Vec<ImuSample> = simulation
+            .imu
+            .iter()
+            .map_while(|s| noise.apply(s))
+            .collect();
+        let last = imu
+            .last()
+            .ok_or("the record is too short for so many drives")?
+            .time;
+        for (column, (length, every)) in lengths.into_iter().enumerate() {
+            let plan = Schedule::Every {
+                start: 100.0,
+                every,
+                count: None,
+            };
+            let cuts = outages::schedule(&plan, length, 0.0, last - 10.0)?;
+            let runs: Vec<(String, Settings)> = models
+                .iter()
+                .map(|(name, model, kind)| {
+                    let settings = Settings {
+                        sensors: model.shaping(*kind, 1.0 / RATE)?,
+                        lever_arm: gnss.lever_arm,
+                        gnss_use: GnssUse::Both,
+                        align: AlignSettings::default(),
+                        outages: cuts.clone(),
+                    };
+                    Ok(((*name).to_owned(), settings))
+                })
+                .collect::<Result<_, Failure>>()?;
+            for (row, (_, result)) in outages::run(&imu, &simulation.gnss, &simulation.truth, &runs)
+                .into_iter()
+                .enumerate()
+            {
+                sums[row][column].extend(result?.errors.per_outage.iter().map(|o| o.max));
+            }
+        }
+    }
+    for ((name, ..), row) in models.iter().zip(&sums) {
+        print!("{name:20}");
+        for errors in row {
+            print!(" {:>10.2}", rms(errors).0[HORIZONTAL]);
+        }
+        println!();
+    }
+    Ok(())
+}
