@@ -37,14 +37,26 @@ fn pairs(roots: &[(f64, f64)], real: &[f64]) -> Vec<f64> {
 fn main() {
     let mut arguments = std::env::args().skip(1);
     let series: u64 = arguments.next().and_then(|n| n.parse().ok()).unwrap_or(100);
-    let paper: usize = arguments.next().and_then(|n| n.parse().ok()).unwrap_or(100_000);
+    let paper: usize = arguments
+        .next()
+        .and_then(|n| n.parse().ok())
+        .unwrap_or(100_000);
     let cases: [Case; 4] = [
         ("ARMA(1,1)", vec![0.8], vec![-0.5], 2000, 3),
         ("ARMA(2,1)", pairs(&[(0.9, 0.8)], &[]), vec![-0.5], 2000, 3),
-        ("ARMA(4,3)", pairs(&[(0.95, 0.4), (0.9, 2.2)], &[]), pairs(&[(0.8, 1.2)], &[-0.6]), 5000, 3),
+        (
+            "ARMA(4,3)",
+            pairs(&[(0.95, 0.4), (0.9, 2.2)], &[]),
+            pairs(&[(0.8, 1.2)], &[-0.6]),
+            5000,
+            3,
+        ),
         ("paper", vec![0.99995], vec![0.9994], paper, 2),
     ];
-    println!("{:12} {:>8} {:>10} {:>12} {:>8} {:>8} {:>8}", "truth", "samples", "F too far", "F, stepped", "(1,1)", "AIC", "BIC");
+    println!(
+        "{:12} {:>8} {:>10} {:>12} {:>8} {:>8} {:>8}",
+        "truth", "samples", "F too far", "F, stepped", "(1,1)", "AIC", "BIC"
+    );
     for (name, phi, theta, samples, n_max) in cases {
         let order = (phi.len(), theta.len());
         let needed = order.0.div_ceil(2);
@@ -56,7 +68,10 @@ fn main() {
                 NoiseGenerator::new(&filter, 1000 + seed).fill(&mut record);
                 let options = PanditWuOptions {
                     n_max,
-                    fit: FitOptions { effort: 0.3, ..FitOptions::default() },
+                    fit: FitOptions {
+                        effort: 0.3,
+                        ..FitOptions::default()
+                    },
                     ..PanditWuOptions::default()
                 };
                 let found = pandit_wu(&record, &options).ok()?;

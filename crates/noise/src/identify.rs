@@ -4,16 +4,16 @@
 //! THEORY sections 1 and 6: the order of the source paper's part 1, and beyond it the choice by the
 //! prediction error of the integrated signal on the half of the record that was not fitted.
 
+mod candidates;
+
 use crate::{
-    BiasModel,
     allan::{self, Curve, GaussMarkovFit, Grid, Interval, Kind, Terms},
-    arma::{self, ArmaFit, FitOptions},
-    composite::{self, CompositeTerms, TermSet},
+    arma::ArmaFit,
     correlation::{self, Partial},
     drift_score::{self, HORIZONS_S, HorizonScore, Scored},
-    model_file::{Arma, AxisModel, Instability},
+    model_file::AxisModel,
     normality::{self, Normality},
-    pandit_wu::{self, PanditWu, PanditWuOptions},
+    pandit_wu::PanditWu,
     screening::{self, Motion, MotionRule, Outlier, OutlierRule, RecordError},
     spectrum::{self, Density, Line},
     stationarity::{self, Adf, Deterministic, Kpss, KpssLags, Lags, PhillipsPerron, Verdict},
@@ -34,12 +34,6 @@ pub const SHORTEST: usize = 1000;
 const ADF_LAGS: usize = 20;
 /// A spectral line stands out of its neighbourhood's median by this factor.
 const LINE_FACTOR: f64 = 10.0;
-/// Effort of the search over orders.
-const SEARCH_EFFORT: f64 = 0.3;
-/// Effort of fitting an order again to the whole half.
-const REFINE_EFFORT: f64 = 0.2;
-/// Highest order of the autoregressive candidate: with the turn-on constant it fills an axis.
-const MOST_AR: usize = 5;
 
 /// What is identified, and how much is tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -134,99 +128,6 @@ pub enum IdentifyError {
     Rate,
 }
 
-/// The record split for fitting and scoring.
-struct Half<'a> {
-    /// Screened record about its mean, NaN where a sample was left out.
-    record: &'a [f64],
-    /// Samples of the first half, which is fitted.
-    first: usize,
-    rate_hz: f64,
-    /// Standard deviation of the turn-on constant [unit].
-    turn_on: f64,
-    horizons: Vec<f64>,
-}
-
-impl Half<'_> {
-    fn fitted(&self) -> &[f64] {
-        &self.record[..self.first]
-    }
-
-    /// The part of the first half that a search over orders sees.
-    fn searched(&self) -> &[f64] {
-        &self.record[..self.first.min(SEARCH_SAMPLES)]
-    }
-
-    /// A candidate with its score on the second half; `None` where the model makes no filter.
-    fn candidate(
-        &self,
-        name: String,
-        mut model: AxisModel,
-        parameters: usize,
-    ) -> Option<Candidate> {
-        model.turn_on = self.turn_on;
-        let filter = model.shaping(BiasModel::Arma, 1.0 / self.rate_hz).ok()?;
-        let score = drift_score::score(self.record, self.first, &filter, &self.horizons).ok()?;
-        Some(Candidate {
-            name,
-            states: filter.order,
-            model,
-            parameters,
-            fit: None,
-            ljung_box_p: None,
-            score,
-        })
-    }
-
-    fn arma(&self, fit: &ArmaFit, name: String) -> Option<Candidate> {
-        let arma = Arma {
-            ar: fit.ar.clone(),
-            ma: fit.ma.clone(),
-            sigma: fit.sigma,
-            rate_hz: self.rate_hz,
-        };
-        let model = AxisModel {
-            arma: Some(arma),
-            ..AxisModel::default()
-        };
-        let mut candidate = self.candidate(name, model, fit.parameters)?;
-        candidate.ljung_box_p = fit.residuals(self.searched()).ok().and_then(|residuals| {
-            let present: Vec<f64> = residuals.into_iter().filter(|r| r.is_finite()).collect();
-            let fitted = fit.ar.len() + fit.ma.len();
-            whiteness::portmanteau(&present, &[20], fitted)
-                .ok()
-                .map(|t| t[0].ljung_box_p)
-        });
-        candidate.fit = Some(fit.clone());
-        Some(candidate)
-    }
-
-    fn composite(&self, name: &str, set: TermSet) -> Option<Candidate> {
-        let interval = 1.0 / self.rate_hz;
-        let fit = composite::fit(
-            self.fitted(),
-            interval,
-            set,
-            &composite::FitOptions::default(),
-        )
-        .ok()?;
-        self.candidate(name.into(), in_terms(&fit.terms), fit.parameters)
-    }
-}
-
-/// A composite model in the terms of the model file.
-fn in_terms(terms: &CompositeTerms) -> AxisModel {
-    let process = terms.gauss_markov.iter().find(|g| g.sigma > 0.0);
-    AxisModel {
-        white: Some(terms.white),
-        instability: process.map(|g| Instability {
-            sigma: g.sigma,
-            tau: g.tau_s,
-        }),
-        random_walk: (terms.random_walk > 0.0).then_some(terms.random_walk),
-        ..AxisModel::default()
-    }
-}
-
 /// The constant seen, as the best single guess of what a turn-on may bring [unit]: for an
 /// accelerometer that stands upright, what it reads beyond gravity.
 fn turn_on_of(mean: f64, accelerometer: bool) -> f64 {
@@ -298,7 +199,7 @@ pub fn identify(
 
     let half_length = record.len() / 2;
     let seconds = half_length as f64 / rate;
-    let half = Half {
+    let half = candidates::Half {
         record: &found.cleaned,
         first: half_length,
         rate_hz: rate,
@@ -308,7 +209,7 @@ pub fn identify(
             .filter(|h| seconds > 4.0 * h)
             .collect(),
     };
-    let (pandit_wu, candidates) = candidates(&half, options, &allan_terms);
+    let (pandit_wu, candidates) = candidates::candidates(&half, options, &allan_terms);
     let scored: Vec<Scored> = candidates
         .iter()
         .map(|c| Scored {
@@ -360,111 +261,6 @@ pub fn identify(
         candidates,
         warnings,
     })
-}
-
-/// All candidates, fitted on the first half and scored on the second.
-fn candidates(half: &Half, options: &Options, terms: &Terms) -> (Option<PanditWu>, Vec<Candidate>) {
-    let mut list = Vec::new();
-    let white = terms.white.value.max(f64::MIN_POSITIVE);
-    list.extend(half.candidate(
-        "white".into(),
-        AxisModel {
-            white: Some(white),
-            ..AxisModel::default()
-        },
-        1,
-    ));
-    let allan_walk = AxisModel {
-        white: Some(white),
-        random_walk: (terms.random_walk.value > 0.0).then_some(terms.random_walk.value),
-        ..AxisModel::default()
-    };
-    if allan_walk.random_walk.is_some() {
-        list.extend(half.candidate("white + random walk (Allan)".into(), allan_walk, 2));
-    }
-    for (name, random_walk, gauss_markov) in [
-        ("white + random walk", true, 0),
-        ("white + Gauss-Markov", false, 1),
-        ("white + Gauss-Markov + random walk", true, 1),
-    ] {
-        let set = TermSet {
-            white: true,
-            quantisation: false,
-            random_walk,
-            gauss_markov,
-        };
-        list.extend(half.composite(name, set));
-    }
-
-    let search = FitOptions {
-        effort: SEARCH_EFFORT,
-        ..FitOptions::default()
-    };
-    let pandit_wu = pandit_wu::pandit_wu(
-        half.searched(),
-        &PanditWuOptions {
-            n_max: options.n_max,
-            fit: search,
-            ..PanditWuOptions::default()
-        },
-    )
-    .ok();
-    let mut orders = vec![(1, 1), (2, 1)];
-    if let Some(table) = &pandit_wu {
-        for order in [table.by_f, table.by_aic, table.by_bic] {
-            if !orders.contains(&order) {
-                orders.push(order);
-            }
-        }
-    }
-    // The search has found the place; the whole half only moves it a little.
-    let refine = FitOptions {
-        effort: REFINE_EFFORT,
-        ..search
-    };
-    for (p, q) in orders {
-        let known: Vec<_> = pandit_wu
-            .iter()
-            .filter_map(|table| table.fit((p, q)))
-            .map(|fit| (fit.ar.clone(), fit.ma.clone()))
-            .collect();
-        let samples = if p > 1 {
-            half.first.min(HIGH_ORDER_SAMPLES)
-        } else {
-            half.first
-        };
-        if let Ok(fit) = arma::fit_from(&half.fitted()[..samples], p, q, &refine, &known) {
-            list.extend(half.arma(&fit, format!("ARMA({p},{q})")));
-        }
-    }
-    let walk = FitOptions {
-        unit_root: true,
-        ..refine
-    };
-    if let Ok(fit) = arma::fit(half.fitted(), 1, 1, &walk) {
-        list.extend(half.arma(&fit, "ARMA(1,1), unit root".into()));
-    }
-    list.extend(autoregression(half));
-    (pandit_wu, list)
-}
-
-/// AR(p) by Burg's method, p by AICc.
-fn autoregression(half: &Half) -> Option<Candidate> {
-    let bridged = bridge(half.fitted());
-    let searched = &bridged[..half.searched().len()];
-    let p = arma::order_by_aicc(searched, MOST_AR).ok()?.max(1);
-    let fit = arma::burg(&bridged, p).ok()?;
-    let arma = Arma {
-        ar: fit.ar,
-        ma: Vec::new(),
-        sigma: fit.variance.sqrt(),
-        rate_hz: half.rate_hz,
-    };
-    let model = AxisModel {
-        arma: Some(arma),
-        ..AxisModel::default()
-    };
-    half.candidate(format!("AR({p}), Burg"), model, p + 1)
 }
 
 /// Missing samples replaced by the straight line between their neighbours.
