@@ -1,13 +1,13 @@
 //! `undrift identify`: a static record into a noise model.
 
 use crate::report;
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use clap::Args;
 use std::path::PathBuf;
 use undrift::{
     identify::{self, Identified},
     io::table::Column,
-    noise::{ImuModel, Provenance, identify::Options},
+    noise::{ImuModel, Provenance, identify::Options, screening::Timing},
     record::{self, RecordFormat},
 };
 
@@ -19,9 +19,9 @@ pub struct Arguments {
     /// Static record: a table of six axes, or one
     #[arg(value_name = "RECORD.csv")]
     record: PathBuf,
-    /// Sample rate [Hz]
-    #[arg(long, value_name = "HZ", default_value_t = 100.0)]
-    rate: f64,
+    /// Sample rate [Hz]; told from the time stamps if the record has a column for them
+    #[arg(long, value_name = "HZ")]
+    rate: Option<f64>,
     /// Columns by name or number: gyro x,y,z, accelerometer x,y,z, or a single one; told from the header if absent
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     columns: Vec<String>,
@@ -76,8 +76,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if !record.skipped.is_empty() {
         eprintln!("{}: {}", arguments.record.display(), record.skipped);
     }
+    let rate_hz = rate(arguments.rate, record.timing.as_ref())?;
     let options = Options {
-        rate_hz: arguments.rate,
+        rate_hz,
         n_max: arguments.n_max,
     };
     // Silent when standard error is no terminal.
@@ -123,7 +124,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             .map_or(String::new(), |n| n.to_string_lossy().into_owned());
         let provenance = Provenance {
             record: Some(name.clone()),
-            rate_hz: Some(arguments.rate),
+            rate_hz: Some(rate_hz),
             samples: record.samples.first().map(|s| s.len() as u64),
             sha256: Some(sha256(&arguments.record)?),
             program: Some(format!("undrift {}", env!("CARGO_PKG_VERSION"))),
@@ -138,6 +139,29 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         bail!("no axis could be identified");
     }
     Ok(())
+}
+
+/// The rate to go by: stated, or from the stamps; the two must agree within 1 %.
+fn rate(stated: Option<f64>, timing: Option<&Timing>) -> Result<f64> {
+    let Some(timing) = timing else {
+        return stated.context("the record has no time column; state its sample rate with --rate");
+    };
+    if !timing.even {
+        eprintln!(
+            "the record is not evenly stamped: {} gaps, jitter {:.2} ms RMS of {:.2} ms; it is taken as if it were",
+            timing.gaps.len(),
+            timing.jitter_rms_s * 1e3,
+            timing.interval_s * 1e3
+        );
+    }
+    match stated {
+        Some(rate) if (rate / timing.rate_hz - 1.0).abs() > 0.01 => bail!(
+            "--rate says {rate} Hz, the time stamps say {:.3} Hz; leave --rate out or mend the stamps",
+            timing.rate_hz
+        ),
+        Some(rate) => Ok(rate),
+        None => Ok(timing.rate_hz),
+    }
 }
 
 /// SHA-256 of a file's bytes, hexadecimal.

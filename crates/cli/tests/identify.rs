@@ -104,7 +104,16 @@ fn a_record_becomes_a_model_that_makes_filters() {
 fn one_axis_needs_a_base_for_the_model() {
     let folder = folder("one");
     let text = record(HEADER, 3000);
-    let one = ["--columns", "gz_dps", "--n-max", "1", "-o", "imu.toml"];
+    let one = [
+        "--rate",
+        "100",
+        "--columns",
+        "gz_dps",
+        "--n-max",
+        "1",
+        "-o",
+        "imu.toml",
+    ];
     let output = identify(&folder, &text, &one);
     assert!(!output.status.success());
     assert!(
@@ -129,9 +138,9 @@ fn what_is_no_record_is_said() {
         let error = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(error.contains(expected), "{expected}: {error}");
     };
-    says(&record(HEADER, 2), &[], "too short");
+    says(&record(HEADER, 2), &["--rate", "100"], "too short");
     let constant = format!("{HEADER}\n{}", "1,1,1,0,0,-1\n".repeat(2000));
-    says(&constant, &[], "constant");
+    says(&constant, &["--rate", "100"], "constant");
     let nothing = format!("{HEADER}\n{}", "nan,nan,nan,nan,nan,nan\n".repeat(2000));
     says(&nothing, &[], "NaN");
     says(&record("a,b,c,d,e,f", 2000), &[], "--columns");
@@ -155,4 +164,14 @@ fn what_is_no_record_is_said() {
         "nothing",
     );
     says(&record(HEADER, 2000), &["--rate", "0"], "0 Hz");
+    says(&record(HEADER, 2000), &[], "--rate");
+    let stamped: String = record(HEADER, 2000)
+        .lines()
+        .enumerate()
+        .map(|(k, line)| match k {
+            0 => format!("t_s,{line}\n"),
+            _ => format!("{:.3},{line}\n", k as f64 * 0.02),
+        })
+        .collect();
+    says(&stamped, &["--rate", "100"], "time stamps say 50");
 }

@@ -196,6 +196,7 @@ fn static_record(
     Record {
         axes: AXES.to_vec(),
         samples: (0..6).map(series).collect(),
+        timing: None,
         skipped: Default::default(),
     }
 }

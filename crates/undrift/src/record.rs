@@ -7,7 +7,10 @@ use undrift_io::{
     table::{self, Column, Table, TableOptions},
 };
 use undrift_nav::units::{Quantity, unit_factor};
-use undrift_noise::model_file::AXES;
+use undrift_noise::{
+    model_file::AXES,
+    screening::{Timing, timing},
+};
 
 /// Which columns of a record are which axes, and their units.
 #[derive(Clone, Debug, Default)]
@@ -28,6 +31,8 @@ pub struct Record {
     pub axes: Vec<&'static str>,
     /// Samples of each axis [rad/s] or [m/s²].
     pub samples: Vec<Vec<f64>>,
+    /// What the time stamps say, where the header names a time column.
+    pub timing: Option<Timing>,
     /// Rows left out.
     pub skipped: Skipped,
 }
@@ -41,6 +46,9 @@ const NAMES: [&[&str]; 6] = [
     &["ay", "accel_y", "acc_y", "fy", "accely"],
     &["az", "accel_z", "acc_z", "fz", "accelz"],
 ];
+
+/// Names that a header may give the time [s].
+const TIMES: [&str; 5] = ["t_s", "time_s", "time", "t", "timestamp_s"];
 
 /// Unit suffixes of column names and what they mean.
 const SUFFIXES: [(&str, &str); 9] = [
@@ -170,24 +178,35 @@ pub fn read(path: &Path, format: &RecordFormat) -> Result<Record, ReadError> {
             unit_factor(unit, quantity).map_err(|e| wrong(format!("--units \"{unit}\": {e}")))?,
         );
     }
+    let time = header
+        .iter()
+        .position(|name| TIMES.contains(&name.trim().to_ascii_lowercase().as_str()))
+        .map(|place| ("time".to_owned(), Column::Number(place + 1)));
+    let stamped = time.is_some();
     let options = TableOptions {
         columns: columns
             .iter()
             .map(|(axis, column)| (AXES[*axis].to_owned(), column.clone()))
+            .chain(time)
             .collect(),
         ..TableOptions::default()
     };
     let mut table = Table::open(path, &options)?;
-    let mut row = vec![0.0; columns.len()];
+    let mut row = vec![0.0; options.columns.len()];
+    let mut stamps = Vec::new();
     let mut samples = vec![Vec::new(); columns.len()];
     while table.next_row(&mut row)?.is_some() {
         for ((column, value), scale) in samples.iter_mut().zip(&row).zip(&scales) {
             column.push(value * scale);
         }
+        if stamped && let Some(time) = row.last() {
+            stamps.push(*time);
+        }
     }
     Ok(Record {
         axes: columns.iter().map(|(axis, _)| AXES[*axis]).collect(),
         samples,
+        timing: timing(&stamps).ok(),
         skipped: table.skipped().clone(),
     })
 }
