@@ -28,7 +28,8 @@ mod matrix;
 pub mod rate;
 
 use core::fmt;
-use libm::{exp, expm1, sqrt};
+use libm::{exp, expm1};
+use matrix::{apply, dot, product, semidefinite_cholesky, transpose};
 
 /// Most states one axis may have.
 pub const MAX_ORDER: usize = 6;
@@ -369,66 +370,10 @@ impl ShapingFilter {
     }
 }
 
-/// Cholesky factor of a positive semi-definite leading block; pivots at rounding level count as zero.
-fn semidefinite_cholesky<const M: usize>(a: &[[f64; M]; M], n: usize) -> [[f64; M]; M] {
-    let mut l = [[0.0; M]; M];
-    for j in 0..n {
-        let mut pivot = a[j][j];
-        for k in 0..j {
-            pivot -= l[j][k] * l[j][k];
-        }
-        if pivot <= 1e-13 * a[j][j] {
-            continue;
-        }
-        l[j][j] = sqrt(pivot);
-        for i in j + 1..n {
-            let mut below = a[i][j];
-            for k in 0..j {
-                below -= l[i][k] * l[j][k];
-            }
-            l[i][j] = below / l[j][j];
-        }
-    }
-    l
-}
-
-fn product(a: &AxisMatrix, b: &AxisMatrix, n: usize) -> AxisMatrix {
-    let mut c = [[0.0; MAX_ORDER]; MAX_ORDER];
-    for i in 0..n {
-        for k in 0..n {
-            for j in 0..n {
-                c[i][j] += a[i][k] * b[k][j];
-            }
-        }
-    }
-    c
-}
-
-fn transpose(a: &AxisMatrix, n: usize) -> AxisMatrix {
-    let mut t = [[0.0; MAX_ORDER]; MAX_ORDER];
-    for i in 0..n {
-        for j in 0..n {
-            t[i][j] = a[j][i];
-        }
-    }
-    t
-}
-
-fn apply(a: &AxisMatrix, x: &AxisVector, n: usize) -> AxisVector {
-    let mut y = [0.0; MAX_ORDER];
-    for i in 0..n {
-        y[i] = dot(&a[i], x, n);
-    }
-    y
-}
-
-fn dot(a: &AxisVector, b: &AxisVector, n: usize) -> f64 {
-    (0..n).map(|i| a[i] * b[i]).sum()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use libm::sqrt;
     const T: f64 = 0.01;
 
     #[test]

@@ -3,9 +3,8 @@
 //! Any filter's ε has the same second moments as one driven by a single noise, `G = K D`: its own
 //! one-step predictor. Anderson & Moore 1979, Optimal Filtering, chapter 9.
 
-use super::matrix::{combine, identity, norm, solve};
-use super::{AxisMatrix, AxisVector, MAX_ORDER, ShapingError, ShapingFilter, apply, dot};
-use super::{product, transpose};
+use super::matrix::{apply, combine, dot, identity, norm, product, solve, transpose};
+use super::{AxisMatrix, AxisVector, MAX_ORDER, ShapingError, ShapingFilter};
 use libm::sqrt;
 
 /// 2^40 steps: a zero nearer to the unit circle than their inverse counts as on it.

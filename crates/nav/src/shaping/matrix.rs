@@ -1,7 +1,8 @@
-//! Functions of one axis's transition matrix: inverse, square root, logarithm, exponential.
+//! Small matrices of one axis: products, Cholesky factor, inverse, square root, logarithm, exponential.
 //! Higham 2008, Functions of Matrices, chapters 6, 10 and 11. Only the leading n × n block counts.
 
-use super::{AxisMatrix, MAX_ORDER, product};
+use super::{AxisMatrix, AxisVector, MAX_ORDER};
+use libm::sqrt;
 
 const ZERO: AxisMatrix = [[0.0; MAX_ORDER]; MAX_ORDER];
 
@@ -154,6 +155,67 @@ pub(super) fn exponential(a: &AxisMatrix, n: usize) -> Option<AxisMatrix> {
         sum = product(&sum, &sum, n);
     }
     norm(&sum).is_finite().then_some(sum)
+}
+
+/// Cholesky factor of a positive semi-definite leading block; pivots at rounding level count as zero.
+pub(super) fn semidefinite_cholesky<const M: usize>(a: &[[f64; M]; M], n: usize) -> [[f64; M]; M] {
+    let mut l = [[0.0; M]; M];
+    for j in 0..n {
+        let mut pivot = a[j][j];
+        for k in 0..j {
+            pivot -= l[j][k] * l[j][k];
+        }
+        if pivot <= 1e-13 * a[j][j] {
+            continue;
+        }
+        l[j][j] = sqrt(pivot);
+        for i in j + 1..n {
+            let mut below = a[i][j];
+            for k in 0..j {
+                below -= l[i][k] * l[j][k];
+            }
+            l[i][j] = below / l[j][j];
+        }
+    }
+    l
+}
+
+/// `a b` of the leading blocks.
+pub(super) fn product(a: &AxisMatrix, b: &AxisMatrix, n: usize) -> AxisMatrix {
+    let mut c = [[0.0; MAX_ORDER]; MAX_ORDER];
+    for i in 0..n {
+        for k in 0..n {
+            for j in 0..n {
+                c[i][j] += a[i][k] * b[k][j];
+            }
+        }
+    }
+    c
+}
+
+/// `aᵀ` of the leading block.
+pub(super) fn transpose(a: &AxisMatrix, n: usize) -> AxisMatrix {
+    let mut t = [[0.0; MAX_ORDER]; MAX_ORDER];
+    for i in 0..n {
+        for j in 0..n {
+            t[i][j] = a[j][i];
+        }
+    }
+    t
+}
+
+/// `a x` of the leading blocks.
+pub(super) fn apply(a: &AxisMatrix, x: &AxisVector, n: usize) -> AxisVector {
+    let mut y = [0.0; MAX_ORDER];
+    for i in 0..n {
+        y[i] = dot(&a[i], x, n);
+    }
+    y
+}
+
+/// `a · b` of the leading entries.
+pub(super) fn dot(a: &AxisVector, b: &AxisVector, n: usize) -> f64 {
+    (0..n).map(|i| a[i] * b[i]).sum()
 }
 
 #[cfg(test)]

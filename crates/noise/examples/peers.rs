@@ -1,0 +1,108 @@
+//! One task on a raw little-endian f64 record, for the comparison with Python packages: prints the
+//! result, the CPU time of the task alone and the peak memory of the process as one line of JSON.
+//!
+//! `cargo run --release -p undrift-noise --example peers TASK FILE [REPEATS]`, TASK one of `arma`,
+//! `allan`, `adf`, `ljung_box`, `normality`, `phillips_perron`. Linux only. `benches/peers/run` drives it.
+
+use std::error::Error;
+use std::fs::{self, File};
+use std::hint::black_box;
+use std::io::{BufReader, Read};
+use std::time::Duration;
+use undrift_noise::allan::{Grid, Kind, deviations};
+use undrift_noise::arma::{FitOptions, Mean, fit};
+use undrift_noise::normality::normality;
+use undrift_noise::stationarity::{Deterministic, Lags, adf, phillips_perron};
+use undrift_noise::whiteness::portmanteau;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut arguments = std::env::args().skip(1);
+    let (Some(task), Some(path)) = (arguments.next(), arguments.next()) else {
+        return Err("usage: peers TASK FILE [REPEATS]".into());
+    };
+    let repeats: usize = arguments.next().map_or(Ok(1), |text| text.parse())?;
+    let record = read(&path)?;
+    let before = peak_kib()?;
+    let mut fastest = f64::INFINITY;
+    let mut values = Vec::new();
+    for _ in 0..repeats.max(1) {
+        let start = cpu_seconds()?;
+        values = black_box(run(&task, black_box(&record))?);
+        fastest = fastest.min(cpu_seconds()? - start);
+    }
+    println!(
+        "{{\"values\":{values:?},\"cpu_s\":{fastest:?},\"peak_kib\":{},\"before_kib\":{before}}}",
+        peak_kib()?
+    );
+    Ok(())
+}
+
+/// The numbers that the task answers with, in the order that `compare.py` expects.
+fn run(task: &str, record: &[f64]) -> Result<Vec<f64>, Box<dyn Error>> {
+    Ok(match task {
+        "arma" => {
+            let options = FitOptions {
+                mean: Mean::Known(0.0),
+                ..FitOptions::default()
+            };
+            let model = fit(record, 1, 1, &options)?;
+            vec![model.ar[0], model.ma[0], model.sigma, model.log_likelihood]
+        }
+        "allan" => deviations(record, 100.0, Kind::Overlapping, Grid::Octave)?
+            .points
+            .iter()
+            .flat_map(|point| [point.tau_s, point.deviation])
+            .collect(),
+        "adf" => {
+            let test = adf(record, Deterministic::Constant, Lags::Fixed(20))?;
+            vec![test.statistic, test.p_value]
+        }
+        "ljung_box" => {
+            let test = portmanteau(record, &[20], 0)?[0];
+            vec![test.ljung_box, test.ljung_box_p]
+        }
+        "normality" => {
+            let test = normality(record)?;
+            vec![test.jarque_bera, test.jarque_bera_p, test.distance]
+        }
+        "phillips_perron" => {
+            let test = phillips_perron(record, Deterministic::Constant, None)?;
+            vec![test.z_tau, test.p_value, test.lags as f64]
+        }
+        _ => return Err(format!("no task {task}").into()),
+    })
+}
+
+fn read(path: &str) -> Result<Vec<f64>, Box<dyn Error>> {
+    let file = File::open(path)?;
+    let count = file.metadata()?.len() / 8;
+    let mut reader = BufReader::with_capacity(1 << 16, file);
+    let mut record = Vec::with_capacity(usize::try_from(count)?);
+    let mut bytes = [0; 8];
+    for _ in 0..count {
+        reader.read_exact(&mut bytes)?;
+        record.push(f64::from_le_bytes(bytes));
+    }
+    Ok(record)
+}
+
+/// CPU time of all threads so far [s]. The kernel brings a thread's count up to date when it leaves
+/// the core: hence the nap.
+fn cpu_seconds() -> Result<f64, Box<dyn Error>> {
+    std::thread::sleep(Duration::from_millis(2));
+    let mut total = 0.0;
+    for thread in fs::read_dir("/proc/self/task")? {
+        let text = fs::read_to_string(thread?.path().join("schedstat"))?;
+        let first = text.split_whitespace().next();
+        total += first.ok_or("/proc has no CPU times")?.parse::<f64>()?;
+    }
+    Ok(total * 1e-9)
+}
+
+/// Largest resident memory of the process so far [KiB].
+fn peak_kib() -> Result<u64, Box<dyn Error>> {
+    let status = fs::read_to_string("/proc/self/status")?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let size = line.and_then(|rest| rest.split_whitespace().next());
+    Ok(size.ok_or("/proc has no peak memory")?.parse()?)
+}
