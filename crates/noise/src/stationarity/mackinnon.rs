@@ -3,7 +3,7 @@
 //! table 2, N = 1) and p of τ (MacKinnon, J. Business & Economic Statistics 12, 1994, tables 3 and 4).
 
 use super::{Critical, Deterministic};
-use statrs::function::erf::erfc;
+use libm::erfc;
 
 /// β∞, β1, β2, β3 of the critical value at 1, 5 and 10 %.
 fn surface(deterministic: Deterministic) -> [[f64; 4]; 3] {
