@@ -1,6 +1,6 @@
 //! Aiding: what each kind of measurement predicts, its innovation and its H.
 //!
-//! Every innovation is predicted less measured. THEORY: the source paper's equation (10), signs as
+//! Every innovation is predicted less measured. docs/theory.md: the source paper's equation (10), signs as
 //! derived in `docs/conventions.md`, each block tested against a numerical derivative.
 
 use crate::{

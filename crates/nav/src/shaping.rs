@@ -392,7 +392,7 @@ mod tests {
 
     #[test]
     fn arma11_is_ar1_plus_white() {
-        // THEORY: driving variance S σ² and white variance W σ², S = (1−φθ)(φ−θ)/φ, W = θ/φ.
+        // docs/theory.md: driving variance S σ² and white variance W σ², S = (1−φθ)(φ−θ)/φ, W = θ/φ.
         let (phi, theta, sigma) = (0.999, 0.98, 0.3);
         let arma = ShapingFilter::arma(&[phi], &[theta], sigma, T).unwrap();
         let variance = (1.0 - phi * theta) * (phi - theta) / phi * sigma * sigma;

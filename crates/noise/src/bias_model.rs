@@ -12,7 +12,7 @@
 //! A turn-on constant takes a state of its own unless the filter has an integrator to start at it;
 //! without `turn_on` there is none. Terms that the file does not give are derived from its ARMA
 //! where that is an ARMA(1,1) with 1 ≥ φ > θ > 0, which is exactly a first-order process plus white
-//! noise (THEORY, section 1).
+//! noise (docs/theory.md, section 1).
 //!
 //! ```
 //! use undrift_noise::{BiasModel, ImuModel};

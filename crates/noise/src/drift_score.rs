@@ -1,4 +1,4 @@
-//! The drift score: how far the integrated signal runs from its prediction (THEORY section 6).
+//! The drift score: how far the integrated signal runs from its prediction (docs/theory.md, section 6).
 //!
 //! A model identified on the first part of a static record is scored on the rest: at every sample
 //! there the model's Kalman filter, which has seen all before it, predicts the integral of the next h
@@ -21,7 +21,7 @@ pub use recommend::{Recommendation, Scored, recommend};
 use crate::composite::{CompositeError, present_mean};
 use undrift_nav::shaping::ShapingFilter;
 
-/// Horizons of THEORY section 6 [s].
+/// Horizons of docs/theory.md, section 6 [s].
 pub const HORIZONS_S: [f64; 3] = [1.0, 10.0, 60.0];
 
 /// Most batches that the origins are divided into for the sampling error.

@@ -1,7 +1,7 @@
 //! From a static record of one axis to a noise model: screening, tests, Allan variance, ARMA,
 //! candidates scored by the drift they leave, a recommendation.
 //!
-//! THEORY sections 1 and 6: the order of the source paper's part 1, and beyond it the choice by the
+//! `docs/theory.md`, sections 1 and 6: the order of the source paper's part 1, and beyond it the choice by the
 //! prediction error of the integrated signal on the half of the record that was not fitted.
 
 mod candidates;

@@ -9,7 +9,7 @@
 //! γ₁ = σ² φ^m B    γ₀ = σ² C + r/m    C = (1/m²) ΣΣ φ^|i−j|    B = C + (2/m²) Σ (m−d) sinh(a d)
 //! ```
 //!
-//! and for φ = 1 (THEORY section 1) a random walk of step variance `q = (1−θ)² σ_a²/m` beside white
+//! and for φ = 1 (docs/theory.md, section 1) a random walk of step variance `q = (1−θ)² σ_a²/m` beside white
 //! noise `r = m (θ σ_a² + q (m²−1)/(6m))`. One-step likelihood at the full rate describes a sensor's
 //! short memory; what drifts shows where blocks have averaged that away, and is the same from there
 //! on. Hamilton 1994, section 4.7; Wei 2006, chapter 20 (temporal aggregation).

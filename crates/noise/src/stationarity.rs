@@ -1,7 +1,7 @@
 //! Is a record stationary? Augmented Dickey-Fuller and Phillips-Perron ask for a unit root, KPSS for
 //! its absence; [`verdict()`] weighs the three.
 //!
-//! Conventions: THEORY section 1. Statistics follow Python's statsmodels (ADF, KPSS) and arch
+//! Conventions: docs/theory.md, section 1. Statistics follow Python's statsmodels (ADF, KPSS) and arch
 //! (Phillips-Perron), whose variants are named at each function; critical values and p of the
 //! unit-root tests are MacKinnon's (1994, 2010), of KPSS those of Kwiatkowski et al. (1992).
 //! Each test is O(N) a lag, whatever the record's length.

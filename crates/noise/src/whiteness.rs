@@ -1,7 +1,7 @@
 //! Is a series white? Portmanteau tests of its autocorrelations.
 //!
 //! They are blind to a slow bias far below the noise: at 100 000 samples of the source paper's case
-//! no number of lags sees it (THEORY section 1).
+//! no number of lags sees it (docs/theory.md, section 1).
 //!
 //! ```
 //! let x: Vec<f64> = (0..300).map(|k| f64::from(k * 7919 % 101)).collect();

@@ -235,7 +235,7 @@ fn the_paper_s_case_is_in_the_simulated_record() {
     let z = series(&reference, "z100k");
     let curve = deviations(&z, 100.0, Kind::Overlapping, Grid::PerOctave(4)).unwrap();
     let terms = fit_terms(&curve).unwrap();
-    // φ = 0.99995, θ = 0.9994, σ = 0.006: white variance θσ²/φ, by THEORY section 1. 1 % is two
+    // φ = 0.99995, θ = 0.9994, σ = 0.006: white variance θσ²/φ, by docs/theory.md, section 1. 1 % is two
     // standard errors of 100 000 samples.
     let white = 0.9994 / 0.99995 * 0.006f64.powi(2);
     close(terms.white_variance, white, 0.01, "σ²");

@@ -123,7 +123,7 @@ fn white_plus_random_walk_has_a_unit_root_and_starts_at_the_turn_on() {
         (1, 1.0, 0.05 * 0.05)
     );
     let theta = 1.0 - arma.s[0] / arma.r;
-    // THEORY: q = (1 − θ)²σ², r = θσ².
+    // docs/theory.md: q = (1 − θ)²σ², r = θσ².
     near((1.0 - theta).powi(2) * arma.r, k * k * T, 1e-10);
     near(theta * arma.r, WHITE * WHITE / T, 1e-12);
     let walk = axis.shaping(BiasModel::RandomWalk, T).unwrap();

@@ -103,7 +103,7 @@ fn likelihood_is_the_multivariate_normal_one() {
 
 #[test]
 fn arma11_and_its_decomposition_have_one_likelihood() {
-    // THEORY section 1: AR(1) of driving variance S σ² plus white noise of W σ².
+    // docs/theory.md, section 1: AR(1) of driving variance S σ² plus white noise of W σ².
     for (phi, theta) in [(0.99995, 0.9994), (0.9, 0.5), (1.0, 0.9994)] {
         let sigma = 0.006f64;
         let arma = ShapingFilter::arma(&[phi], &[theta], sigma, T).unwrap();

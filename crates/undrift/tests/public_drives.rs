@@ -53,7 +53,7 @@ fn cut(drive: &Drive, models: &[BiasModel], plan: &Schedule, length: f64) -> Vec
         .collect()
 }
 
-/// Outages as in THEORY.md's table: 15 of 10 s from 60 s, every 24 s.
+/// Outages as in docs/results.md: 15 of 10 s from 60 s, every 24 s.
 fn navego_plan() -> Schedule {
     Schedule::Every {
         start: 60.0,

@@ -30,7 +30,7 @@ impl Observer for Record {
     fn fix<const N: usize>(&mut self, _: &Filter<N>, _: &GnssFix, _: bool) {}
 }
 
-/// Innovations form and decomposition of the same ARMA(1,1). THEORY: driving variance S σ², white
+/// Innovations form and decomposition of the same ARMA(1,1). docs/theory.md: driving variance S σ², white
 /// variance W σ² with S = (1−φθ)(φ−θ)/φ and W = θ/φ.
 fn two_forms(phi: f64, theta: f64, sigma: f64) -> [ShapingFilter; 2] {
     let interval = 1.0 / RATE;

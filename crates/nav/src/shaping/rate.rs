@@ -12,7 +12,7 @@
 //!
 //! This keeps Σ (where there is one), the white density, and every lag the two rates share. It
 //! holds at a unit root, where there is no Σ. Van Loan 1978 for the integrals; Brockwell & Davis
-//! 1991, section 3.1, and THEORY section 2.
+//! 1991, section 3.1, and docs/theory.md, section 2.
 
 use super::matrix::{combine, exponential, halvings, logarithm, norm, solve};
 use super::{AxisMatrix, MAX_ORDER, ShapingError, ShapingFilter, apply, dot};

@@ -36,7 +36,7 @@ impl Default for FitOptions {
 pub struct ArmaFit {
     /// φ1 … φp. With a unit root, the factor (1 − B) is multiplied in.
     pub ar: Vec<f64>,
-    /// θ1 … θq, subtracted (THEORY's sign).
+    /// θ1 … θq, subtracted (the sign of docs/theory.md).
     pub ma: Vec<f64>,
     /// Standard deviation of a [unit of the record].
     pub sigma: f64,

@@ -1,7 +1,7 @@
 //! The Kalman filter of an ARMA process in innovations form: records with missing samples, and
 //! one-step residuals.
 //!
-//! State as in THEORY section 2, `x ← F x + G a`, `ε = x₁ + a`. With q = P₁₁ (in units of σ²) the
+//! State as in docs/theory.md, section 2, `x ← F x + G a`, `ε = x₁ + a`. With q = P₁₁ (in units of σ²) the
 //! one-step variance is `V = 1 + q`, the gain `K = A P Hᵀ/V + G`, and since the measurement noise is
 //! the driving noise, `P ← A (P − P HᵀH P/V) Aᵀ` with A the companion matrix of θ: P itself falls to
 //! zero, with no difference of large numbers, so it is P, not V, whose size says when the filter has

@@ -120,7 +120,7 @@ fn transposed(a: &[f64], n: usize) -> Vec<f64> {
     t
 }
 
-/// Companion matrix with `first` as first column and ones above the diagonal (THEORY section 2).
+/// Companion matrix with `first` as first column and ones above the diagonal (docs/theory.md, section 2).
 pub(super) fn companion(first: &[f64], n: usize) -> Vec<f64> {
     let mut f = vec![0.0; n * n];
     for i in 0..n {

@@ -115,7 +115,7 @@ pub(super) fn slow_bias(samples: &[f64], centre: f64) -> Vec<(f64, f64)> {
 }
 
 /// θ of AR(1) with variance `bias` plus white noise: the invertible root of
-/// `(1 + θ²)/θ = (q + r (1 + φ²))/(r φ)`, `q = bias (1 − φ²)`. THEORY, facts of section 1.
+/// `(1 + θ²)/θ = (q + r (1 + φ²))/(r φ)`, `q = bias (1 − φ²)`. docs/theory.md, section 1.
 fn moving_average(phi: f64, bias: f64, white: f64) -> Option<f64> {
     let q = bias * (1.0 - phi) * (1.0 + phi);
     // With d = 1 − θ: d²/(1 − d) = q/(r φ) + (1 − φ)²/φ.
@@ -202,7 +202,7 @@ mod tests {
     #[test]
     fn slow_plus_white_gives_theta_back() {
         let (phi, theta) = (0.9999f64, 0.998f64);
-        // S and W of THEORY section 1, σ = 1.
+        // S and W of docs/theory.md, section 1, σ = 1.
         let q = (1.0 - phi * theta) * (phi - theta) / phi;
         let bias = q / ((1.0 - phi) * (1.0 + phi));
         let found = moving_average(phi, bias, theta / phi).unwrap();

@@ -34,7 +34,7 @@ pub struct Verdict {
 }
 
 /// Weighs the tests at 5 %. `ma_root` is the largest inverse root of the moving-average part where a
-/// model has been fitted (θ of an ARMA(1,1), sign of THEORY section 1); near 1 it makes augmented
+/// model has been fitted (θ of an ARMA(1,1), sign of docs/theory.md, section 1); near 1 it makes augmented
 /// Dickey-Fuller and Phillips-Perron reject a unit root that is there.
 pub fn verdict(
     adf: &Adf,
