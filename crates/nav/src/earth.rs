@@ -3,7 +3,7 @@
 //! Sources: NIMA TR8350.2, 3rd edition (constants, eq. 4-1 and 4-3); Groves 2013, chapter 2.
 
 use crate::{Matrix3, Vector3};
-use libm::{atan2, cos, sin, sqrt, tan};
+use libm::{atan2, cos, sin, sqrt};
 
 /// Semi-major axis a [m].
 pub const SEMI_MAJOR: f64 = 6_378_137.0;
@@ -68,13 +68,6 @@ pub fn earth_rate_n(lat: f64) -> Vector3 {
     Vector3::new(EARTH_RATE * cos(lat), 0.0, -EARTH_RATE * sin(lat))
 }
 
-/// Transport rate ω_en^n [rad/s] at `position` with velocity `v_n` [m/s]. Groves eq. 5.44.
-pub fn transport_rate_n(position: &Geodetic, v_n: &Vector3) -> Vector3 {
-    let (rm, rn) = radii(position.lat);
-    let e = v_n.y / (rn + position.height);
-    Vector3::new(e, -v_n.x / (rm + position.height), -e * tan(position.lat))
-}
-
 /// Everything local that one navigation step needs, from one sine and cosine of the latitude.
 #[derive(Clone, Copy, Debug)]
 pub struct LocalEarth {
@@ -109,7 +102,7 @@ impl LocalEarth {
         Vector3::new(EARTH_RATE * self.cos_lat, 0.0, -EARTH_RATE * self.sin_lat)
     }
 
-    /// Transport rate ω_en^n [rad/s] at velocity `v_n` [m/s].
+    /// Transport rate ω_en^n [rad/s] at velocity `v_n` [m/s]. Groves eq. 5.44.
     pub fn transport_rate(&self, v_n: &Vector3) -> Vector3 {
         let e = v_n.y / self.rn_h;
         Vector3::new(e, -v_n.x / self.rm_h, -e * self.sin_lat / self.cos_lat)

@@ -288,13 +288,6 @@ impl<const N: usize> Filter<N> {
         self.p.fixed_view_mut::<3, 3>(3, 3).copy_from(velocity);
     }
 
-    /// Adds `variance` [rad²] to the misalignment about north, east, down.
-    pub fn add_attitude_variance(&mut self, variance: &Vector3) {
-        for i in 0..3 {
-            self.p[(6 + i, 6 + i)] += variance[i];
-        }
-    }
-
     /// Adds uncertainty for `duration` seconds without samples in which the body may have turned
     /// with `rate` [rad/s] and accelerated with `accel` [m/s²] (one standard deviation each axis).
     pub fn grow(&mut self, duration: f64, rate: f64, accel: f64) {

@@ -46,7 +46,7 @@ pub struct Demo {
     pub simulation: Simulation,
     /// Where GNSS was cut.
     pub outages: Vec<Outage>,
-    /// Model by model; the last is `white` with the turn-on constants removed beforehand.
+    /// Model by model; the second is `white` with the turn-on constants removed beforehand.
     pub runs: Vec<(String, Result<ModelRun, ReplayError>)>,
 }
 

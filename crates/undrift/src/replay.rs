@@ -204,8 +204,6 @@ fn run<const N: usize>(
                 .peek()
                 .and_then(|fix| fix.as_ref().ok())
                 .map(|fix| fix.time);
-        }
-        if run.summary.ended == 0.0 && run.previous.is_none() {
             while let Some(Ok(fix)) = gnss.peek() {
                 if fix.time >= start - STAMP_ROUNDING {
                     break;
