@@ -9,6 +9,7 @@ use undrift_nav::{
     earth::Geodetic,
     filter::{Filter, InitialStd},
     mechanisation::NavState,
+    parameters::Parameters,
     sample::{ImuSample, Position},
     shaping::ShapingFilter,
 };
@@ -34,7 +35,7 @@ fn filter<const N: usize>() -> Filter<N> {
         velocity: Vector3::repeat(0.1),
         attitude: Vector3::repeat(0.02),
     };
-    Filter::new(nav, &std, [sensor; 6]).expect("a valid start")
+    Filter::new(nav, &std, [sensor; 6], Parameters::none()).expect("a valid start")
 }
 
 fn sample() -> ImuSample {
@@ -59,7 +60,7 @@ fn by_size<const N: usize>(c: &mut Criterion) {
     c.bench_function(&format!("update/{N}"), |b| {
         b.iter(|| {
             let observed = f.observe_position(black_box(&fix), &Vector3::new(0.3, 0.1, -1.0));
-            f.update_with(&observed, &r)
+            f.update(&observed, &r)
         })
     });
 

@@ -6,6 +6,7 @@ use undrift_nav::{
     earth::Geodetic,
     filter::{Filter, InitialStd},
     mechanisation::NavState,
+    parameters::Parameters,
     sample::ImuSample,
     shaping::ShapingFilter,
 };
@@ -24,7 +25,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         velocity: Vector3::repeat(0.1),
         attitude: Vector3::repeat(0.02),
     };
-    let mut filter = Filter::<15>::new(nav, &std, [sensor; 6])?;
+    let mut filter = Filter::<15>::new(nav, &std, [sensor; 6], Parameters::none())?;
     let samples = 100_000;
     for k in 0..samples {
         filter.predict(&ImuSample {

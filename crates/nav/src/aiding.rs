@@ -1,151 +1,110 @@
-//! Aiding: what each kind of measurement predicts, its innovation and its H.
+//! Aiding: what each kind of measurement predicts, its innovation and its H, one file a kind.
 //!
-//! Every innovation is predicted less measured. docs/theory.md: the source paper's equation (10), signs as
-//! derived in `docs/conventions.md`, each block tested against a numerical derivative.
+//! Every innovation is predicted less measured. Signs as derived in `docs/conventions.md`, each
+//! matrix tested against a numerical derivative (`tests/jacobians.rs`, `tests/aiding.rs`).
+
+mod barometer;
+mod course;
+mod earth_rate;
+mod level;
+mod non_holonomic;
+mod odometer;
+mod position;
+mod velocity;
+mod zero_velocity;
 
 use crate::{
-    Matrix3, Vector3,
-    attitude::skew,
-    earth::Geodetic,
-    filter::{Filter, FilterError, Update},
-    sample::Position,
+    Matrix3, Vector3, attitude,
+    filter::Filter,
+    parameters::{Coupling, Parameter},
 };
-use nalgebra::SMatrix;
+use nalgebra::{SMatrix, SVector};
 
-/// Innovation and observation matrix of a three-component measurement.
+/// Innovation and observation matrix of a measurement of `M` components.
 #[derive(Clone, Copy, Debug)]
-pub struct Observation<const N: usize> {
+pub struct Observation<const M: usize, const N: usize> {
     /// Predicted less measured.
-    pub innovation: Vector3,
+    pub innovation: SVector<f64, M>,
     /// Derivative of the innovation by the error state.
-    pub h: SMatrix<f64, 3, N>,
+    pub h: SMatrix<f64, M, N>,
     /// Covariance that the prediction itself adds to the measurement's (the last sample's white noise).
-    pub extra: Matrix3,
+    pub extra: SMatrix<f64, M, M>,
 }
 
 impl<const N: usize> Filter<N> {
-    /// Antenna position; `lever_b` from IMU to antenna, body axes [m].
-    pub fn antenna_position(&self, lever_b: &Vector3) -> Geodetic {
-        let lever_n = self.c_nb() * lever_b;
-        self.nav().position.displaced(&lever_n)
-    }
-
-    /// Antenna velocity over ground, north-east-down [m/s]; `lever_b` from IMU to antenna, body axes [m].
-    pub fn antenna_velocity(&self, lever_b: &Vector3) -> Vector3 {
-        self.nav().v_n + self.c_nb() * self.omega_nb_b().cross(lever_b)
-    }
-
-    /// What a position fix says. Rows `[C_n^m, 0, C_n^m [l^n×], 0]`, m the frame of the fix: local
-    /// north-east-down, or the base station's for a baseline.
-    pub fn observe_position(&self, fix: &Position, lever_b: &Vector3) -> Observation<N> {
-        let lever_n = self.c_nb() * lever_b;
-        let antenna = self.antenna_position(lever_b);
-        let (innovation, c_mn) = match fix {
-            Position::Geodetic(measured) => (measured.offset_to(&antenna), Matrix3::identity()),
-            Position::Baseline { base, ned } => {
-                let c_mn = base.ned_from_ecef() * antenna.ned_from_ecef().transpose();
-                (base.ned_to(&antenna) - ned, c_mn)
-            }
-        };
-        let mut h = SMatrix::<f64, 3, N>::zeros();
-        h.fixed_view_mut::<3, 3>(0, 0).copy_from(&c_mn);
-        h.fixed_view_mut::<3, 3>(0, 6)
-            .copy_from(&(c_mn * skew(&lever_n)));
-        Observation {
-            innovation,
-            h,
-            extra: Matrix3::zeros(),
+    /// Lever arm `nominal` [m, body axes] with its estimated correction, if it is estimated.
+    pub fn lever_arm(&self, nominal: &Vector3) -> Vector3 {
+        match self.parameter(Parameter::LeverArm) {
+            Some((x, _)) => nominal + Vector3::new(x[0], x[1], x[2]),
+            None => *nominal,
         }
     }
 
-    /// What a velocity fix `v_n` [m/s] says. Rows
-    /// `[0, I, [ω_nb^n×][l^n×] − [l^n×][ω_ib^n×], −[l^n×] C_b^n H_g, 0]`: the source paper's row,
-    /// exact in the second rate (it has ω_nb there, which leaves out the frame's own rate).
-    pub fn observe_velocity(&self, v_n: &Vector3, lever_b: &Vector3) -> Observation<N> {
-        let c = self.c_nb();
-        let lever_n = c * lever_b;
-        let lever = skew(&lever_n);
-        let (omega_nb, omega_ib) = (
-            skew(&(c * self.omega_nb_b())),
-            skew(&(c * self.omega_ib_b())),
-        );
-        let lever_c = lever * c;
+    /// Rotation C_b^v from the body to the vehicle's axes: the identity unless the mounting is estimated.
+    pub fn c_bv(&self) -> Matrix3 {
+        match self.parameter(Parameter::Mounting) {
+            Some((x, _)) => attitude::from_rotation_vector(&-Vector3::new(0.0, x[0], x[1]))
+                .to_rotation_matrix()
+                .into_inner(),
+            None => Matrix3::identity(),
+        }
+    }
+
+    /// Velocity over ground of the point at `lever_b` [m, body axes], vehicle axes [m/s].
+    pub fn vehicle_velocity(&self, lever_b: &Vector3) -> Vector3 {
+        let v_b = self.c_nb().tr_mul(&self.nav().v_n) + self.omega_nb_b().cross(lever_b);
+        self.c_bv() * v_b
+    }
+
+    /// How [`Filter::vehicle_velocity`] depends on the error state: rows
+    /// `[0, C_b^v C_n^b, −C_b^v C_n^b [v^n×], −C_b^v [l×] H_g, …, −[v^v×]]`, the last for the mounting;
+    /// and the covariance of the present sample's white noise in it.
+    fn vehicle_velocity_rows(&self, lever_b: &Vector3) -> (SMatrix<f64, 3, N>, Matrix3) {
+        let c_bv = self.c_bv();
+        let c_nv = c_bv * self.c_nb().transpose();
+        let lever = c_bv * attitude::skew(lever_b);
         let mut h = SMatrix::<f64, 3, N>::zeros();
-        h.fixed_view_mut::<3, 3>(0, 3)
-            .copy_from(&Matrix3::identity());
+        h.fixed_view_mut::<3, 3>(0, 3).copy_from(&c_nv);
         h.fixed_view_mut::<3, 3>(0, 6)
-            .copy_from(&(omega_nb * lever - lever * omega_ib));
+            .copy_from(&(-c_nv * attitude::skew(&self.nav().v_n)));
+        let white = self.rate_columns(&mut h, &-lever);
+        if let Some(at) = self.parameter_start(Parameter::Mounting) {
+            let v = -attitude::skew(&self.vehicle_velocity(lever_b));
+            h.fixed_view_mut::<3, 2>(0, at)
+                .copy_from(&v.fixed_columns::<2>(1));
+        }
+        (h, white)
+    }
+
+    /// Adds `factor · ε_g` to the rows of `h`, ε_g the gyros' errors of the present sample; returns the
+    /// covariance that their white noise makes there.
+    fn rate_columns(&self, h: &mut SMatrix<f64, 3, N>, factor: &Matrix3) -> Matrix3 {
         let mut white = Matrix3::zeros();
         for axis in 0..3 {
-            let (filter, at) = (self.sensors().axis(axis), self.sensors().start(axis));
-            for i in 0..filter.order {
-                for row in 0..3 {
-                    h[(row, at + i)] = -lever_c[(row, axis)] * filter.h[i];
-                }
-            }
-            white[(axis, axis)] = filter.r;
+            self.error_columns(h, axis, &factor.column(axis).into(), self.coupling());
+            white[(axis, axis)] = self.sensors().axis(axis).r;
         }
-        Observation {
-            innovation: self.antenna_velocity(lever_b) - v_n,
-            h,
-            extra: lever_c * white * lever_c.transpose(),
-        }
+        factor * white * factor.transpose()
     }
 
-    /// What a mean specific force at rest `f_b` [m/s²] says about level: it points up, so its
-    /// north and east parts are zero. Rows (north, east) `[0, 0, [f^n×], C_b^n H_a]`; the mean's own
-    /// predicted error is taken out. Groves section 5.6.2 (levelling).
-    pub fn observe_level(&self, f_b: &Vector3) -> (nalgebra::Vector2<f64>, SMatrix<f64, 2, N>) {
-        let error = self.sensor_error();
-        let c = self.c_nb();
-        let f_n = c * (f_b - Vector3::new(error[3], error[4], error[5]));
-        let force = skew(&f_n);
-        let mut h = SMatrix::<f64, 2, N>::zeros();
-        for row in 0..2 {
-            for col in 0..3 {
-                h[(row, 6 + col)] = force[(row, col)];
-            }
-            for axis in 0..3 {
-                let (filter, at) = (
-                    self.sensors().axis(3 + axis),
-                    self.sensors().start(3 + axis),
-                );
-                for i in 0..filter.order {
-                    h[(row, at + i)] = c[(row, axis)] * filter.h[i];
-                }
+    /// Adds `column` times the error of sensor axis `axis` to `h`.
+    fn error_columns<const M: usize>(
+        &self,
+        h: &mut SMatrix<f64, M, N>,
+        axis: usize,
+        column: &SVector<f64, M>,
+        coupling: &Coupling,
+    ) {
+        let (filter, at) = (self.sensors().axis(axis), self.sensors().start(axis));
+        for i in 0..filter.order {
+            for row in 0..M {
+                h[(row, at + i)] += column[row] * filter.h[i];
             }
         }
-        (f_n.xy(), h)
-    }
-
-    /// What a mean angular rate at rest `omega_b` [rad/s] says about the gyros: it is the Earth's.
-    /// Rows `[0, 0, C_n^b [ω_ie×], H_g, 0]`.
-    pub fn observe_earth_rate(&self, omega_b: &Vector3) -> Observation<N> {
-        let error = self.sensor_error();
-        let c = self.c_nb();
-        let earth_n = crate::earth::earth_rate_n(self.nav().position.lat);
-        let mut h = SMatrix::<f64, 3, N>::zeros();
-        h.fixed_view_mut::<3, 3>(0, 6)
-            .copy_from(&(c.transpose() * skew(&earth_n)));
-        for axis in 0..3 {
-            let (filter, at) = (self.sensors().axis(axis), self.sensors().start(axis));
-            for i in 0..filter.order {
-                h[(axis, at + i)] = filter.h[i];
+        for (index, factor) in coupling.of(axis) {
+            for row in 0..M {
+                h[(row, *index)] += column[row] * factor;
             }
         }
-        Observation {
-            innovation: omega_b - Vector3::new(error[0], error[1], error[2]) - c.tr_mul(&earth_n),
-            h,
-            extra: Matrix3::zeros(),
-        }
-    }
-
-    /// Updates with an [`Observation`] whose measurement has covariance `r`.
-    pub fn update_with(
-        &mut self,
-        observed: &Observation<N>,
-        r: &Matrix3,
-    ) -> Result<Update, FilterError> {
-        self.update(&observed.innovation, &observed.h, &(r + observed.extra))
     }
 }

@@ -1,10 +1,10 @@
 //! Covariance of the error state over one step, exploiting its structure.
 //!
-//! The error state is `[δr; δv; ψ; x]`: nine navigation errors and the shaping filters' states.
-//! Over one step, with ε the six sensor errors `H x + D w`,
+//! The error state is `[δr; δv; ψ; x; p]`: nine navigation errors, the shaping filters' states and
+//! the parameters. Over one step, with ε the six sensor errors `H x + U p + D w`,
 //!
 //! ```text
-//! n' = Φ n + Γ ε,    x' = F x + G w,    ε = H x + D w
+//! n' = Φ n + Γ ε,    x' = F x + G w,    p' = p,    ε = H x + U p + D w
 //! ```
 //!
 //! so the navigation block needs only the covariance of `(n, ε)`, fifteen wide whatever the order
@@ -14,7 +14,10 @@
 //!
 //! Error model: Groves 2013, section 14.2.4, with the signs of `docs/conventions.md`.
 
-use crate::{Matrix3, Vector3, attitude::skew, mechanisation::Step, shaping::ShapingFilter};
+use crate::{
+    Matrix3, Vector3, attitude::skew, mechanisation::Step, parameters::Coupling,
+    shaping::ShapingFilter,
+};
 
 /// Navigation errors: position, velocity, misalignment.
 pub const NAV: usize = 9;
@@ -224,12 +227,19 @@ impl Sensors {
         self.start[axis]
     }
 
-    /// Predicted sensor error `H x` of each axis [rad/s, m/s²], `x` the whole error-state vector.
-    pub fn predicted_error<const N: usize>(&self, x: &[f64; N]) -> [f64; AXES] {
+    /// Predicted sensor error `H x + U p` of each axis [rad/s, m/s²], `x` the whole error-state vector.
+    pub fn predicted_error<const N: usize>(
+        &self,
+        x: &[f64; N],
+        coupling: &Coupling,
+    ) -> [f64; AXES] {
         let mut error = [0.0; AXES];
         for (axis, filter) in self.axes.iter().enumerate() {
             for i in 0..filter.order {
                 error[axis] += filter.h[i] * x[self.start[axis] + i];
+            }
+            for (index, factor) in coupling.of(axis) {
+                error[axis] += factor * x[*index];
             }
         }
         error
@@ -254,8 +264,14 @@ impl Sensors {
         }
     }
 
-    /// Rows `H P` of the sensor errors against every state, into the last six of `rows`.
-    fn error_rows<const N: usize>(&self, p: &[[f64; N]; N], rows: &mut [[f64; N]; JOINT]) {
+    /// Rows `[n; H x + U p]` of `p`: navigation errors as they are, then the six sensor errors.
+    fn joint_rows<const N: usize>(
+        &self,
+        p: &[[f64; N]; N],
+        coupling: &Coupling,
+    ) -> [[f64; N]; JOINT] {
+        let mut rows = [[0.0; N]; JOINT];
+        rows[..NAV].copy_from_slice(&p[..NAV]);
         for (axis, filter) in self.axes.iter().enumerate() {
             let row = &mut rows[NAV + axis];
             for i in 0..filter.order {
@@ -263,6 +279,30 @@ impl Sensors {
                 for k in 0..N {
                     row[k] += h * from[k];
                 }
+            }
+            for (index, factor) in coupling.of(axis) {
+                for k in 0..N {
+                    row[k] += factor * p[*index][k];
+                }
+            }
+        }
+        rows
+    }
+
+    /// `M ← Φ M`, Φ the transition of the whole error state over a step: what carries the product of
+    /// transitions along for a smoother.
+    pub fn carry<const N: usize>(
+        &self,
+        m: &mut [[f64; N]; N],
+        transition: &Transition,
+        coupling: &Coupling,
+        part: Part,
+    ) {
+        let moved = transition.carry(&self.joint_rows(m, coupling));
+        m[..NAV].copy_from_slice(&moved);
+        if part == Part::Last {
+            for (axis, filter) in self.axes.iter().enumerate() {
+                step_rows(filter, self.start[axis], 0..N, m);
             }
         }
     }
@@ -274,16 +314,14 @@ impl Sensors {
         &self,
         p: &mut [[f64; N]; N],
         transition: &Transition,
+        coupling: &Coupling,
         dt: f64,
         part: Part,
     ) {
         debug_assert!(self.states() <= N);
-        // A [P_n; H P_x], A = [Φ Γ]: the navigation rows of the new covariance, before the
+        // A [P_n; H P_x + U P_p], A = [Φ Γ]: the navigation rows of the new covariance, before the
         // sensors' own step and the white noise.
-        let mut rows = [[0.0; N]; JOINT];
-        rows[..NAV].copy_from_slice(&p[..NAV]);
-        self.error_rows(p, &mut rows);
-        let mut moved = transition.carry(&rows);
+        let mut moved = transition.carry(&self.joint_rows(p, coupling));
 
         // Navigation block: A J Aᵀ as A (A J)ᵀ, J the joint covariance of (n, ε).
         let gamma = transition.input();
@@ -299,6 +337,9 @@ impl Sensors {
                 let mut sum = gamma[axis][i] * white;
                 for k in 0..filter.order {
                     sum += moved[i][self.start[axis] + k] * filter.h[k];
+                }
+                for (index, factor) in coupling.of(axis) {
+                    sum += moved[i][*index] * factor;
                 }
                 turned[NAV + axis][i] = sum;
             }
@@ -332,7 +373,7 @@ impl Sensors {
         }
     }
 
-    /// `P_xx ← F P_xx Fᵀ + q`.
+    /// `P_xx ← F P_xx Fᵀ + q`, `P_xp ← F P_xp`.
     fn step_state_covariance<const N: usize>(&self, p: &mut [[f64; N]; N]) {
         for i in NAV..self.states() {
             self.step_mean(&mut p[i]);
@@ -340,36 +381,44 @@ impl Sensors {
         // Now the rows: the block is symmetric only after both sides are done.
         for (axis, filter) in self.axes.iter().enumerate() {
             let at = self.start[axis];
-            let n = filter.order;
-            if n == 1 {
-                let f = filter.f[0][0];
-                for k in NAV..N {
-                    p[at][k] *= f;
-                }
-                p[at][at] += filter.q[0][0];
-                continue;
-            }
-            for k in NAV..self.states() {
-                let mut moved = [0.0; crate::shaping::MAX_ORDER];
-                for i in 0..n {
-                    for j in 0..n {
-                        moved[i] += filter.f[i][j] * p[at + j][k];
-                    }
-                }
-                for i in 0..n {
-                    p[at + i][k] = moved[i];
-                }
-            }
-            for i in 0..n {
-                for j in 0..n {
+            step_rows(filter, at, NAV..N, p);
+            for i in 0..filter.order {
+                for j in 0..filter.order {
                     p[at + i][at + j] += filter.q[i][j];
                 }
             }
         }
         for i in NAV..self.states() {
-            for j in NAV..i {
+            for j in i + 1..N {
                 p[j][i] = p[i][j];
             }
+        }
+    }
+}
+
+/// `F` times the rows of one axis's states in `m`, `at` the first of them.
+fn step_rows<const N: usize>(
+    filter: &ShapingFilter,
+    at: usize,
+    columns: core::ops::Range<usize>,
+    m: &mut [[f64; N]; N],
+) {
+    let n = filter.order;
+    if n == 1 {
+        for k in columns {
+            m[at][k] *= filter.f[0][0];
+        }
+        return;
+    }
+    for k in columns {
+        let mut moved = [0.0; crate::shaping::MAX_ORDER];
+        for i in 0..n {
+            for j in 0..n {
+                moved[i] += filter.f[i][j] * m[at + j][k];
+            }
+        }
+        for i in 0..n {
+            m[at + i][k] = moved[i];
         }
     }
 }

@@ -1,4 +1,5 @@
-//! The error-state Kalman filter: nine navigation errors and the states of six shaping filters.
+//! The error-state Kalman filter: nine navigation errors, the states of six shaping filters, and
+//! the parameters asked for.
 //!
 //! Closed loop: after every update the estimated error is taken out of the navigation state and
 //! added to the sensors' states, so between updates the error's mean is zero. Groves 2013,
@@ -7,10 +8,13 @@
 
 use crate::{
     Matrix3, Vector3,
+    aiding::Observation,
     covariance::{AXES, NAV, Part, Sensors, Transition},
     mechanisation::{Increments, NavState, RawIncrements},
+    parameters::{Coupling, Parameter, Parameters},
     sample::ImuSample,
     shaping::ShapingFilter,
+    tape::{Tape, turn_rows},
 };
 use core::fmt;
 use nalgebra::{SMatrix, SVector};
@@ -29,11 +33,46 @@ pub struct InitialStd {
 /// What an update did.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Update {
-    /// Normalised innovation squared `νᵀ S⁻¹ ν`; chi-squared with `dof` degrees of freedom when
-    /// the model is right. Bar-Shalom, Li & Kirubarajan section 5.4.
+    /// Normalised innovation squared `νᵀ S⁻¹ ν`, of the measurement at its stated covariance;
+    /// chi-squared with `dof` degrees of freedom when the model is right. Bar-Shalom, Li &
+    /// Kirubarajan section 5.4.
     pub nis: f64,
     /// Number of scalar measurements.
     pub dof: usize,
+    /// Whitened innovation `L⁻¹ ν`, S = L Lᵀ: the first `dof` entries are independent and standard
+    /// normal when the model is right.
+    pub whitened: [f64; 3],
+    /// What became of it.
+    pub outcome: Outcome,
+}
+
+/// What a [`Gate`] made of a measurement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Outcome {
+    /// Used as it was.
+    Used,
+    /// Used with its covariance multiplied by this factor.
+    Weakened(f64),
+    /// Not used.
+    Rejected,
+}
+
+/// Limits of the normalised innovation squared. Up to `weaken` a measurement is used as it is;
+/// above, its covariance grows in proportion to how far it is above; above `reject` it is not used.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gate {
+    /// NIS from which the covariance is enlarged, to NIS/limit times itself (Huber's weights; Zhang 1997).
+    pub weaken: f64,
+    /// NIS from which the measurement is left out.
+    pub reject: f64,
+}
+
+impl Gate {
+    /// Everything passes.
+    pub const OPEN: Self = Self {
+        weaken: f64::INFINITY,
+        reject: f64::INFINITY,
+    };
 }
 
 /// Why the filter refused.
@@ -78,7 +117,8 @@ impl core::error::Error for FilterError {}
 pub struct Filter<const N: usize> {
     nav: NavState,
     sensors: Sensors,
-    /// Estimated sensor states, at their place in the error state; the first nine stay zero.
+    parameters: Parameters,
+    /// Estimated sensor states and parameters, at their place in the error state; the first nine stay zero.
     x: [f64; N],
     p: SMatrix<f64, N, N>,
     c_nb: Matrix3,
@@ -89,20 +129,30 @@ pub struct Filter<const N: usize> {
     end: f64,
     /// Angular rate ω_ib^b of the present sample, its predicted error removed [rad/s].
     omega_ib_b: Vector3,
+    /// Specific force of the present sample, its predicted error removed [m/s²].
+    force_b: Vector3,
+    /// How the parameters act on the present sample's errors.
+    coupling: Coupling,
 }
 
 impl<const N: usize> Filter<N> {
     /// Starts at `nav` with the given uncertainty; `sensors` in the order gyro x, y, z,
     /// accelerometer x, y, z.
+    ///
+    /// # Errors
+    /// More states than `N`, or a start that is no place on the Earth.
     pub fn new(
         nav: NavState,
         std: &InitialStd,
         sensors: [ShapingFilter; AXES],
+        parameters: Parameters,
     ) -> Result<Self, FilterError> {
         let sensors = Sensors::new(sensors);
-        if sensors.states() > N {
+        let behind = sensors.states();
+        let needed = behind + parameters.states();
+        if needed > N {
             return Err(FilterError::TooManyStates {
-                needed: sensors.states(),
+                needed,
                 capacity: N,
             });
         }
@@ -123,9 +173,15 @@ impl<const N: usize> Filter<N> {
                 }
             }
         }
+        for (kind, at, prior) in parameters.blocks() {
+            for i in behind + at..behind + at + kind.width() {
+                p[(i, i)] = prior.std * prior.std;
+            }
+        }
         Ok(Self {
             nav,
             sensors,
+            parameters,
             x: [0.0; N],
             p,
             c_nb: nav.q_nb.to_rotation_matrix().into_inner(),
@@ -133,6 +189,8 @@ impl<const N: usize> Filter<N> {
             current: None,
             end: nav.time,
             omega_ib_b: Vector3::zeros(),
+            force_b: Vector3::zeros(),
+            coupling: Coupling::NONE,
         })
     }
 
@@ -148,7 +206,34 @@ impl<const N: usize> Filter<N> {
 
     /// Size of the error state in use.
     pub fn states(&self) -> usize {
-        self.sensors.states()
+        self.sensors.states() + self.parameters.states()
+    }
+
+    /// The parameters that are estimated.
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// Place of a parameter's first state in the error state, if it is estimated.
+    pub fn parameter_start(&self, kind: Parameter) -> Option<usize> {
+        Some(self.sensors.states() + self.parameters.start(kind)?)
+    }
+
+    /// Estimated correction of a parameter to its configured value, and its standard deviations; the
+    /// first `kind.width()` of each.
+    pub fn parameter(&self, kind: Parameter) -> Option<([f64; 6], [f64; 6])> {
+        let at = self.parameter_start(kind)?;
+        let (mut value, mut std) = ([0.0; 6], [0.0; 6]);
+        for i in 0..kind.width() {
+            value[i] = self.x[at + i];
+            std[i] = libm::sqrt(self.p[(at + i, at + i)].max(0.0));
+        }
+        Some((value, std))
+    }
+
+    /// Estimated sensor states and parameters at their place in the error state.
+    pub fn estimates(&self) -> &[f64; N] {
+        &self.x
     }
 
     /// The sensors' shaping filters and their places in the error state.
@@ -173,29 +258,32 @@ impl<const N: usize> Filter<N> {
         self.omega_ib_b - self.c_nb.tr_mul(&omega_in)
     }
 
+    /// Acceleration of the IMU over ground, north-east-down [m/s²], from the last sample; without the
+    /// Coriolis term.
+    pub fn acceleration(&self) -> Vector3 {
+        let gravity = crate::earth::LocalEarth::at(&self.nav.position).gravity;
+        self.c_nb * self.force_b + Vector3::new(0.0, 0.0, gravity)
+    }
+
+    /// How the parameters act on the present sample's errors.
+    pub(crate) fn coupling(&self) -> &Coupling {
+        &self.coupling
+    }
+
     /// Standard deviations of `[δr; δv; ψ]` [m, m/s, rad].
     pub fn nav_std(&self) -> [f64; NAV] {
         core::array::from_fn(|i| libm::sqrt(self.p[(i, i)].max(0.0)))
     }
 
     /// Estimated sensor errors, gyro x, y, z [rad/s] and accelerometer x, y, z [m/s²]: what is
-    /// subtracted from the next sample.
+    /// subtracted from the next sample, but for scale factors and axis misalignment.
     pub fn sensor_error(&self) -> [f64; AXES] {
-        self.sensors.predicted_error(&self.x)
+        self.sensors.predicted_error(&self.x, &Coupling::NONE)
     }
 
     /// Standard deviations of [`Filter::sensor_error`], without the sample's own white noise.
     pub fn sensor_error_std(&self) -> [f64; AXES] {
-        core::array::from_fn(|axis| {
-            let (filter, at) = (self.sensors.axis(axis), self.sensors.start(axis));
-            let mut variance = 0.0;
-            for i in 0..filter.order {
-                for j in 0..filter.order {
-                    variance += filter.h[i] * filter.h[j] * self.p[(at + i, at + j)];
-                }
-            }
-            libm::sqrt(variance.max(0.0))
-        })
+        sensor_error_std(&self.sensors, &self.p)
     }
 
     /// Carries the filter over one whole sample.
@@ -207,7 +295,9 @@ impl<const N: usize> Filter<N> {
     /// Takes up a sample without moving yet; [`Filter::advance`] then moves through its interval in
     /// one or more parts, with updates between them where a fix falls inside.
     pub fn begin(&mut self, sample: &ImuSample) {
-        let error = self.sensors.predicted_error(&self.x);
+        let (rate, force) = (sample.dtheta / sample.dt, sample.dvel / sample.dt);
+        self.coupling = Coupling::new(&self.parameters, self.sensors.states(), &rate, &force);
+        let error = self.sensors.predicted_error(&self.x, &self.coupling);
         let gyro = Vector3::new(error[0], error[1], error[2]);
         let accel = Vector3::new(error[3], error[4], error[5]);
         let raw = RawIncrements {
@@ -217,6 +307,7 @@ impl<const N: usize> Filter<N> {
         };
         let increments = Increments::from_raw(raw.dt, raw.dtheta, raw.dvel, self.previous.as_ref());
         self.omega_ib_b = raw.dtheta / raw.dt;
+        self.force_b = raw.dvel / raw.dt;
         self.previous = Some(raw);
         self.current = Some((increments, 0.0));
         self.end = sample.time;
@@ -224,6 +315,11 @@ impl<const N: usize> Filter<N> {
 
     /// Moves to the fraction `to` (0…1) of the sample taken up; does nothing if already there.
     pub fn advance(&mut self, to: f64) {
+        self.advance_recorded(to, None);
+    }
+
+    /// As [`Filter::advance`], the step written down on `tape`.
+    pub fn advance_recorded(&mut self, to: f64, tape: Option<&mut Tape<N>>) {
         let Some((increments, done)) = self.current else {
             return;
         };
@@ -236,8 +332,18 @@ impl<const N: usize> Filter<N> {
             self.c_nb = self.nav.q_nb.to_rotation_matrix().into_inner();
             let transition = Transition::new(&step, &((c_start + self.c_nb) * 0.5));
             let part = if last { Part::Last } else { Part::Inner };
+            let coupling = &self.coupling;
             self.sensors
-                .propagate(&mut self.p.data.0, &transition, step.dt, part);
+                .propagate(&mut self.p.data.0, &transition, coupling, step.dt, part);
+            for (kind, at, prior) in self.parameters.blocks() {
+                let at = self.sensors.states() + at;
+                for i in at..at + kind.width() {
+                    self.p[(i, i)] += prior.walk * prior.walk * step.dt;
+                }
+            }
+            if let Some(tape) = tape {
+                tape.step(&self.sensors, &transition, coupling, part);
+            }
         }
         if last {
             self.sensors.step_mean(&mut self.x);
@@ -252,16 +358,21 @@ impl<const N: usize> Filter<N> {
     /// Moves to `time` [s] within the sample taken up; a time within `rounding` [s] of its end is
     /// the end.
     pub fn advance_to(&mut self, time: f64, rounding: f64) {
+        self.advance_to_recorded(time, rounding, None);
+    }
+
+    /// As [`Filter::advance_to`], the step written down on `tape`.
+    pub fn advance_to_recorded(&mut self, time: f64, rounding: f64, tape: Option<&mut Tape<N>>) {
         let end = self.end;
         let Some((increments, done)) = self.current else {
             return;
         };
         if end - time <= rounding {
-            self.advance(1.0);
+            self.advance_recorded(1.0, tape);
         } else {
             let to = 1.0 - (end - time) / increments.dt;
             if (to - done) * increments.dt > rounding {
-                self.advance(to);
+                self.advance_recorded(to, tape);
             }
         }
     }
@@ -303,22 +414,64 @@ impl<const N: usize> Filter<N> {
         self.previous = None;
     }
 
-    /// Kalman update with innovation `z` = predicted less measured, `z = h·error + noise`, noise
-    /// covariance `r`. Joseph's form, in two rank-M passes.
+    /// Kalman update with a measurement of covariance `r`: innovation ν = predicted less measured,
+    /// `ν = h·error + noise`. Joseph's form, in two rank-M passes.
+    ///
+    /// # Errors
+    /// A covariance of the innovation that is not positive; the filter is then as it was.
     pub fn update<const M: usize>(
         &mut self,
-        z: &SVector<f64, M>,
-        h: &SMatrix<f64, M, N>,
+        observed: &Observation<M, N>,
         r: &SMatrix<f64, M, M>,
     ) -> Result<Update, FilterError> {
+        self.update_recorded(observed, r, &Gate::OPEN, None)
+    }
+
+    /// As [`Filter::update`], past a gate, written down on `tape`.
+    ///
+    /// # Errors
+    /// As [`Filter::update`].
+    pub fn update_recorded<const M: usize>(
+        &mut self,
+        observed: &Observation<M, N>,
+        r: &SMatrix<f64, M, M>,
+        gate: &Gate,
+        tape: Option<&mut Tape<N>>,
+    ) -> Result<Update, FilterError> {
+        const { assert!(M <= 3, "at most three components at once") };
+        let (h, z) = (&observed.h, &observed.innovation);
+        let mut r = r + observed.extra;
         let pht = self.p * h.transpose();
-        let s = h * pht + r;
-        let factor = nalgebra::Cholesky::new(s).ok_or(FilterError::BadMeasurement)?;
-        let gain = factor.solve(&pht.transpose()).transpose();
-        let nis = (z.transpose() * factor.solve(z))[(0, 0)];
+        let mut s = h * pht + r;
+        let mut factor = nalgebra::Cholesky::new(s).ok_or(FilterError::BadMeasurement)?;
+        let white = factor
+            .l_dirty()
+            .solve_lower_triangular(z)
+            .ok_or(FilterError::BadMeasurement)?;
+        let nis = white.norm_squared();
         if !nis.is_finite() {
             return Err(FilterError::BadMeasurement);
         }
+        let mut whitened = [0.0; 3];
+        whitened[..M].copy_from_slice(white.as_slice());
+        let mut update = Update {
+            nis,
+            dof: M,
+            whitened,
+            outcome: Outcome::Used,
+        };
+        if nis > gate.reject {
+            update.outcome = Outcome::Rejected;
+            return Ok(update);
+        }
+        if nis > gate.weaken {
+            let factor_of_r = nis / gate.weaken;
+            update.outcome = Outcome::Weakened(factor_of_r);
+            r *= factor_of_r;
+            s = h * pht + r;
+            factor = nalgebra::Cholesky::new(s).ok_or(FilterError::BadMeasurement)?;
+        }
+        let gain = factor.solve(&pht.transpose()).transpose();
 
         // (I − K H) P (I − K H)ᵀ + K R Kᵀ
         let mut p = self.p - gain * pht.transpose();
@@ -332,49 +485,45 @@ impl<const N: usize> Filter<N> {
             }
         }
         self.p = p;
-        self.take_out(&(gain * z));
-        Ok(Update { nis, dof: M })
+        let error = gain * z;
+        if let Some(tape) = tape {
+            let turn = Vector3::new(error[6], error[7], error[8]);
+            tape.update(h, &factor.inverse(), &factor.solve(z), &gain, &turn);
+        }
+        self.take_out(&error);
+        Ok(update)
     }
 
-    /// Takes an estimated error out of the navigation state and adds it to the sensors' states.
-    fn take_out(&mut self, error: &SVector<f64, N>) {
+    /// Takes an estimated error out of the navigation state and adds it to the sensors' states and the
+    /// parameters; the covariance stays, turned to the corrected attitude.
+    pub fn take_out(&mut self, error: &SVector<f64, N>) {
         let part = |at: usize| Vector3::new(error[at], error[at + 1], error[at + 2]);
         self.nav = self.nav.without_error(&part(0), &part(3), &part(6));
         self.reset_attitude(&part(6));
         self.c_nb = self.nav.q_nb.to_rotation_matrix().into_inner();
-        let before = self.sensors.predicted_error(&self.x);
+        let before = self.sensors.predicted_error(&self.x, &self.coupling);
         for i in NAV..N {
             self.x[i] += error[i];
         }
         // The rate, and what is left of the present sample, follow the new estimate.
-        let after = self.sensors.predicted_error(&self.x);
+        let after = self.sensors.predicted_error(&self.x, &self.coupling);
         let change: [f64; AXES] = core::array::from_fn(|i| after[i] - before[i]);
         let gyro = Vector3::new(change[0], change[1], change[2]);
         let accel = Vector3::new(change[3], change[4], change[5]);
         self.omega_ib_b -= gyro;
+        self.force_b -= accel;
         if let Some((increments, _)) = &mut self.current {
             increments.rotation -= gyro * increments.dt;
             increments.dvel -= accel * increments.dt;
         }
     }
 
-    /// Moves the misalignment's covariance to the corrected attitude: after a turn by δ the error
-    /// that is left, e, becomes e + ½ δ × e. It matters while the heading is far less certain than
-    /// the level. Markley & Crassidis 2014, section 6.2.
+    /// Moves the misalignment's covariance to the corrected attitude. It matters while the heading is
+    /// far less certain than the level.
     fn reset_attitude(&mut self, delta: &Vector3) {
-        let cross = |v: Vector3| v + delta.cross(&v) * 0.5;
-        for j in 0..N {
-            let column = cross(Vector3::new(self.p[(6, j)], self.p[(7, j)], self.p[(8, j)]));
-            for i in 0..3 {
-                self.p[(6 + i, j)] = column[i];
-            }
-        }
-        for i in 0..N {
-            let row = cross(Vector3::new(self.p[(i, 6)], self.p[(i, 7)], self.p[(i, 8)]));
-            for j in 0..3 {
-                self.p[(i, 6 + j)] = row[j];
-            }
-        }
+        turn_rows(&mut self.p, delta);
+        self.p.transpose_mut();
+        turn_rows(&mut self.p, delta);
         for (i, j) in [(6, 7), (6, 8), (7, 8)] {
             self.p[(i, j)] = self.p[(j, i)];
         }
@@ -390,4 +539,18 @@ impl<const N: usize> Filter<N> {
             Err(FilterError::Diverged)
         }
     }
+}
+
+/// Standard deviations of the sensor errors `H x` under the covariance `p` of the error state.
+pub fn sensor_error_std<const N: usize>(sensors: &Sensors, p: &SMatrix<f64, N, N>) -> [f64; AXES] {
+    core::array::from_fn(|axis| {
+        let (filter, at) = (sensors.axis(axis), sensors.start(axis));
+        let mut variance = 0.0;
+        for i in 0..filter.order {
+            for j in 0..filter.order {
+                variance += filter.h[i] * filter.h[j] * p[(at + i, at + j)];
+            }
+        }
+        libm::sqrt(variance.max(0.0))
+    })
 }

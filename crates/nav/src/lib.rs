@@ -20,8 +20,10 @@ pub mod covariance;
 pub mod earth;
 pub mod filter;
 pub mod mechanisation;
+pub mod parameters;
 pub mod sample;
 pub mod shaping;
+pub mod tape;
 pub mod units;
 
 /// Three-vector in double precision.

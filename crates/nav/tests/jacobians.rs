@@ -1,5 +1,5 @@
-//! Every block of Φ, Γ and H against central differences of the code it linearises, and the
-//! structured covariance step against the dense one.
+//! Every block of Φ and Γ against central differences of the code it linearises, and the structured
+//! covariance step against the dense one. (H: `aiding.rs`.)
 
 use nalgebra::{SMatrix, Vector3};
 use proptest::prelude::*;
@@ -10,12 +10,13 @@ use undrift_nav::{
     earth::Geodetic,
     filter::{Filter, InitialStd},
     mechanisation::{Increments, NavState},
+    parameters::{Coupling, Parameter, Parameters, Prior},
     sample::{ImuSample, Position},
     shaping::ShapingFilter,
 };
 
 const JOINT: usize = NAV + AXES;
-type Dense = SMatrix<f64, 27, 27>;
+type Dense = SMatrix<f64, 45, 45>;
 
 fn vector(scale: f64) -> impl Strategy<Value = V3> {
     prop::array::uniform3(-scale..scale).prop_map(V3::from)
@@ -125,11 +126,18 @@ proptest! {
     #[test]
     fn structured_step_is_the_dense_step(
         truth in state(), inc in increments(), orders in prop::array::uniform6(0usize..=3),
-        seed in prop::collection::vec(-1.0..1.0f64, 27 * 27), last in any::<bool>(),
+        seed in prop::collection::vec(-1.0..1.0f64, 45 * 45), last in any::<bool>(),
+        wanted in prop::array::uniform4(any::<bool>()),
     ) {
-        const N: usize = 27;
+        const N: usize = 45;
         let sensors = sensors(orders);
-        let n = sensors.states();
+        let mut parameters = Parameters::none();
+        for (kind, wanted) in [Parameter::GyroScale, Parameter::AccelScale, Parameter::GyroMisalignment, Parameter::LeverArm].into_iter().zip(wanted) {
+            if wanted { parameters = parameters.with(kind, Prior::default()); }
+        }
+        let behind = sensors.states();
+        let n = behind + parameters.states();
+        let coupling = Coupling::new(&parameters, behind, &(inc.rotation / inc.dt), &(inc.dvel / inc.dt));
         let mut nominal = truth;
         let step = nominal.step(&inc);
         let c_mid = truth.q_nb.to_rotation_matrix().into_inner();
@@ -141,7 +149,7 @@ proptest! {
         for i in 0..n { for j in 0..n { p[i][j] = p0[(i, j)]; } }
 
         let part = if last { Part::Last } else { Part::Inner };
-        sensors.propagate(&mut p, &transition, inc.dt, part);
+        sensors.propagate(&mut p, &transition, &coupling, inc.dt, part);
 
         // Dense: the whole matrices, with w ~ N(0, I) in the form G w, D w.
         let mut identity = [[0.0; JOINT]; JOINT];
@@ -156,6 +164,7 @@ proptest! {
             for i in 0..NAV {
                 for j in 0..NAV { q[(i, j)] += map[i][NAV + axis] * white * map[j][NAV + axis]; }
                 for j in 0..filter.order { phi[(i, at + j)] = map[i][NAV + axis] * filter.h[j]; }
+                for (index, factor) in coupling.of(axis) { phi[(i, *index)] += map[i][NAV + axis] * factor; }
             }
             for i in 0..filter.order {
                 for j in 0..filter.order {
@@ -170,79 +179,25 @@ proptest! {
                 }
             }
         }
+        for i in behind..n { phi[(i, i)] = 1.0; }
         let dense = phi * p0 * phi.transpose() + q;
+        // The smoother's product of transitions.
+        let mut m = [[0.0; N]; N];
+        for i in 0..n { for j in 0..n { m[i][j] = a[(i, j)]; } }
+        sensors.carry(&mut m, &transition, &coupling, part);
+        let carried = phi * a;
+        for i in 0..n {
+            for j in 0..n {
+                let size: f64 = (0..n).map(|k| (phi[(i, k)] * a[(k, j)]).abs()).sum();
+                prop_assert!((m[i][j] - carried[(i, j)]).abs() <= 1e-14 * size, "{i} {j}");
+            }
+        }
         for i in 0..n {
             for j in 0..n {
                 prop_assert_eq!(p[i][j], p[j][i]);
                 // Rounding of sums of some hundred terms, relative to the two variances.
                 let allowed = 1e-13 * (dense[(i, i)] * dense[(j, j)]).sqrt();
                 prop_assert!((p[i][j] - dense[(i, j)]).abs() <= allowed, "{i} {j} {} {}", p[i][j], dense[(i, j)]);
-            }
-        }
-    }
-
-    #[test]
-    fn observations_are_derivatives(
-        truth in state(), inc in increments(), lever in vector(3.0),
-        baseline in vector(20_000.0), v_fix in vector(50.0),
-    ) {
-        const N: usize = 15;
-        let order_one = ShapingFilter::arma(&[0.9], &[0.5], 1e-2, 0.01).unwrap();
-        let std = InitialStd { position: V3::repeat(1.0), velocity: V3::repeat(1.0), attitude: V3::repeat(0.1) };
-        // A filter at `truth` with an error, its gyro and accelerometer reading with an error.
-        let at = |e: &[f64; N]| {
-            let mut filter = Filter::<N>::new(with_error(&truth, &e[..NAV]), &std, [order_one; AXES]).unwrap();
-            let sample = ImuSample {
-                time: 0.0,
-                dt: inc.dt,
-                dtheta: inc.rotation + V3::new(e[9], e[10], e[11]) * inc.dt,
-                dvel: inc.dvel + V3::new(e[12], e[13], e[14]) * inc.dt,
-            };
-            filter.begin(&sample);
-            (filter, sample)
-        };
-        let base = truth.position.displaced(&baseline);
-        let geodetic = Position::Geodetic(truth.position.displaced(&V3::new(3.0, -2.0, 1.0)));
-        let relative = Position::Baseline { base, ned: V3::new(1.0, 2.0, 3.0) };
-        type Observe<'a> = &'a dyn Fn(&Filter<N>, &ImuSample) -> (V3, SMatrix<f64, 3, N>);
-        let kinds: [(&str, Observe); 5] = [
-            ("geodetic", &|f, _| { let o = f.observe_position(&geodetic, &lever); (o.innovation, o.h) }),
-            ("baseline", &|f, _| { let o = f.observe_position(&relative, &lever); (o.innovation, o.h) }),
-            ("velocity", &|f, _| { let o = f.observe_velocity(&v_fix, &lever); (o.innovation, o.h) }),
-            ("earth rate", &|f, s| { let o = f.observe_earth_rate(&(s.dtheta / s.dt)); (o.innovation, o.h) }),
-            ("level", &|f, s| {
-                let (z, h) = f.observe_level(&(s.dvel / s.dt));
-                let mut padded = SMatrix::<f64, 3, N>::zeros();
-                padded.fixed_view_mut::<2, N>(0, 0).copy_from(&h);
-                (V3::new(z.x, z.y, 0.0), padded)
-            }),
-        ];
-        for (name, observe) in kinds {
-            let (filter, sample) = at(&[0.0; N]);
-            let (_, h) = observe(&filter, &sample);
-            for column in 0..N {
-                let d = NUDGE[column / 3];
-                let shifted = |sign: f64| {
-                    let mut e = [0.0; N];
-                    e[column] = sign * d;
-                    let (filter, sample) = at(&e);
-                    observe(&filter, &sample).0
-                };
-                let numeric = (shifted(1.0) - shifted(-1.0)) / (2.0 * d);
-                for row in 0..3 {
-                    let miss = (numeric[row] - h[(row, column)]).abs();
-                    // Position by position: the lever arm and the baseline see a metre's change of
-                    // the frame, l tan(lat)/R = 3e-6; velocity: ω_in by position and velocity, times the
-                    // lever arm, is left out (1e-12 and 5e-7); the Earth rate by position, 1e-11.
-                    let allowed = match (name, column / 3) {
-                        ("baseline", 0) => 4e-3,
-                        (_, 0 | 1) => 1e-5,
-                        ("baseline", 2) => 2e-2,
-                        (_, 2) => 2e-5,
-                        _ => 1e-9,
-                    };
-                    prop_assert!(miss < allowed, "{name} row {row} column {column}: {} {} miss {miss:e}", numeric[row], h[(row, column)]);
-                }
             }
         }
     }
@@ -271,7 +226,13 @@ fn covariance_stays_symmetric_and_positive_through_a_day_of_updates() {
         velocity: V3::repeat(10.0),
         attitude: V3::new(0.3, 0.3, 3.0),
     };
-    let mut filter = Filter::<N>::new(nav, &std, [gyro, gyro, gyro, accel, accel, accel]).unwrap();
+    let mut filter = Filter::<N>::new(
+        nav,
+        &std,
+        [gyro, gyro, gyro, accel, accel, accel],
+        Parameters::none(),
+    )
+    .unwrap();
     let earth = undrift_nav::earth::LocalEarth::at(&nav.position);
     for k in 0..400_000u32 {
         filter.predict(&ImuSample {
@@ -285,7 +246,7 @@ fn covariance_stays_symmetric_and_positive_through_a_day_of_updates() {
             let fix = Position::Geodetic(nav.position);
             let observed = filter.observe_position(&fix, &V3::zeros());
             filter
-                .update_with(&observed, &(Matrix3::identity() * 1e-6))
+                .update(&observed, &(Matrix3::identity() * 1e-6))
                 .unwrap();
         }
     }

@@ -261,7 +261,12 @@ impl Aligner {
                 velocity: Vector3::repeat(1.0),
                 attitude: std,
             };
-            let mut filter = Filter::new(start(from_rpy(&rpy)), &std, settings.sensors)?;
+            let mut filter = Filter::new(
+                start(from_rpy(&rpy)),
+                &std,
+                settings.sensors,
+                settings.parameters,
+            )?;
             filter.set_position_velocity_covariance(position_covariance, &velocity_covariance);
             return Ok(Some(Aligned {
                 filter,
@@ -320,15 +325,15 @@ impl Aligner {
         };
         let mut at_rest = start(now);
         at_rest.q_nb = rest_attitude;
-        let mut filter = Filter::new(at_rest, &wide, settings.sensors)?;
-        let (z, h) = filter.observe_level(&force_at_rest);
+        let mut filter = Filter::new(at_rest, &wide, settings.sensors, settings.parameters)?;
+        let observed = filter.observe_level(&force_at_rest);
         let variance = noise_of_mean(&settings.sensors[3..], duration) + LEVEL_FLOOR * LEVEL_FLOOR;
-        filter.update(&z, &h, &(nalgebra::Matrix2::identity() * variance))?;
+        filter.update(&observed, &(nalgebra::Matrix2::identity() * variance))?;
         if settings.sensors[..3].iter().all(|s| s.order > 0) {
             let observed = filter.observe_earth_rate(&self.rest.bias);
             let variance = noise_of_mean(&settings.sensors[..3], self.rest.bias_span())
                 + RATE_FLOOR * RATE_FLOOR;
-            filter.update_with(&observed, &(Matrix3::identity() * variance))?;
+            filter.update(&observed, &(Matrix3::identity() * variance))?;
         }
         filter.set_nav(start(now));
         filter.set_position_velocity_covariance(position_covariance, &velocity_covariance);

@@ -1,0 +1,34 @@
+//! Zero angular rate: a body that does not turn against the Earth turns with it.
+
+use super::Observation;
+use crate::{
+    Matrix3, Vector3, attitude::skew, earth::earth_rate_n, filter::Filter, parameters::Coupling,
+};
+use nalgebra::SMatrix;
+
+impl<const N: usize> Filter<N> {
+    /// What a mean angular rate at rest `omega_b` [rad/s] says about the gyros: it is the Earth's.
+    /// Rows `[0, 0, C_n^b [ω_ie×], H_g, 0]`.
+    pub fn observe_earth_rate(&self, omega_b: &Vector3) -> Observation<3, N> {
+        let coupling = Coupling::new(
+            self.parameters(),
+            self.sensors().states(),
+            omega_b,
+            &Vector3::zeros(),
+        );
+        let error = self.sensors().predicted_error(self.estimates(), &coupling);
+        let c = self.c_nb();
+        let earth_n = earth_rate_n(self.nav().position.lat);
+        let mut h = SMatrix::<f64, 3, N>::zeros();
+        h.fixed_view_mut::<3, 3>(0, 6)
+            .copy_from(&(c.transpose() * skew(&earth_n)));
+        for axis in 0..3 {
+            self.error_columns(&mut h, axis, &Vector3::ith(axis, 1.0), &coupling);
+        }
+        Observation {
+            innovation: omega_b - Vector3::new(error[0], error[1], error[2]) - c.tr_mul(&earth_n),
+            h,
+            extra: Matrix3::zeros(),
+        }
+    }
+}

@@ -1,0 +1,46 @@
+//! GNSS velocity.
+
+use super::Observation;
+use crate::{Matrix3, Vector3, attitude::skew, filter::Filter, parameters::Parameter};
+use nalgebra::SMatrix;
+
+impl<const N: usize> Filter<N> {
+    /// Antenna velocity over ground, north-east-down [m/s]; `lever_b` from IMU to antenna as
+    /// configured, body axes [m].
+    pub fn antenna_velocity(&self, lever_b: &Vector3) -> Vector3 {
+        self.nav().v_n + self.c_nb() * self.omega_nb_b().cross(&self.lever_arm(lever_b))
+    }
+
+    /// What a velocity fix `v_n` [m/s] says. Rows
+    /// `[0, I, [ω_nb^n×][l^n×] − [l^n×][ω_ib^n×], −[l^n×] C_b^n H_g, 0]`: the source paper's row,
+    /// exact in the second rate (it has ω_nb there, which leaves out the frame's own rate);
+    /// `−C_b^n [ω_nb^b×]` for the lever arm, less the acceleration of the IMU for the time offset.
+    pub fn observe_velocity(&self, v_n: &Vector3, lever_b: &Vector3) -> Observation<3, N> {
+        let c = self.c_nb();
+        let lever_n = c * self.lever_arm(lever_b);
+        let lever = skew(&lever_n);
+        let (omega_nb, omega_ib) = (
+            skew(&(c * self.omega_nb_b())),
+            skew(&(c * self.omega_ib_b())),
+        );
+        let mut h = SMatrix::<f64, 3, N>::zeros();
+        h.fixed_view_mut::<3, 3>(0, 3)
+            .copy_from(&Matrix3::identity());
+        h.fixed_view_mut::<3, 3>(0, 6)
+            .copy_from(&(omega_nb * lever - lever * omega_ib));
+        let extra = self.rate_columns(&mut h, &(-lever * c));
+        if let Some(at) = self.parameter_start(Parameter::LeverArm) {
+            h.fixed_view_mut::<3, 3>(0, at)
+                .copy_from(&(-c * skew(&self.omega_nb_b())));
+        }
+        if let Some(at) = self.parameter_start(Parameter::TimeOffset) {
+            h.fixed_view_mut::<3, 1>(0, at)
+                .copy_from(&-self.acceleration());
+        }
+        Observation {
+            innovation: self.antenna_velocity(lever_b) - v_n,
+            h,
+            extra,
+        }
+    }
+}

@@ -1,0 +1,209 @@
+//! Constants that are estimated beside the sensors' errors: scale factors, misalignment of the
+//! sensor axes, lever arm, time offset, mounting, and what further sensors need.
+//!
+//! Each kind is a block of states behind the shaping filters' states, in the order of [`Parameter`],
+//! there only when it is asked for. A parameter is a random constant, or a random walk where its
+//! prior says so, and its state is the correction to the configured value, from zero; its error is
+//! what the correction still misses, truth less estimate, like a sensor state's.
+//!
+//! Scale factors and axis misalignment act through the sensor error, `ε_i = … + s_i u_i + Σ m_ij u_j`
+//! with u the angular rate or the specific force (Groves 2013, section 4.4.6); all others act through
+//! the measurements only.
+
+use crate::{Vector3, covariance::AXES};
+
+/// Kinds of parameters, in the order of their states.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Parameter {
+    /// Scale factor errors of gyro x, y, z [–].
+    GyroScale,
+    /// Scale factor errors of accelerometer x, y, z [–].
+    AccelScale,
+    /// Misalignment of the gyro axes, m_xy, m_xz, m_yx, m_yz, m_zx, m_zy [rad].
+    GyroMisalignment,
+    /// Misalignment of the accelerometer axes, in the same order [rad].
+    AccelMisalignment,
+    /// Lever arm IMU → antenna, body axes [m].
+    LeverArm,
+    /// By how much a fix is later than its stamp says [s].
+    TimeOffset,
+    /// Small turn of the vehicle's axes against the body axes, about pitch and yaw [rad].
+    Mounting,
+    /// Scale factor error of the odometer [–].
+    OdometerScale,
+    /// Error of the barometric height [m].
+    BarometerBias,
+}
+
+impl Parameter {
+    /// All kinds in order.
+    pub const ALL: [Self; 9] = [
+        Self::GyroScale,
+        Self::AccelScale,
+        Self::GyroMisalignment,
+        Self::AccelMisalignment,
+        Self::LeverArm,
+        Self::TimeOffset,
+        Self::Mounting,
+        Self::OdometerScale,
+        Self::BarometerBias,
+    ];
+
+    /// States of a block.
+    pub const fn width(self) -> usize {
+        match self {
+            Self::GyroScale | Self::AccelScale | Self::LeverArm => 3,
+            Self::GyroMisalignment | Self::AccelMisalignment => 6,
+            Self::Mounting => 2,
+            Self::TimeOffset | Self::OdometerScale | Self::BarometerBias => 1,
+        }
+    }
+}
+
+/// What is known of a parameter before the log.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Prior {
+    /// Standard deviation of each state about its configured value [the parameter's unit].
+    pub std: f64,
+    /// Random walk [unit/√s]; 0 for a constant.
+    pub walk: f64,
+}
+
+/// The parameters that are estimated.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Parameters {
+    priors: [Option<Prior>; Parameter::ALL.len()],
+}
+
+impl Parameters {
+    /// None.
+    pub fn none() -> Self {
+        Self::default()
+    }
+
+    /// These and one more.
+    pub fn with(mut self, kind: Parameter, prior: Prior) -> Self {
+        self.priors[kind as usize] = Some(prior);
+        self
+    }
+
+    /// Prior of a kind, if it is estimated.
+    pub fn prior(&self, kind: Parameter) -> Option<Prior> {
+        self.priors[kind as usize]
+    }
+
+    /// Number of their states.
+    pub fn states(&self) -> usize {
+        self.blocks().map(|(kind, ..)| kind.width()).sum()
+    }
+
+    /// Place of a kind's first state behind those of the sensors.
+    pub fn start(&self, kind: Parameter) -> Option<usize> {
+        self.blocks()
+            .find(|(k, ..)| *k == kind)
+            .map(|(_, start, _)| start)
+    }
+
+    /// Kind, place of the first state and prior of every block.
+    pub fn blocks(&self) -> impl Iterator<Item = (Parameter, usize, Prior)> + '_ {
+        let mut start = 0;
+        Parameter::ALL.into_iter().filter_map(move |kind| {
+            let prior = self.priors[kind as usize]?;
+            let at = start;
+            start += kind.width();
+            Some((kind, at, prior))
+        })
+    }
+}
+
+/// The states that the six sensor errors of one sample depend on beside the shaping filters', with
+/// their factors: `ε_axis = … + Σ factor x[index]`.
+#[derive(Clone, Copy, Debug)]
+pub struct Coupling {
+    terms: [[(usize, f64); 3]; AXES],
+    len: usize,
+}
+
+impl Coupling {
+    /// No parameter acts on the sensors.
+    pub const NONE: Self = Self {
+        terms: [[(0, 0.0); 3]; AXES],
+        len: 0,
+    };
+
+    /// Of a sample with mean angular rate `rate` [rad/s] and specific force `force` [m/s²], body
+    /// axes; `behind` is the place of the first parameter in the error state.
+    pub fn new(parameters: &Parameters, behind: usize, rate: &Vector3, force: &Vector3) -> Self {
+        use Parameter::{AccelMisalignment, AccelScale, GyroMisalignment, GyroScale};
+        let mut coupling = Self::NONE;
+        let mut counts = [0; AXES];
+        let mut add = |axis: usize, index: usize, factor: f64| {
+            coupling.terms[axis][counts[axis]] = (behind + index, factor);
+            counts[axis] += 1;
+        };
+        for (triad, u, scale, misalignment) in [
+            (0, rate, GyroScale, GyroMisalignment),
+            (3, force, AccelScale, AccelMisalignment),
+        ] {
+            if let Some(at) = parameters.start(scale) {
+                for i in 0..3 {
+                    add(triad + i, at + i, u[i]);
+                }
+            }
+            if let Some(at) = parameters.start(misalignment) {
+                for i in 0..3 {
+                    let (j, k) = if i == 0 { (1, 2) } else { (0, 3 - i) };
+                    add(triad + i, at + 2 * i, u[j]);
+                    add(triad + i, at + 2 * i + 1, u[k]);
+                }
+            }
+        }
+        coupling.len = counts.into_iter().max().unwrap_or(0);
+        coupling
+    }
+
+    /// States and factors of an axis; a factor may be zero.
+    pub fn of(&self, axis: usize) -> &[(usize, f64)] {
+        &self.terms[axis][..self.len]
+    }
+
+    /// Whether nothing is coupled.
+    pub fn is_none(&self) -> bool {
+        self.len == 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_lie_one_behind_the_other() {
+        let prior = Prior {
+            std: 1.0,
+            walk: 0.0,
+        };
+        let some = Parameters::none()
+            .with(Parameter::TimeOffset, prior)
+            .with(Parameter::GyroMisalignment, prior)
+            .with(Parameter::AccelScale, prior);
+        assert_eq!(some.states(), 10);
+        assert_eq!(some.start(Parameter::AccelScale), Some(0));
+        assert_eq!(some.start(Parameter::GyroMisalignment), Some(3));
+        assert_eq!(some.start(Parameter::TimeOffset), Some(9));
+        assert_eq!(some.start(Parameter::LeverArm), None);
+    }
+
+    #[test]
+    fn every_axis_sees_the_two_others() {
+        let prior = Prior::default();
+        let all = Parameters::none()
+            .with(Parameter::GyroScale, prior)
+            .with(Parameter::GyroMisalignment, prior);
+        let c = Coupling::new(&all, 20, &Vector3::new(1.0, 2.0, 3.0), &Vector3::zeros());
+        assert_eq!(c.of(0), [(20, 1.0), (23, 2.0), (24, 3.0)]);
+        assert_eq!(c.of(1), [(21, 2.0), (25, 1.0), (26, 3.0)]);
+        assert_eq!(c.of(2), [(22, 3.0), (27, 1.0), (28, 2.0)]);
+        assert_eq!(c.of(3)[0].1, 0.0);
+    }
+}

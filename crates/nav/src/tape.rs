@@ -1,0 +1,106 @@
+//! What a smoother needs of a span of filtering: the adjoint of everything that happened in it.
+//!
+//! Let e be the error after the filter's last correction at the start of the span. Steps and updates
+//! inside the span carry it to `T e` plus noise at the end, and the innovations on the way say of it
+//!
+//! ```text
+//! λ_start = a + Tᵀ λ_end,    Λ_start = A + Tᵀ Λ_end T
+//! a = Σ (H T_k)ᵀ S⁻¹ ν,      A = Σ (H T_k)ᵀ S⁻¹ (H T_k)
+//! ```
+//!
+//! with `T_k` the product up to update k, so that the expected error given all later measurements is
+//! `P λ` and its covariance `P − P Λ P`, P the filter's covariance at the start. This is the modified
+//! Bryson-Frazier smoother (Bierman 1977, section X; Rauch, Tung & Striebel 1965 give the same
+//! numbers), which inverts nothing but the innovations' covariances: states without noise and
+//! singular covariances are no trouble.
+
+use crate::{
+    Vector3,
+    covariance::{Part, Sensors, Transition},
+    parameters::Coupling,
+};
+use nalgebra::{SMatrix, SVector};
+
+/// The adjoint of one span, accumulated as the filter runs through it.
+#[derive(Clone, Debug)]
+pub struct Tape<const N: usize> {
+    /// T, by rows.
+    t: [[f64; N]; N],
+    /// a.
+    pub gradient: SVector<f64, N>,
+    /// A.
+    pub information: SMatrix<f64, N, N>,
+}
+
+impl<const N: usize> Default for Tape<N> {
+    fn default() -> Self {
+        let mut t = [[0.0; N]; N];
+        for (i, row) in t.iter_mut().enumerate() {
+            row[i] = 1.0;
+        }
+        Self {
+            t,
+            gradient: SVector::zeros(),
+            information: SMatrix::zeros(),
+        }
+    }
+}
+
+impl<const N: usize> Tape<N> {
+    /// T.
+    pub fn transition(&self) -> SMatrix<f64, N, N> {
+        SMatrix::from_fn(|i, j| self.t[i][j])
+    }
+
+    /// Carries `λ` and `Λ` from the end of the span to its start.
+    pub fn back(&self, lambda: &mut SVector<f64, N>, information: &mut SMatrix<f64, N, N>) {
+        let t = self.transition();
+        *lambda = self.gradient + t.tr_mul(lambda);
+        let carried = t.tr_mul(&(*information * t));
+        *information = self.information + (carried + carried.transpose()) * 0.5;
+    }
+
+    pub(crate) fn step(
+        &mut self,
+        sensors: &Sensors,
+        transition: &Transition,
+        coupling: &Coupling,
+        part: Part,
+    ) {
+        sensors.carry(&mut self.t, transition, coupling, part);
+    }
+
+    /// An update: its H, S⁻¹, S⁻¹ν, gain, and the attitude correction that followed it.
+    pub(crate) fn update<const M: usize>(
+        &mut self,
+        h: &SMatrix<f64, M, N>,
+        s_inverse: &SMatrix<f64, M, M>,
+        weighted: &SVector<f64, M>,
+        gain: &SMatrix<f64, N, M>,
+        turn: &Vector3,
+    ) {
+        let t = self.transition();
+        let seen = h * t;
+        self.gradient += seen.tr_mul(weighted);
+        self.information += seen.tr_mul(&(s_inverse * seen));
+        let mut t = t - gain * seen;
+        turn_rows(&mut t, turn);
+        for i in 0..N {
+            for j in 0..N {
+                self.t[i][j] = t[(i, j)];
+            }
+        }
+    }
+}
+
+/// `ψ ← ψ + ½ δ × ψ` on the misalignment's rows: what is left of it, at the corrected attitude.
+/// Markley & Crassidis 2014, section 6.2.
+pub(crate) fn turn_rows<const N: usize>(m: &mut SMatrix<f64, N, N>, delta: &Vector3) {
+    for j in 0..N {
+        let psi = Vector3::new(m[(6, j)], m[(7, j)], m[(8, j)]);
+        let turned = psi + delta.cross(&psi) * 0.5;
+        for i in 0..3 {
+            m[(6 + i, j)] = turned[i];
+        }
+    }
+}
