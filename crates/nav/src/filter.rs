@@ -399,6 +399,15 @@ impl<const N: usize> Filter<N> {
         self.p.fixed_view_mut::<3, 3>(3, 3).copy_from(velocity);
     }
 
+    /// Adds the uncertainty of a position that may be off by `size` [m] and of a velocity off by a tenth
+    /// of that a second: for a solution that fixes have contradicted for a while.
+    pub fn doubt_position(&mut self, size: f64) {
+        for i in 0..3 {
+            self.p[(i, i)] += size * size;
+            self.p[(3 + i, 3 + i)] += 0.01 * size * size;
+        }
+    }
+
     /// Adds uncertainty for `duration` seconds without samples in which the body may have turned
     /// with `rate` [rad/s] and accelerated with `accel` [m/s²] (one standard deviation each axis).
     pub fn grow(&mut self, duration: f64, rate: f64, accel: f64) {

@@ -182,11 +182,9 @@ fn ride(
                 .iter()
                 .map(|(name, model, kind)| {
                     let settings = Settings {
-                        sensors: model.shaping(*kind, 1.0 / RATE)?,
                         lever_arm: gnss.lever_arm,
-                        gnss_use: GnssUse::Both,
-                        align: AlignSettings::default(),
                         outages: cuts.clone(),
+                        ..Settings::new(model.shaping(*kind, 1.0 / RATE)?)
                     };
                     Ok(((*name).to_owned(), settings))
                 })

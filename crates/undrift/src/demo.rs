@@ -2,10 +2,9 @@
 
 use crate::record::Record;
 use crate::{
-    align::AlignSettings,
     identify::{self, Identified},
     outages::{self, ModelRun, Schedule},
-    replay::{GnssUse, Outage, ReplayError, Settings},
+    replay::{Outage, ReplayError, Settings},
     simulate::{GnssNoise, Simulation, SimulationError, Trajectory, simulate},
 };
 use rand::SeedableRng;
@@ -138,11 +137,9 @@ pub fn run(seed: u64, models: Models) -> Result<Demo, DemoError> {
     let outages = outages::schedule(&plan, length, first, last).map_err(DemoError::Plan)?;
     let settings = |kind: BiasModel| -> Result<(String, Settings), ModelError> {
         let settings = Settings {
-            sensors: model.shaping(kind, interval)?,
             lever_arm,
-            gnss_use: GnssUse::Both,
-            align: AlignSettings::default(),
             outages: outages.clone(),
+            ..Settings::new(model.shaping(kind, interval)?)
         };
         Ok((kind.name().to_owned(), settings))
     };

@@ -25,7 +25,7 @@ mod tables;
 
 pub use section::{ConfigError, Section};
 
-use crate::{align::AlignSettings, replay::GnssUse};
+use crate::{align::AlignSettings, replay::GnssUse, vehicle::Constraints};
 use section::line_at;
 use std::path::{Path, PathBuf};
 use toml::de::{DeTable, DeValue};
@@ -36,7 +36,7 @@ use undrift_io::{
     rtklib::RtklibOptions,
     truth::{TruthFormat, TruthReader},
 };
-use undrift_nav::{Vector3, sample::ImuSample, units::Quantity};
+use undrift_nav::{Vector3, parameters::Parameters, sample::ImuSample, units::Quantity};
 use undrift_noise::{ImuModel, ModelError};
 
 /// A drive, ready to be read.
@@ -54,6 +54,12 @@ pub struct Drive {
     pub lever_arm: Vector3,
     /// How to start.
     pub align: AlignSettings,
+    /// Constants that are estimated beside the sensors' errors.
+    pub parameters: Parameters,
+    /// What is known of the vehicle.
+    pub constraints: Constraints,
+    /// Whether fixes pass a gate.
+    pub gating: bool,
     /// Noise model of the IMU, if the file names one.
     pub model: Option<ImuModel>,
 }
@@ -106,14 +112,18 @@ impl Drive {
             message: e.message().to_owned(),
         })?;
         let top = Section::top(table.get_ref(), text, file);
-        top.only(&["model", "imu", "gnss", "truth", "initial", "span"])?;
+        top.only(&["model", "imu", "gnss", "truth", "initial", "span", "vehicle", "states"])?;
         let span = tables::read_span(&top.section("span")?)?;
         let gnss = top.section("gnss")?;
         let gnss_use = tables::read_use(&gnss)?;
         let lever_arm = gnss
             .vector("lever_arm", Quantity::Length)?
             .unwrap_or_else(Vector3::zeros);
+        let (constraints, mounting) = tables::read_vehicle(&top.section("vehicle")?)?;
         let drive = Self {
+            parameters: tables::read_states(&top.section("states")?, mounting)?,
+            constraints,
+            gating: tables::read_switch(&gnss, "gate")?.unwrap_or(true),
             imu: tables::read_imu(&top.section("imu")?, data, span)?,
             gnss: tables::read_gnss(&gnss, data, span)?,
             truth: tables::read_truth(&top.section("truth")?, data)?,

@@ -17,6 +17,7 @@ pub mod reference;
 pub mod replay;
 pub mod simulate;
 pub mod table;
+pub mod vehicle;
 
 pub use undrift_io as io;
 pub use undrift_nav as nav;

@@ -3,7 +3,7 @@
 use crate::{
     drive::{Drive, DriveError},
     reference::{COMPONENTS, Errors, TruthCursor},
-    replay::{Observer, ReplayError, Settings, Summary, replay},
+    replay::{Measurement, Observer, ReplayError, Settings, Summary, replay},
 };
 use std::path::Path;
 use undrift_io::{
@@ -73,11 +73,13 @@ impl From<undrift_noise::ModelError> for NavigateError {
 pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateError> {
     let model = drive.model.as_ref().ok_or(NavigateError::NoModel)?;
     Ok(Settings {
-        sensors: model.shaping(kind, drive.sample_interval()?)?,
         lever_arm: drive.lever_arm,
         gnss_use: drive.gnss_use,
         align: drive.align.clone(),
-        outages: Vec::new(),
+        parameters: drive.parameters,
+        constraints: drive.constraints.clone(),
+        gating: drive.gating,
+        ..Settings::new(model.shaping(kind, drive.sample_interval()?)?)
     })
 }
 
@@ -105,7 +107,12 @@ pub fn navigate(
         squares: [0.0; COMPONENTS.len()],
         compared: 0,
     };
-    let summary = replay(&mut imu, &mut gnss, &settings, &mut recorder)?;
+    let summary = replay(
+        &mut imu,
+        gnss.by_ref().map(|fix| fix.map(Measurement::Gnss)),
+        &settings,
+        &mut recorder,
+    )?;
     let mut truth_skipped = Skipped::default();
     let mut truth_read = None;
     if let Some(cursor) = recorder.truth {

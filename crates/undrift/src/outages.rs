@@ -3,7 +3,7 @@
 
 use crate::{
     reference::{self, Errors, HORIZONTAL, TruthCursor},
-    replay::{Observer, Outage, ReplayError, Settings, Summary, replay},
+    replay::{Measurement, Observer, Outage, ReplayError, Settings, Summary, replay},
 };
 use rayon::prelude::*;
 use serde::Serialize;
@@ -206,7 +206,7 @@ pub fn run(
             let mut watch = OutageWatch::new(settings, truth);
             let result = replay(
                 imu.iter().copied().map(Ok),
-                gnss.iter().copied().map(Ok),
+                gnss.iter().copied().map(Measurement::Gnss).map(Ok),
                 settings,
                 &mut watch,
             )

@@ -4,15 +4,30 @@
 //! own time. What happens at each sample and fix is told to an [`Observer`].
 
 mod bridge;
+mod gate;
+mod measurement;
+mod rest;
+mod summary;
 
-use crate::align::{AlignSettings, Aligner};
+pub use measurement::{Measurement, Scalar, merge};
+pub use summary::{Innovations, SUSPECT_NIS, SUSPECT_UPDATES, Summary};
+
+use crate::{
+    align::{AlignSettings, Aligner},
+    vehicle::Constraints,
+};
 use bridge::Bridge;
+use gate::FixGate;
+use rest::RestDetector;
+use summary::Streak;
 use undrift_nav::{
-    Vector3,
+    Matrix3, Vector3,
     covariance::{AXES, NAV},
-    filter::{Filter, FilterError},
+    filter::{Filter, FilterError, Gate, Outcome},
+    parameters::{Parameter, Parameters},
     sample::{GnssFix, ImuSample},
     shaping::ShapingFilter,
+    tape::Tape,
 };
 
 /// Half-open span of time without GNSS: fixes after `start` up to and including `end` are withheld.
@@ -47,6 +62,32 @@ pub struct Settings {
     pub align: AlignSettings,
     /// Spans without GNSS, in order.
     pub outages: Vec<Outage>,
+    /// Constants that are estimated beside the sensors' errors.
+    pub parameters: Parameters,
+    /// What is known of the vehicle.
+    pub constraints: Constraints,
+    /// Whether fixes pass a gate.
+    pub gating: bool,
+    /// Longest span between two nodes that a smoother is told of [s]; without it, none.
+    pub nodes: Option<f64>,
+}
+
+impl Settings {
+    /// For sensors of these models: antenna at the IMU, alignment by itself, no outages, no
+    /// parameters, no vehicle, fixes gated.
+    pub fn new(sensors: [ShapingFilter; AXES]) -> Self {
+        Self {
+            sensors,
+            lever_arm: Vector3::zeros(),
+            gnss_use: GnssUse::Both,
+            align: AlignSettings::default(),
+            outages: Vec::new(),
+            parameters: Parameters::none(),
+            constraints: Constraints::default(),
+            gating: true,
+            nodes: None,
+        }
+    }
 }
 
 /// Which parts of a fix are used.
@@ -67,74 +108,16 @@ pub trait Observer {
     fn sample<const N: usize>(&mut self, filter: &Filter<N>) -> Result<(), ReplayError>;
     /// A fix was reached; the filter stands at its time, before any update with it.
     fn fix<const N: usize>(&mut self, filter: &Filter<N>, fix: &GnssFix, withheld: bool);
-}
-
-/// Sums of the normalised innovations squared of one kind of measurement.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Innovations {
-    /// Updates made.
-    pub updates: u64,
-    /// Sum of NIS over them.
-    pub nis_sum: f64,
-    /// Sum of their degrees of freedom: what `nis_sum` is on average when the model is right.
-    pub dof_sum: u64,
-}
-
-impl Innovations {
-    fn add(&mut self, update: undrift_nav::filter::Update) {
-        self.updates += 1;
-        self.nis_sum += update.nis;
-        self.dof_sum += update.dof as u64;
-    }
-
-    /// NIS per degree of freedom: 1 when the model is right. `None` without updates.
-    pub fn per_dof(&self) -> Option<f64> {
-        (self.dof_sum > 0).then(|| self.nis_sum / self.dof_sum as f64)
+    /// A node of a smoother: the filter after all that happened up to now, and the adjoint of what
+    /// happened since the node before; `None` at the first one.
+    fn node<const N: usize>(
+        &mut self,
+        _filter: &Filter<N>,
+        _since: Option<&Tape<N>>,
+    ) -> Result<(), ReplayError> {
+        Ok(())
     }
 }
-
-/// What a replay was like.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Summary {
-    /// Samples processed after alignment.
-    pub samples: u64,
-    /// Samples used up by alignment.
-    pub align_samples: u64,
-    /// When navigation began [s].
-    pub started: Option<f64>,
-    /// How the heading was found, in words.
-    pub alignment: String,
-    /// Time of the last sample [s].
-    pub ended: f64,
-    /// Fixes used.
-    pub fixes: u64,
-    /// Fixes withheld by outages.
-    pub withheld: u64,
-    /// Fixes before the first sample or before alignment could use them.
-    pub fixes_before: u64,
-    /// Fixes that could not be used because their covariance is not one.
-    pub bad_fixes: u64,
-    /// Position updates.
-    pub position: Innovations,
-    /// Velocity updates.
-    pub velocity: Innovations,
-    /// Short gaps in the samples that were bridged by interpolation.
-    pub bridged: u64,
-    /// Gaps too long for that, covariance grown: their number, the first one's time [s], the longest [s].
-    pub long_gaps: Option<(u64, f64, f64)>,
-    /// Longest span without a fix, outages aside: start and length [s].
-    pub longest_without_gnss: (f64, f64),
-    /// When the solution stopped being one, if it did [s].
-    pub diverged: Option<f64>,
-    /// Start of the first [`SUSPECT_UPDATES`] updates on end, or fewer at the end of the log, whose
-    /// innovations were far beyond their predicted size [s].
-    pub suspect: Option<f64>,
-}
-
-/// NIS per degree of freedom over this many updates …
-pub const SUSPECT_UPDATES: u32 = 20;
-/// … and above this value makes a solution suspect of divergence.
-pub const SUSPECT_NIS: f64 = 25.0;
 
 /// Why a replay stopped without a result.
 #[derive(Debug, thiserror::Error)]
@@ -155,6 +138,13 @@ pub enum ReplayError {
 
 /// A gap longer than this many sample intervals is not one late sample …
 const GAP_INTERVALS: f64 = 1.5;
+/// Constraints are left out where they contradict the solution far beyond both.
+const CONSTRAINT_GATE: Gate = Gate {
+    weaken: 9.0,
+    reject: 100.0,
+};
+/// The speed of a fix holds for so long [s].
+const SPEED_HOLDS: f64 = 1.5;
 /// What a vehicle may do unseen in a long gap: acceleration [m/s²] and turn rate [rad/s], one sigma.
 const GAP_ACCEL: f64 = 2.0;
 const GAP_RATE: f64 = 0.2;
@@ -162,62 +152,55 @@ const GAP_RATE: f64 = 0.2;
 /// Navigates a log. The size of the filter follows the models.
 pub fn replay(
     imu: impl Iterator<Item = Result<ImuSample, undrift_io::ReadError>>,
-    gnss: impl Iterator<Item = Result<GnssFix, undrift_io::ReadError>>,
+    aiding: impl Iterator<Item = Result<Measurement, undrift_io::ReadError>>,
     settings: &Settings,
     observer: &mut impl Observer,
 ) -> Result<Summary, ReplayError> {
-    let states = NAV + settings.sensors.iter().map(|f| f.order).sum::<usize>();
-    match states {
-        ..=9 => run::<9>(imu, gnss, settings, observer),
-        10..=15 => run::<15>(imu, gnss, settings, observer),
-        16..=21 => run::<21>(imu, gnss, settings, observer),
-        22..=27 => run::<27>(imu, gnss, settings, observer),
-        28..=33 => run::<33>(imu, gnss, settings, observer),
-        _ => run::<45>(imu, gnss, settings, observer),
+    let sensors: usize = settings.sensors.iter().map(|f| f.order).sum();
+    match NAV + sensors + settings.parameters.states() {
+        ..=9 => run::<9>(imu, aiding, settings, observer),
+        10..=15 => run::<15>(imu, aiding, settings, observer),
+        16..=21 => run::<21>(imu, aiding, settings, observer),
+        22..=27 => run::<27>(imu, aiding, settings, observer),
+        28..=33 => run::<33>(imu, aiding, settings, observer),
+        34..=45 => run::<45>(imu, aiding, settings, observer),
+        _ => run::<73>(imu, aiding, settings, observer),
     }
 }
 
 fn run<const N: usize>(
     imu: impl Iterator<Item = Result<ImuSample, undrift_io::ReadError>>,
-    gnss: impl Iterator<Item = Result<GnssFix, undrift_io::ReadError>>,
+    aiding: impl Iterator<Item = Result<Measurement, undrift_io::ReadError>>,
     settings: &Settings,
     observer: &mut impl Observer,
 ) -> Result<Summary, ReplayError> {
-    let mut run = Run::<N> {
-        filter: None,
-        aligner: Aligner::new(settings),
-        settings,
-        summary: Summary::default(),
-        last_fix: None,
-        streak: Streak::default(),
-        previous: None,
-        bridge: None,
-    };
-    let mut gnss = gnss.peekable();
+    let mut run = Run::<N>::new(settings);
+    let mut aiding = aiding.peekable();
     let (mut imu_start, mut first_fix) = (None, None);
     for sample in imu {
         let sample = sample?;
         let start = sample.time - sample.dt;
         if imu_start.is_none() {
             imu_start = Some(sample.time);
-            first_fix = gnss
-                .peek()
-                .and_then(|fix| fix.as_ref().ok())
-                .map(|fix| fix.time);
-            while let Some(Ok(fix)) = gnss.peek() {
-                if fix.time >= start - STAMP_ROUNDING {
+            first_fix = aiding.peek().and_then(|m| m.as_ref().ok()).map(Measurement::time);
+            while let Some(Ok(measurement)) = aiding.peek() {
+                if measurement.time() >= start - STAMP_ROUNDING {
                     break;
                 }
-                run.summary.fixes_before += 1;
-                gnss.next();
+                run.summary.fixes_before += u64::from(matches!(measurement, Measurement::Gnss(_)));
+                aiding.next();
             }
         }
         run.begin(&sample);
-        while let Some(fix) = gnss.next_if(|fix| match fix {
-            Ok(fix) => fix.time <= sample.time + STAMP_ROUNDING,
+        while let Some(measurement) = aiding.next_if(|m| match m {
+            Ok(m) => run.due(m) <= sample.time + STAMP_ROUNDING,
             Err(_) => true,
         }) {
-            run.fix(&fix?, &sample, observer)?;
+            match measurement? {
+                Measurement::Gnss(fix) => run.fix(&fix, &sample, observer)?,
+                Measurement::Odometer(speed) => run.odometer(&speed),
+                Measurement::Barometer(height) => run.barometer(&height),
+            }
             if run.summary.diverged.is_some() {
                 return Ok(run.summary);
             }
@@ -237,10 +220,11 @@ fn run<const N: usize>(
         }
         return Err(ReplayError::NotAligned(why));
     }
+    run.node(observer)?;
     if let Some(last) = run.last_fix {
         run.note_span_without_gnss(last, run.summary.ended);
     }
-    run.judge_streak();
+    run.streak.judge(&mut run.summary);
     Ok(run.summary)
 }
 
@@ -251,22 +235,61 @@ struct Run<'a, const N: usize> {
     settings: &'a Settings,
     summary: Summary,
     last_fix: Option<f64>,
+    /// Speed over ground of the last fix and its time.
+    last_speed: Option<(f64, f64)>,
     streak: Streak,
     previous: Option<ImuSample>,
     /// While a gap is being bridged.
     bridge: Option<Bridge>,
+    position_gate: FixGate,
+    velocity_gate: FixGate,
+    rest: RestDetector,
+    last_constraint: f64,
+    /// Since the last node, and its time.
+    tape: Option<Box<Tape<N>>>,
+    last_node: f64,
 }
 
-/// Updates, their NIS and degrees of freedom since the count began, and when that was [s].
-#[derive(Default)]
-struct Streak {
-    updates: u32,
-    nis: f64,
-    dof: u32,
-    start: f64,
-}
+impl<'a, const N: usize> Run<'a, N> {
+    fn new(settings: &'a Settings) -> Self {
+        Self {
+            filter: None,
+            aligner: Aligner::new(settings),
+            settings,
+            summary: Summary::default(),
+            last_fix: None,
+            last_speed: None,
+            streak: Streak::default(),
+            previous: None,
+            bridge: None,
+            position_gate: FixGate::new(),
+            velocity_gate: FixGate::new(),
+            rest: RestDetector::new(&settings.sensors),
+            last_constraint: f64::NEG_INFINITY,
+            tape: None,
+            last_node: f64::NEG_INFINITY,
+        }
+    }
 
-impl<const N: usize> Run<'_, N> {
+    /// When a measurement holds [s]: fixes at their stamp and the estimated time offset.
+    fn due(&self, measurement: &Measurement) -> f64 {
+        let offset = match (measurement, &self.filter) {
+            (Measurement::Gnss(_), Some(filter)) => filter.parameter(Parameter::TimeOffset),
+            _ => None,
+        };
+        measurement.time() + offset.map_or(0.0, |(value, _)| value[0])
+    }
+
+    /// Tells the observer of a node, if there is a smoother.
+    fn node(&mut self, observer: &mut impl Observer) -> Result<(), ReplayError> {
+        if let (Some(_), Some(filter)) = (self.settings.nodes, &self.filter) {
+            observer.node(filter, self.tape.as_deref())?;
+            self.tape = Some(Box::default());
+            self.last_node = filter.nav().time;
+        }
+        Ok(())
+    }
+
     /// Takes up a sample: the filter's, bridged where samples are missing before it, or the aligner's.
     fn begin(&mut self, sample: &ImuSample) {
         let Some(filter) = &mut self.filter else {
@@ -301,11 +324,11 @@ impl<const N: usize> Run<'_, N> {
             while bridge.reached() < time - STAMP_ROUNDING
                 && let Some(next) = bridge.next()
             {
-                filter.advance(1.0);
+                filter.advance_recorded(1.0, self.tape.as_deref_mut());
                 filter.begin(&next);
             }
         }
-        filter.advance_to(time, STAMP_ROUNDING);
+        filter.advance_to_recorded(time, STAMP_ROUNDING, self.tape.as_deref_mut());
     }
 
     /// Grows the covariance for the part of a long gap up to `time` [s] that it has not grown for.
@@ -344,6 +367,7 @@ impl<const N: usize> Run<'_, N> {
                 self.summary.alignment = aligned.how;
                 self.last_fix = Some(fix.time);
                 self.filter = Some(aligned.filter);
+                self.node(observer)?;
                 // The rest of this sample's interval.
                 let rest = sample.time - fix.time;
                 if rest > STAMP_ROUNDING {
@@ -360,9 +384,10 @@ impl<const N: usize> Run<'_, N> {
             }
             return Ok(());
         }
-        self.advance_to(fix.time);
+        let due = self.due(&Measurement::Gnss(*fix));
+        self.advance_to(due);
         if !withheld {
-            self.grow_to(fix.time);
+            self.grow_to(due);
         }
         let Some(filter) = &mut self.filter else {
             return Ok(());
@@ -372,35 +397,78 @@ impl<const N: usize> Run<'_, N> {
             self.summary.withheld += 1;
             // An outage is no fault of the receiver's.
             self.last_fix = Some(fix.time);
-            return Ok(());
+            return self.node(observer);
         }
         let lever = &self.settings.lever_arm;
-        let mut used = false;
+        let usage = self.settings.gnss_use;
         let mut updates = [None, None];
         if let Some((position, covariance)) = &fix.position
-            && self.settings.gnss_use != GnssUse::Velocity
+            && usage != GnssUse::Velocity
         {
-            let observed = filter.observe_position(position, lever);
-            updates[0] = Some(filter.update_with(&observed, covariance));
+            let gate = &mut self.position_gate;
+            let tape = self.tape.as_deref_mut();
+            let mut observed = filter.observe_position(position, lever);
+            let wide = gate.gate(fix.time, &observed.innovation, 3);
+            let limits = match (self.settings.gating, wide) {
+                (false, _) => Gate::OPEN,
+                (true, Some(limits)) => limits,
+                (true, None) => {
+                    let size = observed.innovation.norm();
+                    filter.doubt_position(size);
+                    observed = filter.observe_position(position, lever);
+                    self.summary.resets.push((fix.time, size));
+                    Gate::OPEN
+                }
+            };
+            let update = filter.update_recorded(&observed, covariance, &limits, tape);
+            if let Ok(update) = update {
+                gate.note(fix.time, &observed.innovation, update.nis / 3.0, update.outcome);
+            }
+            updates[0] = Some(update);
         }
-        if let Some((v_n, covariance)) = &fix.velocity
-            && self.settings.gnss_use != GnssUse::Position
-        {
-            let observed = filter.observe_velocity(v_n, lever);
-            updates[1] = Some(filter.update_with(&observed, covariance));
+        if let Some((v_n, covariance)) = &fix.velocity {
+            let error = covariance.fixed_view::<2, 2>(0, 0).trace().sqrt();
+            self.last_speed = Some((fix.time, (v_n.xy().norm() - error).max(0.0)));
+            if usage != GnssUse::Position {
+                let gate = &mut self.velocity_gate;
+                let tape = self.tape.as_deref_mut();
+                let observed = filter.observe_velocity(v_n, lever);
+                let limits = match (self.settings.gating, gate.gate(fix.time, &observed.innovation, 3)) {
+                    (true, Some(limits)) => limits,
+                    _ => Gate::OPEN,
+                };
+                let update = filter.update_recorded(&observed, covariance, &limits, tape);
+                if let Ok(update) = update {
+                    gate.note(fix.time, &observed.innovation, update.nis / 3.0, update.outcome);
+                }
+                updates[1] = Some(update);
+            }
+            if let Some((std, min_speed)) = self.settings.constraints.course
+                && v_n.xy().norm() > min_speed
+                && let Some(observed) = filter.observe_course(v_n.y.atan2(v_n.x))
+            {
+                let noise = 0.5 * error * error / v_n.xy().norm_squared() + std * std;
+                let _ = filter.update_recorded(
+                    &observed,
+                    &nalgebra::Matrix1::new(noise),
+                    &CONSTRAINT_GATE,
+                    self.tape.as_deref_mut(),
+                );
+            }
         }
         let diverged = filter.check().is_err();
+        let mut used = false;
         for (kind, update) in updates.into_iter().enumerate() {
             match update {
                 Some(Ok(update)) => {
-                    used = true;
+                    used |= update.outcome != Outcome::Rejected;
                     let sums = if kind == 0 {
                         &mut self.summary.position
                     } else {
                         &mut self.summary.velocity
                     };
                     sums.add(update);
-                    self.watch(update, fix.time);
+                    self.streak.watch(update, fix.time, &mut self.summary);
                 }
                 Some(Err(_)) => self.summary.bad_fixes += 1,
                 None => {}
@@ -415,7 +483,88 @@ impl<const N: usize> Run<'_, N> {
         if diverged {
             self.summary.diverged = Some(fix.time);
         }
-        Ok(())
+        self.node(observer)
+    }
+
+    /// A wheel speed within the present sample.
+    fn odometer(&mut self, speed: &Scalar) {
+        self.advance_to(speed.time);
+        let Some(filter) = &mut self.filter else {
+            return;
+        };
+        let observed = filter.observe_odometer(speed.value, &self.settings.constraints.odometer_lever);
+        let variance = nalgebra::Matrix1::new(speed.std * speed.std);
+        let tape = self.tape.as_deref_mut();
+        if let Ok(update) = filter.update_recorded(&observed, &variance, &CONSTRAINT_GATE, tape) {
+            self.summary.odometer.add(update);
+        }
+    }
+
+    /// A barometric height within the present sample.
+    fn barometer(&mut self, height: &Scalar) {
+        self.advance_to(height.time);
+        let Some(filter) = &mut self.filter else {
+            return;
+        };
+        let observed = filter.observe_barometer(height.value);
+        let variance = nalgebra::Matrix1::new(height.std * height.std);
+        let tape = self.tape.as_deref_mut();
+        if let Ok(update) = filter.update_recorded(&observed, &variance, &CONSTRAINT_GATE, tape) {
+            self.summary.barometer.add(update);
+        }
+    }
+
+    /// What the vehicle cannot do, at the end of a sample.
+    fn constrain(&mut self, sample: &ImuSample) {
+        let Some(filter) = &mut self.filter else {
+            return;
+        };
+        let constraints = &self.settings.constraints;
+        if constraints.zero_velocity.is_some() || constraints.zero_angular_rate.is_some() {
+            let error = filter.sensor_error();
+            let earth = undrift_nav::earth::earth_rate_n(filter.nav().position.lat);
+            let expected = Vector3::new(error[0], error[1], error[2]) + filter.c_nb().tr_mul(&earth);
+            let speed = self
+                .last_speed
+                .filter(|(time, _)| sample.time - time < SPEED_HOLDS && self.last_fix == Some(*time))
+                .map(|(_, speed)| speed);
+            if let Some(block) = self.rest.add(sample, &expected, speed)
+                && block.rest
+            {
+                if let Some(std) = constraints.zero_velocity {
+                    let observed = filter.observe_zero_velocity();
+                    let r = Matrix3::identity() * (std * std);
+                    let tape = self.tape.as_deref_mut();
+                    if let Ok(done) = filter.update_recorded(&observed, &r, &CONSTRAINT_GATE, tape) {
+                        self.summary.zero_velocity.add(done);
+                    }
+                }
+                if let Some(std) = constraints.zero_angular_rate {
+                    let observed = filter.observe_earth_rate(&block.rate);
+                    let noise = Vector3::from_fn(|i, _| {
+                        let axis = &self.settings.sensors[i];
+                        axis.r * axis.interval / block.duration + std * std
+                    });
+                    let r = Matrix3::from_diagonal(&noise);
+                    let tape = self.tape.as_deref_mut();
+                    let _ = filter.update_recorded(&observed, &r, &CONSTRAINT_GATE, tape);
+                }
+            }
+        }
+        if let Some(rule) = &constraints.non_holonomic
+            && sample.time - self.last_constraint >= rule.interval - 0.5 * sample.dt
+            && filter.vehicle_velocity(&rule.lever).x.abs() > rule.min_speed
+        {
+            self.last_constraint = sample.time;
+            let observed = filter.observe_non_holonomic(&rule.lever);
+            let lateral = (filter.vehicle_velocity(&rule.lever).x * filter.omega_nb_b().z).abs();
+            let right = rule.right + rule.slip * lateral;
+            let r = nalgebra::Matrix2::new(right * right, 0.0, 0.0, rule.down * rule.down);
+            let tape = self.tape.as_deref_mut();
+            if let Ok(done) = filter.update_recorded(&observed, &r, &CONSTRAINT_GATE, tape) {
+                self.summary.non_holonomic.add(done);
+            }
+        }
     }
 
     /// The rest of the sample, after its fixes.
@@ -429,7 +578,8 @@ impl<const N: usize> Run<'_, N> {
         self.advance_to(sample.time);
         self.grow_to(sample.time);
         self.bridge = None;
-        let Some(filter) = &mut self.filter else {
+        self.constrain(sample);
+        let Some(filter) = &self.filter else {
             self.summary.align_samples += 1;
             self.aligner.advance(sample, sample.time);
             return Ok(());
@@ -439,27 +589,13 @@ impl<const N: usize> Run<'_, N> {
             return Ok(());
         }
         self.summary.samples += 1;
-        observer.sample(filter)
-    }
-
-    /// Watches for innovations far beyond their covariance, block by block.
-    fn watch(&mut self, update: undrift_nav::filter::Update, time: f64) {
-        if self.streak.updates == 0 {
-            self.streak.start = time;
+        observer.sample(filter)?;
+        if let Some(span) = self.settings.nodes
+            && sample.time - self.last_node >= span - STAMP_ROUNDING
+        {
+            self.node(observer)?;
         }
-        self.streak.updates += 1;
-        self.streak.nis += update.nis;
-        self.streak.dof += update.dof as u32;
-        if self.streak.updates == SUSPECT_UPDATES {
-            self.judge_streak();
-        }
-    }
-
-    fn judge_streak(&mut self) {
-        let streak = std::mem::take(&mut self.streak);
-        if streak.nis > SUSPECT_NIS * f64::from(streak.dof) && self.summary.suspect.is_none() {
-            self.summary.suspect = Some(streak.start);
-        }
+        Ok(())
     }
 
     fn note_span_without_gnss(&mut self, from: f64, to: f64) {

@@ -59,7 +59,6 @@ fn run(simulation: &Simulation, lever_arm: Vector3, gnss_use: GnssUse) -> (Innov
         .min_by(|a, b| (a.time - first).abs().total_cmp(&(b.time - first).abs()))
         .unwrap();
     let settings = Settings {
-        sensors: [gyro, gyro, gyro, accel, accel, accel],
         lever_arm,
         gnss_use,
         align: AlignSettings {
@@ -67,14 +66,14 @@ fn run(simulation: &Simulation, lever_arm: Vector3, gnss_use: GnssUse) -> (Innov
             velocity: Some((Vector3::zeros(), Vector3::repeat(1e-3))),
             ..AlignSettings::default()
         },
-        outages: Vec::new(),
+        ..Settings::new([gyro, gyro, gyro, accel, accel, accel])
     };
     let mut seen = Innovations {
         lever: lever_arm,
         ..Innovations::default()
     };
     let imu = simulation.imu.iter().copied().map(Ok);
-    let gnss = simulation.gnss.iter().copied().map(Ok);
+    let gnss = simulation.gnss.iter().copied().map(Measurement::Gnss).map(Ok);
     let summary = replay(imu, gnss, &settings, &mut seen).unwrap();
     (seen, summary)
 }

@@ -47,9 +47,6 @@ fn two_forms(phi: f64, theta: f64, sigma: f64) -> [ShapingFilter; 2] {
 fn navigate(simulation: &Simulation, gyro: ShapingFilter, accel: ShapingFilter) -> Record {
     let truth = simulation.truth[RATE as usize];
     let settings = Settings {
-        sensors: [gyro, gyro, gyro, accel, accel, accel],
-        lever_arm: Vector3::zeros(),
-        gnss_use: GnssUse::Both,
         align: AlignSettings {
             attitude: Some((truth.rpy.unwrap(), Vector3::new(0.02, 0.02, 0.05))),
             ..AlignSettings::default()
@@ -58,11 +55,12 @@ fn navigate(simulation: &Simulation, gyro: ShapingFilter, accel: ShapingFilter) 
             start: 120.0,
             end: 150.0,
         }],
+        ..Settings::new([gyro, gyro, gyro, accel, accel, accel])
     };
     let mut record = Record::default();
     replay(
         simulation.imu.iter().copied().map(Ok),
-        simulation.gnss.iter().copied().map(Ok),
+        simulation.gnss.iter().copied().map(Measurement::Gnss).map(Ok),
         &settings,
         &mut record,
     )

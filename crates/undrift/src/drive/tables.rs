@@ -4,6 +4,7 @@ use super::{ConfigError, GnssSource, Section};
 use crate::{
     align::{AlignSettings, Heading},
     replay::GnssUse,
+    vehicle::{Constraints, NonHolonomic, Profile},
 };
 use std::path::{Path, PathBuf};
 use undrift_io::{
@@ -12,7 +13,13 @@ use undrift_io::{
     rtklib::{self, RtklibOptions},
     truth::TruthFormat,
 };
-use undrift_nav::{Matrix3, Vector3, attitude::from_rpy, earth::Geodetic, units::Quantity};
+use undrift_nav::{
+    Matrix3, Vector3,
+    attitude::from_rpy,
+    earth::Geodetic,
+    parameters::{Parameter, Parameters, Prior},
+    units::Quantity,
+};
 
 /// Whether the third component of a velocity is up.
 const VELOCITY_AXES: [(&str, bool); 2] = [("north,east,down", false), ("north,east,up", true)];
@@ -174,7 +181,7 @@ pub(super) fn read_gnss(
     let position_std_factor = section.factor("position_std_factor")?.unwrap_or(1.0);
     let velocity_std_factor = section.factor("velocity_std_factor")?.unwrap_or(1.0);
     let base = read_base(section)?;
-    let _ = section.get("lever_arm");
+    let _ = (section.get("lever_arm"), section.get("gate"));
     let source = if is_rtklib {
         GnssSource::Rtklib(RtklibOptions {
             time_offset,
@@ -215,7 +222,7 @@ pub(super) fn read_gnss(
             }),
             (None, None) => None,
         };
-        let position_std = read_std(
+        let position_std = read_stds(
             section,
             "position_std",
             "position_std_columns",
@@ -234,7 +241,7 @@ pub(super) fn read_gnss(
         let up = section
             .word("velocity_axes", &VELOCITY_AXES)?
             .unwrap_or(false);
-        let velocity_std = read_std(
+        let velocity_std = read_stds(
             section,
             "velocity_std",
             "velocity_std_columns",
@@ -301,7 +308,7 @@ fn read_base(section: &Section) -> Result<Option<Geodetic>, ConfigError> {
     }
 }
 
-fn read_std<'a>(
+fn read_stds<'a>(
     section: &Section<'a>,
     constant: &'a str,
     columns: &'a str,
@@ -404,4 +411,111 @@ pub(super) fn read_initial(section: &Section) -> Result<AlignSettings, ConfigErr
     }
     section.only_known()?;
     Ok(align)
+}
+
+/// `gate = true`.
+pub(super) fn read_switch<'a>(
+    section: &Section<'a>,
+    key: &'a str,
+) -> Result<Option<bool>, ConfigError> {
+    match section.get(key) {
+        None => Ok(None),
+        Some((toml::de::DeValue::Boolean(on), _)) => Ok(Some(*on)),
+        Some(_) => Err(section.error(key, "must be true or false")),
+    }
+}
+
+/// A standard deviation that switches something on, `"off"`, or the profile's.
+fn read_std<'a>(
+    section: &Section<'a>,
+    key: &'a str,
+    quantity: Quantity,
+    profile: Option<f64>,
+) -> Result<Option<f64>, ConfigError> {
+    if let Some((toml::de::DeValue::String(text), _)) = section.get(key)
+        && text == "off"
+    {
+        return Ok(None);
+    }
+    match section.quantity(key, quantity)? {
+        Some(std) if std > 0.0 => Ok(Some(std)),
+        Some(_) => Err(section.error(key, "must be a standard deviation above zero, or \"off\"")),
+        None => Ok(profile),
+    }
+}
+
+/// The constraints, and the standard deviation of the mounting that they ask for [rad].
+pub(super) fn read_vehicle(
+    section: &Section,
+) -> Result<(Constraints, Option<f64>), ConfigError> {
+    let words = [
+        ("none", Profile::None),
+        ("car", Profile::Car),
+        ("aircraft", Profile::Aircraft),
+        ("pedestrian", Profile::Pedestrian),
+    ];
+    let profile = section.word("profile", &words)?.unwrap_or_default();
+    let mut constraints = profile.constraints();
+    let length = |key| -> Result<Vector3, ConfigError> {
+        let lever = section.vector(key, Quantity::Length)?;
+        Ok(lever.unwrap_or_else(Vector3::zeros))
+    };
+    let slip = constraints.non_holonomic.map(|rule| rule.right);
+    let lever = length("axle")?;
+    constraints.non_holonomic =
+        read_std(section, "non_holonomic", Quantity::Velocity, slip)?.map(|std| NonHolonomic {
+            right: std,
+            down: std,
+            lever,
+            ..NonHolonomic::CAR
+        });
+    constraints.zero_velocity =
+        read_std(section, "zero_velocity", Quantity::Velocity, constraints.zero_velocity)?;
+    constraints.zero_angular_rate = read_std(
+        section,
+        "zero_angular_rate",
+        Quantity::AngularRate,
+        constraints.zero_angular_rate,
+    )?;
+    let min_speed = section.quantity("course_min_speed", Quantity::Velocity)?;
+    constraints.course =
+        read_std(section, "course", Quantity::Angle, None)?.map(|std| (std, min_speed.unwrap_or(5.0)));
+    constraints.odometer_lever = length("odometer_wheel")?;
+    let mounting = read_std(
+        section,
+        "mounting_std",
+        Quantity::Angle,
+        constraints.non_holonomic.map(|_| 3f64.to_radians()),
+    )?;
+    section.only_known()?;
+    Ok((constraints, mounting))
+}
+
+/// The parameters estimated: standard deviation of each.
+pub(super) fn read_states(
+    section: &Section,
+    mounting: Option<f64>,
+) -> Result<Parameters, ConfigError> {
+    let mut parameters = Parameters::none();
+    let mut add = |kinds: &[Parameter], std: Option<f64>| {
+        if let Some(std) = std {
+            for kind in kinds {
+                parameters = parameters.with(*kind, Prior { std, walk: 0.0 });
+            }
+        }
+    };
+    let std = |key, quantity| read_std(section, key, quantity, None);
+    add(
+        &[Parameter::GyroScale, Parameter::AccelScale],
+        section.factor("scale_factor")?,
+    );
+    add(
+        &[Parameter::GyroMisalignment, Parameter::AccelMisalignment],
+        std("misalignment", Quantity::Angle)?,
+    );
+    add(&[Parameter::LeverArm], std("lever_arm", Quantity::Length)?);
+    add(&[Parameter::TimeOffset], std("time_offset", Quantity::Time)?);
+    add(&[Parameter::Mounting], mounting);
+    section.only_known()?;
+    Ok(parameters)
 }

@@ -1,0 +1,143 @@
+//! Tells rest from motion by the sensors alone, at a level learned while GNSS says that the vehicle stands.
+
+use undrift_nav::{Vector3, covariance::AXES, sample::ImuSample, shaping::ShapingFilter};
+
+/// Length of the blocks that are judged [s].
+const BLOCK: f64 = 0.5;
+/// Rest while the scatter of a block is below this many times that of rest, on the average of the axes …
+const LIMIT: f64 = 3.0;
+/// … or, until rest has been seen, that of the sensor's own noise.
+const NOISE_LIMIT: f64 = 2.0;
+/// The mean rate at rest is known to this much [rad/s], beyond the noise of the mean.
+const RATE: f64 = 0.004;
+/// Means of the specific force in the two halves of a block agree to this much at rest [m/s²].
+const FORCE: f64 = 0.06;
+/// Speed below which GNSS says that the vehicle stands [m/s].
+const STANDS: f64 = 0.1;
+/// Weight of a block in the learned level.
+const LEARN: f64 = 0.1;
+
+/// What the last block was.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Block {
+    /// Whether the vehicle stood.
+    pub(super) rest: bool,
+    /// Mean angular rate as read [rad/s].
+    pub(super) rate: Vector3,
+    /// Length [s].
+    pub(super) duration: f64,
+}
+
+/// Sums over the present block and the learned level of rest.
+pub(super) struct RestDetector {
+    /// Variance of a sample's white noise, gyros [rad²/s²], then accelerometers [m²/s⁴].
+    noise: [f64; AXES],
+    /// Learned variance of a sample at rest; as many blocks.
+    level: [f64; AXES],
+    learned: u32,
+    /// Least scatter, relative to the level, of blocks in which GNSS said that the vehicle moved.
+    moving: f64,
+    count: f64,
+    duration: f64,
+    sum: [f64; AXES],
+    squares: [f64; AXES],
+    first_half: (f64, Vector3),
+}
+
+impl RestDetector {
+    pub(super) fn new(sensors: &[ShapingFilter; AXES]) -> Self {
+        Self {
+            noise: core::array::from_fn(|i| sensors[i].r.max(1e-16)),
+            level: [0.0; AXES],
+            learned: 0,
+            moving: f64::INFINITY,
+            count: 0.0,
+            duration: 0.0,
+            sum: [0.0; AXES],
+            squares: [0.0; AXES],
+            first_half: (0.0, Vector3::zeros()),
+        }
+    }
+
+    /// Adds a sample; the block it completes, if it does. `expected` is the rate that the gyros should
+    /// read at rest [rad/s]: predicted error and Earth rate, `speed` the GNSS speed over ground [m/s]
+    /// where there is one now.
+    pub(super) fn add(
+        &mut self,
+        sample: &ImuSample,
+        expected: &Vector3,
+        speed: Option<f64>,
+    ) -> Option<Block> {
+        let (rate, force) = (sample.dtheta / sample.dt, sample.dvel / sample.dt);
+        for i in 0..3 {
+            for (axis, value) in [(i, rate[i]), (3 + i, force[i])] {
+                self.sum[axis] += value;
+                self.squares[axis] += value * value;
+            }
+        }
+        self.count += 1.0;
+        self.duration += sample.dt;
+        if self.duration < 0.5 * BLOCK {
+            self.first_half = (self.count, Vector3::from_fn(|i, _| self.sum[3 + i]));
+        }
+        if self.duration < BLOCK {
+            return None;
+        }
+        let n = self.count;
+        let mean = self.sum.map(|s| s / n);
+        let scatter: [f64; AXES] =
+            core::array::from_fn(|i| (self.squares[i] / n - mean[i] * mean[i]).max(0.0));
+        let block_rate = Vector3::new(mean[0], mean[1], mean[2]);
+        let (half, half_sum) = self.first_half;
+        let halves = half_sum / half.max(1.0)
+            - (Vector3::from_fn(|i, _| self.sum[3 + i]) - half_sum) / (n - half).max(1.0);
+        let duration = self.duration;
+        *self = Self {
+            count: 0.0,
+            duration: 0.0,
+            sum: [0.0; AXES],
+            squares: [0.0; AXES],
+            ..*self
+        };
+
+        let tolerance = |axis: usize, samples: f64| 4.0 * (self.level(axis) / samples).sqrt();
+        let steady = (0..3).all(|i| {
+            (block_rate[i] - expected[i]).abs() < RATE + tolerance(i, n)
+                && halves[i].abs() < FORCE + 2.0 * tolerance(3 + i, n)
+        });
+        let relative = scatter
+            .iter()
+            .enumerate()
+            .map(|(axis, s)| s / self.level(axis))
+            .sum::<f64>()
+            / AXES as f64;
+        match speed {
+            Some(speed) if speed < STANDS && halves.norm() < 3.0 * FORCE => {
+                let weight = LEARN.max(1.0 / f64::from(self.learned + 1));
+                for (level, s) in self.level.iter_mut().zip(scatter) {
+                    *level += weight * (s - *level);
+                }
+                self.learned += 1;
+            }
+            Some(speed) if speed > 10.0 * STANDS => self.moving = self.moving.min(relative),
+            _ => {}
+        }
+        let limit = if self.learned > 0 { LIMIT } else { NOISE_LIMIT };
+        // A drive as smooth as rest leaves no room for a limit.
+        let clear = relative < limit.min(0.7 * self.moving);
+        Some(Block {
+            rest: clear && steady && speed.is_none_or(|v| v < 5.0 * STANDS),
+            rate: block_rate,
+            duration,
+        })
+    }
+
+    /// Variance of a sample at rest.
+    fn level(&self, axis: usize) -> f64 {
+        if self.learned > 0 {
+            self.level[axis].max(0.1 * self.noise[axis])
+        } else {
+            self.noise[axis]
+        }
+    }
+}

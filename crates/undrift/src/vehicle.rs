@@ -1,0 +1,81 @@
+//! What is known of the vehicle: which constraints hold and how firmly.
+
+use undrift_nav::Vector3;
+
+/// What the vehicle is, as a set of defaults.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Profile {
+    /// Nothing is known of it.
+    #[default]
+    None,
+    /// A wheeled vehicle on a road: no side slip, no hopping, stands still at times.
+    Car,
+    /// An aircraft: no constraint but that it may stand on the ground.
+    Aircraft,
+    /// A person on foot carrying the sensor: stands still at times.
+    Pedestrian,
+}
+
+/// The constraints in force. Standard deviations are of one update.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Constraints {
+    /// No velocity along the vehicle's right and down axes.
+    pub non_holonomic: Option<NonHolonomic>,
+    /// Standard deviation of the velocity at rest [m/s].
+    pub zero_velocity: Option<f64>,
+    /// Standard deviation of the angular rate at rest beyond the gyros' noise [rad/s].
+    pub zero_angular_rate: Option<f64>,
+    /// Standard deviation of the heading against the course over ground [rad], and the speed above
+    /// which it holds [m/s].
+    pub course: Option<(f64, f64)>,
+    /// IMU → wheel that turns the odometer, body axes [m].
+    pub odometer_lever: Vector3,
+}
+
+/// The non-holonomic constraint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NonHolonomic {
+    /// Standard deviation of the velocity to the right and down [m/s] …
+    pub right: f64,
+    /// … and down.
+    pub down: f64,
+    /// Side slip: added to `right` for every m/s² of lateral acceleration [m/s per m/s²].
+    pub slip: f64,
+    /// From update to update [s].
+    pub interval: f64,
+    /// IMU → the middle of the axle that does not steer, body axes [m].
+    pub lever: Vector3,
+    /// Speed below which it is not applied [m/s].
+    pub min_speed: f64,
+}
+
+impl NonHolonomic {
+    /// Of a car, its IMU over the rear axle.
+    pub const CAR: Self = Self {
+        right: 0.1,
+        down: 0.1,
+        slip: 0.03,
+        interval: 0.2,
+        lever: Vector3::new(0.0, 0.0, 0.0),
+        min_speed: 1.0,
+    };
+}
+
+impl Profile {
+    /// The constraints of the profile.
+    pub fn constraints(self) -> Constraints {
+        let rest = Constraints {
+            zero_velocity: Some(0.02),
+            zero_angular_rate: Some(2e-4),
+            ..Constraints::default()
+        };
+        match self {
+            Self::None => Constraints::default(),
+            Self::Car => Constraints {
+                non_holonomic: Some(NonHolonomic::CAR),
+                ..rest
+            },
+            Self::Aircraft | Self::Pedestrian => rest,
+        }
+    }
+}
