@@ -77,6 +77,23 @@ fn print_report(report: &Report, kind: BiasModel) -> Result<()> {
         nis(&s.position),
         nis(&s.velocity)
     ))?;
+    for (name, sums) in [
+        ("non-holonomic constraint", &s.non_holonomic),
+        ("zero velocity", &s.zero_velocity),
+        ("odometer", &s.odometer),
+        ("barometer", &s.barometer),
+    ] {
+        if sums.updates > 0 {
+            report::say(format!(
+                "{name}: {} updates, NIS per degree of freedom {}",
+                sums.updates,
+                nis(sums)
+            ))?;
+        }
+    }
+    for (kind, value, std) in &s.parameters {
+        report::say(format!("{kind:?} {value:.4?} ± {std:.4?}"))?;
+    }
     if let Some((errors, n)) = &report.rmse {
         let parts: Vec<String> = COMPONENTS
             .iter()

@@ -29,6 +29,8 @@ pub enum Parameter {
     TimeOffset,
     /// Small turn of the vehicle's axes against the body axes, about pitch and yaw [rad].
     Mounting,
+    /// Distance IMU → axle that does not steer along the body's forward axis, beyond the configured [m].
+    Axle,
     /// Scale factor error of the odometer [–].
     OdometerScale,
     /// Error of the barometric height [m].
@@ -37,7 +39,7 @@ pub enum Parameter {
 
 impl Parameter {
     /// All kinds in order.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::GyroScale,
         Self::AccelScale,
         Self::GyroMisalignment,
@@ -45,6 +47,7 @@ impl Parameter {
         Self::LeverArm,
         Self::TimeOffset,
         Self::Mounting,
+        Self::Axle,
         Self::OdometerScale,
         Self::BarometerBias,
     ];
@@ -55,7 +58,7 @@ impl Parameter {
             Self::GyroScale | Self::AccelScale | Self::LeverArm => 3,
             Self::GyroMisalignment | Self::AccelMisalignment => 6,
             Self::Mounting => 2,
-            Self::TimeOffset | Self::OdometerScale | Self::BarometerBias => 1,
+            Self::TimeOffset | Self::Axle | Self::OdometerScale | Self::BarometerBias => 1,
         }
     }
 }
@@ -84,6 +87,12 @@ impl Parameters {
     /// These and one more.
     pub fn with(mut self, kind: Parameter, prior: Prior) -> Self {
         self.priors[kind as usize] = Some(prior);
+        self
+    }
+
+    /// These but one.
+    pub fn without(mut self, kind: Parameter) -> Self {
+        self.priors[kind as usize] = None;
         self
     }
 

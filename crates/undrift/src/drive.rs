@@ -112,16 +112,18 @@ impl Drive {
             message: e.message().to_owned(),
         })?;
         let top = Section::top(table.get_ref(), text, file);
-        top.only(&["model", "imu", "gnss", "truth", "initial", "span", "vehicle", "states"])?;
+        top.only(&[
+            "model", "imu", "gnss", "truth", "initial", "span", "vehicle", "states",
+        ])?;
         let span = tables::read_span(&top.section("span")?)?;
         let gnss = top.section("gnss")?;
         let gnss_use = tables::read_use(&gnss)?;
         let lever_arm = gnss
             .vector("lever_arm", Quantity::Length)?
             .unwrap_or_else(Vector3::zeros);
-        let (constraints, mounting) = tables::read_vehicle(&top.section("vehicle")?)?;
+        let (constraints, parameters) = tables::read_vehicle(&top.section("vehicle")?)?;
         let drive = Self {
-            parameters: tables::read_states(&top.section("states")?, mounting)?,
+            parameters: tables::read_states(&top.section("states")?, parameters)?,
             constraints,
             gating: tables::read_switch(&gnss, "gate")?.unwrap_or(true),
             imu: tables::read_imu(&top.section("imu")?, data, span)?,

@@ -182,7 +182,10 @@ fn run<const N: usize>(
         let start = sample.time - sample.dt;
         if imu_start.is_none() {
             imu_start = Some(sample.time);
-            first_fix = aiding.peek().and_then(|m| m.as_ref().ok()).map(Measurement::time);
+            first_fix = aiding
+                .peek()
+                .and_then(|m| m.as_ref().ok())
+                .map(Measurement::time);
             while let Some(Ok(measurement)) = aiding.peek() {
                 if measurement.time() >= start - STAMP_ROUNDING {
                     break;
@@ -225,6 +228,15 @@ fn run<const N: usize>(
         run.note_span_without_gnss(last, run.summary.ended);
     }
     run.streak.judge(&mut run.summary);
+    if let Some(filter) = &run.filter {
+        for (kind, ..) in filter.parameters().blocks() {
+            if let Some((value, std)) = filter.parameter(kind) {
+                let n = kind.width();
+                let (value, std) = (value[..n].to_vec(), std[..n].to_vec());
+                run.summary.parameters.push((kind, value, std));
+            }
+        }
+    }
     Ok(run.summary)
 }
 
@@ -422,7 +434,12 @@ impl<'a, const N: usize> Run<'a, N> {
             };
             let update = filter.update_recorded(&observed, covariance, &limits, tape);
             if let Ok(update) = update {
-                gate.note(fix.time, &observed.innovation, update.nis / 3.0, update.outcome);
+                gate.note(
+                    fix.time,
+                    &observed.innovation,
+                    update.nis / 3.0,
+                    update.outcome,
+                );
             }
             updates[0] = Some(update);
         }
@@ -433,13 +450,21 @@ impl<'a, const N: usize> Run<'a, N> {
                 let gate = &mut self.velocity_gate;
                 let tape = self.tape.as_deref_mut();
                 let observed = filter.observe_velocity(v_n, lever);
-                let limits = match (self.settings.gating, gate.gate(fix.time, &observed.innovation, 3)) {
+                let limits = match (
+                    self.settings.gating,
+                    gate.gate(fix.time, &observed.innovation, 3),
+                ) {
                     (true, Some(limits)) => limits,
                     _ => Gate::OPEN,
                 };
                 let update = filter.update_recorded(&observed, covariance, &limits, tape);
                 if let Ok(update) = update {
-                    gate.note(fix.time, &observed.innovation, update.nis / 3.0, update.outcome);
+                    gate.note(
+                        fix.time,
+                        &observed.innovation,
+                        update.nis / 3.0,
+                        update.outcome,
+                    );
                 }
                 updates[1] = Some(update);
             }
@@ -492,7 +517,8 @@ impl<'a, const N: usize> Run<'a, N> {
         let Some(filter) = &mut self.filter else {
             return;
         };
-        let observed = filter.observe_odometer(speed.value, &self.settings.constraints.odometer_lever);
+        let observed =
+            filter.observe_odometer(speed.value, &self.settings.constraints.odometer_lever);
         let variance = nalgebra::Matrix1::new(speed.std * speed.std);
         let tape = self.tape.as_deref_mut();
         if let Ok(update) = filter.update_recorded(&observed, &variance, &CONSTRAINT_GATE, tape) {
@@ -523,10 +549,13 @@ impl<'a, const N: usize> Run<'a, N> {
         if constraints.zero_velocity.is_some() || constraints.zero_angular_rate.is_some() {
             let error = filter.sensor_error();
             let earth = undrift_nav::earth::earth_rate_n(filter.nav().position.lat);
-            let expected = Vector3::new(error[0], error[1], error[2]) + filter.c_nb().tr_mul(&earth);
+            let expected =
+                Vector3::new(error[0], error[1], error[2]) + filter.c_nb().tr_mul(&earth);
             let speed = self
                 .last_speed
-                .filter(|(time, _)| sample.time - time < SPEED_HOLDS && self.last_fix == Some(*time))
+                .filter(|(time, _)| {
+                    sample.time - time < SPEED_HOLDS && self.last_fix == Some(*time)
+                })
                 .map(|(_, speed)| speed);
             if let Some(block) = self.rest.add(sample, &expected, speed)
                 && block.rest
@@ -535,7 +564,8 @@ impl<'a, const N: usize> Run<'a, N> {
                     let observed = filter.observe_zero_velocity();
                     let r = Matrix3::identity() * (std * std);
                     let tape = self.tape.as_deref_mut();
-                    if let Ok(done) = filter.update_recorded(&observed, &r, &CONSTRAINT_GATE, tape) {
+                    if let Ok(done) = filter.update_recorded(&observed, &r, &CONSTRAINT_GATE, tape)
+                    {
                         self.summary.zero_velocity.add(done);
                     }
                 }

@@ -41,7 +41,8 @@ pub struct NonHolonomic {
     pub down: f64,
     /// Side slip: added to `right` for every m/s² of lateral acceleration [m/s per m/s²].
     pub slip: f64,
-    /// From update to update [s].
+    /// From update to update [s]. What a vehicle does sideways lasts a second or two, so that standard
+    /// deviations for white noise at this interval are two to three times those of the velocity.
     pub interval: f64,
     /// IMU → the middle of the axle that does not steer, body axes [m].
     pub lever: Vector3,
@@ -52,8 +53,8 @@ pub struct NonHolonomic {
 impl NonHolonomic {
     /// Of a car, its IMU over the rear axle.
     pub const CAR: Self = Self {
-        right: 0.1,
-        down: 0.1,
+        right: 0.2,
+        down: 0.2,
         slip: 0.03,
         interval: 0.2,
         lever: Vector3::new(0.0, 0.0, 0.0),

@@ -73,7 +73,12 @@ fn run(simulation: &Simulation, lever_arm: Vector3, gnss_use: GnssUse) -> (Innov
         ..Innovations::default()
     };
     let imu = simulation.imu.iter().copied().map(Ok);
-    let gnss = simulation.gnss.iter().copied().map(Measurement::Gnss).map(Ok);
+    let gnss = simulation
+        .gnss
+        .iter()
+        .copied()
+        .map(Measurement::Gnss)
+        .map(Ok);
     let summary = replay(imu, gnss, &settings, &mut seen).unwrap();
     (seen, summary)
 }

@@ -60,7 +60,12 @@ fn navigate(simulation: &Simulation, gyro: ShapingFilter, accel: ShapingFilter) 
     let mut record = Record::default();
     replay(
         simulation.imu.iter().copied().map(Ok),
-        simulation.gnss.iter().copied().map(Measurement::Gnss).map(Ok),
+        simulation
+            .gnss
+            .iter()
+            .copied()
+            .map(Measurement::Gnss)
+            .map(Ok),
         &settings,
         &mut record,
     )

@@ -1,17 +1,25 @@
 //! Non-holonomic constraint: a wheeled vehicle does not slide sideways nor leave the ground.
 
 use super::Observation;
-use crate::{Vector3, filter::Filter};
+use crate::{Vector3, filter::Filter, parameters::Parameter};
 
 impl<const N: usize> Filter<N> {
     /// What a rolling vehicle says: at the point `lever_b` [m, body axes, from the IMU], on the axle
     /// that does not steer, the velocity along the vehicle's right and down axes is zero. Rows 2 and 3
     /// of the vehicle velocity's, see [`Filter::vehicle_velocity`]. Groves section 15.4.1; Dissanayake
-    /// et al. 2001.
+    /// et al. 2001. Where the axle's place is estimated, `−C_b^v (ω_nb^b × x_b)` is its column.
     pub fn observe_non_holonomic(&self, lever_b: &Vector3) -> Observation<2, N> {
-        let (h, extra) = self.vehicle_velocity_rows(lever_b);
+        let mut lever = *lever_b;
+        if let Some((axle, _)) = self.parameter(Parameter::Axle) {
+            lever.x += axle[0];
+        }
+        let (mut h, extra) = self.vehicle_velocity_rows(&lever);
+        if let Some(at) = self.parameter_start(Parameter::Axle) {
+            let sideways = self.c_bv() * self.omega_nb_b().cross(&Vector3::x());
+            h.fixed_view_mut::<3, 1>(0, at).copy_from(&-sideways);
+        }
         Observation {
-            innovation: self.vehicle_velocity(lever_b).yz(),
+            innovation: self.vehicle_velocity(&lever).yz(),
             h: h.fixed_rows::<2>(1).into(),
             extra: extra.fixed_view::<2, 2>(1, 1).into(),
         }

@@ -444,10 +444,17 @@ fn read_std<'a>(
     }
 }
 
-/// The constraints, and the standard deviation of the mounting that they ask for [rad].
-pub(super) fn read_vehicle(
-    section: &Section,
-) -> Result<(Constraints, Option<f64>), ConfigError> {
+/// How well a vehicle's axes are known from a mounting given by hand [rad], and the place of the axle
+/// along it [m], given and not.
+const MOUNTING_STD: f64 = 0.05;
+const AXLE_STD_GIVEN: f64 = 0.3;
+const AXLE_STD: f64 = 2.0;
+
+/// How far the clocks of GNSS and IMU may be apart in a car's log [s].
+const TIME_OFFSET_STD: f64 = 0.1;
+
+/// The constraints, and the parameters that they ask for.
+pub(super) fn read_vehicle(section: &Section) -> Result<(Constraints, Parameters), ConfigError> {
     let words = [
         ("none", Profile::None),
         ("car", Profile::Car),
@@ -469,8 +476,12 @@ pub(super) fn read_vehicle(
             lever,
             ..NonHolonomic::CAR
         });
-    constraints.zero_velocity =
-        read_std(section, "zero_velocity", Quantity::Velocity, constraints.zero_velocity)?;
+    constraints.zero_velocity = read_std(
+        section,
+        "zero_velocity",
+        Quantity::Velocity,
+        constraints.zero_velocity,
+    )?;
     constraints.zero_angular_rate = read_std(
         section,
         "zero_angular_rate",
@@ -478,44 +489,67 @@ pub(super) fn read_vehicle(
         constraints.zero_angular_rate,
     )?;
     let min_speed = section.quantity("course_min_speed", Quantity::Velocity)?;
-    constraints.course =
-        read_std(section, "course", Quantity::Angle, None)?.map(|std| (std, min_speed.unwrap_or(5.0)));
+    constraints.course = read_std(section, "course", Quantity::Angle, None)?
+        .map(|std| (std, min_speed.unwrap_or(5.0)));
     constraints.odometer_lever = length("odometer_wheel")?;
+    let needed = constraints.non_holonomic.is_some();
+    let unless = |std: f64| needed.then_some(std);
     let mounting = read_std(
         section,
         "mounting_std",
         Quantity::Angle,
-        constraints.non_holonomic.map(|_| 3f64.to_radians()),
+        unless(MOUNTING_STD),
     )?;
+    let axle = if section.get("axle").is_some() {
+        AXLE_STD_GIVEN
+    } else {
+        AXLE_STD
+    };
+    let axle = read_std(section, "axle_std", Quantity::Length, unless(axle))?;
     section.only_known()?;
-    Ok((constraints, mounting))
+    let mut parameters = Parameters::none();
+    let time_offset = (profile == Profile::Car).then_some(TIME_OFFSET_STD);
+    for (kind, std) in [
+        (Parameter::Mounting, mounting),
+        (Parameter::Axle, axle),
+        (Parameter::TimeOffset, time_offset),
+    ] {
+        if let Some(std) = std {
+            parameters = parameters.with(kind, Prior { std, walk: 0.0 });
+        }
+    }
+    Ok((constraints, parameters))
 }
 
-/// The parameters estimated: standard deviation of each.
+/// The parameters estimated beside those given, by their standard deviations.
 pub(super) fn read_states(
     section: &Section,
-    mounting: Option<f64>,
+    mut parameters: Parameters,
 ) -> Result<Parameters, ConfigError> {
-    let mut parameters = Parameters::none();
-    let mut add = |kinds: &[Parameter], std: Option<f64>| {
-        if let Some(std) = std {
-            for kind in kinds {
-                parameters = parameters.with(*kind, Prior { std, walk: 0.0 });
-            }
-        }
-    };
     let std = |key, quantity| read_std(section, key, quantity, None);
-    add(
-        &[Parameter::GyroScale, Parameter::AccelScale],
-        section.factor("scale_factor")?,
-    );
-    add(
-        &[Parameter::GyroMisalignment, Parameter::AccelMisalignment],
-        std("misalignment", Quantity::Angle)?,
-    );
-    add(&[Parameter::LeverArm], std("lever_arm", Quantity::Length)?);
-    add(&[Parameter::TimeOffset], std("time_offset", Quantity::Time)?);
-    add(&[Parameter::Mounting], mounting);
+    if section.get("time_offset").is_some() {
+        parameters = parameters.without(Parameter::TimeOffset);
+    }
+    for (kinds, std) in [
+        (
+            &[Parameter::GyroScale, Parameter::AccelScale][..],
+            section.factor("scale_factor")?,
+        ),
+        (
+            &[Parameter::GyroMisalignment, Parameter::AccelMisalignment],
+            std("misalignment", Quantity::Angle)?,
+        ),
+        (&[Parameter::LeverArm], std("lever_arm", Quantity::Length)?),
+        (
+            &[Parameter::TimeOffset],
+            std("time_offset", Quantity::Time)?,
+        ),
+    ] {
+        let Some(std) = std else { continue };
+        for kind in kinds {
+            parameters = parameters.with(*kind, Prior { std, walk: 0.0 });
+        }
+    }
     section.only_known()?;
     Ok(parameters)
 }

@@ -49,7 +49,11 @@ impl FixGate {
     pub(super) fn gate(&self, time: f64, innovation: &Vector3, dof: usize) -> Option<Gate> {
         if let (Some((since, last)), Some(accepted)) = (self.refused, self.accepted) {
             let agree = (innovation - last).norm() < AGREE * innovation.norm();
-            let patience = if since - accepted > GAP { 0.0 } else { PATIENCE };
+            let patience = if since - accepted > GAP {
+                0.0
+            } else {
+                PATIENCE
+            };
             if agree && time - since >= patience {
                 return None;
             }
@@ -65,7 +69,13 @@ impl FixGate {
     }
 
     /// Notes what became of a fix.
-    pub(super) fn note(&mut self, time: f64, innovation: &Vector3, nis_per_dof: f64, outcome: Outcome) {
+    pub(super) fn note(
+        &mut self,
+        time: f64,
+        innovation: &Vector3,
+        nis_per_dof: f64,
+        outcome: Outcome,
+    ) {
         self.recent[self.count % WINDOW] = nis_per_dof;
         self.count += 1;
         if outcome == Outcome::Rejected {

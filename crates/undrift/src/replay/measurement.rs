@@ -61,7 +61,10 @@ mod tests {
             }))
         };
         let times = |items: Vec<Result<Measurement, ()>>| -> Vec<f64> {
-            items.into_iter().map(|m| m.map_or(-1.0, |m| m.time())).collect()
+            items
+                .into_iter()
+                .map(|m| m.map_or(-1.0, |m| m.time()))
+                .collect()
         };
         let both = merge(
             [1.0, 2.0, 5.0].map(at).into_iter(),

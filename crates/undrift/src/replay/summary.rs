@@ -1,6 +1,9 @@
 //! What a replay was like.
 
-use undrift_nav::filter::{Outcome, Update};
+use undrift_nav::{
+    filter::{Outcome, Update},
+    parameters::Parameter,
+};
 
 /// Sums of the normalised innovations squared of one kind of measurement.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -72,6 +75,8 @@ pub struct Summary {
     pub odometer: Innovations,
     /// Barometer updates.
     pub barometer: Innovations,
+    /// Parameters estimated: their last values and standard deviations.
+    pub parameters: Vec<(Parameter, Vec<f64>, Vec<f64>)>,
     /// Times at which the solution gave way to fixes that had contradicted it for a while [s], and by
     /// how much they differed [m].
     pub resets: Vec<(f64, f64)>,
