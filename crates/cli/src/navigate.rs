@@ -28,6 +28,9 @@ pub struct Arguments {
     /// Write the solution at every sample, with standard deviations and estimated sensor errors
     #[arg(short, long, value_name = "nav.csv")]
     output: Option<PathBuf>,
+    /// Smooth: at every sample the best estimate given the whole log
+    #[arg(long)]
+    smooth: bool,
 }
 
 /// What every verb on a drive takes.
@@ -52,7 +55,12 @@ pub fn load(drive: &std::path::Path, common: &Common) -> Result<Drive> {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let drive = load(&arguments.drive, &arguments.common)?;
-    let report = navigate::navigate(&drive, arguments.bias_model, arguments.output.as_deref())?;
+    let report = navigate::navigate(
+        &drive,
+        arguments.bias_model,
+        arguments.output.as_deref(),
+        arguments.smooth,
+    )?;
     print_report(&report, arguments.bias_model)?;
     if let Some(path) = &arguments.output {
         report::say(format!("solution: {}", path.display()))?;

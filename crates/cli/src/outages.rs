@@ -13,6 +13,9 @@ use undrift::{
 /// Cut GNSS again and again on a drive and measure how far each bias model drifts.
 ///
 /// Example: undrift outages examples/navego-adis16405.toml --data logs --length 10 --every 24 --count 15
+/// Longest span between two nodes of the smoother [s]: the errors are taken at nodes.
+const OUTAGE_NODE_SPAN: f64 = 0.2;
+
 #[derive(Args)]
 pub struct Arguments {
     /// The drive file
@@ -38,6 +41,9 @@ pub struct Arguments {
     /// Starts of the outages in the GNSS file's own time base [s], instead of --start, --count and --every
     #[arg(long, value_name = "T1,T2,…", value_delimiter = ',', conflicts_with_all = ["count", "every", "start"])]
     at: Option<Vec<f64>>,
+    /// Smooth: measure the errors that are left when the fixes after an outage are known too
+    #[arg(long)]
+    smooth: bool,
     /// Write the result as JSON; "-" for standard output instead of the table
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -95,6 +101,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .map(|kind| {
             let mut settings = undrift::navigate::settings(&drive, *kind)?;
             settings.outages = cuts.clone();
+            settings.nodes = arguments.smooth.then_some(OUTAGE_NODE_SPAN);
             Ok((kind.name().to_owned(), settings))
         })
         .collect::<Result<Vec<_>>>()?;

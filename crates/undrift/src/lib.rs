@@ -16,6 +16,7 @@ pub mod record;
 pub mod reference;
 pub mod replay;
 pub mod simulate;
+pub mod smooth;
 pub mod table;
 pub mod vehicle;
 

@@ -4,6 +4,7 @@ use crate::{
     drive::{Drive, DriveError},
     reference::{COMPONENTS, Errors, TruthCursor},
     replay::{Measurement, Observer, ReplayError, Settings, Summary, replay},
+    smooth::{History, Path as SmoothedPath},
 };
 use std::path::Path;
 use undrift_io::{
@@ -19,8 +20,11 @@ use undrift_io::{
 use undrift_nav::{
     Vector3,
     attitude::to_rpy,
+    covariance::{AXES, NAV},
     filter::Filter,
+    mechanisation::NavState,
     sample::{GnssFix, TruthSample},
+    tape::Tape,
 };
 use undrift_noise::BiasModel;
 
@@ -69,6 +73,9 @@ impl From<undrift_noise::ModelError> for NavigateError {
     }
 }
 
+/// Longest span between two nodes of the smoother [s].
+pub const NODE_SPAN: f64 = 1.0;
+
 /// The filter's settings for a drive under one bias model of its IMU.
 pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateError> {
     let model = drive.model.as_ref().ok_or(NavigateError::NoModel)?;
@@ -84,12 +91,17 @@ pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateErro
 }
 
 /// Navigates a drive; the solution at every sample goes to `output` as CSV, if there is one.
+///
+/// With `smooth`, the solution written and compared is the smoothed one: the filter's nodes go to a
+/// temporary file, and the log is read twice.
 pub fn navigate(
     drive: &Drive,
     kind: BiasModel,
     output: Option<&Path>,
+    smooth: bool,
 ) -> Result<Report, NavigateError> {
-    let settings = settings(drive, kind)?;
+    let mut settings = settings(drive, kind)?;
+    settings.nodes = smooth.then_some(NODE_SPAN);
     let mut imu = drive.open_imu()?;
     let mut gnss = drive.open_gnss()?;
     let mut recorder = Recorder {
@@ -106,6 +118,10 @@ pub fn navigate(
         }),
         squares: [0.0; COMPONENTS.len()],
         compared: 0,
+        history: smooth
+            .then(History::new)
+            .transpose()
+            .map_err(ReplayError::Write)?,
     };
     let summary = replay(
         &mut imu,
@@ -113,6 +129,26 @@ pub fn navigate(
         &settings,
         &mut recorder,
     )?;
+    if let Some(smoothed) = recorder
+        .history
+        .take()
+        .map(History::smooth)
+        .transpose()
+        .map_err(ReplayError::Write)?
+        .flatten()
+        && let Some(mut path) = SmoothedPath::new(&smoothed)
+    {
+        for sample in drive.open_imu()? {
+            path.add(&sample?, |node| {
+                recorder.record(
+                    &node.nav,
+                    node.nav_std,
+                    node.sensor_error,
+                    node.sensor_error_std,
+                )
+            })?;
+        }
+    }
     let mut truth_skipped = Skipped::default();
     let mut truth_read = None;
     if let Some(cursor) = recorder.truth {
@@ -174,11 +210,18 @@ struct Recorder {
     truth: Option<TruthCursor<Readable>>,
     squares: [f64; COMPONENTS.len()],
     compared: u64,
+    /// While the filter runs for a smoother.
+    history: Option<History>,
 }
 
-impl Observer for Recorder {
-    fn sample<const N: usize>(&mut self, filter: &Filter<N>) -> Result<(), ReplayError> {
-        let nav = filter.nav();
+impl Recorder {
+    fn record(
+        &mut self,
+        nav: &NavState,
+        nav_std: [f64; NAV],
+        e: [f64; AXES],
+        error_std: [f64; AXES],
+    ) -> Result<(), ReplayError> {
         if let Some(truth) = self.truth.as_mut().and_then(|t| t.at(nav.time)) {
             let errors = Errors::against_truth(nav, &truth);
             for (sum, e) in self.squares.iter_mut().zip(errors.0) {
@@ -187,17 +230,41 @@ impl Observer for Recorder {
             self.compared += 1;
         }
         if let Some(writer) = &mut self.writer {
-            let e = filter.sensor_error();
             writer.write(&SolutionRow {
                 time: nav.time,
                 position: nav.position,
                 v_n: nav.v_n,
                 rpy: to_rpy(&nav.q_nb),
-                nav_std: filter.nav_std(),
+                nav_std,
                 gyro_error: Vector3::new(e[0], e[1], e[2]),
                 accel_error: Vector3::new(e[3], e[4], e[5]),
-                error_std: filter.sensor_error_std(),
+                error_std,
             })?;
+        }
+        Ok(())
+    }
+}
+
+impl Observer for Recorder {
+    fn sample<const N: usize>(&mut self, filter: &Filter<N>) -> Result<(), ReplayError> {
+        if self.history.is_some() {
+            return Ok(());
+        }
+        self.record(
+            filter.nav(),
+            filter.nav_std(),
+            filter.sensor_error(),
+            filter.sensor_error_std(),
+        )
+    }
+
+    fn node<const N: usize>(
+        &mut self,
+        filter: &Filter<N>,
+        since: Option<&Tape<N>>,
+    ) -> Result<(), ReplayError> {
+        if let Some(history) = &mut self.history {
+            history.push(filter, since)?;
         }
         Ok(())
     }

@@ -1,6 +1,7 @@
 //! The experiment: GNSS cut many times on one drive, each bias model run through it, the drift
 //! reported as in the source paper's Table 4.
 
+use crate::smooth::History;
 use crate::{
     reference::{self, Errors, HORIZONTAL, TruthCursor},
     replay::{Measurement, Observer, Outage, ReplayError, Settings, Summary, replay},
@@ -10,6 +11,7 @@ use serde::Serialize;
 use undrift_nav::{
     filter::Filter,
     sample::{GnssFix, ImuSample, TruthSample},
+    tape::Tape,
 };
 
 /// What one outage did to one model.
@@ -204,16 +206,25 @@ pub fn run(
         .par_iter()
         .map(|(name, settings)| {
             let mut watch = OutageWatch::new(settings, truth);
+            if settings.nodes.is_some() {
+                watch.history = Some(match History::new() {
+                    Ok(history) => history,
+                    Err(error) => return (name.clone(), Err(error.into())),
+                });
+            }
             let result = replay(
                 imu.iter().copied().map(Ok),
                 gnss.iter().copied().map(Measurement::Gnss).map(Ok),
                 settings,
                 &mut watch,
             )
-            .map(|summary| ModelRun {
-                name: name.clone(),
-                errors: watch.finish(&summary),
-                summary,
+            .and_then(|summary| {
+                watch.smooth()?;
+                Ok(ModelRun {
+                    name: name.clone(),
+                    errors: watch.finish(&summary),
+                    summary,
+                })
             });
             (name.clone(), result)
         })
@@ -226,6 +237,10 @@ struct OutageWatch<'a> {
     truth: Option<TruthCursor<std::iter::Copied<std::slice::Iter<'a, TruthSample>>>>,
     present: usize,
     outages: Vec<OutageErrors>,
+    /// With smoothing: the nodes, and which of them lie in an outage, with the fix withheld there.
+    history: Option<History>,
+    inside: Vec<(usize, usize, Option<GnssFix>)>,
+    withheld: Option<GnssFix>,
 }
 
 /// Points of the drift curve are at least this far apart [s].
@@ -248,6 +263,9 @@ impl<'a> OutageWatch<'a> {
             truth: (!truth.is_empty()).then(|| TruthCursor::new(truth.iter().copied())),
             present: 0,
             outages,
+            history: None,
+            inside: Vec::new(),
+            withheld: None,
         }
     }
 
@@ -273,6 +291,35 @@ impl<'a> OutageWatch<'a> {
         {
             o.drift.push((since, errors.0[HORIZONTAL]));
         }
+    }
+
+    /// Errors of the smoothed solution at the nodes inside the outages, if there are nodes.
+    fn smooth(&mut self) -> Result<(), ReplayError> {
+        let Some(smoothed) = self
+            .history
+            .take()
+            .map(History::smooth)
+            .transpose()?
+            .flatten()
+        else {
+            return Ok(());
+        };
+        for (index, outage, fix) in std::mem::take(&mut self.inside) {
+            let node = &smoothed.nodes[index];
+            let time = node.nav.time;
+            let errors = match (&mut self.truth, fix) {
+                (Some(truth), _) => truth.at(time).map(|t| Errors::against_truth(&node.nav, &t)),
+                (None, Some(fix)) => {
+                    let (position, velocity) = smoothed.antenna(node, &self.settings.lever_arm);
+                    Some(Errors::of_antenna(&position, &velocity, &fix))
+                }
+                _ => None,
+            };
+            if let Some(errors) = errors {
+                self.note(outage, time, errors);
+            }
+        }
+        Ok(())
     }
 
     fn finish(self, summary: &Summary) -> ModelErrors {
@@ -314,7 +361,8 @@ impl<'a> OutageWatch<'a> {
 impl Observer for OutageWatch<'_> {
     fn sample<const N: usize>(&mut self, filter: &Filter<N>) -> Result<(), ReplayError> {
         let time = filter.nav().time;
-        if self.truth.is_some()
+        if self.history.is_none()
+            && self.truth.is_some()
             && let Some(outage) = self.outage_at(time)
             && let Some(truth) = self.truth.as_mut().and_then(|t| t.at(time))
         {
@@ -324,14 +372,32 @@ impl Observer for OutageWatch<'_> {
     }
 
     fn fix<const N: usize>(&mut self, filter: &Filter<N>, fix: &GnssFix, withheld: bool) {
-        if withheld
+        self.withheld = (withheld && fix.position.is_some()).then_some(*fix);
+        if self.history.is_none()
             && self.truth.is_none()
-            && fix.position.is_some()
+            && self.withheld.is_some()
             && let Some(outage) = self.outage_at(fix.time)
         {
             let errors = Errors::against_fix(filter, fix, &self.settings.lever_arm);
             self.note(outage, fix.time, errors);
         }
+    }
+
+    fn node<const N: usize>(
+        &mut self,
+        filter: &Filter<N>,
+        since: Option<&Tape<N>>,
+    ) -> Result<(), ReplayError> {
+        let withheld = self.withheld.take();
+        let time = withheld.map_or(filter.nav().time, |fix| fix.time);
+        let outage = self.outage_at(time);
+        if let Some(history) = &mut self.history {
+            if let Some(outage) = outage {
+                self.inside.push((history.len(), outage, withheld));
+            }
+            history.push(filter, since)?;
+        }
+        Ok(())
     }
 }
 

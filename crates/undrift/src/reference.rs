@@ -81,14 +81,17 @@ impl Errors {
         lever_b: &Vector3,
     ) -> Self {
         let antenna = filter.antenna_position(lever_b);
+        Self::of_antenna(&antenna, &filter.antenna_velocity(lever_b), fix)
+    }
+
+    /// Of an antenna's position and velocity [m/s] against a fix; the attitude stays unknown.
+    pub fn of_antenna(antenna: &Geodetic, velocity: &Vector3, fix: &GnssFix) -> Self {
         let dr = match fix.position {
-            Some((Position::Geodetic(measured), _)) => measured.offset_to(&antenna),
-            Some((Position::Baseline { base, ned }, _)) => base.ned_to(&antenna) - ned,
+            Some((Position::Geodetic(measured), _)) => measured.offset_to(antenna),
+            Some((Position::Baseline { base, ned }, _)) => base.ned_to(antenna) - ned,
             None => Vector3::repeat(f64::NAN),
         };
-        let dv = fix
-            .velocity
-            .map(|(v, _)| filter.antenna_velocity(lever_b) - v);
+        let dv = fix.velocity.map(|(v, _)| velocity - v);
         Self::new(&dr, dv, None)
     }
 

@@ -472,7 +472,7 @@ pub(super) fn read_vehicle(section: &Section) -> Result<(Constraints, Parameters
     constraints.non_holonomic =
         read_std(section, "non_holonomic", Quantity::Velocity, slip)?.map(|std| NonHolonomic {
             right: std,
-            down: std,
+            down: std * NonHolonomic::CAR.down / NonHolonomic::CAR.right,
             lever,
             ..NonHolonomic::CAR
         });

@@ -1,0 +1,436 @@
+//! Fixed-interval smoothing: at every node the best estimate given the whole log.
+//!
+//! While the filter runs forward, [`History`] writes down at each node its state, its covariance and
+//! the [`Tape`] of the span since the node before, in a temporary file: memory does not grow with the
+//! log but for the result. [`History::smooth`] then goes through the nodes from the last to the first
+//! and carries the adjoint λ, Λ along; the smoothed error at a node is `P λ`, its covariance
+//! `P − P Λ P` (see [`undrift_nav::tape`]). Exact for the linearised filter at the nodes, whatever
+//! lies between them: updates of any kind, outages, states without noise.
+//!
+//! [`Path`] fills in the samples between two nodes: it integrates the log from the smoothed node, with
+//! its sensor errors, and spreads the small difference at the next node over the span.
+
+use nalgebra::{DMatrix, DVector};
+use std::{
+    fs::File,
+    io::{self, BufWriter, Read, Seek, SeekFrom, Write},
+};
+use undrift_nav::{
+    Quaternion, Vector3,
+    covariance::{AXES, NAV, Sensors},
+    earth::Geodetic,
+    filter::Filter,
+    mechanisation::{Increments, NavState, RawIncrements},
+    parameters::{Coupling, Parameter, Parameters},
+    sample::ImuSample,
+    tape::Tape,
+};
+
+/// The smoothed solution at one instant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Node {
+    /// Position, velocity and attitude of the IMU.
+    pub nav: NavState,
+    /// Standard deviations of `[δr; δv; ψ]` [m, m/s, rad].
+    pub nav_std: [f64; NAV],
+    /// Sensor states and parameters behind the navigation errors.
+    pub estimates: Vec<f64>,
+    /// Sensor errors, gyro x, y, z [rad/s], accelerometer x, y, z [m/s²].
+    pub sensor_error: [f64; AXES],
+    /// Their standard deviations.
+    pub sensor_error_std: [f64; AXES],
+    /// Angular rate against the navigation frame as the filter had it, body axes [rad/s].
+    pub omega_nb_b: Vector3,
+    /// What smoothing added to the filter's estimate of all sensor states and parameters.
+    correction: Vec<f64>,
+}
+
+/// The smoothed nodes in order of time.
+#[derive(Clone, Debug)]
+pub struct Smoothed {
+    /// Node by node.
+    pub nodes: Vec<Node>,
+    sensors: Sensors,
+    parameters: Parameters,
+}
+
+impl Smoothed {
+    /// Antenna position and velocity [m/s] at a node that was made for a fix, when the fix holds by
+    /// the smoothed time offset: the filter put the node where it then believed the fix to be.
+    /// `lever_b` IMU → antenna as configured, body axes [m].
+    pub fn antenna(&self, node: &Node, lever_b: &Vector3) -> (Geodetic, Vector3) {
+        let mut lever = *lever_b;
+        if let Some(at) = self.parameters.start(Parameter::LeverArm) {
+            let at = self.sensors.states() + at - NAV;
+            lever += Vector3::from_column_slice(&node.estimates[at..at + 3]);
+        }
+        let velocity = node.nav.v_n + node.nav.q_nb * node.omega_nb_b.cross(&lever);
+        let late = match self.parameters.start(Parameter::TimeOffset) {
+            Some(at) => node.correction[self.sensors.states() + at - NAV],
+            None => 0.0,
+        };
+        let offset = node.nav.q_nb * lever + velocity * late;
+        let position = node.nav.position.displaced(&offset);
+        (position, velocity)
+    }
+
+    /// Sensor errors of a sample under the estimates of a node.
+    fn sensor_error(&self, node: &Node, sample: &ImuSample) -> [f64; AXES] {
+        let coupling = Coupling::new(
+            &self.parameters,
+            0,
+            &(sample.dtheta / sample.dt),
+            &(sample.dvel / sample.dt),
+        );
+        let behind = self.sensors.states() - NAV;
+        core::array::from_fn(|axis| {
+            let scaled: f64 = coupling
+                .of(axis)
+                .iter()
+                .map(|(index, factor)| factor * node.estimates.get(behind + index).unwrap_or(&0.0))
+                .sum();
+            node.sensor_error[axis] + scaled
+        })
+    }
+}
+
+/// Numbers of a record before the matrices: a flag, time, position, velocity, quaternion, rate.
+const HEAD: usize = 15;
+
+/// The forward pass, node by node.
+pub struct History {
+    file: BufWriter<File>,
+    /// States of the filter.
+    states: usize,
+    nodes: usize,
+    sensors: Option<(Sensors, Parameters)>,
+    record: Vec<u8>,
+}
+
+impl History {
+    /// Empty, in a temporary file without a name.
+    ///
+    /// # Errors
+    /// If no temporary file can be made.
+    pub fn new() -> io::Result<Self> {
+        Ok(Self {
+            file: BufWriter::with_capacity(1 << 16, tempfile::tempfile()?),
+            states: 0,
+            nodes: 0,
+            sensors: None,
+            record: Vec::new(),
+        })
+    }
+
+    /// Number of nodes.
+    pub fn len(&self) -> usize {
+        self.nodes
+    }
+
+    /// Whether there is no node.
+    pub fn is_empty(&self) -> bool {
+        self.nodes == 0
+    }
+
+    /// Writes down a node: the filter as it stands and the tape since the node before. Without a tape
+    /// nothing after this node says anything about what was before it.
+    ///
+    /// # Errors
+    /// If the temporary file cannot be written.
+    pub fn push<const N: usize>(
+        &mut self,
+        filter: &Filter<N>,
+        since: Option<&Tape<N>>,
+    ) -> io::Result<()> {
+        self.states = filter.states();
+        self.sensors = Some((*filter.sensors(), *filter.parameters()));
+        let n = self.states;
+        let record = &mut self.record;
+        record.clear();
+        let mut put = |values: &[f64]| {
+            for value in values {
+                record.extend_from_slice(&value.to_ne_bytes());
+            }
+        };
+        let nav = filter.nav();
+        let place = nav.position;
+        put(&[
+            f64::from(u8::from(since.is_some())),
+            nav.time,
+            place.lat,
+            place.lon,
+            place.height,
+        ]);
+        put(nav.v_n.as_slice());
+        put(nav.q_nb.coords.as_slice());
+        put(filter.omega_nb_b().as_slice());
+        put(&filter.estimates()[NAV..n]);
+        let p = filter.covariance();
+        for j in 0..n {
+            put(&p.column(j).as_slice()[j..n]);
+        }
+        match since {
+            Some(tape) => {
+                let t = tape.transition();
+                for j in 0..n {
+                    put(&t.column(j).as_slice()[..n]);
+                }
+                put(&tape.gradient.as_slice()[..n]);
+                for j in 0..n {
+                    put(&tape.information.column(j).as_slice()[j..n]);
+                }
+            }
+            None => put(&vec![0.0; n * n + n + n * (n + 1) / 2]),
+        }
+        self.nodes += 1;
+        self.file.write_all(&self.record)
+    }
+
+    /// Goes back through the nodes; `None` if there are none.
+    ///
+    /// # Errors
+    /// If the temporary file cannot be read.
+    pub fn smooth(mut self) -> io::Result<Option<Smoothed>> {
+        let Some((sensors, parameters)) = self.sensors else {
+            return Ok(None);
+        };
+        let n = self.states;
+        let packed = n * (n + 1) / 2;
+        let length = HEAD + (n - NAV) + packed + n * n + n + packed;
+        self.file.flush()?;
+        let file = self.file.get_mut();
+
+        // Blocks of about a megabyte, from the end.
+        let per_block = ((1 << 20) / (8 * length)).max(1);
+        let mut lambda = DVector::<f64>::zeros(n);
+        let mut information = DMatrix::<f64>::zeros(n, n);
+        let mut nodes = Vec::with_capacity(self.nodes);
+        let mut bytes = Vec::new();
+        let mut end = self.nodes;
+        while end > 0 {
+            let start = end.saturating_sub(per_block);
+            bytes.resize((end - start) * length * 8, 0);
+            file.seek(SeekFrom::Start((start * length * 8) as u64))?;
+            file.read_exact(&mut bytes)?;
+            for record in bytes.chunks_exact(length * 8).rev() {
+                let mut numbers = record.chunks_exact(8).map(|b| {
+                    let mut word = [0; 8];
+                    word.copy_from_slice(b);
+                    f64::from_ne_bytes(word)
+                });
+                let mut take =
+                    |count: usize| -> Vec<f64> { numbers.by_ref().take(count).collect() };
+                let head = take(HEAD);
+                let estimates = take(n - NAV);
+                let p = unpack(&take(packed), n);
+                let t = DMatrix::from_vec(n, n, take(n * n));
+                let gradient = DVector::from_vec(take(n));
+                let tape_information = unpack(&take(packed), n);
+
+                let node = node(&head, &estimates, &p, &lambda, &information, &sensors);
+                nodes.push(node);
+                if head[0] > 0.0 {
+                    lambda = gradient + t.tr_mul(&lambda);
+                    let carried = t.tr_mul(&(&information * &t));
+                    information = tape_information + (&carried + carried.transpose()) * 0.5;
+                } else {
+                    lambda.fill(0.0);
+                    information.fill(0.0);
+                }
+            }
+            end = start;
+        }
+        nodes.reverse();
+        Ok(Some(Smoothed {
+            nodes,
+            sensors,
+            parameters,
+        }))
+    }
+}
+
+/// A symmetric matrix from its lower triangle, column by column.
+fn unpack(packed: &[f64], n: usize) -> DMatrix<f64> {
+    let mut matrix = DMatrix::zeros(n, n);
+    let mut values = packed.iter();
+    for j in 0..n {
+        for i in j..n {
+            let value = values.next().copied().unwrap_or(0.0);
+            matrix[(i, j)] = value;
+            matrix[(j, i)] = value;
+        }
+    }
+    matrix
+}
+
+fn node(
+    head: &[f64],
+    estimates: &[f64],
+    p: &DMatrix<f64>,
+    lambda: &DVector<f64>,
+    information: &DMatrix<f64>,
+    sensors: &Sensors,
+) -> Node {
+    let n = p.nrows();
+    let error = p * lambda;
+    let smoothed = p - p * information * p;
+    let nav = NavState {
+        time: head[1],
+        position: Geodetic {
+            lat: head[2],
+            lon: head[3],
+            height: head[4],
+        },
+        v_n: Vector3::new(head[5], head[6], head[7]),
+        q_nb: Quaternion::new_unchecked(nalgebra::Quaternion::from(nalgebra::Vector4::new(
+            head[8], head[9], head[10], head[11],
+        ))),
+    };
+    let part = |at: usize| Vector3::new(error[at], error[at + 1], error[at + 2]);
+    let estimates: Vec<f64> = estimates
+        .iter()
+        .enumerate()
+        .map(|(i, x)| x + error[NAV + i])
+        .collect();
+    let mut sensor_error = [0.0; AXES];
+    let mut sensor_error_std = [0.0; AXES];
+    for axis in 0..AXES {
+        let (filter, at) = (sensors.axis(axis), sensors.start(axis));
+        for i in 0..filter.order {
+            sensor_error[axis] += filter.h[i] * estimates[at + i - NAV];
+            for j in 0..filter.order {
+                sensor_error_std[axis] += filter.h[i] * filter.h[j] * smoothed[(at + i, at + j)];
+            }
+        }
+    }
+    Node {
+        nav: nav.without_error(&part(0), &part(3), &part(6)),
+        nav_std: core::array::from_fn(|i| {
+            if i < n {
+                smoothed[(i, i)].max(0.0).sqrt()
+            } else {
+                0.0
+            }
+        }),
+        estimates,
+        sensor_error,
+        sensor_error_std: sensor_error_std.map(|v: f64| v.max(0.0).sqrt()),
+        omega_nb_b: Vector3::new(head[12], head[13], head[14]),
+        correction: error.rows(NAV, n - NAV).iter().copied().collect(),
+    }
+}
+
+/// Times closer than this [s] are the same.
+const SAME: f64 = 1e-6;
+
+/// The smoothed solution at every sample, from the nodes and a second pass over the log.
+pub struct Path<'a> {
+    smoothed: &'a Smoothed,
+    /// The node that the present span starts at.
+    node: usize,
+    /// Integrated from there.
+    nav: NavState,
+    previous: Option<RawIncrements>,
+    /// Ends of the samples of the span so far.
+    pending: Vec<NavState>,
+}
+
+impl<'a> Path<'a> {
+    /// From the first node on; `None` where there is none.
+    pub fn new(smoothed: &'a Smoothed) -> Option<Self> {
+        Some(Self {
+            nav: smoothed.nodes.first()?.nav,
+            smoothed,
+            node: 0,
+            previous: None,
+            pending: Vec::new(),
+        })
+    }
+
+    /// Takes the next sample; gives `out` the solution at the ends of all samples that a node now
+    /// closes, in order, as a node of its own.
+    ///
+    /// # Errors
+    /// What `out` returns.
+    pub fn add<E>(
+        &mut self,
+        sample: &ImuSample,
+        mut out: impl FnMut(Node) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let raw = RawIncrements {
+            dt: sample.dt,
+            dtheta: sample.dtheta,
+            dvel: sample.dvel,
+        };
+        let previous = self.previous.replace(raw);
+        while self.nav.time < sample.time - SAME {
+            let Some(next) = self.smoothed.nodes.get(self.node + 1) else {
+                return Ok(());
+            };
+            let error = self
+                .smoothed
+                .sensor_error(&self.smoothed.nodes[self.node], sample);
+            let less = |raw: RawIncrements| RawIncrements {
+                dt: raw.dt,
+                dtheta: raw.dtheta - Vector3::new(error[0], error[1], error[2]) * raw.dt,
+                dvel: raw.dvel - Vector3::new(error[3], error[4], error[5]) * raw.dt,
+            };
+            let now = less(raw);
+            let whole =
+                Increments::from_raw(now.dt, now.dtheta, now.dvel, previous.map(less).as_ref());
+            let until = if next.nav.time < sample.time - SAME {
+                next.nav.time
+            } else {
+                sample.time
+            };
+            let from = self.nav.time.max(sample.time - sample.dt);
+            self.nav
+                .step(&whole.part(((until - from) / sample.dt).max(0.0)));
+            self.nav.time = until;
+            if until == sample.time {
+                self.pending.push(self.nav);
+            }
+            if until >= next.nav.time - SAME {
+                self.close(&mut out)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The next node is reached: what is missing there is spread over the span.
+    fn close<E>(&mut self, out: &mut impl FnMut(Node) -> Result<(), E>) -> Result<(), E> {
+        let (from, to) = (
+            &self.smoothed.nodes[self.node],
+            &self.smoothed.nodes[self.node + 1],
+        );
+        let dr = to.nav.position.offset_to(&self.nav.position);
+        let dv = self.nav.v_n - to.nav.v_n;
+        let psi = -(self.nav.q_nb * to.nav.q_nb.inverse()).scaled_axis();
+        let span = (to.nav.time - from.nav.time).max(SAME);
+        for nav in self.pending.drain(..) {
+            let w = ((nav.time - from.nav.time) / span).clamp(0.0, 1.0);
+            let mix = |a: f64, b: f64| a + w * (b - a);
+            out(Node {
+                nav: nav.without_error(&(dr * w), &(dv * w), &(psi * w)),
+                nav_std: core::array::from_fn(|i| mix(from.nav_std[i], to.nav_std[i])),
+                estimates: from
+                    .estimates
+                    .iter()
+                    .zip(&to.estimates)
+                    .map(|(a, b)| mix(*a, *b))
+                    .collect(),
+                sensor_error: core::array::from_fn(|i| {
+                    mix(from.sensor_error[i], to.sensor_error[i])
+                }),
+                sensor_error_std: core::array::from_fn(|i| {
+                    mix(from.sensor_error_std[i], to.sensor_error_std[i])
+                }),
+                omega_nb_b: from.omega_nb_b,
+                correction: Vec::new(),
+            })?;
+        }
+        self.nav = to.nav;
+        self.node += 1;
+        Ok(())
+    }
+}
