@@ -4,9 +4,9 @@ use crate::{
     drive::{Drive, DriveError},
     reference::{COMPONENTS, Errors, TruthCursor},
     replay::{Measurement, Observer, ReplayError, Settings, Summary, replay},
-    smooth::{History, Path as SmoothedPath},
+    smooth::{History, Keeper, Path as SmoothedPath, START_SPAN},
 };
-use std::path::Path;
+use std::{cell::Cell, path::Path};
 use undrift_io::{
     ReadError,
     imu::GapSummary,
@@ -102,6 +102,22 @@ pub fn navigate(
 ) -> Result<Report, NavigateError> {
     let mut settings = settings(drive, kind)?;
     settings.nodes = smooth.then_some(NODE_SPAN);
+    if smooth {
+        let mut keeper = Keeper(History::new().map_err(ReplayError::Write)?);
+        let until = Cell::new(f64::INFINITY);
+        let start = drive.open_imu()?.take_while(|sample| {
+            let time = sample.as_ref().map_or(0.0, |s| s.time);
+            until.set(until.get().min(time + START_SPAN));
+            time < until.get()
+        });
+        let gnss = drive.open_gnss()?.map(|fix| fix.map(Measurement::Gnss));
+        replay(start, gnss, &settings, &mut keeper)?;
+        settings.start = keeper
+            .0
+            .smooth()
+            .map_err(ReplayError::Write)?
+            .map(|smoothed| smoothed.start);
+    }
     let mut imu = drive.open_imu()?;
     let mut gnss = drive.open_gnss()?;
     let mut recorder = Recorder {

@@ -1,7 +1,7 @@
 //! The experiment: GNSS cut many times on one drive, each bias model run through it, the drift
 //! reported as in the source paper's Table 4.
 
-use crate::smooth::History;
+use crate::smooth::{self, History};
 use crate::{
     reference::{self, Errors, HORIZONTAL, TruthCursor},
     replay::{Measurement, Observer, Outage, ReplayError, Settings, Summary, replay},
@@ -205,6 +205,18 @@ pub fn run(
     models
         .par_iter()
         .map(|(name, settings)| {
+            let started;
+            let settings = match smooth::better_start(imu, gnss, settings) {
+                Ok(None) => settings,
+                Ok(Some(start)) => {
+                    started = Settings {
+                        start: Some(start),
+                        ..settings.clone()
+                    };
+                    &started
+                }
+                Err(error) => return (name.clone(), Err(error)),
+            };
             let mut watch = OutageWatch::new(settings, truth);
             if settings.nodes.is_some() {
                 watch.history = Some(match History::new() {

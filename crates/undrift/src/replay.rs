@@ -70,6 +70,9 @@ pub struct Settings {
     pub gating: bool,
     /// Longest span between two nodes that a smoother is told of [s]; without it, none.
     pub nodes: Option<f64>,
+    /// What the first attitude, sensor states and parameters after alignment are off by, as a smoother
+    /// has found in a run before: taken out before navigation begins.
+    pub start: Option<Vec<f64>>,
 }
 
 impl Settings {
@@ -86,6 +89,7 @@ impl Settings {
             constraints: Constraints::default(),
             gating: true,
             nodes: None,
+            start: None,
         }
     }
 }
@@ -378,7 +382,13 @@ impl<'a, const N: usize> Run<'a, N> {
                 self.summary.started = Some(fix.time);
                 self.summary.alignment = aligned.how;
                 self.last_fix = Some(fix.time);
-                self.filter = Some(aligned.filter);
+                let mut filter = aligned.filter;
+                if let Some(start) = &self.settings.start {
+                    filter.take_out(&nalgebra::SVector::from_fn(|i, _| {
+                        start.get(i).copied().unwrap_or(0.0)
+                    }));
+                }
+                self.filter = Some(filter);
                 self.node(observer)?;
                 // The rest of this sample's interval.
                 let rest = sample.time - fix.time;

@@ -10,6 +10,7 @@
 //! [`Path`] fills in the samples between two nodes: it integrates the log from the smoothed node, with
 //! its sensor errors, and spreads the small difference at the next node over the span.
 
+use crate::replay::{Measurement, Observer, ReplayError, Settings, replay};
 use nalgebra::{DMatrix, DVector};
 use std::{
     fs::File,
@@ -22,7 +23,7 @@ use undrift_nav::{
     filter::Filter,
     mechanisation::{Increments, NavState, RawIncrements},
     parameters::{Coupling, Parameter, Parameters},
-    sample::ImuSample,
+    sample::{GnssFix, ImuSample},
     tape::Tape,
 };
 
@@ -50,6 +51,14 @@ pub struct Node {
 pub struct Smoothed {
     /// Node by node.
     pub nodes: Vec<Node>,
+    /// What smoothing found the filter's first attitude, sensor states and parameters to be off by, as
+    /// [`crate::replay::Settings::start`] takes it for a second run from a better place.
+    ///
+    /// An error-state filter is linearised about its own estimate, which may be degrees off in heading
+    /// at first: second-order terms of that reach far into the log. Run again with the prior about
+    /// the smoothed start, the filter is linearised about the truth, nearly. The prior keeps its
+    /// width, in which the shift of its mean is lost: it is wide against what the whole log says.
+    pub start: Vec<f64>,
     sensors: Sensors,
     parameters: Parameters,
 }
@@ -206,6 +215,7 @@ impl History {
         let mut information = DMatrix::<f64>::zeros(n, n);
         let mut nodes = Vec::with_capacity(self.nodes);
         let mut bytes = Vec::new();
+        let mut start_error = vec![0.0; n];
         let mut end = self.nodes;
         while end > 0 {
             let start = end.saturating_sub(per_block);
@@ -227,6 +237,7 @@ impl History {
                 let gradient = DVector::from_vec(take(n));
                 let tape_information = unpack(&take(packed), n);
 
+                start_error.copy_from_slice((&p * &lambda).as_slice());
                 let node = node(&head, &estimates, &p, &lambda, &information, &sensors);
                 nodes.push(node);
                 if head[0] > 0.0 {
@@ -241,8 +252,11 @@ impl History {
             end = start;
         }
         nodes.reverse();
+        let mut start = start_error;
+        start[..6].fill(0.0);
         Ok(Some(Smoothed {
             nodes,
+            start,
             sensors,
             parameters,
         }))
@@ -317,6 +331,52 @@ fn node(
         sensor_error_std: sensor_error_std.map(|v: f64| v.max(0.0).sqrt()),
         omega_nb_b: Vector3::new(head[12], head[13], head[14]),
         correction: error.rows(NAV, n - NAV).iter().copied().collect(),
+    }
+}
+
+/// Longest part of a log that [`better_start`] looks at [s].
+pub const START_SPAN: f64 = 300.0;
+
+/// The start that a smoother finds in the first minutes of a log, for [`Settings::start`]; `None`
+/// without nodes.
+///
+/// # Errors
+/// As [`replay`].
+pub fn better_start(
+    imu: &[ImuSample],
+    gnss: &[GnssFix],
+    settings: &Settings,
+) -> Result<Option<Vec<f64>>, ReplayError> {
+    if settings.nodes.is_none() {
+        return Ok(None);
+    }
+    let until = imu.first().map_or(0.0, |s| s.time) + START_SPAN;
+    let mut keeper = Keeper(History::new()?);
+    replay(
+        imu.iter().take_while(|s| s.time < until).copied().map(Ok),
+        gnss.iter().copied().map(Measurement::Gnss).map(Ok),
+        settings,
+        &mut keeper,
+    )?;
+    Ok(keeper.0.smooth()?.map(|smoothed| smoothed.start))
+}
+
+/// Keeps nodes only.
+pub(crate) struct Keeper(pub(crate) History);
+
+impl Observer for Keeper {
+    fn sample<const N: usize>(&mut self, _: &Filter<N>) -> Result<(), ReplayError> {
+        Ok(())
+    }
+
+    fn fix<const N: usize>(&mut self, _: &Filter<N>, _: &GnssFix, _: bool) {}
+
+    fn node<const N: usize>(
+        &mut self,
+        filter: &Filter<N>,
+        since: Option<&Tape<N>>,
+    ) -> Result<(), ReplayError> {
+        Ok(self.0.push(filter, since)?)
     }
 }
 
