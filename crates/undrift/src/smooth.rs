@@ -470,8 +470,10 @@ impl<'a> Path<'a> {
         for nav in self.pending.drain(..) {
             let w = ((nav.time - from.nav.time) / span).clamp(0.0, 1.0);
             let mix = |a: f64, b: f64| a + w * (b - a);
+            // The cubic with the right value and slope at both ends.
+            let drift = dr * (w * w * (3.0 - 2.0 * w)) + dv * (span * w * w * (w - 1.0));
             out(Node {
-                nav: nav.without_error(&(dr * w), &(dv * w), &(psi * w)),
+                nav: nav.without_error(&drift, &(dv * w), &(psi * w)),
                 nav_std: core::array::from_fn(|i| mix(from.nav_std[i], to.nav_std[i])),
                 estimates: from
                     .estimates
