@@ -275,6 +275,27 @@ impl<const N: usize> Filter<N> {
         self.current = None;
     }
 
+    /// Sets the estimated sensor errors, gyro x, y, z [rad/s] and accelerometer x, y, z [m/s²], by the
+    /// states' mean given that error under their present covariance; the covariance stays.
+    pub fn set_sensor_error(&mut self, error: &[f64; AXES]) {
+        for axis in 0..AXES {
+            let (filter, at) = (self.sensors.axis(axis), self.sensors.start(axis));
+            let mut ph = [0.0; crate::shaping::MAX_ORDER];
+            let mut variance = 0.0;
+            for i in 0..filter.order {
+                for j in 0..filter.order {
+                    ph[i] += self.p[(at + i, at + j)] * filter.h[j];
+                }
+                variance += filter.h[i] * ph[i];
+            }
+            if variance > 0.0 {
+                for i in 0..filter.order {
+                    self.x[at + i] = ph[i] * error[axis] / variance;
+                }
+            }
+        }
+    }
+
     /// Sets the covariance of position and velocity [m², (m/s)²], north-east-down, free of
     /// correlation with all else.
     pub fn set_position_velocity_covariance(&mut self, position: &Matrix3, velocity: &Matrix3) {

@@ -226,7 +226,7 @@ impl MountingEstimator {
 }
 
 /// Estimates the mounting from the first [`LONGEST_PASS`] of a log in sensor axes; `settings` must not
-/// take the axes for a vehicle's ([`Heading::VelocityMatching`]).
+/// take the axes for a vehicle's ([`Heading::Auto`]).
 ///
 /// # Errors
 /// Where the log cannot be navigated, or holds too little straight driving.
@@ -289,7 +289,7 @@ pub fn resolve(drive: &Drive) -> Result<(Drive, Option<Mounting>), NavigateError
     for _ in 0..passes {
         let mut settings = settings(drive, BiasModel::Arma)?;
         settings.align = AlignSettings {
-            heading: Heading::VelocityMatching,
+            heading: Heading::Auto,
             ..AlignSettings::default()
         };
         settings.lever_arm = found.map_or(Vector3::zeros(), |m| m.q_vb.inverse() * drive.lever_arm);

@@ -396,13 +396,12 @@ pub(super) fn read_initial(section: &Section) -> Result<AlignSettings, ConfigErr
         .unwrap_or(degrees(3.0));
     align.heading = match section.text("heading")? {
         None | Some("course") => Heading::Course,
-        Some("velocity-matching") => Heading::VelocityMatching,
+        Some("auto") => Heading::Auto,
         Some(text) => match undrift_nav::units::parse(text, Quantity::Angle) {
             Ok(angle) => Heading::Given(angle, heading_std),
             Err(e) => {
-                let message = format!(
-                    "\"{text}\" is neither \"course\" nor \"velocity-matching\" nor an angle: {e}"
-                );
+                let message =
+                    format!("\"{text}\" is neither \"course\" nor \"auto\" nor an angle: {e}");
                 return Err(section.error("heading", message));
             }
         },
