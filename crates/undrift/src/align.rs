@@ -32,7 +32,7 @@ pub enum Heading {
     /// Known [rad] with a standard deviation [rad].
     Given(f64, f64),
     /// The GNSS course, once the speed is above `min_speed` after a rest, for body axes that are the
-    /// vehicle's; without a rest as `Auto`.
+    /// vehicle's; or as `Auto` where that comes first.
     Course,
     /// Velocity changes alone, for body axes of any mounting.
     Auto,
@@ -127,15 +127,9 @@ impl Aligner {
         }
     }
 
-    /// Whether the attitude is sought in motion.
-    fn in_motion(&self) -> bool {
-        self.settings.attitude.is_none()
-            && (self.settings.heading == Heading::Auto || self.rested.is_none())
-    }
-
     /// Moves to `until` [s] within `sample`.
     pub fn advance(&mut self, sample: &ImuSample, until: f64) {
-        if self.in_motion() && self.given != Some(sample.time) {
+        if self.settings.attitude.is_none() && self.given != Some(sample.time) {
             self.given = Some(sample.time);
             self.motion.sample(sample);
         }
@@ -231,7 +225,22 @@ impl Aligner {
 
         let bias_variance =
             noise_of_mean(&settings.sensors[..3], self.rest.bias_span()) + RATE_FLOOR * RATE_FLOOR;
-        if self.in_motion() {
+        let level = self.level;
+        let forward = level * Vector3::x();
+        let azimuth = forward.y.atan2(forward.x);
+        let heading = match self.settings.heading {
+            Heading::Given(heading, std) => Some((heading, std, "heading as given")),
+            Heading::Course if speed >= self.settings.min_speed => {
+                let course = velocity.y.atan2(velocity.x);
+                let noise = velocity_covariance.fixed_view::<2, 2>(0, 0).trace() / 2.0;
+                let std = (noise / (speed * speed) + COURSE_FLOOR * COURSE_FLOOR).sqrt();
+                Some((course, std, "heading from the course"))
+            }
+            _ => None,
+        };
+        let (Some((level_at_rest, force_at_rest, duration, _)), Some((heading, std, how))) =
+            (self.rested, heading)
+        else {
             let at_rest = self.rested.map(|(.., end)| {
                 let walked = walk(&settings.sensors[..3], fix.time - end);
                 (self.rest.bias, bias_variance + walked)
@@ -248,25 +257,8 @@ impl Aligner {
                     filter: found.filter,
                 }
             }));
-        }
-        let Some((level_at_rest, force_at_rest, duration, _)) = self.rested else {
-            return Ok(None);
         };
-        let level = self.level;
-        let forward = level * Vector3::x();
-        let azimuth = forward.y.atan2(forward.x);
-        let (turn, std, how) = match self.settings.heading {
-            Heading::Given(heading, std) => (heading - azimuth, std, "heading as given"),
-            _ => {
-                if speed < self.settings.min_speed {
-                    return Ok(None);
-                }
-                let course = velocity.y.atan2(velocity.x);
-                let noise = velocity_covariance.fixed_view::<2, 2>(0, 0).trace() / 2.0;
-                let std = (noise / (speed * speed) + COURSE_FLOOR * COURSE_FLOOR).sqrt();
-                (course - azimuth, std, "heading from the course")
-            }
-        };
+        let turn = heading - azimuth;
 
         // What rest says of level and bias, at the attitude it had.
         let spin = from_rotation_vector(&Vector3::new(0.0, 0.0, turn));
@@ -302,20 +294,18 @@ impl Aligner {
                 .to_string()
         } else if self.settings.attitude.is_some() {
             "the fixes carry no velocity and no two are close enough to make one; set initial.velocity".to_string()
-        } else if self.in_motion() {
-            let rest = if self.rested.is_none() {
-                "there was no rest to level on, and "
-            } else {
-                ""
-            };
-            format!("{rest}{}; set initial.attitude", self.motion.why_not())
-        } else if let Heading::Given(..) = self.settings.heading {
-            "the fixes carry no velocity and no two are close enough to make one; set initial.velocity".to_string()
         } else {
+            let course = match self.settings.heading {
+                _ if self.rested.is_none() => "there was no rest to level on".to_string(),
+                Heading::Course => format!(
+                    "the speed never reached {:.1} m/s (fastest {:.1} m/s), so the course gives no heading",
+                    self.settings.min_speed, self.fastest
+                ),
+                _ => "there was rest, but no heading".to_string(),
+            };
             format!(
-                "the speed never reached {:.1} m/s (fastest {:.1} m/s), so the course gives no heading; \
-                 set initial.min_speed, initial.heading or initial.attitude",
-                self.settings.min_speed, self.fastest
+                "{course}, and {}; set initial.heading or initial.attitude",
+                self.motion.why_not()
             )
         };
         format!("the log could not be aligned: {reason}")

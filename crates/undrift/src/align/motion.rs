@@ -1,18 +1,19 @@
 //! Alignment in motion: attitude and biases from a bounded window of samples and fixes.
 //!
-//! Two steps. A least-squares search over the window ([`super::wahba`]) proposes attitude and biases at its
-//! start; then the navigation filter itself goes through the window from there, with a wide
-//! covariance, and so says how certain the result is and whether its innovations fit. An uncertain
-//! or ambiguous result waits for more motion. Only the window is kept.
+//! A least-squares search over the window ([`super::wahba`]) finds attitude, velocity and biases at its end
+//! with their covariance, which the filter takes over. An uncertain or ambiguous result waits for
+//! more motion. Only the window is kept.
 
 use super::{
-    segments::segments,
-    wahba::{Guess, Problem, Solution},
+    segments::{Segment, segments},
+    wahba::{EndCovariance, Guess, Problem},
 };
-use crate::replay::{GnssUse, STAMP_ROUNDING, Settings};
+use crate::replay::Settings;
+use nalgebra::{SMatrix, SVector};
 use std::collections::VecDeque;
 use undrift_nav::{
     Matrix3, Vector3,
+    covariance::AXES,
     filter::{Filter, InitialStd},
     mechanisation::NavState,
     sample::{GnssFix, ImuSample},
@@ -37,10 +38,10 @@ const SPREAD: f64 = 1.0;
 const RIVAL: f64 = 25.0;
 /// Attitude's standard deviation about any axis for an alignment [rad].
 const CERTAIN: f64 = 0.05;
-/// Normalised innovations squared for each degree of freedom in the later half of the window, at most.
+/// Squared residuals for each degree of freedom, at most.
 const FIT: f64 = 10.0;
-/// Standard deviation of the attitude with which the filter enters the window [rad].
-const ENTRY: f64 = 0.3;
+/// Standard deviation of the filter's velocity and attitude before the window says what they are [m/s, rad].
+const WIDE: f64 = 100.0;
 /// Standard deviation of what no model says of a bias [rad/s], [m/s²]: nothing is known exactly.
 const BIAS_FLOOR: (f64, f64) = (1e-4, 1e-2);
 
@@ -150,21 +151,22 @@ impl Motion {
         );
         let spread = (high - low).xy().norm();
         self.spread = self.spread.max(spread);
-        let segments = segments(self.samples.iter(), self.fixes.iter(), SPACING);
+        let (gyro, accel) = settings.sensors.split_at(3);
+        let gyro_prior = match rest {
+            Some((mean, variance)) => (mean, Vector3::repeat(variance)),
+            None => (Vector3::zeros(), bias_variances(gyro, BIAS_FLOOR.0)),
+        };
+        let segments = self.segments(&gyro_prior.0);
         if segments.len() < FEWEST {
             return Err(Outcome::TooFew);
         }
         if spread < SPREAD {
             return Err(Outcome::TooSteady);
         }
-        let (gyro, accel) = settings.sensors.split_at(3);
-        let gyro_prior = match rest {
-            Some((mean, variance)) => (mean, Vector3::repeat(variance)),
-            None => (Vector3::zeros(), bias_variances(gyro, BIAS_FLOOR.0)),
-        };
         let first = self.fixes.front().ok_or(Outcome::TooFew)?;
         let problem = Problem {
             segments: &segments,
+            reference: gyro_prior.0,
             place: super::antenna(first).ok_or(Outcome::TooFew)?,
             lever_arm: settings.lever_arm,
             gyro: gyro_prior,
@@ -174,106 +176,53 @@ impl Motion {
         };
         let solutions = problem.solve();
         let best = solutions.first().ok_or(Outcome::Ambiguous)?;
-        // Noise larger than stated makes the residuals larger and the difference mean less.
-        let scale = (best.cost / (3 * (segments.len() - 1)) as f64).max(1.0);
+        // Noise larger than stated makes residuals and covariance larger, and a difference mean less.
+        let fit = |cost: f64| cost / (3 * (segments.len() - 1)) as f64;
         if let Some(rival) = solutions.get(1)
-            && rival.cost - best.cost < RIVAL * scale
+            && rival.cost - best.cost < RIVAL * fit(best.cost).max(1.0)
         {
             return Err(Outcome::Ambiguous);
         }
-        self.run(best, settings, rest)
+        // Once more about the bias found: a segment is linear in it.
+        let reference = best.guess.gyro;
+        let again = self.segments(&reference);
+        let problem = Problem {
+            segments: &again,
+            reference,
+            ..problem
+        };
+        let solution = problem.refine(&best.guess);
+        let (q_nb, v_n, covariance) = problem.end(&solution.guess).ok_or(Outcome::Ambiguous)?;
+        let fit = fit(solution.cost).max(1.0);
+        if fit > FIT {
+            return Err(Outcome::Misfit(fit));
+        }
+        let c_nb = q_nb.to_rotation_matrix().into_inner();
+        let attitude = covariance.fixed_view::<3, 3>(3, 3) * fit;
+        let worst = (c_nb * attitude * c_nb.transpose()).diagonal().max().sqrt();
+        // A number that is not one is not certain either.
+        if worst.is_nan() || worst > CERTAIN {
+            return Err(Outcome::Uncertain(worst));
+        }
+        let last = self.fixes.back().ok_or(Outcome::TooFew)?;
+        let end = NavState {
+            time: last.time,
+            position: super::antenna(last)
+                .ok_or(Outcome::TooFew)?
+                .displaced(&-(q_nb * settings.lever_arm)),
+            v_n,
+            q_nb,
+        };
+        let filter = filter(&end, last, &solution.guess, &(covariance * fit), settings)
+            .ok_or(Outcome::Misfit(fit))?;
+        Ok(Found {
+            filter,
+            duration: last.time - first.time,
+        })
     }
 
-    /// The filter through the window from a solution.
-    fn run<const N: usize>(
-        &self,
-        solution: &Solution,
-        settings: &Settings,
-        rest: Option<GyroBias>,
-    ) -> Result<Found<N>, Outcome> {
-        let mut fixes = self.fixes.iter();
-        let (Some(first), Some(last)) = (fixes.next(), self.fixes.back()) else {
-            return Err(Outcome::TooFew);
-        };
-        let failed = |_| Outcome::Misfit(f64::INFINITY);
-        let mut filter = self
-            .enter(first, &solution.guess, settings)
-            .map_err(failed)?;
-        if let Some((bias, variance)) = rest {
-            let observed = filter.observe_earth_rate(&bias);
-            filter
-                .update_with(&observed, &(Matrix3::identity() * variance))
-                .map_err(failed)?;
-        }
-        let middle = 0.5 * (first.time + last.time);
-        let (mut nis, mut dof) = (0.0, 0);
-        let mut next = fixes.next();
-        for sample in &self.samples {
-            // Of the first one the part after the first fix, with its mean rates.
-            let dt = (sample.time - first.time).min(sample.dt);
-            if dt <= STAMP_ROUNDING {
-                continue;
-            }
-            let part = dt / sample.dt;
-            filter.begin(&ImuSample {
-                time: sample.time,
-                dt,
-                dtheta: sample.dtheta * part,
-                dvel: sample.dvel * part,
-            });
-            while let Some(fix) = next.filter(|fix| fix.time <= sample.time + STAMP_ROUNDING) {
-                filter.advance_to(fix.time, STAMP_ROUNDING);
-                for update in updates(&mut filter, fix, settings) {
-                    let update = update.map_err(failed)?;
-                    if fix.time > middle {
-                        nis += update.nis;
-                        dof += update.dof;
-                    }
-                }
-                next = fixes.next();
-                if next.is_none() {
-                    filter.check().map_err(failed)?;
-                    return judge(filter, nis / dof.max(1) as f64, last.time - first.time);
-                }
-            }
-            filter.advance(1.0);
-        }
-        Err(Outcome::TooFew)
-    }
-
-    /// The filter at the first fix.
-    fn enter<const N: usize>(
-        &self,
-        fix: &GnssFix,
-        guess: &Guess,
-        settings: &Settings,
-    ) -> Result<Filter<N>, undrift_nav::filter::FilterError> {
-        let diverged = undrift_nav::filter::FilterError::Diverged;
-        let antenna = super::antenna(fix).ok_or(diverged)?;
-        let (Some((_, position)), Some((v_n, velocity))) = (fix.position, fix.velocity) else {
-            return Err(diverged);
-        };
-        let rate = self
-            .samples
-            .front()
-            .map_or(Vector3::zeros(), |s| s.dtheta / s.dt)
-            - guess.gyro;
-        let nav = NavState {
-            time: fix.time,
-            position: antenna.displaced(&-(guess.q_nb * settings.lever_arm)),
-            v_n: v_n - guess.q_nb * rate.cross(&settings.lever_arm),
-            q_nb: guess.q_nb,
-        };
-        let std = InitialStd {
-            position: Vector3::repeat(1.0),
-            velocity: Vector3::repeat(1.0),
-            attitude: Vector3::repeat(ENTRY),
-        };
-        let mut filter = Filter::new(nav, &std, settings.sensors)?;
-        filter.set_position_velocity_covariance(&position, &velocity);
-        let (g, a) = (guess.gyro, guess.accel);
-        filter.set_sensor_error(&[g.x, g.y, g.z, a.x, a.y, a.z]);
-        Ok(filter)
+    fn segments(&self, gyro: &Vector3) -> Vec<Segment> {
+        segments(self.samples.iter(), self.fixes.iter(), SPACING, gyro)
     }
 
     /// Why there is no alignment, in words.
@@ -301,43 +250,63 @@ impl Motion {
                 std.to_degrees()
             ),
             Outcome::Misfit(nis) => format!(
-                "samples and fixes do not fit together (normalised innovations squared {nis:.0}, 1 when the model \
-                 is right): compare axes, units, time columns and standard deviations"
+                "samples and fixes do not fit together (squared residuals {nis:.0} times what they should be): compare axes, units, time columns and standard deviations"
             ),
         }
     }
 }
 
-fn updates<const N: usize>(
-    filter: &mut Filter<N>,
+/// The filter with what the window says: covariance of velocity, attitude and biases, truth less estimate.
+fn filter<const N: usize>(
+    end: &NavState,
     fix: &GnssFix,
+    guess: &Guess,
+    covariance: &EndCovariance,
     settings: &Settings,
-) -> Vec<Result<undrift_nav::filter::Update, undrift_nav::filter::FilterError>> {
-    let mut made = Vec::with_capacity(2);
-    if let Some((position, covariance)) = &fix.position
-        && settings.gnss_use != GnssUse::Velocity
-    {
-        let observed = filter.observe_position(position, &settings.lever_arm);
-        made.push(filter.update_with(&observed, covariance));
-    }
-    if let Some((v_n, covariance)) = &fix.velocity {
-        let observed = filter.observe_velocity(v_n, &settings.lever_arm);
-        made.push(filter.update_with(&observed, covariance));
-    }
-    made
-}
+) -> Option<Filter<N>> {
+    let (_, position) = fix.position?;
+    let std = InitialStd {
+        position: Vector3::repeat(1.0),
+        velocity: Vector3::repeat(WIDE),
+        attitude: Vector3::repeat(WIDE),
+    };
+    let mut filter = Filter::<N>::new(*end, &std, settings.sensors).ok()?;
+    filter.set_position_velocity_covariance(&position, &(Matrix3::identity() * (WIDE * WIDE)));
+    let (g, a) = (guess.gyro, guess.accel);
+    filter.set_sensor_error(&[g.x, g.y, g.z, a.x, a.y, a.z]);
 
-/// Whether the filter at the end of the window is certain, and fits.
-fn judge<const N: usize>(filter: Filter<N>, nis: f64, duration: f64) -> Result<Found<N>, Outcome> {
-    let std = filter.nav_std();
-    let worst = std[6].max(std[7]).max(std[8]);
-    if nis > FIT {
-        Err(Outcome::Misfit(nis))
-    } else if worst > CERTAIN {
-        Err(Outcome::Uncertain(worst))
-    } else {
-        Ok(Found { filter, duration })
+    // The window's information less the prior of the biases, which the filter has itself, as rows of a
+    // measurement without innovation: the estimate is there already.
+    let mut information = covariance.try_inverse()?;
+    let prior = filter.sensor_error_std();
+    for axis in 0..AXES {
+        if prior[axis] > 0.0 {
+            information[(6 + axis, 6 + axis)] -= 1.0 / (prior[axis] * prior[axis]);
+        }
     }
+    let eigen = ((information + information.transpose()) * 0.5).symmetric_eigen();
+    let mut rows = eigen.eigenvectors.transpose();
+    for i in 0..12 {
+        let root = eigen.eigenvalues[i].max(0.0).sqrt();
+        rows.row_mut(i).scale_mut(root);
+    }
+    // From the filter's errors to those of the window.
+    let mut map = SMatrix::<f64, 12, N>::zeros();
+    let c_bn = end.q_nb.to_rotation_matrix().transpose();
+    map.fixed_view_mut::<3, 3>(0, 3)
+        .copy_from(&-Matrix3::identity());
+    map.fixed_view_mut::<3, 3>(3, 6).copy_from(c_bn.matrix());
+    for axis in 0..AXES {
+        let (sensor, at) = (filter.sensors().axis(axis), filter.sensors().start(axis));
+        for i in 0..sensor.order {
+            map[(6 + axis, at + i)] = sensor.h[i];
+        }
+    }
+    filter
+        .update(&SVector::zeros(), &(rows * map), &SMatrix::identity())
+        .ok()?;
+    filter.check().ok()?;
+    Some(filter)
 }
 
 /// Variances of the biases before the first sample [unit²], no less than a floor [unit].

@@ -22,7 +22,7 @@ pub(super) struct Segment {
     /// Its derivatives by the gyro bias [m] and the accelerometer bias [s].
     pub(super) dvel_by_g: Matrix3,
     pub(super) dvel_by_a: Matrix3,
-    /// Angular rate at the end, as read [rad/s].
+    /// Angular rate at the end [rad/s].
     pub(super) omega_b: Vector3,
     /// Velocity of the antenna at the end [m/s] and its variances.
     pub(super) v_n: Vector3,
@@ -44,10 +44,10 @@ impl Segment {
         }
     }
 
-    /// Adds `dt` [s] of a sample.
-    fn add(&mut self, sample: &ImuSample, dt: f64) {
+    /// Adds `dt` [s] of a sample, whose gyros read too much by `gyro`.
+    fn add(&mut self, sample: &ImuSample, dt: f64, gyro: &Vector3) {
         let part = dt / sample.dt;
-        let (dtheta, dvel) = (sample.dtheta * part, sample.dvel * part);
+        let (dtheta, dvel) = (sample.dtheta * part - gyro * dt, sample.dvel * part);
         // Specific force in the middle of the part's turn.
         let force = dvel + dtheta.cross(&dvel) * 0.5;
         let c = self.turn.to_rotation_matrix().into_inner();
@@ -59,16 +59,18 @@ impl Segment {
             turn.to_rotation_matrix().transpose() * self.turn_by_g - Matrix3::identity() * dt;
         self.turn *= turn;
         self.dt += dt;
-        self.omega_b = sample.dtheta / sample.dt;
+        self.omega_b = sample.dtheta / sample.dt - gyro;
     }
 }
 
 /// The segments between the fixes that have a velocity and are at least `spacing` [s] apart; the
-/// first one has no length and holds the velocity of the start.
+/// first one has no length and holds the velocity of the start. `gyro` is the gyro bias about which it is
+/// linear [rad/s].
 pub(super) fn segments<'a>(
     samples: impl Iterator<Item = &'a ImuSample>,
     fixes: impl Iterator<Item = &'a GnssFix>,
     spacing: f64,
+    gyro: &Vector3,
 ) -> Vec<Segment> {
     let mut fixes = fixes
         .filter_map(|fix| {
@@ -83,9 +85,9 @@ pub(super) fn segments<'a>(
         while let Some((time, v_n, variance)) = fixes.next_if(|(time, ..)| *time <= sample.time) {
             if segments.is_empty() {
                 done = time;
-                open.omega_b = sample.dtheta / sample.dt;
+                open.omega_b = sample.dtheta / sample.dt - gyro;
             } else if time - done > 0.0 {
-                open.add(sample, time - done);
+                open.add(sample, time - done, gyro);
                 done = time;
             }
             if segments.is_empty() || open.dt >= spacing {
@@ -98,7 +100,7 @@ pub(super) fn segments<'a>(
             }
         }
         if !segments.is_empty() && sample.time > done {
-            open.add(sample, sample.time - done);
+            open.add(sample, sample.time - done, gyro);
         }
     }
     segments

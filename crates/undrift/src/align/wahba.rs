@@ -6,7 +6,12 @@
 //! 2013). A turn-on bias of degrees a second turns the window about, so attitude at the start,
 //! gyro bias and accelerometer bias are one nonlinear least-squares problem, solved by
 //! Levenberg-Marquardt from many headings; a second minimum as good as the first means wait.
-//! The velocity errors are whitened by a scalar Kalman filter on the velocity, one for each axis.
+//!
+//! The sensors' white noise makes velocity and attitude wander on the way. Both are states of a Kalman
+//! filter that whitens the residuals, and the parameters' effect runs through it beside the
+//! data: generalised least squares (Rosenberg 1973; de Jong 1991). All is linear about one trajectory, so
+//! nothing becomes certain by moving the point of linearisation, as in an extended filter that starts
+//! with a wide heading.
 
 use super::segments::Segment;
 use nalgebra::{SMatrix, SVector};
@@ -41,6 +46,8 @@ pub(super) struct Solution {
 pub(super) struct Problem<'a> {
     /// In order of time; the first one is the start.
     pub(super) segments: &'a [Segment],
+    /// Gyro bias about which they are linear [rad/s].
+    pub(super) reference: Vector3,
     /// About where.
     pub(super) place: Geodetic,
     /// IMU → antenna, body axes [m].
@@ -53,20 +60,29 @@ pub(super) struct Problem<'a> {
     pub(super) accel_noise: f64,
 }
 
-type Vector9 = SVector<f64, 9>;
-type Matrix9 = SMatrix<f64, 9, 9>;
-type Rows = SMatrix<f64, 3, 9>;
+/// Attitude error at the start in body axes, gyro bias, accelerometer bias.
+type Parameters = SVector<f64, 9>;
+type Information = SMatrix<f64, 9, 9>;
+/// Errors of velocity in `n` and attitude in body axes by the parameters.
+type Effect = SMatrix<f64, 6, 9>;
+type Wander = SMatrix<f64, 6, 6>;
 
-/// Cost with its linearisation `JᵀJ` and `Jᵀr`, and the attitude at the end.
+/// Truth less estimate of velocity in `n` [m/s], attitude in body axes [rad], gyro bias [rad/s] and
+/// accelerometer bias [m/s²] at the end of the window: its covariance.
+pub(super) type EndCovariance = SMatrix<f64, 12, 12>;
+
+/// Cost with its linearisation `JᵀJ` and `Jᵀr`, and the end of the window.
 struct Linear {
     cost: f64,
-    information: Matrix9,
-    gradient: Vector9,
-    end: Quaternion,
+    information: Information,
+    gradient: Parameters,
+    q_nb: Quaternion,
+    v_n: Vector3,
+    /// Effect of the parameters on the end, and the wander's covariance there.
+    effect: Effect,
+    wander: Wander,
 }
 
-/// How long an attitude error from the gyros' noise keeps pulling the velocity the same way [s].
-const TILT_MEMORY: f64 = 1.0;
 /// Iterations of one solution, at most.
 const ITERATIONS: usize = 12;
 
@@ -75,69 +91,102 @@ impl Problem<'_> {
     fn linearise(&self, guess: &Guess, count: usize, gyro: &Vector3) -> Linear {
         let earth = LocalEarth::at(&self.place);
         let gravity = Vector3::new(0.0, 0.0, earth.gravity);
-        let mut linear = Linear {
-            cost: 0.0,
-            information: Matrix9::zeros(),
-            gradient: Vector9::zeros(),
-            end: guess.q_nb,
-        };
-        // Prior of the biases.
+        let (mut cost, mut information, mut gradient) =
+            (0.0, Information::zeros(), Parameters::zeros());
         for i in 0..3 {
             for (at, value, mean, variance) in [
                 (3 + i, guess.gyro[i], gyro[i], self.gyro.1[i]),
                 (6 + i, guess.accel[i], self.accel.0[i], self.accel.1[i]),
             ] {
                 let miss = mean - value;
-                linear.cost += miss * miss / variance;
-                linear.information[(at, at)] += 1.0 / variance;
-                linear.gradient[at] += miss / variance;
+                cost += miss * miss / variance;
+                information[(at, at)] += 1.0 / variance;
+                gradient[at] += miss / variance;
             }
         }
-        let (mut q_nb, mut t) = (guess.q_nb, 0.0);
-        let (mut v, mut variance) = (Vector3::zeros(), Vector3::zeros());
-        let mut v_rows = Rows::zeros();
-        // The attitude's error in body axes by the parameters: its own at the start, gyro bias.
-        let mut attitude = Rows::zeros();
-        attitude.fixed_view_mut::<3, 3>(0, 0).fill_with_identity();
+        let by_gyro = guess.gyro - self.reference;
+        let (mut q_nb, mut v) = (guess.q_nb, Vector3::zeros());
+        // What has wandered in the attitude so far, its covariance with the velocity's, the parameters' effect.
+        let mut turned = Vector3::zeros();
+        let mut wander = Wander::zeros();
+        let mut effect = Effect::zeros();
+        effect.fixed_view_mut::<3, 3>(3, 0).fill_with_identity();
         for (k, s) in self.segments.iter().take(count).enumerate() {
             let c = q_nb.to_rotation_matrix().into_inner();
-            let dvel = s.dvel + s.dvel_by_g * guess.gyro + s.dvel_by_a * guess.accel;
+            let dvel = s.dvel + s.dvel_by_g * by_gyro + s.dvel_by_a * guess.accel;
             let frame = earth.earth_rate() + earth.transport_rate(&s.v_n);
-            v += c * dvel + (gravity - (frame + earth.earth_rate()).cross(&s.v_n)) * s.dt;
-            v_rows -= c * skew(&dvel) * attitude;
-            let mut by_g = v_rows.fixed_view_mut::<3, 3>(0, 3);
-            by_g += c * s.dvel_by_g;
-            let mut by_a = v_rows.fixed_view_mut::<3, 3>(0, 6);
-            by_a += c * s.dvel_by_a;
-            let turn = s.turn * from_rotation_vector(&(s.turn_by_g * guess.gyro));
-            q_nb = from_rotation_vector(&(-frame * s.dt)) * q_nb * turn;
-            attitude = turn.to_rotation_matrix().transpose() * attitude;
-            let mut by_g = attitude.fixed_view_mut::<3, 3>(0, 3);
-            by_g += s.turn_by_g;
-            t += s.dt;
-            let tilt = earth.gravity * earth.gravity * self.gyro_noise * t * TILT_MEMORY;
-            variance.add_scalar_mut((self.accel_noise + tilt) * s.dt);
+            let turn = s.turn * from_rotation_vector(&(s.turn_by_g * by_gyro));
+            let back = turn.to_rotation_matrix().transpose().into_inner();
+            let lean = -c * skew(&dvel);
 
-            let lever_velocity = q_nb * (s.omega_b - guess.gyro).cross(&self.lever_arm);
+            v += c * dvel
+                + lean * turned
+                + (gravity - (frame + earth.earth_rate()).cross(&s.v_n)) * s.dt;
+            turned = back * turned;
+            let mut step = Wander::identity();
+            step.fixed_view_mut::<3, 3>(0, 3).copy_from(&lean);
+            step.fixed_view_mut::<3, 3>(3, 3).copy_from(&back);
+            effect = step * effect;
+            let mut block = effect.fixed_view_mut::<3, 3>(0, 3);
+            block += c * s.dvel_by_g;
+            let mut block = effect.fixed_view_mut::<3, 3>(0, 6);
+            block += c * s.dvel_by_a;
+            let mut block = effect.fixed_view_mut::<3, 3>(3, 3);
+            block += s.turn_by_g;
+            wander = step * wander * step.transpose();
+            for i in 0..3 {
+                wander[(i, i)] += self.accel_noise * s.dt;
+                wander[(3 + i, 3 + i)] += self.gyro_noise * s.dt;
+            }
+            q_nb = from_rotation_vector(&(-frame * s.dt)) * q_nb * turn;
+
+            let lever_velocity = q_nb * (s.omega_b - by_gyro).cross(&self.lever_arm);
             if k == 0 {
-                (v, variance) = (s.v_n - lever_velocity, s.variance);
+                v = s.v_n - lever_velocity;
+                for i in 0..3 {
+                    wander[(i, i)] = s.variance[i];
+                }
                 continue;
             }
             for axis in 0..3 {
-                let sum = variance[axis] + s.variance[axis];
+                let sum = wander[(axis, axis)] + s.variance[axis];
                 let residual = s.v_n[axis] - lever_velocity[axis] - v[axis];
-                let row = v_rows.row(axis).clone_owned();
-                linear.cost += residual * residual / sum;
-                linear.information += row.transpose() * row / sum;
-                linear.gradient += row.transpose() * (residual / sum);
-                let gain = variance[axis] / sum;
-                v[axis] += gain * residual;
-                v_rows.set_row(axis, &(row * (1.0 - gain)));
-                variance[axis] *= 1.0 - gain;
+                let row = effect.row(axis).clone_owned();
+                cost += residual * residual / sum;
+                information += row.transpose() * row / sum;
+                gradient += row.transpose() * (residual / sum);
+                let gain = wander.column(axis) / sum;
+                v += gain.fixed_rows::<3>(0) * residual;
+                turned += gain.fixed_rows::<3>(3) * residual;
+                effect -= gain * row;
+                wander -= gain * gain.transpose() * sum;
             }
         }
-        linear.end = q_nb;
-        linear
+        Linear {
+            cost,
+            information,
+            gradient,
+            q_nb: q_nb * from_rotation_vector(&turned),
+            v_n: v,
+            effect,
+            wander,
+        }
+    }
+
+    /// The end of the window after [`Problem::refine`]: attitude, velocity of the IMU and their covariance
+    /// with the biases'; `None` where something is not determined at all.
+    pub(super) fn end(&self, guess: &Guess) -> Option<(Quaternion, Vector3, EndCovariance)> {
+        let linear = self.linearise(guess, self.segments.len(), &self.gyro.0);
+        let parameters = linear.information.try_inverse()?;
+        let mut effect = SMatrix::<f64, 12, 9>::zeros();
+        effect
+            .fixed_view_mut::<6, 9>(0, 0)
+            .copy_from(&linear.effect);
+        effect.fixed_view_mut::<6, 6>(6, 3).fill_with_identity();
+        let mut covariance = effect * parameters * effect.transpose();
+        let mut wander = covariance.fixed_view_mut::<6, 6>(0, 0);
+        wander += linear.wander;
+        Some((linear.q_nb, linear.v_n, covariance))
     }
 
     /// Improves a guess on the first `count` segments. Levenberg-Marquardt; Nocedal & Wright, section 10.3.
@@ -181,9 +230,14 @@ impl Problem<'_> {
         }
         Solution {
             guess: best,
-            end: linear.end,
+            end: linear.q_nb,
             cost: linear.cost,
         }
+    }
+
+    /// A solution improved on the whole window.
+    pub(super) fn refine(&self, guess: &Guess) -> Solution {
+        self.improve(guess, self.segments.len(), &self.gyro.0)
     }
 
     /// The minima found from all headings, best first.
@@ -239,7 +293,7 @@ impl Problem<'_> {
                         guess = self.improve(&guess, part, &mean).guess;
                     }
                 }
-                let solution = self.improve(&guess, n, &self.gyro.0);
+                let solution = self.refine(&guess);
                 if !solution.cost.is_finite() {
                     continue;
                 }
