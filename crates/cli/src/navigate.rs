@@ -74,6 +74,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 fn print_report(report: &Report, kind: BiasModel) -> Result<()> {
     let s = &report.summary;
     let started = s.started.unwrap_or(f64::NAN);
+    if let Some(mounting) = &report.mounting {
+        report::say(format!("mounting estimated: {mounting}"))?;
+    }
     report::say(format!("bias model {kind}; {}", s.alignment))?;
     report::say(format!(
         "navigated {} samples from {started:.3} s to {:.3} s; {} samples and {} fixes before that",

@@ -54,6 +54,10 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let drive = navigate::load(&arguments.drive, &arguments.common)?;
+    let (drive, mounting) = undrift::mounting::resolve(&drive)?;
+    if let Some(mounting) = mounting {
+        eprintln!("mounting estimated: {mounting}");
+    }
     let mut imu_reader = drive.open_imu()?;
     let imu = imu_reader.by_ref().collect::<Result<Vec<_>, _>>()?;
     let mut gnss_reader = drive.open_gnss()?;

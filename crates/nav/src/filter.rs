@@ -39,8 +39,8 @@ pub struct Update {
     pub nis: f64,
     /// Number of scalar measurements.
     pub dof: usize,
-    /// Whitened innovation `L⁻¹ ν`, S = L Lᵀ: the first `dof` entries are independent and standard
-    /// normal when the model is right.
+    /// The first three of the whitened innovation `L⁻¹ ν`, S = L Lᵀ: as many as there are measurements
+    /// are independent and standard normal when the model is right.
     pub whitened: [f64; 3],
     /// What became of it.
     pub outcome: Outcome,
@@ -386,6 +386,27 @@ impl<const N: usize> Filter<N> {
         self.current = None;
     }
 
+    /// Sets the estimated sensor errors, gyro x, y, z [rad/s] and accelerometer x, y, z [m/s²], by the
+    /// states' mean given that error under their present covariance; the covariance stays.
+    pub fn set_sensor_error(&mut self, error: &[f64; AXES]) {
+        for axis in 0..AXES {
+            let (filter, at) = (self.sensors.axis(axis), self.sensors.start(axis));
+            let mut ph = [0.0; crate::shaping::MAX_ORDER];
+            let mut variance = 0.0;
+            for i in 0..filter.order {
+                for j in 0..filter.order {
+                    ph[i] += self.p[(at + i, at + j)] * filter.h[j];
+                }
+                variance += filter.h[i] * ph[i];
+            }
+            if variance > 0.0 {
+                for i in 0..filter.order {
+                    self.x[at + i] = ph[i] * error[axis] / variance;
+                }
+            }
+        }
+    }
+
     /// Sets the covariance of position and velocity [m², (m/s)²], north-east-down, free of
     /// correlation with all else.
     pub fn set_position_velocity_covariance(&mut self, position: &Matrix3, velocity: &Matrix3) {
@@ -447,7 +468,6 @@ impl<const N: usize> Filter<N> {
         gate: &Gate,
         tape: Option<&mut Tape<N>>,
     ) -> Result<Update, FilterError> {
-        const { assert!(M <= 3, "at most three components at once") };
         let (h, z) = (&observed.h, &observed.innovation);
         let mut r = r + observed.extra;
         let pht = self.p * h.transpose();
@@ -462,7 +482,9 @@ impl<const N: usize> Filter<N> {
             return Err(FilterError::BadMeasurement);
         }
         let mut whitened = [0.0; 3];
-        whitened[..M].copy_from_slice(white.as_slice());
+        for (slot, value) in whitened.iter_mut().zip(white.iter()) {
+            *slot = *value;
+        }
         let mut update = Update {
             nis,
             dof: M,

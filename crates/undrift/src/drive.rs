@@ -44,6 +44,9 @@ use undrift_noise::{ImuModel, ModelError};
 pub struct Drive {
     /// Inertial log.
     pub imu: (PathBuf, ImuFormat),
+    /// Whether the IMU's mounting is to be estimated from the log ([`crate::mounting`]): until then
+    /// body axes are the sensor's own.
+    pub estimate_mounting: bool,
     /// GNSS log.
     pub gnss: (PathBuf, GnssSource),
     /// Which parts of a fix are used.
@@ -122,11 +125,13 @@ impl Drive {
             .vector("lever_arm", Quantity::Length)?
             .unwrap_or_else(Vector3::zeros);
         let (constraints, parameters) = tables::read_vehicle(&top.section("vehicle")?)?;
+        let (imu, estimate_mounting) = tables::read_imu(&top.section("imu")?, data, span)?;
         let drive = Self {
             parameters: tables::read_states(&top.section("states")?, parameters)?,
             constraints,
             gating: tables::read_switch(&gnss, "gate")?.unwrap_or(true),
-            imu: tables::read_imu(&top.section("imu")?, data, span)?,
+            imu,
+            estimate_mounting,
             gnss: tables::read_gnss(&gnss, data, span)?,
             truth: tables::read_truth(&top.section("truth")?, data)?,
             gnss_use,

@@ -10,6 +10,7 @@ pub mod demo;
 pub mod drive;
 pub mod figure;
 pub mod identify;
+pub mod mounting;
 pub mod navigate;
 pub mod outages;
 pub mod record;

@@ -2,6 +2,7 @@
 
 use crate::{
     drive::{Drive, DriveError},
+    mounting::{self, Mounting, MountingError},
     reference::{COMPONENTS, Errors, TruthCursor},
     replay::{Measurement, Observer, ReplayError, Settings, Summary, replay},
     smooth::{History, Keeper, Path as SmoothedPath, START_SPAN},
@@ -33,6 +34,8 @@ use undrift_noise::BiasModel;
 pub struct Report {
     /// Counts, alignment, innovations.
     pub summary: Summary,
+    /// The mounting, where the drive asks for an estimate: the solution is that of the vehicle's axes.
+    pub mounting: Option<Mounting>,
     /// Root-mean-square error over all samples that have a truth, and their number.
     pub rmse: Option<(Errors, u64)>,
     /// First and last time of the truth as far as it was read [s], if there is a truth.
@@ -56,6 +59,9 @@ pub enum NavigateError {
     /// The replay stopped.
     #[error(transparent)]
     Replay(#[from] ReplayError),
+    /// The mounting cannot be estimated.
+    #[error(transparent)]
+    Mounting(#[from] MountingError),
     /// No noise model is named.
     #[error("no noise model: name one with --model or with model = \"…\" in the drive file; presets: {}", undrift_noise::ImuModel::preset_names().join(", "))]
     NoModel,
@@ -100,7 +106,8 @@ pub fn navigate(
     output: Option<&Path>,
     smooth: bool,
 ) -> Result<Report, NavigateError> {
-    let mut settings = settings(drive, kind)?;
+    let (drive, mounting) = mounting::resolve(drive)?;
+    let mut settings = settings(&drive, kind)?;
     settings.nodes = smooth.then_some(NODE_SPAN);
     if smooth {
         let mut keeper = Keeper(History::new().map_err(ReplayError::Write)?);
@@ -186,6 +193,7 @@ pub fn navigate(
     let n = recorder.compared;
     Ok(Report {
         summary,
+        mounting,
         rmse: (n > 0).then(|| (Errors(recorder.squares.map(|s| (s / n as f64).sqrt())), n)),
         truth_read,
         imu_skipped: imu.skipped().clone(),

@@ -7,6 +7,7 @@ use crate::{
     vehicle::{Constraints, NonHolonomic, Profile},
 };
 use std::path::{Path, PathBuf};
+use toml::de::DeValue;
 use undrift_io::{
     gnss::{GnssFormat, Place, PositionFormat, Std, VelocityFormat},
     imu::ImuFormat,
@@ -45,7 +46,7 @@ pub(super) fn read_imu(
     section: &Section,
     data: &Path,
     span: Option<(f64, f64)>,
-) -> Result<(PathBuf, ImuFormat), ConfigError> {
+) -> Result<((PathBuf, ImuFormat), bool), ConfigError> {
     let path = data.join(section.file("file")?);
     let need = |key, columns: Option<_>| {
         columns.ok_or_else(|| section.error(key, "missing: the three columns x, y, z"))
@@ -92,10 +93,24 @@ pub(super) fn read_imu(
         .quantity("time_offset", Quantity::Time)?
         .unwrap_or(0.0);
     format.delimiter = read_delimiter(section)?;
-    format.rotation = match (
-        section.text("axes")?,
-        section.vector("mounting", Quantity::Angle)?,
-    ) {
+    let estimate_mounting = match section.get("mounting") {
+        Some((DeValue::String(text), _)) => text.trim() == "auto",
+        _ => false,
+    };
+    let mounting = match estimate_mounting {
+        true => None,
+        false => section.vector("mounting", Quantity::Angle)?,
+    };
+    if estimate_mounting {
+        for key in ["axes", "gyro_offset", "accel_offset"] {
+            if section.get(key).is_some() {
+                let message = "is along body axes, which are not known before the mounting is: \
+                               leave it out, or give imu.mounting as angles";
+                return Err(section.error(key, message));
+            }
+        }
+    }
+    format.rotation = match (section.text("axes")?, mounting) {
         (Some(_), Some(_)) => {
             return Err(section.error("mounting", "give axes or mounting, not both"));
         }
@@ -111,7 +126,7 @@ pub(super) fn read_imu(
         .unwrap_or_else(Vector3::zeros);
     format.span = span;
     section.only_known()?;
-    Ok((path, format))
+    Ok(((path, format), estimate_mounting))
 }
 
 fn read_delimiter(section: &Section) -> Result<Option<u8>, ConfigError> {
@@ -388,13 +403,12 @@ pub(super) fn read_initial(section: &Section) -> Result<AlignSettings, ConfigErr
         .unwrap_or(degrees(3.0));
     align.heading = match section.text("heading")? {
         None | Some("course") => Heading::Course,
-        Some("velocity-matching") => Heading::VelocityMatching,
+        Some("auto") => Heading::Auto,
         Some(text) => match undrift_nav::units::parse(text, Quantity::Angle) {
             Ok(angle) => Heading::Given(angle, heading_std),
             Err(e) => {
-                let message = format!(
-                    "\"{text}\" is neither \"course\" nor \"velocity-matching\" nor an angle: {e}"
-                );
+                let message =
+                    format!("\"{text}\" is neither \"course\" nor \"auto\" nor an angle: {e}");
                 return Err(section.error("heading", message));
             }
         },

@@ -1,0 +1,332 @@
+//! Alignment in motion: attitude and biases from a bounded window of samples and fixes.
+//!
+//! A least-squares search over the window ([`super::wahba`]) finds attitude, velocity and biases at its end
+//! with their covariance, which the filter takes over. An uncertain or ambiguous result waits for
+//! more motion. Only the window is kept.
+
+use super::{
+    segments::{Segment, segments},
+    wahba::{EndCovariance, Guess, Problem},
+};
+use crate::replay::Settings;
+use nalgebra::{SMatrix, SVector};
+use std::collections::VecDeque;
+use undrift_nav::{
+    Matrix3, Vector3,
+    aiding::Observation,
+    covariance::AXES,
+    filter::{Filter, InitialStd},
+    mechanisation::NavState,
+    sample::{GnssFix, ImuSample},
+    shaping::ShapingFilter,
+};
+
+/// The window is no longer than this [s] …
+const LONGEST: f64 = 60.0;
+/// … nor than a gyro bias of one standard deviation needs for this angle [rad] …
+const BIAS_TURN: f64 = 1.2;
+/// … and no shorter than this [s].
+const SHORTEST: f64 = 20.0;
+/// Fixes in the search are at least this far apart [s]; a sample longer than this ends the window.
+const SPACING: f64 = 0.45;
+const LONGEST_SAMPLE: f64 = 0.2;
+/// Between two searches [s].
+const EVERY: f64 = 1.0;
+/// Velocities needed, and how far apart they must be [m/s] for a search to be worth it.
+const FEWEST: usize = 6;
+const SPREAD: f64 = 1.0;
+/// A second minimum is out of the question when the best one's squared residuals are less by this much.
+const RIVAL: f64 = 25.0;
+/// Attitude's standard deviation about any axis for an alignment [rad].
+const CERTAIN: f64 = 0.05;
+/// Squared residuals for each degree of freedom, at most.
+const FIT: f64 = 10.0;
+/// Standard deviation of the filter's velocity and attitude before the window says what they are [m/s, rad].
+const WIDE: f64 = 100.0;
+/// Standard deviation of what no model says of a bias [rad/s], [m/s²]: nothing is known exactly.
+const BIAS_FLOOR: (f64, f64) = (1e-4, 1e-2);
+
+/// What is known of the gyro bias from rest: mean [rad/s] and variance.
+pub(super) type GyroBias = (Vector3, f64);
+
+/// Why the last search had no result.
+#[derive(Clone, Copy, Debug, Default)]
+enum Outcome {
+    #[default]
+    NoVelocity,
+    TooFew,
+    TooSteady,
+    Ambiguous,
+    Uncertain(f64),
+    Misfit(f64),
+}
+
+/// The window and what became of the last search in it.
+#[derive(Default)]
+pub(super) struct Motion {
+    /// Samples of the window, whole; the last one may reach beyond the last fix.
+    samples: VecDeque<ImuSample>,
+    fixes: VecDeque<GnssFix>,
+    longest: f64,
+    searched: Option<f64>,
+    outcome: Outcome,
+    /// Largest spread of velocities in a window [m/s].
+    spread: f64,
+}
+
+/// A result: the filter at the last fix of the window.
+pub(super) struct Found<const N: usize> {
+    pub(super) filter: Filter<N>,
+    /// Length of the window [s].
+    pub(super) duration: f64,
+}
+
+impl Motion {
+    pub(super) fn new(settings: &Settings) -> Self {
+        let turn_on = bias_variances(&settings.sensors[..3], BIAS_FLOOR.0)
+            .max()
+            .sqrt();
+        Self {
+            longest: (BIAS_TURN / turn_on).clamp(SHORTEST, LONGEST),
+            ..Self::default()
+        }
+    }
+
+    /// Takes up a sample; once for each.
+    pub(super) fn sample(&mut self, sample: &ImuSample) {
+        if sample.dt > LONGEST_SAMPLE {
+            self.samples.clear();
+            self.fixes.clear();
+            return;
+        }
+        self.samples.push_back(*sample);
+        let start = sample.time - self.longest;
+        while self.fixes.front().is_some_and(|fix| fix.time < start) {
+            self.fixes.pop_front();
+        }
+        // Nothing before the first fix is of use.
+        let start = self
+            .fixes
+            .front()
+            .map_or(sample.time - sample.dt, |fix| fix.time);
+        while self.samples.front().is_some_and(|s| s.time < start) {
+            self.samples.pop_front();
+        }
+    }
+
+    /// Takes a fix inside the last sample; the filter, if that makes an alignment.
+    pub(super) fn fix<const N: usize>(
+        &mut self,
+        fix: &GnssFix,
+        settings: &Settings,
+        rest: Option<GyroBias>,
+    ) -> Option<Found<N>> {
+        if fix.position.is_none() || fix.velocity.is_none() || self.samples.is_empty() {
+            return None;
+        }
+        self.fixes.push_back(*fix);
+        if self.searched.is_some_and(|at| fix.time < at + EVERY) {
+            return None;
+        }
+        self.searched = Some(fix.time);
+        match self.search(settings, rest) {
+            Ok(found) => Some(found),
+            Err(outcome) => {
+                self.outcome = outcome;
+                None
+            }
+        }
+    }
+
+    fn search<const N: usize>(
+        &mut self,
+        settings: &Settings,
+        rest: Option<GyroBias>,
+    ) -> Result<Found<N>, Outcome> {
+        let (low, high) = self.fixes.iter().filter_map(|fix| fix.velocity).fold(
+            (
+                Vector3::repeat(f64::INFINITY),
+                Vector3::repeat(f64::NEG_INFINITY),
+            ),
+            |(low, high), (v, _)| (low.inf(&v), high.sup(&v)),
+        );
+        let spread = (high - low).xy().norm();
+        self.spread = self.spread.max(spread);
+        let (gyro, accel) = settings.sensors.split_at(3);
+        let gyro_prior = match rest {
+            Some((mean, variance)) => (mean, Vector3::repeat(variance)),
+            None => (Vector3::zeros(), bias_variances(gyro, BIAS_FLOOR.0)),
+        };
+        let segments = self.segments(&gyro_prior.0);
+        if segments.len() < FEWEST {
+            return Err(Outcome::TooFew);
+        }
+        if spread < SPREAD {
+            return Err(Outcome::TooSteady);
+        }
+        let first = self.fixes.front().ok_or(Outcome::TooFew)?;
+        let problem = Problem {
+            segments: &segments,
+            reference: gyro_prior.0,
+            place: super::antenna(first).ok_or(Outcome::TooFew)?,
+            lever_arm: settings.lever_arm,
+            gyro: gyro_prior,
+            accel: (Vector3::zeros(), bias_variances(accel, BIAS_FLOOR.1)),
+            gyro_noise: super::noise_of_mean(gyro, 1.0),
+            accel_noise: super::noise_of_mean(accel, 1.0),
+        };
+        let solutions = problem.solve();
+        let best = solutions.first().ok_or(Outcome::Ambiguous)?;
+        // Noise larger than stated makes residuals and covariance larger, and a difference mean less.
+        let fit = |cost: f64| cost / (3 * (segments.len() - 1)) as f64;
+        if let Some(rival) = solutions.get(1)
+            && rival.cost - best.cost < RIVAL * fit(best.cost).max(1.0)
+        {
+            return Err(Outcome::Ambiguous);
+        }
+        // Once more about the bias found: a segment is linear in it.
+        let reference = best.guess.gyro;
+        let again = self.segments(&reference);
+        let problem = Problem {
+            segments: &again,
+            reference,
+            ..problem
+        };
+        let solution = problem.refine(&best.guess);
+        let (q_nb, v_n, covariance) = problem.end(&solution.guess).ok_or(Outcome::Ambiguous)?;
+        let fit = fit(solution.cost).max(1.0);
+        if fit > FIT {
+            return Err(Outcome::Misfit(fit));
+        }
+        let c_nb = q_nb.to_rotation_matrix().into_inner();
+        let attitude = covariance.fixed_view::<3, 3>(3, 3) * fit;
+        let worst = (c_nb * attitude * c_nb.transpose()).diagonal().max().sqrt();
+        // A number that is not one is not certain either.
+        if worst.is_nan() || worst > CERTAIN {
+            return Err(Outcome::Uncertain(worst));
+        }
+        let last = self.fixes.back().ok_or(Outcome::TooFew)?;
+        let end = NavState {
+            time: last.time,
+            position: super::antenna(last)
+                .ok_or(Outcome::TooFew)?
+                .displaced(&-(q_nb * settings.lever_arm)),
+            v_n,
+            q_nb,
+        };
+        let filter = filter(&end, last, &solution.guess, &(covariance * fit), settings)
+            .ok_or(Outcome::Misfit(fit))?;
+        Ok(Found {
+            filter,
+            duration: last.time - first.time,
+        })
+    }
+
+    fn segments(&self, gyro: &Vector3) -> Vec<Segment> {
+        segments(self.samples.iter(), self.fixes.iter(), SPACING, gyro)
+    }
+
+    /// Why there is no alignment, in words.
+    pub(super) fn why_not(&self) -> String {
+        match self.outcome {
+            Outcome::NoVelocity | Outcome::TooFew if self.searched.is_none() => {
+                "the fixes carry no velocity, which an alignment in motion needs".into()
+            }
+            Outcome::NoVelocity | Outcome::TooFew => {
+                "there were never enough fixes with a velocity on end for an alignment in motion".into()
+            }
+            Outcome::TooSteady => format!(
+                "the velocity changed by {:.1} m/s at most within {:.0} s, which says too little of the heading: \
+                 an alignment in motion needs speeding up, braking or turning",
+                self.spread, self.longest
+            ),
+            Outcome::Ambiguous => {
+                "the velocity changes fit more than one attitude: an alignment in motion needs more speeding up, \
+                 braking or turning"
+                    .into()
+            }
+            Outcome::Uncertain(std) => format!(
+                "the velocity changes give the attitude to {:.1} deg only: an alignment in motion needs more \
+                 speeding up, braking or turning, or the noise model is too modest",
+                std.to_degrees()
+            ),
+            Outcome::Misfit(nis) => format!(
+                "samples and fixes do not fit together (squared residuals {nis:.0} times what they should be): compare axes, units, time columns and standard deviations"
+            ),
+        }
+    }
+}
+
+/// The filter with what the window says: covariance of velocity, attitude and biases, truth less estimate.
+fn filter<const N: usize>(
+    end: &NavState,
+    fix: &GnssFix,
+    guess: &Guess,
+    covariance: &EndCovariance,
+    settings: &Settings,
+) -> Option<Filter<N>> {
+    let (_, position) = fix.position?;
+    let std = InitialStd {
+        position: Vector3::repeat(1.0),
+        velocity: Vector3::repeat(WIDE),
+        attitude: Vector3::repeat(WIDE),
+    };
+    let mut filter = Filter::<N>::new(*end, &std, settings.sensors, settings.parameters).ok()?;
+    filter.set_position_velocity_covariance(&position, &(Matrix3::identity() * (WIDE * WIDE)));
+    let (g, a) = (guess.gyro, guess.accel);
+    filter.set_sensor_error(&[g.x, g.y, g.z, a.x, a.y, a.z]);
+
+    // The window's information less the prior of the biases, which the filter has itself, as rows of a
+    // measurement without innovation: the estimate is there already.
+    let mut information = covariance.try_inverse()?;
+    let prior = filter.sensor_error_std();
+    for axis in 0..AXES {
+        if prior[axis] > 0.0 {
+            information[(6 + axis, 6 + axis)] -= 1.0 / (prior[axis] * prior[axis]);
+        }
+    }
+    let eigen = ((information + information.transpose()) * 0.5).symmetric_eigen();
+    let mut rows = eigen.eigenvectors.transpose();
+    for i in 0..12 {
+        let root = eigen.eigenvalues[i].max(0.0).sqrt();
+        rows.row_mut(i).scale_mut(root);
+    }
+    // From the filter's errors to those of the window.
+    let mut map = SMatrix::<f64, 12, N>::zeros();
+    let c_bn = end.q_nb.to_rotation_matrix().transpose();
+    map.fixed_view_mut::<3, 3>(0, 3)
+        .copy_from(&-Matrix3::identity());
+    map.fixed_view_mut::<3, 3>(3, 6).copy_from(c_bn.matrix());
+    for axis in 0..AXES {
+        let (sensor, at) = (filter.sensors().axis(axis), filter.sensors().start(axis));
+        for i in 0..sensor.order {
+            map[(6 + axis, at + i)] = sensor.h[i];
+        }
+    }
+    filter
+        .update(
+            &Observation {
+                innovation: SVector::zeros(),
+                h: rows * map,
+                extra: SMatrix::zeros(),
+            },
+            &SMatrix::identity(),
+        )
+        .ok()?;
+    filter.check().ok()?;
+    Some(filter)
+}
+
+/// Variances of the biases before the first sample [unit²], no less than a floor [unit].
+fn bias_variances(axes: &[ShapingFilter], floor: f64) -> Vector3 {
+    Vector3::from_fn(|axis, _| {
+        let filter = &axes[axis];
+        let mut variance = floor * floor;
+        for i in 0..filter.order {
+            for j in 0..filter.order {
+                variance += filter.h[i] * filter.p0[i][j] * filter.h[j];
+            }
+        }
+        variance
+    })
+}

@@ -1,0 +1,147 @@
+//! Rest, told by block means that agree, and the level and gyro bias that it gives.
+
+use super::noise_of_mean;
+use undrift_nav::{Vector3, shaping::ShapingFilter};
+
+/// Length of the blocks that are compared [s].
+pub(super) const BLOCK: f64 = 0.5;
+/// Blocks on end that agree before they count as rest, or more where the noise asks for more.
+const FEWEST_BLOCKS: u32 = 2;
+/// Blocks on end without word from GNSS that the vehicle stands: a steady turn has steady readings too.
+const BLOCKS_UNSEEN: u32 = 6;
+/// Blocks on end, GNSS at rest, before they count as rest with another gyro bias than before.
+const NEW_BIAS_BLOCKS: u32 = 10;
+/// White noise of mean specific force and mean rate that is small enough [m/s², rad/s]: 0.3 deg of
+/// level and 0.05 deg/s. Noisier sensors need more blocks, up to so many.
+const FORCE_NOISE: f64 = 0.05;
+const RATE_NOISE: f64 = 1e-3;
+const MOST_BLOCKS: u32 = 20;
+/// A block belongs to the rest while its means are this many standard deviations of their white
+/// noise from the rest's, and this far beyond [rad/s, m/s²].
+const SIGMAS: f64 = 5.0;
+const RATE: f64 = 0.003;
+const FORCE: f64 = 0.05;
+
+/// Tells rest by comparing block means, and keeps what it says.
+pub(super) struct Rest {
+    /// Tolerances of a block's means [rad/s, m/s²].
+    rate_tolerance: f64,
+    force_tolerance: f64,
+    /// Blocks needed for the noise of the means to be small.
+    needed: u32,
+    /// Sums of the present block.
+    duration: f64,
+    dtheta: Vector3,
+    dvel: Vector3,
+    /// Blocks of the present span and their means.
+    blocks: u32,
+    mean_rate: Vector3,
+    pub(super) mean_force: Vector3,
+    /// Mean rate over all rest, what is called the gyro bias, and its blocks.
+    pub(super) bias: Vector3,
+    bias_blocks: u32,
+}
+
+impl Rest {
+    /// For gyros and accelerometers of the given noise.
+    pub(super) fn new(gyro: &[ShapingFilter], accel: &[ShapingFilter]) -> Self {
+        let blocks = |axes, wanted: f64| noise_of_mean(axes, BLOCK) / (wanted * wanted);
+        let needed = blocks(gyro, RATE_NOISE)
+            .max(blocks(accel, FORCE_NOISE))
+            .ceil();
+        Self {
+            rate_tolerance: RATE + SIGMAS * noise_of_mean(gyro, BLOCK).sqrt(),
+            force_tolerance: FORCE + SIGMAS * noise_of_mean(accel, BLOCK).sqrt(),
+            needed: (needed as u32).clamp(FEWEST_BLOCKS, MOST_BLOCKS),
+            duration: 0.0,
+            dtheta: Vector3::zeros(),
+            dvel: Vector3::zeros(),
+            blocks: 0,
+            mean_rate: Vector3::zeros(),
+            mean_force: Vector3::zeros(),
+            bias: Vector3::zeros(),
+            bias_blocks: 0,
+        }
+    }
+
+    /// Adds to the present block; true when it is complete and was compared.
+    pub(super) fn add(&mut self, span: f64, dtheta: &Vector3, dvel: &Vector3) -> bool {
+        self.duration += span;
+        self.dtheta += dtheta;
+        self.dvel += dvel;
+        if self.duration < BLOCK - 1e-9 {
+            return false;
+        }
+        let (rate, force) = (self.dtheta / self.duration, self.dvel / self.duration);
+        let agrees = (rate - self.mean_rate).norm() < self.rate_tolerance
+            && (force - self.mean_force).norm() < self.force_tolerance;
+        if !agrees {
+            self.blocks = 0;
+        }
+        self.blocks += 1;
+        let weight = 1.0 / f64::from(self.blocks);
+        self.mean_rate += (rate - self.mean_rate) * weight;
+        self.mean_force += (force - self.mean_force) * weight;
+        self.duration = 0.0;
+        self.dtheta = Vector3::zeros();
+        self.dvel = Vector3::zeros();
+        true
+    }
+
+    /// Whether the present span is rest; `stands` is what GNSS says, if it says something. A steady
+    /// turn has steady readings too, so the rate must be that of the rest before, unless GNSS has
+    /// said for a while that the vehicle stands.
+    pub(super) fn holds(&self, stands: Option<bool>) -> bool {
+        let steady = self.bias_blocks == 0 || self.is_steady();
+        let needed = match (stands, steady) {
+            (Some(false), _) | (None, false) => return false,
+            (Some(true), true) => self.needed,
+            (None, true) => self.needed.max(BLOCKS_UNSEEN),
+            (Some(true), false) => self.needed.max(NEW_BIAS_BLOCKS),
+        };
+        self.blocks >= needed
+    }
+
+    /// Whether the present span turns no faster than the rest before it did.
+    fn is_steady(&self) -> bool {
+        (self.mean_rate - self.bias).norm() < self.rate_tolerance
+    }
+
+    /// Takes the latest blocks of the present span into the bias; where they say another one (a
+    /// sensor warming up, or calibrating itself), only the present span counts.
+    pub(super) fn take_bias(&mut self) {
+        if !self.is_steady() {
+            self.bias_blocks = 0;
+        }
+        // The whole span when it has just become rest, later the newest block.
+        let fresh = if self.bias_blocks == 0 || self.fresh_span() {
+            self.blocks
+        } else {
+            1
+        };
+        self.bias_blocks += fresh;
+        self.bias +=
+            (self.mean_rate - self.bias) * (f64::from(fresh) / f64::from(self.bias_blocks));
+    }
+
+    /// Forgets all rest: it was none.
+    pub(super) fn forget(&mut self) {
+        self.blocks = 0;
+        self.bias_blocks = 0;
+        self.bias = Vector3::zeros();
+    }
+
+    fn fresh_span(&self) -> bool {
+        self.blocks <= self.needed
+    }
+
+    /// Length of the present span [s].
+    pub(super) fn span(&self) -> f64 {
+        f64::from(self.blocks) * BLOCK
+    }
+
+    /// Length of all rest [s].
+    pub(super) fn bias_span(&self) -> f64 {
+        f64::from(self.bias_blocks.max(1)) * BLOCK
+    }
+}

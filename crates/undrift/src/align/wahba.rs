@@ -1,0 +1,322 @@
+//! Attitude and biases from velocity changes: what Wahba's problem becomes when the gyros that carry the
+//! attitude have an unknown bias.
+//!
+//! GNSS gives the velocity changes in `n`, the sensors the same changes in the axes of the window's
+//! start (`Segment`): the attitude between them is found (optimisation-based alignment, Wu & Pan
+//! 2013). A turn-on bias of degrees a second turns the window about, so attitude at the start,
+//! gyro bias and accelerometer bias are one nonlinear least-squares problem, solved by
+//! Levenberg-Marquardt from many headings; a second minimum as good as the first means wait.
+//!
+//! The sensors' white noise makes velocity and attitude wander on the way. Both are states of a Kalman
+//! filter that whitens the residuals, and the parameters' effect runs through it beside the
+//! data: generalised least squares (Rosenberg 1973; de Jong 1991). All is linear about one trajectory, so
+//! nothing becomes certain by moving the point of linearisation, as in an extended filter that starts
+//! with a wide heading.
+
+use super::segments::Segment;
+use nalgebra::{SMatrix, SVector};
+use undrift_nav::{
+    Quaternion, Vector3,
+    attitude::{from_rotation_vector, skew},
+    earth::{Geodetic, LocalEarth},
+};
+
+/// Attitude at the start of the window and constant biases in it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Guess {
+    /// Body to navigation.
+    pub(super) q_nb: Quaternion,
+    /// What the gyros read too much [rad/s].
+    pub(super) gyro: Vector3,
+    /// What the accelerometers read too much [m/s²].
+    pub(super) accel: Vector3,
+}
+
+/// A guess that has been improved, and what it costs.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Solution {
+    pub(super) guess: Guess,
+    /// Attitude at the end of the window.
+    pub(super) end: Quaternion,
+    /// Sum of squared whitened residuals, prior included.
+    pub(super) cost: f64,
+}
+
+/// Everything but the guess.
+pub(super) struct Problem<'a> {
+    /// In order of time; the first one is the start.
+    pub(super) segments: &'a [Segment],
+    /// Gyro bias about which they are linear [rad/s].
+    pub(super) reference: Vector3,
+    /// About where.
+    pub(super) place: Geodetic,
+    /// IMU → antenna, body axes [m].
+    pub(super) lever_arm: Vector3,
+    /// Prior means and variances of gyro and accelerometer bias.
+    pub(super) gyro: (Vector3, Vector3),
+    pub(super) accel: (Vector3, Vector3),
+    /// Squared densities of the sensors' white noise [rad²/s], [m²/s³].
+    pub(super) gyro_noise: f64,
+    pub(super) accel_noise: f64,
+}
+
+/// Attitude error at the start in body axes, gyro bias, accelerometer bias.
+type Parameters = SVector<f64, 9>;
+type Information = SMatrix<f64, 9, 9>;
+/// Errors of velocity in `n` and attitude in body axes by the parameters.
+type Effect = SMatrix<f64, 6, 9>;
+type Wander = SMatrix<f64, 6, 6>;
+
+/// Truth less estimate of velocity in `n` [m/s], attitude in body axes [rad], gyro bias [rad/s] and
+/// accelerometer bias [m/s²] at the end of the window: its covariance.
+pub(super) type EndCovariance = SMatrix<f64, 12, 12>;
+
+/// Cost with its linearisation `JᵀJ` and `Jᵀr`, and the end of the window.
+struct Linear {
+    cost: f64,
+    information: Information,
+    gradient: Parameters,
+    q_nb: Quaternion,
+    v_n: Vector3,
+    /// Effect of the parameters on the end, and the wander's covariance there.
+    effect: Effect,
+    wander: Wander,
+}
+
+/// Iterations of one solution, at most.
+const ITERATIONS: usize = 12;
+
+impl Problem<'_> {
+    /// The guess put through the first `count` segments; `gyro` is the mean of the gyro prior.
+    fn linearise(&self, guess: &Guess, count: usize, gyro: &Vector3) -> Linear {
+        let earth = LocalEarth::at(&self.place);
+        let gravity = Vector3::new(0.0, 0.0, earth.gravity);
+        let (mut cost, mut information, mut gradient) =
+            (0.0, Information::zeros(), Parameters::zeros());
+        for i in 0..3 {
+            for (at, value, mean, variance) in [
+                (3 + i, guess.gyro[i], gyro[i], self.gyro.1[i]),
+                (6 + i, guess.accel[i], self.accel.0[i], self.accel.1[i]),
+            ] {
+                let miss = mean - value;
+                cost += miss * miss / variance;
+                information[(at, at)] += 1.0 / variance;
+                gradient[at] += miss / variance;
+            }
+        }
+        let by_gyro = guess.gyro - self.reference;
+        let (mut q_nb, mut v) = (guess.q_nb, Vector3::zeros());
+        // What has wandered in the attitude so far, its covariance with the velocity's, the parameters' effect.
+        let mut turned = Vector3::zeros();
+        let mut wander = Wander::zeros();
+        let mut effect = Effect::zeros();
+        effect.fixed_view_mut::<3, 3>(3, 0).fill_with_identity();
+        for (k, s) in self.segments.iter().take(count).enumerate() {
+            let c = q_nb.to_rotation_matrix().into_inner();
+            let dvel = s.dvel + s.dvel_by_g * by_gyro + s.dvel_by_a * guess.accel;
+            let frame = earth.earth_rate() + earth.transport_rate(&s.v_n);
+            let turn = s.turn * from_rotation_vector(&(s.turn_by_g * by_gyro));
+            let back = turn.to_rotation_matrix().transpose().into_inner();
+            let lean = -c * skew(&dvel);
+
+            v += c * dvel
+                + lean * turned
+                + (gravity - (frame + earth.earth_rate()).cross(&s.v_n)) * s.dt;
+            turned = back * turned;
+            let mut step = Wander::identity();
+            step.fixed_view_mut::<3, 3>(0, 3).copy_from(&lean);
+            step.fixed_view_mut::<3, 3>(3, 3).copy_from(&back);
+            effect = step * effect;
+            let mut block = effect.fixed_view_mut::<3, 3>(0, 3);
+            block += c * s.dvel_by_g;
+            let mut block = effect.fixed_view_mut::<3, 3>(0, 6);
+            block += c * s.dvel_by_a;
+            let mut block = effect.fixed_view_mut::<3, 3>(3, 3);
+            block += s.turn_by_g;
+            wander = step * wander * step.transpose();
+            for i in 0..3 {
+                wander[(i, i)] += self.accel_noise * s.dt;
+                wander[(3 + i, 3 + i)] += self.gyro_noise * s.dt;
+            }
+            q_nb = from_rotation_vector(&(-frame * s.dt)) * q_nb * turn;
+
+            let lever_velocity = q_nb * (s.omega_b - by_gyro).cross(&self.lever_arm);
+            if k == 0 {
+                v = s.v_n - lever_velocity;
+                for i in 0..3 {
+                    wander[(i, i)] = s.variance[i];
+                }
+                continue;
+            }
+            for axis in 0..3 {
+                let sum = wander[(axis, axis)] + s.variance[axis];
+                let residual = s.v_n[axis] - lever_velocity[axis] - v[axis];
+                let row = effect.row(axis).clone_owned();
+                cost += residual * residual / sum;
+                information += row.transpose() * row / sum;
+                gradient += row.transpose() * (residual / sum);
+                let gain = wander.column(axis) / sum;
+                v += gain.fixed_rows::<3>(0) * residual;
+                turned += gain.fixed_rows::<3>(3) * residual;
+                effect -= gain * row;
+                wander -= gain * gain.transpose() * sum;
+            }
+        }
+        Linear {
+            cost,
+            information,
+            gradient,
+            q_nb: q_nb * from_rotation_vector(&turned),
+            v_n: v,
+            effect,
+            wander,
+        }
+    }
+
+    /// The end of the window after [`Problem::refine`]: attitude, velocity of the IMU and their covariance
+    /// with the biases'; `None` where something is not determined at all.
+    pub(super) fn end(&self, guess: &Guess) -> Option<(Quaternion, Vector3, EndCovariance)> {
+        let linear = self.linearise(guess, self.segments.len(), &self.gyro.0);
+        let parameters = linear.information.try_inverse()?;
+        let mut effect = SMatrix::<f64, 12, 9>::zeros();
+        effect
+            .fixed_view_mut::<6, 9>(0, 0)
+            .copy_from(&linear.effect);
+        effect.fixed_view_mut::<6, 6>(6, 3).fill_with_identity();
+        let mut covariance = effect * parameters * effect.transpose();
+        let mut wander = covariance.fixed_view_mut::<6, 6>(0, 0);
+        wander += linear.wander;
+        Some((linear.q_nb, linear.v_n, covariance))
+    }
+
+    /// Improves a guess on the first `count` segments. Levenberg-Marquardt; Nocedal & Wright, section 10.3.
+    fn improve(&self, guess: &Guess, count: usize, gyro: &Vector3) -> Solution {
+        let mut best = *guess;
+        let mut linear = self.linearise(&best, count, gyro);
+        let mut damping = 1e-4;
+        for _ in 0..ITERATIONS {
+            let mut matrix = linear.information;
+            for i in 0..9 {
+                matrix[(i, i)] *= 1.0 + damping;
+            }
+            // The attitude has no prior: without motion its heading is held by this.
+            for i in 0..3 {
+                matrix[(i, i)] += 1e-6;
+            }
+            let Some(factor) = nalgebra::Cholesky::new(matrix) else {
+                break;
+            };
+            let step = factor.solve(&linear.gradient);
+            let part = |at: usize| Vector3::new(step[at], step[at + 1], step[at + 2]);
+            let next = Guess {
+                q_nb: best.q_nb * from_rotation_vector(&part(0)),
+                gyro: best.gyro + part(3),
+                accel: best.accel + part(6),
+            };
+            let tried = self.linearise(&next, count, gyro);
+            if tried.cost < linear.cost {
+                let gained = linear.cost - tried.cost;
+                (best, linear) = (next, tried);
+                damping = (damping * 0.1).max(1e-9);
+                if gained < 1e-2 {
+                    break;
+                }
+            } else {
+                damping *= 10.0;
+                if damping > 1e6 {
+                    break;
+                }
+            }
+        }
+        Solution {
+            guess: best,
+            end: linear.q_nb,
+            cost: linear.cost,
+        }
+    }
+
+    /// A solution improved on the whole window.
+    pub(super) fn refine(&self, guess: &Guess) -> Solution {
+        self.improve(guess, self.segments.len(), &self.gyro.0)
+    }
+
+    /// The minima found from all headings, best first.
+    pub(super) fn solve(&self) -> Vec<Solution> {
+        let n = self.segments.len();
+        // The first two seconds' mean specific force in `n` and in body axes: all but the turn about it.
+        let (mut t, mut early) = (0.0, 1);
+        while early + 1 < n && t < 2.0 {
+            t += self.segments[early].dt;
+            early += 1;
+        }
+        let (mut body, mut turn, mut span) = (Vector3::zeros(), Quaternion::identity(), 0.0);
+        for s in &self.segments[..early] {
+            body += turn * s.dvel;
+            turn *= s.turn;
+            span += s.dt;
+        }
+        let gravity = Vector3::new(0.0, 0.0, LocalEarth::at(&self.place).gravity);
+        let change = self.segments[early - 1].v_n - self.segments[0].v_n;
+        let force = change - gravity * span;
+        let (Some(up), Some(level)) = (
+            force.try_normalize(1e-9),
+            Quaternion::rotation_between(&body, &force).or_else(|| {
+                let across = body.cross(&Vector3::x()).try_normalize(1e-9)?;
+                Some(from_rotation_vector(&(across * std::f64::consts::PI)))
+            }),
+        ) else {
+            return Vec::new();
+        };
+
+        // A gyro bias about the vertical shows last of all: several are tried where the window could turn by it.
+        let duration: f64 = self.segments.iter().map(|s| s.dt).sum();
+        let turn_on = self.gyro.1.max().sqrt();
+        let drifts: &[f64] = if turn_on * duration > 0.5 {
+            &[0.0, -1.3, 1.3]
+        } else {
+            &[0.0]
+        };
+        let mut found: Vec<Solution> = Vec::new();
+        for heading in 0..HEADINGS {
+            let angle = std::f64::consts::TAU * heading as f64 / HEADINGS as f64;
+            let q_nb = from_rotation_vector(&(up * angle)) * level;
+            for drift in drifts {
+                let mut guess = Guess {
+                    q_nb,
+                    gyro: self.gyro.0 + q_nb.inverse() * Vector3::z() * (drift * turn_on),
+                    accel: self.accel.0,
+                };
+                let mean = guess.gyro;
+                // From a short part of the window to all of it: the sensors' axes must not have turned away.
+                for part in [n / 4, n / 2] {
+                    if part >= 4 {
+                        guess = self.improve(&guess, part, &mean).guess;
+                    }
+                }
+                let solution = self.refine(&guess);
+                if !solution.cost.is_finite() {
+                    continue;
+                }
+                match found.iter_mut().find(|other| other.is_near(&solution)) {
+                    Some(same) if same.cost <= solution.cost => {}
+                    Some(same) => *same = solution,
+                    None => found.push(solution),
+                }
+            }
+        }
+        found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        found
+    }
+}
+
+/// Headings that the search starts from.
+const HEADINGS: usize = 12;
+/// Attitudes within this angle [rad] are the same minimum.
+const SAME: f64 = 0.15;
+
+impl Solution {
+    /// Whether another one is the same minimum, at the start and at the end of the window.
+    fn is_near(&self, other: &Self) -> bool {
+        self.guess.q_nb.angle_to(&other.guess.q_nb) < SAME && self.end.angle_to(&other.end) < SAME
+    }
+}
