@@ -246,7 +246,12 @@ pub fn estimate(
         Ok(sample) => sample.time <= *end.get_or_insert(sample.time + LONGEST_PASS),
         Err(_) => true,
     });
-    replay(imu, gnss.map(|fix| fix.map(Measurement::Gnss)), settings, &mut watch)?;
+    replay(
+        imu,
+        gnss.map(|fix| fix.map(Measurement::Gnss)),
+        settings,
+        &mut watch,
+    )?;
     watch.estimator.estimate()
 }
 
