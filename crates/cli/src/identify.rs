@@ -2,14 +2,29 @@
 
 use crate::report;
 use anyhow::{Context, Result, bail};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use undrift::{
     identify::{self, Identified},
     io::table::Column,
-    noise::{ImuModel, Provenance, identify::Options, screening::Timing},
+    noise::{
+        ImuModel, Provenance,
+        identify::{Axis, Detrend, GRID_ORDER, Options, Removed},
+        screening::Timing,
+    },
     record::{self, RecordFormat},
 };
+
+/// What is taken out of the record first.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum Trend {
+    /// The mean
+    Constant,
+    /// A straight line
+    Linear,
+    /// The mean and a multiple of the temperature, a column named temp, temperature or *_C
+    Temperature,
+}
 
 /// Identify how a sensor errs from a record of it at rest, and write the model file.
 ///
@@ -34,10 +49,13 @@ pub struct Arguments {
     /// Largest n of ARMA(2n, 2n-1) in the Pandit-Wu table
     #[arg(long, value_name = "N", default_value_t = 2)]
     n_max: usize,
+    /// What is taken out of every axis before its noise is identified
+    #[arg(long, value_name = "TREND", value_enum, default_value_t = Trend::Constant)]
+    detrend: Trend,
     /// Model that gives the axes the record does not have: a preset or a file
     #[arg(long, value_name = "PRESET|FILE")]
     base: Option<String>,
-    /// Write the model file
+    /// Write the model file; without --base it has the record's axes only
     #[arg(short, long, value_name = "imu.toml")]
     output: Option<PathBuf>,
     /// Write everything found as JSON; "-" for standard output instead of the summary
@@ -71,15 +89,22 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             .collect(),
         axis: arguments.axis.clone(),
         units,
+        temperature: arguments.detrend == Trend::Temperature,
     };
     let record = record::read(&arguments.record, &format)?;
     if !record.skipped.is_empty() {
         eprintln!("{}: {}", arguments.record.display(), record.skipped);
     }
     let rate_hz = rate(arguments.rate, record.timing.as_ref())?;
+    let detrend = match (arguments.detrend, &record.temperature) {
+        (Trend::Linear, _) => Detrend::Linear,
+        (Trend::Temperature, Some(temperature)) => Detrend::Temperature(temperature),
+        _ => Detrend::Constant,
+    };
     let options = Options {
-        rate_hz,
         n_max: arguments.n_max,
+        detrend,
+        ..Options::at(rate_hz)
     };
     // Silent when standard error is no terminal.
     let bar = indicatif::ProgressBar::new(record.axes.len() as u64).with_style(
@@ -112,6 +137,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             eprintln!("{name}: {error}");
         }
     }
+    if failed == identified.axes.len() {
+        bail!("no axis could be identified");
+    }
     if let Some(file) = &arguments.output {
         let base = arguments
             .base
@@ -134,9 +162,19 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             .map_err(anyhow::Error::msg)?;
         report::write_whole(file, &model.to_toml())?;
         report::say(format!("model: {}", file.display()))?;
-    }
-    if failed == identified.axes.len() {
-        bail!("no axis could be identified");
+        let unknown: Vec<&str> = model
+            .axes()
+            .into_iter()
+            .filter(|(_, axis)| !axis.is_known())
+            .map(|(name, _)| name)
+            .collect();
+        if !unknown.is_empty() {
+            eprintln!(
+                "{} has no {}: a run needs all six axes; give the others with --base PRESET or FILE",
+                file.display(),
+                unknown.join(", ")
+            );
+        }
     }
     Ok(())
 }
@@ -178,51 +216,87 @@ fn sha256(path: &std::path::Path) -> Result<String> {
 
 /// The candidates of each axis with their drift scores, and the choice.
 fn summary(identified: &Identified) -> String {
+    let texts: Vec<String> = identified
+        .axes
+        .iter()
+        .filter_map(|(name, found)| {
+            let axis = found.as_ref().ok()?;
+            Some(axis_summary(name, axis, identified.rate_hz))
+        })
+        .collect();
+    texts.join("\n")
+}
+
+fn axis_summary(name: &str, axis: &Axis, rate_hz: f64) -> String {
     use std::fmt::Write;
+    // Spec-sheet units: deg/√h and deg, m/s/√h and m/s.
+    let (scale, level_unit, white_unit, drift_unit) = if name.starts_with("gyro") {
+        (1f64.to_degrees(), "deg/s", "deg/√h", "deg")
+    } else {
+        (1.0, "m/s²", "m/s/√h", "m/s")
+    };
+    // Writing into a String cannot fail.
     let mut text = String::new();
-    for (name, found) in &identified.axes {
-        let Ok(axis) = found else { continue };
-        let gyro = name.starts_with("gyro");
-        // Spec-sheet units: deg/√h and deg, m/s/√h and m/s.
-        let (scale, white_unit, drift_unit) = if gyro {
-            (1f64.to_degrees(), "deg/√h", "deg")
-        } else {
-            (1.0, "m/s/√h", "m/s")
+    let _ = writeln!(text, "{name}: {} samples at {rate_hz} Hz", axis.samples);
+    let _ = match axis.removed {
+        Removed::Constant => Ok(()),
+        Removed::Linear {
+            slope_per_hour,
+            explained,
+        } => writeln!(
+            text,
+            "  Removed: a slope of {:.3e} {level_unit} an hour, {:.2} % of the variance",
+            slope_per_hour * scale,
+            100.0 * explained
+        ),
+        Removed::Temperature {
+            slope_per_kelvin,
+            explained,
+        } => writeln!(
+            text,
+            "  Removed: {:.3e} {level_unit} a kelvin, {:.2} % of the variance",
+            slope_per_kelvin * scale,
+            100.0 * explained
+        ),
+    };
+    let _ = writeln!(text, "  {}", axis.stationarity.sentence);
+    let _ = writeln!(
+        text,
+        "  Allan: white noise {:.4} {white_unit}; skewness {:.3}, excess kurtosis {:.3}",
+        axis.allan_terms.white.value * scale * 60.0,
+        axis.normality.skewness,
+        axis.normality.kurtosis_excess
+    );
+    if let Some(grid) = &axis.box_jenkins {
+        let order = |index: usize| {
+            let (p, q) = grid.fits[index].order();
+            format!("({p},{q})")
         };
         let _ = writeln!(
             text,
-            "{name}: {} samples at {} Hz",
-            axis.samples, identified.rate_hz
+            "  Box-Jenkins, p, q ≤ {GRID_ORDER}, first {} samples: ARMA{} by AICc, {} by BIC",
+            grid.fits[grid.by_aicc].n,
+            order(grid.by_aicc),
+            order(grid.by_bic)
         );
-        let _ = writeln!(text, "  {}", axis.stationarity.sentence);
-        let _ = writeln!(
-            text,
-            "  Allan: white noise {:.4} {white_unit}; skewness {:.3}, excess kurtosis {:.3}",
-            axis.allan_terms.white.value * scale * 60.0,
-            axis.normality.skewness,
-            axis.normality.kurtosis_excess
-        );
-        let _ = write!(text, "  {:38}", format!("drift after [{drift_unit}]"));
-        if let Some(first) = axis.candidates.first() {
-            for score in &first.score {
-                let _ = write!(text, " {:>10}", format!("{:.0} s", score.horizon_s));
-            }
-        }
-        text.push('\n');
-        for (index, candidate) in axis.candidates.iter().enumerate() {
-            let mark = if index == axis.chosen { "→" } else { " " };
-            let _ = write!(text, "  {mark} {:36}", candidate.name);
-            for score in &candidate.score {
-                let _ = write!(text, " {:>10.3e}", score.rms * scale);
-            }
-            text.push('\n');
-        }
-        let _ = writeln!(text, "  {}", axis.reason);
-        for warning in &axis.warnings {
-            let _ = writeln!(text, "  Note: {warning}.");
+    }
+    let _ = write!(text, "  {:38}", format!("drift after [{drift_unit}]"));
+    for score in &axis.recommended().score {
+        let _ = write!(text, " {:>10}", format!("{:.0} s", score.horizon_s));
+    }
+    text.push('\n');
+    for index in axis.ranking() {
+        let candidate = &axis.candidates[index];
+        let mark = if index == axis.chosen { "→" } else { " " };
+        let _ = write!(text, "  {mark} {:36}", candidate.name);
+        for score in &candidate.score {
+            let _ = write!(text, " {:>10.3e}", score.rms * scale);
         }
         text.push('\n');
     }
-    text.pop();
+    let _ = writeln!(text, "  {}", axis.reason);
+    for warning in &axis.warnings {
+        let _ = writeln!(text, "  Note: {warning}.");
+    }
     text
 }

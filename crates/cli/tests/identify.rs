@@ -91,42 +91,272 @@ fn a_record_becomes_a_model_that_makes_filters() {
         "allan",
         "allan_terms",
         "pandit_wu",
+        "box_jenkins",
+        "scales",
         "candidates",
+        "ranking",
         "chosen",
+        "motion",
+        "detrend",
     ] {
         assert!(!axis[key].is_null(), "{key}");
     }
-    assert!(axis["candidates"][0]["drift_score"]["1"].is_number());
+    for test in ["adf", "kpss", "phillips_perron"] {
+        for key in ["statistic", "p_value", "lags"] {
+            assert!(axis[test][key].is_number(), "{test} {key}");
+        }
+        assert!(axis[test]["critical"]["5%"].is_number(), "{test}");
+    }
+    assert!(axis["adf"]["by_rule"]["aic"]["lags"].is_number());
+    for test in ["jarque_bera", "ks", "lilliefors"] {
+        for key in ["statistic", "critical_5", "p_value"] {
+            assert!(axis[test][key].is_number(), "{test} {key}");
+        }
+    }
     assert_eq!(axis["samples"], 6000);
+    let candidates = axis["candidates"].as_array().unwrap();
+    for candidate in candidates {
+        assert!(candidate["drift_score"]["1"].is_number(), "{candidate}");
+        assert!(candidate["warnings"].is_array(), "{candidate}");
+    }
+    let arma = candidates
+        .iter()
+        .find(|c| c["name"] == "ARMA(1,1)")
+        .unwrap();
+    for key in [
+        "p",
+        "q",
+        "sigma",
+        "log_likelihood",
+        "aic",
+        "bic",
+        "ljung_box_p",
+    ] {
+        assert!(arma[key].is_number(), "{key}");
+    }
+    let composite = candidates
+        .iter()
+        .find(|c| c["method"] == "maximum likelihood" && c["p"].is_null());
+    if let Some(composite) = composite {
+        assert!(composite["wavelet_moments"]["terms"]["white"].is_number());
+    }
+    // The choice is a whole candidate.
+    let chosen = &axis["chosen"];
+    let same = candidates
+        .iter()
+        .find(|c| c["name"] == chosen["name"])
+        .unwrap();
+    assert_eq!(same["drift_score"], chosen["drift_score"]);
+    assert!(chosen["reason"].is_string() && chosen["white"] == same["white"]);
 }
 
 #[test]
-fn one_axis_needs_a_base_for_the_model() {
+fn one_axis_becomes_a_model_of_one_axis_or_fills_a_base() {
     let folder = folder("one");
     let text = record(HEADER, 3000);
-    let one = [
-        "--rate",
-        "100",
-        "--columns",
-        "gz_dps",
-        "--n-max",
-        "1",
-        "-o",
-        "imu.toml",
-    ];
+    let one = ["--rate", "100", "--columns", "gz_dps", "--n-max", "1"];
+    // It only reports…
     let output = identify(&folder, &text, &one);
-    assert!(!output.status.success());
     assert!(
-        String::from_utf8_lossy(&output.stderr).contains("--base"),
+        output.status.success() && output.stderr.is_empty(),
         "{output:?}"
     );
-    let output = identify(&folder, &text, &[&one[..], &["--base", "mpu6050"]].concat());
+    assert!(!folder.join("imu.toml").exists());
+    // … or writes that axis and says what a run lacks…
+    let write = [&one[..], &["-o", "imu.toml"]].concat();
+    let output = identify(&folder, &text, &write);
     assert!(output.status.success(), "{output:?}");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        said.contains("no gyro_x, gyro_y, accel_x, accel_y, accel_z") && said.contains("--base"),
+        "{said}"
+    );
+    let model = ImuModel::load(&folder.join("imu.toml")).unwrap();
+    assert!(model.gyro[2].is_known() && !model.accel[0].is_known());
+    let error = model.shaping(BiasModel::Arma, 0.01).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("imu.toml: gyro_x: no noise model"),
+        "{error}"
+    );
+    // … or fills a base.
+    let output = identify(
+        &folder,
+        &text,
+        &[&write[..], &["--base", "mpu6050"]].concat(),
+    );
+    assert!(
+        output.status.success() && output.stderr.is_empty(),
+        "{output:?}"
+    );
     let model = ImuModel::load(&folder.join("imu.toml")).unwrap();
     assert!(
         model.gyro[2].identification.contains_key("drift_scores")
             && model.gyro[0].identification.is_empty()
     );
+    model.shaping(BiasModel::Arma, 0.01).unwrap();
+}
+
+/// `record` with time stamps of `interval` [s], every seventh moved by `shift` of it.
+fn stamped(text: &str, interval: f64, shift: f64) -> String {
+    text.lines()
+        .enumerate()
+        .map(|(k, line)| match k {
+            0 => format!("t_s,{line}\n"),
+            _ => {
+                let moved = if k % 7 == 0 { shift } else { 0.0 };
+                format!("{:.5},{line}\n", (k as f64 + moved) * interval)
+            }
+        })
+        .collect()
+}
+
+#[test]
+fn stamps_that_are_not_even_are_said_and_reported() {
+    let folder = folder("uneven");
+    let arguments = [
+        "--n-max",
+        "1",
+        "--columns",
+        "gz_dps",
+        "--json",
+        "found.json",
+    ];
+    let found = |text: &str| -> (String, serde_json::Value) {
+        let output = identify(&folder, text, &arguments);
+        assert!(output.status.success(), "{output:?}");
+        let json = std::fs::read_to_string(folder.join("found.json")).unwrap();
+        (
+            String::from_utf8_lossy(&output.stderr).into_owned(),
+            serde_json::from_str(&json).unwrap(),
+        )
+    };
+    let text = record(HEADER, 3000);
+    let (said, json) = found(&stamped(&text, 0.01, 0.4));
+    assert!(said.contains("not evenly stamped"), "{said}");
+    assert_eq!(json["timing"]["even"], false);
+    // 0.4 of the interval, forth and back, in 2 of 7 of them: 0.4 √(2/7) of 10 ms.
+    let jitter = json["timing"]["jitter_rms_s"].as_f64().unwrap();
+    assert!(
+        (jitter / (4e-3 * (2f64 / 7.0).sqrt()) - 1.0).abs() < 0.01,
+        "{jitter}"
+    );
+    let (said, json) = found(&stamped(&text, 0.01, 0.0));
+    assert!(said.is_empty(), "{said}");
+    assert_eq!(json["timing"]["even"], true);
+    assert!((json["rate_hz"].as_f64().unwrap() / 100.0 - 1.0).abs() < 1e-4);
+    // Half a second is missing.
+    let gap: String = stamped(&text, 0.01, 0.0)
+        .lines()
+        .enumerate()
+        .filter(|(k, _)| !(1000..1050).contains(k))
+        .map(|(_, line)| format!("{line}\n"))
+        .collect();
+    let (said, json) = found(&gap);
+    assert!(said.contains("1 gaps"), "{said}");
+    assert_eq!(json["timing"]["gaps"][0]["missing"], 50);
+}
+
+#[test]
+fn a_trend_is_removed_and_reported() {
+    let folder = folder("trend");
+    let temperature = |k: usize| 25.0 + (k as f64 / 500.0).sin();
+    // 0.5 deg/s a kelvin on the z gyro.
+    let text: String = record(HEADER, 6000)
+        .lines()
+        .enumerate()
+        .map(|(k, line)| match k {
+            0 => format!("{line},board_C\n"),
+            _ => {
+                let mut fields: Vec<f64> = line.split(',').map(|f| f.parse().unwrap()).collect();
+                fields[2] += 0.5 * (temperature(k) - 25.0);
+                fields.push(temperature(k));
+                let fields: Vec<String> = fields.iter().map(|f| format!("{f:.6}")).collect();
+                fields.join(",") + "\n"
+            }
+        })
+        .collect();
+    let arguments = [
+        "--rate",
+        "100",
+        "--n-max",
+        "1",
+        "--columns",
+        "gz_dps",
+        "--json",
+        "-",
+    ];
+    let removed = |text: &str, trend: &str| {
+        let output = identify(
+            &folder,
+            text,
+            &[&arguments[..], &["--detrend", trend]].concat(),
+        );
+        assert!(output.status.success(), "{output:?}");
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        json["axes"]["gyro_z"]["detrend"].clone()
+    };
+    let found = removed(&text, "temperature");
+    assert_eq!(found["kind"], "temperature");
+    let slope = found["slope_per_kelvin"].as_f64().unwrap().to_degrees();
+    // Noise of 0.3 deg/s a sample on a temperature of 0.7 K RMS: 0.0055 deg/s/K.
+    assert!((slope - 0.5).abs() < 0.03, "{slope}");
+    assert!(removed(&text, "linear")["slope_per_hour"].is_number());
+    assert_eq!(removed(&text, "constant")["kind"], "constant");
+    let output = identify(
+        &folder,
+        &record(HEADER, 2000),
+        &["--rate", "100", "--detrend", "temperature"],
+    );
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        !output.status.success() && said.contains("no column is the temperature"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_bad_axis_does_not_spoil_the_others() {
+    let folder = folder("axes");
+    // x hangs from end to end, y is against its stops, z is turned about.
+    let text: String = record(HEADER, 6000)
+        .lines()
+        .enumerate()
+        .map(|(k, line)| match k {
+            0 => format!("{line}\n"),
+            _ => {
+                let mut fields: Vec<f64> = line.split(',').map(|f| f.parse().unwrap()).collect();
+                fields[0] = 1.0;
+                fields[1] = fields[1].clamp(-0.2, 0.2);
+                fields[2] += 20.0 * (k as f64 / 300.0).sin();
+                let fields: Vec<String> = fields.iter().map(|f| format!("{f:.6}")).collect();
+                fields.join(",") + "\n"
+            }
+        })
+        .collect();
+    let arguments = ["--rate", "100", "--n-max", "1", "-o", "imu.toml"];
+    let output = identify(&folder, &text, &arguments);
+    assert!(output.status.success(), "{output:?}");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        said.contains("gyro_x: the record is constant") && said.contains("has no gyro_x:"),
+        "{said}"
+    );
+    let report = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(
+        report.contains("the axis is saturated") && report.contains("the record is not static"),
+        "{report}"
+    );
+    let file = std::fs::read_to_string(folder.join("imu.toml")).unwrap();
+    let values = file.replace("provenance", "").to_ascii_lowercase();
+    assert!(!values.contains("nan"), "{file}");
+    let model = ImuModel::load(&folder.join("imu.toml")).unwrap();
+    assert!(!model.gyro[0].is_known());
+    for (name, axis) in model.axes().into_iter().skip(1) {
+        axis.shaping(BiasModel::Arma, 0.01)
+            .unwrap_or_else(|e| panic!("{name}: {e}"));
+    }
 }
 
 #[test]
@@ -165,13 +395,13 @@ fn what_is_no_record_is_said() {
     );
     says(&record(HEADER, 2000), &["--rate", "0"], "0 Hz");
     says(&record(HEADER, 2000), &[], "--rate");
-    let stamped: String = record(HEADER, 2000)
-        .lines()
-        .enumerate()
-        .map(|(k, line)| match k {
-            0 => format!("t_s,{line}\n"),
-            _ => format!("{:.3},{line}\n", k as f64 * 0.02),
-        })
-        .collect();
-    says(&stamped, &["--rate", "100"], "time stamps say 50");
+    let text = stamped(&record(HEADER, 2000), 0.02, 0.0);
+    says(&text, &["--rate", "100"], "time stamps say 50");
+    // Nothing is written of a record that gives nothing.
+    says(
+        &constant,
+        &["--rate", "100", "-o", "none.toml"],
+        "no axis could be identified",
+    );
+    assert!(!folder.join("none.toml").exists());
 }

@@ -4,10 +4,10 @@
 //! |---|---|---|
 //! | `white` | 0 | white noise alone |
 //! | `paper` | 1 | Wang, Lyu & Wu 2016, equations (3)-(9) to the letter |
-//! | `gauss-markov` | 2 | white noise, Gauss-Markov process, turn-on constant |
+//! | `gauss-markov` | 2 | white noise, Gauss-Markov process (or processes), turn-on constant |
 //! | `random-walk` | 1 | white noise, random walk started at the turn-on constant |
 //! | `ar` | 3 | AR([`AR_ORDER`]) predictor of the whole error, turn-on constant |
-//! | `arma` | 1… | exact innovations form, turn-on constant |
+//! | `arma` | 1… | exact: innovations form of the ARMA, else the sum of all terms, turn-on constant |
 //!
 //! A turn-on constant takes a state of its own unless the filter has an integrator to start at it;
 //! without `turn_on` there is none. Terms that the file does not give are derived from its ARMA
@@ -22,6 +22,7 @@
 //! # Ok::<(), undrift_noise::ModelError>(())
 //! ```
 
+use crate::composite;
 use crate::model_file::{AXES, Arma, AxisModel, ImuModel, Instability, ModelError};
 use std::fmt;
 use undrift_nav::shaping::{MAX_ORDER, ShapingError, ShapingFilter};
@@ -114,6 +115,9 @@ impl From<ShapingError> for Failure {
 impl ImuModel {
     /// The shaping filters of the six axes, gyro x, y, z [rad/s] and accelerometer x, y, z [m/s²],
     /// at the sample interval [s].
+    ///
+    /// # Errors
+    /// An axis of which nothing is known, or of which the bias model cannot be made.
     pub fn shaping(
         &self,
         model: BiasModel,
@@ -123,6 +127,12 @@ impl ImuModel {
             .map_err(|error| named(Failure::Shaping(error), model, None))?;
             6];
         for ((name, axis), slot) in self.axes().into_iter().zip(&mut filters) {
+            if !axis.is_known() {
+                return Err(ModelError::NoAxis {
+                    prefix: self.prefix.clone(),
+                    axis: name,
+                });
+            }
             *slot = axis
                 .make(model, interval)
                 .map_err(|failure| named(failure, model, Some(name)))?;
@@ -141,9 +151,9 @@ fn named(failure: Failure, model: BiasModel, axis: Option<&'static str>) -> Mode
 }
 
 /// The slow part of an error as independent terms.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Default)]
 struct Slow {
-    instability: Option<Instability>,
+    processes: Vec<Instability>,
     walk: Option<f64>,
 }
 
@@ -173,20 +183,20 @@ impl AxisModel {
             BiasModel::Paper => self.paper(interval),
             BiasModel::GaussMarkov => {
                 let slow = self.slow()?;
-                let bias = match (slow.instability, slow.walk) {
-                    (Some(of), _) => ShapingFilter::gauss_markov(of.sigma, of.tau, interval)?,
+                let bias = match slow.walk {
                     // A random walk has no finite correlation time: it is taken as it is.
-                    (None, Some(k)) => ShapingFilter::random_walk(k, interval)?,
-                    (None, None) => ShapingFilter::none(interval)?,
+                    Some(k) if slow.processes.is_empty() => {
+                        white.plus(&ShapingFilter::random_walk(k, interval)?)?
+                    }
+                    _ => with_processes(white, &slow.processes)?,
                 };
-                self.with_turn_on(white.plus(&bias)?)
+                self.with_turn_on(bias)
             }
             BiasModel::RandomWalk => {
                 let slow = self.slow()?;
-                // The random walk that a Gauss-Markov process is over times short against τ.
-                let from_instability = slow
-                    .instability
-                    .map_or(0.0, |of| 2.0 * of.sigma * of.sigma / of.tau);
+                // The random walk that the slowest Gauss-Markov process is over times short against τ.
+                let slowest = slow.processes.iter().max_by(|a, b| a.tau.total_cmp(&b.tau));
+                let from_instability = slowest.map_or(0.0, |of| 2.0 * of.sigma * of.sigma / of.tau);
                 let k = slow.walk.unwrap_or(0.0);
                 let walk = ShapingFilter::random_walk((k * k + from_instability).sqrt(), interval)?;
                 self.with_turn_on(white.plus(&walk)?)
@@ -209,9 +219,9 @@ impl AxisModel {
 
     /// The slow terms as given, else those of the ARMA.
     fn slow(&self) -> Result<Slow, Failure> {
-        if self.instability.is_some() || self.random_walk.is_some() {
+        if !self.instability.is_empty() || self.random_walk.is_some() {
             return Ok(Slow {
-                instability: self.instability,
+                processes: self.instability.clone(),
                 walk: self.random_walk,
             });
         }
@@ -224,23 +234,33 @@ impl AxisModel {
     }
 
     /// The ARMA at this interval, or that of the terms: white noise plus a Gauss-Markov process or
-    /// random walk is an ARMA(1,1) exactly. White noise, Gauss-Markov process and random walk
-    /// together stay a sum of independent terms, which is as exact.
+    /// random walk is an ARMA(1,1) exactly. More terms stay a sum of independent ones, which is as
+    /// exact.
     fn innovations(&self, interval: f64) -> Result<ShapingFilter, Failure> {
         if let Some(arma) = &self.arma {
             return Ok(arma.at(interval)?);
         }
         let white = ShapingFilter::white(self.white_density(), interval)?;
-        let one_term = match (self.instability, self.random_walk) {
-            (Some(of), None) => ShapingFilter::gauss_markov(of.sigma, of.tau, interval)?,
-            (None, Some(k)) => ShapingFilter::random_walk(k, interval)?,
-            (None, None) => return Ok(white),
-            (Some(of), Some(k)) => {
-                let sum = white.plus(&ShapingFilter::gauss_markov(of.sigma, of.tau, interval)?)?;
-                return Ok(sum.plus(&ShapingFilter::random_walk(k, interval)?)?);
+        match (&self.instability[..], self.random_walk, self.quantisation) {
+            ([of], None, None) => {
+                let process = ShapingFilter::gauss_markov(of.sigma, of.tau, interval)?;
+                Ok(first_order_innovations(&process, white.r))
             }
-        };
-        Ok(first_order_innovations(&one_term, white.r))
+            ([], Some(k), None) => {
+                let process = ShapingFilter::random_walk(k, interval)?;
+                Ok(first_order_innovations(&process, white.r))
+            }
+            (processes, walk, rounding) => {
+                let mut sum = with_processes(white, processes)?;
+                if let Some(k) = walk {
+                    sum = sum.plus(&ShapingFilter::random_walk(k, interval)?)?;
+                }
+                if let Some(q) = rounding {
+                    sum = sum.plus(&composite::quantisation(q, interval)?)?;
+                }
+                Ok(sum)
+            }
+        }
     }
 
     /// Autocovariance of the error without its constant at lags 0…[`AR_ORDER`], a random walk
@@ -263,9 +283,10 @@ impl AxisModel {
             sigma: k * (0.5 * UNIT_ROOT_TAU).sqrt(),
             tau: UNIT_ROOT_TAU,
         });
-        let mut sum = ShapingFilter::white(white, interval)?;
-        for of in [slow.instability, walk].into_iter().flatten() {
-            sum = sum.plus(&ShapingFilter::gauss_markov(of.sigma, of.tau, interval)?)?;
+        let mut sum = with_processes(ShapingFilter::white(white, interval)?, &slow.processes)?;
+        sum = with_processes(sum, walk.as_slice())?;
+        if let (None, Some(q)) = (&self.arma, self.quantisation) {
+            sum = sum.plus(&composite::quantisation(q, interval)?)?;
         }
         sum.autocovariance(&mut lags);
         Ok(lags)
@@ -311,6 +332,20 @@ impl AxisModel {
     }
 }
 
+/// `filter` and independent Gauss-Markov processes beside it.
+fn with_processes(
+    filter: ShapingFilter,
+    processes: &[Instability],
+) -> Result<ShapingFilter, ShapingError> {
+    processes.iter().try_fold(filter, |sum, of| {
+        sum.plus(&ShapingFilter::gauss_markov(
+            of.sigma,
+            of.tau,
+            filter.interval,
+        )?)
+    })
+}
+
 impl Arma {
     fn is_white(&self) -> bool {
         self.ar.iter().chain(&self.ma).all(|c| *c == 0.0)
@@ -350,7 +385,7 @@ impl Arma {
             let sigma = (driving / ((1.0 - phi) * (1.0 + phi))).sqrt();
             let tau = -1.0 / (self.rate_hz * phi.ln());
             Slow {
-                instability: Some(Instability { sigma, tau }),
+                processes: vec![Instability { sigma, tau }],
                 ..Slow::default()
             }
         };

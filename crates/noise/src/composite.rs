@@ -106,6 +106,23 @@ pub struct CompositeTerms {
     pub gauss_markov: [GaussMarkov; MAX_GAUSS_MARKOV],
 }
 
+/// The shaping filter of quantisation Q [unit·s] at a sample interval [s], see
+/// [`CompositeTerms::quantisation`].
+pub(crate) fn quantisation(q: f64, interval: f64) -> Result<ShapingFilter, ShapingError> {
+    if !(q >= 0.0 && q.is_finite()) {
+        return Err(ShapingError::BadParameter("the quantisation"));
+    }
+    let variance = (q / interval).powi(2);
+    let mut filter = ShapingFilter::none(interval)?;
+    filter.order = 1;
+    filter.h[0] = 1.0;
+    filter.r = variance;
+    filter.q[0][0] = variance;
+    filter.s[0] = -variance;
+    filter.p0[0][0] = variance;
+    Ok(filter)
+}
+
 impl CompositeTerms {
     /// The shaping filter of the sum at a sample interval [s]: states in the order Gauss-Markov,
     /// random walk (starting at zero), quantisation. At another rate build it anew from the terms:
@@ -125,18 +142,7 @@ impl CompositeTerms {
             sum = sum.plus(&ShapingFilter::random_walk(self.random_walk, interval)?)?;
         }
         if self.quantisation != 0.0 {
-            if !(self.quantisation > 0.0 && self.quantisation.is_finite()) {
-                return Err(ShapingError::BadParameter("the quantisation"));
-            }
-            let variance = (self.quantisation / interval).powi(2);
-            let mut part = ShapingFilter::none(interval)?;
-            part.order = 1;
-            part.h[0] = 1.0;
-            part.r = variance;
-            part.q[0][0] = variance;
-            part.s[0] = -variance;
-            part.p0[0][0] = variance;
-            sum = sum.plus(&part)?;
+            sum = sum.plus(&quantisation(self.quantisation, interval)?)?;
         }
         Ok(sum)
     }

@@ -5,16 +5,21 @@
 //! prediction error of the integrated signal on the half of the record that was not fitted.
 
 mod candidates;
+mod remarks;
 
 use crate::{
     allan::{self, Curve, GaussMarkovFit, Grid, Interval, Kind, Terms},
-    arma::ArmaFit,
+    arma::{ArmaFit, Selection},
+    composite::CompositeFit,
     correlation::{self, Partial},
     drift_score::{self, HORIZONS_S, HorizonScore, Scored},
     model_file::AxisModel,
     normality::{self, Normality},
     pandit_wu::PanditWu,
-    screening::{self, Motion, MotionRule, Outlier, OutlierRule, RecordError},
+    scales::{ScaleFit, Scales},
+    screening::{
+        self, Detrended, Motion, MotionRule, Outlier, OutlierRule, RecordError, Saturation,
+    },
     spectrum::{self, Density, Line},
     stationarity::{self, Adf, Deterministic, Kpss, KpssLags, Lags, PhillipsPerron, Verdict},
     whiteness::{self, Portmanteau},
@@ -30,18 +35,71 @@ pub const SEARCH_SAMPLES: usize = 50_000;
 pub const HIGH_ORDER_SAMPLES: usize = 200_000;
 /// Shortest record that is identified [samples].
 pub const SHORTEST: usize = 1000;
-/// Lags of the augmented Dickey-Fuller test.
+/// Largest p and q of the grid of orders in [`Axis::box_jenkins`].
+pub const GRID_ORDER: usize = 3;
+/// Lags of the augmented Dickey-Fuller test; the most that its rules choose from.
 const ADF_LAGS: usize = 20;
+/// Equal samples in a row that a sensor at work does not give.
+const HANGING: usize = 1000;
+/// Quantisation steps above this share of the standard deviation are tried as a term: rounding of
+/// the integrated signal would then be more than 1 % of the variance of a sample, step²/6.
+const COARSE: f64 = 0.25;
 /// A spectral line stands out of its neighbourhood's median by this factor.
 const LINE_FACTOR: f64 = 10.0;
 
+/// What is taken out of a record before its noise is identified.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Detrend<'a> {
+    /// The mean.
+    #[default]
+    Constant,
+    /// A straight line.
+    Linear,
+    /// The mean and a multiple of the temperature [°C or K], one a sample.
+    Temperature(&'a [f64]),
+}
+
+/// What was taken out beside the mean, by least squares over the whole record.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Removed {
+    /// Nothing.
+    Constant,
+    /// A slope in time.
+    Linear {
+        /// [unit/h].
+        slope_per_hour: f64,
+        /// Share of the variance it explains.
+        explained: f64,
+    },
+    /// A slope over temperature.
+    Temperature {
+        /// [unit/K].
+        slope_per_kelvin: f64,
+        /// Share of the variance it explains.
+        explained: f64,
+    },
+}
+
 /// What is identified, and how much is tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Options {
+pub struct Options<'a> {
     /// Sample rate [Hz].
     pub rate_hz: f64,
     /// Largest n of ARMA(2n, 2n−1) in the Pandit-Wu table.
     pub n_max: usize,
+    /// What is taken out first.
+    pub detrend: Detrend<'a>,
+}
+
+impl Options<'_> {
+    /// At a sample rate [Hz]: n up to 2, the mean taken out.
+    pub fn at(rate_hz: f64) -> Self {
+        Self {
+            rate_hz,
+            n_max: 2,
+            detrend: Detrend::Constant,
+        }
+    }
 }
 
 /// One candidate model.
@@ -55,12 +113,29 @@ pub struct Candidate {
     pub states: usize,
     /// Parameters fitted.
     pub parameters: usize,
-    /// The ARMA fit it comes from, for ARMA and AR models.
-    pub fit: Option<ArmaFit>,
+    /// The fit it comes from.
+    pub origin: Origin,
     /// Ljung-Box p of its residuals at 20 lags, for ARMA and AR models.
     pub ljung_box_p: Option<f64>,
     /// RMS prediction error of the integrated signal at each horizon.
     pub score: Vec<HorizonScore>,
+    /// What should be said with it.
+    pub warnings: Vec<String>,
+}
+
+/// Where the parameters of a candidate come from.
+#[derive(Clone, Debug)]
+pub enum Origin {
+    /// The terms of the Allan deviation.
+    Allan,
+    /// Maximum likelihood of an ARMA.
+    Arma(Box<ArmaFit>),
+    /// Burg's method.
+    Burg,
+    /// Maximum likelihood of a sum of terms, with the wavelet moments it started from.
+    Composite(Box<CompositeFit>),
+    /// ARMA(1,1) of block averages carried back to the full rate.
+    Scale(Box<ScaleFit>),
 }
 
 /// Everything found of one axis. SI units.
@@ -70,12 +145,20 @@ pub struct Axis {
     pub samples: usize,
     /// Mean removed [unit].
     pub mean: f64,
+    /// What was removed beside it.
+    pub removed: Removed,
     /// Samples replaced for being outliers.
     pub outliers: Vec<Outlier>,
     /// Whether the sensor moved.
     pub motion: Option<Motion>,
+    /// Ends of the range where samples pile up.
+    pub saturation: Vec<Saturation>,
+    /// Stretches of a thousand equal samples or more: first position and length.
+    pub hanging: Vec<(usize, usize)>,
     /// Augmented Dickey-Fuller, constant, 20 lags.
     pub adf: Adf,
+    /// The same with the lags, up to 20, that a rule chooses: name of the rule and test.
+    pub adf_chosen: Vec<(&'static str, Adf)>,
     /// KPSS about a level.
     pub kpss: Kpss,
     /// Phillips-Perron, constant.
@@ -104,6 +187,11 @@ pub struct Axis {
     pub allan_gauss_markov: Option<GaussMarkovFit>,
     /// The paper's procedure on at most [`SEARCH_SAMPLES`] samples, the search at reduced effort.
     pub pandit_wu: Option<PanditWu>,
+    /// A grid of orders by information criteria, p, q ≤ [`GRID_ORDER`], on at most
+    /// [`SEARCH_SAMPLES`] samples, at low effort.
+    pub box_jenkins: Option<Selection>,
+    /// The fits of block averages, which are candidates too.
+    pub scales: Option<Scales>,
     /// Candidates with their scores, in the order tried.
     pub candidates: Vec<Candidate>,
     /// Index of the recommended candidate.
@@ -120,6 +208,17 @@ pub enum IdentifyError {
     /// The record cannot be used.
     #[error(transparent)]
     Record(#[from] RecordError),
+    /// The temperature cannot be used.
+    #[error("the temperature cannot be used: {0}")]
+    Temperature(RecordError),
+    /// No horizon fits into the half that is scored.
+    #[error("{seconds:.1} s are too short to see a drift: record at least {needed:.0} s")]
+    TooBrief {
+        /// Length of the record [s].
+        seconds: f64,
+        /// Length needed [s].
+        needed: f64,
+    },
     /// No candidate could be fitted.
     #[error("no model could be fitted to the record")]
     NoCandidate,
@@ -138,14 +237,58 @@ fn turn_on_of(mean: f64, accelerometer: bool) -> f64 {
     }
 }
 
+/// The record less its trend, and what that was.
+fn detrended(record: &[f64], options: &Options<'_>) -> Result<(Detrended, Removed), IdentifyError> {
+    // What is constant has no trend: an error of its own.
+    screening::record::check_varying(record, SHORTEST)?;
+    Ok(match options.detrend {
+        Detrend::Constant => (screening::remove_constant(record)?, Removed::Constant),
+        Detrend::Linear => {
+            let plain = screening::remove_linear(record)?;
+            let removed = Removed::Linear {
+                slope_per_hour: plain.slope * options.rate_hz * 3600.0,
+                explained: plain.explained,
+            };
+            (plain, removed)
+        }
+        Detrend::Temperature(temperature) => {
+            let plain = screening::remove_temperature(record, temperature)
+                .map_err(IdentifyError::Temperature)?;
+            let removed = Removed::Temperature {
+                slope_per_kelvin: plain.slope,
+                explained: plain.explained,
+            };
+            (plain, removed)
+        }
+    })
+}
+
+/// Horizons that fit four times into half a record of so many samples [s].
+fn horizons(samples: usize, rate_hz: f64) -> Result<Vec<f64>, IdentifyError> {
+    let half = (samples / 2) as f64 / rate_hz;
+    let (sample, shortest) = (1.0 / rate_hz, HORIZONS_S[0]);
+    let fitting: Vec<f64> = HORIZONS_S
+        .into_iter()
+        .filter(|h| half > 4.0 * h && *h >= sample)
+        .collect();
+    if fitting.is_empty() {
+        return Err(IdentifyError::TooBrief {
+            seconds: samples as f64 / rate_hz,
+            needed: 10.0 * shortest.max(sample),
+        });
+    }
+    Ok(fitting)
+}
+
 /// Identifies one axis: `record` in SI units, evenly sampled. `accelerometer` tells what the mean means.
 ///
 /// # Errors
-/// A record that is too short (fewer than 1000 samples), constant or not finite.
+/// A record that is too short (fewer than 1000 samples), constant or not finite; one too brief for
+/// any horizon; a temperature that does not fit the record.
 pub fn identify(
     record: &[f64],
     accelerometer: bool,
-    options: &Options,
+    options: &Options<'_>,
 ) -> Result<Axis, IdentifyError> {
     if !(options.rate_hz > 0.0 && options.rate_hz.is_finite()) {
         return Err(IdentifyError::Rate);
@@ -158,7 +301,8 @@ pub fn identify(
         .into());
     }
     let mut warnings = Vec::new();
-    let plain = screening::remove_constant(record)?;
+    let horizons_s = horizons(record.len(), options.rate_hz)?;
+    let (plain, removed) = detrended(record, options)?;
     let found = screening::outliers(&plain.residuals, OutlierRule::default())?;
     let bridged = bridge(&found.cleaned);
     let rate = options.rate_hz;
@@ -171,21 +315,33 @@ pub fn identify(
         },
     )
     .ok();
-    if motion.as_ref().is_some_and(|m| m.moving) {
-        warnings.push("the record is not static: its mean moves from second to second".into());
-    }
-    if let Some(first) = found.outliers.first() {
-        warnings.push(format!(
-            "{} samples lie more than 8 robust standard deviations off and were left out, the first at {:.2} s",
-            found.outliers.len(),
-            first.index as f64 / rate
-        ));
-    }
+    let saturation = screening::saturation(record);
+    let hanging = screening::constant_runs(record, HANGING);
+    warnings.extend(remarks::of_record(
+        motion.as_ref(),
+        &saturation,
+        &hanging,
+        &found.outliers,
+        record.len(),
+        rate,
+    ));
 
     let adf = stationarity::adf(&bridged, Deterministic::Constant, Lags::Fixed(ADF_LAGS))?;
+    let by = |name, lags| {
+        stationarity::adf(&bridged, Deterministic::Constant, lags).map(|test| (name, test))
+    };
+    let adf_chosen = vec![
+        by("aic", Lags::Aic(Some(ADF_LAGS)))?,
+        by("bic", Lags::Bic(Some(ADF_LAGS)))?,
+        by("last_significant", Lags::LastSignificant(Some(ADF_LAGS)))?,
+    ];
     let kpss = stationarity::kpss(&bridged, Deterministic::Constant, KpssLags::Legacy)?;
     let phillips_perron = stationarity::phillips_perron(&bridged, Deterministic::Constant, None)?;
-    let normality = normality::normality(&bridged)?;
+    let mut normality = normality::normality(&bridged)?;
+    if removed != Removed::Constant {
+        // Less a trend the samples no longer lie on their grid.
+        normality.quantisation = normality::quantisation(record);
+    }
     let acf = correlation::autocorrelation(&bridged, LAGS)?;
     let pacf = correlation::partial_autocorrelation(&bridged, LAGS, Partial::YuleWalker)?;
     let whiteness = whiteness::portmanteau(&bridged, &[20], 0)?[0];
@@ -197,19 +353,23 @@ pub fn identify(
     let allan_terms = allan::fit_terms(&curve)?;
     let allan_gauss_markov = allan::fit_gauss_markov(&curve).ok();
 
-    let half_length = record.len() / 2;
-    let seconds = half_length as f64 / rate;
+    let coarse = normality
+        .quantisation
+        .is_some_and(|q| q.step_over_deviation > COARSE);
     let half = candidates::Half {
         record: &found.cleaned,
-        first: half_length,
+        first: record.len() / 2,
         rate_hz: rate,
         turn_on: turn_on_of(plain.mean, accelerometer),
-        horizons: HORIZONS_S
-            .into_iter()
-            .filter(|h| seconds > 4.0 * h)
-            .collect(),
+        horizons: horizons_s,
+        quantised: coarse || allan_terms.quantisation.seen,
     };
-    let (pandit_wu, candidates) = candidates::candidates(&half, options, &allan_terms);
+    let candidates::Tried {
+        pandit_wu,
+        box_jenkins,
+        scales,
+        candidates,
+    } = candidates::candidates(&half, options.n_max, &allan_terms);
     let scored: Vec<Scored> = candidates
         .iter()
         .map(|c| Scored {
@@ -223,26 +383,28 @@ pub fn identify(
         return Err(IdentifyError::NoCandidate);
     };
     let chosen = &candidates[recommended.index];
-    if let Some(fit) = &chosen.fit {
-        if fit.near_cancelling {
-            warnings.push("an autoregressive and a moving-average root of the chosen model nearly cancel: they are not distinguishable in this record".into());
-        }
-        if fit.flat_likelihood {
-            warnings.push("the likelihood of the chosen model is flat in some direction: its coefficients are not well determined, what they predict is".into());
-        }
-    }
+    warnings.extend(
+        chosen
+            .warnings
+            .iter()
+            .map(|warning| format!("{}: {warning}", chosen.name)),
+    );
     let ma_root = candidates
         .iter()
-        .filter_map(|c| c.fit.as_ref())
+        .filter_map(Candidate::arma)
         .find(|fit| fit.order() == (1, 1))
         .and_then(|fit| fit.ma.first().copied());
     Ok(Axis {
         samples: record.len(),
         mean: plain.mean,
+        removed,
         stationarity: stationarity::verdict(&adf, &kpss, &phillips_perron, ma_root),
         outliers: found.outliers,
         motion,
+        saturation,
+        hanging,
         adf,
+        adf_chosen,
         kpss,
         phillips_perron,
         normality,
@@ -256,6 +418,8 @@ pub fn identify(
         allan_terms,
         allan_gauss_markov,
         pandit_wu,
+        box_jenkins,
+        scales,
         chosen: recommended.index,
         reason: recommended.reason,
         candidates,
@@ -297,6 +461,14 @@ impl Axis {
         &self.candidates[self.chosen]
     }
 
+    /// Positions of the candidates by growing drift at the longest horizon.
+    pub fn ranking(&self) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..self.candidates.len()).collect();
+        let drift = |i: &usize| self.candidates[*i].last_rms();
+        order.sort_by(|a, b| drift(a).total_cmp(&drift(b)));
+        order
+    }
+
     /// The model to store: the recommended one, with the runner-up and the scores beside it.
     pub fn model(&self) -> AxisModel {
         let chosen = self.recommended();
@@ -304,13 +476,7 @@ impl Axis {
         let mut note = toml::Table::new();
         note.insert("model".into(), chosen.name.clone().into());
         note.insert("reason".into(), self.reason.clone().into());
-        let runner_up = (0..self.candidates.len())
-            .filter(|i| *i != self.chosen)
-            .min_by(|a, b| {
-                self.candidates[*a]
-                    .last_rms()
-                    .total_cmp(&self.candidates[*b].last_rms())
-            });
+        let runner_up = self.ranking().into_iter().find(|i| *i != self.chosen);
         if let Some(index) = runner_up {
             note.insert(
                 "runner_up".into(),
@@ -331,6 +497,22 @@ impl Axis {
 }
 
 impl Candidate {
+    /// The ARMA fit it comes from, if it does.
+    pub fn arma(&self) -> Option<&ArmaFit> {
+        match &self.origin {
+            Origin::Arma(fit) => Some(fit),
+            _ => None,
+        }
+    }
+
+    /// The composite fit it comes from, if it does.
+    pub fn composite(&self) -> Option<&CompositeFit> {
+        match &self.origin {
+            Origin::Composite(fit) => Some(fit),
+            _ => None,
+        }
+    }
+
     /// Score at the longest horizon [unit·s]; infinite without one.
     fn last_rms(&self) -> f64 {
         self.score.last().map_or(f64::INFINITY, |s| s.rms)

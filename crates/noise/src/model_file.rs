@@ -8,8 +8,9 @@
 //! [gyro]                            # all three axes; [gyro_x], [gyro_y], [gyro_z] override keys
 //! white_noise = "2 deg/sqrt(h)"
 //! bias_instability = "25 deg/h"     # standard deviation of a Gauss-Markov process
-//! correlation_time = "100 s"        # … with this correlation time
+//! correlation_time = "100 s"        # … with this correlation time; both lists for several processes
 //! random_walk = "6 deg/h/sqrt(h)"   # rate random walk K, beside or instead of it
+//! quantisation = "0.02 arcsec"      # rounding Q of the integrated signal
 //! turn_on = "3 deg/s"               # standard deviation of the turn-on constant
 //! [gyro.arma]                       # x_t − Σ ar_i x_{t−i} = a_t − Σ ma_i a_{t−i}
 //! rate = "200 Hz"
@@ -21,7 +22,8 @@
 //! ```
 //!
 //! `preset = "adis16405"` at the top takes that preset first and lets the file override it key by
-//! key. `paper_sigma` of an axis is the σ of the `paper` model. `[provenance]` (record, rate,
+//! key. An axis may be left out: the model then makes filters for no run, but is a base for others
+//! ([`ImuModel::shaping`] names the axis). `paper_sigma` of an axis is the σ of the `paper` model. `[provenance]` (record, rate,
 //! samples, sha256, program) and `[gyro_x.identification]` (free form) carry where identified
 //! values come from. Every dimensional number is a string with its unit; see
 //! [`undrift_nav::units`] for what is understood.
@@ -32,7 +34,7 @@ mod write;
 
 use crate::presets;
 use std::path::Path;
-use undrift_nav::shaping::ShapingError;
+use undrift_nav::shaping::{MAX_ORDER, ShapingError};
 
 /// `format` of a model file.
 pub const FORMAT: &str = "undrift-imu";
@@ -42,6 +44,9 @@ pub const VERSION: i64 = 1;
 pub const AXES: [&str; 6] = [
     "gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z",
 ];
+/// Most Gauss-Markov processes of an axis: with quantisation and a random walk or turn-on constant
+/// they fill its states.
+pub const MAX_PROCESSES: usize = MAX_ORDER - 2;
 
 /// The random errors of an IMU, axis by axis, in body axes of the sensor.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -56,6 +61,8 @@ pub struct ImuModel {
     pub gyro: [AxisModel; 3],
     /// Accelerometers x, y, z [m, s].
     pub accel: [AxisModel; 3],
+    /// What messages put before the name of an axis: where it was read from.
+    pub(crate) prefix: String,
 }
 
 /// Where an identified model comes from; every part may be unknown.
@@ -74,15 +81,18 @@ pub struct Provenance {
 }
 
 /// The random error of one axis in the terms of a data sheet, or as ARMA, or both. "unit" is rad/s
-/// for a gyro and m/s² for an accelerometer.
+/// for a gyro and m/s² for an accelerometer. The default, without white noise and ARMA, is an axis of
+/// which nothing is known.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AxisModel {
     /// Standard deviation of the turn-on constant [unit].
     pub turn_on: f64,
     /// Density of the white noise N [unit·√s].
     pub white: Option<f64>,
-    /// Gauss-Markov part of the bias.
-    pub instability: Option<Instability>,
+    /// Quantisation Q [unit·s], the standard deviation of the rounding of the integrated signal.
+    pub quantisation: Option<f64>,
+    /// Gauss-Markov parts of the bias, at most [`MAX_PROCESSES`].
+    pub instability: Vec<Instability>,
     /// Random walk K of the bias [unit/√s].
     pub random_walk: Option<f64>,
     /// ARMA of the whole error less its constant, beside the terms above, not added to them.
@@ -150,6 +160,17 @@ pub enum ModelError {
         /// What is wrong and what was expected.
         message: String,
     },
+    /// The model knows nothing of an axis.
+    #[error(
+        "{prefix}{axis}: no noise model; give [{}] for all three axes, or [{axis}]",
+        group(axis)
+    )]
+    NoAxis {
+        /// Where the model was read from.
+        prefix: String,
+        /// The axis.
+        axis: &'static str,
+    },
     /// The bias model cannot be made of what is known of the axis.
     #[error("{}the {model} model needs {needs}", axis_prefix(*axis))]
     Missing {
@@ -177,6 +198,11 @@ fn place(file: &str, line: Option<usize>) -> String {
         Some(line) => format!("{file}:{line}"),
         None => file.to_owned(),
     }
+}
+
+/// The table that stands for an axis and its two neighbours.
+fn group(axis: &str) -> &str {
+    axis.split('_').next().unwrap_or(axis)
 }
 
 fn axis_prefix(axis: Option<&'static str>) -> String {
@@ -264,5 +290,12 @@ impl ImuModel {
                 },
             )
         })
+    }
+}
+
+impl AxisModel {
+    /// Whether anything is known of the axis: white noise or an ARMA.
+    pub fn is_known(&self) -> bool {
+        self.white.is_some() || self.arma.is_some()
     }
 }

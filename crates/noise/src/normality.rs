@@ -87,6 +87,14 @@ pub fn normality(x: &[f64]) -> Result<Normality, RecordError> {
     })
 }
 
+/// The grid that the samples lie on, if they do.
+pub fn quantisation(x: &[f64]) -> Option<Quantisation> {
+    let (_, squares) = check_varying(x, 2).ok()?;
+    let mut sorted = x.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    quantisation_of_sorted(&sorted, (squares / (x.len() as f64 - 1.0)).sqrt())
+}
+
 /// Largest distance between the empirical distribution and the normal one. Equal samples are
 /// evaluated once.
 fn distance_of_sorted(sorted: &[f64], mean: f64, deviation: f64) -> f64 {

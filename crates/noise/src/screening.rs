@@ -1,4 +1,5 @@
-//! Screening of a record before anything is identified from it: trends, stamps, outliers, motion.
+//! Screening of a record before anything is identified from it: trends, stamps, outliers, motion,
+//! saturation.
 //!
 //! Nothing is repaired silently: each function returns what it found, with positions, beside the
 //! cleaned series, in which a missing sample is NaN.
@@ -16,11 +17,13 @@
 pub mod motion;
 pub mod outlier;
 pub mod record;
+pub mod saturation;
 pub mod timing;
 pub mod trend;
 
 pub use motion::{Motion, MotionRule, constant_runs, motion};
 pub use outlier::{Outlier, OutlierRule, Outliers, outliers};
 pub use record::RecordError;
+pub use saturation::{Saturation, saturation};
 pub use timing::{Gap, Timing, timing};
 pub use trend::{Detrended, remove_constant, remove_linear, remove_temperature};

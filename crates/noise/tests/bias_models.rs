@@ -13,10 +13,10 @@ fn gauss_markov_axis() -> AxisModel {
     AxisModel {
         turn_on: 0.05,
         white: Some(WHITE),
-        instability: Some(Instability {
+        instability: vec![Instability {
             sigma: SIGMA,
             tau: TAU,
-        }),
+        }],
         ..AxisModel::default()
     }
 }
@@ -97,10 +97,10 @@ fn innovations_keep_their_digits_for_a_very_slow_weak_bias() {
     near(arma.s[0] / arma.r, (q / r).sqrt(), 1e-6);
     let axis = AxisModel {
         random_walk: None,
-        instability: Some(Instability {
+        instability: vec![Instability {
             sigma: 1e-9,
             tau: 1e3,
-        }),
+        }],
         ..axis
     };
     let arma = axis.shaping(BiasModel::Arma, T).unwrap();
@@ -303,7 +303,7 @@ fn ar_is_the_best_linear_predictor() {
     };
     let same = AxisModel {
         random_walk: None,
-        instability: Some(hour),
+        instability: vec![hour],
         ..walk.clone()
     };
     assert_eq!(

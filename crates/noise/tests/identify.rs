@@ -3,8 +3,9 @@
 
 use undrift_nav::shaping::ShapingFilter;
 use undrift_noise::{
-    BiasModel,
-    identify::{IdentifyError, Options, SHORTEST, identify},
+    BiasModel, ImuModel,
+    composite::{CompositeTerms, GaussMarkov},
+    identify::{Axis, Detrend, IdentifyError, Options, Removed, SHORTEST, identify},
     screening::RecordError,
     synthesis::NoiseGenerator,
 };
@@ -13,6 +14,7 @@ const RATE: f64 = 100.0;
 const OPTIONS: Options = Options {
     rate_hz: RATE,
     n_max: 1,
+    detrend: Detrend::Constant,
 };
 
 fn simulated(white: f64, walk: f64, samples: usize, seed: u64) -> Vec<f64> {
@@ -98,7 +100,7 @@ fn what_is_no_record_is_refused() {
     let good = simulated(1e-3, 0.0, 5000, 1);
     for rate_hz in [0.0, -1.0, f64::NAN] {
         assert_eq!(
-            identify(&good, false, &Options { rate_hz, n_max: 1 }).unwrap_err(),
+            identify(&good, false, &Options::at(rate_hz)).unwrap_err(),
             IdentifyError::Rate
         );
     }
@@ -110,8 +112,173 @@ fn what_is_no_record_is_refused() {
         .collect();
     let axis = identify(&moving, false, &OPTIONS).unwrap();
     assert!(
-        axis.warnings.iter().any(|w| w.contains("not static")),
+        axis.warnings
+            .iter()
+            .any(|w| w.contains("not static") && w.contains("variance of its mean over windows")),
         "{:?}",
         axis.warnings
     );
+    // A thousand samples at 1 kHz hold no horizon of a second.
+    let brief = identify(&good[..1000], false, &Options::at(1000.0)).unwrap_err();
+    assert!(
+        brief.to_string().contains("record at least 10 s"),
+        "{brief}"
+    );
+}
+
+#[test]
+fn a_trend_is_removed_where_it_is_asked_for() {
+    let (white, slope) = (1e-3, 2e-5); // unit/s, 7.2e-2 an hour
+    let temperature: Vec<f64> = (0..20_000)
+        .map(|k| 25.0 + 3.0 * (f64::from(k) / 4000.0).sin())
+        .collect();
+    let noise = simulated(white, 0.0, 20_000, 8);
+    let linear: Vec<f64> = noise
+        .iter()
+        .enumerate()
+        .map(|(k, x)| x + slope * k as f64 / RATE)
+        .collect();
+    fn with(record: &[f64], detrend: Detrend<'_>) -> Result<Axis, IdentifyError> {
+        identify(record, false, &Options { detrend, ..OPTIONS })
+    }
+    let axis = with(&linear, Detrend::Linear).unwrap();
+    let Removed::Linear {
+        slope_per_hour,
+        explained,
+    } = axis.removed
+    else {
+        panic!("{:?}", axis.removed)
+    };
+    // White noise of 0.01 a sample leaves the slope a standard error of 1.2e-6 unit/s.
+    assert!(
+        (slope_per_hour / 3600.0 - slope).abs() < 5e-6 && explained < 0.05,
+        "{slope_per_hour}"
+    );
+    let thermal: Vec<f64> = noise
+        .iter()
+        .zip(&temperature)
+        .map(|(x, t)| x + 0.02 * (t - 25.0))
+        .collect();
+    let axis = with(&thermal, Detrend::Temperature(&temperature)).unwrap();
+    let Removed::Temperature {
+        slope_per_kelvin,
+        explained,
+    } = axis.removed
+    else {
+        panic!("{:?}", axis.removed)
+    };
+    assert!(
+        (slope_per_kelvin - 0.02).abs() < 2e-4 && explained > 0.9,
+        "{slope_per_kelvin} {explained}"
+    );
+    assert_eq!(
+        with(&noise, Detrend::Constant).unwrap().removed,
+        Removed::Constant
+    );
+    // A temperature that stands still, or is no number, is not the record's fault.
+    for bad in [vec![25.0; 20_000], vec![f64::NAN; 20_000], vec![25.0; 3]] {
+        let error = with(&noise, Detrend::Temperature(&bad)).unwrap_err();
+        assert!(
+            error
+                .to_string()
+                .starts_with("the temperature cannot be used"),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn two_processes_and_block_scales_are_candidates() {
+    // White noise, a process of 2 s and one of 300 s; 3000 s.
+    let truth = CompositeTerms {
+        white: 1e-3,
+        gauss_markov: [(3e-3, 2.0), (5e-3, 300.0)]
+            .map(|(sigma, tau_s)| GaussMarkov { sigma, tau_s }),
+        ..CompositeTerms::default()
+    };
+    let mut record = vec![0.0; 300_000];
+    NoiseGenerator::new(&truth.to_shaping(1.0 / RATE).unwrap(), 4).fill(&mut record);
+    let axis = identify(&record, false, &OPTIONS).unwrap();
+    let find = |name: &str| axis.candidates.iter().find(|c| c.name == name).unwrap();
+    let two = find("white + two Gauss-Markov");
+    // The mean of a record, its turn-on, takes a state beside them.
+    assert_eq!((two.model.instability.len(), two.states), (2, 3));
+    assert!(find("ARMA(1,1) of means of 20").model.instability.len() == 1);
+    // One process cannot be both: over 10 s the two drift by less.
+    let one = find("white + Gauss-Markov");
+    assert!(two.score[1].rms < 0.7 * one.score[1].rms);
+    // Wavelet moments beside the likelihood; the model goes into a file and comes back.
+    let fit = two.composite().unwrap();
+    assert!((fit.moments.terms.white / 1e-3 - 1.0).abs() < 0.1);
+    let mut imu = ImuModel::default();
+    imu.gyro[0] = two.model.clone();
+    let back = ImuModel::from_toml(&imu.to_toml(), "imu.toml").unwrap();
+    let (a, b) = (&back.gyro[0].instability, &two.model.instability);
+    assert!(a.iter().zip(b).all(
+        |(a, b)| (a.tau / b.tau - 1.0).abs() < 1e-14 && (a.sigma / b.sigma - 1.0).abs() < 1e-14
+    ));
+}
+
+#[test]
+fn rounding_of_the_angle_becomes_a_term() {
+    // Increments of an angle read in steps of 1e-4: three quarters of the variance of a sample.
+    let truth = CompositeTerms {
+        white: 2e-4,
+        quantisation: 1e-4 / 12f64.sqrt(),
+        random_walk: 2e-5,
+        ..CompositeTerms::default()
+    };
+    let mut record = vec![0.0; 100_000];
+    NoiseGenerator::new(&truth.to_shaping(1.0 / RATE).unwrap(), 4).fill(&mut record);
+    let axis = identify(&record, false, &OPTIONS).unwrap();
+    let found = axis
+        .candidates
+        .iter()
+        .find(|c| c.name == "white + quantisation + random walk")
+        .unwrap();
+    let q = found.model.quantisation.unwrap();
+    assert!((q / truth.quantisation - 1.0).abs() < 0.05, "{q}");
+    let filter = found.model.shaping(BiasModel::Arma, 1.0 / RATE).unwrap();
+    assert_eq!(filter.order, 2);
+}
+
+#[test]
+fn a_saturated_or_hanging_axis_is_said_to_be_one() {
+    let record = simulated(1e-3, 0.0, 10_000, 9);
+    let clipped: Vec<f64> = record.iter().map(|x| x.clamp(-0.01, 0.01)).collect();
+    let axis = identify(&clipped, false, &OPTIONS).unwrap();
+    assert_eq!(axis.saturation.len(), 2);
+    assert!(axis.warnings.iter().any(|w| w.contains("saturated")));
+    let mut hanging = record.clone();
+    hanging[5000..7000].fill(record[5000]);
+    let axis = identify(&hanging, false, &OPTIONS).unwrap();
+    assert_eq!(axis.hanging, [(5000, 2000)]);
+    assert!(axis.warnings.iter().any(|w| w.contains("hangs")));
+    assert!(
+        identify(&record, false, &OPTIONS)
+            .unwrap()
+            .warnings
+            .is_empty()
+    );
+}
+
+#[test]
+fn the_grid_of_orders_and_the_warnings_of_each_candidate_are_there() {
+    let axis = identify(&simulated(1e-3, 0.0, 30_000, 3), false, &OPTIONS).unwrap();
+    let grid = axis.box_jenkins.as_ref().unwrap();
+    assert_eq!(grid.fits.len(), 16);
+    // BIC of white noise.
+    assert_eq!(grid.fits[grid.by_bic].order(), (0, 0));
+    let one_one = axis
+        .candidates
+        .iter()
+        .find(|c| c.name == "ARMA(1,1)")
+        .unwrap();
+    assert!(
+        one_one.warnings.iter().any(|w| w.contains("nearly cancel")),
+        "{:?}",
+        one_one.warnings
+    );
+    let rules: Vec<&str> = axis.adf_chosen.iter().map(|(rule, _)| *rule).collect();
+    assert_eq!(rules, ["aic", "bic", "last_significant"]);
 }

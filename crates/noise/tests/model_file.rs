@@ -2,7 +2,8 @@
 
 use std::path::Path;
 use undrift_nav::earth::STANDARD_GRAVITY as G;
-use undrift_noise::{AxisModel, ImuModel, ModelError};
+use undrift_noise::composite::{CompositeTerms, GaussMarkov};
+use undrift_noise::{AxisModel, BiasModel, ImuModel, ModelError};
 
 const FULL: &str = r#"
 format = "undrift-imu"
@@ -38,6 +39,80 @@ drift_score = { "1" = 0.5, "10" = 2.5 }
 white_noise = "100 ug/sqrt(Hz)"
 "#;
 
+/// Everything that a composite identification finds.
+const COMPOSITE: &str = r#"
+format = "undrift-imu"
+version = 1
+name = "composite"
+source = "test"
+[gyro]
+white_noise = "2 deg/sqrt(h)"
+quantisation = "1e-3 deg"
+bias_instability = ["25 deg/h", "8 deg/h"]
+correlation_time = ["10 s", "1000 s"]
+random_walk = "6 deg/h/sqrt(h)"
+turn_on = "3 deg/s"
+[accel]
+white_noise = "0.2 m/s/sqrt(h)"
+quantisation = "1 mm/s"
+"#;
+
+#[test]
+fn a_composite_model_is_the_sum_of_its_terms() {
+    let model = ImuModel::from_toml(COMPOSITE, "imu.toml").unwrap();
+    let gyro = &model.gyro[0];
+    let degree = 1f64.to_radians();
+    assert!((gyro.quantisation.unwrap() / (1e-3 * degree) - 1.0).abs() < 1e-14);
+    assert_eq!(
+        gyro.instability.iter().map(|p| p.tau).collect::<Vec<_>>(),
+        [10.0, 1000.0]
+    );
+    let t = 0.01;
+    let filter = gyro.shaping(BiasModel::Arma, t).unwrap();
+    // Two processes, the random walk with the turn-on constant in it, quantisation.
+    assert_eq!(filter.order, 4);
+    let terms = CompositeTerms {
+        white: gyro.white.unwrap(),
+        quantisation: gyro.quantisation.unwrap(),
+        random_walk: gyro.random_walk.unwrap(),
+        gauss_markov: [0, 1].map(|i| GaussMarkov {
+            sigma: gyro.instability[i].sigma,
+            tau_s: gyro.instability[i].tau,
+        }),
+    };
+    let (mut found, mut expected) = ([0.0; 50], [0.0; 50]);
+    let mut still = filter;
+    still.p0[2][2] = 0.0; // without the turn-on constant
+    still.autocovariance(&mut found);
+    terms.to_shaping(t).unwrap().autocovariance(&mut expected);
+    for (a, b) in found.iter().zip(expected) {
+        assert!((a - b).abs() < 1e-12 * expected[0].abs(), "{a} {b}");
+    }
+    // The simpler models still exist: both processes and the constant; the slowest as a walk.
+    assert_eq!(gyro.shaping(BiasModel::GaussMarkov, t).unwrap().order, 3);
+    assert_eq!(gyro.shaping(BiasModel::RandomWalk, t).unwrap().order, 1);
+    for kind in BiasModel::ALL {
+        model.shaping(kind, t).unwrap();
+    }
+}
+
+#[test]
+fn a_model_of_some_axes_names_the_one_that_a_run_lacks() {
+    let text = "format = \"undrift-imu\"\nversion = 1\n[gyro_z]\nwhite_noise = \"2 deg/sqrt(h)\"\n";
+    let model = ImuModel::from_toml(text, "imu.toml").unwrap();
+    assert!(model.gyro[2].is_known() && !model.gyro[0].is_known());
+    let error = model
+        .shaping(BiasModel::Arma, 0.01)
+        .unwrap_err()
+        .to_string();
+    assert_eq!(
+        error,
+        "imu.toml: gyro_x: no noise model; give [gyro] for all three axes, or [gyro_x]"
+    );
+    let again = ImuModel::from_toml(&model.to_toml(), "imu.toml").unwrap();
+    assert_eq!(again, model);
+}
+
 fn message(text: &str) -> String {
     match ImuModel::from_toml(text, "imu.toml") {
         Ok(model) => panic!("accepted: {model:?}"),
@@ -59,8 +134,8 @@ fn every_term_in_si() {
     let near = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-14, "{a} {b}");
     near(gyro.turn_on, 3.0 * degree);
     near(gyro.white.unwrap(), 2.0 * degree / 60.0);
-    near(gyro.instability.unwrap().sigma, 25.0 * degree / 3600.0);
-    near(gyro.instability.unwrap().tau, 100.0);
+    near(gyro.instability[0].sigma, 25.0 * degree / 3600.0);
+    near(gyro.instability[0].tau, 100.0);
     near(gyro.random_walk.unwrap(), 6.0 * degree / 3600.0 / 60.0);
     near(gyro.paper_sigma.unwrap(), 0.007 * degree);
     let arma = gyro.arma.as_ref().unwrap();
@@ -96,7 +171,8 @@ fn writing_and_reading_gives_the_same_model() {
     let presets = ImuModel::preset_names()
         .iter()
         .map(|name| ImuModel::preset(name).unwrap());
-    for model in presets.chain([full]) {
+    let composite = ImuModel::from_toml(COMPOSITE, "imu.toml").unwrap();
+    for model in presets.chain([full, composite]) {
         let text = model.to_toml();
         let back = ImuModel::from_toml(&text, "again").unwrap();
         assert_eq!(back.to_toml(), text);
@@ -112,8 +188,9 @@ fn writing_and_reading_gives_the_same_model() {
                 [
                     Some(m.turn_on),
                     m.white,
-                    m.instability.map(|of| of.sigma),
-                    m.instability.map(|of| of.tau),
+                    m.instability.first().map(|of| of.sigma),
+                    m.instability.last().map(|of| of.tau),
+                    m.quantisation,
                     m.random_walk,
                     m.paper_sigma,
                     m.arma.as_ref().map(|arma| arma.sigma),
@@ -214,8 +291,39 @@ fn errors_name_line_key_and_mend() {
             &["accel.white_noise: missing", "arma"],
         ),
         (
-            with("[accel]", "[accel_x]"),
-            &["accel_y: no noise model", "[accel]"],
+            with(
+                "bias_instability = \"25 deg/h\"",
+                "bias_instability = [\"25 deg/h\", \"3 deg/h\"]",
+            ),
+            &[
+                "imu.toml:17: gyro.correlation_time: ",
+                "one correlation time for each process",
+            ],
+        ),
+        (
+            with(
+                "bias_instability = \"25 deg/h\"",
+                "bias_instability = [\"25 deg/h\", 3]",
+            ),
+            &["imu.toml:16: gyro.bias_instability: ", "needs a unit"],
+        ),
+        (
+            with(
+                "bias_instability = \"25 deg/h\"\ncorrelation_time = \"100 s\"",
+                "bias_instability = [\"1 deg/h\", \"1 deg/h\", \"1 deg/h\", \"1 deg/h\", \"1 deg/h\"]\ncorrelation_time = [\"1 s\", \"2 s\", \"3 s\", \"4 s\", \"5 s\"]",
+            ),
+            &[
+                "imu.toml:16: gyro.bias_instability: ",
+                "5 processes, at most 4",
+            ],
+        ),
+        (
+            with("paper_sigma", "quantisation = \"1 deg/s\"\npaper_sigma"),
+            &["imu.toml:19: gyro.quantisation: ", "an angle"],
+        ),
+        (
+            "format = \"undrift-imu\"\nversion = 1\n".into(),
+            &["no axis has a noise model"],
         ),
         (
             with("format = \"undrift-imu\"", ""),
@@ -313,7 +421,7 @@ fn resolve_takes_a_preset_or_a_file() {
     std::fs::write(folder.join("imu.toml"), FULL).unwrap();
     assert_eq!(
         ImuModel::resolve("imu.toml", &folder).unwrap(),
-        ImuModel::from_toml(FULL, "x").unwrap()
+        ImuModel::from_toml(FULL, &folder.join("imu.toml").display().to_string()).unwrap()
     );
     assert_eq!(
         ImuModel::resolve("icm20602", Path::new(".")).unwrap(),
@@ -335,10 +443,10 @@ fn presets_have_the_terms_of_their_source() {
     for (gyro, accel) in model.gyro.iter().zip(&model.accel) {
         for (ours, table) in [
             (gyro.turn_on, 3.0 * degree),
-            (gyro.instability.unwrap().sigma, 0.007 * degree),
+            (gyro.instability[0].sigma, 0.007 * degree),
             (gyro.white.unwrap(), 2.0 * degree / 60.0),
             (accel.turn_on, 0.05 * G),
-            (accel.instability.unwrap().sigma, 2e-4 * G),
+            (accel.instability[0].sigma, 2e-4 * G),
             (accel.white.unwrap(), 0.2 / 60.0),
         ] {
             assert!((ours / table - 1.0).abs() < 1e-14, "{ours} {table}");

@@ -45,11 +45,7 @@ fn main() -> Result<(), Failure> {
 
 /// The models compared, all identified on one record but the data sheet's.
 fn models(record: &Record) -> Result<Vec<(&'static str, ImuModel, BiasModel)>, Failure> {
-    let options = Options {
-        rate_hz: RATE,
-        n_max: 2,
-    };
-    let found = identify::run(record, &options, || {});
+    let found = identify::run(record, &Options::at(RATE), || {});
     let axes: Vec<&Axis> = found
         .axes
         .iter()
@@ -90,10 +86,10 @@ fn models(record: &Record) -> Result<Vec<(&'static str, ImuModel, BiasModel)>, F
     let allan_process = from(&|axis| {
         let fit = axis.allan_gauss_markov?;
         let mut model = named(axis, "white")?;
-        model.instability = Some(Instability {
+        model.instability = vec![Instability {
             sigma: fit.sigma,
             tau: fit.tau_c_s,
-        });
+        }];
         Some(model)
     });
     Ok(vec![

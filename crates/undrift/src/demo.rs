@@ -114,11 +114,7 @@ pub fn run(seed: u64, models: Models) -> Result<Demo, DemoError> {
         Models::Truth => (preset, None),
         Models::Identified => {
             let record = static_record(&sensors, &preset, seed);
-            let options = Options {
-                rate_hz: RATE_HZ,
-                n_max: 2,
-            };
-            let found = identify::run(&record, &options, || {});
+            let found = identify::run(&record, &Options::at(RATE_HZ), || {});
             let model = found
                 .model(Some(&preset), PRESET, Provenance::default())
                 .map_err(DemoError::Plan)?;
@@ -193,6 +189,7 @@ fn static_record(
     Record {
         axes: AXES.to_vec(),
         samples: (0..6).map(series).collect(),
+        temperature: None,
         timing: None,
         skipped: Default::default(),
     }

@@ -22,6 +22,8 @@ pub struct RecordFormat {
     /// Units of gyro and accelerometer columns, such as "deg/s" and "g"; `None` to go by the
     /// header's names.
     pub units: Option<(String, String)>,
+    /// Read the temperature too, which the header must then name.
+    pub temperature: bool,
 }
 
 /// A record in SI units.
@@ -31,6 +33,8 @@ pub struct Record {
     pub axes: Vec<&'static str>,
     /// Samples of each axis [rad/s] or [m/s²].
     pub samples: Vec<Vec<f64>>,
+    /// Temperature of each sample [°C or K], where it was asked for.
+    pub temperature: Option<Vec<f64>>,
     /// What the time stamps say, where the header names a time column.
     pub timing: Option<Timing>,
     /// Rows left out.
@@ -49,6 +53,15 @@ const NAMES: [&[&str]; 6] = [
 
 /// Names that a header may give the time [s].
 const TIMES: [&str; 5] = ["t_s", "time_s", "time", "t", "timestamp_s"];
+
+/// Names that a header may give the temperature, beside any that ends in one of the suffixes.
+const TEMPERATURES: [&str; 2] = ["temp", "temperature"];
+const DEGREES: [&str; 4] = ["_c", "_degc", "_celsius", "_kelvin"];
+
+fn is_temperature(column: &str) -> bool {
+    let name = column.trim().to_ascii_lowercase();
+    TEMPERATURES.contains(&name.as_str()) || DEGREES.iter().any(|suffix| name.ends_with(suffix))
+}
 
 /// Unit suffixes of column names and what they mean.
 const SUFFIXES: [(&str, &str); 9] = [
@@ -183,21 +196,35 @@ pub fn read(path: &Path, format: &RecordFormat) -> Result<Record, ReadError> {
         .position(|name| TIMES.contains(&name.trim().to_ascii_lowercase().as_str()))
         .map(|place| ("time".to_owned(), Column::Number(place + 1)));
     let stamped = time.is_some();
+    let temperature = match header.iter().position(|name| is_temperature(name)) {
+        _ if !format.temperature => None,
+        Some(place) => Some(("temperature".to_owned(), Column::Number(place + 1))),
+        None => {
+            return Err(wrong(
+                "no column is the temperature: the header must name one \"temp\", \"temperature\" or with the ending \"_C\"".into(),
+            ));
+        }
+    };
     let options = TableOptions {
         columns: columns
             .iter()
             .map(|(axis, column)| (AXES[*axis].to_owned(), column.clone()))
+            .chain(temperature)
             .chain(time)
             .collect(),
         ..TableOptions::default()
     };
     let mut table = Table::open(path, &options)?;
     let mut row = vec![0.0; options.columns.len()];
+    let mut temperature = format.temperature.then(Vec::new);
     let mut stamps = Vec::new();
     let mut samples = vec![Vec::new(); columns.len()];
     while table.next_row(&mut row)?.is_some() {
         for ((column, value), scale) in samples.iter_mut().zip(&row).zip(&scales) {
             column.push(value * scale);
+        }
+        if let Some(column) = &mut temperature {
+            column.push(row[columns.len()]);
         }
         if stamped && let Some(time) = row.last() {
             stamps.push(*time);
@@ -206,6 +233,7 @@ pub fn read(path: &Path, format: &RecordFormat) -> Result<Record, ReadError> {
     Ok(Record {
         axes: columns.iter().map(|(axis, _)| AXES[*axis]).collect(),
         samples,
+        temperature,
         timing: timing(&stamps).ok(),
         skipped: table.skipped().clone(),
     })
@@ -221,5 +249,9 @@ mod tests {
         assert_eq!(named_axis("AZ_g"), Some((5, Some("g"))));
         assert_eq!(named_axis("gyro_y"), Some((1, None)));
         assert_eq!(named_axis("t_s"), None);
+        for name in ["temp", "Temperature", "board_C", "T_degC"] {
+            assert!(is_temperature(name), "{name}");
+        }
+        assert!(!is_temperature("t_s") && !is_temperature("gx_dps"));
     }
 }

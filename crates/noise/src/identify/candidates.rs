@@ -1,14 +1,15 @@
 //! The candidate models of an axis, fitted on the first half of its record, scored on the second.
 
-use super::{Candidate, HIGH_ORDER_SAMPLES, Options, SEARCH_SAMPLES, bridge};
+use super::{Candidate, GRID_ORDER, HIGH_ORDER_SAMPLES, Origin, SEARCH_SAMPLES, bridge, remarks};
 use crate::{
     BiasModel,
     allan::Terms,
-    arma::{self, ArmaFit, FitOptions},
-    composite::{self, CompositeTerms, TermSet},
+    arma::{self, ArmaFit, FitOptions, Selection},
+    composite::{self, CompositeTerms, Flag, TermSet},
     drift_score,
     model_file::{Arma, AxisModel, Instability},
     pandit_wu::{self, PanditWu, PanditWuOptions},
+    scales::{self, ScaleFit, Scales},
     whiteness,
 };
 
@@ -16,6 +17,10 @@ use crate::{
 const SEARCH_EFFORT: f64 = 0.3;
 /// Effort of fitting an order again to the whole half.
 const REFINE_EFFORT: f64 = 0.2;
+/// Effort of each fit of the grid of orders: each starts from its neighbours' optima besides.
+const GRID_EFFORT: f64 = 0.03;
+/// Effort of each fit of block averages.
+const SCALE_EFFORT: f64 = 0.1;
 /// Highest order of the autoregressive candidate: with the turn-on constant it fills an axis.
 const MOST_AR: usize = 5;
 
@@ -29,6 +34,16 @@ pub(super) struct Half<'a> {
     /// Standard deviation of the turn-on constant [unit].
     pub(super) turn_on: f64,
     pub(super) horizons: Vec<f64>,
+    /// Quantisation is large enough to be a term.
+    pub(super) quantised: bool,
+}
+
+/// All that was tried.
+pub(super) struct Tried {
+    pub(super) pandit_wu: Option<PanditWu>,
+    pub(super) box_jenkins: Option<Selection>,
+    pub(super) scales: Option<Scales>,
+    pub(super) candidates: Vec<Candidate>,
 }
 
 impl Half<'_> {
@@ -47,18 +62,26 @@ impl Half<'_> {
         name: String,
         mut model: AxisModel,
         parameters: usize,
+        origin: Origin,
     ) -> Option<Candidate> {
         model.turn_on = self.turn_on;
         let filter = model.shaping(BiasModel::Arma, 1.0 / self.rate_hz).ok()?;
         let score = drift_score::score(self.record, self.first, &filter, &self.horizons).ok()?;
+        let warnings = match &origin {
+            Origin::Allan | Origin::Burg => Vec::new(),
+            Origin::Arma(fit) => remarks::of_arma(fit),
+            Origin::Composite(fit) => remarks::of_composite(fit),
+            Origin::Scale(fit) => remarks::of_scale(fit),
+        };
         Some(Candidate {
             name,
             states: filter.order,
             model,
             parameters,
-            fit: None,
+            origin,
             ljung_box_p: None,
             score,
+            warnings,
         })
     }
 
@@ -73,7 +96,8 @@ impl Half<'_> {
             arma: Some(arma),
             ..AxisModel::default()
         };
-        let mut candidate = self.candidate(name, model, fit.parameters)?;
+        let origin = Origin::Arma(Box::new(fit.clone()));
+        let mut candidate = self.candidate(name, model, fit.parameters, origin)?;
         candidate.ljung_box_p = fit.residuals(self.searched()).ok().and_then(|residuals| {
             let present: Vec<f64> = residuals.into_iter().filter(|r| r.is_finite()).collect();
             let fitted = fit.ar.len() + fit.ma.len();
@@ -81,11 +105,11 @@ impl Half<'_> {
                 .ok()
                 .map(|t| t[0].ljung_box_p)
         });
-        candidate.fit = Some(fit.clone());
         Some(candidate)
     }
 
-    fn composite(&self, name: &str, set: TermSet) -> Option<Candidate> {
+    /// None too where the likelihood leaves a term out: the model without it is a candidate itself.
+    fn composite(&self, set: TermSet) -> Option<Candidate> {
         let interval = 1.0 / self.rate_hz;
         let fit = composite::fit(
             self.fitted(),
@@ -94,30 +118,63 @@ impl Half<'_> {
             &composite::FitOptions::default(),
         )
         .ok()?;
-        self.candidate(name.into(), in_terms(&fit.terms), fit.parameters)
+        if fit.flags.iter().any(|f| matches!(f, Flag::Vanished(_))) {
+            return None;
+        }
+        let (model, parameters) = (in_terms(&fit.terms), fit.parameters);
+        self.candidate(
+            name_of(set),
+            model,
+            parameters,
+            Origin::Composite(Box::new(fit)),
+        )
     }
+
+    /// The model of a block scale at the full rate; none where it has no slow part.
+    fn scale(&self, fit: &ScaleFit) -> Option<Candidate> {
+        let model = in_terms(&fit.lifted?.terms());
+        let name = format!("ARMA(1,1) of means of {}", fit.block);
+        // φ, θ, σ and the mean.
+        self.candidate(name, model, 4, Origin::Scale(Box::new(fit.clone())))
+    }
+}
+
+/// "white + two Gauss-Markov + random walk".
+fn name_of(set: TermSet) -> String {
+    let mut name = "white".to_owned();
+    if set.quantisation {
+        name += " + quantisation";
+    }
+    match set.gauss_markov {
+        0 => {}
+        1 => name += " + Gauss-Markov",
+        _ => name += " + two Gauss-Markov",
+    }
+    if set.random_walk {
+        name += " + random walk";
+    }
+    name
 }
 
 /// A composite model in the terms of the model file.
 fn in_terms(terms: &CompositeTerms) -> AxisModel {
-    let process = terms.gauss_markov.iter().find(|g| g.sigma > 0.0);
+    let processes = terms.gauss_markov.iter().filter(|g| g.sigma > 0.0);
     AxisModel {
         white: Some(terms.white),
-        instability: process.map(|g| Instability {
-            sigma: g.sigma,
-            tau: g.tau_s,
-        }),
+        quantisation: (terms.quantisation > 0.0).then_some(terms.quantisation),
+        instability: processes
+            .map(|g| Instability {
+                sigma: g.sigma,
+                tau: g.tau_s,
+            })
+            .collect(),
         random_walk: (terms.random_walk > 0.0).then_some(terms.random_walk),
         ..AxisModel::default()
     }
 }
 
 /// All candidates, fitted on the first half and scored on the second.
-pub(super) fn candidates(
-    half: &Half,
-    options: &Options,
-    terms: &Terms,
-) -> (Option<PanditWu>, Vec<Candidate>) {
+pub(super) fn candidates(half: &Half, n_max: usize, terms: &Terms) -> Tried {
     let mut list = Vec::new();
     let white = terms.white.value.max(f64::MIN_POSITIVE);
     list.extend(half.candidate(
@@ -127,6 +184,7 @@ pub(super) fn candidates(
             ..AxisModel::default()
         },
         1,
+        Origin::Allan,
     ));
     let allan_walk = AxisModel {
         white: Some(white),
@@ -134,20 +192,21 @@ pub(super) fn candidates(
         ..AxisModel::default()
     };
     if allan_walk.random_walk.is_some() {
-        list.extend(half.candidate("white + random walk (Allan)".into(), allan_walk, 2));
+        let name = "white + random walk (Allan)".into();
+        list.extend(half.candidate(name, allan_walk, 2, Origin::Allan));
     }
-    for (name, random_walk, gauss_markov) in [
-        ("white + random walk", true, 0),
-        ("white + Gauss-Markov", false, 1),
-        ("white + Gauss-Markov + random walk", true, 1),
-    ] {
-        let set = TermSet {
-            white: true,
-            quantisation: false,
-            random_walk,
-            gauss_markov,
-        };
-        list.extend(half.composite(name, set));
+    let set = |quantisation, gauss_markov, random_walk| TermSet {
+        white: true,
+        quantisation,
+        random_walk,
+        gauss_markov,
+    };
+    let plain = [(0, true), (1, false), (1, true), (2, false), (2, true)];
+    let rounded = [(0, true), (1, false)];
+    let rounded = rounded.iter().filter(|_| half.quantised);
+    let sets = plain.iter().map(|&(g, w)| set(false, g, w));
+    for set in sets.chain(rounded.map(|&(g, w)| set(true, g, w))) {
+        list.extend(half.composite(set));
     }
 
     let search = FitOptions {
@@ -157,7 +216,7 @@ pub(super) fn candidates(
     let pandit_wu = pandit_wu::pandit_wu(
         half.searched(),
         &PanditWuOptions {
-            n_max: options.n_max,
+            n_max,
             fit: search,
             ..PanditWuOptions::default()
         },
@@ -199,7 +258,23 @@ pub(super) fn candidates(
         list.extend(half.arma(&fit, "ARMA(1,1), unit root".into()));
     }
     list.extend(autoregression(half));
-    (pandit_wu, list)
+
+    // The averages of one sample are the ARMA(1,1) above.
+    let blocks = &scales::BLOCKS[1..];
+    let scales = scales::identify(half.fitted(), 1.0 / half.rate_hz, blocks, SCALE_EFFORT).ok();
+    for fit in scales.iter().flat_map(|s| &s.scales) {
+        list.extend(half.scale(fit));
+    }
+    let grid = FitOptions {
+        effort: GRID_EFFORT,
+        ..FitOptions::default()
+    };
+    Tried {
+        box_jenkins: arma::select(half.searched(), GRID_ORDER, GRID_ORDER, &grid).ok(),
+        pandit_wu,
+        scales,
+        candidates: list,
+    }
 }
 
 /// AR(p) by Burg's method, p by AICc.
@@ -218,5 +293,5 @@ fn autoregression(half: &Half) -> Option<Candidate> {
         arma: Some(arma),
         ..AxisModel::default()
     };
-    half.candidate(format!("AR({p}), Burg"), model, p + 1)
+    half.candidate(format!("AR({p}), Burg"), model, p + 1, Origin::Burg)
 }

@@ -94,28 +94,32 @@ impl Place<'_> {
         prefix: &str,
         quantity: Quantity,
     ) -> Result<Option<f64>, ModelError> {
-        let Some(entry) = find(entries, key) else {
-            return Ok(None);
-        };
-        let fail =
-            |message: String| Err(self.error(entry.line, &format!("{prefix}{key}"), message));
-        match &entry.value {
-            toml::Value::String(text) => match units::parse(text, quantity) {
-                Ok(value) if value >= 0.0 => Ok(Some(value)),
-                Ok(_) => fail(format!("{text:?} is negative")),
-                Err(error) => fail(format!("{text:?}: {error}")),
-            },
-            toml::Value::Integer(_) | toml::Value::Float(_) => fail(format!(
-                "the number needs a unit: write {} as a string such as {}",
-                quantity.name(),
-                quantity.examples()
-            )),
-            other => fail(format!(
-                "must be {} in a string, not {}",
-                quantity.name(),
-                kind(other)
-            )),
+        match find(entries, key) {
+            None => Ok(None),
+            Some(entry) => with_unit(&entry.value, quantity)
+                .map(Some)
+                .map_err(|message| self.error(entry.line, &format!("{prefix}{key}"), message)),
         }
+    }
+
+    /// A number with its unit, or a list of such, each at least zero; empty where there is none.
+    pub(super) fn measures(
+        &self,
+        entries: &[Entry],
+        key: &str,
+        prefix: &str,
+        quantity: Quantity,
+    ) -> Result<Vec<f64>, ModelError> {
+        let Some(entry) = find(entries, key) else {
+            return Ok(Vec::new());
+        };
+        let one = std::slice::from_ref(&entry.value);
+        let items = entry.value.as_array().map_or(one, Vec::as_slice);
+        items
+            .iter()
+            .map(|item| with_unit(item, quantity))
+            .collect::<Result<_, _>>()
+            .map_err(|message| self.error(entry.line, &format!("{prefix}{key}"), message))
     }
 
     pub(super) fn positive(
@@ -156,6 +160,27 @@ impl Place<'_> {
                 "must be a list of finite numbers such as [1.0, -0.2]",
             )
         })
+    }
+}
+
+/// The number of a value with its unit in `quantity`'s SI unit, not negative; or what is wrong.
+fn with_unit(value: &toml::Value, quantity: Quantity) -> Result<f64, String> {
+    match value {
+        toml::Value::String(text) => match units::parse(text, quantity) {
+            Ok(value) if value >= 0.0 => Ok(value),
+            Ok(_) => Err(format!("{text:?} is negative")),
+            Err(error) => Err(format!("{text:?}: {error}")),
+        },
+        toml::Value::Integer(_) | toml::Value::Float(_) => Err(format!(
+            "the number needs a unit: write {} as a string such as {}",
+            quantity.name(),
+            quantity.examples()
+        )),
+        other => Err(format!(
+            "must be {} in a string, not {}",
+            quantity.name(),
+            kind(other)
+        )),
     }
 }
 

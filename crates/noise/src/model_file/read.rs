@@ -2,7 +2,8 @@
 
 use super::entries::{Entry, Place, find, line_at, line_of, plain_entries, spanned_entries};
 use super::{
-    AXES, Arma, AxisModel, FORMAT, ImuModel, Instability, ModelError, Provenance, VERSION,
+    AXES, Arma, AxisModel, FORMAT, ImuModel, Instability, MAX_PROCESSES, ModelError, Provenance,
+    VERSION, group,
 };
 use crate::presets;
 use toml::de::DeTable;
@@ -25,11 +26,12 @@ const TOP_KEYS: [&str; 14] = [
     "accel_y",
     "accel_z",
 ];
-const AXIS_KEYS: [&str; 8] = [
+const AXIS_KEYS: [&str; 9] = [
     "white_noise",
     "bias_instability",
     "correlation_time",
     "random_walk",
+    "quantisation",
     "turn_on",
     "paper_sigma",
     "arma",
@@ -112,7 +114,7 @@ fn model(entries: &[Entry], place: &Place<'_>) -> Result<ImuModel, ModelError> {
     }
     let mut axes: [AxisModel; 6] = Default::default();
     for (axis, slot) in AXES.iter().zip(&mut axes) {
-        let group = axis.split('_').next().unwrap_or(axis);
+        let group = group(axis);
         let mut merged: Vec<Entry> = Vec::new();
         for (source, own) in [(&layers[..], false), (entries, true)] {
             for key in [group, axis] {
@@ -129,12 +131,9 @@ fn model(entries: &[Entry], place: &Place<'_>) -> Result<ImuModel, ModelError> {
                 }
             }
         }
+        // Left out: ImuModel::shaping says so where the axis is needed.
         if merged.is_empty() {
-            return Err(place.error(
-                None,
-                axis,
-                format!("no noise model; give [{group}] for all three axes, or [{axis}]"),
-            ));
+            continue;
         }
         // Errors of a merged axis are told under the table that gives the axis something.
         let named = if find(entries, axis).is_some() {
@@ -144,13 +143,23 @@ fn model(entries: &[Entry], place: &Place<'_>) -> Result<ImuModel, ModelError> {
         };
         *slot = axis_model(&merged, group == "gyro", &format!("{named}."), place)?;
     }
+    if !axes.iter().any(AxisModel::is_known) {
+        let message =
+            "no axis has a noise model; give [gyro] and [accel], or [gyro_x] to [accel_z]";
+        return Err(place.error(None, "", message));
+    }
     let [gx, gy, gz, ax, ay, az] = axes;
+    let mut prefix = format!("{}: ", place.file);
+    if !place.path.is_empty() {
+        prefix += &format!("{}.", place.path);
+    }
     Ok(ImuModel {
         name: place.text(entries, "name", "")?.unwrap_or(base.name),
         source: place.text(entries, "source", "")?.unwrap_or(base.source),
         provenance: provenance(entries, place)?,
         gyro: [gx, gy, gz],
         accel: [ax, ay, az],
+        prefix,
     })
 }
 
@@ -189,39 +198,22 @@ fn axis_model(
     prefix: &str,
     place: &Place<'_>,
 ) -> Result<AxisModel, ModelError> {
-    let (level, noise, walk) = if gyro {
+    let (rounding, level, noise, walk) = if gyro {
         (
+            Quantity::Angle,
             Quantity::AngularRate,
             Quantity::AngleRandomWalk,
             Quantity::RateRandomWalk,
         )
     } else {
         (
+            Quantity::Velocity,
             Quantity::Acceleration,
             Quantity::VelocityRandomWalk,
             Quantity::AccelerationRandomWalk,
         )
     };
-    let sigma = place.measure(entries, "bias_instability", prefix, level)?;
-    let tau = place.positive(entries, "correlation_time", prefix, Quantity::Time)?;
-    let instability = match (sigma, tau) {
-        (Some(sigma), Some(tau)) => Some(Instability { sigma, tau }),
-        (None, None) => None,
-        (Some(_), None) => {
-            return Err(place.error(
-                line_of(entries, "bias_instability"),
-                &format!("{prefix}bias_instability"),
-                "is the standard deviation of a Gauss-Markov process and needs a correlation_time beside it, such as \"100 s\"; for a bias that wanders without limit give random_walk instead",
-            ));
-        }
-        (None, Some(_)) => {
-            return Err(place.error(
-                line_of(entries, "correlation_time"),
-                &format!("{prefix}correlation_time"),
-                "belongs to bias_instability, which is missing",
-            ));
-        }
-    };
+    let instability = processes(entries, level, prefix, place)?;
     let white = place.measure(entries, "white_noise", prefix, noise)?;
     let arma = match find(entries, "arma") {
         Some(entry) => Some(arma(entry, level, &format!("{prefix}arma"), place)?),
@@ -247,12 +239,53 @@ fn axis_model(
             .measure(entries, "turn_on", prefix, level)?
             .unwrap_or(0.0),
         white,
+        quantisation: place.measure(entries, "quantisation", prefix, rounding)?,
         instability,
         random_walk: place.measure(entries, "random_walk", prefix, walk)?,
         arma,
         paper_sigma: place.measure(entries, "paper_sigma", prefix, level)?,
         identification,
     })
+}
+
+/// The Gauss-Markov processes: as many standard deviations as correlation times.
+fn processes(
+    entries: &[Entry],
+    level: Quantity,
+    prefix: &str,
+    place: &Place<'_>,
+) -> Result<Vec<Instability>, ModelError> {
+    let sigmas = place.measures(entries, "bias_instability", prefix, level)?;
+    let taus = place.measures(entries, "correlation_time", prefix, Quantity::Time)?;
+    let fail = |key: &str, message: String| {
+        Err(place.error(line_of(entries, key), &format!("{prefix}{key}"), message))
+    };
+    if taus.contains(&0.0) {
+        return fail("correlation_time", "must be greater than zero".into());
+    }
+    match (sigmas.len(), taus.len()) {
+        (s, t) if s == t && s > MAX_PROCESSES => fail(
+            "bias_instability",
+            format!("has {s} processes, at most {MAX_PROCESSES} fit the states of an axis"),
+        ),
+        (s, t) if s == t => Ok(sigmas
+            .into_iter()
+            .zip(taus)
+            .map(|(sigma, tau)| Instability { sigma, tau })
+            .collect()),
+        (_, 0) => fail(
+            "bias_instability",
+            "is the standard deviation of a Gauss-Markov process and needs a correlation_time beside it, such as \"100 s\"; for a bias that wanders without limit give random_walk instead".into(),
+        ),
+        (0, _) => fail(
+            "correlation_time",
+            "belongs to bias_instability, which is missing".into(),
+        ),
+        (s, t) => fail(
+            "correlation_time",
+            format!("there are {s} of bias_instability and {t} of correlation_time; give one correlation time for each process"),
+        ),
+    }
 }
 
 fn arma(entry: &Entry, level: Quantity, path: &str, place: &Place<'_>) -> Result<Arma, ModelError> {

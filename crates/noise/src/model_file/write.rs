@@ -1,15 +1,17 @@
 //! Writing of model files, in the units of data sheets.
 
-use super::{AXES, AxisModel, FORMAT, ImuModel, VERSION};
+use super::{AXES, AxisModel, FORMAT, ImuModel, Instability, VERSION};
 use std::fmt::Write;
 use undrift_nav::units::{self, Quantity};
 
-/// The units written: level at turn-on and in ARMA, slow bias, white noise, random walk.
+/// The units written: level at turn-on and in ARMA, slow bias, white noise, random walk, rounding of
+/// the integrated signal.
 struct Units {
     slow: (&'static str, Quantity),
     level: (&'static str, Quantity),
     noise: (&'static str, Quantity),
     walk: (&'static str, Quantity),
+    rounding: (&'static str, Quantity),
 }
 
 const GYRO: Units = Units {
@@ -17,12 +19,14 @@ const GYRO: Units = Units {
     slow: ("deg/h", Quantity::AngularRate),
     noise: ("deg/sqrt(h)", Quantity::AngleRandomWalk),
     walk: ("deg/h/sqrt(h)", Quantity::RateRandomWalk),
+    rounding: ("deg", Quantity::Angle),
 };
 const ACCEL: Units = Units {
     level: ("mg", Quantity::Acceleration),
     slow: ("mg", Quantity::Acceleration),
     noise: ("m/s/sqrt(h)", Quantity::VelocityRandomWalk),
     walk: ("mg/sqrt(h)", Quantity::AccelerationRandomWalk),
+    rounding: ("m/s", Quantity::Velocity),
 };
 
 pub(super) fn to_text(model: &ImuModel) -> String {
@@ -59,11 +63,16 @@ pub(super) fn to_text(model: &ImuModel) -> String {
         ("gyro", &model.gyro, &GYRO, &AXES[..3]),
         ("accel", &model.accel, &ACCEL, &AXES[3..]),
     ] {
+        if !axes.iter().any(AxisModel::is_known) {
+            continue;
+        }
         if axes[0] == axes[1] && axes[0] == axes[2] {
             axis(&mut out, group, &axes[0], units);
         } else {
             for (name, model) in names.iter().zip(axes) {
-                axis(&mut out, name, model, units);
+                if model.is_known() {
+                    axis(&mut out, name, model, units);
+                }
             }
         }
     }
@@ -77,16 +86,19 @@ fn axis(out: &mut String, name: &str, axis: &AxisModel, units: &Units) {
     if let Some(white) = axis.white {
         line(out, "white_noise", &measure(white, units.noise));
     }
-    if let Some(instability) = axis.instability {
-        line(
-            out,
-            "bias_instability",
-            &measure(instability.sigma, units.slow),
-        );
+    if let Some(quantisation) = axis.quantisation {
+        line(out, "quantisation", &measure(quantisation, units.rounding));
+    }
+    if !axis.instability.is_empty() {
+        let list = |of: &dyn Fn(&Instability) -> f64, unit| {
+            let values: Vec<f64> = axis.instability.iter().map(of).collect();
+            measures(&values, unit)
+        };
+        line(out, "bias_instability", &list(&|p| p.sigma, units.slow));
         line(
             out,
             "correlation_time",
-            &measure(instability.tau, ("s", Quantity::Time)),
+            &list(&|p| p.tau, ("s", Quantity::Time)),
         );
     }
     if let Some(walk) = axis.random_walk {
@@ -129,6 +141,17 @@ fn line(out: &mut String, key: &str, value: &str) {
 
 fn quoted(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()
+}
+
+/// One number as it is, several as a list.
+fn measures(values: &[f64], unit: (&str, Quantity)) -> String {
+    match values {
+        [one] => measure(*one, unit),
+        _ => {
+            let items: Vec<String> = values.iter().map(|v| measure(*v, unit)).collect();
+            format!("[{}]", items.join(", "))
+        }
+    }
 }
 
 /// The fewest digits that read back as the same number to its last places.

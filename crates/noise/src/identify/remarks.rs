@@ -1,0 +1,140 @@
+//! What should be said with a record and with a candidate, in words.
+
+use crate::{
+    arma::{ArmaFit, Warning},
+    composite::{CompositeFit, Flag, Term},
+    scales::{self, ScaleFit},
+    screening::{Motion, Outlier, Saturation},
+};
+
+/// Remarks on a record of `samples` at `rate_hz`.
+pub(super) fn of_record(
+    motion: Option<&Motion>,
+    saturation: &[Saturation],
+    hanging: &[(usize, usize)],
+    outliers: &[Outlier],
+    samples: usize,
+    rate_hz: f64,
+) -> Vec<String> {
+    let mut remarks = Vec::new();
+    let second = |index: usize| index as f64 / rate_hz;
+    if let Some(motion) = motion.filter(|m| m.moving) {
+        let first = motion.moving_windows.first().copied().unwrap_or(0);
+        remarks.push(format!(
+            "the record is not static: the variance of its mean over windows of a second is {:.0} times what the noise inside them allows, from {:.1} s on; cut it to where the sensor rests",
+            motion.ratio,
+            second(first)
+        ));
+    }
+    for stop in saturation {
+        remarks.push(format!(
+            "the axis is saturated: {} samples ({:.2} %) are {} exactly, the end of what it reads; its noise is cut off there",
+            stop.samples,
+            100.0 * stop.samples as f64 / samples as f64,
+            stop.value
+        ));
+    }
+    if let Some(&(start, length)) = hanging.first() {
+        remarks.push(format!(
+            "the sensor hangs: {length} equal samples from {:.2} s on, {} such stretches in all",
+            second(start),
+            hanging.len()
+        ));
+    }
+    if let Some(first) = outliers.first() {
+        remarks.push(format!(
+            "{} samples lie more than 8 robust standard deviations off and were left out, the first at {:.2} s",
+            outliers.len(),
+            second(first.index)
+        ));
+    }
+    remarks
+}
+
+/// Remarks on an ARMA fit.
+pub(super) fn of_arma(fit: &ArmaFit) -> Vec<String> {
+    let held = fit.has_unit_root.then_some(HELD.to_owned());
+    let warnings = fit.warnings.iter();
+    warnings
+        // A root held at 1 is no finding.
+        .filter(|w| !(fit.has_unit_root && matches!(w, Warning::UnitRoot { .. })))
+        .map(|warning| match warning {
+            Warning::NearCancelling {
+                distance,
+                standard_error: Some(error),
+            } => format!(
+                "an autoregressive and a moving-average root nearly cancel: {distance:.2e} apart with a standard error of {error:.1e}"
+            ),
+            Warning::NearCancelling { distance, .. } => format!(
+                "an autoregressive and a moving-average root nearly cancel: {distance:.2e} apart"
+            ),
+            Warning::FlatLikelihood => {
+                "the likelihood is flat in some direction: the coefficients are not well determined, what they predict is".into()
+            }
+            Warning::UnitRoot { distance } => format!(
+                "an autoregressive root is 1 as far as the record can tell ({distance:.1e} from it): a random walk in effect"
+            ),
+            Warning::MovingAverageUnitRoot { distance } => format!(
+                "a moving-average root is on the unit circle as far as the record can tell ({distance:.1e} from it)"
+            ),
+            Warning::NoStandardErrors => "no standard errors: the likelihood is singular at its best".into(),
+            Warning::NotConverged => NOT_CONVERGED.into(),
+            Warning::ShortRecord => "fewer than ten samples a parameter".into(),
+        })
+        .chain(held)
+        .collect()
+}
+
+const HELD: &str = "one autoregressive root is held at 1";
+const NOT_CONVERGED: &str = "the search stopped before it met its tolerance";
+
+/// Remarks on a composite fit.
+pub(super) fn of_composite(fit: &CompositeFit) -> Vec<String> {
+    let named = |term: &Term| match term {
+        Term::White => "the white noise".to_owned(),
+        Term::Quantisation => "the quantisation".to_owned(),
+        Term::RandomWalk => "the random walk".to_owned(),
+        Term::GaussMarkov(i) => match fit.terms.gauss_markov.get(*i) {
+            Some(process) if process.sigma > 0.0 => {
+                format!("the Gauss-Markov process of {:.3} s", process.tau_s)
+            }
+            _ => "a Gauss-Markov process".to_owned(),
+        },
+    };
+    fit.flags
+        .iter()
+        .map(|flag| match flag {
+            Flag::Vanished(term) => format!("the likelihood does not want {}", named(term)),
+            Flag::NotNeeded(term) => format!("{} is not needed at the 5 % level", named(term)),
+            Flag::LongCorrelation(i) => format!(
+                "{} is a random walk in effect: its correlation time exceeds a tenth of the record",
+                named(&Term::GaussMarkov(*i))
+            ),
+            Flag::ShortMemory(ratio) => format!(
+                "the sensor has a short memory that this model does not describe: at one sample its wavelet variance is {ratio:.2} times the model's"
+            ),
+            Flag::Undetermined => {
+                "the likelihood is flat in some direction: no standard errors".into()
+            }
+            Flag::NotConverged => NOT_CONVERGED.into(),
+        })
+        .collect()
+}
+
+/// Remarks on a block scale.
+pub(super) fn of_scale(fit: &ScaleFit) -> Vec<String> {
+    let say = |flag: &scales::Flag| match flag {
+        scales::Flag::TooFewAverages => "fewer than 200 averages",
+        scales::Flag::NoFit => "the averages could not be fitted",
+        scales::Flag::NoSlowPart => "the averages have no slow part",
+        scales::Flag::NoWhite => "the averages leave no white noise",
+        scales::Flag::LongCorrelation => {
+            "a unit root as far as the record can tell: the correlation time exceeds a tenth of it"
+        }
+        scales::Flag::FastForBlock => "the correlation time is below two blocks",
+        scales::Flag::NotDistinguishable => {
+            "the roots nearly cancel: the slow part is not distinguishable from none"
+        }
+    };
+    fit.flags.iter().map(|flag| say(flag).to_owned()).collect()
+}

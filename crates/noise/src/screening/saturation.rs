@@ -1,0 +1,80 @@
+//! A sensor driven against its stops.
+
+/// Fewest samples at a stop.
+const FEWEST: usize = 10;
+/// A stop holds so many times the samples of the level next to it.
+const PILED_UP: usize = 3;
+/// Fewest different values: with fewer nothing can be said.
+const LEVELS: usize = 4;
+
+/// Samples piled up at an end of the range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Saturation {
+    /// The largest or smallest value [unit].
+    pub value: f64,
+    /// Samples there.
+    pub samples: usize,
+}
+
+/// The ends of the range where samples pile up: ten or more, three times as many as at the value
+/// next to it. Noise that is only quantised has ever fewer samples towards its ends. O(N); NaN is
+/// passed over.
+pub fn saturation(x: &[f64]) -> Vec<Saturation> {
+    [1.0, -1.0]
+        .into_iter()
+        .filter_map(|sign| at_top(x, sign))
+        .collect()
+}
+
+/// The top of `sign · x`.
+fn at_top(x: &[f64], sign: f64) -> Option<Saturation> {
+    // The highest values, falling, and how many samples have each.
+    let mut top = [(f64::NEG_INFINITY, 0usize); LEVELS];
+    for value in x.iter().map(|v| sign * v).filter(|v| !v.is_nan()) {
+        if value < top[LEVELS - 1].0 {
+            continue;
+        }
+        if let Some(level) = top.iter_mut().find(|level| level.0 == value) {
+            level.1 += 1;
+            continue;
+        }
+        let place = top.iter().take_while(|level| level.0 > value).count();
+        top[place..].rotate_right(1);
+        top[place] = (value, 1);
+    }
+    let [(value, samples), (_, next), ..] = top;
+    let enough = top[LEVELS - 1].1 > 0;
+    (enough && samples >= FEWEST && samples >= PILED_UP * next).then_some(Saturation {
+        value: sign * value,
+        samples,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn clipping_is_told_from_quantisation() {
+        // Sums of uniform numbers: bell-shaped, with a step of 1.
+        let mut seed = 1u64;
+        let mut uniform = || {
+            seed = seed
+                .wrapping_mul(6364136223846793005)
+                .wrapping_add(1442695040888963407);
+            (seed >> 33) as f64 / (1u64 << 31) as f64
+        };
+        let bell: Vec<f64> = (0..20_000)
+            .map(|_| ((0..12).map(|_| uniform()).sum::<f64>() * 5.0).round())
+            .collect();
+        assert_eq!(saturation(&bell), []);
+        let clipped: Vec<f64> = bell.iter().map(|v| v.min(35.0)).collect();
+        let found = saturation(&clipped);
+        assert!(found.len() == 1 && found[0].value == 35.0 && found[0].samples > 2000);
+        let low: Vec<f64> = bell.iter().map(|v| 0.1 * v.max(27.0)).collect();
+        assert_eq!(saturation(&low)[0].value, 0.1 * 27.0);
+        for nothing in [&[][..], &[1.0; 100], &[f64::NAN; 20]] {
+            assert_eq!(saturation(nothing), []);
+        }
+    }
+}
