@@ -191,6 +191,10 @@ impl Aligner {
         let speed = velocity.xy().norm();
         self.speed = speed;
         self.fastest = self.fastest.max(speed);
+        if speed >= REST_SPEED {
+            // Steady braking has steady readings too: rest begins after it.
+            self.rest.interrupt();
+        }
         if let Some((.., end)) = self.rested
             && !self.stood
             && speed > START_SPEED + START_ACCELERATION * (fix.time - end)

@@ -37,8 +37,11 @@ const FEWEST: usize = 6;
 const SPREAD: f64 = 1.0;
 /// A second minimum is out of the question when the best one's squared residuals are less by this much.
 const RIVAL: f64 = 25.0;
-/// Attitude's standard deviation about any axis for an alignment [rad].
+/// Attitude's standard deviation about any axis with which a solution is one [rad] …
 const CERTAIN: f64 = 0.05;
+/// … and with which it need not be awaited what a longer window makes of it: the filter, unlike the
+/// window, cannot undo what it took from an attitude that was some degrees off.
+const GOOD: f64 = 0.017;
 /// Squared residuals for each degree of freedom, at most.
 const FIT: f64 = 10.0;
 /// Standard deviation of the filter's velocity and attitude before the window says what they are [m/s, rad].
@@ -58,6 +61,7 @@ enum Outcome {
     TooSteady,
     Ambiguous,
     Uncertain(f64),
+    Settling(f64),
     Misfit(f64),
 }
 
@@ -67,7 +71,10 @@ pub(super) struct Motion {
     /// Samples of the window, whole; the last one may reach beyond the last fix.
     samples: VecDeque<ImuSample>,
     fixes: VecDeque<GnssFix>,
+    /// Length of the window while there is no solution [s].
     longest: f64,
+    /// The solution so far, at the window's start; the window then grows from there to [`LONGEST`].
+    solved: Option<Guess>,
     searched: Option<f64>,
     outcome: Outcome,
     /// Largest spread of velocities in a window [m/s].
@@ -97,10 +104,15 @@ impl Motion {
         if sample.dt > LONGEST_SAMPLE {
             self.samples.clear();
             self.fixes.clear();
+            self.solved = None;
             return;
         }
         self.samples.push_back(*sample);
-        let start = sample.time - self.longest;
+        let longest = match self.solved {
+            Some(_) => LONGEST + EVERY,
+            None => self.longest,
+        };
+        let start = sample.time - longest;
         while self.fixes.front().is_some_and(|fix| fix.time < start) {
             self.fixes.pop_front();
         }
@@ -164,37 +176,41 @@ impl Motion {
         if spread < SPREAD {
             return Err(Outcome::TooSteady);
         }
-        let first = self.fixes.front().ok_or(Outcome::TooFew)?;
+        let first = *self.fixes.front().ok_or(Outcome::TooFew)?;
         let problem = Problem {
             segments: &segments,
             reference: gyro_prior.0,
-            place: super::antenna(first).ok_or(Outcome::TooFew)?,
+            place: super::antenna(&first).ok_or(Outcome::TooFew)?,
             lever_arm: settings.lever_arm,
             gyro: gyro_prior,
             accel: (Vector3::zeros(), bias_variances(accel, BIAS_FLOOR.1)),
             gyro_noise: super::noise_of_mean(gyro, 1.0),
             accel_noise: super::noise_of_mean(accel, 1.0),
         };
-        let solutions = problem.solve();
-        let best = solutions.first().ok_or(Outcome::Ambiguous)?;
         // Noise larger than stated makes residuals and covariance larger, and a difference mean less.
-        let fit = |cost: f64| cost / (3 * (segments.len() - 1)) as f64;
-        if let Some(rival) = solutions.get(1)
-            && rival.cost - best.cost < RIVAL * fit(best.cost).max(1.0)
-        {
-            return Err(Outcome::Ambiguous);
-        }
+        let fit = |cost: f64| (cost / (3 * (segments.len() - 1)) as f64).max(1.0);
+        let guess = match self.solved.take() {
+            Some(guess) => guess,
+            None => {
+                let solutions = problem.solve();
+                let best = solutions.first().ok_or(Outcome::Ambiguous)?;
+                let rival = solutions.get(1).map_or(f64::INFINITY, |rival| rival.cost);
+                if rival - best.cost < RIVAL * fit(best.cost) {
+                    return Err(Outcome::Ambiguous);
+                }
+                best.guess
+            }
+        };
         // Once more about the bias found: a segment is linear in it.
-        let reference = best.guess.gyro;
-        let again = self.segments(&reference);
+        let again = self.segments(&guess.gyro);
         let problem = Problem {
             segments: &again,
-            reference,
+            reference: guess.gyro,
             ..problem
         };
-        let solution = problem.refine(&best.guess);
+        let solution = problem.refine(&guess);
         let (q_nb, v_n, covariance) = problem.end(&solution.guess).ok_or(Outcome::Ambiguous)?;
-        let fit = fit(solution.cost).max(1.0);
+        let fit = fit(solution.cost);
         if fit > FIT {
             return Err(Outcome::Misfit(fit));
         }
@@ -205,16 +221,20 @@ impl Motion {
         if worst.is_nan() || worst > CERTAIN {
             return Err(Outcome::Uncertain(worst));
         }
-        let last = self.fixes.back().ok_or(Outcome::TooFew)?;
+        let last = *self.fixes.back().ok_or(Outcome::TooFew)?;
+        if worst > GOOD && last.time - first.time < LONGEST {
+            self.solved = Some(solution.guess);
+            return Err(Outcome::Settling(worst));
+        }
         let end = NavState {
             time: last.time,
-            position: super::antenna(last)
+            position: super::antenna(&last)
                 .ok_or(Outcome::TooFew)?
                 .displaced(&-(q_nb * settings.lever_arm)),
             v_n,
             q_nb,
         };
-        let filter = filter(&end, last, &solution.guess, &(covariance * fit), settings)
+        let filter = filter(&end, &last, &solution.guess, &(covariance * fit), settings)
             .ok_or(Outcome::Misfit(fit))?;
         Ok(Found {
             filter,
@@ -248,6 +268,10 @@ impl Motion {
             Outcome::Uncertain(std) => format!(
                 "the velocity changes give the attitude to {:.1} deg only: an alignment in motion needs more \
                  speeding up, braking or turning, or the noise model is too modest",
+                std.to_degrees()
+            ),
+            Outcome::Settling(std) => format!(
+                "the log ended while the attitude was known to {:.1} deg",
                 std.to_degrees()
             ),
             Outcome::Misfit(nis) => format!(

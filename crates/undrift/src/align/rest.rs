@@ -124,9 +124,17 @@ impl Rest {
             (self.mean_rate - self.bias) * (f64::from(fresh) / f64::from(self.bias_blocks));
     }
 
+    /// Ends the present span.
+    pub(super) fn interrupt(&mut self) {
+        self.blocks = 0;
+        self.duration = 0.0;
+        self.dtheta = Vector3::zeros();
+        self.dvel = Vector3::zeros();
+    }
+
     /// Forgets all rest: it was none.
     pub(super) fn forget(&mut self) {
-        self.blocks = 0;
+        self.interrupt();
         self.bias_blocks = 0;
         self.bias = Vector3::zeros();
     }

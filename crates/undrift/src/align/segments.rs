@@ -1,6 +1,7 @@
 //! Motion between fixes, integrated once in body axes so that attitude and sensor biases can be
 //! tried out without the samples (preintegration; Forster et al. 2017, section VI).
 
+use crate::replay::STAMP_ROUNDING;
 use undrift_nav::{
     Matrix3, Quaternion, Vector3,
     attitude::{from_rotation_vector, skew},
@@ -63,7 +64,7 @@ impl Segment {
     }
 }
 
-/// The segments between the fixes that have a velocity and are at least `spacing` [s] apart; the
+/// The segments between the fixes that have a velocity and are at least `spacing` [s] apart, the last one in any case; the
 /// first one has no length and holds the velocity of the start. `gyro` is the gyro bias about which it is
 /// linear [rad/s].
 pub(super) fn segments<'a>(
@@ -82,15 +83,20 @@ pub(super) fn segments<'a>(
     let mut open = Segment::new();
     for sample in samples {
         let mut done = sample.time - sample.dt;
-        while let Some((time, v_n, variance)) = fixes.next_if(|(time, ..)| *time <= sample.time) {
+        while let Some((time, v_n, variance)) =
+            fixes.next_if(|(time, ..)| *time <= sample.time + STAMP_ROUNDING)
+        {
+            let time = time.min(sample.time);
             if segments.is_empty() {
                 done = time;
                 open.omega_b = sample.dtheta / sample.dt - gyro;
-            } else if time - done > 0.0 {
+            } else if time > done {
                 open.add(sample, time - done, gyro);
                 done = time;
             }
-            if segments.is_empty() || open.dt >= spacing {
+            // The window ends with the last fix, however near the one before it is.
+            let last = fixes.peek().is_none();
+            if segments.is_empty() || open.dt >= spacing || last && open.dt > 0.0 {
                 segments.push(Segment {
                     v_n,
                     variance,

@@ -84,7 +84,7 @@ struct Linear {
 }
 
 /// Iterations of one solution, at most.
-const ITERATIONS: usize = 12;
+const ITERATIONS: usize = 20;
 
 impl Problem<'_> {
     /// The guess put through the first `count` segments; `gyro` is the mean of the gyro prior.
@@ -193,7 +193,7 @@ impl Problem<'_> {
     fn improve(&self, guess: &Guess, count: usize, gyro: &Vector3) -> Solution {
         let mut best = *guess;
         let mut linear = self.linearise(&best, count, gyro);
-        let mut damping = 1e-4;
+        let mut damping = 1e-3;
         for _ in 0..ITERATIONS {
             let mut matrix = linear.information;
             for i in 0..9 {
@@ -214,13 +214,14 @@ impl Problem<'_> {
                 accel: best.accel + part(6),
             };
             let tried = self.linearise(&next, count, gyro);
-            if tried.cost < linear.cost {
-                let gained = linear.cost - tried.cost;
+            if tried.cost <= linear.cost {
+                // What a whole step promises: small next to one standard deviation's, 1.
+                let promised = linear.gradient.dot(&step);
                 (best, linear) = (next, tried);
-                damping = (damping * 0.1).max(1e-9);
-                if gained < 1e-2 {
+                if promised < 1e-4 && damping < 1e-9 {
                     break;
                 }
+                damping *= 0.03;
             } else {
                 damping *= 10.0;
                 if damping > 1e6 {
