@@ -198,7 +198,11 @@ impl Aligner {
             Some((fixed, ..)) if time - fixed <= PAIR_SPAN => Some(self.speed < REST_SPEED),
             _ => None,
         };
-        let steady = self.rest.bias_blocks == 0 || self.rest.is_steady();
+        // A vehicle that pulls away steadily has steady readings too, and a fix may be old.
+        let same_force = self.rested.is_none_or(|(_, force, _)| {
+            (self.rest.mean_force - force).norm() < self.rest.force_tolerance
+        });
+        let steady = self.rest.bias_blocks == 0 || (self.rest.is_steady() && same_force);
         let needed = match (stands, steady) {
             (Some(false), _) => return false,
             (_, true) => REST_BLOCKS,
