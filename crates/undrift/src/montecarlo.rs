@@ -247,8 +247,8 @@ impl<'a> Stage<'a> {
 /// What one run of one model leaves behind.
 #[derive(Default)]
 struct Outcome {
-    /// When navigation began [s].
-    started: f64,
+    /// When navigation began [s]; `None` until then.
+    started: Option<f64>,
     diverged: bool,
     /// NEES at every epoch, NaN where there is none.
     nees: Vec<[f64; GROUPS]>,
@@ -275,10 +275,8 @@ struct Watch<'a> {
 impl Watch<'_> {
     /// Whether the navigation has settled at `time` [s]; the first time asked is its beginning.
     fn settled(&mut self, time: f64) -> bool {
-        if self.outcome.started == 0.0 {
-            self.outcome.started = time;
-        }
-        time >= self.outcome.started + self.stage.spec.settle - STAMP_ROUNDING
+        let started = *self.outcome.started.get_or_insert(time);
+        time >= started + self.stage.spec.settle - STAMP_ROUNDING
     }
 }
 
@@ -290,10 +288,16 @@ impl Observer for Watch<'_> {
             return Ok(());
         }
         let epoch = samples / self.stage.stride - 1;
-        let state = ErrorState::new(filter, &self.stage.truth[epoch], Some(&bias));
+        let (Some(truth), Some(nees)) = (
+            self.stage.truth.get(epoch),
+            self.outcome.nees.get_mut(epoch),
+        ) else {
+            return Ok(());
+        };
+        let state = ErrorState::new(filter, truth, Some(&bias));
         for group in 0..GROUPS {
             if let Some((value, freedom)) = state.nees(group) {
-                self.outcome.nees[epoch][group] = value;
+                nees[group] = value;
                 self.outcome.freedom[group] = freedom;
             }
         }
@@ -313,8 +317,8 @@ impl Observer for Watch<'_> {
         let mut filter = filter.clone();
         let lever = &self.settings.lever_arm;
         let mut note = |kind: usize, normalised: Option<Vector3>| {
-            if let Some(v) = normalised {
-                self.outcome.nis[self.next_fix][kind] = v.norm_squared();
+            if let (Some(v), Some(nis)) = (normalised, self.outcome.nis.get_mut(self.next_fix)) {
+                nis[kind] = v.norm_squared();
                 if settled {
                     self.outcome.innovations[kind].add(fix.time, v.as_slice());
                 }

@@ -189,7 +189,7 @@ impl Sums {
 
     pub(super) fn add(&mut self, run: &Outcome) {
         self.diverged += usize::from(run.diverged);
-        self.started = self.started.max(run.started);
+        self.started = self.started.max(run.started.unwrap_or(0.0));
         for (epoch, values) in self.epochs.iter_mut().zip(&run.nees) {
             for (moments, value) in epoch.iter_mut().zip(values) {
                 moments.add(*value);
