@@ -2,6 +2,7 @@
 
 mod demo;
 mod identify;
+mod montecarlo;
 mod navigate;
 mod outages;
 mod report;
@@ -23,6 +24,7 @@ struct Arguments {
 enum Verb {
     Demo(demo::Arguments),
     Identify(identify::Arguments),
+    Montecarlo(montecarlo::Arguments),
     Navigate(navigate::Arguments),
     Outages(outages::Arguments),
 }
@@ -31,6 +33,7 @@ fn main() -> ExitCode {
     let result = match Arguments::parse().verb {
         Verb::Demo(arguments) => demo::run(&arguments),
         Verb::Identify(arguments) => identify::run(&arguments),
+        Verb::Montecarlo(arguments) => montecarlo::run(&arguments),
         Verb::Navigate(arguments) => navigate::run(&arguments),
         Verb::Outages(arguments) => outages::run(&arguments),
     };

@@ -23,12 +23,12 @@
 mod section;
 mod tables;
 
-pub use section::{ConfigError, Section};
+pub use section::{ConfigError, Section, line_at};
+pub(crate) use tables::read_initial;
 
 use crate::{align::AlignSettings, replay::GnssUse, vehicle::Constraints};
-use section::line_at;
 use std::path::{Path, PathBuf};
-use toml::de::{DeTable, DeValue};
+use toml::de::DeTable;
 use undrift_io::{
     ReadError,
     gnss::{GnssFormat, GnssReader},
@@ -137,26 +137,7 @@ impl Drive {
             gnss_use,
             lever_arm,
             align: tables::read_initial(&top.section("initial")?)?,
-            model: match top.get("model") {
-                None => None,
-                Some((DeValue::String(name), _)) => {
-                    Some(ImuModel::resolve(name, home).map_err(|e| match e {
-                        // Not the model's fault but the name's.
-                        ModelError::Read { .. } => {
-                            DriveError::from(top.error("model", e.to_string()))
-                        }
-                        other => other.into(),
-                    })?)
-                }
-                Some((DeValue::Table(table), _)) => {
-                    Some(ImuModel::from_spanned(table, text, file, "model")?)
-                }
-                Some(_) => {
-                    return Err(top
-                        .error("model", "must be a preset's name, a file, or a table")
-                        .into());
-                }
-            },
+            model: top.model("model", home)?,
         };
         Ok(drive)
     }

@@ -1,6 +1,6 @@
 //! Static figures as SVG.
 
-use crate::{outages::ModelRun, replay::Outage};
+use crate::{consistency::GROUP, montecarlo::Report, outages::ModelRun, replay::Outage};
 use plotters::prelude::*;
 use std::path::Path;
 use undrift_nav::{earth::Geodetic, sample::TruthSample};
@@ -183,5 +183,103 @@ fn draw_drift(area: &Area, curves: &[DriftCurve]) -> Result<(), Box<dyn std::err
         .border_style(RGBColor(200, 200, 200))
         .label_font(("sans-serif", 13))
         .draw()?;
+    Ok(())
+}
+
+/// Draws the average NEES over time with its 95 % bounds: a panel per group of states, a line per model.
+///
+/// # Errors
+/// A sentence for the user when the file cannot be written.
+pub fn consistency(path: &Path, report: &Report) -> Result<(), String> {
+    draw_consistency(path, report).map_err(|e| format!("cannot draw {}: {e}", path.display()))
+}
+
+fn draw_consistency(path: &Path, report: &Report) -> Result<(), Box<dyn std::error::Error>> {
+    let root = SVGBackend::new(path, (1160, 980)).into_drawing_area();
+    root.fill(&WHITE)?;
+    for (group, area) in root.split_evenly((3, 2)).iter().enumerate() {
+        draw_nees(area, report, GROUP[group].0, group == 0)?;
+    }
+    root.present()?;
+    Ok(())
+}
+
+/// Panel of one group: NEES per degree of freedom, so that 1 is right in each.
+fn draw_nees(
+    area: &Area,
+    report: &Report,
+    name: &str,
+    legend: bool,
+) -> Result<(), Box<dyn std::error::Error>> {
+    const RANGE: (f64, f64) = (0.1, 1000.0);
+    let end = report.time_s.last().copied().unwrap_or(1.0);
+    let mut chart = ChartBuilder::on(area)
+        .margin(10)
+        .caption(
+            format!("{name}: average NEES / degrees of freedom"),
+            ("sans-serif", 16),
+        )
+        .x_label_area_size(36)
+        .y_label_area_size(52)
+        .build_cartesian_2d(0.0..end, (RANGE.0..RANGE.1).log_scale())?;
+    chart
+        .configure_mesh()
+        .x_desc("time [s]")
+        .light_line_style(WHITE)
+        .label_style(("sans-serif", 12))
+        .y_label_formatter(&|v| format!("{v}"))
+        .draw()?;
+    let groups: Vec<_> = report
+        .models
+        .iter()
+        .filter_map(|m| Some((m, m.nees.iter().find(|g| g.name == name)?)))
+        .collect();
+    let line = |series: &[Option<f64>], freedom: usize| -> Vec<(f64, f64)> {
+        let scaled = series.iter().map(|v| v.map(|v| v / freedom as f64));
+        report
+            .time_s
+            .iter()
+            .zip(scaled)
+            .filter_map(|(t, v)| Some((*t, v?.clamp(RANGE.0, RANGE.1))))
+            .collect()
+    };
+    if let Some((model, group)) = groups.first() {
+        let settled = model.started_s + report.settle_s;
+        chart.draw_series([Rectangle::new(
+            [(0.0, RANGE.0), (settled.min(end), RANGE.1)],
+            RGBColor(244, 244, 244).filled(),
+        )])?;
+        for bound in [&group.lower, &group.upper] {
+            let points = line(bound, group.freedom);
+            chart.draw_series(LineSeries::new(
+                points,
+                RGBColor(90, 90, 90).stroke_width(1),
+            ))?;
+        }
+    }
+    // The first model on top.
+    for (i, (model, group)) in groups.iter().enumerate().rev() {
+        let colour = [
+            COLOURS[7], COLOURS[6], COLOURS[5], COLOURS[2], COLOURS[3], COLOURS[4],
+        ][i % 6];
+        chart
+            .draw_series(LineSeries::new(
+                line(&group.average, group.freedom),
+                colour.stroke_width(2),
+            ))?
+            .label(&model.name)
+            .legend(move |(x, y)| {
+                PathElement::new(vec![(x, y), (x + 18, y)], colour.stroke_width(2))
+            });
+    }
+    if legend {
+        chart
+            .configure_series_labels()
+            .position(SeriesLabelPosition::UpperRight)
+            .background_style(WHITE.mix(0.85))
+            .border_style(RGBColor(200, 200, 200))
+            .label_font(("sans-serif", 12))
+            .draw()?;
+    }
     Ok(())
 }

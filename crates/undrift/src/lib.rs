@@ -6,10 +6,12 @@
 //! [`navigate`] or [`outages`] collect what comes out. [`simulate`] makes logs with a known truth.
 
 pub mod align;
+pub mod consistency;
 pub mod demo;
 pub mod drive;
 pub mod figure;
 pub mod identify;
+pub mod montecarlo;
 pub mod mounting;
 pub mod navigate;
 pub mod outages;

@@ -3,4 +3,5 @@
 mod configuration;
 mod log;
 mod logs;
+mod montecarlo;
 mod schedule;

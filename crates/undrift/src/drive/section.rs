@@ -1,12 +1,14 @@
 //! Access to one table of a TOML file, with errors that name file, line, key and what was expected.
 
-use std::cell::RefCell;
+use super::DriveError;
+use std::{cell::RefCell, path::Path};
 use toml::de::{DeTable, DeValue};
 use undrift_io::table::Column;
 use undrift_nav::{
     Vector3,
     units::{self, Quantity},
 };
+use undrift_noise::{ImuModel, ModelError};
 
 /// What is wrong with a configuration file, and where.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -90,6 +92,14 @@ impl<'a> Section<'a> {
         Some((value.get_ref(), line_at(self.text, name.span().start)))
     }
 
+    fn dotted(&self, key: &str) -> String {
+        if self.path.is_empty() {
+            key.to_owned()
+        } else {
+            format!("{}.{key}", self.path)
+        }
+    }
+
     /// An error at a key of this table.
     pub fn error(&self, key: &str, message: impl Into<String>) -> ConfigError {
         let found = self
@@ -100,11 +110,7 @@ impl<'a> Section<'a> {
             line: found
                 .map(|(k, _)| line_at(self.text, k.span().start))
                 .or(self.line),
-            key: if self.path.is_empty() {
-                key.to_owned()
-            } else {
-                format!("{}.{key}", self.path)
-            },
+            key: self.dotted(key),
             message: message.into(),
         }
     }
@@ -169,12 +175,85 @@ impl<'a> Section<'a> {
         let Some(text) = self.text(key)? else {
             return Ok(None);
         };
+        self.one_of(key, text, words).map(Some)
+    }
+
+    fn one_of<T: Copy>(
+        &self,
+        key: &str,
+        text: &str,
+        words: &[(&str, T)],
+    ) -> Result<T, ConfigError> {
         match words.iter().find(|(w, _)| *w == text) {
-            Some((_, value)) => Ok(Some(*value)),
+            Some((_, value)) => Ok(*value),
             None => {
                 let known: Vec<String> = words.iter().map(|(w, _)| format!("\"{w}\"")).collect();
                 Err(self.error(key, format!("\"{text}\" is none of {}", known.join(", "))))
             }
+        }
+    }
+
+    /// A list of one or more of a few words.
+    pub fn words<T: Copy>(
+        &self,
+        key: &'a str,
+        words: &[(&str, T)],
+    ) -> Result<Option<Vec<T>>, ConfigError> {
+        let Some((value, _)) = self.get(key) else {
+            return Ok(None);
+        };
+        let wrong = || {
+            let first = words.first().map_or("", |(w, _)| w);
+            self.error(
+                key,
+                format!("must be a list of words such as [\"{first}\"]"),
+            )
+        };
+        let DeValue::Array(items) = value else {
+            return Err(wrong());
+        };
+        if items.is_empty() {
+            return Err(wrong());
+        }
+        let one = |item: &toml::Spanned<DeValue>| match item.get_ref() {
+            DeValue::String(text) => self.one_of(key, text, words),
+            _ => Err(wrong()),
+        };
+        items.iter().map(one).collect::<Result<_, _>>().map(Some)
+    }
+
+    /// A noise model: a preset, a file relative to `home`, or a table.
+    pub fn model(&self, key: &'a str, home: &Path) -> Result<Option<ImuModel>, DriveError> {
+        match self.get(key) {
+            None => Ok(None),
+            Some((DeValue::String(name), _)) => match ImuModel::resolve(name, home) {
+                Ok(model) => Ok(Some(model)),
+                // Not the model's fault but the name's.
+                Err(e @ ModelError::Read { .. }) => Err(self.error(key, e.to_string()).into()),
+                Err(other) => Err(other.into()),
+            },
+            Some((DeValue::Table(table), _)) => {
+                let path = self.dotted(key);
+                Ok(Some(ImuModel::from_spanned(
+                    table, self.text, self.file, &path,
+                )?))
+            }
+            Some(_) => Err(self
+                .error(key, "must be a preset's name, a file, or a table")
+                .into()),
+        }
+    }
+
+    /// A whole number, not negative.
+    pub fn whole(&self, key: &'a str) -> Result<Option<u64>, ConfigError> {
+        let number = match self.get(key) {
+            None => return Ok(None),
+            Some((DeValue::Integer(x), _)) => x.as_str().replace('_', "").parse().ok(),
+            Some(_) => None,
+        };
+        match number {
+            Some(x) => Ok(Some(x)),
+            None => Err(self.error(key, "must be a whole number from 0 on")),
         }
     }
 

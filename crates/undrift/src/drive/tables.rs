@@ -384,7 +384,7 @@ pub(super) fn read_truth(
     Ok(Some((path, format)))
 }
 
-pub(super) fn read_initial(section: &Section) -> Result<AlignSettings, ConfigError> {
+pub(crate) fn read_initial(section: &Section) -> Result<AlignSettings, ConfigError> {
     let mut align = AlignSettings::default();
     let degrees = |d: f64| d.to_radians();
     let attitude = section.vector("attitude", Quantity::Angle)?;

@@ -1,0 +1,193 @@
+//! `undrift montecarlo`: does the filter know its own errors?
+
+use crate::report;
+use anyhow::{Context, Result};
+use clap::Args;
+use std::{fmt::Write as _, path::PathBuf};
+use undrift::{
+    figure,
+    montecarlo::{self, ModelReport, Report, Spec, Verdict},
+    noise::BiasModel,
+};
+
+/// Simulate a drive many times and compare the filter's errors with its own covariance (NEES, NIS).
+///
+/// Example: undrift montecarlo examples/montecarlo-car.toml --runs 100 --json montecarlo.json
+#[derive(Args)]
+pub struct Arguments {
+    /// What to simulate and what to tell the filter
+    #[arg(value_name = "SPEC.toml")]
+    spec: PathBuf,
+    /// Number of runs
+    #[arg(long, value_name = "N", default_value_t = 100)]
+    runs: usize,
+    /// Seed of all runs' noise; the drive's own seed is in the SPEC
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Bias models to run, instead of the SPEC's
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    bias_models: Vec<BiasModel>,
+    /// Write the result with its series over time as JSON; "-" for standard output instead of the table
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Draw the average NEES over time with its bounds
+    #[arg(long, value_name = "FILE.svg")]
+    figure: Option<PathBuf>,
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let mut spec = Spec::load(&arguments.spec)?;
+    if !arguments.bias_models.is_empty() {
+        spec.bias_models.clone_from(&arguments.bias_models);
+    }
+    let bar = indicatif::ProgressBar::new(arguments.runs as u64).with_style(
+        indicatif::ProgressStyle::with_template("simulated {pos} of {len} runs, {elapsed}")?,
+    );
+    let result = montecarlo::run(&spec, arguments.runs, arguments.seed, || bar.inc(1))?;
+    bar.finish_and_clear();
+    let to_standard_output = arguments
+        .json
+        .as_deref()
+        .is_some_and(|p| p.as_os_str() == "-");
+    if let Some(path) = &arguments.json {
+        let json = serde_json::to_string(&result).context("cannot write the result as JSON")?;
+        if to_standard_output {
+            report::say(json)?;
+        } else {
+            report::write_whole(path, &json)?;
+        }
+    }
+    if !to_standard_output {
+        report::say(text(&result, &spec))?;
+    }
+    if let Some(path) = &arguments.figure {
+        figure::consistency(path, &result).map_err(anyhow::Error::msg)?;
+    }
+    Ok(())
+}
+
+/// The result for a reader.
+fn text(result: &Report, spec: &Spec) -> String {
+    let mut text = format!(
+        "{} runs of a simulated drive of {:.0} s, IMU at {} Hz, errors drawn as {}, seed {}.\n\
+         After the first {:.0} s of navigation, an epoch every {} s:\n\n",
+        result.runs,
+        spec.trajectory.duration,
+        spec.rate_hz,
+        spec.bias_model,
+        result.seed,
+        result.settle_s,
+        spec.every,
+    );
+    let _ = writeln!(
+        text,
+        "{:14} {:12} {:>3} {:>17} {:>19} {:>7} {:>7}  verdict",
+        "model", "NEES of", "dof", "mean / dof", "inside 95 % bounds", "above", "below"
+    );
+    for model in &result.models {
+        for group in &model.nees {
+            let _ = writeln!(
+                text,
+                "{:14} {:12} {:>3} {:>9} ± {:<5} {:>9.1} ± {:<4.1} % {:>5.1} % {:>5.1} %  {}",
+                model.name,
+                group.name,
+                group.freedom,
+                short(group.mean_per_freedom),
+                short(group.mean_standard_error),
+                100.0 * group.share_inside,
+                100.0 * group.share_standard_error,
+                100.0 * group.share_above,
+                100.0 * group.share_below,
+                group.verdict
+            );
+        }
+    }
+    let _ = write!(
+        text,
+        "\n{:14} {:9} {:>7} {:>10} {:>17} {:>11} {:>13}  verdict\n",
+        "model", "NIS of", "updates", "mean / dof", "95 % bounds", "above 95 %", "lag 1 … 10"
+    );
+    for model in &result.models {
+        for kind in &model.nis {
+            let largest = kind
+                .autocorrelation
+                .iter()
+                .flatten()
+                .fold(0.0f64, |m, r| m.max(r.abs()));
+            let _ = writeln!(
+                text,
+                "{:14} {:9} {:>7} {:>10} {:>8.4} … {:<6.4} {:>9.1} % {:>5.3} / {:<5.3}  {}",
+                model.name,
+                kind.name,
+                kind.updates,
+                short(kind.nis_per_freedom),
+                kind.bounds.0,
+                kind.bounds.1,
+                100.0 * kind.share_above_95,
+                largest,
+                kind.autocorrelation_bound,
+                kind.verdict
+            );
+        }
+    }
+    let _ = write!(
+        text,
+        "\n{:14} {:15} within 1σ (68.3 %), 2σ (95.4 %), 3σ (99.7 %)\n",
+        "model", "component"
+    );
+    for model in &result.models {
+        for (component, shares) in &model.coverage {
+            let share = |i: usize| 100.0 * shares[i].as_f64().unwrap_or(f64::NAN);
+            let _ = writeln!(
+                text,
+                "{:14} {component:15} {:>8.1} {:>6.1} {:>6.1}",
+                model.name,
+                share(0),
+                share(1),
+                share(2)
+            );
+        }
+    }
+    text.push('\n');
+    for model in &result.models {
+        let _ = writeln!(text, "{}", sentence(model, result.runs));
+    }
+    text.pop();
+    text
+}
+
+/// What it comes to, in words.
+fn sentence(model: &ModelReport, runs: usize) -> String {
+    let parts: Vec<String> = [
+        Verdict::Consistent,
+        Verdict::Optimistic,
+        Verdict::Pessimistic,
+    ]
+    .into_iter()
+    .filter_map(|verdict| {
+        let names: Vec<&str> = model
+            .nees
+            .iter()
+            .filter(|group| group.verdict == verdict)
+            .map(|group| group.name)
+            .collect();
+        (!names.is_empty()).then(|| format!("{verdict} in {}", names.join(", ")))
+    })
+    .collect();
+    let mut sentence = format!("{}: {}", model.name, parts.join("; "));
+    if model.diverged > 0 {
+        let _ = write!(sentence, "; {} of {runs} runs diverged", model.diverged);
+    }
+    sentence + "."
+}
+
+/// Three significant digits.
+fn short(value: f64) -> String {
+    match value.abs() {
+        v if !v.is_finite() => "–".into(),
+        v if v < 9.9995 => format!("{value:.3}"),
+        v if v < 99.95 => format!("{value:.1}"),
+        v if v < 1e4 => format!("{value:.0}"),
+        _ => format!("{value:.1e}"),
+    }
+}

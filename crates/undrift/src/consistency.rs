@@ -1,0 +1,435 @@
+//! Is a filter as good as it says? Its errors against its covariance.
+//!
+//! With a truth: the normalised estimation error squared (NEES) `eᵀ P⁻¹ e` of a group of states is
+//! chi-squared with as many degrees of freedom as the group has states when the covariance is
+//! right; above that the filter is optimistic, below it pessimistic. Without: the innovations,
+//! normalised by the root of their covariance, are white with variance one ([`InnovationStatistics`]).
+//! Bar-Shalom, Li & Kirubarajan 2001, section 5.4.
+//!
+//! The average NEES of N independent runs at one instant, times N, is chi-squared with N times the
+//! freedom ([`average_bounds`]). Averaged over the time of one run it has the same mean, but its
+//! samples are correlated, so those bounds do not hold for it.
+
+use serde::Serialize;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+use std::collections::VecDeque;
+use undrift_nav::{
+    Matrix3, Vector3,
+    aiding::Observation,
+    covariance::{AXES, NAV},
+    filter::Filter,
+    sample::TruthSample,
+};
+use undrift_noise::correlation::white_bound;
+
+/// Components of an [`ErrorState`]: position, velocity, misalignment, gyro and accelerometer bias.
+pub const COMPONENTS: usize = NAV + AXES;
+
+/// Names of the components with their units.
+pub const COMPONENT_NAMES: [&str; COMPONENTS] = [
+    "north_m",
+    "east_m",
+    "down_m",
+    "vn_mps",
+    "ve_mps",
+    "vd_mps",
+    "psi_north_rad",
+    "psi_east_rad",
+    "psi_down_rad",
+    "gyro_x_radps",
+    "gyro_y_radps",
+    "gyro_z_radps",
+    "accel_x_mps2",
+    "accel_y_mps2",
+    "accel_z_mps2",
+];
+
+/// Number of groups.
+pub const GROUPS: usize = 6;
+
+/// The groups of components whose NEES is told: name, first component, number of them.
+pub const GROUP: [(&str, usize, usize); GROUPS] = [
+    ("position", 0, 3),
+    ("velocity", 3, 3),
+    ("attitude", 6, 3),
+    ("gyro bias", 9, 3),
+    ("accel bias", 12, 3),
+    ("all", 0, COMPONENTS),
+];
+
+type Vector = nalgebra::SVector<f64, COMPONENTS>;
+type Matrix = nalgebra::SMatrix<f64, COMPONENTS, COMPONENTS>;
+
+/// The error of a filter at one instant and the covariance that the filter gives it.
+///
+/// Signs as in `docs/conventions.md`: position [m], velocity [m/s] and misalignment [rad] estimate
+/// less truth, north-east-down; biases [rad/s, m/s²] truth less estimate, body axes. A component
+/// that is not known (no truth for it, or no state in the filter) counts in no group.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ErrorState {
+    error: Vector,
+    covariance: Matrix,
+    known: [bool; COMPONENTS],
+}
+
+impl ErrorState {
+    /// Of `filter` against the truth at its time; `bias` is what can be predicted of the next
+    /// sensor errors, gyros [rad/s] and accelerometers [m/s²], where that is known.
+    pub fn new<const N: usize>(
+        filter: &Filter<N>,
+        truth: &TruthSample,
+        bias: Option<&[f64; AXES]>,
+    ) -> Self {
+        let (nav, p, sensors) = (filter.nav(), filter.covariance(), filter.sensors());
+        let mut error = Vector::zeros();
+        let mut known = [false; COMPONENTS];
+        let mut note = |at: usize, part: Option<Vector3>| {
+            if let Some(part) = part {
+                error.fixed_rows_mut::<3>(at).copy_from(&part);
+                known[at..at + 3].fill(true);
+            }
+        };
+        note(0, Some(truth.position.offset_to(&nav.position)));
+        note(3, truth.v_n.map(|v| nav.v_n - v));
+        // The true attitude is the estimate turned by +ψ in the navigation frame.
+        note(
+            6,
+            truth.rpy.map(|rpy| {
+                (undrift_nav::attitude::from_rpy(&rpy) * nav.q_nb.inverse()).scaled_axis()
+            }),
+        );
+        let estimate = filter.sensor_error();
+        for axis in 0..AXES {
+            if let Some(bias) = bias
+                && sensors.axis(axis).order > 0
+            {
+                error[NAV + axis] = bias[axis] - estimate[axis];
+                known[NAV + axis] = true;
+            }
+        }
+
+        // T P Tᵀ: T keeps the navigation errors and forms H x of each axis.
+        let mut rows = nalgebra::SMatrix::<f64, COMPONENTS, N>::zeros();
+        rows.fixed_rows_mut::<NAV>(0)
+            .copy_from(&p.fixed_rows::<NAV>(0));
+        for axis in 0..AXES {
+            for i in 0..sensors.axis(axis).order {
+                let row = p.row(sensors.start(axis) + i) * sensors.axis(axis).h[i];
+                let mut sum = rows.row_mut(NAV + axis);
+                sum += row;
+            }
+        }
+        let mut covariance = Matrix::zeros();
+        covariance
+            .fixed_columns_mut::<NAV>(0)
+            .copy_from(&rows.fixed_columns::<NAV>(0));
+        for axis in 0..AXES {
+            for i in 0..sensors.axis(axis).order {
+                let column = rows.column(sensors.start(axis) + i) * sensors.axis(axis).h[i];
+                let mut sum = covariance.column_mut(NAV + axis);
+                sum += column;
+            }
+        }
+        Self::from_parts(error, covariance, known)
+    }
+
+    /// What is not known is given an error of zero and a variance of one, apart from all else: it
+    /// adds nothing to any NEES.
+    fn from_parts(
+        mut error: Vector,
+        mut covariance: Matrix,
+        mut known: [bool; COMPONENTS],
+    ) -> Self {
+        for i in 0..COMPONENTS {
+            known[i] &= covariance[(i, i)] > 0.0;
+            if !known[i] {
+                error[i] = 0.0;
+                covariance.row_mut(i).fill(0.0);
+                covariance.column_mut(i).fill(0.0);
+                covariance[(i, i)] = 1.0;
+            }
+        }
+        Self {
+            error,
+            covariance,
+            known,
+        }
+    }
+
+    /// NEES of a group of [`GROUP`] and its degrees of freedom; `None` where nothing of it is
+    /// known or its covariance is not positive definite.
+    pub fn nees(&self, group: usize) -> Option<(f64, usize)> {
+        let (_, from, count) = GROUP[group];
+        let freedom = self.known[from..from + count]
+            .iter()
+            .filter(|known| **known)
+            .count();
+        let value = if count == 3 {
+            let e: Vector3 = self.error.fixed_rows::<3>(from).into();
+            let p: Matrix3 = self.covariance.fixed_view::<3, 3>(from, from).into();
+            e.dot(&nalgebra::Cholesky::new(p)?.solve(&e))
+        } else {
+            let factor = nalgebra::Cholesky::new(self.covariance)?;
+            self.error.dot(&factor.solve(&self.error))
+        };
+        (freedom > 0 && value.is_finite()).then_some((value, freedom))
+    }
+
+    /// The error of a component in its standard deviations; `None` where it is not known.
+    pub fn normalised(&self, component: usize) -> Option<f64> {
+        self.known[component]
+            .then(|| self.error[component] / self.covariance[(component, component)].sqrt())
+    }
+}
+
+/// Two-sided 95 % bounds of the average of `count` independent chi-squared values of `freedom` each.
+/// NaN without any.
+pub fn average_bounds(freedom: usize, count: usize) -> (f64, f64) {
+    let n = count as f64;
+    ChiSquared::new(freedom as f64 * n).map_or((f64::NAN, f64::NAN), |law| {
+        (law.inverse_cdf(0.025) / n, law.inverse_cdf(0.975) / n)
+    })
+}
+
+/// Mean of one group's NEES over the time of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct MeanNees {
+    /// Sum of the NEES.
+    pub sum: f64,
+    /// Sum of their degrees of freedom.
+    pub freedom: u64,
+    /// Instants.
+    pub count: u64,
+}
+
+impl MeanNees {
+    /// Per degree of freedom: 1 when the covariance is right. `None` without instants.
+    pub fn per_freedom(&self) -> Option<f64> {
+        (self.freedom > 0).then(|| self.sum / self.freedom as f64)
+    }
+}
+
+/// NEES and coverage over the time of a run, or of many.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Consistency {
+    /// Group by group, in the order of [`GROUP`].
+    pub nees: [MeanNees; GROUPS],
+    /// Component by component, how often the error was within 1, 2 and 3 standard deviations …
+    pub within: [[u64; 3]; COMPONENTS],
+    /// … of so many times.
+    pub instants: [u64; COMPONENTS],
+}
+
+impl Consistency {
+    /// Takes in one instant.
+    pub fn add(&mut self, state: &ErrorState) {
+        for (group, mean) in self.nees.iter_mut().enumerate() {
+            if let Some((value, freedom)) = state.nees(group) {
+                mean.sum += value;
+                mean.freedom += freedom as u64;
+                mean.count += 1;
+            }
+        }
+        for component in 0..COMPONENTS {
+            if let Some(z) = state.normalised(component) {
+                self.instants[component] += 1;
+                for (sigmas, within) in self.within[component].iter_mut().enumerate() {
+                    *within += u64::from(z.abs() <= (sigmas + 1) as f64);
+                }
+            }
+        }
+    }
+
+    /// Takes in another's sums.
+    pub fn merge(&mut self, other: &Self) {
+        for (mean, more) in self.nees.iter_mut().zip(&other.nees) {
+            mean.sum += more.sum;
+            mean.freedom += more.freedom;
+            mean.count += more.count;
+        }
+        for i in 0..COMPONENTS {
+            self.instants[i] += other.instants[i];
+            for k in 0..3 {
+                self.within[i][k] += other.within[i][k];
+            }
+        }
+    }
+
+    /// Shares of the instants within 1, 2 and 3 standard deviations: 0.683, 0.954 and 0.997 when
+    /// the covariance is right and the errors are normal. `None` where the component is not known.
+    pub fn coverage(&self, component: usize) -> Option<[f64; 3]> {
+        let n = self.instants[component];
+        (n > 0).then(|| self.within[component].map(|k| k as f64 / n as f64))
+    }
+}
+
+/// `L⁻¹ ν` with `L Lᵀ = S = H P Hᵀ + R`, the covariance of the innovation ν: white with unit
+/// covariance when the filter is right, its square is the NIS. `None` where S is no covariance.
+pub fn normalised_innovation<const N: usize>(
+    filter: &Filter<N>,
+    observed: &Observation<3, N>,
+    r: &Matrix3,
+) -> Option<Vector3> {
+    let s = observed.h * filter.covariance() * observed.h.transpose() + r + observed.extra;
+    nalgebra::Cholesky::new(s)?
+        .l()
+        .solve_lower_triangular(&observed.innovation)
+}
+
+/// Lags of the autocorrelation of [`InnovationStatistics`].
+pub const LAGS: usize = 10;
+
+/// Whiteness and size of one kind of innovations, streamed: any filter can feed it.
+///
+/// ```
+/// use undrift::consistency::InnovationStatistics;
+/// let mut statistics = InnovationStatistics::new();
+/// for k in 0..100 {
+///     let alternating = if k % 2 == 0 { 1.0 } else { -1.0 };
+///     statistics.add(f64::from(k), &[alternating, 0.5]);
+/// }
+/// assert_eq!((statistics.updates(), statistics.freedom()), (100, 200));
+/// assert!((statistics.autocorrelation(0, 1).unwrap() + 0.99).abs() < 1e-12);
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct InnovationStatistics {
+    updates: u64,
+    freedom: u64,
+    nis: f64,
+    above: u64,
+    /// First and last time [s].
+    span: Option<(f64, f64)>,
+    components: Vec<Lagged>,
+}
+
+/// Products of one component with its past.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Lagged {
+    count: u64,
+    /// At lags 0 … [`LAGS`].
+    products: [f64; LAGS + 1],
+    recent: VecDeque<f64>,
+}
+
+impl InnovationStatistics {
+    /// Nothing yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Takes in the innovation of one update at `time` [s], normalised by the root of its
+    /// covariance ([`normalised_innovation`]): one number per degree of freedom.
+    pub fn add(&mut self, time: f64, normalised: &[f64]) {
+        let nis: f64 = normalised.iter().map(|v| v * v).sum();
+        let freedom = normalised.len();
+        self.updates += 1;
+        self.freedom += freedom as u64;
+        self.nis += nis;
+        self.above += u64::from(nis > chi_squared_95(freedom));
+        self.span = Some((self.span.map_or(time, |(first, _)| first), time));
+        self.components
+            .resize_with(self.components.len().max(freedom), Lagged::default);
+        for (lagged, &value) in self.components.iter_mut().zip(normalised) {
+            lagged.count += 1;
+            lagged.products[0] += value * value;
+            for (product, past) in lagged.products[1..].iter_mut().zip(&lagged.recent) {
+                *product += value * past;
+            }
+            lagged.recent.truncate(LAGS - 1);
+            lagged.recent.push_front(value);
+        }
+    }
+
+    /// Takes in the sums of another run of the same kind of measurement.
+    pub fn merge(&mut self, other: &Self) {
+        self.updates += other.updates;
+        self.freedom += other.freedom;
+        self.nis += other.nis;
+        self.above += other.above;
+        self.span = match (self.span, other.span) {
+            (Some(a), Some(b)) => Some((a.0.min(b.0), a.1.max(b.1))),
+            (a, b) => a.or(b),
+        };
+        let most = self.components.len().max(other.components.len());
+        self.components.resize_with(most, Lagged::default);
+        for (mine, more) in self.components.iter_mut().zip(&other.components) {
+            mine.count += more.count;
+            mine.recent.clear();
+            for (sum, product) in mine.products.iter_mut().zip(more.products) {
+                *sum += product;
+            }
+        }
+    }
+
+    /// Updates.
+    pub fn updates(&self) -> u64 {
+        self.updates
+    }
+
+    /// Sum of the degrees of freedom: what [`InnovationStatistics::nis`] is on average when the
+    /// filter is right.
+    pub fn freedom(&self) -> u64 {
+        self.freedom
+    }
+
+    /// Sum of the normalised innovations squared.
+    pub fn nis(&self) -> f64 {
+        self.nis
+    }
+
+    /// NIS per degree of freedom: 1 when the filter is right. `None` without updates.
+    pub fn per_freedom(&self) -> Option<f64> {
+        (self.freedom > 0).then(|| self.nis / self.freedom as f64)
+    }
+
+    /// Two-sided 95 % bounds of [`InnovationStatistics::per_freedom`]; innovations are independent
+    /// of each other when the filter is right, so they hold along one run too.
+    pub fn bounds(&self) -> (f64, f64) {
+        average_bounds(1, self.freedom as usize)
+    }
+
+    /// Share of the updates whose NIS is above the 95 % point of its chi-squared: 0.05 when right.
+    pub fn share_above_95(&self) -> Option<f64> {
+        (self.updates > 0).then(|| self.above as f64 / self.updates as f64)
+    }
+
+    /// First and last time [s].
+    pub fn span(&self) -> Option<(f64, f64)> {
+        self.span
+    }
+
+    /// Components seen: the most degrees of freedom of an update.
+    pub fn components(&self) -> usize {
+        self.components.len()
+    }
+
+    /// Autocorrelation of a component at a lag of 0 … [`LAGS`] updates, about zero, which the mean
+    /// of an innovation is when the filter is right. `None` where there is none.
+    pub fn autocorrelation(&self, component: usize, lag: usize) -> Option<f64> {
+        let products = &self.components.get(component)?.products;
+        let product = products.get(lag)?;
+        (products[0] > 0.0).then(|| product / products[0])
+    }
+
+    /// 95 % bound of the autocorrelations of a component that is white: ±1.96/√n.
+    pub fn white_bound(&self, component: usize) -> Option<f64> {
+        let lagged = self.components.get(component)?;
+        Some(white_bound(lagged.count as usize))
+    }
+}
+
+/// The 95 % point of chi-squared, computed once for the freedoms of usual measurements.
+fn chi_squared_95(freedom: usize) -> f64 {
+    use std::sync::LazyLock;
+    fn point(freedom: usize) -> f64 {
+        ChiSquared::new(freedom as f64).map_or(f64::INFINITY, |law| law.inverse_cdf(0.95))
+    }
+    static POINTS: LazyLock<[f64; 7]> = LazyLock::new(|| std::array::from_fn(point));
+    POINTS
+        .get(freedom)
+        .copied()
+        .unwrap_or_else(|| point(freedom))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,338 @@
+//! Monte Carlo: one simulated drive, many draws of its noise, and whether the filter's errors are as
+//! large as its covariance says.
+//!
+//! The motion is the same in every run; the sensors' errors with their turn-on constants, the GNSS
+//! noise and, where asked for, the error of the first attitude are drawn anew. What is measured is in
+//! [`crate::consistency`]. Runs go over all cores; the result does not depend on how many there are.
+//!
+//! The true bias is what can be predicted of the sensor's next error by the model that the errors
+//! are drawn from, `h·x`. Another form of the same noise predicts another thing (the innovations
+//! form of a Gauss-Markov process in white noise predicts the error, not the process), so the NEES
+//! of biases means something where simulation and filter have the same form; that of position,
+//! velocity and attitude always does.
+
+mod report;
+mod spec;
+
+pub use report::{Group, Kind, ModelReport, Report, Verdict};
+pub use spec::{MAX_RUN_EPOCHS, Spec};
+
+use crate::{
+    consistency::{Consistency, ErrorState, GROUPS, InnovationStatistics, normalised_innovation},
+    drive::DriveError,
+    replay::{Measurement, Observer, ReplayError, STAMP_ROUNDING, Settings, replay},
+    simulate::{GnssFixes, Increments, SensorErrors, SimulationError, Stepper},
+};
+use rand::{Rng, SeedableRng};
+use rand_distr::{Distribution, StandardNormal};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::prelude::*;
+use std::cell::Cell;
+use undrift_nav::{
+    Quaternion, Vector3,
+    attitude::{from_rotation_vector, to_rpy},
+    covariance::AXES,
+    filter::Filter,
+    sample::{GnssFix, ImuSample, TruthSample},
+};
+use undrift_noise::ModelError;
+
+/// Why there is no Monte Carlo.
+#[derive(Debug, thiserror::Error)]
+pub enum MonteCarloError {
+    /// The specification says something it cannot.
+    #[error(transparent)]
+    Drive(#[from] DriveError),
+    /// Nothing can be simulated.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// The model makes no filter.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// Too few or too many runs.
+    #[error("{0}")]
+    Runs(String),
+    /// A run ended without a solution.
+    #[error("{model}, run {run}: {error}")]
+    Replay {
+        /// Bias model of the filter.
+        model: String,
+        /// Run, from 1.
+        run: usize,
+        /// Why.
+        error: ReplayError,
+    },
+}
+
+/// Fewest runs: an average over fewer has no spread to speak of.
+pub const FEWEST_RUNS: usize = 2;
+
+/// Runs carried out before their results are added up and forgotten.
+const BATCH: usize = 64;
+
+/// What all runs share.
+struct Stage<'a> {
+    spec: &'a Spec,
+    ideal: Vec<ImuSample>,
+    /// Truth at every `stride`-th sample.
+    truth: Vec<TruthSample>,
+    stride: usize,
+    fix_times: Vec<f64>,
+    /// Attitude at the first fix.
+    first_attitude: Quaternion,
+    models: Vec<(String, Settings)>,
+}
+
+/// Carries out `runs` runs of `spec`; `done` is told of each.
+///
+/// # Errors
+/// For a specification that cannot be simulated or filtered, and for a run without alignment. A run
+/// that diverges is no error: it is counted.
+pub fn run(
+    spec: &Spec,
+    runs: usize,
+    seed: u64,
+    done: impl Fn() + Sync,
+) -> Result<Report, MonteCarloError> {
+    let stage = Stage::new(spec)?;
+    let most = MAX_RUN_EPOCHS / stage.truth.len().max(1);
+    if !(FEWEST_RUNS..=most).contains(&runs) {
+        return Err(MonteCarloError::Runs(format!(
+            "{runs} runs of this drive: there must be {FEWEST_RUNS} to {most}"
+        )));
+    }
+    // Two draws a run, whatever is asked of it: sensors and receiver, first attitude.
+    let mut master = Xoshiro256PlusPlus::seed_from_u64(seed);
+    let seeds: Vec<[u64; 2]> = (0..runs)
+        .map(|_| [master.next_u64(), master.next_u64()])
+        .collect();
+    let mut sums: Vec<report::Sums> = stage
+        .models
+        .iter()
+        .map(|_| report::Sums::new(stage.truth.len(), stage.fix_times.len()))
+        .collect();
+    for (batch, seeds) in seeds.chunks(BATCH).enumerate() {
+        let outcomes: Vec<_> = seeds
+            .par_iter()
+            .map(|seeds| {
+                let outcome = stage.one_run(*seeds);
+                done();
+                outcome
+            })
+            .collect();
+        // In the order of the runs, so that sums round alike on any number of cores.
+        for (at, outcome) in outcomes.into_iter().enumerate() {
+            let outcomes = outcome.map_err(|error| error.at_run(batch * BATCH + at + 1))?;
+            for (sums, outcome) in sums.iter_mut().zip(&outcomes) {
+                sums.add(outcome);
+            }
+        }
+    }
+    let names = stage.models.iter().map(|(name, _)| name.clone());
+    Ok(Report {
+        runs,
+        seed,
+        settle_s: spec.settle,
+        time_s: stage.truth.iter().map(|t| t.time).collect(),
+        fix_time_s: stage.fix_times.clone(),
+        models: names
+            .zip(&sums)
+            .map(|(name, sums)| sums.report(name, &stage.truth, &stage.fix_times, spec.settle))
+            .collect(),
+    })
+}
+
+impl MonteCarloError {
+    fn at_run(self, number: usize) -> Self {
+        match self {
+            Self::Replay { model, error, .. } => Self::Replay {
+                model,
+                run: number,
+                error,
+            },
+            other => other,
+        }
+    }
+}
+
+impl<'a> Stage<'a> {
+    fn new(spec: &'a Spec) -> Result<Self, MonteCarloError> {
+        let stride = (spec.every * spec.rate_hz).round().max(1.0) as usize;
+        let mut ideal = Vec::new();
+        let mut truth = Vec::new();
+        for (k, (sample, state)) in Increments::new(&spec.trajectory, spec.rate_hz).enumerate() {
+            ideal.push(sample);
+            if (k + 1) % stride == 0 {
+                truth.push(state);
+            }
+        }
+        let fix_times: Vec<f64> = GnssFixes::new(&spec.trajectory, &spec.gnss, 0)?
+            .map(|fix| fix.time)
+            .collect();
+        let mut stepper = Stepper::new(&spec.trajectory);
+        stepper.advance_to(fix_times.first().copied().unwrap_or(0.0));
+        // Told before the first run rather than by it.
+        SensorErrors::new(&spec.sensors()?, spec.rate_hz, 0)?;
+        Ok(Self {
+            spec,
+            ideal,
+            truth,
+            stride,
+            fix_times,
+            first_attitude: stepper.state().motion.q_nb,
+            models: spec.settings()?,
+        })
+    }
+
+    /// Every model over one draw.
+    fn one_run(&self, [seed, start_seed]: [u64; 2]) -> Result<Vec<Outcome>, MonteCarloError> {
+        let spec = self.spec;
+        let sensors = spec.sensors()?;
+        let gnss: Vec<GnssFix> = GnssFixes::new(&spec.trajectory, &spec.gnss, seed)?.collect();
+        let start = spec.truth_std.map(|std| {
+            let mut generator = Xoshiro256PlusPlus::seed_from_u64(start_seed);
+            let psi = std.map(|s| {
+                let w: f64 = StandardNormal.sample(&mut generator);
+                s * w
+            });
+            // The truth is the estimate turned by +ψ.
+            let estimate = from_rotation_vector(&-psi) * self.first_attitude;
+            (to_rpy(&estimate), std)
+        });
+        let one_model = |(name, settings): &(String, Settings)| {
+            let mut settings = settings.clone();
+            if start.is_some() {
+                settings.align.attitude = start;
+            }
+            // The true bias is where the samples come from, and is looked at where they go.
+            let now = Cell::new((0, [0.0; AXES]));
+            let mut errors = SensorErrors::new(&sensors, spec.rate_hz, seed)?;
+            let samples = self.ideal.iter().enumerate().map(|(k, ideal)| {
+                let sample = errors.apply(ideal);
+                let bias = if (k + 1) % self.stride == 0 {
+                    errors.bias()
+                } else {
+                    [f64::NAN; AXES]
+                };
+                now.set((k + 1, bias));
+                Ok(sample)
+            });
+            let mut watch = Watch {
+                stage: self,
+                settings: &settings,
+                now: &now,
+                next_fix: 0,
+                outcome: Outcome {
+                    nees: vec![[f64::NAN; GROUPS]; self.truth.len()],
+                    nis: vec![[f64::NAN; 2]; self.fix_times.len()],
+                    ..Outcome::default()
+                },
+            };
+            let fixes = gnss.iter().copied().map(Measurement::Gnss).map(Ok);
+            let summary = replay(samples, fixes, &settings, &mut watch).map_err(|error| {
+                MonteCarloError::Replay {
+                    model: name.clone(),
+                    run: 0,
+                    error,
+                }
+            })?;
+            let mut outcome = watch.outcome;
+            outcome.diverged = summary.diverged.is_some();
+            Ok(outcome)
+        };
+        self.models.iter().map(one_model).collect()
+    }
+}
+
+/// What one run of one model leaves behind.
+#[derive(Default)]
+struct Outcome {
+    /// When navigation began [s]; `None` until then.
+    started: Option<f64>,
+    diverged: bool,
+    /// NEES at every epoch, NaN where there is none.
+    nees: Vec<[f64; GROUPS]>,
+    /// Degrees of freedom of it.
+    freedom: [usize; GROUPS],
+    /// After the settling.
+    settled: Consistency,
+    /// NIS of position and velocity at every fix, NaN where there is none.
+    nis: Vec<[f64; 2]>,
+    /// Innovations of position and velocity after the settling.
+    innovations: [InnovationStatistics; 2],
+}
+
+/// Looks at a run.
+struct Watch<'a> {
+    stage: &'a Stage<'a>,
+    settings: &'a Settings,
+    /// Samples so far and, at epochs, the true bias after the last.
+    now: &'a Cell<(usize, [f64; AXES])>,
+    next_fix: usize,
+    outcome: Outcome,
+}
+
+impl Watch<'_> {
+    /// Whether the navigation has settled at `time` [s]; the first time asked is its beginning.
+    fn settled(&mut self, time: f64) -> bool {
+        let started = *self.outcome.started.get_or_insert(time);
+        time >= started + self.stage.spec.settle - STAMP_ROUNDING
+    }
+}
+
+impl Observer for Watch<'_> {
+    fn sample<const N: usize>(&mut self, filter: &Filter<N>) -> Result<(), ReplayError> {
+        let settled = self.settled(filter.nav().time);
+        let (samples, bias) = self.now.get();
+        if samples % self.stage.stride != 0 {
+            return Ok(());
+        }
+        let epoch = samples / self.stage.stride - 1;
+        let (Some(truth), Some(nees)) = (
+            self.stage.truth.get(epoch),
+            self.outcome.nees.get_mut(epoch),
+        ) else {
+            return Ok(());
+        };
+        let state = ErrorState::new(filter, truth, Some(&bias));
+        for group in 0..GROUPS {
+            if let Some((value, freedom)) = state.nees(group) {
+                nees[group] = value;
+                self.outcome.freedom[group] = freedom;
+            }
+        }
+        if settled {
+            self.outcome.settled.add(&state);
+        }
+        Ok(())
+    }
+
+    fn fix<const N: usize>(&mut self, filter: &Filter<N>, fix: &GnssFix, _: bool) {
+        let settled = self.settled(fix.time);
+        let times = &self.stage.fix_times;
+        while self.next_fix < times.len() && times[self.next_fix] < fix.time - STAMP_ROUNDING {
+            self.next_fix += 1;
+        }
+        // The velocity's innovation follows the position's update: on a copy.
+        let mut filter = filter.clone();
+        let lever = &self.settings.lever_arm;
+        let mut note = |kind: usize, normalised: Option<Vector3>| {
+            if let (Some(v), Some(nis)) = (normalised, self.outcome.nis.get_mut(self.next_fix)) {
+                nis[kind] = v.norm_squared();
+                if settled {
+                    self.outcome.innovations[kind].add(fix.time, v.as_slice());
+                }
+            }
+        };
+        if let Some((position, covariance)) = &fix.position {
+            let observed = filter.observe_position(position, lever);
+            note(0, normalised_innovation(&filter, &observed, covariance));
+            // The replay itself does the same and tells of a failure.
+            let _ = filter.update(&observed, covariance);
+        }
+        if let Some((velocity, covariance)) = &fix.velocity {
+            let observed = filter.observe_velocity(velocity, lever);
+            note(1, normalised_innovation(&filter, &observed, covariance));
+        }
+    }
+}

@@ -1,0 +1,237 @@
+//! `SPEC.toml` of a Monte Carlo. All keys are in `docs/montecarlo.md`.
+
+use crate::{
+    align::AlignSettings,
+    drive::{ConfigError, DriveError, Section, line_at, read_initial},
+    montecarlo::MonteCarloError,
+    replay::Settings,
+    simulate::{GnssNoise, REST_BEFORE, Trajectory},
+};
+use std::path::Path;
+use toml::de::DeTable;
+use undrift_nav::{Vector3, shaping::ShapingFilter, units::Quantity};
+use undrift_noise::{BiasModel, ImuModel};
+
+/// Most samples of a drive: all runs share its noise-free samples, 64 bytes each.
+const MAX_SAMPLES: f64 = 20e6;
+
+/// Most runs times epochs.
+pub const MAX_RUN_EPOCHS: usize = 50_000_000;
+
+/// What is simulated, and what the filter is told of it.
+#[derive(Clone, Debug)]
+pub struct Spec {
+    /// The motion, the same in every run.
+    pub trajectory: Trajectory,
+    /// Rate of the inertial samples [Hz].
+    pub rate_hz: f64,
+    /// The sensors' true model.
+    pub model: ImuModel,
+    /// The form in which their errors are drawn.
+    pub bias_model: BiasModel,
+    /// The model that the filter is told.
+    pub filter_model: ImuModel,
+    /// The forms in which the filter runs it, one after the other.
+    pub bias_models: Vec<BiasModel>,
+    /// The receiver.
+    pub gnss: GnssNoise,
+    /// How the filter starts.
+    pub align: AlignSettings,
+    /// Instead: at the first fix, at the true attitude turned by a draw of these standard
+    /// deviations about north, east, down [rad], which the filter is told.
+    pub truth_std: Option<Vector3>,
+    /// Spacing of the epochs at which the errors are looked at [s].
+    pub every: f64,
+    /// Beginning of the navigation left out of averages and shares [s].
+    pub settle: f64,
+}
+
+impl Spec {
+    /// Reads a `SPEC.toml`; model files in it are relative to its own folder.
+    pub fn load(path: &Path) -> Result<Self, DriveError> {
+        let file = path.display().to_string();
+        let text = std::fs::read_to_string(path).map_err(|e| ConfigError {
+            file: file.clone(),
+            line: None,
+            key: String::new(),
+            message: format!("cannot be read: {e}"),
+        })?;
+        Self::from_toml(&text, &file, path.parent().unwrap_or(Path::new("")))
+    }
+
+    /// Reads the text of a `SPEC.toml`; `file` is what messages call it, `home` where model files lie.
+    pub fn from_toml(text: &str, file: &str, home: &Path) -> Result<Self, DriveError> {
+        let table = DeTable::parse(text).map_err(|e| ConfigError {
+            file: file.to_owned(),
+            line: e.span().map(|s| line_at(text, s.start)),
+            key: String::new(),
+            message: e.message().to_owned(),
+        })?;
+        let top = Section::top(table.get_ref(), text, file);
+        top.only(&[
+            "model",
+            "bias_model",
+            "filter",
+            "drive",
+            "gnss",
+            "initial",
+            "epochs",
+        ])?;
+        let names = BiasModel::ALL.map(|kind| (kind.name(), kind));
+        let model = top.model("model", home)?.ok_or_else(|| {
+            let presets = ImuModel::preset_names().join(", ");
+            top.error("model", format!("missing: the sensors' noise model, one of the presets {presets}, a file, or a table"))
+        })?;
+        let bias_model = top.word("bias_model", &names)?.unwrap_or(BiasModel::Arma);
+
+        let filter = top.section("filter")?;
+        let filter_model = filter
+            .model("model", home)?
+            .unwrap_or_else(|| model.clone());
+        let bias_models = filter
+            .words("bias_models", &names)?
+            .unwrap_or_else(|| vec![bias_model]);
+        filter.only_known()?;
+
+        let drive = top.section("drive")?;
+        let (trajectory, rate_hz) = read_drive(&drive)?;
+        let duration = trajectory.duration;
+        let gnss = read_gnss(&top.section("gnss")?, duration)?;
+
+        let initial = top.section("initial")?;
+        let truth_std = initial.vector("truth_std", Quantity::Angle)?;
+        if truth_std.is_some_and(|std| std.iter().any(|s| *s <= 0.0)) {
+            return Err(initial
+                .error("truth_std", "standard deviations must be above zero")
+                .into());
+        }
+        if truth_std.is_some() && initial.get("attitude").is_some() {
+            return Err(initial
+                .error("attitude", "give truth_std or attitude, not both")
+                .into());
+        }
+        let align = read_initial(&initial)?;
+
+        let epochs = top.section("epochs")?;
+        let every = epochs.quantity("every", Quantity::Time)?.unwrap_or(1.0);
+        let samples = every * rate_hz;
+        if !(samples > 0.5 && (samples - samples.round()).abs() < 1e-6 * samples) {
+            return Err(epochs
+                .error(
+                    "every",
+                    format!(
+                        "must be a whole number of samples, which are {} s apart",
+                        1.0 / rate_hz
+                    ),
+                )
+                .into());
+        }
+        let settle = epochs.quantity("settle", Quantity::Time)?.unwrap_or(60.0);
+        if !(settle >= 0.0 && settle + every <= duration) {
+            return Err(epochs
+                .error(
+                    "settle",
+                    format!("must leave something of the {duration} s of the drive"),
+                )
+                .into());
+        }
+        epochs.only_known()?;
+        Ok(Self {
+            trajectory,
+            rate_hz,
+            model,
+            bias_model,
+            filter_model,
+            bias_models,
+            gnss,
+            align,
+            truth_std,
+            every,
+            settle,
+        })
+    }
+
+    /// The shaping filters that the sensors' errors are drawn from.
+    pub(super) fn sensors(&self) -> Result<[ShapingFilter; 6], MonteCarloError> {
+        Ok(self.model.shaping(self.bias_model, 1.0 / self.rate_hz)?)
+    }
+
+    /// The filter's settings under each bias model, by name.
+    pub(super) fn settings(&self) -> Result<Vec<(String, Settings)>, MonteCarloError> {
+        let settings = |kind: &BiasModel| {
+            let settings = Settings {
+                lever_arm: self.gnss.lever_arm,
+                align: self.align.clone(),
+                ..Settings::new(self.filter_model.shaping(*kind, 1.0 / self.rate_hz)?)
+            };
+            Ok((kind.name().to_owned(), settings))
+        };
+        self.bias_models.iter().map(settings).collect()
+    }
+}
+
+fn read_drive(section: &Section) -> Result<(Trajectory, f64), ConfigError> {
+    type Scenario = fn(f64, u64) -> Trajectory;
+    let kinds: [(&str, Scenario); 2] = [("car", Trajectory::car), ("flight", Trajectory::flight)];
+    let scenario = section
+        .word("kind", &kinds)?
+        .ok_or_else(|| section.error("kind", "missing: \"car\" or \"flight\""))?;
+    let duration = section
+        .quantity("duration", Quantity::Time)?
+        .unwrap_or(600.0);
+    let least = REST_BEFORE + 30.0;
+    if !(least..=crate::simulate::MAX_DURATION).contains(&duration) {
+        return Err(section.error(
+            "duration",
+            format!("must be {least} s, of which {REST_BEFORE} s are at rest, to ten days"),
+        ));
+    }
+    let rate_hz = section
+        .quantity("rate", Quantity::Frequency)?
+        .unwrap_or(100.0);
+    if !(rate_hz > 0.0 && rate_hz * duration <= MAX_SAMPLES) {
+        return Err(section.error(
+            "rate",
+            format!("must be above 0 Hz and make at most {MAX_SAMPLES} samples of the drive"),
+        ));
+    }
+    let seed = section.whole("seed")?.unwrap_or(1);
+    section.only_known()?;
+    Ok((scenario(duration, seed), rate_hz))
+}
+
+fn read_gnss(section: &Section, duration: f64) -> Result<GnssNoise, ConfigError> {
+    let mut gnss = GnssNoise::default();
+    let std = |key, quantity, default: [f64; 3]| match section.vector(key, quantity)? {
+        Some(v) if v.iter().any(|s| *s <= 0.0) => {
+            Err(section.error(key, "standard deviations must be above zero"))
+        }
+        Some(v) => Ok([v.x, v.y, v.z]),
+        None => Ok(default),
+    };
+    gnss.position_std = std("position_std", Quantity::Length, gnss.position_std)?;
+    gnss.velocity_std = std("velocity_std", Quantity::Velocity, gnss.velocity_std)?;
+    if let Some(rate) = section.quantity("rate", Quantity::Frequency)? {
+        gnss.rate_hz = rate;
+    }
+    if let Some(start) = section.quantity("start", Quantity::Time)? {
+        gnss.start = start;
+    }
+    if let Some(arm) = section.vector("lever_arm", Quantity::Length)? {
+        gnss.lever_arm = arm;
+    }
+    if let Some(scale) = section.factor("noise_scale")? {
+        gnss.noise_scale = scale;
+    }
+    if !(gnss.rate_hz > 0.0 && gnss.rate_hz * duration <= MAX_SAMPLES) {
+        return Err(section.error(
+            "rate",
+            format!("must be above 0 Hz and make at most {MAX_SAMPLES} fixes of the drive"),
+        ));
+    }
+    if !(gnss.start >= 0.0 && gnss.start < duration) {
+        return Err(section.error("start", "must lie within the drive"));
+    }
+    section.only_known()?;
+    Ok(gnss)
+}
