@@ -1,5 +1,7 @@
 //! What the filter is aided with besides the samples: fixes, wheel speeds, barometric heights, merged in time.
 
+pub use undrift_nav::sample::Scalar;
+
 use undrift_nav::sample::GnssFix;
 
 /// One measurement.
@@ -11,17 +13,6 @@ pub enum Measurement {
     Odometer(Scalar),
     /// Height by the barometer [m].
     Barometer(Scalar),
-}
-
-/// A measurement of one number.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scalar {
-    /// Time [s], in the log's time base.
-    pub time: f64,
-    /// The number.
-    pub value: f64,
-    /// Its standard deviation, in the same unit.
-    pub std: f64,
 }
 
 impl Measurement {
