@@ -3,12 +3,13 @@
 use crate::{
     drive::{Drive, DriveError},
     reference::{COMPONENTS, Errors, TruthCursor},
-    replay::{Measurement, Observer, ReplayError, Settings, Summary, replay},
+    replay::{Measurement, Observer, ReplayError, Settings, Summary, merge, replay},
 };
 use std::path::Path;
 use undrift_io::{
     ReadError,
     imu::GapSummary,
+    scalar::ScalarReader,
     skipped::Skipped,
     truth::TruthReader,
     write::{
@@ -20,7 +21,7 @@ use undrift_nav::{
     Vector3,
     attitude::to_rpy,
     filter::Filter,
-    sample::{GnssFix, TruthSample},
+    sample::{GnssFix, Scalar, TruthSample},
 };
 use undrift_noise::BiasModel;
 
@@ -37,6 +38,8 @@ pub struct Report {
     pub imu_skipped: Skipped,
     /// What was left out of the GNSS log.
     pub gnss_skipped: Skipped,
+    /// What was left out of the odometer's and the barometer's logs, and their gaps, where there are such.
+    pub scalars: Vec<(&'static str, Skipped, GapSummary)>,
     /// What was left out of the truth.
     pub truth_skipped: Skipped,
     /// Gaps of the inertial log.
@@ -92,6 +95,8 @@ pub fn navigate(
     let settings = settings(drive, kind)?;
     let mut imu = drive.open_imu()?;
     let mut gnss = drive.open_gnss()?;
+    let mut odometer = drive.open_odometer()?;
+    let mut barometer = drive.open_barometer()?;
     let mut recorder = Recorder {
         writer: output
             .map(SolutionWriter::create)
@@ -107,12 +112,14 @@ pub fn navigate(
         squares: [0.0; COMPONENTS.len()],
         compared: 0,
     };
-    let summary = replay(
-        &mut imu,
+    let aiding = merge(
         gnss.by_ref().map(|fix| fix.map(Measurement::Gnss)),
-        &settings,
-        &mut recorder,
-    )?;
+        merge(
+            scalars(&mut odometer, Measurement::Odometer),
+            scalars(&mut barometer, Measurement::Barometer),
+        ),
+    );
+    let summary = replay(&mut imu, aiding, &settings, &mut recorder)?;
     let mut truth_skipped = Skipped::default();
     let mut truth_read = None;
     if let Some(cursor) = recorder.truth {
@@ -140,7 +147,22 @@ pub fn navigate(
         gnss_skipped: gnss.skipped().clone(),
         truth_skipped,
         gaps: imu.gaps(),
+        scalars: [("odometer", odometer), ("barometer", barometer)]
+            .into_iter()
+            .filter_map(|(name, reader)| {
+                reader.map(|reader| (name, reader.skipped().clone(), reader.gaps()))
+            })
+            .collect(),
     })
+}
+
+/// The measurements of a log that may not be there.
+pub fn scalars(
+    reader: &mut Option<ScalarReader>,
+    kind: fn(Scalar) -> Measurement,
+) -> impl Iterator<Item = Result<Measurement, ReadError>> {
+    let scalars = reader.iter_mut().flatten();
+    scalars.map(move |scalar| scalar.map(kind))
 }
 
 /// A truth reader that ends at its first error and keeps it.

@@ -18,6 +18,7 @@ use crate::{
 };
 use bridge::Bridge;
 use gate::FixGate;
+use measurement::Queue;
 use rest::RestDetector;
 use summary::Streak;
 use undrift_nav::{
@@ -175,32 +176,29 @@ fn run<const N: usize>(
     observer: &mut impl Observer,
 ) -> Result<Summary, ReplayError> {
     let mut run = Run::<N>::new(settings);
-    let mut aiding = aiding.peekable();
+    let mut aiding = Queue::new(aiding);
     let (mut imu_start, mut first_fix) = (None, None);
     for sample in imu {
         let sample = sample?;
         let start = sample.time - sample.dt;
         if imu_start.is_none() {
             imu_start = Some(sample.time);
-            first_fix = aiding
-                .peek()
-                .and_then(|m| m.as_ref().ok())
-                .map(Measurement::time);
-            while let Some(Ok(measurement)) = aiding.peek() {
-                if measurement.time() >= start - STAMP_ROUNDING {
-                    break;
+            while let Some(before) = aiding.next_until(start - STAMP_ROUNDING, 0.0) {
+                if let Measurement::Gnss(fix) = before? {
+                    first_fix.get_or_insert(fix.time);
+                    run.summary.fixes_before += 1;
                 }
-                run.summary.fixes_before += u64::from(matches!(measurement, Measurement::Gnss(_)));
-                aiding.next();
             }
         }
         run.begin(&sample);
-        while let Some(measurement) = aiding.next_if(|m| match m {
-            Ok(m) => run.due(m) <= sample.time + STAMP_ROUNDING,
-            Err(_) => true,
-        }) {
+        while let Some(measurement) =
+            aiding.next_until(sample.time + STAMP_ROUNDING, run.fix_offset())
+        {
             match measurement? {
-                Measurement::Gnss(fix) => run.fix(&fix, &sample, observer)?,
+                Measurement::Gnss(fix) => {
+                    first_fix.get_or_insert(fix.time);
+                    run.fix(&fix, &sample, observer)?;
+                }
                 Measurement::Odometer(speed) => run.odometer(&speed),
                 Measurement::Barometer(height) => run.barometer(&height),
             }
@@ -215,6 +213,7 @@ fn run<const N: usize>(
     }
     if run.filter.is_none() {
         let mut why = run.aligner.why_not();
+        let first_fix = first_fix.or_else(|| aiding.next_fix());
         if let (Some(imu), Some(gnss)) = (imu_start, first_fix) {
             let end = run.summary.ended;
             why += &format!(
@@ -283,13 +282,11 @@ impl<'a, const N: usize> Run<'a, N> {
         }
     }
 
-    /// When a measurement holds [s]: fixes at their stamp and the estimated time offset.
-    fn due(&self, measurement: &Measurement) -> f64 {
-        let offset = match (measurement, &self.filter) {
-            (Measurement::Gnss(_), Some(filter)) => filter.parameter(Parameter::TimeOffset),
-            _ => None,
-        };
-        measurement.time() + offset.map_or(0.0, |(value, _)| value[0])
+    /// By how much fixes hold later than their stamps, as estimated [s].
+    fn fix_offset(&self) -> f64 {
+        let filter = self.filter.as_ref();
+        let offset = filter.and_then(|filter| filter.parameter(Parameter::TimeOffset));
+        offset.map_or(0.0, |(value, _)| value[0])
     }
 
     /// Tells the observer of a node, if there is a smoother.
@@ -396,7 +393,7 @@ impl<'a, const N: usize> Run<'a, N> {
             }
             return Ok(());
         }
-        let due = self.due(&Measurement::Gnss(*fix));
+        let due = fix.time + self.fix_offset();
         self.advance_to(due);
         if !withheld {
             self.grow_to(due);
@@ -511,10 +508,17 @@ impl<'a, const N: usize> Run<'a, N> {
         self.node(observer)
     }
 
-    /// A wheel speed within the present sample.
+    /// Whether the present sample ends a gap too long to say how the vehicle moved in it.
+    fn in_long_gap(&self) -> bool {
+        let bridge = self.bridge.as_ref();
+        bridge.is_some_and(|bridge| bridge.unknown_since.is_some())
+    }
+
+    /// A wheel speed within the present sample; none in a long gap, where the attitude is not known.
     fn odometer(&mut self, speed: &Scalar) {
+        let unknown = self.in_long_gap();
         self.advance_to(speed.time);
-        let Some(filter) = &mut self.filter else {
+        let Some(filter) = self.filter.as_mut().filter(|_| !unknown) else {
             return;
         };
         let observed =
@@ -526,10 +530,11 @@ impl<'a, const N: usize> Run<'a, N> {
         }
     }
 
-    /// A barometric height within the present sample.
+    /// A barometric height within the present sample, as a wheel speed.
     fn barometer(&mut self, height: &Scalar) {
+        let unknown = self.in_long_gap();
         self.advance_to(height.time);
-        let Some(filter) = &mut self.filter else {
+        let Some(filter) = self.filter.as_mut().filter(|_| !unknown) else {
             return;
         };
         let observed = filter.observe_barometer(height.value);
