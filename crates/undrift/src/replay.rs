@@ -109,6 +109,8 @@ pub trait Observer {
     fn sample<const N: usize>(&mut self, filter: &Filter<N>) -> Result<(), ReplayError>;
     /// A fix was reached; the filter stands at its time, before any update with it.
     fn fix<const N: usize>(&mut self, filter: &Filter<N>, fix: &GnssFix, withheld: bool);
+    /// A block of samples was judged to be rest or motion; the filter stands at its end.
+    fn judged<const N: usize>(&mut self, _filter: &Filter<N>, _rest: bool) {}
     /// A node of a smoother: the filter after all that happened up to now, and the adjoint of what
     /// happened since the node before; `None` at the first one.
     fn node<const N: usize>(
@@ -246,8 +248,8 @@ struct Run<'a, const N: usize> {
     settings: &'a Settings,
     summary: Summary,
     last_fix: Option<f64>,
-    /// Speed over ground of the last fix and its time.
-    last_speed: Option<(f64, f64)>,
+    /// Time of the last fix, and the least and greatest speed over ground that it leaves possible.
+    last_speed: Option<(f64, (f64, f64))>,
     streak: Streak,
     previous: Option<ImuSample>,
     /// While a gap is being bridged.
@@ -442,7 +444,8 @@ impl<'a, const N: usize> Run<'a, N> {
         }
         if let Some((v_n, covariance)) = &fix.velocity {
             let error = covariance.fixed_view::<2, 2>(0, 0).trace().sqrt();
-            self.last_speed = Some((fix.time, (v_n.xy().norm() - error).max(0.0)));
+            let speed = v_n.xy().norm();
+            self.last_speed = Some((fix.time, ((speed - error).max(0.0), speed + error)));
             if usage != GnssUse::Position {
                 let gate = &mut self.velocity_gate;
                 let tape = self.tape.as_deref_mut();
@@ -546,35 +549,39 @@ impl<'a, const N: usize> Run<'a, N> {
     }
 
     /// What the vehicle cannot do, at the end of a sample.
-    fn constrain(&mut self, sample: &ImuSample) {
+    fn constrain(&mut self, sample: &ImuSample, observer: &mut impl Observer) {
         let Some(filter) = &mut self.filter else {
             return;
         };
         let constraints = &self.settings.constraints;
         if constraints.zero_velocity.is_some() || constraints.zero_angular_rate.is_some() {
             let error = filter.sensor_error();
-            let earth = undrift_nav::earth::earth_rate_n(filter.nav().position.lat);
-            let expected =
-                Vector3::new(error[0], error[1], error[2]) + filter.c_nb().tr_mul(&earth);
+            let [gyro, accel] = [0, 3].map(|i| Vector3::new(error[i], error[i + 1], error[i + 2]));
+            let place = &filter.nav().position;
+            let earth_rate = undrift_nav::earth::earth_rate_n(place.lat);
+            let up = -undrift_nav::earth::gravity(place.lat, place.height) * Vector3::z();
+            let to_body = |v_n: &Vector3| filter.c_nb().tr_mul(v_n);
+            let expected = (gyro + to_body(&earth_rate), accel + to_body(&up));
             let speed = self
                 .last_speed
                 .filter(|(time, _)| {
                     sample.time - time < SPEED_HOLDS && self.last_fix == Some(*time)
                 })
                 .map(|(_, speed)| speed);
-            if let Some(block) = self.rest.add(sample, &expected, speed)
-                && block.rest
-            {
-                if let Some(std) = constraints.zero_velocity {
+            if let Some(block) = self.rest.add(sample, &expected, speed) {
+                let mut rest = block.rest;
+                if let Some(std) = constraints.zero_velocity.filter(|_| rest) {
                     let observed = filter.observe_zero_velocity();
                     let r = Matrix3::identity() * (std * std);
                     let tape = self.tape.as_deref_mut();
                     if let Ok(done) = filter.update_recorded(&observed, &r, &CONSTRAINT_GATE, tape)
                     {
+                        // A solution that is sure to move is believed.
+                        rest = done.outcome != Outcome::Rejected;
                         self.summary.zero_velocity.add(done);
                     }
                 }
-                if let Some(std) = constraints.zero_angular_rate {
+                if let Some(std) = constraints.zero_angular_rate.filter(|_| rest) {
                     let observed = filter.observe_earth_rate(&block.rate);
                     let noise = Vector3::from_fn(|i, _| {
                         let axis = &self.settings.sensors[i];
@@ -584,6 +591,7 @@ impl<'a, const N: usize> Run<'a, N> {
                     let tape = self.tape.as_deref_mut();
                     let _ = filter.update_recorded(&observed, &r, &CONSTRAINT_GATE, tape);
                 }
+                observer.judged(filter, rest);
             }
         }
         if let Some(rule) = &constraints.non_holonomic
@@ -613,7 +621,7 @@ impl<'a, const N: usize> Run<'a, N> {
         self.advance_to(sample.time);
         self.grow_to(sample.time);
         self.bridge = None;
-        self.constrain(sample);
+        self.constrain(sample, observer);
         let Some(filter) = &self.filter else {
             self.summary.align_samples += 1;
             self.aligner.advance(sample, sample.time);
