@@ -3,4 +3,5 @@
 mod configuration;
 mod log;
 mod logs;
+mod scalars;
 mod schedule;
