@@ -129,6 +129,14 @@ fn print_report(report: &Report, kind: BiasModel) -> Result<()> {
         );
     }
     report::print_health(s);
+    for (name, skipped, gaps) in &report.scalars {
+        let sums = if *name == "odometer" {
+            &s.odometer
+        } else {
+            &s.barometer
+        };
+        report::print_scalar(name, skipped, gaps, sums);
+    }
     for (file, skipped) in [
         ("IMU", &report.imu_skipped),
         ("GNSS", &report.gnss_skipped),

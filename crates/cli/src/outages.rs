@@ -6,8 +6,10 @@ use clap::Args;
 use std::path::PathBuf;
 use undrift::{
     figure,
+    navigate::scalars,
     noise::BiasModel,
     outages::{self, Schedule},
+    replay::{Measurement, merge},
 };
 
 /// Cut GNSS again and again on a drive and measure how far each bias model drifts.
@@ -62,6 +64,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let imu = imu_reader.by_ref().collect::<Result<Vec<_>, _>>()?;
     let mut gnss_reader = drive.open_gnss()?;
     let gnss = gnss_reader.by_ref().collect::<Result<Vec<_>, _>>()?;
+    let (mut odometer, mut barometer) = (drive.open_odometer()?, drive.open_barometer()?);
+    let aiding = merge(
+        gnss.iter().copied().map(Measurement::Gnss).map(Ok),
+        merge(
+            scalars(&mut odometer, Measurement::Odometer),
+            scalars(&mut barometer, Measurement::Barometer),
+        ),
+    )
+    .collect::<Result<Vec<_>, _>>()?;
     let mut truth_reader = drive.open_truth()?;
     let truth = match &mut truth_reader {
         Some(reader) => reader.collect::<Result<Vec<_>, _>>()?,
@@ -110,7 +121,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         })
         .collect::<Result<Vec<_>>>()?;
 
-    let results = outages::run(&imu, &gnss, &truth, &models);
+    let results = outages::run_aided(&imu, &aiding, &truth, &models);
     let (runs, failed) = report::split(&results);
     let reference = if truth.is_empty() { "gnss" } else { "truth" };
     let json = report::json(&cuts, &runs, reference);
@@ -140,6 +151,22 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     report::print_warnings(&runs);
     if let Some(run) = runs.first() {
         report::print_health(&run.summary);
+        if let Some(reader) = &odometer {
+            report::print_scalar(
+                "odometer",
+                reader.skipped(),
+                &reader.gaps(),
+                &run.summary.odometer,
+            );
+        }
+        if let Some(reader) = &barometer {
+            report::print_scalar(
+                "barometer",
+                reader.skipped(),
+                &reader.gaps(),
+                &run.summary.barometer,
+            );
+        }
     }
     let truth_skipped = truth_reader.as_ref().map(|reader| reader.skipped());
     for (file, skipped) in [

@@ -4,9 +4,10 @@ use anyhow::{Context, Result};
 use serde_json::json;
 use std::path::Path;
 use undrift::{
+    io::{imu::GapSummary, skipped::Skipped},
     nav::sample::{GnssFix, Position, TruthSample},
     outages::ModelRun,
-    replay::{Outage, ReplayError, Summary},
+    replay::{Innovations, Outage, ReplayError, Summary},
     table::outage_table,
 };
 
@@ -81,6 +82,30 @@ pub fn print_health(summary: &Summary) {
     if let Some(time) = summary.suspect {
         eprintln!(
             "the innovations from {time:.1} s on are far beyond their predicted size: the solution diverges from the fixes, or the noise model or the stated GNSS accuracy is wrong"
+        );
+    }
+}
+
+/// Tells what was unusual about a log of one number, and how it was used.
+pub fn print_scalar(name: &str, skipped: &Skipped, gaps: &GapSummary, used: &Innovations) {
+    if !skipped.is_empty() {
+        eprintln!("{name} log: {skipped}");
+    }
+    if let (count, Some(longest)) = (gaps.count, gaps.longest) {
+        eprintln!(
+            "{name} log: {count} gaps, the longest {:.3} s from {:.3} s",
+            longest.length, longest.start
+        );
+    }
+    if used.updates == 0 {
+        eprintln!(
+            "{name} log: nothing of it was used; compare its times with the IMU's, {name}.time_offset moves them"
+        );
+    }
+    if used.rejected + used.weakened > 0 {
+        eprintln!(
+            "{name}: {} measurements left out and {} given less weight, far from what was predicted",
+            used.rejected, used.weakened
         );
     }
 }

@@ -1,4 +1,4 @@
-//! Readers of inertial, GNSS and reference logs, and the writer of the solution.
+//! Readers of inertial, GNSS, scalar and reference logs, and the writer of the solution.
 //!
 //! Everything is streamed: memory does not grow with the length of a file. Bad records are
 //! skipped and counted in [`skipped::Skipped`] with the first position of each kind; what makes
@@ -11,6 +11,7 @@ pub mod gnss;
 pub mod imu;
 pub mod number;
 pub mod rtklib;
+pub mod scalar;
 pub mod skipped;
 pub mod source;
 pub mod table;

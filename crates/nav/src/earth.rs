@@ -24,6 +24,17 @@ pub const GRAVITY_POLE: f64 = 9.832_184_937_8;
 /// Standard gravity, the `g` of data sheets [m/s²].
 pub const STANDARD_GRAVITY: f64 = 9.806_65;
 
+/// Height above mean sea level [m] at which the standard atmosphere has this `pressure` [Pa], below
+/// 11 km; not a number for a pressure below zero. U.S. Standard Atmosphere 1976, eq. 33a and 18:
+/// geopotential height from 288.15 K, 101 325 Pa and 6.5 K/km, then geometric.
+pub fn standard_height(pressure: f64) -> f64 {
+    const RADIUS: f64 = 6_356_766.0;
+    // R* L / (g0 M0)
+    const EXPONENT: f64 = 8.314_32 * 0.0065 / (STANDARD_GRAVITY * 0.028_964_4);
+    let geopotential = 288.15 / 0.0065 * (1.0 - libm::pow(pressure / 101_325.0, EXPONENT));
+    RADIUS * geopotential / (RADIUS - geopotential)
+}
+
 /// A point by geodetic latitude, longitude and ellipsoidal height.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Geodetic {

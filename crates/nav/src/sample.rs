@@ -1,4 +1,4 @@
-//! What the filter takes in: inertial increments and GNSS fixes.
+//! What the filter takes in: inertial increments, GNSS fixes, and measurements of one number.
 
 use crate::{Matrix3, Vector3, earth::Geodetic};
 
@@ -56,6 +56,17 @@ pub enum FixQuality {
     Float,
     /// Carrier phase, ambiguities resolved.
     Fixed,
+}
+
+/// A measurement of one number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scalar {
+    /// Time [s], in the same base as the inertial samples.
+    pub time: f64,
+    /// The number.
+    pub value: f64,
+    /// Its standard deviation, in the same unit.
+    pub std: f64,
 }
 
 /// A reference solution at one instant, at the IMU.

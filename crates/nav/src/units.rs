@@ -45,11 +45,13 @@ pub enum Quantity {
     RateRandomWalk,
     /// Acceleration random walk K of an accelerometer's bias [m/s²/√s].
     AccelerationRandomWalk,
+    /// Random walk of a length [m/√s].
+    LengthRandomWalk,
     /// A pure number.
     Dimensionless,
 }
 
-const QUANTITIES: [(Quantity, Dimension, &str, &str); 12] = {
+const QUANTITIES: [(Quantity, Dimension, &str, &str); 13] = {
     use Quantity::*;
     [
         (
@@ -94,6 +96,12 @@ const QUANTITIES: [(Quantity, Dimension, &str, &str); 12] = {
             "\"mg/sqrt(h)\" or \"m/s^2/sqrt(s)\"",
         ),
         (
+            LengthRandomWalk,
+            [-1, 2, 0],
+            "a random walk of a length",
+            "\"m/sqrt(h)\" or \"m/sqrt(s)\"",
+        ),
+        (
             Dimensionless,
             [0, 0, 0],
             "a number without unit",
@@ -108,7 +116,7 @@ impl Quantity {
         QUANTITIES
             .iter()
             .find(|row| row.0 == self)
-            .unwrap_or(&QUANTITIES[11])
+            .unwrap_or(&QUANTITIES[12])
     }
 
     /// Its name with an article, as in "an angular rate".

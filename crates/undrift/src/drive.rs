@@ -20,6 +20,7 @@
 //!
 //! All keys are in `docs/drive-file.md`.
 
+mod scalars;
 mod section;
 mod tables;
 
@@ -34,6 +35,7 @@ use undrift_io::{
     gnss::{GnssFormat, GnssReader},
     imu::{ImuFormat, ImuReader},
     rtklib::RtklibOptions,
+    scalar::{ScalarFormat, ScalarReader},
     truth::{TruthFormat, TruthReader},
 };
 use undrift_nav::{Vector3, parameters::Parameters, sample::ImuSample, units::Quantity};
@@ -49,6 +51,10 @@ pub struct Drive {
     pub estimate_mounting: bool,
     /// GNSS log.
     pub gnss: (PathBuf, GnssSource),
+    /// Log of a wheel's speed, if there is one.
+    pub odometer: Option<(PathBuf, ScalarFormat)>,
+    /// Log of barometric heights, if there is one.
+    pub barometer: Option<(PathBuf, ScalarFormat)>,
     /// Which parts of a fix are used.
     pub gnss_use: GnssUse,
     /// Reference solution, if there is one.
@@ -116,7 +122,16 @@ impl Drive {
         })?;
         let top = Section::top(table.get_ref(), text, file);
         top.only(&[
-            "model", "imu", "gnss", "truth", "initial", "span", "vehicle", "states",
+            "model",
+            "imu",
+            "gnss",
+            "odometer",
+            "barometer",
+            "truth",
+            "initial",
+            "span",
+            "vehicle",
+            "states",
         ])?;
         let span = tables::read_span(&top.section("span")?)?;
         let gnss = top.section("gnss")?;
@@ -126,8 +141,15 @@ impl Drive {
             .unwrap_or_else(Vector3::zeros);
         let (constraints, parameters) = tables::read_vehicle(&top.section("vehicle")?)?;
         let (imu, estimate_mounting) = tables::read_imu(&top.section("imu")?, data, span)?;
+        let parameters = tables::read_states(&top.section("states")?, parameters)?;
+        let (odometer, parameters) =
+            scalars::read_odometer(&top.section("odometer")?, data, span, parameters)?;
+        let (barometer, parameters) =
+            scalars::read_barometer(&top.section("barometer")?, data, span, parameters)?;
         let drive = Self {
-            parameters: tables::read_states(&top.section("states")?, parameters)?,
+            parameters,
+            odometer,
+            barometer,
             constraints,
             gating: tables::read_switch(&gnss, "gate")?.unwrap_or(true),
             imu,
@@ -153,6 +175,16 @@ impl Drive {
             GnssSource::Csv(format) => GnssReader::open_csv(&self.gnss.0, format),
             GnssSource::Rtklib(options) => GnssReader::open_rtklib(&self.gnss.0, options),
         }
+    }
+
+    /// Opens the log of the wheel's speed from its start, if there is one.
+    pub fn open_odometer(&self) -> Result<Option<ScalarReader>, ReadError> {
+        open_scalar(&self.odometer)
+    }
+
+    /// Opens the log of barometric heights from its start, if there is one.
+    pub fn open_barometer(&self) -> Result<Option<ScalarReader>, ReadError> {
+        open_scalar(&self.barometer)
     }
 
     /// Opens the reference from its start, if there is one.
@@ -199,6 +231,12 @@ impl Drive {
             )),
         }
     }
+}
+
+fn open_scalar(log: &Option<(PathBuf, ScalarFormat)>) -> Result<Option<ScalarReader>, ReadError> {
+    log.as_ref()
+        .map(|(path, format)| ScalarReader::open(path, format))
+        .transpose()
 }
 
 /// Samples looked at for the rate.

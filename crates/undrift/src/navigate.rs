@@ -4,13 +4,15 @@ use crate::{
     drive::{Drive, DriveError},
     mounting::{self, Mounting, MountingError},
     reference::{COMPONENTS, Errors, TruthCursor},
-    replay::{Measurement, Observer, ReplayError, Settings, Summary, replay},
-    smooth::{History, Keeper, Path as SmoothedPath, START_SPAN},
+    replay::{Measurement, Observer, ReplayError, Settings, Summary, merge, replay},
+    smooth::{self, History, Path as SmoothedPath},
 };
-use std::{cell::Cell, path::Path};
+use std::path::Path;
 use undrift_io::{
     ReadError,
+    gnss::GnssReader,
     imu::GapSummary,
+    scalar::ScalarReader,
     skipped::Skipped,
     truth::TruthReader,
     write::{
@@ -24,7 +26,7 @@ use undrift_nav::{
     covariance::{AXES, NAV},
     filter::Filter,
     mechanisation::NavState,
-    sample::{GnssFix, TruthSample},
+    sample::{GnssFix, Scalar, TruthSample},
     tape::Tape,
 };
 use undrift_noise::BiasModel;
@@ -44,6 +46,8 @@ pub struct Report {
     pub imu_skipped: Skipped,
     /// What was left out of the GNSS log.
     pub gnss_skipped: Skipped,
+    /// What was left out of the odometer's and the barometer's logs, and their gaps, where there are such.
+    pub scalars: Vec<(&'static str, Skipped, GapSummary)>,
     /// What was left out of the truth.
     pub truth_skipped: Skipped,
     /// Gaps of the inertial log.
@@ -109,24 +113,19 @@ pub fn navigate(
     let (drive, mounting) = mounting::resolve(drive)?;
     let mut settings = settings(&drive, kind)?;
     settings.nodes = smooth.then_some(NODE_SPAN);
-    if smooth {
-        let mut keeper = Keeper(History::new().map_err(ReplayError::Write)?);
-        let until = Cell::new(f64::INFINITY);
-        let start = drive.open_imu()?.take_while(|sample| {
-            let time = sample.as_ref().map_or(0.0, |s| s.time);
-            until.set(until.get().min(time + START_SPAN));
-            time < until.get()
-        });
-        let gnss = drive.open_gnss()?.map(|fix| fix.map(Measurement::Gnss));
-        replay(start, gnss, &settings, &mut keeper)?;
-        settings.start = keeper
-            .0
-            .smooth()
-            .map_err(ReplayError::Write)?
-            .map(|smoothed| smoothed.start);
-    }
+    settings.start = smooth::better_start(
+        drive.open_imu()?,
+        aiding(
+            &mut drive.open_gnss()?,
+            &mut drive.open_odometer()?,
+            &mut drive.open_barometer()?,
+        ),
+        &settings,
+    )?;
     let mut imu = drive.open_imu()?;
     let mut gnss = drive.open_gnss()?;
+    let mut odometer = drive.open_odometer()?;
+    let mut barometer = drive.open_barometer()?;
     let mut recorder = Recorder {
         writer: output
             .map(SolutionWriter::create)
@@ -146,12 +145,8 @@ pub fn navigate(
             .transpose()
             .map_err(ReplayError::Write)?,
     };
-    let summary = replay(
-        &mut imu,
-        gnss.by_ref().map(|fix| fix.map(Measurement::Gnss)),
-        &settings,
-        &mut recorder,
-    )?;
+    let measurements = aiding(&mut gnss, &mut odometer, &mut barometer);
+    let summary = replay(&mut imu, measurements, &settings, &mut recorder)?;
     if let Some(smoothed) = recorder
         .history
         .take()
@@ -200,7 +195,37 @@ pub fn navigate(
         gnss_skipped: gnss.skipped().clone(),
         truth_skipped,
         gaps: imu.gaps(),
+        scalars: [("odometer", odometer), ("barometer", barometer)]
+            .into_iter()
+            .filter_map(|(name, reader)| {
+                reader.map(|reader| (name, reader.skipped().clone(), reader.gaps()))
+            })
+            .collect(),
     })
+}
+
+/// Fixes, wheel speeds and heights in order of time.
+fn aiding(
+    gnss: &mut GnssReader,
+    odometer: &mut Option<ScalarReader>,
+    barometer: &mut Option<ScalarReader>,
+) -> impl Iterator<Item = Result<Measurement, ReadError>> {
+    merge(
+        gnss.map(|fix| fix.map(Measurement::Gnss)),
+        merge(
+            scalars(odometer, Measurement::Odometer),
+            scalars(barometer, Measurement::Barometer),
+        ),
+    )
+}
+
+/// The measurements of a log that may not be there.
+pub fn scalars(
+    reader: &mut Option<ScalarReader>,
+    kind: fn(Scalar) -> Measurement,
+) -> impl Iterator<Item = Result<Measurement, ReadError>> {
+    let scalars = reader.iter_mut().flatten();
+    scalars.map(move |scalar| scalar.map(kind))
 }
 
 /// A truth reader that ends at its first error and keeps it.

@@ -202,11 +202,24 @@ pub fn run(
     truth: &[TruthSample],
     models: &[(String, Settings)],
 ) -> Vec<(String, Result<ModelRun, ReplayError>)> {
+    let fixes: Vec<_> = gnss.iter().copied().map(Measurement::Gnss).collect();
+    run_aided(imu, &fixes, truth, models)
+}
+
+/// As [`run`], with other measurements merged between the fixes: outages withhold the fixes only.
+pub fn run_aided(
+    imu: &[ImuSample],
+    aiding: &[Measurement],
+    truth: &[TruthSample],
+    models: &[(String, Settings)],
+) -> Vec<(String, Result<ModelRun, ReplayError>)> {
     models
         .par_iter()
         .map(|(name, settings)| {
             let started;
-            let settings = match smooth::better_start(imu, gnss, settings) {
+            let samples = imu.iter().copied().map(Ok);
+            let measurements = aiding.iter().copied().map(Ok);
+            let settings = match smooth::better_start(samples, measurements, settings) {
                 Ok(None) => settings,
                 Ok(Some(start)) => {
                     started = Settings {
@@ -226,7 +239,7 @@ pub fn run(
             }
             let result = replay(
                 imu.iter().copied().map(Ok),
-                gnss.iter().copied().map(Measurement::Gnss).map(Ok),
+                aiding.iter().copied().map(Ok),
                 settings,
                 &mut watch,
             )

@@ -18,6 +18,7 @@ use crate::{
 };
 use bridge::Bridge;
 use gate::FixGate;
+use measurement::Queue;
 use rest::RestDetector;
 use summary::Streak;
 use undrift_nav::{
@@ -112,6 +113,8 @@ pub trait Observer {
     fn sample<const N: usize>(&mut self, filter: &Filter<N>) -> Result<(), ReplayError>;
     /// A fix was reached; the filter stands at its time, before any update with it.
     fn fix<const N: usize>(&mut self, filter: &Filter<N>, fix: &GnssFix, withheld: bool);
+    /// A block of samples was judged to be rest or motion; the filter stands at its end.
+    fn judged<const N: usize>(&mut self, _filter: &Filter<N>, _rest: bool) {}
     /// A node of a smoother: the filter after all that happened up to now, and the adjoint of what
     /// happened since the node before; `None` at the first one.
     fn node<const N: usize>(
@@ -179,32 +182,29 @@ fn run<const N: usize>(
     observer: &mut impl Observer,
 ) -> Result<Summary, ReplayError> {
     let mut run = Run::<N>::new(settings);
-    let mut aiding = aiding.peekable();
+    let mut aiding = Queue::new(aiding);
     let (mut imu_start, mut first_fix) = (None, None);
     for sample in imu {
         let sample = sample?;
         let start = sample.time - sample.dt;
         if imu_start.is_none() {
             imu_start = Some(sample.time);
-            first_fix = aiding
-                .peek()
-                .and_then(|m| m.as_ref().ok())
-                .map(Measurement::time);
-            while let Some(Ok(measurement)) = aiding.peek() {
-                if measurement.time() >= start - STAMP_ROUNDING {
-                    break;
+            while let Some(before) = aiding.next_until(start - STAMP_ROUNDING, 0.0) {
+                if let Measurement::Gnss(fix) = before? {
+                    first_fix.get_or_insert(fix.time);
+                    run.summary.fixes_before += 1;
                 }
-                run.summary.fixes_before += u64::from(matches!(measurement, Measurement::Gnss(_)));
-                aiding.next();
             }
         }
         run.begin(&sample);
-        while let Some(measurement) = aiding.next_if(|m| match m {
-            Ok(m) => run.due(m) <= sample.time + STAMP_ROUNDING,
-            Err(_) => true,
-        }) {
+        while let Some(measurement) =
+            aiding.next_until(sample.time + STAMP_ROUNDING, run.fix_offset())
+        {
             match measurement? {
-                Measurement::Gnss(fix) => run.fix(&fix, &sample, observer)?,
+                Measurement::Gnss(fix) => {
+                    first_fix.get_or_insert(fix.time);
+                    run.fix(&fix, &sample, observer)?;
+                }
                 Measurement::Odometer(speed) => run.odometer(&speed),
                 Measurement::Barometer(height) => run.barometer(&height),
             }
@@ -219,6 +219,7 @@ fn run<const N: usize>(
     }
     if run.filter.is_none() {
         let mut why = run.aligner.why_not();
+        let first_fix = first_fix.or_else(|| aiding.next_fix());
         if let (Some(imu), Some(gnss)) = (imu_start, first_fix) {
             let end = run.summary.ended;
             why += &format!(
@@ -251,8 +252,8 @@ struct Run<'a, const N: usize> {
     settings: &'a Settings,
     summary: Summary,
     last_fix: Option<f64>,
-    /// Speed over ground of the last fix and its time.
-    last_speed: Option<(f64, f64)>,
+    /// Time of the last fix, and the least and greatest speed over ground that it leaves possible.
+    last_speed: Option<(f64, (f64, f64))>,
     streak: Streak,
     previous: Option<ImuSample>,
     /// While a gap is being bridged.
@@ -287,13 +288,11 @@ impl<'a, const N: usize> Run<'a, N> {
         }
     }
 
-    /// When a measurement holds [s]: fixes at their stamp and the estimated time offset.
-    fn due(&self, measurement: &Measurement) -> f64 {
-        let offset = match (measurement, &self.filter) {
-            (Measurement::Gnss(_), Some(filter)) => filter.parameter(Parameter::TimeOffset),
-            _ => None,
-        };
-        measurement.time() + offset.map_or(0.0, |(value, _)| value[0])
+    /// By how much fixes hold later than their stamps, as estimated [s].
+    fn fix_offset(&self) -> f64 {
+        let filter = self.filter.as_ref();
+        let offset = filter.and_then(|filter| filter.parameter(Parameter::TimeOffset));
+        offset.map_or(0.0, |(value, _)| value[0])
     }
 
     /// Tells the observer of a node, if there is a smoother.
@@ -406,7 +405,7 @@ impl<'a, const N: usize> Run<'a, N> {
             }
             return Ok(());
         }
-        let due = self.due(&Measurement::Gnss(*fix));
+        let due = fix.time + self.fix_offset();
         self.advance_to(due);
         if !withheld {
             self.grow_to(due);
@@ -455,7 +454,8 @@ impl<'a, const N: usize> Run<'a, N> {
         }
         if let Some((v_n, covariance)) = &fix.velocity {
             let error = covariance.fixed_view::<2, 2>(0, 0).trace().sqrt();
-            self.last_speed = Some((fix.time, (v_n.xy().norm() - error).max(0.0)));
+            let speed = v_n.xy().norm();
+            self.last_speed = Some((fix.time, ((speed - error).max(0.0), speed + error)));
             if usage != GnssUse::Position {
                 let gate = &mut self.velocity_gate;
                 let tape = self.tape.as_deref_mut();
@@ -521,10 +521,17 @@ impl<'a, const N: usize> Run<'a, N> {
         self.node(observer)
     }
 
-    /// A wheel speed within the present sample.
+    /// Whether the present sample ends a gap too long to say how the vehicle moved in it.
+    fn in_long_gap(&self) -> bool {
+        let bridge = self.bridge.as_ref();
+        bridge.is_some_and(|bridge| bridge.unknown_since.is_some())
+    }
+
+    /// A wheel speed within the present sample; none in a long gap, where the attitude is not known.
     fn odometer(&mut self, speed: &Scalar) {
+        let unknown = self.in_long_gap();
         self.advance_to(speed.time);
-        let Some(filter) = &mut self.filter else {
+        let Some(filter) = self.filter.as_mut().filter(|_| !unknown) else {
             return;
         };
         let observed =
@@ -536,10 +543,11 @@ impl<'a, const N: usize> Run<'a, N> {
         }
     }
 
-    /// A barometric height within the present sample.
+    /// A barometric height within the present sample, as a wheel speed.
     fn barometer(&mut self, height: &Scalar) {
+        let unknown = self.in_long_gap();
         self.advance_to(height.time);
-        let Some(filter) = &mut self.filter else {
+        let Some(filter) = self.filter.as_mut().filter(|_| !unknown) else {
             return;
         };
         let observed = filter.observe_barometer(height.value);
@@ -551,35 +559,39 @@ impl<'a, const N: usize> Run<'a, N> {
     }
 
     /// What the vehicle cannot do, at the end of a sample.
-    fn constrain(&mut self, sample: &ImuSample) {
+    fn constrain(&mut self, sample: &ImuSample, observer: &mut impl Observer) {
         let Some(filter) = &mut self.filter else {
             return;
         };
         let constraints = &self.settings.constraints;
         if constraints.zero_velocity.is_some() || constraints.zero_angular_rate.is_some() {
             let error = filter.sensor_error();
-            let earth = undrift_nav::earth::earth_rate_n(filter.nav().position.lat);
-            let expected =
-                Vector3::new(error[0], error[1], error[2]) + filter.c_nb().tr_mul(&earth);
+            let [gyro, accel] = [0, 3].map(|i| Vector3::new(error[i], error[i + 1], error[i + 2]));
+            let place = &filter.nav().position;
+            let earth_rate = undrift_nav::earth::earth_rate_n(place.lat);
+            let up = -undrift_nav::earth::gravity(place.lat, place.height) * Vector3::z();
+            let to_body = |v_n: &Vector3| filter.c_nb().tr_mul(v_n);
+            let expected = (gyro + to_body(&earth_rate), accel + to_body(&up));
             let speed = self
                 .last_speed
                 .filter(|(time, _)| {
                     sample.time - time < SPEED_HOLDS && self.last_fix == Some(*time)
                 })
                 .map(|(_, speed)| speed);
-            if let Some(block) = self.rest.add(sample, &expected, speed)
-                && block.rest
-            {
-                if let Some(std) = constraints.zero_velocity {
+            if let Some(block) = self.rest.add(sample, &expected, speed) {
+                let mut rest = block.rest;
+                if let Some(std) = constraints.zero_velocity.filter(|_| rest) {
                     let observed = filter.observe_zero_velocity();
                     let r = Matrix3::identity() * (std * std);
                     let tape = self.tape.as_deref_mut();
                     if let Ok(done) = filter.update_recorded(&observed, &r, &CONSTRAINT_GATE, tape)
                     {
+                        // A solution that is sure to move is believed.
+                        rest = done.outcome != Outcome::Rejected;
                         self.summary.zero_velocity.add(done);
                     }
                 }
-                if let Some(std) = constraints.zero_angular_rate {
+                if let Some(std) = constraints.zero_angular_rate.filter(|_| rest) {
                     let observed = filter.observe_earth_rate(&block.rate);
                     let noise = Vector3::from_fn(|i, _| {
                         let axis = &self.settings.sensors[i];
@@ -589,6 +601,7 @@ impl<'a, const N: usize> Run<'a, N> {
                     let tape = self.tape.as_deref_mut();
                     let _ = filter.update_recorded(&observed, &r, &CONSTRAINT_GATE, tape);
                 }
+                observer.judged(filter, rest);
             }
         }
         if let Some(rule) = &constraints.non_holonomic
@@ -618,7 +631,7 @@ impl<'a, const N: usize> Run<'a, N> {
         self.advance_to(sample.time);
         self.grow_to(sample.time);
         self.bridge = None;
-        self.constrain(sample);
+        self.constrain(sample, observer);
         let Some(filter) = &self.filter else {
             self.summary.align_samples += 1;
             self.aligner.advance(sample, sample.time);

@@ -1,7 +1,8 @@
 //! A vehicle, its sensors and its GNSS receiver, with the truth beside them.
 //!
 //! The motion is analytic ([`trajectory`]), so the IMU's increments are exact ([`increments`]);
-//! sensor errors are any six shaping filters ([`sensors`]), GNSS noise is white ([`gnss`]).
+//! sensor errors are any six shaping filters ([`sensors`]), GNSS noise is white ([`gnss`]), and there
+//! may be an odometer and a barometer ([`scalars`]).
 //! Time runs from 0 at the trajectory's start. The same seed gives the same bytes.
 //!
 //! ```
@@ -16,6 +17,7 @@ pub mod gnss;
 pub mod increments;
 pub mod profile;
 pub mod recorded;
+pub mod scalars;
 mod scenarios;
 pub mod sensors;
 pub mod trajectory;
@@ -27,6 +29,7 @@ pub use gnss::{GnssFixes, GnssNoise};
 pub use increments::{Increments, State, Stepper, antenna};
 pub use profile::{Channel, Profile, Wave};
 pub use recorded::RecordedErrors;
+pub use scalars::{Barometer, Odometer};
 pub use scenarios::REST_BEFORE;
 pub use sensors::{SensorErrors, stream_seed};
 pub use trajectory::{MAX_DURATION, Motion, Trajectory};
@@ -71,6 +74,11 @@ pub enum SimulationError {
     /// The GNSS receiver cannot be.
     #[error("GNSS: {0}")]
     Gnss(&'static str),
+    /// An odometer or barometer cannot be.
+    #[error(
+        "an odometer's or barometer's errors must be finite, and standard deviations not negative"
+    )]
+    Scalar,
 }
 
 /// Simulates a whole trajectory: the IMU at `rate_hz` with the sensor errors of `filters` (gyros

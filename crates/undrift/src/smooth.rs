@@ -16,6 +16,7 @@ use std::{
     fs::File,
     io::{self, BufWriter, Read, Seek, SeekFrom, Write},
 };
+use undrift_io::ReadError;
 use undrift_nav::{
     Quaternion, Vector3,
     covariance::{AXES, NAV, Sensors},
@@ -335,34 +336,36 @@ fn node(
 }
 
 /// Longest part of a log that [`better_start`] looks at [s].
-pub const START_SPAN: f64 = 300.0;
+const START_SPAN: f64 = 300.0;
 
 /// The start that a smoother finds in the first minutes of a log, for [`Settings::start`]; `None`
-/// without nodes.
+/// without nodes, and where those minutes are not enough for an alignment.
 ///
 /// # Errors
 /// As [`replay`].
 pub fn better_start(
-    imu: &[ImuSample],
-    gnss: &[GnssFix],
+    imu: impl Iterator<Item = Result<ImuSample, ReadError>>,
+    aiding: impl Iterator<Item = Result<Measurement, ReadError>>,
     settings: &Settings,
 ) -> Result<Option<Vec<f64>>, ReplayError> {
     if settings.nodes.is_none() {
         return Ok(None);
     }
-    let until = imu.first().map_or(0.0, |s| s.time) + START_SPAN;
+    let mut until = None;
+    let first = imu.take_while(|sample| match sample {
+        Ok(sample) => sample.time < *until.get_or_insert(sample.time + START_SPAN),
+        Err(_) => true,
+    });
     let mut keeper = Keeper(History::new()?);
-    replay(
-        imu.iter().take_while(|s| s.time < until).copied().map(Ok),
-        gnss.iter().copied().map(Measurement::Gnss).map(Ok),
-        settings,
-        &mut keeper,
-    )?;
-    Ok(keeper.0.smooth()?.map(|smoothed| smoothed.start))
+    match replay(first, aiding, settings, &mut keeper) {
+        Ok(_) => Ok(keeper.0.smooth()?.map(|smoothed| smoothed.start)),
+        Err(ReplayError::NotAligned(_)) => Ok(None),
+        Err(error) => Err(error),
+    }
 }
 
 /// Keeps nodes only.
-pub(crate) struct Keeper(pub(crate) History);
+struct Keeper(History);
 
 impl Observer for Keeper {
     fn sample<const N: usize>(&mut self, _: &Filter<N>) -> Result<(), ReplayError> {

@@ -90,7 +90,7 @@ fn mistakes_in_the_drive_file() {
             "model =",
             "modell =",
             &[
-                "drive.toml line 1, modell: unknown key; known here: gnss, imu, initial, model, span, truth",
+                "drive.toml line 1, modell: unknown key; known here: barometer, gnss, imu, initial, model, odometer, span, states, truth, vehicle",
             ],
         ),
         (
@@ -396,12 +396,22 @@ fn every_key_of_the_drive_file_is_in_its_page() {
         ("truth", "[truth]\n"),
         ("initial", "[gnss]\n"),
         ("span", "[gnss]\n"),
+        ("vehicle", "[gnss]\n"),
+        ("states", "[gnss]\n"),
+        ("odometer", "[gnss]\n"),
+        ("barometer", "[gnss]\n"),
     ] {
         let mut log = Log::good();
         let to = if from == format!("[{table}]\n") {
             format!("{from}bogus = 1\n")
         } else {
-            format!("[{table}]\nbogus = 1\n{from}")
+            // What these two cannot do without comes first.
+            let needed = match table {
+                "odometer" => "file = \"w\"\ntime = 1\nspeed = 2\nspeed_unit = \"m/s\"\n",
+                "barometer" => "file = \"w\"\ntime = 1\nheight = 2\n",
+                _ => "",
+            };
+            format!("[{table}]\n{needed}bogus = 1\n{from}")
         };
         log.set(from, &to);
         let message = log.write(&format!("keys_{table}")).refusal();

@@ -4,4 +4,5 @@ mod configuration;
 mod log;
 mod logs;
 mod montecarlo;
+mod scalars;
 mod schedule;

@@ -129,7 +129,7 @@ pub(super) fn read_imu(
     Ok(((path, format), estimate_mounting))
 }
 
-fn read_delimiter(section: &Section) -> Result<Option<u8>, ConfigError> {
+pub(super) fn read_delimiter(section: &Section) -> Result<Option<u8>, ConfigError> {
     match section.text("delimiter")? {
         None => Ok(None),
         Some(text) if text.len() == 1 => Ok(text.bytes().next()),
@@ -439,22 +439,24 @@ pub(super) fn read_switch<'a>(
     }
 }
 
-/// A standard deviation that switches something on, `"off"`, or the profile's.
-fn read_std<'a>(
+/// A standard deviation that switches something on, `"off"`, or else the one given.
+pub(super) fn read_std<'a>(
     section: &Section<'a>,
     key: &'a str,
     quantity: Quantity,
-    profile: Option<f64>,
+    otherwise: Option<f64>,
 ) -> Result<Option<f64>, ConfigError> {
-    if let Some((toml::de::DeValue::String(text), _)) = section.get(key)
-        && text == "off"
-    {
-        return Ok(None);
-    }
-    match section.quantity(key, quantity)? {
+    let std = match section.get(key) {
+        Some((toml::de::DeValue::String(text), _)) if text == "off" => return Ok(None),
+        Some((toml::de::DeValue::String(_), _)) => section.quantity(key, quantity)?,
+        // A pure number needs no quotes.
+        Some(_) if quantity == Quantity::Dimensionless => section.factor(key)?,
+        _ => section.quantity(key, quantity)?,
+    };
+    match std {
         Some(std) if std > 0.0 => Ok(Some(std)),
         Some(_) => Err(section.error(key, "must be a standard deviation above zero, or \"off\"")),
-        None => Ok(profile),
+        None => Ok(otherwise),
     }
 }
 
@@ -547,7 +549,7 @@ pub(super) fn read_states(
     for (kinds, std) in [
         (
             &[Parameter::GyroScale, Parameter::AccelScale][..],
-            section.factor("scale_factor")?,
+            std("scale_factor", Quantity::Dimensionless)?,
         ),
         (
             &[Parameter::GyroMisalignment, Parameter::AccelMisalignment],

@@ -12,8 +12,14 @@ const NOISE_LIMIT: f64 = 2.0;
 const RATE: f64 = 0.004;
 /// Means of the specific force in the two halves of a block agree to this much at rest [m/s²].
 const FORCE: f64 = 0.06;
-/// Speed below which GNSS says that the vehicle stands [m/s].
+/// The mean specific force is the solution's gravity to this much at rest [m/s²]: 3° of wrong level, while
+/// a car that pulls away smoothly has twice that.
+const LEVEL: f64 = 0.5;
+/// Both may be off by this many times more where GNSS says so.
+const UNSURE: f64 = 5.0;
+/// Speeds that GNSS calls standing and moving, where its accuracy leaves no doubt [m/s].
 const STANDS: f64 = 0.1;
+const MOVES: f64 = 0.5;
 /// Weight of a block in the learned level.
 const LEARN: f64 = 0.1;
 
@@ -59,14 +65,14 @@ impl RestDetector {
         }
     }
 
-    /// Adds a sample; the block it completes, if it does. `expected` is the rate that the gyros should
-    /// read at rest [rad/s]: predicted error and Earth rate, `speed` the GNSS speed over ground [m/s]
-    /// where there is one now.
+    /// Adds a sample; the block it completes, if it does. `expected` is what the sensors should read at
+    /// rest, rate [rad/s] and specific force [m/s²]: predicted errors, Earth rate and gravity; `speed` the
+    /// least and greatest speed over ground [m/s] that GNSS leaves possible, where there is one now.
     pub(super) fn add(
         &mut self,
         sample: &ImuSample,
-        expected: &Vector3,
-        speed: Option<f64>,
+        expected: &(Vector3, Vector3),
+        speed: Option<(f64, f64)>,
     ) -> Option<Block> {
         let (rate, force) = (sample.dtheta / sample.dt, sample.dvel / sample.dt);
         for i in 0..3 {
@@ -88,6 +94,7 @@ impl RestDetector {
         let scatter: [f64; AXES] =
             core::array::from_fn(|i| (self.squares[i] / n - mean[i] * mean[i]).max(0.0));
         let block_rate = Vector3::new(mean[0], mean[1], mean[2]);
+        let block_force = Vector3::new(mean[3], mean[4], mean[5]);
         let (half, half_sum) = self.first_half;
         let halves = half_sum / half.max(1.0)
             - (Vector3::from_fn(|i, _| self.sum[3 + i]) - half_sum) / (n - half).max(1.0);
@@ -100,11 +107,6 @@ impl RestDetector {
             ..*self
         };
 
-        let tolerance = |axis: usize, samples: f64| 4.0 * (self.level(axis) / samples).sqrt();
-        let steady = (0..3).all(|i| {
-            (block_rate[i] - expected[i]).abs() < RATE + tolerance(i, n)
-                && halves[i].abs() < FORCE + 2.0 * tolerance(3 + i, n)
-        });
         let relative = scatter
             .iter()
             .enumerate()
@@ -112,21 +114,34 @@ impl RestDetector {
             .sum::<f64>()
             / AXES as f64;
         match speed {
-            Some(speed) if speed < STANDS && halves.norm() < 3.0 * FORCE => {
+            Some((least, _)) if least < STANDS && halves.norm() < 3.0 * FORCE => {
                 let weight = LEARN.max(1.0 / f64::from(self.learned + 1));
                 for (level, s) in self.level.iter_mut().zip(scatter) {
                     *level += weight * (s - *level);
                 }
                 self.learned += 1;
             }
-            Some(speed) if speed > 10.0 * STANDS => self.moving = self.moving.min(relative),
+            Some((least, _)) if least > 2.0 * MOVES => self.moving = self.moving.min(relative),
             _ => {}
         }
         let limit = if self.learned > 0 { LIMIT } else { NOISE_LIMIT };
-        // A drive as smooth as rest leaves no room for a limit.
-        let clear = relative < limit.min(0.7 * self.moving);
+        // A drive as smooth as rest leaves no room for a limit: then only GNSS can tell.
+        let quiet = relative < limit.min(0.7 * self.moving);
+        let (possible, stands) = match speed {
+            Some((least, greatest)) => (least < MOVES, greatest < MOVES),
+            // What motion looks like must be known, unless GNSS tells no speeds at all.
+            None => (self.moving.is_finite() || self.learned == 0, false),
+        };
+        // Where the readings and GNSS say rest, the solution's biases and level may be wrong.
+        let trust = if quiet && stands { UNSURE } else { 1.0 };
+        let tolerance = |axis: usize| 4.0 * (self.level(axis) / n).sqrt();
+        let steady = (0..3).all(|i| {
+            (block_rate[i] - expected.0[i]).abs() < trust * RATE + tolerance(i)
+                && (block_force[i] - expected.1[i]).abs() < trust * LEVEL + tolerance(3 + i)
+                && halves[i].abs() < FORCE + 2.0 * tolerance(3 + i)
+        });
         Some(Block {
-            rest: clear && steady && speed.is_none_or(|v| v < 5.0 * STANDS),
+            rest: possible && steady && (quiet || stands),
             rate: block_rate,
             duration,
         })

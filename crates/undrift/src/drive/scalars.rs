@@ -1,0 +1,189 @@
+//! The tables of sensors that measure one number: `[odometer]` and `[barometer]`.
+
+use super::{
+    ConfigError, Section,
+    tables::{read_delimiter, read_std},
+};
+use std::path::{Path, PathBuf};
+use undrift_io::{
+    scalar::{Reading, ScalarFormat, ScalarStd},
+    table::Column,
+};
+use undrift_nav::{
+    parameters::{Parameter, Parameters, Prior},
+    units::Quantity,
+};
+
+/// Standard deviation of a wheel speed beyond its scale factor [m/s], and of the scale factor [–].
+const SPEED_STD: f64 = 0.1;
+const SCALE_STD: f64 = 0.03;
+/// Speeds that a wheel can have [m/s].
+const SPEEDS: (f64, f64) = (-150.0, 150.0);
+/// Standard deviation of a barometric height [m]: gusts, doors, ventilation.
+const HEIGHT_STD: f64 = 1.0;
+/// Weather and the geoid's height make an error of this size [m] …
+const BIAS_STD: f64 = 100.0;
+/// … and weather and the air's temperature on slopes change it by this [m/√s].
+const BIAS_WALK: f64 = 0.1;
+/// Heights of the standard atmosphere's lowest layer [m].
+const HEIGHTS: (f64, f64) = (-1000.0, 11_000.0);
+
+/// A log of one number: its file and layout.
+pub(super) type Log = (PathBuf, ScalarFormat);
+
+/// `[odometer]`, and the parameters with the one that it asks for.
+pub(super) fn read_odometer(
+    section: &Section,
+    data: &Path,
+    span: Option<(f64, f64)>,
+    mut parameters: Parameters,
+) -> Result<(Option<Log>, Parameters), ConfigError> {
+    if !section.exists() {
+        return Ok((None, parameters));
+    }
+    let path = data.join(section.file("file")?);
+    let per_metre = section.factor("ticks_per_metre")?;
+    let unit = section.unit("speed_unit", Quantity::Velocity, 1.0)?;
+    let (value, reading, std_unit) = match (section.column("speed")?, section.column("ticks")?) {
+        (Some(_), Some(_)) => {
+            return Err(section.error("ticks", "give speed or ticks, not both"));
+        }
+        (None, None) => {
+            let what =
+                "missing: the column of the wheel's speed, or ticks, that of a running count";
+            return Err(section.error("speed", what));
+        }
+        (Some(speed), None) => {
+            if section.get("speed_unit").is_none() {
+                let examples = Quantity::Velocity.examples();
+                let what = format!("missing: the unit of the column, {examples}");
+                return Err(section.error("speed_unit", what));
+            }
+            (("speed", speed), Reading::Scaled(unit), unit)
+        }
+        (None, Some(ticks)) => {
+            let per_metre = per_metre.ok_or_else(|| {
+                section.error("ticks_per_metre", "missing: how many ticks make a metre")
+            })?;
+            (("ticks", ticks), Reading::Count(1.0 / per_metre), 1.0)
+        }
+    };
+    let keys = ("speed_std", "speed_std_column");
+    let std = read_scalar_std(section, keys, Quantity::Velocity, SPEED_STD, std_unit)?;
+    let format = read_format(section, "odometer", value, reading, std, SPEEDS, span)?;
+    let scale = read_std(
+        section,
+        "scale_std",
+        Quantity::Dimensionless,
+        Some(SCALE_STD),
+    )?;
+    if let Some(std) = scale {
+        parameters = parameters.with(Parameter::OdometerScale, Prior { std, walk: 0.0 });
+    }
+    section.only_known()?;
+    Ok((Some((path, format)), parameters))
+}
+
+/// `[barometer]`, and the parameters with the one that it asks for.
+pub(super) fn read_barometer(
+    section: &Section,
+    data: &Path,
+    span: Option<(f64, f64)>,
+    mut parameters: Parameters,
+) -> Result<(Option<Log>, Parameters), ConfigError> {
+    if !section.exists() {
+        return Ok((None, parameters));
+    }
+    let path = data.join(section.file("file")?);
+    let units = [("hPa", 100.0), ("mbar", 100.0), ("kPa", 1e3), ("Pa", 1.0)];
+    let pressure_unit = section.word("pressure_unit", &units)?.unwrap_or(100.0);
+    let height_unit = section.unit("height_unit", Quantity::Length, 1.0)?;
+    let (value, reading, std_unit) = match (section.column("height")?, section.column("pressure")?)
+    {
+        (Some(_), Some(_)) => {
+            return Err(section.error("pressure", "give height or pressure, not both"));
+        }
+        (None, None) => {
+            let what = "missing: the column of the height, or pressure, that of the air's pressure";
+            return Err(section.error("height", what));
+        }
+        (Some(height), None) => (
+            ("height", height),
+            Reading::Scaled(height_unit),
+            height_unit,
+        ),
+        (None, Some(pressure)) => (
+            ("pressure", pressure),
+            Reading::Pressure(pressure_unit),
+            1.0,
+        ),
+    };
+    let keys = ("std", "std_column");
+    let std = read_scalar_std(section, keys, Quantity::Length, HEIGHT_STD, std_unit)?;
+    let format = read_format(section, "barometer", value, reading, std, HEIGHTS, span)?;
+    let bias = read_std(section, "bias_std", Quantity::Length, Some(BIAS_STD))?;
+    let walk = read_std(
+        section,
+        "bias_walk",
+        Quantity::LengthRandomWalk,
+        Some(BIAS_WALK),
+    )?;
+    if let Some(std) = bias {
+        let walk = walk.unwrap_or(0.0);
+        parameters = parameters.with(Parameter::BarometerBias, Prior { std, walk });
+    } else if section.get("bias_walk").is_some() {
+        return Err(section.error("bias_walk", "has no effect while bias_std is \"off\""));
+    }
+    section.only_known()?;
+    Ok((Some((path, format)), parameters))
+}
+
+/// A standard deviation by the keys `constant` or `column`, else `default`; a column's times `unit`.
+fn read_scalar_std<'a>(
+    section: &Section<'a>,
+    (constant, column): (&'static str, &'static str),
+    quantity: Quantity,
+    default: f64,
+    unit: f64,
+) -> Result<(&'static str, ScalarStd), ConfigError> {
+    match (
+        section.quantity(constant, quantity)?,
+        section.column(column)?,
+    ) {
+        (Some(_), Some(_)) => {
+            Err(section.error(column, format!("give {constant} or {column}, not both")))
+        }
+        (Some(std), None) if std <= 0.0 => {
+            Err(section.error(constant, "must be a standard deviation above zero"))
+        }
+        (std, None) => Ok((constant, ScalarStd::Constant(std.unwrap_or(default)))),
+        (None, Some(at)) => Ok((column, ScalarStd::Column(at, unit))),
+    }
+}
+
+fn read_format(
+    section: &Section,
+    table: &'static str,
+    value: (&'static str, Column),
+    reading: Reading,
+    std: (&'static str, ScalarStd),
+    range: (f64, f64),
+    span: Option<(f64, f64)>,
+) -> Result<ScalarFormat, ConfigError> {
+    Ok(ScalarFormat {
+        table,
+        time: section
+            .column("time")?
+            .ok_or_else(|| section.error("time", "missing: the time column"))?,
+        time_scale: section.unit("time_unit", Quantity::Time, 1.0)?,
+        time_offset: section
+            .quantity("time_offset", Quantity::Time)?
+            .unwrap_or(0.0),
+        value,
+        reading,
+        std,
+        range,
+        delimiter: read_delimiter(section)?,
+        span,
+    })
+}
