@@ -312,3 +312,59 @@ pub fn resolve(drive: &Drive) -> Result<(Drive, Option<Mounting>), NavigateError
     }
     Ok((resolved, found))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use undrift_nav::attitude::from_rpy;
+
+    const STD: Vector3 = Vector3::new(0.003, 0.003, 0.01);
+
+    /// Straight driving at 10 m/s in many directions, `backwards` of it [s] first in reverse.
+    fn drive(q_vb: &Quaternion, seconds: u32, backwards: u32) -> MountingEstimator {
+        let mut estimator = MountingEstimator::default();
+        for second in 0..seconds {
+            let q_nv = from_rpy(&Vector3::new(0.0, 0.05, f64::from(second)));
+            let speed = if second < backwards { -10.0 } else { 10.0 };
+            let v_n = q_nv * Vector3::x() * speed;
+            estimator.add(1.0, &(q_nv * q_vb), &v_n, &Vector3::zeros(), &STD);
+        }
+        estimator
+    }
+
+    #[test]
+    fn hills_and_reversing_do_not_matter() {
+        let q_vb = from_rpy(&Vector3::new(2.0, -0.7, 1.2));
+        for backwards in [0, 40] {
+            let found = drive(&q_vb, 100, backwards).estimate().unwrap();
+            assert!(found.q_vb.angle_to(&q_vb) < 1e-9, "{backwards}");
+            assert!((found.rpy() - Vector3::new(2.0, -0.7, 1.2)).norm() < 1e-9);
+            assert!(found.std.x >= FLOOR[0] && found.std.max() < 0.02);
+        }
+    }
+
+    #[test]
+    fn slow_turning_or_lost_says_nothing() {
+        let mut estimator = MountingEstimator::default();
+        let q = Quaternion::identity();
+        let east = Vector3::y();
+        for _ in 0..1000 {
+            estimator.add(1.0, &q, &(east * 3.0), &Vector3::zeros(), &STD);
+            estimator.add(1.0, &q, &(east * 10.0), &(Vector3::z() * 0.1), &STD);
+            estimator.add(1.0, &q, &(east * 10.0), &Vector3::zeros(), &(STD * 10.0));
+        }
+        let error = estimator.estimate().unwrap_err();
+        assert!(matches!(error, MountingError::TooLittle { found } if found == 0.0));
+    }
+
+    #[test]
+    fn what_drifts_sideways_is_no_wheeled_vehicle() {
+        let mut estimator = MountingEstimator::default();
+        for second in 0..200 {
+            let q_nb = from_rpy(&Vector3::new(0.0, 0.0, (f64::from(second) * 0.1).sin()));
+            estimator.add(1.0, &q_nb, &(Vector3::x() * 10.0), &Vector3::zeros(), &STD);
+        }
+        let error = estimator.estimate().unwrap_err();
+        assert!(matches!(error, MountingError::Wanders { .. }), "{error}");
+    }
+}

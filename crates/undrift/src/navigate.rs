@@ -1,6 +1,7 @@
 //! One drive through the filter and into a file, streamed: memory does not grow with the log.
 
 use crate::{
+    align::Heading,
     drive::{Drive, DriveError},
     mounting::{self, Mounting, MountingError},
     reference::{COMPONENTS, Errors, TruthCursor},
@@ -86,13 +87,19 @@ impl From<undrift_noise::ModelError> for NavigateError {
 /// Longest span between two nodes of the smoother [s].
 pub const NODE_SPAN: f64 = 1.0;
 
-/// The filter's settings for a drive under one bias model of its IMU.
+/// The filter's settings for a drive under one bias model of its IMU; for a drive whose mounting is
+/// to be estimated, [`mounting::resolve`] comes first, else the axes are the sensor's.
 pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateError> {
     let model = drive.model.as_ref().ok_or(NavigateError::NoModel)?;
+    let mut align = drive.align.clone();
+    if drive.estimate_mounting && align.heading == Heading::Course {
+        // Axes that are not the vehicle's have no course.
+        align.heading = Heading::Auto;
+    }
     Ok(Settings {
         lever_arm: drive.lever_arm,
         gnss_use: drive.gnss_use,
-        align: drive.align.clone(),
+        align,
         parameters: drive.parameters,
         constraints: drive.constraints.clone(),
         gating: drive.gating,

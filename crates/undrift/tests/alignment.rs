@@ -1,15 +1,21 @@
 //! Alignment and mounting: simulated cars and flights that start in the middle, and the public drives in
 //! `../shared/data`. Skipped, and said so, where the data is missing.
 
+use std::path::{Path, PathBuf};
 use undrift::{
     align::{AlignSettings, Heading},
+    drive::Drive,
+    io::table::{Column, Table, TableOptions},
+    mounting,
     nav::{
         Quaternion, Vector3,
         attitude::{from_rotation_vector, from_rpy},
         filter::Filter,
         sample::{GnssFix, ImuSample, TruthSample},
     },
+    navigate::navigate,
     noise::{BiasModel, ImuModel},
+    reference::HORIZONTAL,
     replay::{GnssUse, Observer, ReplayError, Settings, Summary, replay},
     simulate::{GnssNoise, Simulation, Trajectory, simulate},
 };
@@ -27,33 +33,19 @@ fn receiver() -> GnssNoise {
     }
 }
 
+/// Once a second, 0.1 m/s.
+fn slow_receiver() -> GnssNoise {
+    GnssNoise {
+        rate_hz: 1.0,
+        velocity_std: [0.1; 3],
+        ..receiver()
+    }
+}
+
 fn settings(heading: Heading) -> Settings {
     let model = ImuModel::preset("adis16405").unwrap();
     Settings {
-        sensors: if std::env::var("NOGM").is_ok() {
-            let w = |d: f64, c: f64| {
-                undrift::nav::shaping::ShapingFilter::white(d, 0.01)
-                    .unwrap()
-                    .plus(&undrift::nav::shaping::ShapingFilter::constant(c, 0.01).unwrap())
-                    .unwrap()
-            };
-            let g = w(
-                std::env::var("GN")
-                    .map_or(2.0, |g| g.parse::<f64>().unwrap())
-                    .to_radians()
-                    / 60.0,
-                std::env::var("GB")
-                    .map_or(3.0, |g| g.parse::<f64>().unwrap())
-                    .to_radians(),
-            );
-            let a = w(
-                0.2 / 60.0,
-                std::env::var("AB").map_or(0.05, |g| g.parse::<f64>().unwrap()) * 9.80665,
-            );
-            [g, g, g, a, a, a]
-        } else {
-            model.shaping(BiasModel::GaussMarkov, 1.0 / RATE).unwrap()
-        },
+        sensors: model.shaping(BiasModel::GaussMarkov, 1.0 / RATE).unwrap(),
         lever_arm: Vector3::zeros(),
         gnss_use: GnssUse::Both,
         align: AlignSettings {
@@ -161,171 +153,327 @@ fn any_mounting(seed: u64) -> Quaternion {
     from_rotation_vector(&(Vector3::new(u(1.0), u(2.0), u(3.0)) * 3.0))
 }
 
+/// Cuts drives of several seeds at several times and compares the errors with what the filter says of them.
 fn started_in_the_middle(name: &str, make: fn(f64, u64) -> Trajectory, gnss: &GnssNoise) {
     let settings = settings(Heading::Auto);
-    let (mut runs, mut failed, mut beyond) = (0, 0, 0);
-    let (mut nees, mut minute, mut delay, mut std) = (0.0, 0.0, 0.0, 0.0);
-    let mut lasts: Vec<f64> = Vec::new();
-    let mut worst: f64 = 0.0;
-    let seeds = std::env::var("SEEDS").map_or(4, |s| s.parse().unwrap());
+    let seeds = std::env::var("SEEDS").map_or(2, |s| s.parse().unwrap());
+    let (mut runs, mut beyond, mut worst) = (0.0, 0.0, 0.0f64);
+    // Sums: normalised square of the misalignment, of the heading in the minute after, sigma, delay, last error².
+    let mut sums = [0.0; 5];
     for seed in 0..seeds {
         let trajectory = make(600.0, seed);
-        let exact = std::env::var("EXACT").is_ok();
-        let quiet = GnssNoise {
-            noise_scale: 0.0,
-            ..*gnss
-        };
-        let log = simulate(
-            &trajectory,
-            RATE,
-            if exact { None } else { Some(&settings.sensors) },
-            if exact { &quiet } else { gnss },
-            seed,
-        )
-        .unwrap();
-        if exact {
-            println!("exact");
-        }
+        let log = simulate(&trajectory, RATE, Some(&settings.sensors), gnss, seed).unwrap();
         for (k, cut) in [75.0, 111.3, 150.0, 203.7, 240.0, 287.0, 330.0, 371.1]
             .into_iter()
             .enumerate()
         {
             let q_vb = any_mounting(seed * 8 + k as u64);
             let (result, watch) = run(&log, &q_vb, cut, &settings);
-            runs += 1;
-            let Some(started) = watch.started else {
-                println!("{name} {seed} {cut}: {}", result.unwrap_err());
-                failed += 1;
-                continue;
-            };
-            let ratio = watch.first.0 / watch.first.1;
-            if true {
+            let summary = result.unwrap_or_else(|e| panic!("{name} {seed} {cut}: {e}"));
+            let ratio = (watch.first.0 / watch.first.1).abs();
+            if ratio > 3.0 || watch.worst > 4.0 {
                 println!(
-                    "{name} {seed} {cut}: {:.2} deg, {ratio:.1} sigma, nees {:.1}, worst {:.1}, {:.2} deg after a minute: {}",
+                    "{name} {seed} {cut}: {:.2} deg, {ratio:.1} sigma, then at most {:.1}: {}",
                     watch.first.0.to_degrees(),
-                    watch.nees,
                     watch.worst,
-                    watch.last.to_degrees(),
-                    result.unwrap().alignment
+                    summary.alignment
                 );
             }
-            beyond += usize::from(ratio.abs() > 3.0);
-            nees += watch.nees;
-            minute += watch.sum / watch.count;
-            delay += started - cut;
-            std += watch.first.1;
-            lasts.push(watch.last);
+            runs += 1.0;
+            beyond += f64::from(ratio > 3.0);
             worst = worst.max(watch.worst);
+            let delay = watch.started.unwrap() - cut;
+            let values = [
+                watch.nees,
+                watch.sum / watch.count,
+                watch.first.1.to_degrees(),
+                delay,
+                watch.last.to_degrees().powi(2),
+            ];
+            for (sum, value) in sums.iter_mut().zip(values) {
+                *sum += value;
+            }
         }
     }
-    let n = (runs - failed) as f64;
-    let rms = (lasts.iter().map(|l| l * l).sum::<f64>() / n)
-        .sqrt()
-        .to_degrees();
+    let [nees, minute, std, delay, last] = sums.map(|s| s / runs);
     println!(
-        "{name}: {runs} starts, {failed} not aligned, {beyond} beyond 3 sigma; NEES {:.2} of 3; sigma {:.2} deg after {:.1} s; \
-         minute after: normalised square {:.2}, worst {worst:.1} sigma, {rms:.2} deg at its end",
-        nees / n,
-        (std / n).to_degrees(),
-        delay / n,
-        minute / n
+        "{name}: {runs} starts, {beyond} beyond 3 sigma; NEES {nees:.2} of 3; sigma {std:.2} deg after {delay:.1} s; \
+         in the minute after: normalised square {minute:.2}, at most {worst:.1} sigma, {:.2} deg RMS at its end",
+        last.sqrt()
     );
+    // With 256 starts one is beyond 3 sigma (docs/alignment.md); here one may be.
+    assert!(beyond <= 1.0);
+    // Of 16 starts: three standard errors of a chi-squared mean of 3 are 1.8.
+    assert!(nees < 4.8, "{nees}");
+    assert!(minute < 2.0 && worst < 6.0, "{minute} {worst}");
+    assert!(std < 1.5 && last.sqrt() < 1.5);
 }
 
 #[test]
 fn cars_started_in_the_middle() {
     started_in_the_middle("car 5 Hz", Trajectory::car, &receiver());
-    let slow = GnssNoise {
-        rate_hz: 1.0,
-        velocity_std: [0.1; 3],
-        ..receiver()
-    };
-    started_in_the_middle("car 1 Hz", Trajectory::car, &slow);
+    started_in_the_middle("car 1 Hz", Trajectory::car, &slow_receiver());
 }
 
 #[test]
 fn flights_started_in_the_air() {
     started_in_the_middle("flight 5 Hz", Trajectory::flight, &receiver());
-    let slow = GnssNoise {
-        rate_hz: 1.0,
-        velocity_std: [0.1; 3],
-        ..receiver()
-    };
-    started_in_the_middle("flight 1 Hz", Trajectory::flight, &slow);
+    started_in_the_middle("flight 1 Hz", Trajectory::flight, &slow_receiver());
 }
 
 #[test]
-fn zz_baseline() {
-    let settings = settings(Heading::Course);
-    for (name, make) in [
-        ("car", Trajectory::car as fn(f64, u64) -> Trajectory),
-        ("flight", Trajectory::flight),
-    ] {
-        for (what, gnss) in [
-            ("5 Hz", receiver()),
-            (
-                "1 Hz",
-                GnssNoise {
-                    rate_hz: 1.0,
-                    velocity_std: [0.1; 3],
-                    ..receiver()
-                },
-            ),
-        ] {
-            let (mut sum, mut worst, mut first) = (0.0, 0.0f64, 0.0f64);
-            for seed in 0..12 {
-                let log = simulate(
-                    &make(300.0, seed),
-                    RATE,
-                    Some(&settings.sensors),
-                    &gnss,
-                    seed,
-                )
-                .unwrap();
-                let (result, watch) = run(&log, &Quaternion::identity(), 0.0, &settings);
-                if seed == 0 {
-                    println!("{}", result.unwrap().alignment);
-                }
-                sum += watch.sum / watch.count / 12.0;
-                worst = worst.max(watch.worst);
-                first = first.max((watch.first.0 / watch.first.1).abs());
-            }
+fn without_noise_the_attitude_is_exact() {
+    let quiet = GnssNoise {
+        noise_scale: 0.0,
+        lever_arm: Vector3::new(0.4, -0.3, -1.1),
+        ..receiver()
+    };
+    let log = simulate(&Trajectory::car(300.0, 4), RATE, None, &quiet, 4).unwrap();
+    let q_vb = any_mounting(5);
+    let settings = Settings {
+        lever_arm: q_vb.inverse() * quiet.lever_arm,
+        ..settings(Heading::Auto)
+    };
+    let (result, watch) = run(&log, &q_vb, 130.0, &settings);
+    result.unwrap();
+    // The road's shake at 12 Hz times the lever arm, a few mm/s, is all that is left.
+    assert!(watch.first.0.abs() < 0.002, "{}", watch.first.0);
+}
+
+fn why_not(imu: &[ImuSample], gnss: &[GnssFix], heading: Heading) -> String {
+    let imu = imu.iter().map(|s| Ok(*s));
+    let gnss = gnss.iter().map(|f| Ok(*f));
+    struct Nothing;
+    impl Observer for Nothing {
+        fn sample<const N: usize>(&mut self, _: &Filter<N>) -> Result<(), ReplayError> {
+            Ok(())
+        }
+        fn fix<const N: usize>(&mut self, _: &Filter<N>, _: &GnssFix, _: bool) {}
+    }
+    let message = replay(imu, gnss, &settings(heading), &mut Nothing)
+        .unwrap_err()
+        .to_string();
+    println!("{message}");
+    message
+}
+
+#[test]
+fn a_log_that_cannot_be_aligned_says_why() {
+    let make = |trajectory: &Trajectory| {
+        let sensors = settings(Heading::Auto).sensors;
+        simulate(trajectory, RATE, Some(&sensors), &receiver(), 1).unwrap()
+    };
+    let rest = make(&Trajectory::rest(60.0));
+    for heading in [Heading::Auto, Heading::Course] {
+        let why = why_not(&rest.imu, &rest.gnss, heading);
+        assert!(why.contains("velocity changed by 0.") && why.contains("initial.heading"));
+    }
+    let straight = make(&Trajectory::straight(20.0, 0.0, 90.0));
+    let why = why_not(&straight.imu, &straight.gnss, Heading::Auto);
+    assert!(why.contains("speeding up, braking or turning"));
+
+    let drive = make(&Trajectory::car(200.0, 1));
+    let moving: Vec<_> = drive
+        .imu
+        .iter()
+        .filter(|s| s.time > 80.0)
+        .copied()
+        .collect();
+    let mut fixes = drive.gnss.clone();
+    fixes.iter_mut().for_each(|fix| fix.velocity = None);
+    let why = why_not(&moving, &fixes, Heading::Auto);
+    assert!(why.contains("carry no velocity"));
+    fixes.iter_mut().for_each(|fix| fix.time += 1e4);
+    let why = why_not(&moving, &fixes, Heading::Auto);
+    assert!(why.contains("no usable GNSS position fell within the inertial log"));
+    // Axes mixed up: nothing fits, and it is said.
+    let left_handed: Vec<_> = moving
+        .iter()
+        .map(|s| ImuSample {
+            dvel: Vector3::new(-s.dvel.x, s.dvel.y, s.dvel.z),
+            ..*s
+        })
+        .collect();
+    let why = why_not(&left_handed, &drive.gnss, Heading::Auto);
+    assert!(why.contains("do not fit together") || why.contains("more than one attitude"));
+}
+
+#[test]
+fn the_mounting_of_simulated_cars_is_found() {
+    let settings = settings(Heading::Auto);
+    for seed in 0..4 {
+        let log = simulate(
+            &Trajectory::car(600.0, seed),
+            RATE,
+            Some(&settings.sensors),
+            &receiver(),
+            seed,
+        )
+        .unwrap();
+        let q_vb = any_mounting(seed);
+        // From rest and from the middle.
+        for cut in [0.0, 130.0] {
+            let imu = log
+                .imu
+                .iter()
+                .filter(|s| s.time > cut)
+                .map(|s| Ok(mounted(s, &q_vb)));
+            let gnss = log.gnss.iter().filter(|f| f.time > cut).map(|f| Ok(*f));
+            let found = mounting::estimate(imu, gnss, &settings).unwrap();
+            let error = (found.q_vb * q_vb.inverse()).scaled_axis();
             println!(
-                "baseline {name} {what}: normalised square {sum:.2}, worst {worst:.1}, at start worst {first:.1}"
+                "{seed} {cut}: error {:.2?} deg, {found}",
+                error.map(f64::to_degrees).as_slice()
             );
+            for axis in 0..3 {
+                assert!(error[axis].abs() < 3.0 * found.std[axis], "{axis}");
+            }
+            assert!(found.std.max() < 0.03);
         }
     }
 }
 
 #[test]
-fn zz_case() {
+fn mounting_without_driving_is_refused() {
     let settings = settings(Heading::Auto);
-    let trajectory = Trajectory::car(600.0, 3);
-    let log = simulate(&trajectory, RATE, Some(&settings.sensors), &receiver(), 3).unwrap();
-    let ideal = simulate(&trajectory, RATE, None, &receiver(), 3).unwrap();
-    let bias = log
-        .imu
-        .iter()
-        .zip(&ideal.imu)
-        .filter(|(a, _)| a.time > 240.0 && a.time < 255.0)
-        .fold(Vector3::zeros(), |s, (a, b)| {
-            s + (a.dtheta - b.dtheta) / 0.01
-        })
-        / 1500.0;
-    println!("true bias {}", bias.map(f64::to_degrees));
-    for t in log
-        .truth
-        .iter()
-        .filter(|t| t.time > 240.0 && t.time < 262.0)
-        .step_by(50)
-    {
-        println!(
-            "{:.1} {:.2} {:.2}",
-            t.time,
-            t.v_n.unwrap().norm(),
-            t.rpy.unwrap().z.to_degrees()
-        );
+    let log = simulate(&Trajectory::car(600.0, 1), RATE, None, &receiver(), 1).unwrap();
+    let imu = log.imu.iter().filter(|s| s.time < 115.0).map(|s| Ok(*s));
+    let gnss = log.gnss.iter().map(|f| Ok(*f));
+    let error = mounting::estimate(imu, gnss, &settings)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("straight driving") && error.contains("imu.mounting"),
+        "{error}"
+    );
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// The drive of an example file from `cut` [s] of its time base on, if its data is there.
+fn example(name: &str, folder: &str, cut: f64, change: &[(&str, &str)]) -> Option<Drive> {
+    let data = root().join("../shared/data").join(folder);
+    if !data.is_dir() {
+        println!("skipped: {} is missing", data.display());
+        return None;
     }
-    let (r, _w) = run(&log, &Quaternion::identity(), 240.0, &settings);
-    println!("{}", r.unwrap().alignment);
+    let home = root().join("examples");
+    let mut text = std::fs::read_to_string(home.join(name)).unwrap();
+    for (from, to) in change {
+        assert!(text.contains(from));
+        text = text.replace(from, to);
+    }
+    text += &format!("\n[span]\nstart = \"{cut} s\"\n");
+    Some(Drive::from_toml(&text, name, &home, &data).unwrap_or_else(|e| panic!("{e}")))
+}
+
+/// Median of the differences of a solution's and a reference's heading [deg], from `after` [s] on.
+fn heading_error(solution: &Path, reference: &Path, after: f64) -> f64 {
+    let read = |path: &Path, time: &str, yaw: &str| -> Vec<[f64; 2]> {
+        let options = TableOptions {
+            columns: vec![
+                ("time".into(), Column::Name(time.into())),
+                ("yaw".into(), Column::Name(yaw.into())),
+            ],
+            ..TableOptions::default()
+        };
+        let mut table = Table::open(path, &options).unwrap();
+        let mut rows = Vec::new();
+        let mut row = [0.0; 2];
+        while table.next_row(&mut row).unwrap().is_some() {
+            rows.push(row);
+        }
+        rows
+    };
+    let reference = read(reference, "t_s", "yaw_deg");
+    let mut errors: Vec<f64> = read(solution, "time_s", "yaw_deg")
+        .into_iter()
+        .filter(|row| row[0] > after)
+        .filter_map(|row| {
+            let k = reference.partition_point(|r| r[0] < row[0]);
+            let difference = row[1] - reference.get(k)?[1];
+            Some(((difference + 540.0).rem_euclid(360.0) - 180.0).abs())
+        })
+        .collect();
+    errors.sort_by(f64::total_cmp);
+    errors[errors.len() / 2]
+}
+
+#[test]
+fn ublox_drives_from_any_start() {
+    // From when the receiver's own attitude is usable.
+    for (name, usable) in [
+        ("mixed-road-long-drive-nominal-001", 55.0),
+        ("parkinglot-maneuvers", 150.0),
+        ("urban-stop-go-tight-turns-nominal-001", 255.0),
+    ] {
+        for cut in [-1.0, 60.0, 120.0, 200.0] {
+            let folder = format!("ublox-drives/{name}");
+            let Some(drive) = example("ublox-drives.toml", &folder, cut, &[]) else {
+                return;
+            };
+            let output = std::env::temp_dir().join(format!("undrift-alignment-{name}-{cut}.csv"));
+            let report = navigate(&drive, BiasModel::Arma, Some(&output)).unwrap();
+            let reference = drive.imu.0.with_file_name("reference_attitude.csv.gz");
+            let heading = heading_error(&output, &reference, usable);
+            std::fs::remove_file(&output).unwrap();
+            let (errors, _) = report.rmse.unwrap();
+            println!(
+                "{name} from {cut} s: {:.2} m RMS, heading {heading:.2} deg median; {}\n  {}",
+                errors.0[HORIZONTAL],
+                report.mounting.unwrap(),
+                report.summary.alignment
+            );
+            assert!(report.summary.suspect.is_none());
+            assert!(errors.0[HORIZONTAL] < 2.0, "{errors:?}");
+            assert!(heading < 1.6, "{heading}");
+        }
+    }
+}
+
+#[test]
+fn rtk_drive_mounting_and_starts_in_motion() {
+    let auto = (
+        "mounting = \"-179.3639, 6.7603, -174.6124 deg\"",
+        "mounting = \"auto\"",
+    );
+    let truth = from_rpy(&Vector3::new(-179.3639, 6.7603, -174.6124).map(f64::to_radians));
+    for start in [0.0, 60.0, 150.0] {
+        let cut = 243_261.729 + start;
+        let Some(drive) = example("rtk-drive.toml", "rtk-drive", cut, &[auto]) else {
+            return;
+        };
+        let report = navigate(&drive, BiasModel::Arma, None).unwrap();
+        let found = report.mounting.unwrap();
+        let error = (found.q_vb * truth.inverse()).scaled_axis();
+        println!(
+            "{start}: {:.2?} deg, {found}; {}",
+            error.map(f64::to_degrees).as_slice(),
+            report.summary.alignment
+        );
+        for axis in 0..3 {
+            assert!(
+                error[axis].abs() < 1f64.to_radians().min(3.0 * found.std[axis]),
+                "{axis}"
+            );
+        }
+        assert!(report.summary.suspect.is_none());
+    }
+}
+
+#[test]
+fn uav_flight_started_in_the_air() {
+    for cut in [400.0, 450.0, 500.0] {
+        let Some(drive) = example("uav-flight.toml", "uav-flight", cut, &[]) else {
+            return;
+        };
+        let report = navigate(&drive, BiasModel::Arma, None).unwrap();
+        let (errors, _) = report.rmse.unwrap();
+        println!("{cut}: {errors:?}, {}", report.summary.alignment);
+        assert!(report.summary.alignment.contains("of motion"));
+        assert!(errors.0[7] < 1.5 && errors.0[8] < 1.5 && errors.0[9] < 4.0);
+        assert!(errors.0[HORIZONTAL] < 2.0);
+    }
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use undrift::{
     drive::Drive,
     io::ReadError,
+    mounting,
     navigate::{navigate, settings},
     noise::BiasModel,
     outages::{self, ModelErrors, Schedule},
@@ -30,6 +31,7 @@ fn data(folder: &str) -> PathBuf {
 }
 
 fn cut(drive: &Drive, models: &[BiasModel], plan: &Schedule, length: f64) -> Vec<ModelErrors> {
+    let drive = &mounting::resolve(drive).unwrap().0;
     let imu: Result<Vec<_>, ReadError> = drive.open_imu().unwrap().collect();
     let gnss: Result<Vec<_>, ReadError> = drive.open_gnss().unwrap().collect();
     let gnss = gnss.unwrap();

@@ -52,7 +52,7 @@ const BIAS_FLOOR: (f64, f64) = (1e-4, 1e-2);
 /// What is known of the gyro bias from rest: mean [rad/s] and variance.
 pub(super) type GyroBias = (Vector3, f64);
 
-/// Why the last search had no result.
+/// Why a search had no result.
 #[derive(Clone, Copy, Debug, Default)]
 enum Outcome {
     #[default]
@@ -65,7 +65,22 @@ enum Outcome {
     Misfit(f64),
 }
 
-/// The window and what became of the last search in it.
+impl Outcome {
+    /// How far the search came.
+    fn stage(&self) -> u8 {
+        match self {
+            Self::NoVelocity => 0,
+            Self::TooFew => 1,
+            Self::TooSteady => 2,
+            Self::Ambiguous => 3,
+            Self::Uncertain(_) => 4,
+            Self::Settling(_) => 5,
+            Self::Misfit(_) => 6,
+        }
+    }
+}
+
+/// The window and what became of the searches in it.
 #[derive(Default)]
 pub(super) struct Motion {
     /// Samples of the window, whole; the last one may reach beyond the last fix.
@@ -144,7 +159,10 @@ impl Motion {
         match self.search(settings, rest) {
             Ok(found) => Some(found),
             Err(outcome) => {
-                self.outcome = outcome;
+                // The furthest that it ever came says most.
+                if outcome.stage() >= self.outcome.stage() {
+                    self.outcome = outcome;
+                }
                 None
             }
         }
