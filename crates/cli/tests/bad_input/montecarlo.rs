@@ -111,7 +111,7 @@ fn mistakes_in_the_specification() {
         ),
         (
             "\"50 Hz\"",
-            "\"1 GHz\"",
+            "\"1e9 Hz\"",
             &["line 7, drive.rate: must be above 0 Hz and make at most 20000000 samples"],
         ),
         (
