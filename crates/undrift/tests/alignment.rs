@@ -39,7 +39,7 @@ fn a_steady_pull_away_is_not_rest() {
         ..GnssNoise::default()
     };
     for seed in 1..=8 {
-        let car = Trajectory::car(110.0, seed);
+        let car = Trajectory::car(150.0, seed);
         let log = simulate(&car, rate_hz, None, &exact, seed).unwrap();
         let mut first = First(None);
         let samples = log.imu.iter().copied().map(Ok);

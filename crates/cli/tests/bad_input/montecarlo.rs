@@ -102,7 +102,7 @@ fn mistakes_in_the_specification() {
         (
             "\"150 s\"",
             "\"60 s\"",
-            &["line 6, drive.duration: must be 90 s, of which 60 s are at rest"],
+            &["line 6, drive.duration: must be 120 s, of which 60 s are at rest"],
         ),
         (
             "\"150 s\"",
