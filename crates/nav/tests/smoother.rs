@@ -155,11 +155,11 @@ fn the_tape_smooths_as_rauch_tung_and_striebel_do() {
 
         // Before the correction: undo the turn, add what was taken out.
         let undo = span.reset.try_inverse().unwrap();
-        let at_end = &undo * &smoothed + &span.correction;
-        let covariance_at_end = &undo * &covariance * undo.transpose();
+        let at_end = undo * smoothed + span.correction;
+        let covariance_at_end = undo * covariance * undo.transpose();
         let gain = p * span.transition.transpose() * span.predicted.try_inverse().unwrap();
-        smoothed = &gain * at_end;
-        covariance = p + &gain * (covariance_at_end - &span.predicted) * gain.transpose();
+        smoothed = gain * at_end;
+        covariance = p + gain * (covariance_at_end - span.predicted) * gain.transpose();
 
         for i in 0..N {
             let sigma = p[(i, i)].sqrt();

@@ -198,7 +198,7 @@ fn draw_consistency(path: &Path, report: &Report) -> Result<(), Box<dyn std::err
     let root = SVGBackend::new(path, (1160, 980)).into_drawing_area();
     root.fill(&WHITE)?;
     for (group, area) in root.split_evenly((3, 2)).iter().enumerate() {
-        draw_nees(area, report, GROUP[group].0, group == 0)?;
+        draw_nees(area, report, GROUP[group].0, group == 1)?;
     }
     root.present()?;
     Ok(())
@@ -215,6 +215,7 @@ fn draw_nees(
     let end = report.time_s.last().copied().unwrap_or(1.0);
     let mut chart = ChartBuilder::on(area)
         .margin(10)
+        .margin_right(26)
         .caption(
             format!("{name}: average NEES / degrees of freedom"),
             ("sans-serif", 16),
@@ -227,6 +228,7 @@ fn draw_nees(
         .x_desc("time [s]")
         .light_line_style(WHITE)
         .label_style(("sans-serif", 12))
+        .x_label_formatter(&|t| format!("{t:.0}"))
         .y_label_formatter(&|v| format!("{v}"))
         .draw()?;
     let groups: Vec<_> = report
@@ -275,7 +277,7 @@ fn draw_nees(
     if legend {
         chart
             .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
+            .position(SeriesLabelPosition::MiddleRight)
             .background_style(WHITE.mix(0.85))
             .border_style(RGBColor(200, 200, 200))
             .label_font(("sans-serif", 12))

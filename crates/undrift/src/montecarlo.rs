@@ -60,7 +60,7 @@ pub enum MonteCarloError {
         /// Run, from 1.
         run: usize,
         /// Why.
-        error: ReplayError,
+        error: Box<ReplayError>,
     },
 }
 
@@ -233,7 +233,7 @@ impl<'a> Stage<'a> {
                 MonteCarloError::Replay {
                     model: name.clone(),
                     run: 0,
-                    error,
+                    error: Box::new(error),
                 }
             })?;
             let mut outcome = watch.outcome;

@@ -16,7 +16,7 @@ use undrift::{
     navigate::navigate,
     noise::{BiasModel, ImuModel},
     reference::HORIZONTAL,
-    replay::{GnssUse, Observer, ReplayError, Settings, Summary, replay},
+    replay::{Measurement, Observer, ReplayError, Settings, Summary, replay},
     simulate::{GnssNoise, Simulation, Trajectory, simulate},
 };
 
@@ -45,14 +45,11 @@ fn slow_receiver() -> GnssNoise {
 fn settings(heading: Heading) -> Settings {
     let model = ImuModel::preset("adis16405").unwrap();
     Settings {
-        sensors: model.shaping(BiasModel::GaussMarkov, 1.0 / RATE).unwrap(),
-        lever_arm: Vector3::zeros(),
-        gnss_use: GnssUse::Both,
         align: AlignSettings {
             heading,
             ..AlignSettings::default()
         },
-        outages: Vec::new(),
+        ..Settings::new(model.shaping(BiasModel::GaussMarkov, 1.0 / RATE).unwrap())
     }
 }
 
@@ -142,7 +139,7 @@ fn run<'a>(
         .gnss
         .iter()
         .filter(|f| f.time > cut && f.time < end)
-        .map(|f| Ok(*f));
+        .map(|f| Ok(Measurement::Gnss(*f)));
     let result = replay(imu, gnss, settings, &mut watch);
     (result, watch)
 }
@@ -242,7 +239,7 @@ fn without_noise_the_attitude_is_exact() {
 
 fn why_not(imu: &[ImuSample], gnss: &[GnssFix], heading: Heading) -> String {
     let imu = imu.iter().map(|s| Ok(*s));
-    let gnss = gnss.iter().map(|f| Ok(*f));
+    let gnss = gnss.iter().map(|f| Ok(Measurement::Gnss(*f)));
     struct Nothing;
     impl Observer for Nothing {
         fn sample<const N: usize>(&mut self, _: &Filter<N>) -> Result<(), ReplayError> {
@@ -415,7 +412,7 @@ fn ublox_drives_from_any_start() {
                 return;
             };
             let output = std::env::temp_dir().join(format!("undrift-alignment-{name}-{cut}.csv"));
-            let report = navigate(&drive, BiasModel::Arma, Some(&output)).unwrap();
+            let report = navigate(&drive, BiasModel::Arma, Some(&output), false).unwrap();
             let reference = drive.imu.0.with_file_name("reference_attitude.csv.gz");
             let heading = heading_error(&output, &reference, usable);
             std::fs::remove_file(&output).unwrap();
@@ -445,7 +442,7 @@ fn rtk_drive_mounting_and_starts_in_motion() {
         let Some(drive) = example("rtk-drive.toml", "rtk-drive", cut, &[auto]) else {
             return;
         };
-        let report = navigate(&drive, BiasModel::Arma, None).unwrap();
+        let report = navigate(&drive, BiasModel::Arma, None, false).unwrap();
         let found = report.mounting.unwrap();
         let error = (found.q_vb * truth.inverse()).scaled_axis();
         println!(
@@ -469,7 +466,7 @@ fn uav_flight_started_in_the_air() {
         let Some(drive) = example("uav-flight.toml", "uav-flight", cut, &[]) else {
             return;
         };
-        let report = navigate(&drive, BiasModel::Arma, None).unwrap();
+        let report = navigate(&drive, BiasModel::Arma, None, false).unwrap();
         let (errors, _) = report.rmse.unwrap();
         println!("{cut}: {errors:?}, {}", report.summary.alignment);
         assert!(report.summary.alignment.contains("of motion"));

@@ -32,7 +32,14 @@ fn the_true_model_is_consistent() {
         assert!(off.abs() < 4.8, "{} {off}", group.name);
         // And within a quarter of 1 whatever the scatter: it would hide a wrong model otherwise.
         assert!((group.mean_per_freedom - 1.0).abs() < 0.25, "{group:?}");
-        assert_eq!(group.verdict, Verdict::Consistent, "{}", group.name);
+        // The share's own standard deviation is an estimate of ten runs: three of those.
+        let least = 0.95 - 3.0 * group.share_standard_error;
+        assert!(
+            group.share_inside > least,
+            "{} {}",
+            group.name,
+            group.share_inside
+        );
         assert!(group.epochs > 100);
     }
     for kind in &model.nis {

@@ -102,7 +102,7 @@ fn mistakes_in_the_specification() {
         (
             "\"150 s\"",
             "\"60 s\"",
-            &["line 6, drive.duration: must be 90 s, of which 60 s are at rest"],
+            &["line 6, drive.duration: must be 120 s, of which 60 s are at rest"],
         ),
         (
             "\"150 s\"",
@@ -111,7 +111,7 @@ fn mistakes_in_the_specification() {
         ),
         (
             "\"50 Hz\"",
-            "\"1 GHz\"",
+            "\"1e9 Hz\"",
             &["line 7, drive.rate: must be above 0 Hz and make at most 20000000 samples"],
         ),
         (

@@ -179,7 +179,7 @@ fn read_drive(section: &Section) -> Result<(Trajectory, f64), ConfigError> {
     let duration = section
         .quantity("duration", Quantity::Time)?
         .unwrap_or(600.0);
-    let least = REST_BEFORE + 30.0;
+    let least = 2.0 * REST_BEFORE;
     if !(least..=crate::simulate::MAX_DURATION).contains(&duration) {
         return Err(section.error(
             "duration",
