@@ -304,18 +304,24 @@ impl Aligner {
         } else if self.settings.attitude.is_some() {
             "the fixes carry no velocity and no two are close enough to make one; set initial.velocity".to_string()
         } else {
-            let course = match self.settings.heading {
-                _ if self.rested.is_none() => "there was no rest to level on".to_string(),
-                Heading::Course => format!(
-                    "the speed never reached {:.1} m/s (fastest {:.1} m/s), so the course gives no heading",
-                    self.settings.min_speed, self.fastest
+            let (rest, remedy) = match self.settings.heading {
+                _ if self.rested.is_none() => (
+                    "there was no rest to level on".to_string(),
+                    "initial.attitude",
                 ),
-                _ => "there was rest, but no heading".to_string(),
+                Heading::Course => (
+                    format!(
+                        "the speed never reached {:.1} m/s (fastest {:.1} m/s), so the course gives no heading",
+                        self.settings.min_speed, self.fastest
+                    ),
+                    "initial.min_speed, initial.heading or initial.attitude",
+                ),
+                _ => (
+                    "there was rest, but no heading".to_string(),
+                    "initial.heading or initial.attitude",
+                ),
             };
-            format!(
-                "{course}, and {}; set initial.heading or initial.attitude",
-                self.motion.why_not()
-            )
+            format!("{rest}, and {}; set {remedy}", self.motion.why_not())
         };
         format!("the log could not be aligned: {reason}")
     }

@@ -250,9 +250,13 @@ fn mistakes_in_the_drive_file() {
             "heading",
             "[truth]",
             "[initial]\nheading = \"curse\"\n[truth]",
-            &[
-                "initial.heading: \"curse\" is neither \"course\" nor \"velocity-matching\" nor an angle",
-            ],
+            &["initial.heading: \"curse\" is neither \"course\" nor \"auto\" nor an angle"],
+        ),
+        (
+            "mounting_twice",
+            "time = \"t\"\n",
+            "time = \"t\"\nmounting = \"auto\"\ngyro_offset = \"1 deg/s\"\n",
+            &["imu.gyro_offset: is along body axes, which are not known before the mounting is"],
         ),
     ];
     for (name, from, to, parts) in cases {
