@@ -127,7 +127,13 @@ fn filter() -> Filter<18> {
         .and_then(|f| f.plus(&constant))
         .unwrap();
     let sensors = [gyro, gyro, gyro, constant, constant, white];
-    Filter::new(nav, &std, sensors).unwrap()
+    Filter::new(
+        nav,
+        &std,
+        sensors,
+        undrift_nav::parameters::Parameters::none(),
+    )
+    .unwrap()
 }
 
 #[test]
@@ -186,7 +192,7 @@ fn normalised_innovation_squared_is_the_nis() {
     let observed = filter.observe_position(&Position::Geodetic(measured), &lever);
     let r = Matrix3::from_diagonal(&Vector3::new(1.0, 4.0, 9.0));
     let normalised = normalised_innovation(&filter, &observed, &r).unwrap();
-    let update = filter.update_with(&observed, &r).unwrap();
+    let update = filter.update(&observed, &r).unwrap();
     assert!((normalised.norm_squared() / update.nis - 1.0).abs() < 1e-12);
     let impossible = Matrix3::from_diagonal_element(-1e9);
     assert_eq!(normalised_innovation(&filter, &observed, &impossible), None);
