@@ -5,7 +5,6 @@
 
 use std::path::Path;
 use undrift::{
-    align::AlignSettings,
     identify,
     nav::sample::ImuSample,
     noise::{
@@ -15,7 +14,7 @@ use undrift::{
     outages::{self, Schedule},
     record::{self, Record, RecordFormat},
     reference::{HORIZONTAL, rms},
-    replay::{GnssUse, Settings},
+    replay::Settings,
     simulate::{GnssNoise, RecordedErrors, Trajectory, simulate},
 };
 

@@ -25,7 +25,11 @@ mod tables;
 
 pub use section::{ConfigError, Section};
 
-use crate::{align::AlignSettings, replay::GnssUse, vehicle::Constraints};
+use crate::{
+    align::AlignSettings,
+    replay::{GnssUse, QualityStd},
+    vehicle::Constraints,
+};
 use section::line_at;
 use std::path::{Path, PathBuf};
 use toml::de::{DeTable, DeValue};
@@ -60,6 +64,10 @@ pub struct Drive {
     pub constraints: Constraints,
     /// Whether fixes pass a gate.
     pub gating: bool,
+    /// Whether the stated standard deviations of the fixes are corrected by the innovations.
+    pub adapt: bool,
+    /// How the kind of solution bears on the standard deviation of a position.
+    pub quality: QualityStd,
     /// Noise model of the IMU, if the file names one.
     pub model: Option<ImuModel>,
 }
@@ -126,6 +134,8 @@ impl Drive {
             parameters: tables::read_states(&top.section("states")?, parameters)?,
             constraints,
             gating: tables::read_switch(&gnss, "gate")?.unwrap_or(true),
+            adapt: tables::read_switch(&gnss, "adapt")?.unwrap_or(false),
+            quality: tables::read_quality(&gnss)?,
             imu: tables::read_imu(&top.section("imu")?, data, span)?,
             gnss: tables::read_gnss(&gnss, data, span)?,
             truth: tables::read_truth(&top.section("truth")?, data)?,

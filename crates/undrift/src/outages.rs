@@ -203,6 +203,11 @@ pub fn run(
     models
         .par_iter()
         .map(|(name, settings)| {
+            // What a model does is to be seen, not mended.
+            let settings = &Settings {
+                restart: false,
+                ..settings.clone()
+            };
             let mut watch = OutageWatch::new(settings, truth);
             let result = replay(
                 imu.iter().copied().map(Ok),

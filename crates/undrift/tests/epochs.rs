@@ -4,7 +4,7 @@ use undrift::{
     align::AlignSettings,
     nav::{Vector3, filter::Filter, sample::GnssFix, shaping::ShapingFilter},
     reference::Errors,
-    replay::{GnssUse, Observer, ReplayError, Settings, Summary, replay},
+    replay::{GnssUse, Measurement, Observer, ReplayError, Settings, Summary, replay},
     simulate::{GnssNoise, Simulation, Trajectory, simulate},
 };
 

@@ -4,7 +4,7 @@
 use undrift::{
     align::AlignSettings,
     nav::{Vector3, attitude::to_rpy, filter::Filter, sample::GnssFix, shaping::ShapingFilter},
-    replay::{GnssUse, Observer, Outage, ReplayError, Settings, replay},
+    replay::{Measurement, Observer, Outage, ReplayError, Settings, replay},
     simulate::{GnssNoise, Simulation, Trajectory, simulate},
 };
 

@@ -3,6 +3,8 @@
 use undrift_nav::sample::GnssFix;
 
 /// One measurement.
+// Nearly all are fixes, and few are held at once.
+#[allow(clippy::large_enum_variant)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Measurement {
     /// A GNSS fix.
