@@ -3,14 +3,18 @@
 use crate::report;
 use anyhow::Result;
 use clap::Args;
+use serde_json::json;
 use std::path::PathBuf;
 use undrift::{
     drive::Drive,
     navigate::{self, Report},
     noise::{BiasModel, ImuModel},
     reference::COMPONENTS,
-    replay::Innovations,
+    replay::{Innovations, Summary},
 };
+
+/// Components of a velocity.
+const AXES: [&str; 3] = ["north", "east", "down"];
 
 /// Navigate a drive: IMU and GNSS into position, velocity and attitude.
 ///
@@ -31,6 +35,9 @@ pub struct Arguments {
     /// Smooth: at every sample the best estimate given the whole log
     #[arg(long)]
     smooth: bool,
+    /// Write the whole report as JSON; "-" for standard output instead of the text
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
 }
 
 /// What every verb on a drive takes.
@@ -61,10 +68,26 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         arguments.output.as_deref(),
         arguments.smooth,
     )?;
+    let to_standard_output = arguments
+        .json
+        .as_deref()
+        .is_some_and(|p| p.as_os_str() == "-");
+    if let Some(file) = &arguments.json {
+        let json = format!("{:#}", as_json(&report, arguments.bias_model));
+        if to_standard_output {
+            report::say(json)?;
+            return finish(&report);
+        }
+        report::write_whole(file, &json)?;
+    }
     print_report(&report, arguments.bias_model)?;
     if let Some(path) = &arguments.output {
         report::say(format!("solution: {}", path.display()))?;
     }
+    finish(&report)
+}
+
+fn finish(report: &Report) -> Result<()> {
     if let Some(time) = report.summary.diverged {
         anyhow::bail!("the solution diverged at {time:.3} s; what was written ends there");
     }
@@ -82,12 +105,12 @@ fn print_report(report: &Report, kind: BiasModel) -> Result<()> {
         "navigated {} samples from {started:.3} s to {:.3} s; {} samples and {} fixes before that",
         s.samples, s.ended, s.align_samples, s.fixes_before
     ))?;
-    report::say(format!(
-        "{} fixes used; NIS per degree of freedom (1 when the model is right): position {}, velocity {}",
-        s.fixes,
-        nis(&s.position),
-        nis(&s.velocity)
-    ))?;
+    report::say(format!("{} fixes used", s.fixes))?;
+    for (name, sums) in [("position", &s.position), ("velocity", &s.velocity)] {
+        if sums.updates + sums.rejected > 0 {
+            report::say(format!("{name}: {}", innovations(sums)))?;
+        }
+    }
     for (name, sums) in [
         ("non-holonomic constraint", &s.non_holonomic),
         ("zero velocity", &s.zero_velocity),
@@ -137,6 +160,11 @@ fn print_report(report: &Report, kind: BiasModel) -> Result<()> {
         };
         report::print_scalar(name, skipped, gaps, sums);
     }
+    for (part, factor) in ["position", "velocity"].iter().zip(report.std_factors) {
+        if let Some(factor) = factor {
+            eprintln!("{}", accuracy(part, factor, s));
+        }
+    }
     for (file, skipped) in [
         ("IMU", &report.imu_skipped),
         ("GNSS", &report.gnss_skipped),
@@ -149,6 +177,76 @@ fn print_report(report: &Report, kind: BiasModel) -> Result<()> {
     Ok(())
 }
 
+/// Autocorrelation of innovations above which it is not the accuracy of the fixes that is wrong.
+const COLOURED: f64 = 0.5;
+
+/// What a wrong accuracy is said to be.
+fn accuracy(part: &str, factor: f64, summary: &Summary) -> String {
+    let (times, direction) = if factor > 1.0 {
+        (factor, "small")
+    } else {
+        (1.0 / factor, "large")
+    };
+    let mut text = format!(
+        "the stated standard deviations of the {part} are about {times:.1} times too {direction} for the innovations"
+    );
+    let goes_on = [&summary.position, &summary.velocity]
+        .iter()
+        .any(|sums| sums.autocorrelation().is_some_and(|(c, _)| c > COLOURED));
+    if summary.adapted.iter().any(Option::is_some) {
+        text += "; they were adapted";
+    } else {
+        text += &format!(
+            ": set gnss.{part}_std_factor to {factor:.2} times what it is, or gnss.adapt = true"
+        );
+        if goes_on && factor > 1.0 {
+            text += "; but the innovations go on from fix to fix, so that the noise model, the mounting, the lever arm or the times may be wrong rather than the accuracy";
+        }
+    }
+    text
+}
+
+/// NIS, counts and autocorrelation in a line.
+fn innovations(sums: &Innovations) -> String {
+    let mut text = format!(
+        "NIS per degree of freedom {} (1 when the model is right)",
+        nis(sums)
+    );
+    if let Some((correlation, bound)) = sums.autocorrelation() {
+        text += &format!(", autocorrelation {correlation:.2} (±{bound:.2})");
+    }
+    text + &format!("; {} left out, {} weakened", sums.rejected, sums.weakened)
+}
+
 fn nis(sums: &Innovations) -> String {
     sums.per_dof().map_or("none".into(), |r| format!("{r:.2}"))
+}
+
+fn as_json(report: &Report, kind: BiasModel) -> serde_json::Value {
+    let s = &report.summary;
+    let of = |sums: &Innovations| {
+        let correlation = sums.autocorrelation();
+        json!({
+            "nis_per_dof": sums.per_dof(),
+            "autocorrelation": correlation.map(|c| c.0),
+            "autocorrelation_bound": correlation.map(|c| c.1),
+        })
+    };
+    let signs: Vec<&str> = s.wrong_signs().map(|i| AXES[i]).collect();
+    let skipped = [
+        ("imu", &report.imu_skipped),
+        ("gnss", &report.gnss_skipped),
+        ("truth", &report.truth_skipped),
+    ];
+    json!({
+        "bias_model": kind.name(),
+        "position": of(&s.position),
+        "velocity": of(&s.velocity),
+        "std_factors": {"position": report.std_factors[0], "velocity": report.std_factors[1]},
+        "velocity_sign_wrong": signs,
+        "rms_error": report.rmse.as_ref().map(|(errors, _)| errors),
+        "compared_samples": report.rmse.as_ref().map(|(_, n)| n),
+        "skipped": skipped.map(|(file, skipped)| (file, skipped.to_string())).into_iter().collect::<std::collections::BTreeMap<_, _>>(),
+        "summary": s,
+    })
 }

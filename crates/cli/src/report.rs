@@ -7,7 +7,7 @@ use undrift::{
     io::{imu::GapSummary, skipped::Skipped},
     nav::sample::{GnssFix, Position, TruthSample},
     outages::ModelRun,
-    replay::{Innovations, Outage, ReplayError, Summary},
+    replay::{Innovations, Outage, Part, ReplayError, Summary},
     table::outage_table,
 };
 
@@ -79,6 +79,31 @@ pub fn print_health(summary: &Summary) {
     if summary.bad_fixes > 0 {
         eprintln!("fixes whose covariance is none: {}", summary.bad_fixes);
     }
+    for restart in &summary.restarts {
+        let then = match restart.resumed {
+            Some(time) => format!("aligned anew at {time:.3} s"),
+            None => "no new alignment was found".into(),
+        };
+        eprintln!(
+            "divergence at {:.3} s: {}; {then}",
+            restart.time, restart.why
+        );
+    }
+    print_contradictions(summary);
+    for lean in &summary.leans {
+        let (part, unit) = of(lean.part);
+        let [north, east, down] = lean.mean;
+        eprintln!(
+            "from {:.1} s to {:.1} s the {part} differs from the solution to one side, by up to {:.2}, {:.2}, {:.2} {unit} north, east, down on the average: a slow drift of the fixes (multipath, spoofing), or of the sensors",
+            lean.start, lean.end, -north, -east, -down
+        );
+    }
+    for axis in summary.wrong_signs() {
+        eprintln!(
+            "the velocity {} seems to have the wrong sign: its innovations are minus twice its value; check gnss.velocity and gnss.velocity_axes",
+            ["north", "east", "down"][axis]
+        );
+    }
     if let Some(time) = summary.suspect {
         eprintln!(
             "the innovations from {time:.1} s on are far beyond their predicted size: the solution diverges from the fixes, or the noise model or the stated GNSS accuracy is wrong"
@@ -106,6 +131,59 @@ pub fn print_scalar(name: &str, skipped: &Skipped, gaps: &GapSummary, used: &Inn
         eprintln!(
             "{name}: {} measurements left out and {} given less weight, far from what was predicted",
             used.rejected, used.weakened
+        );
+    }
+}
+
+/// Runs of fixes left out that are told one by one.
+const TOLD: usize = 12;
+
+fn of(part: Part) -> (&'static str, &'static str) {
+    match part {
+        Part::Position => ("position", "m"),
+        Part::Velocity => ("velocity", "m/s"),
+    }
+}
+
+/// Tells which fixes were left out, the longest and largest first told.
+fn print_contradictions(summary: &Summary) {
+    let all = &summary.contradictions;
+    for c in all.iter().take(TOLD) {
+        let (part, unit) = of(c.part);
+        let size = if c.fixes == 1 {
+            format!("{:.2} {unit} off", c.largest)
+        } else {
+            format!(
+                "{:.2} {unit} off at first, {:.2} {unit} at last ({:+.2} {unit} a second), {:.2} {unit} at most",
+                c.first, c.last, c.growth, c.largest
+            )
+        };
+        let what = if c.frozen {
+            "the receiver repeated itself while the solution moved"
+        } else {
+            "jump"
+        };
+        let end = if c.gave_way {
+            "; the solution gave way to it"
+        } else {
+            ""
+        };
+        eprintln!(
+            "{part} left out, {what}: {:.3} s to {:.3} s, {} fixes, {size}{end}",
+            c.start, c.end, c.fixes
+        );
+    }
+    let more = all.len() - all.len().min(TOLD);
+    if more > 0 {
+        let gave_way = all.iter().skip(TOLD).filter(|c| c.gave_way).count();
+        eprintln!(
+            "and {} more such spans, in {gave_way} of which the solution gave way; --json has {}",
+            more as u64 + summary.more_contradictions,
+            if summary.more_contradictions > 0 {
+                "the first 1000"
+            } else {
+                "all"
+            }
         );
     }
 }

@@ -42,6 +42,11 @@ pub struct Update {
     /// The first three of the whitened innovation `L⁻¹ ν`, S = L Lᵀ: as many as there are measurements
     /// are independent and standard normal when the model is right.
     pub whitened: [f64; 3],
+    /// Derivative of the log-likelihood by the logarithm of a common factor on the measurement's
+    /// covariance R: `½ (νᵀ S⁻¹ R S⁻¹ ν − tr S⁻¹ R)`. On average zero when R is right.
+    pub score: f64,
+    /// Variance of the score when the model is right, what it tells of that factor: `½ tr (S⁻¹ R)²`.
+    pub information: f64,
     /// What became of it.
     pub outcome: Outcome,
 }
@@ -111,6 +116,9 @@ impl fmt::Display for FilterError {
 }
 
 impl core::error::Error for FilterError {}
+
+/// What a vehicle accelerates at its start [m/s²], one standard deviation.
+const START_ACCEL: f64 = 2.0;
 
 /// The filter; `N` is the most states it can hold, 9 for navigation and the rest for the sensors.
 #[derive(Clone, Debug)]
@@ -407,8 +415,10 @@ impl<const N: usize> Filter<N> {
         }
     }
 
-    /// Sets the covariance of position and velocity [m², (m/s)²], north-east-down, free of
-    /// correlation with all else.
+    /// Sets the covariance of position and velocity [m², (m/s)²], north-east-down, as of a fix that they
+    /// were taken from: free of correlation with all else but the lever arm and the time offset, where
+    /// these are estimated. A start taken from a fix that holds `τ` later is `v τ` ahead, and its
+    /// velocity off by what the vehicle accelerates meanwhile.
     pub fn set_position_velocity_covariance(&mut self, position: &Matrix3, velocity: &Matrix3) {
         for i in 0..6 {
             for j in 0..N {
@@ -418,14 +428,37 @@ impl<const N: usize> Filter<N> {
         }
         self.p.fixed_view_mut::<3, 3>(0, 0).copy_from(position);
         self.p.fixed_view_mut::<3, 3>(3, 3).copy_from(velocity);
+        if let Some(at) = self.parameter_start(Parameter::LeverArm) {
+            let across = self.c_nb * self.p.fixed_view::<3, 3>(at, at);
+            let mut own = self.p.fixed_view_mut::<3, 3>(0, 0);
+            own += across * self.c_nb.transpose();
+            self.p.fixed_view_mut::<3, 3>(0, at).copy_from(&across);
+            let across = across.transpose();
+            self.p.fixed_view_mut::<3, 3>(at, 0).copy_from(&across);
+        }
+        if let Some(at) = self.parameter_start(Parameter::TimeOffset) {
+            let variance = self.p[(at, at)];
+            let v = self.nav.v_n;
+            for i in 0..3 {
+                for j in 0..3 {
+                    self.p[(i, j)] += v[i] * v[j] * variance;
+                }
+                self.p[(3 + i, 3 + i)] += START_ACCEL * START_ACCEL * variance;
+                self.p[(i, at)] = v[i] * variance;
+                self.p[(at, i)] = v[i] * variance;
+            }
+        }
     }
 
-    /// Adds the uncertainty of a position that may be off by `size` [m] and of a velocity off by a tenth
-    /// of that a second: for a solution that fixes have contradicted for a while.
-    pub fn doubt_position(&mut self, size: f64) {
+    /// Adds uncertainty to position [m], velocity [m/s] and tilt [rad], one standard deviation each axis:
+    /// for a solution that fixes have contradicted for a while.
+    pub fn doubt(&mut self, position: f64, velocity: f64, tilt: f64) {
         for i in 0..3 {
-            self.p[(i, i)] += size * size;
-            self.p[(3 + i, 3 + i)] += 0.01 * size * size;
+            self.p[(i, i)] += position * position;
+            self.p[(3 + i, 3 + i)] += velocity * velocity;
+        }
+        for i in 6..8 {
+            self.p[(i, i)] += tilt * tilt;
         }
     }
 
@@ -469,6 +502,7 @@ impl<const N: usize> Filter<N> {
         tape: Option<&mut Tape<N>>,
     ) -> Result<Update, FilterError> {
         let (h, z) = (&observed.h, &observed.innovation);
+        let stated = r;
         let mut r = r + observed.extra;
         let pht = self.p * h.transpose();
         let mut s = h * pht + r;
@@ -485,10 +519,14 @@ impl<const N: usize> Filter<N> {
         for (slot, value) in whitened.iter_mut().zip(white.iter()) {
             *slot = *value;
         }
+        let inverse = factor.inverse();
+        let (weighted, share) = (inverse * z, inverse * stated);
         let mut update = Update {
             nis,
             dof: M,
             whitened,
+            score: 0.5 * ((stated * weighted).dot(&weighted) - share.trace()),
+            information: 0.5 * (share * share).trace(),
             outcome: Outcome::Used,
         };
         if nis > gate.reject {

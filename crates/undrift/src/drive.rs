@@ -27,7 +27,11 @@ mod tables;
 pub use section::{ConfigError, Section, line_at};
 pub(crate) use tables::read_initial;
 
-use crate::{align::AlignSettings, replay::GnssUse, vehicle::Constraints};
+use crate::{
+    align::AlignSettings,
+    replay::{GnssUse, QualityStd},
+    vehicle::Constraints,
+};
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 use undrift_io::{
@@ -69,6 +73,10 @@ pub struct Drive {
     pub constraints: Constraints,
     /// Whether fixes pass a gate.
     pub gating: bool,
+    /// Whether the stated standard deviations of the fixes are corrected by the innovations.
+    pub adapt: bool,
+    /// How the kind of solution bears on the standard deviation of a position.
+    pub quality: QualityStd,
     /// Noise model of the IMU, if the file names one.
     pub model: Option<ImuModel>,
 }
@@ -154,6 +162,8 @@ impl Drive {
             gating: tables::read_switch(&gnss, "gate")?.unwrap_or(true),
             imu,
             estimate_mounting,
+            adapt: tables::read_switch(&gnss, "adapt")?.unwrap_or(false),
+            quality: tables::read_quality(&gnss)?,
             gnss: tables::read_gnss(&gnss, data, span)?,
             truth: tables::read_truth(&top.section("truth")?, data)?,
             gnss_use,

@@ -35,6 +35,9 @@ use undrift_noise::BiasModel;
 /// What came of it.
 #[derive(Debug)]
 pub struct Report {
+    /// By how much the stated standard deviations of position and velocity should be multiplied, as far
+    /// as the innovations tell; only where it matters.
+    pub std_factors: [Option<f64>; 2],
     /// Counts, alignment, innovations.
     pub summary: Summary,
     /// The mounting, where the drive asks for an estimate: the solution is that of the vehicle's axes.
@@ -103,6 +106,8 @@ pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateErro
         parameters: drive.parameters,
         constraints: drive.constraints.clone(),
         gating: drive.gating,
+        adapt: drive.adapt,
+        quality: drive.quality,
         ..Settings::new(model.shaping(kind, drive.sample_interval()?)?)
     })
 }
@@ -194,6 +199,7 @@ pub fn navigate(
     }
     let n = recorder.compared;
     Ok(Report {
+        std_factors: std_factors(&drive, &settings, &summary)?,
         summary,
         mounting,
         rmse: (n > 0).then(|| (Errors(recorder.squares.map(|s| (s / n as f64).sqrt())), n)),
@@ -233,6 +239,53 @@ pub fn scalars(
 ) -> impl Iterator<Item = Result<Measurement, ReadError>> {
     let scalars = reader.iter_mut().flatten();
     scalars.map(move |scalar| scalar.map(kind))
+}
+
+/// NIS per degree of freedom outside of which the stated accuracy is looked into.
+const PLAUSIBLE: std::ops::RangeInclusive<f64> = 0.6..=1.6;
+/// Factors on a standard deviation that are worth a word lie outside of this.
+const WORTH_A_WORD: std::ops::RangeInclusive<f64> = 0.75..=1.33;
+
+/// By how much the stated standard deviations are wrong: what an adaptive run found. The innovations of
+/// a run with wrong ones do not tell, because its predictions are as wrong; so where they look wrong the
+/// log is read once more.
+fn std_factors(
+    drive: &Drive,
+    settings: &Settings,
+    summary: &Summary,
+) -> Result<[Option<f64>; 2], NavigateError> {
+    let plausible = [&summary.position, &summary.velocity]
+        .iter()
+        .all(|sums| sums.per_dof().is_none_or(|nis| PLAUSIBLE.contains(&nis)));
+    let adapted = if settings.adapt {
+        summary.adapted
+    } else if plausible || summary.diverged.is_some() {
+        return Ok([None; 2]);
+    } else {
+        let settings = Settings {
+            adapt: true,
+            ..settings.clone()
+        };
+        let (mut gnss, mut odometer, mut barometer) = (
+            drive.open_gnss()?,
+            drive.open_odometer()?,
+            drive.open_barometer()?,
+        );
+        let measurements = aiding(&mut gnss, &mut odometer, &mut barometer);
+        replay(drive.open_imu()?, measurements, &settings, &mut Nobody)?.adapted
+    };
+    Ok(adapted.map(|factor| factor.filter(|f| !WORTH_A_WORD.contains(f))))
+}
+
+/// Watches nothing.
+struct Nobody;
+
+impl Observer for Nobody {
+    fn sample<const N: usize>(&mut self, _: &Filter<N>) -> Result<(), ReplayError> {
+        Ok(())
+    }
+
+    fn fix<const N: usize>(&mut self, _: &Filter<N>, _: &GnssFix, _: bool) {}
 }
 
 /// A truth reader that ends at its first error and keeps it.

@@ -216,20 +216,18 @@ pub fn run_aided(
     models
         .par_iter()
         .map(|(name, settings)| {
-            let started;
+            // What a model does is to be seen, not mended.
+            let mut settings = Settings {
+                restart: false,
+                ..settings.clone()
+            };
             let samples = imu.iter().copied().map(Ok);
             let measurements = aiding.iter().copied().map(Ok);
-            let settings = match smooth::better_start(samples, measurements, settings) {
-                Ok(None) => settings,
-                Ok(Some(start)) => {
-                    started = Settings {
-                        start: Some(start),
-                        ..settings.clone()
-                    };
-                    &started
-                }
+            match smooth::better_start(samples, measurements, &settings) {
+                Ok(start) => settings.start = start,
                 Err(error) => return (name.clone(), Err(error)),
-            };
+            }
+            let settings = &settings;
             let mut watch = OutageWatch::new(settings, truth);
             if settings.nodes.is_some() {
                 watch.history = Some(match History::new() {

@@ -6,19 +6,25 @@
 mod bridge;
 mod gate;
 mod measurement;
+mod quality;
+mod receiver;
 mod rest;
 mod summary;
 
 pub use measurement::{Measurement, Scalar, merge};
-pub use summary::{Innovations, SUSPECT_NIS, SUSPECT_UPDATES, Summary};
+pub use quality::QualityStd;
+pub use summary::{
+    Contradiction, Innovations, Lean, MOST_EVENTS, Part, Restart, SUSPECT_NIS, SUSPECT_UPDATES,
+    Summary,
+};
 
 use crate::{
-    align::{AlignSettings, Aligner},
+    align::{AlignSettings, Aligner, Heading},
     vehicle::Constraints,
 };
 use bridge::Bridge;
-use gate::FixGate;
 use measurement::Queue;
+use receiver::Receiver;
 use rest::RestDetector;
 use summary::Streak;
 use undrift_nav::{
@@ -67,8 +73,14 @@ pub struct Settings {
     pub parameters: Parameters,
     /// What is known of the vehicle.
     pub constraints: Constraints,
-    /// Whether fixes pass a gate.
+    /// Whether fixes pass a gate, and a solution that is none any more begins anew.
     pub gating: bool,
+    /// Whether a solution that does not agree with the fixes begins anew, too.
+    pub restart: bool,
+    /// Whether the stated standard deviations of the fixes are corrected by the innovations.
+    pub adapt: bool,
+    /// How the kind of solution bears on the standard deviation of a position.
+    pub quality: QualityStd,
     /// Longest span between two nodes that a smoother is told of [s]; without it, none.
     pub nodes: Option<f64>,
     /// What the first attitude, sensor states and parameters after alignment are off by, as a smoother
@@ -89,6 +101,9 @@ impl Settings {
             parameters: Parameters::none(),
             constraints: Constraints::default(),
             gating: true,
+            restart: true,
+            adapt: false,
+            quality: QualityStd::AsStated,
             nodes: None,
             start: None,
         }
@@ -152,6 +167,9 @@ const CONSTRAINT_GATE: Gate = Gate {
 };
 /// The speed of a fix holds for so long [s].
 const SPEED_HOLDS: f64 = 1.5;
+/// Why a solution is to begin anew.
+const SICK: &str = "the innovations were far beyond their predicted size for half a minute";
+const HOPELESS: &str = "it gave way to fixes again and again";
 /// What a vehicle may do unseen in a long gap: acceleration [m/s²] and turn rate [rad/s], one sigma.
 const GAP_ACCEL: f64 = 2.0;
 const GAP_RATE: f64 = 0.2;
@@ -217,7 +235,7 @@ fn run<const N: usize>(
             return Ok(run.summary);
         }
     }
-    if run.filter.is_none() {
+    if run.filter.is_none() && run.summary.restarts.is_empty() {
         let mut why = run.aligner.why_not();
         let first_fix = first_fix.or_else(|| aiding.next_fix());
         if let (Some(imu), Some(gnss)) = (imu_start, first_fix) {
@@ -233,6 +251,11 @@ fn run<const N: usize>(
         run.note_span_without_gnss(last, run.summary.ended);
     }
     run.streak.judge(&mut run.summary);
+    run.receiver.close(&mut run.summary);
+    run.summary.diverged = match run.summary.restarts.last() {
+        Some(last) if run.filter.is_none() => Some(last.time),
+        _ => None,
+    };
     if let Some(filter) = &run.filter {
         for (kind, ..) in filter.parameters().blocks() {
             if let Some((value, std)) = filter.parameter(kind) {
@@ -255,11 +278,12 @@ struct Run<'a, const N: usize> {
     /// Time of the last fix, and the least and greatest speed over ground that it leaves possible.
     last_speed: Option<(f64, (f64, f64))>,
     streak: Streak,
+    /// Whether an alignment goes on beside the solution.
+    anew: bool,
     previous: Option<ImuSample>,
     /// While a gap is being bridged.
     bridge: Option<Bridge>,
-    position_gate: FixGate,
-    velocity_gate: FixGate,
+    receiver: Receiver,
     rest: RestDetector,
     last_constraint: f64,
     /// Since the last node, and its time.
@@ -277,10 +301,10 @@ impl<'a, const N: usize> Run<'a, N> {
             last_fix: None,
             last_speed: None,
             streak: Streak::default(),
+            anew: false,
             previous: None,
             bridge: None,
-            position_gate: FixGate::new(),
-            velocity_gate: FixGate::new(),
+            receiver: Receiver::new(f64::NEG_INFINITY),
             rest: RestDetector::new(&settings.sensors),
             last_constraint: f64::NEG_INFINITY,
             tape: None,
@@ -293,6 +317,40 @@ impl<'a, const N: usize> Run<'a, N> {
         let filter = self.filter.as_ref();
         let offset = filter.and_then(|filter| filter.parameter(Parameter::TimeOffset));
         offset.map_or(0.0, |(value, _)| value[0])
+    }
+
+    /// The solution is none any more: it ends here, and another one begins as soon as it is aligned,
+    /// without what was told of the start.
+    fn give_up(&mut self, time: f64) {
+        if !self.settings.gating {
+            self.summary.diverged = Some(time);
+            return;
+        }
+        self.begin_anew(
+            time,
+            "position, velocity or covariance left the possible range",
+        );
+        self.filter = None;
+    }
+
+    /// Aligns anew beside a solution that does not agree with the fixes; it goes on until that is done.
+    fn begin_anew(&mut self, time: f64, why: &str) {
+        if self.anew {
+            return;
+        }
+        self.anew = true;
+        self.summary.restarts.push(Restart {
+            time,
+            why: why.into(),
+            resumed: None,
+        });
+        let mut settings = self.settings.clone();
+        settings.align.attitude = None;
+        settings.align.velocity = None;
+        if let Heading::Given(..) = settings.align.heading {
+            settings.align.heading = Heading::Auto;
+        }
+        self.aligner = Aligner::new(&settings);
     }
 
     /// Tells the observer of a node, if there is a smoother.
@@ -356,6 +414,62 @@ impl<'a, const N: usize> Run<'a, N> {
         }
     }
 
+    /// Shows the aligner a fix; whether it completes the alignment and navigation begins.
+    fn align(
+        &mut self,
+        fix: &GnssFix,
+        sample: &ImuSample,
+        observer: &mut impl Observer,
+    ) -> Result<bool, ReplayError> {
+        self.aligner.advance(sample, fix.time);
+        if self.settings.gating && !self.receiver.is_consistent(fix) {
+            return Ok(false);
+        }
+        let fix = &match self.settings.gnss_use {
+            GnssUse::Position => GnssFix {
+                velocity: None,
+                ..*fix
+            },
+            _ => *fix,
+        };
+        let Some(aligned) = self.aligner.fix::<N>(fix, self.settings)? else {
+            return Ok(false);
+        };
+        match self.summary.restarts.last_mut() {
+            Some(restart) => restart.resumed = Some(fix.time),
+            None => {
+                self.summary.started = Some(fix.time);
+                self.summary.alignment = aligned.how;
+            }
+        }
+        self.anew = false;
+        self.last_fix = Some(fix.time);
+        let mut filter = aligned.filter;
+        if let (Some(start), true) = (&self.settings.start, self.summary.restarts.is_empty()) {
+            filter.take_out(&nalgebra::SVector::from_fn(|i, _| {
+                start.get(i).copied().unwrap_or(0.0)
+            }));
+        }
+        self.filter = Some(filter);
+        self.tape = None;
+        self.bridge = None;
+        self.streak = Streak::default();
+        self.receiver.forget_solution(fix.time, &mut self.summary);
+        self.node(observer)?;
+        // The rest of this sample's interval.
+        let rest = sample.time - fix.time;
+        if rest > STAMP_ROUNDING {
+            let part = rest / sample.dt;
+            self.begin(&ImuSample {
+                time: sample.time,
+                dt: rest,
+                dtheta: sample.dtheta * part,
+                dvel: sample.dvel * part,
+            });
+        }
+        Ok(true)
+    }
+
     /// A fix within the present sample.
     fn fix(
         &mut self,
@@ -364,46 +478,19 @@ impl<'a, const N: usize> Run<'a, N> {
         observer: &mut impl Observer,
     ) -> Result<(), ReplayError> {
         let withheld = self.settings.outages.iter().any(|o| o.contains(fix.time));
-        if self.filter.is_none() {
-            if withheld {
-                self.summary.withheld += 1;
+        let fix = &self.settings.quality.apply(fix);
+        if self.filter.is_none() && withheld {
+            self.summary.withheld += 1;
+            return Ok(());
+        }
+        if (self.filter.is_none() || self.anew) && !withheld {
+            if self.align(fix, sample, observer)? {
                 return Ok(());
             }
-            self.aligner.advance(sample, fix.time);
-            let fix = &match self.settings.gnss_use {
-                GnssUse::Position => GnssFix {
-                    velocity: None,
-                    ..*fix
-                },
-                _ => *fix,
-            };
-            if let Some(aligned) = self.aligner.fix::<N>(fix, self.settings)? {
-                self.summary.started = Some(fix.time);
-                self.summary.alignment = aligned.how;
-                self.last_fix = Some(fix.time);
-                let mut filter = aligned.filter;
-                if let Some(start) = &self.settings.start {
-                    filter.take_out(&nalgebra::SVector::from_fn(|i, _| {
-                        start.get(i).copied().unwrap_or(0.0)
-                    }));
-                }
-                self.filter = Some(filter);
-                self.node(observer)?;
-                // The rest of this sample's interval.
-                let rest = sample.time - fix.time;
-                if rest > STAMP_ROUNDING {
-                    let part = rest / sample.dt;
-                    self.begin(&ImuSample {
-                        time: sample.time,
-                        dt: rest,
-                        dtheta: sample.dtheta * part,
-                        dvel: sample.dvel * part,
-                    });
-                }
-            } else {
+            if self.filter.is_none() {
                 self.summary.fixes_before += 1;
+                return Ok(());
             }
-            return Ok(());
         }
         let due = fix.time + self.fix_offset();
         self.advance_to(due);
@@ -420,64 +507,18 @@ impl<'a, const N: usize> Run<'a, N> {
             self.last_fix = Some(fix.time);
             return self.node(observer);
         }
-        let lever = &self.settings.lever_arm;
-        let usage = self.settings.gnss_use;
-        let mut updates = [None, None];
-        if let Some((position, covariance)) = &fix.position
-            && usage != GnssUse::Velocity
-        {
-            let gate = &mut self.position_gate;
-            let tape = self.tape.as_deref_mut();
-            let mut observed = filter.observe_position(position, lever);
-            let wide = gate.gate(fix.time, &observed.innovation, 3);
-            let limits = match (self.settings.gating, wide) {
-                (false, _) => Gate::OPEN,
-                (true, Some(limits)) => limits,
-                (true, None) => {
-                    let size = observed.innovation.norm();
-                    filter.doubt_position(size);
-                    observed = filter.observe_position(position, lever);
-                    self.summary.resets.push((fix.time, size));
-                    Gate::OPEN
-                }
-            };
-            let update = filter.update_recorded(&observed, covariance, &limits, tape);
-            if let Ok(update) = update {
-                gate.note(
-                    fix.time,
-                    &observed.innovation,
-                    update.nis / 3.0,
-                    update.outcome,
-                );
-            }
-            updates[0] = Some(update);
-        }
+        let updates = self.receiver.update(
+            filter,
+            fix,
+            due,
+            self.settings,
+            self.tape.as_deref_mut(),
+            &mut self.summary,
+        );
         if let Some((v_n, covariance)) = &fix.velocity {
             let error = covariance.fixed_view::<2, 2>(0, 0).trace().sqrt();
             let speed = v_n.xy().norm();
             self.last_speed = Some((fix.time, ((speed - error).max(0.0), speed + error)));
-            if usage != GnssUse::Position {
-                let gate = &mut self.velocity_gate;
-                let tape = self.tape.as_deref_mut();
-                let observed = filter.observe_velocity(v_n, lever);
-                let limits = match (
-                    self.settings.gating,
-                    gate.gate(fix.time, &observed.innovation, 3),
-                ) {
-                    (true, Some(limits)) => limits,
-                    _ => Gate::OPEN,
-                };
-                let update = filter.update_recorded(&observed, covariance, &limits, tape);
-                if let Ok(update) = update {
-                    gate.note(
-                        fix.time,
-                        &observed.innovation,
-                        update.nis / 3.0,
-                        update.outcome,
-                    );
-                }
-                updates[1] = Some(update);
-            }
             if let Some((std, min_speed)) = self.settings.constraints.course
                 && v_n.xy().norm() > min_speed
                 && let Some(observed) = filter.observe_course(v_n.y.atan2(v_n.x))
@@ -493,20 +534,14 @@ impl<'a, const N: usize> Run<'a, N> {
         }
         let diverged = filter.check().is_err();
         let mut used = false;
-        for (kind, update) in updates.into_iter().enumerate() {
+        for update in updates.into_iter().flatten() {
             match update {
-                Some(Ok(update)) => {
-                    used |= update.outcome != Outcome::Rejected;
-                    let sums = if kind == 0 {
-                        &mut self.summary.position
-                    } else {
-                        &mut self.summary.velocity
-                    };
-                    sums.add(update);
+                Ok(update) if update.outcome == Outcome::Rejected => {}
+                Ok(update) => {
+                    used = true;
                     self.streak.watch(update, fix.time, &mut self.summary);
                 }
-                Some(Err(_)) => self.summary.bad_fixes += 1,
-                None => {}
+                Err(_) => self.summary.bad_fixes += 1,
             }
         }
         if used {
@@ -516,7 +551,13 @@ impl<'a, const N: usize> Run<'a, N> {
             }
         }
         if diverged {
-            self.summary.diverged = Some(fix.time);
+            self.give_up(fix.time);
+        } else if self.settings.gating && self.settings.restart {
+            if self.streak.is_sick(fix.time) {
+                self.begin_anew(fix.time, SICK);
+            } else if self.receiver.is_hopeless(fix.time) {
+                self.begin_anew(fix.time, HOPELESS);
+            }
         }
         self.node(observer)
     }
@@ -632,13 +673,15 @@ impl<'a, const N: usize> Run<'a, N> {
         self.grow_to(sample.time);
         self.bridge = None;
         self.constrain(sample, observer);
+        if self.filter.is_none() || self.anew {
+            self.aligner.advance(sample, sample.time);
+        }
         let Some(filter) = &self.filter else {
             self.summary.align_samples += 1;
-            self.aligner.advance(sample, sample.time);
             return Ok(());
         };
         if filter.check().is_err() {
-            self.summary.diverged = Some(sample.time);
+            self.give_up(sample.time);
             return Ok(());
         }
         self.summary.samples += 1;

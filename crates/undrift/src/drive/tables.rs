@@ -3,7 +3,7 @@
 use super::{ConfigError, GnssSource, Section};
 use crate::{
     align::{AlignSettings, Heading},
-    replay::GnssUse,
+    replay::{GnssUse, QualityStd},
     vehicle::{Constraints, NonHolonomic, Profile},
 };
 use std::path::{Path, PathBuf};
@@ -196,7 +196,7 @@ pub(super) fn read_gnss(
     let position_std_factor = section.factor("position_std_factor")?.unwrap_or(1.0);
     let velocity_std_factor = section.factor("velocity_std_factor")?.unwrap_or(1.0);
     let base = read_base(section)?;
-    let _ = (section.get("lever_arm"), section.get("gate"));
+    let _ = ["lever_arm", "gate", "adapt", "quality_std_factors"].map(|key| section.get(key));
     let source = if is_rtklib {
         GnssSource::Rtklib(RtklibOptions {
             time_offset,
@@ -298,6 +298,27 @@ pub(super) fn read_gnss(
     }
     section.only_known()?;
     Ok((path, source))
+}
+
+/// `quality_std_factors = { float = 10 }`; without it a standard deviation stated for the whole log is at
+/// least the typical one of a fix's kind.
+pub(super) fn read_quality(section: &Section) -> Result<QualityStd, ConfigError> {
+    let factors = section.section("quality_std_factors")?;
+    if !factors.exists() {
+        return Ok(match section.get("position_std") {
+            Some(_) => QualityStd::Typical,
+            None => QualityStd::AsStated,
+        });
+    }
+    let mut values = [1.0; 4];
+    for (value, key) in values
+        .iter_mut()
+        .zip(["fixed", "float", "differential", "single"])
+    {
+        *value = factors.factor(key)?.unwrap_or(1.0);
+    }
+    factors.only_known()?;
+    Ok(QualityStd::Factors(values))
 }
 
 /// `base = "40.0966 deg, -105.1474 deg, 1601.5 m"`.

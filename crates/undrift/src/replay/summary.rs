@@ -1,12 +1,14 @@
 //! What a replay was like.
 
+use serde::{Serialize, Serializer, ser::SerializeMap};
 use undrift_nav::{
+    Vector3,
     filter::{Outcome, Update},
     parameters::Parameter,
 };
 
 /// Sums of the normalised innovations squared of one kind of measurement.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Innovations {
     /// Updates made.
     pub updates: u64,
@@ -18,6 +20,12 @@ pub struct Innovations {
     pub weakened: u64,
     /// Measurements left out.
     pub rejected: u64,
+    /// Sums of the products of whitened innovations with those of the update before, of the squares,
+    /// and their number: for their autocorrelation.
+    lagged: (f64, f64, u64),
+    /// Whitened innovation of the last update, if it was used.
+    #[serde(skip)]
+    last: Option<[f64; 3]>,
 }
 
 impl Innovations {
@@ -26,6 +34,7 @@ impl Innovations {
         match update.outcome {
             Outcome::Rejected => {
                 self.rejected += 1;
+                self.last = None;
                 return;
             }
             Outcome::Weakened(_) => self.weakened += 1,
@@ -34,16 +43,90 @@ impl Innovations {
         self.updates += 1;
         self.nis_sum += update.nis;
         self.dof_sum += update.dof as u64;
+        if let Some(last) = self.last {
+            for (now, before) in update.whitened.iter().zip(last) {
+                self.lagged.0 += now * before;
+                self.lagged.1 += 0.5 * (now * now + before * before);
+            }
+            self.lagged.2 += update.dof as u64;
+        }
+        self.last = Some(update.whitened);
     }
 
     /// NIS per degree of freedom: 1 when the model is right. `None` without updates.
     pub fn per_dof(&self) -> Option<f64> {
         (self.dof_sum > 0).then(|| self.nis_sum / self.dof_sum as f64)
     }
+
+    /// Autocorrelation of the whitened innovations from one update to the next, and what it stays
+    /// below 19 times out of 20 when the model is right: `1.96/√n`.
+    pub fn autocorrelation(&self) -> Option<(f64, f64)> {
+        let (products, squares, n) = self.lagged;
+        (n > 0 && squares > 0.0).then(|| (products / squares, 1.96 / (n as f64).sqrt()))
+    }
+}
+
+/// Part of a fix.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Part {
+    /// Position.
+    Position,
+    /// Velocity.
+    Velocity,
+}
+
+/// Fixes one after the other that contradicted the solution and were left out.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Contradiction {
+    /// Which part of them.
+    pub part: Part,
+    /// Time of the first [s].
+    pub start: f64,
+    /// Time of the last [s], with those soon after the solution gave way.
+    pub end: f64,
+    /// How many.
+    pub fixes: u64,
+    /// How far the first was from the solution [m, m/s].
+    pub first: f64,
+    /// How far the last was, at the end or when the solution first gave way.
+    pub last: f64,
+    /// How fast it grew [m/s, m/s²].
+    pub growth: f64,
+    /// How far the furthest was.
+    pub largest: f64,
+    /// Whether the receiver repeated itself while the solution moved.
+    pub frozen: bool,
+    /// Whether the solution gave way to them in the end.
+    pub gave_way: bool,
+}
+
+/// The solution was to be aligned anew.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Restart {
+    /// When that was found [s].
+    pub time: f64,
+    /// Why.
+    pub why: String,
+    /// When the new one began [s]; `None` if it never did.
+    pub resumed: Option<f64>,
+}
+
+/// A span in which innovations of a kind leaned to one side far more than is usual in the log.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Lean {
+    /// Of which part of the fixes.
+    pub part: Part,
+    /// Start [s].
+    pub start: f64,
+    /// End [s].
+    pub end: f64,
+    /// Largest mean of the innovations over a block, predicted less measured, north, east, down [m, m/s].
+    pub mean: [f64; 3],
 }
 
 /// What a replay was like.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Summary {
     /// Samples processed after alignment.
     pub samples: u64,
@@ -76,27 +159,103 @@ pub struct Summary {
     /// Barometer updates.
     pub barometer: Innovations,
     /// Parameters estimated: their last values and standard deviations.
+    #[serde(serialize_with = "by_name")]
     pub parameters: Vec<(Parameter, Vec<f64>, Vec<f64>)>,
-    /// Times at which the solution gave way to fixes that had contradicted it for a while [s], and by
-    /// how much they differed [m].
-    pub resets: Vec<(f64, f64)>,
+    /// Fixes that were left out, run by run; the first [`MOST_EVENTS`].
+    pub contradictions: Vec<Contradiction>,
+    /// Runs of fixes left out beyond those.
+    pub more_contradictions: u64,
+    /// Spans in which innovations leaned to one side; the first [`MOST_EVENTS`].
+    pub leans: Vec<Lean>,
+    /// When and why the solution was aligned anew.
+    pub restarts: Vec<Restart>,
+    /// Mean factors on the stated standard deviations of position and velocity, where they were adapted.
+    pub adapted: [Option<f64>; 2],
+    /// Regression of the innovations of velocity on the measured velocity, component by component:
+    /// sums of products and of squares.
+    #[serde(skip)]
+    pub(super) against_velocity: [(f64, f64); 3],
     /// Short gaps in the samples that were bridged by interpolation.
     pub bridged: u64,
     /// Gaps too long for that, covariance grown: their number, the first one's time [s], the longest [s].
     pub long_gaps: Option<(u64, f64, f64)>,
     /// Longest span without a fix, outages aside: start and length [s].
     pub longest_without_gnss: (f64, f64),
-    /// When the solution stopped being one, if it did [s].
+    /// When the solution stopped being one, if it did and did not begin anew [s].
     pub diverged: Option<f64>,
     /// Start of the first [`SUSPECT_UPDATES`] updates on end, or fewer at the end of the log, whose
     /// innovations were far beyond their predicted size [s].
     pub suspect: Option<f64>,
 }
 
+/// Fixes left out within so long after the solution gave way belong to what went before [s].
+const GOES_ON: f64 = 3.0;
+/// Events of a kind that are kept one by one.
+pub const MOST_EVENTS: usize = 1000;
 /// NIS per degree of freedom over this many updates …
 pub const SUSPECT_UPDATES: u32 = 20;
 /// … and above this value makes a solution suspect of divergence.
 pub const SUSPECT_NIS: f64 = 25.0;
+/// A component of the velocity has the wrong sign where its innovations are this part of it, on the
+/// average: −2 if the solution ignores it, closer to 0 the more it follows …
+const WRONG_SIGN: f64 = -0.6;
+/// … and there has been this much motion [m²/s²].
+const MOTION: f64 = 5.0;
+
+impl Summary {
+    /// Components of the velocity, 0 to 2 for north, east, down, that seem to have the wrong sign.
+    pub fn wrong_signs(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..3).filter(|i| {
+            let (products, squares) = self.against_velocity[*i];
+            squares > MOTION && products < WRONG_SIGN * squares
+        })
+    }
+
+    pub(super) fn regress(&mut self, innovation: &Vector3, measured: &Vector3) {
+        for (i, sums) in self.against_velocity.iter_mut().enumerate() {
+            sums.0 += innovation[i] * measured[i];
+            sums.1 += measured[i] * measured[i];
+        }
+    }
+
+    /// Notes a run of fixes left out; where the solution has just given way to others of the kind, it is
+    /// the same one that goes on.
+    pub(super) fn contradicted(&mut self, what: Contradiction) {
+        let same = |c: &&mut Contradiction| c.part == what.part;
+        if let Some(last) = self.contradictions.iter_mut().rev().find(same)
+            && last.gave_way
+            && what.start - last.end < GOES_ON
+        {
+            last.end = what.end;
+            last.fixes += what.fixes;
+            last.largest = last.largest.max(what.largest);
+            return;
+        }
+        if self.contradictions.len() < MOST_EVENTS {
+            self.contradictions.push(what);
+        } else {
+            self.more_contradictions += 1;
+        }
+    }
+}
+
+fn by_name<S: Serializer>(
+    parameters: &[(Parameter, Vec<f64>, Vec<f64>)],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    let mut map = serializer.serialize_map(Some(parameters.len()))?;
+    for (kind, value, std) in parameters {
+        let both = serde_json::json!({"value": value, "std": std});
+        map.serialize_entry(&format!("{kind:?}"), &both)?;
+    }
+    map.end()
+}
+
+/// A solution that was sound and whose innovations have been far beyond their size for so long [s] begins
+/// anew.
+const SICK: f64 = 30.0;
+/// NIS per degree of freedom of a sound solution.
+const SOUND_NIS: f64 = 4.0;
 
 /// Updates, their NIS and degrees of freedom since the count began, and when that was [s].
 #[derive(Default)]
@@ -105,6 +264,9 @@ pub(super) struct Streak {
     nis: f64,
     dof: u32,
     start: f64,
+    /// Whether the solution was ever sound, and since when it is not [s].
+    sound: bool,
+    sick_since: Option<f64>,
 }
 
 impl Streak {
@@ -121,10 +283,115 @@ impl Streak {
         }
     }
 
+    /// Whether a solution that was sound has been beyond its size for long [`SICK`].
+    pub(super) fn is_sick(&self, time: f64) -> bool {
+        self.sick_since.is_some_and(|since| time - since > SICK)
+    }
+
     pub(super) fn judge(&mut self, summary: &mut Summary) {
-        let streak = std::mem::take(self);
-        if streak.nis > SUSPECT_NIS * f64::from(streak.dof) && summary.suspect.is_none() {
-            summary.suspect = Some(streak.start);
+        if self.dof == 0 {
+            return;
+        }
+        let nis = self.nis / f64::from(self.dof);
+        if nis > SUSPECT_NIS {
+            if summary.suspect.is_none() {
+                summary.suspect = Some(self.start);
+            }
+            if self.sound {
+                self.sick_since.get_or_insert(self.start);
+            }
+        } else {
+            self.sick_since = None;
+            self.sound |= nis < SOUND_NIS;
+        }
+        (self.updates, self.nis, self.dof) = (0, 0.0, 0);
+    }
+}
+
+/// Fixes in a block of [`LeanWatch`].
+const BLOCK: usize = 40;
+/// The mean over a block leans when it is this many times the usual and the expected size, squared.
+const LEANS: f64 = 60.0;
+/// Blocks that the usual size is taken from, and how many there must be.
+const BLOCKS: usize = 20;
+const LEAST_BLOCKS: usize = 5;
+/// Whitened innovations count up to this size: an outlier alone does not make a lean.
+const CLIP: f64 = 4.0;
+
+/// Watches the means of whitened innovations for a slow drift of fixes that each pass the gate.
+pub(super) struct LeanWatch {
+    part: Part,
+    start: f64,
+    updates: usize,
+    white: Vector3,
+    innovation: Vector3,
+    usual: [f64; BLOCKS],
+    count: usize,
+    open: Option<Lean>,
+}
+
+impl LeanWatch {
+    pub(super) fn new(part: Part) -> Self {
+        Self {
+            part,
+            start: 0.0,
+            updates: 0,
+            white: Vector3::zeros(),
+            innovation: Vector3::zeros(),
+            usual: [0.0; BLOCKS],
+            count: 0,
+            open: None,
+        }
+    }
+
+    pub(super) fn add(
+        &mut self,
+        time: f64,
+        innovation: &Vector3,
+        update: &Update,
+        summary: &mut Summary,
+    ) {
+        if self.updates == 0 {
+            self.start = time;
+        }
+        self.updates += 1;
+        self.white += Vector3::from(update.whitened).map(|w| w.clamp(-CLIP, CLIP));
+        self.innovation += innovation;
+        if self.updates < BLOCK {
+            return;
+        }
+        // χ²(3)/3 for white innovations.
+        let size = self.white.norm_squared() / (3.0 * BLOCK as f64);
+        let mean: [f64; 3] = (self.innovation / BLOCK as f64).into();
+        (self.updates, self.white, self.innovation) = (0, Vector3::zeros(), Vector3::zeros());
+        let mut sorted = self.usual;
+        let known = &mut sorted[..self.count.min(BLOCKS)];
+        known.sort_unstable_by(f64::total_cmp);
+        let usual = known.get(known.len() / 2).copied().unwrap_or(0.0);
+        if self.count >= LEAST_BLOCKS && size > LEANS * usual.max(1.0) {
+            let length = |m: &[f64; 3]| Vector3::from(*m).norm();
+            let open = self.open.get_or_insert(Lean {
+                part: self.part,
+                start: self.start,
+                end: time,
+                mean,
+            });
+            open.end = time;
+            if length(&mean) > length(&open.mean) {
+                open.mean = mean;
+            }
+        } else {
+            self.usual[self.count % BLOCKS] = size;
+            self.count += 1;
+            self.close(summary);
+        }
+    }
+
+    pub(super) fn close(&mut self, summary: &mut Summary) {
+        if let Some(lean) = self.open.take()
+            && summary.leans.len() < MOST_EVENTS
+        {
+            summary.leans.push(lean);
         }
     }
 }

@@ -1,0 +1,82 @@
+//! Standard deviations by the kind of GNSS solution.
+
+use undrift_nav::{
+    Matrix3,
+    sample::{FixQuality, GnssFix},
+};
+
+/// How the kind of solution bears on the standard deviation of the position.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum QualityStd {
+    /// Not at all: the fixes carry their own.
+    #[default]
+    AsStated,
+    /// At least what is typical of the kind: for one standard deviation stated for a whole log.
+    Typical,
+    /// Multiplied by these: fixed, float, differential, single.
+    Factors([f64; 4]),
+}
+
+/// Typical horizontal standard deviations [m] of fixed, float, differential and single solutions under
+/// an open sky; vertical ones are half as much again (Teunissen & Montenbruck 2017, chapters 21 and 26).
+const TYPICAL: [f64; 4] = [0.0, 0.3, 0.7, 2.5];
+const VERTICAL: f64 = 1.5;
+
+impl QualityStd {
+    /// The fix with the standard deviations of its kind.
+    pub fn apply(&self, fix: &GnssFix) -> GnssFix {
+        let mut fix = *fix;
+        let kind = match fix.quality {
+            FixQuality::Unknown => return fix,
+            FixQuality::Fixed => 0,
+            FixQuality::Float => 1,
+            FixQuality::Differential => 2,
+            FixQuality::Single => 3,
+        };
+        if let Some((_, covariance)) = &mut fix.position {
+            match self {
+                Self::AsStated => {}
+                Self::Factors(factors) => *covariance *= factors[kind] * factors[kind],
+                Self::Typical => {
+                    let std = TYPICAL[kind];
+                    for (i, std) in [std, std, VERTICAL * std].into_iter().enumerate() {
+                        covariance[(i, i)] = covariance[(i, i)].max(std * std);
+                    }
+                }
+            }
+        }
+        debug_assert!(
+            fix.position
+                .is_none_or(|(_, r): (_, Matrix3)| r.trace() > 0.0)
+        );
+        fix
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use undrift_nav::{earth::Geodetic, sample::Position};
+
+    #[test]
+    fn by_kind() {
+        let place = Position::Geodetic(Geodetic::from_degrees(40.0, -105.0, 1600.0));
+        let std = |rule: QualityStd, quality, stated: f64| {
+            let fix = GnssFix {
+                time: 0.0,
+                position: Some((place, Matrix3::identity() * (stated * stated))),
+                velocity: None,
+                quality,
+            };
+            rule.apply(&fix).position.unwrap().1[(0, 0)].sqrt()
+        };
+        use FixQuality::{Fixed, Float, Single, Unknown};
+        assert_eq!(std(QualityStd::Typical, Fixed, 0.02), 0.02);
+        assert_eq!(std(QualityStd::Typical, Float, 0.02), 0.3);
+        assert_eq!(std(QualityStd::Typical, Single, 5.0), 5.0);
+        assert_eq!(std(QualityStd::Typical, Unknown, 0.02), 0.02);
+        let factors = QualityStd::Factors([1.0, 10.0, 30.0, 100.0]);
+        assert!((std(factors, Single, 0.02) - 2.0).abs() < 1e-12);
+        assert_eq!(std(QualityStd::AsStated, Single, 0.02), 0.02);
+    }
+}
