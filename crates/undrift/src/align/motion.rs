@@ -124,7 +124,8 @@ impl Motion {
         }
         self.samples.push_back(*sample);
         let longest = match self.solved {
-            Some(_) => LONGEST + EVERY,
+            // Its start must stay; it ends at the first fix beyond `LONGEST`.
+            Some(_) => 2.0 * LONGEST,
             None => self.longest,
         };
         let start = sample.time - longest;
