@@ -145,7 +145,7 @@ fn of(part: Part) -> (&'static str, &'static str) {
     }
 }
 
-/// Tells which fixes were left out, the longest and largest first told.
+/// Tells which fixes were left out.
 fn print_contradictions(summary: &Summary) {
     let all = &summary.contradictions;
     for c in all.iter().take(TOLD) {
@@ -169,8 +169,11 @@ fn print_contradictions(summary: &Summary) {
             ""
         };
         eprintln!(
-            "{part} left out, {what}: {:.3} s to {:.3} s, {} fixes, {size}{end}",
-            c.start, c.end, c.fixes
+            "{part} left out, {what}: {:.3} s to {:.3} s, {} {}, {size}{end}",
+            c.start,
+            c.end,
+            c.fixes,
+            if c.fixes == 1 { "fix" } else { "fixes" }
         );
     }
     let more = all.len() - all.len().min(TOLD);
