@@ -40,6 +40,8 @@ pub(super) struct Rest {
     /// Mean rate over all rest, what is called the gyro bias, and its blocks.
     pub(super) bias: Vector3,
     bias_blocks: u32,
+    /// Mean specific force of the last rest [m/s²].
+    rested_force: Option<Vector3>,
 }
 
 impl Rest {
@@ -61,6 +63,7 @@ impl Rest {
             mean_force: Vector3::zeros(),
             bias: Vector3::zeros(),
             bias_blocks: 0,
+            rested_force: None,
         }
     }
 
@@ -89,10 +92,11 @@ impl Rest {
     }
 
     /// Whether the present span is rest; `stands` is what GNSS says, if it says something. A steady
-    /// turn has steady readings too, so the rate must be that of the rest before, unless GNSS has
-    /// said for a while that the vehicle stands.
+    /// turn has steady readings too, and so has a vehicle that pulls away steadily, and a fix may be old:
+    /// so rate and force must be those of the rest before, unless GNSS has said for a while that the
+    /// vehicle stands.
     pub(super) fn holds(&self, stands: Option<bool>) -> bool {
-        let steady = self.bias_blocks == 0 || self.is_steady();
+        let steady = self.bias_blocks == 0 || (self.is_steady() && self.force_is_as_before());
         let needed = match (stands, steady) {
             (Some(false), _) | (None, false) => return false,
             (Some(true), true) => self.needed,
@@ -107,12 +111,19 @@ impl Rest {
         (self.mean_rate - self.bias).norm() < self.rate_tolerance
     }
 
+    /// Whether the present span is on the slope of the rest before.
+    fn force_is_as_before(&self) -> bool {
+        self.rested_force
+            .is_none_or(|force| (self.mean_force - force).norm() < self.force_tolerance)
+    }
+
     /// Takes the latest blocks of the present span into the bias; where they say another one (a
     /// sensor warming up, or calibrating itself), only the present span counts.
     pub(super) fn take_bias(&mut self) {
         if !self.is_steady() {
             self.bias_blocks = 0;
         }
+        self.rested_force = Some(self.mean_force);
         // The whole span when it has just become rest, later the newest block.
         let fresh = if self.bias_blocks == 0 || self.fresh_span() {
             self.blocks
@@ -137,6 +148,7 @@ impl Rest {
         self.interrupt();
         self.bias_blocks = 0;
         self.bias = Vector3::zeros();
+        self.rested_force = None;
     }
 
     fn fresh_span(&self) -> bool {
