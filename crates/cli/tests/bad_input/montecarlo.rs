@@ -185,7 +185,7 @@ fn runs_that_cannot_be() {
     assert_eq!(outcome.code, Some(1));
     says(
         &outcome.stderr,
-        &["arma, run 1: ", "the log could not be aligned"],
+        &["spec.toml line 6, drive.duration: must be 120 s"],
     );
 }
 
