@@ -1,8 +1,9 @@
-//! Times one likelihood evaluation per order and whole fits. `cargo run --release --example arma_speed [samples [likelihood]]`
+//! Times one likelihood evaluation per order, screening of the record included, whole fits and a pair
+//! of profile intervals. `cargo run --release --example arma_speed [samples [likelihood]]`
 
 use std::time::Instant;
 use undrift_nav::shaping::ShapingFilter;
-use undrift_noise::arma::{FitOptions, Mean, fit, log_likelihood};
+use undrift_noise::arma::{FitOptions, Mean, Root, fit, log_likelihood, profile_interval};
 use undrift_noise::synthesis::NoiseGenerator;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -38,6 +39,24 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     if std::env::args().nth(2).is_some() {
         return Ok(());
     }
+    let known = FitOptions {
+        mean: Mean::Known(0.0),
+        ..FitOptions::default()
+    };
+    let start = Instant::now();
+    let model = fit(&record, 1, 1, &known)?;
+    let fitted = start.elapsed().as_secs_f64();
+    let phi = profile_interval(&record, &model, Root::Ar, 0.95)?;
+    let theta = profile_interval(&record, &model, Root::Ma, 0.95)?;
+    println!(
+        "fit (1,1), mean known: {fitted:.2} s; 95 % intervals for log(1 - φ) and log(1 - θ): {:.2} s, \
+         [{:.3}, {:.3}] and [{:.3}, {:.3}]",
+        start.elapsed().as_secs_f64() - fitted,
+        phi.low,
+        phi.high,
+        theta.low,
+        theta.high
+    );
     for (p, q) in [(1, 1), (2, 1), (4, 3)] {
         let start = Instant::now();
         let model = fit(&record, p, q, &FitOptions::default())?;

@@ -5,7 +5,8 @@
 //! missing sample. Gardner, Harvey & Phillips 1980; Box, Jenkins & Reinsel chapter 7.
 //!
 //! [`log_likelihood`] evaluates, [`fit`] searches the global optimum, [`select`] compares a grid of
-//! orders, [`burg`] and [`yule_walker`] fit AR(p) without a search.
+//! orders, [`profile_interval`] says what the record leaves open about an ARMA(1,1), [`burg`] and
+//! [`yule_walker`] fit AR(p) without a search.
 //!
 //! ```
 //! use undrift_noise::arma::{FitOptions, fit};
@@ -32,6 +33,7 @@ mod likelihood;
 mod linear;
 mod optimise;
 mod polynomial;
+mod profile;
 mod search;
 mod selection;
 mod starts;
@@ -41,6 +43,7 @@ pub use diagnosis::Warning;
 pub(crate) use fit::climb_to;
 pub use fit::{ArmaFit, FitOptions, fit, fit_from, log_likelihood};
 pub use likelihood::{Likelihood, Mean};
+pub use profile::{ProfileInterval, Root, profile_interval};
 pub(crate) use search::Ladder;
 pub use selection::{Selection, select};
 

@@ -85,6 +85,7 @@ fn a_strong_43_is_kept_and_bic_agrees_with_a_true_21() {
     assert!(table.n == 2 && !table.adequate, "{:?}", table.rows);
     assert_eq!(table.rows[2].order(), (4, 3));
     assert!(table.rows[2].test.unwrap().significant);
+    assert_eq!(table.by_bic_step_down, (4, 3));
     // The sums of squares fall with the order in the table.
     for pair in table.rows.windows(2) {
         let sums = (
@@ -95,6 +96,7 @@ fn a_strong_43_is_kept_and_bic_agrees_with_a_true_21() {
     }
     let table = pandit_wu(&series(&reference, "f_arma21"), &options).unwrap();
     assert_eq!(table.by_bic, (2, 1));
+    assert_eq!(table.by_bic_step_down, (2, 1));
     assert!(table.fit(table.by_f).is_some() && table.fit((1, 1)).is_some());
     assert_eq!(table.neighbours.len(), 3);
     assert_eq!(table.neighbours[0].smaller, (1, 1));

@@ -1,6 +1,9 @@
 //! Static figures as SVG.
 
+pub mod panel;
+
 use crate::{consistency::GROUP, montecarlo::Report, outages::ModelRun, replay::Outage};
+use panel::{Axis, Panel, Series};
 use plotters::prelude::*;
 use std::path::Path;
 use undrift_nav::{earth::Geodetic, sample::TruthSample};
@@ -134,56 +137,17 @@ fn draw_trajectory(
 }
 
 fn draw_drift(area: &Area, curves: &[DriftCurve]) -> Result<(), Box<dyn std::error::Error>> {
-    let end = curves
-        .iter()
-        .flat_map(|c| c.points.last())
-        .fold(1.0f64, |m, p| m.max(p.0));
-    let most = curves
-        .iter()
-        .flat_map(|c| &c.points)
-        .fold(1.0f64, |m, p| m.max(p.1));
     const LEAST: f64 = 0.01;
-    let mut chart = ChartBuilder::on(area)
-        .margin(14)
-        .caption(
-            "Horizontal drift since the cut, RMS over the outages",
-            ("sans-serif", 18),
-        )
-        .x_label_area_size(38)
-        .y_label_area_size(58)
-        .build_cartesian_2d(0.0..end, (LEAST..most * 1.5).log_scale())?;
-    chart
-        .configure_mesh()
-        .x_desc("time since the cut [s]")
-        .y_desc("horizontal error [m]")
-        .light_line_style(WHITE)
-        .label_style(("sans-serif", 13))
-        .y_label_formatter(&|v| {
-            if *v >= 1.0 {
-                format!("{v:.0}")
-            } else {
-                format!("{v}")
-            }
-        })
-        .draw()?;
+    let mut panel = Panel::new(
+        "Horizontal drift since the cut, RMS over the outages",
+        Axis::new("time since the cut [s]"),
+        Axis::logarithmic("horizontal error [m]"),
+    );
     for (i, curve) in curves.iter().enumerate() {
-        let colour = COLOURS[i % COLOURS.len()];
         let points = curve.points.iter().map(|(t, e)| (*t, e.max(LEAST)));
-        chart
-            .draw_series(LineSeries::new(points, colour.stroke_width(2)))?
-            .label(curve.name)
-            .legend(move |(x, y)| {
-                PathElement::new(vec![(x, y), (x + 18, y)], colour.stroke_width(2))
-            });
+        panel.add(Series::line(curve.name, i, points.collect()));
     }
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperLeft)
-        .background_style(WHITE.mix(0.85))
-        .border_style(RGBColor(200, 200, 200))
-        .label_font(("sans-serif", 13))
-        .draw()?;
-    Ok(())
+    panel.draw(area)
 }
 
 /// Draws the average NEES over time with its 95 % bounds: a panel per group of states, a line per model.

@@ -4,6 +4,7 @@
 //! are mean squares of `S_{i+2m} − 2 S_{i+m} + S_i` and its kin. The mean only adds a straight line
 //! to `S`, which none of them sees; without it `S` stays small and keeps its digits.
 
+use super::octaves;
 use crate::screening::record::{RecordError, check, mean, prefix_sums};
 use rayon::prelude::*;
 
@@ -155,33 +156,26 @@ pub fn deviations_at(
     kind: Kind,
     factors: &[usize],
 ) -> Result<Curve, RecordError> {
-    check(rates, if kind == Kind::Hadamard { 3 } else { 2 })?;
+    let needed = if kind == Kind::Hadamard { 3 } else { 2 };
+    if rates.len() < needed {
+        return Err(RecordError::TooShort {
+            needed,
+            got: rates.len(),
+        });
+    }
     if !(rate_hz > 0.0 && rate_hz.is_finite()) {
         return Err(RecordError::Argument(
             "the sample rate must be a positive number",
         ));
     }
     let samples = rates.len();
-    let sums = prefix_sums(rates, mean(rates));
     let largest = kind.largest_m(samples);
     let factors: Vec<usize> = factors
         .iter()
         .copied()
         .filter(|&m| m >= 1 && m <= largest)
         .collect();
-    let energies = match kind {
-        Kind::Overlapping | Kind::Hadamard if factors.len() < SPREAD => {
-            shared_pass(&sums, samples, kind, &factors)
-        }
-        _ if factors.len() < SPREAD => factors
-            .iter()
-            .map(|&m| energy(&sums, samples, kind, m))
-            .collect(),
-        _ => factors
-            .par_iter()
-            .map(|&m| energy(&sums, samples, kind, m))
-            .collect::<Vec<_>>(),
-    };
+    let energies = energies(rates, kind, &factors)?;
     let mut points = Vec::with_capacity(factors.len());
     for (&m, energy) in factors.iter().zip(energies) {
         let terms = kind.terms(samples, m);
@@ -204,6 +198,29 @@ pub fn deviations_at(
         rate_hz,
         samples,
         points,
+    })
+}
+
+/// Sums of squared differences of each factor, by the cheapest way there is.
+///
+/// Errors: a sample that is not finite.
+fn energies(rates: &[f64], kind: Kind, factors: &[usize]) -> Result<Vec<f64>, RecordError> {
+    if kind == Kind::Overlapping && factors.iter().all(|m| m.is_power_of_two()) {
+        let octave = |m: usize| m.trailing_zeros() as usize;
+        let octaves = factors.iter().map(|&m| octave(m) + 1).max().unwrap_or(1);
+        let energies = octaves::energies(rates, octaves);
+        if !energies[0].is_finite() {
+            check(rates, 2)?;
+        }
+        return Ok(factors.iter().map(|&m| energies[octave(m)]).collect());
+    }
+    check(rates, 2)?;
+    let sums = prefix_sums(rates, mean(rates));
+    let one = |&m: &usize| energy(&sums, rates.len(), kind, m);
+    Ok(match kind {
+        _ if factors.len() >= SPREAD => factors.par_iter().map(one).collect(),
+        Kind::Overlapping | Kind::Hadamard => shared_pass(&sums, rates.len(), kind, factors),
+        _ => factors.iter().map(one).collect(),
     })
 }
 

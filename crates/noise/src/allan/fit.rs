@@ -1,24 +1,36 @@
 //! Noise terms of an Allan variance: quantisation, white noise, bias instability, random walk, ramp.
 //!
 //! `σ²(τ) = 3Q²/τ² + N²/τ + (2 ln 2/π) B² + K² τ/3 + R² τ²/2` (IEEE Std 952-1997 equation C.24), by
-//! non-negative least squares in the squares of the terms. An estimate with ν degrees of freedom
-//! scatters by √(2/ν) of its *true* value, so the weights come from the fitted curve and are
+//! generalised non-negative least squares in the squares of the terms. How the points scatter, each
+//! and together, follows from the *true* curve, so their covariance comes from the fitted one and is
 //! iterated; weights from the measured points favour those that happen to be low and halve K.
 //! Of all sets of terms the one with the least deviance + 4 a term is taken: five terms that must
-//! not be negative share a random walk between B, K and R, and K comes out 20 % low.
+//! not be negative share a random walk between B, K and R, and K comes out too low.
 
 use super::confidence::edf;
+use super::covariance::Covariance;
 use super::deviation::{Curve, Kind, Point};
 use super::nnls;
 use crate::screening::record::RecordError;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::{LN_2, PI};
 
-/// Points an octave that the fit uses; more are so correlated that they add nothing.
-const PER_OCTAVE: f64 = 4.0;
+/// Least ratio of averaging times that the fit uses: an octave, a little less for rounding. Closer
+/// points are so correlated that they add nothing.
+const OCTAVE: f64 = 1.99;
+
+/// Fewest points of a fit that leaves out the shortest τ.
+const FEWEST: usize = 7;
+
+/// Reduced χ² of a curve that is described. Simulated records of the terms leave 0.9 ± 0.35; a filter or
+/// a resonance at the shortest τ of a long record, hundreds.
+const DESCRIBES: f64 = 2.0;
 
 /// Rounds of reweighting; the change is below 1e-10 after ten or so.
 const ROUNDS: usize = 60;
+
+/// Share of the measured variance that a fit takes for scatter and level where its terms leave none.
+const FLOOR: f64 = 1e-6;
 
 /// Deviance that a term must gain to be taken: two standard errors.
 const PRICE: f64 = 4.0;
@@ -52,10 +64,12 @@ pub struct Terms {
     pub random_walk: Term,
     /// Rate ramp R [u/s].
     pub ramp: Term,
+    /// Shortest τ that was fitted [s].
+    pub from_s: f64,
     /// White variance of a sample σ² = N²·rate [u²].
     pub white_variance: f64,
-    /// Weighted sum of squared residuals over the degrees of freedom; about 1 where the terms
-    /// describe the curve (neighbouring points are correlated, so it is no test).
+    /// Squared residuals in units of their covariance, over the degrees of freedom; about 1 where
+    /// the terms describe the curve.
     pub reduced_chi2: f64,
 }
 
@@ -88,15 +102,19 @@ const SHAPES: [(i32, Shape); 5] = [
     (-4, |tau| tau * tau / 2.0),
 ];
 
-/// Fits the terms to an overlapping Allan deviation.
+/// Fits the terms to an overlapping Allan deviation, from the shortest τ on from which they describe
+/// it: below, a sensor's filter or resonance may add what none of the terms is.
 ///
 /// Errors: a curve that is not [`Kind::Overlapping`], or fewer than 3 points with a positive deviation.
 pub fn fit_terms(curve: &Curve) -> Result<Terms, RecordError> {
-    fit_terms_from(curve, 0.0)
+    described(curve, |from| {
+        let terms = fit_terms_from(curve, from)?;
+        Ok((terms.reduced_chi2, terms.white.seen, terms))
+    })
 }
 
-/// As [`fit_terms`], from `shortest_s` [s] on: below it a sensor's filter or resonance may add what
-/// none of the terms describes.
+/// As [`fit_terms`], from `shortest_s` [s] on. Quantisation shows at the shortest τ of a curve: where
+/// that is left out, so is the term.
 pub fn fit_terms_from(curve: &Curve, shortest_s: f64) -> Result<Terms, RecordError> {
     let mut points = points_for_fit(curve)?;
     points.retain(|p| p.tau_s >= shortest_s * (1.0 - 1e-9));
@@ -107,8 +125,8 @@ pub fn fit_terms_from(curve: &Curve, shortest_s: f64) -> Result<Terms, RecordErr
         });
     }
     let problem = Problem::new(curve, &points);
-    let solution = problem.solve_sparse();
-    let errors = problem.standard_errors(&solution, curve.rate_hz);
+    let solution = problem.solve_sparse(points[0].m == curve.points[0].m);
+    let errors = problem.standard_errors(&solution);
     let term = |i: usize| {
         let (square, error) = (solution.coefficients[i], errors[i]);
         let value = square.sqrt();
@@ -131,6 +149,7 @@ pub fn fit_terms_from(curve: &Curve, shortest_s: f64) -> Result<Terms, RecordErr
         bias_instability: term(2),
         random_walk: term(3),
         ramp: term(4),
+        from_s: points[0].tau_s,
         white_variance: solution.coefficients[1] * curve.rate_hz,
         reduced_chi2: if freedom > 0.0 {
             solution.chi2 / freedom
@@ -140,7 +159,29 @@ pub fn fit_terms_from(curve: &Curve, shortest_s: f64) -> Result<Terms, RecordErr
     })
 }
 
-/// The points of an overlapping Allan deviation that a fit uses: positive, at most four an octave.
+/// The fit from the shortest τ on that leaves a reduced χ² below [`DESCRIBES`], else the one that
+/// leaves the least; among those that see white noise, without which there is no model of a sensor.
+/// `fit` is from a τ [s] on and gives its χ², whether it sees white noise, and itself.
+pub(crate) fn described<T>(
+    curve: &Curve,
+    mut fit: impl FnMut(f64) -> Result<(f64, bool, T), RecordError>,
+) -> Result<T, RecordError> {
+    let points = points_for_fit(curve)?;
+    let (mut least, _, mut best) = fit(0.0)?;
+    let last = points.len().saturating_sub(FEWEST);
+    for start in points.iter().take(last + 1).skip(1) {
+        if least < DESCRIBES || least.is_nan() {
+            break;
+        }
+        let (chi2, white, next) = fit(start.tau_s)?;
+        if white && chi2 < least {
+            (least, best) = (chi2, next);
+        }
+    }
+    Ok(best)
+}
+
+/// The points of an overlapping Allan deviation that a fit uses: positive, one an octave.
 pub(crate) fn points_for_fit(curve: &Curve) -> Result<Vec<Point>, RecordError> {
     if curve.kind != Kind::Overlapping {
         return Err(RecordError::Argument(
@@ -148,11 +189,10 @@ pub(crate) fn points_for_fit(curve: &Curve) -> Result<Vec<Point>, RecordError> {
         ));
     }
     let mut points: Vec<Point> = Vec::new();
-    let step = (0.999 / PER_OCTAVE).exp2();
     for point in &curve.points {
         let spaced = points
             .last()
-            .is_none_or(|last| point.tau_s >= last.tau_s * step);
+            .is_none_or(|last| point.tau_s >= last.tau_s * OCTAVE);
         if spaced && point.deviation > 0.0 && point.deviation.is_finite() {
             points.push(*point);
         }
@@ -164,45 +204,44 @@ pub(crate) fn points_for_fit(curve: &Curve) -> Result<Vec<Point>, RecordError> {
 pub(crate) struct Problem {
     tau: Vec<f64>,
     measured: DVector<f64>,
-    freedom: Vec<f64>,
     /// Points by columns: variance of each unit term.
     shapes: DMatrix<f64>,
+    /// Of the points under the IEEE terms.
+    covariance: Covariance,
+    /// Covariance of the points over the product of their variances, where no IEEE terms give it.
+    relative: DMatrix<f64>,
 }
 
 /// Solution of a [`Problem`].
 pub(crate) struct Solution {
     /// Squares of the terms, not negative.
     pub coefficients: DVector<f64>,
-    /// Σ ν/2 (measured/fitted − 1)².
+    /// rᵀ C⁻¹ r of the residuals r and their covariance C.
     pub chi2: f64,
     /// Σ ν (s/μ − 1 − ln(s/μ)), −2 log-likelihood of chi-squared variances up to a constant.
     pub deviance: f64,
+    /// Covariance of the points over the product of their fitted variances.
+    relative: DMatrix<f64>,
 }
 
 impl Problem {
-    /// The problem of fitting the IEEE terms to the points. The degrees of freedom are those of the
-    /// strongest term at each τ in a first, rough fit.
+    /// The problem of fitting the IEEE terms to the points.
     pub(crate) fn new(curve: &Curve, points: &[Point]) -> Self {
         let tau: Vec<f64> = points.iter().map(|p| p.tau_s).collect();
-        let measured =
-            DVector::from_iterator(points.len(), points.iter().map(|p| p.deviation.powi(2)));
-        let mut rough = Self {
+        let freedom = |p: &Point| edf(curve.kind, 0, curve.samples, p.m);
+        let start = points.iter().map(|p| 2.0 / freedom(p));
+        let mut problem = Self {
+            measured: DVector::from_iterator(
+                points.len(),
+                points.iter().map(|p| p.deviation.powi(2)),
+            ),
             shapes: DMatrix::from_fn(points.len(), SHAPES.len(), |i, j| SHAPES[j].1(tau[i])),
-            freedom: points
-                .iter()
-                .map(|p| edf(curve.kind, 0, curve.samples, p.m))
-                .collect(),
+            covariance: Covariance::new(points, curve.samples, curve.rate_hz),
+            relative: DMatrix::from_diagonal(&DVector::from_iterator(points.len(), start)),
             tau,
-            measured,
         };
-        let terms = rough.solve().coefficients;
-        for (i, point) in points.iter().enumerate() {
-            let share = |j: usize| rough.shapes[(i, j)] * terms[j];
-            let strongest = (0..SHAPES.len()).max_by(|&a, &b| share(a).total_cmp(&share(b)));
-            let alpha = strongest.map_or(0, |j| SHAPES[j].0);
-            rough.freedom[i] = edf(curve.kind, alpha, curve.samples, point.m);
-        }
-        rough
+        problem.relative = problem.solve_with(&problem.shapes, true).relative;
+        problem
     }
 
     /// Puts other shapes in place: variance over τ [s] of unit terms.
@@ -212,142 +251,109 @@ impl Problem {
         });
     }
 
-    /// The best of all sets of terms. The deviance is scaled to one point an octave: closer ones
-    /// repeat each other.
-    fn solve_sparse(&self) -> Solution {
-        let columns = self.shapes.ncols();
-        let octaves = (self.tau[self.tau.len() - 1] / self.tau[0]).log2() + 1.0;
-        let scale = (octaves / self.tau.len() as f64).min(1.0);
+    /// The best of all sets of IEEE terms, the first of which is quantisation.
+    fn solve_sparse(&self, quantised: bool) -> Solution {
         let mut best: Option<(f64, Solution)> = None;
-        for set in 1u32..1 << columns {
+        for set in (1u32..1 << self.shapes.ncols()).filter(|set| quantised || set & 1 == 0) {
             let mut shapes = self.shapes.clone();
-            for j in (0..columns).filter(|j| set >> j & 1 == 0) {
+            for j in (0..shapes.ncols()).filter(|j| set >> j & 1 == 0) {
                 shapes.column_mut(j).fill(0.0);
             }
-            let solution = self.solve_with(&shapes);
-            let cost = scale * solution.deviance + PRICE * f64::from(set.count_ones());
+            let solution = self.solve_with(&shapes, true);
+            let cost = solution.deviance + PRICE * f64::from(set.count_ones());
             if best.as_ref().is_none_or(|(least, _)| cost < *least) {
                 best = Some((cost, solution));
             }
         }
-        best.map_or_else(|| self.solve(), |(_, solution)| solution)
+        best.map_or_else(|| self.solve_with(&self.shapes, true), |(_, best)| best)
     }
 
-    /// The fit of all columns.
+    /// The fit of the shapes put in place; the points scatter as under the IEEE terms.
     pub(crate) fn solve(&self) -> Solution {
-        self.solve_with(&self.shapes)
+        self.solve_with(&self.shapes, false)
     }
 
-    /// Iteratively reweighted non-negative least squares: the gamma likelihood of the variances.
-    fn solve_with(&self, shapes: &DMatrix<f64>) -> Solution {
+    /// Iteratively reweighted non-negative least squares. `ieee`: the shapes are those of the IEEE
+    /// terms, which give the scatter of the points as they are found.
+    fn solve_with(&self, shapes: &DMatrix<f64>, ieee: bool) -> Solution {
         let mut level = self.measured.clone();
+        let mut relative = self.relative.clone();
         let mut coefficients = DVector::zeros(shapes.ncols());
         for round in 0..ROUNDS {
             let (mut a, mut b) = (shapes.clone(), self.measured.clone());
             for i in 0..b.len() {
-                let weight = (0.5 * self.freedom[i]).sqrt() / level[i];
-                a.row_mut(i).scale_mut(weight);
-                b[i] *= weight;
+                a.row_mut(i).scale_mut(1.0 / level[i]);
+                b[i] /= level[i];
             }
-            coefficients = nnls::solve(&a, &b);
+            let white = whitening(&relative);
+            coefficients = nnls::solve(&(&white * a), &(white * b));
             let fitted = shapes * &coefficients;
             let mut change: f64 = 0.0;
             for i in 0..level.len() {
                 // A term at 0 must not leave a point without any variance.
-                let next = fitted[i].max(1e-6 * self.measured[i]);
+                let next = fitted[i].max(FLOOR * self.measured[i]);
                 change = change.max((next / level[i] - 1.0).abs());
                 level[i] = next;
+            }
+            if ieee {
+                relative = self.covariance.at(&coefficients);
+                for i in 0..level.len() {
+                    relative.row_mut(i).scale_mut(1.0 / level[i]);
+                    relative.column_mut(i).scale_mut(1.0 / level[i]);
+                    relative[(i, i)] += FLOOR * FLOOR;
+                }
             }
             if round > 0 && change < 1e-11 {
                 break;
             }
         }
-        let (mut chi2, mut deviance) = (0.0, 0.0);
-        for i in 0..level.len() {
-            let ratio = self.measured[i] / level[i];
-            chi2 += 0.5 * self.freedom[i] * (ratio - 1.0).powi(2);
-            deviance += self.freedom[i] * (ratio - 1.0 - ratio.ln());
-        }
+        let ratios = self.measured.component_div(&level);
+        let deviance =
+            |(i, ratio): (usize, &f64)| 2.0 / relative[(i, i)] * (ratio - 1.0 - ratio.ln());
         Solution {
+            chi2: (whitening(&relative) * ratios.add_scalar(-1.0)).norm_squared(),
+            deviance: ratios.iter().enumerate().map(deviance).sum(),
             coefficients,
-            chi2,
-            deviance,
+            relative,
         }
     }
 
-    /// Standard errors of the coefficients; of one at 0, as if it alone were added. The correlation
-    /// between the points is taken into account (sandwich of the weights and the covariance).
-    fn standard_errors(&self, solution: &Solution, rate_hz: f64) -> Vec<f64> {
+    /// Standard errors of the coefficients; of one at 0, as if it alone were added.
+    fn standard_errors(&self, solution: &Solution) -> Vec<f64> {
         let fitted = &self.shapes * &solution.coefficients;
-        let deviations: Vec<f64> = (0..self.tau.len())
-            .map(|i| fitted[i].max(1e-6 * self.measured[i]) * (2.0 / self.freedom[i]).sqrt())
-            .collect();
-        let correlation = correlations(&self.tau, &solution.coefficients, rate_hz);
-        let active: Vec<usize> = (0..self.shapes.ncols())
-            .filter(|&j| solution.coefficients[j] > 0.0)
-            .collect();
-        let error_with = |set: &[usize], wanted: usize| {
-            let mut a = self.shapes.select_columns(set);
-            for (i, &deviation) in deviations.iter().enumerate() {
-                a.row_mut(i).scale_mut(1.0 / deviation);
-            }
+        let mut scaled = self.shapes.clone();
+        for i in 0..self.tau.len() {
+            let level = fitted[i].max(FLOOR * self.measured[i]);
+            scaled.row_mut(i).scale_mut(1.0 / level);
+        }
+        let white = whitening(&solution.relative) * scaled;
+        let error = |wanted: usize| {
+            let set: Vec<usize> = (0..white.ncols())
+                .filter(|&j| j == wanted || solution.coefficients[j] > 0.0)
+                .collect();
+            let mut a = white.select_columns(&set);
             let lengths: Vec<f64> = a.column_iter().map(|c| c.norm()).collect();
             for (j, &length) in lengths.iter().enumerate() {
                 a.column_mut(j).scale_mut(1.0 / length);
             }
             let inverse = (a.transpose() * &a).try_inverse()?;
-            let covariance = &inverse * a.transpose() * &correlation * &a * &inverse;
             let k = set.iter().position(|&j| j == wanted)?;
-            Some(covariance[(k, k)].max(0.0).sqrt() / lengths[k])
+            Some(inverse[(k, k)].max(0.0).sqrt() / lengths[k])
         };
-        let one = |j: usize| {
-            let mut set = active.clone();
-            if !set.contains(&j) {
-                set.push(j);
-            }
-            error_with(&set, j).unwrap_or(f64::INFINITY)
-        };
-        (0..self.shapes.ncols()).map(one).collect()
+        (0..white.ncols())
+            .map(|j| error(j).unwrap_or(f64::INFINITY))
+            .collect()
     }
 }
 
-/// Correlation of the variances at two τ: `∫ |H_i|² |H_j|² S² df`, normalised, for Gaussian noise of
-/// density S and Allan's transfer function |H|² = 2 sin⁴(πfτ)/(πfτ)² (long records; SP 1065 section 5.2).
-fn correlations(tau: &[f64], squares: &DVector<f64>, rate_hz: f64) -> DMatrix<f64> {
-    let count = tau.len();
-    let longest = tau.iter().copied().fold(0.0, f64::max);
-    let step = (1.0f64 / 24.0).exp2();
-    let mut frequency = 0.02 / longest;
-    let mut covariance = DMatrix::zeros(count, count);
-    while frequency < 0.5 * rate_hz {
-        let omega = 2.0 * PI * frequency;
-        let powers = [
-            omega * omega / rate_hz,
-            1.0,
-            1.0 / omega,
-            omega.powi(-2),
-            omega.powi(-3),
-        ];
-        let density: f64 = powers.iter().zip(squares.iter()).map(|(p, c)| p * c).sum();
-        let transfer = DVector::from_fn(count, |i, _| {
-            let angle = PI * frequency * tau[i];
-            // Beyond a few periods the logarithmic grid aliases: the mean of sin⁴ instead.
-            let fourth = if angle > 6.0 {
-                0.375
-            } else {
-                angle.sin().powi(4)
-            };
-            fourth / (angle * angle)
-        });
-        covariance.ger(frequency * density * density, &transfer, &transfer, 1.0);
-        frequency *= step;
-    }
-    DMatrix::from_fn(count, count, |i, j| {
-        let scale = (covariance[(i, i)] * covariance[(j, j)]).sqrt();
-        if scale > 0.0 {
-            covariance[(i, j)] / scale
-        } else {
-            f64::from(u8::from(i == j))
-        }
-    })
+/// L⁻¹ of C = L Lᵀ, which makes the points independent and of unit scatter; of its diagonal alone
+/// where rounding has left C indefinite.
+fn whitening(covariance: &DMatrix<f64>) -> DMatrix<f64> {
+    let size = covariance.nrows();
+    let lower = covariance.clone().cholesky().map(|c| c.unpack());
+    lower
+        .and_then(|l| l.solve_lower_triangular(&DMatrix::identity(size, size)))
+        .unwrap_or_else(|| {
+            DMatrix::from_diagonal(&covariance.diagonal().map(|variance| variance.powf(-0.5)))
+        })
 }

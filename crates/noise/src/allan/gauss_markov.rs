@@ -2,7 +2,7 @@
 //! white noise and quantisation.
 
 use super::deviation::{Curve, Kind};
-use super::fit::{Problem, points_for_fit};
+use super::fit::{Problem, described, points_for_fit};
 use crate::screening::record::RecordError;
 
 /// τ / τc below which the closed form loses digits and the series is used.
@@ -72,8 +72,8 @@ pub struct GaussMarkovFit {
     pub sigma: f64,
     /// Correlation time τc [s].
     pub tau_c_s: f64,
-    /// Weighted sum of squared residuals over the degrees of freedom; about 1 where the model holds
-    /// (neighbouring points are correlated, so it is no test).
+    /// Squared residuals in units of their covariance, over the degrees of freedom; about 1 where
+    /// the model holds.
     pub reduced_chi2: f64,
     /// True where τc stands at an end of the range searched: the record does not determine it.
     pub at_limit: bool,
@@ -81,15 +81,18 @@ pub struct GaussMarkovFit {
 
 /// Fits white noise, quantisation and a Gauss-Markov process to an overlapping Allan deviation by
 /// searching τc between a fifth of the shortest τ and five times the record, the other terms by
-/// non-negative weighted least squares at each.
+/// non-negative weighted least squares at each; from the shortest τ on from which they describe the
+/// curve: below, a sensor's filter or resonance may add what neither term is.
 ///
 /// Errors: a curve that is not [`Kind::Overlapping`], or fewer than 5 usable points.
 pub fn fit_gauss_markov(curve: &Curve) -> Result<GaussMarkovFit, RecordError> {
-    fit_gauss_markov_from(curve, 0.0)
+    described(curve, |from| {
+        let fit = fit_gauss_markov_from(curve, from)?;
+        Ok((fit.reduced_chi2, fit.white > 0.0, fit))
+    })
 }
 
-/// As [`fit_gauss_markov`], from `shortest_s` [s] on: below it a sensor's filter or resonance may add
-/// what neither term describes.
+/// As [`fit_gauss_markov`], from `shortest_s` [s] on; quantisation only where that leaves out no τ.
 pub fn fit_gauss_markov_from(
     curve: &Curve,
     shortest_s: f64,
@@ -102,13 +105,15 @@ pub fn fit_gauss_markov_from(
             got: points.len(),
         });
     }
+    let quantised = f64::from(u8::from(points[0].m == curve.points[0].m));
     let mut problem = Problem::new(curve, &points);
     let mut solve = |log_tau_c: f64| {
         let tau_c = log_tau_c.exp();
-        let columns: [&dyn Fn(f64) -> f64; 3] =
-            [&|tau| 3.0 / (tau * tau), &|tau| 1.0 / tau, &|tau| {
-                gauss_markov_variance(tau, 1.0, tau_c)
-            }];
+        let columns: [&dyn Fn(f64) -> f64; 3] = [
+            &|tau| quantised * 3.0 / (tau * tau),
+            &|tau| 1.0 / tau,
+            &|tau| gauss_markov_variance(tau, 1.0, tau_c),
+        ];
         problem.set_shapes(&columns);
         problem.solve()
     };

@@ -92,7 +92,7 @@ pub(super) fn examine(
         .map(|r| 1.0 - r.0.hypot(r.1))
         .fold(f64::INFINITY, f64::min);
     let on_boundary = piled_up < PILED_UP / n;
-    let function = |z: &[f64]| problem.negative_log_likelihood(z, p);
+    let function = |z: &[Vec<f64>]| problem.objective(z, p);
     let mut objective = Objective::new(&function);
     let curvature = hessian(&mut objective, z, best.value);
     let covariance_z = curvature.as_ref().and_then(|h| scaled_inverse(h, d));

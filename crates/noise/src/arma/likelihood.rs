@@ -13,10 +13,10 @@
 //! ```
 //!
 //! (Rosenberg 1973; Ljung & Box 1979; de Jong 1988.) There is no transient to wait for: one step
-//! costs the same everywhere, and g and o are dropped once g is below rounding for good.
+//! costs the same everywhere.
 
 use super::ArmaError;
-use super::kernel::{BLOCK, Recursion, Sums, autoregress, dot};
+use super::kernel::{Accumulated, Coefficients, accumulate, sums_about};
 use super::linear::{cholesky, forward_solve, initial_covariance, semidefinite_cholesky};
 
 /// What is known of the record's mean.
@@ -45,127 +45,38 @@ pub struct Likelihood {
     pub observations: usize,
 }
 
-/// Sums over the record that the likelihood is made of; o is the recursion over ones.
-#[derive(Default)]
-struct Accumulated {
-    squares: f64,
-    ones_squares: f64,
-    ones_cross: f64,
-    /// Σ g_{t−i} ã_t, i = 0…r−1.
-    state_cross: Vec<f64>,
-    /// Σ g_{t−i} o_t.
-    ones_state: Vec<f64>,
-    /// Σ g_t g_{t−i}.
-    state_lags: Vec<f64>,
-    /// The newest r values of g, newest first.
-    last_impulse: Vec<f64>,
-}
-
-/// Response to the start below which it is dropped: what is left out then is at most this times
-/// √(P₁₁/(1−θ²)) ~ 10⁴ in log-likelihood.
-const NEGLIGIBLE: f64 = 1e-13;
-
-fn accumulate(
-    samples: &[f64],
-    centre: f64,
-    phi: &[f64],
-    theta: &[f64],
-    with_ones: bool,
-) -> Accumulated {
-    let r = phi.len().max(theta.len());
-    let n = samples.len();
-    let mut sums = Accumulated {
-        state_cross: vec![0.0; r],
-        ones_state: vec![0.0; r],
-        state_lags: vec![0.0; r],
-        last_impulse: vec![0.0; r],
-        ..Accumulated::default()
-    };
-    let mut record = Recursion::new(theta, n);
-    let mut impulse = record.clone();
-    let mut ones = record.clone();
-    let mut block = [0.0; BLOCK];
-    let mut ones_block = [0.0; BLOCK];
-    // g with the r values before the block in front.
-    let mut g = vec![0.0; r + BLOCK];
-    let mut settled = r == 0 && !with_ones;
-    let mut limit = 0.0; // o after it has settled
-    for start in (0..n).step_by(BLOCK) {
-        let len = BLOCK.min(n - start);
-        let u = &mut block[..len];
-        autoregress(phi, samples, centre, start, u);
-        if settled {
-            let Sums { sum, squares } = record.run_sums(u);
-            sums.squares += squares;
-            sums.ones_cross += limit * sum;
-            sums.ones_squares += limit * limit * len as f64;
-            continue;
-        }
-        sums.squares += record.run(u).squares;
-        g.copy_within(BLOCK..BLOCK + r, 0);
-        if len < BLOCK {
-            // The last, short block: keep what precedes it in place.
-            g[r..].fill(0.0);
-        }
-        let now = &mut g[r..r + len];
-        now.fill(0.0);
-        if start == 0 {
-            now[0] = 1.0;
-        }
-        impulse.run(now);
-        let now = &g[r..r + len];
-        for i in 0..r {
-            let delayed = &g[r - i..r - i + len];
-            sums.state_cross[i] += dot(delayed, u);
-            sums.state_lags[i] += dot(delayed, now);
-        }
-        for i in 0..r {
-            sums.last_impulse[i] = g[r + len - 1 - i];
-        }
-        let mut still = 0.0f64;
-        if with_ones {
-            let o = &mut ones_block[..len];
-            // A block is longer than any order, so only the first has a start in it.
-            o.fill(1.0 - phi.iter().sum::<f64>());
-            if start == 0 {
-                let mut level = 1.0;
-                for (k, slot) in o.iter_mut().enumerate().take(phi.len()) {
-                    *slot = level;
-                    level -= phi[k];
-                }
-            }
-            ones.run(o);
-            sums.ones_squares += dot(o, o);
-            sums.ones_cross += dot(o, u);
-            for i in 0..r {
-                sums.ones_state[i] += dot(&g[r - i..r - i + len], o);
-            }
-            limit = o[len - 1];
-        }
-        for value in &g[r + len - len.min(64.max(r))..r + len] {
-            still = still.max(value.abs());
-        }
-        settled = still < NEGLIGIBLE;
-    }
-    sums
-}
-
-/// Exact log-likelihood of `x_t − φ1 x_{t−1} − … = a_t − θ1 a_{t−1} − …` about the mean, for a record
-/// without gaps. `None` where φ is not stationary to working precision or S vanishes.
+/// Exact log-likelihood of `x_t − φ1 x_{t−1} − … = a_t − θ1 a_{t−1} − …` about the mean at several
+/// points of the same order, for a record without gaps. `None` where φ is not stationary to working
+/// precision or S vanishes.
 pub(super) fn unbroken(
     samples: &[f64],
     mean: Mean,
     centre: f64,
-    phi: &[f64],
-    theta: &[f64],
-) -> Option<Likelihood> {
-    let r = phi.len().max(theta.len());
+    points: &[Coefficients],
+) -> Vec<Option<Likelihood>> {
     let estimated = mean == Mean::Estimated;
     let centre = match mean {
         Mean::Known(value) => value,
         Mean::Estimated => centre,
     };
-    let sums = accumulate(samples, centre, phi, theta, estimated);
+    let sums = accumulate(samples, centre, points, estimated);
+    points
+        .iter()
+        .zip(sums)
+        .map(|((phi, theta), sums)| integrate(samples.len(), estimated, centre, phi, theta, &sums))
+        .collect()
+}
+
+/// Integrates the state before the record out.
+fn integrate(
+    samples: usize,
+    estimated: bool,
+    centre: f64,
+    phi: &[f64],
+    theta: &[f64],
+    sums: &Accumulated,
+) -> Option<Likelihood> {
+    let r = phi.len().max(theta.len());
     let mut squares = sums.squares;
     let mut ones_squares = sums.ones_squares;
     let mut ones_cross = sums.ones_cross;
@@ -225,7 +136,7 @@ pub(super) fn unbroken(
         squares -= ones_cross * ones_cross / ones_squares;
         information = ones_squares;
     }
-    concentrated(samples.len(), squares, log_determinant).map(|likelihood| Likelihood {
+    concentrated(samples, squares, log_determinant).map(|likelihood| Likelihood {
         mean: value,
         mean_standard_error: if information > 0.0 {
             (likelihood.variance / information).sqrt()
@@ -259,26 +170,20 @@ pub(super) fn concentrated(
 /// Rejects what no ARMA likelihood can be computed for; returns the sample mean of what is present
 /// and the number of samples present.
 pub(super) fn screen(samples: &[f64], parameters: usize) -> Result<(f64, usize), ArmaError> {
-    const LANES: usize = 8;
     let first = samples.iter().copied().find(|x| !x.is_nan());
     let first = first.unwrap_or(0.0);
-    let mut sums = [0.0; LANES];
-    let mut size = [0.0; LANES];
-    let mut missing = [0.0; LANES];
-    let chunks = samples.chunks_exact(LANES);
-    let rest = chunks.remainder();
-    for chunk in chunks.chain([rest]) {
-        for (l, x) in chunk.iter().enumerate() {
-            let from_first = if x.is_nan() { 0.0 } else { x - first };
-            sums[l] += from_first;
-            size[l] += from_first.abs();
-            missing[l] += f64::from(u8::from(x.is_nan()));
+    let (mut sum, mut size) = sums_about(samples, first);
+    let mut present = samples.len();
+    if size.is_nan() {
+        // Samples are missing (or infinite): the slow way.
+        (sum, size, present) = (0.0, 0.0, 0);
+        for x in samples.iter().filter(|x| !x.is_nan()) {
+            sum += x - first;
+            size += (x - first).abs();
+            present += 1;
         }
     }
-    let sum: f64 = sums.iter().sum();
-    let varies = size.iter().any(|s| *s != 0.0);
-    let present = samples.len() - missing.iter().sum::<f64>() as usize;
-    if size.iter().any(|s| !s.is_finite()) {
+    if !size.is_finite() {
         return Err(ArmaError::NotFinite);
     }
     if present < parameters + 3 {
@@ -287,7 +192,7 @@ pub(super) fn screen(samples: &[f64], parameters: usize) -> Result<(f64, usize),
             needed: parameters + 3,
         });
     }
-    if !varies {
+    if size == 0.0 {
         return Err(ArmaError::Constant);
     }
     let mean = first + sum / present as f64;

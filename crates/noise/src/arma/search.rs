@@ -2,6 +2,7 @@
 
 use super::ArmaError;
 use super::kalman;
+use super::kernel::Coefficients;
 use super::likelihood::{self, Likelihood, Mean};
 use super::optimise::{Objective, Point, bfgs, nelder_mead};
 use super::polynomial::{from_search, multiply};
@@ -21,7 +22,7 @@ pub(super) struct Problem<'a> {
 
 impl Problem<'_> {
     /// φ (the factor 1 − B included where there is one) and θ at search coordinates.
-    pub(super) fn coefficients(&self, z: &[f64], p: usize) -> (Vec<f64>, Vec<f64>) {
+    pub(super) fn coefficients(&self, z: &[f64], p: usize) -> Coefficients {
         let phi = from_search(&z[..p]);
         let theta = from_search(&z[p..]);
         if self.unit_root {
@@ -31,8 +32,12 @@ impl Problem<'_> {
         }
     }
 
-    pub(super) fn likelihood(&self, phi: &[f64], theta: &[f64]) -> Option<Likelihood> {
-        if self.gaps {
+    /// The likelihood at several points of the same order: of an unbroken record in one pass.
+    pub(super) fn likelihoods(&self, points: &[Coefficients]) -> Vec<Option<Likelihood>> {
+        if !self.gaps {
+            return likelihood::unbroken(self.samples, self.mean, self.centre, points);
+        }
+        let one = |(phi, theta): &Coefficients| {
             kalman::with_gaps(
                 self.samples,
                 self.mean,
@@ -41,14 +46,23 @@ impl Problem<'_> {
                 theta,
                 self.unit_root,
             )
-        } else {
-            likelihood::unbroken(self.samples, self.mean, self.centre, phi, theta)
-        }
+        };
+        points.iter().map(one).collect()
     }
 
-    pub(super) fn negative_log_likelihood(&self, z: &[f64], p: usize) -> Option<f64> {
-        let (phi, theta) = self.coefficients(z, p);
-        Some(-self.likelihood(&phi, &theta)?.log_likelihood)
+    pub(super) fn likelihood(&self, phi: &[f64], theta: &[f64]) -> Option<Likelihood> {
+        let point = (phi.to_vec(), theta.to_vec());
+        self.likelihoods(&[point]).pop().flatten()
+    }
+
+    /// Negative log-likelihoods at search coordinates, +∞ where there is none.
+    pub(super) fn objective(&self, z: &[Vec<f64>], p: usize) -> Vec<f64> {
+        let points: Vec<_> = z.iter().map(|z| self.coefficients(z, p)).collect();
+        let found = self.likelihoods(&points);
+        found
+            .iter()
+            .map(|at| at.map_or(f64::INFINITY, |at| -at.log_likelihood))
+            .collect()
     }
 
     /// Likelihood evaluations that a search may spend: seconds for a long record, thoroughness
@@ -130,7 +144,7 @@ fn optima(
     one_below: &[Point],
     two_below: &[Point],
 ) -> Result<Vec<Point>, ArmaError> {
-    let function = |z: &[f64]| problem.negative_log_likelihood(z, p);
+    let function = |z: &[Vec<f64>]| problem.objective(z, p);
     let mut objective = Objective::new(&function);
     let dimension = p + q;
     let budget = problem.budget(dimension, effort);
@@ -221,16 +235,9 @@ fn glance(problem: &Problem, candidates: Vec<Vec<f64>>, p: usize, budget: f64) -
         samples: &problem.samples[..GLANCE],
         ..*problem
     };
-    let function = |z: &[f64]| part.negative_log_likelihood(z, p);
+    let function = |z: &[Vec<f64>]| part.objective(z, p);
     let mut objective = Objective::new(&function);
-    let points = candidates
-        .into_iter()
-        .map(|z| {
-            let value = objective.at(&z);
-            Point::new(z, value)
-        })
-        .collect();
-    let mut points = distinct(points);
+    let mut points = distinct(objective.points(candidates));
     points.truncate((budget / 20.0) as usize);
     points.into_iter().map(|point| point.z).collect()
 }
@@ -247,11 +254,7 @@ fn rounds(
     let per_iteration = dimension as f64 + 2.0;
     let places = ((budget / (20.0 * per_iteration)) as usize).clamp(6, 600);
     let last = if places < 20 { 2 } else { 2 * KEPT };
-    let mut points: Vec<Point> = Vec::new();
-    for z in candidates {
-        let value = objective.at(&z);
-        points.push(Point::new(z, value));
-    }
+    let mut points = objective.points(candidates);
     let mut ranked = distinct(points.split_off(privileged));
     let random = if dimension == 0 {
         0
@@ -262,10 +265,7 @@ fn rounds(
     };
     ranked.truncate(places.saturating_sub(points.len() + random));
     points.extend(ranked);
-    for z in starts::random(dimension, random) {
-        let value = objective.at(&z);
-        points.push(Point::new(z, value));
-    }
+    points.extend(objective.points(starts::random(dimension, random)));
     points = distinct(points);
     let mut iterations = 6;
     while points.len() > last {

@@ -1,0 +1,211 @@
+//! Intervals from the profile of the likelihood.
+//!
+//! Near φ = 1 the estimate is far from normally distributed and its standard error says little. A
+//! profile interval holds the values of one parameter that the record does not contradict: those at
+//! which the log-likelihood, maximised over all other parameters, lies within half the χ²(1) point of
+//! its maximum. It does not depend on how the parameter is written down (φ, log(1−φ), the
+//! correlation time) and may be lopsided. Venzon & Moolgavkar 1988; Pawitan 2001, section 3.4.
+
+use super::ArmaError;
+use super::fit::ArmaFit;
+use super::likelihood::{Mean, screen};
+use super::optimise::{EDGE, Objective, Point, bfgs};
+use super::search::Problem;
+use statrs::distribution::{ContinuousCDF, Normal};
+
+/// Which coefficient of an ARMA(1,1).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Root {
+    /// φ.
+    Ar,
+    /// θ.
+    Ma,
+}
+
+/// Interval for `log(1 − c)`, c = φ or θ. Minus that of φ is about the logarithm of the correlation
+/// time in samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProfileInterval {
+    /// At the optimum.
+    pub estimate: f64,
+    /// Lower end; −∞ where c = 1 is not contradicted.
+    pub low: f64,
+    /// Upper end; ln 2 where c = −1 is not contradicted.
+    pub high: f64,
+}
+
+impl ProfileInterval {
+    /// Whether the coefficient `c` is in the interval.
+    pub fn contains(&self, c: f64) -> bool {
+        let at = (-c).ln_1p();
+        self.low <= at && at <= self.high
+    }
+}
+
+/// Predicted decrease at which the search over the other parameter stops: 1e-4 of the log-likelihood
+/// moves an end by less than a ten-thousandth of the interval.
+const TOLERANCE: f64 = 1e-4;
+/// Accuracy of an end, as a share of its distance from the estimate.
+const SHARE: f64 = 1e-3;
+
+/// Profile-likelihood interval for `log(1 − φ)` or `log(1 − θ)` of the ARMA(1,1) `fit` of `samples`,
+/// with probability `level` (0.95, say) for long records; the other coefficient, σ² and, where the
+/// fit estimated it, the mean are at their best for every value. The part around the optimum is
+/// returned, should the likelihood rise again further out. Tens of likelihood evaluations.
+///
+/// # Errors
+/// A fit that is not an ARMA(1,1) without unit root; a level outside (0, 1); `samples` that are not
+/// those of the fit in number, or as [`super::fit`].
+pub fn profile_interval(
+    samples: &[f64],
+    fit: &ArmaFit,
+    root: Root,
+    level: f64,
+) -> Result<ProfileInterval, ArmaError> {
+    if fit.order() != (1, 1) || fit.has_unit_root {
+        return Err(ArmaError::BadOption("the order for a profile"));
+    }
+    if !(level > 0.0 && level < 1.0) {
+        return Err(ArmaError::BadOption("the level of the interval"));
+    }
+    let (sample_mean, present) = screen(samples, 2)?;
+    if present != fit.n {
+        return Err(ArmaError::BadOption("the number of samples"));
+    }
+    // φ, θ, σ² and the mean.
+    let mean = if fit.parameters == 4 {
+        Mean::Estimated
+    } else {
+        Mean::Known(fit.mean)
+    };
+    let problem = Problem {
+        samples,
+        mean,
+        centre: match mean {
+            Mean::Known(value) => value,
+            Mean::Estimated => sample_mean,
+        },
+        gaps: present < samples.len(),
+        unit_root: false,
+    };
+    let (own, other) = match root {
+        Root::Ar => (fit.ar[0], fit.ma[0]),
+        Root::Ma => (fit.ma[0], fit.ar[0]),
+    };
+    let own = own.atanh().clamp(-EDGE, EDGE);
+    let profile = Profile {
+        problem: &problem,
+        root,
+        top: -fit.log_likelihood,
+        optimum: (own, other.atanh().clamp(-EDGE, EDGE)),
+    };
+    let normal = Normal::standard();
+    let depth = normal.inverse_cdf(0.5 + 0.5 * level);
+    // Standard error in the search coordinate, z = artanh c: dz = dc/(1 − c²).
+    let error = fit.standard_errors.as_ref().map_or(0.5, |errors| {
+        let index = usize::from(root == Root::Ma);
+        errors[index] * own.cosh().powi(2)
+    });
+    let step = error.clamp(0.01, 1.0) * depth;
+    let upward = profile.end(step, depth);
+    let downward = profile.end(-step, depth);
+    Ok(ProfileInterval {
+        estimate: distance(own),
+        low: upward.map_or(f64::NEG_INFINITY, distance),
+        high: downward.map_or(core::f64::consts::LN_2, distance),
+    })
+}
+
+/// `log(1 − tanh z)`.
+fn distance(z: f64) -> f64 {
+    core::f64::consts::LN_2 - (2.0 * z).exp().ln_1p()
+}
+
+/// The profile over one search coordinate.
+struct Profile<'a> {
+    problem: &'a Problem<'a>,
+    root: Root,
+    /// Negative log-likelihood at the optimum.
+    top: f64,
+    /// The coordinate and the other one there.
+    optimum: (f64, f64),
+}
+
+impl Profile<'_> {
+    /// Depth of the profile below its top at `z`, as the root of twice the log-likelihood lost, which
+    /// is nearly linear in z. `near` is the other coordinate's best value nearby, with its
+    /// curvature, and is replaced by that at `z`; `moved` how far z has come from there.
+    fn depth(&self, z: f64, moved: f64, near: &mut Point) -> f64 {
+        let function = |others: &[Vec<f64>]| {
+            let point = |other: &Vec<f64>| match self.root {
+                Root::Ar => vec![z, other[0]],
+                Root::Ma => vec![other[0], z],
+            };
+            let points: Vec<_> = others.iter().map(point).collect();
+            self.problem.objective(&points, 1)
+        };
+        let mut objective = Objective::new(&function);
+        // Where it was, moved along the ridge φ ≈ θ, and everywhere in steps of a factor seven.
+        let mut starts = vec![vec![near.z[0]], vec![near.z[0] + moved]];
+        starts.extend((-1..=8).map(|k| vec![f64::from(k)]));
+        let start = objective
+            .points(starts)
+            .into_iter()
+            .min_by(|a, b| a.value.total_cmp(&b.value));
+        if let Some(mut start) = start {
+            start.inverse.clone_from(&near.inverse);
+            *near = bfgs(&mut objective, &start, TOLERANCE, 50);
+        }
+        (2.0 * (near.value - self.top)).max(0.0).sqrt()
+    }
+
+    /// The coordinate on the side of `step` at which the profile is `wanted` deep; `None` where it
+    /// is not within the range of the search.
+    fn end(&self, step: f64, wanted: f64) -> Option<f64> {
+        let mut near = Point::new(vec![self.optimum.1], self.top);
+        // Outwards, until too deep.
+        let mut inner = (self.optimum.0, -wanted);
+        let mut step = step;
+        let mut outer = loop {
+            let z = (inner.0 + step).clamp(-EDGE, EDGE);
+            let excess = self.depth(z, z - inner.0, &mut near) - wanted;
+            if excess > 0.0 {
+                break (z, excess);
+            }
+            if z.abs() >= EDGE {
+                return None;
+            }
+            // As far again as the depth gained suggests is missing, within limits.
+            let gained = excess - inner.1;
+            let missing = -excess / gained;
+            step *= if missing.is_finite() && missing > 0.0 {
+                (1.1 * missing).clamp(0.2, 3.0)
+            } else {
+                3.0
+            };
+            inner = (z, excess);
+        };
+        // Between: false position, halving the weight of an end that stays twice (Illinois).
+        let (mut last, mut weights, mut side) = (outer.0, (inner.1, outer.1), 0.0);
+        for _ in 0..40 {
+            if (outer.0 - inner.0).abs() < SHARE * (outer.0 - self.optimum.0).abs() {
+                break;
+            }
+            let z = outer.0 - weights.1 * (outer.0 - inner.0) / (weights.1 - weights.0);
+            let excess = self.depth(z, z - last, &mut near) - wanted;
+            if excess.abs() < SHARE * wanted {
+                return Some(z);
+            }
+            let stays = if side * excess > 0.0 { 0.5 } else { 1.0 };
+            if excess > 0.0 {
+                outer = (z, excess);
+                weights = (stays * weights.0, excess);
+            } else {
+                inner = (z, excess);
+                weights = (excess, stays * weights.1);
+            }
+            (last, side) = (z, excess);
+        }
+        Some(outer.0)
+    }
+}
