@@ -338,10 +338,8 @@ pub fn identify(
     let kpss = stationarity::kpss(&bridged, Deterministic::Constant, KpssLags::Legacy)?;
     let phillips_perron = stationarity::phillips_perron(&bridged, Deterministic::Constant, None)?;
     let mut normality = normality::normality(&bridged)?;
-    if removed != Removed::Constant {
-        // Less a trend the samples no longer lie on their grid.
-        normality.quantisation = normality::quantisation(record);
-    }
+    // Bridged, or less a trend, the samples no longer lie on their grid.
+    normality.quantisation = normality::quantisation(record);
     let acf = correlation::autocorrelation(&bridged, LAGS)?;
     let pacf = correlation::partial_autocorrelation(&bridged, LAGS, Partial::YuleWalker)?;
     let whiteness = whiteness::portmanteau(&bridged, &[20], 0)?[0];
