@@ -6,6 +6,7 @@ use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
 use undrift::{
+    consistency::GROUP,
     drive::Drive,
     navigate::{self, Report},
     noise::{BiasModel, ImuModel},
@@ -140,6 +141,18 @@ fn print_report(report: &Report, kind: BiasModel) -> Result<()> {
             parts.join(", ")
         ))?;
     }
+    let nees: Vec<String> = GROUP
+        .iter()
+        .zip(&report.consistency.nees)
+        .filter(|((name, ..), _)| *name != "all")
+        .filter_map(|((name, ..), mean)| Some(format!("{name} {:.2}", mean.per_freedom()?)))
+        .collect();
+    if !nees.is_empty() {
+        report::say(format!(
+            "NEES per degree of freedom against the truth, once a second (1 when the covariance is right): {}",
+            nees.join(", ")
+        ))?;
+    }
     if let (None, Some((from, to))) = (&report.rmse, report.truth_read) {
         let why = if to < started || from > s.ended {
             "the truth does not overlap the solution"
@@ -245,6 +258,7 @@ fn as_json(report: &Report, kind: BiasModel) -> serde_json::Value {
         "std_factors": {"position": report.std_factors[0], "velocity": report.std_factors[1]},
         "velocity_sign_wrong": signs,
         "rms_error": report.rmse.as_ref().map(|(errors, _)| errors),
+        "nees_per_dof": GROUP.iter().zip(&report.consistency.nees).map(|((name, ..), mean)| (name.replace(' ', "_"), json!(mean.per_freedom()))).collect::<serde_json::Map<_, _>>(),
         "compared_samples": report.rmse.as_ref().map(|(_, n)| n),
         "skipped": skipped.map(|(file, skipped)| (file, skipped.to_string())).into_iter().collect::<std::collections::BTreeMap<_, _>>(),
         "summary": s,

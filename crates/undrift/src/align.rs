@@ -1,9 +1,9 @@
 //! Initial alignment: the first position, velocity and attitude, and what is known of them.
 //!
 //! Position and velocity come from the first fixes. The attitude is given, or is found in one of two
-//! ways. After a rest ([`rest`]): level and gyro bias from the mean of a span without acceleration
+//! ways. After a rest (`align/rest.rs`): level and gyro bias from the mean of a span without acceleration
 //! (Groves 2013, section 5.6.2), then heading, given or from the GNSS course once the vehicle moves.
-//! In motion ([`motion`]), without rest or for axes that are no vehicle's: all of it together from
+//! In motion (`align/motion.rs`), without rest or for axes that are no vehicle's: all of it together from
 //! the changes of velocity that accelerometers, gyros and GNSS saw. `docs/alignment.md`. Streamed: sums
 //! and a bounded window are kept.
 

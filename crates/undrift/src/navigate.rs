@@ -2,6 +2,7 @@
 
 use crate::{
     align::Heading,
+    consistency::{Consistency, ErrorState},
     drive::{Drive, DriveError},
     mounting::{self, Mounting, MountingError},
     reference::{COMPONENTS, Errors, TruthCursor},
@@ -44,6 +45,9 @@ pub struct Report {
     pub mounting: Option<Mounting>,
     /// Root-mean-square error over all samples that have a truth, and their number.
     pub rmse: Option<(Errors, u64)>,
+    /// The filter's errors against its covariance once a second, where there is a truth; not for the
+    /// smoothed solution.
+    pub consistency: Consistency,
     /// First and last time of the truth as far as it was read [s], if there is a truth.
     pub truth_read: Option<(f64, f64)>,
     /// What was left out of the inertial log.
@@ -87,6 +91,8 @@ impl From<undrift_noise::ModelError> for NavigateError {
     }
 }
 
+/// From one NEES to the next [s].
+const NEES_SPAN: f64 = 1.0;
 /// Longest span between two nodes of the smoother [s].
 pub const NODE_SPAN: f64 = 1.0;
 
@@ -156,6 +162,8 @@ pub fn navigate(
             .then(History::new)
             .transpose()
             .map_err(ReplayError::Write)?,
+        consistency: Consistency::default(),
+        next_nees: f64::NEG_INFINITY,
     };
     let measurements = aiding(&mut gnss, &mut odometer, &mut barometer);
     let summary = replay(&mut imu, measurements, &settings, &mut recorder)?;
@@ -170,12 +178,10 @@ pub fn navigate(
     {
         for sample in drive.open_imu()? {
             path.add(&sample?, |node| {
-                recorder.record(
-                    &node.nav,
-                    node.nav_std,
-                    node.sensor_error,
-                    node.sensor_error_std,
-                )
+                let (error, std) = (node.sensor_error, node.sensor_error_std);
+                recorder
+                    .record(&node.nav, node.nav_std, error, std)
+                    .map(drop)
             })?;
         }
     }
@@ -203,6 +209,7 @@ pub fn navigate(
         summary,
         mounting,
         rmse: (n > 0).then(|| (Errors(recorder.squares.map(|s| (s / n as f64).sqrt())), n)),
+        consistency: recorder.consistency,
         truth_read,
         imu_skipped: imu.skipped().clone(),
         gnss_skipped: gnss.skipped().clone(),
@@ -321,6 +328,9 @@ struct Recorder {
     compared: u64,
     /// While the filter runs for a smoother.
     history: Option<History>,
+    /// Of the filter's errors against its covariance, and when next [s].
+    consistency: Consistency,
+    next_nees: f64,
 }
 
 impl Recorder {
@@ -330,9 +340,10 @@ impl Recorder {
         nav_std: [f64; NAV],
         e: [f64; AXES],
         error_std: [f64; AXES],
-    ) -> Result<(), ReplayError> {
-        if let Some(truth) = self.truth.as_mut().and_then(|t| t.at(nav.time)) {
-            let errors = Errors::against_truth(nav, &truth);
+    ) -> Result<Option<TruthSample>, ReplayError> {
+        let truth = self.truth.as_mut().and_then(|t| t.at(nav.time));
+        if let Some(truth) = &truth {
+            let errors = Errors::against_truth(nav, truth);
             for (sum, e) in self.squares.iter_mut().zip(errors.0) {
                 *sum += e * e;
             }
@@ -350,7 +361,7 @@ impl Recorder {
                 error_std,
             })?;
         }
-        Ok(())
+        Ok(truth)
     }
 }
 
@@ -359,12 +370,17 @@ impl Observer for Recorder {
         if self.history.is_some() {
             return Ok(());
         }
-        self.record(
+        let truth = self.record(
             filter.nav(),
             filter.nav_std(),
             filter.sensor_error(),
             filter.sensor_error_std(),
-        )
+        )?;
+        if let Some(truth) = truth.filter(|truth| truth.time >= self.next_nees) {
+            self.next_nees = truth.time + NEES_SPAN;
+            self.consistency.add(&ErrorState::new(filter, &truth, None));
+        }
+        Ok(())
     }
 
     fn node<const N: usize>(
