@@ -245,6 +245,20 @@ impl Sensors {
         error
     }
 
+    /// Standard deviations of the sensor errors `H x` [rad/s, m/s²] under a covariance of the error state.
+    pub fn error_std(&self, covariance: impl Fn(usize, usize) -> f64) -> [f64; AXES] {
+        core::array::from_fn(|axis| {
+            let (filter, at) = (&self.axes[axis], self.start[axis]);
+            let mut variance = 0.0;
+            for i in 0..filter.order {
+                for j in 0..filter.order {
+                    variance += filter.h[i] * filter.h[j] * covariance(at + i, at + j);
+                }
+            }
+            libm::sqrt(variance.max(0.0))
+        })
+    }
+
     /// `x ← F x` of the sensor states in `x`, which is a whole error-state vector.
     pub fn step_mean<const N: usize>(&self, x: &mut [f64; N]) {
         for (axis, filter) in self.axes.iter().enumerate() {

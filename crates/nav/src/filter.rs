@@ -291,7 +291,7 @@ impl<const N: usize> Filter<N> {
 
     /// Standard deviations of [`Filter::sensor_error`], without the sample's own white noise.
     pub fn sensor_error_std(&self) -> [f64; AXES] {
-        sensor_error_std(&self.sensors, &self.p)
+        self.sensors.error_std(|i, j| self.p[(i, j)])
     }
 
     /// Carries the filter over one whole sample.
@@ -608,18 +608,4 @@ impl<const N: usize> Filter<N> {
             Err(FilterError::Diverged)
         }
     }
-}
-
-/// Standard deviations of the sensor errors `H x` under the covariance `p` of the error state.
-pub fn sensor_error_std<const N: usize>(sensors: &Sensors, p: &SMatrix<f64, N, N>) -> [f64; AXES] {
-    core::array::from_fn(|axis| {
-        let (filter, at) = (sensors.axis(axis), sensors.start(axis));
-        let mut variance = 0.0;
-        for i in 0..filter.order {
-            for j in 0..filter.order {
-                variance += filter.h[i] * filter.h[j] * p[(at + i, at + j)];
-            }
-        }
-        libm::sqrt(variance.max(0.0))
-    })
 }

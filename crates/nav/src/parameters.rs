@@ -175,11 +175,6 @@ impl Coupling {
     pub fn of(&self, axis: usize) -> &[(usize, f64)] {
         &self.terms[axis][..self.len]
     }
-
-    /// Whether nothing is coupled.
-    pub fn is_none(&self) -> bool {
-        self.len == 0
-    }
 }
 
 #[cfg(test)]

@@ -24,7 +24,8 @@ mod scalars;
 mod section;
 mod tables;
 
-pub use section::{ConfigError, Section, line_at};
+pub use section::{ConfigError, Section};
+pub(crate) use section::{parse, read_text};
 pub(crate) use tables::read_initial;
 
 use crate::{
@@ -33,7 +34,6 @@ use crate::{
     vehicle::Constraints,
 };
 use std::path::{Path, PathBuf};
-use toml::de::DeTable;
 use undrift_io::{
     ReadError,
     gnss::{GnssFormat, GnssReader},
@@ -108,13 +108,7 @@ impl Drive {
     /// Reads `DRIVE.toml`. File names in it are relative to `data` or, without it, to its own
     /// folder; a model file always to its own folder.
     pub fn load(path: &Path, data: Option<&Path>) -> Result<Self, DriveError> {
-        let file = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|e| ConfigError {
-            file: file.clone(),
-            line: None,
-            key: String::new(),
-            message: format!("cannot be read: {e}"),
-        })?;
+        let (text, file) = read_text(path)?;
         let home = path.parent().unwrap_or(Path::new(""));
         Self::from_toml(&text, &file, home, data.unwrap_or(home))
     }
@@ -122,12 +116,7 @@ impl Drive {
     /// Reads the text of a `DRIVE.toml`; `file` is what messages call it, `home` where a model file
     /// lies, `data` where the logs lie.
     pub fn from_toml(text: &str, file: &str, home: &Path, data: &Path) -> Result<Self, DriveError> {
-        let table = DeTable::parse(text).map_err(|e| ConfigError {
-            file: file.to_owned(),
-            line: e.span().map(|s| line_at(text, s.start)),
-            key: String::new(),
-            message: e.message().to_owned(),
-        })?;
+        let table = parse(text, file)?;
         let top = Section::top(table.get_ref(), text, file);
         top.only(&[
             "model",

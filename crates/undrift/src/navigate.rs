@@ -131,15 +131,17 @@ pub fn navigate(
     let (drive, mounting) = mounting::resolve(drive)?;
     let mut settings = settings(&drive, kind)?;
     settings.nodes = smooth.then_some(NODE_SPAN);
-    settings.start = smooth::better_start(
-        drive.open_imu()?,
-        aiding(
-            &mut drive.open_gnss()?,
-            &mut drive.open_odometer()?,
-            &mut drive.open_barometer()?,
-        ),
-        &settings,
-    )?;
+    if smooth {
+        settings.start = smooth::better_start(
+            drive.open_imu()?,
+            aiding(
+                &mut drive.open_gnss()?,
+                &mut drive.open_odometer()?,
+                &mut drive.open_barometer()?,
+            ),
+            &settings,
+        )?;
+    }
     let mut imu = drive.open_imu()?;
     let mut gnss = drive.open_gnss()?;
     let mut odometer = drive.open_odometer()?;

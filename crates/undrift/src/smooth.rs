@@ -216,12 +216,12 @@ impl History {
         let mut information = DMatrix::<f64>::zeros(n, n);
         let mut nodes = Vec::with_capacity(self.nodes);
         let mut bytes = Vec::new();
-        let mut start_error = vec![0.0; n];
+        let mut start = DVector::zeros(n);
         let mut end = self.nodes;
         while end > 0 {
-            let start = end.saturating_sub(per_block);
-            bytes.resize((end - start) * length * 8, 0);
-            file.seek(SeekFrom::Start((start * length * 8) as u64))?;
+            let begin = end.saturating_sub(per_block);
+            bytes.resize((end - begin) * length * 8, 0);
+            file.seek(SeekFrom::Start((begin * length * 8) as u64))?;
             file.read_exact(&mut bytes)?;
             for record in bytes.chunks_exact(length * 8).rev() {
                 let mut numbers = record.chunks_exact(8).map(|b| {
@@ -238,9 +238,10 @@ impl History {
                 let gradient = DVector::from_vec(take(n));
                 let tape_information = unpack(&take(packed), n);
 
-                start_error.copy_from_slice((&p * &lambda).as_slice());
-                let node = node(&head, &estimates, &p, &lambda, &information, &sensors);
-                nodes.push(node);
+                let error = &p * &lambda;
+                let covariance = &p - &p * &information * &p;
+                nodes.push(node(&head, &estimates, &error, &covariance, &sensors));
+                start = error;
                 if head[0] > 0.0 {
                     lambda = gradient + t.tr_mul(&lambda);
                     let carried = t.tr_mul(&(&information * &t));
@@ -250,14 +251,13 @@ impl History {
                     information.fill(0.0);
                 }
             }
-            end = start;
+            end = begin;
         }
         nodes.reverse();
-        let mut start = start_error;
-        start[..6].fill(0.0);
+        start.rows_mut(0, 6).fill(0.0);
         Ok(Some(Smoothed {
             nodes,
-            start,
+            start: start.as_slice().to_vec(),
             sensors,
             parameters,
         }))
@@ -278,17 +278,14 @@ fn unpack(packed: &[f64], n: usize) -> DMatrix<f64> {
     matrix
 }
 
+/// A node of the forward pass with its smoothed error taken out; `covariance` is that of what is left.
 fn node(
     head: &[f64],
     estimates: &[f64],
-    p: &DMatrix<f64>,
-    lambda: &DVector<f64>,
-    information: &DMatrix<f64>,
+    error: &DVector<f64>,
+    covariance: &DMatrix<f64>,
     sensors: &Sensors,
 ) -> Node {
-    let n = p.nrows();
-    let error = p * lambda;
-    let smoothed = p - p * information * p;
     let nav = NavState {
         time: head[1],
         position: Geodetic {
@@ -308,30 +305,20 @@ fn node(
         .map(|(i, x)| x + error[NAV + i])
         .collect();
     let mut sensor_error = [0.0; AXES];
-    let mut sensor_error_std = [0.0; AXES];
     for axis in 0..AXES {
         let (filter, at) = (sensors.axis(axis), sensors.start(axis));
         for i in 0..filter.order {
             sensor_error[axis] += filter.h[i] * estimates[at + i - NAV];
-            for j in 0..filter.order {
-                sensor_error_std[axis] += filter.h[i] * filter.h[j] * smoothed[(at + i, at + j)];
-            }
         }
     }
     Node {
         nav: nav.without_error(&part(0), &part(3), &part(6)),
-        nav_std: core::array::from_fn(|i| {
-            if i < n {
-                smoothed[(i, i)].max(0.0).sqrt()
-            } else {
-                0.0
-            }
-        }),
+        nav_std: core::array::from_fn(|i| covariance[(i, i)].max(0.0).sqrt()),
         estimates,
         sensor_error,
-        sensor_error_std: sensor_error_std.map(|v: f64| v.max(0.0).sqrt()),
+        sensor_error_std: sensors.error_std(|i, j| covariance[(i, j)]),
         omega_nb_b: Vector3::new(head[12], head[13], head[14]),
-        correction: error.rows(NAV, n - NAV).iter().copied().collect(),
+        correction: error.as_slice()[NAV..].to_vec(),
     }
 }
 
@@ -356,18 +343,16 @@ pub fn better_start(
         Ok(sample) => sample.time < *until.get_or_insert(sample.time + START_SPAN),
         Err(_) => true,
     });
-    let mut keeper = Keeper(History::new()?);
-    match replay(first, aiding, settings, &mut keeper) {
-        Ok(_) => Ok(keeper.0.smooth()?.map(|smoothed| smoothed.start)),
+    let mut history = History::new()?;
+    match replay(first, aiding, settings, &mut history) {
+        Ok(_) => Ok(history.smooth()?.map(|smoothed| smoothed.start)),
         Err(ReplayError::NotAligned(_)) => Ok(None),
         Err(error) => Err(error),
     }
 }
 
-/// Keeps nodes only.
-struct Keeper(History);
-
-impl Observer for Keeper {
+/// Keeps the nodes of a replay and nothing else.
+impl Observer for History {
     fn sample<const N: usize>(&mut self, _: &Filter<N>) -> Result<(), ReplayError> {
         Ok(())
     }
@@ -379,7 +364,7 @@ impl Observer for Keeper {
         filter: &Filter<N>,
         since: Option<&Tape<N>>,
     ) -> Result<(), ReplayError> {
-        Ok(self.0.push(filter, since)?)
+        Ok(self.push(filter, since)?)
     }
 }
 

@@ -2,38 +2,15 @@
 //! large as it says, and the path between nodes is continuous.
 
 use undrift::{
-    nav::{
-        filter::Filter,
-        sample::{GnssFix, TruthSample},
-        shaping::ShapingFilter,
-        tape::Tape,
-    },
+    nav::{sample::TruthSample, shaping::ShapingFilter},
     reference::{Errors, TruthCursor},
-    replay::{Measurement, Observer, Outage, ReplayError, Settings, replay},
+    replay::{Measurement, Outage, Settings, replay},
     simulate::{GnssNoise, Simulation, Trajectory, simulate},
     smooth::{History, Node, Path, Smoothed},
     vehicle::Profile,
 };
 
 const RATE: f64 = 50.0;
-
-struct Nodes(History);
-
-impl Observer for Nodes {
-    fn sample<const N: usize>(&mut self, _: &Filter<N>) -> Result<(), ReplayError> {
-        Ok(())
-    }
-
-    fn fix<const N: usize>(&mut self, _: &Filter<N>, _: &GnssFix, _: bool) {}
-
-    fn node<const N: usize>(
-        &mut self,
-        filter: &Filter<N>,
-        since: Option<&Tape<N>>,
-    ) -> Result<(), ReplayError> {
-        Ok(self.0.push(filter, since)?)
-    }
-}
 
 fn sensors() -> [ShapingFilter; 6] {
     let sensor = |white: f64, sigma: f64, turn_on: f64| {
@@ -65,7 +42,7 @@ fn settings(nodes: f64) -> Settings {
 }
 
 fn smoothed(simulation: &Simulation, settings: &Settings) -> Smoothed {
-    let mut nodes = Nodes(History::new().unwrap());
+    let mut nodes = History::new().unwrap();
     replay(
         simulation.imu.iter().copied().map(Ok),
         simulation
@@ -78,7 +55,7 @@ fn smoothed(simulation: &Simulation, settings: &Settings) -> Smoothed {
         &mut nodes,
     )
     .unwrap();
-    nodes.0.smooth().unwrap().unwrap()
+    nodes.smooth().unwrap().unwrap()
 }
 
 fn near(nodes: &[Node], time: f64) -> Option<&Node> {

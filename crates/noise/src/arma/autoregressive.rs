@@ -33,13 +33,29 @@ fn checked(samples: &[f64], p: usize) -> Result<f64, ArmaError> {
     Ok(mean)
 }
 
-/// Durbin's step: the next reflection coefficient extends φ.
-fn extend(ar: &mut Vec<f64>, kappa: f64) {
-    let old = ar.clone();
-    for j in 0..old.len() {
-        ar[j] = old[j] - kappa * old[old.len() - 1 - j];
+impl ArFit {
+    /// Order 0: white noise about a mean.
+    fn white(mean: f64, variance: f64) -> Self {
+        Self {
+            ar: Vec::new(),
+            variance,
+            mean,
+            partial_autocorrelations: Vec::new(),
+            variance_by_order: vec![variance],
+        }
     }
-    ar.push(kappa);
+
+    /// Durbin's step: the next reflection coefficient extends φ.
+    fn add_order(&mut self, kappa: f64) {
+        let old = self.ar.clone();
+        for j in 0..old.len() {
+            self.ar[j] = old[j] - kappa * old[old.len() - 1 - j];
+        }
+        self.ar.push(kappa);
+        self.variance *= (1.0 - kappa) * (1.0 + kappa);
+        self.partial_autocorrelations.push(kappa);
+        self.variance_by_order.push(self.variance);
+    }
 }
 
 /// AR(p) by Burg's method: each reflection coefficient minimises the forward and backward
@@ -53,14 +69,8 @@ pub fn burg(samples: &[f64], p: usize) -> Result<ArFit, ArmaError> {
     let n = samples.len();
     let mut forward: Vec<f64> = samples.iter().map(|x| x - mean).collect();
     let mut backward = forward.clone();
-    let mut variance = forward.iter().map(|x| x * x).sum::<f64>() / n as f64;
-    let mut fit = ArFit {
-        ar: Vec::with_capacity(p),
-        variance,
-        mean,
-        partial_autocorrelations: Vec::with_capacity(p),
-        variance_by_order: vec![variance],
-    };
+    let variance = forward.iter().map(|x| x * x).sum::<f64>() / n as f64;
+    let mut fit = ArFit::white(mean, variance);
     for order in 1..=p {
         // forward[t] at order−1 pairs with backward[t−1]; backward is kept shifted by one an order.
         let (mut cross, mut power) = (0.0, 0.0);
@@ -79,12 +89,8 @@ pub fn burg(samples: &[f64], p: usize) -> Result<ArFit, ArmaError> {
             forward[t] = f - kappa * b;
             backward[t - order] = b - kappa * f;
         }
-        variance *= (1.0 - kappa) * (1.0 + kappa);
-        extend(&mut fit.ar, kappa);
-        fit.partial_autocorrelations.push(kappa);
-        fit.variance_by_order.push(variance);
+        fit.add_order(kappa);
     }
-    fit.variance = variance;
     Ok(fit)
 }
 
@@ -105,27 +111,16 @@ pub fn yule_walker(samples: &[f64], p: usize) -> Result<ArFit, ArmaError> {
             sum / n as f64
         })
         .collect();
-    let mut variance = gamma[0];
-    let mut fit = ArFit {
-        ar: Vec::with_capacity(p),
-        variance,
-        mean,
-        partial_autocorrelations: Vec::with_capacity(p),
-        variance_by_order: vec![variance],
-    };
+    let mut fit = ArFit::white(mean, gamma[0]);
     for order in 1..=p {
         let predicted: f64 = (1..order).map(|j| fit.ar[j - 1] * gamma[order - j]).sum();
-        let kappa = if variance > 0.0 {
-            (gamma[order] - predicted) / variance
+        let kappa = if fit.variance > 0.0 {
+            (gamma[order] - predicted) / fit.variance
         } else {
             0.0
         };
-        variance *= (1.0 - kappa) * (1.0 + kappa);
-        extend(&mut fit.ar, kappa);
-        fit.partial_autocorrelations.push(kappa);
-        fit.variance_by_order.push(variance);
+        fit.add_order(kappa);
     }
-    fit.variance = variance;
     Ok(fit)
 }
 

@@ -2,7 +2,10 @@
 
 use super::DriveError;
 use std::{cell::RefCell, path::Path};
-use toml::de::{DeTable, DeValue};
+use toml::{
+    Spanned,
+    de::{DeTable, DeValue},
+};
 use undrift_io::table::Column;
 use undrift_nav::{
     Vector3,
@@ -42,6 +45,30 @@ pub fn line_at(text: &str, offset: usize) -> usize {
         .filter(|&&b| b == b'\n')
         .count()
         + 1
+}
+
+/// The text of a configuration file and what messages call it.
+pub(crate) fn read_text(path: &Path) -> Result<(String, String), ConfigError> {
+    let file = path.display().to_string();
+    match std::fs::read_to_string(path) {
+        Ok(text) => Ok((text, file)),
+        Err(e) => Err(ConfigError {
+            file,
+            line: None,
+            key: String::new(),
+            message: format!("cannot be read: {e}"),
+        }),
+    }
+}
+
+/// The tables of a configuration file's text; `file` is what messages call it.
+pub(crate) fn parse<'a>(text: &'a str, file: &str) -> Result<Spanned<DeTable<'a>>, ConfigError> {
+    DeTable::parse(text).map_err(|e| ConfigError {
+        file: file.to_owned(),
+        line: e.span().map(|s| line_at(text, s.start)),
+        key: String::new(),
+        message: e.message().to_owned(),
+    })
 }
 
 impl<'a> Section<'a> {

@@ -2,13 +2,12 @@
 
 use crate::{
     align::AlignSettings,
-    drive::{ConfigError, DriveError, Section, line_at, read_initial},
+    drive::{ConfigError, DriveError, Section, parse, read_initial, read_text},
     montecarlo::MonteCarloError,
     replay::Settings,
     simulate::{GnssNoise, REST_BEFORE, Trajectory},
 };
 use std::path::Path;
-use toml::de::DeTable;
 use undrift_nav::{Vector3, shaping::ShapingFilter, units::Quantity};
 use undrift_noise::{BiasModel, ImuModel};
 
@@ -49,24 +48,13 @@ pub struct Spec {
 impl Spec {
     /// Reads a `SPEC.toml`; model files in it are relative to its own folder.
     pub fn load(path: &Path) -> Result<Self, DriveError> {
-        let file = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|e| ConfigError {
-            file: file.clone(),
-            line: None,
-            key: String::new(),
-            message: format!("cannot be read: {e}"),
-        })?;
+        let (text, file) = read_text(path)?;
         Self::from_toml(&text, &file, path.parent().unwrap_or(Path::new("")))
     }
 
     /// Reads the text of a `SPEC.toml`; `file` is what messages call it, `home` where model files lie.
     pub fn from_toml(text: &str, file: &str, home: &Path) -> Result<Self, DriveError> {
-        let table = DeTable::parse(text).map_err(|e| ConfigError {
-            file: file.to_owned(),
-            line: e.span().map(|s| line_at(text, s.start)),
-            key: String::new(),
-            message: e.message().to_owned(),
-        })?;
+        let table = parse(text, file)?;
         let top = Section::top(table.get_ref(), text, file);
         top.only(&[
             "model",

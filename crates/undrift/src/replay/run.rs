@@ -276,10 +276,10 @@ impl<'a, const N: usize> Run<'a, N> {
             let speed = v_n.xy().norm();
             self.last_speed = Some((fix.time, ((speed - error).max(0.0), speed + error)));
             if let Some((std, min_speed)) = self.settings.constraints.course
-                && v_n.xy().norm() > min_speed
+                && speed > min_speed
                 && let Some(observed) = filter.observe_course(v_n.y.atan2(v_n.x))
             {
-                let noise = 0.5 * error * error / v_n.xy().norm_squared() + std * std;
+                let noise = 0.5 * error * error / (speed * speed) + std * std;
                 let _ = filter.update_recorded(
                     &observed,
                     &nalgebra::Matrix1::new(noise),

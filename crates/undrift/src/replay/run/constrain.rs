@@ -4,7 +4,8 @@ use super::Run;
 use crate::replay::{Observer, Scalar};
 use undrift_nav::{
     Matrix3, Vector3,
-    filter::{Gate, Outcome},
+    aiding::Observation,
+    filter::{Filter, Gate, Outcome, Update},
     sample::ImuSample,
 };
 
@@ -23,35 +24,37 @@ impl<const N: usize> Run<'_, N> {
         bridge.is_some_and(|bridge| bridge.unknown_since.is_some())
     }
 
-    /// A wheel speed within the present sample; none in a long gap, where the attitude is not known.
+    /// A wheel speed within the present sample.
     pub(in crate::replay) fn odometer(&mut self, speed: &Scalar) {
-        let unknown = self.in_long_gap();
-        self.advance_to(speed.time);
-        let Some(filter) = self.filter.as_mut().filter(|_| !unknown) else {
-            return;
-        };
-        let observed =
-            filter.observe_odometer(speed.value, &self.settings.constraints.odometer_lever);
-        let variance = nalgebra::Matrix1::new(speed.std * speed.std);
-        let tape = self.tape.as_deref_mut();
-        if let Ok(update) = filter.update_recorded(&observed, &variance, &CONSTRAINT_GATE, tape) {
+        let lever = self.settings.constraints.odometer_lever;
+        let done = self.scalar(speed, |filter| filter.observe_odometer(speed.value, &lever));
+        if let Some(update) = done {
             self.summary.odometer.add(update);
         }
     }
 
-    /// A barometric height within the present sample, as a wheel speed.
+    /// A barometric height within the present sample.
     pub(in crate::replay) fn barometer(&mut self, height: &Scalar) {
-        let unknown = self.in_long_gap();
-        self.advance_to(height.time);
-        let Some(filter) = self.filter.as_mut().filter(|_| !unknown) else {
-            return;
-        };
-        let observed = filter.observe_barometer(height.value);
-        let variance = nalgebra::Matrix1::new(height.std * height.std);
-        let tape = self.tape.as_deref_mut();
-        if let Ok(update) = filter.update_recorded(&observed, &variance, &CONSTRAINT_GATE, tape) {
+        let done = self.scalar(height, |filter| filter.observe_barometer(height.value));
+        if let Some(update) = done {
             self.summary.barometer.add(update);
         }
+    }
+
+    /// Updates with a measurement of one number; not in a long gap, where the attitude is not known.
+    fn scalar(
+        &mut self,
+        measured: &Scalar,
+        observe: impl FnOnce(&Filter<N>) -> Observation<1, N>,
+    ) -> Option<Update> {
+        let unknown = self.in_long_gap();
+        self.advance_to(measured.time);
+        let filter = self.filter.as_mut().filter(|_| !unknown)?;
+        let variance = nalgebra::Matrix1::new(measured.std * measured.std);
+        let tape = self.tape.as_deref_mut();
+        filter
+            .update_recorded(&observe(filter), &variance, &CONSTRAINT_GATE, tape)
+            .ok()
     }
 
     /// What the vehicle cannot do, at the end of a sample.
