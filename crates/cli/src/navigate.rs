@@ -165,6 +165,7 @@ fn print_report(report: &Report, kind: BiasModel) -> Result<()> {
         );
     }
     report::print_health(s);
+    report::print_disagreement(s);
     for (name, skipped, gaps) in &report.scalars {
         let sums = if *name == "odometer" {
             &s.odometer

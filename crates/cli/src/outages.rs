@@ -151,6 +151,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     report::print_warnings(&runs);
     if let Some(run) = runs.first() {
         report::print_health(&run.summary);
+        // Among several, what one model disagrees with says nothing of the log.
+        if runs.len() == 1 {
+            report::print_disagreement(&run.summary);
+        }
         if let Some(reader) = &odometer {
             report::print_scalar(
                 "odometer",

@@ -79,6 +79,10 @@ pub fn print_health(summary: &Summary) {
     if summary.bad_fixes > 0 {
         eprintln!("fixes whose covariance is none: {}", summary.bad_fixes);
     }
+}
+
+/// Tells where the solution and the fixes disagreed: the receiver's fault or the model's.
+pub fn print_disagreement(summary: &Summary) {
     for restart in &summary.restarts {
         let then = match restart.resumed {
             Some(time) => format!("aligned anew at {time:.3} s"),
