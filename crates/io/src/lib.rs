@@ -7,8 +7,10 @@
 //! Numbers leave this crate in the units and frames of `undrift-nav`: SI and radians,
 //! north-east-down and forward-right-down; whatever a file has is scaled and rotated on reading.
 
+pub mod format;
 pub mod gnss;
 pub mod imu;
+pub mod log;
 pub mod number;
 pub mod rtklib;
 pub mod scalar;
@@ -22,5 +24,6 @@ mod clock;
 mod error;
 mod gaps;
 mod lines;
+mod time;
 
 pub use error::ReadError;

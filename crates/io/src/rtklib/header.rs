@@ -1,6 +1,6 @@
 //! What the header line of a solution file says.
 
-use super::time::TimeSystem;
+use crate::time::TimeSystem;
 
 /// What the position columns are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

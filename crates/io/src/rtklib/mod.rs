@@ -9,7 +9,6 @@
 //! sign (RTKLIB manual 2.4.2, appendix B.1); they come out as covariances north-east-down.
 
 mod header;
-mod time;
 
 use std::path::{Path, PathBuf};
 
@@ -25,8 +24,8 @@ use crate::skipped::{SkipKind, Skipped};
 use crate::source::{self, Source};
 use crate::table::shown;
 
+use crate::time::WeekClock;
 use header::{Axes, Components, Layout};
-use time::WeekClock;
 
 /// How to read an RTKLIB solution file.
 #[derive(Clone, Debug)]

@@ -1,4 +1,4 @@
-//! Times of a solution file as GPS seconds.
+//! Absolute times as GPS seconds of the week in which a file starts, counting on past its end.
 
 use crate::number;
 
@@ -7,7 +7,7 @@ const WEEK: f64 = 604_800.0;
 
 /// Time system of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum TimeSystem {
+pub(crate) enum TimeSystem {
     Gps,
     Utc,
     /// Japan: UTC + 9 h.
@@ -15,7 +15,7 @@ pub(super) enum TimeSystem {
 }
 
 impl TimeSystem {
-    pub(super) fn named(name: &str) -> Option<Self> {
+    pub(crate) fn named(name: &str) -> Option<Self> {
         match name {
             "GPST" => Some(Self::Gps),
             "UTC" => Some(Self::Utc),
@@ -27,21 +27,21 @@ impl TimeSystem {
 
 /// Counts seconds from the beginning of the GPS week of the first time it is given.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct WeekClock {
+pub(crate) struct WeekClock {
     /// Days from the GPS epoch to that week.
     start: Option<i64>,
 }
 
 impl WeekClock {
     /// Seconds of the time that two fields give: date and time of day, or week and second.
-    pub(super) fn seconds(
+    pub(crate) fn seconds(
         &mut self,
         first: &[u8],
         second: &[u8],
         system: TimeSystem,
     ) -> Option<f64> {
         let (day, seconds) = match date(first) {
-            Some(day) => gps(day, time_of_day(second)?, system),
+            Some(day) => to_gps(day, time_of_day(second)?, system),
             None => {
                 let week = number::parse(first)?;
                 let seconds = number::parse(second)?;
@@ -52,16 +52,44 @@ impl WeekClock {
                 (week as i64 * 7, seconds)
             }
         };
+        Some(self.gps(day, seconds))
+    }
+
+    /// Seconds of a GPS time: days from the GPS epoch, 6 January 1980 (a week is 7 of them), and
+    /// seconds after their beginning.
+    pub(crate) fn gps(&mut self, day: i64, seconds: f64) -> f64 {
         let start = *self.start.get_or_insert_with(|| {
             let whole = day + (seconds / DAY).floor() as i64;
             whole.div_euclid(7) * 7
         });
-        Some((day - start) as f64 * DAY + seconds)
+        (day - start) as f64 * DAY + seconds
+    }
+
+    /// Seconds of a UTC date and time of day [s]; `None` if that is no date.
+    pub(crate) fn utc(&mut self, year: i64, month: i64, day: i64, seconds: f64) -> Option<f64> {
+        let (day, seconds) = to_gps(day_of(year, month, day)?, seconds, TimeSystem::Utc);
+        Some(self.gps(day, seconds))
+    }
+
+    /// Seconds of a Unix time. One before the GPS epoch is that of a clock which does not know the
+    /// date, and is given back as it is.
+    pub(crate) fn unix(&mut self, seconds: i64, nanoseconds: u32) -> f64 {
+        /// Days from the Unix to the GPS epoch.
+        const EPOCHS: i64 = 3657;
+        let (day, second) = (seconds.div_euclid(86_400), seconds.rem_euclid(86_400));
+        let fraction = f64::from(nanoseconds) * 1e-9;
+        if day < EPOCHS {
+            return seconds as f64 + fraction;
+        }
+        let utc_day = day - EPOCHS;
+        // The whole seconds first: they are exact.
+        let whole = self.gps(utc_day, second as f64 + leap_seconds(utc_day));
+        whole + fraction
     }
 }
 
 /// Day and second of day in GPS time; the second may be outside of the day.
-fn gps(day: i64, seconds: f64, system: TimeSystem) -> (i64, f64) {
+fn to_gps(day: i64, seconds: f64, system: TimeSystem) -> (i64, f64) {
     match system {
         TimeSystem::Gps => (day, seconds),
         TimeSystem::Utc => (day, seconds + leap_seconds(day)),
@@ -77,11 +105,17 @@ fn gps(day: i64, seconds: f64, system: TimeSystem) -> (i64, f64) {
 fn date(field: &[u8]) -> Option<i64> {
     let mut parts = field.split(|&byte| byte == b'/').map(whole);
     let (year, month, day) = (parts.next()??, parts.next()??, parts.next()??);
-    let plausible = (1980..2200).contains(&year) && (1..=12).contains(&month);
-    if parts.next().is_some() || !plausible || !(1..=31).contains(&day) {
+    if parts.next().is_some() {
         return None;
     }
-    Some(days_of_civil(year, month, day) - days_of_civil(1980, 1, 6))
+    day_of(year, month, day)
+}
+
+/// Days from the GPS epoch to a date.
+fn day_of(year: i64, month: i64, day: i64) -> Option<i64> {
+    let plausible = (1980..2200).contains(&year) && (1..=12).contains(&month);
+    (plausible && (1..=31).contains(&day))
+        .then(|| days_of_civil(year, month, day) - days_of_civil(1980, 1, 6))
 }
 
 /// Seconds of day of `hh:mm:ss.sss`; the second may be 60.
@@ -196,6 +230,16 @@ mod tests {
         // UTC late on a Saturday is GPS time of the next week.
         let late = seconds("2025/07/12", "23:59:50", TimeSystem::Utc);
         assert_eq!(late, Some(8.0));
+    }
+
+    #[test]
+    fn utc_dates_and_unix_times_agree() {
+        let mut weeks = WeekClock::default();
+        // 8 July 2025 19:34:00 UTC, by `date -u -d 2025-07-08T19:34:00 +%s`.
+        assert_eq!(weeks.unix(1_752_003_240, 500_000_000), 243_258.5);
+        assert_eq!(weeks.utc(2025, 7, 8, 70_440.5), Some(243_258.5));
+        assert_eq!(weeks.utc(2025, 7, 32, 0.0), None);
+        assert_eq!(weeks.unix(12, 250_000_000), 12.25);
     }
 
     #[test]

@@ -1,0 +1,82 @@
+//! Which format a file has, by its content.
+
+use std::path::Path;
+
+use crate::source;
+use crate::{ReadError, rtklib};
+
+/// A format of logs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Delimited text whose columns have to be named.
+    Csv,
+    /// KF-GINS: text without header; time and increments, fixes, or a solution.
+    KfGins,
+    /// EuRoC MAV data set: CSV with a header of its own.
+    Euroc,
+    /// RTKLIB solution.
+    Rtklib,
+    /// NMEA 0183 sentences.
+    Nmea,
+    /// u-blox UBX.
+    Ubx,
+    /// ROS 1 bag.
+    RosBag,
+    /// MCAP, as ROS 2 writes it.
+    Mcap,
+    /// PX4 ULog.
+    ULog,
+    /// NaveGo's structures in a MATLAB file.
+    NaveGo,
+    /// GPX track.
+    Gpx,
+    /// Apache Parquet, whose columns have to be named.
+    Parquet,
+}
+
+/// Formats by the name that configuration files give them, and what they are called.
+pub const FORMATS: [(&str, Format, &str); 12] = [
+    ("csv", Format::Csv, "delimited text"),
+    ("kf-gins", Format::KfGins, "KF-GINS text"),
+    ("euroc", Format::Euroc, "EuRoC CSV"),
+    ("rtklib", Format::Rtklib, "an RTKLIB solution"),
+    ("nmea", Format::Nmea, "NMEA 0183"),
+    ("ubx", Format::Ubx, "u-blox UBX"),
+    ("rosbag", Format::RosBag, "a ROS 1 bag"),
+    ("mcap", Format::Mcap, "MCAP"),
+    ("ulog", Format::ULog, "PX4 ULog"),
+    ("navego", Format::NaveGo, "a NaveGo MATLAB file"),
+    ("gpx", Format::Gpx, "GPX"),
+    ("parquet", Format::Parquet, "Parquet"),
+];
+
+impl Format {
+    /// Its name in configuration files.
+    pub fn name(self) -> &'static str {
+        self.entry().0
+    }
+
+    /// What it is called.
+    pub fn describe(self) -> &'static str {
+        self.entry().2
+    }
+
+    fn entry(self) -> (&'static str, Format, &'static str) {
+        FORMATS
+            .into_iter()
+            .find(|(_, format, _)| *format == self)
+            .unwrap_or(FORMATS[0])
+    }
+}
+
+/// The format of a file, plain or gzip: [`Format::Csv`] where it is none of the others.
+///
+/// # Errors
+/// If the file cannot be opened.
+pub fn detect(path: &Path) -> Result<Format, ReadError> {
+    if rtklib::detect(path)? {
+        return Ok(Format::Rtklib);
+    }
+    drop(source::open(path)?);
+    Ok(Format::Csv)
+}
