@@ -31,8 +31,8 @@ enum Trend {
 /// Example: undrift identify static.csv.gz --rate 100 -o imu.toml
 #[derive(Args)]
 pub struct Arguments {
-    /// Static record: a table of six axes, or one
-    #[arg(value_name = "RECORD.csv")]
+    /// Static record: a table of six axes, or one, or a log in any format that `inspect` knows
+    #[arg(value_name = "RECORD")]
     record: PathBuf,
     /// Sample rate [Hz]; told from the time stamps if the record has a column for them
     #[arg(long, value_name = "HZ")]
@@ -46,6 +46,9 @@ pub struct Arguments {
     /// Units of gyro and accelerometer columns, for instance "deg/s,g"; told from the header if absent
     #[arg(long, value_name = "GYRO,ACCEL")]
     units: Option<String>,
+    /// Stream of a log that has several of inertial samples
+    #[arg(long, value_name = "NAME")]
+    topic: Option<String>,
     /// Largest n of ARMA(2n, 2n-1) in the Pandit-Wu table
     #[arg(long, value_name = "N", default_value_t = 2)]
     n_max: usize,
@@ -90,6 +93,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         axis: arguments.axis.clone(),
         units,
         temperature: arguments.detrend == Trend::Temperature,
+        topic: arguments.topic.clone(),
     };
     let record = record::read(&arguments.record, &format)?;
     if !record.skipped.is_empty() {

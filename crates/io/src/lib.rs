@@ -10,6 +10,7 @@
 pub mod format;
 pub mod gnss;
 pub mod imu;
+pub mod layouts;
 pub mod log;
 pub mod number;
 pub mod rtklib;

@@ -47,6 +47,32 @@ pub enum What {
     Skipped(SkipKind, String),
 }
 
+impl What {
+    /// Whether all its numbers are.
+    fn is_finite(&self) -> bool {
+        let three = |v: &Vector3| v.iter().all(|x| x.is_finite());
+        match self {
+            Self::Imu(reading) => {
+                reading.time.is_finite() && three(&reading.gyro) && three(&reading.accel)
+            }
+            Self::Fix(fix) => {
+                let place = match &fix.position {
+                    Some((Position::Geodetic(place), _)) => place.height.is_finite(),
+                    Some((Position::Baseline { ned, .. }, _)) => three(ned),
+                    None => true,
+                };
+                fix.time.is_finite() && place && fix.velocity.is_none_or(|(v, _)| three(&v))
+            }
+            Self::Pose(pose) => {
+                pose.time.is_finite()
+                    && pose.v_n.is_none_or(|v| three(&v))
+                    && pose.rpy.is_none_or(|rpy| three(&rpy))
+            }
+            Self::Skipped(..) => true,
+        }
+    }
+}
+
 /// Rates over the interval since the sample before, sensor axes as in the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImuReading {
@@ -86,6 +112,22 @@ pub enum Wanted {
     },
     /// Reference solutions of a stream.
     Poses(Option<String>),
+}
+
+impl Format {
+    /// Whether files of the format say themselves what they hold.
+    pub fn is_log(self) -> bool {
+        matches!(
+            self,
+            Self::Nmea
+                | Self::Ubx
+                | Self::RosBag
+                | Self::Mcap
+                | Self::ULog
+                | Self::NaveGo
+                | Self::Gpx
+        )
+    }
 }
 
 /// What a stream holds.
@@ -152,16 +194,23 @@ impl Log {
     /// The next entry that can be used.
     pub(crate) fn next(&mut self) -> Result<Option<Entry>, ReadError> {
         for entry in self.entries.by_ref() {
-            match entry? {
-                Entry {
-                    at,
-                    what: What::Skipped(kind, detail),
-                } => self.skipped.add(kind, at, detail),
-                usable => return Ok(Some(usable)),
+            let entry = entry?;
+            match &entry.what {
+                What::Skipped(kind, detail) => self.skipped.add(*kind, entry.at, detail),
+                what if what.is_finite() => return Ok(Some(entry)),
+                what => {
+                    let detail = format!("{what:?}");
+                    self.skipped.add(SkipKind::NotFinite, entry.at, detail);
+                }
             }
         }
         Ok(None)
     }
+}
+
+/// The format of a log by the start of its content.
+pub(crate) fn detect(_start: &[u8]) -> Option<Format> {
+    None
 }
 
 fn entries(

@@ -1,4 +1,4 @@
-//! Reference trajectories from delimited text.
+//! Reference trajectories from delimited text, or from logs that say themselves what they hold.
 
 use std::path::Path;
 
@@ -8,7 +8,9 @@ use undrift_nav::sample::TruthSample;
 
 use crate::ReadError;
 use crate::clock::{self, Clock, Tick};
+use crate::format::Format;
 use crate::gnss::is_a_fix;
+use crate::log::{Log, Wanted, What};
 use crate::skipped::{SkipKind, Skipped};
 use crate::source::{self, Source};
 use crate::table::{Column, Table, TableOptions};
@@ -63,19 +65,93 @@ impl TruthFormat {
     }
 }
 
+/// Which reference solution of a log.
+#[derive(Clone, Debug)]
+pub struct TruthLog {
+    /// Format of the file.
+    pub format: Format,
+    /// Its stream; `None` for the only one.
+    pub stream: Option<String>,
+    /// Added to the times [s].
+    pub time_offset: f64,
+    /// First and last time [s] to give out, after the offset.
+    pub span: Option<(f64, f64)>,
+}
+
 /// Reads reference samples one by one; after an error or the end it gives `None`.
 pub struct TruthReader {
-    table: Table,
-    format: TruthFormat,
-    /// Time, position, then velocity and attitude where asked for.
-    row: Vec<f64>,
+    rows: Rows,
+    span: Option<(f64, f64)>,
     clock: Clock,
     covered: Option<(f64, f64)>,
     given: u64,
     finished: bool,
 }
 
+enum Rows {
+    Table(Box<TableRows>),
+    Log(Log, f64),
+}
+
+struct TableRows {
+    table: Table,
+    format: TruthFormat,
+    /// Time, position, then velocity and attitude where asked for.
+    row: Vec<f64>,
+}
+
+impl Rows {
+    fn path(&self) -> &Path {
+        match self {
+            Self::Table(rows) => rows.table.path(),
+            Self::Log(log, _) => log.path(),
+        }
+    }
+
+    fn skipped(&self) -> &Skipped {
+        match self {
+            Self::Table(rows) => rows.table.skipped(),
+            Self::Log(log, _) => log.skipped(),
+        }
+    }
+
+    fn skipped_mut(&mut self) -> &mut Skipped {
+        match self {
+            Self::Table(rows) => rows.table.skipped_mut(),
+            Self::Log(log, _) => log.skipped_mut(),
+        }
+    }
+
+    fn next(&mut self) -> Result<Option<(u64, TruthSample)>, ReadError> {
+        match self {
+            Self::Table(rows) => {
+                let line = rows.table.next_row(&mut rows.row)?;
+                Ok(line.map(|line| (line, rows.sample())))
+            }
+            Self::Log(log, offset) => {
+                while let Some(entry) = log.next()? {
+                    if let What::Pose(mut pose) = entry.what {
+                        pose.time += *offset;
+                        return Ok(Some((entry.at, pose)));
+                    }
+                }
+                Ok(None)
+            }
+        }
+    }
+}
+
 impl TruthReader {
+    /// Opens a log, plain or gzip.
+    ///
+    /// # Errors
+    /// If the file cannot be opened, is no log of its format, or lacks the stream.
+    pub fn open_log(path: &Path, log: &TruthLog) -> Result<Self, ReadError> {
+        let wanted = Wanted::Poses(log.stream.clone());
+        let rows = Rows::Log(Log::open(path, log.format, &wanted)?, log.time_offset);
+        Ok(Self::new(path, rows, log.span))
+    }
+
     /// Opens a reference trajectory, plain or gzip.
     ///
     /// # Errors
@@ -113,26 +189,33 @@ impl TruthReader {
             delimiter: format.delimiter,
             keep_not_finite: false,
         };
-        Ok(Self {
+        let rows = Rows::Table(Box::new(TableRows {
             row: vec![0.0; options.columns.len()],
             table: Table::from_source(path, source, &options)?,
             format: format.clone(),
+        }));
+        Ok(Self::new(path, rows, format.span))
+    }
+
+    fn new(path: &Path, rows: Rows, span: Option<(f64, f64)>) -> Self {
+        Self {
+            rows,
+            span,
             clock: Clock::new(path, PATIENCE),
             covered: None,
             given: 0,
             finished: false,
-        })
+        }
     }
 
     /// What was left out so far.
     pub fn skipped(&self) -> &Skipped {
-        self.table.skipped()
+        self.rows.skipped()
     }
 
     fn next_sample(&mut self) -> Result<Option<TruthSample>, ReadError> {
-        while let Some(line) = self.table.next_row(&mut self.row)? {
-            let sample = self.sample();
-            let skipped = self.table.skipped_mut();
+        while let Some((line, sample)) = self.rows.next()? {
+            let skipped = self.rows.skipped_mut();
             if !is_a_fix(&sample.position) {
                 let place = sample.position;
                 let (lat_deg, lon_deg) = (place.lat.to_degrees(), place.lon.to_degrees());
@@ -145,10 +228,10 @@ impl TruthReader {
             }
             let start = self.covered.map_or(sample.time, |(start, _)| start);
             self.covered = Some((start, sample.time));
-            if clock::past(self.format.span, sample.time) {
+            if clock::past(self.span, sample.time) {
                 break;
             }
-            if clock::within(self.format.span, sample.time) {
+            if clock::within(self.span, sample.time) {
                 self.given += 1;
                 return Ok(Some(sample));
             }
@@ -156,15 +239,15 @@ impl TruthReader {
         if self.given > 0 {
             return Ok(None);
         }
-        match (self.format.span, self.covered) {
-            (Some(span), Some(_)) => {
-                Err(clock::none_in_span(self.table.path(), span, self.covered))
-            }
-            _ => Err(ReadError::new(self.table.path(), "no usable sample")
+        match (self.span, self.covered) {
+            (Some(span), Some(_)) => Err(clock::none_in_span(self.rows.path(), span, self.covered)),
+            _ => Err(ReadError::new(self.rows.path(), "no usable sample")
                 .mend(self.skipped().to_string().replace('\n', "; "))),
         }
     }
+}
 
+impl TableRows {
     fn sample(&self) -> TruthSample {
         let format = &self.format;
         let three = |from: usize| {

@@ -20,6 +20,8 @@
 //!
 //! All keys are in `docs/drive-file.md`.
 
+mod gnss;
+mod imu;
 mod scalars;
 mod section;
 mod tables;
@@ -36,11 +38,11 @@ use crate::{
 use std::path::{Path, PathBuf};
 use undrift_io::{
     ReadError,
-    gnss::{GnssFormat, GnssReader},
+    gnss::{GnssFormat, GnssLog, GnssReader},
     imu::{ImuFormat, ImuReader},
     rtklib::RtklibOptions,
     scalar::{ScalarFormat, ScalarReader},
-    truth::{TruthFormat, TruthReader},
+    truth::{TruthFormat, TruthLog, TruthReader},
 };
 use undrift_nav::{Vector3, parameters::Parameters, sample::ImuSample, units::Quantity};
 use undrift_noise::{ImuModel, ModelError};
@@ -62,7 +64,7 @@ pub struct Drive {
     /// Which parts of a fix are used.
     pub gnss_use: GnssUse,
     /// Reference solution, if there is one.
-    pub truth: Option<(PathBuf, TruthFormat)>,
+    pub truth: Option<(PathBuf, TruthSource)>,
     /// IMU → antenna, body axes [m].
     pub lever_arm: Vector3,
     /// How to start.
@@ -88,6 +90,17 @@ pub enum GnssSource {
     Csv(Box<GnssFormat>),
     /// RTKLIB solution file.
     Rtklib(RtklibOptions),
+    /// Log that says itself what it holds.
+    Log(GnssLog),
+}
+
+/// Layout of the reference.
+#[derive(Clone, Debug)]
+pub enum TruthSource {
+    /// Delimited text.
+    Table(TruthFormat),
+    /// Log that says itself what it holds.
+    Log(TruthLog),
 }
 
 /// Why a drive cannot be set up.
@@ -132,12 +145,12 @@ impl Drive {
         ])?;
         let span = tables::read_span(&top.section("span")?)?;
         let gnss = top.section("gnss")?;
-        let gnss_use = tables::read_use(&gnss)?;
+        let gnss_use = gnss::read_use(&gnss)?;
         let lever_arm = gnss
             .vector("lever_arm", Quantity::Length)?
             .unwrap_or_else(Vector3::zeros);
         let (constraints, parameters) = tables::read_vehicle(&top.section("vehicle")?)?;
-        let (imu, estimate_mounting) = tables::read_imu(&top.section("imu")?, data, span)?;
+        let (imu, estimate_mounting) = imu::read_imu(&top.section("imu")?, data, span)?;
         let parameters = tables::read_states(&top.section("states")?, parameters)?;
         let (odometer, parameters) =
             scalars::read_odometer(&top.section("odometer")?, data, span, parameters)?;
@@ -152,8 +165,8 @@ impl Drive {
             imu,
             estimate_mounting,
             adapt: tables::read_switch(&gnss, "adapt")?.unwrap_or(false),
-            quality: tables::read_quality(&gnss)?,
-            gnss: tables::read_gnss(&gnss, data, span)?,
+            quality: gnss::read_quality(&gnss)?,
+            gnss: gnss::read_gnss(&gnss, data, span)?,
             truth: tables::read_truth(&top.section("truth")?, data)?,
             gnss_use,
             lever_arm,
@@ -173,6 +186,7 @@ impl Drive {
         match &self.gnss.1 {
             GnssSource::Csv(format) => GnssReader::open_csv(&self.gnss.0, format),
             GnssSource::Rtklib(options) => GnssReader::open_rtklib(&self.gnss.0, options),
+            GnssSource::Log(log) => GnssReader::open_log(&self.gnss.0, log),
         }
     }
 
@@ -190,7 +204,10 @@ impl Drive {
     pub fn open_truth(&self) -> Result<Option<TruthReader>, ReadError> {
         self.truth
             .as_ref()
-            .map(|(path, format)| TruthReader::open(path, format))
+            .map(|(path, source)| match source {
+                TruthSource::Table(format) => TruthReader::open(path, format),
+                TruthSource::Log(log) => TruthReader::open_log(path, log),
+            })
             .transpose()
     }
 
@@ -201,7 +218,7 @@ impl Drive {
     /// If the log cannot be read, is too short, or is at another rate than stated: by a fifth or more.
     pub fn sample_interval(&self) -> Result<f64, ReadError> {
         let stated = self.imu.1.rate_hz.map(|rate| 1.0 / rate);
-        if let (Some(interval), None) = (stated, &self.imu.1.time) {
+        if let (Some(interval), false) = (stated, self.imu.1.has_times()) {
             return Ok(interval);
         }
         let first: Vec<f64> = self

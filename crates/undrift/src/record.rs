@@ -1,8 +1,11 @@
-//! Static records: six axes, or one, from a table of text.
+//! Static records: six axes, or one, from a table, or six from a log that says itself what it holds.
 
 use std::path::Path;
 use undrift_io::{
     ReadError,
+    format::{self, Format},
+    imu::{ImuFormat, ImuReader},
+    layouts,
     skipped::Skipped,
     table::{self, Column, Table, TableOptions},
 };
@@ -24,6 +27,8 @@ pub struct RecordFormat {
     pub units: Option<(String, String)>,
     /// Read the temperature too, which the header must then name.
     pub temperature: bool,
+    /// The stream of a log that has several of inertial samples.
+    pub topic: Option<String>,
 }
 
 /// A record in SI units.
@@ -98,6 +103,42 @@ fn named_axis(column: &str) -> Option<(usize, Option<&'static str>)> {
 /// # Errors
 /// A file that cannot be read; columns or units that neither the format nor the header tells.
 pub fn read(path: &Path, format: &RecordFormat) -> Result<Record, ReadError> {
+    let known = match format::detect(path)? {
+        _ if !format.columns.is_empty() => None,
+        Format::KfGins => Some(layouts::kf_gins_imu()),
+        Format::Euroc => Some(layouts::euroc_imu()),
+        log if log.is_log() => Some(ImuFormat::log(log, format.topic.clone())),
+        _ => None,
+    };
+    match known {
+        Some(imu) => read_known(path, &imu),
+        None => read_table(path, format),
+    }
+}
+
+/// Reads a record whose columns and units are known.
+fn read_known(path: &Path, format: &ImuFormat) -> Result<Record, ReadError> {
+    let mut reader = ImuReader::open(path, format)?;
+    let mut samples = vec![Vec::new(); AXES.len()];
+    let mut stamps = Vec::new();
+    for sample in reader.by_ref() {
+        let sample = sample?;
+        let (gyro, accel) = (sample.dtheta / sample.dt, sample.dvel / sample.dt);
+        for (axis, value) in samples.iter_mut().zip(gyro.iter().chain(&accel)) {
+            axis.push(*value);
+        }
+        stamps.push(sample.time);
+    }
+    Ok(Record {
+        axes: AXES.to_vec(),
+        samples,
+        temperature: None,
+        timing: timing(&stamps).ok(),
+        skipped: reader.skipped().clone(),
+    })
+}
+
+fn read_table(path: &Path, format: &RecordFormat) -> Result<Record, ReadError> {
     let header = table::header_names(path)?;
     let wrong = |message: String| ReadError::new(path, message);
     let mut units: [Option<&str>; 6] = [None; 6];

@@ -1,10 +1,11 @@
-//! GNSS fixes from CSV of any layout or from RTKLIB solution files.
+//! GNSS fixes from CSV of any layout, from RTKLIB solution files, or from logs that say themselves what they hold.
 //!
 //! What cannot be used is left out by its part: a row without a usable position can still give
 //! its velocity. A latitude and longitude of exactly 0°, 0° is what receivers write without a
 //! fix, so such a row is left out as a whole.
 
 mod csv;
+mod log;
 
 use std::path::Path;
 
@@ -20,6 +21,8 @@ use crate::source;
 use csv::CsvRows;
 pub(crate) use csv::is_a_fix;
 pub use csv::{GnssFormat, Place, PositionFormat, Std, VelocityFormat};
+pub use log::GnssLog;
+use log::LogRows;
 
 /// Fixes in a row that must be earlier than the last accepted one to count as a clock set back.
 const PATIENCE: u32 = 20;
@@ -38,6 +41,7 @@ pub struct GnssReader {
 enum Rows {
     Csv(Box<CsvRows>),
     Rtklib(Box<RtklibRows>),
+    Log(Box<LogRows>),
 }
 
 impl GnssReader {
@@ -61,6 +65,15 @@ impl GnssReader {
         Ok(Self::new(path, Rows::Rtklib(Box::new(rows)), options.span))
     }
 
+    /// Opens a log, plain or gzip.
+    ///
+    /// # Errors
+    /// If the file cannot be opened, is no log of its format, or lacks a stream.
+    pub fn open_log(path: &Path, options: &GnssLog) -> Result<Self, ReadError> {
+        let rows = LogRows::new(path, options)?;
+        Ok(Self::new(path, Rows::Log(Box::new(rows)), options.span))
+    }
+
     fn new(path: &Path, rows: Rows, span: Option<(f64, f64)>) -> Self {
         Self {
             rows,
@@ -77,6 +90,7 @@ impl GnssReader {
         match &self.rows {
             Rows::Csv(rows) => rows.skipped(),
             Rows::Rtklib(rows) => rows.skipped(),
+            Rows::Log(rows) => rows.skipped(),
         }
     }
 
@@ -84,6 +98,7 @@ impl GnssReader {
         match &self.rows {
             Rows::Csv(rows) => rows.path(),
             Rows::Rtklib(rows) => rows.path(),
+            Rows::Log(rows) => rows.path(),
         }
     }
 
@@ -92,6 +107,7 @@ impl GnssReader {
             let (row, skipped) = match &mut self.rows {
                 Rows::Csv(rows) => (rows.next_row()?, rows.skipped_mut()),
                 Rows::Rtklib(rows) => (rows.next_row()?, rows.skipped_mut()),
+                Rows::Log(rows) => (rows.next_row()?, rows.skipped_mut()),
             };
             let Some((line, fix)) = row else { break };
             if let Tick::Skip = self.clock.tick(fix.time, line, skipped)? {

@@ -1,4 +1,4 @@
-//! Inertial samples from a table of rates or increments.
+//! Inertial samples from a table of rates or increments, or from a log that says itself what it holds.
 //!
 //! A sample stamped t covers the interval since the sample before, (t_prev, t]. A rate is taken
 //! as the mean over that interval, so the increment is rate · dt. After a gap the interval is the
@@ -17,8 +17,10 @@ use undrift_nav::{Matrix3, Vector3};
 
 use crate::ReadError;
 use crate::clock::{self, Clock, Tick};
+use crate::format::Format;
 use crate::gaps::{GAP_INTERVALS, GapWatch};
 pub use crate::gaps::{Gap, GapSummary};
+use crate::log::{Log, Wanted, What};
 use crate::skipped::Skipped;
 use crate::source::{self, Source};
 use crate::table::{Column, Table, TableOptions};
@@ -29,22 +31,34 @@ const PATIENCE: u32 = 100;
 /// Gaps in a row that mean another sampling rate, in a log of increments.
 const GAPS_IN_A_ROW: u32 = 100;
 
-/// Where the columns of an inertial log are and what they mean.
+/// Where the samples of an inertial log are.
+#[derive(Clone, Debug)]
+pub enum ImuSource {
+    /// In columns of a table.
+    Table {
+        /// Time column; without one, row k (from 0, skipped rows count) is at k / `rate_hz`.
+        time: Option<Column>,
+        /// Angular rates or increments, the sensor's x, y, z.
+        gyro: [Column; 3],
+        /// Specific forces or velocity increments, the sensor's x, y, z.
+        accel: [Column; 3],
+        /// The byte between fields; `None` finds out.
+        delimiter: Option<u8>,
+    },
+    /// In a stream of a log, named as [`crate::log::streams`] does; `None` for the only one.
+    Log(Format, Option<String>),
+}
+
+/// Where the samples of an inertial log are and what they mean.
 #[derive(Clone, Debug)]
 pub struct ImuFormat {
-    /// Time column; without one, row k (from 0, skipped rows count) is at k / `rate_hz`.
-    pub time: Option<Column>,
-    /// Angular rates or increments, the sensor's x, y, z.
-    pub gyro: [Column; 3],
-    /// Specific forces or velocity increments, the sensor's x, y, z.
-    pub accel: [Column; 3],
-    /// The byte between fields; `None` finds out.
-    pub delimiter: Option<u8>,
-    /// Factor from the time column to seconds.
+    /// Where they are.
+    pub source: ImuSource,
+    /// Factor from the time column to seconds; 1 for a log.
     pub time_scale: f64,
-    /// Factor from the gyro columns to rad/s, or to rad for increments.
+    /// Factor from the gyro columns to rad/s, or to rad for increments; 1 for a log in order.
     pub gyro_scale: f64,
-    /// Factor from the accelerometer columns to m/s², or to m/s for increments.
+    /// Factor from the accelerometer columns to m/s², or to m/s for increments; 1 for a log in order.
     pub accel_scale: f64,
     /// The columns are increments over the interval rather than rates.
     pub increments: bool,
@@ -67,11 +81,30 @@ pub struct ImuFormat {
 impl ImuFormat {
     /// Rates in SI units along the body axes, times in seconds.
     pub fn new(time: Option<Column>, gyro: [Column; 3], accel: [Column; 3]) -> Self {
-        Self {
+        Self::of(ImuSource::Table {
             time,
             gyro,
             accel,
             delimiter: None,
+        })
+    }
+
+    /// The byte between the fields of a table; `None` finds out.
+    pub fn delimited_by(mut self, byte: Option<u8>) -> Self {
+        if let ImuSource::Table { delimiter, .. } = &mut self.source {
+            *delimiter = byte;
+        }
+        self
+    }
+
+    /// The samples of a log's stream, along the body axes.
+    pub fn log(format: Format, stream: Option<String>) -> Self {
+        Self::of(ImuSource::Log(format, stream))
+    }
+
+    fn of(source: ImuSource) -> Self {
+        Self {
+            source,
             time_scale: 1.0,
             gyro_scale: 1.0,
             accel_scale: 1.0,
@@ -85,13 +118,18 @@ impl ImuFormat {
         }
     }
 
+    /// Whether the samples have stamps: else their times are made from the rate.
+    pub fn has_times(&self) -> bool {
+        !matches!(self.source, ImuSource::Table { time: None, .. })
+    }
+
     fn check(&self, path: &Path) -> Result<(), ReadError> {
         if let Some(rate) = self.rate_hz {
             if !(rate.is_finite() && rate > 0.0) {
                 let problem = format!("a rate of {rate} Hz makes no times");
                 return Err(ReadError::new(path, problem).key("imu.rate"));
             }
-        } else if self.time.is_none() {
+        } else if !self.has_times() {
             return Err(
                 ReadError::new(path, "neither a time column nor a rate is given")
                     .key("imu.time")
@@ -108,10 +146,8 @@ impl ImuFormat {
 
 /// Reads inertial samples one by one; after an error or the end it gives `None`.
 pub struct ImuReader {
-    table: Table,
+    rows: Rows,
     format: ImuFormat,
-    /// Time (where there is a column), gyro x y z, accel x y z.
-    row: [f64; 7],
     clock: Clock,
     gaps: GapWatch,
     /// The second sample, read for the interval of the first.
@@ -121,6 +157,66 @@ pub struct ImuReader {
     given: u64,
     gaps_in_a_row: u32,
     finished: bool,
+}
+
+enum Rows {
+    Table {
+        table: Box<Table>,
+        /// Time (where there is a column), gyro x y z, accel x y z.
+        row: [f64; 7],
+    },
+    Log(Log),
+}
+
+impl Rows {
+    fn path(&self) -> &Path {
+        match self {
+            Self::Table { table, .. } => table.path(),
+            Self::Log(log) => log.path(),
+        }
+    }
+
+    fn skipped(&self) -> &Skipped {
+        match self {
+            Self::Table { table, .. } => table.skipped(),
+            Self::Log(log) => log.skipped(),
+        }
+    }
+
+    /// The next row: its line, stamp (the number of rows before it where there is none), gyro and
+    /// accelerometer.
+    #[inline]
+    fn next(&mut self, has_times: bool) -> Result<Option<(u64, f64, Vector3, Vector3)>, ReadError> {
+        match self {
+            Self::Table { table, row } => {
+                let Some(line) = table.next_row(&mut row[usize::from(!has_times)..])? else {
+                    return Ok(None);
+                };
+                let [stamp, gx, gy, gz, ax, ay, az] = *row;
+                let stamp = match has_times {
+                    true => stamp,
+                    false => (table.rows_seen() - 1) as f64,
+                };
+                let (gyro, accel) = (Vector3::new(gx, gy, gz), Vector3::new(ax, ay, az));
+                Ok(Some((line, stamp, gyro, accel)))
+            }
+            Self::Log(log) => {
+                while let Some(entry) = log.next()? {
+                    if let What::Imu(reading) = entry.what {
+                        return Ok(Some((entry.at, reading.time, reading.gyro, reading.accel)));
+                    }
+                }
+                Ok(None)
+            }
+        }
+    }
+
+    fn skipped_mut(&mut self) -> &mut Skipped {
+        match self {
+            Self::Table { table, .. } => table.skipped_mut(),
+            Self::Log(log) => log.skipped_mut(),
+        }
+    }
 }
 
 /// A row in order of time, its values as in the file.
@@ -138,37 +234,60 @@ impl ImuReader {
     /// Opens an inertial log, plain or gzip.
     ///
     /// # Errors
-    /// If the file cannot be opened, a column is missing, or the format has neither a time column
-    /// nor a rate.
+    /// If the file cannot be opened, a column or a stream is missing, or the format has neither a
+    /// time column nor a rate.
     pub fn open(path: &Path, format: &ImuFormat) -> Result<Self, ReadError> {
-        Self::from_source(path, source::open(path)?, format)
+        format.check(path)?;
+        let rows = match &format.source {
+            ImuSource::Table { .. } => return Self::from_source(path, source::open(path)?, format),
+            ImuSource::Log(kind, stream) => {
+                Rows::Log(Log::open(path, *kind, &Wanted::Imu(stream.clone()))?)
+            }
+        };
+        Ok(Self::new(path, rows, format))
     }
 
-    /// Reads an inertial log from any stream; `path` is what messages call it.
+    /// Reads an inertial log from any stream of delimited text; `path` is what messages call it.
     ///
     /// # Errors
-    /// If a column is missing, or the format has neither a time column nor a rate.
+    /// If a column is missing, the format has neither a time column nor a rate, or is no table's.
     pub fn from_source(path: &Path, source: Source, format: &ImuFormat) -> Result<Self, ReadError> {
         format.check(path)?;
+        let ImuSource::Table {
+            time,
+            gyro,
+            accel,
+            delimiter,
+        } = &format.source
+        else {
+            return Err(ReadError::new(path, "only tables are read from a stream"));
+        };
         let mut columns = Vec::with_capacity(7);
-        if let Some(time) = &format.time {
+        if let Some(time) = time {
             columns.push(("imu.time".to_owned(), time.clone()));
         }
-        for column in &format.gyro {
+        for column in gyro {
             columns.push(("imu.gyro".to_owned(), column.clone()));
         }
-        for column in &format.accel {
+        for column in accel {
             columns.push(("imu.accel".to_owned(), column.clone()));
         }
         let options = TableOptions {
             columns,
-            delimiter: format.delimiter,
+            delimiter: *delimiter,
             keep_not_finite: false,
         };
-        Ok(Self {
-            table: Table::from_source(path, source, &options)?,
-            format: format.clone(),
+        let rows = Rows::Table {
+            table: Box::new(Table::from_source(path, source, &options)?),
             row: [0.0; 7],
+        };
+        Ok(Self::new(path, rows, format))
+    }
+
+    fn new(path: &Path, rows: Rows, format: &ImuFormat) -> Self {
+        Self {
+            rows,
+            format: format.clone(),
             clock: Clock::new(path, PATIENCE),
             gaps: GapWatch::default(),
             held: None,
@@ -176,12 +295,12 @@ impl ImuReader {
             given: 0,
             gaps_in_a_row: 0,
             finished: false,
-        })
+        }
     }
 
     /// What was left out so far.
     pub fn skipped(&self) -> &Skipped {
-        self.table.skipped()
+        self.rows.skipped()
     }
 
     /// The usual interval and the gaps of the samples given out so far.
@@ -191,24 +310,22 @@ impl ImuReader {
 
     /// The next row whose time goes forward.
     fn next_raw(&mut self) -> Result<Option<Raw>, ReadError> {
-        let without_time = self.format.time.is_none();
+        let has_times = self.format.has_times();
         loop {
-            let row = &mut self.row[usize::from(without_time)..];
-            let Some(line) = self.table.next_row(row)? else {
+            let Some((line, stamp, gyro, accel)) = self.rows.next(has_times)? else {
                 return Ok(None);
             };
-            let [stamp, gx, gy, gz, ax, ay, az] = self.row;
             let time = match self.format.rate_hz {
-                Some(rate) if without_time => (self.table.rows_seen() - 1) as f64 / rate,
+                Some(rate) if !has_times => stamp / rate,
                 _ => stamp * self.format.time_scale,
             } + self.format.time_offset;
-            if let Tick::Forward(dt) = self.clock.tick(time, line, self.table.skipped_mut())? {
+            if let Tick::Forward(dt) = self.clock.tick(time, line, self.rows.skipped_mut())? {
                 return Ok(Some(Raw {
                     time,
                     dt,
                     line,
-                    gyro: Vector3::new(gx, gy, gz),
-                    accel: Vector3::new(ax, ay, az),
+                    gyro,
+                    accel,
                 }));
             }
         }
@@ -233,7 +350,7 @@ impl ImuReader {
         match self.held.as_ref().and_then(|second| second.dt) {
             Some(dt) => Ok(Some((raw, dt))),
             None => Err(ReadError::new(
-                self.table.path(),
+                self.rows.path(),
                 "only one sample, so its interval is unknown",
             )
             .at(raw.line)
@@ -266,10 +383,14 @@ impl ImuReader {
             self.given += 1;
             return Ok(Some(self.sample(&raw, dt, covered)));
         }
-        match span {
-            Some(span) if self.given == 0 => {
-                Err(clock::none_in_span(self.table.path(), span, self.covered))
+        match (span, self.covered) {
+            (Some(span), _) if self.given == 0 => {
+                Err(clock::none_in_span(self.rows.path(), span, self.covered))
             }
+            (None, None) => Err(
+                ReadError::new(self.rows.path(), "no usable inertial sample")
+                    .mend(self.rows.skipped().to_string().replace('\n', "; ")),
+            ),
             _ => Ok(None),
         }
     }
@@ -299,7 +420,7 @@ impl ImuReader {
             "increments {dt:.4} s apart, {GAPS_IN_A_ROW} in a row, where the rate is {:.2} Hz: what they cover is unknown",
             1.0 / nominal
         );
-        Err(ReadError::new(self.table.path(), problem)
+        Err(ReadError::new(self.rows.path(), problem)
             .at(raw.line)
             .key("imu.rate")
             .mend("correct the rate, or split the file where the rate changes"))

@@ -100,8 +100,12 @@ fn one_sample_without_a_rate_is_an_error_and_only_once() {
 fn formats_that_make_no_times() {
     for bad in [
         ImuFormat {
-            time: None,
-            ..format()
+            rate_hz: None,
+            ..ImuFormat::new(
+                None,
+                [1, 2, 3].map(Column::Number),
+                [4, 5, 6].map(Column::Number),
+            )
         },
         ImuFormat {
             rate_hz: Some(0.0),

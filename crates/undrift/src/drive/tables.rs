@@ -1,29 +1,25 @@
 //! The tables of `DRIVE.toml`, one function each.
 
-use super::{ConfigError, GnssSource, Section};
+use super::{ConfigError, Section, TruthSource};
 use crate::{
     align::{AlignSettings, Heading},
-    replay::{GnssUse, QualityStd},
     vehicle::{Constraints, NonHolonomic, Profile},
 };
 use std::path::{Path, PathBuf};
-use toml::de::DeValue;
 use undrift_io::{
-    gnss::{GnssFormat, Place, PositionFormat, Std, VelocityFormat},
-    imu::ImuFormat,
-    rtklib::{self, RtklibOptions},
-    truth::TruthFormat,
+    format::{self, FORMATS, Format},
+    layouts,
+    truth::{TruthFormat, TruthLog},
 };
 use undrift_nav::{
-    Matrix3, Vector3,
-    attitude::from_rpy,
-    earth::Geodetic,
+    Vector3,
     parameters::{Parameter, Parameters, Prior},
     units::Quantity,
 };
 
 /// Whether the third component of a velocity is up.
-const VELOCITY_AXES: [(&str, bool); 2] = [("north,east,down", false), ("north,east,up", true)];
+pub(super) const VELOCITY_AXES: [(&str, bool); 2] =
+    [("north,east,down", false), ("north,east,up", true)];
 
 pub(super) fn read_span(section: &Section) -> Result<Option<(f64, f64)>, ConfigError> {
     let start = section.quantity("start", Quantity::Time)?;
@@ -42,91 +38,19 @@ pub(super) fn read_span(section: &Section) -> Result<Option<(f64, f64)>, ConfigE
     Ok(Some(span))
 }
 
-pub(super) fn read_imu(
-    section: &Section,
-    data: &Path,
-    span: Option<(f64, f64)>,
-) -> Result<((PathBuf, ImuFormat), bool), ConfigError> {
-    let path = data.join(section.file("file")?);
-    let need = |key, columns: Option<_>| {
-        columns.ok_or_else(|| section.error(key, "missing: the three columns x, y, z"))
-    };
-    let gyro = need("gyro", section.columns("gyro")?)?;
-    let accel = need("accel", section.columns("accel")?)?;
-    let mut format = ImuFormat::new(section.column("time")?, gyro, accel);
-    format.increments = section
-        .word("data", &[("rates", false), ("increments", true)])?
-        .unwrap_or(false);
-    let (gyro_quantity, accel_quantity) = if format.increments {
-        (Quantity::Angle, Quantity::Velocity)
-    } else {
-        (Quantity::AngularRate, Quantity::Acceleration)
-    };
-    // A unit wrongly taken for granted is the commonest silent error of this field: it must be said.
-    for key in ["gyro_unit", "accel_unit"] {
-        if section.get(key).is_none() {
-            let quantity = if key == "gyro_unit" {
-                gyro_quantity
-            } else {
-                accel_quantity
-            };
-            return Err(section.error(
-                key,
-                format!("missing: the unit of the columns, {}", quantity.examples()),
-            ));
-        }
+/// The format of a table's file: stated; a table of named columns where `column` is there; else by its content.
+pub(super) fn read_format<'a>(
+    section: &Section<'a>,
+    path: &Path,
+    column: &'a str,
+) -> Result<Format, ConfigError> {
+    let words = FORMATS.map(|(name, format, _)| (name, format));
+    match section.word("format", &words)? {
+        Some(stated) => Ok(stated),
+        None if section.get(column).is_some() => Ok(Format::Csv),
+        // A file that cannot be opened is told when it is read.
+        None => Ok(format::detect(path).unwrap_or(Format::Csv)),
     }
-    format.gyro_scale = section.unit("gyro_unit", gyro_quantity, 1.0)?;
-    format.accel_scale = section.unit("accel_unit", accel_quantity, 1.0)?;
-    format.time_scale = section.unit("time_unit", Quantity::Time, 1.0)?;
-    format.rate_hz = section.quantity("rate", Quantity::Frequency)?;
-    if format.rate_hz.is_some_and(|r| r <= 0.0) {
-        return Err(section.error("rate", "must be above 0 Hz"));
-    }
-    if format.time.is_none() && format.rate_hz.is_none() {
-        return Err(section.error(
-            "time",
-            "missing: give the time column, or rate where there is none",
-        ));
-    }
-    format.time_offset = section
-        .quantity("time_offset", Quantity::Time)?
-        .unwrap_or(0.0);
-    format.delimiter = read_delimiter(section)?;
-    let estimate_mounting = match section.get("mounting") {
-        Some((DeValue::String(text), _)) => text.trim() == "auto",
-        _ => false,
-    };
-    let mounting = match estimate_mounting {
-        true => None,
-        false => section.vector("mounting", Quantity::Angle)?,
-    };
-    if estimate_mounting {
-        for key in ["axes", "gyro_offset", "accel_offset"] {
-            if section.get(key).is_some() {
-                let message = "is along body axes, which are not known before the mounting is: \
-                               leave it out, or give imu.mounting as angles";
-                return Err(section.error(key, message));
-            }
-        }
-    }
-    format.rotation = match (section.text("axes")?, mounting) {
-        (Some(_), Some(_)) => {
-            return Err(section.error("mounting", "give axes or mounting, not both"));
-        }
-        (Some(axes), None) => rotation_of_axes(axes).map_err(|m| section.error("axes", m))?,
-        (None, Some(rpy)) => from_rpy(&rpy).to_rotation_matrix().into_inner(),
-        (None, None) => Matrix3::identity(),
-    };
-    format.gyro_offset = section
-        .vector("gyro_offset", Quantity::AngularRate)?
-        .unwrap_or_else(Vector3::zeros);
-    format.accel_offset = section
-        .vector("accel_offset", Quantity::Acceleration)?
-        .unwrap_or_else(Vector3::zeros);
-    format.span = span;
-    section.only_known()?;
-    Ok(((path, format), estimate_mounting))
 }
 
 pub(super) fn read_delimiter(section: &Section) -> Result<Option<u8>, ConfigError> {
@@ -137,243 +61,39 @@ pub(super) fn read_delimiter(section: &Section) -> Result<Option<u8>, ConfigErro
     }
 }
 
-/// `"x,-y,-z"`: body forward, right and down, each one of the sensor's axes or its opposite.
-fn rotation_of_axes(axes: &str) -> Result<Matrix3, String> {
-    let wrong = || format!("\"{axes}\" is not three of x, y, z with signs, such as \"y,x,-z\"");
-    let mut rotation = Matrix3::zeros();
-    let parts: Vec<&str> = axes.split(',').map(str::trim).collect();
-    if parts.len() != 3 {
-        return Err(wrong());
-    }
-    for (row, part) in parts.iter().enumerate() {
-        let (sign, name) = match part.strip_prefix('-') {
-            Some(rest) => (-1.0, rest.trim()),
-            None => (1.0, part.strip_prefix('+').unwrap_or(part)),
-        };
-        let column = match name {
-            "x" => 0,
-            "y" => 1,
-            "z" => 2,
-            _ => return Err(wrong()),
-        };
-        rotation[(row, column)] = sign;
-    }
-    let det = rotation.determinant();
-    if det == 1.0 {
-        Ok(rotation)
-    } else if det == -1.0 {
-        Err(format!(
-            "\"{axes}\" is left-handed: one sign is wrong or two axes are swapped"
-        ))
-    } else {
-        Err(format!("\"{axes}\" names an axis twice"))
-    }
-}
-
-/// `use = "position"`: which parts of a fix are taken.
-pub(super) fn read_use(section: &Section) -> Result<GnssUse, ConfigError> {
-    let words = [
-        ("both", GnssUse::Both),
-        ("position", GnssUse::Position),
-        ("velocity", GnssUse::Velocity),
-    ];
-    Ok(section.word("use", &words)?.unwrap_or_default())
-}
-
-pub(super) fn read_gnss(
-    section: &Section,
-    data: &Path,
-    span: Option<(f64, f64)>,
-) -> Result<(PathBuf, GnssSource), ConfigError> {
-    let path = data.join(section.file("file")?);
-    let is_rtklib = match section.word("format", &[("csv", false), ("rtklib", true)])? {
-        Some(stated) => stated,
-        None => rtklib::detect(&path).unwrap_or(false),
-    };
-    let time_offset = section
-        .quantity("time_offset", Quantity::Time)?
-        .unwrap_or(0.0);
-    let position_std_factor = section.factor("position_std_factor")?.unwrap_or(1.0);
-    let velocity_std_factor = section.factor("velocity_std_factor")?.unwrap_or(1.0);
-    let base = read_base(section)?;
-    let _ = ["lever_arm", "gate", "adapt", "quality_std_factors"].map(|key| section.get(key));
-    let source = if is_rtklib {
-        GnssSource::Rtklib(RtklibOptions {
-            time_offset,
-            position_std_factor,
-            velocity_std_factor,
-            position_std: section
-                .vector("position_std", Quantity::Length)?
-                .map(|v| [v.x, v.y, v.z]),
-            velocity_std: section
-                .vector("velocity_std", Quantity::Velocity)?
-                .map(|v| [v.x, v.y, v.z]),
-            base,
-            span,
-        })
-    } else {
-        let time = section
-            .column("time")?
-            .ok_or_else(|| section.error("time", "missing: the time column"))?;
-        let angle_scale = section.unit("position_unit", Quantity::Angle, 1f64.to_radians())?;
-        let place = match (section.columns("position")?, section.columns("baseline")?) {
-            (Some(_), Some(_)) => {
-                return Err(section.error("baseline", "give position or baseline, not both"));
-            }
-            (Some([lat, lon, height]), None) => Some(Place::Geodetic {
-                lat,
-                lon,
-                height,
-                angle_scale,
-            }),
-            (None, Some(ned)) => Some(Place::Baseline {
-                ned,
-                base: base.ok_or_else(|| {
-                    section.error(
-                        "base",
-                        "missing: the base station of the baseline, \"LAT deg, LON deg, HEIGHT m\"",
-                    )
-                })?,
-            }),
-            (None, None) => None,
-        };
-        let position_std = read_stds(
-            section,
-            "position_std",
-            "position_std_columns",
-            Quantity::Length,
-        )?;
-        let position = match place {
-            None => None,
-            Some(place) => Some(PositionFormat {
-                place,
-                std: position_std.ok_or_else(|| {
-                    section.error("position_std", "missing: the file's columns (position_std_columns) or \"north, east, down m\"")
-                })?,
-                std_factor: position_std_factor,
-            }),
-        };
-        let up = section
-            .word("velocity_axes", &VELOCITY_AXES)?
-            .unwrap_or(false);
-        let velocity_std = read_stds(
-            section,
-            "velocity_std",
-            "velocity_std_columns",
-            Quantity::Velocity,
-        )?;
-        let velocity = match section.columns("velocity")? {
-            None => None,
-            Some(columns) => Some(VelocityFormat {
-                columns,
-                up,
-                std: velocity_std.ok_or_else(|| {
-                    section.error("velocity_std", "missing: the file's columns (velocity_std_columns) or \"north, east, down m/s\"")
-                })?,
-                std_factor: velocity_std_factor,
-            }),
-        };
-        GnssSource::Csv(Box::new(GnssFormat {
-            time,
-            time_scale: section.unit("time_unit", Quantity::Time, 1.0)?,
-            time_offset,
-            position,
-            velocity,
-            quality: section.column("quality")?,
-            delimiter: read_delimiter(section)?,
-            span,
-        }))
-    };
-    let asked = read_use(section)?;
-    if let GnssSource::Csv(format) = &source {
-        if format.position.is_none() {
-            return Err(section.error("position", "missing: the columns latitude, longitude, height, or baseline; a solution starts at a position"));
-        }
-        if asked == GnssUse::Velocity && format.velocity.is_none() {
-            return Err(section.error(
-                "use",
-                "\"velocity\" needs the velocity's columns: give gnss.velocity",
-            ));
-        }
-    }
-    section.only_known()?;
-    Ok((path, source))
-}
-
-/// `quality_std_factors = { float = 10 }`; without it a standard deviation stated for the whole log is at
-/// least the typical one of a fix's kind.
-pub(super) fn read_quality(section: &Section) -> Result<QualityStd, ConfigError> {
-    let factors = section.section("quality_std_factors")?;
-    if !factors.exists() {
-        return Ok(match section.get("position_std") {
-            Some(_) => QualityStd::Typical,
-            None => QualityStd::AsStated,
-        });
-    }
-    let mut values = [1.0; 4];
-    for (value, key) in values
-        .iter_mut()
-        .zip(["fixed", "float", "differential", "single"])
-    {
-        *value = factors.factor(key)?.unwrap_or(1.0);
-    }
-    factors.only_known()?;
-    Ok(QualityStd::Factors(values))
-}
-
-/// `base = "40.0966 deg, -105.1474 deg, 1601.5 m"`.
-fn read_base(section: &Section) -> Result<Option<Geodetic>, ConfigError> {
-    let Some(text) = section.text("base")? else {
-        return Ok(None);
-    };
-    let wrong = |e: &dyn std::fmt::Display| section.error("base", format!("\"{text}\": {e}"));
-    let parts: Vec<&str> = text.split(',').collect();
-    let [lat, lon, height] = parts.as_slice() else {
-        return Err(wrong(&"expected \"LAT deg, LON deg, HEIGHT m\""));
-    };
-    let angle = |s: &str| undrift_nav::units::parse(s, Quantity::Angle).map_err(|e| wrong(&e));
-    let base = Geodetic {
-        lat: angle(lat)?,
-        lon: angle(lon)?,
-        height: undrift_nav::units::parse(height, Quantity::Length).map_err(|e| wrong(&e))?,
-    };
-    if base.is_valid() {
-        Ok(Some(base))
-    } else {
-        Err(wrong(&"is not a place on the Earth"))
-    }
-}
-
-fn read_stds<'a>(
-    section: &Section<'a>,
-    constant: &'a str,
-    columns: &'a str,
-    quantity: Quantity,
-) -> Result<Option<Std>, ConfigError> {
-    match (
-        section.vector(constant, quantity)?,
-        section.columns(columns)?,
-    ) {
-        (Some(_), Some(_)) => {
-            Err(section.error(columns, format!("give {constant} or {columns}, not both")))
-        }
-        (Some(v), None) if v.iter().any(|s| *s <= 0.0) => {
-            Err(section.error(constant, "standard deviations must be above zero"))
-        }
-        (Some(v), None) => Ok(Some(Std::Constant([v.x, v.y, v.z]))),
-        (None, Some(columns)) => Ok(Some(Std::Columns(columns))),
-        (None, None) => Ok(None),
-    }
-}
-
 pub(super) fn read_truth(
     section: &Section,
     data: &Path,
-) -> Result<Option<(PathBuf, TruthFormat)>, ConfigError> {
+) -> Result<Option<(PathBuf, TruthSource)>, ConfigError> {
     if !section.exists() {
         return Ok(None);
     }
     let path = data.join(section.file("file")?);
+    let time_offset = section
+        .quantity("time_offset", Quantity::Time)?
+        .unwrap_or(0.0);
+    let source = match read_format(section, &path, "time")? {
+        log if log.is_log() => TruthSource::Log(TruthLog {
+            format: log,
+            stream: section.text("topic")?.map(str::to_owned),
+            time_offset,
+            span: None,
+        }),
+        Format::KfGins => TruthSource::Table(TruthFormat {
+            time_offset,
+            ..layouts::kf_gins_truth()
+        }),
+        _ => TruthSource::Table(TruthFormat {
+            time_offset,
+            ..read_truth_columns(section)?
+        }),
+    };
+    section.only_known()?;
+    Ok(Some((path, source)))
+}
+
+/// The reference in named columns of a table.
+fn read_truth_columns(section: &Section) -> Result<TruthFormat, ConfigError> {
     let time = section
         .column("time")?
         .ok_or_else(|| section.error("time", "missing: the time column"))?;
@@ -384,12 +104,10 @@ pub(super) fn read_truth(
         )
     })?;
     let degree = 1f64.to_radians();
-    let format = TruthFormat {
+    Ok(TruthFormat {
         time,
         time_scale: section.unit("time_unit", Quantity::Time, 1.0)?,
-        time_offset: section
-            .quantity("time_offset", Quantity::Time)?
-            .unwrap_or(0.0),
+        time_offset: 0.0,
         position,
         angle_scale: section.unit("position_unit", Quantity::Angle, degree)?,
         velocity: section.columns("velocity")?,
@@ -400,9 +118,7 @@ pub(super) fn read_truth(
             .word("velocity_axes", &VELOCITY_AXES)?
             .unwrap_or(false),
         span: None,
-    };
-    section.only_known()?;
-    Ok(Some((path, format)))
+    })
 }
 
 pub(crate) fn read_initial(section: &Section) -> Result<AlignSettings, ConfigError> {

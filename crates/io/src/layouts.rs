@@ -1,0 +1,71 @@
+//! Tables whose columns are known: what others' programs write, always the same.
+
+use crate::gnss::{GnssFormat, Place, PositionFormat, Std, VelocityFormat};
+use crate::imu::ImuFormat;
+use crate::table::Column;
+use crate::truth::TruthFormat;
+
+fn three(from: usize) -> [Column; 3] {
+    [from, from + 1, from + 2].map(Column::Number)
+}
+
+/// KF-GINS inertial text: time [s], angle increments [rad], velocity increments [m/s], axes forward,
+/// right, down.
+pub fn kf_gins_imu() -> ImuFormat {
+    ImuFormat {
+        increments: true,
+        ..ImuFormat::new(Some(Column::Number(1)), three(2), three(5))
+    }
+}
+
+/// Columns of a KF-GINS GNSS text with velocities; without them it has 7.
+pub const KF_GINS_WITH_VELOCITY: usize = 13;
+
+/// KF-GINS GNSS text: time [s], latitude, longitude [deg], height [m], with `columns` =
+/// [`KF_GINS_WITH_VELOCITY`] then velocity [m/s], then the standard deviations of each, north, east, down.
+pub fn kf_gins_gnss(columns: usize) -> GnssFormat {
+    let with_velocity = columns >= KF_GINS_WITH_VELOCITY;
+    let [lat, lon, height] = three(2);
+    GnssFormat {
+        time: Column::Number(1),
+        time_scale: 1.0,
+        time_offset: 0.0,
+        position: Some(PositionFormat {
+            place: Place::Geodetic {
+                lat,
+                lon,
+                height,
+                angle_scale: 1f64.to_radians(),
+            },
+            std: Std::Columns(three(if with_velocity { 8 } else { 5 })),
+            std_factor: 1.0,
+        }),
+        velocity: with_velocity.then(|| VelocityFormat {
+            columns: three(5),
+            up: false,
+            std: Std::Columns(three(11)),
+            std_factor: 1.0,
+        }),
+        quality: None,
+        delimiter: None,
+        span: None,
+    }
+}
+
+/// KF-GINS solution: week, second of week, latitude, longitude [deg], height [m], velocity [m/s]
+/// north, east, down, roll, pitch, yaw [deg].
+pub fn kf_gins_truth() -> TruthFormat {
+    TruthFormat {
+        velocity: Some(three(6)),
+        attitude: Some(three(9)),
+        ..TruthFormat::degrees(Column::Number(2), three(3))
+    }
+}
+
+/// EuRoC inertial CSV: time [ns], angular rates [rad/s], specific forces [m/s²], sensor axes.
+pub fn euroc_imu() -> ImuFormat {
+    ImuFormat {
+        time_scale: 1e-9,
+        ..ImuFormat::new(Some(Column::Number(1)), three(2), three(5))
+    }
+}

@@ -1,0 +1,273 @@
+//! The table `[gnss]` of `DRIVE.toml`.
+
+use super::{
+    ConfigError, GnssSource, Section,
+    tables::{VELOCITY_AXES, read_delimiter, read_format},
+};
+use crate::replay::{GnssUse, QualityStd};
+use std::path::{Path, PathBuf};
+use undrift_io::{
+    format::{self, Format},
+    gnss::{GnssFormat, GnssLog, Place, PositionFormat, Std, VelocityFormat},
+    layouts,
+    rtklib::RtklibOptions,
+};
+use undrift_nav::{
+    Vector3,
+    earth::Geodetic,
+    units::{self, Quantity},
+};
+
+/// `use = "position"`: which parts of a fix are taken.
+pub(super) fn read_use(section: &Section) -> Result<GnssUse, ConfigError> {
+    let words = [
+        ("both", GnssUse::Both),
+        ("position", GnssUse::Position),
+        ("velocity", GnssUse::Velocity),
+    ];
+    Ok(section.word("use", &words)?.unwrap_or_default())
+}
+
+pub(super) fn read_gnss(
+    section: &Section,
+    data: &Path,
+    span: Option<(f64, f64)>,
+) -> Result<(PathBuf, GnssSource), ConfigError> {
+    let path = data.join(section.file("file")?);
+    let format = read_format(section, &path, "time")?;
+    let time_offset = section
+        .quantity("time_offset", Quantity::Time)?
+        .unwrap_or(0.0);
+    let position_std_factor = section.factor("position_std_factor")?.unwrap_or(1.0);
+    let velocity_std_factor = section.factor("velocity_std_factor")?.unwrap_or(1.0);
+    let _ = ["lever_arm", "gate", "adapt", "quality_std_factors"].map(|key| section.get(key));
+    let position_std = |section: &Section| -> Result<Option<[f64; 3]>, ConfigError> {
+        let std = positive(section, "position_std", Quantity::Length)?;
+        Ok(std.map(|v| [v.x, v.y, v.z]))
+    };
+    let velocity_std = |section: &Section| -> Result<Option<[f64; 3]>, ConfigError> {
+        let std = positive(section, "velocity_std", Quantity::Velocity)?;
+        Ok(std.map(|v| [v.x, v.y, v.z]))
+    };
+    let source = match format {
+        Format::Rtklib => GnssSource::Rtklib(RtklibOptions {
+            time_offset,
+            position_std_factor,
+            velocity_std_factor,
+            position_std: position_std(section)?,
+            velocity_std: velocity_std(section)?,
+            base: read_base(section)?,
+            span,
+        }),
+        log if log.is_log() => GnssSource::Log(GnssLog {
+            position: section.text("topic")?.map(str::to_owned),
+            velocity: section.text("velocity_topic")?.map(str::to_owned),
+            time_offset,
+            position_std: position_std(section)?,
+            velocity_std: velocity_std(section)?,
+            position_std_factor,
+            velocity_std_factor,
+            span,
+            ..GnssLog::new(log)
+        }),
+        Format::KfGins => {
+            let mut format = layouts::kf_gins_gnss(format::columns(&path).unwrap_or(0));
+            format.time_offset = time_offset;
+            format.span = span;
+            if let Some(position) = &mut format.position {
+                position.std_factor = position_std_factor;
+                if let Some(std) = position_std(section)? {
+                    position.std = Std::Constant(std);
+                }
+            }
+            if let Some(velocity) = &mut format.velocity {
+                velocity.std_factor = velocity_std_factor;
+                if let Some(std) = velocity_std(section)? {
+                    velocity.std = Std::Constant(std);
+                }
+            }
+            GnssSource::Csv(Box::new(format))
+        }
+        Format::Euroc => {
+            return Err(section.error("file", "an EuRoC inertial log has no fixes"));
+        }
+        _ => GnssSource::Csv(Box::new(GnssFormat {
+            time_offset,
+            span,
+            ..read_columns(section, position_std_factor, velocity_std_factor)?
+        })),
+    };
+    let asked = read_use(section)?;
+    if let GnssSource::Csv(format) = &source {
+        if format.position.is_none() {
+            return Err(section.error("position", "missing: the columns latitude, longitude, height, or baseline; a solution starts at a position"));
+        }
+        if asked == GnssUse::Velocity && format.velocity.is_none() {
+            return Err(section.error(
+                "use",
+                "\"velocity\" needs the velocity's columns: give gnss.velocity",
+            ));
+        }
+    }
+    section.only_known()?;
+    Ok((path, source))
+}
+
+/// `quality_std_factors = { float = 10 }`; without it a standard deviation stated for the whole log is at
+/// least the typical one of a fix's kind.
+pub(super) fn read_quality(section: &Section) -> Result<QualityStd, ConfigError> {
+    let factors = section.section("quality_std_factors")?;
+    if !factors.exists() {
+        return Ok(match section.get("position_std") {
+            Some(_) => QualityStd::Typical,
+            None => QualityStd::AsStated,
+        });
+    }
+    let mut values = [1.0; 4];
+    for (value, key) in values
+        .iter_mut()
+        .zip(["fixed", "float", "differential", "single"])
+    {
+        *value = factors.factor(key)?.unwrap_or(1.0);
+    }
+    factors.only_known()?;
+    Ok(QualityStd::Factors(values))
+}
+
+/// `base = "40.0966 deg, -105.1474 deg, 1601.5 m"`.
+fn read_base(section: &Section) -> Result<Option<Geodetic>, ConfigError> {
+    let Some(text) = section.text("base")? else {
+        return Ok(None);
+    };
+    let wrong = |e: &dyn std::fmt::Display| section.error("base", format!("\"{text}\": {e}"));
+    let parts: Vec<&str> = text.split(',').collect();
+    let [lat, lon, height] = parts.as_slice() else {
+        return Err(wrong(&"expected \"LAT deg, LON deg, HEIGHT m\""));
+    };
+    let angle = |s: &str| units::parse(s, Quantity::Angle).map_err(|e| wrong(&e));
+    let base = Geodetic {
+        lat: angle(lat)?,
+        lon: angle(lon)?,
+        height: units::parse(height, Quantity::Length).map_err(|e| wrong(&e))?,
+    };
+    if base.is_valid() {
+        Ok(Some(base))
+    } else {
+        Err(wrong(&"is not a place on the Earth"))
+    }
+}
+
+fn read_stds<'a>(
+    section: &Section<'a>,
+    constant: &'a str,
+    columns: &'a str,
+    quantity: Quantity,
+) -> Result<Option<Std>, ConfigError> {
+    match (
+        positive(section, constant, quantity)?,
+        section.columns(columns)?,
+    ) {
+        (Some(_), Some(_)) => {
+            Err(section.error(columns, format!("give {constant} or {columns}, not both")))
+        }
+        (Some(v), None) => Ok(Some(Std::Constant([v.x, v.y, v.z]))),
+        (None, Some(columns)) => Ok(Some(Std::Columns(columns))),
+        (None, None) => Ok(None),
+    }
+}
+
+/// The fixes in named columns of a table.
+fn read_columns(
+    section: &Section,
+    position_std_factor: f64,
+    velocity_std_factor: f64,
+) -> Result<GnssFormat, ConfigError> {
+    let time = section
+        .column("time")?
+        .ok_or_else(|| section.error("time", "missing: the time column"))?;
+    let angle_scale = section.unit("position_unit", Quantity::Angle, 1f64.to_radians())?;
+    let place = match (section.columns("position")?, section.columns("baseline")?) {
+        (Some(_), Some(_)) => {
+            return Err(section.error("baseline", "give position or baseline, not both"));
+        }
+        (Some([lat, lon, height]), None) => Some(Place::Geodetic {
+            lat,
+            lon,
+            height,
+            angle_scale,
+        }),
+        (None, Some(ned)) => Some(Place::Baseline {
+            ned,
+            base: read_base(section)?.ok_or_else(|| {
+                section.error(
+                    "base",
+                    "missing: the base station of the baseline, \"LAT deg, LON deg, HEIGHT m\"",
+                )
+            })?,
+        }),
+        (None, None) => None,
+    };
+    let position_std = read_stds(
+        section,
+        "position_std",
+        "position_std_columns",
+        Quantity::Length,
+    )?;
+    let position = match place {
+        None => None,
+        Some(place) => Some(PositionFormat {
+            place,
+            std: position_std.ok_or_else(|| {
+                section.error(
+                    "position_std",
+                    "missing: the file's columns (position_std_columns) or \"north, east, down m\"",
+                )
+            })?,
+            std_factor: position_std_factor,
+        }),
+    };
+    let up = section
+        .word("velocity_axes", &VELOCITY_AXES)?
+        .unwrap_or(false);
+    let velocity_std = read_stds(
+        section,
+        "velocity_std",
+        "velocity_std_columns",
+        Quantity::Velocity,
+    )?;
+    let velocity = match section.columns("velocity")? {
+            None => None,
+            Some(columns) => Some(VelocityFormat {
+                columns,
+                up,
+                std: velocity_std.ok_or_else(|| {
+                    section.error("velocity_std", "missing: the file's columns (velocity_std_columns) or \"north, east, down m/s\"")
+                })?,
+                std_factor: velocity_std_factor,
+            }),
+        };
+    Ok(GnssFormat {
+        time,
+        time_scale: section.unit("time_unit", Quantity::Time, 1.0)?,
+        time_offset: 0.0,
+        position,
+        velocity,
+        quality: section.column("quality")?,
+        delimiter: read_delimiter(section)?,
+        span: None,
+    })
+}
+
+/// Three standard deviations above zero.
+fn positive<'a>(
+    section: &Section<'a>,
+    key: &'a str,
+    quantity: Quantity,
+) -> Result<Option<Vector3>, ConfigError> {
+    match section.vector(key, quantity)? {
+        Some(v) if v.iter().any(|std| *std <= 0.0) => {
+            Err(section.error(key, "standard deviations must be above zero"))
+        }
+        other => Ok(other),
+    }
+}

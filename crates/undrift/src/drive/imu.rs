@@ -1,0 +1,144 @@
+//! The table `[imu]` of `DRIVE.toml`.
+
+use super::{
+    ConfigError, Section,
+    tables::{read_delimiter, read_format},
+};
+use std::path::{Path, PathBuf};
+use toml::de::DeValue;
+use undrift_io::{format::Format, imu::ImuFormat, layouts};
+use undrift_nav::{Matrix3, Vector3, attitude::from_rpy, units::Quantity};
+
+pub(super) fn read_imu(
+    section: &Section,
+    data: &Path,
+    span: Option<(f64, f64)>,
+) -> Result<((PathBuf, ImuFormat), bool), ConfigError> {
+    let path = data.join(section.file("file")?);
+    let mut format = match read_format(section, &path, "gyro")? {
+        Format::KfGins => layouts::kf_gins_imu(),
+        Format::Euroc => layouts::euroc_imu(),
+        log if log.is_log() => ImuFormat::log(log, section.text("topic")?.map(str::to_owned)),
+        Format::Rtklib => {
+            return Err(section.error("file", "an RTKLIB solution has no inertial samples"));
+        }
+        _ => read_columns(section)?,
+    };
+    format.rate_hz = section.quantity("rate", Quantity::Frequency)?;
+    if format.rate_hz.is_some_and(|r| r <= 0.0) {
+        return Err(section.error("rate", "must be above 0 Hz"));
+    }
+    if !format.has_times() && format.rate_hz.is_none() {
+        return Err(section.error(
+            "time",
+            "missing: give the time column, or rate where there is none",
+        ));
+    }
+    format.time_offset = section
+        .quantity("time_offset", Quantity::Time)?
+        .unwrap_or(0.0);
+    let estimate_mounting = match section.get("mounting") {
+        Some((DeValue::String(text), _)) => text.trim() == "auto",
+        _ => false,
+    };
+    let mounting = match estimate_mounting {
+        true => None,
+        false => section.vector("mounting", Quantity::Angle)?,
+    };
+    if estimate_mounting {
+        for key in ["axes", "gyro_offset", "accel_offset"] {
+            if section.get(key).is_some() {
+                let message = "is along body axes, which are not known before the mounting is: \
+                               leave it out, or give imu.mounting as angles";
+                return Err(section.error(key, message));
+            }
+        }
+    }
+    format.rotation = match (section.text("axes")?, mounting) {
+        (Some(_), Some(_)) => {
+            return Err(section.error("mounting", "give axes or mounting, not both"));
+        }
+        (Some(axes), None) => rotation_of_axes(axes).map_err(|m| section.error("axes", m))?,
+        (None, Some(rpy)) => from_rpy(&rpy).to_rotation_matrix().into_inner(),
+        (None, None) => Matrix3::identity(),
+    };
+    format.gyro_offset = section
+        .vector("gyro_offset", Quantity::AngularRate)?
+        .unwrap_or_else(Vector3::zeros);
+    format.accel_offset = section
+        .vector("accel_offset", Quantity::Acceleration)?
+        .unwrap_or_else(Vector3::zeros);
+    format.span = span;
+    section.only_known()?;
+    Ok(((path, format), estimate_mounting))
+}
+
+/// The samples in named columns of a table.
+fn read_columns(section: &Section) -> Result<ImuFormat, ConfigError> {
+    let need = |key, columns: Option<_>| {
+        columns.ok_or_else(|| section.error(key, "missing: the three columns x, y, z"))
+    };
+    let gyro = need("gyro", section.columns("gyro")?)?;
+    let accel = need("accel", section.columns("accel")?)?;
+    let mut format =
+        ImuFormat::new(section.column("time")?, gyro, accel).delimited_by(read_delimiter(section)?);
+    format.increments = section
+        .word("data", &[("rates", false), ("increments", true)])?
+        .unwrap_or(false);
+    let (gyro_quantity, accel_quantity) = if format.increments {
+        (Quantity::Angle, Quantity::Velocity)
+    } else {
+        (Quantity::AngularRate, Quantity::Acceleration)
+    };
+    // A unit wrongly taken for granted is the commonest silent error of this field: it must be said.
+    for key in ["gyro_unit", "accel_unit"] {
+        if section.get(key).is_none() {
+            let quantity = if key == "gyro_unit" {
+                gyro_quantity
+            } else {
+                accel_quantity
+            };
+            return Err(section.error(
+                key,
+                format!("missing: the unit of the columns, {}", quantity.examples()),
+            ));
+        }
+    }
+    format.gyro_scale = section.unit("gyro_unit", gyro_quantity, 1.0)?;
+    format.accel_scale = section.unit("accel_unit", accel_quantity, 1.0)?;
+    format.time_scale = section.unit("time_unit", Quantity::Time, 1.0)?;
+    Ok(format)
+}
+
+/// `"x,-y,-z"`: body forward, right and down, each one of the sensor's axes or its opposite.
+fn rotation_of_axes(axes: &str) -> Result<Matrix3, String> {
+    let wrong = || format!("\"{axes}\" is not three of x, y, z with signs, such as \"y,x,-z\"");
+    let mut rotation = Matrix3::zeros();
+    let parts: Vec<&str> = axes.split(',').map(str::trim).collect();
+    if parts.len() != 3 {
+        return Err(wrong());
+    }
+    for (row, part) in parts.iter().enumerate() {
+        let (sign, name) = match part.strip_prefix('-') {
+            Some(rest) => (-1.0, rest.trim()),
+            None => (1.0, part.strip_prefix('+').unwrap_or(part)),
+        };
+        let column = match name {
+            "x" => 0,
+            "y" => 1,
+            "z" => 2,
+            _ => return Err(wrong()),
+        };
+        rotation[(row, column)] = sign;
+    }
+    let det = rotation.determinant();
+    if det == 1.0 {
+        Ok(rotation)
+    } else if det == -1.0 {
+        Err(format!(
+            "\"{axes}\" is left-handed: one sign is wrong or two axes are swapped"
+        ))
+    } else {
+        Err(format!("\"{axes}\" names an axis twice"))
+    }
+}
