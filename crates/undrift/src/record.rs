@@ -111,6 +111,10 @@ pub fn read(path: &Path, format: &RecordFormat) -> Result<Record, ReadError> {
         _ => None,
     };
     match known {
+        Some(_) if format.temperature => Err(ReadError::new(
+            path,
+            "the temperature is read of tables only: name the columns",
+        )),
         Some(imu) => read_known(path, &imu),
         None => read_table(path, format),
     }
