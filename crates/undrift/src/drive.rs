@@ -20,11 +20,11 @@
 //!
 //! All keys are in `docs/drive-file.md`.
 
-mod gnss;
-mod imu;
+pub(crate) mod gnss;
+pub(crate) mod imu;
 mod scalars;
 mod section;
-mod tables;
+pub(crate) mod tables;
 
 pub use section::{ConfigError, Section};
 pub(crate) use section::{parse, read_text};

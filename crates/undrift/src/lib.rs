@@ -6,11 +6,13 @@
 //! [`navigate`] or [`outages`] collect what comes out. [`simulate`] makes logs with a known truth.
 
 pub mod align;
+pub mod columns;
 pub mod consistency;
 pub mod demo;
 pub mod drive;
 pub mod figure;
 pub mod identify;
+pub mod inspect;
 pub mod montecarlo;
 pub mod mounting;
 pub mod navigate;

@@ -277,3 +277,55 @@ pub fn header_names(path: &Path) -> Result<Vec<String>, ReadError> {
     }
     Ok(comment.map_or(Vec::new(), |(_, text)| comment_names(&text, None)))
 }
+
+/// The beginning of a table.
+#[derive(Clone, Debug, Default)]
+pub struct Preview {
+    /// Names of the columns; empty where nothing names them.
+    pub names: Vec<String>,
+    /// The first rows, of every column; NaN where there is no number.
+    pub rows: Vec<Vec<f64>>,
+}
+
+/// The names of the columns and up to `rows` rows of all of them.
+///
+/// # Errors
+/// If the file cannot be opened or has no line.
+pub fn preview(path: &Path, rows: usize) -> Result<Preview, ReadError> {
+    let mut lines = Lines::new(crate::source::open(path)?);
+    let (first, comment) = first_line(path, &mut lines, &mut Skipped::default())?;
+    let delimiter = Delimiter::detect(&first);
+    let is_header = Fields::new(&first, delimiter).all(|field| number::parse(field).is_none());
+    let mut preview = Preview {
+        names: match comment {
+            _ if is_header => names_of(&first, delimiter),
+            Some((_, text)) => comment_names(&text, None),
+            None => Vec::new(),
+        },
+        rows: Vec::new(),
+    };
+    let numbers = |line: &[u8]| -> Vec<f64> {
+        let fields = Fields::new(line, delimiter);
+        fields
+            .map(|field| number::parse(field).unwrap_or(f64::NAN))
+            .collect()
+    };
+    if !is_header {
+        preview.rows.push(numbers(&first));
+    }
+    while preview.rows.len() < rows {
+        match lines.step() {
+            Step::Line(range) if starts_a_row(lines.bytes(range.clone())) => {
+                preview.rows.push(numbers(lines.bytes(range)));
+            }
+            Step::Line(_) | Step::TooLong => {}
+            Step::End => break,
+        }
+    }
+    // A comment that is no header has another number of words than there are columns.
+    let width = preview.rows.first().map_or(0, Vec::len);
+    if preview.names.len() != width && width > 0 {
+        preview.names.clear();
+    }
+    Ok(preview)
+}

@@ -20,7 +20,7 @@
 
 mod fields;
 mod header;
-pub use header::header_names;
+pub use header::{Preview, header_names, preview};
 
 use std::fmt;
 use std::path::{Path, PathBuf};

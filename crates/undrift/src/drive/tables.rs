@@ -61,7 +61,7 @@ pub(super) fn read_delimiter(section: &Section) -> Result<Option<u8>, ConfigErro
     }
 }
 
-pub(super) fn read_truth(
+pub(crate) fn read_truth(
     section: &Section,
     data: &Path,
 ) -> Result<Option<(PathBuf, TruthSource)>, ConfigError> {
