@@ -98,7 +98,7 @@ pub enum GnssSource {
 #[derive(Clone, Debug)]
 pub enum TruthSource {
     /// Delimited text.
-    Table(TruthFormat),
+    Table(Box<TruthFormat>),
     /// Log that says itself what it holds.
     Log(TruthLog),
 }

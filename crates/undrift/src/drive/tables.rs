@@ -79,14 +79,14 @@ pub(crate) fn read_truth(
             time_offset,
             span: None,
         }),
-        Format::KfGins => TruthSource::Table(TruthFormat {
+        Format::KfGins => TruthSource::Table(Box::new(TruthFormat {
             time_offset,
             ..layouts::kf_gins_truth()
-        }),
-        _ => TruthSource::Table(TruthFormat {
+        })),
+        _ => TruthSource::Table(Box::new(TruthFormat {
             time_offset,
             ..read_truth_columns(section)?
-        }),
+        })),
     };
     section.only_known()?;
     Ok(Some((path, source)))
