@@ -136,7 +136,12 @@ impl Mcap {
         let kept = matches!(kind, op::SCHEMA | op::CHANNEL | op::MESSAGE | op::CHUNK);
         if !kept || length > MOST {
             ros::skip(&mut self.source, length).map_err(Stop::Early)?;
-            self.ended = kind == op::FOOTER;
+            if kind == op::FOOTER {
+                self.ended = true;
+                // The magic bytes once more.
+                let end = ros::read(&mut self.source, ::mcap::MAGIC.len() as u64, &mut self.raw);
+                end.map_err(Stop::Early)?;
+            }
             return Ok(kept.then(|| {
                 let detail = format!("a record of {length} bytes");
                 Event::Skipped(SkipKind::Damaged, detail)
