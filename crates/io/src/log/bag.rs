@@ -2,13 +2,21 @@
 //! may be compressed. ROS wiki, Bags/Format/2.0.
 
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use super::ros::{self, Container, Encoding, Event, Fields, MOST};
+use super::ros::{self, Container, Encoding, Event, Fields, File, Layout, Packed, Stop};
 use super::{Entries, Stream, Wanted};
 use crate::ReadError;
-use crate::skipped::SkipKind;
 use crate::source::Source;
+
+/// Kinds of record.
+mod op {
+    pub(super) const MESSAGE: u8 = 0x02;
+    pub(super) const BAG: u8 = 0x03;
+    pub(super) const CHUNK: u8 = 0x05;
+    pub(super) const CHUNK_INFO: u8 = 0x06;
+    pub(super) const CONNECTION: u8 = 0x07;
+}
 
 const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
 /// Headers have tens of bytes; those of connections have the definition of a message [bytes].
@@ -20,11 +28,11 @@ pub(crate) fn detect(start: &[u8]) -> bool {
 }
 
 pub(super) fn entries(path: &Path, source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
-    ros::entries(path, Box::new(Bag::open(path, source)?), wanted)
+    ros::entries(path, open(path, source)?, wanted)
 }
 
 pub(super) fn streams(path: &Path, source: Source) -> Result<Vec<Stream>, ReadError> {
-    ros::streams(Box::new(Bag::open(path, source)?))
+    ros::streams(open(path, source)?)
 }
 
 /// The fields of a record's header that are of interest.
@@ -83,216 +91,109 @@ fn type_of(bytes: &[u8]) -> Option<String> {
     None
 }
 
+#[derive(Default)]
 struct Bag {
-    path: PathBuf,
-    source: Source,
-    /// A header, or a chunk as it is in the file.
-    raw: Vec<u8>,
-    /// The records of a chunk, or the data of a record outside of one.
-    data: Vec<u8>,
-    /// Where the next record of the chunk begins.
-    at: usize,
-    /// Why the chunk is not whole.
-    damage: Option<(SkipKind, String)>,
-    /// Whether there is an index at the end, and how many chunks it will tell of.
+    /// Whether there is an index at the end, and of how many more chunks it has to tell.
     index: Option<u32>,
-    ended: bool,
+}
+
+fn open(path: &Path, source: Source) -> Result<Container, ReadError> {
+    let bag = Container::open(path, source, MAGIC, Bag::default());
+    bag.map_err(|start| match detect(&start) {
+        true => ReadError::new(path, "a bag of a version other than 2.0")
+            .mend("convert it by: rosbag fix"),
+        false => ReadError::new(path, "not a ROS bag: it does not start with #ROSBAG V2.0"),
+    })
+}
+
+/// What a message or connection tells whose data are a part of `bytes`.
+fn event(header: Header, bytes: &[u8], range: Range<usize>) -> Option<Event> {
+    match header.op {
+        op::MESSAGE => Some(Event::Message {
+            number: header.conn,
+            time: header.time,
+            bytes: range,
+        }),
+        op::CONNECTION => Some(Event::Topic {
+            number: header.conn,
+            name: header.topic,
+            type_name: type_of(bytes.get(range)?).unwrap_or_default(),
+            encoding: Some(Encoding::Ros1),
+        }),
+        _ => None,
+    }
+}
+
+/// A length; a record begins with one and has another before its data.
+fn length(file: &mut File) -> Result<u32, Stop> {
+    let four = Fields::packed(file.header(4)?).u32();
+    four.ok_or_else(|| Stop::Early(String::new()))
 }
 
 impl Bag {
-    fn open(path: &Path, mut source: Source) -> Result<Self, ReadError> {
-        let mut raw = Vec::new();
-        // A file too short to be a bag shows by what it starts with.
-        let _ = ros::read(&mut source, MAGIC.len() as u64, &mut raw);
-        if raw != MAGIC {
-            return Err(match detect(&raw) {
-                true => ReadError::new(path, "a bag of a version other than 2.0")
-                    .mend("convert it by: rosbag fix"),
-                false => ReadError::new(path, "not a ROS bag: it does not start with #ROSBAG V2.0"),
-            });
+    /// Keeps in mind what the bag's header and its index tell.
+    fn note(&mut self, header: &Header) -> Result<(), Stop> {
+        match (header.op, &mut self.index) {
+            (op::BAG, _) if !header.encryptor.is_empty() => return Err(Stop::Encrypted),
+            (op::BAG, index) => *index = (header.index_pos > 0).then_some(header.chunk_count),
+            (op::CHUNK_INFO, Some(chunks)) => *chunks = chunks.saturating_sub(1),
+            _ => {}
         }
-        Ok(Self {
-            path: path.to_path_buf(),
-            source,
-            raw,
-            data: Vec::new(),
-            at: 0,
-            damage: None,
-            index: None,
-            ended: false,
-        })
+        Ok(())
+    }
+}
+
+impl Layout for Bag {
+    fn methods(&self) -> &'static str {
+        "none, bz2 and lz4"
     }
 
-    /// Ends the file; what is left of the chunk is read first.
-    fn breaks_off(&mut self, why: String) {
-        self.damage = Some((SkipKind::EndsEarly, why));
-        self.ended = true;
+    fn inside(&mut self, chunk: &[u8], at: usize) -> Option<(Option<Event>, usize)> {
+        let mut fields = Fields::packed(chunk.get(at..)?);
+        let header = Header::parse(fields.block()?)?;
+        let n = fields.block()?.len();
+        let end = at + fields.at();
+        Some((event(header, chunk, end - n..end), end))
     }
 
-    /// The next record of the chunk. What does not fit into it ends the chunk.
-    fn in_chunk(&mut self) -> Option<Event> {
-        let rest = self.data.get(self.at..).unwrap_or_default();
-        let mut fields = Fields::packed(rest);
-        let mut record = || {
-            let header = Header::parse(fields.block()?)?;
-            let n = fields.block()?.len();
-            let end = self.at + fields.at();
-            Some((header, end - n..end))
-        };
-        let Some((header, range)) = record() else {
-            self.at = self.data.len();
-            self.damage.get_or_insert_with(|| {
-                let detail = "a chunk with a record that does not fit into it";
-                (SkipKind::Damaged, detail.to_owned())
-            });
-            return None;
-        };
-        self.at = range.end;
-        self.event(header, range)
-    }
-
-    /// What a message or connection tells.
-    fn event(&self, header: Header, range: Range<usize>) -> Option<Event> {
-        match header.op {
-            0x02 => Some(Event::Message {
-                number: header.conn,
-                time: header.time,
-                bytes: range,
-            }),
-            0x07 => Some(Event::Topic {
-                number: header.conn,
-                name: header.topic,
-                type_name: type_of(self.bytes(range)).unwrap_or_default(),
-                encoding: Some(Encoding::Ros1),
-            }),
-            _ => None,
-        }
-    }
-
-    /// The next record outside of chunks, the beginning of a chunk being one.
-    ///
-    /// # Errors
-    /// What breaks off the file, and which error that is.
-    fn outside(&mut self) -> Result<Option<Event>, Stop> {
-        (self.data.clear(), self.at = 0);
-        if ros::at_end(&mut self.source) {
-            self.ended = true;
+    fn outside(&mut self, file: &mut File) -> Result<Option<Event>, Stop> {
+        if file.at_end() {
+            file.end();
             return match self.index {
                 Some(0) => Ok(None),
                 _ => Err(Stop::Early(
-                    "without the index that closes a bag".to_owned(),
+                    "there is no index, which closes a bag".to_owned(),
                 )),
             };
         }
-        let length = self.length()?;
-        if length > LONGEST_HEADER {
-            return Err(Stop::Early(format!("damaged: a header of {length} bytes")));
+        let n = length(file)?;
+        if n > LONGEST_HEADER {
+            return Err(Stop::Early(format!("damaged: a header of {n} bytes")));
         }
-        ros::read(&mut self.source, u64::from(length), &mut self.raw).map_err(Stop::Early)?;
-        let Some(header) = Header::parse(&self.raw) else {
-            return Err(Stop::Early("damaged: no record's header".to_owned()));
-        };
-        let length = u64::from(self.length()?);
-        let kept = matches!(header.op, 0x02 | 0x05 | 0x07);
-        if !kept || length > MOST {
+        let header = Header::parse(file.header(u64::from(n))?)
+            .ok_or_else(|| Stop::Early("damaged: a header that is none".to_owned()))?;
+        let n = u64::from(length(file)?);
+        if !matches!(header.op, op::MESSAGE | op::CHUNK | op::CONNECTION) {
             self.note(&header)?;
-            ros::skip(&mut self.source, length).map_err(Stop::Early)?;
-            return Ok(kept.then(|| {
-                let detail = format!("a record of {length} bytes");
-                Event::Skipped(SkipKind::Damaged, detail)
-            }));
+            file.skip(n)?;
+            return Ok(None);
         }
-        if header.op != 0x05 {
-            let whole = ros::read(&mut self.source, length, &mut self.data);
-            self.at = self.data.len();
-            whole.map_err(Stop::Early)?;
-            return Ok(self.event(header, 0..self.data.len()));
+        if let Some(skipped) = file.too_large(n)? {
+            return Ok(Some(skipped));
         }
-        let whole = ros::read(&mut self.source, length, &mut self.raw);
-        let size = u64::from(header.size);
-        let unpacked = ros::decompress(&header.compression, &self.raw, size, &mut self.data);
-        match (whole, unpacked) {
-            (_, Err(None)) => return Err(Stop::Unknown(header.compression)),
-            (Err(why), _) => return Err(Stop::Early(why)),
-            (Ok(()), Err(Some(why))) => {
-                // What came before the damage may be wrong already.
-                self.data.clear();
-                self.damage = Some((SkipKind::Damaged, why));
-            }
-            (Ok(()), Ok(())) => {}
+        if header.op == op::CHUNK {
+            let packed = |data: &[u8]| {
+                Some(Packed {
+                    method: header.compression,
+                    bytes: 0..data.len(),
+                    size: u64::from(header.size),
+                    checksum: None,
+                })
+            };
+            file.chunk(n, packed)?;
+            return Ok(None);
         }
-        Ok(None)
-    }
-
-    /// A length; the records of the file begin and go on with one.
-    fn length(&mut self) -> Result<u32, Stop> {
-        let mut four = Vec::with_capacity(4);
-        ros::read(&mut self.source, 4, &mut four).map_err(Stop::Early)?;
-        Fields::packed(&four)
-            .u32()
-            .ok_or_else(|| Stop::Early(String::new()))
-    }
-
-    /// Keeps in mind what the bag's header and its index tell.
-    fn note(&mut self, header: &Header) -> Result<(), Stop> {
-        match (header.op, self.index) {
-            (0x03, _) if !header.encryptor.is_empty() => Err(Stop::Encrypted),
-            (0x03, _) => {
-                self.index = (header.index_pos > 0).then_some(header.chunk_count);
-                Ok(())
-            }
-            (0x06, Some(chunks)) => {
-                self.index = Some(chunks.saturating_sub(1));
-                Ok(())
-            }
-            _ => Ok(()),
-        }
-    }
-}
-
-/// Why reading ends.
-enum Stop {
-    /// The file breaks off.
-    Early(String),
-    /// An unknown compression.
-    Unknown(String),
-    Encrypted,
-}
-
-impl Container for Bag {
-    fn next(&mut self) -> Result<Option<Event>, ReadError> {
-        loop {
-            if self.at < self.data.len() {
-                match self.in_chunk() {
-                    Some(event) => return Ok(Some(event)),
-                    None => continue,
-                }
-            }
-            if let Some((kind, detail)) = self.damage.take() {
-                return Ok(Some(Event::Skipped(kind, detail)));
-            }
-            if self.ended {
-                return Ok(None);
-            }
-            match self.outside() {
-                Ok(Some(event)) => return Ok(Some(event)),
-                Ok(None) => {}
-                Err(Stop::Early(why)) => self.breaks_off(why),
-                Err(Stop::Unknown(method)) => {
-                    return Err(ReadError::new(
-                        &self.path,
-                        format!("a chunk is compressed by {method:?}"),
-                    )
-                    .mend("none, bz2 and lz4 can be read"));
-                }
-                Err(Stop::Encrypted) => {
-                    return Err(ReadError::new(&self.path, "the bag is encrypted"));
-                }
-            }
-        }
-    }
-
-    fn bytes(&self, range: Range<usize>) -> &[u8] {
-        self.data.get(range).unwrap_or_default()
+        let content = file.content(n)?;
+        Ok(event(header, content, 0..content.len()))
     }
 }

@@ -3,9 +3,9 @@
 
 use std::collections::HashMap;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use super::ros::{self, Container, Encoding, Event, Fields, MOST};
+use super::ros::{self, Container, Encoding, Event, Fields, File, Layout, Packed, Stop};
 use super::{Entries, Stream, Wanted};
 use crate::ReadError;
 use crate::skipped::SkipKind;
@@ -26,89 +26,34 @@ pub(crate) fn detect(start: &[u8]) -> bool {
 }
 
 pub(super) fn entries(path: &Path, source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
-    ros::entries(path, Box::new(Mcap::open(path, source)?), wanted)
+    ros::entries(path, open(path, source)?, wanted)
 }
 
 pub(super) fn streams(path: &Path, source: Source) -> Result<Vec<Stream>, ReadError> {
-    ros::streams(Box::new(Mcap::open(path, source)?))
+    ros::streams(open(path, source)?)
 }
 
+#[derive(Default)]
 struct Mcap {
-    path: PathBuf,
-    source: Source,
-    /// A record as it is in the file.
-    raw: Vec<u8>,
-    /// The records of a chunk, or the content of a record outside of one.
-    data: Vec<u8>,
-    /// Where the next record of the chunk begins.
-    at: usize,
-    /// Why the chunk is not whole.
-    damage: Option<(SkipKind, String)>,
     /// Names of the types by number.
     schemas: HashMap<u16, String>,
-    ended: bool,
 }
 
-/// Why reading ends.
-enum Stop {
-    /// The file breaks off.
-    Early(String),
-    /// An unknown compression.
-    Unknown(String),
+fn open(path: &Path, source: Source) -> Result<Container, ReadError> {
+    let mcap = Container::open(path, source, ::mcap::MAGIC, Mcap::default());
+    mcap.map_err(|start| {
+        let problem = match detect(&start) {
+            true => "MCAP of a version other than 0",
+            false => "not an MCAP file: it does not start with its magic bytes",
+        };
+        ReadError::new(path, problem)
+    })
 }
 
 impl Mcap {
-    fn open(path: &Path, mut source: Source) -> Result<Self, ReadError> {
-        let mut raw = Vec::new();
-        // A file too short to be MCAP shows by what it starts with.
-        let _ = ros::read(&mut source, ::mcap::MAGIC.len() as u64, &mut raw);
-        if raw != ::mcap::MAGIC {
-            return Err(ReadError::new(
-                path,
-                match detect(&raw) {
-                    true => "MCAP of a version other than 0",
-                    false => "not an MCAP file: it does not start with its magic bytes",
-                },
-            ));
-        }
-        Ok(Self {
-            path: path.to_path_buf(),
-            source,
-            raw,
-            data: Vec::new(),
-            at: 0,
-            damage: None,
-            schemas: HashMap::new(),
-            ended: false,
-        })
-    }
-
-    /// The next record of the chunk. What does not fit into it ends the chunk.
-    fn in_chunk(&mut self) -> Option<Event> {
-        let rest = self.data.get(self.at..).unwrap_or_default();
-        let mut fields = Fields::packed(rest);
-        let mut record = || {
-            let kind = fields.u8()?;
-            let n = usize::try_from(fields.u64()?).ok()?;
-            fields.take(n)?;
-            let end = self.at + fields.at();
-            Some((kind, end - n..end))
-        };
-        let Some((kind, range)) = record() else {
-            self.at = self.data.len();
-            self.damage.get_or_insert_with(|| {
-                let detail = "a chunk with a record that does not fit into it";
-                (SkipKind::Damaged, detail.to_owned())
-            });
-            return None;
-        };
-        self.at = range.end;
-        self.event(kind, range)
-    }
-
-    /// What a schema, channel or message tells.
-    fn event(&mut self, kind: u8, range: Range<usize>) -> Option<Event> {
-        let content = self.data.get(range.clone()).unwrap_or_default();
+    /// What a schema, channel or message tells whose content is a part of `bytes`.
+    fn event(&mut self, kind: u8, bytes: &[u8], range: Range<usize>) -> Option<Event> {
+        let content = bytes.get(range.clone()).unwrap_or_default();
         let mut fields = Fields::packed(content);
         let event = match kind {
             op::SCHEMA => schema(&mut fields).map(|(number, name)| {
@@ -116,7 +61,7 @@ impl Mcap {
                 None
             }),
             op::CHANNEL => channel(&mut fields, &self.schemas).map(Some),
-            op::MESSAGE => message(&mut fields, range).map(Some),
+            op::MESSAGE => message(&mut fields, &range).map(Some),
             _ => Some(None),
         };
         event.unwrap_or_else(|| {
@@ -124,85 +69,66 @@ impl Mcap {
             Some(Event::Skipped(SkipKind::Damaged, detail))
         })
     }
+}
 
-    /// The next record outside of chunks, the beginning of a chunk being one.
-    fn outside(&mut self) -> Result<Option<Event>, Stop> {
-        (self.data.clear(), self.at = 0);
-        ros::read(&mut self.source, 9, &mut self.raw).map_err(Stop::Early)?;
-        let mut fields = Fields::packed(&self.raw);
-        let (Some(kind), Some(length)) = (fields.u8(), fields.u64()) else {
-            return Ok(None);
+impl Layout for Mcap {
+    fn methods(&self) -> &'static str {
+        "none, lz4 and zstd"
+    }
+
+    fn inside(&mut self, chunk: &[u8], at: usize) -> Option<(Option<Event>, usize)> {
+        let mut fields = Fields::packed(chunk.get(at..)?);
+        let kind = fields.u8()?;
+        let n = usize::try_from(fields.u64()?).ok()?;
+        fields.take(n)?;
+        let end = at + fields.at();
+        Some((self.event(kind, chunk, end - n..end), end))
+    }
+
+    fn outside(&mut self, file: &mut File) -> Result<Option<Event>, Stop> {
+        let mut fields = Fields::packed(file.header(9)?);
+        let (Some(kind), Some(n)) = (fields.u8(), fields.u64()) else {
+            return Err(Stop::Early(String::new()));
         };
-        let kept = matches!(kind, op::SCHEMA | op::CHANNEL | op::MESSAGE | op::CHUNK);
-        if !kept || length > MOST {
-            ros::skip(&mut self.source, length).map_err(Stop::Early)?;
+        if !matches!(kind, op::SCHEMA | op::CHANNEL | op::MESSAGE | op::CHUNK) {
+            file.skip(n)?;
             if kind == op::FOOTER {
-                self.ended = true;
+                file.end();
                 // The magic bytes once more.
-                let end = ros::read(&mut self.source, ::mcap::MAGIC.len() as u64, &mut self.raw);
-                end.map_err(Stop::Early)?;
+                file.skip(::mcap::MAGIC.len() as u64)?;
             }
-            return Ok(kept.then(|| {
-                let detail = format!("a record of {length} bytes");
-                Event::Skipped(SkipKind::Damaged, detail)
-            }));
+            return Ok(None);
+        }
+        if let Some(skipped) = file.too_large(n)? {
+            return Ok(Some(skipped));
         }
         if kind == op::CHUNK {
-            let whole = ros::read(&mut self.source, length, &mut self.raw);
-            self.chunk(whole)?;
+            file.chunk(n, packed)?;
             return Ok(None);
         }
-        let whole = ros::read(&mut self.source, length, &mut self.data);
-        self.at = self.data.len();
-        whole.map_err(Stop::Early)?;
-        Ok(self.event(kind, 0..self.data.len()))
+        let content = file.content(n)?;
+        Ok(self.event(kind, content, 0..content.len()))
     }
+}
 
-    /// Decompresses a chunk: all of it, checked, or what there is of it at the end of the file.
-    fn chunk(&mut self, whole: Result<(), String>) -> Result<(), Stop> {
-        let mut fields = Fields::packed(&self.raw);
-        let mut head = || {
-            // The times of the first and last message come first.
-            fields.take(16)?;
-            let size = fields.u64()?;
-            let checksum = fields.u32()?;
-            let method = fields.text()?.into_owned();
-            let packed = usize::try_from(fields.u64()?).ok()?;
-            let rest = self.raw.get(fields.at()..)?;
-            Some((size, checksum, method, packed, rest))
-        };
-        let Some((size, checksum, method, packed, rest)) = head() else {
-            let why = "a chunk too short to be one".to_owned();
-            return match whole {
-                Ok(()) => {
-                    self.damage = Some((SkipKind::Damaged, why));
-                    Ok(())
-                }
-                Err(why) => Err(Stop::Early(why)),
-            };
-        };
-        let packed = rest.get(..packed).unwrap_or(rest);
-        let unpacked = ros::decompress(&method, packed, size, &mut self.data);
-        match (whole, unpacked) {
-            (_, Err(None)) => return Err(Stop::Unknown(method)),
-            (Err(why), _) => return Err(Stop::Early(why)),
-            (Ok(()), Err(Some(why))) => {
-                // What came before the damage may be wrong already.
-                self.data.clear();
-                self.damage = Some((SkipKind::Damaged, why));
-            }
-            (Ok(()), Ok(())) => {}
-        }
-        // Zero stands for none. Nothing of a chunk that fails it can be trusted.
-        let mut crc = flate2::Crc::new();
-        crc.update(&self.data);
-        if self.damage.is_none() && checksum != 0 && crc.sum() != checksum {
-            self.data.clear();
-            let why = "a chunk whose checksum is wrong".to_owned();
-            self.damage = Some((SkipKind::Damaged, why));
-        }
-        Ok(())
-    }
+/// The chunk that a record holds, as far as it is there.
+fn packed(record: &[u8]) -> Option<Packed> {
+    let mut fields = Fields::packed(record);
+    // The times of the first and last message come first.
+    fields.take(16)?;
+    let size = fields.u64()?;
+    let checksum = fields.u32()?;
+    let method = fields.text()?.into_owned();
+    let n = usize::try_from(fields.u64()?).ok()?;
+    let start = fields.at();
+    Some(Packed {
+        method,
+        // As much as there is at the end of a file that breaks off.
+        bytes: start..start.saturating_add(n).min(record.len()),
+        size,
+        // Zero stands for none.
+        checksum: (checksum != 0).then_some(checksum),
+    })
 }
 
 /// The number and name of a type.
@@ -228,7 +154,7 @@ fn channel(fields: &mut Fields, schemas: &HashMap<u16, String>) -> Option<Event>
 }
 
 /// A message whose record is at `range`.
-fn message(fields: &mut Fields, range: Range<usize>) -> Option<Event> {
+fn message(fields: &mut Fields, range: &Range<usize>) -> Option<Event> {
     const SECOND: u64 = 1_000_000_000;
     let number = u32::from(fields.u16()?);
     let _sequence = fields.u32()?;
@@ -240,42 +166,4 @@ fn message(fields: &mut Fields, range: Range<usize>) -> Option<Event> {
         time: ((recorded / SECOND) as i64, (recorded % SECOND) as u32),
         bytes: range.start + fields.at()..range.end,
     })
-}
-
-impl Container for Mcap {
-    fn next(&mut self) -> Result<Option<Event>, ReadError> {
-        loop {
-            if self.at < self.data.len() {
-                match self.in_chunk() {
-                    Some(event) => return Ok(Some(event)),
-                    None => continue,
-                }
-            }
-            if let Some((kind, detail)) = self.damage.take() {
-                return Ok(Some(Event::Skipped(kind, detail)));
-            }
-            if self.ended {
-                return Ok(None);
-            }
-            match self.outside() {
-                Ok(Some(event)) => return Ok(Some(event)),
-                Ok(None) => {}
-                Err(Stop::Early(why)) => {
-                    self.damage = Some((SkipKind::EndsEarly, why));
-                    self.ended = true;
-                }
-                Err(Stop::Unknown(method)) => {
-                    return Err(ReadError::new(
-                        &self.path,
-                        format!("a chunk is compressed by {method:?}"),
-                    )
-                    .mend("none, lz4 and zstd can be read"));
-                }
-            }
-        }
-    }
-
-    fn bytes(&self, range: Range<usize>) -> &[u8] {
-        self.data.get(range).unwrap_or_default()
-    }
 }

@@ -2,11 +2,13 @@
 //! sensor_msgs/NavSatFix, and geometry_msgs/TwistStamped or TwistWithCovarianceStamped.
 //!
 //! Times are the messages' own stamps (`header.stamp`, Unix time), or where one is not set the time
-//! at which it was recorded. A topic of velocities that is not named is used if its frame is that of
-//! the positions, so that it comes from the same receiver; commands and wheels have other frames.
+//! at which it was recorded. A topic of velocities that is not named is used, from the first position
+//! on, if its frame is that of the positions, so that it comes from the same receiver; commands and
+//! wheels have other frames.
 //! nav_msgs/Odometry is in a frame that begins anywhere, so it is not read.
 
 mod bytes;
+mod container;
 mod fixes;
 mod message;
 mod topics;
@@ -22,44 +24,16 @@ use crate::ReadError;
 use crate::skipped::SkipKind;
 use crate::time::WeekClock;
 
-pub(super) use bytes::{Fields, MOST, at_end, decompress, read, skip};
+pub(super) use bytes::Fields;
+pub(super) use container::{Container, Event, File, Layout, Packed, Stop};
 pub(super) use message::Encoding;
-pub(crate) use message::ned;
 
 use fixes::Waiting;
 use message::{Type, Unfit};
 use topics::{Choice, Topic, Topics};
 
-/// What a container tells, in the order of the file.
-#[derive(Debug)]
-pub(super) enum Event {
-    /// There is a topic; its messages have this number.
-    Topic {
-        number: u32,
-        name: String,
-        type_name: String,
-        encoding: Option<Encoding>,
-    },
-    /// A message: the number of its topic, when it was recorded (Unix time), where its bytes are.
-    Message {
-        number: u32,
-        time: (i64, u32),
-        bytes: Range<usize>,
-    },
-    /// Something that cannot be read.
-    Skipped(SkipKind, String),
-}
-
-/// A file of messages.
-pub(super) trait Container: Send {
-    /// The next thing that it tells.
-    fn next(&mut self) -> Result<Option<Event>, ReadError>;
-    /// The bytes of the last message.
-    fn bytes(&self, range: Range<usize>) -> &[u8];
-}
-
 /// The streams of a container.
-pub(super) fn streams(mut container: Box<dyn Container>) -> Result<Vec<Stream>, ReadError> {
+pub(super) fn streams(mut container: Container) -> Result<Vec<Stream>, ReadError> {
     let mut topics = Topics::default();
     while let Some(event) = container.next()? {
         match event {
@@ -89,7 +63,7 @@ fn note_frame(topic: &mut Topic, encoding: Encoding, bytes: &[u8]) {
 /// The entries of a container.
 pub(super) fn entries(
     path: &Path,
-    container: Box<dyn Container>,
+    container: Container,
     wanted: &Wanted,
 ) -> Result<Entries, ReadError> {
     let wanted = match wanted {
@@ -178,7 +152,7 @@ impl Choices {
 /// A recording being read.
 struct Recording {
     path: PathBuf,
-    container: Box<dyn Container>,
+    container: Container,
     wanted: Choices,
     topics: Topics,
     weeks: WeekClock,

@@ -7,13 +7,13 @@ use crate::source::Source;
 
 /// No chunk or message is larger than this [bytes]: recorders make chunks of about a megabyte, and
 /// clouds of points have tens of them.
-pub(in crate::log) const MOST: u64 = 256 << 20;
+pub(super) const MOST: u64 = 256 << 20;
 
 /// Reads `n` bytes in place of what is in `into`. Memory grows with what is there, not with `n`.
 ///
 /// # Errors
 /// Why there are fewer; those that are there have been read.
-pub(in crate::log) fn read(source: &mut Source, n: u64, into: &mut Vec<u8>) -> Result<(), String> {
+pub(super) fn read(source: &mut Source, n: u64, into: &mut Vec<u8>) -> Result<(), String> {
     into.clear();
     let ended = source.by_ref().take(n).read_to_end(into);
     enough(ended.map(|_| into.len() as u64), n)
@@ -23,12 +23,12 @@ pub(in crate::log) fn read(source: &mut Source, n: u64, into: &mut Vec<u8>) -> R
 ///
 /// # Errors
 /// Why there are fewer.
-pub(in crate::log) fn skip(source: &mut Source, n: u64) -> Result<(), String> {
+pub(super) fn skip(source: &mut Source, n: u64) -> Result<(), String> {
     enough(io::copy(&mut source.by_ref().take(n), &mut io::sink()), n)
 }
 
 /// Whether nothing is left.
-pub(in crate::log) fn at_end(source: &mut Source) -> bool {
+pub(super) fn at_end(source: &mut Source) -> bool {
     source.fill_buf().is_ok_and(<[u8]>::is_empty)
 }
 
@@ -44,7 +44,7 @@ fn enough(got: io::Result<u64>, wanted: u64) -> Result<(), String> {
 ///
 /// # Errors
 /// Why it cannot be; `None` for an unknown method. What came before the damage is in `into`.
-pub(in crate::log) fn decompress(
+pub(super) fn decompress(
     method: &str,
     packed: &[u8],
     size: u64,

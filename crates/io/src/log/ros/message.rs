@@ -161,7 +161,7 @@ pub(super) fn velocity(
 }
 
 /// North-east-down of east-north-up, and the reverse.
-pub(crate) fn ned(enu: &Vector3) -> Vector3 {
+fn ned(enu: &Vector3) -> Vector3 {
     Vector3::new(enu.y, enu.x, -enu.z)
 }
 

@@ -227,6 +227,12 @@ fn a_full_disk_is_an_error_and_no_panic() {
         (0..20_000).try_for_each(|k| writer.write(&row(f64::from(k) * 0.01)));
     assert!(written.is_err());
     drop(writer);
+    // At the end, whatever is being written then.
+    for rows in [0, 1, 20, 200] {
+        let mut writer = McapWriter::new(Full(Cursor::default()), None).unwrap();
+        let written: io::Result<()> = (0..rows).try_for_each(|_| writer.write(&row(0.0)));
+        assert!(written.is_err() || writer.into_inner().is_err());
+    }
     let path = temporary("dropped");
     let mut writer = McapWriter::create(&path, None).unwrap();
     writer.write(&row(0.0)).unwrap();
