@@ -294,6 +294,21 @@ fn files_cut_anywhere_are_read_up_to_there() {
     }
 }
 
+/// A recorder that was killed leaves no index and says so in the header.
+#[test]
+fn a_bag_that_was_not_closed() {
+    let mut bytes = std::fs::read(golden("rosbag/none.bag")).unwrap();
+    let name = b"index_pos=";
+    let at = memchr::memmem::find(&bytes, name).unwrap() + name.len();
+    let index = u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap());
+    bytes.truncate(usize::try_from(index).unwrap());
+    bytes[at..at + 8].fill(0);
+    let entries = of_bytes("rosbag/none.bag", &bytes, &Wanted::Imu(None)).unwrap();
+    assert_eq!(readings(&entries).len(), 11);
+    let last = skips(&entries).pop().unwrap();
+    assert_eq!((last.0, last.1), (SkipKind::EndsEarly, 41));
+}
+
 /// Where chunks have checksums, nothing wrong is ever given; elsewhere there is no panic.
 #[test]
 fn flipped_bits() {

@@ -198,3 +198,30 @@ impl Choice {
             .mend(topics.offer(self.kind)))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn publishers_of_one_topic_are_one_topic() {
+        let mut topics = Topics::default();
+        let ros1 = Some(Encoding::Ros1);
+        topics.declare(4, "/imu".to_owned(), "sensor_msgs/Imu", ros1);
+        topics.declare(7, "/imu".to_owned(), "sensor_msgs/msg/Imu", ros1);
+        topics.declare(8, "/imu2".to_owned(), "sensor_msgs/Imu", ros1);
+        let mut choice = Choice::new("imu.topic", StreamKind::Imu, &None);
+        for number in [4, 7] {
+            let (index, topic, _) = topics.count(number).unwrap();
+            assert!(choice.takes(index, topic));
+        }
+        // A topic that is declared but has no messages is not in the way.
+        let path = Path::new("a.bag");
+        assert!(choice.verdict(path, &topics, true).is_ok());
+        let (index, topic, _) = topics.count(8).unwrap();
+        assert!(!choice.takes(index, topic) && choice.is_ambiguous());
+        assert!(topics.count(9).is_none());
+        let messages: Vec<u64> = topics.streams().iter().map(|s| s.messages).collect();
+        assert_eq!(messages, [2, 1]);
+    }
+}
