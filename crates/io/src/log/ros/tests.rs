@@ -366,8 +366,8 @@ fn absurd_lengths_and_unknown_compressions() {
     let [Ok(damaged), Ok(early), Err(_)] = &huge[..] else {
         panic!("{huge:?}")
     };
-    assert_eq!(skips(&[damaged.clone()])[0].0, SkipKind::Damaged);
-    assert_eq!(skips(&[early.clone()])[0].0, SkipKind::EndsEarly);
+    assert_eq!(skips(std::slice::from_ref(damaged))[0].0, SkipKind::Damaged);
+    assert_eq!(skips(std::slice::from_ref(early))[0].0, SkipKind::EndsEarly);
     let unknown = read(&chunk("xz", 10));
     let [Err(error)] = &unknown[..] else {
         panic!("{unknown:?}")
