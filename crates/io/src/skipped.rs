@@ -24,6 +24,8 @@ pub enum SkipKind {
     Uncertainty,
     /// The file breaks off: an input error or damaged compression; what was before it has been read.
     EndsEarly,
+    /// A part of the file that fails its checksum or cannot be decompressed; reading goes on after it.
+    Damaged,
 }
 
 impl SkipKind {
@@ -47,6 +49,8 @@ impl SkipKind {
             (Self::Uncertainty, true) => "values with an unusable standard deviation",
             (Self::EndsEarly, false) => "file ends early",
             (Self::EndsEarly, true) => "files end early",
+            (Self::Damaged, false) => "damaged part",
+            (Self::Damaged, true) => "damaged parts",
         }
     }
 }

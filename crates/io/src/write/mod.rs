@@ -1,6 +1,7 @@
-//! Writing results: the solution as CSV, numbers with fixed decimals, files that appear whole.
+//! Writing results: the solution as CSV or MCAP, numbers with fixed decimals, files that appear whole.
 
 mod fixed;
+pub mod mcap;
 mod pending;
 pub mod solution;
 
