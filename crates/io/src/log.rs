@@ -11,6 +11,7 @@ mod gpx;
 mod mcap;
 mod navego;
 mod nmea;
+mod receiver;
 mod ros;
 mod ubx;
 mod ulog;

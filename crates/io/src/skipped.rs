@@ -22,6 +22,10 @@ pub enum SkipKind {
     OutOfRange,
     /// A standard deviation that is zero, negative or not a number.
     Uncertainty,
+    /// A message that arrived damaged: its checksum is wrong or missing, or its end.
+    Damaged,
+    /// An epoch for which the receiver has no fix, or none by satellites.
+    NoFix,
     /// The file breaks off: an input error or damaged compression; what was before it has been read.
     EndsEarly,
 }
@@ -45,6 +49,10 @@ impl SkipKind {
             (Self::OutOfRange, true) => "rows with a value out of its range",
             (Self::Uncertainty, false) => "value with an unusable standard deviation",
             (Self::Uncertainty, true) => "values with an unusable standard deviation",
+            (Self::Damaged, false) => "damaged message",
+            (Self::Damaged, true) => "damaged messages",
+            (Self::NoFix, false) => "epoch without a fix",
+            (Self::NoFix, true) => "epochs without a fix",
             (Self::EndsEarly, false) => "file ends early",
             (Self::EndsEarly, true) => "files end early",
         }
