@@ -110,3 +110,6 @@ pub(super) fn check(
         Wanted::Poses(name) => one(name, position, "stream of positions"),
     }
 }
+
+#[cfg(test)]
+pub(super) mod testing;
