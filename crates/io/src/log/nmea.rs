@@ -27,8 +27,8 @@ use sentence::{Found, Sentence, sentences};
 
 const STREAM: &str = "NMEA";
 
-/// Whether the first bytes of a file are NMEA: two whole sentences, and no UBX message, which would have
-/// more to say.
+/// Whether the first bytes of a file are NMEA: two whole sentences, and no UBX message with positions or
+/// inertial samples, which has more to say.
 pub(crate) fn detect(start: &[u8]) -> bool {
     let whole = |line: &[u8]| {
         let found = sentences(line).filter(|found| matches!(found, Found::Sentence(_)));
@@ -39,7 +39,7 @@ pub(crate) fn detect(start: &[u8]) -> bool {
         let count = count + whole(line);
         if count < 2 { Ok(count) } else { Err(()) }
     });
-    enough.is_err() && !super::ubx::detect(start)
+    enough.is_err() && !super::ubx::has_data(start)
 }
 
 pub(super) fn entries(path: &Path, source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {

@@ -56,9 +56,17 @@ const NAMES: [([u8; 2], &str); 22] = [
 ];
 
 /// Whether the first bytes of a file hold a UBX message. Ask first for formats that begin with bytes of
-/// their own: a recording may hold UBX messages.
+/// their own, since a recording may hold UBX messages, and for NMEA, which may have some in between.
 pub(crate) fn detect(start: &[u8]) -> bool {
-    frames::any(start)
+    frames::any(start, |_| true)
+}
+
+/// Whether the first bytes of a file hold a UBX message that is read here; a log of NMEA may have others in
+/// between, answers to commands.
+pub(super) fn has_data(start: &[u8]) -> bool {
+    frames::any(start, |kind| {
+        imu_stream(kind).is_some() || matches!(kind, epoch::PVT | epoch::HPPOSLLH | epoch::POSLLH)
+    })
 }
 
 pub(super) fn entries(path: &Path, source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {

@@ -157,12 +157,9 @@ fn covariance(gst: &Sentence) -> Option<Matrix3> {
             .filter(|std| (std * std).is_normal() && *std > 0.0)
     };
     let down = std(8)?.powi(2);
-    if let (Some(north), Some(east)) = (std(6), std(7)) {
-        return Some(Matrix3::from_diagonal(&Vector3::new(
-            north * north,
-            east * east,
-            down,
-        )));
+    if !(gst.field(6).is_empty() && gst.field(7).is_empty()) {
+        let variances = Vector3::new(std(6)?.powi(2), std(7)?.powi(2), down);
+        return Some(Matrix3::from_diagonal(&variances));
     }
     let (major, minor) = (std(3)?.powi(2), std(4)?.powi(2));
     let (s, c) = gst.number(5)?.to_radians().sin_cos();

@@ -152,12 +152,22 @@ fn checksum(bytes: &[u8]) -> [u8; 2] {
     })
 }
 
-/// Whether some bytes, the first of a file, hold a whole message.
-pub(super) fn any(mut bytes: &[u8]) -> bool {
+/// Whether some bytes, the first of a file, hold a whole message of a kind.
+pub(super) fn any(mut bytes: &[u8], of_kind: impl Fn([u8; 2]) -> bool) -> bool {
     loop {
         bytes = bytes.get(to_sync(bytes)..).unwrap_or_default();
         match frame(bytes) {
-            Frame::Message(_) => return true,
+            Frame::Message(_)
+                if bytes
+                    .get(2..)
+                    .and_then(<[u8]>::first_chunk)
+                    .is_some_and(|kind| of_kind(*kind)) =>
+            {
+                return true;
+            }
+            Frame::Message(length) => {
+                bytes = bytes.get(HEAD + length + 2..).unwrap_or_default();
+            }
             // A false length must not hide the messages that it covers.
             Frame::Damaged | Frame::Longer if bytes.len() > SYNC.len() => {
                 bytes = bytes.get(SYNC.len()..).unwrap_or_default();
