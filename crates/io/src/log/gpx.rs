@@ -1,9 +1,11 @@
-//! GPX 1.0 and 1.1: the points of tracks (`trkpt`) that have a time, as fixes or as reference solutions.
+//! GPX 1.0 and 1.1: the points of tracks (`trkpt`) that have a time, as fixes or as reference
+//! solutions.
 //!
-//! The format has no uncertainties and no velocities. `ele` is metres above sea level by its definition; where a
-//! point has a `geoidheight`, that is added, else the height is the file's. Waypoints and routes are
-//! passed over; segments follow each other, gaps between them are gaps in time. Times are GPS seconds of the
-//! week in which the file starts; one without a zone is UTC, as the format wants it.
+//! The format has no uncertainties and no velocities. `ele` is metres above sea level by its
+//! definition; where a point has a `geoidheight`, that is added, else the height is the file's.
+//! Waypoints and routes are passed over; segments follow each other, gaps between them are gaps in
+//! time. Times are GPS seconds of the week in which the file starts; one without a zone is UTC, as
+//! the format wants it.
 
 mod text;
 
@@ -204,7 +206,8 @@ impl Points {
             Event::Text(text) => self.text.push_str(&text),
             Event::CData(text) => self.text.push_str(&text),
             Event::GeneralRef(reference) => {
-                // Anything but a character by its number stays unknown, and so will not be a number.
+                // Anything but a character by its number stays unknown, and so will not be a
+                // number.
                 let character = reference.resolve_char_ref().ok().flatten();
                 self.text.push(character.unwrap_or('&'));
             }
@@ -261,8 +264,8 @@ fn point(start: &BytesStart, line: u64) -> Point {
     }
 }
 
-/// Seconds of a time `yyyy-mm-ddThh:mm:ss.sss` with `Z`, `+hh:mm` or nothing behind it (ISO 8601, as
-/// XML Schema has it).
+/// Seconds of a time `yyyy-mm-ddThh:mm:ss.sss` with `Z`, `+hh:mm` or nothing behind it (ISO 8601,
+/// as XML Schema has it).
 fn seconds(weeks: &mut WeekClock, text: &[u8]) -> Option<f64> {
     let (date, rest) = text.split_at_checked(text.iter().position(|byte| *byte == b'T')?)?;
     let rest = rest.get(1..)?;

@@ -1,15 +1,17 @@
 //! NMEA 0183: fixes of GGA and GST, dates of RMC and ZDA, of any talker.
 //!
-//! The sentences with the same time of day make one fix. Its position is GGA's, the height above the ellipsoid
-//! being altitude plus geoid separation. Where a separation is missing, the last one known is taken; where
-//! there has been none, heights stay above sea level to the end of the file, which is said once. The covariance
-//! is made of GST's standard deviations, or of its error ellipse where only that is there.
+//! The sentences with the same time of day make one fix. Its position is GGA's, the height above
+//! the ellipsoid being altitude plus geoid separation. Where a separation is missing, the last one
+//! known is taken; where there has been none, heights stay above sea level to the end of the file,
+//! which is said once. The covariance is made of GST's standard deviations, or of its error ellipse
+//! where only that is there.
 //!
-//! NMEA has no vertical speed and no accuracy of any speed, so that there is no velocity north-east-down in
-//! it: RMC and VTG do not give one. What RMC tells besides the date is whether there is a fix.
+//! NMEA has no vertical speed and no accuracy of any speed, so that there is no velocity
+//! north-east-down in it: RMC and VTG do not give one. What RMC tells besides the date is whether
+//! there is a fix.
 //!
-//! Times are GPS seconds of the week in which the file starts; without any date, UTC seconds of the day in
-//! which it starts. A date may come late: up to an hour of epochs waits for it.
+//! Times are GPS seconds of the week in which the file starts; without any date, UTC seconds of the
+//! day in which it starts. A date may come late: up to an hour of epochs waits for it.
 
 mod epoch;
 mod sentence;
@@ -27,8 +29,8 @@ use sentence::{Found, Sentence, sentences};
 
 const STREAM: &str = "NMEA";
 
-/// Whether the first bytes of a file are NMEA: two whole sentences, and no UBX message with positions or
-/// inertial samples, which has more to say.
+/// Whether the first bytes of a file are NMEA: two whole sentences, and no UBX message with
+/// positions or inertial samples, which has more to say.
 pub(crate) fn detect(start: &[u8]) -> bool {
     let whole = |line: &[u8]| {
         let found = sentences(line).filter(|found| matches!(found, Found::Sentence(_)));

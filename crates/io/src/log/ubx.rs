@@ -1,9 +1,9 @@
 //! u-blox UBX: fixes of the navigation messages, inertial samples of a receiver with sensors.
 //!
-//! By the interface descriptions of the receivers (u-blox M8: UBX-13003221; F9: UBX-22008968 and its
-//! like). The messages with the same time of week make one fix ([`epoch`]); what is between the messages, NMEA or
-//! anything else, is passed over. Times are GPS seconds of the week in which the file starts; those of the
-//! inertial samples are made of the sensors' own counter ([`clock`]).
+//! By the interface descriptions of the receivers (u-blox M8: UBX-13003221; F9: UBX-22008968 and
+//! its like). The messages with the same time of week make one fix ([`epoch`]); what is between the
+//! messages, NMEA or anything else, is passed over. Times are GPS seconds of the week in which the
+//! file starts; those of the inertial samples are made of the sensors' own counter ([`clock`]).
 
 mod bytes;
 mod clock;
@@ -55,14 +55,15 @@ const NAMES: [([u8; 2], &str); 22] = [
     ([0x10, 0x15], "ESF-INS"),
 ];
 
-/// Whether the first bytes of a file hold a UBX message. Ask first for formats that begin with bytes of
-/// their own, since a recording may hold UBX messages, and for NMEA, which may have some in between.
+/// Whether the first bytes of a file hold a UBX message. Ask first for formats that begin with
+/// bytes of their own, since a recording may hold UBX messages, and for NMEA, which may have some
+/// in between.
 pub(crate) fn detect(start: &[u8]) -> bool {
     frames::any(start, |_| true)
 }
 
-/// Whether the first bytes of a file hold a UBX message that is read here; a log of NMEA may have others in
-/// between, answers to commands.
+/// Whether the first bytes of a file hold a UBX message that is read here; a log of NMEA may have
+/// others in between, answers to commands.
 pub(super) fn has_data(start: &[u8]) -> bool {
     frames::any(start, |kind| {
         imu_stream(kind).is_some() || matches!(kind, epoch::PVT | epoch::HPPOSLLH | epoch::POSLLH)
@@ -155,7 +156,8 @@ struct Reader {
 /// What is made of the messages.
 enum Purpose {
     Imu(Box<Imu>),
-    /// Fixes by the messages with these names of positions and velocities, as reference solutions or not.
+    /// Fixes by the messages with these names of positions and velocities, as reference solutions
+    /// or not.
     Fixes([Option<String>; 2], bool),
 }
 

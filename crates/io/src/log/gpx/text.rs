@@ -10,8 +10,8 @@ use crate::source::Source;
 const MAX_EVENT: usize = 1 << 20;
 const BUFFER: usize = 64 * 1024;
 
-/// A source with its lines counted, so many bytes at most to an event, and a question mark for every byte
-/// that is not ASCII: names of places come in any encoding, numbers and times do not.
+/// A source with its lines counted, so many bytes at most to an event, and a question mark for
+/// every byte that is not ASCII: names of places come in any encoding, numbers and times do not.
 pub(super) struct Text {
     source: Source,
     buffer: Vec<u8>,

@@ -149,8 +149,8 @@ impl Epoch {
     }
 }
 
-/// North-east-down [m²] by GST: standard deviations of latitude, longitude and altitude, or semi-axes and
-/// the direction of the major one [°] from north with that of altitude.
+/// North-east-down [m²] by GST: standard deviations of latitude, longitude and altitude, or
+/// semi-axes and the direction of the major one [°] from north with that of altitude.
 fn covariance(gst: &Sentence) -> Option<Matrix3> {
     let std = |field: usize| {
         gst.number(field)

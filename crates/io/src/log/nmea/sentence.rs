@@ -1,4 +1,5 @@
-//! Sentences: `$`, talker and kind, fields between commas, `*` and the exclusive or of what is between.
+//! Sentences: `$`, talker and kind, fields between commas, `*` and the exclusive or of what is
+//! between.
 
 use crate::number;
 use crate::table::shown;

@@ -12,8 +12,8 @@ use crate::log::receiver::testing::{
 use crate::log::{Fix, Wanted, What};
 use crate::skipped::SkipKind;
 
-/// Minutes of the golden sentences have seven decimals, of which the parser of the golden values keeps
-/// as many of degrees: half of 1e-7° [rad].
+/// Minutes of the golden sentences have seven decimals, of which the parser of the golden values
+/// keeps as many of degrees: half of 1e-7° [rad].
 const ANGLE: f64 = 0.9e-9;
 /// Some roundings of times of 6e5 s.
 const TIME: f64 = 1e-9;
@@ -93,7 +93,8 @@ fn without_a_date_the_day_is_counted_across_midnight() {
     let times: Vec<f64> = fixes.iter().map(|fix| fix.time).collect();
     let expected: Vec<f64> = (0..10).map(|k| 86_395.0 + f64::from(k)).collect();
     assert_eq!(times, expected);
-    // No separation at first: said once, and the heights stay above sea level though there is one later.
+    // No separation at first: said once, and the heights stay above sea level though there is one
+    // later.
     assert_eq!(skipped.count(SkipKind::MissingField), 1);
     assert!((place(&fixes[9]).0.height - 161.124).abs() < 1e-10);
 }

@@ -100,7 +100,8 @@ fn fix(entry: &Entry) -> Fix {
     }
 }
 
-/// Whatever is cut off, what is before it stays as it is: all but the last fix, which lacks messages.
+/// Whatever is cut off, what is before it stays as it is: all but the last fix, which lacks
+/// messages.
 pub(in crate::log) fn cut_at_every_byte(open: Open, bytes: &[u8]) {
     let (whole, _) = fixes(open, bytes);
     assert!(whole.len() > 3);
@@ -162,4 +163,55 @@ fn tempfile() -> (std::path::PathBuf, std::fs::File) {
     let path = std::env::temp_dir().join(name);
     let file = std::fs::File::create(&path).unwrap();
     (path, file)
+}
+
+/// Pieces of all the formats put together at random: whatever comes, the readers end, and what they
+/// give is finite.
+#[test]
+fn random_mixtures() {
+    use crate::log::{gpx, nmea, ubx};
+    let names = [
+        "ubx/drive.ubx",
+        "ubx/sensors.ubx",
+        "nmea/drive.nmea",
+        "gpx/track.gpx",
+    ];
+    let parts = names.map(golden);
+    let mut state = 1u64;
+    let mut below = move |n: usize| {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state % n as u64) as usize
+    };
+    let readers: [Open; 3] = [ubx::entries, nmea::entries, gpx::entries];
+    for _ in 0..1000 {
+        let mut bytes = b"<gpx>".to_vec();
+        for _ in 0..8 {
+            let part = &parts[below(4)];
+            let from = below(part.len());
+            let to = from + below(600).min(part.len() - from);
+            bytes.extend_from_slice(&part[from..to]);
+            for _ in 0..below(3) {
+                let at = below(bytes.len());
+                bytes[at] = below(256) as u8;
+            }
+        }
+        for wanted in [FIXES, Wanted::Imu(None), Wanted::Poses(None)] {
+            for open in readers {
+                for entry in try_all(open, source_of(&bytes), &wanted).0 {
+                    let finite = match entry.what {
+                        What::Imu(imu) => imu.time + imu.gyro.sum() + imu.accel.sum(),
+                        What::Fix(fix) => fix.time + fix.velocity.map_or(0.0, |(v_n, _)| v_n.sum()),
+                        What::Pose(pose) => pose.time + pose.position.to_ecef().sum(),
+                        What::Skipped(..) => 0.0,
+                    };
+                    assert!(finite.is_finite());
+                }
+            }
+        }
+        ubx::detect(&bytes);
+        nmea::detect(&bytes);
+        gpx::detect(&bytes);
+    }
 }

@@ -1,18 +1,18 @@
 //! The time of the inertial sensors in GPS time.
 //!
 //! Sensor messages have time tags of a counter of their own, whose rate is that of an uncalibrated
-//! oscillator: off by up to some percent. What ties it to GPS time is the order of the file: at the first
-//! message of an epoch, the last tag before it belongs to about the epoch's time. Through the ties of the
-//! last minute goes a straight line, which gives the samples their times; so neither the unit of the
-//! tags nor their drift has to be known. A receiver sends an epoch's messages some tens of milliseconds
-//! after it; that delay stays in the times as a constant, the samples being stamped too early by it, and is
-//! what the time offset of a drive file is for.
+//! oscillator: off by up to some percent. What ties it to GPS time is the order of the file: at the
+//! first message of an epoch, the last tag before it belongs to about the epoch's time. Through the
+//! ties of the last minute goes a straight line, which gives the samples their times; so neither
+//! the unit of the tags nor their drift has to be known. A receiver sends an epoch's messages some
+//! tens of milliseconds after it; that delay stays in the times as a constant, the samples being
+//! stamped too early by it, and is what the time offset of a drive file is for.
 //!
-//! NAV-STATUS tells milliseconds since startup next to the time of week. Where the sensor messages are
-//! calibrated to that counter, the ties are these pairs and exact.
+//! NAV-STATUS tells milliseconds since startup next to the time of week. Where the sensor messages
+//! are calibrated to that counter, the ties are these pairs and exact.
 //!
-//! Before the first ten seconds of ties, samples are held back. In a file without a fix, or after ten
-//! minutes of samples without one, the times are those of the counter at its nominal rate.
+//! Before the first ten seconds of ties, samples are held back. In a file without a fix, or after
+//! ten minutes of samples without one, the times are those of the counter at its nominal rate.
 
 use std::collections::VecDeque;
 
@@ -158,5 +158,99 @@ impl SensorClock {
             1.0
         };
         self.line = (n > 0.0 && rate.is_finite()).then_some(Line { at: mean, rate });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use undrift_nav::Vector3;
+
+    fn reading(at: u64) -> Reading {
+        let (gyro, accel) = (Vector3::zeros(), Vector3::zeros());
+        Reading { at, gyro, accel }
+    }
+
+    /// A counter that is `fast`, sampled at 100 Hz, and fixes at 1 Hz that are sent `delay(k)`
+    /// after their time 345 600 + k; the samples' errors of time by their numbers.
+    fn errors(seconds: u64, fast: f64, delay: impl Fn(u64) -> f64) -> Vec<(u64, f64)> {
+        let mut clock = SensorClock::default();
+        let mut out = Vec::new();
+        let time_of = |sample: u64| 345_600.0 + 0.01 * sample as f64;
+        let mut give = |time: f64, reading: Reading| {
+            out.push((reading.at, time - time_of(reading.at)));
+        };
+        let counter = |sample: u64| 17.0 + fast * 0.01 * sample as f64;
+        let mut next_fix = 0;
+        for sample in 0..100 * seconds {
+            let elapsed = 0.01 * sample as f64;
+            while next_fix as f64 + delay(next_fix) < elapsed {
+                let tied = clock.tie(
+                    counter(sample.saturating_sub(1)),
+                    345_600.0 + next_fix as f64,
+                    false,
+                    &mut give,
+                );
+                assert!(tied.is_ok());
+                next_fix += 1;
+            }
+            clock.sample(counter(sample), reading(sample), &mut give);
+        }
+        clock.end(&mut give);
+        out
+    }
+
+    #[test]
+    fn the_delay_of_the_fixes_is_all_that_is_left() {
+        for fast in [0.98, 1.0, 1.005] {
+            let errors = errors(300, fast, |_| 0.045);
+            assert_eq!(errors.len(), 30_000);
+            for (k, (at, error)) in errors.iter().enumerate() {
+                assert_eq!(*at, k as u64);
+                // The last sample before is of 40 ms after the fix; roundings of 6e5 s.
+                assert!((error + 0.04).abs() < 1e-8, "{at} {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_unsteady_delay_is_averaged() {
+        // 20 to 80 ms, by the golden ratio: spread evenly in any minute.
+        let delay = |k: u64| 0.02 + 0.06 * (k as f64 * 0.618_034).fract();
+        let errors = errors(300, 1.005, delay);
+        // Of 60 ties with a standard deviation of 17 ms, the end of a straight line has 2 × 17 ms /
+        // √60 = 4.5 ms; of the first ten 11 ms, two of which are allowed.
+        for (at, error) in &errors {
+            let allowed = if *at < 6_000 { 0.022 } else { 0.009 };
+            assert!((error + 0.045).abs() < allowed, "{at} {error}");
+        }
+    }
+
+    #[test]
+    fn a_counter_that_starts_again_is_tied_again() {
+        let mut clock = SensorClock::default();
+        let mut last = 0.0;
+        let mut give = |time: f64, _: Reading| last = time;
+        for k in 0..60 {
+            let counter = if k < 30 { 5000.0 } else { 0.0 } + f64::from(k);
+            clock.sample(counter, reading(0), &mut give);
+            assert!(
+                clock
+                    .tie(counter, 1000.0 + f64::from(k), false, &mut give)
+                    .is_ok()
+            );
+        }
+        assert!((last - 1059.0).abs() < 1e-9, "{last}");
+    }
+
+    #[test]
+    fn a_fix_after_the_counters_own_times_is_refused() {
+        let mut clock = SensorClock::default();
+        let mut given = 0;
+        for k in 0..=MAX_HELD {
+            clock.sample(k as f64, reading(0), &mut |_, _| given += 1);
+        }
+        assert_eq!(given, MAX_HELD + 1);
+        assert!(clock.tie(1.0, 2.0, false, &mut |_, _| {}).is_err());
     }
 }

@@ -1,9 +1,10 @@
 //! The navigation messages of one epoch, those with the same time of week, as one fix.
 //!
 //! Positions are taken from NAV-HPPOSLLH before NAV-PVT before NAV-POSLLH, velocities from NAV-PVT
-//! before NAV-VELNED; a covariance of NAV-COV goes before the accuracies of the messages themselves.
-//! hAcc is that of the horizontal position, a distance in the plane: north and east get hAcc/√2 each. sAcc is
-//! that of the speed, along the velocity wherever it points: each axis gets all of it.
+//! before NAV-VELNED; a covariance of NAV-COV goes before the accuracies of the messages
+//! themselves. hAcc is that of the horizontal position, a distance in the plane: north and east get
+//! hAcc/√2 each. sAcc is that of the speed, along the velocity wherever it points: each axis gets
+//! all of it.
 
 use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::{FixQuality, Position};
@@ -155,8 +156,8 @@ impl Epoch {
         f64::from(self.time_of_week) * 1e-3 + self.fraction
     }
 
-    /// The fix of the epoch at a time, by the messages with the names or the best that there are; what
-    /// cannot be used is counted.
+    /// The fix of the epoch at a time, by the messages with the names or the best that there are;
+    /// what cannot be used is counted.
     pub(super) fn fix(
         &self,
         time: f64,
@@ -222,7 +223,8 @@ fn chosen<'a, T, const N: usize>(
     all.find_map(|(one, _)| one.as_ref())
 }
 
-/// Whether satellites made the fix: 2D, 3D, or with dead reckoning; not dead reckoning alone or time.
+/// Whether satellites made the fix: 2D, 3D, or with dead reckoning; not dead reckoning alone or
+/// time.
 fn fixed(fix_type: u8, flags: u8) -> bool {
     (2..=4).contains(&fix_type) && flags & 1 != 0
 }

@@ -1,8 +1,8 @@
 //! Messages of a UBX stream, found in whatever surrounds them.
 //!
 //! A message is the bytes B5 62, class, identifier, length of the payload (little-endian), payload
-//! and two bytes of 8-bit Fletcher checksum over all but the first two. Where the checksum is wrong the
-//! search goes on behind those two, so that a message in what a false length covered is found.
+//! and two bytes of 8-bit Fletcher checksum over all but the first two. Where the checksum is wrong
+//! the search goes on behind those two, so that a message in what a false length covered is found.
 
 use std::ops::Range;
 
@@ -13,8 +13,8 @@ use crate::source::Source;
 
 /// Bytes before the payload.
 const HEAD: usize = 6;
-/// Longest payload that is believed [bytes]: twice that of the longest message, raw measurements of 128
-/// signals. A length beyond it is a damaged one.
+/// Longest payload that is believed [bytes]: twice that of the longest message, raw measurements of
+/// 128 signals. A length beyond it is a damaged one.
 const MAX_PAYLOAD: usize = 8 * 1024;
 /// The buffer [bytes]: the longest message and several reads fit.
 const BUFFER: usize = 256 * 1024;

@@ -1,9 +1,10 @@
 //! Inertial samples of ESF-RAW and ESF-MEAS.
 //!
-//! A measurement is a word: 24 bits of a signed number, above them 6 bits that say of what (the interface
-//! descriptions' table of ESF measurement data): rates in 2⁻¹² °/s, specific forces in 2⁻¹⁰ m/s². ESF-RAW has a time
-//! tag with each measurement, of a counter of nominally 39.0625 µs with 24 bits; ESF-MEAS has one for all, in
-//! milliseconds with 32 bits, and may have the receiver's milliseconds since startup behind the measurements.
+//! A measurement is a word: 24 bits of a signed number, above them 6 bits that say of what (the
+//! interface descriptions' table of ESF measurement data): rates in 2⁻¹² °/s, specific forces in
+//! 2⁻¹⁰ m/s². ESF-RAW has a time tag with each measurement, of a counter of nominally 39.0625 µs
+//! with 24 bits; ESF-MEAS has one for all, in milliseconds with 32 bits, and may have the
+//! receiver's milliseconds since startup behind the measurements.
 
 use undrift_nav::Vector3;
 
@@ -98,8 +99,8 @@ impl Sensors {
         self.counter
     }
 
-    /// Takes in a message: `give` gets samples and their counters [s]; the number of incomplete samples
-    /// that were dropped.
+    /// Takes in a message: `give` gets samples and their counters [s]; the number of incomplete
+    /// samples that were dropped.
     pub(super) fn message(
         &mut self,
         at: u64,
@@ -140,7 +141,8 @@ impl Sensors {
         dropped
     }
 
-    /// A tag counted on over its wraps. One that goes back without a wrap starts again where the last was.
+    /// A tag counted on over its wraps. One that goes back without a wrap starts again where the
+    /// last was.
     fn count(&mut self, kind: [u8; 2], tag: u32) -> u64 {
         if self.calibrated {
             return u64::from(tag);
