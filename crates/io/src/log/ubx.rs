@@ -190,12 +190,17 @@ impl Reader {
                 }
                 let Some(tow) = tow else { return Ok(true) };
                 let counter = match &self.purpose {
-                    Purpose::Imu(imu) => imu.counter(),
+                    Purpose::Imu(imu) => imu.sensors.counter(),
                     Purpose::Fixes(..) => None,
                 };
                 let epoch = self
                     .epoch
                     .get_or_insert_with(|| Epoch::new(at, tow, counter));
+                if let Purpose::Imu(imu) = &self.purpose
+                    && let Some(startup) = epoch::startup(kind, payload)
+                {
+                    epoch.exact = imu.sensors.at_startup(startup);
+                }
                 if epoch.add(kind, payload).is_none() && matches!(self.purpose, Purpose::Fixes(..))
                 {
                     let detail = format!("{} of {} bytes", name(kind), payload.len());
@@ -274,10 +279,6 @@ impl Imu {
         Ok(())
     }
 
-    fn counter(&self) -> Option<f64> {
-        self.sensors.counter()
-    }
-
     fn tie(
         &mut self,
         epoch: &Epoch,
@@ -285,14 +286,11 @@ impl Imu {
         path: &Path,
         ready: &mut Ready,
     ) -> Result<(), ReadError> {
-        let startup = epoch.startup.filter(|_| self.sensors.is_calibrated());
-        let exact = startup.map(|startup| f64::from(startup) * 1e-3);
-        let Some(counter) = exact.or(epoch.counter) else {
+        let exact = epoch.exact.is_some();
+        let Some(counter) = epoch.exact.or(epoch.counter) else {
             return Ok(());
         };
-        let tied = self
-            .clock
-            .tie(counter, time, exact.is_some(), &mut give(ready));
+        let tied = self.clock.tie(counter, time, exact, &mut give(ready));
         tied.map_err(|clock::TooLate| {
             ReadError::new(
                 path,

@@ -9,6 +9,8 @@ form, is exact.
 drive.ubx: 4 Hz of NAV-PVT, NAV-HPPOSLLH, NAV-COV, NAV-STATUS and NAV-EOE across the end of a week, sent 30 ms after their epoch, and
 ESF-RAW at 20 Hz with a counter that is 0.5 % slow and wraps; NMEA and other bytes between. The last sample before a
 navigation message is always the one of the epoch's own time: the samples' times come out without a delay.
+raw.ubx: ESF-RAW of ten samples each and, in its first word, milliseconds since startup, with NAV-STATUS and
+NAV-PVT between.
 sensors.ubx: ESF-MEAS with rates and specific forces in messages of their own, calibrated to the milliseconds of NAV-STATUS.
 old.ubx: NAV-POSLLH, NAV-VELNED and NAV-SOL of receivers before NAV-PVT.
 """
@@ -119,12 +121,14 @@ def sensors():
     out, samples = bytearray(), []
     for k in range(240):
         startup = 4_000_000 + 100 * k
-        time = (START_MS + 100 * k - 1_234) / 1000
+        # In the middle of the tags.
+        time = (START_MS + 100 * k - 1_234.5) / 1000
         axes = rates(k)
-        for kinds, values in (((14, 13, 5, 12), (*axes[:3], 2_534)), ((16, 17, 18), axes[3:])):
+        # The receivers tag specific forces 5 ms after the rates, but send them first.
+        for kinds, values, tag in (((16, 17, 18), axes[3:], startup + 2), ((14, 13, 5, 12), (*axes[:3], 2_534), startup - 3)):
             flags = len(values) << 11 | 8
             data = b"".join(word(kind, value) for kind, value in zip(kinds, values))
-            out += message("ESF-MEAS", struct.pack("<IHH", 100 * k, flags, 0) + data + struct.pack("<I", startup))
+            out += message("ESF-MEAS", struct.pack("<IHH", 100 * k, flags, 0) + data + struct.pack("<I", tag))
         # Wheel ticks alone are no inertial sample.
         out += message("ESF-MEAS", struct.pack("<IHH", 100 * k, 1 << 11, 0) + word(10, k))
         samples.append(sample_row(time, axes))
@@ -134,6 +138,27 @@ def sensors():
             out += message("NAV-PVT", pvt(ms, 0))
     (HERE / "sensors.ubx").write_bytes(out)
     table("sensors.csv", ["t_s", "gx_radps", "gy_radps", "gz_radps", "ax_mps2", "ay_mps2", "az_mps2"], samples)
+
+
+def raw():
+    """Samples every 9.9 ms by a counter that is 1.5 % fast, ten to a message, as an M8L sends them."""
+    out, samples, kinds = bytearray(), [], (16, 17, 18, 14, 13, 5, 12)
+    for block in range(130):
+        data = b""
+        for k in range(10 * block, 10 * block + 10):
+            tag = struct.pack("<I", 781_070 + round(k * 0.0099 * 1.015 / RAW_TICK))
+            axes = rates(k)
+            values = (*axes[3:], *axes[:3], 2_534)
+            data += b"".join(word(kind, value) + tag for kind, value in zip(kinds, values))
+            if block % 10 == 0:
+                samples.append([k, *sample_row((START_MS + 9.9 * k) / 1000, axes)])
+        out += message("ESF-RAW", struct.pack("<I", 37_815 + 99 * block) + data)
+        if block % 5 == 0:
+            # The epoch of 40 ms after the message's first sample.
+            ms = START_MS + 99 * block + 40
+            out += message("NAV-STATUS", status(ms, block, 37_855 + 99 * block)) + message("NAV-PVT", pvt(ms, 0))
+    (HERE / "raw.ubx").write_bytes(out)
+    table("raw.csv", ["sample", "t_s", "gx_radps", "gy_radps", "gz_radps", "ax_mps2", "ay_mps2", "az_mps2"], samples)
 
 
 def old():
@@ -181,6 +206,7 @@ def read_back(name, clean, table_name, kinds):
 
 
 sensors()
+raw()
 counts = read_back("drive.ubx", drive(), "fixes.csv", ["NAV-PVT", "NAV-HPPOSLLH", "NAV-COV"])
 counts += read_back("old.ubx", old(), "old.csv", ["NAV-POSLLH", "NAV-VELNED", "NAV-SOL"])
 table("messages.csv", ["file", "message", "count"], counts)

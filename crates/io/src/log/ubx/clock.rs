@@ -9,7 +9,10 @@
 //! stamped too early by it, and is what the time offset of a drive file is for.
 //!
 //! NAV-STATUS tells milliseconds since startup next to the time of week. Where the sensor messages
-//! are calibrated to that counter, the ties are these pairs and exact.
+//! are calibrated to that counter, the ties are these pairs and exact. So they are for ESF-RAW of
+//! receivers that fill its first word, reserved by the interface descriptions, with the
+//! milliseconds since startup of its first measurement: it is believed where it is within a second
+//! of NAV-STATUS.
 //!
 //! Before the first ten seconds of ties, samples are held back. In a file without a fix, or after
 //! ten minutes of samples without one, the times are those of the counter at its nominal rate.

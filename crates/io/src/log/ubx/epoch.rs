@@ -41,6 +41,11 @@ pub(super) fn time_of_week(kind: [u8; 2], payload: &[u8]) -> Option<u32> {
     }
 }
 
+/// Milliseconds since startup, of NAV-STATUS.
+pub(super) fn startup(kind: [u8; 2], payload: &[u8]) -> Option<u32> {
+    (kind == STATUS).then(|| u4(payload, 12))?
+}
+
 /// Continues the time of week past the week's end.
 #[derive(Default)]
 pub(super) struct Weeks {
@@ -69,8 +74,8 @@ pub(super) struct Epoch {
     pub(super) time_of_week: u32,
     /// The sensors' counter when its first message came [s].
     pub(super) counter: Option<f64>,
-    /// The receiver's time since startup [ms].
-    pub(super) startup: Option<u32>,
+    /// The sensors' counter at its time [s], where the messages tell that.
+    pub(super) exact: Option<f64>,
     /// What NAV-PVT's fraction of the second adds to it [s].
     fraction: f64,
     /// Whether there is a fix by satellites, and of what quality; `None` where no message says so.
@@ -132,7 +137,6 @@ impl Epoch {
                     quality(flags, u1(payload, 7)? >> 6),
                 );
                 self.fix.get_or_insert(said);
-                self.startup = u4(payload, 12);
             }
             SOL => {
                 let flags = u1(payload, 11)?;

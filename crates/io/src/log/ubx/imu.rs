@@ -17,8 +17,9 @@ pub(super) const MEAS: [u8; 2] = [0x10, 0x02];
 const RAW_TICK: f64 = 39.0625e-6;
 /// What a tag of ESF-MEAS counts [s].
 const MEAS_TICK: f64 = 1e-3;
-/// Rates and specific forces of one sample may be tagged this far apart [s].
-const APART: f64 = 5e-3;
+/// Rates and specific forces of one sample may be tagged this far apart [s]: in ESF-MEAS they come
+/// in two messages, some 5 ms apart at 10 Hz.
+const APART: f64 = 10e-3;
 
 /// A sample without its time.
 #[derive(Clone, Copy)]
@@ -73,12 +74,20 @@ pub(super) struct Sensors {
     counter: Option<f64>,
     /// Whether the tags are the receiver's milliseconds since startup.
     calibrated: bool,
+    /// Of the last ESF-RAW: the counter of its first measurement [s], and the word before that.
+    begun: Option<(f64, u32)>,
 }
 
 impl Sensors {
-    /// Whether the counter is the receiver's time since startup.
-    pub(super) fn is_calibrated(&self) -> bool {
-        self.calibrated
+    /// The counter [s] at a time since startup [ms] of about the last message, where the messages
+    /// tell.
+    pub(super) fn at_startup(&self, startup: u32) -> Option<f64> {
+        if self.calibrated {
+            return Some(f64::from(startup) * MEAS_TICK);
+        }
+        let (counter, begun) = self.begun?;
+        let since = (f64::from(startup) - f64::from(begun)) * 1e-3;
+        (since.abs() < 1.0).then_some(counter + since)
     }
 
     /// Whether a message has another counter than those before it; starts again with it if so.
@@ -109,12 +118,16 @@ impl Sensors {
         mut give: impl FnMut(f64, Reading),
     ) -> u64 {
         let mut dropped = 0;
+        let mut first = true;
         for (word, tag) in measurements(kind, payload) {
             let Some((is_gyro, axis, value)) = inertial(word) else {
                 continue;
             };
             let counter = self.count(kind, tag) as f64 * tick(kind);
             self.counter = Some(counter);
+            if std::mem::take(&mut first) && kind == RAW {
+                self.begun = u4(payload, 0).map(|startup| (counter, startup));
+            }
             let triad = if is_gyro {
                 &mut self.gyro
             } else {
@@ -135,8 +148,9 @@ impl Sensors {
                 *old = Triad::default();
                 continue;
             }
+            let middle = 0.5 * (self.gyro.counter + self.accel.counter);
             (self.gyro, self.accel) = Default::default();
-            give(counter, Reading { at, gyro, accel });
+            give(middle, Reading { at, gyro, accel });
         }
         dropped
     }
