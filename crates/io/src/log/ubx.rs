@@ -12,6 +12,7 @@ mod frames;
 mod imu;
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::receiver::{Ready, by_steps, check};
@@ -174,39 +175,7 @@ impl Reader {
         let step = self.frames.step();
         let at = self.frames.number();
         match step {
-            Step::Message(kind, range) => {
-                let tow = epoch::time_of_week(kind, self.frames.payload(range.clone()));
-                let goes_on = self.epoch.as_ref().map(|epoch| epoch.time_of_week) == tow;
-                if kind == NAV_EOE || (tow.is_some() && !goes_on) {
-                    self.end_epoch(ready)?;
-                }
-                let payload = self.frames.payload(range);
-                if let Purpose::Imu(imu) = &mut self.purpose
-                    && let Some(stream) = imu_stream(kind)
-                {
-                    return imu
-                        .message(at, stream, kind, payload, &self.path, ready)
-                        .map(|()| true);
-                }
-                let Some(tow) = tow else { return Ok(true) };
-                let counter = match &self.purpose {
-                    Purpose::Imu(imu) => imu.sensors.counter(),
-                    Purpose::Fixes(..) => None,
-                };
-                let epoch = self
-                    .epoch
-                    .get_or_insert_with(|| Epoch::new(at, tow, counter));
-                if let Purpose::Imu(imu) = &self.purpose
-                    && let Some(startup) = epoch::startup(kind, payload)
-                {
-                    epoch.exact = imu.sensors.at_startup(startup);
-                }
-                if epoch.add(kind, payload).is_none() && matches!(self.purpose, Purpose::Fixes(..))
-                {
-                    let detail = format!("{} of {} bytes", name(kind), payload.len());
-                    ready.skip(at, SkipKind::MissingField, detail);
-                }
-            }
+            Step::Message(kind, range) => self.message(at, kind, range, ready)?,
             Step::Damaged => ready.skip(at, SkipKind::Damaged, "no message behind B5 62"),
             Step::End => {
                 self.end_epoch(ready)?;
@@ -220,6 +189,46 @@ impl Reader {
             }
         }
         Ok(true)
+    }
+
+    fn message(
+        &mut self,
+        at: u64,
+        kind: [u8; 2],
+        range: Range<usize>,
+        ready: &mut Ready,
+    ) -> Result<(), ReadError> {
+        let tow = epoch::time_of_week(kind, self.frames.payload(range.clone()));
+        let current = self.epoch.as_ref().map(|epoch| epoch.time_of_week);
+        if kind == NAV_EOE || (tow.is_some() && tow != current) {
+            self.end_epoch(ready)?;
+        }
+        let payload = self.frames.payload(range);
+        let imu = match &mut self.purpose {
+            Purpose::Imu(imu) => Some(imu),
+            Purpose::Fixes(..) => None,
+        };
+        if let (Some(stream), Some(imu)) = (imu_stream(kind), imu) {
+            return imu.message(at, stream, kind, payload, &self.path, ready);
+        }
+        let Some(tow) = tow else { return Ok(()) };
+        let epoch = self.epoch.get_or_insert_with(|| Epoch::new(at, tow));
+        let whole = epoch.add(kind, payload).is_some();
+        match &self.purpose {
+            Purpose::Imu(imu) => {
+                epoch.counter = epoch.counter.or(imu.sensors.counter());
+                let startup = epoch::startup(kind, payload);
+                epoch.exact = startup
+                    .and_then(|startup| imu.sensors.at_startup(startup))
+                    .or(epoch.exact);
+            }
+            Purpose::Fixes(..) if !whole => {
+                let detail = format!("{} of {} bytes", name(kind), payload.len());
+                ready.skip(at, SkipKind::MissingField, detail);
+            }
+            Purpose::Fixes(..) => {}
+        }
+        Ok(())
     }
 
     /// Makes of the epoch's messages what is wanted.

@@ -4,8 +4,8 @@ python3 -m venv venv && venv/bin/pip install pynmeagps==1.1.8 && venv/bin/python
 
 The sentences are pynmeagps's, and so are the values of fixes.csv: what its own parser makes of them. Times are closed form.
 
-drive.nmea: 5 Hz across the end of a GPS week, RMC, VTG, GGA, GST, GLL in the order of u-blox receivers, all fix indicators, and in
-between damaged sentences, other lines and binary bytes.
+drive.nmea: 5 Hz across the end of a GPS week, RMC, VTG, GGA and GST in the order of u-blox receivers, all fix
+indicators, and in between damaged sentences, other lines and binary bytes.
 undated.nmea: GGA alone, 1 Hz across midnight.
 late.nmea: GGA across midnight, its date told by a ZDA only after it.
 """

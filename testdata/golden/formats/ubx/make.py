@@ -6,9 +6,9 @@ The frames and their checksums are pyubx2's; the values of fixes.csv and message
 messages before anything else is put between them. The payloads are packed here by the interface descriptions, from integers, so that samples.csv, their closed
 form, is exact.
 
-drive.ubx: 4 Hz of NAV-PVT, NAV-HPPOSLLH, NAV-COV, NAV-STATUS and NAV-EOE across the end of a week, sent 30 ms after their epoch, and
-ESF-RAW at 20 Hz with a counter that is 0.5 % slow and wraps; NMEA and other bytes between. The last sample before a
-navigation message is always the one of the epoch's own time: the samples' times come out without a delay.
+drive.ubx: 4 Hz of NAV-PVT, NAV-HPPOSLLH, NAV-COV, NAV-STATUS and NAV-EOE across the end of a week, and ESF-RAW at 20 Hz
+with a counter that is 0.5 % slow and wraps; NMEA and other bytes between. An epoch's messages come right behind the
+sample of its time, so that the samples' times come out without a delay.
 raw.ubx: ESF-RAW of ten samples each and, in its first word, milliseconds since startup, with NAV-STATUS and
 NAV-PVT between.
 sensors.ubx: ESF-MEAS with rates and specific forces in messages of their own, calibrated to the milliseconds of NAV-STATUS.

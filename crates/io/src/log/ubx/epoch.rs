@@ -2,9 +2,11 @@
 //!
 //! Positions are taken from NAV-HPPOSLLH before NAV-PVT before NAV-POSLLH, velocities from NAV-PVT
 //! before NAV-VELNED; a covariance of NAV-COV goes before the accuracies of the messages
-//! themselves. hAcc is that of the horizontal position, a distance in the plane: north and east get
-//! hAcc/√2 each. sAcc is that of the speed, along the velocity wherever it points: each axis gets
-//! all of it.
+//! themselves.
+//!
+//! hAcc is that of the horizontal position, √(σ_n² + σ_e²): north and east get hAcc/√2 each. sAcc is
+//! that of the speed, along a velocity that is mostly horizontal: north and east get all of it, and
+//! down more by as much as the position is worse there, since both see the same satellites.
 
 use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::{FixQuality, Position};
@@ -88,11 +90,10 @@ pub(super) struct Epoch {
 }
 
 impl Epoch {
-    pub(super) fn new(at: u64, time_of_week: u32, counter: Option<f64>) -> Self {
+    pub(super) fn new(at: u64, time_of_week: u32) -> Self {
         Self {
             at,
             time_of_week,
-            counter,
             ..Self::default()
         }
     }
@@ -171,6 +172,7 @@ impl Epoch {
         let [position, velocity] = names;
         let position = chosen(&self.positions, POSITIONS, position);
         let velocity = chosen(&self.velocities, VELOCITIES, velocity);
+        let worse_down = position.map_or(1.0, |(_, std)| (std.z / std.x).max(1.0));
         let position = match position {
             Some((place, std)) if ready.is_a_place(self.at, place) => {
                 let covariance = self.usable(0, *std, ready);
@@ -178,8 +180,10 @@ impl Epoch {
             }
             _ => None,
         };
-        let velocity =
-            velocity.map(|(v_n, std)| (*v_n, self.usable(1, Vector3::repeat(*std), ready)));
+        let velocity = velocity.map(|(v_n, std)| {
+            let std = Vector3::new(*std, *std, std * worse_down);
+            (*v_n, self.usable(1, std, ready))
+        });
         let quality = self
             .fix
             .map_or_else(Default::default, |(_, quality)| quality);
@@ -208,7 +212,7 @@ impl Epoch {
             }
             ready.skip(self.at, SkipKind::Uncertainty, "a covariance of NAV-COV");
         }
-        if std.iter().all(|s| *s > 0.0) {
+        if std.iter().all(|s| (s * s).is_normal()) {
             return Some(Matrix3::from_diagonal(&std.component_mul(&std)));
         }
         ready.skip(self.at, SkipKind::Uncertainty, "an accuracy of 0");

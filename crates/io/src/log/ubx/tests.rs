@@ -91,8 +91,11 @@ fn the_messages_of_an_epoch_are_one_fix() {
         if row["NAV-COV.posCovValid"].is_some() {
             assert_eq!(covariance.unwrap(), cov("vel"));
         } else {
-            let variance = (get("NAV-PVT.sAcc") * 1e-3).powi(2);
-            assert!((covariance.unwrap() - Matrix3::identity() * variance).amax() < ROUNDING);
+            let each = get("NAV-PVT.sAcc") * 1e-3;
+            let down = each * of("vAcc") / (of("hAcc") / 2f64.sqrt());
+            let expected = Vector3::new(each, each, down).map(|std| std * std);
+            let expected = Matrix3::from_diagonal(&expected);
+            assert!((covariance.unwrap() - expected).amax() < ROUNDING);
         }
 
         let quality = match (get("NAV-PVT.carrSoln") as u8, get("NAV-PVT.diffSoln") as u8) {
@@ -249,7 +252,10 @@ fn receivers_before_nav_pvt_and_names_of_messages() {
         assert!(near(covariance.unwrap()[(0, 0)], 2.5 * 2.5 / 2.0));
         let (velocity, covariance) = fix.velocity.unwrap();
         assert!(near(velocity.x, row["NAV-VELNED.velN"].unwrap() * 1e-2));
-        assert!(near(covariance.unwrap()[(2, 2)], 0.45 * 0.45));
+        assert!(near(covariance.unwrap()[(0, 0)], 0.45 * 0.45));
+        // hAcc 2.5 m is 1.77 m for each axis, vAcc is 3.6 m.
+        let down = 0.45 * 3.6 / (2.5 / 2f64.sqrt());
+        assert!(near(covariance.unwrap()[(2, 2)], down * down));
         let differential = row["NAV-SOL.diffSoln"] == Some(1.0);
         assert_eq!(fix.quality == FixQuality::Differential, differential);
     }
