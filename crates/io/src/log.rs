@@ -11,6 +11,7 @@ mod gpx;
 mod mcap;
 mod navego;
 mod nmea;
+mod receiver;
 mod ros;
 mod ubx;
 mod ulog;
@@ -175,7 +176,10 @@ impl Log {
         Ok(Self {
             path: path.to_path_buf(),
             entries: entries(path, source, format, wanted)?,
-            skipped: Skipped::default(),
+            skipped: match format {
+                Format::Nmea | Format::Gpx => Skipped::default(),
+                _ => Skipped::of_messages(),
+            },
         })
     }
 
@@ -208,9 +212,22 @@ impl Log {
     }
 }
 
-/// The format of a log by the start of its content.
-pub(crate) fn detect(_start: &[u8]) -> Option<Format> {
-    None
+/// The format of a log by the start of its content: those with a mark at their beginning first, then
+/// text that may hold stray bytes of others.
+pub(crate) fn detect(start: &[u8]) -> Option<Format> {
+    let formats: [(Format, fn(&[u8]) -> bool); 7] = [
+        (Format::RosBag, bag::detect),
+        (Format::Mcap, mcap::detect),
+        (Format::ULog, ulog::detect),
+        (Format::NaveGo, navego::detect),
+        (Format::Gpx, gpx::detect),
+        (Format::Nmea, nmea::detect),
+        (Format::Ubx, ubx::detect),
+    ];
+    formats
+        .into_iter()
+        .find(|(_, detect)| detect(start))
+        .map(|(format, _)| format)
 }
 
 fn entries(

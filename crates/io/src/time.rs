@@ -119,7 +119,7 @@ fn day_of(year: i64, month: i64, day: i64) -> Option<i64> {
 }
 
 /// Seconds of day of `hh:mm:ss.sss`; the second may be 60.
-fn time_of_day(field: &[u8]) -> Option<f64> {
+pub(crate) fn time_of_day(field: &[u8]) -> Option<f64> {
     let mut parts = field.split(|&byte| byte == b':');
     let (hour, minute) = (whole(parts.next()?)?, whole(parts.next()?)?);
     let second = number::parse(parts.next()?)?;
@@ -131,7 +131,7 @@ fn time_of_day(field: &[u8]) -> Option<f64> {
 }
 
 /// A whole number of at most four digits.
-fn whole(field: &[u8]) -> Option<i64> {
+pub(crate) fn whole(field: &[u8]) -> Option<i64> {
     if field.is_empty() || field.len() > 4 {
         return None;
     }

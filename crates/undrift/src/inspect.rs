@@ -119,7 +119,15 @@ pub fn inspect(path: &Path) -> Result<Inspection, ReadError> {
         Format::KfGins => vec![Part::new(kf_gins(path)?, Vec::new())],
         log => {
             let streams = log::streams(path, log)?;
-            let parts = of_streams(&streams);
+            let mut parts = of_streams(&streams);
+            if log == Format::Nmea
+                && let Some(part) = parts.first_mut()
+            {
+                let why =
+                    "guessed: NMEA does not tell; large for the vertical speed, which it lacks";
+                part.lines
+                    .push(Line::text("velocity_std", "0.2, 0.2, 20 m/s", why));
+            }
             inspection.streams = streams
                 .into_iter()
                 .map(|stream| (stream.name, stream.messages, stream.about))

@@ -17,3 +17,7 @@ pub(super) fn entries(
 pub(super) fn streams(path: &Path, _source: Source) -> Result<Vec<Stream>, ReadError> {
     Err(ReadError::new(path, "not read yet"))
 }
+
+pub(crate) fn detect(_start: &[u8]) -> bool {
+    false
+}
