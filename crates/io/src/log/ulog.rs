@@ -9,8 +9,8 @@
 //! * Fixes: `vehicle_gps_position`, `sensor_gps`. Fix types 3 (single), 4 (differential), 5 (float)
 //!   and 6 (fixed) are read. `eph` is taken for the standard deviation of north and of east each,
 //!   `epv` for that of the height, `s_variance_m_s`, which is none, for that of each component of
-//!   the velocity; zero or not finite is unknown. The height is that above the ellipsoid where the
-//!   topic has it, else that above mean sea level.
+//!   the velocity; zero or not finite is unknown. The height is that above the ellipsoid where it is
+//!   set, that is not 0, else that above mean sea level.
 //! * Positions: `vehicle_global_position` with the velocity of the `vehicle_local_position` before it
 //!   that has the same time.
 //!

@@ -313,26 +313,19 @@ impl Velocity {
 struct Place3 {
     lat: Place,
     lon: Place,
-    /// Above the ellipsoid where the topic has that, else above mean sea level.
-    height: Place,
+    /// Height above the ellipsoid, 0 where the publisher does not set it, and above mean sea level.
+    heights: [Option<Place>; 2],
 }
 
 impl Place3 {
     fn new(layout: &Layout) -> Result<Self, &'static str> {
-        let any = |names: &[&'static str]| {
-            let found = names.iter().find_map(|name| layout.number(name));
-            found.ok_or(names.first().copied().unwrap_or_default())
-        };
-        let heights = [
-            "altitude_ellipsoid_m",
-            "alt_ellipsoid",
-            "altitude_msl_m",
-            "alt",
-        ];
+        let any = |names: [&'static str; 2]| names.into_iter().find_map(|n| layout.number(n));
+        let ellipsoid = any(["altitude_ellipsoid_m", "alt_ellipsoid"]);
+        let sea_level = any(["altitude_msl_m", "alt"]);
         Ok(Self {
-            lat: any(&["latitude_deg", "lat"])?,
-            lon: any(&["longitude_deg", "lon"])?,
-            height: any(&heights)?,
+            lat: any(["latitude_deg", "lat"]).ok_or("lat")?,
+            lon: any(["longitude_deg", "lon"]).ok_or("lon")?,
+            heights: [Some(ellipsoid.or(sea_level).ok_or("alt")?), sea_level],
         })
     }
 
@@ -347,7 +340,10 @@ impl Place3 {
             }
         };
         let (lat, lon) = (scaled(self.lat, 1e-7), scaled(self.lon, 1e-7));
-        let height = scaled(self.height, 1e-3);
+        let heights = self.heights.iter().flatten();
+        let mut heights = heights.map(|place| scaled(*place, 1e-3));
+        let set = |height: &f64| height.is_finite() && *height != 0.0;
+        let height = heights.find(set).unwrap_or(0.0);
         let place = Geodetic::from_degrees(lat, lon, height);
         if is_a_fix(&place) {
             Ok(place)
