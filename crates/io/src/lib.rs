@@ -12,6 +12,8 @@ pub mod gnss;
 pub mod imu;
 pub mod log;
 pub mod number;
+#[cfg(feature = "parquet")]
+pub mod parquet;
 pub mod rtklib;
 pub mod scalar;
 pub mod skipped;

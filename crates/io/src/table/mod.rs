@@ -21,6 +21,8 @@
 mod fields;
 mod header;
 pub use header::header_names;
+#[cfg(feature = "parquet")]
+pub(crate) use header::places;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -30,8 +32,7 @@ use crate::lines::{Lines, MAX_LINE, Step};
 use crate::skipped::{SkipKind, Skipped};
 use crate::source::{self, Source};
 
-use fields::Defect;
-pub(crate) use fields::{Delimiter, shown};
+pub(crate) use fields::{Defect, Delimiter, shown};
 
 /// Which column is meant.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -212,13 +213,18 @@ impl Table {
         if self.rows_read > 0 {
             return Ok(());
         }
-        let problem = if self.rows_seen == 0 {
-            "no row of data"
-        } else {
-            "no row with a number in every wanted column"
-        };
-        Err(ReadError::new(&self.path, problem).mend(self.skipped.to_string().replace('\n', "; ")))
+        Err(no_rows(&self.path, self.rows_seen, &self.skipped))
     }
+}
+
+/// Why a table without one usable row cannot be used.
+pub(crate) fn no_rows(path: &Path, seen: u64, skipped: &Skipped) -> ReadError {
+    let problem = if seen == 0 {
+        "no row of data"
+    } else {
+        "no row with a number in every wanted column"
+    };
+    ReadError::new(path, problem).mend(skipped.to_string().replace('\n', "; "))
 }
 
 /// Whether a line is neither blank nor a comment.

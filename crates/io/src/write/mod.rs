@@ -1,6 +1,8 @@
-//! Writing results: the solution as CSV, numbers with fixed decimals, files that appear whole.
+//! Writing results: the solution as CSV or Parquet, numbers with fixed decimals, files that appear whole.
 
 mod fixed;
+#[cfg(feature = "parquet")]
+pub mod parquet;
 mod pending;
 pub mod solution;
 

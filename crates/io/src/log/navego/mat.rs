@@ -143,11 +143,6 @@ impl Variables {
         })
     }
 
-    /// Number of the variable read last, the first is 1.
-    pub(super) fn number(&self) -> u64 {
-        self.number
-    }
-
     /// The next variable; `Err` says how the file is damaged, after which there is no more.
     pub(super) fn next(&mut self) -> Result<Option<Variable>, String> {
         loop {

@@ -1,6 +1,5 @@
 //! The rows of a structure's vectors as entries.
 
-use undrift_nav::attitude;
 use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::{FixQuality, Position, TruthSample};
 use undrift_nav::{Matrix3, Vector3};
