@@ -5,7 +5,7 @@ use undrift_nav::sample::{FixQuality, Position, TruthSample};
 use undrift_nav::{Matrix3, Vector3};
 
 use super::mat::{Numbers, Variable};
-use crate::gnss::is_a_fix;
+use crate::gnss::{independent, is_a_fix};
 use crate::log::{Entry, Fix, ImuReading, StreamKind, What};
 use crate::skipped::SkipKind;
 
@@ -178,7 +178,7 @@ impl Rows {
                     } else {
                         std.three(0, 1)
                     };
-                    diagonal(&Vector3::from(std))
+                    independent(&Vector3::from(std))
                 };
                 let velocity = velocity.as_ref().map(vector).filter(finite);
                 What::Fix(Fix {
@@ -239,13 +239,6 @@ fn place_of(place: &[Numbers; 3], index: usize) -> Result<Geodetic, String> {
     }
     let (lat, lon) = (lat.to_degrees(), lon.to_degrees());
     Err(format!("{lat}°, {lon}°, {height} m"))
-}
-
-/// Covariance of independent components; `None` where a standard deviation is unusable.
-fn diagonal(std: &Vector3) -> Option<Matrix3> {
-    let usable = |s: &f64| s.is_finite() && *s > 0.0 && (s * s).is_normal();
-    let usable = std.iter().all(usable);
-    usable.then(|| Matrix3::from_diagonal(&std.component_mul(std)))
 }
 
 /// Roll, pitch and yaw of a matrix from navigation to body axes, column by column.

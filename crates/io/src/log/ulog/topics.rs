@@ -5,7 +5,7 @@ use undrift_nav::sample::{FixQuality, Position, TruthSample};
 use undrift_nav::{Matrix3, Vector3};
 
 use super::layout::{Layout, Place};
-use crate::gnss::is_a_fix;
+use crate::gnss::{independent, is_a_fix};
 use crate::log::{Fix, ImuReading, StreamKind, What};
 use crate::skipped::SkipKind;
 
@@ -223,7 +223,7 @@ impl Gps {
         };
         let covariance = self.std.and_then(|[horizontal, vertical]| {
             let (h, v) = (horizontal.read(message), vertical.read(message));
-            diagonal(&Vector3::new(h, h, v))
+            independent(&Vector3::new(h, h, v))
         });
         let valid = self.velocity_valid.is_none_or(|v| v.read(message) != 0.0);
         let velocity = self
@@ -233,7 +233,7 @@ impl Gps {
             .filter(|velocity| velocity.iter().all(|v| v.is_finite()))
             .map(|velocity| {
                 let std = self.velocity_std.map_or(f64::NAN, |s| s.read(message));
-                (velocity, diagonal(&Vector3::repeat(std)))
+                (velocity, independent(&Vector3::repeat(std)))
             });
         What::Fix(Fix {
             time: self.time.read(message),
@@ -356,11 +356,4 @@ impl Place3 {
 fn together(layout: &Layout, names: [&str; 3]) -> Option<[Place; 3]> {
     let [x, y, z] = names.map(|name| layout.number(name));
     Some([x?, y?, z?])
-}
-
-/// Covariance of independent components; `None` where a standard deviation is unusable.
-fn diagonal(std: &Vector3) -> Option<Matrix3> {
-    let usable = |s: &f64| s.is_finite() && *s > 0.0 && (s * s).is_normal();
-    let usable = std.iter().all(usable);
-    usable.then(|| Matrix3::from_diagonal(&std.component_mul(std)))
 }
