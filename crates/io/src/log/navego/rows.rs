@@ -1,8 +1,8 @@
 //! The rows of a structure's vectors as entries.
 
+use undrift_nav::Vector3;
 use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::{FixQuality, Position, TruthSample};
-use undrift_nav::{Matrix3, Vector3};
 
 use super::mat::{Numbers, Variable};
 use crate::gnss::{independent, is_a_fix};

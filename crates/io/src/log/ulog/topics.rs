@@ -1,8 +1,8 @@
 //! The topics that are read, as PX4's message definitions have them over the years.
 
+use undrift_nav::Vector3;
 use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::{FixQuality, Position, TruthSample};
-use undrift_nav::{Matrix3, Vector3};
 
 use super::layout::{Layout, Place};
 use crate::gnss::{independent, is_a_fix};
