@@ -13,6 +13,8 @@ pub mod imu;
 pub mod layouts;
 pub mod log;
 pub mod number;
+#[cfg(feature = "parquet")]
+pub mod parquet;
 pub mod rtklib;
 pub mod scalar;
 pub mod skipped;

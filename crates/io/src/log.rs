@@ -215,19 +215,17 @@ impl Log {
 /// The format of a log by the start of its content: those with a mark at their beginning first, then
 /// text that may hold stray bytes of others.
 pub(crate) fn detect(start: &[u8]) -> Option<Format> {
-    let formats: [(Format, fn(&[u8]) -> bool); 7] = [
-        (Format::RosBag, bag::detect),
-        (Format::Mcap, mcap::detect),
-        (Format::ULog, ulog::detect),
-        (Format::NaveGo, navego::detect),
-        (Format::Gpx, gpx::detect),
-        (Format::Nmea, nmea::detect),
-        (Format::Ubx, ubx::detect),
+    let formats = [
+        (Format::RosBag, bag::detect(start)),
+        (Format::Mcap, mcap::detect(start)),
+        (Format::ULog, ulog::detect(start)),
+        (Format::NaveGo, navego::detect(start)),
+        (Format::Gpx, gpx::detect(start)),
+        (Format::Nmea, nmea::detect(start)),
+        (Format::Ubx, ubx::detect(start)),
     ];
-    formats
-        .into_iter()
-        .find(|(_, detect)| detect(start))
-        .map(|(format, _)| format)
+    let found = formats.into_iter().find(|(_, is)| *is);
+    found.map(|(format, _)| format)
 }
 
 fn entries(

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::fields::{Delimiter, Fields, shown};
-use super::{Column, TableOptions, starts_a_row};
+use super::{Column, Preview, TableOptions, starts_a_row};
 use crate::lines::{Lines, MAX_LINE, Step};
 use crate::number;
 use crate::skipped::{SkipKind, Skipped};
@@ -54,17 +54,17 @@ pub(super) fn find(
     match (&own, &above) {
         // Data with text in some column, under a comment that names the columns.
         (Some(own), Some(above)) if missing(own, options) && !missing(above, options) => {
-            let wanted = places(path, above, options)?;
+            let wanted = above.places(path, options)?;
             layout(delimiter, wanted, first_row())
         }
         (Some(own), _) => {
-            let wanted = places(path, own, options)?;
+            let wanted = own.places(path, options)?;
             // A line with a number wherever one is wanted by number is a row, not a header.
             let is_row = !named && reads_as_row(&first, delimiter, &wanted);
             layout(delimiter, wanted, first_row().filter(|_| is_row))
         }
         (None, Some(above)) => {
-            let wanted = places(path, above, options)?;
+            let wanted = above.places(path, options)?;
             layout(delimiter, wanted, first_row())
         }
         (None, None) if named => Err(no_header(path, lines.number(), options)),
@@ -166,30 +166,35 @@ fn missing(header: &Header, options: &TableOptions) -> bool {
     })
 }
 
-/// Index of every wanted column, in the order they are wanted.
-fn places(
+impl Header {
+    fn places(
+        &self,
+        path: &Path,
+        options: &TableOptions,
+    ) -> Result<Vec<(usize, usize)>, ReadError> {
+        places(path, &self.names, options).map_err(|error| error.at(self.line))
+    }
+}
+
+/// Every wanted column, in the order they are wanted: (index of the column, index in the row read).
+pub(crate) fn places(
     path: &Path,
-    header: &Header,
+    names: &[String],
     options: &TableOptions,
 ) -> Result<Vec<(usize, usize)>, ReadError> {
     let place = |(slot, (key, column)): (usize, &(String, Column))| {
-        let error = |problem: String| {
-            ReadError::new(path, problem)
-                .at(header.line)
-                .key(key)
-                .mend(listing(&header.names))
-        };
+        let error = |problem: String| ReadError::new(path, problem).key(key).mend(listing(names));
         let index = match column {
             Column::Number(number) => {
                 let index = index_of(path, key, *number)?;
-                if index >= header.names.len() {
-                    let has = header.names.len();
+                if index >= names.len() {
+                    let has = names.len();
                     return Err(error(format!("no column {number}, there are {has}")));
                 }
                 index
             }
             Column::Name(name) => {
-                let mut found = header.names.iter().enumerate();
+                let mut found = names.iter().enumerate();
                 let mut found = found
                     .by_ref()
                     .filter(|(_, present)| *present == name.trim());
@@ -268,7 +273,7 @@ fn listing(names: &[String]) -> String {
 ///
 /// # Errors
 /// If the file cannot be opened or has no line.
-pub fn header_names(path: &Path) -> Result<Vec<String>, ReadError> {
+pub(super) fn header_names(path: &Path) -> Result<Vec<String>, ReadError> {
     let mut lines = Lines::new(crate::source::open(path)?);
     let (first, comment) = first_line(path, &mut lines, &mut Skipped::default())?;
     let delimiter = Delimiter::detect(&first);
@@ -278,20 +283,11 @@ pub fn header_names(path: &Path) -> Result<Vec<String>, ReadError> {
     Ok(comment.map_or(Vec::new(), |(_, text)| comment_names(&text, None)))
 }
 
-/// The beginning of a table.
-#[derive(Clone, Debug, Default)]
-pub struct Preview {
-    /// Names of the columns; empty where nothing names them.
-    pub names: Vec<String>,
-    /// The first rows, of every column; NaN where there is no number.
-    pub rows: Vec<Vec<f64>>,
-}
-
 /// The names of the columns and up to `rows` rows of all of them.
 ///
 /// # Errors
 /// If the file cannot be opened or has no line.
-pub fn preview(path: &Path, rows: usize) -> Result<Preview, ReadError> {
+pub(super) fn preview(path: &Path, rows: usize) -> Result<Preview, ReadError> {
     let mut lines = Lines::new(crate::source::open(path)?);
     let (first, comment) = first_line(path, &mut lines, &mut Skipped::default())?;
     let delimiter = Delimiter::detect(&first);

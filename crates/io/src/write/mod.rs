@@ -1,7 +1,9 @@
-//! Writing results: the solution as CSV or MCAP, numbers with fixed decimals, files that appear whole.
+//! Writing results: the solution as CSV, MCAP or Parquet, numbers with fixed decimals, files that appear whole.
 
 mod fixed;
 pub mod mcap;
+#[cfg(feature = "parquet")]
+pub mod parquet;
 mod pending;
 pub mod solution;
 

@@ -10,7 +10,7 @@ use super::{PendingFile, write_fixed};
 
 /// Columns and their decimals: a latitude of 1e-11° is a micrometre; of sensor errors there are
 /// as many as a navigation-grade unit would need.
-const COLUMNS: [(&str, usize); 31] = [
+pub(super) const COLUMNS: [(&str, usize); 31] = [
     ("time_s", 4),
     ("lat_deg", 11),
     ("lon_deg", 11),
@@ -43,7 +43,8 @@ const COLUMNS: [(&str, usize); 31] = [
     ("accel_bias_y_std_mps2", 7),
     ("accel_bias_z_std_mps2", 7),
 ];
-const YAW: usize = 9;
+/// The column of the yaw.
+pub(super) const YAW: usize = 9;
 /// Lines are collected up to this size before they are written [bytes].
 const BLOCK: usize = 64 * 1024;
 
@@ -71,7 +72,7 @@ pub struct SolutionRow {
 
 impl SolutionRow {
     /// The numbers in the order and units of the columns.
-    fn values(&self) -> [f64; 31] {
+    pub(super) fn values(&self) -> [f64; 31] {
         let deg = f64::to_degrees;
         let (p, v, a) = (&self.position, &self.v_n, &self.rpy);
         let (g, f) = (&self.gyro_error, &self.accel_error);
