@@ -2,6 +2,7 @@
 
 mod demo;
 mod identify;
+mod model;
 mod montecarlo;
 mod navigate;
 mod outages;
@@ -24,6 +25,7 @@ struct Arguments {
 enum Verb {
     Demo(demo::Arguments),
     Identify(identify::Arguments),
+    Model(model::Arguments),
     Montecarlo(montecarlo::Arguments),
     Navigate(navigate::Arguments),
     Outages(outages::Arguments),
@@ -33,6 +35,7 @@ fn main() -> ExitCode {
     let result = match Arguments::parse().verb {
         Verb::Demo(arguments) => demo::run(&arguments),
         Verb::Identify(arguments) => identify::run(&arguments),
+        Verb::Model(arguments) => model::run(&arguments),
         Verb::Montecarlo(arguments) => montecarlo::run(&arguments),
         Verb::Navigate(arguments) => navigate::run(&arguments),
         Verb::Outages(arguments) => outages::run(&arguments),
