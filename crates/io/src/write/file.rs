@@ -111,7 +111,7 @@ pub struct SolutionOptions {
 /// Writes rows in a format as they come; memory does not grow.
 #[derive(Debug)]
 pub enum SolutionFile<W: Write = PendingFile> {
-    /// CSV; every row, whatever the options say.
+    /// CSV.
     Csv(SolutionWriter<W>),
     /// KF-GINS.
     KfGins(KfGinsWriter<W>),
@@ -159,7 +159,7 @@ impl<W: Write> SolutionFile<W> {
             return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
         }
         Ok(match format {
-            SolutionFormat::Csv => Self::Csv(SolutionWriter::new(out)?),
+            SolutionFormat::Csv => Self::Csv(SolutionWriter::new(out)?.every(every)),
             SolutionFormat::KfGins => Self::KfGins(KfGinsWriter::new(out, options)),
             SolutionFormat::Nmea => Self::Nmea(NmeaWriter::new(out, options, every)),
             SolutionFormat::Kml => Self::Kml(KmlWriter::new(out, options, every)),

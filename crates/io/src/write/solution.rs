@@ -7,6 +7,7 @@ use undrift_nav::Vector3;
 use undrift_nav::earth::Geodetic;
 
 use super::block::Block;
+use super::spans::Thinning;
 use super::text::write_turn;
 use super::{PendingFile, write_fixed};
 
@@ -140,6 +141,7 @@ impl SolutionRow {
 #[derive(Debug)]
 pub struct SolutionWriter<W: Write> {
     block: Block<W>,
+    thinning: Thinning,
 }
 
 impl SolutionWriter<PendingFile> {
@@ -174,7 +176,16 @@ impl<W: Write> SolutionWriter<W> {
             block.bytes.extend_from_slice(name.as_bytes());
         }
         block.bytes.push(b'\n');
-        Ok(Self { block })
+        Ok(Self {
+            block,
+            thinning: Thinning::new(0.0),
+        })
+    }
+
+    /// Leaves out rows that are closer than so many seconds, 0 or more.
+    pub(super) fn every(mut self, seconds: f64) -> Self {
+        self.thinning = Thinning::new(seconds);
+        self
     }
 
     /// Writes one row; what is not finite becomes `nan`.
@@ -182,6 +193,9 @@ impl<W: Write> SolutionWriter<W> {
     /// # Errors
     /// If `out` does not take it.
     pub fn write(&mut self, row: &SolutionRow) -> io::Result<()> {
+        if !self.thinning.takes(row.time) {
+            return Ok(());
+        }
         let buf = &mut self.block.bytes;
         for (k, (value, (_, decimals))) in row.values().into_iter().zip(COLUMNS).enumerate() {
             if k > 0 {
