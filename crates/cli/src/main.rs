@@ -3,6 +3,7 @@
 mod demo;
 mod identify;
 mod inspect;
+mod model;
 mod montecarlo;
 mod navigate;
 mod outages;
@@ -26,6 +27,7 @@ enum Verb {
     Demo(demo::Arguments),
     Identify(identify::Arguments),
     Inspect(inspect::Arguments),
+    Model(model::Arguments),
     Montecarlo(montecarlo::Arguments),
     Navigate(navigate::Arguments),
     Outages(outages::Arguments),
@@ -36,6 +38,7 @@ fn main() -> ExitCode {
         Verb::Demo(arguments) => demo::run(&arguments),
         Verb::Identify(arguments) => identify::run(&arguments),
         Verb::Inspect(arguments) => inspect::run(&arguments),
+        Verb::Model(arguments) => model::run(&arguments),
         Verb::Montecarlo(arguments) => montecarlo::run(&arguments),
         Verb::Navigate(arguments) => navigate::run(&arguments),
         Verb::Outages(arguments) => outages::run(&arguments),
