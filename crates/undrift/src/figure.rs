@@ -1,5 +1,6 @@
 //! Static figures as SVG.
 
+mod draw;
 pub mod panel;
 
 use crate::{consistency::GROUP, montecarlo::Report, outages::ModelRun, replay::Outage};
