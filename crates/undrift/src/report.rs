@@ -1,6 +1,7 @@
 //! Reports: a [`Document`] as data, one self-contained [`html`] file of it, and its [`figures`] as
 //! SVG and PNG.
 
+mod data;
 mod document;
 pub mod figures;
 pub mod html;
