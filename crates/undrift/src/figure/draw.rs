@@ -3,12 +3,13 @@
 use super::{
     COLOURS,
     panel::{Corner, Panel, Series, Style},
-    shapes::{Scale, Window, bar_slot, runs, tick},
+    shapes::{Scale, Window, bar_slot, runs},
 };
 use plotters::{
     coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged},
     element::{DashedPathElement, DynElement},
     prelude::*,
+    style::text_anchor::{HPos, Pos, VPos},
 };
 use std::{ops::Range, path::Path};
 
@@ -59,7 +60,11 @@ struct Frame<'a> {
     upright_names: bool,
 }
 
-const LABEL_WIDTH: u32 = 66;
+/// Room for the numbers of the y axis [pixel].
+const LABEL_WIDTH: u32 = 72;
+
+/// Letters of a name below the axis.
+const LONGEST_NAME: usize = 24;
 
 impl Panel {
     /// Draws the panel into a part of a figure.
@@ -89,7 +94,7 @@ impl Panel {
         let label_height = match (names.is_empty(), upright_names) {
             (true, _) => 38,
             (false, false) => 26,
-            (false, true) => longest.min(130) as u32 + 16,
+            (false, true) => longest.min((LONGEST_NAME + 1) * LETTER) as u32 + 16,
         };
         Ok(Frame {
             area,
@@ -112,11 +117,15 @@ impl Panel {
                 )])?;
             }
         }
-        let x_label = |v: &f64| match self.x.names.is_empty() {
-            true => tick(*v),
-            false => name_at(&self.x.names, *v),
+        let named = !self.x.names.is_empty();
+        let x_label = |v: &f64| {
+            if named {
+                String::new()
+            } else {
+                window.x.label(*v)
+            }
         };
-        let y_label = |v: &f64| tick(*v);
+        let y_label = |v: &f64| window.y.label(*v);
         let mut mesh = chart.configure_mesh();
         mesh.x_desc(&self.x.label)
             .y_desc(&self.y.label)
@@ -125,17 +134,11 @@ impl Panel {
             .label_style(("sans-serif", 13))
             .x_label_formatter(&x_label)
             .y_label_formatter(&y_label);
-        if !self.x.names.is_empty() {
+        if named {
             mesh.disable_x_mesh();
         }
-        if frame.upright_names {
-            mesh.x_label_style(
-                ("sans-serif", 13)
-                    .into_font()
-                    .transform(FontTransform::Rotate90),
-            );
-        }
         mesh.draw()?;
+        self.draw_names(frame, &window.x)?;
         for (i, series) in self.series.iter().enumerate() {
             let drawn = chart.draw_series(self.elements(i, series, window))?;
             if !series.name.is_empty() {
@@ -158,6 +161,30 @@ impl Panel {
                 .border_style(RGBColor(200, 200, 200))
                 .label_font(("sans-serif", 13))
                 .draw()?;
+        }
+        Ok(())
+    }
+
+    /// Writes the names below the axis.
+    fn draw_names(&self, frame: &Frame, scale: &Scale) -> Result<(), Failure> {
+        let (width, height) = frame.area.dim_in_pixel();
+        let (left, right) = (LABEL_WIDTH as i32, width as i32);
+        let top = height as i32 - frame.label_height as i32 + 9;
+        let font = ("sans-serif", 13).into_font();
+        let (font, across, below) = if frame.upright_names {
+            let upright = font.transform(FontTransform::Rotate270);
+            (upright, HPos::Right, VPos::Center)
+        } else {
+            (font, HPos::Center, VPos::Top)
+        };
+        let style = TextStyle::from(font).pos(Pos::new(across, below));
+        for (i, name) in self.x.names.iter().enumerate() {
+            let at = (scale.map(&(i as f64), (left, right)), top);
+            let shown = match name.char_indices().nth(LONGEST_NAME) {
+                Some((end, _)) => format!("{}…", &name[..end]),
+                None => name.clone(),
+            };
+            frame.area.draw(&Text::new(shown, at, style.clone()))?;
         }
         Ok(())
     }
@@ -258,12 +285,6 @@ impl Ranged for Scale {
     fn range(&self) -> Range<f64> {
         self.range.clone()
     }
-}
-
-/// The name of a whole number.
-fn name_at(names: &[String], value: f64) -> String {
-    let name = names.get(value.round().max(0.0) as usize);
-    name.cloned().unwrap_or_default()
 }
 
 /// The sample of a series beside its name.

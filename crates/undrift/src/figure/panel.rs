@@ -78,7 +78,13 @@ impl Axis {
         if low > high {
             (low, high) = (0.0, 1.0);
         }
-        let margin = (room * (high - low)).max(1e-12 * high.abs()).max(1e-300);
+        let margin = if high - low > 1e-12 * high.abs() {
+            room * (high - low)
+        } else if low == 0.0 || self.logarithmic {
+            1.0
+        } else {
+            1e-3 * low.abs()
+        };
         let (low, high) = (low - margin, high + margin);
         if self.logarithmic {
             10f64.powf(low)..10f64.powf(high)

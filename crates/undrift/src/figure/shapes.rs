@@ -28,6 +28,24 @@ impl Scale {
         }
     }
 
+    /// The text at a tick, with digits enough to tell it from the next.
+    pub fn label(&self, tick: f64) -> String {
+        let size = self.range.start.abs().max(self.range.end.abs());
+        let apart = match self.ticks[..] {
+            [first, second, ..] if !self.logarithmic => (second - first).abs(),
+            _ => size,
+        };
+        let digits = (size / apart).log10().ceil() + 1.0;
+        self::tick(
+            tick,
+            if digits > 6.0 {
+                digits.min(15.0) as usize
+            } else {
+                6
+            },
+        )
+    }
+
     /// The nearest value inside; a value that is none stays so.
     pub fn clamp(&self, value: f64) -> f64 {
         if value.is_nan() {
@@ -222,13 +240,14 @@ pub(super) fn log_ticks(range: &Range<f64>) -> Vec<f64> {
         .collect()
 }
 
-/// A number beside an axis: as many digits as it needs, at most seven.
-pub(crate) fn tick(value: f64) -> String {
-    // Ticks are sums of steps: seven digits leave the rounding behind.
-    let rounded: f64 = format!("{value:.6e}").parse().unwrap_or(value);
+/// A number beside an axis: as many digits as it needs, at most so many after the first.
+fn tick(value: f64, digits: usize) -> String {
+    // Ticks are sums of steps: few digits leave the rounding behind.
+    let rounded: f64 = format!("{value:.digits$e}").parse().unwrap_or(value);
     match rounded.abs() {
         0.0 => "0".to_owned(),
         1e-3..1e5 => format!("{rounded}"),
+        size if size >= 1.0 && digits > 6 => format!("{rounded}"),
         _ => format!("{rounded:e}"),
     }
 }
@@ -248,8 +267,15 @@ mod tests {
             (-2.5, "-2.5"),
             (3e6, "3e6"),
         ] {
-            assert_eq!(tick(value), text);
+            assert_eq!(tick(value, 6), text);
         }
+    }
+
+    #[test]
+    fn ticks_far_from_zero_are_told_apart() {
+        let scale = Scale::new(&Axis::new(""), 1e9..1e9 + 0.009);
+        let labels: Vec<String> = scale.ticks.iter().map(|t| scale.label(*t)).collect();
+        assert_eq!(labels[..2], ["1000000000", "1000000000.002"]);
     }
 
     #[test]
