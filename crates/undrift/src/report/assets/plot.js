@@ -173,12 +173,17 @@ class Plot {
   }
 
   refresh() {
-    const { width, height } = this.inner();
-    const [x, y] = this.ranges(width, height);
-    this.u.batch(() => {
-      this.u.setScale("x", { min: x[0], max: x[1] });
-      this.u.setScale("y", { min: y[0], max: y[1] });
-    });
+    // Other labels leave the plot another width, and then a map has another scale.
+    for (let round = 0; round < 4; round++) {
+      const { width, height } = this.inner();
+      const [x, y] = this.ranges(width, height);
+      this.u.batch(() => {
+        this.u.setScale("x", { min: x[0], max: x[1] });
+        this.u.setScale("y", { min: y[0], max: y[1] });
+      });
+      const after = this.inner();
+      if (!this.panel.scale || after.width === width && after.height === height) break;
+    }
     this.reset.hidden = !this.zoom;
   }
 
