@@ -88,8 +88,8 @@ impl Window {
 }
 
 impl Panel {
-    /// The part to show in a plot of a size [pixel].
-    pub(super) fn window(&self, width: f64, height: f64) -> Window {
+    /// From where to where the curves go, with a little room.
+    fn extents(&self) -> (Range<f64>, Range<f64>) {
         let mut xs = Vec::new();
         let mut ys = Vec::new();
         for (i, series) in self.series.iter().enumerate() {
@@ -105,8 +105,21 @@ impl Panel {
                 ys.push(0.0);
             }
         }
-        let mut x = self.x.range_of(xs.into_iter(), 0.0);
-        let mut y = self.y.range_of(ys.into_iter(), 0.05);
+        (
+            self.x.range_of(xs.into_iter(), 0.0),
+            self.y.range_of(ys.into_iter(), 0.05),
+        )
+    }
+
+    /// How high the curves are for their width.
+    pub(crate) fn shape(&self) -> f64 {
+        let (x, y) = self.extents();
+        (y.end - y.start) / (x.end - x.start)
+    }
+
+    /// The part to show in a plot of a size [pixel].
+    pub(super) fn window(&self, width: f64, height: f64) -> Window {
+        let (mut x, mut y) = self.extents();
         if self.to_scale {
             // The shorter axis takes in more.
             let span = |range: &Range<f64>| range.end - range.start;
@@ -229,6 +242,9 @@ pub(super) fn linear_ticks(range: &Range<f64>, most: f64) -> Vec<f64> {
 /// Where a logarithmic axis has ticks: at powers of ten, and where those are few, at 2 and 5 too.
 pub(super) fn log_ticks(range: &Range<f64>) -> Vec<f64> {
     let (first, last) = (range.start.log10(), range.end.log10());
+    if !(first.is_finite() && last.is_finite()) {
+        return Vec::new();
+    }
     let steps: &[f64] = match last - first {
         span if span > 3.0 => &[1.0],
         span if span > 0.8 => &[1.0, 2.0, 5.0],

@@ -133,6 +133,8 @@ class Plot {
         setSelect: [u => this.selected(u)],
       },
     }, [x, [null, null]], this.box);
+    this.u.root.setAttribute("role", "img");
+    this.u.root.setAttribute("aria-label", ["Plot", panel.title, panel.y.label, "over", panel.x.label].filter(Boolean).join(" "));
     this.marks = panel.series.map(series => {
       const mark = make("span", "mark");
       mark.style.background = `var(--c${series.colour})`;
