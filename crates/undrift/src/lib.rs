@@ -20,6 +20,7 @@ pub mod outages;
 pub mod record;
 pub mod reference;
 pub mod replay;
+pub mod report;
 pub mod simulate;
 pub mod smooth;
 pub mod table;
