@@ -79,10 +79,13 @@ impl<W: Write + Send> ParquetSolutionWriter<W> {
     /// If `out` does not take it.
     pub fn write(&mut self, row: &SolutionRow) -> io::Result<()> {
         for (k, (column, value)) in self.columns.iter_mut().zip(row.values()).enumerate() {
-            // Just below a full turn rounds to one.
-            let full_turn = k == YAW && value >= 360.0;
+            let value = match value {
+                yaw if k == YAW => yaw.rem_euclid(360.0),
+                value => value,
+            };
             column.push(match value {
-                _ if full_turn => 0.0,
+                // Just below a full turn rounds to one.
+                yaw if k == YAW && yaw >= 360.0 => 0.0,
                 value if value.is_finite() => value,
                 _ => f64::NAN,
             });
