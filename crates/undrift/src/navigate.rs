@@ -1,5 +1,10 @@
 //! One drive through the filter and into a file, streamed: memory does not grow with the log.
 
+mod json;
+mod recording;
+
+pub use recording::Recording;
+
 use crate::{
     align::Heading,
     consistency::{Consistency, ErrorState},
@@ -26,7 +31,7 @@ use undrift_nav::{
     Vector3,
     attitude::to_rpy,
     covariance::{AXES, NAV},
-    filter::Filter,
+    filter::{Filter, Update},
     mechanisation::NavState,
     sample::{GnssFix, Scalar, TruthSample},
     tape::Tape,
@@ -60,6 +65,8 @@ pub struct Report {
     pub truth_skipped: Skipped,
     /// Gaps of the inertial log.
     pub gaps: GapSummary,
+    /// The run over time, where it was asked for.
+    pub recording: Option<Box<Recording>>,
 }
 
 /// Why there is no solution.
@@ -118,16 +125,48 @@ pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateErro
     })
 }
 
+/// What a drive is navigated for.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Wanted<'a> {
+    /// The solution at every sample, as CSV in this file.
+    pub output: Option<&'a Path>,
+    /// The smoothed solution instead of the filter's.
+    pub smooth: bool,
+    /// The run over time in [`Report::recording`].
+    pub recording: bool,
+}
+
 /// Navigates a drive; the solution at every sample goes to `output` as CSV, if there is one.
 ///
-/// With `smooth`, the solution written and compared is the smoothed one: the filter's nodes go to a
-/// temporary file, and the log is read twice.
+/// As [`navigate_for`], without a recording.
 pub fn navigate(
     drive: &Drive,
     kind: BiasModel,
     output: Option<&Path>,
     smooth: bool,
 ) -> Result<Report, NavigateError> {
+    let wanted = Wanted {
+        output,
+        smooth,
+        recording: false,
+    };
+    navigate_for(drive, kind, &wanted)
+}
+
+/// Navigates a drive for what is wanted of it.
+///
+/// With `smooth`, the solution written and compared is the smoothed one: the filter's nodes go to a
+/// temporary file, and the log is read twice.
+pub fn navigate_for(
+    drive: &Drive,
+    kind: BiasModel,
+    wanted: &Wanted<'_>,
+) -> Result<Report, NavigateError> {
+    let Wanted {
+        output,
+        smooth,
+        recording,
+    } = *wanted;
     let (drive, mounting) = mounting::resolve(drive)?;
     let mut settings = settings(&drive, kind)?;
     settings.nodes = smooth.then_some(NODE_SPAN);
@@ -166,6 +205,7 @@ pub fn navigate(
             .map_err(ReplayError::Write)?,
         consistency: Consistency::default(),
         next_nees: f64::NEG_INFINITY,
+        recording: recording.then(Box::default),
     };
     let measurements = aiding(&mut gnss, &mut odometer, &mut barometer);
     let summary = replay(&mut imu, measurements, &settings, &mut recorder)?;
@@ -212,6 +252,7 @@ pub fn navigate(
         mounting,
         rmse: (n > 0).then(|| (Errors(recorder.squares.map(|s| (s / n as f64).sqrt())), n)),
         consistency: recorder.consistency,
+        recording: recorder.recording,
         truth_read,
         imu_skipped: imu.skipped().clone(),
         gnss_skipped: gnss.skipped().clone(),
@@ -333,6 +374,8 @@ struct Recorder {
     /// Of the filter's errors against its covariance, and when next [s].
     consistency: Consistency,
     next_nees: f64,
+    /// Where it is asked for.
+    recording: Option<Box<Recording>>,
 }
 
 impl Recorder {
@@ -350,9 +393,12 @@ impl Recorder {
                 *sum += e * e;
             }
             self.compared += 1;
+            if let Some(recording) = &mut self.recording {
+                recording.errors(nav.time, &errors);
+            }
         }
-        if let Some(writer) = &mut self.writer {
-            writer.write(&SolutionRow {
+        if self.writer.is_some() || self.recording.is_some() {
+            let row = SolutionRow {
                 time: nav.time,
                 position: nav.position,
                 v_n: nav.v_n,
@@ -361,7 +407,13 @@ impl Recorder {
                 gyro_error: Vector3::new(e[0], e[1], e[2]),
                 accel_error: Vector3::new(e[3], e[4], e[5]),
                 error_std,
-            })?;
+            };
+            if let Some(writer) = &mut self.writer {
+                writer.write(&row)?;
+            }
+            if let Some(recording) = &mut self.recording {
+                recording.solution(&row);
+            }
         }
         Ok(truth)
     }
@@ -397,4 +449,10 @@ impl Observer for Recorder {
     }
 
     fn fix<const N: usize>(&mut self, _: &Filter<N>, _: &GnssFix, _: bool) {}
+
+    fn updated(&mut self, time: f64, updates: [Option<Update>; 2]) {
+        if let Some(recording) = &mut self.recording {
+            recording.fix(time, updates);
+        }
+    }
 }
