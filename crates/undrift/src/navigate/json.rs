@@ -25,6 +25,8 @@ impl Report {
                 "autocorrelation_bound": correlation.map(|c| c.1),
             })
         };
+        let mut warnings = Vec::from_iter(self.divergence());
+        warnings.extend(self.warnings());
         let signs: Vec<&str> = s.wrong_signs().map(|i| AXES[i]).collect();
         let skipped: Map<String, Value> = self
             .logs()
@@ -51,22 +53,24 @@ impl Report {
                 "compared_samples": self.rmse.as_ref().map(|(_, n)| n),
                 "skipped": skipped,
                 "summary": s,
-                "warnings": self.warnings(),
+                "warnings": warnings,
                 "series": self.recording.as_ref().map(|recording| recording.json()),
             }),
         )
     }
 
-    /// Everything that should be said with the solution, in sentences.
+    /// That the solution came to an end, if it did.
+    pub fn divergence(&self) -> Option<String> {
+        let time = self.summary.diverged?;
+        Some(format!(
+            "the solution diverged at {time:.3} s; what was written ends there"
+        ))
+    }
+
+    /// Everything else that should be said with the solution, in sentences.
     pub fn warnings(&self) -> Vec<String> {
         let s = &self.summary;
-        let mut warnings = Vec::new();
-        if let Some(time) = s.diverged {
-            warnings.push(format!(
-                "the solution diverged at {time:.3} s; what was written ends there"
-            ));
-        }
-        warnings.extend(self.no_comparison());
+        let mut warnings = Vec::from_iter(self.no_comparison());
         warnings.extend(remarks::of_health(s));
         warnings.extend(remarks::of_disagreement(s));
         for (name, skipped, gaps) in &self.scalars {

@@ -98,7 +98,10 @@ impl Recording {
         // Tilts about north and east turned to the vehicle's axes, as if they were independent.
         let [pn, pe, pd, vn, ve, vd, tilt_n, tilt_e, yaw] = row.nav_std;
         let (sin, cos) = row.rpy.z.sin_cos();
-        let (roll, pitch) = ((cos * tilt_n).hypot(sin * tilt_e), (sin * tilt_n).hypot(cos * tilt_e));
+        let (roll, pitch) = (
+            (cos * tilt_n).hypot(sin * tilt_e),
+            (sin * tilt_n).hypot(cos * tilt_e),
+        );
         let [roll, pitch, yaw] = [roll, pitch, yaw].map(f64::to_degrees);
         let deviations = [pn, pe, pd, vn, ve, vd, roll, pitch, yaw];
         add(&mut self.deviations, row.time, deviations);
@@ -125,11 +128,7 @@ impl Recording {
             }
             used = true;
             let [north, east, down] = update.whitened;
-            add(
-                &mut self.innovations[part],
-                time,
-                [north, east, down, nis],
-            );
+            add(&mut self.innovations[part], time, [north, east, down, nis]);
         }
         if used {
             self.span(time);
