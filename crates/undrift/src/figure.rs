@@ -1,7 +1,8 @@
 //! Static figures as SVG.
 
-mod draw;
+pub(crate) mod draw;
 pub mod panel;
+mod shapes;
 
 use crate::{consistency::GROUP, montecarlo::Report, outages::ModelRun, replay::Outage};
 use panel::{Axis, Panel, Series};

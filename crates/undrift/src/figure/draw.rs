@@ -2,32 +2,45 @@
 
 use super::{
     COLOURS,
-    panel::{Corner, Panel, Style},
+    panel::{Corner, Panel, Series, Style},
+    shapes::{Scale, Window, bar_slot, runs, tick},
 };
 use plotters::{
-    coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter},
+    coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged},
+    element::{DashedPathElement, DynElement},
     prelude::*,
 };
 use std::{ops::Range, path::Path};
 
 type Failure = Box<dyn std::error::Error>;
-type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
+pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
+type Element<'a> = DynElement<'static, SVGBackend<'a>, (f64, f64)>;
 
 /// Draws panels side by side, `columns` to a row, each of a size [pixel].
 ///
 /// # Errors
 /// A sentence for the user when the file cannot be written.
-pub fn draw(
-    path: &Path,
+pub fn draw(path: &Path, panels: &[Panel], columns: usize, size: (u32, u32)) -> Result<(), String> {
+    svg(panels, columns, size)
+        .and_then(|text| std::fs::write(path, text).map_err(|e| e.to_string()))
+        .map_err(|e| format!("cannot draw {}: {e}", path.display()))
+}
+
+/// The text of an SVG file with panels side by side, `columns` to a row, each of a size [pixel].
+///
+/// # Errors
+/// What the drawing library says.
+pub(crate) fn svg(
     panels: &[Panel],
     columns: usize,
     (width, height): (u32, u32),
-) -> Result<(), String> {
-    let columns = columns.max(1);
-    let rows = panels.len().div_ceil(columns);
+) -> Result<String, String> {
+    let columns = columns.clamp(1, panels.len().max(1));
+    let rows = panels.len().div_ceil(columns).max(1);
     let size = (width * columns as u32, height * rows as u32);
-    let figure = || -> Result<(), Failure> {
-        let root = SVGBackend::new(path, size).into_drawing_area();
+    let mut text = String::new();
+    let figure = |text: &mut String| -> Result<(), Failure> {
+        let root = SVGBackend::with_string(text, size).into_drawing_area();
         root.fill(&WHITE)?;
         for (area, panel) in root.split_evenly((rows, columns)).iter().zip(panels) {
             panel.draw(area)?;
@@ -35,99 +48,102 @@ pub fn draw(
         root.present()?;
         Ok(())
     };
-    figure().map_err(|e| format!("cannot draw {}: {e}", path.display()))
+    figure(&mut text).map_err(|e| e.to_string())?;
+    Ok(text)
 }
+
+/// What is left of an area below its title and inside its margin.
+struct Frame<'a> {
+    area: Area<'a>,
+    label_height: u32,
+    upright_names: bool,
+}
+
+const LABEL_WIDTH: u32 = 66;
 
 impl Panel {
     /// Draws the panel into a part of a figure.
     pub(super) fn draw(&self, area: &Area) -> Result<(), Failure> {
-        let points = || self.series.iter().flat_map(|s| s.points());
-        let shown = || points().filter(|(x, y)| self.x.holds(*x) && self.y.holds(*y));
-        let x = self.x.range_of(shown().map(|p| p.0), 0.0);
-        let y = self.y.range_of(shown().map(|p| p.1), 0.05);
-        let decades = |range: Range<f64>| {
-            let ticks = log_ticks(&range);
-            range.log_scale().with_key_points(ticks)
-        };
-        match (self.x.logarithmic, self.y.logarithmic) {
-            (false, false) => self.draw_over(area, x, y),
-            (false, true) => self.draw_over(area, x, decades(y)),
-            (true, false) => self.draw_over(area, decades(x), y),
-            (true, true) => self.draw_over(area, decades(x), decades(y)),
-        }
+        let frame = self.frame(area)?;
+        let (width, height) = frame.area.dim_in_pixel();
+        let window = self.window(
+            f64::from(width.saturating_sub(LABEL_WIDTH).max(1)),
+            f64::from(height.saturating_sub(frame.label_height).max(1)),
+        );
+        self.draw_over(&frame, &window)
     }
 
-    fn draw_over<X, Y>(&self, area: &Area, x: X, y: Y) -> Result<(), Failure>
-    where
-        X: AsRangedCoord<Value = f64>,
-        Y: AsRangedCoord<Value = f64>,
-        X::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
-        Y::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
-    {
-        let mut chart = ChartBuilder::on(area)
-            .margin(14)
-            .caption(&self.title, ("sans-serif", 18))
-            .x_label_area_size(38)
-            .y_label_area_size(62)
-            .build_cartesian_2d(x, y)?;
-        chart
-            .configure_mesh()
-            .x_desc(&self.x.label)
+    /// Writes the title; names below the axis stand upright where they are too long side by side.
+    fn frame<'a>(&self, area: &Area<'a>) -> Result<Frame<'a>, Failure> {
+        const LETTER: usize = 8;
+        let area = area.margin(14, 14, 14, 22);
+        let area = if self.title.is_empty() {
+            area
+        } else {
+            area.titled(&self.title, ("sans-serif", 18))?
+        };
+        let names = &self.x.names;
+        let longest = names.iter().map(|n| n.chars().count()).max().unwrap_or(0) * LETTER;
+        let room = area.dim_in_pixel().0.saturating_sub(LABEL_WIDTH) as usize;
+        let upright_names = longest * names.len() > room;
+        let label_height = match (names.is_empty(), upright_names) {
+            (true, _) => 38,
+            (false, false) => 26,
+            (false, true) => longest.min(130) as u32 + 16,
+        };
+        Ok(Frame {
+            area,
+            label_height,
+            upright_names,
+        })
+    }
+
+    fn draw_over(&self, frame: &Frame, window: &Window) -> Result<(), Failure> {
+        let mut chart = ChartBuilder::on(&frame.area)
+            .x_label_area_size(frame.label_height)
+            .y_label_area_size(LABEL_WIDTH)
+            .build_cartesian_2d(window.x.clone(), window.y.clone())?;
+        for &(from, to) in &self.shades {
+            let (from, to) = (window.x.clamp(from), window.x.clamp(to));
+            if from < to {
+                chart.draw_series([Rectangle::new(
+                    [(from, window.y.range.start), (to, window.y.range.end)],
+                    RGBColor(240, 240, 240).filled(),
+                )])?;
+            }
+        }
+        let x_label = |v: &f64| match self.x.names.is_empty() {
+            true => tick(*v),
+            false => name_at(&self.x.names, *v),
+        };
+        let y_label = |v: &f64| tick(*v);
+        let mut mesh = chart.configure_mesh();
+        mesh.x_desc(&self.x.label)
             .y_desc(&self.y.label)
-            .light_line_style(WHITE)
+            .light_line_style(TRANSPARENT)
             .bold_line_style(RGBColor(225, 225, 225))
             .label_style(("sans-serif", 13))
-            .x_labels(7)
-            .y_labels(7)
-            .x_label_formatter(&|v| tick(*v))
-            .y_label_formatter(&|v| tick(*v))
-            .draw()?;
-        for series in &self.series {
-            let colour = COLOURS[series.colour];
-            let points = series
-                .points()
-                .filter(|(x, y)| self.x.holds(*x) && self.y.holds(*y));
-            let drawn = match series.style {
-                Style::Line(width) => {
-                    chart.draw_series(LineSeries::new(points, colour.stroke_width(width)))?
-                }
-                Style::Dashed => chart.draw_series(DashedLineSeries::new(
-                    points,
-                    6,
-                    4,
-                    colour.stroke_width(2),
-                ))?,
-                Style::Dots | Style::Bars | Style::Boxes => {
-                    chart.draw_series(points.map(|p| Circle::new(p, 3, colour.filled())))?
-                }
-                Style::Band => chart.draw_series(std::iter::once(Polygon::new(
-                    points.collect::<Vec<_>>(),
-                    colour.mix(0.2),
-                )))?,
-            };
-            if series.name.is_empty() {
-                continue;
+            .x_label_formatter(&x_label)
+            .y_label_formatter(&y_label);
+        if !self.x.names.is_empty() {
+            mesh.disable_x_mesh();
+        }
+        if frame.upright_names {
+            mesh.x_label_style(
+                ("sans-serif", 13)
+                    .into_font()
+                    .transform(FontTransform::Rotate90),
+            );
+        }
+        mesh.draw()?;
+        for (i, series) in self.series.iter().enumerate() {
+            let drawn = chart.draw_series(self.elements(i, series, window))?;
+            if !series.name.is_empty() {
+                let (colour, style) = (COLOURS[series.colour % COLOURS.len()], series.style);
+                drawn
+                    .label(&series.name)
+                    .legend(move |at| key(at, colour, style));
             }
-            let style = series.style;
-            drawn.label(&series.name).legend(move |(x, y)| {
-                let width = match style {
-                    Style::Line(width) => width,
-                    Style::Dashed => 2,
-                    Style::Band => 9,
-                    _ => 5,
-                };
-                let ends = match style {
-                    Style::Dashed => vec![(x, y), (x + 7, y)],
-                    Style::Dots => vec![(x + 7, y), (x + 12, y)],
-                    _ => vec![(x, y), (x + 18, y)],
-                };
-                let colour = if style == Style::Band {
-                    colour.mix(0.2)
-                } else {
-                    colour.to_rgba()
-                };
-                PathElement::new(ends, colour.stroke_width(width))
-            });
         }
         if self.series.iter().any(|s| !s.name.is_empty()) {
             chart
@@ -145,55 +161,128 @@ impl Panel {
         }
         Ok(())
     }
-}
 
-/// Where a logarithmic axis has ticks: at powers of ten, and where those are few, at 2 and 5 too.
-fn log_ticks(range: &Range<f64>) -> Vec<f64> {
-    let (first, last) = (range.start.log10(), range.end.log10());
-    let steps: &[f64] = match last - first {
-        span if span > 3.0 => &[1.0],
-        span if span > 0.8 => &[1.0, 2.0, 5.0],
-        _ => &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0],
-    };
-    (first.floor() as i32..=last.floor() as i32)
-        .flat_map(|power| steps.iter().map(move |step| step * 10f64.powi(power)))
-        .filter(|tick| range.contains(tick))
-        .collect()
-}
-
-/// A number beside an axis: as many digits as it needs.
-fn tick(value: f64) -> String {
-    // Ticks are sums of steps: seven digits leave the rounding behind.
-    let rounded: f64 = format!("{value:.6e}").parse().unwrap_or(value);
-    match rounded.abs() {
-        0.0 => "0".to_owned(),
-        1e-3..1e5 => format!("{rounded}"),
-        _ => format!("{rounded:e}"),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn ticks_are_short() {
-        for (value, text) in [
-            (0.0, "0"),
-            (0.1 + 0.2, "0.3"),
-            (1000.0, "1000"),
-            (1e-5, "1e-5"),
-            (-2.5, "-2.5"),
-            (3e6, "3e6"),
-        ] {
-            assert_eq!(tick(value), text);
+    /// What a series looks like inside the window.
+    fn elements<'a>(&self, index: usize, series: &Series, window: &Window) -> Vec<Element<'a>> {
+        let colour = COLOURS[series.colour % COLOURS.len()];
+        let column = |i: usize| series.y.get(i).map_or(&[][..], Vec::as_slice);
+        match series.style {
+            Style::Line(width) => runs(&series.x, column(0), window)
+                .into_iter()
+                .map(|run| PathElement::new(run, colour.stroke_width(width)).into_dyn())
+                .collect(),
+            Style::Dashed => runs(&series.x, column(0), window)
+                .into_iter()
+                .map(|run| {
+                    DashedPathElement::new(run.into_iter(), 6, 4, colour.stroke_width(2)).into_dyn()
+                })
+                .collect(),
+            Style::Dots => series
+                .points()
+                .filter(|&(x, y)| window.holds(x, y))
+                .map(|point| Circle::new(point, 3, colour.filled()).into_dyn())
+                .collect(),
+            Style::Band => {
+                let lower = runs(&series.x, column(0), window);
+                let upper = runs(&series.x, column(1), window);
+                // Runs of both bounds end at the same gaps where both are inside the window.
+                lower
+                    .into_iter()
+                    .zip(upper)
+                    .map(|(low, high)| {
+                        let outline: Vec<_> =
+                            low.into_iter().chain(high.into_iter().rev()).collect();
+                        Polygon::new(outline, colour.mix(0.2)).into_dyn()
+                    })
+                    .collect()
+            }
+            Style::Bars => {
+                let slot = bar_slot(self, index);
+                let base = window.y.clamp(0.0);
+                series
+                    .points()
+                    .filter(|&(x, y)| window.holds(x, window.y.clamp(y)))
+                    .map(|(x, y)| {
+                        let [left, right] = slot.map(|s| window.x.clamp(x + s));
+                        let corners = [(left, base), (right, window.y.clamp(y))];
+                        Rectangle::new(corners, colour.filled()).into_dyn()
+                    })
+                    .collect()
+            }
+            Style::Boxes => {
+                let slot = bar_slot(self, index);
+                let one = |i: usize, x: f64| -> Vec<Element<'a>> {
+                    let at = |k: usize| column(k).get(i).copied().unwrap_or(f64::NAN);
+                    let level = std::array::from_fn::<f64, 5, _>(at);
+                    if !level.iter().all(|v| self.y.takes(*v))
+                        || !window.holds(x, window.y.range.start)
+                    {
+                        return Vec::new();
+                    }
+                    let [low, q1, median, q3, high] = level.map(|v| window.y.clamp(v));
+                    let [left, right] = slot.map(|s| window.x.clamp(x + s));
+                    let middle = f64::midpoint(left, right);
+                    let path = |points: Vec<(f64, f64)>, width: u32| {
+                        PathElement::new(points, colour.stroke_width(width)).into_dyn()
+                    };
+                    let frame = [(left, q1), (right, q1), (right, q3), (left, q3), (left, q1)];
+                    vec![
+                        Rectangle::new([(left, q1), (right, q3)], colour.mix(0.2).filled())
+                            .into_dyn(),
+                        path(frame.to_vec(), 1),
+                        path(vec![(middle, low), (middle, q1)], 1),
+                        path(vec![(middle, q3), (middle, high)], 1),
+                        path(vec![(left, median), (right, median)], 3),
+                    ]
+                };
+                let boxes = series.x.iter().enumerate();
+                boxes.flat_map(|(i, &x)| one(i, x)).collect()
+            }
         }
     }
+}
 
-    #[test]
-    fn short_logarithmic_axes_have_ticks_too() {
-        assert_eq!(log_ticks(&(0.05..2e4)), [0.1, 1.0, 10.0, 100.0, 1e3, 1e4]);
-        assert_eq!(log_ticks(&(90.0..700.0)), [100.0, 200.0, 500.0]);
-        assert_eq!(log_ticks(&(90.0..450.0)).len(), 5);
+impl Ranged for Scale {
+    type FormatOption = DefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, (first, last): (i32, i32)) -> i32 {
+        let place = self.place(*value).clamp(0.0, 1.0);
+        first + (place * f64::from(last - first)).round() as i32
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, _: Hint) -> Vec<f64> {
+        self.ticks.clone()
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.range.clone()
+    }
+}
+
+/// The name of a whole number.
+fn name_at(names: &[String], value: f64) -> String {
+    let name = names.get(value.round().max(0.0) as usize);
+    name.cloned().unwrap_or_default()
+}
+
+/// The sample of a series beside its name.
+fn key<'a>(
+    (x, y): (i32, i32),
+    colour: RGBColor,
+    style: Style,
+) -> DynElement<'static, SVGBackend<'a>, (i32, i32)> {
+    let line = |from: i32, to: i32, width: u32| {
+        PathElement::new(vec![(x + from, y), (x + to, y)], colour.stroke_width(width)).into_dyn()
+    };
+    let patch = |share: f64| {
+        Rectangle::new([(x, y - 5), (x + 18, y + 5)], colour.mix(share).filled()).into_dyn()
+    };
+    match style {
+        Style::Line(width) => line(0, 18, width),
+        Style::Dashed => line(0, 7, 2),
+        Style::Dots => Circle::new((x + 9, y), 3, colour.filled()).into_dyn(),
+        Style::Band | Style::Boxes => patch(0.2),
+        Style::Bars => patch(1.0),
     }
 }
