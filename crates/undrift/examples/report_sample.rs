@@ -455,6 +455,25 @@ fn hostile() -> Document {
     let mut still = Panel::new("still", Axis::new("east [m]"), Axis::new("north [m]")).to_scale();
     still.add(Series::line("at rest", 0, vec![(0.0, 0.0); 5]));
     let empty = Panel::new("", Axis::new(""), Axis::new(""));
+    let huge = || {
+        vec![
+            (-f64::MAX, 5e-324),
+            (0.0, -f64::MAX),
+            (1e-310, 1.0),
+            (f64::MAX, f64::MAX),
+        ]
+    };
+    let mut extreme = Panel::new("extreme", axis(), axis());
+    extreme.add(Series::line("huge", 1, huge()));
+    let mut decades = Panel::new(
+        "extreme decades",
+        Axis::logarithmic("x"),
+        Axis::logarithmic("y").within(0.0..1.0),
+    );
+    decades.add(Series::line("huge", 1, huge()));
+    decades.add(Series::bars("bars", 2, huge()));
+    let mut map = Panel::new("extreme map", axis(), axis()).to_scale();
+    map.add(Series::line("huge", 1, huge()));
     let tiny = {
         let mut panel = Panel::new(
             "tiny",

@@ -149,7 +149,7 @@ fn draw_drift(area: &Area, curves: &[DriftCurve]) -> Result<(), Box<dyn std::err
         let points = curve.points.iter().map(|(t, e)| (*t, e.max(LEAST)));
         panel.add(Series::line(curve.name, i, points.collect()));
     }
-    panel.draw(area)
+    panel.draw(area, 1)
 }
 
 /// Draws the average NEES over time with its 95 % bounds: a panel per group of states, a line per model.

@@ -43,10 +43,14 @@ impl Axis {
         }
     }
 
-    /// From and to where; curves are cut off.
+    /// From and to where; curves are cut off. A range without length, or from zero or less on a
+    /// logarithmic axis, is none: then the axis is as long as its curves.
     pub fn within(self, range: Range<f64>) -> Self {
+        let sound = range.start < range.end
+            && (range.end - range.start).is_finite()
+            && (!self.logarithmic || range.start > 0.0);
         Self {
-            range: Some(range),
+            range: sound.then_some(range),
             ..self
         }
     }
@@ -78,7 +82,13 @@ impl Axis {
         if low > high {
             (low, high) = (0.0, 1.0);
         }
-        let margin = (room * (high - low)).max(1e-12 * high.abs()).max(1e-300);
+        let margin = if high - low > 1e-12 * high.abs() {
+            room * (high - low)
+        } else if low == 0.0 || self.logarithmic {
+            1.0
+        } else {
+            1e-3 * low.abs()
+        };
         let (low, high) = (low - margin, high + margin);
         if self.logarithmic {
             10f64.powf(low)..10f64.powf(high)
@@ -261,6 +271,7 @@ mod tests {
         assert!(axis.holds(1.0) && !axis.holds(20.0) && !axis.holds(-1.0) && !axis.holds(f64::NAN));
         let range = Axis::new("y").range_of([1.0, 3.0].into_iter(), 0.1);
         assert!((range.start - 0.8).abs() < 1e-12 && (range.end - 3.2).abs() < 1e-12);
+        assert!(Axis::logarithmic("x").within(0.0..1.0).range.is_none());
         assert!(Axis::new("y").range_of(std::iter::empty(), 0.0).end > 1.0);
     }
 }

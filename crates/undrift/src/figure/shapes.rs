@@ -28,6 +28,24 @@ impl Scale {
         }
     }
 
+    /// The text at a tick, with digits enough to tell it from the next.
+    pub fn label(&self, tick: f64) -> String {
+        let size = self.range.start.abs().max(self.range.end.abs());
+        let apart = match self.ticks[..] {
+            [first, second, ..] if !self.logarithmic => (second - first).abs(),
+            _ => size,
+        };
+        let digits = (size / apart).log10().ceil() + 1.0;
+        self::tick(
+            tick,
+            if digits > 6.0 {
+                digits.min(15.0) as usize
+            } else {
+                6
+            },
+        )
+    }
+
     /// The nearest value inside; a value that is none stays so.
     pub fn clamp(&self, value: f64) -> f64 {
         if value.is_nan() {
@@ -70,8 +88,8 @@ impl Window {
 }
 
 impl Panel {
-    /// The part to show in a plot of a size [pixel].
-    pub(super) fn window(&self, width: f64, height: f64) -> Window {
+    /// From where to where the curves go, with a little room.
+    fn extents(&self) -> (Range<f64>, Range<f64>) {
         let mut xs = Vec::new();
         let mut ys = Vec::new();
         for (i, series) in self.series.iter().enumerate() {
@@ -87,8 +105,21 @@ impl Panel {
                 ys.push(0.0);
             }
         }
-        let mut x = self.x.range_of(xs.into_iter(), 0.0);
-        let mut y = self.y.range_of(ys.into_iter(), 0.05);
+        (
+            self.x.range_of(xs.into_iter(), 0.0),
+            self.y.range_of(ys.into_iter(), 0.05),
+        )
+    }
+
+    /// How high the curves are for their width.
+    pub(crate) fn shape(&self) -> f64 {
+        let (x, y) = self.extents();
+        (y.end - y.start) / (x.end - x.start)
+    }
+
+    /// The part to show in a plot of a size [pixel].
+    pub(super) fn window(&self, width: f64, height: f64) -> Window {
+        let (mut x, mut y) = self.extents();
         if self.to_scale {
             // The shorter axis takes in more.
             let span = |range: &Range<f64>| range.end - range.start;
@@ -211,6 +242,9 @@ pub(super) fn linear_ticks(range: &Range<f64>, most: f64) -> Vec<f64> {
 /// Where a logarithmic axis has ticks: at powers of ten, and where those are few, at 2 and 5 too.
 pub(super) fn log_ticks(range: &Range<f64>) -> Vec<f64> {
     let (first, last) = (range.start.log10(), range.end.log10());
+    if !(first.is_finite() && last.is_finite()) {
+        return Vec::new();
+    }
     let steps: &[f64] = match last - first {
         span if span > 3.0 => &[1.0],
         span if span > 0.8 => &[1.0, 2.0, 5.0],
@@ -222,13 +256,14 @@ pub(super) fn log_ticks(range: &Range<f64>) -> Vec<f64> {
         .collect()
 }
 
-/// A number beside an axis: as many digits as it needs, at most seven.
-pub(crate) fn tick(value: f64) -> String {
-    // Ticks are sums of steps: seven digits leave the rounding behind.
-    let rounded: f64 = format!("{value:.6e}").parse().unwrap_or(value);
+/// A number beside an axis: as many digits as it needs, at most so many after the first.
+fn tick(value: f64, digits: usize) -> String {
+    // Ticks are sums of steps: few digits leave the rounding behind.
+    let rounded: f64 = format!("{value:.digits$e}").parse().unwrap_or(value);
     match rounded.abs() {
         0.0 => "0".to_owned(),
         1e-3..1e5 => format!("{rounded}"),
+        size if size >= 1.0 && digits > 6 => format!("{rounded}"),
         _ => format!("{rounded:e}"),
     }
 }
@@ -248,8 +283,15 @@ mod tests {
             (-2.5, "-2.5"),
             (3e6, "3e6"),
         ] {
-            assert_eq!(tick(value), text);
+            assert_eq!(tick(value, 6), text);
         }
+    }
+
+    #[test]
+    fn ticks_far_from_zero_are_told_apart() {
+        let scale = Scale::new(&Axis::new(""), 1e9..1e9 + 0.009);
+        let labels: Vec<String> = scale.ticks.iter().map(|t| scale.label(*t)).collect();
+        assert_eq!(labels[..2], ["1000000000", "1000000000.002"]);
     }
 
     #[test]

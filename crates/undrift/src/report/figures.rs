@@ -68,8 +68,14 @@ fn svg(figure: &Figure) -> Result<String, String> {
         2 => 580,
         _ => 440,
     };
-    let map = figure.panels.iter().any(|panel| panel.to_scale);
-    let height = if map { width * 4 / 5 } else { 420.min(width) };
+    // A map is as high as it needs, and panels beside it are as high.
+    let maps = figure.panels.iter().filter(|panel| panel.to_scale);
+    let shape = maps
+        .map(|panel| panel.shape().clamp(0.5, 0.9))
+        .reduce(f64::max);
+    let height = shape.map_or(420.min(width), |shape| {
+        (f64::from(width) * shape) as u32 + 80
+    });
     draw::svg(&figure.panels, figure.columns, (width, height))
 }
 

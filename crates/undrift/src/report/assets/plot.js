@@ -21,35 +21,42 @@ function readPalette(scheme = "") {
   return palette;
 }
 
-// A name in lines that fit beside its neighbours.
+// Text as long as there is room.
+function fit(text, room) {
+  if (textWidth(text) <= room) return text;
+  let n = text.length;
+  while (n > 1 && textWidth(text.slice(0, n) + "…") > room) n--;
+  return text.slice(0, n) + "…";
+}
+
+// A name in at most three lines that fit beside its neighbours.
 function wrapName(name, room) {
   const lines = [];
-  for (const word of name.split(/\s+/)) {
-    const joined = lines.length ? lines[lines.length - 1] + " " + word : word;
-    if (lines.length && textWidth(joined) <= room) lines[lines.length - 1] = joined;
+  for (const word of name.split(/(?<=[-–/])|(?<=\s)/)) {
+    const joined = (lines[lines.length - 1] || "") + word;
+    if (lines.length && textWidth(joined.trim()) <= room) lines[lines.length - 1] = joined;
     else lines.push(word);
   }
-  const cut = line => {
-    if (textWidth(line) <= room) return line;
-    let n = line.length;
-    while (n > 1 && textWidth(line.slice(0, n) + "…") > room) n--;
-    return line.slice(0, n) + "…";
-  };
-  const shown = lines.slice(0, 3).map(cut);
+  const shown = lines.slice(0, 3).map(line => fit(line.trim(), room));
   if (lines.length > 3) shown[2] = shown[2].replace(/…?$/, "…");
   return shown.join("\n");
 }
 
-// Ticks of an axis and their labels, for a length in pixels.
+// Ticks of an axis and their labels, for a length in pixels: as many as stand apart.
 function axisTicks(axis, along, min, max, length) {
-  const most = Math.max(2, Math.floor(length / (along === "x" ? 75 : 38)));
   if (axis.names.length) {
     const ticks = axis.names.map((_, i) => i).filter(i => i >= min && i <= max);
     const room = length / (max - min) - 8;
     return { ticks, labels: ticks.map(i => wrapName(axis.names[i], room)) };
   }
-  const ticks = axis.log ? logTicks(min, max, most) : linearTicks(min, max, most);
-  return { ticks, labels: tickLabels(ticks) };
+  const at = mapper(min, max, axis.log, 0, length);
+  let most = along === "x" ? Math.min(10, Math.floor(length / 46)) : Math.min(8, Math.floor(length / 28));
+  for (;; most--) {
+    const ticks = axis.log ? logTicks(min, max, most) : linearTicks(min, max, most);
+    const labels = tickLabels(ticks);
+    const apart = along === "y" || labels.every((label, i) => !i || at(ticks[i]) - at(ticks[i - 1]) > (textWidth(label) + textWidth(labels[i - 1])) / 2 + 12);
+    if (apart || most <= 1) return { ticks, labels };
+  }
 }
 
 function mapper(min, max, log, from, to) {
@@ -77,6 +84,9 @@ function nearestIndex(x, value) {
 
 const PALETTE_VARS = Array.from({ length: 8 }, (_, i) => `var(--c${i})`);
 
+const lengthOf = (u, along) => (along === "x" ? u.bbox.width : u.bbox.height) / devicePixelRatio;
+const heightOf = (panel, width) => Math.round(Math.max(240, Math.min(panel.ratio ? 560 : 360, width * (panel.ratio || 0.5) + 50)));
+
 class Plot {
   constructor(panel, holder, key) {
     Object.assign(this, { panel, holder, kin: [this], zoom: null });
@@ -86,18 +96,17 @@ class Plot {
     this.paper = holder.appendChild(make("div", "print"));
     const { width, height } = this.size();
     const axis = along => ({
-      scale: along, side: along === "x" ? 2 : 3, label: panel[along].label || undefined, labelSize: panel[along].label ? 22 : 0,
+      scale: along, side: along === "x" ? 2 : 3, label: panel[along].label ? u => fit(panel[along].label, lengthOf(u, along)) : undefined, labelSize: panel[along].label ? 22 : 0,
       font: FONT, labelFont: FONT, labelGap: 2, gap: 4, space: () => 0, incrs: [10],
       stroke: () => this.palette.soft,
       grid: { stroke: () => this.palette.grid, width: 1, show: !(along === "x" && panel.x.names.length) },
       ticks: { stroke: () => this.palette.rule, width: 1, size: 4 },
       border: { show: true, stroke: () => this.palette.soft, width: 1 },
-      splits: (u, _, min, max) => axisTicks(panel[along], along, min, max, along === "x" ? u.bbox.width / devicePixelRatio : u.bbox.height / devicePixelRatio).ticks,
+      splits: (u, _, min, max) => axisTicks(panel[along], along, min, max, lengthOf(u, along)).ticks,
       filter: (_, splits) => splits,
       values: (u, splits) => {
-        if (!panel[along].names.length) return tickLabels(splits);
-        const { min, max } = u.scales.x;
-        return axisTicks(panel.x, "x", min, max, u.bbox.width / devicePixelRatio).labels;
+        const { min, max } = u.scales[along];
+        return panel[along].names.length ? axisTicks(panel[along], along, min, max, lengthOf(u, along)).labels : tickLabels(splits);
       },
       size: (_, labels) => along === "y"
         ? 12 + Math.max(12, ...(labels || []).map(l => textWidth(l)))
@@ -124,6 +133,8 @@ class Plot {
         setSelect: [u => this.selected(u)],
       },
     }, [x, [null, null]], this.box);
+    this.u.root.setAttribute("role", "img");
+    this.u.root.setAttribute("aria-label", ["Plot", panel.title, panel.y.label, "over", panel.x.label].filter(Boolean).join(" "));
     this.marks = panel.series.map(series => {
       const mark = make("span", "mark");
       mark.style.background = `var(--c${series.colour})`;
@@ -139,8 +150,7 @@ class Plot {
 
   size() {
     const width = Math.max(200, Math.floor(this.holder.clientWidth));
-    const height = this.panel.scale ? width * 0.8 : width * 0.5;
-    return { width, height: Math.round(Math.max(240, Math.min(this.panel.scale ? 520 : 360, height))) };
+    return { width, height: heightOf(this.panel, width) };
   }
 
   resize() {
@@ -165,12 +175,17 @@ class Plot {
   }
 
   refresh() {
-    const { width, height } = this.inner();
-    const [x, y] = this.ranges(width, height);
-    this.u.batch(() => {
-      this.u.setScale("x", { min: x[0], max: x[1] });
-      this.u.setScale("y", { min: y[0], max: y[1] });
-    });
+    // Other labels leave the plot another width, and then a map has another scale.
+    for (let round = 0; round < 4; round++) {
+      const { width, height } = this.inner();
+      const [x, y] = this.ranges(width, height);
+      this.u.batch(() => {
+        this.u.setScale("x", { min: x[0], max: x[1] });
+        this.u.setScale("y", { min: y[0], max: y[1] });
+      });
+      const after = this.inner();
+      if (!this.panel.scale || after.width === width && after.height === height) break;
+    }
     this.reset.hidden = !this.zoom;
   }
 

@@ -2,11 +2,12 @@
 "use strict";
 
 // The panel as an SVG group as it is seen, its legend above it; and its size.
-function panelSvg(plot, palette) {
-  const { panel } = plot, { width, height } = plot.u, { x, y } = plot.u.scales;
+function panelSvg(plot, palette, width = plot.u.width) {
+  const { panel } = plot, { x, y } = plot.u.scales;
+  const height = heightOf(panel, width);
   const yTicks = axisTicks(panel.y, "y", y.min, y.max, height - 60);
   const left = (panel.y.label ? 26 : 6) + 8 + Math.max(12, ...yTicks.labels.map(l => textWidth(l)));
-  const inner = { width: width - left - 14 };
+  const inner = { width: width - left - 16 };
   const xTicks = axisTicks(panel.x, "x", x.min, x.max, inner.width);
   const lines = Math.max(1, ...xTicks.labels.map(l => l.split("\n").length));
   const below = 10 + 15 * lines + (panel.x.label ? 20 : 4);
@@ -22,7 +23,9 @@ function panelSvg(plot, palette) {
     across += wide;
   }
   if (named.length) top += 24;
-  inner.height = Math.max(120, height - top - below);
+  // As high as on the screen, and on a map of the same shape.
+  const screen = plot.inner();
+  inner.height = panel.scale ? inner.width * screen.height / screen.width : height - below - 8;
   const at = frameOf(panel, [x.min, x.max], [y.min, y.max], inner.width, inner.height);
   const clip = `clip${panelSvg.count = (panelSvg.count || 0) + 1}`;
   let ground = spans(panel, at).map(([l, r]) => `<rect x="${px(l)}" width="${px(r - l)}" height="${px(inner.height)}" fill="${palette.shade}"/>`).join("");
@@ -40,8 +43,8 @@ function panelSvg(plot, palette) {
   });
   const curves = panel.series.filter(s => !s.hidden).flatMap(s => shapes(panel, s, at)).map(s => svgPath(s, palette)).join("");
   const total = top + inner.height + below;
-  const axisLabels = text(inner.width / 2, inner.height + below - 6, panel.x.label, `text-anchor="middle"`)
-    + text(-inner.height / 2, 14 - left, panel.y.label, `text-anchor="middle" transform="rotate(-90)"`);
+  const axisLabels = text(inner.width / 2, inner.height + below - 6, fit(panel.x.label, inner.width), `text-anchor="middle"`)
+    + text(-inner.height / 2, 14 - left, fit(panel.y.label, inner.height), `text-anchor="middle" transform="rotate(-90)"`);
   const body = (panel.title ? text(left, 17, panel.title, `font-weight="600" font-size="14" fill="${palette.ink}"`) : "") + legend
     + `<g transform="translate(${px(left)} ${px(top)})" fill="${palette.soft}">`
     + `<clipPath id="${clip}"><rect width="${px(inner.width)}" height="${px(inner.height)}"/></clipPath>`
@@ -143,12 +146,19 @@ const values = stored => Array.isArray(stored) ? stored : Array.from({ length: s
 
 function mountFigure(element, figure, plots) {
   const holder = element.querySelector(".panels");
-  const own = figure.panels.map((panel, i) => {
+  // Panels beside a map are as high as the map.
+  const shape = panel => {
+    const [x, y] = ["x", "y"].map(along => extent(panel, along, -Infinity, Infinity));
+    return Math.max(0.5, Math.min(1, (y[1] - y[0]) / (x[1] - x[0])));
+  };
+  const ratio = Math.max(0, ...figure.panels.filter(p => p.scale).map(shape));
+  const own = figure.panels.map(panel => {
+    panel.ratio = ratio;
     const link = p => !p.scale && !p.x.names.length ? `${p.x.label} ${p.x.log}` : null;
     const kin = figure.panels.filter(p => link(p) !== null && link(p) === link(panel));
     const key = kin.length > 1 ? `${figure.name} ${figure.panels.indexOf(kin[0])}` : null;
     const plot = new Plot(panel, holder.appendChild(make("div", "panel")), key);
-    plot.key = key;
+    Object.assign(plot, { key, columns: figure.columns });
     return plot;
   });
   for (const plot of own) if (plot.key) plot.kin = own.filter(p => p.key === plot.key);
@@ -203,14 +213,14 @@ function start() {
   addEventListener("beforeprint", () => {
     const palette = readPalette("light");
     for (const plot of plots) {
-      const { body, width, height } = panelSvg(plot, palette);
+      const { body, width, height } = panelSvg(plot, palette, 820 / Math.min(3, plot.columns));
       plot.paper.innerHTML = svgFile(body, width, height);
     }
   });
   addEventListener("afterprint", () => { for (const plot of plots) plot.paper.textContent = ""; });
 
   // For scripts that look at the page.
-  window.report = { plots, ready: true };
+  window.report = { plots, ready: performance.now() };
 }
 
 start();

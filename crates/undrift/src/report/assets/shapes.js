@@ -5,7 +5,7 @@
 // At most so many multiples of 1, 2 or 5 times a power of ten.
 function linearTicks(min, max, most) {
   const span = max - min;
-  if (!(span > 0)) return [];
+  if (!(span > 0 && span < Infinity)) return [];
   const power = 10 ** Math.floor(Math.log10(span / most));
   const step = [1, 2, 5, 10].map(m => m * power).find(s => span / s <= most) || 10 * power;
   const ticks = [];
@@ -17,8 +17,8 @@ function linearTicks(min, max, most) {
 // Powers of ten, every n-th where they are many; where they are few, values between too.
 function logTicks(min, max, most) {
   const first = Math.floor(Math.log10(min)), last = Math.ceil(Math.log10(max)), span = Math.log10(max / min);
-  if (!(span > 0)) return [];
-  const between = span * 3 <= most ? (span < 0.8 ? [1, 1.5, 2, 3, 4, 5, 6, 8] : [1, 2, 5]) : [1];
+  if (!(span > 0 && span < Infinity)) return [];
+  const between = span * 3 <= most + 1 ? (span < 0.8 ? [1, 1.5, 2, 3, 4, 5, 6, 8] : [1, 2, 5]) : [1];
   const every = Math.max(1, Math.ceil(span / most));
   const ticks = [];
   for (let p = first; p <= last; p += 1) {
