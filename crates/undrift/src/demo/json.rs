@@ -1,6 +1,6 @@
 //! The demo as JSON: what was identified, and what the outages did.
 
-use super::{DURATION, Demo, PRESET, RATE_HZ, STATIC_DURATION, WHITE_CALIBRATED};
+use super::{DURATION, Demo, PRESET, RATE_HZ, WHITE_CALIBRATED};
 use crate::{
     outages::Experiment,
     results::{Kind, with_head},
@@ -30,11 +30,10 @@ impl Demo {
 
     /// Everything as JSON.
     pub fn json(&self) -> Value {
-        let identification = self.identified.as_ref().map(|(_, found)| {
-            found.json(&format!(
-                "simulated static record of {PRESET}, {STATIC_DURATION:.0} s"
-            ))
-        });
+        let identification = self
+            .identified
+            .as_ref()
+            .map(|(_, found)| found.json(&format!("Simulated static record of {PRESET}")));
         with_head(
             Kind::Demo,
             json!({

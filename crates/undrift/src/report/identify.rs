@@ -30,6 +30,9 @@ struct Units {
     /// Of bias instability and what it is of SI.
     instability: &'static str,
     instability_scale: f64,
+    /// Of a random walk's growth, the square root of an hour, and what it is of SI.
+    walk: &'static str,
+    walk_scale: f64,
     /// Of the integral.
     drift: &'static str,
 }
@@ -40,6 +43,8 @@ const GYRO: Units = Units {
     white: "°/√h",
     instability: "°/h",
     instability_scale: 180.0 / PI * 3600.0,
+    walk: "°/h/√h",
+    walk_scale: 180.0 / PI * 3600.0 * 60.0,
     drift: "°",
 };
 const ACCEL: Units = Units {
@@ -48,6 +53,8 @@ const ACCEL: Units = Units {
     white: "m/s/√h",
     instability: "µg",
     instability_scale: 1e6 / 9.806_65,
+    walk: "µg/√h",
+    walk_scale: 1e6 / 9.806_65 * 60.0,
     drift: "m/s",
 };
 
@@ -134,7 +141,7 @@ fn summary(runs: &[Run<'_>]) -> Section {
     );
     let mut tests = table(
         "tests",
-        "Table 2: tests of stationarity (ADF rejects a unit root below its critical value, KPSS rejects stationarity above it) and of normality (rejected above the critical value), with their 5 % points in brackets.",
+        "Tests of stationarity and normality, as in the source paper's Table 2, with their 5 % points in brackets. ADF rejects a unit root below its point, KPSS rejects stationarity above it; the others reject normality above theirs.",
         &[
             "axis",
             "ADF",
@@ -154,13 +161,7 @@ fn summary(runs: &[Run<'_>]) -> Section {
                 label(name, axis).into(),
                 format!("{} {}", short(term(found_of, "white") * h), unit.white).into(),
                 seen(found_of, "bias_instability", long, unit.instability).into(),
-                seen(
-                    found_of,
-                    "random_walk",
-                    h * 60.0,
-                    &format!("{}/√h", hourly(unit)),
-                )
-                .into(),
+                seen(found_of, "random_walk", unit.walk_scale, unit.walk).into(),
                 found_of.chosen.name.clone().into(),
                 count(found_of.outliers.len() as u64).into(),
             ]);
@@ -183,15 +184,6 @@ fn summary(runs: &[Run<'_>]) -> Section {
     Section {
         title: "Static record".into(),
         blocks,
-    }
-}
-
-/// Unit of a random walk's rate over an hour.
-fn hourly(unit: &Units) -> &'static str {
-    if unit.sample == "°/s" {
-        "°/h"
-    } else {
-        "m/s/h"
     }
 }
 
@@ -550,7 +542,7 @@ fn psd(axis: &Axis, unit: &Units) -> Option<Panel> {
 fn pandit_wu(name: &str, axis: &Axis) -> Option<Table> {
     let mut rows = table(
         &format!("pandit-wu-{name}"),
-        "Table 3: Pandit and Wu's procedure. F tests each order against the one before: above its 5 % point the larger order is better.",
+        "Pandit and Wu's procedure, as in the source paper's Table 3. F tests each order against the one before: above its 5 % point the larger order is better.",
         &[
             "model",
             "sum of squares",

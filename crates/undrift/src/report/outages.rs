@@ -359,10 +359,11 @@ fn drift(models: &[Model<'_>]) -> Option<Section> {
         .flat_map(|m| m.largest())
         .filter(|e| *e > 0.0)
         .collect();
+    let rms: Vec<f64> = models.iter().map(|m| m.rms()).collect();
     let mut bars = Panel::new(
         "Root mean square",
         Axis::categories(names()),
-        Axis::new("largest horizontal error [m]"),
+        axis_for(&rms, "largest horizontal error [m]"),
     );
     let mut boxes = Panel::new(
         "Spread over the outages",
