@@ -4,5 +4,6 @@ mod configuration;
 mod log;
 mod logs;
 mod montecarlo;
+mod reports;
 mod scalars;
 mod schedule;

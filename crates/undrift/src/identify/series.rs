@@ -111,10 +111,12 @@ impl RecordSeries {
     }
 }
 
-/// The smallest and largest density of each band.
+/// The smallest and largest density of each band. Half the sample rate is left out: there the
+/// one-sided density is half of what it is beside.
 fn psd(density: &Density) -> Value {
+    let end = density.frequency_hz.len().saturating_sub(1);
     let points = || {
-        let all = density.frequency_hz.iter().zip(&density.density);
+        let all = density.frequency_hz.iter().zip(&density.density).take(end);
         all.map(|(f, d)| (*f, *d)).filter(|(f, _)| *f > 0.0)
     };
     let (Some((first, _)), Some((last, _))) = (points().next(), points().last()) else {

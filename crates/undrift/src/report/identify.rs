@@ -4,7 +4,8 @@
 use super::{
     Axis as PlotAxis, Block, Cell, Corner, Figure, Panel, Section, Series, Table,
     parts::{
-        Clock, cell, count, get, mark_least, percent, short, span, table, text, warnings, zip,
+        Clock, cell, count, exact, get, mark_least, percent, short, span, table, text, warnings,
+        zip,
     },
     read::{Axis, Identify, Number, OrderRow},
 };
@@ -64,6 +65,13 @@ fn units(name: &str) -> &'static Units {
     } else {
         &ACCEL
     }
+}
+
+/// "Gyro x" of "gyro_x".
+fn heading(name: &str) -> String {
+    let mut letters = name.chars();
+    let first = letters.next().into_iter().flat_map(char::to_uppercase);
+    spoken(&first.chain(letters).collect::<String>())
 }
 
 /// "gyro x" of "gyro_x".
@@ -327,7 +335,7 @@ fn of_axis(name: &str, axis: &Axis) -> Section {
     blocks.extend(pandit_wu(name, axis).map(Block::Table));
     blocks.extend(candidates(name, axis, unit).map(Block::Table));
     Section {
-        title: spoken(name),
+        title: heading(name),
         blocks,
     }
 }
@@ -550,7 +558,7 @@ fn pandit_wu(name: &str, axis: &Axis) -> Option<Table> {
             "BIC",
             "F",
             "5 % point",
-            "the paper's",
+            "paper's point",
         ],
     );
     for row in &axis.pandit_wu {
@@ -558,7 +566,7 @@ fn pandit_wu(name: &str, axis: &Axis) -> Option<Table> {
         let significant = row.f.0 > row.f_critical.0;
         rows.rows.push(vec![
             format!("ARMA({},{})", row.p, row.q).into(),
-            format!("{:.6e}", row.rss.0).into(),
+            exact(row.rss.0).into(),
             Cell::number(row.aic.0, 1),
             Cell::number(row.bic.0, 1),
             if significant { f.strong() } else { f },
@@ -684,7 +692,7 @@ fn compared(name: &str, axes: &[(&str, &Axis)]) -> Section {
     ));
     blocks.push(Block::Table(rows));
     Section {
-        title: spoken(name),
+        title: heading(name),
         blocks,
     }
 }

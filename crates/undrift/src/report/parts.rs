@@ -12,11 +12,26 @@ pub fn short(value: f64) -> String {
         v if !v.is_finite() => "–".into(),
         0.0 => "0".into(),
         v if v < 9.995e-4 => format!("{value:.2e}"),
+        v if v < 9.995e-3 => format!("{value:.5}"),
+        v if v < 0.099_95 => format!("{value:.4}"),
         v if v < 0.9995 => format!("{value:.3}"),
         v if v < 9.995 => format!("{value:.2}"),
         v if v < 99.95 => format!("{value:.1}"),
         v if v < 1e6 => format!("{value:.0}"),
         _ => format!("{value:.2e}"),
+    }
+}
+
+/// A number with seven significant digits, as it is where those are not enough to write it plain.
+pub fn exact(value: f64) -> String {
+    if !value.is_finite() {
+        return "–".into();
+    }
+    let size = value.abs().log10().floor();
+    if (-4.0..6.0).contains(&size) {
+        format!("{value:.*}", (6.0 - size) as usize)
+    } else {
+        format!("{value:.6e}")
     }
 }
 
@@ -235,12 +250,21 @@ mod tests {
             (0.0, "0"),
             (0.000_123_4, "1.23e-4"),
             (-0.123_4, "-0.123"),
+            (0.012_34, "0.0123"),
+            (0.001_234, "0.00123"),
             (1.234, "1.23"),
             (99.99, "100"),
             (12_345.6, "12346"),
             (f64::NAN, "–"),
         ] {
             assert_eq!(short(value), text);
+        }
+        for (value, text) in [
+            (3.432_190_9, "3.432191"),
+            (0.0, "0.000000e0"),
+            (1e-7, "1.000000e-7"),
+        ] {
+            assert_eq!(exact(value), text);
         }
         assert_eq!(count(1_234_567), "1\u{202f}234\u{202f}567");
         assert_eq!(count(123), "123");
