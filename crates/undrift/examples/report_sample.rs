@@ -513,7 +513,10 @@ fn hostile() -> Document {
                         &format!("../{HOSTILE}"),
                         HOSTILE,
                         2,
-                        vec![odd, none, one, constant, names, still, empty, tiny],
+                        vec![
+                            odd, none, one, constant, names, still, empty, tiny, extreme, decades,
+                            map,
+                        ],
                     ),
                     figure("no-panels", "", 0, Vec::new()),
                 ],

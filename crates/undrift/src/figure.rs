@@ -46,7 +46,7 @@ pub fn drift_curve(run: &ModelRun) -> DriftCurve<'_> {
 }
 
 /// Colours that stay apart in grey and for the colour-blind (Okabe & Ito 2008).
-const COLOURS: [RGBColor; 8] = [
+pub(crate) const COLOURS: [RGBColor; 8] = [
     RGBColor(0, 0, 0),
     RGBColor(120, 120, 120),
     RGBColor(204, 121, 167),

@@ -164,7 +164,7 @@ impl Panel {
         if self.series.iter().any(|s| !s.name.is_empty()) {
             chart
                 .configure_series_labels()
-                .position(match self.legend {
+                .position(match self.legend_corner(window) {
                     Corner::UpperLeft => SeriesLabelPosition::UpperLeft,
                     Corner::UpperRight => SeriesLabelPosition::UpperRight,
                     Corner::LowerLeft => SeriesLabelPosition::LowerLeft,
@@ -223,13 +223,8 @@ impl Panel {
             Style::Dashed => runs(&series.x, column(0), window)
                 .into_iter()
                 .map(|run| {
-                    DashedPathElement::new(
-                        run.into_iter(),
-                        6 * unit,
-                        4 * unit,
-                        colour.stroke_width(2 * unit),
-                    )
-                    .into_dyn()
+                    DashedPathElement::new(run, 6 * unit, 4 * unit, colour.stroke_width(2 * unit))
+                        .into_dyn()
                 })
                 .collect(),
             Style::Dots => series

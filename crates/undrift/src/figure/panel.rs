@@ -216,7 +216,8 @@ pub struct Panel {
     pub(crate) x: Axis,
     pub(crate) y: Axis,
     pub(crate) series: Vec<Series>,
-    pub(crate) legend: Corner,
+    /// Where the legend stands; where there is most room if nobody said.
+    pub(crate) legend: Option<Corner>,
     /// Spans of x on a shaded ground.
     pub(crate) shades: Vec<(f64, f64)>,
     /// Whether a unit of x is as long as one of y.
@@ -224,22 +225,25 @@ pub struct Panel {
 }
 
 impl Panel {
-    /// An empty panel, its legend in the upper left.
+    /// An empty panel, its legend in the corner with most room.
     pub fn new(title: &str, x: Axis, y: Axis) -> Self {
         Self {
             title: title.to_owned(),
             x,
             y,
             series: Vec::new(),
-            legend: Corner::UpperLeft,
+            legend: None,
             shades: Vec::new(),
             to_scale: false,
         }
     }
 
-    /// Puts the legend into another corner.
+    /// Puts the legend into a corner.
     pub fn legend(self, legend: Corner) -> Self {
-        Self { legend, ..self }
+        Self {
+            legend: Some(legend),
+            ..self
+        }
     }
 
     /// Draws one unit of x as long as one of y, as on a map. For linear axes.
@@ -272,6 +276,6 @@ mod tests {
         let range = Axis::new("y").range_of([1.0, 3.0].into_iter(), 0.1);
         assert!((range.start - 0.8).abs() < 1e-12 && (range.end - 3.2).abs() < 1e-12);
         assert!(Axis::logarithmic("x").within(0.0..1.0).range.is_none());
-        assert!(Axis::new("y").range_of(std::iter::empty(), 0.0).end > 1.0);
+        assert!(Axis::new("y").range_of(std::iter::empty(), 0.0).end >= 1.0);
     }
 }

@@ -1,6 +1,6 @@
 //! What panels look like, before any drawing: the part that is seen, ticks, lines cut at its edges.
 
-use super::panel::{Axis, Panel, Style};
+use super::panel::{Axis, Corner, Panel, Style};
 use std::ops::Range;
 
 /// One axis of a plot: from where to where.
@@ -134,6 +134,42 @@ impl Panel {
             x: Scale::new(&self.x, x),
             y: Scale::new(&self.y, y),
         }
+    }
+}
+
+impl Panel {
+    /// Where the legend covers the fewest points.
+    pub(super) fn legend_corner(&self, window: &Window) -> Corner {
+        const WIDTH: f64 = 0.4;
+        let height = 0.08 + 0.06 * self.series.iter().filter(|s| !s.name.is_empty()).count() as f64;
+        // Where x and y count from the corner.
+        let corners = [
+            (Corner::UpperLeft, false, true),
+            (Corner::UpperRight, true, true),
+            (Corner::LowerRight, true, false),
+            (Corner::LowerLeft, false, false),
+        ];
+        let covered = |(_, right, upper): &(Corner, bool, bool)| {
+            let from = |place: f64, far: bool| if far { 1.0 - place } else { place };
+            let hidden = |x: f64, y: f64| {
+                (0.0..WIDTH).contains(&from(window.x.place(x), *right))
+                    && (0.0..height).contains(&from(window.y.place(y), *upper))
+            };
+            self.series
+                .iter()
+                // A share of each series, so that the longest does not decide alone.
+                .map(|s| {
+                    let covered = s.points().filter(|&(x, y)| hidden(x, y)).count();
+                    covered as f64 / s.points().count().max(1) as f64
+                })
+                .sum::<f64>()
+        };
+        self.legend.unwrap_or_else(|| {
+            let best = corners
+                .iter()
+                .min_by(|a, b| covered(a).total_cmp(&covered(b)));
+            best.map_or(Corner::UpperLeft, |corner| corner.0)
+        })
     }
 }
 
@@ -339,6 +375,23 @@ mod tests {
             / (window.y.range.end - window.y.range.start);
         assert!((ratio - 2.0).abs() < 1e-12);
         assert!(window.holds(0.0, 0.0) && window.holds(100.0, 10.0));
+    }
+
+    #[test]
+    fn the_legend_leaves_the_curves_free() {
+        let of = |points: Vec<(f64, f64)>| {
+            let mut panel = Panel::new("", Axis::new(""), Axis::new(""));
+            panel.add(Series::line("name", 0, points));
+            let window = panel.window(1.0, 1.0);
+            (
+                panel.legend_corner(&window),
+                panel.legend(Corner::LowerLeft).legend_corner(&window),
+            )
+        };
+        let falling = (0..50).map(|i| (f64::from(i), -f64::from(i))).collect();
+        assert_eq!(of(falling), (Corner::UpperRight, Corner::LowerLeft));
+        let rising = (0..50).map(|i| (f64::from(i), f64::from(i))).collect();
+        assert_eq!(of(rising).0, Corner::UpperLeft);
     }
 
     #[test]

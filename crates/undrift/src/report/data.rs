@@ -141,19 +141,15 @@ mod tests {
     fn numbers_have_seven_digits() {
         for (value, text) in [
             (1.0 / 3.0, "0.3333333"),
-            (-2.0e7 / 3.0, "-6666666.7"),
+            (-2.0e7 / 3.0, "-6666667"),
             (12.0, "12"),
             (2.0e-15 / 3.0, "6.666667e-16"),
-            (2.0e30 / 3.0, "6.666667e29"),
+            (2.0e30 / 3.0, "6.666667e+29"),
             (f64::NAN, "null"),
             (f64::NEG_INFINITY, "null"),
         ] {
             let kept = number(value, significant(value)).to_string();
-            if value != -2.0e7 / 3.0 {
-                assert_eq!(kept, text);
-            } else {
-                assert_eq!(kept.parse::<f64>().unwrap(), -6666667.0);
-            }
+            assert_eq!(kept, text);
         }
     }
 

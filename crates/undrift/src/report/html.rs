@@ -291,7 +291,7 @@ mod tests {
         assert_eq!(html.matches("</script").count(), 2);
         // The one comment is the notice.
         assert_eq!(html.matches("<!--").count(), 1);
-        assert_eq!(html.matches("&lt;img src=x onerror").count(), 9);
+        assert_eq!(html.matches("&lt;img src=x onerror").count(), 11);
     }
 
     #[test]

@@ -115,7 +115,7 @@ class Plot {
     const [x, y] = this.ranges(width, height);
     const scale = (own, [min, max]) => ({ time: false, distr: own.log ? 3 : 1, min, max, range: (_, a, b) => [a, b] });
     this.u = new uPlot({
-      width, height, padding: [8, 12, 0, 0],
+      width, height, padding: [8, 20, 0, 0],
       scales: { x: scale(panel.x, x), y: scale(panel.y, y) },
       series: [{}, { show: true }],
       axes: [axis("x"), axis("y")],

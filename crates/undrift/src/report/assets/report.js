@@ -156,7 +156,7 @@ function mountFigure(element, figure, plots) {
     panel.ratio = ratio;
     const link = p => !p.scale && !p.x.names.length ? `${p.x.label} ${p.x.log}` : null;
     const kin = figure.panels.filter(p => link(p) !== null && link(p) === link(panel));
-    const key = kin.length > 1 ? `${figure.name} ${figure.panels.indexOf(kin[0])}` : null;
+    const key = kin.length > 1 ? `${element.id} ${figure.panels.indexOf(kin[0])}` : null;
     const plot = new Plot(panel, holder.appendChild(make("div", "panel")), key);
     Object.assign(plot, { key, columns: figure.columns });
     return plot;

@@ -18,7 +18,7 @@ function linearTicks(min, max, most) {
 function logTicks(min, max, most) {
   const first = Math.floor(Math.log10(min)), last = Math.ceil(Math.log10(max)), span = Math.log10(max / min);
   if (!(span > 0 && span < Infinity)) return [];
-  const between = span * 3 <= most + 1 ? (span < 0.8 ? [1, 1.5, 2, 3, 4, 5, 6, 8] : [1, 2, 5]) : [1];
+  const between = span < 0.8 ? [1, 1.5, 2, 3, 4, 5, 6, 8] : span * 3 <= most + 1 ? [1, 2, 5] : span * 2 <= most + 1 ? [1, 3] : [1];
   const every = Math.max(1, Math.ceil(span / most));
   const ticks = [];
   for (let p = first; p <= last; p += 1) {
