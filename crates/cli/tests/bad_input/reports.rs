@@ -10,7 +10,7 @@ bias_model = "gauss-markov"
 bias_models = ["gauss-markov", "white"]
 [drive]
 kind = "car"
-duration = "60 s"
+duration = "150 s"
 rate = "50 Hz"
 seed = 1
 [gnss]
