@@ -133,6 +133,9 @@ impl Default for Envelope {
     }
 }
 
+/// A column of a [`Thinned`]: its name and how its values are rounded.
+pub type Column = (&'static str, fn(f64) -> f64);
+
 /// Rows of unknown number thinned evenly: every one, every second, every fourth …
 #[derive(Clone, Debug)]
 pub struct Thinned<const N: usize> {
@@ -174,8 +177,8 @@ impl<const N: usize> Thinned<N> {
     }
 
     /// As JSON, column by column under these names, each rounded by its function.
-    pub fn json(&self, columns: [(&str, fn(f64) -> f64); N]) -> Value {
-        let column = |(at, (name, round)): (usize, (&str, fn(f64) -> f64))| {
+    pub fn json(&self, columns: [Column; N]) -> Value {
+        let column = |(at, (name, round)): (usize, Column)| {
             let values: Vec<f64> = self.rows.iter().map(|row| round(row[at])).collect();
             (name.to_owned(), json!(values))
         };

@@ -119,7 +119,7 @@ fn psd(density: &Density) -> Value {
         let all = density.frequency_hz.iter().zip(&density.density).take(end);
         all.map(|(f, d)| (*f, *d)).filter(|(f, _)| *f > 0.0)
     };
-    let (Some((first, _)), Some((last, _))) = (points().next(), points().last()) else {
+    let (Some((first, _)), Some((last, _))) = (points().next(), points().next_back()) else {
         return Value::Null;
     };
     let band = |f: f64| ((f / first).ln() / (last / first).ln() * BANDS as f64) as usize;

@@ -4,7 +4,7 @@ use crate::{
     reference::{COMPONENTS, Errors},
     remarks::WITHOUT_GNSS,
     replay::MOST_EVENTS,
-    series::{Envelope, ROWS, Thinned, to_millimetre, to_millisecond},
+    series::{Column, Envelope, ROWS, Thinned, to_millimetre, to_millisecond},
 };
 use serde_json::{Map, Value, json};
 use undrift_io::write::solution::SolutionRow;
@@ -147,7 +147,7 @@ impl Recording {
 
     /// All of it as JSON; what nothing was added to is left out.
     pub fn json(&self) -> Value {
-        let place: [(&str, fn(f64) -> f64); 4] = [
+        let place: [Column; 4] = [
             ("time_s", to_millisecond),
             ("lat_deg", to_millimetre),
             ("lon_deg", to_millimetre),
