@@ -1,12 +1,14 @@
 //! `undrift demo`: the paper's experiment on a simulated drive.
 
-use crate::{report, tables};
+use crate::{print, report::Reporting, tables};
 use anyhow::{Context, Result};
 use clap::Args;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use undrift::{
-    demo::{self, Models},
+    demo::{self, Demo, Models},
     figure,
+    outages::ModelRun,
+    results,
 };
 
 /// Simulate a static record and a 10-minute drive, identify the sensors from the record, cut the
@@ -24,6 +26,11 @@ pub struct Arguments {
     /// Write the tables' and figures' data and demo.svg into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Write the whole result as JSON; "-" for standard output instead of the tables
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    #[command(flatten)]
+    reporting: Reporting,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -33,9 +40,26 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Models::Identified
     };
     let demo = demo::run(arguments.seed, models)?;
+    let json = results::text(&demo.json());
+    let shown = print::result(arguments.json.as_deref(), &json)?;
+    arguments.reporting.write(&json)?;
+    if !shown {
+        tell(arguments, &demo)?;
+    }
+    let (runs, failed) = print::split(&demo.runs);
+    print::print_failed(&failed);
+    print::print_warnings(&runs);
+    if let Some(folder) = &arguments.out {
+        write(folder, &demo, &runs, shown)?;
+    }
+    Ok(())
+}
+
+/// Prints the tables.
+fn tell(arguments: &Arguments, demo: &Demo) -> Result<()> {
     let (count, length, ..) = demo::OUTAGES;
     if let Some((_, identified)) = &demo.identified {
-        report::say(format!(
+        print::say(format!(
             "Simulated static record of {:.0} s, {} at {:.0} Hz, seed {}.\n\n{}",
             demo::STATIC_DURATION,
             demo::PRESET,
@@ -43,10 +67,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             arguments.seed,
             tables::normality(identified)
         ))?;
-        report::say(tables::pandit_wu(identified, "gyro_z"))?;
-        report::say(tables::recommended(identified))?;
+        print::say(tables::pandit_wu(identified, "gyro_z"))?;
+        print::say(tables::recommended(identified))?;
     }
-    report::say(format!(
+    print::say(format!(
         "Simulated car drive of {:.0} min, {} at {:.0} Hz, RTK-like GNSS at 5 Hz, seed {};\n\
          GNSS cut {count} times for {length:.0} s. Errors inside the outages (Table 4):\n",
         demo::DURATION / 60.0,
@@ -54,50 +78,50 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         demo::RATE_HZ,
         arguments.seed
     ))?;
-    let (runs, failed) = report::split(&demo.runs);
-    report::say(report::table(&runs))?;
-    report::say(format!(
+    print::say(print::table(&print::split(&demo.runs).0))?;
+    print::say(format!(
         "\"{}\" is white on samples whose turn-on constants were removed beforehand.",
         demo::WHITE_CALIBRATED
-    ))?;
-    report::print_failed(&failed);
-    report::print_warnings(&runs);
-    if let Some(folder) = &arguments.out {
-        std::fs::create_dir_all(folder)
-            .with_context(|| format!("cannot make {}", folder.display()))?;
-        let json = report::json(&demo.outages, &runs, "truth");
-        report::write_whole(&folder.join("outages.json"), &json)?;
-        if let Some((record, identified)) = &demo.identified {
-            report::write_whole(
-                &folder.join("identified.json"),
-                &format!("{:#}", identified.json()),
-            )?;
-            report::write_whole(
-                &folder.join("figure1-record.csv"),
-                &tables::record_csv(record, demo::RATE_HZ),
-            )?;
-            report::write_whole(
-                &folder.join("figure3-correlation.csv"),
-                &tables::correlation_csv(identified, "gyro_z"),
-            )?;
-        }
-        report::write_whole(
-            &folder.join("figure4-trajectory.csv"),
-            &tables::trajectory_csv(&demo),
+    ))
+}
+
+/// Writes the data of tables and figures.
+fn write(folder: &Path, demo: &Demo, runs: &[&ModelRun], silent: bool) -> Result<()> {
+    std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
+    let json = results::text(&demo.experiment().json());
+    print::write_whole(&folder.join("outages.json"), &json)?;
+    if let Some((record, identified)) = &demo.identified {
+        print::write_whole(
+            &folder.join("identified.json"),
+            &results::text(&identified.json(demo::PRESET)),
         )?;
-        report::write_whole(&folder.join("figure5-drift.csv"), &tables::drift_csv(&runs))?;
-        let curves: Vec<_> = runs.iter().map(|r| figure::drift_curve(r)).collect();
-        figure::experiment(
-            &folder.join("demo.svg"),
-            &demo.simulation.truth,
-            &demo.outages,
-            &curves,
-        )
-        .map_err(anyhow::Error::msg)?;
-        report::say(format!(
-            "\nWritten to {}: outages.json, demo.svg and the data of the figures",
-            folder.display()
-        ))?;
+        print::write_whole(
+            &folder.join("figure1-record.csv"),
+            &tables::record_csv(record, demo::RATE_HZ),
+        )?;
+        print::write_whole(
+            &folder.join("figure3-correlation.csv"),
+            &tables::correlation_csv(identified, "gyro_z"),
+        )?;
     }
-    Ok(())
+    print::write_whole(
+        &folder.join("figure4-trajectory.csv"),
+        &tables::trajectory_csv(demo),
+    )?;
+    print::write_whole(&folder.join("figure5-drift.csv"), &tables::drift_csv(runs))?;
+    let curves: Vec<_> = runs.iter().map(|r| figure::drift_curve(r)).collect();
+    figure::experiment(
+        &folder.join("demo.svg"),
+        &demo.simulation.truth,
+        &demo.outages,
+        &curves,
+    )
+    .map_err(anyhow::Error::msg)?;
+    if silent {
+        return Ok(());
+    }
+    print::say(format!(
+        "\nWritten to {}: outages.json, demo.svg and the data of the figures",
+        folder.display()
+    ))
 }

@@ -1,6 +1,6 @@
 //! `undrift identify`: a static record into a noise model.
 
-use crate::report;
+use crate::{print, report::Reporting};
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -13,6 +13,7 @@ use undrift::{
         screening::Timing,
     },
     record::{self, RecordFormat},
+    results,
 };
 
 /// What is taken out of the record first.
@@ -64,6 +65,8 @@ pub struct Arguments {
     /// Write everything found as JSON; "-" for standard output instead of the summary
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    #[command(flatten)]
+    reporting: Reporting,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -123,18 +126,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .filter(|(_, found)| found.is_err())
         .count();
 
-    let json = || format!("{:#}", identified.json());
-    if arguments
-        .json
-        .as_deref()
-        .is_some_and(|p| p.as_os_str() == "-")
-    {
-        report::say(json())?;
-    } else {
-        report::say(summary(&identified))?;
-        if let Some(file) = &arguments.json {
-            report::write_whole(file, &json())?;
+    let name = results::name(&arguments.record);
+    if arguments.json.is_some() || arguments.reporting.is_wanted() {
+        let json = results::text(&identified.json(&name));
+        if !print::result(arguments.json.as_deref(), &json)? {
+            print::say(summary(&identified))?;
         }
+        arguments.reporting.write(&json)?;
+    } else {
+        print::say(summary(&identified))?;
     }
     for (name, found) in &identified.axes {
         if let Err(error) = found {
@@ -150,10 +150,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             .as_ref()
             .map(|name| ImuModel::resolve(name, std::path::Path::new("")))
             .transpose()?;
-        let name = arguments
-            .record
-            .file_name()
-            .map_or(String::new(), |n| n.to_string_lossy().into_owned());
         let provenance = Provenance {
             record: Some(name.clone()),
             rate_hz: Some(rate_hz),
@@ -164,8 +160,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let model = identified
             .model(base.as_ref(), &name, provenance)
             .map_err(anyhow::Error::msg)?;
-        report::write_whole(file, &model.to_toml())?;
-        report::say(format!("model: {}", file.display()))?;
+        print::write_whole(file, &model.to_toml())?;
+        print::say(format!("model: {}", file.display()))?;
         let unknown: Vec<&str> = model
             .axes()
             .into_iter()

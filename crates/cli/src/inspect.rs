@@ -1,6 +1,6 @@
 //! `undrift inspect`: what a file is, and a first drive file for it.
 
-use crate::report;
+use crate::print;
 use anyhow::{Result, bail};
 use clap::Args;
 use std::{fmt::Write as _, path::PathBuf};
@@ -35,19 +35,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         bail!("no file could be read");
     }
     let json = serde_json::to_string_pretty(&inspections)?;
-    match &arguments.json {
-        Some(file) if file.as_os_str() == "-" => report::say(json)?,
-        Some(file) => report::write_whole(file, &json)?,
-        None => {
-            for inspection in &inspections {
-                report::say(text(inspection).trim_end())?;
-            }
+    if !print::result(arguments.json.as_deref(), &json)? {
+        for inspection in &inspections {
+            print::say(text(inspection).trim_end())?;
         }
     }
     if let Some(file) = &arguments.output {
         let home = file.parent().unwrap_or(std::path::Path::new(""));
-        report::write_whole(file, &inspect::drive_file(&inspections, home))?;
-        report::say(format!("drive file: {}", file.display()))?;
+        print::write_whole(file, &inspect::drive_file(&inspections, home))?;
+        print::say(format!("drive file: {}", file.display()))?;
     }
     if inspections.len() < arguments.files.len() {
         bail!("not every file could be read");

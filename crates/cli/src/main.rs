@@ -7,6 +7,7 @@ mod model;
 mod montecarlo;
 mod navigate;
 mod outages;
+mod print;
 mod report;
 mod tables;
 
@@ -31,6 +32,7 @@ enum Verb {
     Montecarlo(montecarlo::Arguments),
     Navigate(navigate::Arguments),
     Outages(outages::Arguments),
+    Report(report::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -42,6 +44,7 @@ fn main() -> ExitCode {
         Verb::Montecarlo(arguments) => montecarlo::run(&arguments),
         Verb::Navigate(arguments) => navigate::run(&arguments),
         Verb::Outages(arguments) => outages::run(&arguments),
+        Verb::Report(arguments) => report::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

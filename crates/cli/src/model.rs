@@ -1,6 +1,6 @@
 //! `undrift model`: a noise model as other programs read it.
 
-use crate::report;
+use crate::print;
 use anyhow::Result;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -29,7 +29,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let model = ImuModel::resolve(&arguments.model, Path::new(""))?;
     let text = model.export(arguments.to, arguments.rate)?;
     match &arguments.output {
-        Some(file) => report::write_whole(file, &text),
-        None => report::say(text.trim_end()),
+        Some(file) => print::write_whole(file, &text),
+        None => print::say(text.trim_end()),
     }
 }

@@ -1,13 +1,14 @@
 //! `undrift montecarlo`: does the filter know its own errors?
 
-use crate::report;
-use anyhow::{Context, Result};
+use crate::{print, report::Reporting};
+use anyhow::Result;
 use clap::Args;
 use std::{fmt::Write as _, path::PathBuf};
 use undrift::{
     figure,
     montecarlo::{self, ModelReport, Report, Spec, Verdict},
     noise::BiasModel,
+    results,
 };
 
 /// Simulate a drive many times and compare the filter's errors with its own covariance (NEES, NIS).
@@ -33,6 +34,8 @@ pub struct Arguments {
     /// Draw the average NEES over time with its bounds
     #[arg(long, value_name = "FILE.svg")]
     figure: Option<PathBuf>,
+    #[command(flatten)]
+    reporting: Reporting,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -45,21 +48,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     );
     let result = montecarlo::run(&spec, arguments.runs, arguments.seed, || bar.inc(1))?;
     bar.finish_and_clear();
-    let to_standard_output = arguments
-        .json
-        .as_deref()
-        .is_some_and(|p| p.as_os_str() == "-");
-    if let Some(path) = &arguments.json {
-        let json = serde_json::to_string(&result).context("cannot write the result as JSON")?;
-        if to_standard_output {
-            report::say(json)?;
-        } else {
-            report::write_whole(path, &json)?;
-        }
+    let json = results::text(&result.json(&spec));
+    if !print::result(arguments.json.as_deref(), &json)? {
+        print::say(text(&result, &spec))?;
     }
-    if !to_standard_output {
-        report::say(text(&result, &spec))?;
-    }
+    arguments.reporting.write(&json)?;
     if let Some(path) = &arguments.figure {
         figure::consistency(path, &result).map_err(anyhow::Error::msg)?;
     }

@@ -1,22 +1,19 @@
 //! `undrift navigate`: one drive into one solution.
 
-use crate::report;
+use crate::{print, report::Reporting};
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use serde_json::json;
 use std::path::{Path, PathBuf};
 use undrift::{
     consistency::GROUP,
     drive::Drive,
     io::write::{SolutionFile, SolutionFormat, SolutionOptions},
-    navigate::{self, Report},
+    navigate::{self, Report, Wanted},
     noise::{BiasModel, ImuModel},
     reference::COMPONENTS,
-    replay::{Innovations, Summary},
+    replay::Innovations,
+    results,
 };
-
-/// Components of a velocity.
-const AXES: [&str; 3] = ["north", "east", "down"];
 
 /// Navigate a drive: IMU and GNSS into position, velocity and attitude.
 ///
@@ -51,6 +48,8 @@ pub struct Arguments {
     /// Write the whole report as JSON; "-" for standard output instead of the text
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    #[command(flatten)]
+    reporting: Reporting,
 }
 
 /// What every verb on a drive takes.
@@ -75,27 +74,24 @@ pub fn load(drive: &std::path::Path, common: &Common) -> Result<Drive> {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let drive = load(&arguments.drive, &arguments.common)?;
-    let report = navigate::navigate_into(
-        &drive,
-        arguments.bias_model,
-        outputs(arguments)?,
-        arguments.smooth,
-    )?;
-    let to_standard_output = arguments
-        .json
-        .as_deref()
-        .is_some_and(|p| p.as_os_str() == "-");
-    if let Some(file) = &arguments.json {
-        let json = format!("{:#}", as_json(&report, arguments.bias_model));
-        if to_standard_output {
-            report::say(json)?;
+    let wanted = Wanted {
+        files: outputs(arguments)?,
+        smooth: arguments.smooth,
+        recording: arguments.json.is_some() || arguments.reporting.is_wanted(),
+    };
+    let recording = wanted.recording;
+    let report = navigate::navigate_for(&drive, arguments.bias_model, wanted)?;
+    if recording {
+        let drive = results::drive(&arguments.drive, &drive);
+        let json = results::text(&report.json(arguments.bias_model, drive));
+        arguments.reporting.write(&json)?;
+        if print::result(arguments.json.as_deref(), &json)? {
             return finish(&report);
         }
-        report::write_whole(file, &json)?;
     }
     print_report(&report, arguments.bias_model)?;
     for path in &arguments.output {
-        report::say(format!("solution: {}", path.display()))?;
+        print::say(format!("solution: {}", path.display()))?;
     }
     finish(&report)
 }
@@ -144,27 +140,27 @@ pub fn stem(path: &Path) -> String {
 }
 
 fn finish(report: &Report) -> Result<()> {
-    if let Some(time) = report.summary.diverged {
-        anyhow::bail!("the solution diverged at {time:.3} s; what was written ends there");
+    match report.divergence() {
+        Some(why) => anyhow::bail!(why),
+        None => Ok(()),
     }
-    Ok(())
 }
 
 fn print_report(report: &Report, kind: BiasModel) -> Result<()> {
     let s = &report.summary;
     let started = s.started.unwrap_or(f64::NAN);
     if let Some(mounting) = &report.mounting {
-        report::say(format!("mounting estimated: {mounting}"))?;
+        print::say(format!("mounting estimated: {mounting}"))?;
     }
-    report::say(format!("bias model {kind}; {}", s.alignment))?;
-    report::say(format!(
+    print::say(format!("bias model {kind}; {}", s.alignment))?;
+    print::say(format!(
         "navigated {} samples from {started:.3} s to {:.3} s; {} samples and {} fixes before that",
         s.samples, s.ended, s.align_samples, s.fixes_before
     ))?;
-    report::say(format!("{} fixes used", s.fixes))?;
+    print::say(format!("{} fixes used", s.fixes))?;
     for (name, sums) in [("position", &s.position), ("velocity", &s.velocity)] {
         if sums.updates + sums.rejected > 0 {
-            report::say(format!("{name}: {}", innovations(sums)))?;
+            print::say(format!("{name}: {}", innovations(sums)))?;
         }
     }
     for (name, sums) in [
@@ -174,7 +170,7 @@ fn print_report(report: &Report, kind: BiasModel) -> Result<()> {
         ("barometer", &s.barometer),
     ] {
         if sums.updates > 0 {
-            report::say(format!(
+            print::say(format!(
                 "{name}: {} updates, NIS per degree of freedom {}",
                 sums.updates,
                 nis(sums)
@@ -182,7 +178,7 @@ fn print_report(report: &Report, kind: BiasModel) -> Result<()> {
         }
     }
     for (kind, value, std) in &s.parameters {
-        report::say(format!("{kind:?} {value:.4?} ± {std:.4?}"))?;
+        print::say(format!("{kind:?} {value:.4?} ± {std:.4?}"))?;
     }
     if let Some((errors, n)) = &report.rmse {
         let parts: Vec<String> = COMPONENTS
@@ -191,7 +187,7 @@ fn print_report(report: &Report, kind: BiasModel) -> Result<()> {
             .filter(|(_, e)| e.is_finite())
             .map(|(name, e)| format!("{name} {e:.4}"))
             .collect();
-        report::say(format!(
+        print::say(format!(
             "RMS error against the truth at {n} samples: {}",
             parts.join(", ")
         ))?;
@@ -203,76 +199,13 @@ fn print_report(report: &Report, kind: BiasModel) -> Result<()> {
         .filter_map(|((name, ..), mean)| Some(format!("{name} {:.2}", mean.per_freedom()?)))
         .collect();
     if !nees.is_empty() {
-        report::say(format!(
+        print::say(format!(
             "NEES per degree of freedom against the truth, once a second (1 when the covariance is right): {}",
             nees.join(", ")
         ))?;
     }
-    if let (None, Some((from, to))) = (&report.rmse, report.truth_read) {
-        let why = if to < started || from > s.ended {
-            "the truth does not overlap the solution"
-        } else {
-            "the truth has no two samples within 2 s of each other beside the solution"
-        };
-        eprintln!(
-            "{why}, so there is no error: it was read from {from:.3} s to {to:.3} s, the solution runs from {started:.3} s to {:.3} s; compare the time columns, truth.time_offset moves one",
-            s.ended
-        );
-    }
-    report::print_health(s);
-    report::print_disagreement(s);
-    for (name, skipped, gaps) in &report.scalars {
-        let sums = if *name == "odometer" {
-            &s.odometer
-        } else {
-            &s.barometer
-        };
-        report::print_scalar(name, skipped, gaps, sums);
-    }
-    for (part, factor) in ["position", "velocity"].iter().zip(report.std_factors) {
-        if let Some(factor) = factor {
-            eprintln!("{}", accuracy(part, factor, s));
-        }
-    }
-    for (file, skipped) in [
-        ("IMU", &report.imu_skipped),
-        ("GNSS", &report.gnss_skipped),
-        ("truth", &report.truth_skipped),
-    ] {
-        if !skipped.is_empty() {
-            eprintln!("{file} log: {skipped}");
-        }
-    }
+    print::print_remarks(report.warnings());
     Ok(())
-}
-
-/// Autocorrelation of innovations above which it is not the accuracy of the fixes that is wrong.
-const COLOURED: f64 = 0.5;
-
-/// What a wrong accuracy is said to be.
-fn accuracy(part: &str, factor: f64, summary: &Summary) -> String {
-    let (times, direction) = if factor > 1.0 {
-        (factor, "small")
-    } else {
-        (1.0 / factor, "large")
-    };
-    let mut text = format!(
-        "the stated standard deviations of the {part} are about {times:.1} times too {direction} for the innovations"
-    );
-    let goes_on = [&summary.position, &summary.velocity]
-        .iter()
-        .any(|sums| sums.autocorrelation().is_some_and(|(c, _)| c > COLOURED));
-    if summary.adapted.iter().any(Option::is_some) {
-        text += "; they were adapted";
-    } else {
-        text += &format!(
-            ": set gnss.{part}_std_factor to {factor:.2} times what it is, or gnss.adapt = true"
-        );
-        if goes_on && factor > 1.0 {
-            text += "; but the innovations go on from fix to fix, so that the noise model, the mounting, the lever arm or the times may be wrong rather than the accuracy";
-        }
-    }
-    text
 }
 
 /// NIS, counts and autocorrelation in a line.
@@ -289,34 +222,4 @@ fn innovations(sums: &Innovations) -> String {
 
 fn nis(sums: &Innovations) -> String {
     sums.per_dof().map_or("none".into(), |r| format!("{r:.2}"))
-}
-
-fn as_json(report: &Report, kind: BiasModel) -> serde_json::Value {
-    let s = &report.summary;
-    let of = |sums: &Innovations| {
-        let correlation = sums.autocorrelation();
-        json!({
-            "nis_per_dof": sums.per_dof(),
-            "autocorrelation": correlation.map(|c| c.0),
-            "autocorrelation_bound": correlation.map(|c| c.1),
-        })
-    };
-    let signs: Vec<&str> = s.wrong_signs().map(|i| AXES[i]).collect();
-    let skipped = [
-        ("imu", &report.imu_skipped),
-        ("gnss", &report.gnss_skipped),
-        ("truth", &report.truth_skipped),
-    ];
-    json!({
-        "bias_model": kind.name(),
-        "position": of(&s.position),
-        "velocity": of(&s.velocity),
-        "std_factors": {"position": report.std_factors[0], "velocity": report.std_factors[1]},
-        "velocity_sign_wrong": signs,
-        "rms_error": report.rmse.as_ref().map(|(errors, _)| errors),
-        "nees_per_dof": GROUP.iter().zip(&report.consistency.nees).map(|((name, ..), mean)| (name.replace(' ', "_"), json!(mean.per_freedom()))).collect::<serde_json::Map<_, _>>(),
-        "compared_samples": report.rmse.as_ref().map(|(_, n)| n),
-        "skipped": skipped.map(|(file, skipped)| (file, skipped.to_string())).into_iter().collect::<std::collections::BTreeMap<_, _>>(),
-        "summary": s,
-    })
 }

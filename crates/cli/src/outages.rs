@@ -1,6 +1,6 @@
 //! `undrift outages`: cut the GNSS of a drive and compare bias models.
 
-use crate::{navigate, report};
+use crate::{navigate, print, report::Reporting};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -10,16 +10,18 @@ use undrift::{
     nav::sample::TruthSample,
     navigate::scalars,
     noise::BiasModel,
-    outages::{self, Schedule},
+    outages::{self, Experiment, Schedule},
+    remarks,
     replay::{Measurement, Outage, STAMP_ROUNDING, merge},
+    results,
 };
+
+/// Longest span between two nodes of the smoother [s]: the errors are taken at nodes.
+const OUTAGE_NODE_SPAN: f64 = 0.2;
 
 /// Cut GNSS again and again on a drive and measure how far each bias model drifts.
 ///
 /// Example: undrift outages examples/navego-adis16405.toml --data logs --length 10 --every 24 --count 15
-/// Longest span between two nodes of the smoother [s]: the errors are taken at nodes.
-const OUTAGE_NODE_SPAN: f64 = 0.2;
-
 #[derive(Args)]
 pub struct Arguments {
     /// The drive file
@@ -57,6 +59,8 @@ pub struct Arguments {
     /// Draw the truth, or the fixes, with the outages in another colour: kml, geojson or gpx by extension
     #[arg(long, value_name = "track.kml")]
     track: Option<PathBuf>,
+    #[command(flatten)]
+    reporting: Reporting,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -129,18 +133,45 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         })
         .collect::<Result<Vec<_>>>()?;
 
-    let results = outages::run_aided(&imu, &aiding, &truth, &models);
-    let (runs, failed) = report::split(&results);
-    let reference = if truth.is_empty() { "gnss" } else { "truth" };
-    let json = report::json(&cuts, &runs, reference);
-    let to_standard_output = arguments
-        .json
-        .as_deref()
-        .is_some_and(|p| p.as_os_str() == "-");
-    if to_standard_output {
-        report::say(&json)?;
-    } else {
-        report::say(format!(
+    let outcomes = outages::run_aided(&imu, &aiding, &truth, &models);
+    let (runs, failed) = print::split(&outcomes);
+    let mut said = Vec::new();
+    if let Some(run) = runs.first() {
+        said.extend(remarks::of_health(&run.summary));
+        // Among several, what one model disagrees with says nothing of the log.
+        if runs.len() == 1 {
+            said.extend(remarks::of_disagreement(&run.summary));
+        }
+        for (name, reader, used) in [
+            ("odometer", &odometer, &run.summary.odometer),
+            ("barometer", &barometer, &run.summary.barometer),
+        ] {
+            let reader = reader.iter();
+            said.extend(
+                reader.flat_map(|r| remarks::of_scalar(name, r.skipped(), &r.gaps(), used)),
+            );
+        }
+    }
+    let mut logs = vec![
+        ("IMU", imu_reader.skipped()),
+        ("GNSS", gnss_reader.skipped()),
+    ];
+    logs.extend(truth_reader.as_ref().map(|r| ("truth", r.skipped())));
+    said.extend(remarks::of_skipped(&logs));
+    let track = outages::track(&truth, &gnss);
+    let experiment = Experiment {
+        drive: results::drive(&arguments.drive, &drive),
+        outages: &cuts,
+        results: &outcomes,
+        reference: if truth.is_empty() { "gnss" } else { "truth" },
+        track: &track,
+        smooth: arguments.smooth,
+        warnings: said.clone(),
+    };
+    let json = results::text(&experiment.json());
+    arguments.reporting.write(&json)?;
+    if !print::result(arguments.json.as_deref(), &json)? {
+        print::say(format!(
             "{} outages of {} s, reference: {}. Errors inside the outages:\n",
             cuts.len(),
             arguments.length,
@@ -150,57 +181,20 @@ pub fn run(arguments: &Arguments) -> Result<()> {
                 "the truth"
             }
         ))?;
-        report::say(report::table(&runs))?;
-        if let Some(file) = &arguments.json {
-            report::write_whole(file, &json)?;
-        }
+        print::say(print::table(&runs))?;
     }
-    report::print_failed(&failed);
-    report::print_warnings(&runs);
-    if let Some(run) = runs.first() {
-        report::print_health(&run.summary);
-        // Among several, what one model disagrees with says nothing of the log.
-        if runs.len() == 1 {
-            report::print_disagreement(&run.summary);
-        }
-        if let Some(reader) = &odometer {
-            report::print_scalar(
-                "odometer",
-                reader.skipped(),
-                &reader.gaps(),
-                &run.summary.odometer,
-            );
-        }
-        if let Some(reader) = &barometer {
-            report::print_scalar(
-                "barometer",
-                reader.skipped(),
-                &reader.gaps(),
-                &run.summary.barometer,
-            );
-        }
-    }
-    let truth_skipped = truth_reader.as_ref().map(|reader| reader.skipped());
-    for (file, skipped) in [
-        ("IMU", Some(imu_reader.skipped())),
-        ("GNSS", Some(gnss_reader.skipped())),
-        ("truth", truth_skipped),
-    ] {
-        if let Some(skipped) = skipped.filter(|skipped| !skipped.is_empty()) {
-            eprintln!("{file} log: {skipped}");
-        }
-    }
+    print::print_failed(&failed);
+    print::print_warnings(&runs);
+    print::print_remarks(said);
     if let Some(folder) = &arguments.out {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("cannot make {}", folder.display()))?;
-        report::write_whole(&folder.join("outages.json"), &json)?;
+        print::write_whole(&folder.join("outages.json"), &json)?;
         let curves: Vec<_> = runs.iter().map(|r| figure::drift_curve(r)).collect();
-        let track = report::track(&truth, &gnss);
         figure::experiment(&folder.join("outages.svg"), &track, &cuts, &curves)
             .map_err(anyhow::Error::msg)?;
     }
     if let Some(path) = &arguments.track {
-        let track = report::track(&truth, &gnss);
         write_track(path, &track, &cuts, &arguments.drive)
             .with_context(|| format!("cannot write {}", path.display()))?;
     }

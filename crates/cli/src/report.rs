@@ -1,233 +1,94 @@
-//! What the verbs share in telling their results.
+//! `undrift report`: results that were written as JSON, for reading.
 
+use crate::print;
 use anyhow::{Context, Result};
-use serde_json::json;
-use std::path::Path;
-use undrift::{
-    io::{imu::GapSummary, skipped::Skipped},
-    nav::sample::{GnssFix, Position, TruthSample},
-    outages::ModelRun,
-    replay::{Innovations, Outage, Part, ReplayError, Summary},
-    table::outage_table,
-};
+use clap::Args;
+use std::path::{Path, PathBuf};
+use undrift::report::{self, figures::Formats};
 
-type Outcome = (String, Result<ModelRun, ReplayError>);
+/// Make a report of one result, or compare several.
+///
+/// Results are what --json of the other verbs writes. Results of one kind are compared: tables side
+/// by side, curves over one another; those of different kinds follow each other.
+///
+/// Example: undrift report arma.json white.json -o compared.html
+#[derive(Args)]
+pub struct Arguments {
+    /// Results
+    #[arg(value_name = "RESULT.json", required = true)]
+    results: Vec<PathBuf>,
+    /// Write the report, one HTML file that needs nothing else
+    #[arg(
+        short,
+        long,
+        value_name = "FILE.html",
+        required_unless_present = "figures"
+    )]
+    output: Option<PathBuf>,
+    /// Write its figures into this folder, each as SVG and PNG
+    #[arg(long, value_name = "DIR")]
+    figures: Option<PathBuf>,
+}
 
-/// The runs that ended with a result, and the others' names and errors.
-pub fn split(results: &[Outcome]) -> (Vec<&ModelRun>, Vec<(&str, &ReplayError)>) {
-    let mut runs = Vec::new();
-    let mut failed = Vec::new();
-    for (name, result) in results {
-        match result {
-            Ok(run) => runs.push(run),
-            Err(error) => failed.push((name.as_str(), error)),
+/// Where a verb puts the report of its result.
+#[derive(Args)]
+pub struct Reporting {
+    /// Write a report with tables and figures, one HTML file that needs nothing else
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+    /// Write the report's figures into this folder, each as SVG and PNG
+    #[arg(long, value_name = "DIR")]
+    figures: Option<PathBuf>,
+}
+
+impl Reporting {
+    /// Whether there is to be one.
+    pub fn is_wanted(&self) -> bool {
+        self.report.is_some() || self.figures.is_some()
+    }
+
+    /// Makes it of a result's JSON.
+    pub fn write(&self, result: &str) -> Result<()> {
+        if !self.is_wanted() {
+            return Ok(());
         }
+        write(
+            &[(PathBuf::new(), result.to_owned())],
+            self.report.as_deref(),
+            self.figures.as_deref(),
+        )
     }
-    (runs, failed)
 }
 
-/// The table of the runs.
-pub fn table(runs: &[&ModelRun]) -> String {
-    let rows: Vec<_> = runs.iter().map(|r| (r.name.clone(), &r.errors)).collect();
-    outage_table(&rows)
-}
-
-/// The result as JSON.
-pub fn json(outages: &[Outage], runs: &[&ModelRun], reference: &str) -> String {
-    let outages: Vec<_> = outages
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let results = arguments
+        .results
         .iter()
-        .map(|o| json!({"start_s": o.start, "length_s": o.end - o.start}))
-        .collect();
-    let models: serde_json::Map<_, _> = runs
-        .iter()
-        .map(|r| (r.name.clone(), json!(r.errors)))
-        .collect();
-    let result = json!({"outages": outages, "models": models, "reference": reference});
-    format!("{result:#}")
-}
-
-/// Tells which models could not be run.
-pub fn print_failed(failed: &[(&str, &ReplayError)]) {
-    for (name, error) in failed {
-        eprintln!("{name}: {error}");
-    }
-}
-
-/// Tells which results cannot be trusted.
-pub fn print_warnings(runs: &[&ModelRun]) {
-    for run in runs {
-        if let Some(warning) = &run.errors.warning {
-            eprintln!("{}: {warning}", run.name);
-        }
-    }
-}
-
-/// Tells what was unusual about the log.
-pub fn print_health(summary: &Summary) {
-    if summary.bridged > 0 {
-        eprintln!("short gaps between samples, bridged: {}", summary.bridged);
-    }
-    if let Some((count, first, longest)) = summary.long_gaps {
-        eprintln!(
-            "long gaps between samples: {count}, the first at {first:.3} s, the longest {longest:.3} s; the covariance was grown over each"
-        );
-    }
-    let (from, length) = summary.longest_without_gnss;
-    if length > 5.0 {
-        eprintln!("longest span without a usable fix: {length:.1} s from {from:.3} s");
-    }
-    if summary.bad_fixes > 0 {
-        eprintln!("fixes whose covariance is none: {}", summary.bad_fixes);
-    }
-}
-
-/// Tells where the solution and the fixes disagreed: the receiver's fault or the model's.
-pub fn print_disagreement(summary: &Summary) {
-    for restart in &summary.restarts {
-        let then = match restart.resumed {
-            Some(time) => format!("aligned anew at {time:.3} s"),
-            None => "no new alignment was found".into(),
-        };
-        eprintln!(
-            "divergence at {:.3} s: {}; {then}",
-            restart.time, restart.why
-        );
-    }
-    print_contradictions(summary);
-    for lean in &summary.leans {
-        let (part, unit) = of(lean.part);
-        let [north, east, down] = lean.mean;
-        eprintln!(
-            "from {:.1} s to {:.1} s the {part} differs from the solution to one side, by up to {:.2}, {:.2}, {:.2} {unit} north, east, down on the average: a slow drift of the fixes (multipath, spoofing), or of the sensors",
-            lean.start, lean.end, -north, -east, -down
-        );
-    }
-    for axis in summary.wrong_signs() {
-        eprintln!(
-            "the velocity {} seems to have the wrong sign: its innovations are minus twice its value; check gnss.velocity and gnss.velocity_axes",
-            ["north", "east", "down"][axis]
-        );
-    }
-    if let Some(time) = summary.suspect {
-        eprintln!(
-            "the innovations from {time:.1} s on are far beyond their predicted size: the solution diverges from the fixes, or the noise model or the stated GNSS accuracy is wrong"
-        );
-    }
-}
-
-/// Tells what was unusual about a log of one number, and how it was used.
-pub fn print_scalar(name: &str, skipped: &Skipped, gaps: &GapSummary, used: &Innovations) {
-    if !skipped.is_empty() {
-        eprintln!("{name} log: {skipped}");
-    }
-    if let (count, Some(longest)) = (gaps.count, gaps.longest) {
-        eprintln!(
-            "{name} log: {count} gaps, the longest {:.3} s from {:.3} s",
-            longest.length, longest.start
-        );
-    }
-    if used.updates == 0 {
-        eprintln!(
-            "{name} log: nothing of it was used; compare its times with the IMU's, {name}.time_offset moves them"
-        );
-    }
-    if used.rejected + used.weakened > 0 {
-        eprintln!(
-            "{name}: {} measurements left out and {} given less weight, far from what was predicted",
-            used.rejected, used.weakened
-        );
-    }
-}
-
-/// Runs of fixes left out that are told one by one.
-const TOLD: usize = 12;
-
-fn of(part: Part) -> (&'static str, &'static str) {
-    match part {
-        Part::Position => ("position", "m"),
-        Part::Velocity => ("velocity", "m/s"),
-    }
-}
-
-/// Tells which fixes were left out.
-fn print_contradictions(summary: &Summary) {
-    let all = &summary.contradictions;
-    for c in all.iter().take(TOLD) {
-        let (part, unit) = of(c.part);
-        let size = if c.fixes == 1 {
-            format!("{:.2} {unit} off", c.largest)
-        } else {
-            format!(
-                "{:.2} {unit} off at first, {:.2} {unit} at last ({:+.2} {unit} a second), {:.2} {unit} at most",
-                c.first, c.last, c.growth, c.largest
-            )
-        };
-        let what = if c.frozen {
-            "the receiver repeated itself while the solution moved"
-        } else {
-            "jump"
-        };
-        let end = if c.gave_way {
-            "; the solution gave way to it"
-        } else {
-            ""
-        };
-        eprintln!(
-            "{part} left out, {what}: {:.3} s to {:.3} s, {} {}, {size}{end}",
-            c.start,
-            c.end,
-            c.fixes,
-            if c.fixes == 1 { "fix" } else { "fixes" }
-        );
-    }
-    let more = all.len() - all.len().min(TOLD);
-    if more > 0 {
-        let gave_way = all.iter().skip(TOLD).filter(|c| c.gave_way).count();
-        eprintln!(
-            "and {} more such spans, in {gave_way} of which the solution gave way; --json has {}",
-            more as u64 + summary.more_contradictions,
-            if summary.more_contradictions > 0 {
-                "the first 1000"
-            } else {
-                "all"
-            }
-        );
-    }
-}
-
-/// Prints to standard output; a reader that went away (`undrift … | head`) ends the program quietly.
-pub fn say(text: impl std::fmt::Display) -> Result<()> {
-    use std::io::Write;
-    match writeln!(std::io::stdout(), "{text}") {
-        Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => std::process::exit(0),
-        other => Ok(other?),
-    }
-}
-
-/// Writes a file whole or not at all.
-pub fn write_whole(path: &Path, text: &str) -> Result<()> {
-    let write = || {
-        let beside = path.with_extension("partial");
-        std::fs::write(&beside, text)?;
-        std::fs::rename(&beside, path)
-    };
-    write().with_context(|| format!("cannot write {}", path.display()))
-}
-
-/// What to draw as the trajectory: the truth, or the fixes where there is none.
-pub fn track(truth: &[TruthSample], gnss: &[GnssFix]) -> Vec<TruthSample> {
-    if !truth.is_empty() {
-        return truth.to_vec();
-    }
-    gnss.iter()
-        .filter_map(|fix| match fix.position {
-            Some((Position::Geodetic(position), _)) => Some(TruthSample {
-                time: fix.time,
-                position,
-                v_n: None,
-                rpy: None,
-            }),
-            _ => None,
+        .map(|path| {
+            let text = std::fs::read_to_string(path)
+                .with_context(|| format!("cannot read {}", path.display()))?;
+            Ok((path.clone(), text))
         })
-        .collect()
+        .collect::<Result<Vec<_>>>()?;
+    write(
+        &results,
+        arguments.output.as_deref(),
+        arguments.figures.as_deref(),
+    )
+}
+
+fn write(
+    results: &[(PathBuf, String)],
+    output: Option<&Path>,
+    figures: Option<&Path>,
+) -> Result<()> {
+    let document = report::of_results(results)?;
+    if let Some(path) = output {
+        print::write_whole(path, &report::html::render(&document))?;
+    }
+    if let Some(folder) = figures {
+        report::figures::write(&document, folder, Formats::default())
+            .map_err(anyhow::Error::msg)?;
+    }
+    Ok(())
 }

@@ -34,17 +34,20 @@ impl ReadError {
         }
     }
 
-    pub(crate) fn at(mut self, line: u64) -> Self {
+    /// At a line of the file, the first is 1.
+    pub fn at(mut self, line: u64) -> Self {
         self.line = Some(line);
         self
     }
 
-    pub(crate) fn key(mut self, key: &str) -> Self {
+    /// Asked for by a key.
+    pub fn key(mut self, key: &str) -> Self {
         self.key = Some(key.to_owned());
         self
     }
 
-    pub(crate) fn mend(mut self, mend: impl Into<String>) -> Self {
+    /// With what would mend it.
+    pub fn mend(mut self, mend: impl Into<String>) -> Self {
         self.mend = mend.into();
         self
     }

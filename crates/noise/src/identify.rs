@@ -6,6 +6,9 @@
 
 mod candidates;
 mod remarks;
+mod residuals;
+
+pub use residuals::Residuals;
 
 use crate::{
     allan::{self, Curve, GaussMarkovFit, Grid, Interval, Kind, Terms},
@@ -190,6 +193,9 @@ pub struct Axis {
     /// A grid of orders by information criteria, p, q ≤ [`GRID_ORDER`], on at most
     /// [`SEARCH_SAMPLES`] samples, at low effort.
     pub box_jenkins: Option<Selection>,
+    /// What is left by the model that the paper's procedure chose, and by the recommended one where
+    /// that is another ARMA.
+    pub residuals: Vec<Residuals>,
     /// The fits of block averages, which are candidates too.
     pub scales: Option<Scales>,
     /// Candidates with their scores, in the order tried.
@@ -392,6 +398,15 @@ pub fn identify(
         .filter_map(Candidate::arma)
         .find(|fit| fit.order() == (1, 1))
         .and_then(|fit| fit.ma.first().copied());
+    let by_f = pandit_wu.as_ref().and_then(|table| table.fit(table.by_f));
+    let recommended_arma = chosen
+        .arma()
+        .filter(|fit| by_f.is_none_or(|by_f| by_f.order() != fit.order()));
+    let residuals = by_f
+        .into_iter()
+        .chain(recommended_arma)
+        .filter_map(|fit| residuals::residuals(fit, &found.cleaned[..record.len() / 2]))
+        .collect();
     Ok(Axis {
         samples: record.len(),
         mean: plain.mean,
@@ -417,6 +432,7 @@ pub fn identify(
         allan_gauss_markov,
         pandit_wu,
         box_jenkins,
+        residuals,
         scales,
         chosen: recommended.index,
         reason: recommended.reason,

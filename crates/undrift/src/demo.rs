@@ -1,5 +1,7 @@
 //! The source paper's experiment on a simulated drive: nothing but a seed goes in.
 
+mod json;
+
 use crate::record::Record;
 use crate::{
     identify::{self, Identified},
@@ -39,6 +41,8 @@ pub enum Models {
 
 /// The drive and what each model made of it.
 pub struct Demo {
+    /// Seed of the drive, the sensors and the receiver.
+    pub seed: u64,
     /// The static record and what was identified from it, if the models come from there.
     pub identified: Option<(Record, Identified)>,
     /// Samples, fixes and truth.
@@ -156,6 +160,7 @@ pub fn run(seed: u64, models: Models) -> Result<Demo, DemoError> {
         outages::run(&calibrated, &simulation.gnss, &simulation.truth, &white),
     );
     Ok(Demo {
+        seed,
         identified,
         simulation,
         outages,

@@ -1,6 +1,9 @@
 //! A static record of six axes, or one, into a model file and the reasoning behind it.
 
 mod json;
+mod series;
+
+pub use series::RecordSeries;
 
 use crate::record::Record;
 use rayon::prelude::*;
@@ -21,25 +24,33 @@ pub struct Identified {
     pub skipped_rows: u64,
     /// Name of each axis with what was found, or why nothing was.
     pub axes: Vec<(&'static str, Result<Axis, IdentifyError>)>,
+    /// For plots of each axis' samples, in the order of the axes.
+    pub series: Vec<RecordSeries>,
 }
 
 /// Identifies every axis of a record, on all cores. `done` is called after each axis.
 pub fn run(record: &Record, options: &Options<'_>, done: impl Fn() + Sync) -> Identified {
-    let axes = record
+    let (axes, series) = record
         .axes
         .par_iter()
         .zip(&record.samples)
         .map(|(name, samples)| {
             let found = identify(samples, name.starts_with("accel"), options);
+            let step = found
+                .as_ref()
+                .ok()
+                .and_then(|axis| axis.normality.quantisation);
+            let series = RecordSeries::of(samples, options.rate_hz, step.map(|q| q.step));
             done();
-            (*name, found)
+            ((*name, found), series)
         })
-        .collect();
+        .unzip();
     Identified {
         rate_hz: options.rate_hz,
         timing: record.timing.clone(),
         skipped_rows: record.skipped.total(),
         axes,
+        series,
     }
 }
 

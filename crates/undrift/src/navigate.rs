@@ -1,6 +1,10 @@
 //! One drive through the filter and into a file, streamed: memory does not grow with the log.
 
+mod json;
 mod outputs;
+mod recording;
+
+pub use recording::Recording;
 
 use crate::{
     align::Heading,
@@ -26,7 +30,7 @@ use undrift_nav::{
     Vector3,
     attitude::to_rpy,
     covariance::{AXES, NAV},
-    filter::Filter,
+    filter::{Filter, Update},
     mechanisation::NavState,
     sample::{GnssFix, Scalar, TruthSample},
     tape::Tape,
@@ -60,6 +64,8 @@ pub struct Report {
     pub truth_skipped: Skipped,
     /// Gaps of the inertial log.
     pub gaps: GapSummary,
+    /// The run over time, where it was asked for.
+    pub recording: Option<Box<Recording>>,
 }
 
 /// Why there is no solution.
@@ -118,10 +124,20 @@ pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateErro
     })
 }
 
+/// What a drive is navigated for.
+#[derive(Default)]
+pub struct Wanted {
+    /// Where the solution goes.
+    pub files: Vec<SolutionFile>,
+    /// The smoothed solution instead of the filter's.
+    pub smooth: bool,
+    /// The run over time in [`Report::recording`].
+    pub recording: bool,
+}
+
 /// Navigates a drive; the solution at every sample goes to `output` as CSV, if there is one.
 ///
-/// With `smooth`, the solution written and compared is the smoothed one: the filter's nodes go to a
-/// temporary file, and the log is read twice.
+/// As [`navigate_for`], without a recording.
 pub fn navigate(
     drive: &Drive,
     kind: BiasModel,
@@ -132,17 +148,28 @@ pub fn navigate(
         SolutionFile::create(path, SolutionFormat::Csv, &SolutionOptions::default())
             .map_err(ReplayError::Write)
     };
-    let files = output.map(create).transpose()?.into_iter().collect();
-    navigate_into(drive, kind, files, smooth)
+    let wanted = Wanted {
+        files: output.map(create).transpose()?.into_iter().collect(),
+        smooth,
+        recording: false,
+    };
+    navigate_for(drive, kind, wanted)
 }
 
-/// As [`navigate`], the solution to any number of files; they get their names if all went well.
-pub fn navigate_into(
+/// Navigates a drive for what is wanted of it. The files get their names if all went well.
+///
+/// With `smooth`, the solution written and compared is the smoothed one: the filter's nodes go to a
+/// temporary file, and the log is read twice.
+pub fn navigate_for(
     drive: &Drive,
     kind: BiasModel,
-    files: Vec<SolutionFile>,
-    smooth: bool,
+    wanted: Wanted,
 ) -> Result<Report, NavigateError> {
+    let Wanted {
+        files,
+        smooth,
+        recording,
+    } = wanted;
     let (drive, mounting) = mounting::resolve(drive)?;
     let mut settings = settings(&drive, kind)?;
     settings.nodes = smooth.then_some(NODE_SPAN);
@@ -178,6 +205,7 @@ pub fn navigate_into(
             .map_err(ReplayError::Write)?,
         consistency: Consistency::default(),
         next_nees: f64::NEG_INFINITY,
+        recording: recording.then(Box::default),
     };
     let measurements = aiding(&mut gnss, &mut odometer, &mut barometer);
     let summary = replay(&mut imu, measurements, &settings, &mut recorder)?;
@@ -223,6 +251,7 @@ pub fn navigate_into(
         mounting,
         rmse: (n > 0).then(|| (Errors(recorder.squares.map(|s| (s / n as f64).sqrt())), n)),
         consistency: recorder.consistency,
+        recording: recorder.recording,
         truth_read,
         imu_skipped: imu.skipped().clone(),
         gnss_skipped: gnss.skipped().clone(),
@@ -344,6 +373,8 @@ struct Recorder {
     /// Of the filter's errors against its covariance, and when next [s].
     consistency: Consistency,
     next_nees: f64,
+    /// Where it is asked for.
+    recording: Option<Box<Recording>>,
 }
 
 impl Recorder {
@@ -361,9 +392,12 @@ impl Recorder {
                 *sum += e * e;
             }
             self.compared += 1;
+            if let Some(recording) = &mut self.recording {
+                recording.errors(nav.time, &errors);
+            }
         }
-        if !self.outputs.is_empty() {
-            self.outputs.write(&SolutionRow {
+        if !self.outputs.is_empty() || self.recording.is_some() {
+            let row = SolutionRow {
                 time: nav.time,
                 position: nav.position,
                 v_n: nav.v_n,
@@ -372,7 +406,11 @@ impl Recorder {
                 gyro_error: Vector3::new(e[0], e[1], e[2]),
                 accel_error: Vector3::new(e[3], e[4], e[5]),
                 error_std,
-            })?;
+            };
+            self.outputs.write(&row)?;
+            if let Some(recording) = &mut self.recording {
+                recording.solution(&row);
+            }
         }
         Ok(truth)
     }
@@ -413,4 +451,10 @@ impl Observer for Recorder {
     }
 
     fn fix<const N: usize>(&mut self, _: &Filter<N>, _: &GnssFix, _: bool) {}
+
+    fn updated(&mut self, time: f64, updates: [Option<Update>; 2]) {
+        if let Some(recording) = &mut self.recording {
+            recording.fix(time, updates);
+        }
+    }
 }

@@ -1,6 +1,10 @@
 //! The experiment: GNSS cut many times on one drive, each bias model run through it, the drift
 //! reported as in the source paper's Table 4.
 
+mod json;
+
+pub use json::{Experiment, track};
+
 use crate::smooth::{self, History};
 use crate::{
     reference::{self, Errors, HORIZONTAL, TruthCursor},

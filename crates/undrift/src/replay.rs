@@ -25,7 +25,7 @@ use run::Run;
 use undrift_nav::{
     Vector3,
     covariance::{AXES, NAV},
-    filter::{Filter, FilterError},
+    filter::{Filter, FilterError, Update},
     parameters::Parameters,
     sample::{GnssFix, ImuSample},
     shaping::ShapingFilter,
@@ -125,6 +125,9 @@ pub trait Observer {
     fn fix<const N: usize>(&mut self, filter: &Filter<N>, fix: &GnssFix, withheld: bool);
     /// A fix at `time` [s] went into the solution, or began it.
     fn used(&mut self, _time: f64) {}
+    /// What became of the position and the velocity of the fix of this time [s], where they were
+    /// shown to the filter.
+    fn updated(&mut self, _time: f64, _updates: [Option<Update>; 2]) {}
     /// A block of samples was judged to be rest or motion; the filter stands at its end.
     fn judged<const N: usize>(&mut self, _filter: &Filter<N>, _rest: bool) {}
     /// A node of a smoother: the filter after all that happened up to now, and the adjoint of what

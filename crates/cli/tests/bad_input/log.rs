@@ -190,6 +190,11 @@ impl Case {
         std::fs::read_to_string(self.folder.join(name)).ok()
     }
 
+    /// Path of a file of the case.
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.join(name)
+    }
+
     /// Runs the command; it must end by itself, with success or failure and never by a panic.
     pub fn run(&self, arguments: &[&str]) -> Outcome {
         let output = Command::new(env!("CARGO_BIN_EXE_undrift"))

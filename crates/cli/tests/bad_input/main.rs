@@ -4,6 +4,7 @@ mod configuration;
 mod log;
 mod logs;
 mod montecarlo;
+mod reports;
 mod scalars;
 mod schedule;
 mod solutions;

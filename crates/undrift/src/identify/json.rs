@@ -1,6 +1,7 @@
 //! Everything found, as JSON. SI units; a number that is not finite is null.
 
 use super::Identified;
+use crate::results::{Kind, with_head};
 use serde_json::{Map, Value, json};
 use undrift_noise::{
     AxisModel, Instability,
@@ -17,25 +18,34 @@ use undrift_noise::{
 };
 
 impl Identified {
-    /// Everything as JSON.
-    pub fn json(&self) -> Value {
+    /// Everything as JSON; `record` is what the record is called.
+    pub fn json(&self, record: &str) -> Value {
         let axes: Map<String, Value> = self
             .axes
             .iter()
-            .map(|(name, found)| {
+            .zip(&self.series)
+            .map(|((name, found), series)| {
                 let value = match found {
-                    Ok(axis) => axis_json(name, axis),
+                    Ok(axis) => {
+                        let mut value = axis_json(name, axis);
+                        value["series"] = series.json(axis);
+                        value
+                    }
                     Err(error) => json!({"error": error.to_string()}),
                 };
                 ((*name).to_owned(), value)
             })
             .collect();
-        json!({
-            "rate_hz": self.rate_hz,
-            "timing": self.timing.as_ref().map(timing),
-            "skipped_rows": self.skipped_rows,
-            "axes": axes,
-        })
+        with_head(
+            Kind::Identify,
+            json!({
+                "record": record,
+                "rate_hz": self.rate_hz,
+                "timing": self.timing.as_ref().map(timing),
+                "skipped_rows": self.skipped_rows,
+                "axes": axes,
+            }),
+        )
     }
 }
 
@@ -107,7 +117,12 @@ fn allan(axis: &Axis) -> Value {
     };
     let lower: Vec<f64> = axis.allan_intervals.iter().map(|i| i.lower).collect();
     let upper: Vec<f64> = axis.allan_intervals.iter().map(|i| i.upper).collect();
-    json!({"tau_s": of(|p| p.tau_s), "adev": of(|p| p.deviation), "lower": lower, "upper": upper})
+    let terms = &axis.allan_terms;
+    let fit: Vec<f64> = points
+        .iter()
+        .map(|p| terms.variance(p.tau_s).sqrt())
+        .collect();
+    json!({"tau_s": of(|p| p.tau_s), "adev": of(|p| p.deviation), "lower": lower, "upper": upper, "fit": fit, "fit_from_s": terms.from_s})
 }
 
 fn allan_terms(axis: &Axis) -> Value {

@@ -1,12 +1,13 @@
 //! Sums over runs, and what they say.
 
-use super::Outcome;
+use super::{Outcome, Spec};
 use crate::{
     consistency::{
         COMPONENT_NAMES, COMPONENTS, Consistency, GROUP, GROUPS, InnovationStatistics, LAGS,
         average_bounds,
     },
     replay::STAMP_ROUNDING,
+    results::{Kind as ResultKind, with_head},
 };
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -28,6 +29,22 @@ pub struct Report {
     pub fix_time_s: Vec<f64>,
     /// Model by model.
     pub models: Vec<ModelReport>,
+}
+
+impl Report {
+    /// Everything as JSON, with what was simulated.
+    pub fn json(&self, spec: &Spec) -> Value {
+        let mut result = with_head(ResultKind::MonteCarlo, json!(self));
+        result["drive"] = json!({
+            "duration_s": spec.trajectory.duration,
+            "rate_hz": spec.rate_hz,
+            "drawn_as": spec.bias_model.name(),
+            "model": spec.model.name,
+            "filter_model": spec.filter_model.name,
+            "every_s": spec.every,
+        });
+        result
+    }
 }
 
 /// What it says of one bias model.

@@ -289,6 +289,8 @@ impl<'a, const N: usize> Run<'a, N> {
                 );
             }
         }
+        let done = updates.each_ref();
+        observer.updated(fix.time, done.map(|u| u.as_ref()?.as_ref().ok().copied()));
         let diverged = filter.check().is_err();
         let mut used = false;
         for update in updates.into_iter().flatten() {

@@ -1,0 +1,306 @@
+//! Reports: from a result's JSON the same file as from the verb, and nothing of a result is trusted.
+
+use super::log::{Case, Log, says};
+use serde_json::Value;
+use std::path::Path;
+
+const SPEC: &str = r#"model = "adis16465"
+bias_model = "gauss-markov"
+[filter]
+bias_models = ["gauss-markov", "white"]
+[drive]
+kind = "car"
+duration = "150 s"
+rate = "50 Hz"
+seed = 1
+[gnss]
+rate = "1 Hz"
+position_std = "1, 1, 2 m"
+velocity_std = "0.1, 0.1, 0.1 m/s"
+"#;
+
+fn text(case: &Case, name: &str) -> String {
+    std::fs::read_to_string(case.path(name)).unwrap()
+}
+
+fn json(case: &Case, name: &str) -> Value {
+    serde_json::from_str(&text(case, name)).unwrap()
+}
+
+/// Runs a verb with --report and --json, then `report` on what it wrote; the report.
+fn same_report(case: &Case, verb: &[&str]) -> String {
+    let outputs = ["--report", "verb.html", "--json", "result.json"];
+    let outcome = case.run(&[verb, &outputs].concat());
+    assert!(outcome.succeeded(), "{verb:?}: {}", outcome.stderr);
+    let outcome = case.run(&["report", "result.json", "-o", "report.html"]);
+    assert!(outcome.succeeded(), "{}", outcome.stderr);
+    let report = text(case, "report.html");
+    assert!(
+        report == text(case, "verb.html"),
+        "the reports of {verb:?} differ"
+    );
+    report
+}
+
+/// A short record of white noise, two axes.
+fn record() -> String {
+    let mut state = 1u64;
+    let mut uniform = move || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (state >> 33) as f64 / f64::from(1u32 << 31) - 0.5
+    };
+    let rows = (0..4000).map(|_| {
+        // Twelve uniform numbers make a nearly normal one.
+        let mut normal = || (0..12).map(|_| uniform()).sum::<f64>();
+        format!("{:.6},{:.6}\n", normal(), 0.01 * normal())
+    });
+    format!("gz_dps,ax_g\n{}", rows.collect::<String>())
+}
+
+#[test]
+fn the_report_of_a_verb_is_that_of_its_json() {
+    let case = Log::good().write("report_same");
+    case.put("spec.toml", SPEC.as_bytes());
+    case.put("record.csv", record().as_bytes());
+    for (kind, verb, told) in [
+        (
+            "navigate",
+            &["navigate", "drive.toml"] as &[&str],
+            "Errors against the truth",
+        ),
+        (
+            "outages",
+            &[
+                "outages",
+                "drive.toml",
+                "--start",
+                "40",
+                "--count",
+                "3",
+                "--length",
+                "5",
+                "--bias-models",
+                "white,arma",
+            ],
+            "The least horizontal drift is that of",
+        ),
+        (
+            "montecarlo",
+            &["montecarlo", "spec.toml", "--runs", "3"],
+            "know its own errors",
+        ),
+        (
+            "identify",
+            &["identify", "record.csv", "--rate", "100", "--n-max", "1"],
+            "Gyro z",
+        ),
+    ] {
+        let report = same_report(&case, verb);
+        says(&report, &[told]);
+        let result = json(&case, "result.json");
+        assert_eq!(result["kind"], kind);
+        assert_eq!(result["undrift"], env!("CARGO_PKG_VERSION"));
+    }
+}
+
+#[test]
+fn the_demo_has_a_report() {
+    let case = Log::good().write("report_demo");
+    let report = same_report(&case, &["demo", "--true-models"]);
+    says(&report, &["Drift without GNSS", "white, no constants"]);
+}
+
+#[test]
+fn the_series_hold_the_extremes_of_the_solution() {
+    let case = Log::good().write("report_series");
+    let arguments = [
+        "navigate",
+        "drive.toml",
+        "-o",
+        "nav.csv",
+        "--json",
+        "result.json",
+    ];
+    assert!(case.run(&arguments).succeeded());
+    let series = json(&case, "result.json")["series"]["motion"]["vn_mps"]["value"].clone();
+    let values: Vec<f64> = serde_json::from_value(series).unwrap();
+    let nav = text(&case, "nav.csv");
+    let mut lines = nav.lines();
+    let column = lines
+        .next()
+        .unwrap()
+        .split(',')
+        .position(|c| c == "vn_mps")
+        .unwrap();
+    let solution: Vec<f64> = lines
+        .map(|line| line.split(',').nth(column).unwrap().parse().unwrap())
+        .collect();
+    let largest = |v: &[f64]| v.iter().copied().fold(f64::MIN, f64::max);
+    // The series has six digits, the solution four decimals.
+    assert!((largest(&values) - largest(&solution)).abs() < 2e-4);
+    assert!(solution.len() > values.len());
+}
+
+#[test]
+fn results_of_a_kind_are_compared_and_of_several_follow_each_other() {
+    let case = Log::good().write("report_compare");
+    let outages = [
+        "outages",
+        "drive.toml",
+        "--start",
+        "40",
+        "--count",
+        "3",
+        "--length",
+        "5",
+    ];
+    for (name, models) in [("a.json", "white,arma"), ("b.json", "arma")] {
+        let more = ["--bias-models", models, "--json", name];
+        assert!(case.run(&[&outages as &[&str], &more].concat()).succeeded());
+    }
+    for model in ["arma", "white"] {
+        let name = format!("{model}.json");
+        let arguments = [
+            "navigate",
+            "drive.toml",
+            "--bias-model",
+            model,
+            "--json",
+            &name,
+        ];
+        assert!(case.run(&arguments).succeeded());
+    }
+    let report = |files: &[&str]| {
+        let arguments = [&["report"], files, &["-o", "out.html"]].concat();
+        let outcome = case.run(&arguments);
+        assert!(outcome.succeeded(), "{}", outcome.stderr);
+        text(&case, "out.html")
+    };
+    let compared = report(&["a.json", "b.json"]);
+    says(
+        &compared,
+        &["2 results compared", "a: white", "a: arma", "b: arma"],
+    );
+    let compared = report(&["arma.json", "white.json"]);
+    says(
+        &compared,
+        &[
+            "2 results compared",
+            "white: position",
+            "Errors against the truth",
+        ],
+    );
+    let both = report(&["a.json", "arma.json"]);
+    says(
+        &both,
+        &["Navigation: Solution", "Outages: Drift without GNSS"],
+    );
+}
+
+#[test]
+fn figures_become_files() {
+    let case = Log::good().write("report_figures");
+    let outcome = case.run(&["navigate", "drive.toml", "--figures", "figures"]);
+    assert!(outcome.succeeded(), "{}", outcome.stderr);
+    let figures = case.path("figures");
+    let count = |end: &str| {
+        let files = std::fs::read_dir(&figures).unwrap().flatten();
+        files
+            .filter(|f| f.path().extension().is_some_and(|e| e == end))
+            .count()
+    };
+    assert!(count("svg") >= 8 && count("png") == count("svg"));
+}
+
+#[test]
+fn names_are_text_and_never_markup() {
+    let hostile = "<img src=x onerror=alert(1)>&\"'";
+    let mut log = Log::good();
+    log.set(
+        "model = \"adis16465\"",
+        "model = { preset = \"adis16465\", name = \"<script>alert(2)</script>\" }",
+    );
+    log.set("file = \"imu.csv\"", "file = '<b>imu.csv'");
+    let case = log.write("report_hostile");
+    std::fs::rename(case.path("imu.csv"), case.path("<b>imu.csv")).unwrap();
+    let report = same_report(&case, &["navigate", "drive.toml"]);
+    assert!(report.contains("&lt;b&gt;imu.csv") && !report.contains("<b>imu.csv"));
+    assert!(!report.contains("<script>alert"));
+    // Names in the result itself.
+    let mut result = json(&case, "result.json");
+    result["bias_model"] = hostile.into();
+    result["warnings"] = serde_json::json!([hostile, "</script><script>alert(3)"]);
+    case.put("changed.json", result.to_string().as_bytes());
+    let outcome = case.run(&[
+        "report",
+        "changed.json",
+        "changed.json",
+        "result.json",
+        "-o",
+        "out.html",
+    ]);
+    assert!(outcome.succeeded(), "{}", outcome.stderr);
+    let report = text(&case, "out.html");
+    assert!(!report.contains("<img src=x") && !report.contains("<script>alert"));
+}
+
+#[test]
+fn a_file_that_is_no_result_is_refused() {
+    let case = Log::good().write("report_damaged");
+    assert!(
+        case.run(&["navigate", "drive.toml", "--json", "good.json"])
+            .succeeded()
+    );
+    let good = text(&case, "good.json");
+    let mut wrong = json(&case, "good.json");
+    wrong["summary"]["samples"] = "many".into();
+    let mut unknown = json(&case, "good.json");
+    unknown["kind"] = "dance".into();
+    let pretty = |value: &Value| format!("{value:#}");
+    for (name, damaged, told) in [
+        ("empty.json", String::new(), "EOF while parsing"),
+        (
+            "half.json",
+            good[..good.len() / 2].to_owned(),
+            "half.json line",
+        ),
+        ("list.json", "[1, 2]".into(), "not a result of undrift"),
+        ("other.json", "{\"a\": 1}".into(), "missing field `undrift`"),
+        (
+            "table.csv",
+            text(&case, "imu.csv"),
+            "not a result of undrift",
+        ),
+        ("wrong.json", pretty(&wrong), "(key samples)"),
+        (
+            "unknown.json",
+            pretty(&unknown),
+            "\"dance\" is none of the kinds identify, navigate",
+        ),
+    ] {
+        case.put(name, damaged.as_bytes());
+        let outcome = case.run(&["report", "good.json", name, "-o", "out.html"]);
+        assert_eq!(outcome.code, Some(1), "{name}: {}", outcome.stderr);
+        says(&outcome.stderr, &[name, "not a result of undrift", told]);
+        assert!(!Path::new(&case.path("out.html")).exists());
+    }
+    // Parts that are missing or of no size are left out.
+    for sparse in [
+        "{\"undrift\": \"9\", \"kind\": \"navigate\"}",
+        "{\"undrift\": \"9\", \"kind\": \"outages\", \"models\": {\"a\": {}}, \"order\": [\"a\", \"b\"]}",
+        "{\"undrift\": \"9\", \"kind\": \"identify\", \"axes\": {\"gyro_x\": {}, \"sideways\": {}}}",
+        "{\"undrift\": \"9\", \"kind\": \"montecarlo\", \"models\": [{\"nees\": [{}], \"nis\": [{}]}]}",
+        "{\"undrift\": \"9\", \"kind\": \"demo\"}",
+    ] {
+        case.put("sparse.json", sparse.as_bytes());
+        for files in [
+            &["sparse.json"] as &[&str],
+            &["sparse.json", "sparse.json", "good.json"],
+        ] {
+            let outcome = case.run(&[&["report"], files, &["-o", "out.html"]].concat());
+            assert!(outcome.succeeded(), "{sparse}: {}", outcome.stderr);
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! What is left of a record when a model has predicted it: white where the model is right.
+
+use super::{LAGS, SEARCH_SAMPLES};
+use crate::{
+    arma::ArmaFit,
+    correlation::{self, Partial},
+};
+
+/// Correlations of the one-step prediction errors of a model over the samples it was searched on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Residuals {
+    /// Name of the model, such as "ARMA(2,1)".
+    pub model: String,
+    /// Samples.
+    pub samples: usize,
+    /// Autocorrelation at lags 0…[`LAGS`].
+    pub acf: Vec<f64>,
+    /// Partial autocorrelation at lags 0…[`LAGS`].
+    pub pacf: Vec<f64>,
+}
+
+/// Of a fit over the first half of a screened record, at most [`SEARCH_SAMPLES`] of it.
+pub(super) fn residuals(fit: &ArmaFit, half: &[f64]) -> Option<Residuals> {
+    let searched = half.get(..SEARCH_SAMPLES).unwrap_or(half);
+    let errors = fit.residuals(searched).ok()?;
+    let present: Vec<f64> = errors.into_iter().filter(|e| e.is_finite()).collect();
+    let (p, q) = fit.order();
+    Some(Residuals {
+        model: format!("ARMA({p},{q})"),
+        samples: present.len(),
+        acf: correlation::autocorrelation(&present, LAGS).ok()?,
+        pacf: correlation::partial_autocorrelation(&present, LAGS, Partial::YuleWalker).ok()?,
+    })
+}

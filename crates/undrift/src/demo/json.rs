@@ -1,0 +1,47 @@
+//! The demo as JSON: what was identified, and what the outages did.
+
+use super::{DURATION, Demo, PRESET, RATE_HZ, WHITE_CALIBRATED};
+use crate::{
+    outages::Experiment,
+    results::{Kind, with_head},
+};
+use serde_json::{Value, json};
+
+impl Demo {
+    /// The outages.
+    pub fn experiment(&self) -> Experiment<'_> {
+        let identified = self.identified.is_some();
+        Experiment {
+            drive: json!({
+                "simulated": format!("a car drive of {:.0} min", DURATION / 60.0),
+                "imu": PRESET,
+                "gnss": "RTK-like receiver, 5 Hz",
+                "rate_hz": RATE_HZ,
+                "model": if identified { "the identified one" } else { PRESET },
+            }),
+            outages: &self.outages,
+            results: &self.runs,
+            reference: "truth",
+            track: &self.simulation.truth,
+            smooth: false,
+            warnings: Vec::new(),
+        }
+    }
+
+    /// Everything as JSON.
+    pub fn json(&self) -> Value {
+        let identification = self
+            .identified
+            .as_ref()
+            .map(|(_, found)| found.json(&format!("Simulated static record of {PRESET}")));
+        with_head(
+            Kind::Demo,
+            json!({
+                "seed": self.seed,
+                "identification": identification,
+                "outages": self.experiment().json(),
+                "note": format!("\"{WHITE_CALIBRATED}\" is white on samples whose turn-on constants were removed beforehand."),
+            }),
+        )
+    }
+}

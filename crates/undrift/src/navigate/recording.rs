@@ -1,0 +1,199 @@
+//! What a run was like over time, for plots.
+
+use crate::{
+    reference::{COMPONENTS, Errors},
+    remarks::WITHOUT_GNSS,
+    replay::MOST_EVENTS,
+    series::{Column, Envelope, ROWS, Thinned, to_millimetre, to_millisecond},
+};
+use serde_json::{Map, Value, json};
+use undrift_io::write::solution::SolutionRow;
+use undrift_nav::{
+    covariance::{AXES, NAV},
+    filter::{Outcome, Update},
+};
+
+/// Names of the six sensor axes' errors with their units.
+const SENSORS: [&str; AXES] = [
+    "gyro_x_radps",
+    "gyro_y_radps",
+    "gyro_z_radps",
+    "accel_x_mps2",
+    "accel_y_mps2",
+    "accel_z_mps2",
+];
+/// Velocity and attitude, and the standard deviations of the nine navigation errors.
+const MOTION: [&str; 6] = [
+    "vn_mps",
+    "ve_mps",
+    "vd_mps",
+    "roll_deg",
+    "pitch_deg",
+    "yaw_deg",
+];
+const DEVIATIONS: [&str; NAV] = [
+    "north_m",
+    "east_m",
+    "down_m",
+    "vn_mps",
+    "ve_mps",
+    "vd_mps",
+    "roll_deg",
+    "pitch_deg",
+    "yaw_deg",
+];
+const INNOVATIONS: [&str; 4] = ["north", "east", "down", "nis"];
+
+/// The solution, its standard deviations, the innovations and the errors over time, of bounded size.
+#[derive(Clone, Debug)]
+pub struct Recording {
+    /// Time [s], latitude, longitude [deg], height [m].
+    track: Thinned<4>,
+    motion: [Envelope; MOTION.len()],
+    deviations: [Envelope; NAV],
+    sensors: [Envelope; AXES],
+    sensor_deviations: [Envelope; AXES],
+    errors: [Envelope; COMPONENTS.len()],
+    /// Of position and velocity: whitened innovations and NIS over its degrees of freedom, and NIS
+    /// over the same of what was left out.
+    innovations: [[Envelope; INNOVATIONS.len()]; 2],
+    left_out: [Envelope; 2],
+    /// Spans without a fix used: start and end [s].
+    without_gnss: Vec<(f64, f64)>,
+    last_used: Option<f64>,
+    /// Times of the last sample [s].
+    ended: f64,
+}
+
+impl Default for Recording {
+    fn default() -> Self {
+        Self {
+            track: Thinned::new(ROWS),
+            motion: Default::default(),
+            deviations: Default::default(),
+            sensors: Default::default(),
+            sensor_deviations: Default::default(),
+            errors: Default::default(),
+            innovations: Default::default(),
+            left_out: Default::default(),
+            without_gnss: Vec::new(),
+            last_used: None,
+            ended: f64::NEG_INFINITY,
+        }
+    }
+}
+
+impl Recording {
+    /// Adds the solution at a sample.
+    pub(super) fn solution(&mut self, row: &SolutionRow) {
+        let place = &row.position;
+        let (lat, lon) = (place.lat.to_degrees(), place.lon.to_degrees());
+        self.track.add([row.time, lat, lon, place.height]);
+        let attitude = row.rpy.map(f64::to_degrees);
+        add(
+            &mut self.motion,
+            row.time,
+            row.v_n.iter().chain(&attitude).copied(),
+        );
+        // Tilts about north and east turned to the vehicle's axes, as if they were independent.
+        let [pn, pe, pd, vn, ve, vd, tilt_n, tilt_e, yaw] = row.nav_std;
+        let (sin, cos) = row.rpy.z.sin_cos();
+        let (roll, pitch) = (
+            (cos * tilt_n).hypot(sin * tilt_e),
+            (sin * tilt_n).hypot(cos * tilt_e),
+        );
+        let [roll, pitch, yaw] = [roll, pitch, yaw].map(f64::to_degrees);
+        let deviations = [pn, pe, pd, vn, ve, vd, roll, pitch, yaw];
+        add(&mut self.deviations, row.time, deviations);
+        let sensors = row.gyro_error.iter().chain(&row.accel_error).copied();
+        add(&mut self.sensors, row.time, sensors);
+        add(&mut self.sensor_deviations, row.time, row.error_std);
+        self.ended = row.time;
+    }
+
+    /// Adds errors against the truth.
+    pub(super) fn errors(&mut self, time: f64, errors: &Errors) {
+        add(&mut self.errors, time, errors.0);
+    }
+
+    /// Adds what became of a fix.
+    pub(super) fn fix(&mut self, time: f64, updates: [Option<Update>; 2]) {
+        let mut used = false;
+        for (part, update) in updates.iter().enumerate() {
+            let Some(update) = update else { continue };
+            let nis = update.nis / update.dof.max(1) as f64;
+            if update.outcome == Outcome::Rejected {
+                self.left_out[part].add(time, nis);
+                continue;
+            }
+            used = true;
+            let [north, east, down] = update.whitened;
+            add(&mut self.innovations[part], time, [north, east, down, nis]);
+        }
+        if used {
+            self.span(time);
+            self.last_used = Some(time);
+        }
+    }
+
+    /// Notes a span without a fix that ends now, if it was a long one.
+    fn span(&mut self, time: f64) {
+        if let Some(last) = self.last_used.filter(|last| time - last > WITHOUT_GNSS)
+            && self.without_gnss.len() < MOST_EVENTS
+        {
+            self.without_gnss.push((last, time));
+        }
+    }
+
+    /// All of it as JSON; what nothing was added to is left out.
+    pub fn json(&self) -> Value {
+        let place: [Column; 4] = [
+            ("time_s", to_millisecond),
+            ("lat_deg", to_millimetre),
+            ("lon_deg", to_millimetre),
+            ("height_m", to_millisecond),
+        ];
+        let innovations = |part: usize| {
+            let mut value = named(&INNOVATIONS, &self.innovations[part]);
+            if let (Some(map), false) = (value.as_object_mut(), self.left_out[part].is_empty()) {
+                map.insert("left_out_nis".into(), self.left_out[part].json());
+            }
+            value
+        };
+        let open = self
+            .last_used
+            .filter(|last| self.ended - last > WITHOUT_GNSS)
+            .map(|last| (last, self.ended));
+        let spans: Vec<[f64; 2]> = self
+            .without_gnss
+            .iter()
+            .chain(&open)
+            .map(|(from, to)| [to_millisecond(*from), to_millisecond(*to)])
+            .collect();
+        json!({
+            "track": self.track.json(place),
+            "motion": named(&MOTION, &self.motion),
+            "std": named(&DEVIATIONS, &self.deviations),
+            "sensor_error": named(&SENSORS, &self.sensors),
+            "sensor_error_std": named(&SENSORS, &self.sensor_deviations),
+            "error": named(&COMPONENTS, &self.errors),
+            "innovations": {"position": innovations(0), "velocity": innovations(1)},
+            "without_gnss_s": spans,
+        })
+    }
+}
+
+fn add(series: &mut [Envelope], time: f64, values: impl IntoIterator<Item = f64>) {
+    for (series, value) in series.iter_mut().zip(values) {
+        series.add(time, value);
+    }
+}
+
+fn named(names: &[&str], series: &[Envelope]) -> Value {
+    let named = names.iter().zip(series);
+    named
+        .filter(|(_, series)| !series.is_empty())
+        .map(|(name, series)| ((*name).to_owned(), series.json()))
+        .collect::<Map<_, _>>()
+        .into()
+}

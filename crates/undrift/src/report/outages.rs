@@ -1,0 +1,362 @@
+//! The report of GNSS outages: the source paper's Table 4, the way driven, and the drift of each model.
+
+mod drift;
+
+use super::{
+    Axis, Block, Cell, Figure, Panel, Section, Series, Table,
+    parts::{
+        cell, get, mark_least, on_the_ground, origin, quantile, short, table, text, warnings, zip,
+    },
+    read::{ModelErrors, Numbers, Outages},
+};
+
+use drift::drift;
+
+/// Components of Table 4 with the heads of their columns.
+const COLUMNS: [(&str, &str); 10] = [
+    ("north_m", "N [m]"),
+    ("east_m", "E [m]"),
+    ("down_m", "D [m]"),
+    ("horizontal_m", "horizontal [m]"),
+    ("vn_mps", "vN [m/s]"),
+    ("ve_mps", "vE [m/s]"),
+    ("vd_mps", "vD [m/s]"),
+    ("roll_deg", "roll [°]"),
+    ("pitch_deg", "pitch [°]"),
+    ("yaw_deg", "yaw [°]"),
+];
+const HORIZONTAL: &str = "horizontal_m";
+
+/// An experiment with its name; the name of a single one is empty.
+pub type Run<'a> = (String, &'a Outages);
+
+/// One model of one experiment.
+struct Model<'a> {
+    name: String,
+    errors: &'a ModelErrors,
+    drift: Vec<(f64, f64)>,
+    colour: usize,
+}
+
+impl Model<'_> {
+    /// Largest horizontal error of each outage [m].
+    fn largest(&self) -> Vec<f64> {
+        let outages = self.errors.per_outage.iter();
+        outages.map(|o| get(&o.max, HORIZONTAL)).collect()
+    }
+
+    fn rms(&self) -> f64 {
+        get(&self.errors.rms, HORIZONTAL)
+    }
+}
+
+/// The sections.
+pub fn sections(runs: &[Run<'_>]) -> Vec<Section> {
+    let models = models(runs);
+    let mut sections = vec![summary(runs, &models)];
+    sections.extend(tables(&models));
+    sections.extend(way(runs));
+    sections.extend(drift(&models));
+    sections
+}
+
+fn models<'a>(runs: &[Run<'a>]) -> Vec<Model<'a>> {
+    let mut models = Vec::new();
+    for (run, result) in runs {
+        // Models that the order leaves out come last.
+        let rest = result.models.keys().filter(|k| !result.order.contains(k));
+        for key in result.order.iter().chain(rest) {
+            let Some(errors) = result.models.get(key) else {
+                continue;
+            };
+            let drift = result.series.drift.get(key);
+            models.push(Model {
+                name: if run.is_empty() {
+                    key.clone()
+                } else {
+                    format!("{run}: {key}")
+                },
+                errors,
+                drift: drift.map_or(Vec::new(), |d| zip(&d.since_cut_s, &d.horizontal_rms_m)),
+                colour: models.len() + 1,
+            });
+        }
+    }
+    models
+}
+
+fn summary(runs: &[Run<'_>], models: &[Model<'_>]) -> Section {
+    let mut blocks = Vec::new();
+    for (name, run) in runs {
+        let prefix = if name.is_empty() {
+            String::new()
+        } else {
+            format!("{name}: ")
+        };
+        let failed = run
+            .failed
+            .iter()
+            .map(|(model, why)| format!("{model} could not be run: {why}"));
+        let said = run
+            .models
+            .iter()
+            .filter_map(|(model, errors)| Some(format!("{model}: {}", errors.warning.as_ref()?)));
+        let all: Vec<String> = failed
+            .chain(said)
+            .chain(run.warnings.iter().cloned())
+            .map(|warning| format!("{prefix}{warning}"))
+            .collect();
+        blocks.extend(warnings(&all));
+    }
+    for (name, run) in runs {
+        blocks.extend(text(&[what_was_done(name, run)]));
+    }
+    blocks.extend(text(&findings(models)));
+    Section {
+        title: "GNSS outages".into(),
+        blocks,
+    }
+}
+
+fn what_was_done(name: &str, run: &Outages) -> String {
+    let drive = &run.drive;
+    let what = match (&drive.simulated, &drive.imu, &drive.gnss) {
+        (Some(simulated), Some(imu), Some(gnss)) => {
+            format!(
+                "On {simulated}, simulated ({imu} at {} Hz, {gnss}),",
+                short(drive.rate_hz.0)
+            )
+        }
+        (None, Some(imu), Some(gnss)) => {
+            format!("On {imu} at {} Hz with {gnss},", short(drive.rate_hz.0))
+        }
+        _ => "On the drive,".into(),
+    };
+    let lengths: Vec<f64> = run.outages.iter().map(|o| o.length_s.0).collect();
+    let model = drive.model.as_deref().filter(|m| !m.is_empty());
+    format!(
+        "{}{what} GNSS was cut {} times for {} s. Inside the outages the {} was compared with {}{}.",
+        if name.is_empty() {
+            String::new()
+        } else {
+            format!("{name}: ")
+        },
+        run.outages.len(),
+        short(quantile(&lengths, 0.5)),
+        if run.smooth {
+            "smoothed solution"
+        } else {
+            "solution"
+        },
+        if run.reference == "gnss" {
+            "the fixes withheld from it"
+        } else {
+            "the truth"
+        },
+        model.map_or(String::new(), |m| format!(
+            "; the noise model is {m}, run in {} forms",
+            run.models.len()
+        )),
+    )
+}
+
+/// Which model drifts least, and how sure that is.
+fn findings(models: &[Model<'_>]) -> Vec<String> {
+    let mut ranked: Vec<&Model<'_>> = models.iter().filter(|m| m.rms().is_finite()).collect();
+    ranked.sort_by(|a, b| a.rms().total_cmp(&b.rms()));
+    let [best, rest @ ..] = ranked.as_slice() else {
+        return vec!["No model has an error inside every outage.".into()];
+    };
+    let mut told = vec![format!(
+        "The least horizontal drift is that of {}: {} m in the root mean square over the outages of each one's largest error.",
+        best.name,
+        short(best.rms())
+    )];
+    if let Some(second) = rest.first() {
+        let pairs: Vec<(f64, f64)> = best.largest().into_iter().zip(second.largest()).collect();
+        let wins = pairs.iter().filter(|(a, b)| a < b).count();
+        told.push(format!(
+            "It is followed by {} with {} m; {} drifted less in {wins} of {} outages{}.",
+            second.name,
+            short(second.rms()),
+            best.name,
+            pairs.len(),
+            if is_clear(wins, pairs.len()) {
+                ""
+            } else {
+                ", which may be chance"
+            }
+        ));
+    }
+    if let Some(worst) = rest.last().filter(|_| rest.len() > 1) {
+        told.push(format!(
+            "The most is that of {}: {} m, {} times as much.",
+            worst.name,
+            short(worst.rms()),
+            short(worst.rms() / best.rms())
+        ));
+    }
+    told
+}
+
+/// Whether so many wins of so many are rarer than 5 % by chance: sign test, both sides.
+fn is_clear(wins: usize, of: usize) -> bool {
+    use statrs::distribution::{Binomial, DiscreteCDF};
+    let Ok(chance) = Binomial::new(0.5, of as u64) else {
+        return false;
+    };
+    let fewer = wins.min(of - wins) as u64;
+    2.0 * chance.cdf(fewer) < 0.05 && 2 * wins > of
+}
+
+/// Table 4: maximum, root mean square and median of each model's largest errors.
+fn tables(models: &[Model<'_>]) -> Option<Section> {
+    type Pick = fn(&ModelErrors) -> &Numbers;
+    let kinds: [(&str, &str, Pick); 4] = [
+        (
+            "rms",
+            "Root mean square over the outages of each one's largest error.",
+            |m| &m.rms,
+        ),
+        ("maximum", "Largest error inside any outage.", |m| &m.max),
+        (
+            "median",
+            "Median over the outages of each one's largest error.",
+            |m| &m.median,
+        ),
+        (
+            "at-the-end",
+            "Root mean square over the outages of the error at the end.",
+            |m| &m.end_rms,
+        ),
+    ];
+    let blocks: Vec<Block> = kinds
+        .into_iter()
+        .filter_map(|(name, caption, pick)| table_of(name, caption, models, pick))
+        .map(Block::Table)
+        .collect();
+    (!blocks.is_empty()).then(|| Section {
+        title: "Errors inside the outages".into(),
+        blocks,
+    })
+}
+
+fn table_of(
+    name: &str,
+    caption: &str,
+    models: &[Model<'_>],
+    pick: fn(&ModelErrors) -> &Numbers,
+) -> Option<Table> {
+    let columns: Vec<&(&str, &str)> = COLUMNS
+        .iter()
+        .filter(|(key, _)| models.iter().any(|m| get(pick(m.errors), key).is_finite()))
+        .collect();
+    if columns.is_empty() {
+        return None;
+    }
+    let mut table = table(&format!("errors-{name}"), caption, &["model"]);
+    table
+        .head
+        .extend(columns.iter().map(|(_, head)| (*head).to_owned()));
+    for model in models {
+        let mut row: Vec<Cell> = vec![model.name.clone().into()];
+        row.extend(
+            columns
+                .iter()
+                .map(|(key, _)| cell(get(pick(model.errors), key))),
+        );
+        table.rows.push(row);
+    }
+    for (at, (key, _)) in columns.iter().enumerate() {
+        let values: Vec<f64> = models.iter().map(|m| get(pick(m.errors), key)).collect();
+        mark_least(&mut table, at + 1, &values);
+    }
+    Some(table)
+}
+
+/// The way driven with its outages, one panel for each drive.
+fn way(runs: &[Run<'_>]) -> Option<Section> {
+    let mut panels: Vec<Panel> = Vec::new();
+    let mut drawn: Vec<&Run<'_>> = Vec::new();
+    for run in runs {
+        let (name, result) = run;
+        let track = &result.series.track;
+        let same = |other: &&Run<'_>| {
+            let starts = |r: &Outages| {
+                r.outages
+                    .iter()
+                    .map(|o| o.start_s.0.to_bits())
+                    .collect::<Vec<_>>()
+            };
+            let ways = |r: &Outages| {
+                r.series
+                    .track
+                    .lat_deg
+                    .iter()
+                    .map(|n| n.0.to_bits())
+                    .collect::<Vec<_>>()
+            };
+            starts(other.1) == starts(result) && ways(other.1) == ways(result)
+        };
+        if track.time_s.is_empty() || drawn.iter().any(same) {
+            continue;
+        }
+        drawn.push(run);
+        let points = on_the_ground(track, origin(track).as_ref());
+        let mut panel = Panel::new(name, Axis::new("east [m]"), Axis::new("north [m]")).to_scale();
+        panel.add(Series::line(
+            "driven",
+            1,
+            points.iter().map(|p| p.1).collect(),
+        ));
+        for (at, cut) in result.outages.iter().enumerate() {
+            let (from, to) = (cut.start_s.0, cut.start_s.0 + cut.length_s.0);
+            let inside = points.iter().filter(|(t, _)| from <= *t && *t <= to);
+            let name = if at == 0 { "without GNSS" } else { "" };
+            panel.add(Series::thick(name, 6, inside.map(|p| p.1).collect()));
+        }
+        panels.push(panel);
+    }
+    (!panels.is_empty()).then(|| Section {
+        title: "Where GNSS was cut".into(),
+        blocks: vec![Block::Figure(Figure {
+            name: "trajectory".into(),
+            caption: "The way driven, to scale, from its start; the outages in orange.".into(),
+            columns: panels.len().min(2),
+            panels,
+        })],
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::read::Number;
+
+    #[test]
+    fn a_clear_lead_is_rarer_than_chance() {
+        // Binomial(15, ½): P(≥ 12) = 1.76 %, both sides 3.5 %; P(≥ 11) = 5.9 %.
+        assert!(is_clear(12, 15) && !is_clear(11, 15) && !is_clear(3, 15));
+        assert!(!is_clear(0, 0));
+    }
+
+    #[test]
+    fn the_least_stands_out() {
+        let errors = |e: f64| ModelErrors {
+            rms: Numbers::from([(HORIZONTAL.to_owned(), Number(e))]),
+            ..ModelErrors::default()
+        };
+        let (a, b) = (errors(2.0), errors(1.0));
+        let model = |name: &str, errors| Model {
+            name: name.into(),
+            errors,
+            drift: Vec::new(),
+            colour: 0,
+        };
+        // Built in place: models borrow their errors.
+        let models = [model("a", &a), model("b", &b)];
+        let table = table_of("rms", "", &models, |m| &m.rms).unwrap();
+        assert!(!table.rows[0][1].strong && table.rows[1][1].strong);
+        assert!(findings(&models)[0].contains("that of b: 1.00 m"));
+    }
+}

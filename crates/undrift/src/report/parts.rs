@@ -1,0 +1,288 @@
+//! What the reports share: numbers as text, curves as points, tables row by row.
+
+use super::{
+    Block, Cell, Series, Table,
+    read::{Curve, Number, Numbers, Track},
+};
+use undrift_nav::earth::Geodetic;
+
+/// A number with three significant digits; a dash where there is none.
+pub fn short(value: f64) -> String {
+    match value.abs() {
+        v if !v.is_finite() => "–".into(),
+        0.0 => "0".into(),
+        v if v < 9.995e-4 => format!("{value:.2e}"),
+        v if v < 9.995e-3 => format!("{value:.5}"),
+        v if v < 0.099_95 => format!("{value:.4}"),
+        v if v < 0.9995 => format!("{value:.3}"),
+        v if v < 9.995 => format!("{value:.2}"),
+        v if v < 99.95 => format!("{value:.1}"),
+        v if v < 1e6 => format!("{value:.0}"),
+        _ => format!("{value:.2e}"),
+    }
+}
+
+/// A number with seven significant digits, as it is where those are not enough to write it plain.
+pub fn exact(value: f64) -> String {
+    if !value.is_finite() {
+        return "–".into();
+    }
+    let size = value.abs().log10().floor();
+    if (-4.0..6.0).contains(&size) {
+        format!("{value:.*}", (6.0 - size) as usize)
+    } else {
+        format!("{value:.6e}")
+    }
+}
+
+/// A share in percent.
+pub fn percent(share: f64) -> String {
+    if share.is_finite() {
+        format!("{:.1} %", 100.0 * share)
+    } else {
+        "–".into()
+    }
+}
+
+/// A span of time [s] in the unit that suits it.
+pub fn span(seconds: f64) -> String {
+    match seconds {
+        s if !s.is_finite() => "–".into(),
+        s if s < 600.0 => format!("{s:.0} s"),
+        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}
+
+/// A count with its thousands apart.
+pub fn count(n: u64) -> String {
+    let digits = n.to_string();
+    let mut text = String::new();
+    for (at, digit) in digits.chars().enumerate() {
+        if at > 0 && (digits.len() - at).is_multiple_of(3) {
+            text.push('\u{202f}');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// A number of a map; NaN where it has none.
+pub fn get(numbers: &Numbers, name: &str) -> f64 {
+    numbers.get(name).map_or(f64::NAN, |n| n.0)
+}
+
+/// Sentences one after the other.
+pub fn text(sentences: &[String]) -> Option<Block> {
+    let told: Vec<&str> = sentences
+        .iter()
+        .map(String::as_str)
+        .filter(|s| !s.is_empty())
+        .collect();
+    (!told.is_empty()).then(|| Block::Text(told.join(" ")))
+}
+
+/// A paragraph to be seen for each warning, the first letter large.
+pub fn warnings<'a>(warnings: impl IntoIterator<Item = &'a String>) -> Vec<Block> {
+    let sentence = |warning: &String| {
+        let mut letters = warning.chars();
+        let first: String = letters
+            .next()
+            .into_iter()
+            .flat_map(char::to_uppercase)
+            .collect();
+        let text = first + letters.as_str();
+        if text.ends_with(['.', '!', '?']) {
+            text
+        } else {
+            text + "."
+        }
+    };
+    warnings
+        .into_iter()
+        .map(|warning| Block::Warning(sentence(warning)))
+        .collect()
+}
+
+/// A table without rows.
+pub fn table(name: &str, caption: &str, head: &[&str]) -> Table {
+    Table {
+        name: name.into(),
+        caption: caption.into(),
+        head: head.iter().map(|h| (*h).to_owned()).collect(),
+        rows: Vec::new(),
+    }
+}
+
+/// Numbers of three digits as cells; with `best`, the smallest stands out.
+pub fn cell(value: f64) -> Cell {
+    short(value).into()
+}
+
+/// Makes the smallest number of a column stand out, where it differs from others.
+pub fn mark_least(table: &mut Table, column: usize, values: &[f64]) {
+    let finite = || values.iter().copied().filter(|v| v.is_finite());
+    let (least, most) = (
+        finite().fold(f64::INFINITY, f64::min),
+        finite().fold(f64::NEG_INFINITY, f64::max),
+    );
+    if most > least {
+        for (row, _) in table
+            .rows
+            .iter_mut()
+            .zip(values)
+            .filter(|(_, v)| **v == least)
+        {
+            if let Some(cell) = row.get_mut(column) {
+                *cell = cell.clone().strong();
+            }
+        }
+    }
+}
+
+/// The time that plots count from [s]: 0, or the whole second before the start where a log's own
+/// times are large.
+#[derive(Clone, Copy, Debug)]
+pub struct Clock(f64);
+
+impl Clock {
+    /// For a log that starts at a time [s].
+    pub fn starting(start: f64) -> Self {
+        Self(if start.is_finite() && start.abs() >= 1000.0 {
+            start.floor()
+        } else {
+            0.0
+        })
+    }
+
+    /// What the axis says.
+    pub fn label(self) -> String {
+        if self.0 == 0.0 {
+            "time [s]".into()
+        } else {
+            format!("time since {:.0} s [s]", self.0)
+        }
+    }
+
+    /// A time on the axis.
+    pub fn at(self, time: f64) -> f64 {
+        time - self.0
+    }
+
+    /// A curve times a factor.
+    pub fn points(self, curve: &Curve, factor: f64) -> Vec<(f64, f64)> {
+        let points = curve.time_s.iter().zip(&curve.value);
+        points.map(|(t, v)| (self.at(t.0), factor * v.0)).collect()
+    }
+}
+
+/// Values against 0, 1, 2 …, or others; as points.
+pub fn zip(x: &[Number], y: &[Number]) -> Vec<(f64, f64)> {
+    x.iter().zip(y).map(|(x, y)| (x.0, y.0)).collect()
+}
+
+/// A line broken where an angle goes through ±180°.
+pub fn unwrapped(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    let mut broken: Vec<(f64, f64)> = Vec::with_capacity(points.len());
+    for point in points {
+        if let Some(last) = broken.last().copied()
+            && (point.1 - last.1).abs() > 180.0
+        {
+            broken.push((0.5 * (last.0 + point.0), f64::NAN));
+        }
+        broken.push(point);
+    }
+    broken
+}
+
+/// A way in metres east and north of an origin, with its times [s].
+pub fn on_the_ground(track: &Track, origin: Option<&Geodetic>) -> Vec<(f64, (f64, f64))> {
+    let places = track.time_s.iter().zip(&track.lat_deg).zip(&track.lon_deg);
+    let Some(origin) = origin else {
+        return Vec::new();
+    };
+    places
+        .map(|((time, lat), lon)| {
+            let ned = origin.ned_to(&Geodetic::from_degrees(lat.0, lon.0, origin.height));
+            (time.0, (ned.y, ned.x))
+        })
+        .filter(|(_, (east, north))| east.is_finite() && north.is_finite())
+        .collect()
+}
+
+/// Where a way begins.
+pub fn origin(track: &Track) -> Option<Geodetic> {
+    let place = track.lat_deg.first().zip(track.lon_deg.first());
+    place.map(|(lat, lon)| Geodetic::from_degrees(lat.0, lon.0, 0.0))
+}
+
+/// Value below which a share of them lies; NaN of none.
+pub fn quantile(values: &[f64], share: f64) -> f64 {
+    let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    let at = share * sorted.len().saturating_sub(1) as f64;
+    let (low, part) = (at.floor() as usize, at.fract());
+    let Some(&below) = sorted.get(low) else {
+        return f64::NAN;
+    };
+    let above = sorted.get(low + 1).copied().unwrap_or(below);
+    below + part * (above - below)
+}
+
+/// A horizontal line from the first to the last x of points.
+pub fn level(name: &str, colour: usize, x: (f64, f64), y: f64) -> Series {
+    Series::dashed(name, colour, vec![(x.0, y), (x.1, y)])
+}
+
+/// First and last x.
+pub fn extent(points: &[(f64, f64)]) -> (f64, f64) {
+    let ends = points.first().zip(points.last());
+    ends.map_or((0.0, 1.0), |(a, b)| (a.0, b.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_as_text() {
+        for (value, text) in [
+            (0.0, "0"),
+            (0.000_123_4, "1.23e-4"),
+            (-0.123_4, "-0.123"),
+            (0.012_34, "0.0123"),
+            (0.001_234, "0.00123"),
+            (1.234, "1.23"),
+            (99.99, "100"),
+            (12_345.6, "12346"),
+            (f64::NAN, "–"),
+        ] {
+            assert_eq!(short(value), text);
+        }
+        for (value, text) in [
+            (3.432_190_9, "3.432191"),
+            (0.0, "0.000000e0"),
+            (1e-7, "1.000000e-7"),
+        ] {
+            assert_eq!(exact(value), text);
+        }
+        assert_eq!(count(1_234_567), "1\u{202f}234\u{202f}567");
+        assert_eq!(count(123), "123");
+        assert_eq!(span(3600.0), "60 min");
+    }
+
+    #[test]
+    fn quantiles_between_values() {
+        let values = [4.0, 1.0, 2.0, 3.0, f64::NAN];
+        assert_eq!(quantile(&values, 0.5), 2.5);
+        assert_eq!(quantile(&values, 1.0), 4.0);
+        assert!(quantile(&[], 0.5).is_nan());
+    }
+
+    #[test]
+    fn angles_break_at_the_turn() {
+        let points = unwrapped(vec![(0.0, 170.0), (1.0, -170.0), (2.0, -160.0)]);
+        assert_eq!(points.len(), 4);
+        assert!(points[1].1.is_nan());
+    }
+}
