@@ -1,29 +1,36 @@
 //! `undrift demo`: the paper's experiment on a simulated drive.
 
-use crate::{report, tables};
+use crate::{json::JsonOutput, progress::Bar, report, style, tables, terminal::stage};
 use anyhow::{Context, Result};
 use clap::Args;
 use std::path::PathBuf;
 use undrift::{
-    demo::{self, Models},
+    demo::{self, Demo, Models},
     figure,
+    outages::ModelRun,
 };
 
-/// Simulate a static record and a 10-minute drive, identify the sensors from the record, cut the
-/// drive's GNSS 15 times, and compare the noise models.
+/// Simulate a drive, cut its GNSS 15 times, and compare the noise models.
 ///
-/// Example: undrift demo --seed 7 --out out
+/// A static record and a 10-minute drive are simulated, the sensors identified from the record, and the
+/// noise models run through outages of 10 s: Tables 2, 3 and 4 of Wang, Lyu & Wu (2016).
 #[derive(Args)]
+#[command(after_help = "Examples:
+  undrift demo
+  undrift demo --seed 7 --out out
+  undrift demo --true-models --json demo.json")]
 pub struct Arguments {
     /// Seed of the drive, the sensors and the receiver
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// Take the models from the simulation's own parameters instead of identifying them
     #[arg(long)]
     true_models: bool,
     /// Write the tables' and figures' data and demo.svg into this folder
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    json: JsonOutput,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -32,34 +39,19 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     } else {
         Models::Identified
     };
-    let demo = demo::run(arguments.seed, models)?;
-    let (count, length, ..) = demo::OUTAGES;
-    if let Some((_, identified)) = &demo.identified {
-        report::say(format!(
-            "Simulated static record of {:.0} s, {} at {:.0} Hz, seed {}.\n\n{}",
-            demo::STATIC_DURATION,
-            demo::PRESET,
-            demo::RATE_HZ,
-            arguments.seed,
-            tables::normality(identified)
-        ))?;
-        report::say(tables::pandit_wu(identified, "gyro_z"))?;
-        report::say(tables::recommended(identified))?;
-    }
-    report::say(format!(
-        "Simulated car drive of {:.0} min, {} at {:.0} Hz, RTK-like GNSS at 5 Hz, seed {};\n\
-         GNSS cut {count} times for {length:.0} s. Errors inside the outages (Table 4):\n",
-        demo::DURATION / 60.0,
-        demo::PRESET,
-        demo::RATE_HZ,
-        arguments.seed
-    ))?;
+    let bar = Bar::new("simulated", 0, "samples");
+    let demo = stage("simulation, identification and navigation", || {
+        demo::run_told(arguments.seed, models, |stage, more, total| {
+            bar.stage(stage, total, "steps");
+            bar.add(more);
+        })
+    })?;
+    drop(bar);
     let (runs, failed) = report::split(&demo.runs);
-    report::say(report::table(&runs))?;
-    report::say(format!(
-        "\"{}\" is white on samples whose turn-on constants were removed beforehand.",
-        demo::WHITE_CALIBRATED
-    ))?;
+    let silent = arguments.json.write(&json(arguments.seed, &demo, &runs))?;
+    if !silent {
+        tell(arguments.seed, &demo, &runs)?;
+    }
     report::print_failed(&failed);
     report::print_warnings(&runs);
     if let Some(folder) = &arguments.out {
@@ -94,10 +86,55 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             &curves,
         )
         .map_err(anyhow::Error::msg)?;
+        if silent {
+            return Ok(());
+        }
         report::say(format!(
             "\nWritten to {}: outages.json, demo.svg and the data of the figures",
             folder.display()
         ))?;
     }
     Ok(())
+}
+
+/// Everything as JSON.
+fn json(seed: u64, demo: &Demo, runs: &[&ModelRun]) -> String {
+    let identification = demo.identified.as_ref().map(|(_, found)| found.json());
+    let errors: serde_json::Map<_, _> = runs
+        .iter()
+        .map(|run| (run.name.clone(), serde_json::json!(run.errors)))
+        .collect();
+    let result =
+        serde_json::json!({"seed": seed, "identification": identification, "models": errors});
+    format!("{result:#}")
+}
+
+/// Prints the tables.
+fn tell(seed: u64, demo: &Demo, runs: &[&ModelRun]) -> Result<()> {
+    let (count, length, ..) = demo::OUTAGES;
+    if let Some((_, identified)) = &demo.identified {
+        report::say(format!(
+            "Simulated static record of {:.0} s, {} at {:.0} Hz, seed {}.\n\n{}",
+            demo::STATIC_DURATION,
+            demo::PRESET,
+            demo::RATE_HZ,
+            seed,
+            style::headed(&tables::normality(identified))
+        ))?;
+        report::say(style::headed(&tables::pandit_wu(identified, "gyro_z")))?;
+        report::say(style::headed(&tables::recommended(identified)))?;
+    }
+    report::say(format!(
+        "Simulated car drive of {:.0} min, {} at {:.0} Hz, RTK-like GNSS at 5 Hz, seed {};\n\
+         GNSS cut {count} times for {length:.0} s. Errors inside the outages (Table 4):\n",
+        demo::DURATION / 60.0,
+        demo::PRESET,
+        demo::RATE_HZ,
+        seed
+    ))?;
+    report::say(report::shown(runs))?;
+    report::say(format!(
+        "\"{}\" is white on samples whose turn-on constants were removed beforehand.",
+        demo::WHITE_CALIBRATED
+    ))
 }

@@ -1,6 +1,13 @@
 //! `undrift identify`: a static record into a noise model.
 
-use crate::report;
+use crate::{
+    details,
+    json::JsonOutput,
+    plot,
+    progress::Bar,
+    report, style,
+    terminal::{self, detail, stage, warn},
+};
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -28,8 +35,16 @@ enum Trend {
 
 /// Identify how a sensor errs from a record of it at rest, and write the model file.
 ///
-/// Example: undrift identify static.csv.gz --rate 100 -o imu.toml
+/// The noise of every axis is tested, its Allan deviation taken, and models of it are fitted on the
+/// first half of the record; the one that is recommended leaves the least drift on the other half
+/// (docs/identify.md).
 #[derive(Args)]
+#[command(after_help = "Examples:
+  undrift identify static.csv.gz --rate 100 --units \"deg/s,g\" -o imu.toml
+  undrift identify out/figure1-record.csv --units \"rad/s,m/s^2\" --plot
+  undrift identify gyro.csv --columns 2 --axis gyro_z --rate 200 --base adis16465 -o imu.toml
+
+The second takes the record that \"undrift demo --out out\" writes.")]
 pub struct Arguments {
     /// Static record: a table of six axes, or one, or a log in any format that `inspect` knows
     #[arg(value_name = "RECORD")]
@@ -59,11 +74,13 @@ pub struct Arguments {
     #[arg(long, value_name = "PRESET|FILE")]
     base: Option<String>,
     /// Write the model file; without --base it has the record's axes only
-    #[arg(short, long, value_name = "imu.toml")]
+    #[arg(short, long, value_name = "imu.toml", help_heading = "Output")]
     output: Option<PathBuf>,
-    /// Write everything found as JSON; "-" for standard output instead of the summary
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    /// Plot the Allan deviations in the terminal
+    #[arg(long, help_heading = "Output")]
+    plot: bool,
+    #[command(flatten)]
+    json: JsonOutput,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -95,9 +112,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         temperature: arguments.detrend == Trend::Temperature,
         topic: arguments.topic.clone(),
     };
-    let record = record::read(&arguments.record, &format)?;
+    details::file("record", &arguments.record);
+    let record = stage("reading", || record::read(&arguments.record, &format))?;
     if !record.skipped.is_empty() {
-        eprintln!("{}: {}", arguments.record.display(), record.skipped);
+        warn(format!(
+            "{}: {}",
+            arguments.record.display(),
+            record.skipped
+        ));
     }
     let rate_hz = rate(arguments.rate, record.timing.as_ref())?;
     let detrend = match (arguments.detrend, &record.temperature) {
@@ -110,35 +132,41 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         detrend,
         ..Options::at(rate_hz)
     };
-    // Silent when standard error is no terminal.
-    let bar = indicatif::ProgressBar::new(record.axes.len() as u64).with_style(
-        indicatif::ProgressStyle::with_template("identified {pos} of {len} axes, {elapsed}")?,
-    );
-    bar.tick();
-    let identified = identify::run(&record, &options, || bar.inc(1));
-    bar.finish_and_clear();
+    detail(1, || {
+        format!(
+            "record: {} axes of {} samples at {rate_hz} Hz ({}), {}",
+            record.axes.len(),
+            record.samples.first().map_or(0, Vec::len),
+            match arguments.rate {
+                Some(_) => "as stated",
+                None => "by its time stamps",
+            },
+            record.axes.join(" ")
+        )
+    });
+    let bar = Bar::new("identified", record.axes.len() as u64, "axes");
+    let identified = stage("identification", || {
+        identify::run(&record, &options, || bar.add(1))
+    });
+    drop(bar);
     let failed = identified
         .axes
         .iter()
         .filter(|(_, found)| found.is_err())
         .count();
 
-    let json = || format!("{:#}", identified.json());
-    if arguments
-        .json
-        .as_deref()
-        .is_some_and(|p| p.as_os_str() == "-")
-    {
-        report::say(json())?;
-    } else {
+    let json = format!("{:#}", identified.json());
+    let shown = arguments.json.write(&json)?;
+    if !shown {
         report::say(summary(&identified))?;
-        if let Some(file) = &arguments.json {
-            report::write_whole(file, &json())?;
+        if arguments.plot {
+            report::say(plot::allan(&identified))?;
         }
     }
     for (name, found) in &identified.axes {
         if let Err(error) = found {
-            eprintln!("{name}: {error}");
+            terminal::doubt();
+            warn(format!("{name}: {error}"));
         }
     }
     if failed == identified.axes.len() {
@@ -165,7 +193,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             .model(base.as_ref(), &name, provenance)
             .map_err(anyhow::Error::msg)?;
         report::write_whole(file, &model.to_toml())?;
-        report::say(format!("model: {}", file.display()))?;
+        let told = format!("model: {}", file.display());
+        if shown {
+            terminal::note(told);
+        } else {
+            report::say(told)?;
+        }
         let unknown: Vec<&str> = model
             .axes()
             .into_iter()
@@ -173,11 +206,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             .map(|(name, _)| name)
             .collect();
         if !unknown.is_empty() {
-            eprintln!(
+            warn(format!(
                 "{} has no {}: a run needs all six axes; give the others with --base PRESET or FILE",
                 file.display(),
                 unknown.join(", ")
-            );
+            ));
         }
     }
     Ok(())
@@ -189,12 +222,12 @@ fn rate(stated: Option<f64>, timing: Option<&Timing>) -> Result<f64> {
         return stated.context("the record has no time column; state its sample rate with --rate");
     };
     if !timing.even {
-        eprintln!(
+        warn(format!(
             "the record is not evenly stamped: {} gaps, jitter {:.2} ms RMS of {:.2} ms; it is taken as if it were",
             timing.gaps.len(),
             timing.jitter_rms_s * 1e3,
             timing.interval_s * 1e3
-        );
+        ));
     }
     match stated {
         Some(rate) if (rate / timing.rate_hz - 1.0).abs() > 0.01 => bail!(
@@ -241,7 +274,12 @@ fn axis_summary(name: &str, axis: &Axis, rate_hz: f64) -> String {
     };
     // Writing into a String cannot fail.
     let mut text = String::new();
-    let _ = writeln!(text, "{name}: {} samples at {rate_hz} Hz", axis.samples);
+    let _ = writeln!(
+        text,
+        "{}: {} samples at {rate_hz} Hz",
+        style::heading(name),
+        axis.samples
+    );
     let _ = match axis.removed {
         Removed::Constant => Ok(()),
         Removed::Linear {
@@ -289,15 +327,17 @@ fn axis_summary(name: &str, axis: &Axis, rate_hz: f64) -> String {
         let _ = write!(text, " {:>10}", format!("{:.0} s", score.horizon_s));
     }
     text.push('\n');
+    let mut table = String::new();
     for index in axis.ranking() {
         let candidate = &axis.candidates[index];
         let mark = if index == axis.chosen { "→" } else { " " };
-        let _ = write!(text, "  {mark} {:36}", candidate.name);
+        let _ = write!(table, "  {mark} {:36}", candidate.name);
         for score in &candidate.score {
-            let _ = write!(text, " {:>10.3e}", score.rms * scale);
+            let _ = write!(table, " {:>10.3e}", score.rms * scale);
         }
-        text.push('\n');
+        table.push('\n');
     }
+    text += &style::best(&table, axis.recommended().score.len());
     let _ = writeln!(text, "  {}", axis.reason);
     for warning in &axis.warnings {
         let _ = writeln!(text, "  Note: {warning}.");

@@ -1,6 +1,12 @@
 //! `undrift navigate`: one drive into one solution.
 
-use crate::report;
+use crate::{
+    details,
+    json::JsonOutput,
+    progress::Bar,
+    report,
+    terminal::{stage, warn},
+};
 use anyhow::Result;
 use clap::Args;
 use serde_json::json;
@@ -19,8 +25,14 @@ const AXES: [&str; 3] = ["north", "east", "down"];
 
 /// Navigate a drive: IMU and GNSS into position, velocity and attitude.
 ///
-/// Example: undrift navigate examples/rtk-drive.toml --data logs -o nav.csv
+/// The drive file says which columns of which files are what, in which units, and how the IMU sits
+/// (docs/drive-file.md). What came of it is told in a few lines; the solution itself is written where -o
+/// says.
 #[derive(Args)]
+#[command(after_help = "Examples:
+  undrift navigate examples/rtk-drive.toml --data logs -o nav.csv
+  undrift navigate examples/drive30.toml --data target/drive30 --smooth --json -
+  undrift navigate examples/uav-flight.toml --data logs --bias-model gauss-markov -v")]
 pub struct Arguments {
     /// The drive file
     #[arg(value_name = "DRIVE.toml")]
@@ -31,14 +43,13 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME", default_value = "arma")]
     bias_model: BiasModel,
     /// Write the solution at every sample, with standard deviations and estimated sensor errors
-    #[arg(short, long, value_name = "nav.csv")]
+    #[arg(short, long, value_name = "nav.csv", help_heading = "Output")]
     output: Option<PathBuf>,
     /// Smooth: at every sample the best estimate given the whole log
     #[arg(long)]
     smooth: bool,
-    /// Write the whole report as JSON; "-" for standard output instead of the text
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    json: JsonOutput,
 }
 
 /// What every verb on a drive takes.
@@ -58,28 +69,31 @@ pub fn load(drive: &std::path::Path, common: &Common) -> Result<Drive> {
     if let Some(name) = &common.model {
         loaded.model = Some(ImuModel::resolve(name, std::path::Path::new(""))?);
     }
+    details::drive(drive, &loaded);
     Ok(loaded)
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let drive = load(&arguments.drive, &arguments.common)?;
-    let report = navigate::navigate(
-        &drive,
-        arguments.bias_model,
-        arguments.output.as_deref(),
-        arguments.smooth,
-    )?;
-    let to_standard_output = arguments
-        .json
-        .as_deref()
-        .is_some_and(|p| p.as_os_str() == "-");
-    if let Some(file) = &arguments.json {
-        let json = format!("{:#}", as_json(&report, arguments.bias_model));
-        if to_standard_output {
-            report::say(json)?;
-            return finish(&report);
-        }
-        report::write_whole(file, &json)?;
+    let bar = Bar::watching(
+        drive.imu_read.bytes(),
+        &drive.imu.0.display().to_string(),
+        details::size(&drive.imu.0),
+        "bytes",
+    );
+    let report = stage("navigation", || {
+        navigate::navigate(
+            &drive,
+            arguments.bias_model,
+            arguments.output.as_deref(),
+            arguments.smooth,
+        )
+    })?;
+    drop(bar);
+    report::judge(&report.summary);
+    let json = format!("{:#}", as_json(&report, arguments.bias_model));
+    if arguments.json.write(&json)? {
+        return finish(&report);
     }
     print_report(&report, arguments.bias_model)?;
     if let Some(path) = &arguments.output {
@@ -159,10 +173,10 @@ fn print_report(report: &Report, kind: BiasModel) -> Result<()> {
         } else {
             "the truth has no two samples within 2 s of each other beside the solution"
         };
-        eprintln!(
+        warn(format!(
             "{why}, so there is no error: it was read from {from:.3} s to {to:.3} s, the solution runs from {started:.3} s to {:.3} s; compare the time columns, truth.time_offset moves one",
             s.ended
-        );
+        ));
     }
     report::print_health(s);
     report::print_disagreement(s);
@@ -176,7 +190,7 @@ fn print_report(report: &Report, kind: BiasModel) -> Result<()> {
     }
     for (part, factor) in ["position", "velocity"].iter().zip(report.std_factors) {
         if let Some(factor) = factor {
-            eprintln!("{}", accuracy(part, factor, s));
+            warn(accuracy(part, factor, s));
         }
     }
     for (file, skipped) in [
@@ -185,7 +199,7 @@ fn print_report(report: &Report, kind: BiasModel) -> Result<()> {
         ("truth", &report.truth_skipped),
     ] {
         if !skipped.is_empty() {
-            eprintln!("{file} log: {skipped}");
+            warn(format!("{file} log: {skipped}"));
         }
     }
     Ok(())

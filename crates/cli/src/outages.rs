@@ -1,6 +1,12 @@
 //! `undrift outages`: cut the GNSS of a drive and compare bias models.
 
-use crate::{navigate, report};
+use crate::{
+    json::JsonOutput,
+    navigate,
+    progress::Bar,
+    report,
+    terminal::{note, stage, warn},
+};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use std::path::PathBuf;
@@ -12,13 +18,19 @@ use undrift::{
     replay::{Measurement, merge},
 };
 
-/// Cut GNSS again and again on a drive and measure how far each bias model drifts.
-///
-/// Example: undrift outages examples/navego-adis16405.toml --data logs --length 10 --every 24 --count 15
 /// Longest span between two nodes of the smoother [s]: the errors are taken at nodes.
 const OUTAGE_NODE_SPAN: f64 = 0.2;
 
+/// Cut GNSS again and again on a drive and measure how far each bias model drifts.
+///
+/// Every bias model navigates the drive with GNSS withheld during the outages. The errors inside them,
+/// against the truth or else against the fixes withheld, are told as maximum, RMS and median over the
+/// outages.
 #[derive(Args)]
+#[command(after_help = "Examples:
+  undrift outages examples/rtk-drive.toml --data logs --length 10 --every 30 --start 40
+  undrift outages examples/navego-adis16405.toml --data logs --every 24 --count 15 --out out
+  undrift outages examples/drive30.toml --data target/drive30 --count 10 --bias-models white,arma")]
 pub struct Arguments {
     /// The drive file
     #[arg(value_name = "DRIVE.toml")]
@@ -29,28 +41,37 @@ pub struct Arguments {
     #[arg(long, value_name = "NAMES", value_delimiter = ',', default_values = ["white", "paper", "gauss-markov", "random-walk", "ar", "arma"])]
     bias_models: Vec<BiasModel>,
     /// Length of an outage [s]
-    #[arg(long, value_name = "S", default_value_t = 10.0)]
+    #[arg(
+        long,
+        value_name = "S",
+        default_value_t = 10.0,
+        help_heading = "Outages"
+    )]
     length: f64,
     /// Number of outages; evenly spread unless --every is given
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", help_heading = "Outages")]
     count: Option<usize>,
     /// From the start of one outage to the start of the next [s]
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", help_heading = "Outages")]
     every: Option<f64>,
     /// Start of the first outage [s], counted from the first fix
-    #[arg(long, value_name = "S", default_value_t = 60.0)]
+    #[arg(
+        long,
+        value_name = "S",
+        default_value_t = 60.0,
+        help_heading = "Outages"
+    )]
     start: f64,
     /// Starts of the outages in the GNSS file's own time base [s], instead of --start, --count and --every
-    #[arg(long, value_name = "T1,T2,…", value_delimiter = ',', conflicts_with_all = ["count", "every", "start"])]
+    #[arg(long, value_name = "T1,T2,…", value_delimiter = ',', conflicts_with_all = ["count", "every", "start"], help_heading = "Outages")]
     at: Option<Vec<f64>>,
     /// Smooth: measure the errors that are left when the fixes after an outage are known too
     #[arg(long)]
     smooth: bool,
-    /// Write the result as JSON; "-" for standard output instead of the table
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    json: JsonOutput,
     /// Write outages.json and outages.svg into this folder
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
 }
 
@@ -58,7 +79,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let drive = navigate::load(&arguments.drive, &arguments.common)?;
     let (drive, mounting) = undrift::mounting::resolve(&drive)?;
     if let Some(mounting) = mounting {
-        eprintln!("mounting estimated: {mounting}");
+        note(format!("mounting estimated: {mounting}"));
     }
     let mut imu_reader = drive.open_imu()?;
     let imu = imu_reader.by_ref().collect::<Result<Vec<_>, _>>()?;
@@ -121,17 +142,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         })
         .collect::<Result<Vec<_>>>()?;
 
-    let results = outages::run_aided(&imu, &aiding, &truth, &models);
+    let bar = Bar::new("navigated", (imu.len() * models.len()) as u64, "samples");
+    let results = stage("navigation", || {
+        outages::run_told(&imu, &aiding, &truth, &models, |more| bar.add(more))
+    });
+    drop(bar);
     let (runs, failed) = report::split(&results);
     let reference = if truth.is_empty() { "gnss" } else { "truth" };
     let json = report::json(&cuts, &runs, reference);
-    let to_standard_output = arguments
-        .json
-        .as_deref()
-        .is_some_and(|p| p.as_os_str() == "-");
-    if to_standard_output {
-        report::say(&json)?;
-    } else {
+    if !arguments.json.write(&json)? {
         report::say(format!(
             "{} outages of {} s, reference: {}. Errors inside the outages:\n",
             cuts.len(),
@@ -142,10 +161,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
                 "the truth"
             }
         ))?;
-        report::say(report::table(&runs))?;
-        if let Some(file) = &arguments.json {
-            report::write_whole(file, &json)?;
-        }
+        report::say(report::shown(&runs))?;
     }
     report::print_failed(&failed);
     report::print_warnings(&runs);
@@ -179,7 +195,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         ("truth", truth_skipped),
     ] {
         if let Some(skipped) = skipped.filter(|skipped| !skipped.is_empty()) {
-            eprintln!("{file} log: {skipped}");
+            warn(format!("{file} log: {skipped}"));
         }
     }
     if let Some(folder) = &arguments.out {

@@ -1,5 +1,6 @@
 //! What the verbs share in telling their results.
 
+use crate::{style, terminal, terminal::warn};
 use anyhow::{Context, Result};
 use serde_json::json;
 use std::path::Path;
@@ -26,6 +27,14 @@ pub fn split(results: &[Outcome]) -> (Vec<&ModelRun>, Vec<(&str, &ReplayError)>)
     (runs, failed)
 }
 
+/// The table of the runs for the terminal.
+pub fn shown(runs: &[&ModelRun]) -> String {
+    style::tables(&table(runs), ERRORS)
+}
+
+/// Columns of the table.
+const ERRORS: usize = 9;
+
 /// The table of the runs.
 pub fn table(runs: &[&ModelRun]) -> String {
     let rows: Vec<_> = runs.iter().map(|r| (r.name.clone(), &r.errors)).collect();
@@ -49,7 +58,8 @@ pub fn json(outages: &[Outage], runs: &[&ModelRun], reference: &str) -> String {
 /// Tells which models could not be run.
 pub fn print_failed(failed: &[(&str, &ReplayError)]) {
     for (name, error) in failed {
-        eprintln!("{name}: {error}");
+        terminal::doubt();
+        warn(format!("{name}: {error}"));
     }
 }
 
@@ -57,7 +67,8 @@ pub fn print_failed(failed: &[(&str, &ReplayError)]) {
 pub fn print_warnings(runs: &[&ModelRun]) {
     for run in runs {
         if let Some(warning) = &run.errors.warning {
-            eprintln!("{}: {warning}", run.name);
+            terminal::doubt();
+            warn(format!("{}: {warning}", run.name));
         }
     }
 }
@@ -65,77 +76,97 @@ pub fn print_warnings(runs: &[&ModelRun]) {
 /// Tells what was unusual about the log.
 pub fn print_health(summary: &Summary) {
     if summary.bridged > 0 {
-        eprintln!("short gaps between samples, bridged: {}", summary.bridged);
+        warn(format!(
+            "short gaps between samples, bridged: {}",
+            summary.bridged
+        ));
     }
     if let Some((count, first, longest)) = summary.long_gaps {
-        eprintln!(
+        warn(format!(
             "long gaps between samples: {count}, the first at {first:.3} s, the longest {longest:.3} s; the covariance was grown over each"
-        );
+        ));
     }
     let (from, length) = summary.longest_without_gnss;
     if length > 5.0 {
-        eprintln!("longest span without a usable fix: {length:.1} s from {from:.3} s");
+        warn(format!(
+            "longest span without a usable fix: {length:.1} s from {from:.3} s"
+        ));
     }
     if summary.bad_fixes > 0 {
-        eprintln!("fixes whose covariance is none: {}", summary.bad_fixes);
+        warn(format!(
+            "fixes whose covariance is none: {}",
+            summary.bad_fixes
+        ));
+    }
+}
+
+/// Notes whether a solution can be trusted.
+pub fn judge(summary: &Summary) {
+    if summary.diverged.is_some()
+        || summary.suspect.is_some()
+        || !summary.restarts.is_empty()
+        || summary.wrong_signs().next().is_some()
+    {
+        terminal::doubt();
     }
 }
 
 /// Tells where the solution and the fixes disagreed: the receiver's fault or the model's.
 pub fn print_disagreement(summary: &Summary) {
+    judge(summary);
     for restart in &summary.restarts {
         let then = match restart.resumed {
             Some(time) => format!("aligned anew at {time:.3} s"),
             None => "no new alignment was found".into(),
         };
-        eprintln!(
+        warn(format!(
             "divergence at {:.3} s: {}; {then}",
             restart.time, restart.why
-        );
+        ));
     }
     print_contradictions(summary);
     for lean in &summary.leans {
         let (part, unit) = of(lean.part);
         let [north, east, down] = lean.mean;
-        eprintln!(
+        warn(format!(
             "from {:.1} s to {:.1} s the {part} differs from the solution to one side, by up to {:.2}, {:.2}, {:.2} {unit} north, east, down on the average: a slow drift of the fixes (multipath, spoofing), or of the sensors",
             lean.start, lean.end, -north, -east, -down
-        );
+        ));
     }
     for axis in summary.wrong_signs() {
-        eprintln!(
+        warn(format!(
             "the velocity {} seems to have the wrong sign: its innovations are minus twice its value; check gnss.velocity and gnss.velocity_axes",
             ["north", "east", "down"][axis]
-        );
+        ));
     }
     if let Some(time) = summary.suspect {
-        eprintln!(
+        warn(format!(
             "the innovations from {time:.1} s on are far beyond their predicted size: the solution diverges from the fixes, or the noise model or the stated GNSS accuracy is wrong"
-        );
+        ));
     }
 }
 
 /// Tells what was unusual about a log of one number, and how it was used.
 pub fn print_scalar(name: &str, skipped: &Skipped, gaps: &GapSummary, used: &Innovations) {
     if !skipped.is_empty() {
-        eprintln!("{name} log: {skipped}");
+        warn(format!("{name} log: {skipped}"));
     }
     if let (count, Some(longest)) = (gaps.count, gaps.longest) {
-        eprintln!(
+        warn(format!(
             "{name} log: {count} gaps, the longest {:.3} s from {:.3} s",
             longest.length, longest.start
-        );
+        ));
     }
     if used.updates == 0 {
-        eprintln!(
+        warn(format!(
             "{name} log: nothing of it was used; compare its times with the IMU's, {name}.time_offset moves them"
-        );
+        ));
     }
     if used.rejected + used.weakened > 0 {
-        eprintln!(
+        warn(format!(
             "{name}: {} measurements left out and {} given less weight, far from what was predicted",
             used.rejected, used.weakened
-        );
+        ));
     }
 }
 
@@ -172,18 +203,18 @@ fn print_contradictions(summary: &Summary) {
         } else {
             ""
         };
-        eprintln!(
+        warn(format!(
             "{part} left out, {what}: {:.3} s to {:.3} s, {} {}, {size}{end}",
             c.start,
             c.end,
             c.fixes,
             if c.fixes == 1 { "fix" } else { "fixes" }
-        );
+        ));
     }
     let more = all.len() - all.len().min(TOLD);
     if more > 0 {
         let gave_way = all.iter().skip(TOLD).filter(|c| c.gave_way).count();
-        eprintln!(
+        warn(format!(
             "and {} more such spans, in {gave_way} of which the solution gave way; --json has {}",
             more as u64 + summary.more_contradictions,
             if summary.more_contradictions > 0 {
@@ -191,18 +222,11 @@ fn print_contradictions(summary: &Summary) {
             } else {
                 "all"
             }
-        );
+        ));
     }
 }
 
-/// Prints to standard output; a reader that went away (`undrift … | head`) ends the program quietly.
-pub fn say(text: impl std::fmt::Display) -> Result<()> {
-    use std::io::Write;
-    match writeln!(std::io::stdout(), "{text}") {
-        Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => std::process::exit(0),
-        other => Ok(other?),
-    }
-}
+pub use crate::terminal::say;
 
 /// Writes a file whole or not at all.
 pub fn write_whole(path: &Path, text: &str) -> Result<()> {

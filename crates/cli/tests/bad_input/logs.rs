@@ -124,7 +124,10 @@ fn short_gaps_are_bridged_and_counted() {
         log.imu.drain(from..from + 5);
     }
     let (outcome, _) = log.write("short_gaps").solution();
-    assert_eq!(outcome.stderr, "short gaps between samples, bridged: 2\n");
+    assert_eq!(
+        outcome.stderr,
+        "warning: short gaps between samples, bridged: 2\n"
+    );
     assert!(outcome.rms("horizontal_m") < SOUND, "{}", outcome.stdout);
     assert!(outcome.rms("yaw_deg") < 1.0, "{}", outcome.stdout);
 }
@@ -307,7 +310,7 @@ fn empty_files_and_headers_without_rows_are_refused() {
         };
         case.put(file, header.as_bytes());
         let message = case.refusal();
-        says(&message, &[&format!("undrift: {file}"), "no "]);
+        says(&message, &[&format!("error: {file}"), "no "]);
     }
     let mut log = Log::good();
     log.imu.truncate(1);
