@@ -12,6 +12,8 @@ const DOTS: (usize, usize) = (2, 4);
 const HEIGHT: usize = 16;
 /// Characters left of the axis.
 const MARGIN: usize = 7;
+/// Characters right of it, for half of the last label and the unit.
+const OVERHANG: usize = 4;
 /// Narrowest and widest plot [characters].
 const WIDTHS: (usize, usize) = (40, 110);
 /// Width where there is no terminal [characters].
@@ -120,7 +122,7 @@ fn decades(values: impl Iterator<Item = f64>) -> Option<(i32, i32)> {
     let (low, high) = (low.log10().floor(), high.log10().ceil());
     // Powers of ten that floats have.
     let known = (-300.0..=300.0).contains(&low) && (-300.0..=300.0).contains(&high);
-    known.then_some((low as i32, (high as i32).max(low as i32 + 1)))
+    known.then(|| (low as i32, (high as i32).max(low as i32 + 1)))
 }
 
 /// The plot; `None` without a point.
@@ -129,7 +131,7 @@ fn draw(curves: &[Curve], unit: &str, look: Look) -> Option<String> {
     let points = || curves.iter().flat_map(|c| c.points.iter().filter(usable));
     let x_range = decades(points().map(|p| p.0))?;
     let y_range = decades(points().map(|p| p.1))?;
-    let columns = look.width.saturating_sub(MARGIN + 1).max(10);
+    let columns = look.width.saturating_sub(MARGIN + 1 + OVERHANG).max(10);
     let mut canvas = Canvas::new(columns);
     // Dots from the left and from the top.
     let place = |value: f64, (low, high): (i32, i32), dots: usize| {
@@ -173,21 +175,23 @@ fn draw(curves: &[Curve], unit: &str, look: Look) -> Option<String> {
         text.push('\n');
     }
     let mut axis = vec![dash; columns];
-    let mut below = vec![' '; columns + MARGIN];
+    let mut below = vec![' '; MARGIN + 1 + columns + OVERHANG];
     for exponent in every(x_range, columns / 8) {
         let x = place(10f64.powi(exponent), x_range, across);
         let column = (x / DOTS.0 as f64) as usize;
         if let Some(sign) = axis.get_mut(column) {
             *sign = cross;
         }
-        for (cell, sign) in below.iter_mut().skip(column).zip(power(exponent).chars()) {
+        let label = power(exponent);
+        let start = (MARGIN + 1 + column).saturating_sub(label.len() / 2);
+        for (cell, sign) in below.iter_mut().skip(start).zip(label.chars()) {
             *cell = sign;
         }
     }
     let axis: String = axis.into_iter().collect();
     let below: String = below.into_iter().collect();
     text += &format!("{:>MARGIN$}{corner}{axis}\n", unit);
-    text += &format!("{:MARGIN$} {} s\n", "", below.trim_end());
+    text += &format!("{} s\n", below.trim_end());
     let legend: Vec<String> = curves
         .iter()
         .map(|c| match look.ink {
@@ -320,7 +324,7 @@ mod tests {
         let dots = dots(&lines);
         let (first, last) = (dots[0], dots[dots.len() - 1]);
         // 0.01 s to 655 s lie in five decades, 1.17 to 300 deg/h in three.
-        let across = (last.0 - first.0) as f64 * 5.0 / (2.0 * 80.0 - 1.0);
+        let across = (last.0 - first.0) as f64 * 5.0 / (2.0 * 76.0 - 1.0);
         let down = (last.1 as f64 - first.1 as f64) * 3.0 / (4.0 * 16.0 - 1.0);
         // A dot is 0.031 decades wide and 0.048 high, at both ends of 4.8 decades: 1 %.
         assert!(
