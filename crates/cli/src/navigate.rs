@@ -32,7 +32,9 @@ const AXES: [&str; 3] = ["north", "east", "down"];
 #[command(after_help = "Examples:
   undrift navigate examples/rtk-drive.toml --data logs -o nav.csv
   undrift navigate examples/drive30.toml --data target/drive30 --smooth --json -
-  undrift navigate examples/uav-flight.toml --data logs --bias-model gauss-markov -v")]
+  undrift navigate examples/uav-flight.toml --data logs --bias-model gauss-markov -v
+
+tools/make-drive30 makes target/drive30.")]
 pub struct Arguments {
     /// The drive file
     #[arg(value_name = "DRIVE.toml")]

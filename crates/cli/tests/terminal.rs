@@ -317,7 +317,7 @@ fn completions_and_manual_pages() {
             "{text}"
         );
         let Ok(output) = Command::new("groff")
-            .args(["-man", "-Tutf8", "-ww", "-Kutf8"])
+            .args(["-man", "-Tutf8", "-ww", "-Kutf8", "-P-cbou"])
             .arg(&page)
             .output()
         else {
@@ -346,7 +346,7 @@ preset = "adis16465"
 bias_models = ["white"]
 [drive]
 kind = "car"
-duration = "60 s"
+duration = "180 s"
 rate = "100 Hz"
 seed = 1
 [gnss]
