@@ -1,6 +1,6 @@
 //! `undrift demo`: the paper's experiment on a simulated drive.
 
-use crate::{json::JsonOutput, progress::Bar, report, style, tables, terminal::stage};
+use crate::{output::JsonOutput, progress::Bar, report, style, tables, terminal::stage};
 use anyhow::{Context, Result};
 use clap::Args;
 use std::path::PathBuf;
@@ -34,6 +34,11 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
+    arguments.json.ready()?;
+    if let Some(folder) = &arguments.out {
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("cannot make {}", folder.display()))?;
+    }
     let models = if arguments.true_models {
         Models::Truth
     } else {
@@ -55,8 +60,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     report::print_failed(&failed);
     report::print_warnings(&runs);
     if let Some(folder) = &arguments.out {
-        std::fs::create_dir_all(folder)
-            .with_context(|| format!("cannot make {}", folder.display()))?;
         let json = report::json(&demo.outages, &runs, "truth");
         report::write_whole(&folder.join("outages.json"), &json)?;
         if let Some((record, identified)) = &demo.identified {

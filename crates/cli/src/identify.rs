@@ -2,7 +2,7 @@
 
 use crate::{
     details,
-    json::JsonOutput,
+    output::{self, JsonOutput},
     plot,
     progress::Bar,
     report, style,
@@ -84,6 +84,8 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
+    output::ready(arguments.output.as_deref())?;
+    arguments.json.ready()?;
     let units = match arguments
         .units
         .as_deref()
@@ -121,7 +123,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             record.skipped
         ));
     }
-    let rate_hz = rate(arguments.rate, record.timing.as_ref())?;
+    let rate_hz = rate(arguments.rate, record.timing.as_ref())
+        .with_context(|| arguments.record.display().to_string())?;
     let detrend = match (arguments.detrend, &record.temperature) {
         (Trend::Linear, _) => Detrend::Linear,
         (Trend::Temperature, Some(temperature)) => Detrend::Temperature(temperature),
@@ -142,6 +145,17 @@ pub fn run(arguments: &Arguments) -> Result<()> {
                 None => "by its time stamps",
             },
             record.axes.join(" ")
+        )
+    });
+    detail(1, || {
+        format!(
+            "settings: ARMA(2n, 2n-1) for n up to {}, {} taken out",
+            arguments.n_max,
+            match arguments.detrend {
+                Trend::Constant => "the mean",
+                Trend::Linear => "a straight line",
+                Trend::Temperature => "the temperature's part",
+            }
         )
     });
     let bar = Bar::new("identified", record.axes.len() as u64, "axes");

@@ -3,10 +3,10 @@
 mod demo;
 mod details;
 mod identify;
-mod json;
 mod montecarlo;
 mod navigate;
 mod outages;
+mod output;
 mod plot;
 mod progress;
 mod report;

@@ -1,7 +1,7 @@
 //! `undrift montecarlo`: does the filter know its own errors?
 
 use crate::{
-    json::JsonOutput,
+    output::{self, JsonOutput},
     progress::Bar,
     report, style,
     terminal::{self, detail, stage},
@@ -44,6 +44,8 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
+    output::ready(arguments.figure.as_deref())?;
+    arguments.json.ready()?;
     let mut spec = Spec::load(&arguments.spec)?;
     if !arguments.bias_models.is_empty() {
         spec.bias_models.clone_from(&arguments.bias_models);

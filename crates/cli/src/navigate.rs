@@ -2,7 +2,7 @@
 
 use crate::{
     details,
-    json::JsonOutput,
+    output::{self, JsonOutput},
     progress::Bar,
     report,
     terminal::{stage, warn},
@@ -76,6 +76,8 @@ pub fn load(drive: &std::path::Path, common: &Common) -> Result<Drive> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
+    output::ready(arguments.output.as_deref())?;
+    arguments.json.ready()?;
     let drive = load(&arguments.drive, &arguments.common)?;
     let bar = Bar::watching(
         drive.imu_read.bytes(),

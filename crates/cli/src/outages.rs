@@ -1,8 +1,8 @@
 //! `undrift outages`: cut the GNSS of a drive and compare bias models.
 
 use crate::{
-    json::JsonOutput,
     navigate,
+    output::JsonOutput,
     progress::Bar,
     report,
     terminal::{note, stage, warn},
@@ -78,6 +78,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
+    arguments.json.ready()?;
     let drive = navigate::load(&arguments.drive, &arguments.common)?;
     let (drive, mounting) = undrift::mounting::resolve(&drive)?;
     if let Some(mounting) = mounting {

@@ -73,6 +73,9 @@ pub fn allan(identified: &Identified) -> String {
             })
             .collect();
         if let Some(plot) = draw(&curves, unit, look) {
+            if !text.is_empty() {
+                text.push('\n');
+            }
             text += &style::heading(&format!("Allan deviation [{unit}] over averaging time [s]"));
             text = format!("{text}\n{plot}");
         }

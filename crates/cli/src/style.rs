@@ -65,7 +65,7 @@ pub fn best(text: &str, columns: usize) -> String {
     for (line, row) in lines.iter().zip(&rows) {
         let mut from = 0;
         for ((range, value), least) in row.iter().zip(&least) {
-            if value <= least {
+            if value.is_finite() && value <= least {
                 out += line.get(from..range.start).unwrap_or_default();
                 out += &heading(line.get(range.clone()).unwrap_or_default());
                 from = range.end;
@@ -110,18 +110,18 @@ mod tests {
 
     #[test]
     fn the_least_of_each_column_is_bold() {
-        let table = "maximum      N m   E m\nwhite, none  3.1   0.5\nour 2       2e-3   0.5\nlost           –     –\n\nnext\n";
-        let bold = tables(table, 2);
+        let table = "maximum      N m   E m   y\nwhite, none  3.1   0.5   –\nour 2       2e-3   0.5   –\nlost           –     –   –\n\nnext\n";
+        let bold = tables(table, 3);
         let plain = anstream::adapter::strip_str(&bold).to_string();
         assert_eq!(plain, table);
         for wanted in [
-            heading("maximum      N m   E m"),
-            format!("white, none  3.1   {}", heading("0.5")),
-            format!("our 2       {}   {}", heading("2e-3"), heading("0.5")),
+            heading("maximum      N m   E m   y"),
+            format!("white, none  3.1   {}   –\n", heading("0.5")),
+            format!("our 2       {}   {}   –\n", heading("2e-3"), heading("0.5")),
         ] {
             assert!(bold.contains(&wanted), "{wanted:?} in {bold:?}");
         }
-        assert!(bold.contains("lost           –     –"), "{bold:?}");
+        assert!(bold.contains("lost           –     –   –"), "{bold:?}");
         // Nothing is best of one.
         assert_eq!(best("a 1 2", 2), "a 1 2");
     }

@@ -72,13 +72,17 @@ pub fn open_counted(path: &Path, read: &BytesRead) -> Result<Source, ReadError> 
 }
 
 fn cannot_open(path: &Path, error: io::Error) -> ReadError {
+    // What is said in full needs no cause after it.
     let problem = match error.kind() {
         io::ErrorKind::NotFound => return missing(path),
-        io::ErrorKind::PermissionDenied => "no permission to read".to_owned(),
-        io::ErrorKind::IsADirectory => "is a directory, not a file".to_owned(),
-        _ => format!("cannot be read: {error}"),
+        io::ErrorKind::PermissionDenied => "no permission to read",
+        io::ErrorKind::IsADirectory => "is a directory, not a file",
+        _ => {
+            let problem = format!("cannot be read: {error}");
+            return ReadError::new(path, problem).caused_by(error);
+        }
     };
-    ReadError::new(path, problem).caused_by(error)
+    ReadError::new(path, problem)
 }
 
 /// A file that is not there, and those of its folder whose names are near.

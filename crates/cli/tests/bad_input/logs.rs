@@ -149,7 +149,10 @@ fn short_gaps_of_increments_are_bridged_as_those_of_rates() {
         log.imu.drain(from..from + 5);
     }
     let (outcome, _) = log.write("increments").solution();
-    assert_eq!(outcome.stderr, "warning: short gaps between samples, bridged: 10\n");
+    assert_eq!(
+        outcome.stderr,
+        "warning: short gaps between samples, bridged: 10\n"
+    );
     assert!(outcome.rms("horizontal_m") < SOUND, "{}", outcome.stdout);
     assert!(outcome.rms("vd_mps") < 0.05, "{}", outcome.stdout);
 

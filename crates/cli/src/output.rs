@@ -1,9 +1,22 @@
-//! Results as JSON.
+//! Where results go.
 
 use crate::{report, terminal};
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::Args;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+/// Says before the work rather than after it that a file has no folder to be in; "-" is none.
+pub fn ready(file: Option<&Path>) -> Result<()> {
+    let folder = file.and_then(Path::parent);
+    match (file, folder) {
+        (Some(file), Some(folder)) if !folder.as_os_str().is_empty() && !folder.is_dir() => bail!(
+            "cannot write {}: there is no folder {}",
+            file.display(),
+            folder.display()
+        ),
+        _ => Ok(()),
+    }
+}
 
 /// Where a verb puts its result as JSON.
 #[derive(Args)]
@@ -14,6 +27,11 @@ pub struct JsonOutput {
 }
 
 impl JsonOutput {
+    /// As [`ready`].
+    pub fn ready(&self) -> Result<()> {
+        ready(self.json.as_deref())
+    }
+
     /// Writes the result if it is wanted; whether it went to standard output.
     pub fn write(&self, json: &str) -> Result<bool> {
         match &self.json {
