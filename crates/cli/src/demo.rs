@@ -5,7 +5,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use std::path::PathBuf;
 use undrift::{
-    demo::{self, Demo, Models},
+    demo::{self, Demo, Models, Stage},
     figure,
     outages::ModelRun,
 };
@@ -47,7 +47,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let bar = Bar::new("simulated", 0, "samples");
     let demo = stage("simulation, identification and navigation", || {
         demo::run_told(arguments.seed, models, |stage, more, total| {
-            bar.stage(stage, total, "steps");
+            match stage {
+                Stage::Identification => bar.stage("identified", total, "axes"),
+                Stage::Navigation => bar.stage("navigated", total, "samples"),
+            }
             bar.add(more);
         })
     })?;

@@ -79,21 +79,17 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     output::ready(arguments.output.as_deref())?;
     arguments.json.ready()?;
     let drive = load(&arguments.drive, &arguments.common)?;
-    let bar = Bar::watching(
-        drive.imu_read.bytes(),
-        &drive.imu.0.display().to_string(),
-        details::size(&drive.imu.0),
-        "bytes",
-    );
     let report = stage("navigation", || {
-        navigate::navigate(
-            &drive,
-            arguments.bias_model,
-            arguments.output.as_deref(),
-            arguments.smooth,
-        )
+        let _bar = Bar::watching(
+            drive.imu_read.bytes(),
+            &details::name(&drive.imu.0),
+            details::size(&drive.imu.0),
+            "bytes",
+        );
+        let (output, smooth) = (arguments.output.as_deref(), arguments.smooth);
+        navigate::navigate(&drive, arguments.bias_model, output, smooth)
+            .map_err(anyhow::Error::from)
     })?;
-    drop(bar);
     report::judge(&report.summary);
     let json = format!("{:#}", as_json(&report, arguments.bias_model));
     if arguments.json.write(&json)? {

@@ -68,11 +68,20 @@ pub fn run(seed: u64, models: Models) -> Result<Demo, DemoError> {
     run_told(seed, models, |_, _, _| {})
 }
 
+/// What takes time in a demo.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Identification, axis by axis.
+    Identification,
+    /// The noise models over the drive, sample by sample.
+    Navigation,
+}
+
 /// As [`run`]; `done` is told the stage, how much more of it is done, and how much it is in all.
 pub fn run_told(
     seed: u64,
     models: Models,
-    done: impl Fn(&'static str, u64, u64) + Sync,
+    done: impl Fn(Stage, u64, u64) + Sync,
 ) -> Result<Demo, DemoError> {
     let preset = ImuModel::preset(PRESET).unwrap_or_default();
     let interval = 1.0 / RATE_HZ;
@@ -123,9 +132,9 @@ pub fn run_told(
         Models::Truth => (preset, None),
         Models::Identified => {
             let record = static_record(&sensors, &preset, seed);
-            let found = identify::run(&record, &Options::at(RATE_HZ), || {
-                done("identified", 1, AXES.len() as u64);
-            });
+            let told = |more| done(Stage::Identification, more, AXES.len() as u64);
+            told(0);
+            let found = identify::run(&record, &Options::at(RATE_HZ), || told(1));
             let model = found
                 .model(Some(&preset), PRESET, Provenance::default())
                 .map_err(DemoError::Plan)?;
@@ -156,13 +165,14 @@ pub fn run_told(
         .collect::<Result<Vec<_>, _>>()?;
     // One more, on the calibrated samples.
     let total = ((models.len() + 1) * simulation.imu.len()) as u64;
-    let told = |more| done("navigated", more, total);
+    let told = |more| done(Stage::Navigation, more, total);
     let fixes: Vec<_> = simulation
         .gnss
         .iter()
         .copied()
         .map(Measurement::Gnss)
         .collect();
+    told(0);
     let mut runs = outages::run_told(&simulation.imu, &fixes, &simulation.truth, &models, told);
     let (_, white) = settings(BiasModel::White)?;
     let white = [(WHITE_CALIBRATED.to_owned(), white)];
