@@ -44,8 +44,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     } else {
         Models::Identified
     };
-    let bar = Bar::new("simulated", 0, "samples");
     let demo = stage("simulation, identification and navigation", || {
+        let bar = Bar::new("simulated", 0, "samples");
         demo::run_told(arguments.seed, models, |stage, more, total| {
             match stage {
                 Stage::Identification => bar.stage("identified", total, "axes"),
@@ -54,7 +54,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             bar.add(more);
         })
     })?;
-    drop(bar);
     let (runs, failed) = report::split(&demo.runs);
     let silent = arguments.json.write(&json(arguments.seed, &demo, &runs))?;
     if !silent {

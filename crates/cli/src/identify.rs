@@ -158,11 +158,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             }
         )
     });
-    let bar = Bar::new("identified", record.axes.len() as u64, "axes");
     let identified = stage("identification", || {
+        let bar = Bar::new("identified", record.axes.len() as u64, "axes");
         identify::run(&record, &options, || bar.add(1))
     });
-    drop(bar);
     let failed = identified
         .axes
         .iter()

@@ -51,11 +51,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         spec.bias_models.clone_from(&arguments.bias_models);
     }
     detail(2, || format!("{spec:#?}"));
-    let bar = Bar::new("simulated", arguments.runs as u64, "runs");
     let result = stage("simulation and navigation", || {
+        let bar = Bar::new("simulated", arguments.runs as u64, "runs");
         montecarlo::run(&spec, arguments.runs, arguments.seed, || bar.add(1))
     })?;
-    drop(bar);
     if result.models.iter().any(|model| model.diverged > 0) {
         terminal::doubt();
     }

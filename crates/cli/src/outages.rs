@@ -145,11 +145,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         })
         .collect::<Result<Vec<_>>>()?;
 
-    let bar = Bar::new("navigated", (imu.len() * models.len()) as u64, "samples");
     let results = stage("navigation", || {
+        let total = imu.len() * models.len();
+        let bar = Bar::new("navigated", total as u64, "samples");
         outages::run_told(&imu, &aiding, &truth, &models, |more| bar.add(more))
     });
-    drop(bar);
     let (runs, failed) = report::split(&results);
     let reference = if truth.is_empty() { "gnss" } else { "truth" };
     let json = report::json(&cuts, &runs, reference);

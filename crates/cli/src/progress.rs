@@ -131,9 +131,6 @@ impl View {
         }
         self.before = done;
         let Some(stage) = &self.stage else { return };
-        if self.bar.is_hidden() {
-            self.bar.set_draw_target(ProgressDrawTarget::stderr());
-        }
         let template = match stage.total {
             0 => "{wide_msg}",
             _ => "{bar:24} {wide_msg}",
@@ -145,6 +142,10 @@ impl View {
         self.bar.set_position(done.min(stage.total));
         self.bar
             .set_message(text(stage, done, self.since.elapsed()));
+        // What is drawn first has all of it.
+        if self.bar.is_hidden() {
+            self.bar.set_draw_target(ProgressDrawTarget::stderr());
+        }
     }
 }
 
