@@ -3,6 +3,8 @@
 mod demo;
 mod details;
 mod identify;
+mod inspect;
+mod model;
 mod montecarlo;
 mod navigate;
 mod outages;
@@ -56,6 +58,8 @@ struct Arguments {
 enum Verb {
     Demo(demo::Arguments),
     Identify(identify::Arguments),
+    Inspect(inspect::Arguments),
+    Model(model::Arguments),
     Montecarlo(montecarlo::Arguments),
     Navigate(navigate::Arguments),
     Outages(outages::Arguments),
@@ -72,6 +76,8 @@ fn main() -> ExitCode {
     let result = match verb {
         Verb::Demo(arguments) => demo::run(&arguments),
         Verb::Identify(arguments) => identify::run(&arguments),
+        Verb::Inspect(arguments) => inspect::run(&arguments),
+        Verb::Model(arguments) => model::run(&arguments),
         Verb::Montecarlo(arguments) => montecarlo::run(&arguments),
         Verb::Navigate(arguments) => navigate::run(&arguments),
         Verb::Outages(arguments) => outages::run(&arguments),

@@ -7,13 +7,14 @@ use crate::{
     report,
     terminal::{stage, warn},
 };
-use anyhow::Result;
+use anyhow::{Context, Result, bail};
 use clap::Args;
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use undrift::{
     consistency::GROUP,
     drive::Drive,
+    io::write::{SolutionFile, SolutionFormat, SolutionOptions},
     navigate::{self, Report},
     noise::{BiasModel, ImuModel},
     reference::COMPONENTS,
@@ -30,7 +31,7 @@ const AXES: [&str; 3] = ["north", "east", "down"];
 /// says.
 #[derive(Args)]
 #[command(after_help = "Examples:
-  undrift navigate examples/rtk-drive.toml --data logs -o nav.csv
+  undrift navigate examples/rtk-drive.toml --data logs -o nav.csv -o nav.kml
   undrift navigate examples/drive30.toml --data target/drive30 --smooth --json -
   undrift navigate examples/uav-flight.toml --data logs --bias-model gauss-markov -v
 
@@ -44,9 +45,20 @@ pub struct Arguments {
     /// Bias model: white, paper, gauss-markov, random-walk, ar or arma
     #[arg(long, value_name = "NAME", default_value = "arma")]
     bias_model: BiasModel,
-    /// Write the solution at every sample, with standard deviations and estimated sensor errors
+    /// Write the solution, in the format of the extension: csv (every sample, with standard deviations
+    /// and estimated sensor errors), nav (KF-GINS), nmea, kml, geojson, gpx; may be given again
     #[arg(short, long, value_name = "nav.csv", help_heading = "Output")]
-    output: Option<PathBuf>,
+    output: Vec<PathBuf>,
+    /// Format of the solution, whatever the extension: csv, kf-gins, nmea, kml, geojson or gpx
+    #[arg(long, value_name = "NAME", help_heading = "Output")]
+    format: Option<SolutionFormat>,
+    /// GPS week in which the log begins, for formats with dates
+    #[arg(long, value_name = "N", help_heading = "Output", value_parser = clap::value_parser!(u32).range(..10_000))]
+    week: Option<u32>,
+    /// Least time between rows of the solution [s]; 0 for every sample. Default: 0, but 0.1 for nmea,
+    /// kml, geojson and gpx
+    #[arg(long, value_name = "S", help_heading = "Output")]
+    every: Option<f64>,
     /// Smooth: at every sample the best estimate given the whole log
     #[arg(long)]
     smooth: bool,
@@ -76,7 +88,9 @@ pub fn load(drive: &std::path::Path, common: &Common) -> Result<Drive> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    output::ready(arguments.output.as_deref())?;
+    for file in &arguments.output {
+        output::ready(Some(file))?;
+    }
     arguments.json.ready()?;
     let drive = load(&arguments.drive, &arguments.common)?;
     let report = stage("navigation", || {
@@ -86,9 +100,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             details::size(&drive.imu.0),
             "bytes",
         );
-        let (output, smooth) = (arguments.output.as_deref(), arguments.smooth);
-        navigate::navigate(&drive, arguments.bias_model, output, smooth)
-            .map_err(anyhow::Error::from)
+        navigate::navigate_into(
+            &drive,
+            arguments.bias_model,
+            outputs(arguments)?,
+            arguments.smooth,
+        )
+        .map_err(anyhow::Error::from)
     })?;
     report::judge(&report.summary);
     let json = format!("{:#}", as_json(&report, arguments.bias_model));
@@ -96,10 +114,53 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return finish(&report);
     }
     print_report(&report, arguments.bias_model)?;
-    if let Some(path) = &arguments.output {
+    for path in &arguments.output {
         report::say(format!("solution: {}", path.display()))?;
     }
     finish(&report)
+}
+
+/// The files that were asked for.
+fn outputs(arguments: &Arguments) -> Result<Vec<SolutionFile>> {
+    if arguments.format.is_some() && arguments.output.len() > 1 {
+        bail!("--format is for one -o; of several, the extension of each says it");
+    }
+    let options = SolutionOptions {
+        week: arguments.week,
+        name: stem(&arguments.drive),
+        every: arguments.every,
+    };
+    let mut files = Vec::new();
+    for (k, path) in arguments.output.iter().enumerate() {
+        if arguments.output[..k].contains(path) {
+            bail!("{} is asked for twice", path.display());
+        }
+        let format = match arguments.format {
+            Some(format) => format,
+            None => format_of(path)?,
+        };
+        let file = SolutionFile::create(path, format, &options)
+            .with_context(|| format!("cannot write {}", path.display()))?;
+        files.push(file);
+    }
+    Ok(files)
+}
+
+/// The format that the extension of a solution stands for.
+fn format_of(path: &Path) -> Result<SolutionFormat> {
+    SolutionFormat::from_path(path).with_context(|| {
+        format!(
+            "{}: the extension names no format; there are csv, nav, nmea, kml, geojson, gpx, or give --format",
+            path.display()
+        )
+    })
+}
+
+/// The name of a file without folder and extension.
+pub fn stem(path: &Path) -> String {
+    path.file_stem()
+        .map(|name| name.to_string_lossy().into_owned())
+        .unwrap_or_default()
 }
 
 fn finish(report: &Report) -> Result<()> {

@@ -9,13 +9,15 @@ use crate::{
 };
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use undrift::{
     figure,
+    io::write::{SolutionFile, SolutionFormat, SolutionOptions, solution::SolutionRow},
+    nav::sample::TruthSample,
     navigate::scalars,
     noise::BiasModel,
     outages::{self, Schedule},
-    replay::{Measurement, merge},
+    replay::{Measurement, Outage, STAMP_ROUNDING, merge},
 };
 
 /// Longest span between two nodes of the smoother [s]: the errors are taken at nodes.
@@ -75,10 +77,16 @@ pub struct Arguments {
     /// Write outages.json and outages.svg into this folder
     #[arg(short, long, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
+    /// Draw the truth, or the fixes, with the outages in another colour: kml, geojson or gpx by extension
+    #[arg(long, value_name = "track.kml")]
+    track: Option<PathBuf>,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.json.ready()?;
+    if let Some(path) = &arguments.track {
+        track_format(path)?;
+    }
     let drive = navigate::load(&arguments.drive, &arguments.common)?;
     let (drive, mounting) = undrift::mounting::resolve(&drive)?;
     if let Some(mounting) = mounting {
@@ -210,8 +218,39 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         figure::experiment(&folder.join("outages.svg"), &track, &cuts, &curves)
             .map_err(anyhow::Error::msg)?;
     }
+    if let Some(path) = &arguments.track {
+        let track = report::track(&truth, &gnss);
+        write_track(path, &track, &cuts, &arguments.drive)
+            .with_context(|| format!("cannot write {}", path.display()))?;
+    }
     if runs.is_empty() {
         bail!("no model could be run");
     }
     Ok(())
+}
+
+/// The format of the track, known before anything is run.
+fn track_format(path: &Path) -> Result<SolutionFormat> {
+    SolutionFormat::from_path(path)
+        .filter(|format| format.is_map())
+        .with_context(|| {
+            format!(
+                "--track {}: a track is .kml, .geojson or .gpx",
+                path.display()
+            )
+        })
+}
+
+fn write_track(path: &Path, track: &[TruthSample], cuts: &[Outage], drive: &Path) -> Result<()> {
+    let options = SolutionOptions {
+        name: navigate::stem(drive),
+        ..SolutionOptions::default()
+    };
+    let mut file = SolutionFile::create(path, track_format(path)?, &options)?;
+    for sample in track {
+        let next = cuts.partition_point(|cut| cut.end + STAMP_ROUNDING < sample.time);
+        let outage = cuts.get(next).is_some_and(|cut| cut.contains(sample.time));
+        file.write(&SolutionRow::at(sample.time, sample.position), outage)?;
+    }
+    Ok(file.finish()?)
 }

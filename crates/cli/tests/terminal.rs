@@ -196,7 +196,14 @@ fn json_on_standard_output_is_json_alone() {
     serde_json::from_str::<serde_json::Value>(&said.stdout).unwrap();
     assert!(said.stderr.contains("model: imu.toml"), "{}", said.stderr);
     // Every verb that has a result has it as JSON.
-    for verb in ["demo", "identify", "montecarlo", "navigate", "outages"] {
+    for verb in [
+        "demo",
+        "identify",
+        "inspect",
+        "montecarlo",
+        "navigate",
+        "outages",
+    ] {
         let help = self::said(&mut undrift(&[verb, "-h"])).stdout;
         assert!(help.contains("--json <FILE|->"), "{verb}: {help}");
     }

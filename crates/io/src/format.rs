@@ -3,7 +3,7 @@
 use std::io::Read;
 use std::path::Path;
 
-use crate::{ReadError, log, number, rtklib, source};
+use crate::{ReadError, log, number, rtklib, source, table};
 
 /// A format of logs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,7 +82,7 @@ pub fn detect(path: &Path) -> Result<Format, ReadError> {
     let _ = source::open(path)?.take(START).read_to_end(&mut start);
     Ok(match log::detect(&start) {
         Some(format) => format,
-        None if start.starts_with(b"PAR1") => Format::Parquet,
+        None if table::is_parquet(&start) => Format::Parquet,
         None if rtklib::detect(path)? => Format::Rtklib,
         None => detect_table(&start),
     })

@@ -14,6 +14,8 @@ pub mod layouts;
 pub mod log;
 pub mod nearby;
 pub mod number;
+#[cfg(feature = "parquet")]
+pub mod parquet;
 pub mod rtklib;
 pub mod scalar;
 pub mod skipped;

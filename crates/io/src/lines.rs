@@ -136,7 +136,8 @@ impl Lines {
     }
 }
 
-fn read(source: &mut Source, into: &mut [u8]) -> io::Result<usize> {
+/// Reads once, whatever interrupts.
+pub(crate) fn read(source: &mut Source, into: &mut [u8]) -> io::Result<usize> {
     loop {
         match source.read(into) {
             Err(error) if error.kind() == io::ErrorKind::Interrupted => {}

@@ -11,6 +11,7 @@ mod gpx;
 mod mcap;
 mod navego;
 mod nmea;
+mod receiver;
 mod ros;
 mod ubx;
 mod ulog;
@@ -184,7 +185,10 @@ impl Log {
         Ok(Self {
             path: path.to_path_buf(),
             entries: entries(path, source, format, wanted)?,
-            skipped: Skipped::default(),
+            skipped: match format {
+                Format::Nmea | Format::Gpx => Skipped::default(),
+                _ => Skipped::of_messages(),
+            },
         })
     }
 
@@ -217,9 +221,20 @@ impl Log {
     }
 }
 
-/// The format of a log by the start of its content.
-pub(crate) fn detect(_start: &[u8]) -> Option<Format> {
-    None
+/// The format of a log by the start of its content: those with a mark at their beginning first, then
+/// text that may hold stray bytes of others.
+pub(crate) fn detect(start: &[u8]) -> Option<Format> {
+    let formats = [
+        (Format::RosBag, bag::detect(start)),
+        (Format::Mcap, mcap::detect(start)),
+        (Format::ULog, ulog::detect(start)),
+        (Format::NaveGo, navego::detect(start)),
+        (Format::Gpx, gpx::detect(start)),
+        (Format::Nmea, nmea::detect(start)),
+        (Format::Ubx, ubx::detect(start)),
+    ];
+    let found = formats.into_iter().find(|(_, is)| *is);
+    found.map(|(format, _)| format)
 }
 
 fn entries(

@@ -22,6 +22,11 @@ pub enum SkipKind {
     OutOfRange,
     /// A standard deviation that is zero, negative or not a number.
     Uncertainty,
+    /// A message or a part of the file that is damaged: its checksum is wrong, its end is missing, or
+    /// it cannot be decompressed; reading goes on after it.
+    Damaged,
+    /// An epoch for which the receiver has no fix, or none by satellites.
+    NoFix,
     /// The file breaks off: an input error or damaged compression; what was before it has been read.
     EndsEarly,
 }
@@ -45,6 +50,10 @@ impl SkipKind {
             (Self::OutOfRange, true) => "rows with a value out of its range",
             (Self::Uncertainty, false) => "value with an unusable standard deviation",
             (Self::Uncertainty, true) => "values with an unusable standard deviation",
+            (Self::Damaged, false) => "damaged message or part",
+            (Self::Damaged, true) => "damaged messages or parts",
+            (Self::NoFix, false) => "epoch without a fix",
+            (Self::NoFix, true) => "epochs without a fix",
             (Self::EndsEarly, false) => "file ends early",
             (Self::EndsEarly, true) => "files end early",
         }
@@ -56,19 +65,38 @@ impl SkipKind {
 pub struct SkipEntry {
     /// Number of records.
     pub count: u64,
-    /// Line of the first one in its file, counted from 1.
+    /// Line or message of the first one in its file, counted from 1.
     pub first_line: u64,
     /// What stood there.
     pub first_detail: String,
 }
 
 /// Counter of skipped records by kind.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Skipped {
     kinds: BTreeMap<SkipKind, SkipEntry>,
+    /// What the positions count: lines of a text, messages of anything else.
+    counted: &'static str,
+}
+
+impl Default for Skipped {
+    fn default() -> Self {
+        Self {
+            kinds: BTreeMap::new(),
+            counted: "line",
+        }
+    }
 }
 
 impl Skipped {
+    /// For a log whose messages are counted rather than its lines.
+    pub(crate) fn of_messages() -> Self {
+        Self {
+            counted: "message",
+            ..Self::default()
+        }
+    }
+
     /// Counts one more record; `detail` is rendered only for the first of its kind.
     pub fn add(&mut self, kind: SkipKind, line: u64, detail: impl fmt::Display) {
         self.kinds
@@ -126,11 +154,11 @@ impl fmt::Display for Skipped {
                 f.write_str("\n")?;
             }
             let what = kind.describe(entry.count > 1);
-            let (line, detail) = (entry.first_line, &entry.first_detail);
+            let (at, line, detail) = (self.counted, entry.first_line, &entry.first_detail);
             match (kind, entry.count) {
-                (SkipKind::EndsEarly, 1) => write!(f, "{what}, after line {line}: {detail}")?,
-                (_, 1) => write!(f, "1 {what}, at line {line}: {detail}")?,
-                (_, n) => write!(f, "{n} {what}, first at line {line}: {detail}")?,
+                (SkipKind::EndsEarly, 1) => write!(f, "{what}, after {at} {line}: {detail}")?,
+                (_, 1) => write!(f, "1 {what}, at {at} {line}: {detail}")?,
+                (_, n) => write!(f, "{n} {what}, first at {at} {line}: {detail}")?,
             }
         }
         Ok(())

@@ -1,9 +1,11 @@
-//! Absolute times as GPS seconds of the week in which a file starts, counting on past its end.
+//! Absolute times as GPS seconds of the week in which a file starts, counting on past its end, and
+//! back to dates.
 
 use crate::number;
 
 const DAY: f64 = 86_400.0;
-const WEEK: f64 = 604_800.0;
+/// [s]
+pub(crate) const WEEK: f64 = 604_800.0;
 
 /// Time system of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,6 +32,15 @@ impl TimeSystem {
 pub(crate) struct WeekClock {
     /// Days from the GPS epoch to that week.
     start: Option<i64>,
+}
+
+/// Days from the Unix to the GPS epoch.
+const EPOCHS: i64 = 3657;
+
+/// Unix time of the beginning of a GPS week, not rolled over [s].
+pub(crate) fn unix_of_week(week: u32) -> f64 {
+    let day = i64::from(week) * 7;
+    (day + EPOCHS) as f64 * DAY - leap_seconds(day)
 }
 
 impl WeekClock {
@@ -74,8 +85,6 @@ impl WeekClock {
     /// Seconds of a Unix time. One before the GPS epoch is that of a clock which does not know the
     /// date, and is given back as it is.
     pub(crate) fn unix(&mut self, seconds: i64, nanoseconds: u32) -> f64 {
-        /// Days from the Unix to the GPS epoch.
-        const EPOCHS: i64 = 3657;
         let (day, second) = (seconds.div_euclid(86_400), seconds.rem_euclid(86_400));
         let fraction = f64::from(nanoseconds) * 1e-9;
         if day < EPOCHS {
@@ -85,6 +94,81 @@ impl WeekClock {
         // The whole seconds first: they are exact.
         let whole = self.gps(utc_day, second as f64 + leap_seconds(utc_day));
         whole + fraction
+    }
+}
+
+/// A date and a time of day to the millisecond; of a clock without a date, the day is arbitrary.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Utc {
+    /// Days from the GPS epoch.
+    day: i64,
+    /// Milliseconds of the day; beyond its end in a leap second.
+    milli: i64,
+}
+
+const DAY_MS: i64 = 86_400_000;
+
+/// UTC of a GPS time: a week, and seconds from its beginning, which may be outside of it. `None` for
+/// times that are none.
+pub(crate) fn utc(week: u32, seconds: f64) -> Option<Utc> {
+    if week >= 10_000 || seconds.is_nan() || seconds.abs() > 1e9 {
+        return None;
+    }
+    let gps = i64::from(week) * 7 * DAY_MS + (seconds * 1e3).round() as i64;
+    let leap = |day: i64| leap_seconds(day) as i64 * 1000;
+    // The day in UTC, by the difference of a time at most some seconds later.
+    let day = (gps - leap(gps.div_euclid(DAY_MS))).div_euclid(DAY_MS);
+    Some(Utc {
+        day,
+        milli: gps - leap(day) - day * DAY_MS,
+    })
+}
+
+/// The time of day of a clock that counts seconds from a midnight.
+pub(crate) fn time_of_clock(seconds: f64) -> Option<Utc> {
+    let known = seconds.is_finite() && seconds.abs() < 1e12;
+    known.then(|| Utc {
+        day: 0,
+        milli: ((seconds * 1e3).round() as i64).rem_euclid(DAY_MS),
+    })
+}
+
+impl Utc {
+    /// Year, month, day.
+    pub(crate) fn date(&self) -> [i64; 3] {
+        let days = self.day + days_of_civil(1980, 1, 6);
+        // Years begin in March; the guess by their mean length is off by one at most.
+        let begins = |year: i64| days_of_civil(year, 3, 1);
+        let guess = (days as f64 / 365.2425) as i64;
+        let year = [guess + 1, guess, guess - 1]
+            .into_iter()
+            .find(|year| begins(*year) <= days)
+            .unwrap_or(guess);
+        let day = days - begins(year);
+        let month = (5 * day + 2) / 153;
+        let day = day - (153 * month + 2) / 5 + 1;
+        if month < 10 {
+            [year, month + 3, day]
+        } else {
+            [year + 1, month - 9, day]
+        }
+    }
+
+    /// Hour, minute, and milliseconds of the minute: 60 000 and more in a leap second.
+    pub(crate) fn hms(&self) -> [i64; 3] {
+        let minute = (self.milli / 60_000).min(24 * 60 - 1);
+        [minute / 60, minute % 60, self.milli - minute * 60_000]
+    }
+
+    /// `yyyy-mm-ddThh:mm:ss.sssZ`; a leap second, which XML does not know, is its beginning.
+    pub(crate) fn iso(&self) -> String {
+        let ([year, month, day], [hour, minute, milli]) = (self.date(), self.hms());
+        let milli = milli.min(59_999);
+        format!(
+            "{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{:02}.{:03}Z",
+            milli / 1000,
+            milli % 1000
+        )
     }
 }
 
@@ -119,7 +203,7 @@ fn day_of(year: i64, month: i64, day: i64) -> Option<i64> {
 }
 
 /// Seconds of day of `hh:mm:ss.sss`; the second may be 60.
-fn time_of_day(field: &[u8]) -> Option<f64> {
+pub(crate) fn time_of_day(field: &[u8]) -> Option<f64> {
     let mut parts = field.split(|&byte| byte == b':');
     let (hour, minute) = (whole(parts.next()?)?, whole(parts.next()?)?);
     let second = number::parse(parts.next()?)?;
@@ -131,7 +215,7 @@ fn time_of_day(field: &[u8]) -> Option<f64> {
 }
 
 /// A whole number of at most four digits.
-fn whole(field: &[u8]) -> Option<i64> {
+pub(crate) fn whole(field: &[u8]) -> Option<i64> {
     if field.is_empty() || field.len() > 4 {
         return None;
     }
@@ -240,6 +324,40 @@ mod tests {
         assert_eq!(weeks.utc(2025, 7, 8, 70_440.5), Some(243_258.5));
         assert_eq!(weeks.utc(2025, 7, 32, 0.0), None);
         assert_eq!(weeks.unix(12, 250_000_000), 12.25);
+        assert_eq!(unix_of_week(2374) + 243_258.5, 1_752_003_240.5);
+    }
+
+    #[test]
+    fn gps_times_become_dates() {
+        let iso = |week, seconds| utc(week, seconds).unwrap().iso();
+        assert_eq!(iso(2374, 243_258.5), "2025-07-08T19:34:00.500Z");
+        assert_eq!(iso(0, 0.0), "1980-01-06T00:00:00.000Z");
+        // 29 February 2024, a Thursday, 18 s of leap seconds later.
+        assert_eq!(iso(2303, 4.0 * DAY + 18.0), "2024-02-29T00:00:00.000Z");
+        assert_eq!(iso(2303, 5.0 * DAY + 17.0), "2024-02-29T23:59:59.000Z");
+        assert_eq!(iso(2303, 5.0 * DAY + 17.9996), "2024-03-01T00:00:00.000Z");
+        // Counting on past the end of the week is the next one, and back.
+        assert_eq!(utc(2373, WEEK + 5.0), utc(2374, 5.0));
+        assert_eq!(utc(2375, 5.0 - WEEK), utc(2374, 5.0));
+        // The leap second before 1 January 2017, a Sunday of GPS week 1930.
+        let leap = utc(1930, 17.25).unwrap();
+        assert_eq!(
+            (leap.date(), leap.hms()),
+            ([2016, 12, 31], [23, 59, 60_250])
+        );
+        assert_eq!(iso(1930, 18.0), "2017-01-01T00:00:00.000Z");
+        assert_eq!(iso(1930, 16.999), "2016-12-31T23:59:59.999Z");
+        for (week, seconds) in [(10_000, 0.0), (1, f64::NAN), (1, f64::INFINITY)] {
+            assert_eq!(utc(week, seconds), None);
+        }
+    }
+
+    #[test]
+    fn dates_go_both_ways() {
+        for day in 0..80_000 {
+            let [year, month, of_month] = Utc { day, milli: 0 }.date();
+            assert_eq!(day_of(year, month, of_month), Some(day));
+        }
     }
 
     #[test]

@@ -151,10 +151,27 @@ fn named(failure: Failure, model: BiasModel, axis: Option<&'static str>) -> Mode
 }
 
 /// The slow part of an error as independent terms.
-#[derive(Clone, Default)]
-struct Slow {
-    processes: Vec<Instability>,
-    walk: Option<f64>,
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Slow {
+    pub(crate) processes: Vec<Instability>,
+    pub(crate) walk: Option<f64>,
+}
+
+impl Slow {
+    /// The process of the longest correlation time.
+    pub(crate) fn slowest(&self) -> Option<&Instability> {
+        self.processes.iter().max_by(|a, b| a.tau.total_cmp(&b.tau))
+    }
+
+    /// Density [unit/√s] of the random walk that stands for all of it: K² + 2σ²/τ of the slowest
+    /// Gauss-Markov process, which is such a random walk over times short against τ.
+    pub(crate) fn drive(&self) -> f64 {
+        let k = self.walk.unwrap_or(0.0);
+        let instability = self
+            .slowest()
+            .map_or(0.0, |of| 2.0 * of.sigma * of.sigma / of.tau);
+        (k * k + instability).sqrt()
+    }
 }
 
 impl AxisModel {
@@ -193,12 +210,7 @@ impl AxisModel {
                 self.with_turn_on(bias)
             }
             BiasModel::RandomWalk => {
-                let slow = self.slow()?;
-                // The random walk that the slowest Gauss-Markov process is over times short against τ.
-                let slowest = slow.processes.iter().max_by(|a, b| a.tau.total_cmp(&b.tau));
-                let from_instability = slowest.map_or(0.0, |of| 2.0 * of.sigma * of.sigma / of.tau);
-                let k = slow.walk.unwrap_or(0.0);
-                let walk = ShapingFilter::random_walk((k * k + from_instability).sqrt(), interval)?;
+                let walk = ShapingFilter::random_walk(self.slow()?.drive(), interval)?;
                 self.with_turn_on(white.plus(&walk)?)
             }
             BiasModel::Ar => {
@@ -347,7 +359,7 @@ fn with_processes(
 }
 
 impl Arma {
-    fn is_white(&self) -> bool {
+    pub(crate) fn is_white(&self) -> bool {
         self.ar.iter().chain(&self.ma).all(|c| *c == 0.0)
     }
 
@@ -366,7 +378,7 @@ impl Arma {
 
     /// White density [unit·√s] and slow part of an ARMA(1,1) with 1 ≥ φ > θ > 0: driving variance
     /// (1 − φθ)(φ − θ)/φ σ², white variance θ/φ σ².
-    fn split(&self) -> Option<(f64, Slow)> {
+    pub(crate) fn split(&self) -> Option<(f64, Slow)> {
         let (&[phi], &[theta]) = (&self.ar[..], &self.ma[..]) else {
             return None;
         };

@@ -3,7 +3,7 @@
 //!
 //! [`model_file`] reads and writes `IMU.toml`; [`bias_model`] turns an axis of it into the
 //! [`undrift_nav::shaping::ShapingFilter`] that the navigation filter takes; [`presets`] are model
-//! files of well-known sensors; [`synthesis`] draws noise from any shaping filter.
+//! files of well-known sensors; [`export`] writes a model as others read it; [`synthesis`] draws noise from any shaping filter.
 
 pub mod allan;
 pub mod arma;
@@ -11,6 +11,7 @@ pub mod bias_model;
 pub mod composite;
 pub mod correlation;
 pub mod drift_score;
+pub mod export;
 pub mod identify;
 pub mod model_file;
 pub mod normality;
@@ -25,4 +26,5 @@ pub mod wavelet;
 pub mod whiteness;
 
 pub use bias_model::BiasModel;
+pub use export::ModelFormat;
 pub use model_file::{Arma, AxisModel, ImuModel, Instability, ModelError, Provenance};

@@ -181,6 +181,15 @@ pub enum ModelError {
         /// What would have to be given.
         needs: &'static str,
     },
+    /// The model cannot be written in a format without a sample rate.
+    #[error("{format} needs the sample rate, which the model does not say: give it as --rate HZ")]
+    NoRate {
+        /// Name of the format.
+        format: &'static str,
+    },
+    /// The sample rate asked for is none.
+    #[error("a sample rate of {0} Hz is none")]
+    BadRate(f64),
     /// The shaping filter cannot be made.
     #[error("{}the {model} model: {error}", axis_prefix(*axis))]
     Shaping {

@@ -20,11 +20,11 @@
 //!
 //! All keys are in `docs/drive-file.md`.
 
-mod gnss;
-mod imu;
+pub(crate) mod gnss;
+pub(crate) mod imu;
 mod scalars;
 mod section;
-mod tables;
+pub(crate) mod tables;
 
 pub use section::{ConfigError, Section};
 pub(crate) use section::{parse, read_text};
@@ -101,7 +101,7 @@ pub enum GnssSource {
 #[derive(Clone, Debug)]
 pub enum TruthSource {
     /// Delimited text.
-    Table(TruthFormat),
+    Table(Box<TruthFormat>),
     /// Log that says itself what it holds.
     Log(TruthLog),
 }

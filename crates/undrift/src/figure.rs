@@ -1,6 +1,8 @@
 //! Static figures as SVG.
 
+pub(crate) mod draw;
 pub mod panel;
+mod shapes;
 
 use crate::{consistency::GROUP, montecarlo::Report, outages::ModelRun, replay::Outage};
 use panel::{Axis, Panel, Series};
@@ -44,7 +46,7 @@ pub fn drift_curve(run: &ModelRun) -> DriftCurve<'_> {
 }
 
 /// Colours that stay apart in grey and for the colour-blind (Okabe & Ito 2008).
-const COLOURS: [RGBColor; 8] = [
+pub(crate) const COLOURS: [RGBColor; 8] = [
     RGBColor(0, 0, 0),
     RGBColor(120, 120, 120),
     RGBColor(204, 121, 167),
@@ -147,7 +149,7 @@ fn draw_drift(area: &Area, curves: &[DriftCurve]) -> Result<(), Box<dyn std::err
         let points = curve.points.iter().map(|(t, e)| (*t, e.max(LEAST)));
         panel.add(Series::line(curve.name, i, points.collect()));
     }
-    panel.draw(area)
+    panel.draw(area, 1)
 }
 
 /// Draws the average NEES over time with its 95 % bounds: a panel per group of states, a line per model.

@@ -6,11 +6,13 @@
 //! [`navigate`] or [`outages`] collect what comes out. [`simulate`] makes logs with a known truth.
 
 pub mod align;
+pub mod columns;
 pub mod consistency;
 pub mod demo;
 pub mod drive;
 pub mod figure;
 pub mod identify;
+pub mod inspect;
 pub mod montecarlo;
 pub mod mounting;
 pub mod navigate;
@@ -18,6 +20,7 @@ pub mod outages;
 pub mod record;
 pub mod reference;
 pub mod replay;
+pub mod report;
 pub mod simulate;
 pub mod smooth;
 pub mod table;

@@ -1,5 +1,7 @@
 //! One drive through the filter and into a file, streamed: memory does not grow with the log.
 
+mod outputs;
+
 use crate::{
     align::Heading,
     consistency::{Consistency, ErrorState},
@@ -9,6 +11,7 @@ use crate::{
     replay::{Measurement, Observer, ReplayError, Settings, Summary, merge, replay},
     smooth::{self, History, Path as SmoothedPath},
 };
+use outputs::Outputs;
 use std::path::Path;
 use undrift_io::{
     ReadError,
@@ -17,10 +20,7 @@ use undrift_io::{
     scalar::ScalarReader,
     skipped::Skipped,
     truth::TruthReader,
-    write::{
-        PendingFile,
-        solution::{SolutionRow, SolutionWriter},
-    },
+    write::{SolutionFile, SolutionFormat, SolutionOptions, solution::SolutionRow},
 };
 use undrift_nav::{
     Vector3,
@@ -128,6 +128,21 @@ pub fn navigate(
     output: Option<&Path>,
     smooth: bool,
 ) -> Result<Report, NavigateError> {
+    let create = |path| {
+        SolutionFile::create(path, SolutionFormat::Csv, &SolutionOptions::default())
+            .map_err(ReplayError::Write)
+    };
+    let files = output.map(create).transpose()?.into_iter().collect();
+    navigate_into(drive, kind, files, smooth)
+}
+
+/// As [`navigate`], the solution to any number of files; they get their names if all went well.
+pub fn navigate_into(
+    drive: &Drive,
+    kind: BiasModel,
+    files: Vec<SolutionFile>,
+    smooth: bool,
+) -> Result<Report, NavigateError> {
     let (drive, mounting) = mounting::resolve(drive)?;
     let mut settings = settings(&drive, kind)?;
     settings.nodes = smooth.then_some(NODE_SPAN);
@@ -147,10 +162,7 @@ pub fn navigate(
     let mut odometer = drive.open_odometer()?;
     let mut barometer = drive.open_barometer()?;
     let mut recorder = Recorder {
-        writer: output
-            .map(SolutionWriter::create)
-            .transpose()
-            .map_err(ReplayError::Write)?,
+        outputs: Outputs::new(files),
         truth: drive.open_truth()?.map(|reader| {
             TruthCursor::new(Readable {
                 reader,
@@ -169,6 +181,7 @@ pub fn navigate(
     };
     let measurements = aiding(&mut gnss, &mut odometer, &mut barometer);
     let summary = replay(&mut imu, measurements, &settings, &mut recorder)?;
+    recorder.outputs.fixes_end();
     if let Some(smoothed) = recorder
         .history
         .take()
@@ -202,9 +215,7 @@ pub fn navigate(
         truth_read = read;
     }
     // Last: with an error there is no file.
-    if let Some(writer) = recorder.writer {
-        writer.finish().map_err(ReplayError::Write)?;
-    }
+    recorder.outputs.finish().map_err(ReplayError::Write)?;
     let n = recorder.compared;
     Ok(Report {
         std_factors: std_factors(&drive, &settings, &summary)?,
@@ -324,7 +335,7 @@ impl Iterator for Readable {
 }
 
 struct Recorder {
-    writer: Option<SolutionWriter<PendingFile>>,
+    outputs: Outputs,
     truth: Option<TruthCursor<Readable>>,
     squares: [f64; COMPONENTS.len()],
     compared: u64,
@@ -351,8 +362,8 @@ impl Recorder {
             }
             self.compared += 1;
         }
-        if let Some(writer) = &mut self.writer {
-            writer.write(&SolutionRow {
+        if !self.outputs.is_empty() {
+            self.outputs.write(&SolutionRow {
                 time: nav.time,
                 position: nav.position,
                 v_n: nav.v_n,
@@ -370,6 +381,7 @@ impl Recorder {
 impl Observer for Recorder {
     fn sample<const N: usize>(&mut self, filter: &Filter<N>) -> Result<(), ReplayError> {
         if self.history.is_some() {
+            self.outputs.begin(filter.nav().time);
             return Ok(());
         }
         let truth = self.record(
@@ -383,6 +395,10 @@ impl Observer for Recorder {
             self.consistency.add(&ErrorState::new(filter, &truth, None));
         }
         Ok(())
+    }
+
+    fn used(&mut self, time: f64) {
+        self.outputs.fix(time);
     }
 
     fn node<const N: usize>(

@@ -1,5 +1,6 @@
 //! Static records: six axes, or one, from a table, or six from a log that says itself what it holds.
 
+use crate::columns::{IMU_STEP, Meaning, meaning, time_unit};
 use std::path::Path;
 use undrift_io::{
     ReadError,
@@ -46,57 +47,21 @@ pub struct Record {
     pub skipped: Skipped,
 }
 
-/// Names that a header may give an axis, without unit suffix.
-const NAMES: [&[&str]; 6] = [
-    &["gx", "gyro_x", "gyr_x", "wx", "omega_x", "p", "gyrox"],
-    &["gy", "gyro_y", "gyr_y", "wy", "omega_y", "q", "gyroy"],
-    &["gz", "gyro_z", "gyr_z", "wz", "omega_z", "r", "gyroz"],
-    &["ax", "accel_x", "acc_x", "fx", "accelx"],
-    &["ay", "accel_y", "acc_y", "fy", "accely"],
-    &["az", "accel_z", "acc_z", "fz", "accelz"],
-];
-
-/// Names that a header may give the time [s].
-const TIMES: [&str; 5] = ["t_s", "time_s", "time", "t", "timestamp_s"];
-
-/// Names that a header may give the temperature, beside any that ends in one of the suffixes.
-const TEMPERATURES: [&str; 2] = ["temp", "temperature"];
-const DEGREES: [&str; 4] = ["_c", "_degc", "_celsius", "_kelvin"];
-
 fn is_temperature(column: &str) -> bool {
-    let name = column.trim().to_ascii_lowercase();
-    TEMPERATURES.contains(&name.as_str()) || DEGREES.iter().any(|suffix| name.ends_with(suffix))
+    matches!(meaning(column), Some((Meaning::Temperature, _)))
 }
 
-/// Unit suffixes of column names and what they mean.
-const SUFFIXES: [(&str, &str); 9] = [
-    ("_radps", "rad/s"),
-    ("_rad_s", "rad/s"),
-    ("_degps", "deg/s"),
-    ("_deg_s", "deg/s"),
-    ("_dps", "deg/s"),
-    ("_mps2", "m/s^2"),
-    ("_m_s2", "m/s^2"),
-    ("_mg", "mg"),
-    ("_g", "g"),
-];
-
-/// Splits `gx_dps` into the axis it names and its unit.
-fn named_axis(column: &str) -> Option<(usize, Option<&'static str>)> {
-    let lower = column.trim().to_ascii_lowercase();
-    let (stem, unit) = SUFFIXES
-        .iter()
-        .find_map(|(suffix, unit)| {
-            lower
-                .strip_suffix(suffix)
-                .map(|stem| (stem.to_owned(), Some(*unit)))
-        })
-        .unwrap_or((lower, None));
-    NAMES
-        .iter()
-        .position(|names| names.contains(&stem.as_str()))
-        .map(|axis| (axis, unit))
+/// The axis, of [`AXES`], that a column's name means, and its unit.
+fn named_axis(column: &str) -> Option<(usize, Option<String>)> {
+    match meaning(column)? {
+        (Meaning::Gyro(axis), unit) => Some((axis, unit)),
+        (Meaning::Accel(axis), unit) => Some((3 + axis, unit)),
+        _ => None,
+    }
 }
+
+/// Rows that the unit of the time is guessed from.
+const BEGINNING: usize = 200;
 
 /// Reads a record.
 ///
@@ -145,7 +110,7 @@ fn read_known(path: &Path, format: &ImuFormat) -> Result<Record, ReadError> {
 fn read_table(path: &Path, format: &RecordFormat) -> Result<Record, ReadError> {
     let header = table::header_names(path)?;
     let wrong = |message: String| ReadError::new(path, message);
-    let mut units: [Option<&str>; 6] = [None; 6];
+    let mut units: [Option<String>; 6] = Default::default();
     let columns: Vec<(usize, Column)> = match (format.columns.as_slice(), &format.axis) {
         ([], _) => {
             let found: Vec<(usize, Column)> = header
@@ -184,7 +149,7 @@ fn read_table(path: &Path, format: &RecordFormat) -> Result<Record, ReadError> {
                         AXES.join(", ")
                     ))
                 })?,
-                None => named.map(|n| n.0).ok_or_else(|| {
+                None => named.as_ref().map(|n| n.0).ok_or_else(|| {
                     wrong(format!(
                         "say which axis column {one} is with --axis, one of {}",
                         AXES.join(", ")
@@ -227,7 +192,7 @@ fn read_table(path: &Path, format: &RecordFormat) -> Result<Record, ReadError> {
                 accel.as_str()
             }
         });
-        let unit = stated.or(units[*axis]).ok_or_else(|| {
+        let unit = stated.or(units[*axis].as_deref()).ok_or_else(|| {
             wrong(format!(
                 "the unit of column {column} is not known; give --units, for instance \"deg/s,g\""
             ))
@@ -236,11 +201,28 @@ fn read_table(path: &Path, format: &RecordFormat) -> Result<Record, ReadError> {
             unit_factor(unit, quantity).map_err(|e| wrong(format!("--units \"{unit}\": {e}")))?,
         );
     }
-    let time = header
+    let found = header
         .iter()
-        .position(|name| TIMES.contains(&name.trim().to_ascii_lowercase().as_str()))
-        .map(|place| ("time".to_owned(), Column::Number(place + 1)));
-    let stamped = time.is_some();
+        .enumerate()
+        .find_map(|(place, name)| match meaning(name) {
+            Some((Meaning::Time, unit)) => Some((place, unit)),
+            _ => None,
+        });
+    let stamped = found.is_some();
+    let time_scale = match &found {
+        Some((_, Some(unit))) => unit_factor(unit, Quantity::Time).unwrap_or(1.0),
+        Some((place, None)) => {
+            let beginning = table::preview(path, BEGINNING)?;
+            let stamps: Vec<f64> = beginning
+                .rows
+                .iter()
+                .filter_map(|row| row.get(*place).copied())
+                .collect();
+            time_unit(&stamps, IMU_STEP).map_or(1.0, |(_, factor)| factor)
+        }
+        None => 1.0,
+    };
+    let time = found.map(|(place, _)| ("time".to_owned(), Column::Number(place + 1)));
     let temperature = match header.iter().position(|name| is_temperature(name)) {
         _ if !format.temperature => None,
         Some(place) => Some(("temperature".to_owned(), Column::Number(place + 1))),
@@ -272,7 +254,7 @@ fn read_table(path: &Path, format: &RecordFormat) -> Result<Record, ReadError> {
             column.push(row[columns.len()]);
         }
         if stamped && let Some(time) = row.last() {
-            stamps.push(*time);
+            stamps.push(*time * time_scale);
         }
     }
     Ok(Record {
@@ -290,8 +272,8 @@ mod tests {
 
     #[test]
     fn names_and_units_of_columns() {
-        assert_eq!(named_axis("gx_dps"), Some((0, Some("deg/s"))));
-        assert_eq!(named_axis("AZ_g"), Some((5, Some("g"))));
+        assert_eq!(named_axis("gx_dps"), Some((0, Some("deg/s".into()))));
+        assert_eq!(named_axis("AZ_g"), Some((5, Some("g".into()))));
         assert_eq!(named_axis("gyro_y"), Some((1, None)));
         assert_eq!(named_axis("t_s"), None);
         for name in ["temp", "Temperature", "board_C", "T_degC"] {

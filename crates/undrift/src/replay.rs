@@ -123,6 +123,8 @@ pub trait Observer {
     fn sample<const N: usize>(&mut self, filter: &Filter<N>) -> Result<(), ReplayError>;
     /// A fix was reached; the filter stands at its time, before any update with it.
     fn fix<const N: usize>(&mut self, filter: &Filter<N>, fix: &GnssFix, withheld: bool);
+    /// A fix at `time` [s] went into the solution, or began it.
+    fn used(&mut self, _time: f64) {}
     /// A block of samples was judged to be rest or motion; the filter stands at its end.
     fn judged<const N: usize>(&mut self, _filter: &Filter<N>, _rest: bool) {}
     /// A node of a smoother: the filter after all that happened up to now, and the adjoint of what

@@ -185,6 +185,11 @@ impl Case {
         std::fs::write(self.folder.join(name), bytes).unwrap();
     }
 
+    /// Text of a file of the case, if it is there.
+    pub fn read(&self, name: &str) -> Option<String> {
+        std::fs::read_to_string(self.folder.join(name)).ok()
+    }
+
     /// Runs the command; it must end by itself, with success or failure and never by a panic.
     pub fn run(&self, arguments: &[&str]) -> Outcome {
         let output = Command::new(env!("CARGO_BIN_EXE_undrift"))

@@ -6,3 +6,4 @@ mod logs;
 mod montecarlo;
 mod scalars;
 mod schedule;
+mod solutions;

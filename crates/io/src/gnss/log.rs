@@ -24,7 +24,8 @@ pub struct GnssLog {
     pub time_offset: f64,
     /// Standard deviations north, east, down [m] instead of the file's; needed where it has none.
     pub position_std: Option<[f64; 3]>,
-    /// Standard deviations north, east, down [m/s] instead of the file's; needed where it has none.
+    /// Standard deviations north, east, down [m/s] instead of the file's; needed where it has none,
+    /// but for NMEA, whose velocities are left out without.
     pub velocity_std: Option<[f64; 3]>,
     /// Factor on the standard deviations of position.
     pub position_std_factor: f64,
@@ -117,6 +118,8 @@ impl LogRows {
         };
         let velocity = match fix.velocity {
             None => None,
+            // NMEA never tells, and half of the velocity is missing.
+            Some(_) if options.format == Format::Nmea && options.velocity_std.is_none() => None,
             Some((velocity, own)) => {
                 let stated = options.velocity_std;
                 let factor = options.velocity_std_factor;

@@ -160,16 +160,21 @@ pub fn quality_of_rtklib(q: f64) -> FixQuality {
     }
 }
 
-/// The covariance of independent components, or `None`, counted, where a standard deviation is
-/// unusable.
-pub(crate) fn diagonal(std: &Vector3, line: u64, skipped: &mut Skipped) -> Option<Matrix3> {
+/// The covariance of independent components, or `None` where a standard deviation is unusable.
+pub(crate) fn independent(std: &Vector3) -> Option<Matrix3> {
     let usable = |s: &f64| s.is_finite() && *s > 0.0 && (s * s).is_normal();
-    if !std.iter().all(usable) {
+    let usable = std.iter().all(usable);
+    usable.then(|| Matrix3::from_diagonal(&std.component_mul(std)))
+}
+
+/// The same, counted where it is `None`.
+pub(crate) fn diagonal(std: &Vector3, line: u64, skipped: &mut Skipped) -> Option<Matrix3> {
+    let covariance = independent(std);
+    if covariance.is_none() {
         let detail = format_args!("{}, {}, {}", std.x, std.y, std.z);
         skipped.add(SkipKind::Uncertainty, line, detail);
-        return None;
     }
-    Some(Matrix3::from_diagonal(&std.component_mul(std)))
+    covariance
 }
 
 /// Whether three numbers of a position or velocity are finite; counted where not.

@@ -1,19 +1,291 @@
-//! gpx
+//! GPX 1.0 and 1.1: the points of tracks (`trkpt`) that have a time, as fixes or as reference
+//! solutions.
+//!
+//! The format has no uncertainties and no velocities. `ele` is metres above sea level by its
+//! definition; where a point has a `geoidheight`, that is added, else the height is the file's.
+//! Waypoints and routes are passed over; segments follow each other, gaps between them are gaps in
+//! time. Times are GPS seconds of the week in which the file starts; one without a zone is UTC, as
+//! the format wants it.
 
-use std::path::Path;
+mod text;
 
-use super::{Entries, Stream, Wanted};
-use crate::ReadError;
+use std::path::{Path, PathBuf};
+
+use quick_xml::events::{BytesStart, Event};
+use quick_xml::{Reader, XmlVersion};
+use undrift_nav::earth::Geodetic;
+use undrift_nav::sample::{FixQuality, Position};
+
+use super::receiver::{Ready, by_steps, check};
+use super::{Entries, Fix, Stream, StreamKind, Wanted};
+use crate::skipped::SkipKind;
 use crate::source::Source;
+use crate::time::{WeekClock, time_of_day, whole};
+use crate::{ReadError, number};
+use text::Text;
 
-pub(super) fn entries(
-    path: &Path,
-    _source: Source,
-    _wanted: &Wanted,
-) -> Result<Entries, ReadError> {
-    Err(ReadError::new(path, "not read yet"))
+const STREAM: &str = "track";
+/// Elements inside of one another; more is no track.
+const MAX_DEPTH: usize = 64;
+/// Longest text of a number or a time that is believed [bytes].
+const MAX_TEXT: usize = 64;
+
+/// Whether the first bytes of a file are GPX: XML whose root is `gpx`.
+pub(crate) fn detect(start: &[u8]) -> bool {
+    let mut points = Points::new(
+        Path::new(""),
+        Box::new(std::io::Cursor::new(start.to_vec())),
+    );
+    loop {
+        match points.next() {
+            Ok(Next::Inside) if points.depth > 0 => return true,
+            Ok(Next::Inside) => {}
+            _ => return false,
+        }
+    }
 }
 
-pub(super) fn streams(path: &Path, _source: Source) -> Result<Vec<Stream>, ReadError> {
-    Err(ReadError::new(path, "not read yet"))
+pub(super) fn entries(path: &Path, source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
+    check(path, wanted, "GPX", [&[], &[STREAM], &[]])?;
+    let poses = matches!(wanted, Wanted::Poses(_));
+    let mut points = Points::new(path, source);
+    let mut weeks = WeekClock::default();
+    Ok(by_steps(move |ready| {
+        match points.next()? {
+            Next::Inside => return Ok(true),
+            Next::Point(point) => point.entry(&mut weeks, poses, ready),
+            Next::End => return Ok(false),
+            Next::EndsEarly(detail) => {
+                ready.skip(points.line(), SkipKind::EndsEarly, detail);
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }))
 }
+
+pub(super) fn streams(path: &Path, source: Source) -> Result<Vec<Stream>, ReadError> {
+    let mut points = Points::new(path, source);
+    let (mut messages, mut timed) = (0, 0u64);
+    loop {
+        match points.next()? {
+            Next::Inside => {}
+            Next::Point(point) => {
+                messages += 1;
+                timed += u64::from(!point.time.is_empty());
+            }
+            Next::End | Next::EndsEarly(_) => break,
+        }
+    }
+    let stream = Stream {
+        name: STREAM.to_owned(),
+        kind: StreamKind::Fixes,
+        about: format!("points of tracks, {timed} with a time"),
+        messages,
+    };
+    Ok((messages > 0).then_some(stream).into_iter().collect())
+}
+
+/// A point of a track as it is written.
+#[derive(Default)]
+struct Point {
+    line: u64,
+    lat: Option<f64>,
+    lon: Option<f64>,
+    elevation: String,
+    geoid: String,
+    time: String,
+}
+
+impl Point {
+    fn entry(&self, weeks: &mut WeekClock, poses: bool, ready: &mut Ready) {
+        let missing = [
+            (self.time.is_empty(), "a point without a time"),
+            (self.elevation.is_empty(), "a point without an elevation"),
+        ];
+        if let Some((_, detail)) = missing.into_iter().find(|(is, _)| *is) {
+            return ready.skip(self.line, SkipKind::MissingField, detail);
+        }
+        let finite = |text: &str| number::parse(text.as_bytes()).filter(|value| value.is_finite());
+        let geoid = if self.geoid.is_empty() {
+            Some(0.0)
+        } else {
+            finite(&self.geoid)
+        };
+        let (Some(lat), Some(lon), Some(elevation), Some(geoid)) =
+            (self.lat, self.lon, finite(&self.elevation), geoid)
+        else {
+            return ready.skip(self.line, SkipKind::Text, "a place that is no number");
+        };
+        let position = Geodetic::from_degrees(lat, lon, elevation + geoid);
+        if !ready.is_a_place(self.line, &position) {
+            return;
+        }
+        let Some(time) = seconds(weeks, self.time.as_bytes()) else {
+            return ready.skip(self.line, SkipKind::Text, format!("time {:?}", self.time));
+        };
+        let fix = Fix {
+            time,
+            position: Some((Position::Geodetic(position), None)),
+            velocity: None,
+            quality: FixQuality::Unknown,
+        };
+        ready.fix(self.line, fix, poses);
+    }
+}
+
+/// What one event of the XML led to.
+enum Next {
+    Inside,
+    Point(Point),
+    End,
+    /// What comes is not XML any more, or nothing.
+    EndsEarly(String),
+}
+
+struct Points {
+    path: PathBuf,
+    xml: Reader<Text>,
+    buffer: Vec<u8>,
+    depth: usize,
+    seen_root: bool,
+    /// The point that is being read, and how deep it is.
+    point: Option<(Point, usize)>,
+    /// The text of the innermost element of a point.
+    text: String,
+}
+
+impl Points {
+    fn new(path: &Path, source: Source) -> Self {
+        Self {
+            path: path.to_path_buf(),
+            xml: Reader::from_reader(Text::new(source)),
+            buffer: Vec::new(),
+            depth: 0,
+            seen_root: false,
+            point: None,
+            text: String::new(),
+        }
+    }
+
+    /// Line up to which the file has been read.
+    fn line(&self) -> u64 {
+        self.xml.get_ref().line()
+    }
+
+    fn next(&mut self) -> Result<Next, ReadError> {
+        self.buffer.clear();
+        self.xml.get_mut().next_event();
+        let event = match self.xml.read_event_into(&mut self.buffer) {
+            Ok(event) => event,
+            Err(error) if self.seen_root => return Ok(Next::EndsEarly(error.to_string())),
+            Err(_) => return Err(self.not_gpx()),
+        };
+        match event {
+            Event::Start(start) => {
+                let name = start.local_name();
+                let name: &str = name.as_ref();
+                if !self.seen_root && name != "gpx" {
+                    return Err(self.not_gpx());
+                }
+                self.seen_root = true;
+                self.depth += 1;
+                self.text.clear();
+                if self.depth > MAX_DEPTH {
+                    let detail = format!("over {MAX_DEPTH} elements inside of one another");
+                    return Ok(Next::EndsEarly(detail));
+                }
+                if name == "trkpt" {
+                    let point = point(&start, self.xml.get_ref().line());
+                    self.point = Some((point, self.depth));
+                }
+            }
+            Event::Empty(start) if self.seen_root && start.local_name().as_ref() == "trkpt" => {
+                return Ok(Next::Point(point(&start, self.xml.get_ref().line())));
+            }
+            Event::Text(text) => self.text.push_str(&text),
+            Event::CData(text) => self.text.push_str(&text),
+            Event::GeneralRef(reference) => {
+                // Anything but a character by its number stays unknown, and so will not be a
+                // number.
+                let character = reference.resolve_char_ref().ok().flatten();
+                self.text.push(character.unwrap_or('&'));
+            }
+            Event::End(end) => {
+                let depth = self.depth;
+                self.depth = depth.saturating_sub(1);
+                let Some((point, at)) = &mut self.point else {
+                    return Ok(Next::Inside);
+                };
+                if depth == *at {
+                    let done = self.point.take();
+                    return Ok(done.map_or(Next::Inside, |(point, _)| Next::Point(point)));
+                }
+                let place = match end.local_name().as_ref() {
+                    "ele" => &mut point.elevation,
+                    "geoidheight" => &mut point.geoid,
+                    "time" => &mut point.time,
+                    _ => return Ok(Next::Inside),
+                };
+                // Extensions may have elements of the same names further in.
+                if depth == *at + 1 {
+                    self.text.trim().clone_into(place);
+                }
+            }
+            Event::Eof if !self.seen_root => return Err(self.not_gpx()),
+            Event::Eof if self.depth > 0 => {
+                return Ok(Next::EndsEarly("inside of an element".to_owned()));
+            }
+            Event::Eof => return Ok(Next::End),
+            _ => {}
+        }
+        if self.text.len() > MAX_TEXT || self.point.is_none() {
+            self.text.clear();
+        }
+        Ok(Next::Inside)
+    }
+
+    fn not_gpx(&self) -> ReadError {
+        ReadError::new(&self.path, "is not GPX: no XML with the root <gpx>")
+    }
+}
+
+fn point(start: &BytesStart, line: u64) -> Point {
+    let degrees = |name: &str| {
+        let attribute = start.try_get_attribute(name).ok().flatten()?;
+        let text = attribute.normalized_value(XmlVersion::Implicit1_0).ok()?;
+        number::parse(text.trim().as_bytes()).filter(|value| value.is_finite())
+    };
+    Point {
+        line,
+        lat: degrees("lat"),
+        lon: degrees("lon"),
+        ..Point::default()
+    }
+}
+
+/// Seconds of a time `yyyy-mm-ddThh:mm:ss.sss` with `Z`, `+hh:mm` or nothing behind it (ISO 8601,
+/// as XML Schema has it).
+fn seconds(weeks: &mut WeekClock, text: &[u8]) -> Option<f64> {
+    let (date, rest) = text.split_at_checked(text.iter().position(|byte| *byte == b'T')?)?;
+    let rest = rest.get(1..)?;
+    let zone_at = rest.iter().position(|byte| b"Z+-".contains(byte));
+    let (time, zone) = rest.split_at_checked(zone_at.unwrap_or(rest.len()))?;
+    let offset = match zone {
+        b"" | b"Z" => 0.0,
+        [sign, zone @ ..] => {
+            let size = time_of_day(&[zone, b":00"].concat())?;
+            if *sign == b'-' { -size } else { size }
+        }
+    };
+    let mut parts = date.split(|byte| *byte == b'-').map(whole);
+    let (year, month, day) = (parts.next()??, parts.next()??, parts.next()??);
+    let seconds = time_of_day(time)? - offset;
+    parts
+        .next()
+        .is_none()
+        .then(|| weeks.utc(year, month, day, seconds))?
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,19 +1,182 @@
-//! navego
+//! NaveGo's structures in a MATLAB file of level 5, `save -v6` or `-v7`: as NaveGo's `ins_gnss.m`
+//! describes them. One variable is held in memory at a time, of 512 MiB at most.
+//!
+//! Streams are variables. What one holds is told by its fields, vectors of one length:
+//!
+//! * `t` [s], `fb` [m/s²], `wb` [rad/s]: inertial samples, forward-right-down; `fb` is the specific
+//!   force, −9.8 m/s² down at rest.
+//! * `t`, `lat`, `lon` [rad], `h` [m]: fixes, with `vel` north-east-down [m/s] if it is there, and the
+//!   standard deviations `stdm` north-east-down [m] and `stdv` [m/s], one row for all or one each; what
+//!   is missing, zero or not finite is unknown. `larm`, the antenna's place in the body [m], is shown
+//!   with the stream and has to be configured.
+//! * The same with `roll`, `pitch`, `yaw` [rad], or else `DCMnb_m`: a reference solution.
+//! * `t` and `vel` alone: velocities, which are not read by themselves.
+//!
+//! Matrices may have the vectors as rows or as columns. `DCMnb_m` holds in each row the matrix from
+//! navigation to body axes, column by column.
+
+mod mat;
+mod rows;
+#[cfg(test)]
+mod tests;
 
 use std::path::Path;
 
-use super::{Entries, Stream, Wanted};
+use self::mat::{Variable, Variables};
+use self::rows::Rows;
+use super::{Entries, Entry, Stream, StreamKind, Wanted, What};
 use crate::ReadError;
+use crate::skipped::SkipKind;
 use crate::source::Source;
 
-pub(super) fn entries(
-    path: &Path,
-    _source: Source,
-    _wanted: &Wanted,
-) -> Result<Entries, ReadError> {
-    Err(ReadError::new(path, "not read yet"))
+/// Names that a message lists at most.
+const NAMES_SHOWN: usize = 60;
+
+/// Whether a file that starts so is a MATLAB file of level 5, or of 7.3, which is refused later.
+pub(crate) fn detect(start: &[u8]) -> bool {
+    start.starts_with(mat::LEVEL_5) || start.starts_with(mat::HDF5)
 }
 
-pub(super) fn streams(path: &Path, _source: Source) -> Result<Vec<Stream>, ReadError> {
-    Err(ReadError::new(path, "not read yet"))
+pub(super) fn entries(path: &Path, source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
+    let (name, kind, key) = match wanted {
+        Wanted::Imu(name) => (name, StreamKind::Imu, "imu.topic"),
+        Wanted::Fixes { position, velocity } => {
+            if velocity.is_some() && velocity != position {
+                return Err(
+                    ReadError::new(path, "velocities are read with their positions")
+                        .key("gnss.velocity_topic")
+                        .mend("leave it out"),
+                );
+            }
+            (position, StreamKind::Fixes, "gnss.topic")
+        }
+        Wanted::Poses(name) => (name, StreamKind::Poses, "truth.topic"),
+    };
+    let error = |problem: String| ReadError::new(path, problem).key(key);
+    let mut variables = Variables::open(path, source)?;
+    let mut there = Vec::new();
+    let mut found: Option<(String, Rows)> = None;
+    // What is damaged behind the variable that is wanted does not matter.
+    let mut broken = None;
+    loop {
+        let variable = match variables.next() {
+            Ok(Some(variable)) => variable,
+            Ok(None) => break,
+            Err(problem) => {
+                broken = Some(problem);
+                break;
+            }
+        };
+        let this_kind = kind_of(&variable);
+        let is_wanted = match name {
+            Some(name) => variable.name == *name,
+            None => this_kind == kind,
+        };
+        if is_wanted && this_kind != kind {
+            let problem = format!("{} is no {}", variable.name, fields_of(kind));
+            return Err(error(problem));
+        }
+        if there.len() <= NAMES_SHOWN {
+            there.push(variable.name.clone());
+        }
+        if !is_wanted {
+            continue;
+        }
+        if let Some((first, _)) = &found {
+            let problem = format!("{first} and {} are both {}", variable.name, fields_of(kind));
+            return Err(error(problem).mend("name the one that is meant"));
+        }
+        let name = variable.name.clone();
+        let rows =
+            Rows::new(variable, kind).map_err(|problem| error(format!("{name}: {problem}")))?;
+        found = Some((name, rows));
+        if wanted_is_named(wanted) {
+            break;
+        }
+    }
+    let Some((_, rows)) = found else {
+        if let Some(problem) = broken {
+            return Err(error(problem));
+        }
+        let problem = match name {
+            Some(name) => format!("no variable {name}"),
+            None => format!("no {}", fields_of(kind)),
+        };
+        return Err(error(problem).mend(format!("the file has: {}", there.join(", "))));
+    };
+    let last = rows.len() as u64;
+    let early = broken.map(|problem| Entry {
+        at: last.max(1),
+        what: What::Skipped(SkipKind::EndsEarly, problem),
+    });
+    Ok(Box::new(rows.chain(early).map(Ok)))
+}
+
+pub(super) fn streams(path: &Path, source: Source) -> Result<Vec<Stream>, ReadError> {
+    let mut variables = Variables::open(path, source)?;
+    let mut streams = Vec::new();
+    while let Ok(Some(variable)) = variables.next() {
+        let kind = kind_of(&variable);
+        streams.push(Stream {
+            kind,
+            about: about(&variable),
+            messages: variable.field("t").map_or(0, mat::Numbers::len) as u64,
+            name: variable.name,
+        });
+    }
+    if streams.is_empty() {
+        return Err(ReadError::new(path, "has no variable that can be read"));
+    }
+    Ok(streams)
+}
+
+fn wanted_is_named(wanted: &Wanted) -> bool {
+    match wanted {
+        Wanted::Imu(name) | Wanted::Poses(name) => name.is_some(),
+        Wanted::Fixes { position, .. } => position.is_some(),
+    }
+}
+
+/// What a variable holds, by the fields that it has.
+fn kind_of(variable: &Variable) -> StreamKind {
+    let has = |names: &[&str]| names.iter().all(|name| variable.field(name).is_some());
+    if !has(&["t"]) {
+        StreamKind::Other
+    } else if has(&["fb", "wb"]) {
+        StreamKind::Imu
+    } else if has(&["lat", "lon", "h"]) {
+        if has(&["roll", "pitch", "yaw"]) || has(&["DCMnb_m"]) {
+            StreamKind::Poses
+        } else {
+            StreamKind::Fixes
+        }
+    } else if has(&["vel"]) {
+        StreamKind::Velocity
+    } else {
+        StreamKind::Other
+    }
+}
+
+fn fields_of(kind: StreamKind) -> &'static str {
+    match kind {
+        StreamKind::Imu => "structure with t, fb, wb",
+        StreamKind::Fixes => "structure with t, lat, lon, h",
+        StreamKind::Poses => "structure with t, lat, lon, h, roll, pitch, yaw",
+        StreamKind::Velocity => "structure with t, vel",
+        StreamKind::Other => "structure that is read",
+    }
+}
+
+fn about(variable: &Variable) -> String {
+    let Some(fields) = &variable.fields else {
+        return variable.about.clone();
+    };
+    let names: Vec<&str> = fields.iter().map(|(name, _)| name.as_str()).collect();
+    let shown = names.get(..NAMES_SHOWN).unwrap_or(&names).join(", ");
+    let arm = variable.field("larm").filter(|arm| arm.len() == 3);
+    let arm = arm.map_or(String::new(), |arm| {
+        let [x, y, z] = arm.three(0, 1);
+        format!("; larm {x}, {y}, {z} m")
+    });
+    format!("{} with {shown}{arm}", variable.about)
 }

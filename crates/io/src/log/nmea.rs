@@ -1,19 +1,179 @@
-//! nmea
+//! NMEA 0183: fixes of GGA, GST, RMC and VTG, dates of RMC and ZDA, of any talker.
+//!
+//! The sentences with the same time of day make one fix. Its position is GGA's, the height above
+//! the ellipsoid being altitude plus geoid separation. Where a separation is missing, the last one
+//! known is taken; where there has been none, heights stay above sea level to the end of the file,
+//! which is said once. The covariance is made of GST's standard deviations, or of its error ellipse
+//! where only that is there.
+//!
+//! The velocity is that of RMC or VTG, speed and course over ground. NMEA has no vertical speed and
+//! no accuracy of any: the third component is 0, and the standard deviations that the user has to
+//! give, or else the velocity is not used, must say so (such as 0.2, 0.2, 20 m/s).
+//!
+//! Times are GPS seconds of the week in which the file starts; without any date, UTC seconds of the
+//! day in which it starts. A date may come late: up to an hour of epochs waits for it.
+
+mod epoch;
+mod sentence;
 
 use std::path::Path;
 
-use super::{Entries, Stream, Wanted};
+use super::receiver::{Ready, by_steps, check};
+use super::{Entries, Stream, StreamKind, Wanted};
 use crate::ReadError;
+use crate::lines::{Lines, Step};
+use crate::skipped::SkipKind;
 use crate::source::Source;
+use epoch::{Epoch, Heights, Times};
+use sentence::{Found, Sentence, sentences};
 
-pub(super) fn entries(
-    path: &Path,
-    _source: Source,
-    _wanted: &Wanted,
-) -> Result<Entries, ReadError> {
-    Err(ReadError::new(path, "not read yet"))
+const STREAM: &str = "NMEA";
+
+/// Whether the first bytes of a file are NMEA: two whole sentences, and no UBX message with
+/// positions or inertial samples, which has more to say.
+pub(crate) fn detect(start: &[u8]) -> bool {
+    let whole = |line: &[u8]| {
+        let found = sentences(line).filter(|found| matches!(found, Found::Sentence(_)));
+        found.count()
+    };
+    let mut lines = start.split(|&byte| byte == b'\n');
+    let enough = lines.try_fold(0, |count, line| {
+        let count = count + whole(line);
+        if count < 2 { Ok(count) } else { Err(()) }
+    });
+    enough.is_err() && !super::ubx::has_data(start)
 }
 
-pub(super) fn streams(path: &Path, _source: Source) -> Result<Vec<Stream>, ReadError> {
-    Err(ReadError::new(path, "not read yet"))
+pub(super) fn entries(path: &Path, source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
+    check(path, wanted, "NMEA", [&[], &[STREAM], &[]])?;
+    let mut reader = Reader {
+        lines: Lines::new(source),
+        epoch: None,
+        heights: Heights::default(),
+        times: Times::default(),
+        poses: matches!(wanted, Wanted::Poses(_)),
+    };
+    Ok(by_steps(move |ready| Ok(reader.step(ready))))
 }
+
+pub(super) fn streams(_path: &Path, source: Source) -> Result<Vec<Stream>, ReadError> {
+    const KINDS: [&[u8]; 5] = [b"GGA", b"GST", b"RMC", b"VTG", b"ZDA"];
+    let mut lines = Lines::new(source);
+    let (mut counts, mut messages) = ([0u64; KINDS.len()], 0);
+    loop {
+        match lines.step() {
+            Step::Line(range) => {
+                for found in sentences(lines.bytes(range)) {
+                    let Found::Sentence(sentence) = found else {
+                        continue;
+                    };
+                    messages += 1;
+                    for (count, kind) in counts.iter_mut().zip(KINDS) {
+                        *count += u64::from(sentence.kind() == kind);
+                    }
+                }
+            }
+            Step::TooLong => {}
+            Step::End => break,
+        }
+    }
+    let said = |(count, kind): (&u64, &[u8])| {
+        (*count > 0).then(|| format!("{} {count}", String::from_utf8_lossy(kind)))
+    };
+    let about: Vec<String> = counts.iter().zip(KINDS).filter_map(said).collect();
+    let stream = Stream {
+        name: STREAM.to_owned(),
+        kind: StreamKind::Fixes,
+        about: about.join(", "),
+        messages,
+    };
+    Ok((messages > 0).then_some(stream).into_iter().collect())
+}
+
+struct Reader {
+    lines: Lines,
+    epoch: Option<Epoch>,
+    heights: Heights,
+    times: Times,
+    poses: bool,
+}
+
+impl Reader {
+    /// The next line; false at the end.
+    fn step(&mut self, ready: &mut Ready) -> bool {
+        let step = self.lines.step();
+        let at = self.lines.number();
+        match step {
+            Step::Line(range) => {
+                let line = self.lines.bytes(range);
+                for found in sentences(line) {
+                    match found {
+                        Found::Sentence(sentence) => {
+                            let ended = take(&mut self.epoch, at, &sentence, ready);
+                            if let Some(ended) = ended {
+                                ended.end(&mut self.heights, &mut self.times, self.poses, ready);
+                            }
+                        }
+                        Found::Damaged(detail) => ready.skip(at, SkipKind::Damaged, detail),
+                    }
+                }
+                true
+            }
+            // Sentences are short: this is something else.
+            Step::TooLong => true,
+            Step::End => {
+                if let Some(last) = self.epoch.take() {
+                    last.end(&mut self.heights, &mut self.times, self.poses, ready);
+                }
+                self.times.end(self.poses, ready);
+                if let Some(failure) = self.lines.failure() {
+                    ready.skip(at, SkipKind::EndsEarly, failure.to_string());
+                }
+                false
+            }
+        }
+    }
+}
+
+/// Adds a sentence to the epoch that it belongs to; the epoch before, if it is a later one.
+fn take(
+    epoch: &mut Option<Epoch>,
+    at: u64,
+    sentence: &Sentence,
+    ready: &mut Ready,
+) -> Option<Epoch> {
+    if !matches!(sentence.kind(), b"GGA" | b"GST" | b"RMC" | b"VTG" | b"ZDA") {
+        return None;
+    }
+    // VTG has no time: it belongs to the sentences before it.
+    if sentence.kind() == b"VTG" {
+        if let Some(current) = epoch
+            && let Err(kind) = current.add(sentence)
+        {
+            ready.skip(at, kind, sentence.shown());
+        }
+        return None;
+    }
+    // Without a time, the receiver has none yet.
+    let field = sentence.field(1);
+    if field.is_empty() {
+        return None;
+    }
+    let Some(time_of_day) = sentence::time_of_day(field) else {
+        ready.skip(at, SkipKind::Text, sentence.shown());
+        return None;
+    };
+    let ended = match epoch {
+        Some(current) if current.time_of_day == time_of_day => None,
+        _ => epoch.replace(Epoch::new(at, time_of_day)),
+    };
+    if let Some(current) = epoch
+        && let Err(kind) = current.add(sentence)
+    {
+        ready.skip(at, kind, sentence.shown());
+    }
+    ended
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,1 +1,301 @@
-//! Messages of ROS 1 and ROS 2 that are read: sensor_msgs/Imu, sensor_msgs/NavSatFix, geometry_msgs/TwistStamped, nav_msgs/Odometry.
+//! Recordings of robots, whatever container they are in: topics of sensor_msgs/Imu,
+//! sensor_msgs/NavSatFix, and geometry_msgs/TwistStamped or TwistWithCovarianceStamped.
+//!
+//! Times are the messages' own stamps (`header.stamp`, Unix time), or where one is not set the time
+//! at which it was recorded. A topic of velocities that is not named is used, from the first position
+//! on, if its frame is that of the positions, so that it comes from the same receiver; commands and
+//! wheels have other frames.
+//! nav_msgs/Odometry is in a frame that begins anywhere, so it is not read.
+
+mod bytes;
+mod container;
+mod fixes;
+mod message;
+mod topics;
+
+use std::collections::VecDeque;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use undrift_nav::sample::{FixQuality, Position};
+
+use super::{Entries, Entry, Fix, ImuReading, Stream, StreamKind, Wanted, What};
+use crate::ReadError;
+use crate::skipped::SkipKind;
+use crate::time::WeekClock;
+
+pub(super) use bytes::Fields;
+pub(super) use container::{Container, Event, File, Layout, Packed, Stop};
+pub(super) use message::Encoding;
+
+use fixes::Waiting;
+use message::{Type, Unfit};
+use topics::{Choice, Topic, Topics};
+
+/// The streams of a container.
+pub(super) fn streams(mut container: Container) -> Result<Vec<Stream>, ReadError> {
+    let mut topics = Topics::default();
+    while let Some(event) = container.next()? {
+        match event {
+            Event::Topic {
+                number,
+                name,
+                type_name,
+                encoding,
+            } => topics.declare(number, name, &type_name, encoding),
+            Event::Message { number, bytes, .. } => {
+                if let Some((_, topic, Some(encoding))) = topics.count(number) {
+                    note_frame(topic, encoding, container.bytes(bytes));
+                }
+            }
+            Event::Skipped(..) => {}
+        }
+    }
+    Ok(topics.streams())
+}
+
+fn note_frame(topic: &mut Topic, encoding: Encoding, bytes: &[u8]) {
+    if topic.kind.is_some() && topic.frame.is_none() {
+        topic.frame = message::header(encoding, bytes).map(|(header, _)| header.frame.into_owned());
+    }
+}
+
+/// The entries of a container.
+pub(super) fn entries(
+    path: &Path,
+    container: Container,
+    wanted: &Wanted,
+) -> Result<Entries, ReadError> {
+    let wanted = match wanted {
+        Wanted::Imu(topic) => Choices::Imu(Choice::new("imu.topic", StreamKind::Imu, topic)),
+        Wanted::Fixes { position, velocity } => Choices::Fixes {
+            position: Choice::new("gnss.topic", StreamKind::Fixes, position),
+            velocity: Choice::new("gnss.velocity_topic", StreamKind::Velocity, velocity),
+            frame: None,
+        },
+        Wanted::Poses(_) => {
+            return Err(
+                ReadError::new(path, "recordings of ROS have no reference solution")
+                    .key("truth.file")
+                    .mend("nav_msgs/Odometry is in a local frame whose place is not told"),
+            );
+        }
+    };
+    Ok(Box::new(Recording {
+        path: path.to_path_buf(),
+        container,
+        wanted,
+        topics: Topics::default(),
+        weeks: WeekClock::default(),
+        messages: 0,
+        waiting: Waiting::default(),
+        ready: VecDeque::new(),
+        finished: false,
+    }))
+}
+
+/// The topics that are meant.
+enum Choices {
+    Imu(Choice),
+    Fixes {
+        position: Choice,
+        velocity: Choice,
+        /// Frame of the positions.
+        frame: Option<String>,
+    },
+}
+
+impl Choices {
+    /// Whether a message of this topic and frame, where it tells one, is meant.
+    fn takes(&mut self, index: usize, topic: &Topic, frame: Option<&str>) -> bool {
+        match self {
+            Self::Imu(choice) => choice.takes(index, topic),
+            Self::Fixes {
+                position,
+                velocity,
+                frame: receiver,
+            } => {
+                if position.takes(index, topic) {
+                    if receiver.is_none() {
+                        *receiver = frame.map(str::to_owned);
+                    }
+                    return true;
+                }
+                let of_receiver = frame.is_some() && receiver.as_deref() == frame;
+                (velocity.is_named() || of_receiver) && velocity.takes(index, topic)
+            }
+        }
+    }
+
+    fn are_ambiguous(&self) -> bool {
+        match self {
+            Self::Imu(choice) => choice.is_ambiguous(),
+            Self::Fixes {
+                position, velocity, ..
+            } => position.is_ambiguous() || velocity.is_ambiguous(),
+        }
+    }
+
+    fn verdict(&self, path: &Path, topics: &Topics) -> Result<(), ReadError> {
+        match self {
+            Self::Imu(choice) => choice.verdict(path, topics, true),
+            Self::Fixes {
+                position, velocity, ..
+            } => {
+                position.verdict(path, topics, true)?;
+                velocity.verdict(path, topics, false)
+            }
+        }
+    }
+}
+
+/// A recording being read.
+struct Recording {
+    path: PathBuf,
+    container: Container,
+    wanted: Choices,
+    topics: Topics,
+    weeks: WeekClock,
+    /// Messages of all topics so far.
+    messages: u64,
+    waiting: Waiting,
+    ready: VecDeque<Entry>,
+    finished: bool,
+}
+
+impl Recording {
+    /// One more entry. Where several topics could be meant, the rest is read for their names only.
+    fn next_entry(&mut self) -> Result<Option<Entry>, ReadError> {
+        loop {
+            if let Some(entry) = self.ready.pop_front() {
+                return Ok(Some(entry));
+            }
+            if self.finished {
+                return Ok(None);
+            }
+            match self.container.next()? {
+                Some(event) => self.take(event),
+                None => {
+                    self.finished = true;
+                    self.wanted.verdict(&self.path, &self.topics)?;
+                    while let Some((at, fix)) = self.waiting.next() {
+                        self.give(at, What::Fix(fix));
+                    }
+                }
+            }
+        }
+    }
+
+    fn give(&mut self, at: u64, what: What) {
+        if !self.wanted.are_ambiguous() {
+            self.ready.push_back(Entry { at, what });
+        }
+    }
+
+    fn take(&mut self, event: Event) {
+        match event {
+            Event::Topic {
+                number,
+                name,
+                type_name,
+                encoding,
+            } => self.topics.declare(number, name, &type_name, encoding),
+            Event::Message {
+                number,
+                time,
+                bytes,
+            } => {
+                self.messages += 1;
+                match self.message(number, time, bytes) {
+                    Ok(Some((at, what))) => self.give(at, what),
+                    Ok(None) => {}
+                    Err((kind, detail)) => self.give(self.messages, What::Skipped(kind, detail)),
+                }
+            }
+            Event::Skipped(kind, detail) => self.give(self.messages, What::Skipped(kind, detail)),
+        }
+    }
+
+    /// What a message gives, if it is of a topic that is meant.
+    fn message(
+        &mut self,
+        number: u32,
+        recorded: (i64, u32),
+        range: Range<usize>,
+    ) -> Result<Option<(u64, What)>, Unfit> {
+        let Some((index, topic, encoding)) = self.topics.count(number) else {
+            let detail = format!("a message of topic number {number}, which is not declared");
+            return Err((SkipKind::Damaged, detail));
+        };
+        let (Some(kind), Some(encoding)) = (topic.kind, encoding) else {
+            return Ok(None);
+        };
+        let bytes = self.container.bytes(range);
+        let Some((header, mut fields)) = message::header(encoding, bytes) else {
+            let meant = self.wanted.takes(index, topic, None);
+            return if meant {
+                Err(message::too_short())
+            } else {
+                Ok(None)
+            };
+        };
+        // Every stamp is given to the clock, so that all readings of a file count from one week.
+        let (seconds, nanoseconds) = match header.stamp {
+            (0, 0) => recorded,
+            stamp => stamp,
+        };
+        let in_second = nanoseconds < 1_000_000_000;
+        let time = in_second.then(|| self.weeks.unix(seconds, nanoseconds));
+        if !self.wanted.takes(index, topic, Some(&header.frame)) {
+            return Ok(None);
+        }
+        let time = time.ok_or_else(|| {
+            let detail = format!("stamp of {nanoseconds} ns");
+            (SkipKind::OutOfRange, detail)
+        })?;
+        let at = self.messages;
+        let fix = match kind {
+            Type::Imu => {
+                let (gyro, accel) = message::imu(&mut fields)?;
+                let reading = ImuReading { time, gyro, accel };
+                return Ok(Some((at, What::Imu(reading))));
+            }
+            Type::NavSatFix => {
+                let (place, covariance, quality) = message::fix(&mut fields)?;
+                Fix {
+                    time,
+                    position: Some((Position::Geodetic(place), covariance)),
+                    velocity: None,
+                    quality,
+                }
+            }
+            Type::TwistStamped | Type::TwistWithCovarianceStamped => {
+                let with_covariance = kind == Type::TwistWithCovarianceStamped;
+                Fix {
+                    time,
+                    position: None,
+                    velocity: Some(message::velocity(&mut fields, with_covariance)?),
+                    quality: FixQuality::Unknown,
+                }
+            }
+            Type::Odometry => return Ok(None),
+        };
+        let earliest = self.waiting.add(at, fix);
+        Ok(earliest.map(|(at, fix)| (at, What::Fix(fix))))
+    }
+}
+
+impl Iterator for Recording {
+    type Item = Result<Entry, ReadError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let item = self.next_entry().transpose();
+        if !matches!(item, Some(Ok(_))) {
+            self.finished = true;
+        }
+        item
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,19 +1,331 @@
-//! ubx
+//! u-blox UBX: fixes of the navigation messages, inertial samples of a receiver with sensors.
+//!
+//! By the interface descriptions of the receivers (u-blox M8: UBX-13003221; F9: UBX-22008968 and
+//! its like). The messages with the same time of week make one fix ([`epoch`]); what is between the
+//! messages, NMEA or anything else, is passed over. Times are GPS seconds of the week in which the
+//! file starts; those of the inertial samples are made of the sensors' own counter ([`clock`]).
 
-use std::path::Path;
+mod bytes;
+mod clock;
+mod epoch;
+mod frames;
+mod imu;
 
-use super::{Entries, Stream, Wanted};
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use super::receiver::{Ready, by_steps, check};
+use super::{Entries, ImuReading, Stream, StreamKind, Wanted, What};
 use crate::ReadError;
+use crate::skipped::SkipKind;
 use crate::source::Source;
+use clock::SensorClock;
+use epoch::{Epoch, POSITIONS, VELOCITIES, Weeks};
+use frames::{Frames, Step};
+use imu::{Reading, Sensors};
 
-pub(super) fn entries(
-    path: &Path,
-    _source: Source,
-    _wanted: &Wanted,
-) -> Result<Entries, ReadError> {
-    Err(ReadError::new(path, "not read yet"))
+/// End of a navigation epoch.
+const NAV_EOE: [u8; 2] = [0x01, 0x61];
+/// Streams of inertial samples.
+const INERTIAL: [&str; 2] = ["ESF-RAW", "ESF-MEAS"];
+
+/// Messages that logs often have.
+const NAMES: [([u8; 2], &str); 22] = [
+    (epoch::PVT, "NAV-PVT"),
+    (epoch::HPPOSLLH, "NAV-HPPOSLLH"),
+    (epoch::POSLLH, "NAV-POSLLH"),
+    (epoch::VELNED, "NAV-VELNED"),
+    (epoch::COV, "NAV-COV"),
+    (epoch::STATUS, "NAV-STATUS"),
+    (epoch::SOL, "NAV-SOL"),
+    (imu::RAW, "ESF-RAW"),
+    (imu::MEAS, "ESF-MEAS"),
+    (NAV_EOE, "NAV-EOE"),
+    ([0x01, 0x04], "NAV-DOP"),
+    ([0x01, 0x05], "NAV-ATT"),
+    ([0x01, 0x20], "NAV-TIMEGPS"),
+    ([0x01, 0x21], "NAV-TIMEUTC"),
+    ([0x01, 0x35], "NAV-SAT"),
+    ([0x01, 0x3c], "NAV-RELPOSNED"),
+    ([0x01, 0x43], "NAV-SIG"),
+    ([0x02, 0x13], "RXM-SFRBX"),
+    ([0x02, 0x15], "RXM-RAWX"),
+    ([0x10, 0x10], "ESF-STATUS"),
+    ([0x10, 0x14], "ESF-ALG"),
+    ([0x10, 0x15], "ESF-INS"),
+];
+
+/// Whether the first bytes of a file hold a UBX message. Ask first for formats that begin with
+/// bytes of their own, since a recording may hold UBX messages, and for NMEA, which may have some
+/// in between.
+pub(crate) fn detect(start: &[u8]) -> bool {
+    frames::any(start, |_| true)
 }
 
-pub(super) fn streams(path: &Path, _source: Source) -> Result<Vec<Stream>, ReadError> {
-    Err(ReadError::new(path, "not read yet"))
+/// Whether the first bytes of a file hold a UBX message that is read here; a log of NMEA may have
+/// others in between, answers to commands.
+pub(super) fn has_data(start: &[u8]) -> bool {
+    frames::any(start, |kind| {
+        imu_stream(kind).is_some() || matches!(kind, epoch::PVT | epoch::HPPOSLLH | epoch::POSLLH)
+    })
 }
+
+pub(super) fn entries(path: &Path, source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
+    check(path, wanted, "UBX", [&INERTIAL, &POSITIONS, &VELOCITIES])?;
+    let purpose = match wanted.clone() {
+        Wanted::Imu(name) => Purpose::Imu(Box::new(Imu {
+            stream: INERTIAL
+                .into_iter()
+                .find(|known| name.as_deref() == Some(known)),
+            named: name.is_some(),
+            sensors: Sensors::default(),
+            clock: SensorClock::default(),
+        })),
+        Wanted::Fixes { position, velocity } => Purpose::Fixes([position, velocity], false),
+        Wanted::Poses(name) => Purpose::Fixes([name, None], true),
+    };
+    let mut reader = Reader {
+        path: path.to_path_buf(),
+        frames: Frames::new(source),
+        weeks: Weeks::default(),
+        epoch: None,
+        purpose,
+    };
+    Ok(by_steps(move |ready| reader.step(ready)))
+}
+
+pub(super) fn streams(_path: &Path, source: Source) -> Result<Vec<Stream>, ReadError> {
+    let mut frames = Frames::new(source);
+    let mut counts = BTreeMap::<[u8; 2], u64>::new();
+    loop {
+        match frames.step() {
+            Step::Message(kind, _) => *counts.entry(kind).or_default() += 1,
+            Step::Damaged => {}
+            Step::End => break,
+        }
+    }
+    let stream = |(kind, messages)| {
+        let name = name(kind);
+        let (kind, about) = if INERTIAL.contains(&name.as_str()) {
+            (
+                StreamKind::Imu,
+                "rates and specific forces of the receiver's sensors",
+            )
+        } else if POSITIONS.contains(&name.as_str()) {
+            let with_velocity = VELOCITIES.contains(&name.as_str());
+            let about = if with_velocity {
+                "position and velocity"
+            } else {
+                "position"
+            };
+            (StreamKind::Fixes, about)
+        } else if VELOCITIES.contains(&name.as_str()) {
+            (StreamKind::Velocity, "velocity")
+        } else if name == "NAV-COV" {
+            (StreamKind::Other, "covariances of position and velocity")
+        } else {
+            (StreamKind::Other, "")
+        };
+        Stream {
+            name,
+            kind,
+            about: about.to_owned(),
+            messages,
+        }
+    };
+    Ok(counts.into_iter().map(stream).collect())
+}
+
+fn name(kind: [u8; 2]) -> String {
+    let known = NAMES.iter().find(|(known, _)| *known == kind);
+    let [class, id] = kind;
+    known.map_or_else(
+        || format!("UBX-{class:02X}-{id:02X}"),
+        |(_, name)| (*name).to_owned(),
+    )
+}
+
+struct Reader {
+    path: PathBuf,
+    frames: Frames,
+    weeks: Weeks,
+    epoch: Option<Epoch>,
+    purpose: Purpose,
+}
+
+/// What is made of the messages.
+enum Purpose {
+    Imu(Box<Imu>),
+    /// Fixes by the messages with these names of positions and velocities, as reference solutions
+    /// or not.
+    Fixes([Option<String>; 2], bool),
+}
+
+struct Imu {
+    /// The messages that the samples are taken from, as soon as that is known.
+    stream: Option<&'static str>,
+    named: bool,
+    sensors: Sensors,
+    clock: SensorClock,
+}
+
+impl Reader {
+    fn step(&mut self, ready: &mut Ready) -> Result<bool, ReadError> {
+        let step = self.frames.step();
+        let at = self.frames.number();
+        match step {
+            Step::Message(kind, range) => self.message(at, kind, range, ready)?,
+            Step::Damaged => ready.skip(at, SkipKind::Damaged, "no message behind B5 62"),
+            Step::End => {
+                self.end_epoch(ready)?;
+                if let Purpose::Imu(imu) = &mut self.purpose {
+                    imu.clock.end(&mut give(ready));
+                }
+                if let Some(failure) = self.frames.failure() {
+                    ready.skip(at, SkipKind::EndsEarly, failure);
+                }
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    fn message(
+        &mut self,
+        at: u64,
+        kind: [u8; 2],
+        range: Range<usize>,
+        ready: &mut Ready,
+    ) -> Result<(), ReadError> {
+        let tow = epoch::time_of_week(kind, self.frames.payload(range.clone()));
+        let current = self.epoch.as_ref().map(|epoch| epoch.time_of_week);
+        if kind == NAV_EOE || (tow.is_some() && tow != current) {
+            self.end_epoch(ready)?;
+        }
+        let payload = self.frames.payload(range);
+        let imu = match &mut self.purpose {
+            Purpose::Imu(imu) => Some(imu),
+            Purpose::Fixes(..) => None,
+        };
+        if let (Some(stream), Some(imu)) = (imu_stream(kind), imu) {
+            return imu.message(at, stream, kind, payload, &self.path, ready);
+        }
+        let Some(tow) = tow else { return Ok(()) };
+        let epoch = self.epoch.get_or_insert_with(|| Epoch::new(at, tow));
+        let whole = epoch.add(kind, payload).is_some();
+        match &self.purpose {
+            Purpose::Imu(imu) => {
+                epoch.counter = epoch.counter.or(imu.sensors.counter());
+                let startup = epoch::startup(kind, payload);
+                epoch.exact = startup
+                    .and_then(|startup| imu.sensors.at_startup(startup))
+                    .or(epoch.exact);
+            }
+            Purpose::Fixes(..) if !whole => {
+                let detail = format!("{} of {} bytes", name(kind), payload.len());
+                ready.skip(at, SkipKind::MissingField, detail);
+            }
+            Purpose::Fixes(..) => {}
+        }
+        Ok(())
+    }
+
+    /// Makes of the epoch's messages what is wanted.
+    fn end_epoch(&mut self, ready: &mut Ready) -> Result<(), ReadError> {
+        let Some(epoch) = self.epoch.take() else {
+            return Ok(());
+        };
+        let time = epoch.has_fix().then(|| self.weeks.seconds(epoch.seconds()));
+        match (&mut self.purpose, time) {
+            (Purpose::Imu(imu), Some(time)) => imu.tie(&epoch, time, &self.path, ready)?,
+            (Purpose::Fixes(names, poses), Some(time)) => {
+                if let Some(fix) = epoch.fix(time, names, ready) {
+                    ready.fix(epoch.at, fix, *poses);
+                }
+            }
+            (Purpose::Fixes(..), None) => epoch.skip(ready),
+            (Purpose::Imu(_), None) => {}
+        }
+        Ok(())
+    }
+}
+
+impl Imu {
+    fn message(
+        &mut self,
+        at: u64,
+        stream: &'static str,
+        kind: [u8; 2],
+        payload: &[u8],
+        path: &Path,
+        ready: &mut Ready,
+    ) -> Result<(), ReadError> {
+        if !imu::has_inertial(kind, payload) {
+            return Ok(());
+        }
+        let chosen = *self.stream.get_or_insert(stream);
+        if chosen != stream {
+            if self.named {
+                return Ok(());
+            }
+            let problem = format!("two streams of inertial samples: {}", INERTIAL.join(", "));
+            return Err(ReadError::new(path, problem).mend("name the one that is meant"));
+        }
+        if self.sensors.changes(kind, payload) {
+            for _ in 0..self.clock.restart() {
+                let detail = "samples before their time tags were calibrated";
+                ready.skip(at, SkipKind::MissingField, detail);
+            }
+        }
+        let clock = &mut self.clock;
+        let dropped = self.sensors.message(at, kind, payload, |counter, reading| {
+            clock.sample(counter, reading, &mut give(ready));
+        });
+        for _ in 0..dropped {
+            ready.skip(at, SkipKind::MissingField, "a sample without all six axes");
+        }
+        Ok(())
+    }
+
+    fn tie(
+        &mut self,
+        epoch: &Epoch,
+        time: f64,
+        path: &Path,
+        ready: &mut Ready,
+    ) -> Result<(), ReadError> {
+        let exact = epoch.exact.is_some();
+        let Some(counter) = epoch.exact.or(epoch.counter) else {
+            return Ok(());
+        };
+        let tied = self.clock.tie(counter, time, exact, &mut give(ready));
+        tied.map_err(|clock::TooLate| {
+            ReadError::new(
+                path,
+                "the first fix comes after ten minutes of inertial samples",
+            )
+            .at(epoch.at)
+            .mend("cut off what is before it: nothing tells its time")
+        })
+    }
+}
+
+fn imu_stream(kind: [u8; 2]) -> Option<&'static str> {
+    match kind {
+        imu::RAW => Some("ESF-RAW"),
+        imu::MEAS => Some("ESF-MEAS"),
+        _ => None,
+    }
+}
+
+/// Puts samples among what is ready.
+fn give(ready: &mut Ready) -> impl FnMut(f64, Reading) + '_ {
+    |time, reading| {
+        let Reading { at, gyro, accel } = reading;
+        ready.push(at, What::Imu(ImuReading { time, gyro, accel }));
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::fields::{Delimiter, Fields, shown};
-use super::{Column, TableOptions, starts_a_row};
+use super::{Column, Preview, TableOptions, starts_a_row};
 use crate::lines::{Lines, MAX_LINE, Step};
 use crate::number;
 use crate::skipped::{SkipKind, Skipped};
@@ -54,17 +54,17 @@ pub(super) fn find(
     match (&own, &above) {
         // Data with text in some column, under a comment that names the columns.
         (Some(own), Some(above)) if missing(own, options) && !missing(above, options) => {
-            let wanted = places(path, above, options)?;
+            let wanted = above.places(path, options)?;
             layout(delimiter, wanted, first_row())
         }
         (Some(own), _) => {
-            let wanted = places(path, own, options)?;
+            let wanted = own.places(path, options)?;
             // A line with a number wherever one is wanted by number is a row, not a header.
             let is_row = !named && reads_as_row(&first, delimiter, &wanted);
             layout(delimiter, wanted, first_row().filter(|_| is_row))
         }
         (None, Some(above)) => {
-            let wanted = places(path, above, options)?;
+            let wanted = above.places(path, options)?;
             layout(delimiter, wanted, first_row())
         }
         (None, None) if named => Err(no_header(path, lines.number(), options)),
@@ -166,30 +166,35 @@ fn missing(header: &Header, options: &TableOptions) -> bool {
     })
 }
 
-/// Index of every wanted column, in the order they are wanted.
-fn places(
+impl Header {
+    fn places(
+        &self,
+        path: &Path,
+        options: &TableOptions,
+    ) -> Result<Vec<(usize, usize)>, ReadError> {
+        places(path, &self.names, options).map_err(|error| error.at(self.line))
+    }
+}
+
+/// Every wanted column, in the order they are wanted: (index of the column, index in the row read).
+pub(crate) fn places(
     path: &Path,
-    header: &Header,
+    names: &[String],
     options: &TableOptions,
 ) -> Result<Vec<(usize, usize)>, ReadError> {
     let place = |(slot, (key, column)): (usize, &(String, Column))| {
-        let error = |problem: String| {
-            ReadError::new(path, problem)
-                .at(header.line)
-                .key(key)
-                .mend(listing(&header.names))
-        };
+        let error = |problem: String| ReadError::new(path, problem).key(key).mend(listing(names));
         let index = match column {
             Column::Number(number) => {
                 let index = index_of(path, key, *number)?;
-                if index >= header.names.len() {
-                    let has = header.names.len();
+                if index >= names.len() {
+                    let has = names.len();
                     return Err(error(format!("no column {number}, there are {has}")));
                 }
                 index
             }
             Column::Name(name) => {
-                let mut found = header.names.iter().enumerate();
+                let mut found = names.iter().enumerate();
                 let mut found = found
                     .by_ref()
                     .filter(|(_, present)| *present == name.trim());
@@ -268,7 +273,7 @@ fn listing(names: &[String]) -> String {
 ///
 /// # Errors
 /// If the file cannot be opened or has no line.
-pub fn header_names(path: &Path) -> Result<Vec<String>, ReadError> {
+pub(super) fn header_names(path: &Path) -> Result<Vec<String>, ReadError> {
     let mut lines = Lines::new(crate::source::open(path)?);
     let (first, comment) = first_line(path, &mut lines, &mut Skipped::default())?;
     let delimiter = Delimiter::detect(&first);
@@ -276,4 +281,47 @@ pub fn header_names(path: &Path) -> Result<Vec<String>, ReadError> {
         return Ok(names_of(&first, delimiter));
     }
     Ok(comment.map_or(Vec::new(), |(_, text)| comment_names(&text, None)))
+}
+
+/// The names of the columns and up to `rows` rows of all of them.
+///
+/// # Errors
+/// If the file cannot be opened or has no line.
+pub(super) fn preview(path: &Path, rows: usize) -> Result<Preview, ReadError> {
+    let mut lines = Lines::new(crate::source::open(path)?);
+    let (first, comment) = first_line(path, &mut lines, &mut Skipped::default())?;
+    let delimiter = Delimiter::detect(&first);
+    let is_header = Fields::new(&first, delimiter).all(|field| number::parse(field).is_none());
+    let mut preview = Preview {
+        names: match comment {
+            _ if is_header => names_of(&first, delimiter),
+            Some((_, text)) => comment_names(&text, None),
+            None => Vec::new(),
+        },
+        rows: Vec::new(),
+    };
+    let numbers = |line: &[u8]| -> Vec<f64> {
+        let fields = Fields::new(line, delimiter);
+        fields
+            .map(|field| number::parse(field).unwrap_or(f64::NAN))
+            .collect()
+    };
+    if !is_header {
+        preview.rows.push(numbers(&first));
+    }
+    while preview.rows.len() < rows {
+        match lines.step() {
+            Step::Line(range) if starts_a_row(lines.bytes(range.clone())) => {
+                preview.rows.push(numbers(lines.bytes(range)));
+            }
+            Step::Line(_) | Step::TooLong => {}
+            Step::End => break,
+        }
+    }
+    // A comment that is no header has another number of words than there are columns.
+    let width = preview.rows.first().map_or(0, Vec::len);
+    if preview.names.len() != width && width > 0 {
+        preview.names.clear();
+    }
+    Ok(preview)
 }

@@ -20,18 +20,23 @@
 
 mod fields;
 mod header;
-pub use header::header_names;
+mod text;
+#[cfg(feature = "parquet")]
+pub(crate) use header::places;
 
 use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::ReadError;
-use crate::lines::{Lines, MAX_LINE, Step};
-use crate::skipped::{SkipKind, Skipped};
+#[cfg(feature = "parquet")]
+use crate::parquet::ParquetTable;
+use crate::skipped::Skipped;
 use crate::source::{self, Source};
+use text::TextTable;
 
-use fields::Defect;
-pub(crate) use fields::{Delimiter, shown};
+#[cfg(feature = "parquet")]
+pub(crate) use fields::Defect;
+pub(crate) use fields::shown;
 
 /// Which column is meant.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -65,23 +70,18 @@ pub struct TableOptions {
 
 /// Reads the wanted columns of a table row by row.
 pub struct Table {
-    path: PathBuf,
-    lines: Lines,
-    delimiter: Delimiter,
-    /// Wanted columns by place in the line: (index of the column, index in the row read).
-    wanted: Vec<(usize, usize)>,
-    width: usize,
-    keep_not_finite: bool,
-    /// The first line of data, found while looking for the header.
-    held: Option<Vec<u8>>,
-    rows_read: u64,
-    rows_seen: u64,
-    finished: bool,
-    skipped: Skipped,
+    rows: Rows,
+}
+
+/// Boxed: a reader holds its place in the file and a row.
+enum Rows {
+    Text(Box<TextTable>),
+    #[cfg(feature = "parquet")]
+    Parquet(Box<ParquetTable>),
 }
 
 impl Table {
-    /// Opens a table, plain or gzip, and finds the wanted columns.
+    /// Opens a table, text plain or gzip, or Parquet, and finds the wanted columns.
     ///
     /// # Errors
     /// If the file cannot be opened, has no line, or lacks a wanted column.
@@ -89,136 +89,147 @@ impl Table {
         Self::from_source(path, source::open(path)?, options)
     }
 
-    /// Reads a table from any stream; `path` is what messages call it.
+    /// Reads a table from any stream of text; `path` is what messages call it, and where Parquet, which
+    /// is read from its end, is opened.
     ///
     /// # Errors
     /// If there is no line, or a wanted column is missing.
     pub fn from_source(
         path: &Path,
-        source: Source,
+        mut source: Source,
         options: &TableOptions,
     ) -> Result<Self, ReadError> {
-        let mut lines = Lines::new(source);
-        let mut skipped = Skipped::default();
-        let layout = header::find(path, &mut lines, options, &mut skipped)?;
-        Ok(Self {
-            path: path.to_path_buf(),
-            lines,
-            delimiter: layout.delimiter,
-            wanted: layout.wanted,
-            width: options.columns.len(),
-            keep_not_finite: options.keep_not_finite,
-            held: layout.first_row,
-            rows_read: 0,
-            rows_seen: 0,
-            finished: false,
-            skipped,
-        })
+        let rows = if begins_as_parquet(&mut source) {
+            parquet_rows(path, options)?
+        } else {
+            Rows::Text(Box::new(TextTable::from_source(path, source, options)?))
+        };
+        Ok(Self { rows })
     }
 
     /// Reads the next usable row into `out`, in the order of the wanted columns, and gives its
-    /// line number; `None` at the end.
+    /// line number, or that of the row in Parquet; `None` at the end.
     ///
     /// # Errors
     /// If the file ends without one usable row, or `out` has another length than there are wanted
     /// columns.
+    #[inline]
     pub fn next_row(&mut self, out: &mut [f64]) -> Result<Option<u64>, ReadError> {
-        if out.len() != self.width {
-            return Err(ReadError::new(
-                &self.path,
-                format!("{} places for {} columns", out.len(), self.width),
-            ));
+        match &mut self.rows {
+            Rows::Text(table) => table.next_row(out),
+            #[cfg(feature = "parquet")]
+            Rows::Parquet(table) => table.next_row(out),
         }
-        let (delimiter, keep) = (self.delimiter, self.keep_not_finite);
-        if let Some(first) = self.held.take() {
-            let line = self.lines.number();
-            let parsed = fields::parse_row(&first, delimiter, &self.wanted, keep, out);
-            if self.accept(parsed, line) {
-                return Ok(Some(line));
-            }
-        }
-        while !self.finished {
-            let range = match self.lines.step() {
-                Step::Line(range) => range,
-                Step::TooLong => {
-                    let line = self.lines.number();
-                    self.rows_seen += 1;
-                    self.skipped.add(
-                        SkipKind::TooLong,
-                        line,
-                        format_args!("over {MAX_LINE} bytes"),
-                    );
-                    continue;
-                }
-                Step::End => {
-                    self.finish()?;
-                    break;
-                }
-            };
-            let line = self.lines.number();
-            let bytes = self.lines.bytes(range);
-            if !starts_a_row(bytes) {
-                continue;
-            }
-            let parsed = fields::parse_row(bytes, delimiter, &self.wanted, keep, out);
-            if self.accept(parsed, line) {
-                return Ok(Some(line));
-            }
-        }
-        Ok(None)
     }
 
     /// What was left out so far.
     pub fn skipped(&self) -> &Skipped {
-        &self.skipped
+        match &self.rows {
+            Rows::Text(table) => table.skipped(),
+            #[cfg(feature = "parquet")]
+            Rows::Parquet(table) => table.skipped(),
+        }
     }
 
     /// The file as it was given.
     pub fn path(&self) -> &Path {
-        &self.path
+        match &self.rows {
+            Rows::Text(table) => table.path(),
+            #[cfg(feature = "parquet")]
+            Rows::Parquet(table) => table.path(),
+        }
     }
 
     /// Rows met so far, the skipped ones included.
     pub fn rows_seen(&self) -> u64 {
-        self.rows_seen
+        match &self.rows {
+            Rows::Text(table) => table.rows_seen(),
+            #[cfg(feature = "parquet")]
+            Rows::Parquet(table) => table.rows_seen(),
+        }
     }
 
     pub(crate) fn skipped_mut(&mut self) -> &mut Skipped {
-        &mut self.skipped
+        match &mut self.rows {
+            Rows::Text(table) => table.skipped_mut(),
+            #[cfg(feature = "parquet")]
+            Rows::Parquet(table) => table.skipped_mut(),
+        }
     }
+}
 
-    /// Whether a parsed row is usable; counted where not.
-    #[inline]
-    fn accept(&mut self, parsed: Result<(), Defect>, line: u64) -> bool {
-        self.rows_seen += 1;
-        match parsed {
-            Ok(()) => {
-                self.rows_read += 1;
-                true
-            }
-            Err(defect) => {
-                self.skipped.add(defect.kind(), line, &defect);
-                false
-            }
-        }
-    }
+/// Whether a file that starts so is Parquet.
+pub(crate) fn is_parquet(start: &[u8]) -> bool {
+    start.starts_with(b"PAR1")
+}
 
-    fn finish(&mut self) -> Result<(), ReadError> {
-        self.finished = true;
-        if let Some(failure) = self.lines.failure() {
-            self.skipped
-                .add(SkipKind::EndsEarly, self.lines.number(), failure);
-        }
-        if self.rows_read > 0 {
-            return Ok(());
-        }
-        let problem = if self.rows_seen == 0 {
-            "no row of data"
-        } else {
-            "no row with a number in every wanted column"
-        };
-        Err(ReadError::new(&self.path, problem).mend(self.skipped.to_string().replace('\n', "; ")))
+/// Whether a stream begins as Parquet does; what cannot be read shows when it is.
+fn begins_as_parquet(source: &mut Source) -> bool {
+    source.fill_buf().is_ok_and(is_parquet)
+}
+
+#[cfg(feature = "parquet")]
+fn parquet_rows(path: &Path, options: &TableOptions) -> Result<Rows, ReadError> {
+    ParquetTable::open(path, options).map(|table| Rows::Parquet(Box::new(table)))
+}
+
+#[cfg(not(feature = "parquet"))]
+fn parquet_rows(path: &Path, _options: &TableOptions) -> Result<Rows, ReadError> {
+    Err(no_parquet(path))
+}
+
+/// The error of a build without Parquet.
+#[cfg(not(feature = "parquet"))]
+fn no_parquet(path: &Path) -> ReadError {
+    ReadError::new(path, "this build does not read Parquet").mend("build with the feature parquet")
+}
+
+/// Names of the columns of a table: of its header line or, where that is data, the comment directly
+/// before it, or of Parquet's schema; empty where nothing names them.
+///
+/// # Errors
+/// If the file cannot be opened or has no line.
+pub fn header_names(path: &Path) -> Result<Vec<String>, ReadError> {
+    if begins_as_parquet(&mut source::open(path)?) {
+        #[cfg(feature = "parquet")]
+        return crate::parquet::column_names(path);
+        #[cfg(not(feature = "parquet"))]
+        return Err(no_parquet(path));
     }
+    header::header_names(path)
+}
+
+/// The beginning of a table.
+#[derive(Clone, Debug, Default)]
+pub struct Preview {
+    /// Names of the columns; empty where nothing names them.
+    pub names: Vec<String>,
+    /// The first rows, of every column; NaN where there is no number.
+    pub rows: Vec<Vec<f64>>,
+}
+
+/// The names of the columns and up to `rows` rows of all of them.
+///
+/// # Errors
+/// If the file cannot be opened or has no line.
+pub fn preview(path: &Path, rows: usize) -> Result<Preview, ReadError> {
+    if begins_as_parquet(&mut source::open(path)?) {
+        #[cfg(feature = "parquet")]
+        return crate::parquet::preview(path, rows);
+        #[cfg(not(feature = "parquet"))]
+        return Err(no_parquet(path));
+    }
+    header::preview(path, rows)
+}
+
+/// Why a table without one usable row cannot be used.
+pub(crate) fn no_rows(path: &Path, seen: u64, skipped: &Skipped) -> ReadError {
+    let problem = if seen == 0 {
+        "no row of data"
+    } else {
+        "no row with a number in every wanted column"
+    };
+    ReadError::new(path, problem).mend(skipped.to_string().replace('\n', "; "))
 }
 
 /// Whether a line is neither blank nor a comment.

@@ -1,6 +1,7 @@
 use std::io::{Cursor, Read, Write};
 
 use super::*;
+use crate::skipped::SkipKind;
 
 fn options(columns: &[Column]) -> TableOptions {
     TableOptions {
@@ -22,6 +23,16 @@ fn numbered(numbers: &[usize]) -> TableOptions {
     options(&columns)
 }
 
+impl Table {
+    fn width(&self) -> usize {
+        match &self.rows {
+            super::Rows::Text(table) => table.width,
+            #[cfg(feature = "parquet")]
+            super::Rows::Parquet(_) => 0,
+        }
+    }
+}
+
 fn from(bytes: &[u8], options: &TableOptions) -> Result<Table, ReadError> {
     Table::from_source(
         Path::new("imu.csv"),
@@ -34,7 +45,7 @@ type Rows = Vec<(u64, Vec<f64>)>;
 
 fn drain(table: &mut Table) -> Result<Rows, ReadError> {
     let mut rows = Vec::new();
-    let mut row = vec![0.0; table.width];
+    let mut row = vec![0.0; table.width()];
     while let Some(line) = table.next_row(&mut row)? {
         rows.push((line, row.clone()));
     }

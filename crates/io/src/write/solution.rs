@@ -6,11 +6,14 @@ use std::path::Path;
 use undrift_nav::Vector3;
 use undrift_nav::earth::Geodetic;
 
+use super::block::Block;
+use super::spans::Thinning;
+use super::text::write_turn;
 use super::{PendingFile, write_fixed};
 
 /// Columns and their decimals: a latitude of 1e-11° is a micrometre; of sensor errors there are
 /// as many as a navigation-grade unit would need.
-const COLUMNS: [(&str, usize); 31] = [
+pub(super) const COLUMNS: [(&str, usize); 31] = [
     ("time_s", 4),
     ("lat_deg", 11),
     ("lon_deg", 11),
@@ -43,9 +46,8 @@ const COLUMNS: [(&str, usize); 31] = [
     ("accel_bias_y_std_mps2", 7),
     ("accel_bias_z_std_mps2", 7),
 ];
-const YAW: usize = 9;
-/// Lines are collected up to this size before they are written [bytes].
-const BLOCK: usize = 64 * 1024;
+/// The column of the yaw.
+pub(super) const YAW: usize = 9;
 
 /// One instant of the solution, in SI units and radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,8 +72,31 @@ pub struct SolutionRow {
 }
 
 impl SolutionRow {
+    /// A row of which nothing is known but time [s] and place.
+    pub fn at(time: f64, position: Geodetic) -> Self {
+        let unknown = Vector3::repeat(f64::NAN);
+        Self {
+            time,
+            position,
+            v_n: unknown,
+            rpy: unknown,
+            nav_std: [f64::NAN; 9],
+            gyro_error: unknown,
+            accel_error: unknown,
+            error_std: [f64::NAN; 6],
+        }
+    }
+
+    /// Whether time and position are numbers.
+    pub(super) fn has_position(&self) -> bool {
+        let p = &self.position;
+        [self.time, p.lat, p.lon, p.height]
+            .iter()
+            .all(|x| x.is_finite())
+    }
+
     /// The numbers in the order and units of the columns.
-    fn values(&self) -> [f64; 31] {
+    pub(super) fn values(&self) -> [f64; 31] {
         let deg = f64::to_degrees;
         let (p, v, a) = (&self.position, &self.v_n, &self.rpy);
         let (g, f) = (&self.gyro_error, &self.accel_error);
@@ -87,7 +112,7 @@ impl SolutionRow {
             v.z,
             deg(a.x),
             deg(a.y),
-            deg(a.z).rem_euclid(360.0),
+            deg(a.z),
             n,
             e,
             d,
@@ -116,8 +141,8 @@ impl SolutionRow {
 /// Writes solution rows as CSV with a header.
 #[derive(Debug)]
 pub struct SolutionWriter<W: Write> {
-    out: W,
-    block: Vec<u8>,
+    block: Block<W>,
+    thinning: Thinning,
 }
 
 impl SolutionWriter<PendingFile> {
@@ -144,15 +169,24 @@ impl<W: Write> SolutionWriter<W> {
     /// # Errors
     /// None now; what cannot be written shows with the rows.
     pub fn new(out: W) -> io::Result<Self> {
-        let mut block = Vec::with_capacity(BLOCK + 1024);
+        let mut block = Block::new(out);
         for (k, (name, _)) in COLUMNS.iter().enumerate() {
             if k > 0 {
-                block.push(b',');
+                block.bytes.push(b',');
             }
-            block.extend_from_slice(name.as_bytes());
+            block.bytes.extend_from_slice(name.as_bytes());
         }
-        block.push(b'\n');
-        Ok(Self { out, block })
+        block.bytes.push(b'\n');
+        Ok(Self {
+            block,
+            thinning: Thinning::new(0.0),
+        })
+    }
+
+    /// Leaves out rows that are closer than so many seconds, 0 or more.
+    pub(super) fn every(mut self, seconds: f64) -> Self {
+        self.thinning = Thinning::new(seconds);
+        self
     }
 
     /// Writes one row; what is not finite becomes `nan`.
@@ -160,34 +194,30 @@ impl<W: Write> SolutionWriter<W> {
     /// # Errors
     /// If `out` does not take it.
     pub fn write(&mut self, row: &SolutionRow) -> io::Result<()> {
+        if !self.thinning.takes(row.time) {
+            return Ok(());
+        }
+        let buf = &mut self.block.bytes;
         for (k, (value, (_, decimals))) in row.values().into_iter().zip(COLUMNS).enumerate() {
             if k > 0 {
-                self.block.push(b',');
+                buf.push(b',');
             }
-            let from = self.block.len();
-            write_fixed(&mut self.block, value, decimals);
-            // Just below a full turn rounds to one.
-            if k == YAW && self.block[from..].starts_with(b"360") {
-                self.block.truncate(from);
-                write_fixed(&mut self.block, 0.0, decimals);
+            if k == YAW {
+                write_turn(buf, value, decimals);
+            } else {
+                write_fixed(buf, value, decimals);
             }
         }
-        self.block.push(b'\n');
-        if self.block.len() >= BLOCK {
-            self.out.write_all(&self.block)?;
-            self.block.clear();
-        }
-        Ok(())
+        buf.push(b'\n');
+        self.block.spill()
     }
 
     /// Writes what is left and gives `out` back.
     ///
     /// # Errors
     /// If `out` does not take it.
-    pub fn into_inner(mut self) -> io::Result<W> {
-        self.out.write_all(&self.block)?;
-        self.out.flush()?;
-        Ok(self.out)
+    pub fn into_inner(self) -> io::Result<W> {
+        self.block.into_inner()
     }
 }
 

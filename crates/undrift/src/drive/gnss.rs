@@ -28,7 +28,7 @@ pub(super) fn read_use(section: &Section) -> Result<GnssUse, ConfigError> {
     Ok(section.word("use", &words)?.unwrap_or_default())
 }
 
-pub(super) fn read_gnss(
+pub(crate) fn read_gnss(
     section: &Section,
     data: &Path,
     span: Option<(f64, f64)>,

@@ -9,7 +9,7 @@ use toml::de::DeValue;
 use undrift_io::{format::Format, imu::ImuFormat, layouts};
 use undrift_nav::{Matrix3, Vector3, attitude::from_rpy, units::Quantity};
 
-pub(super) fn read_imu(
+pub(crate) fn read_imu(
     section: &Section,
     data: &Path,
     span: Option<(f64, f64)>,

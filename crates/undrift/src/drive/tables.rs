@@ -60,7 +60,7 @@ pub(super) fn read_delimiter(section: &Section) -> Result<Option<u8>, ConfigErro
     }
 }
 
-pub(super) fn read_truth(
+pub(crate) fn read_truth(
     section: &Section,
     data: &Path,
 ) -> Result<Option<(PathBuf, TruthSource)>, ConfigError> {
@@ -78,14 +78,14 @@ pub(super) fn read_truth(
             time_offset,
             span: None,
         }),
-        Format::KfGins => TruthSource::Table(TruthFormat {
+        Format::KfGins => TruthSource::Table(Box::new(TruthFormat {
             time_offset,
             ..layouts::kf_gins_truth()
-        }),
-        _ => TruthSource::Table(TruthFormat {
+        })),
+        _ => TruthSource::Table(Box::new(TruthFormat {
             time_offset,
             ..read_truth_columns(section)?
-        }),
+        })),
     };
     section.only_known()?;
     Ok(Some((path, source)))

@@ -1,21 +1,17 @@
-//! Panels of curves over two axes, linear or logarithmic.
+//! Panels of curves over two axes, linear or logarithmic: what is to be drawn.
 
 use super::COLOURS;
-use plotters::{
-    coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter},
-    prelude::*,
-};
-use std::{ops::Range, path::Path};
-
-type Failure = Box<dyn std::error::Error>;
-type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
+pub use super::draw::draw;
+use std::ops::Range;
 
 /// One axis of a panel.
 #[derive(Clone, Debug)]
 pub struct Axis {
-    label: String,
-    logarithmic: bool,
-    range: Option<Range<f64>>,
+    pub(crate) label: String,
+    pub(crate) logarithmic: bool,
+    pub(crate) range: Option<Range<f64>>,
+    /// Names of the values 0, 1, 2 …; empty on an axis of numbers.
+    pub(crate) names: Vec<String>,
 }
 
 impl Axis {
@@ -25,6 +21,7 @@ impl Axis {
             label: label.to_owned(),
             logarithmic: false,
             range: None,
+            names: Vec::new(),
         }
     }
 
@@ -36,18 +33,36 @@ impl Axis {
         }
     }
 
-    /// From and to where; curves are cut off.
-    pub fn within(self, range: Range<f64>) -> Self {
+    /// An axis of x with names in place of numbers: 0 is the first, 1 the second.
+    pub fn categories<S: Into<String>>(names: impl IntoIterator<Item = S>) -> Self {
+        let names: Vec<String> = names.into_iter().map(Into::into).collect();
         Self {
-            range: Some(range),
+            range: Some(-0.6..names.len().max(1) as f64 - 0.4),
+            names,
+            ..Self::new("")
+        }
+    }
+
+    /// From and to where; curves are cut off. A range without length, or from zero or less on a
+    /// logarithmic axis, is none: then the axis is as long as its curves.
+    pub fn within(self, range: Range<f64>) -> Self {
+        let sound = range.start < range.end
+            && (range.end - range.start).is_finite()
+            && (!self.logarithmic || range.start > 0.0);
+        Self {
+            range: sound.then_some(range),
             ..self
         }
     }
 
+    /// Whether a value has a place on the axis, be it beyond its ends.
+    pub(crate) fn takes(&self, value: f64) -> bool {
+        value.is_finite() && (!self.logarithmic || value > 0.0)
+    }
+
     /// Whether a value can be drawn.
-    fn holds(&self, value: f64) -> bool {
-        value.is_finite()
-            && (!self.logarithmic || value > 0.0)
+    pub(crate) fn holds(&self, value: f64) -> bool {
+        self.takes(value)
             && self
                 .range
                 .as_ref()
@@ -55,7 +70,7 @@ impl Axis {
     }
 
     /// The range given, or that of the values with a little room.
-    fn range_of(&self, values: impl Iterator<Item = f64>, room: f64) -> Range<f64> {
+    pub(crate) fn range_of(&self, values: impl Iterator<Item = f64>, room: f64) -> Range<f64> {
         if let Some(range) = &self.range {
             return range.clone();
         }
@@ -67,7 +82,13 @@ impl Axis {
         if low > high {
             (low, high) = (0.0, 1.0);
         }
-        let margin = (room * (high - low)).max(1e-12 * high.abs()).max(1e-300);
+        let margin = if high - low > 1e-12 * high.abs() {
+            room * (high - low)
+        } else if low == 0.0 || self.logarithmic {
+            1.0
+        } else {
+            1e-3 * low.abs()
+        };
         let (low, high) = (low - margin, high + margin);
         if self.logarithmic {
             10f64.powf(low)..10f64.powf(high)
@@ -77,34 +98,51 @@ impl Axis {
     }
 }
 
+/// How a series is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Style {
+pub(crate) enum Style {
+    /// A line so many pixels wide.
     Line(u32),
     Dashed,
-    Area,
     Dots,
+    /// Between two curves.
+    Band,
+    /// From zero.
+    Bars,
+    /// Box and whiskers.
+    Boxes,
 }
 
 /// One curve of a panel.
 #[derive(Clone, Debug)]
 pub struct Series {
-    name: String,
-    colour: usize,
-    style: Style,
-    points: Vec<(f64, f64)>,
+    pub(crate) name: String,
+    pub(crate) colour: usize,
+    pub(crate) style: Style,
+    pub(crate) x: Vec<f64>,
+    /// Values at each x: one column; of a band its lower and upper bound; of boxes the minimum,
+    /// first quartile, median, third quartile and maximum.
+    pub(crate) y: Vec<Vec<f64>>,
 }
 
 impl Series {
     fn new(name: &str, colour: usize, style: Style, points: Vec<(f64, f64)>) -> Self {
+        let (x, y) = points.into_iter().unzip();
+        Self::of_columns(name, colour, style, x, vec![y])
+    }
+
+    fn of_columns(name: &str, colour: usize, style: Style, x: Vec<f64>, y: Vec<Vec<f64>>) -> Self {
         Self {
             name: name.to_owned(),
             colour: colour % COLOURS.len(),
             style,
-            points,
+            x,
+            y,
         }
     }
 
-    /// A line in one of eight colours. Without a name it is not in the legend.
+    /// A line in one of eight colours, broken where y is not a number. Without a name it is not in
+    /// the legend.
     pub fn line(name: &str, colour: usize, points: Vec<(f64, f64)>) -> Self {
         Self::new(name, colour, Style::Line(2), points)
     }
@@ -129,11 +167,32 @@ impl Series {
         Self::new(name, colour, Style::Dots, points)
     }
 
+    /// Bars from zero to y; of several series with bars at the same x they stand side by side.
+    pub fn bars(name: &str, colour: usize, points: Vec<(f64, f64)>) -> Self {
+        Self::new(name, colour, Style::Bars, points)
+    }
+
     /// A light band between a lower and an upper curve: x, lower, upper.
     pub fn band(name: &str, colour: usize, bounds: &[(f64, f64, f64)]) -> Self {
-        let lower = bounds.iter().map(|&(x, low, _)| (x, low));
-        let upper = bounds.iter().rev().map(|&(x, _, high)| (x, high));
-        Self::new(name, colour, Style::Area, lower.chain(upper).collect())
+        let x = bounds.iter().map(|b| b.0).collect();
+        let lower = bounds.iter().map(|b| b.1).collect();
+        let upper = bounds.iter().map(|b| b.2).collect();
+        Self::of_columns(name, colour, Style::Band, x, vec![lower, upper])
+    }
+
+    /// Boxes with whiskers: x, and there the minimum, first quartile, median, third quartile and
+    /// maximum. Of several series with boxes at the same x they stand side by side.
+    pub fn boxes(name: &str, colour: usize, boxes: Vec<(f64, [f64; 5])>) -> Self {
+        let y = (0..5).map(|i| boxes.iter().map(|b| b.1[i]).collect());
+        let x = boxes.iter().map(|b| b.0).collect();
+        Self::of_columns(name, colour, Style::Boxes, x, y.collect())
+    }
+
+    /// All points that the series passes through: x and y.
+    pub(crate) fn points(&self) -> impl Iterator<Item = (f64, f64)> + Clone {
+        self.y
+            .iter()
+            .flat_map(|column| self.x.iter().copied().zip(column.iter().copied()))
     }
 }
 
@@ -153,53 +212,46 @@ pub enum Corner {
 /// Curves over two axes.
 #[derive(Clone, Debug)]
 pub struct Panel {
-    title: String,
-    x: Axis,
-    y: Axis,
-    series: Vec<Series>,
-    legend: Corner,
-}
-
-/// Draws panels side by side, `columns` to a row, each of a size [pixel].
-///
-/// # Errors
-/// A sentence for the user when the file cannot be written.
-pub fn draw(
-    path: &Path,
-    panels: &[Panel],
-    columns: usize,
-    (width, height): (u32, u32),
-) -> Result<(), String> {
-    let columns = columns.max(1);
-    let rows = panels.len().div_ceil(columns);
-    let size = (width * columns as u32, height * rows as u32);
-    let figure = || -> Result<(), Failure> {
-        let root = SVGBackend::new(path, size).into_drawing_area();
-        root.fill(&WHITE)?;
-        for (area, panel) in root.split_evenly((rows, columns)).iter().zip(panels) {
-            panel.draw(area)?;
-        }
-        root.present()?;
-        Ok(())
-    };
-    figure().map_err(|e| format!("cannot draw {}: {e}", path.display()))
+    pub(crate) title: String,
+    pub(crate) x: Axis,
+    pub(crate) y: Axis,
+    pub(crate) series: Vec<Series>,
+    /// Where the legend stands; where there is most room if nobody said.
+    pub(crate) legend: Option<Corner>,
+    /// Spans of x on a shaded ground.
+    pub(crate) shades: Vec<(f64, f64)>,
+    /// Whether a unit of x is as long as one of y.
+    pub(crate) to_scale: bool,
 }
 
 impl Panel {
-    /// An empty panel, its legend in the upper left.
+    /// An empty panel, its legend in the corner with most room.
     pub fn new(title: &str, x: Axis, y: Axis) -> Self {
         Self {
             title: title.to_owned(),
             x,
             y,
             series: Vec::new(),
-            legend: Corner::UpperLeft,
+            legend: None,
+            shades: Vec::new(),
+            to_scale: false,
         }
     }
 
-    /// Puts the legend into another corner.
+    /// Puts the legend into a corner.
     pub fn legend(self, legend: Corner) -> Self {
-        Self { legend, ..self }
+        Self {
+            legend: Some(legend),
+            ..self
+        }
+    }
+
+    /// Draws one unit of x as long as one of y, as on a map. For linear axes.
+    pub fn to_scale(self) -> Self {
+        Self {
+            to_scale: true,
+            ..self
+        }
     }
 
     /// Adds a curve, above those before it.
@@ -207,138 +259,9 @@ impl Panel {
         self.series.push(series);
     }
 
-    /// Draws the panel into a part of a figure.
-    pub(super) fn draw(&self, area: &Area) -> Result<(), Failure> {
-        let points = || self.series.iter().flat_map(|s| &s.points);
-        let shown = || points().filter(|(x, y)| self.x.holds(*x) && self.y.holds(*y));
-        let x = self.x.range_of(shown().map(|p| p.0), 0.0);
-        let y = self.y.range_of(shown().map(|p| p.1), 0.05);
-        let decades = |range: Range<f64>| {
-            let ticks = log_ticks(&range);
-            range.log_scale().with_key_points(ticks)
-        };
-        match (self.x.logarithmic, self.y.logarithmic) {
-            (false, false) => self.draw_over(area, x, y),
-            (false, true) => self.draw_over(area, x, decades(y)),
-            (true, false) => self.draw_over(area, decades(x), y),
-            (true, true) => self.draw_over(area, decades(x), decades(y)),
-        }
-    }
-
-    fn draw_over<X, Y>(&self, area: &Area, x: X, y: Y) -> Result<(), Failure>
-    where
-        X: AsRangedCoord<Value = f64>,
-        Y: AsRangedCoord<Value = f64>,
-        X::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
-        Y::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
-    {
-        let mut chart = ChartBuilder::on(area)
-            .margin(14)
-            .caption(&self.title, ("sans-serif", 18))
-            .x_label_area_size(38)
-            .y_label_area_size(62)
-            .build_cartesian_2d(x, y)?;
-        chart
-            .configure_mesh()
-            .x_desc(&self.x.label)
-            .y_desc(&self.y.label)
-            .light_line_style(WHITE)
-            .bold_line_style(RGBColor(225, 225, 225))
-            .label_style(("sans-serif", 13))
-            .x_labels(7)
-            .y_labels(7)
-            .x_label_formatter(&|v| tick(*v))
-            .y_label_formatter(&|v| tick(*v))
-            .draw()?;
-        for series in &self.series {
-            let colour = COLOURS[series.colour];
-            let points = series
-                .points
-                .iter()
-                .copied()
-                .filter(|(x, y)| self.x.holds(*x) && self.y.holds(*y));
-            let drawn = match series.style {
-                Style::Line(width) => {
-                    chart.draw_series(LineSeries::new(points, colour.stroke_width(width)))?
-                }
-                Style::Dashed => chart.draw_series(DashedLineSeries::new(
-                    points,
-                    6,
-                    4,
-                    colour.stroke_width(2),
-                ))?,
-                Style::Dots => {
-                    chart.draw_series(points.map(|p| Circle::new(p, 3, colour.filled())))?
-                }
-                Style::Area => chart.draw_series(std::iter::once(Polygon::new(
-                    points.collect::<Vec<_>>(),
-                    colour.mix(0.2),
-                )))?,
-            };
-            if series.name.is_empty() {
-                continue;
-            }
-            let style = series.style;
-            drawn.label(&series.name).legend(move |(x, y)| {
-                let width = match style {
-                    Style::Line(width) => width,
-                    Style::Dashed => 2,
-                    Style::Area => 9,
-                    Style::Dots => 5,
-                };
-                let ends = match style {
-                    Style::Dashed => vec![(x, y), (x + 7, y)],
-                    Style::Dots => vec![(x + 7, y), (x + 12, y)],
-                    _ => vec![(x, y), (x + 18, y)],
-                };
-                let colour = if style == Style::Area {
-                    colour.mix(0.2)
-                } else {
-                    colour.to_rgba()
-                };
-                PathElement::new(ends, colour.stroke_width(width))
-            });
-        }
-        if self.series.iter().any(|s| !s.name.is_empty()) {
-            chart
-                .configure_series_labels()
-                .position(match self.legend {
-                    Corner::UpperLeft => SeriesLabelPosition::UpperLeft,
-                    Corner::UpperRight => SeriesLabelPosition::UpperRight,
-                    Corner::LowerLeft => SeriesLabelPosition::LowerLeft,
-                    Corner::LowerRight => SeriesLabelPosition::LowerRight,
-                })
-                .background_style(WHITE.mix(0.85))
-                .border_style(RGBColor(200, 200, 200))
-                .label_font(("sans-serif", 13))
-                .draw()?;
-        }
-        Ok(())
-    }
-}
-
-/// Where a logarithmic axis has ticks: at powers of ten, and where those are few, at 2 and 5 too.
-fn log_ticks(range: &Range<f64>) -> Vec<f64> {
-    let (first, last) = (range.start.log10(), range.end.log10());
-    let steps: &[f64] = match last - first {
-        span if span > 3.0 => &[1.0],
-        span if span > 0.8 => &[1.0, 2.0, 5.0],
-        _ => &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0],
-    };
-    (first.floor() as i32..=last.floor() as i32)
-        .flat_map(|power| steps.iter().map(move |step| step * 10f64.powi(power)))
-        .filter(|tick| range.contains(tick))
-        .collect()
-}
-
-/// A number beside an axis: as many digits as it needs.
-fn tick(value: f64) -> String {
-    // Ticks are sums of steps: seven digits leave the rounding behind.
-    let rounded: f64 = format!("{value:.6e}").parse().unwrap_or(value);
-    match rounded.abs() {
-        0.0 => "0".to_owned(),
-        1e-3..1e5 => format!("{rounded}"),
-        _ => format!("{rounded:e}"),
+    /// Shades the ground over a span of x, such as an outage.
+    pub fn shade(&mut self, from: f64, to: f64) {
+        self.shades.push((from, to));
     }
 }
 
@@ -347,32 +270,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ticks_are_short() {
-        for (value, text) in [
-            (0.0, "0"),
-            (0.1 + 0.2, "0.3"),
-            (1000.0, "1000"),
-            (1e-5, "1e-5"),
-            (-2.5, "-2.5"),
-            (3e6, "3e6"),
-        ] {
-            assert_eq!(tick(value), text);
-        }
-    }
-
-    #[test]
-    fn short_logarithmic_axes_have_ticks_too() {
-        assert_eq!(log_ticks(&(0.05..2e4)), [0.1, 1.0, 10.0, 100.0, 1e3, 1e4]);
-        assert_eq!(log_ticks(&(90.0..700.0)), [100.0, 200.0, 500.0]);
-        assert_eq!(log_ticks(&(90.0..450.0)).len(), 5);
-    }
-
-    #[test]
     fn an_axis_holds_what_it_shows() {
         let axis = Axis::logarithmic("x").within(0.1..10.0);
         assert!(axis.holds(1.0) && !axis.holds(20.0) && !axis.holds(-1.0) && !axis.holds(f64::NAN));
         let range = Axis::new("y").range_of([1.0, 3.0].into_iter(), 0.1);
         assert!((range.start - 0.8).abs() < 1e-12 && (range.end - 3.2).abs() < 1e-12);
-        assert!(Axis::new("y").range_of(std::iter::empty(), 0.0).end > 1.0);
+        assert!(Axis::logarithmic("x").within(0.0..1.0).range.is_none());
+        assert!(Axis::new("y").range_of(std::iter::empty(), 0.0).end >= 1.0);
     }
 }

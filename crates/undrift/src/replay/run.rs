@@ -200,6 +200,7 @@ impl<'a, const N: usize> Run<'a, N> {
         }
         self.anew = false;
         self.last_fix = Some(fix.time);
+        observer.used(fix.time);
         let mut filter = aligned.filter;
         if let (Some(start), true) = (&self.settings.start, self.summary.restarts.is_empty()) {
             filter.take_out(&nalgebra::SVector::from_fn(|i, _| {
@@ -302,6 +303,7 @@ impl<'a, const N: usize> Run<'a, N> {
         }
         if used {
             self.summary.fixes += 1;
+            observer.used(fix.time);
             if let Some(last) = self.last_fix.replace(fix.time) {
                 self.note_span_without_gnss(last, fix.time);
             }

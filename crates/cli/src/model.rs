@@ -1,0 +1,37 @@
+//! `undrift model`: a noise model as other programs read it.
+
+use crate::{output, report, terminal};
+use anyhow::Result;
+use clap::Args;
+use std::path::{Path, PathBuf};
+use undrift::noise::{ImuModel, ModelFormat};
+
+/// Write the noise model of an IMU as Kalibr, KF-GINS, ROS, PX4 or MATLAB read it.
+#[derive(Args)]
+#[command(after_help = "Examples:
+  undrift model adis16465 --to kalibr --rate 200 -o imu.yaml
+  undrift model mpu6050 --to px4")]
+pub struct Arguments {
+    /// A model file or a preset (adis16405, adis16465, adis16488, icm20602, mpu6050)
+    #[arg(value_name = "IMU.toml")]
+    model: String,
+    /// Format: kalibr, kf-gins, ros, px4, matlab, or undrift for the model file with every value in it
+    #[arg(long, value_name = "NAME")]
+    to: ModelFormat,
+    /// Rate of the samples [Hz], of EKF2's predictions for px4; if not that of the identified record
+    #[arg(long, value_name = "HZ")]
+    rate: Option<f64>,
+    /// Write into this file instead of to standard output
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    output: Option<PathBuf>,
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    output::ready(arguments.output.as_deref())?;
+    let model = ImuModel::resolve(&arguments.model, Path::new(""))?;
+    let text = model.export(arguments.to, arguments.rate)?;
+    match &arguments.output {
+        Some(file) => report::write_whole(file, &text),
+        None => terminal::result(text.trim_end()),
+    }
+}

@@ -1,0 +1,165 @@
+//! `undrift inspect`: from files to a drive file that runs.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Output},
+};
+
+fn undrift(arguments: &[&str], here: &Path) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_undrift"))
+        .args(arguments)
+        .current_dir(here)
+        .output()
+        .unwrap()
+}
+
+fn folder(name: &str) -> PathBuf {
+    let dir = std::env::temp_dir().join(format!("undrift-inspect-{name}-{}", std::process::id()));
+    let _ = fs::remove_dir_all(&dir);
+    fs::create_dir_all(&dir).unwrap();
+    dir
+}
+
+fn text(output: &Output) -> String {
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+/// A car that stands for 20 s and then drives north, 2 m/s² for 10 s: an inertial log of six columns and
+/// fixes, in a layout given by a function of time, specific force forward, and distance.
+fn drive(dir: &Path, imu_head: &str, imu_row: impl Fn(f64, f64) -> String) {
+    let mut imu = imu_head.to_owned();
+    let mut gnss = "time,latitude,longitude,altitude\n".to_owned();
+    for k in 0..6000 {
+        let t = f64::from(k) * 0.01;
+        let force = if (20.0..30.0).contains(&t) { 2.0 } else { 0.0 };
+        imu += &imu_row(t, force);
+        let driven = (t - 20.0).clamp(0.0, 10.0);
+        let distance = driven * driven + 20.0 * (t - 30.0).max(0.0);
+        if k % 20 == 0 {
+            gnss += &format!("{t:.2},{:.9},11.5,500\n", 48.1 + distance / 111_195.0);
+        }
+    }
+    fs::write(dir.join("imu.csv"), imu).unwrap();
+    fs::write(dir.join("gnss.csv"), gnss).unwrap();
+}
+
+/// Inspects both files, checks what the drive file says, and navigates with it.
+fn inspect_and_navigate(name: &str, head: &str, row: impl Fn(f64, f64) -> String, says: &[&str]) {
+    let dir = folder(name);
+    drive(&dir, head, row);
+    let found = undrift(
+        &["inspect", "imu.csv", "gnss.csv", "-o", "drive.toml"],
+        &dir,
+    );
+    let report = text(&found);
+    assert!(report.contains("[imu] 6000 records at 100.0"), "{report}");
+    assert!(report.contains("[gnss] 300 records at 5.0"), "{report}");
+    let file = fs::read_to_string(dir.join("drive.toml")).unwrap();
+    for expected in says {
+        assert!(file.contains(expected), "{expected} is not in\n{file}");
+    }
+    let run = undrift(&["navigate", "drive.toml", "-o", "nav.csv"], &dir);
+    assert!(text(&run).contains("navigated"), "{}", text(&run));
+    assert!(dir.join("nav.csv").is_file());
+    fs::remove_dir_all(&dir).unwrap();
+}
+
+/// An error that alternates, so that it has no mean: as scattered as a MEMS gyro.
+fn noise(t: f64, size: f64) -> f64 {
+    if (t * 100.0).round() as i64 % 2 == 0 {
+        size
+    } else {
+        -size
+    }
+}
+
+#[test]
+fn named_columns_in_degrees_and_g() {
+    inspect_and_navigate(
+        "named",
+        "time,gyro_x,gyro_y,gyro_z,acc_x,acc_y,acc_z\n",
+        |t, force| {
+            let n = noise(t, 0.05);
+            format!("{t:.2},{n},{n},{n},{},0.001,-1.0\n", force / 9.80665)
+        },
+        &[
+            "gyro_unit = \"deg/s\" # guessed",
+            "accel_unit = \"g\" # guessed",
+            "axes = \"x,y,z\"",
+            "position_std = \"3, 3, 6 m\" # guessed",
+        ],
+    );
+}
+
+#[test]
+fn numbers_without_names_in_milliseconds() {
+    inspect_and_navigate(
+        "numbers",
+        "",
+        |t, force| {
+            let n = noise(t, 0.0005);
+            format!("{:.0} {force} 0.01 9.8 {n} {n} {n}\n", 1000.0 * t)
+        },
+        &[
+            "time_unit = \"ms\"",
+            "accel = [2, 3, 4]",
+            "gyro = [5, 6, 7]",
+            "gyro_unit = \"rad/s\" # guessed",
+            "axes = \"x,-y,-z\"",
+        ],
+    );
+}
+
+#[test]
+fn kf_gins_increments() {
+    inspect_and_navigate(
+        "kf-gins",
+        "",
+        |t, force| {
+            let n = noise(t, 1e-5);
+            format!(
+                "{t:.3}  {n:.9}  {n:.9}  {n:.9}  {:.9}  0.000001  -0.0980665\n",
+                0.01 * force
+            )
+        },
+        &["file = \"imu.csv\" # KF-GINS text"],
+    );
+}
+
+#[test]
+fn hostile_names_stay_text() {
+    let dir = folder("hostile");
+    let mut rows =
+        "time,gyro_x,gyro_y,gyro_z,acc_x,acc_y,acc_z,\"\"\"]\nevil = 1\n\"\n".replace('\n', " ");
+    rows.push('\n');
+    for k in 0..200 {
+        rows += &format!("{},0.05,-0.05,0.05,0,0,-1,0\n", f64::from(k) * 0.01);
+    }
+    fs::write(dir.join("a\"b.csv"), rows).unwrap();
+    let found = undrift(&["inspect", "a\"b.csv", "-o", "drive.toml"], &dir);
+    text(&found);
+    let file = fs::read_to_string(dir.join("drive.toml")).unwrap();
+    toml::from_str::<toml::Table>(&file).unwrap();
+    fs::remove_dir_all(&dir).unwrap();
+}
+
+#[test]
+fn what_is_no_log_is_said() {
+    let dir = folder("none");
+    fs::write(dir.join("letter.txt"), "Dear Sir,\nno numbers here.\n").unwrap();
+    fs::write(dir.join("empty"), "").unwrap();
+    let report = text(&undrift(&["inspect", "letter.txt"], &dir));
+    assert!(report.contains("nothing in it is read here"), "{report}");
+    for missing in ["empty", "not-there.csv"] {
+        let output = undrift(&["inspect", missing], &dir);
+        assert!(!output.status.success());
+        assert!(String::from_utf8_lossy(&output.stderr).contains(missing));
+    }
+    fs::remove_dir_all(&dir).unwrap();
+}

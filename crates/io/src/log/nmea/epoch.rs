@@ -1,0 +1,305 @@
+//! The sentences of one time of day as one fix, and its time.
+
+use undrift_nav::earth::Geodetic;
+use undrift_nav::sample::{FixQuality, Position};
+use undrift_nav::{Matrix3, Vector3};
+
+use super::sentence::{Sentence, date};
+use crate::log::Fix;
+use crate::log::receiver::Ready;
+use crate::skipped::SkipKind;
+use crate::time::WeekClock;
+
+const DAY: f64 = 86_400.0;
+/// Epochs that wait for a date: an hour at 1 Hz.
+const MAX_HELD: usize = 3600;
+
+/// What GGA says.
+struct Place {
+    lat_deg: f64,
+    lon_deg: f64,
+    /// Above sea level [m].
+    altitude: f64,
+    /// Of the sea above the ellipsoid [m].
+    separation: Option<f64>,
+    quality: FixQuality,
+}
+
+/// What the sentences of one time of day say.
+pub(super) struct Epoch {
+    /// Line of the first.
+    at: u64,
+    /// UTC [s].
+    pub(super) time_of_day: f64,
+    place: Option<Place>,
+    covariance: Option<Matrix3>,
+    /// Over ground, down 0 [m/s].
+    velocity: Option<Vector3>,
+    /// Whether a standard deviation was unusable.
+    unusable: bool,
+    date: Option<(i64, i64, i64)>,
+    /// Whether a sentence says that there is no fix by satellites.
+    no_fix: bool,
+}
+
+impl Epoch {
+    pub(super) fn new(at: u64, time_of_day: f64) -> Self {
+        Self {
+            at,
+            time_of_day,
+            place: None,
+            covariance: None,
+            velocity: None,
+            unusable: false,
+            date: None,
+            no_fix: false,
+        }
+    }
+
+    /// Takes in a sentence, or says why it cannot be used.
+    pub(super) fn add(&mut self, sentence: &Sentence) -> Result<(), SkipKind> {
+        match sentence.kind() {
+            b"GGA" => self.gga(sentence),
+            b"GST" => {
+                self.covariance = covariance(sentence);
+                let given = (6..=8).any(|field| !sentence.field(field).is_empty());
+                self.unusable = given && self.covariance.is_none();
+                Ok(())
+            }
+            b"RMC" => {
+                let mode = sentence.field(12);
+                self.no_fix |=
+                    sentence.field(2) != b"A" || matches!(mode, b"N" | b"E" | b"M" | b"S");
+                self.date = date(sentence.field(9)).or(self.date);
+                self.velocity = velocity(sentence, 7, 8).or(self.velocity);
+                Ok(())
+            }
+            b"VTG" => {
+                self.velocity = velocity(sentence, 5, 1).or(self.velocity);
+                Ok(())
+            }
+            _ => {
+                let part =
+                    |field: usize| sentence.number(field).filter(|value| value.fract() == 0.0);
+                if let (Some(day), Some(month), Some(year)) = (part(2), part(3), part(4)) {
+                    self.date = Some((year as i64, month as i64, day as i64));
+                }
+                Ok(())
+            }
+        }
+    }
+
+    fn gga(&mut self, sentence: &Sentence) -> Result<(), SkipKind> {
+        let quality = match sentence.field(6) {
+            b"1" | b"3" => FixQuality::Single,
+            b"2" | b"9" => FixQuality::Differential,
+            b"4" => FixQuality::Fixed,
+            b"5" => FixQuality::Float,
+            // No fix, dead reckoning, by hand, simulated.
+            b"" | b"0" | b"6" | b"7" | b"8" => {
+                self.no_fix = true;
+                return Ok(());
+            }
+            _ => FixQuality::Unknown,
+        };
+        if [2, 4, 9]
+            .iter()
+            .any(|&field| sentence.field(field).is_empty())
+        {
+            return Err(SkipKind::MissingField);
+        }
+        let lat_deg = sentence.angle(2, [b"N", b"S"]);
+        let lon_deg = sentence.angle(4, [b"E", b"W"]);
+        self.place = Some(Place {
+            lat_deg: lat_deg.ok_or(SkipKind::Text)?,
+            lon_deg: lon_deg.ok_or(SkipKind::Text)?,
+            altitude: sentence.number(9).ok_or(SkipKind::Text)?,
+            separation: sentence.number(11),
+            quality,
+        });
+        Ok(())
+    }
+
+    /// Makes the fix of what has come and gives it to those that know its time.
+    pub(super) fn end(
+        self,
+        heights: &mut Heights,
+        times: &mut Times,
+        poses: bool,
+        ready: &mut Ready,
+    ) {
+        times.next(self.time_of_day, self.date, poses, ready);
+        if self.no_fix {
+            let detail = format!("UTC {:.2} s of the day", self.time_of_day);
+            ready.skip(self.at, SkipKind::NoFix, detail);
+            return;
+        }
+        let Some(place) = self.place else { return };
+        let height = heights.above_ellipsoid(&place, self.at, ready);
+        let position = Geodetic::from_degrees(place.lat_deg, place.lon_deg, height);
+        if !ready.is_a_place(self.at, &position) {
+            return;
+        }
+        if self.unusable {
+            ready.skip(
+                self.at,
+                SkipKind::Uncertainty,
+                "the standard deviations of GST",
+            );
+        }
+        let fix = Fix {
+            time: 0.0,
+            position: Some((Position::Geodetic(position), self.covariance)),
+            // No reference: half of it is missing.
+            velocity: self
+                .velocity
+                .filter(|_| !poses)
+                .map(|velocity| (velocity, None)),
+            quality: place.quality,
+        };
+        times.give(self.at, fix, poses, ready);
+    }
+}
+
+/// North-east-down [m/s] by the fields of speed [kn] and true course [°]; the vertical speed is
+/// unknown and given as 0.
+fn velocity(sentence: &Sentence, speed: usize, course: usize) -> Option<Vector3> {
+    /// The international knot [m/s].
+    const KNOT: f64 = 1852.0 / 3600.0;
+    let speed = sentence.number(speed).filter(|speed| *speed >= 0.0)? * KNOT;
+    // At rest some receivers leave the course empty.
+    let course = sentence.number(course).or((speed == 0.0).then_some(0.0))?;
+    let (east, north) = course.to_radians().sin_cos();
+    Some(Vector3::new(speed * north, speed * east, 0.0))
+}
+
+/// North-east-down [m²] by GST: standard deviations of latitude, longitude and altitude, or
+/// semi-axes and the direction of the major one [°] from north with that of altitude.
+fn covariance(gst: &Sentence) -> Option<Matrix3> {
+    let std = |field: usize| {
+        gst.number(field)
+            .filter(|std| (std * std).is_normal() && *std > 0.0)
+    };
+    let down = std(8)?.powi(2);
+    if !(gst.field(6).is_empty() && gst.field(7).is_empty()) {
+        let variances = Vector3::new(std(6)?.powi(2), std(7)?.powi(2), down);
+        return Some(Matrix3::from_diagonal(&variances));
+    }
+    let (major, minor) = (std(3)?.powi(2), std(4)?.powi(2));
+    let (s, c) = gst.number(5)?.to_radians().sin_cos();
+    let (nn, ee) = (major * c * c + minor * s * s, major * s * s + minor * c * c);
+    let ne = (major - minor) * s * c;
+    Some(Matrix3::new(nn, ne, 0.0, ne, ee, 0.0, 0.0, 0.0, down))
+}
+
+/// Heights above the ellipsoid, as far as the file tells.
+#[derive(Default)]
+pub(super) struct Heights {
+    separation: Option<f64>,
+    above_sea: bool,
+}
+
+impl Heights {
+    fn above_ellipsoid(&mut self, place: &Place, at: u64, ready: &mut Ready) -> f64 {
+        if !self.above_sea {
+            self.separation = place.separation.or(self.separation);
+        }
+        match self.separation {
+            Some(separation) => place.altitude + separation,
+            None => {
+                if !self.above_sea {
+                    let detail = "no geoid separation: heights stay above sea level";
+                    ready.skip(at, SkipKind::MissingField, detail);
+                }
+                self.above_sea = true;
+                place.altitude
+            }
+        }
+    }
+}
+
+/// Makes times of dates and times of day.
+#[derive(Default)]
+pub(super) struct Times {
+    weeks: WeekClock,
+    /// The last time of day [s].
+    last: Option<f64>,
+    /// The last date that was told.
+    date: Option<(i64, i64, i64)>,
+    /// Midnights since the last date, or since the file's start.
+    midnights: i32,
+    /// Fixes that wait for a date: line, midnights before it, time of day.
+    held: Vec<(u64, i32, f64, Fix)>,
+    /// The file counts seconds of its first day, for good.
+    undated: bool,
+}
+
+impl Times {
+    /// Goes on to an epoch.
+    fn next(
+        &mut self,
+        time_of_day: f64,
+        date: Option<(i64, i64, i64)>,
+        poses: bool,
+        ready: &mut Ready,
+    ) {
+        let last = self.last.replace(time_of_day);
+        if last.is_some_and(|last| last - time_of_day > DAY / 2.0) {
+            self.midnights += 1;
+        }
+        let valid = |&(year, month, day): &(i64, i64, i64)| {
+            // Asked of a clock of its own, so that this is not what sets the week.
+            WeekClock::default().utc(year, month, day, 0.0).is_some()
+        };
+        let Some(date) = date.filter(valid).filter(|_| !self.undated) else {
+            return;
+        };
+        self.date = Some(date);
+        let since_start = std::mem::take(&mut self.midnights);
+        for (at, midnights, time_of_day, fix) in std::mem::take(&mut self.held) {
+            let seconds = time_of_day + DAY * f64::from(midnights - since_start);
+            self.dated(at, seconds, fix, poses, ready);
+        }
+    }
+
+    /// Gives out a fix of the epoch that this has gone on to, or keeps it until its date is known.
+    fn give(&mut self, at: u64, fix: Fix, poses: bool, ready: &mut Ready) {
+        let time_of_day = self.last.unwrap_or_default();
+        let seconds = time_of_day + DAY * f64::from(self.midnights);
+        if self.undated {
+            ready.fix(
+                at,
+                Fix {
+                    time: seconds,
+                    ..fix
+                },
+                poses,
+            );
+        } else if self.date.is_some() {
+            self.dated(at, seconds, fix, poses, ready);
+        } else {
+            self.held.push((at, self.midnights, time_of_day, fix));
+            if self.held.len() >= MAX_HELD {
+                self.end(poses, ready);
+            }
+        }
+    }
+
+    fn dated(&mut self, at: u64, seconds: f64, fix: Fix, poses: bool, ready: &mut Ready) {
+        let time = self
+            .date
+            .and_then(|(year, month, day)| self.weeks.utc(year, month, day, seconds));
+        if let Some(time) = time {
+            ready.fix(at, Fix { time, ..fix }, poses);
+        }
+    }
+
+    /// Gives out what still waits for a date, without one.
+    pub(super) fn end(&mut self, poses: bool, ready: &mut Ready) {
+        self.undated = self.date.is_none();
+        for (at, midnights, time_of_day, fix) in std::mem::take(&mut self.held) {
+            let time = time_of_day + DAY * f64::from(midnights);
+            ready.fix(at, Fix { time, ..fix }, poses);
+        }
+    }
+}

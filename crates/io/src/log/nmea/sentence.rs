@@ -1,0 +1,101 @@
+//! Sentences: `$`, talker and kind, fields between commas, `*` and the exclusive or of what is
+//! between.
+
+use crate::number;
+use crate::table::shown;
+use crate::time::whole;
+
+/// Longest sentence that is believed [bytes]: the standard has 82, receivers go beyond it.
+const LONGEST: usize = 256;
+
+/// A sentence whose checksum is right: what stands between `$` and `*`.
+pub(super) struct Sentence<'a>(&'a [u8]);
+
+pub(super) enum Found<'a> {
+    Sentence(Sentence<'a>),
+    /// What begins like a sentence that is read here, but is damaged.
+    Damaged(String),
+}
+
+/// The sentences of a line; anything else in it is passed over.
+pub(super) fn sentences(line: &[u8]) -> impl Iterator<Item = Found<'_>> {
+    // A `$` inside of a sentence is a new beginning: the one before lost its end.
+    line.split(|&byte| byte == b'$')
+        .skip(1)
+        .filter_map(|piece| {
+            let piece = piece.get(..LONGEST).unwrap_or(piece);
+            let sentence = whole_sentence(piece);
+            let damaged = || looks_like_one(piece).then(|| Found::Damaged(shown(piece)));
+            sentence.map(Found::Sentence).or_else(damaged)
+        })
+}
+
+fn whole_sentence(piece: &[u8]) -> Option<Sentence<'_>> {
+    let star = piece.iter().position(|&byte| byte == b'*')?;
+    let (body, sum) = (piece.get(..star)?, piece.get(star + 1..star + 3)?);
+    let said = std::str::from_utf8(sum).ok()?;
+    let said = u8::from_str_radix(said, 16).ok()?;
+    let made = body.iter().fold(0, |sum, byte| sum ^ byte);
+    (said == made).then_some(Sentence(body))
+}
+
+fn looks_like_one(piece: &[u8]) -> bool {
+    let kinds = [&b"GGA,"[..], b"GST,", b"RMC,", b"ZDA,"];
+    piece.get(2..6).is_some_and(|kind| kinds.contains(&kind))
+}
+
+impl Sentence<'_> {
+    /// Its kind, without the talker; empty for one of a maker's own.
+    pub(super) fn kind(&self) -> &[u8] {
+        let name = self.field(0);
+        let own = name.len() != 5 || name.starts_with(b"P");
+        name.get(2..).filter(|_| !own).unwrap_or_default()
+    }
+
+    /// A field, the name being number 0; empty where there is none.
+    pub(super) fn field(&self, number: usize) -> &[u8] {
+        self.0
+            .split(|&byte| byte == b',')
+            .nth(number)
+            .unwrap_or_default()
+    }
+
+    /// A finite number; `None` for an empty field and for text.
+    pub(super) fn number(&self, number: usize) -> Option<f64> {
+        number::parse(self.field(number)).filter(|value| value.is_finite())
+    }
+
+    /// The angle [°] of two fields: `dddmm.mmm`, and a letter of which the second is negative.
+    pub(super) fn angle(&self, number: usize, letters: [&[u8]; 2]) -> Option<f64> {
+        let value = self.number(number).filter(|value| *value >= 0.0)?;
+        let degrees = (value / 100.0).floor();
+        let minutes = value - 100.0 * degrees;
+        let size = degrees + minutes / 60.0;
+        match self.field(number + 1) {
+            _ if minutes >= 60.0 => None,
+            letter if letter == letters[0] => Some(size),
+            letter if letter == letters[1] => Some(-size),
+            _ => None,
+        }
+    }
+
+    pub(super) fn shown(&self) -> String {
+        shown(self.0)
+    }
+}
+
+/// Seconds of day of `hhmmss.sss`; the second may be 60.
+pub(super) fn time_of_day(field: &[u8]) -> Option<f64> {
+    let (hour, minute) = (whole(field.get(..2)?)?, whole(field.get(2..4)?)?);
+    let second = number::parse(field.get(4..)?)?;
+    let plausible = hour < 24 && minute < 60 && (0.0..61.0).contains(&second);
+    plausible.then(|| (hour * 3600 + minute * 60) as f64 + second)
+}
+
+/// Year, month and day of `ddmmyy`; GPS began in 1980.
+pub(super) fn date(field: &[u8]) -> Option<(i64, i64, i64)> {
+    let part = |from: usize| whole(field.get(from..from + 2)?);
+    let (day, month, year) = (part(0)?, part(2)?, part(4)?);
+    let century = if year < 80 { 2000 } else { 1900 };
+    (field.len() == 6).then_some((century + year, month, day))
+}

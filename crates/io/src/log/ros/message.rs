@@ -1,0 +1,192 @@
+//! The messages that are read, in the serialisation of ROS 1 and in the CDR of ROS 2. Their fields
+//! are those of the definitions in the packages `sensor_msgs`, `geometry_msgs` and `nav_msgs`.
+
+use std::borrow::Cow;
+
+use undrift_nav::earth::Geodetic;
+use undrift_nav::sample::FixQuality;
+use undrift_nav::{Matrix3, Vector3};
+
+use super::bytes::Fields;
+use crate::log::StreamKind;
+use crate::skipped::SkipKind;
+
+/// How messages are serialised.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::log) enum Encoding {
+    Ros1,
+    Cdr,
+}
+
+/// A type of message that is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Type {
+    Imu,
+    NavSatFix,
+    TwistStamped,
+    TwistWithCovarianceStamped,
+    Odometry,
+}
+
+impl Type {
+    /// By its name of ROS 1, `package/Type`.
+    pub(super) fn named(name: &str) -> Option<Self> {
+        match name {
+            "sensor_msgs/Imu" => Some(Self::Imu),
+            "sensor_msgs/NavSatFix" => Some(Self::NavSatFix),
+            "geometry_msgs/TwistStamped" => Some(Self::TwistStamped),
+            "geometry_msgs/TwistWithCovarianceStamped" => Some(Self::TwistWithCovarianceStamped),
+            "nav_msgs/Odometry" => Some(Self::Odometry),
+            _ => None,
+        }
+    }
+
+    pub(super) fn kind(self) -> StreamKind {
+        match self {
+            Self::Imu => StreamKind::Imu,
+            Self::NavSatFix => StreamKind::Fixes,
+            Self::TwistStamped | Self::TwistWithCovarianceStamped => StreamKind::Velocity,
+            Self::Odometry => StreamKind::Other,
+        }
+    }
+}
+
+/// What every one of them starts with.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Header<'a> {
+    /// Seconds and nanoseconds of Unix time; both zero where it is not set.
+    pub(super) stamp: (i64, u32),
+    /// The frame that the data are in.
+    pub(super) frame: Cow<'a, str>,
+}
+
+/// Why a message is not used.
+pub(super) type Unfit = (SkipKind, String);
+
+/// The fields of a message after its header, and the header.
+pub(super) fn header(encoding: Encoding, bytes: &[u8]) -> Option<(Header<'_>, Fields<'_>)> {
+    let mut fields = match encoding {
+        Encoding::Ros1 => Fields::packed(bytes),
+        Encoding::Cdr => Fields::cdr(bytes)?,
+    };
+    let seconds = match encoding {
+        Encoding::Ros1 => {
+            // A sequence number comes first.
+            fields.u32()?;
+            i64::from(fields.u32()?)
+        }
+        Encoding::Cdr => i64::from(fields.u32()?.cast_signed()),
+    };
+    let stamp = (seconds, fields.u32()?);
+    let frame = fields.text()?;
+    Some((Header { stamp, frame }, fields))
+}
+
+/// Angular rate [rad/s] and specific force [m/s²] of sensor_msgs/Imu, axes of its frame.
+///
+/// A first covariance element of −1 says that the quantity is not given.
+pub(super) fn imu(fields: &mut Fields) -> Result<(Vector3, Vector3), Unfit> {
+    let mut read = || {
+        fields.array::<13>()?;
+        let rate = fields.array::<12>()?;
+        let force = fields.array::<12>()?;
+        Some((rate, force))
+    };
+    let (rate, force) = read().ok_or_else(too_short)?;
+    for (quantity, [_, _, _, first, ..]) in [("angular rate", rate), ("acceleration", force)] {
+        if first == -1.0 {
+            return Err((SkipKind::MissingField, format!("no {quantity}")));
+        }
+    }
+    Ok((finite(vector(&rate))?, finite(vector(&force))?))
+}
+
+/// Position, its covariance north-east-down [m²] and the quality of sensor_msgs/NavSatFix.
+///
+/// Status 0 is a fix without, 1 one with satellite-based corrections. Status 2, ground-based
+/// corrections, stands for everything from differential code to resolved ambiguities, so it says
+/// nothing. The covariance is east-north-up, of type 0 where it is unknown; one that is none, such
+/// as all zero, counts as unknown.
+pub(super) fn fix(fields: &mut Fields) -> Result<(Geodetic, Option<Matrix3>, FixQuality), Unfit> {
+    let mut read = || {
+        let status = fields.u8()?.cast_signed();
+        fields.u16()?;
+        Some((
+            status,
+            fields.array::<3>()?,
+            fields.array::<9>()?,
+            fields.u8()?,
+        ))
+    };
+    let (status, place, covariance, kind) = read().ok_or_else(too_short)?;
+    if status < 0 {
+        return Err((SkipKind::OutOfRange, format!("status {status}, no fix")));
+    }
+    let place = finite(Vector3::from(place))?;
+    let position = Geodetic::from_degrees(place.x, place.y, place.z);
+    if !position.is_valid() || (place.x == 0.0 && place.y == 0.0) {
+        let detail = format!("{}°, {}°, {} m", place.x, place.y, place.z);
+        return Err((SkipKind::OutOfRange, detail));
+    }
+    let covariance = match kind {
+        0 => None,
+        // Only the diagonal is known.
+        2 => ned_covariance(Matrix3::from_diagonal(
+            &Matrix3::from_row_slice(&covariance).diagonal(),
+        )),
+        _ => ned_covariance(Matrix3::from_row_slice(&covariance)),
+    };
+    let quality = match status {
+        0 => FixQuality::Single,
+        1 => FixQuality::Differential,
+        _ => FixQuality::Unknown,
+    };
+    Ok((position, covariance, quality))
+}
+
+/// Velocity north-east-down [m/s] and its covariance [(m/s)²] of geometry_msgs/TwistStamped or
+/// TwistWithCovarianceStamped, which are east-north-up (REP-103).
+pub(super) fn velocity(
+    fields: &mut Fields,
+    with_covariance: bool,
+) -> Result<(Vector3, Option<Matrix3>), Unfit> {
+    let twist = fields.array::<6>().ok_or_else(too_short)?;
+    let v_n = ned(&finite(vector(&twist))?);
+    if !with_covariance {
+        return Ok((v_n, None));
+    }
+    let all = fields.array::<36>().ok_or_else(too_short)?;
+    let linear = Matrix3::from_fn(|row, column| all.get(6 * row + column).copied().unwrap_or(0.0));
+    Ok((v_n, ned_covariance(linear)))
+}
+
+/// North-east-down of east-north-up, and the reverse.
+fn ned(enu: &Vector3) -> Vector3 {
+    Vector3::new(enu.y, enu.x, -enu.z)
+}
+
+/// A covariance north-east-down of one east-north-up; `None` if it is none: not finite, not
+/// positive definite.
+fn ned_covariance(enu: Matrix3) -> Option<Matrix3> {
+    let turn = Matrix3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0);
+    let ned = turn * ((enu + enu.transpose()) / 2.0) * turn;
+    let usable = ned.iter().all(|value| value.is_finite()) && ned.cholesky().is_some();
+    usable.then_some(ned)
+}
+
+/// The first three of an array.
+fn vector<const N: usize>(array: &[f64; N]) -> Vector3 {
+    Vector3::from_iterator(array.iter().copied().chain(std::iter::repeat(0.0)))
+}
+
+fn finite(values: Vector3) -> Result<Vector3, Unfit> {
+    if values.iter().all(|value| value.is_finite()) {
+        return Ok(values);
+    }
+    let detail = format!("{}, {}, {}", values.x, values.y, values.z);
+    Err((SkipKind::NotFinite, detail))
+}
+
+pub(super) fn too_short() -> Unfit {
+    (SkipKind::MissingField, "a message too short".to_owned())
+}

@@ -1,0 +1,227 @@
+//! The topics of a recording, and which of them is meant.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use super::message::{Encoding, Type};
+use crate::ReadError;
+use crate::log::{Stream, StreamKind};
+
+/// A topic with messages of one type.
+#[derive(Debug)]
+pub(super) struct Topic {
+    pub(super) name: String,
+    /// Name of the type as ROS 1 writes it, `package/Type`.
+    type_name: String,
+    pub(super) kind: Option<Type>,
+    /// Frame of the first message.
+    pub(super) frame: Option<String>,
+    messages: u64,
+}
+
+impl Topic {
+    pub(super) fn stream_kind(&self) -> StreamKind {
+        self.kind.map_or(StreamKind::Other, Type::kind)
+    }
+}
+
+/// All topics that a recording has told of so far.
+#[derive(Debug, Default)]
+pub(super) struct Topics {
+    list: Vec<Topic>,
+    by_name: HashMap<(String, String), usize>,
+    /// Several publishers of a topic have each a number of their own.
+    by_number: HashMap<u32, (usize, Option<Encoding>)>,
+}
+
+impl Topics {
+    /// Hears of a topic; one without encoding cannot be read.
+    pub(super) fn declare(
+        &mut self,
+        number: u32,
+        name: String,
+        type_name: &str,
+        encoding: Option<Encoding>,
+    ) {
+        let type_name = type_name.replacen("/msg/", "/", 1);
+        let key = (name, type_name);
+        let index = match self.by_name.get(&key) {
+            Some(&index) => index,
+            None => {
+                self.list.push(Topic {
+                    kind: encoding.and_then(|_| Type::named(&key.1)),
+                    name: key.0.clone(),
+                    type_name: key.1.clone(),
+                    frame: None,
+                    messages: 0,
+                });
+                self.by_name.insert(key, self.list.len() - 1);
+                self.list.len() - 1
+            }
+        };
+        self.by_number.insert(number, (index, encoding));
+    }
+
+    /// Counts a message: the place of its topic in the list, the topic and the encoding.
+    pub(super) fn count(&mut self, number: u32) -> Option<(usize, &mut Topic, Option<Encoding>)> {
+        let &(index, encoding) = self.by_number.get(&number)?;
+        let topic = self.list.get_mut(index)?;
+        topic.messages += 1;
+        Some((index, topic, encoding))
+    }
+
+    /// The streams in the order of their names.
+    pub(super) fn streams(self) -> Vec<Stream> {
+        let mut streams: Vec<Stream> = self.list.into_iter().map(stream).collect();
+        streams.sort_by(|a, b| a.name.cmp(&b.name));
+        streams
+    }
+
+    /// The names of topics, those of one kind if there are any.
+    fn offer(&self, kind: StreamKind) -> String {
+        /// A robot may have hundreds of topics.
+        const MOST: usize = 12;
+        let of_kind = |topic: &&Topic| topic.messages > 0 && topic.stream_kind() == kind;
+        let mut names: Vec<String> = self
+            .list
+            .iter()
+            .filter(of_kind)
+            .map(|topic| topic.name.clone())
+            .collect();
+        if names.is_empty() {
+            let with_type = |topic: &Topic| format!("{} ({})", topic.name, topic.type_name);
+            names = self.list.iter().map(with_type).collect();
+        }
+        names.sort();
+        names.dedup();
+        let more = names.len().saturating_sub(MOST);
+        names.truncate(MOST);
+        match (names.is_empty(), more) {
+            (true, _) => "the file has no topics".to_owned(),
+            (_, 0) => format!("the file has: {}", names.join(", ")),
+            _ => format!("the file has: {} and {more} more", names.join(", ")),
+        }
+    }
+}
+
+fn stream(topic: Topic) -> Stream {
+    let note = match topic.kind {
+        Some(Type::Imu) => "; by REP-103 x is forward, y left, z up",
+        Some(Type::TwistStamped | Type::TwistWithCovarianceStamped) => "; taken as east, north, up",
+        Some(Type::Odometry) => "; in a local frame, not read",
+        _ => "",
+    };
+    let frame = match topic.frame.as_deref() {
+        Some("") => ", no frame".to_owned(),
+        Some(frame) => format!(", frame {frame}"),
+        None => String::new(),
+    };
+    Stream {
+        kind: topic.stream_kind(),
+        about: format!("{}{frame}{note}", topic.type_name),
+        name: topic.name,
+        messages: topic.messages,
+    }
+}
+
+/// Which topic of a kind is meant: the one of a name, or the only one that has messages.
+#[derive(Debug)]
+pub(super) struct Choice {
+    /// The key that names it.
+    key: &'static str,
+    kind: StreamKind,
+    named: Option<String>,
+    taken: Option<usize>,
+    several: bool,
+}
+
+impl Choice {
+    pub(super) fn new(key: &'static str, kind: StreamKind, named: &Option<String>) -> Self {
+        Self {
+            key,
+            kind,
+            named: named.clone(),
+            taken: None,
+            several: false,
+        }
+    }
+
+    pub(super) fn is_named(&self) -> bool {
+        self.named.is_some()
+    }
+
+    /// Whether a message of a topic is meant.
+    pub(super) fn takes(&mut self, index: usize, topic: &Topic) -> bool {
+        if topic.stream_kind() != self.kind {
+            return false;
+        }
+        if let Some(named) = &self.named {
+            let meant = *named == topic.name;
+            if meant {
+                self.taken = Some(index);
+            }
+            return meant;
+        }
+        let only = *self.taken.get_or_insert(index) == index;
+        self.several |= !only;
+        only
+    }
+
+    /// Whether there is more than one and none is named: nothing else needs to be read.
+    pub(super) fn is_ambiguous(&self) -> bool {
+        self.several
+    }
+
+    /// What there is to say at the end of the file.
+    ///
+    /// # Errors
+    /// If several topics could be meant, or none was there that has to be.
+    pub(super) fn verdict(
+        &self,
+        path: &Path,
+        topics: &Topics,
+        required: bool,
+    ) -> Result<(), ReadError> {
+        let what = match self.kind {
+            StreamKind::Imu => "of sensor_msgs/Imu",
+            StreamKind::Fixes => "of sensor_msgs/NavSatFix",
+            _ => "of geometry_msgs/TwistStamped",
+        };
+        let problem = match (&self.named, self.taken) {
+            _ if self.several => format!("more than one topic {what}"),
+            (Some(name), None) => format!("no messages {what} on topic {name}"),
+            (None, None) if required => format!("no messages {what}"),
+            _ => return Ok(()),
+        };
+        Err(ReadError::new(path, problem)
+            .key(self.key)
+            .mend(topics.offer(self.kind)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn publishers_of_one_topic_are_one_topic() {
+        let mut topics = Topics::default();
+        let ros1 = Some(Encoding::Ros1);
+        topics.declare(4, "/imu".to_owned(), "sensor_msgs/Imu", ros1);
+        topics.declare(7, "/imu".to_owned(), "sensor_msgs/msg/Imu", ros1);
+        topics.declare(8, "/imu2".to_owned(), "sensor_msgs/Imu", ros1);
+        let mut choice = Choice::new("imu.topic", StreamKind::Imu, &None);
+        for number in [4, 7] {
+            let (index, topic, _) = topics.count(number).unwrap();
+            assert!(choice.takes(index, topic));
+        }
+        // A topic that is declared but has no messages is not in the way.
+        let path = Path::new("a.bag");
+        assert!(choice.verdict(path, &topics, true).is_ok());
+        let (index, topic, _) = topics.count(8).unwrap();
+        assert!(!choice.takes(index, topic) && choice.is_ambiguous());
+        assert!(topics.count(9).is_none());
+        let messages: Vec<u64> = topics.streams().iter().map(|s| s.messages).collect();
+        assert_eq!(messages, [2, 1]);
+    }
+}

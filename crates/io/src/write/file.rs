@@ -1,0 +1,233 @@
+//! The solution in any format.
+
+use std::io::{self, Seek, Write};
+use std::path::Path;
+
+use super::PendingFile;
+use super::geojson::GeoJsonWriter;
+use super::gpx::GpxWriter;
+use super::kf_gins::KfGinsWriter;
+use super::kml::KmlWriter;
+use super::mcap::McapWriter;
+use super::nmea::NmeaWriter;
+#[cfg(feature = "parquet")]
+use super::parquet::ParquetSolutionWriter;
+use super::solution::{SolutionRow, SolutionWriter};
+use super::spans::Thinning;
+use crate::time;
+
+/// A format of the navigation solution.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum SolutionFormat {
+    /// State, standard deviations and sensor errors, see [`super::solution`].
+    Csv,
+    /// KF-GINS text.
+    KfGins,
+    /// NMEA 0183 sentences RMC, GGA, GST, HDT.
+    Nmea,
+    /// KML track.
+    Kml,
+    /// GeoJSON track.
+    GeoJson,
+    /// GPX track.
+    Gpx,
+    /// MCAP.
+    Mcap,
+    /// Apache Parquet.
+    Parquet,
+}
+
+/// Formats, their names and the extensions of their files; the first is the usual one.
+const FORMATS: [(SolutionFormat, &str, &[&str]); 8] = [
+    (SolutionFormat::Csv, "csv", &["csv"]),
+    (SolutionFormat::KfGins, "kf-gins", &["nav"]),
+    (SolutionFormat::Nmea, "nmea", &["nmea"]),
+    (SolutionFormat::Kml, "kml", &["kml"]),
+    (SolutionFormat::GeoJson, "geojson", &["geojson", "json"]),
+    (SolutionFormat::Gpx, "gpx", &["gpx"]),
+    (SolutionFormat::Mcap, "mcap", &["mcap"]),
+    (SolutionFormat::Parquet, "parquet", &["parquet"]),
+];
+
+impl SolutionFormat {
+    /// By the extension of a path, in any case of letters.
+    pub fn from_path(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_str()?;
+        FORMATS
+            .into_iter()
+            .find(|(.., all)| all.iter().any(|one| one.eq_ignore_ascii_case(extension)))
+            .map(|(format, ..)| format)
+    }
+
+    /// Its name in arguments.
+    pub fn name(self) -> &'static str {
+        FORMATS
+            .into_iter()
+            .find(|(format, ..)| *format == self)
+            .map_or("csv", |(_, name, _)| name)
+    }
+
+    /// Whether it is a track on a map, of which the position is all that is needed.
+    pub fn is_map(self) -> bool {
+        matches!(self, Self::Kml | Self::GeoJson | Self::Gpx)
+    }
+
+    /// From one row to the next [s] unless asked otherwise: all rows, but ten a second on maps and
+    /// in sentences.
+    pub fn usual_every(self) -> f64 {
+        if self.is_map() || self == Self::Nmea {
+            0.1
+        } else {
+            0.0
+        }
+    }
+}
+
+/// A name that is no format of solutions.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("unknown format {0:?}; there are csv, kf-gins, nmea, kml, geojson, gpx, mcap, parquet")]
+pub struct UnknownSolutionFormat(pub String);
+
+impl std::str::FromStr for SolutionFormat {
+    type Err = UnknownSolutionFormat;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        FORMATS
+            .into_iter()
+            .find(|(_, of, _)| *of == name)
+            .map(|(format, ..)| format)
+            .ok_or_else(|| UnknownSolutionFormat(name.to_owned()))
+    }
+}
+
+/// What a format may need beside the rows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SolutionOptions {
+    /// GPS week from whose beginning the times of the rows are counted, not rolled over. Without it
+    /// there are no dates, and the times are those of any clock.
+    pub week: Option<u32>,
+    /// What the track is called.
+    pub name: String,
+    /// Least time from one row to the next [s]; 0 for every row, without it
+    /// [`SolutionFormat::usual_every`].
+    pub every: Option<f64>,
+}
+
+/// Writes rows in a format as they come; memory does not grow.
+pub struct SolutionFile<W: Write + Seek + Send = PendingFile> {
+    writer: Writer<W>,
+}
+
+/// The writer of a format.
+enum Writer<W: Write + Seek + Send> {
+    Csv(SolutionWriter<W>),
+    KfGins(KfGinsWriter<W>),
+    Nmea(NmeaWriter<W>),
+    Kml(KmlWriter<W>),
+    GeoJson(GeoJsonWriter<W>),
+    Gpx(GpxWriter<W>),
+    Mcap(Box<McapWriter<W>>, Thinning),
+    #[cfg(feature = "parquet")]
+    Parquet(Box<ParquetSolutionWriter<W>>, Thinning),
+}
+
+impl SolutionFile<PendingFile> {
+    /// Starts a file that appears under its name at [`SolutionFile::finish`].
+    ///
+    /// # Errors
+    /// If the file cannot be created, the options are none or the format is not built in.
+    pub fn create(
+        path: &Path,
+        format: SolutionFormat,
+        options: &SolutionOptions,
+    ) -> io::Result<Self> {
+        Self::new(PendingFile::create(path)?, format, options)
+    }
+
+    /// Writes what is left and gives the file its name.
+    ///
+    /// # Errors
+    /// If the file cannot be written or renamed; there is none under the name then.
+    pub fn finish(self) -> io::Result<()> {
+        self.into_inner()?.finish()
+    }
+}
+
+impl<W: Write + Seek + Send> SolutionFile<W> {
+    /// Starts writing into any stream.
+    ///
+    /// # Errors
+    /// If the options are none or the format is not built in.
+    pub fn new(out: W, format: SolutionFormat, options: &SolutionOptions) -> io::Result<Self> {
+        let every = options.every.unwrap_or(format.usual_every());
+        if !(every >= 0.0 && every.is_finite()) {
+            let message = format!("rows {every} s apart cannot be written");
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
+        }
+        let writer = match format {
+            SolutionFormat::Csv => Writer::Csv(SolutionWriter::new(out)?.every(every)),
+            SolutionFormat::KfGins => Writer::KfGins(KfGinsWriter::new(out, options)),
+            SolutionFormat::Nmea => Writer::Nmea(NmeaWriter::new(out, options, every)),
+            SolutionFormat::Kml => Writer::Kml(KmlWriter::new(out, options, every)),
+            SolutionFormat::GeoJson => Writer::GeoJson(GeoJsonWriter::new(out, options, every)),
+            SolutionFormat::Gpx => Writer::Gpx(GpxWriter::new(out, options, every)),
+            SolutionFormat::Mcap => {
+                let start = options.week.map(time::unix_of_week);
+                Writer::Mcap(Box::new(McapWriter::new(out, start)?), Thinning::new(every))
+            }
+            #[cfg(feature = "parquet")]
+            SolutionFormat::Parquet => Writer::Parquet(
+                Box::new(ParquetSolutionWriter::new(out)?),
+                Thinning::new(every),
+            ),
+            #[cfg(not(feature = "parquet"))]
+            SolutionFormat::Parquet => {
+                let message = format!("a solution as {} is not built in", format.name());
+                return Err(io::Error::new(io::ErrorKind::Unsupported, message));
+            }
+        };
+        Ok(Self { writer })
+    }
+
+    /// Writes one row; `outage` where no fix was used for long.
+    ///
+    /// # Errors
+    /// If the stream does not take it.
+    pub fn write(&mut self, row: &SolutionRow, outage: bool) -> io::Result<()> {
+        match &mut self.writer {
+            Writer::Csv(writer) => writer.write(row),
+            Writer::KfGins(writer) => writer.write(row),
+            Writer::Nmea(writer) => writer.write(row, outage),
+            Writer::Kml(writer) => writer.write(row, outage),
+            Writer::GeoJson(writer) => writer.write(row, outage),
+            Writer::Gpx(writer) => writer.write(row, outage),
+            Writer::Mcap(writer, thinning) => match thinning.takes(row.time) {
+                true => writer.write(row),
+                false => Ok(()),
+            },
+            #[cfg(feature = "parquet")]
+            Writer::Parquet(writer, thinning) => match thinning.takes(row.time) {
+                true => writer.write(row),
+                false => Ok(()),
+            },
+        }
+    }
+
+    /// Writes what is left and gives the stream back.
+    ///
+    /// # Errors
+    /// If the stream does not take it.
+    pub fn into_inner(self) -> io::Result<W> {
+        match self.writer {
+            Writer::Csv(writer) => writer.into_inner(),
+            Writer::KfGins(writer) => writer.into_inner(),
+            Writer::Nmea(writer) => writer.into_inner(),
+            Writer::Kml(writer) => writer.into_inner(),
+            Writer::GeoJson(writer) => writer.into_inner(),
+            Writer::Gpx(writer) => writer.into_inner(),
+            Writer::Mcap(writer, _) => writer.into_inner(),
+            #[cfg(feature = "parquet")]
+            Writer::Parquet(writer, _) => writer.into_inner(),
+        }
+    }
+}

@@ -1,0 +1,241 @@
+use std::io::Cursor;
+use std::path::PathBuf;
+
+use undrift_nav::sample::{FixQuality, Position};
+
+use super::*;
+use crate::format::Format;
+use crate::log::{Log, StreamKind, Wanted, What, streams};
+
+fn row(time: f64) -> SolutionRow {
+    SolutionRow {
+        time,
+        position: Geodetic::from_degrees(48.0 + 1e-4 * time, 11.5, 560.25),
+        v_n: Vector3::new(3.0, 4.0, 0.5),
+        rpy: Vector3::new(0.1, -0.2, 2.5),
+        nav_std: [1.0, 2.0, 3.0, 0.1, 0.2, 0.3, 0.01, 0.02, 0.03],
+        gyro_error: Vector3::zeros(),
+        accel_error: Vector3::zeros(),
+        error_std: [0.0; 6],
+    }
+}
+
+fn temporary(name: &str) -> PathBuf {
+    std::env::temp_dir().join(format!("undrift-io-{}-{name}.mcap", std::process::id()))
+}
+
+#[test]
+fn what_is_written_is_read_again() {
+    let path = temporary("round");
+    // 8 July 2025, with a fraction of a second.
+    let mut writer = McapWriter::create(&path, Some(1_752_003_240.25)).unwrap();
+    for k in 0..500 {
+        writer.write(&row(0.01 * f64::from(k))).unwrap();
+    }
+    assert!(!path.exists());
+    writer.finish().unwrap();
+
+    let wanted = Wanted::Fixes {
+        position: None,
+        velocity: None,
+    };
+    let mut log = Log::open(&path, Format::Mcap, &wanted).unwrap();
+    for k in 0..500 {
+        let What::Fix(fix) = log.next().unwrap().unwrap().what else {
+            panic!("no fix")
+        };
+        let written = row(0.01 * f64::from(k));
+        // 243 258.25 s of the week by `date`; stamps are of a nanosecond.
+        let time = 243_258.25 + written.time;
+        assert!((fix.time - time).abs() < 1e-9, "{} {time}", fix.time);
+        let (Position::Geodetic(place), Some(covariance)) = fix.position.unwrap() else {
+            panic!("no position")
+        };
+        // To degrees and back: two roundings, 6e-9 m.
+        assert!(place.offset_to(&written.position).norm() < 2e-8);
+        let squares = Vector3::new(1.0, 4.0, 9.0);
+        assert_eq!(covariance, Matrix3::from_diagonal(&squares));
+        assert_eq!(fix.quality, FixQuality::Single);
+    }
+    assert!(log.next().unwrap().is_none());
+    assert!(log.skipped().is_empty());
+
+    let topics: Vec<_> = streams(&path, Format::Mcap)
+        .unwrap()
+        .into_iter()
+        .map(|stream| (stream.name, stream.kind, stream.messages))
+        .collect();
+    let topic = |name: &str, kind| (name.to_owned(), kind, 500);
+    assert_eq!(
+        topics,
+        [
+            topic("/undrift/fix", StreamKind::Fixes),
+            topic("/undrift/imu", StreamKind::Imu),
+            topic("/undrift/odom", StreamKind::Other),
+        ]
+    );
+    // The attitude alone is no inertial sample.
+    let mut log = Log::open(&path, Format::Mcap, &Wanted::Imu(None)).unwrap();
+    assert!(log.next().unwrap().is_none());
+    assert_eq!(log.skipped().total(), 500);
+    std::fs::remove_file(&path).unwrap();
+}
+
+/// The numbers of a message after its texts: they end it.
+fn last_numbers<const N: usize>(message: &Cdr) -> [f64; N] {
+    let bytes = message.bytes();
+    let mut numbers = [0.0; N];
+    let tail = &bytes[bytes.len() - 8 * N..];
+    for (number, bytes) in numbers.iter_mut().zip(tail.chunks_exact(8)) {
+        *number = f64::from_le_bytes(bytes.try_into().unwrap());
+    }
+    numbers
+}
+
+fn odometry(row: &SolutionRow, origin: &Geodetic) -> [f64; 85] {
+    let mut message = Cdr::default();
+    write_odometry(message.begin().i32(0).u32(0).text(MAP), row, origin);
+    last_numbers(&message)
+}
+
+fn quaternion(numbers: &[f64]) -> Quaternion {
+    let &[x, y, z, w] = numbers else { panic!() };
+    // By two half-turns, since there is no other way to one from its parts here.
+    let angle = 2.0 * f64::hypot(f64::hypot(x, y), z).atan2(w);
+    let axis = Vector3::new(x, y, z);
+    Quaternion::from_scaled_axis(axis * (angle / axis.norm().max(1e-300)))
+}
+
+/// Some roundings of numbers of up to ten.
+const ROUNDING: f64 = 1e-13;
+
+#[test]
+fn poses_are_those_of_rep_103() {
+    let mut level = row(0.0);
+    let here = level.position;
+    // Facing east, nose up by 0.2 rad, moving forward: along x of the map and up.
+    level.rpy = Vector3::new(0.0, 0.2, FRAC_PI_2);
+    let (up, east) = (0.2f64.sin(), 0.2f64.cos());
+    level.v_n = 5.0 * Vector3::new(0.0, east, -up);
+    let odometry = odometry(&level, &here);
+    assert_eq!(odometry[..3], [0.0; 3]);
+    let q = quaternion(&odometry[3..7]);
+    let axes = [
+        (Vector3::x(), Vector3::new(east, 0.0, up)),
+        (Vector3::y(), Vector3::new(0.0, 1.0, 0.0)),
+        (Vector3::z(), Vector3::new(-up, 0.0, east)),
+    ];
+    for (body, map) in axes {
+        assert!((q * body - map).amax() < ROUNDING, "{body}");
+    }
+    let velocity = Vector3::from_row_slice(&odometry[43..46]);
+    assert!((velocity - Vector3::new(5.0, 0.0, 0.0)).amax() < ROUNDING);
+    // Standard deviations of 1 m north, 2 m east, 3 m down.
+    for (at, variance) in [(7, 4.0), (14, 1.0), (21, 9.0)] {
+        assert!((odometry[at] - variance).abs() < ROUNDING, "{at}");
+    }
+    // Pitch is about left, which is north here; level, yaw would be about up alone.
+    assert!((odometry[7 + 4 * 7] - 0.02f64.powi(2)).abs() < ROUNDING);
+    // Forward is east and up, left is north.
+    let (ve, vn, vd) = (0.04, 0.01, 0.09);
+    assert!((odometry[49] - (east * east * ve + up * up * vd)).abs() < ROUNDING);
+    assert!((odometry[56] - vn).abs() < ROUNDING);
+}
+
+#[test]
+fn far_from_the_origin_the_axes_are_still_those_of_the_map() {
+    let origin = Geodetic::from_degrees(48.0, 11.5, 560.0);
+    let mut far = row(0.0);
+    far.position = Geodetic::from_degrees(48.5, 12.5, 500.0);
+    let odometry = odometry(&far, &origin);
+    let turn = ecef_from_ned(&far.position).to_rotation_matrix();
+    // Products of a few sines and cosines.
+    let difference = turn.inverse().into_inner() - far.position.ned_from_ecef();
+    assert!(difference.amax() < 1e-15);
+    // By way of matrices and Earth-fixed axes.
+    let ned_map = origin.ned_from_ecef() * far.position.ned_from_ecef().transpose();
+    let q_nb = attitude::from_rpy(&far.rpy);
+    let forward = ned_map * (q_nb * Vector3::x());
+    let enu = |v: &Vector3| Vector3::new(v.y, v.x, -v.z);
+    let found = quaternion(&odometry[3..7]) * Vector3::x();
+    assert!((found - enu(&forward)).amax() < ROUNDING);
+    // 92 km away: 1e-11 m is a rounding of the Earth's radius squared over it.
+    let place = Vector3::from_row_slice(&odometry[..3]);
+    let ned = origin.ned_to(&far.position);
+    assert!((place - enu(&ned)).amax() < 1e-9);
+}
+
+#[test]
+fn unknown_deviations_and_what_is_refused() {
+    let mut unknown = row(0.0);
+    unknown.nav_std = [f64::NAN; 9];
+    let numbers = odometry(&unknown, &unknown.position.clone());
+    assert!(numbers.iter().all(|number| number.is_finite()));
+    assert_eq!(numbers[7..43], [0.0; 36]);
+    let mut message = Cdr::default();
+    write_fix(message.begin(), &unknown);
+    assert_eq!(message.bytes().last(), Some(&0));
+
+    let mut writer = McapWriter::new(Cursor::new(Vec::new()), None).unwrap();
+    let mut bad = row(0.0);
+    bad.v_n.x = f64::NAN;
+    for bad in [bad, row(f64::NAN), row(1e10)] {
+        assert!(writer.write(&bad).is_err());
+    }
+    writer.write(&row(-1.5)).unwrap();
+    writer.into_inner().unwrap();
+    assert!(McapWriter::new(Cursor::new(Vec::new()), Some(f64::NAN)).is_err());
+}
+
+#[test]
+fn stamps_keep_nanoseconds() {
+    assert_eq!(
+        stamp(1_752_003_240.0, 0.004).unwrap(),
+        (1_752_003_240, 4_000_000)
+    );
+    assert_eq!(stamp(0.75, 0.5).unwrap(), (1, 250_000_000));
+    assert_eq!(stamp(0.0, 0.999_999_999_9).unwrap(), (1, 0));
+    assert_eq!(stamp(0.0, -0.25).unwrap(), (-1, 750_000_000));
+}
+
+/// A disk that is full after some bytes.
+struct Full(Cursor<Vec<u8>>);
+
+impl Write for Full {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.0.position() > 1000 {
+            return Err(io::Error::other("full"));
+        }
+        self.0.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Seek for Full {
+    fn seek(&mut self, to: io::SeekFrom) -> io::Result<u64> {
+        self.0.seek(to)
+    }
+}
+
+#[test]
+fn a_full_disk_is_an_error_and_no_panic() {
+    let mut writer = McapWriter::new(Full(Cursor::default()), None).unwrap();
+    let written: io::Result<()> =
+        (0..20_000).try_for_each(|k| writer.write(&row(f64::from(k) * 0.01)));
+    assert!(written.is_err());
+    drop(writer);
+    // At the end, whatever is being written then.
+    for rows in [0, 1, 20, 200] {
+        let mut writer = McapWriter::new(Full(Cursor::default()), None).unwrap();
+        let written: io::Result<()> = (0..rows).try_for_each(|_| writer.write(&row(0.0)));
+        assert!(written.is_err() || writer.into_inner().is_err());
+    }
+    let path = temporary("dropped");
+    let mut writer = McapWriter::create(&path, None).unwrap();
+    writer.write(&row(0.0)).unwrap();
+    drop(writer);
+    assert!(!path.exists());
+}

@@ -1,0 +1,124 @@
+//! A noise model as other programs read it.
+//!
+//! | name | what | units |
+//! |---|---|---|
+//! | `kalibr` | `imu.yaml` of Kalibr and the programs that take it | rad/s/√Hz, rad/s²/√Hz; m/s²/√Hz, m/s³/√Hz |
+//! | `kf-gins` | `imunoise` of KF-GINS | deg/√h, m/s/√h, deg/h, mGal, ppm, h |
+//! | `ros` | diagonal covariances of `sensor_msgs/Imu` | (rad/s)², (m/s²)² |
+//! | `px4` | EKF2 parameters as QGroundControl loads them | rad/s, m/s², rad/s², m/s³ |
+//! | `matlab` | `imuSensor` with `gyroparams`, `accelparams` | rad/s, m/s² and their densities |
+//! | `undrift` | the model file | see [`crate::model_file`] |
+//!
+//! Other programs know white noise and one slow process at most; what that is taken from stands in
+//! comments of the text, and in docs/export.md.
+//!
+//! ```
+//! use undrift_noise::{ImuModel, ModelFormat};
+//! let imu = ImuModel::preset("adis16465").unwrap();
+//! let yaml = imu.export(ModelFormat::Kalibr, Some(200.0))?;
+//! assert!(yaml.contains("\nupdate_rate: 200.0\n"));
+//! # Ok::<(), undrift_noise::ModelError>(())
+//! ```
+
+mod equivalent;
+mod formats;
+
+use crate::model_file::{ImuModel, ModelError};
+use equivalent::Equivalent;
+
+/// A format of noise models.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ModelFormat {
+    /// `imu.yaml` of Kalibr.
+    Kalibr,
+    /// `imunoise` of a KF-GINS configuration.
+    KfGins,
+    /// Covariances of `sensor_msgs/Imu`.
+    Ros,
+    /// PX4 parameters.
+    Px4,
+    /// A MATLAB script that makes an `imuSensor`.
+    Matlab,
+    /// The model file of this project.
+    Undrift,
+}
+
+impl ModelFormat {
+    /// All of them.
+    pub const ALL: [Self; 6] = [
+        Self::Kalibr,
+        Self::KfGins,
+        Self::Ros,
+        Self::Px4,
+        Self::Matlab,
+        Self::Undrift,
+    ];
+
+    /// Its name in arguments.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Kalibr => "kalibr",
+            Self::KfGins => "kf-gins",
+            Self::Ros => "ros",
+            Self::Px4 => "px4",
+            Self::Matlab => "matlab",
+            Self::Undrift => "undrift",
+        }
+    }
+}
+
+/// A name that is no format of noise models.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("unknown format {0:?}; there are kalibr, kf-gins, ros, px4, matlab, undrift")]
+pub struct UnknownModelFormat(pub String);
+
+impl std::str::FromStr for ModelFormat {
+    type Err = UnknownModelFormat;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        Self::ALL
+            .into_iter()
+            .find(|format| format.name() == name)
+            .ok_or_else(|| UnknownModelFormat(name.to_owned()))
+    }
+}
+
+impl ImuModel {
+    /// The text of this model in a format. `rate_hz` is the rate of the samples [Hz], of PX4's
+    /// prediction for [`ModelFormat::Px4`] (100 Hz if not given); without it the rate of the record
+    /// that the model was identified from is taken.
+    ///
+    /// # Errors
+    /// An axis without what the format cannot do without, or no rate where it needs one.
+    pub fn export(&self, format: ModelFormat, rate_hz: Option<f64>) -> Result<String, ModelError> {
+        if let Some(rate) = rate_hz.filter(|rate| !(*rate > 0.0 && rate.is_finite())) {
+            return Err(ModelError::BadRate(rate));
+        }
+        if format == ModelFormat::Undrift {
+            return Ok(self.to_toml());
+        }
+        let imu = Equivalent::of(self, format)?;
+        let rate = || {
+            rate_hz.or(self.known_rate()).ok_or(ModelError::NoRate {
+                format: format.name(),
+            })
+        };
+        Ok(match format {
+            ModelFormat::Kalibr => formats::kalibr(&imu, rate()?),
+            ModelFormat::KfGins => formats::kf_gins(&imu),
+            ModelFormat::Ros => formats::ros(&imu, rate()?),
+            ModelFormat::Px4 => formats::px4(&imu, rate_hz.unwrap_or(formats::PX4_RATE)),
+            ModelFormat::Matlab => formats::matlab(&imu, rate()?),
+            ModelFormat::Undrift => self.to_toml(),
+        })
+    }
+
+    /// Rate of the record or of an ARMA [Hz].
+    fn known_rate(&self) -> Option<f64> {
+        let of_arma =
+            |(_, axis): (_, &crate::AxisModel)| axis.arma.as_ref().map(|arma| arma.rate_hz);
+        self.provenance
+            .rate_hz
+            .or_else(|| self.axes().into_iter().find_map(of_arma))
+    }
+}

@@ -1,0 +1,173 @@
+//! What a model is in the terms that every program knows: white noise, a slow process, a constant.
+
+use super::ModelFormat;
+use crate::bias_model::{Slow, UNIT_ROOT_TAU};
+use crate::model_file::{Arma, AxisModel, ImuModel, Instability, ModelError};
+use undrift_nav::shaping::{ShapingError, ShapingFilter};
+
+/// Sum of φ this close to one is a unit root, as for [`ShapingFilter::arma`].
+const UNIT_ROOT: f64 = 1e-13;
+
+/// A model in terms of white noise and slow processes.
+pub(super) struct Equivalent {
+    /// Name of the sensor.
+    pub name: String,
+    /// Where its numbers come from.
+    pub source: String,
+    /// Gyros [rad/s].
+    pub gyro: [Axis; 3],
+    /// Accelerometers [m/s²].
+    pub accel: [Axis; 3],
+    /// What was derived or left out, a sentence each.
+    pub remarks: Vec<String>,
+}
+
+/// An axis in terms of white noise and slow processes; "unit" as in [`AxisModel`].
+pub(super) struct Axis {
+    /// White density N [unit·√s].
+    pub white: f64,
+    /// Standard deviation of the turn-on constant [unit].
+    pub turn_on: f64,
+    /// Gauss-Markov processes and random walk.
+    pub slow: Slow,
+}
+
+impl Equivalent {
+    pub fn of(model: &ImuModel, format: ModelFormat) -> Result<Self, ModelError> {
+        let mut remarks = Vec::new();
+        let mut axes = Vec::with_capacity(6);
+        for (name, axis) in model.axes() {
+            if !axis.is_known() {
+                return Err(ModelError::NoAxis {
+                    prefix: model.prefix.clone(),
+                    axis: name,
+                });
+            }
+            let of = equivalent(name, axis, &mut remarks).map_err(|error| ModelError::Shaping {
+                axis: Some(name),
+                model: "arma",
+                error,
+            })?;
+            if format == ModelFormat::Kalibr && of.slow.drive() == 0.0 {
+                return Err(ModelError::Missing {
+                    axis: Some(name),
+                    model: "kalibr",
+                    needs: "a bias that moves: bias_instability with correlation_time, or random_walk",
+                });
+            }
+            axes.push(of);
+        }
+        let [gx, gy, gz, ax, ay, az]: [Axis; 6] =
+            axes.try_into().map_err(|_| ModelError::NoAxis {
+                prefix: model.prefix.clone(),
+                axis: "gyro_x",
+            })?;
+        Ok(Self {
+            name: model.name.clone(),
+            source: model.source.clone(),
+            gyro: [gx, gy, gz],
+            accel: [ax, ay, az],
+            remarks,
+        })
+    }
+}
+
+fn equivalent(
+    name: &str,
+    axis: &AxisModel,
+    remarks: &mut Vec<String>,
+) -> Result<Axis, ShapingError> {
+    let white = axis.white_density();
+    let slow = if !axis.instability.is_empty() || axis.random_walk.is_some() {
+        Slow {
+            processes: axis.instability.clone(),
+            walk: axis.random_walk,
+        }
+    } else {
+        match axis.arma.as_ref().filter(|arma| !arma.is_white()) {
+            None => Slow::default(),
+            Some(arma) => match arma.split() {
+                Some((_, slow)) => {
+                    remarks.push(format!(
+                        "{name}: the terms that its ARMA(1,1) is the sum of, exactly."
+                    ));
+                    slow
+                }
+                None => {
+                    remarks.push(format!(
+                        "{name}: from an ARMA that is no sum of such terms; same variance and same spectrum at long times, its innovations taken as the white noise."
+                    ));
+                    slow_of(arma)?
+                }
+            },
+        }
+    };
+    if slow.processes.len() + usize::from(slow.walk.is_some()) > 1 {
+        remarks.push(format!(
+            "{name}: of several slow terms, the slowest Gauss-Markov process and the random walk are used."
+        ));
+    }
+    if axis.quantisation.is_some() {
+        remarks.push(format!("{name}: its quantisation is left out."));
+    }
+    Ok(Axis {
+        white,
+        turn_on: axis.turn_on,
+        slow,
+    })
+}
+
+/// The slow process with the variance of the predictable part of an ARMA and its spectral density
+/// at frequency zero beyond that of the innovations, σ²T ((θ(1)/φ(1))² − 1) = 2 σ_b² τ; with a unit
+/// root φ(z) = (1 − z) c(z), the random walk of the same spectrum at low frequencies,
+/// K² T = σ² (θ(1)/c(1))². Anti-persistent noise has none.
+fn slow_of(arma: &Arma) -> Result<Slow, ShapingError> {
+    let interval = 1.0 / arma.rate_hz;
+    let theta: f64 = 1.0 - arma.ma.iter().sum::<f64>();
+    let phi: f64 = 1.0 - arma.ar.iter().sum::<f64>();
+    if phi.abs() < UNIT_ROOT {
+        // −φ'(1), the sum of i φ_i.
+        let c: f64 = (1..).zip(&arma.ar).map(|(i, ar)| f64::from(i) * ar).sum();
+        return Ok(Slow {
+            walk: Some((arma.sigma * theta / c).abs() * arma.rate_hz.sqrt()),
+            ..Slow::default()
+        });
+    }
+    let filter = ShapingFilter::arma(&arma.ar, &arma.ma, arma.sigma, interval)?;
+    // H = [1 0 …]: the predictable part's variance.
+    let variance = filter.p0[0][0];
+    let excess = arma.sigma * arma.sigma * interval * ((theta / phi).powi(2) - 1.0);
+    let persistent = variance > 0.0 && excess > 0.0;
+    Ok(Slow {
+        processes: persistent
+            .then(|| Instability {
+                sigma: variance.sqrt(),
+                tau: 0.5 * excess / variance,
+            })
+            .into_iter()
+            .collect(),
+        walk: None,
+    })
+}
+
+/// Root mean square over the three axes.
+pub(super) fn rms(axes: &[Axis; 3], of: impl Fn(&Axis) -> f64) -> f64 {
+    (axes.iter().map(|axis| of(axis).powi(2)).sum::<f64>() / 3.0).sqrt()
+}
+
+/// One correlation time [s] for several axes: the longest, a random walk counting as one hour.
+/// `None` where nothing moves.
+pub(super) fn common_tau<'a>(axes: impl Iterator<Item = &'a Axis>) -> Option<f64> {
+    axes.filter_map(|axis| match (axis.slow.slowest(), axis.slow.walk) {
+        (Some(of), None) => Some(of.tau),
+        (of, Some(_)) => Some(of.map_or(UNIT_ROOT_TAU, |of| of.tau.max(UNIT_ROOT_TAU))),
+        (None, None) => None,
+    })
+    .max_by(f64::total_cmp)
+}
+
+/// Standard deviation [unit] of the Gauss-Markov process of correlation time `tau` [s] that a random
+/// walk of density `drive` [unit/√s] drives: σ = K √(τ/2).
+pub(super) fn driven(drive: f64, tau: f64) -> f64 {
+    drive * (0.5 * tau).sqrt()
+}

@@ -1,0 +1,281 @@
+//! The texts of the formats.
+
+use super::equivalent::{Axis, Equivalent, common_tau, driven, rms};
+use crate::model_file::Instability;
+
+/// EKF2's prediction, EKF2_PREDICT_US = 10000 unless changed [Hz].
+pub(super) const PX4_RATE: f64 = 100.0;
+/// 1 mGal [m/s²].
+const MILLIGAL: f64 = 1e-5;
+const HOUR: f64 = 3600.0;
+
+/// Kalibr, "IMU Noise Model": continuous-time densities of white noise and of the bias's random walk.
+pub(super) fn kalibr(imu: &Equivalent, rate_hz: f64) -> String {
+    let mut out = head(imu, "#");
+    comment(
+        &mut out,
+        "#",
+        "Each number is the root mean square of the three axes.",
+    );
+    let process = |axis: &Axis| !axis.slow.processes.is_empty();
+    if imu.gyro.iter().chain(&imu.accel).any(process) {
+        comment(
+            &mut out,
+            "#",
+            "The bias is a Gauss-Markov process (σ, τ), for which Kalibr has no place: its random walk is the noise that drives it, σ √(2/τ), right over times short against τ.",
+        );
+    }
+    for (sensor, axes, unit) in [
+        ("accelerometer", &imu.accel, "m/s²"),
+        ("gyroscope", &imu.gyro, "rad/s"),
+    ] {
+        let white = number(rms(axes, |axis| axis.white));
+        let walk = number(rms(axes, |axis| axis.slow.drive()));
+        out += &format!("{sensor}_noise_density: {white}  # {unit}/√Hz\n");
+        out += &format!("{sensor}_random_walk: {walk}  # {unit}/s/√Hz\n");
+    }
+    out + &format!("rostopic: /imu0\nupdate_rate: {}\n", number(rate_hz))
+}
+
+/// KF-GINS, `dataset/kf-gins.yaml` and `loadConfig` of `src/kf_gins.cpp`: biases are Gauss-Markov
+/// processes of one correlation time, driven by 2σ²/τ.
+pub(super) fn kf_gins(imu: &Equivalent) -> String {
+    let mut out = head(imu, "#");
+    comment(
+        &mut out,
+        "#",
+        "There is one correlation time for all: the longest. The standard deviations of the biases are those at which the driving noise 2σ²/τ of each axis is kept.",
+    );
+    let tau = common_tau(imu.gyro.iter().chain(&imu.accel)).unwrap_or(HOUR);
+    let degree = 1f64.to_radians();
+    let std = |axis: &Axis| driven(axis.slow.drive(), tau);
+    let list = |axes: &[Axis; 3], unit: f64, of: &dyn Fn(&Axis) -> f64| {
+        row(axes.iter().map(|axis| of(axis) / unit))
+    };
+    let white = |axis: &Axis| axis.white;
+    // To the root hour: the unit over 60 √s.
+    let arw = list(&imu.gyro, degree / 60.0, &white);
+    let vrw = list(&imu.accel, 1.0 / 60.0, &white);
+    let gbstd = list(&imu.gyro, degree / HOUR, &std);
+    let abstd = list(&imu.accel, MILLIGAL, &std);
+    out += &format!("imunoise:\n  arw: {arw}  # deg/√h\n  vrw: {vrw}  # m/s/√h\n");
+    out += &format!("  gbstd: {gbstd}  # deg/h\n  abstd: {abstd}  # mGal\n");
+    out += "  gsstd: [0.0, 0.0, 0.0]  # ppm; a noise model says nothing of scale factors\n";
+    out += "  asstd: [0.0, 0.0, 0.0]  # ppm\n";
+    out += &format!("  corrtime: {}  # h\n", number(tau / HOUR));
+    for (key, axes, unit, unit_name) in [
+        ("initbgstd", &imu.gyro, degree / HOUR, "deg/h"),
+        ("initbastd", &imu.accel, MILLIGAL, "mGal"),
+    ] {
+        if axes.iter().any(|axis| axis.turn_on > 0.0) {
+            let list = list(axes, unit, &|axis| axis.turn_on.hypot(std(axis)));
+            out += &format!("{key}: {list}  # {unit_name}, with the turn-on constant\n");
+        }
+    }
+    out
+}
+
+/// `sensor_msgs/Imu`: row-major 3×3 covariances of one sample, N² rate on the diagonal; −1 in the
+/// first place where there is no such measurement.
+pub(super) fn ros(imu: &Equivalent, rate_hz: f64) -> String {
+    let mut out = head(imu, "#");
+    comment(
+        &mut out,
+        "#",
+        &format!(
+            "Covariances of one sample at {} Hz, N² rate on the diagonal; a bias has no place in them. The same in axes forward-left-up (REP 103) as in forward-right-down.",
+            number(rate_hz)
+        ),
+    );
+    out += "imu:\n  ros__parameters:\n";
+    for (quantity, axes, unit) in [
+        ("angular_velocity", &imu.gyro, "rad/s"),
+        ("linear_acceleration", &imu.accel, "m/s²"),
+    ] {
+        let [x, y, z] = [0, 1, 2].map(|i| {
+            axes.get(i)
+                .map_or(0.0, |axis| axis.white * axis.white * rate_hz)
+        });
+        let covariance = row([x, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, z].into_iter());
+        let std = number(rms(axes, |axis| axis.white * rate_hz.sqrt()));
+        out += &format!("    {quantity}_covariance: {covariance}  # ({unit})²\n");
+        out += &format!("    {quantity}_stdev: {std}  # {unit}, root mean square of the axes\n");
+    }
+    out + "    orientation_covariance: [-1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]  # not measured\n"
+}
+
+/// PX4's EKF2, `covariance.cpp`: a prediction over dt adds (noise dt)² to angle and velocity and
+/// (bias noise dt)² to the bias, so that a density N is the parameter N/√dt. Ranges and units:
+/// PX4 parameter reference. The file: "Parameter file format" of QGroundControl.
+pub(super) fn px4(imu: &Equivalent, rate_hz: f64) -> String {
+    let mut out = head(imu, "#");
+    comment(
+        &mut out,
+        "#",
+        &format!(
+            "Each number is the root mean square of the three axes, as a standard deviation per prediction at {} Hz, N/√dt (EKF2_PREDICT_US). Of a Gauss-Markov bias, the noise that drives it. Vibration is not in a noise model: PX4's defaults leave room for it.",
+            number(rate_hz)
+        ),
+    );
+    let root = rate_hz.sqrt();
+    let white = |axis: &Axis| axis.white * root;
+    let drive = |axis: &Axis| axis.slow.drive() * root;
+    let turn_on = |axis: &Axis| axis.turn_on;
+    let parameters = [
+        ("EKF2_GYR_NOISE", rms(&imu.gyro, white), 1e-4, 0.1, "rad/s"),
+        ("EKF2_ACC_NOISE", rms(&imu.accel, white), 0.01, 1.0, "m/s²"),
+        (
+            "EKF2_GYR_B_NOISE",
+            rms(&imu.gyro, drive),
+            0.0,
+            0.01,
+            "rad/s²",
+        ),
+        (
+            "EKF2_ACC_B_NOISE",
+            rms(&imu.accel, drive),
+            0.0,
+            0.01,
+            "m/s³",
+        ),
+        (
+            "EKF2_GBIAS_INIT",
+            rms(&imu.gyro, turn_on),
+            0.0,
+            0.2,
+            "rad/s",
+        ),
+        (
+            "EKF2_ABIAS_INIT",
+            rms(&imu.accel, turn_on),
+            0.0,
+            0.5,
+            "m/s²",
+        ),
+    ];
+    let mut rows = String::new();
+    for (name, value, least, most, unit) in parameters {
+        if name.ends_with("INIT") && value == 0.0 {
+            continue;
+        }
+        let mut note = format!("{name} [{unit}]");
+        if !(least..=most).contains(&value) {
+            note += &format!(
+                ": outside of PX4's range, {} to {}",
+                number(least),
+                number(most)
+            );
+        }
+        comment(&mut out, "#", &note);
+        rows += &format!("1\t1\t{name}\t{}\t9\n", number(value));
+    }
+    out + "#\n# Vehicle-Id\tComponent-Id\tName\tValue\tType\n" + &rows
+}
+
+/// MATLAB's `imuSensor` with single-sided noise, at which a sample's white noise has the standard
+/// deviation NoiseDensity √rate and a step of the random walk RandomWalk/√rate. Its bias instability
+/// is white noise through a filter of one's own: of φ = exp(−1/(rate τ)), √(1 − φ²)/(1 − φ z⁻¹), the
+/// Gauss-Markov process itself.
+pub(super) fn matlab(imu: &Equivalent, rate_hz: f64) -> String {
+    let mut out = head(imu, "%");
+    let mut text = String::new();
+    for (name, constructor, axes) in [
+        ("gyro", "gyroparams", &imu.gyro),
+        ("accel", "accelparams", &imu.accel),
+    ] {
+        let list = |of: &dyn Fn(&Axis) -> f64| row(axes.iter().map(of));
+        let white = list(&|axis| axis.white);
+        let walk = list(&|axis| axis.slow.walk.unwrap_or(0.0));
+        text += &format!("{name} = {constructor}('NoiseType', 'single-sided', ...\n");
+        text += &format!("    'NoiseDensity', {white}, ...\n    'RandomWalk', {walk}");
+        let tau = axes
+            .iter()
+            .filter_map(|axis| axis.slow.slowest().map(|of| of.tau))
+            .max_by(f64::total_cmp);
+        if let Some(tau) = tau {
+            let sigma = list(&|axis| {
+                let of = axis.slow.slowest();
+                of.map_or(0.0, |of| driven(drive(of), tau))
+            });
+            // 1 − φ² by exp_m1: φ is 1 to ten digits for a slow process.
+            let step = -1.0 / (rate_hz * tau);
+            let (phi, gain) = (step.exp(), (-(2.0 * step).exp_m1()).sqrt());
+            comment(
+                &mut out,
+                "%",
+                &format!(
+                    "BiasInstability of {name} is a Gauss-Markov process of correlation time {} s, the longest of its axes, with the driving noise of each kept; its filter is that of the sample rate.",
+                    number(tau)
+                ),
+            );
+            text += &format!(", ...\n    'BiasInstability', {sigma}, ...\n");
+            text += &format!(
+                "    'BiasInstabilityCoefficients', struct('Numerator', {gain:?}, 'Denominator', [1.0, {:?}])",
+                -phi
+            );
+        }
+        text += ");\n";
+        if axes.iter().any(|axis| axis.turn_on > 0.0) {
+            let turn_on = list(&|axis| axis.turn_on);
+            text += &format!("{name}.ConstantBias = randn(1, 3) .* {turn_on};  % a new turn-on\n");
+        }
+    }
+    out + &text
+        + &format!(
+            "imu = imuSensor('accel-gyro', 'SampleRate', {}, 'Gyroscope', gyro, 'Accelerometer', accel);\n",
+            number(rate_hz)
+        )
+}
+
+/// Density [unit/√s] of the noise that drives a process.
+fn drive(of: &Instability) -> f64 {
+    of.sigma * (2.0 / of.tau).sqrt()
+}
+
+/// What the numbers are of, as comments.
+fn head(imu: &Equivalent, mark: &str) -> String {
+    let mut out = String::new();
+    let name = if imu.name.is_empty() {
+        "Inertial sensor"
+    } else {
+        &imu.name
+    };
+    comment(&mut out, mark, name);
+    if !imu.source.is_empty() {
+        comment(&mut out, mark, &format!("Source: {}", imu.source));
+    }
+    for remark in &imu.remarks {
+        comment(&mut out, mark, remark);
+    }
+    out
+}
+
+/// One comment of one line, whatever the text.
+fn comment(out: &mut String, mark: &str, text: &str) {
+    let is_break = |c: char| c.is_control() || matches!(c, '\u{2028}' | '\u{2029}' | '\u{feff}');
+    let words: Vec<&str> = text
+        .split(|c: char| c.is_whitespace() || is_break(c))
+        .filter(|word| !word.is_empty())
+        .collect();
+    *out += &format!("{mark} {}\n", words.join(" "));
+}
+
+/// Numbers between brackets, as YAML and MATLAB take them.
+fn row(values: impl Iterator<Item = f64>) -> String {
+    let items: Vec<String> = values.map(number).collect();
+    format!("[{}]", items.join(", "))
+}
+
+/// Nine digits, with the point and the sign of the exponent that YAML 1.1 asks of a number.
+fn number(value: f64) -> String {
+    let rounded: f64 = format!("{value:.8e}").parse().unwrap_or(value);
+    let text = format!("{rounded:?}");
+    match text.split_once('e') {
+        None => text,
+        Some((mantissa, exponent)) => {
+            let point = if mantissa.contains('.') { "" } else { ".0" };
+            let sign = if exponent.starts_with('-') { "" } else { "+" };
+            format!("{mantissa}{point}e{sign}{exponent}")
+        }
+    }
+}

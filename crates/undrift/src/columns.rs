@@ -1,0 +1,353 @@
+//! What the names of columns mean: the words that logs of this field use.
+
+use undrift_nav::units::{Quantity, unit_factor};
+
+/// What a column holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Meaning {
+    /// Time.
+    Time,
+    /// Angular rate about the sensor's x, y or z (0, 1, 2).
+    Gyro(usize),
+    /// Specific force along the sensor's x, y or z.
+    Accel(usize),
+    /// Latitude.
+    Latitude,
+    /// Longitude.
+    Longitude,
+    /// Height.
+    Height,
+    /// Velocity north, east, down (0, 1, 2).
+    Velocity(usize),
+    /// Velocity up.
+    VelocityUp,
+    /// Standard deviation of the position north, east, down.
+    PositionStd(usize),
+    /// Standard deviation of the velocity north, east, down.
+    VelocityStd(usize),
+    /// Roll, pitch, yaw (0, 1, 2).
+    Attitude(usize),
+    /// Temperature.
+    Temperature,
+}
+
+impl Meaning {
+    fn quantity(self) -> Option<Quantity> {
+        Some(match self {
+            Self::Time => Quantity::Time,
+            Self::Gyro(_) => Quantity::AngularRate,
+            Self::Accel(_) => Quantity::Acceleration,
+            Self::Latitude | Self::Longitude | Self::Attitude(_) => Quantity::Angle,
+            Self::Height | Self::PositionStd(_) => Quantity::Length,
+            Self::Velocity(_) | Self::VelocityUp | Self::VelocityStd(_) => Quantity::Velocity,
+            Self::Temperature => return None,
+        })
+    }
+}
+
+/// Endings of names that are units.
+const SUFFIXES: [(&str, &str); 24] = [
+    ("_radps", "rad/s"),
+    ("_rad_s", "rad/s"),
+    ("_degps", "deg/s"),
+    ("_deg_s", "deg/s"),
+    ("_dps", "deg/s"),
+    ("_mps2", "m/s^2"),
+    ("_m_s2", "m/s^2"),
+    ("_mps", "m/s"),
+    ("_m_s", "m/s"),
+    ("_mg", "mg"),
+    ("_g", "g"),
+    ("_deg", "deg"),
+    ("_rad", "rad"),
+    ("_kelvin", "K"),
+    ("_celsius", "degC"),
+    ("_degc", "degC"),
+    ("_c", "degC"),
+    ("_sec", "s"),
+    ("_ms", "ms"),
+    ("_us", "us"),
+    ("_ns", "ns"),
+    ("_s", "s"),
+    ("_m", "m"),
+    ("_hz", "Hz"),
+];
+
+const TIMES: [&str; 12] = [
+    "t",
+    "time",
+    "timestamp",
+    "timestamps",
+    "stamp",
+    "tow",
+    "sow",
+    "gpstime",
+    "gpssow",
+    "sec",
+    "secs",
+    "seconds",
+];
+const GYROS: [&str; 12] = [
+    "g",
+    "gyro",
+    "gyr",
+    "gyros",
+    "gyroscope",
+    "w",
+    "omega",
+    "wib",
+    "angularvelocity",
+    "angularrate",
+    "angvel",
+    "wrss",
+];
+const ACCELS: [&str; 13] = [
+    "a",
+    "acc",
+    "accel",
+    "accelerometer",
+    "acceleration",
+    "f",
+    "fb",
+    "specificforce",
+    "linearacceleration",
+    "linacc",
+    "accl",
+    "arss",
+    "force",
+];
+const LATITUDES: [&str; 2] = ["lat", "latitude"];
+const LONGITUDES: [&str; 4] = ["lon", "long", "lng", "longitude"];
+const HEIGHTS: [&str; 10] = [
+    "height",
+    "alt",
+    "altitude",
+    "h",
+    "hgt",
+    "ele",
+    "elevation",
+    "ellipsoidheight",
+    "ellipsoidalheight",
+    "hell",
+];
+const VELOCITIES: [&str; 4] = ["v", "vel", "velocity", "vned"];
+const POSITION_STDS: [&str; 7] = [
+    "std",
+    "sd",
+    "sigma",
+    "s",
+    "positionstd",
+    "posstd",
+    "accuracy",
+];
+const VELOCITY_STDS: [&str; 6] = ["vstd", "velstd", "velocitystd", "stdv", "sdv", "sigmav"];
+
+/// Directions by their letters and words: north, east, down, up.
+const DIRECTIONS: [(&str, usize); 8] = [
+    ("north", 0),
+    ("east", 1),
+    ("down", 2),
+    ("up", 3),
+    ("n", 0),
+    ("e", 1),
+    ("d", 2),
+    ("u", 3),
+];
+
+/// What a column's name means, and the unit that it tells in brackets or by its ending.
+pub fn meaning(column: &str) -> Option<(Meaning, Option<String>)> {
+    let name = column.trim().to_ascii_lowercase();
+    let (stem, unit) = split_unit(&name);
+    if matches!(unit.as_deref(), Some("degC" | "K")) {
+        return Some((Meaning::Temperature, unit));
+    }
+    let letters: String = stem.chars().filter(char::is_ascii_alphanumeric).collect();
+    let meaning = of_letters(&letters)?;
+    let fits = |unit: &String| {
+        meaning
+            .quantity()
+            .is_none_or(|quantity| unit_factor(unit, quantity).is_ok())
+    };
+    Some((meaning, unit.filter(fits)))
+}
+
+fn of_letters(name: &str) -> Option<Meaning> {
+    let axis = |stems: &[&str]| -> Option<usize> {
+        let axis = "xyz".find(name.chars().last()?)?;
+        stems.contains(&&name[..name.len() - 1]).then_some(axis)
+    };
+    let direction = |stems: &[&str]| -> Option<usize> {
+        DIRECTIONS.iter().find_map(|(word, index)| {
+            let before = name.strip_suffix(word);
+            let after = name.strip_prefix(word);
+            let known = |rest: Option<&str>| rest.is_some_and(|rest| stems.contains(&rest));
+            (known(before) || known(after)).then_some(*index)
+        })
+    };
+    if TIMES.contains(&name) {
+        Some(Meaning::Time)
+    } else if let Some(axis) = axis(&GYROS).or("pqr".find(name).filter(|_| name.len() == 1)) {
+        Some(Meaning::Gyro(axis))
+    } else if let Some(axis) = axis(&ACCELS) {
+        Some(Meaning::Accel(axis))
+    } else if LATITUDES.contains(&name) {
+        Some(Meaning::Latitude)
+    } else if LONGITUDES.contains(&name) {
+        Some(Meaning::Longitude)
+    } else if HEIGHTS.contains(&name) {
+        Some(Meaning::Height)
+    } else if let Some(place) = direction(&VELOCITY_STDS).or_else(|| velocity_std(name)) {
+        Some(Meaning::VelocityStd(place.min(2)))
+    } else if let Some(place) = direction(&VELOCITIES) {
+        Some(match place {
+            3 => Meaning::VelocityUp,
+            ned => Meaning::Velocity(ned),
+        })
+    } else if let Some(place) = direction(&POSITION_STDS) {
+        Some(Meaning::PositionStd(place.min(2)))
+    } else {
+        match name {
+            "roll" => Some(Meaning::Attitude(0)),
+            "pitch" => Some(Meaning::Attitude(1)),
+            "yaw" | "heading" | "azimuth" => Some(Meaning::Attitude(2)),
+            "temp" | "temperature" | "board" | "imutemp" => Some(Meaning::Temperature),
+            _ => None,
+        }
+    }
+}
+
+/// `vnstd`, `stdve`, `sdvn`.
+fn velocity_std(name: &str) -> Option<usize> {
+    let rest = ["std", "sd", "sigma"]
+        .iter()
+        .find_map(|word| name.strip_suffix(word).or_else(|| name.strip_prefix(word)))?;
+    let rest = rest
+        .strip_prefix("vel")
+        .or_else(|| rest.strip_prefix('v'))?;
+    DIRECTIONS
+        .iter()
+        .find_map(|(word, index)| (rest == *word).then_some(*index))
+}
+
+/// `gx [deg/s]`, `gx(dps)` and `gx_dps` without and with their unit.
+fn split_unit(name: &str) -> (&str, Option<String>) {
+    if let Some((stem, rest)) = name.split_once(['[', '(', '{']) {
+        let unit = rest.trim_end_matches([']', ')', '}']).trim();
+        return (stem.trim(), Some(spelled(unit)));
+    }
+    let found = SUFFIXES
+        .iter()
+        .find_map(|(suffix, unit)| Some((name.strip_suffix(suffix)?, *unit)));
+    match found {
+        Some((stem, unit)) if !stem.is_empty() => (stem, Some(unit.to_owned())),
+        _ => (name, None),
+    }
+}
+
+/// A unit as [`undrift_nav::units`] spells it.
+fn spelled(unit: &str) -> String {
+    match unit {
+        "dps" | "°/s" | "degrees/s" => "deg/s".into(),
+        "rad s^-1" | "rad·s^-1" | "rps" => "rad/s".into(),
+        "m s^-2" | "m/s2" | "m/s²" | "mps2" | "m/s/s" => "m/s^2".into(),
+        "m s^-1" | "mps" => "m/s".into(),
+        "°" | "degrees" => "deg".into(),
+        "µs" | "usec" => "us".into(),
+        "sec" | "seconds" => "s".into(),
+        other => other.into(),
+    }
+}
+
+/// Longest ordinary step of an inertial log [s].
+pub const IMU_STEP: f64 = 0.25;
+/// Longest ordinary step of a log of fixes [s].
+pub const FIX_STEP: f64 = 30.0;
+
+/// The unit of time stamps, and its factor to seconds: the longest one that makes their ordinary
+/// step no longer than `longest` [s]; `None` if there are too few stamps or none fits.
+pub fn time_unit(stamps: &[f64], longest: f64) -> Option<(&'static str, f64)> {
+    let mut steps: Vec<f64> = stamps.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    steps.retain(|step| *step > 0.0);
+    steps.sort_by(f64::total_cmp);
+    let step = *steps.get(steps.len() / 2)?;
+    [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)]
+        .into_iter()
+        .find(|(_, factor)| step * factor <= longest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_of_time() {
+        let every =
+            |step: f64| -> Vec<f64> { (0..20).map(|k| 7.0 + step * f64::from(k)).collect() };
+        for (step, unit) in [
+            (0.01, "s"),
+            (0.001, "s"),
+            (1.0, "ms"),
+            (10.0, "ms"),
+            (1000.0, "us"),
+            (2.5e6, "ns"),
+        ] {
+            assert_eq!(time_unit(&every(step), IMU_STEP).unwrap().0, unit, "{step}");
+        }
+        for (step, unit) in [
+            (0.2, "s"),
+            (1.0, "s"),
+            (200.0, "ms"),
+            (1e5, "us"),
+            (2e8, "ns"),
+        ] {
+            assert_eq!(time_unit(&every(step), FIX_STEP).unwrap().0, unit, "{step}");
+        }
+        assert_eq!(time_unit(&[1.0], IMU_STEP), None);
+    }
+
+    #[test]
+    fn names_of_many_programs() {
+        use Meaning::*;
+        let rows: [(&str, Option<Meaning>, Option<&str>); 34] = [
+            ("gx_dps", Some(Gyro(0)), Some("deg/s")),
+            ("AZ_g", Some(Accel(2)), Some("g")),
+            ("gyro_y", Some(Gyro(1)), None),
+            ("t_s", Some(Time), Some("s")),
+            ("#timestamp [ns]", Some(Time), Some("ns")),
+            ("w_RS_S_x [rad s^-1]", Some(Gyro(0)), Some("rad/s")),
+            ("a_RS_S_z [m s^-2]", Some(Accel(2)), Some("m/s^2")),
+            ("angular_velocity.x", Some(Gyro(0)), None),
+            ("linear_acceleration.y", Some(Accel(1)), None),
+            ("AccX", Some(Accel(0)), None),
+            ("Gyroscope Z (deg/s)", Some(Gyro(2)), Some("deg/s")),
+            ("q", Some(Gyro(1)), None),
+            ("Latitude", Some(Latitude), None),
+            ("lon_deg", Some(Longitude), Some("deg")),
+            ("height(m)", Some(Height), Some("m")),
+            ("alt_m", Some(Height), Some("m")),
+            ("vn_mps", Some(Velocity(0)), Some("m/s")),
+            ("vel_e", Some(Velocity(1)), None),
+            ("velocity_down", Some(Velocity(2)), None),
+            ("vu", Some(VelocityUp), None),
+            ("sdn(m)", Some(PositionStd(0)), Some("m")),
+            ("std_east", Some(PositionStd(1)), None),
+            ("north_std_m", Some(PositionStd(0)), Some("m")),
+            ("sdvn", Some(VelocityStd(0)), None),
+            ("ve_std_mps", Some(VelocityStd(1)), Some("m/s")),
+            ("roll_deg", Some(Attitude(0)), Some("deg")),
+            ("heading", Some(Attitude(2)), None),
+            ("temp", Some(Temperature), None),
+            ("board_C", Some(Temperature), Some("degC")),
+            ("T_degC", Some(Temperature), Some("degC")),
+            ("magx", None, None),
+            ("", None, None),
+            ("é", None, None),
+            ("x", None, None),
+        ];
+        for (name, expected, unit) in rows {
+            let found = meaning(name);
+            assert_eq!(found.as_ref().map(|f| f.0), expected, "{name}");
+            assert_eq!(found.and_then(|f| f.1).as_deref(), unit, "{name}");
+        }
+    }
+}

@@ -1,0 +1,209 @@
+//! What a file is, what it holds, in which units by which signs, and a first `DRIVE.toml` for it.
+
+mod columns;
+mod drive_file;
+mod measure;
+mod units;
+
+pub use drive_file::drive_file;
+
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use undrift_io::{
+    ReadError,
+    format::{self, Format},
+    layouts::KF_GINS_WITH_VELOCITY,
+    log::{self, StreamKind},
+};
+
+/// What a file is.
+#[derive(Clone, Debug, Serialize)]
+pub struct Inspection {
+    /// The file, as it was given.
+    pub file: PathBuf,
+    /// Name of its format in a drive file.
+    pub format: &'static str,
+    /// What the format is called.
+    pub description: &'static str,
+    /// The streams of a log: name, messages, and what they are.
+    pub streams: Vec<(String, u64, String)>,
+    /// What of it can be read.
+    pub parts: Vec<Part>,
+    /// What the user should know.
+    pub notes: Vec<String>,
+}
+
+/// A table of `DRIVE.toml` that reads something of the file.
+#[derive(Clone, Debug, Serialize)]
+pub struct Part {
+    /// `imu`, `gnss` or `truth`.
+    pub table: &'static str,
+    /// Its keys beside `file`.
+    pub lines: Vec<Line>,
+    /// What was read with them.
+    pub measured: Option<Measured>,
+    /// Why nothing was.
+    pub problem: Option<String>,
+}
+
+/// A key of a drive file.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Line {
+    /// The key.
+    pub key: &'static str,
+    /// Its value, as TOML writes it.
+    pub value: String,
+    /// How it is known; empty where nothing need be said.
+    pub why: String,
+}
+
+/// What a part holds.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Measured {
+    /// Samples, fixes or reference solutions.
+    pub records: u64,
+    /// First time [s].
+    pub first_s: f64,
+    /// Last time [s].
+    pub last_s: f64,
+    /// 1 / the ordinary interval [Hz].
+    pub rate_hz: f64,
+    /// Intervals of more than 1.5 ordinary ones.
+    pub gaps: u64,
+    /// Start and length of the longest [s].
+    pub longest_gap_s: Option<(f64, f64)>,
+    /// What was left out, a line each.
+    pub skipped: String,
+    /// What else there is to say.
+    pub remarks: Vec<String>,
+}
+
+impl Line {
+    fn new(key: &'static str, value: String, why: impl Into<String>) -> Self {
+        Self {
+            key,
+            value,
+            why: why.into(),
+        }
+    }
+
+    /// A text value.
+    fn text(key: &'static str, value: &str, why: impl Into<String>) -> Self {
+        Self::new(key, quoted(value), why)
+    }
+}
+
+/// A text as TOML writes it.
+fn quoted(text: &str) -> String {
+    toml::Value::String(text.to_owned()).to_string()
+}
+
+/// Tells what a file is.
+///
+/// # Errors
+/// If the file cannot be opened or is no log. What cannot be read of it is told in the parts.
+pub fn inspect(path: &Path) -> Result<Inspection, ReadError> {
+    let format = format::detect(path)?;
+    let mut inspection = Inspection {
+        file: path.to_path_buf(),
+        format: format.name(),
+        description: format.describe(),
+        streams: Vec::new(),
+        parts: Vec::new(),
+        notes: Vec::new(),
+    };
+    inspection.parts = match format {
+        Format::Csv | Format::Parquet => columns::parts(path, &mut inspection.notes)?,
+        Format::Rtklib => vec![Part::new("gnss", Vec::new())],
+        Format::Euroc => vec![Part::new("imu", Vec::new())],
+        Format::KfGins => vec![Part::new(kf_gins(path)?, Vec::new())],
+        log => {
+            let streams = log::streams(path, log)?;
+            let mut parts = of_streams(&streams);
+            if log == Format::Nmea
+                && let Some(part) = parts.first_mut()
+            {
+                let why =
+                    "guessed: NMEA does not tell; large for the vertical speed, which it lacks";
+                part.lines
+                    .push(Line::text("velocity_std", "0.2, 0.2, 20 m/s", why));
+            }
+            inspection.streams = streams
+                .into_iter()
+                .map(|stream| (stream.name, stream.messages, stream.about))
+                .collect();
+            parts
+        }
+    };
+    for part in &mut inspection.parts {
+        measure::measure(path, part);
+    }
+    if inspection.parts.is_empty() {
+        let note =
+            "nothing in it is read here: no angular rates with specific forces, no positions";
+        inspection.notes.push(note.into());
+    }
+    Ok(inspection)
+}
+
+impl Part {
+    fn new(table: &'static str, lines: Vec<Line>) -> Self {
+        Self {
+            table,
+            lines,
+            measured: None,
+            problem: None,
+        }
+    }
+}
+
+/// Which of its three texts a file of KF-GINS is.
+fn kf_gins(path: &Path) -> Result<&'static str, ReadError> {
+    let columns = format::columns(path)?;
+    Ok(match columns {
+        11 => "truth",
+        KF_GINS_WITH_VELOCITY => "gnss",
+        _ => {
+            let mut imu = Part::new("imu", Vec::new());
+            measure::measure(path, &mut imu);
+            if imu.problem.is_none() && measure::is_gravity(&imu) {
+                "imu"
+            } else {
+                "gnss"
+            }
+        }
+    })
+}
+
+/// The first stream of each kind; the topic is named where there are several.
+fn of_streams(streams: &[log::Stream]) -> Vec<Part> {
+    let of = |kind: StreamKind| -> Vec<&log::Stream> {
+        streams
+            .iter()
+            .filter(|stream| stream.kind == kind)
+            .collect()
+    };
+    let topic = |key: &'static str, kind: StreamKind| -> Option<Line> {
+        let found = of(kind);
+        let others: Vec<&str> = found.iter().skip(1).map(|s| s.name.as_str()).collect();
+        let first = found.first().filter(|_| !others.is_empty())?;
+        let why = format!("the first of several; the others: {}", others.join(", "));
+        Some(Line::text(key, &first.name, why))
+    };
+    let mut parts = Vec::new();
+    for (table, kind) in [
+        ("imu", StreamKind::Imu),
+        ("gnss", StreamKind::Fixes),
+        ("truth", StreamKind::Poses),
+    ] {
+        if of(kind).is_empty() {
+            continue;
+        }
+        let mut lines: Vec<Line> = topic("topic", kind).into_iter().collect();
+        if kind == StreamKind::Fixes {
+            lines.extend(topic("velocity_topic", StreamKind::Velocity));
+        }
+        parts.push(Part::new(table, lines));
+    }
+    parts
+}

@@ -1,0 +1,374 @@
+//! What the columns of a table are: by their names, and where they have none by their numbers.
+
+use super::{
+    Line, Part, quoted,
+    units::{self, Force},
+};
+use crate::columns::{FIX_STEP, IMU_STEP, Meaning, meaning, time_unit};
+use std::path::Path;
+use undrift_io::{
+    ReadError,
+    table::{Preview, preview},
+};
+
+/// Rows that are looked at.
+const ROWS: usize = 4000;
+
+/// Columns found: their places.
+#[derive(Default)]
+struct Found {
+    time: Option<usize>,
+    gyro: [Option<usize>; 3],
+    accel: [Option<usize>; 3],
+    place: [Option<usize>; 3],
+    velocity: [Option<usize>; 3],
+    up: bool,
+    position_std: [Option<usize>; 3],
+    velocity_std: [Option<usize>; 3],
+    attitude: [Option<usize>; 3],
+    /// How they were found.
+    why: &'static str,
+}
+
+/// The tables of a drive file that columns can serve.
+pub(super) fn parts(path: &Path, notes: &mut Vec<String>) -> Result<Vec<Part>, ReadError> {
+    let table = preview(path, ROWS)?;
+    let mut found = by_names(&table);
+    if all(&found.gyro).is_none() && all(&found.place).is_none() {
+        let by_numbers = by_numbers(&table);
+        if by_numbers.accel[0].is_some() || by_numbers.place[0].is_some() {
+            found = by_numbers;
+        }
+    }
+    let columns = Columns { table, found };
+    let mut parts = Vec::new();
+    if let (Some(gyro), Some(accel)) = (all(&columns.found.gyro), all(&columns.found.accel)) {
+        parts.push(Part::new("imu", columns.imu(gyro, accel, notes)));
+    }
+    if let Some(place) = all(&columns.found.place) {
+        let reference = all(&columns.found.attitude).filter(|_| parts.is_empty());
+        parts.push(match reference {
+            Some(attitude) => Part::new("truth", columns.truth(place, attitude)),
+            None => Part::new("gnss", columns.gnss(place)),
+        });
+    }
+    let names = &columns.table.names;
+    if parts.is_empty() {
+        notes.push(match names.len() {
+            0 => "no header names the columns, and their numbers do not tell them".into(),
+            _ => format!("the columns are: {}", names.join(", ")),
+        });
+    } else if columns.found.time.is_none() {
+        notes.push("no column of times was found".into());
+    }
+    Ok(parts)
+}
+
+fn all(three: &[Option<usize>; 3]) -> Option<[usize; 3]> {
+    match *three {
+        [Some(x), Some(y), Some(z)] => Some([x, y, z]),
+        _ => None,
+    }
+}
+
+fn by_names(table: &Preview) -> Found {
+    let mut found = Found {
+        why: "by its name",
+        ..Found::default()
+    };
+    for (place, name) in table.names.iter().enumerate() {
+        let slot = match meaning(name) {
+            Some((Meaning::Time, _)) => &mut found.time,
+            Some((Meaning::Gyro(axis), _)) => &mut found.gyro[axis],
+            Some((Meaning::Accel(axis), _)) => &mut found.accel[axis],
+            Some((Meaning::Latitude, _)) => &mut found.place[0],
+            Some((Meaning::Longitude, _)) => &mut found.place[1],
+            Some((Meaning::Height, _)) => &mut found.place[2],
+            Some((Meaning::Velocity(ned), _)) => &mut found.velocity[ned],
+            Some((Meaning::VelocityUp, _)) => {
+                found.up = true;
+                &mut found.velocity[2]
+            }
+            Some((Meaning::PositionStd(ned), _)) => &mut found.position_std[ned],
+            Some((Meaning::VelocityStd(ned), _)) => &mut found.velocity_std[ned],
+            Some((Meaning::Attitude(angle), _)) => &mut found.attitude[angle],
+            Some((Meaning::Temperature, _)) | None => continue,
+        };
+        // The first of its kind.
+        slot.get_or_insert(place);
+    }
+    found
+}
+
+/// Finds the time by that it only grows, accelerometers by that gravity gives three columns a
+/// constant magnitude, gyros beside them, and places by their range.
+fn by_numbers(table: &Preview) -> Found {
+    let mut found = Found {
+        why: "guessed by its numbers",
+        ..Found::default()
+    };
+    let width = table.rows.first().map_or(0, Vec::len);
+    let column = |k: usize| -> Vec<f64> {
+        let value = |row: &Vec<f64>| row.get(k).copied().unwrap_or(f64::NAN);
+        table.rows.iter().map(value).collect()
+    };
+    let columns: Vec<Vec<f64>> = (0..width).map(column).collect();
+    found.time = columns
+        .iter()
+        .position(|c| c.len() > 2 && c.windows(2).all(|pair| pair[1] > pair[0]));
+    let from = found.time.map_or(0, |time| time + 1);
+    let force = (from..width.saturating_sub(2)).find(|&k| {
+        let samples = three_of(&table.rows, [k, k + 1, k + 2]);
+        !matches!(units::force(&samples, None), Force::Unknown(_)) && steady(&samples)
+    });
+    if let Some(accel) = force {
+        let gyro = match accel {
+            before if before >= from + 3 => before - 3,
+            _ if accel + 5 < width => accel + 3,
+            _ => return found,
+        };
+        found.accel = [0, 1, 2].map(|axis| Some(accel + axis));
+        found.gyro = [0, 1, 2].map(|axis| Some(gyro + axis));
+        return found;
+    }
+    let within = |k: usize, limit: f64| {
+        columns.get(k).is_some_and(|c| {
+            let (low, high) = c
+                .iter()
+                .fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+            low >= -limit
+                && high <= limit
+                && high - low < 5.0
+                && low.abs() > 1.0
+                && low.fract() != 0.0
+        })
+    };
+    if let Some(lat) =
+        (from..width.saturating_sub(2)).find(|&k| within(k, 90.0) && within(k + 1, 180.0))
+    {
+        found.place = [0, 1, 2].map(|k| Some(lat + k));
+    }
+    found
+}
+
+/// Whether the magnitude varies by less than a third.
+fn steady(samples: &[[f64; 3]]) -> bool {
+    let mut sizes: Vec<f64> = samples
+        .iter()
+        .map(|v| v.iter().map(|x| x * x).sum::<f64>().sqrt())
+        .collect();
+    sizes.sort_by(f64::total_cmp);
+    let at = |share: usize| {
+        sizes
+            .get(sizes.len() * share / 100)
+            .copied()
+            .unwrap_or(f64::NAN)
+    };
+    sizes.len() > 2 && (at(90) - at(10)) / at(50) < 1.0 / 3.0
+}
+
+fn three_of(rows: &[Vec<f64>], places: [usize; 3]) -> Vec<[f64; 3]> {
+    rows.iter()
+        .map(|row| places.map(|k| row.get(k).copied().unwrap_or(f64::NAN)))
+        .filter(|v| v.iter().all(|x| x.is_finite()))
+        .collect()
+}
+
+struct Columns {
+    table: Preview,
+    found: Found,
+}
+
+impl Columns {
+    /// A column as a drive file names it: by its name where that is its alone, else by its number.
+    fn name(&self, place: usize) -> String {
+        let name = self.table.names.get(place).filter(|name| {
+            !name.is_empty() && self.table.names.iter().filter(|n| n == name).count() == 1
+        });
+        name.map_or((place + 1).to_string(), |name| quoted(name))
+    }
+
+    fn three(&self, key: &'static str, places: [usize; 3]) -> Line {
+        let names = places.map(|place| self.name(place)).join(", ");
+        let why = self
+            .found
+            .why
+            .replace("its", "their")
+            .replace("name", "names");
+        Line::new(key, format!("[{names}]"), why)
+    }
+
+    /// The unit that the name of a column tells.
+    fn unit(&self, place: usize) -> Option<String> {
+        self.table
+            .names
+            .get(place)
+            .and_then(|name| meaning(name)?.1)
+    }
+
+    fn stamps(&self, place: usize) -> Vec<f64> {
+        let value = |row: &Vec<f64>| row.get(place).copied().filter(|x| x.is_finite());
+        self.table.rows.iter().filter_map(value).collect()
+    }
+
+    /// The lines of the time, and the ordinary interval [s].
+    fn time(&self, longest: f64) -> (Vec<Line>, Option<f64>) {
+        let Some(place) = self.found.time else {
+            return (Vec::new(), None);
+        };
+        let mut lines = vec![Line::new("time", self.name(place), self.found.why)];
+        let stamps = self.stamps(place);
+        let guess = time_unit(&stamps, longest);
+        let (unit, why) = match (self.unit(place), guess) {
+            (Some(unit), _) => (unit, "by its name"),
+            (None, Some((unit, _))) => (unit.to_owned(), "guessed by the step of the stamps"),
+            (None, None) => ("s".to_owned(), "guessed"),
+        };
+        let factor = undrift_nav::units::unit_factor(&unit, undrift_nav::units::Quantity::Time)
+            .unwrap_or(1.0);
+        if unit != "s" {
+            lines.push(Line::text("time_unit", &unit, why));
+        }
+        let mut steps: Vec<f64> = stamps
+            .windows(2)
+            .map(|pair| (pair[1] - pair[0]) * factor)
+            .collect();
+        steps.sort_by(f64::total_cmp);
+        let step = steps
+            .get(steps.len() / 2)
+            .copied()
+            .filter(|step| *step > 0.0);
+        (lines, step)
+    }
+
+    fn imu(&self, gyro: [usize; 3], accel: [usize; 3], notes: &mut Vec<String>) -> Vec<Line> {
+        let (mut lines, interval) = self.time(IMU_STEP);
+        if lines.is_empty() {
+            let why = "guessed: there is no column of times; write the real rate";
+            lines.push(Line::text("rate", "100 Hz", why));
+        }
+        let forces = three_of(&self.table.rows, accel);
+        let turns = three_of(&self.table.rows, gyro);
+        let force = units::force(&forces, interval);
+        let named = "by their names";
+        let ((gyro_unit, gyro_why), (accel_unit, accel_why), increments) = match &force {
+            Force::Increments((unit, why)) if self.unit(accel[0]).is_none() => {
+                let interval = interval.unwrap_or(1.0);
+                let rates: Vec<[f64; 3]> = turns.iter().map(|t| t.map(|x| x / interval)).collect();
+                let (rate, gyro_why) = units::rate(&rates);
+                let angle = if rate == "deg/s" { "deg" } else { "rad" };
+                (
+                    (angle.to_owned(), gyro_why),
+                    ((*unit).to_owned(), why.clone()),
+                    true,
+                )
+            }
+            _ => {
+                let gyro = match self.unit(gyro[0]) {
+                    Some(unit) => (unit, named.to_owned()),
+                    None => {
+                        let (unit, why) = units::rate(&turns);
+                        (unit.to_owned(), why)
+                    }
+                };
+                let accel = match (self.unit(accel[0]), &force) {
+                    (Some(unit), Force::Rates((size, why))) if unit != *size => {
+                        notes.push(format!(
+                            "the names say that accelerations are in {unit}, but {}, as in {size}",
+                            why.trim_start_matches("guessed: ")
+                        ));
+                        (unit, named.to_owned())
+                    }
+                    (Some(unit), _) => (unit, named.to_owned()),
+                    (None, Force::Rates((unit, why))) => ((*unit).to_owned(), why.clone()),
+                    (None, Force::Unknown(why) | Force::Increments((_, why))) => {
+                        ("m/s^2".to_owned(), why.clone())
+                    }
+                };
+                (gyro, accel, false)
+            }
+        };
+        if increments {
+            let why = "guessed: the accelerometers' magnitude is gravity times the interval";
+            lines.push(Line::text("data", "increments", why));
+        }
+        lines.push(self.three("gyro", gyro));
+        lines.push(Line::text("gyro_unit", &gyro_unit, gyro_why));
+        lines.push(self.three("accel", accel));
+        lines.push(Line::text("accel_unit", &accel_unit, accel_why));
+        lines
+    }
+
+    /// The lines of a place: columns and the unit of angles.
+    fn place(&self, place: [usize; 3]) -> Vec<Line> {
+        let mut lines = vec![self.three("position", place)];
+        let angles = three_of(&self.table.rows, place);
+        let small = angles.iter().all(|[lat, lon, _]| {
+            lat.abs() <= std::f64::consts::FRAC_PI_2 && lon.abs() <= std::f64::consts::PI
+        });
+        match self.unit(place[0]) {
+            Some(unit) if unit == "deg" => {}
+            Some(unit) => lines.push(Line::text("position_unit", &unit, "by their names")),
+            None if small && !angles.is_empty() => {
+                let why = "guessed: no latitude is beyond pi/2 and no longitude beyond pi";
+                lines.push(Line::text("position_unit", "rad", why));
+            }
+            None => {}
+        }
+        lines
+    }
+
+    fn velocity(&self) -> Vec<Line> {
+        let Some(velocity) = all(&self.found.velocity) else {
+            return Vec::new();
+        };
+        let mut lines = vec![self.three("velocity", velocity)];
+        if self.found.up {
+            lines.push(Line::text(
+                "velocity_axes",
+                "north,east,up",
+                "by their names",
+            ));
+        }
+        lines
+    }
+
+    fn gnss(&self, place: [usize; 3]) -> Vec<Line> {
+        let (mut lines, _) = self.time(FIX_STEP);
+        lines.extend(self.place(place));
+        let why = "guessed: no columns tell it; set what fits the receiver";
+        lines.push(match all(&self.found.position_std) {
+            Some(std) => self.three("position_std_columns", std),
+            None => Line::text("position_std", "3, 3, 6 m", why),
+        });
+        let velocity = self.velocity();
+        if !velocity.is_empty() {
+            lines.extend(velocity);
+            lines.push(match all(&self.found.velocity_std) {
+                Some(std) => self.three("velocity_std_columns", std),
+                None => Line::text("velocity_std", "0.2, 0.2, 0.4 m/s", why),
+            });
+        }
+        lines
+    }
+
+    fn truth(&self, place: [usize; 3], attitude: [usize; 3]) -> Vec<Line> {
+        let (mut lines, _) = self.time(FIX_STEP);
+        lines.extend(self.place(place));
+        lines.extend(self.velocity());
+        lines.push(self.three("attitude", attitude));
+        match self.unit(attitude[0]) {
+            Some(unit) if unit == "deg" => {}
+            Some(unit) => lines.push(Line::text("attitude_unit", &unit, "by their names")),
+            None => {
+                let angles = three_of(&self.table.rows, attitude);
+                let turn = 2.0 * std::f64::consts::PI;
+                if angles.iter().flatten().all(|angle| angle.abs() <= turn) {
+                    let why = "guessed: no angle is beyond two pi";
+                    lines.push(Line::text("attitude_unit", "rad", why));
+                }
+            }
+        }
+        lines
+    }
+}

@@ -1,0 +1,252 @@
+//! Reads a part of a file with the keys found for it, as a drive would.
+
+use super::{Line, Measured, Part, quoted};
+use crate::drive::{
+    ConfigError, DriveError, GnssSource, Section, TruthSource, gnss, imu, parse, tables,
+};
+use std::path::Path;
+use undrift_io::{ReadError, gnss::GnssReader, imu::ImuReader, truth::TruthReader};
+use undrift_nav::{Vector3, earth::STANDARD_GRAVITY, sample::FixQuality};
+
+/// Standard deviations to begin with where a log does not tell any: a single-frequency receiver
+/// under an open sky.
+const POSITION_STD: &str = "3, 3, 6 m";
+const VELOCITY_STD: &str = "0.2, 0.2, 0.4 m/s";
+
+/// Reads the part; what was found, or why not, goes into it.
+pub(super) fn measure(path: &Path, part: &mut Part) {
+    let mut result = read(path, part);
+    // What a log does not tell is guessed, once for each of position and velocity.
+    for (key, std) in [
+        ("position_std", POSITION_STD),
+        ("velocity_std", VELOCITY_STD),
+    ] {
+        let asked = matches!(&result, Err(DriveError::Read(error)) if error.key.as_deref() == Some(&format!("gnss.{key}")));
+        if asked {
+            let why = "guessed: the log does not tell; set what fits the receiver";
+            part.lines.push(Line::text(key, std, why));
+            result = read(path, part);
+        }
+    }
+    match result {
+        Ok(measured) => part.measured = Some(measured),
+        Err(error) => part.problem = Some(error.to_string()),
+    }
+}
+
+fn read(path: &Path, part: &mut Part) -> Result<Measured, DriveError> {
+    let mut text = format!(
+        "[{}]\nfile = {}\n",
+        part.table,
+        quoted(&path.to_string_lossy())
+    );
+    for line in &part.lines {
+        text += &format!("{} = {}\n", line.key, line.value);
+    }
+    let parsed = parse(&text, "the guessed keys")?;
+    let top = Section::top(parsed.get_ref(), &text, "the guessed keys");
+    let section = top.section(part.table)?;
+    let here = Path::new("");
+    match part.table {
+        "imu" => {
+            let ((path, format), _) = imu::read_imu(&section, here, None)?;
+            let (measured, axes) = samples(ImuReader::open(&path, &format)?)?;
+            part.lines.extend(axes);
+            Ok(measured)
+        }
+        "gnss" => {
+            let (path, source) = gnss::read_gnss(&section, here, None)?;
+            Ok(fixes(match &source {
+                GnssSource::Csv(format) => GnssReader::open_csv(&path, format)?,
+                GnssSource::Rtklib(options) => GnssReader::open_rtklib(&path, options)?,
+                GnssSource::Log(log) => GnssReader::open_log(&path, log)?,
+            })?)
+        }
+        _ => match tables::read_truth(&section, here)? {
+            Some((path, TruthSource::Table(format))) => {
+                Ok(poses(TruthReader::open(&path, &format)?)?)
+            }
+            Some((path, TruthSource::Log(log))) => Ok(poses(TruthReader::open_log(&path, &log)?)?),
+            None => Err(ConfigError {
+                file: path.display().to_string(),
+                line: None,
+                key: part.table.into(),
+                message: "is not there".into(),
+            }
+            .into()),
+        },
+    }
+}
+
+/// Whether the mean specific force that was measured is about gravity.
+pub(super) fn is_gravity(part: &Part) -> bool {
+    let suspicious = |measured: &Measured| measured.remarks.iter().any(|r| r.contains(NOT_GRAVITY));
+    part.measured
+        .as_ref()
+        .is_some_and(|measured| !suspicious(measured))
+}
+
+const NOT_GRAVITY: &str = "which is not gravity's";
+
+/// Counts, and how the sensor sits by where gravity points.
+fn samples(mut reader: ImuReader) -> Result<(Measured, Option<Line>), ReadError> {
+    let mut span = Span::default();
+    let mut force = Vector3::zeros();
+    for sample in reader.by_ref() {
+        let sample = sample?;
+        span.add(sample.time);
+        force += sample.dvel / sample.dt;
+    }
+    let force = force / span.records.max(1) as f64;
+    let size = force.norm();
+    let mut remarks = Vec::new();
+    let mut axes = None;
+    let shown = format!(
+        "mean specific force {:.2}, {:.2}, {:.2} m/s^2",
+        force.x, force.y, force.z
+    );
+    if (size / STANDARD_GRAVITY - 1.0).abs() > 0.15 {
+        remarks.push(format!("{shown}: of magnitude {size:.3} m/s^2, {NOT_GRAVITY}: is the unit wrong, or was it no ordinary drive?"));
+    } else {
+        // Specific force at rest points up.
+        let up = force / size;
+        let (value, why) = if up.z < -0.8 {
+            (
+                "x,y,z",
+                "the z axis points down; x forward and y right are assumed",
+            )
+        } else if up.z > 0.8 {
+            (
+                "x,-y,-z",
+                "the z axis points up; x forward and y left are assumed; with y forward, \"y,x,-z\"",
+            )
+        } else {
+            (
+                "",
+                "the z axis is not vertical; or give axes, such as \"z,y,-x\"",
+            )
+        };
+        axes = Some(match value {
+            "" => Line::text("mounting", "auto", why),
+            axes => Line::text("axes", axes, why),
+        });
+        remarks.push(shown);
+    }
+    let gaps = reader.gaps();
+    let mut measured = span.measured(gaps.nominal_interval, reader.skipped().to_string());
+    measured.gaps = gaps.count;
+    measured.longest_gap_s = gaps.longest.map(|gap| (gap.start, gap.length));
+    measured.remarks = remarks;
+    Ok((measured, axes))
+}
+
+fn fixes(mut reader: GnssReader) -> Result<Measured, ReadError> {
+    let mut span = Span::default();
+    let kinds = [
+        (FixQuality::Fixed, "fixed"),
+        (FixQuality::Float, "float"),
+        (FixQuality::Differential, "differential"),
+        (FixQuality::Single, "single"),
+        (FixQuality::Unknown, "of unknown kind"),
+    ];
+    let mut counts = [0u64; 5];
+    let mut velocities = 0u64;
+    for fix in reader.by_ref() {
+        let fix = fix?;
+        span.add(fix.time);
+        velocities += u64::from(fix.velocity.is_some());
+        for (count, (kind, _)) in counts.iter_mut().zip(kinds) {
+            *count += u64::from(fix.quality == kind);
+        }
+    }
+    let mut remarks: Vec<String> = Vec::new();
+    let shares: Vec<String> = counts
+        .iter()
+        .zip(kinds)
+        .filter(|(count, _)| **count > 0)
+        .map(|(count, (_, name))| format!("{count} {name}"))
+        .collect();
+    remarks.push(format!(
+        "fixes: {}; {velocities} with a velocity",
+        shares.join(", ")
+    ));
+    let step = span.step();
+    let mut measured = span.measured(step, reader.skipped().to_string());
+    measured.remarks = remarks;
+    Ok(measured)
+}
+
+fn poses(mut reader: TruthReader) -> Result<Measured, ReadError> {
+    let mut span = Span::default();
+    let (mut velocities, mut attitudes) = (0u64, 0u64);
+    for sample in reader.by_ref() {
+        let sample = sample?;
+        span.add(sample.time);
+        velocities += u64::from(sample.v_n.is_some());
+        attitudes += u64::from(sample.rpy.is_some());
+    }
+    let step = span.step();
+    let mut measured = span.measured(step, reader.skipped().to_string());
+    measured.remarks = vec![format!(
+        "{velocities} with a velocity, {attitudes} with an attitude"
+    )];
+    Ok(measured)
+}
+
+/// Times as they come.
+#[derive(Default)]
+struct Span {
+    records: u64,
+    first: f64,
+    last: f64,
+    /// The first intervals, for the ordinary one [s].
+    steps: Vec<f64>,
+    ordinary: Option<f64>,
+    gaps: u64,
+    longest: Option<(f64, f64)>,
+}
+
+/// Intervals that the ordinary one is taken of.
+const STEPS: usize = 200;
+
+impl Span {
+    fn add(&mut self, time: f64) {
+        if self.records == 0 {
+            self.first = time;
+        } else {
+            let step = time - self.last;
+            match self.ordinary {
+                Some(ordinary) => self.gaps += u64::from(step > 1.5 * ordinary),
+                None => {
+                    self.steps.push(step);
+                    self.ordinary = (self.steps.len() == STEPS).then(|| self.step());
+                }
+            }
+            if self.longest.is_none_or(|(_, length)| step > length) {
+                self.longest = Some((self.last, step));
+            }
+        }
+        self.records += 1;
+        self.last = time;
+    }
+
+    /// The ordinary interval [s]; 0 while there is none.
+    fn step(&self) -> f64 {
+        let mut steps = self.steps.clone();
+        steps.sort_by(f64::total_cmp);
+        steps.get(steps.len() / 2).copied().unwrap_or(0.0)
+    }
+
+    fn measured(self, interval: f64, skipped: String) -> Measured {
+        Measured {
+            records: self.records,
+            first_s: self.first,
+            last_s: self.last,
+            rate_hz: if interval > 0.0 { 1.0 / interval } else { 0.0 },
+            gaps: self.gaps,
+            longest_gap_s: self.longest.filter(|(_, length)| *length > 1.5 * interval),
+            skipped,
+            remarks: Vec::new(),
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! Units by the size of the numbers.
+
+use undrift_nav::earth::STANDARD_GRAVITY;
+
+/// A unit and why.
+pub(super) type Guess = (&'static str, String);
+
+/// What the accelerometers' numbers are.
+pub(super) enum Force {
+    /// Specific forces in a unit.
+    Rates(Guess),
+    /// Velocity increments.
+    Increments(Guess),
+    /// Neither.
+    Unknown(String),
+}
+
+/// The unit of accelerometer samples by their median magnitude, which gravity makes; `interval` [s] is
+/// between samples.
+pub(super) fn force(samples: &[[f64; 3]], interval: Option<f64>) -> Force {
+    let mut sizes: Vec<f64> = samples.iter().map(size).filter(|s| s.is_finite()).collect();
+    sizes.sort_by(f64::total_cmp);
+    let Some(median) = sizes.get(sizes.len() / 2) else {
+        return Force::Unknown("no number in the first rows".into());
+    };
+    let near = |value: f64| (0.8..1.25).contains(&(median / value));
+    let why = format!("guessed: the median magnitude is {median:.4}");
+    for (unit, gravity) in [("m/s^2", STANDARD_GRAVITY), ("g", 1.0), ("mg", 1000.0)] {
+        if near(gravity) {
+            return Force::Rates((unit, why));
+        }
+    }
+    match interval {
+        Some(interval) if near(STANDARD_GRAVITY * interval) => Force::Increments(("m/s", why)),
+        _ => Force::Unknown(format!(
+            "NOT KNOWN: the median magnitude is {median:.4}, which is gravity in none of m/s^2, g, mg"
+        )),
+    }
+}
+
+fn size(v: &[f64; 3]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// Samples of a stretch over which the scatter is taken.
+const STRETCH: usize = 50;
+/// Between the scatter of a MEMS gyro at rest in rad/s and in deg/s: 0.54 deg/s is much for one, and
+/// 0.0095 deg/s little.
+const BETWEEN: f64 = 0.0095;
+
+/// The unit of gyro samples, rates: by the scatter of the quietest stretch, or by their largest.
+pub(super) fn rate(samples: &[[f64; 3]]) -> Guess {
+    let quietest = samples
+        .chunks_exact(STRETCH)
+        .map(scatter)
+        .filter(|s| s.is_finite() && *s > 0.0)
+        .fold(f64::INFINITY, f64::min);
+    let largest = samples.iter().map(size).fold(0.0, f64::max);
+    // Faster than any such sensor measures.
+    if largest > 80.0 {
+        return ("deg/s", format!("guessed: rates reach {largest:.1}"));
+    }
+    if quietest > BETWEEN && quietest.is_finite() {
+        let why = format!(
+            "guessed: the quietest scatter is {quietest:.2e}, in rad/s it would be {:.1} deg/s",
+            quietest.to_degrees()
+        );
+        ("deg/s", why)
+    } else if quietest.is_finite() {
+        let why = format!(
+            "guessed: the quietest scatter is {quietest:.2e}, in deg/s it would be less than such sensors have"
+        );
+        ("rad/s", why)
+    } else {
+        ("rad/s", "NOT KNOWN: too few samples to tell".into())
+    }
+}
+
+/// Root mean square of the differences from one sample to the next over √2: motion that is slow
+/// against the sample rate is not in it.
+fn scatter(samples: &[[f64; 3]]) -> f64 {
+    let mut sum = 0.0;
+    for pair in samples.windows(2) {
+        for axis in 0..3 {
+            sum += (pair[1][axis] - pair[0][axis]).powi(2);
+        }
+    }
+    (sum / (6 * (samples.len() - 1)) as f64).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gravity_tells_the_unit() {
+        let unit = |z: f64, interval: Option<f64>| match force(&[[0.01 * z, 0.0, z]; 9], interval) {
+            Force::Rates((unit, _)) => unit,
+            Force::Increments((unit, _)) => unit,
+            Force::Unknown(_) => "",
+        };
+        assert_eq!(unit(-9.79, None), "m/s^2");
+        assert_eq!(unit(1.01, None), "g");
+        assert_eq!(unit(-998.0, Some(0.01)), "mg");
+        assert_eq!(unit(-0.0489, Some(0.005)), "m/s");
+        assert_eq!(unit(16384.0, Some(0.01)), "");
+        assert!(matches!(force(&[], None), Force::Unknown(_)));
+    }
+
+    #[test]
+    fn the_quietest_stretch_tells_the_unit_of_rates() {
+        // A ramp with an alternating error of ±a scatters by √2 a.
+        let samples = |a: f64| -> Vec<[f64; 3]> {
+            (0..200)
+                .map(|k| [1e-4 * f64::from(k) + a * f64::from(k % 2 * 2 - 1); 3])
+                .collect()
+        };
+        assert_eq!(rate(&samples(0.05)).0, "deg/s");
+        assert_eq!(rate(&samples(0.0005)).0, "rad/s");
+        assert_eq!(rate(&[[120.0, 0.0, 0.0]; 3]).0, "deg/s");
+        assert!(rate(&[[0.0; 3]; 100]).1.starts_with("NOT KNOWN"));
+    }
+}

@@ -1,0 +1,341 @@
+// One panel on the screen: axes, cursor and zoom are uPlot's, the legend and the curves our own.
+"use strict";
+
+const FONT = "12px system-ui, sans-serif";
+const ruler = document.createElement("canvas").getContext("2d");
+function textWidth(text, font = FONT) {
+  ruler.font = font;
+  return ruler.measureText(text).width;
+}
+
+const INKS = ["paper", "ink", "soft", "rule", "grid", "shade"];
+
+// The colours of the page, or those on paper.
+function readPalette(scheme = "") {
+  const probe = document.body.appendChild(document.createElement("i"));
+  probe.style.colorScheme = scheme;
+  const read = name => { probe.style.color = `var(--${name})`; return getComputedStyle(probe).color; };
+  const palette = Object.fromEntries(INKS.map(name => [name, read(name)]));
+  for (let i = 0; i < 8; i++) palette[i] = read("c" + i);
+  probe.remove();
+  return palette;
+}
+
+// Text as long as there is room.
+function fit(text, room) {
+  if (textWidth(text) <= room) return text;
+  let n = text.length;
+  while (n > 1 && textWidth(text.slice(0, n) + "…") > room) n--;
+  return text.slice(0, n) + "…";
+}
+
+// A name in at most three lines that fit beside its neighbours.
+function wrapName(name, room) {
+  const lines = [];
+  for (const word of name.split(/(?<=[-–/])|(?<=\s)/)) {
+    const joined = (lines[lines.length - 1] || "") + word;
+    if (lines.length && textWidth(joined.trim()) <= room) lines[lines.length - 1] = joined;
+    else lines.push(word);
+  }
+  const shown = lines.slice(0, 3).map(line => fit(line.trim(), room));
+  if (lines.length > 3) shown[2] = shown[2].replace(/…?$/, "…");
+  return shown.join("\n");
+}
+
+// Ticks of an axis and their labels, for a length in pixels: as many as stand apart.
+function axisTicks(axis, along, min, max, length) {
+  if (axis.names.length) {
+    const ticks = axis.names.map((_, i) => i).filter(i => i >= min && i <= max);
+    const room = length / (max - min) - 8;
+    return { ticks, labels: ticks.map(i => wrapName(axis.names[i], room)) };
+  }
+  const at = mapper(min, max, axis.log, 0, length);
+  let most = along === "x" ? Math.min(10, Math.floor(length / 46)) : Math.min(8, Math.floor(length / 28));
+  for (;; most--) {
+    const ticks = axis.log ? logTicks(min, max, most) : linearTicks(min, max, most);
+    const labels = tickLabels(ticks);
+    const apart = along === "y" || labels.every((label, i) => !i || at(ticks[i]) - at(ticks[i - 1]) > (textWidth(label) + textWidth(labels[i - 1])) / 2 + 12);
+    if (apart || most <= 1) return { ticks, labels };
+  }
+}
+
+function mapper(min, max, log, from, to) {
+  if (!log) { const k = (to - from) / (max - min); return v => from + (v - min) * k; }
+  const k = (to - from) / Math.log(max / min);
+  return v => from + Math.log(v / min) * k;
+}
+
+// From values to pixels of the plot.
+function frameOf(panel, x, y, width, height) {
+  return {
+    x: mapper(x[0], x[1], panel.x.log, 0, width), y: mapper(y[0], y[1], panel.y.log, height, 0),
+    logX: panel.x.log, logY: panel.y.log, width, height,
+  };
+}
+
+function nearestIndex(x, value) {
+  let low = 0, high = x.length - 1;
+  while (high - low > 1) {
+    const mid = (low + high) >> 1;
+    if (x[mid] < value) low = mid; else high = mid;
+  }
+  return Math.abs(x[low] - value) <= Math.abs(x[high] - value) ? low : high;
+}
+
+const PALETTE_VARS = Array.from({ length: 8 }, (_, i) => `var(--c${i})`);
+
+const lengthOf = (u, along) => (along === "x" ? u.bbox.width : u.bbox.height) / devicePixelRatio;
+const heightOf = (panel, width) => Math.round(Math.max(240, Math.min(panel.ratio ? 560 : 360, width * (panel.ratio || 0.5) + 50)));
+
+class Plot {
+  constructor(panel, holder, key) {
+    Object.assign(this, { panel, holder, kin: [this], zoom: null });
+    this.palette = readPalette();
+    this.buildLegend();
+    this.box = holder.appendChild(make("div", "plot screen"));
+    this.paper = holder.appendChild(make("div", "print"));
+    const { width, height } = this.size();
+    const axis = along => ({
+      scale: along, side: along === "x" ? 2 : 3, label: panel[along].label ? u => fit(panel[along].label, lengthOf(u, along)) : undefined, labelSize: panel[along].label ? 22 : 0,
+      font: FONT, labelFont: FONT, labelGap: 2, gap: 4, space: () => 0, incrs: [10],
+      stroke: () => this.palette.soft,
+      grid: { stroke: () => this.palette.grid, width: 1, show: !(along === "x" && panel.x.names.length) },
+      ticks: { stroke: () => this.palette.rule, width: 1, size: 4 },
+      border: { show: true, stroke: () => this.palette.soft, width: 1 },
+      splits: (u, _, min, max) => axisTicks(panel[along], along, min, max, lengthOf(u, along)).ticks,
+      filter: (_, splits) => splits,
+      values: (u, splits) => {
+        const { min, max } = u.scales[along];
+        return panel[along].names.length ? axisTicks(panel[along], along, min, max, lengthOf(u, along)).labels : tickLabels(splits);
+      },
+      size: (_, labels) => along === "y"
+        ? 12 + Math.max(12, ...(labels || []).map(l => textWidth(l)))
+        : 12 + 15 * Math.max(1, ...(labels || []).map(l => String(l).split("\n").length)),
+    });
+    const [x, y] = this.ranges(width, height);
+    const scale = (own, [min, max]) => ({ time: false, distr: own.log ? 3 : 1, min, max, range: (_, a, b) => [a, b] });
+    this.u = new uPlot({
+      width, height, padding: [8, 20, 0, 0],
+      scales: { x: scale(panel.x, x), y: scale(panel.y, y) },
+      series: [{}, { show: true }],
+      axes: [axis("x"), axis("y")],
+      legend: { show: false },
+      cursor: {
+        points: { show: false },
+        drag: { x: true, y: panel.scale, setScale: false },
+        sync: key ? { key, scales: ["x", null], filters: { pub: type => type === "mousemove" } } : undefined,
+        bind: { dblclick: () => () => this.setZoom(null) },
+      },
+      hooks: {
+        drawClear: [() => this.drawGround()],
+        draw: [() => this.drawCurves()],
+        setCursor: [() => this.readout()],
+        setSelect: [u => this.selected(u)],
+      },
+    }, [x, [null, null]], this.box);
+    this.u.root.setAttribute("role", "img");
+    this.u.root.setAttribute("aria-label", ["Plot", panel.title, panel.y.label, "over", panel.x.label].filter(Boolean).join(" "));
+    this.marks = panel.series.map(series => {
+      const mark = make("span", "mark");
+      mark.style.background = `var(--c${series.colour})`;
+      mark.hidden = true;
+      return this.u.over.appendChild(mark);
+    });
+    this.reset = this.box.appendChild(make("button", "reset", "Reset zoom"));
+    this.reset.hidden = true;
+    this.reset.onclick = () => this.setZoom(null);
+    if (panel.scale) this.refresh();
+    new ResizeObserver(() => this.resize()).observe(holder);
+  }
+
+  size() {
+    const width = Math.max(200, Math.floor(this.holder.clientWidth));
+    return { width, height: heightOf(this.panel, width) };
+  }
+
+  resize() {
+    const { width, height } = this.size();
+    if (width === this.u.width && height === this.u.height) return;
+    this.u.setSize({ width, height });
+    if (this.panel.scale) queueMicrotask(() => this.refresh());
+  }
+
+  // What is seen: the part zoomed into or all, y as high as the curves there.
+  ranges(width, height) {
+    const { panel, zoom } = this;
+    let x = zoom ? zoom.x : extent(panel, "x", -Infinity, Infinity);
+    let y = zoom && zoom.y || extent(panel, "y", x[0], x[1]);
+    if (panel.scale) {
+      const pixel = 1.04 * Math.max((x[1] - x[0]) / width, (y[1] - y[0]) / height);
+      const around = ([a, b], n) => [(a + b - pixel * n) / 2, (a + b + pixel * n) / 2];
+      x = around(x, width);
+      y = around(y, height);
+    }
+    return [x, y];
+  }
+
+  refresh() {
+    // Other labels leave the plot another width, and then a map has another scale.
+    for (let round = 0; round < 4; round++) {
+      const { width, height } = this.inner();
+      const [x, y] = this.ranges(width, height);
+      this.u.batch(() => {
+        this.u.setScale("x", { min: x[0], max: x[1] });
+        this.u.setScale("y", { min: y[0], max: y[1] });
+      });
+      const after = this.inner();
+      if (!this.panel.scale || after.width === width && after.height === height) break;
+    }
+    this.reset.hidden = !this.zoom;
+  }
+
+  setZoom(zoom) {
+    for (const plot of this.kin) { plot.zoom = zoom; plot.refresh(); }
+  }
+
+  selected(u) {
+    const { left, top, width, height } = u.select;
+    if (width < 4 && (!this.panel.scale || height < 4)) return;
+    const zoom = { x: [u.posToVal(left, "x"), u.posToVal(left + width, "x")] };
+    if (this.panel.scale) zoom.y = [u.posToVal(top + height, "y"), u.posToVal(top, "y")];
+    u.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+    if (zoom.x[1] > zoom.x[0] && (!zoom.y || zoom.y[1] > zoom.y[0])) this.setZoom(zoom);
+  }
+
+  inner() {
+    const { bbox } = this.u;
+    return { width: bbox.width / devicePixelRatio, height: bbox.height / devicePixelRatio };
+  }
+
+  frame() {
+    const { x, y } = this.u.scales, { width, height } = this.inner();
+    return frameOf(this.panel, [x.min, x.max], [y.min, y.max], width, height);
+  }
+
+  // Draws in pixels of the plot.
+  within(draw) {
+    const { ctx, bbox } = this.u;
+    ctx.save();
+    ctx.beginPath();
+    ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+    ctx.clip();
+    ctx.translate(bbox.left, bbox.top);
+    ctx.scale(devicePixelRatio, devicePixelRatio);
+    draw(ctx, this.frame());
+    ctx.restore();
+  }
+
+  drawGround() {
+    this.within((ctx, at) => {
+      ctx.fillStyle = this.palette.shade;
+      for (const [l, r] of spans(this.panel, at)) ctx.fillRect(l, 0, r - l, at.height);
+    });
+  }
+
+  drawCurves() {
+    this.within((ctx, at) => {
+      ctx.lineJoin = "round";
+      for (const series of this.panel.series) {
+        if (series.hidden) continue;
+        for (const { d, fill, stroke, width, dash, alpha } of shapes(this.panel, series, at)) {
+          const path = new Path2D(d);
+          ctx.globalAlpha = alpha || 1;
+          ctx.setLineDash(dash || []);
+          if (fill !== undefined) { ctx.fillStyle = this.palette[fill]; ctx.fill(path); }
+          else { ctx.strokeStyle = this.palette[stroke]; ctx.lineWidth = width; ctx.stroke(path); }
+        }
+      }
+    });
+    this.drawn = (this.drawn || 0) + 1;
+  }
+
+  repaint() {
+    this.palette = readPalette();
+    this.u.redraw(false, false);
+  }
+
+  buildLegend() {
+    const { panel, holder } = this;
+    if (panel.title) holder.appendChild(make("h3", "screen", panel.title));
+    this.legend = holder.appendChild(make("ul", "legend screen"));
+    this.outputs = panel.series.map(series => {
+      if (!series.name) return null;
+      const button = make("button");
+      button.type = "button";
+      button.setAttribute("aria-pressed", "true");
+      button.title = "Show or hide";
+      button.innerHTML = `<svg width="18" height="12" aria-hidden="true">${keyShapes(series).map(s => svgPath(s, PALETTE_VARS)).join("")}</svg>`;
+      button.appendChild(make("span", "", series.name));
+      const output = button.appendChild(make("output"));
+      button.onclick = () => this.toggle(series, button);
+      this.legend.appendChild(make("li")).appendChild(button);
+      return output;
+    });
+    this.where = this.legend.appendChild(make("li")).appendChild(make("span", "x"));
+  }
+
+  toggle(series, button) {
+    series.hidden = !series.hidden;
+    // A band without a name belongs to the curve after it.
+    const { series: all } = this.panel;
+    for (let i = all.indexOf(series) - 1; i >= 0 && !all[i].name && all[i].colour === series.colour; i--) all[i].hidden = series.hidden;
+    button.setAttribute("aria-pressed", String(!series.hidden));
+    this.refresh();
+    this.u.redraw(false, false);
+  }
+
+  // The point of a series nearest to the cursor: along x, or on a map anywhere.
+  nearest(series, left, top, at) {
+    const { x, y } = series, column = y[series.style === "boxes" ? 2 : 0];
+    if (!x.length) return -1;
+    if (!this.panel.scale && series.sorted) {
+      const i = nearestIndex(x, this.u.posToVal(left, "x"));
+      return Math.abs(at.x(x[i]) - left) < 40 || x.length > 1 && left > at.x(x[0]) && left < at.x(x[x.length - 1]) ? i : -1;
+    }
+    let best = -1, least = 30 * 30;
+    for (let i = 0; i < x.length; i++) {
+      if (x[i] == null || column[i] == null) continue;
+      const d = (at.x(x[i]) - left) ** 2 + (at.y(column[i]) - top) ** 2;
+      if (d < least) { least = d; best = i; }
+    }
+    return best;
+  }
+
+  readout() {
+    const { panel, u } = this, { left, top } = u.cursor, off = !(left >= 0), at = this.frame();
+    const value = v => pretty(v, 5);
+    panel.series.forEach((series, s) => {
+      const i = off || series.hidden ? -1 : this.nearest(series, left, top, at);
+      const levels = i < 0 ? [] : series.y.map(column => column[i]);
+      const main = levels[levels.length === 5 ? 2 : 0];
+      const output = this.outputs[s], mark = this.marks[s];
+      if (output) {
+        output.textContent = i < 0 ? "" : panel.scale ? value(series.x[i]) + ", " + value(main)
+          : levels.length === 2 ? value(levels[0]) + " … " + value(levels[1])
+          : levels.length === 5 ? value(main) + " (" + value(levels[1]) + " … " + value(levels[3]) + ")"
+          : value(main);
+      }
+      if (!mark) return;
+      const dot = i >= 0 && levels.length === 1 && series.style !== "bars" && usable(main, panel.y.log) && usable(series.x[i], panel.x.log);
+      const l = dot ? at.x(series.x[i]) : -1, t = dot ? at.y(main) : -1;
+      mark.hidden = !(l >= 0 && l <= at.width && t >= 0 && t <= at.height);
+      mark.style.transform = mark.hidden ? "" : `translate(${l}px, ${t}px)`;
+    });
+    const x = off ? null : u.posToVal(left, "x");
+    this.where.textContent = off || panel.scale ? "" : panel.x.names.length ? panel.x.names[Math.round(x)] || "" : (panel.x.label || "x") + " " + value(x);
+  }
+}
+
+// Shaded spans in pixels.
+function spans(panel, at) {
+  return panel.shades
+    .map(([from, to]) => [from, to].map(v => Math.max(0, Math.min(at.width, usable(v, at.logX) ? at.x(v) : NaN))))
+    .filter(([l, r]) => r > l);
+}
+
+function make(tag, className = "", text = "") {
+  const element = document.createElement(tag);
+  if (className) element.className = className;
+  if (text) element.textContent = text;
+  return element;
+}

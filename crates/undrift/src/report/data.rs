@@ -1,0 +1,192 @@
+//! The numbers of figures as JSON, in few bytes.
+
+use super::{Axis, Figure, Panel, Series, file_stem};
+use crate::figure::panel::Style;
+use serde_json::{Value, json};
+use std::collections::HashMap;
+
+/// The figures for the script: `x`, the lists of x that series refer to by their place, and
+/// `figures`. It can stand in a script element.
+pub(super) fn json(figures: &[&Figure]) -> String {
+    let mut lists = Lists::default();
+    let figures: Vec<Value> = figures
+        .iter()
+        .map(|figure| {
+            let panels = figure.panels.iter().map(|p| panel(p, &mut lists));
+            json!({
+                "name": file_stem(&figure.name),
+                "columns": figure.columns.max(1),
+                "panels": panels.collect::<Vec<_>>(),
+            })
+        })
+        .collect();
+    // Only strings hold this character, and there it may be written so.
+    json!({ "x": lists.lists, "figures": figures })
+        .to_string()
+        .replace('<', "\\u003c")
+}
+
+fn panel(panel: &Panel, lists: &mut Lists) -> Value {
+    let series = panel.series.iter().map(|s| self::series(s, lists));
+    json!({
+        "title": panel.title,
+        "x": axis(&panel.x),
+        "y": axis(&panel.y),
+        "scale": panel.to_scale,
+        "shades": panel.shades,
+        "series": series.collect::<Vec<_>>(),
+    })
+}
+
+fn axis(axis: &Axis) -> Value {
+    let range = axis.range.as_ref().map(|r| [r.start, r.end]);
+    json!({
+        "label": axis.label,
+        "log": axis.logarithmic,
+        "range": range,
+        "names": axis.names,
+    })
+}
+
+fn series(series: &Series, lists: &mut Lists) -> Value {
+    let (style, width) = match series.style {
+        Style::Line(1) => ("line", 1.0),
+        Style::Line(2) => ("line", 1.6),
+        Style::Line(_) => ("line", 2.8),
+        Style::Dashed => ("dashed", 1.6),
+        Style::Dots => ("dots", 0.0),
+        Style::Band => ("band", 0.0),
+        Style::Bars => ("bars", 0.0),
+        Style::Boxes => ("boxes", 0.0),
+    };
+    let columns = series.y.iter().map(|column| {
+        let values = column.iter().map(|v| number(*v, significant(*v)));
+        values.collect::<Vec<_>>()
+    });
+    json!({
+        "name": series.name,
+        "colour": series.colour,
+        "style": style,
+        "width": width,
+        "x": lists.place(&series.x),
+        "y": columns.collect::<Vec<_>>(),
+    })
+}
+
+/// Lists of x, each kept once.
+#[derive(Default)]
+struct Lists {
+    lists: Vec<Value>,
+    places: HashMap<Vec<u64>, usize>,
+}
+
+impl Lists {
+    fn place(&mut self, x: &[f64]) -> usize {
+        let bits: Vec<u64> = x.iter().map(|v| v.to_bits()).collect();
+        *self.places.entry(bits).or_insert_with(|| {
+            self.lists.push(list(x));
+            self.lists.len() - 1
+        })
+    }
+}
+
+/// Values as a list, or as start, step and count where they are evenly spaced; to a ten millionth of
+/// their span.
+fn list(x: &[f64]) -> Value {
+    let finite = || x.iter().copied().filter(|v| v.is_finite());
+    let span = finite().fold(f64::NEG_INFINITY, f64::max) - finite().fold(f64::INFINITY, f64::min);
+    if let (&[start, .., end], true) = (x, span > 0.0) {
+        let step = (end - start) / (x.len() - 1) as f64;
+        let even = |(i, v): (usize, &f64)| (start + i as f64 * step - v).abs() <= 1e-7 * span;
+        if x.len() > 3 && x.iter().enumerate().all(even) {
+            return json!({ "start": start, "step": step, "count": x.len() });
+        }
+    }
+    let decimals = 7 - span.log10().ceil().clamp(-300.0, 300.0) as i32;
+    // Small values of a logarithmic axis keep their digits too.
+    let values = x.iter().map(|v| number(*v, decimals.max(significant(*v))));
+    values.collect()
+}
+
+/// Decimals for seven significant digits.
+fn significant(value: f64) -> i32 {
+    if value == 0.0 || !value.is_finite() {
+        return 0;
+    }
+    6 - value.abs().log10().floor() as i32
+}
+
+/// A number with so many decimals, fewer where the last are zeros; null where it is none.
+fn number(value: f64, decimals: i32) -> Value {
+    if !value.is_finite() {
+        return Value::Null;
+    }
+    let rounded = match usize::try_from(decimals) {
+        Ok(n) if n <= 17 => format!("{value:.n$}").parse().unwrap_or(value),
+        // Beyond what decimals are for: seven digits.
+        _ => format!("{value:.6e}").parse().unwrap_or(value),
+    };
+    if rounded.fract() == 0.0 && rounded.abs() < 1e15 {
+        Value::from(rounded as i64)
+    } else {
+        Value::from(rounded)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_seven_digits() {
+        for (value, text) in [
+            (1.0 / 3.0, "0.3333333"),
+            (-2.0e7 / 3.0, "-6666667"),
+            (12.0, "12"),
+            (2.0e-15 / 3.0, "6.666667e-16"),
+            (2.0e30 / 3.0, "6.666667e+29"),
+            (f64::NAN, "null"),
+            (f64::NEG_INFINITY, "null"),
+        ] {
+            let kept = number(value, significant(value)).to_string();
+            assert_eq!(kept, text);
+        }
+    }
+
+    #[test]
+    fn times_keep_their_resolution() {
+        // A day of the week in GPS time, hundredths of seconds, one missing.
+        let x = [345_600.01, 345_600.02, 345_600.04, 345_600.05];
+        assert_eq!(
+            list(&x).to_string(),
+            "[345600.01,345600.02,345600.04,345600.05]"
+        );
+        let even: Vec<f64> = (0..1000).map(|i| 345_600.0 + 0.01 * f64::from(i)).collect();
+        assert_eq!(list(&even)["count"], 1000);
+        assert!((list(&even)["step"].as_f64().unwrap() - 0.01).abs() < 1e-9);
+    }
+
+    #[test]
+    fn equal_lists_are_kept_once() {
+        let mut panel = Panel::new("", Axis::new(""), Axis::new(""));
+        let points: Vec<(f64, f64)> = vec![(0.0, f64::NAN), (1.0, 2.0), (5.0, 3.0)];
+        panel.add(Series::line("</script>", 0, points.clone()));
+        panel.add(Series::line("b", 1, points));
+        let figure = Figure {
+            name: "a/b".into(),
+            caption: String::new(),
+            columns: 0,
+            panels: vec![panel],
+        };
+        let text = json(&[&figure]);
+        assert!(!text.contains('<'));
+        let value: Value = serde_json::from_str(&text).unwrap();
+        assert_eq!(value["x"], json!([[0, 1, 5]]));
+        let series = &value["figures"][0]["panels"][0]["series"];
+        assert_eq!(series[0]["y"], json!([[null, 2, 3]]));
+        assert_eq!(
+            (&series[0]["name"], &series[1]["x"]),
+            (&json!("</script>"), &json!(0))
+        );
+    }
+}

@@ -1,0 +1,220 @@
+#!/usr/bin/env python3
+"""Reads what the writers wrote beside this file with readers of others.
+
+pip install numpy pyyaml pynmeagps gpxpy lxml fastkml geojson shapely
+
+The files come from the ignored tests `write_golden` of undrift-noise (tests/export.rs) and
+undrift-io (tests/written.rs); other tests hold that the writers still write the same bytes.
+"""
+
+import math
+from pathlib import Path
+
+HERE = Path(__file__).parent
+DEG = math.pi / 180
+
+
+def close(ours, expected, relative=6e-9, absolute=0.0):
+    ours = ours if isinstance(ours, list) else [ours]
+    expected = expected if isinstance(expected, list) else [expected]
+    assert len(ours) == len(expected), (ours, expected)
+    for a, b in zip(ours, expected):
+        assert isinstance(a, (int, float)), f"{a!r} is no number"
+        assert abs(a - b) <= relative * abs(b) + absolute, (ours, expected)
+
+
+# The model of crates/noise/tests/export.rs, in SI units. Nine digits are written: 6e-9.
+WHITE = [0.3 * DEG / 60, 0.3 * DEG / 60, 0.6 * DEG / 60]
+DRIVE = 9 * DEG / 3600 * math.sqrt(2 / 200)
+TURN_ON_Z = 12 * DEG / 3600
+
+
+def rms(values):
+    return math.sqrt(sum(v * v for v in values) / len(values))
+
+
+def models():
+    import yaml
+
+    def load(name):
+        return yaml.safe_load((HERE / name).read_text(encoding="utf-8"))
+
+    imu = load("imu.kalibr.yaml")
+    assert set(imu) == {
+        "accelerometer_noise_density", "accelerometer_random_walk", "gyroscope_noise_density",
+        "gyroscope_random_walk", "rostopic", "update_rate",
+    }
+    close(imu["gyroscope_noise_density"], rms(WHITE))
+    close(imu["gyroscope_random_walk"], DRIVE)
+    close(imu["accelerometer_noise_density"], 1e-3)
+    close(imu["accelerometer_random_walk"], 1e-4)
+    close(imu["update_rate"], 100.0)
+    assert imu["rostopic"].startswith("/")
+
+    # The filter of KF-GINS turns these into q = 2 std²/corrtime.
+    kf = load("imu.kf-gins.yaml")
+    noise = kf["imunoise"]
+    close([v * DEG / 60 for v in noise["arw"]], WHITE)
+    close([v / 60 for v in noise["vrw"]], [1e-3] * 3)
+    tau = noise["corrtime"] * 3600
+    close([v * DEG / 3600 * math.sqrt(2 / tau) for v in noise["gbstd"]], [DRIVE] * 3)
+    close([v * 1e-5 * math.sqrt(2 / tau) for v in noise["abstd"]], [1e-4] * 3)
+    assert noise["gsstd"] == noise["asstd"] == [0.0] * 3
+    close(kf["initbgstd"][2] ** 2 - kf["initbgstd"][0] ** 2, 144.0, relative=1e-6)
+
+    ros = load("imu.ros.yaml")["imu"]["ros__parameters"]
+    close([ros["angular_velocity_covariance"][i] for i in (0, 4, 8)], [n * n * 100 for n in WHITE])
+    close([ros["linear_acceleration_covariance"][i] for i in (0, 4, 8)], [1e-4] * 3)
+    assert all(len(ros[f"{q}_covariance"]) == 9 for q in ("angular_velocity", "linear_acceleration", "orientation"))
+    assert ros["orientation_covariance"][0] == -1
+
+    rows = [
+        line.split("\t")
+        for line in (HERE / "imu.px4.params").read_text(encoding="utf-8").splitlines()
+        if not line.startswith("#")
+    ]
+    px4 = {name: float(value) for _, _, name, value, kind in rows if kind == "9"}
+    # EKF2 adds (noise dt)² a prediction: over one second of 100 it must be N².
+    close([(px4["EKF2_GYR_NOISE"] * 0.01) ** 2 * 100], [rms(WHITE) ** 2], relative=2e-8)
+    close([(px4["EKF2_ACC_B_NOISE"] * 0.01) ** 2 * 100], [1e-8], relative=2e-8)
+    close(px4["EKF2_GBIAS_INIT"], TURN_ON_Z / math.sqrt(3))
+    print("models: kalibr, kf-gins, ros (PyYAML) and px4 hold what the model says")
+
+
+# The track of crates/io/tests/written.rs: row k of 241, 20 a second, without GNSS from 80 to 160.
+NAME = 'Harbour <1> & "back"'
+START = 604794.0
+
+
+def lat(k):
+    return -33.86 + 1e-6 * k
+
+
+def lon(k):
+    return 151.2 - 2e-6 * k
+
+
+def height(k):
+    return 25 + 0.01 * k
+
+
+def place(k):
+    return [lon(k), lat(k), height(k)]
+
+
+def near(point, k):
+    """Nine decimals of degrees, three of metres, half of the last one."""
+    close(list(point), place(k), relative=1e-12, absolute=6e-10)
+
+
+def utc(k):
+    """12 July 2025 is the Saturday of GPS week 2374; GPS was 18 s ahead of UTC."""
+    from datetime import datetime, timedelta, timezone
+
+    epoch = datetime(1980, 1, 6, tzinfo=timezone.utc)
+    return epoch + timedelta(weeks=2374, seconds=START - 18, milliseconds=50 * k)
+
+
+# First and last row of the lines; every other row is there.
+SPANS = [(0, 80, True), (80, 160, False), (160, 240, True)]
+
+
+def nav():
+    import numpy
+
+    rows = numpy.loadtxt(HERE / "track.nav")
+    assert rows.shape == (241, 11)
+    for k, row in enumerate(rows):
+        gps = row[0] * 604800 + row[1] - (2374 * 604800 + START)
+        assert 0 <= row[1] < 604800 and abs(gps - 0.05 * k) < 1e-6
+        close(list(row[2:4]), [lat(k), lon(k)], relative=1e-13, absolute=6e-12)
+        close(list(row[4:]), [height(k), 2.0, -3.5, 0.25, 1.5, -2.25, 300.0], relative=1e-9)
+    print("track.nav: 241 rows of 11 columns (numpy)")
+
+
+def nmea():
+    from pynmeagps import NMEAReader
+
+    epochs = {}
+    with open(HERE / "track.nmea", "rb") as stream:
+        # validate=1 checks the checksums, quitonerror=2 raises on what is wrong.
+        for _, message in NMEAReader(stream, validate=1, quitonerror=2):
+            assert message.talker == "GN"
+            epochs.setdefault(message.msgID, []).append(message)
+    assert {kind: len(all) for kind, all in epochs.items()} == {"RMC": 121, "GGA": 121, "GST": 121, "HDT": 121}
+    for i in range(121):
+        k, outage = 2 * i, 80 <= 2 * i < 160
+        rmc, gga, gst, hdt = (epochs[kind][i] for kind in ("RMC", "GGA", "GST", "HDT"))
+        time = utc(k)
+        assert (rmc.date, rmc.time) == (time.date(), time.time()), (rmc.date, rmc.time, time)
+        for message in (rmc, gga):
+            # 1e-7 of a minute is 1.7e-9 deg, and pynmeagps rounds to ten decimals.
+            close([message.lat, message.lon], [lat(k), lon(k)], relative=0, absolute=1e-9)
+        close([gga.alt + float(gga.sep)], [height(k)], relative=1e-12)
+        assert gga.quality == (6 if outage else 1) and rmc.posMode == ("E" if outage else "A")
+        close([rmc.spd * 1852 / 3600, rmc.cog], [math.hypot(2, 3.5), 360 - math.degrees(math.atan2(3.5, 2))], relative=1e-4)
+        close([gst.stdLat, gst.stdLong, gst.stdAlt, hdt.headingT], [0.5, 0.75, 1.25, 300.0])
+    print("track.nmea: 484 sentences with right checksums (pynmeagps)")
+
+
+def kml():
+    from fastkml import kml as fast
+    from fastkml.utils import find_all
+    from fastkml import Placemark
+    from fastkml.validator import validate
+    from lxml import etree
+
+    etree.parse(HERE / "track.kml")
+    assert validate(file_to_validate=HERE / "track.kml") is True
+    document = fast.KML.parse(HERE / "track.kml")
+    assert document.features[0].name == NAME
+    places = list(find_all(document, of_type=Placemark))
+    assert [p.style_url.url for p in places] == ["#gnss", "#no-gnss", "#gnss"]
+    for placemark, (first, last, gnss) in zip(places, SPANS):
+        assert placemark.name.startswith("With GNSS" if gnss else "Without GNSS")
+        points = placemark.geometry.coords
+        for point, k in zip(points, range(first, last + 1, 2), strict=True):
+            near(point, k)
+    print("track.kml: valid by the schema of KML 2.2, three lines (fastkml, lxml)")
+
+
+def geo():
+    import geojson
+    from shapely.geometry import shape
+
+    with open(HERE / "track.geojson", encoding="utf-8") as stream:
+        collection = geojson.load(stream)
+    assert collection.is_valid, collection.errors()
+    assert collection["name"] == NAME
+    for feature, (first, last, gnss) in zip(collection.features, SPANS, strict=True):
+        assert feature.properties["gnss"] is gnss
+        close(feature.properties["start_s"], START + 0.05 * first, relative=1e-12)
+        line = shape(feature.geometry)
+        assert line.has_z and line.is_valid and line.geom_type == "LineString"
+        for point, k in zip(line.coords, range(first, last + 1, 2), strict=True):
+            near(point, k)
+    print("track.geojson: a valid collection of three lines (geojson, shapely)")
+
+
+def gpx():
+    import gpxpy
+
+    track = gpxpy.parse((HERE / "track.gpx").read_text(encoding="utf-8"))
+    assert track.version == "1.1" and track.tracks[0].name == NAME
+    (segment,) = track.tracks[0].segments
+    assert len(segment.points) == 121
+    for i, point in enumerate(segment.points):
+        k = 2 * i
+        near([point.longitude, point.latitude, point.elevation], k)
+        assert point.time == utc(k), (point.time, utc(k))
+        assert point.type_of_gpx_fix == ("none" if 80 <= k < 160 else "3d")
+    print("track.gpx: 121 points with their times (gpxpy)")
+
+
+if __name__ == "__main__":
+    models()
+    nav()
+    nmea()
+    kml()
+    geo()
+    gpx()
