@@ -1,47 +1,72 @@
 //! `undrift demo`: the paper's experiment on a simulated drive.
 
-use crate::{print, report::Reporting, tables};
+use crate::{
+    output::JsonOutput,
+    print,
+    progress::Bar,
+    report::Reporting,
+    style, tables,
+    terminal::{say, stage},
+};
 use anyhow::{Context, Result};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use undrift::{
-    demo::{self, Demo, Models},
+    demo::{self, Demo, Models, Stage},
     figure,
     outages::ModelRun,
     results,
 };
 
-/// Simulate a static record and a 10-minute drive, identify the sensors from the record, cut the
-/// drive's GNSS 15 times, and compare the noise models.
+/// Simulate a drive, cut its GNSS 15 times, and compare the noise models.
 ///
-/// Example: undrift demo --seed 7 --out out
+/// A static record and a 10-minute drive are simulated, the sensors identified from the record, and the
+/// noise models run through outages of 10 s: Tables 2, 3 and 4 of Wang, Lyu & Wu (2016).
 #[derive(Args)]
+#[command(after_help = "Examples:
+  undrift demo
+  undrift demo --seed 7 --out out
+  undrift demo --true-models --json demo.json")]
 pub struct Arguments {
     /// Seed of the drive, the sensors and the receiver
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// Take the models from the simulation's own parameters instead of identifying them
     #[arg(long)]
     true_models: bool,
     /// Write the tables' and figures' data and demo.svg into this folder
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
-    /// Write the whole result as JSON; "-" for standard output instead of the tables
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    json: JsonOutput,
     #[command(flatten)]
     reporting: Reporting,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
+    arguments.json.ready()?;
+    arguments.reporting.ready()?;
+    if let Some(folder) = &arguments.out {
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("cannot make {}", folder.display()))?;
+    }
     let models = if arguments.true_models {
         Models::Truth
     } else {
         Models::Identified
     };
-    let demo = demo::run(arguments.seed, models)?;
+    let demo = stage("simulation, identification and navigation", || {
+        let bar = Bar::new("simulated", 0, "samples");
+        demo::run_told(arguments.seed, models, |stage, more, total| {
+            match stage {
+                Stage::Identification => bar.stage("identified", total, "axes"),
+                Stage::Navigation => bar.stage("navigated", total, "samples"),
+            }
+            bar.add(more);
+        })
+    })?;
     let json = results::text(&demo.json());
-    let shown = print::result(arguments.json.as_deref(), &json)?;
+    let shown = arguments.json.write(&json)?;
     arguments.reporting.write(&json)?;
     if !shown {
         tell(arguments, &demo)?;
@@ -59,18 +84,18 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 fn tell(arguments: &Arguments, demo: &Demo) -> Result<()> {
     let (count, length, ..) = demo::OUTAGES;
     if let Some((_, identified)) = &demo.identified {
-        print::say(format!(
+        say(format!(
             "Simulated static record of {:.0} s, {} at {:.0} Hz, seed {}.\n\n{}",
             demo::STATIC_DURATION,
             demo::PRESET,
             demo::RATE_HZ,
             arguments.seed,
-            tables::normality(identified)
+            style::headed(&tables::normality(identified))
         ))?;
-        print::say(tables::pandit_wu(identified, "gyro_z"))?;
-        print::say(tables::recommended(identified))?;
+        say(style::headed(&tables::pandit_wu(identified, "gyro_z")))?;
+        say(style::headed(&tables::recommended(identified)))?;
     }
-    print::say(format!(
+    say(format!(
         "Simulated car drive of {:.0} min, {} at {:.0} Hz, RTK-like GNSS at 5 Hz, seed {};\n\
          GNSS cut {count} times for {length:.0} s. Errors inside the outages (Table 4):\n",
         demo::DURATION / 60.0,
@@ -78,8 +103,8 @@ fn tell(arguments: &Arguments, demo: &Demo) -> Result<()> {
         demo::RATE_HZ,
         arguments.seed
     ))?;
-    print::say(print::table(&print::split(&demo.runs).0))?;
-    print::say(format!(
+    say(print::shown(&print::split(&demo.runs).0))?;
+    say(format!(
         "\"{}\" is white on samples whose turn-on constants were removed beforehand.",
         demo::WHITE_CALIBRATED
     ))
@@ -120,7 +145,7 @@ fn write(folder: &Path, demo: &Demo, runs: &[&ModelRun], silent: bool) -> Result
     if silent {
         return Ok(());
     }
-    print::say(format!(
+    say(format!(
         "\nWritten to {}: outages.json, demo.svg and the data of the figures",
         folder.display()
     ))

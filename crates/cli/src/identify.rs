@@ -1,6 +1,14 @@
 //! `undrift identify`: a static record into a noise model.
 
-use crate::{print, report::Reporting};
+use crate::{
+    details,
+    output::{self, JsonOutput},
+    plot, print,
+    progress::Bar,
+    report::Reporting,
+    style,
+    terminal::{self, detail, say, stage, warn},
+};
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -29,8 +37,16 @@ enum Trend {
 
 /// Identify how a sensor errs from a record of it at rest, and write the model file.
 ///
-/// Example: undrift identify static.csv.gz --rate 100 -o imu.toml
+/// The noise of every axis is tested, its Allan deviation taken, and models of it are fitted on the
+/// first half of the record; the one that is recommended leaves the least drift on the other half
+/// (docs/identify.md).
 #[derive(Args)]
+#[command(after_help = "Examples:
+  undrift identify static.csv.gz --rate 100 --units \"deg/s,g\" -o imu.toml
+  undrift identify out/figure1-record.csv --units \"rad/s,m/s^2\" --plot
+  undrift identify gyro.csv --columns 2 --axis gyro_z --rate 200 --base adis16465 -o imu.toml
+
+The second takes the record that \"undrift demo --out out\" writes.")]
 pub struct Arguments {
     /// Static record: a table of six axes, or one, or a log in any format that `inspect` knows
     #[arg(value_name = "RECORD")]
@@ -60,16 +76,21 @@ pub struct Arguments {
     #[arg(long, value_name = "PRESET|FILE")]
     base: Option<String>,
     /// Write the model file; without --base it has the record's axes only
-    #[arg(short, long, value_name = "imu.toml")]
+    #[arg(short, long, value_name = "imu.toml", help_heading = "Output")]
     output: Option<PathBuf>,
-    /// Write everything found as JSON; "-" for standard output instead of the summary
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    /// Plot the Allan deviations in the terminal
+    #[arg(long, help_heading = "Output")]
+    plot: bool,
+    #[command(flatten)]
+    json: JsonOutput,
     #[command(flatten)]
     reporting: Reporting,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
+    output::ready(arguments.output.as_deref())?;
+    arguments.json.ready()?;
+    arguments.reporting.ready()?;
     let units = match arguments
         .units
         .as_deref()
@@ -98,11 +119,17 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         temperature: arguments.detrend == Trend::Temperature,
         topic: arguments.topic.clone(),
     };
-    let record = record::read(&arguments.record, &format)?;
+    details::file("record", &arguments.record);
+    let record = stage("reading", || record::read(&arguments.record, &format))?;
     if !record.skipped.is_empty() {
-        eprintln!("{}: {}", arguments.record.display(), record.skipped);
+        warn(format!(
+            "{}: {}",
+            arguments.record.display(),
+            record.skipped
+        ));
     }
-    let rate_hz = rate(arguments.rate, record.timing.as_ref())?;
+    let rate_hz = rate(arguments.rate, record.timing.as_ref())
+        .with_context(|| arguments.record.display().to_string())?;
     let detrend = match (arguments.detrend, &record.temperature) {
         (Trend::Linear, _) => Detrend::Linear,
         (Trend::Temperature, Some(temperature)) => Detrend::Temperature(temperature),
@@ -113,13 +140,33 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         detrend,
         ..Options::at(rate_hz)
     };
-    // Silent when standard error is no terminal.
-    let bar = indicatif::ProgressBar::new(record.axes.len() as u64).with_style(
-        indicatif::ProgressStyle::with_template("identified {pos} of {len} axes, {elapsed}")?,
-    );
-    bar.tick();
-    let identified = identify::run(&record, &options, || bar.inc(1));
-    bar.finish_and_clear();
+    detail(1, || {
+        format!(
+            "record: {} axes of {} samples at {rate_hz} Hz ({}), {}",
+            record.axes.len(),
+            record.samples.first().map_or(0, Vec::len),
+            match arguments.rate {
+                Some(_) => "as stated",
+                None => "by its time stamps",
+            },
+            record.axes.join(" ")
+        )
+    });
+    detail(1, || {
+        format!(
+            "settings: ARMA(2n, 2n-1) for n up to {}, {} taken out",
+            arguments.n_max,
+            match arguments.detrend {
+                Trend::Constant => "the mean",
+                Trend::Linear => "a straight line",
+                Trend::Temperature => "the temperature's part",
+            }
+        )
+    });
+    let identified = stage("identification", || {
+        let bar = Bar::new("identified", record.axes.len() as u64, "axes");
+        identify::run(&record, &options, || bar.add(1))
+    });
     let failed = identified
         .axes
         .iter()
@@ -127,18 +174,22 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .count();
 
     let name = results::name(&arguments.record);
-    if arguments.json.is_some() || arguments.reporting.is_wanted() {
+    let mut shown = false;
+    if arguments.json.is_wanted() || arguments.reporting.is_wanted() {
         let json = results::text(&identified.json(&name));
-        if !print::result(arguments.json.as_deref(), &json)? {
-            print::say(summary(&identified))?;
-        }
+        shown = arguments.json.write(&json)?;
         arguments.reporting.write(&json)?;
-    } else {
-        print::say(summary(&identified))?;
+    }
+    if !shown {
+        say(summary(&identified))?;
+        if arguments.plot {
+            say(plot::allan(&identified))?;
+        }
     }
     for (name, found) in &identified.axes {
         if let Err(error) = found {
-            eprintln!("{name}: {error}");
+            terminal::doubt();
+            warn(format!("{name}: {error}"));
         }
     }
     if failed == identified.axes.len() {
@@ -161,7 +212,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             .model(base.as_ref(), &name, provenance)
             .map_err(anyhow::Error::msg)?;
         print::write_whole(file, &model.to_toml())?;
-        print::say(format!("model: {}", file.display()))?;
+        let told = format!("model: {}", file.display());
+        if shown {
+            terminal::note(told);
+        } else {
+            say(told)?;
+        }
         let unknown: Vec<&str> = model
             .axes()
             .into_iter()
@@ -169,11 +225,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             .map(|(name, _)| name)
             .collect();
         if !unknown.is_empty() {
-            eprintln!(
+            warn(format!(
                 "{} has no {}: a run needs all six axes; give the others with --base PRESET or FILE",
                 file.display(),
                 unknown.join(", ")
-            );
+            ));
         }
     }
     Ok(())
@@ -185,12 +241,12 @@ fn rate(stated: Option<f64>, timing: Option<&Timing>) -> Result<f64> {
         return stated.context("the record has no time column; state its sample rate with --rate");
     };
     if !timing.even {
-        eprintln!(
+        warn(format!(
             "the record is not evenly stamped: {} gaps, jitter {:.2} ms RMS of {:.2} ms; it is taken as if it were",
             timing.gaps.len(),
             timing.jitter_rms_s * 1e3,
             timing.interval_s * 1e3
-        );
+        ));
     }
     match stated {
         Some(rate) if (rate / timing.rate_hz - 1.0).abs() > 0.01 => bail!(
@@ -237,7 +293,12 @@ fn axis_summary(name: &str, axis: &Axis, rate_hz: f64) -> String {
     };
     // Writing into a String cannot fail.
     let mut text = String::new();
-    let _ = writeln!(text, "{name}: {} samples at {rate_hz} Hz", axis.samples);
+    let _ = writeln!(
+        text,
+        "{}: {} samples at {rate_hz} Hz",
+        style::heading(name),
+        axis.samples
+    );
     let _ = match axis.removed {
         Removed::Constant => Ok(()),
         Removed::Linear {
@@ -285,15 +346,17 @@ fn axis_summary(name: &str, axis: &Axis, rate_hz: f64) -> String {
         let _ = write!(text, " {:>10}", format!("{:.0} s", score.horizon_s));
     }
     text.push('\n');
+    let mut table = String::new();
     for index in axis.ranking() {
         let candidate = &axis.candidates[index];
         let mark = if index == axis.chosen { "→" } else { " " };
-        let _ = write!(text, "  {mark} {:36}", candidate.name);
+        let _ = write!(table, "  {mark} {:36}", candidate.name);
         for score in &candidate.score {
-            let _ = write!(text, " {:>10.3e}", score.rms * scale);
+            let _ = write!(table, " {:>10.3e}", score.rms * scale);
         }
-        text.push('\n');
+        table.push('\n');
     }
+    text += &style::best(&table, axis.recommended().score.len());
     let _ = writeln!(text, "  {}", axis.reason);
     for warning in &axis.warnings {
         let _ = writeln!(text, "  Note: {warning}.");

@@ -1,49 +1,62 @@
 //! `undrift inspect`: what a file is, and a first drive file for it.
 
-use crate::print;
+use crate::{
+    output::{self, JsonOutput},
+    print,
+    terminal::{self, note},
+};
 use anyhow::{Result, bail};
 use clap::Args;
 use std::{fmt::Write as _, path::PathBuf};
 use undrift::inspect::{self, Inspection, Part};
 
-/// Tell what files are: format, streams, rate, gaps, units and how they are known; write a first
-/// drive file.
+/// Tell what files are, and write a first drive file for them.
 ///
-/// Example: undrift inspect imu.csv gnss.pos -o drive.toml
+/// Told are format, streams, rate, gaps, units, and how they are known.
 #[derive(Args)]
+#[command(after_help = "Examples:
+  undrift inspect imu.csv gnss.pos -o drive.toml
+  undrift inspect flight.ulg --json -")]
 pub struct Arguments {
     /// Logs of an IMU, of a receiver, or of both
     #[arg(value_name = "FILE", required = true)]
     files: Vec<PathBuf>,
     /// Write a drive file that reads them
-    #[arg(short, long, value_name = "DRIVE.toml")]
+    #[arg(short, long, value_name = "DRIVE.toml", help_heading = "Output")]
     output: Option<PathBuf>,
-    /// Write everything found as JSON; "-" for standard output instead of the text
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    json: JsonOutput,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
+    output::ready(arguments.output.as_deref())?;
+    arguments.json.ready()?;
     let mut inspections = Vec::new();
     for file in &arguments.files {
         match inspect::inspect(file) {
             Ok(inspection) => inspections.push(inspection),
-            Err(error) => eprintln!("{error}"),
+            Err(error) => terminal::error(&error.into()),
         }
     }
     if inspections.is_empty() {
         bail!("no file could be read");
     }
     let json = serde_json::to_string_pretty(&inspections)?;
-    if !print::result(arguments.json.as_deref(), &json)? {
+    let shown = arguments.json.write(&json)?;
+    if !shown {
         for inspection in &inspections {
-            print::say(text(inspection).trim_end())?;
+            terminal::say(text(inspection).trim_end())?;
         }
     }
     if let Some(file) = &arguments.output {
         let home = file.parent().unwrap_or(std::path::Path::new(""));
         print::write_whole(file, &inspect::drive_file(&inspections, home))?;
-        print::say(format!("drive file: {}", file.display()))?;
+        let told = format!("drive file: {}", file.display());
+        if shown {
+            note(told);
+        } else {
+            terminal::say(told)?;
+        }
     }
     if inspections.len() < arguments.files.len() {
         bail!("not every file could be read");

@@ -1,26 +1,58 @@
 //! The undrift command: one file per verb.
 
 mod demo;
+mod details;
 mod identify;
 mod inspect;
 mod model;
 mod montecarlo;
 mod navigate;
 mod outages;
+mod output;
+mod plot;
 mod print;
+mod progress;
 mod report;
+mod setup;
+mod style;
 mod tables;
+mod terminal;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;
+
+const AFTER_HELP: &str = "\
+Setup:
+  completions  Print the completions of bash, zsh, fish, elvish or powershell
+  man          Print the manual page, or write those of all verbs
+
+Examples:
+  undrift demo --out out
+  undrift help outages
+
+Exit codes:
+  0  done
+  1  failed: the message names file, line, key and what to do
+  2  the command line cannot be understood
+  3  done, but the result cannot be trusted; only with --strict, else 0 and a warning
+
+Environment:
+  NO_COLOR        no colours, if it is set
+  CLICOLOR_FORCE  colours also where standard output is no terminal, if it is set and not 0";
+
+/// Exit code of a result that cannot be trusted.
+const UNTRUSTED: u8 = 3;
 
 /// Make cheap inertial sensors trustworthy: navigate a log with any noise model of its IMU, and
 /// measure how far the solution drifts when GNSS is cut.
 #[derive(Parser)]
 #[command(name = "undrift", version, arg_required_else_help = true)]
+#[command(subcommand_value_name = "VERB", subcommand_help_heading = "Verbs", after_help = AFTER_HELP)]
 struct Arguments {
     #[command(subcommand)]
     verb: Verb,
+    #[command(flatten)]
+    terminal: terminal::Options,
 }
 
 #[derive(Subcommand)]
@@ -33,10 +65,17 @@ enum Verb {
     Navigate(navigate::Arguments),
     Outages(outages::Arguments),
     Report(report::Arguments),
+    #[command(hide = true)]
+    Completions(setup::Completions),
+    #[command(hide = true)]
+    Man(setup::Man),
 }
 
 fn main() -> ExitCode {
-    let result = match Arguments::parse().verb {
+    terminal::colour_from(std::env::args_os());
+    let Arguments { verb, terminal } = Arguments::parse();
+    terminal.apply();
+    let result = match verb {
         Verb::Demo(arguments) => demo::run(&arguments),
         Verb::Identify(arguments) => identify::run(&arguments),
         Verb::Inspect(arguments) => inspect::run(&arguments),
@@ -45,12 +84,69 @@ fn main() -> ExitCode {
         Verb::Navigate(arguments) => navigate::run(&arguments),
         Verb::Outages(arguments) => outages::run(&arguments),
         Verb::Report(arguments) => report::run(&arguments),
+        Verb::Completions(arguments) => setup::completions(&arguments, Arguments::command()),
+        Verb::Man(arguments) => setup::man(&arguments, Arguments::command()),
     };
     match result {
+        Ok(()) if terminal.strict && terminal::doubted() => {
+            terminal::error(&anyhow::anyhow!(
+                "the result cannot be trusted; the warnings say why"
+            ));
+            ExitCode::from(UNTRUSTED)
+        }
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("undrift: {error:#}");
+            terminal::error(&error);
             ExitCode::FAILURE
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_is_sound() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn every_example_of_the_help_can_be_parsed() {
+        let command = Arguments::command();
+        for verb in command.get_subcommands().chain([&command]) {
+            let help = verb
+                .get_after_help()
+                .map_or(String::new(), ToString::to_string);
+            let (_, examples) = help.split_once("Examples:\n").unwrap_or_default();
+            let lines: Vec<&str> = examples
+                .lines()
+                .take_while(|line| line.starts_with("  "))
+                .collect();
+            assert!(!lines.is_empty(), "{} has no example", verb.get_name());
+            for line in lines {
+                let words: Vec<&str> = line
+                    .split_whitespace()
+                    .take_while(|word| !matches!(*word, "|" | ">"))
+                    .map(|word| word.trim_matches('"'))
+                    .collect();
+                match Arguments::try_parse_from(&words) {
+                    Err(error) if error.use_stderr() => panic!("{line}: {error}"),
+                    _ => assert!(words.starts_with(&["undrift"]), "{line}"),
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn every_verb_says_what_it_does_in_one_line() {
+        for verb in Arguments::command().get_subcommands() {
+            let about = verb.get_about().map_or(String::new(), ToString::to_string);
+            assert!(
+                (20..100).contains(&about.len()),
+                "{}: {about}",
+                verb.get_name()
+            );
         }
     }
 }

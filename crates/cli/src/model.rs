@@ -1,15 +1,16 @@
 //! `undrift model`: a noise model as other programs read it.
 
-use crate::print;
+use crate::{output, print, terminal};
 use anyhow::Result;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use undrift::noise::{ImuModel, ModelFormat};
 
 /// Write the noise model of an IMU as Kalibr, KF-GINS, ROS, PX4 or MATLAB read it.
-///
-/// Example: undrift model adis16465 --to kalibr --rate 200 -o imu.yaml
 #[derive(Args)]
+#[command(after_help = "Examples:
+  undrift model adis16465 --to kalibr --rate 200 -o imu.yaml
+  undrift model mpu6050 --to px4")]
 pub struct Arguments {
     /// A model file or a preset (adis16405, adis16465, adis16488, icm20602, mpu6050)
     #[arg(value_name = "IMU.toml")]
@@ -21,15 +22,16 @@ pub struct Arguments {
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
     /// Write into this file instead of to standard output
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: Option<PathBuf>,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
+    output::ready(arguments.output.as_deref())?;
     let model = ImuModel::resolve(&arguments.model, Path::new(""))?;
     let text = model.export(arguments.to, arguments.rate)?;
     match &arguments.output {
         Some(file) => print::write_whole(file, &text),
-        None => print::say(text.trim_end()),
+        None => terminal::result(text.trim_end()),
     }
 }

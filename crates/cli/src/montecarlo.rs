@@ -1,6 +1,12 @@
 //! `undrift montecarlo`: does the filter know its own errors?
 
-use crate::{print, report::Reporting};
+use crate::{
+    output::{self, JsonOutput},
+    progress::Bar,
+    report::Reporting,
+    style,
+    terminal::{self, detail, say, stage},
+};
 use anyhow::Result;
 use clap::Args;
 use std::{fmt::Write as _, path::PathBuf};
@@ -13,8 +19,12 @@ use undrift::{
 
 /// Simulate a drive many times and compare the filter's errors with its own covariance (NEES, NIS).
 ///
-/// Example: undrift montecarlo examples/montecarlo-car.toml --runs 100 --json montecarlo.json
+/// The motion is the same in every run; the noise is drawn anew. A filter that knows its own errors has
+/// an average NEES inside its bounds (docs/montecarlo.md).
 #[derive(Args)]
+#[command(after_help = "Examples:
+  undrift montecarlo examples/montecarlo-car.toml --runs 100 --json montecarlo.json
+  undrift montecarlo examples/montecarlo-car.toml --runs 20 --bias-models arma --figure nees.svg")]
 pub struct Arguments {
     /// What to simulate and what to tell the filter
     #[arg(value_name = "SPEC.toml")]
@@ -23,34 +33,39 @@ pub struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 100)]
     runs: usize,
     /// Seed of all runs' noise; the drive's own seed is in the SPEC
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// Bias models to run, instead of the SPEC's
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     bias_models: Vec<BiasModel>,
-    /// Write the result with its series over time as JSON; "-" for standard output instead of the table
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    json: JsonOutput,
     /// Draw the average NEES over time with its bounds
-    #[arg(long, value_name = "FILE.svg")]
+    #[arg(long, value_name = "FILE.svg", help_heading = "Output")]
     figure: Option<PathBuf>,
     #[command(flatten)]
     reporting: Reporting,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
+    output::ready(arguments.figure.as_deref())?;
+    arguments.json.ready()?;
+    arguments.reporting.ready()?;
     let mut spec = Spec::load(&arguments.spec)?;
     if !arguments.bias_models.is_empty() {
         spec.bias_models.clone_from(&arguments.bias_models);
     }
-    let bar = indicatif::ProgressBar::new(arguments.runs as u64).with_style(
-        indicatif::ProgressStyle::with_template("simulated {pos} of {len} runs, {elapsed}")?,
-    );
-    let result = montecarlo::run(&spec, arguments.runs, arguments.seed, || bar.inc(1))?;
-    bar.finish_and_clear();
+    detail(2, || format!("{spec:#?}"));
+    let result = stage("simulation and navigation", || {
+        let bar = Bar::new("simulated", arguments.runs as u64, "runs");
+        montecarlo::run(&spec, arguments.runs, arguments.seed, || bar.add(1))
+    })?;
+    if result.models.iter().any(|model| model.diverged > 0) {
+        terminal::doubt();
+    }
     let json = results::text(&result.json(&spec));
-    if !print::result(arguments.json.as_deref(), &json)? {
-        print::say(text(&result, &spec))?;
+    if !arguments.json.write(&json)? {
+        say(text(&result, &spec))?;
     }
     arguments.reporting.write(&json)?;
     if let Some(path) = &arguments.figure {
@@ -72,11 +87,11 @@ fn text(result: &Report, spec: &Spec) -> String {
         result.settle_s,
         spec.every,
     );
-    let _ = writeln!(
-        text,
+    let heading = format!(
         "{:14} {:12} {:>3} {:>17} {:>19} {:>7} {:>7}  verdict",
         "model", "NEES of", "dof", "mean / dof", "inside 95 % bounds", "above", "below"
     );
+    let _ = writeln!(text, "{}", style::heading(&heading));
     for model in &result.models {
         for group in &model.nees {
             let _ = writeln!(
@@ -95,11 +110,11 @@ fn text(result: &Report, spec: &Spec) -> String {
             );
         }
     }
-    let _ = write!(
-        text,
-        "\n{:14} {:9} {:>7} {:>10} {:>17} {:>11} {:>13}  verdict\n",
+    let heading = format!(
+        "{:14} {:9} {:>7} {:>10} {:>17} {:>11} {:>13}  verdict",
         "model", "NIS of", "updates", "mean / dof", "95 % bounds", "above 95 %", "lag 1 … 10"
     );
+    let _ = writeln!(text, "\n{}", style::heading(&heading));
     for model in &result.models {
         for kind in &model.nis {
             let largest = kind
@@ -123,11 +138,11 @@ fn text(result: &Report, spec: &Spec) -> String {
             );
         }
     }
-    let _ = write!(
-        text,
-        "\n{:14} {:15} within 1σ (68.3 %), 2σ (95.4 %), 3σ (99.7 %)\n",
+    let heading = format!(
+        "{:14} {:15} within 1σ (68.3 %), 2σ (95.4 %), 3σ (99.7 %)",
         "model", "component"
     );
+    let _ = writeln!(text, "\n{}", style::heading(&heading));
     for model in &result.models {
         for (component, shares) in &model.coverage {
             let share = |i: usize| 100.0 * shares[i].as_f64().unwrap_or(f64::NAN);

@@ -1,6 +1,13 @@
 //! `undrift navigate`: one drive into one solution.
 
-use crate::{print, report::Reporting};
+use crate::{
+    details,
+    output::{self, JsonOutput},
+    print,
+    progress::Bar,
+    report::Reporting,
+    terminal::{say, stage},
+};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -17,8 +24,16 @@ use undrift::{
 
 /// Navigate a drive: IMU and GNSS into position, velocity and attitude.
 ///
-/// Example: undrift navigate examples/rtk-drive.toml --data logs -o nav.csv -o nav.kml
+/// The drive file says which columns of which files are what, in which units, and how the IMU sits
+/// (docs/drive-file.md). What came of it is told in a few lines; the solution itself is written where -o
+/// says.
 #[derive(Args)]
+#[command(after_help = "Examples:
+  undrift navigate examples/rtk-drive.toml --data logs -o nav.csv -o nav.kml
+  undrift navigate examples/drive30.toml --data target/drive30 --smooth --json -
+  undrift navigate examples/uav-flight.toml --data logs --bias-model gauss-markov -v
+
+tools/make-drive30 makes target/drive30.")]
 pub struct Arguments {
     /// The drive file
     #[arg(value_name = "DRIVE.toml")]
@@ -30,24 +45,23 @@ pub struct Arguments {
     bias_model: BiasModel,
     /// Write the solution, in the format of the extension: csv (every sample, with standard deviations
     /// and estimated sensor errors), nav (KF-GINS), nmea, kml, geojson, gpx; may be given again
-    #[arg(short, long, value_name = "nav.csv")]
+    #[arg(short, long, value_name = "nav.csv", help_heading = "Output")]
     output: Vec<PathBuf>,
     /// Format of the solution, whatever the extension: csv, kf-gins, nmea, kml, geojson or gpx
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", help_heading = "Output")]
     format: Option<SolutionFormat>,
     /// GPS week in which the log begins, for formats with dates
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(..10_000))]
+    #[arg(long, value_name = "N", help_heading = "Output", value_parser = clap::value_parser!(u32).range(..10_000))]
     week: Option<u32>,
     /// Least time between rows of the solution [s]; 0 for every sample. Default: 0, but 0.1 for nmea,
     /// kml, geojson and gpx
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", help_heading = "Output")]
     every: Option<f64>,
     /// Smooth: at every sample the best estimate given the whole log
     #[arg(long)]
     smooth: bool,
-    /// Write the whole report as JSON; "-" for standard output instead of the text
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    json: JsonOutput,
     #[command(flatten)]
     reporting: Reporting,
 }
@@ -69,29 +83,44 @@ pub fn load(drive: &std::path::Path, common: &Common) -> Result<Drive> {
     if let Some(name) = &common.model {
         loaded.model = Some(ImuModel::resolve(name, std::path::Path::new(""))?);
     }
+    details::drive(drive, &loaded);
     Ok(loaded)
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
+    for file in &arguments.output {
+        output::ready(Some(file))?;
+    }
+    arguments.json.ready()?;
+    arguments.reporting.ready()?;
     let drive = load(&arguments.drive, &arguments.common)?;
-    let wanted = Wanted {
-        files: outputs(arguments)?,
-        smooth: arguments.smooth,
-        recording: arguments.json.is_some() || arguments.reporting.is_wanted(),
-    };
-    let recording = wanted.recording;
-    let report = navigate::navigate_for(&drive, arguments.bias_model, wanted)?;
+    let recording = arguments.json.is_wanted() || arguments.reporting.is_wanted();
+    let report = stage("navigation", || {
+        let _bar = Bar::watching(
+            drive.imu_read.bytes(),
+            &details::name(&drive.imu.0),
+            details::size(&drive.imu.0),
+            "bytes",
+        );
+        let wanted = Wanted {
+            files: outputs(arguments)?,
+            smooth: arguments.smooth,
+            recording,
+        };
+        navigate::navigate_for(&drive, arguments.bias_model, wanted).map_err(anyhow::Error::from)
+    })?;
+    print::judge(&report.summary);
     if recording {
         let drive = results::drive(&arguments.drive, &drive);
         let json = results::text(&report.json(arguments.bias_model, drive));
         arguments.reporting.write(&json)?;
-        if print::result(arguments.json.as_deref(), &json)? {
+        if arguments.json.write(&json)? {
             return finish(&report);
         }
     }
     print_report(&report, arguments.bias_model)?;
     for path in &arguments.output {
-        print::say(format!("solution: {}", path.display()))?;
+        say(format!("solution: {}", path.display()))?;
     }
     finish(&report)
 }
@@ -150,17 +179,17 @@ fn print_report(report: &Report, kind: BiasModel) -> Result<()> {
     let s = &report.summary;
     let started = s.started.unwrap_or(f64::NAN);
     if let Some(mounting) = &report.mounting {
-        print::say(format!("mounting estimated: {mounting}"))?;
+        say(format!("mounting estimated: {mounting}"))?;
     }
-    print::say(format!("bias model {kind}; {}", s.alignment))?;
-    print::say(format!(
+    say(format!("bias model {kind}; {}", s.alignment))?;
+    say(format!(
         "navigated {} samples from {started:.3} s to {:.3} s; {} samples and {} fixes before that",
         s.samples, s.ended, s.align_samples, s.fixes_before
     ))?;
-    print::say(format!("{} fixes used", s.fixes))?;
+    say(format!("{} fixes used", s.fixes))?;
     for (name, sums) in [("position", &s.position), ("velocity", &s.velocity)] {
         if sums.updates + sums.rejected > 0 {
-            print::say(format!("{name}: {}", innovations(sums)))?;
+            say(format!("{name}: {}", innovations(sums)))?;
         }
     }
     for (name, sums) in [
@@ -170,7 +199,7 @@ fn print_report(report: &Report, kind: BiasModel) -> Result<()> {
         ("barometer", &s.barometer),
     ] {
         if sums.updates > 0 {
-            print::say(format!(
+            say(format!(
                 "{name}: {} updates, NIS per degree of freedom {}",
                 sums.updates,
                 nis(sums)
@@ -178,7 +207,7 @@ fn print_report(report: &Report, kind: BiasModel) -> Result<()> {
         }
     }
     for (kind, value, std) in &s.parameters {
-        print::say(format!("{kind:?} {value:.4?} ± {std:.4?}"))?;
+        say(format!("{kind:?} {value:.4?} ± {std:.4?}"))?;
     }
     if let Some((errors, n)) = &report.rmse {
         let parts: Vec<String> = COMPONENTS
@@ -187,7 +216,7 @@ fn print_report(report: &Report, kind: BiasModel) -> Result<()> {
             .filter(|(_, e)| e.is_finite())
             .map(|(name, e)| format!("{name} {e:.4}"))
             .collect();
-        print::say(format!(
+        say(format!(
             "RMS error against the truth at {n} samples: {}",
             parts.join(", ")
         ))?;
@@ -199,7 +228,7 @@ fn print_report(report: &Report, kind: BiasModel) -> Result<()> {
         .filter_map(|((name, ..), mean)| Some(format!("{name} {:.2}", mean.per_freedom()?)))
         .collect();
     if !nees.is_empty() {
-        print::say(format!(
+        say(format!(
             "NEES per degree of freedom against the truth, once a second (1 when the covariance is right): {}",
             nees.join(", ")
         ))?;

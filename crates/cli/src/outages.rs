@@ -1,6 +1,13 @@
 //! `undrift outages`: cut the GNSS of a drive and compare bias models.
 
-use crate::{navigate, print, report::Reporting};
+use crate::{
+    navigate,
+    output::JsonOutput,
+    print,
+    progress::Bar,
+    report::Reporting,
+    terminal::{note, say, stage},
+};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -21,8 +28,16 @@ const OUTAGE_NODE_SPAN: f64 = 0.2;
 
 /// Cut GNSS again and again on a drive and measure how far each bias model drifts.
 ///
-/// Example: undrift outages examples/navego-adis16405.toml --data logs --length 10 --every 24 --count 15
+/// Every bias model navigates the drive with GNSS withheld during the outages. The errors inside them,
+/// against the truth or else against the fixes withheld, are told as maximum, RMS and median over the
+/// outages.
 #[derive(Args)]
+#[command(after_help = "Examples:
+  undrift outages examples/rtk-drive.toml --data logs --length 10 --every 30 --start 40
+  undrift outages examples/navego-adis16405.toml --data logs --every 24 --count 15 --out out
+  undrift outages examples/drive30.toml --data target/drive30 --count 10 --bias-models white,arma
+
+tools/make-drive30 makes target/drive30.")]
 pub struct Arguments {
     /// The drive file
     #[arg(value_name = "DRIVE.toml")]
@@ -33,28 +48,37 @@ pub struct Arguments {
     #[arg(long, value_name = "NAMES", value_delimiter = ',', default_values = ["white", "paper", "gauss-markov", "random-walk", "ar", "arma"])]
     bias_models: Vec<BiasModel>,
     /// Length of an outage [s]
-    #[arg(long, value_name = "S", default_value_t = 10.0)]
+    #[arg(
+        long,
+        value_name = "S",
+        default_value_t = 10.0,
+        help_heading = "Outages"
+    )]
     length: f64,
     /// Number of outages; evenly spread unless --every is given
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", help_heading = "Outages")]
     count: Option<usize>,
     /// From the start of one outage to the start of the next [s]
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", help_heading = "Outages")]
     every: Option<f64>,
     /// Start of the first outage [s], counted from the first fix
-    #[arg(long, value_name = "S", default_value_t = 60.0)]
+    #[arg(
+        long,
+        value_name = "S",
+        default_value_t = 60.0,
+        help_heading = "Outages"
+    )]
     start: f64,
     /// Starts of the outages in the GNSS file's own time base [s], instead of --start, --count and --every
-    #[arg(long, value_name = "T1,T2,…", value_delimiter = ',', conflicts_with_all = ["count", "every", "start"])]
+    #[arg(long, value_name = "T1,T2,…", value_delimiter = ',', conflicts_with_all = ["count", "every", "start"], help_heading = "Outages")]
     at: Option<Vec<f64>>,
     /// Smooth: measure the errors that are left when the fixes after an outage are known too
     #[arg(long)]
     smooth: bool,
-    /// Write the result as JSON; "-" for standard output instead of the table
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    json: JsonOutput,
     /// Write outages.json and outages.svg into this folder
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
     /// Draw the truth, or the fixes, with the outages in another colour: kml, geojson or gpx by extension
     #[arg(long, value_name = "track.kml")]
@@ -64,13 +88,15 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
+    arguments.json.ready()?;
+    arguments.reporting.ready()?;
     if let Some(path) = &arguments.track {
         track_format(path)?;
     }
     let drive = navigate::load(&arguments.drive, &arguments.common)?;
     let (drive, mounting) = undrift::mounting::resolve(&drive)?;
     if let Some(mounting) = mounting {
-        eprintln!("mounting estimated: {mounting}");
+        note(format!("mounting estimated: {mounting}"));
     }
     let mut imu_reader = drive.open_imu()?;
     let imu = imu_reader.by_ref().collect::<Result<Vec<_>, _>>()?;
@@ -133,13 +159,18 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         })
         .collect::<Result<Vec<_>>>()?;
 
-    let outcomes = outages::run_aided(&imu, &aiding, &truth, &models);
+    let outcomes = stage("navigation", || {
+        let total = imu.len() * models.len();
+        let bar = Bar::new("navigated", total as u64, "samples");
+        outages::run_told(&imu, &aiding, &truth, &models, |more| bar.add(more))
+    });
     let (runs, failed) = print::split(&outcomes);
     let mut said = Vec::new();
     if let Some(run) = runs.first() {
         said.extend(remarks::of_health(&run.summary));
         // Among several, what one model disagrees with says nothing of the log.
         if runs.len() == 1 {
+            print::judge(&run.summary);
             said.extend(remarks::of_disagreement(&run.summary));
         }
         for (name, reader, used) in [
@@ -170,8 +201,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     };
     let json = results::text(&experiment.json());
     arguments.reporting.write(&json)?;
-    if !print::result(arguments.json.as_deref(), &json)? {
-        print::say(format!(
+    if !arguments.json.write(&json)? {
+        say(format!(
             "{} outages of {} s, reference: {}. Errors inside the outages:\n",
             cuts.len(),
             arguments.length,
@@ -181,7 +212,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
                 "the truth"
             }
         ))?;
-        print::say(print::table(&runs))?;
+        say(print::shown(&runs))?;
     }
     print::print_failed(&failed);
     print::print_warnings(&runs);

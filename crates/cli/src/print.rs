@@ -1,9 +1,13 @@
 //! What the verbs share in telling their results.
 
+use crate::{style, terminal, terminal::warn};
 use anyhow::{Context, Result};
 use std::path::Path;
 use undrift::{
-    io::write::PendingFile, outages::ModelRun, replay::ReplayError, table::outage_table,
+    io::write::PendingFile,
+    outages::ModelRun,
+    replay::{ReplayError, Summary},
+    table::outage_table,
 };
 
 type Outcome = (String, Result<ModelRun, ReplayError>);
@@ -21,8 +25,16 @@ pub fn split(results: &[Outcome]) -> (Vec<&ModelRun>, Vec<(&str, &ReplayError)>)
     (runs, failed)
 }
 
+/// The table of the runs for the terminal.
+pub fn shown(runs: &[&ModelRun]) -> String {
+    style::tables(&table(runs), ERRORS)
+}
+
+/// Columns of the table.
+const ERRORS: usize = 9;
+
 /// The table of the runs.
-pub fn table(runs: &[&ModelRun]) -> String {
+fn table(runs: &[&ModelRun]) -> String {
     let rows: Vec<_> = runs.iter().map(|r| (r.name.clone(), &r.errors)).collect();
     outage_table(&rows)
 }
@@ -30,7 +42,8 @@ pub fn table(runs: &[&ModelRun]) -> String {
 /// Tells which models could not be run.
 pub fn print_failed(failed: &[(&str, &ReplayError)]) {
     for (name, error) in failed {
-        eprintln!("{name}: {error}");
+        terminal::doubt();
+        warn(format!("{name}: {error}"));
     }
 }
 
@@ -38,24 +51,27 @@ pub fn print_failed(failed: &[(&str, &ReplayError)]) {
 pub fn print_warnings(runs: &[&ModelRun]) {
     for run in runs {
         if let Some(warning) = &run.errors.warning {
-            eprintln!("{}: {warning}", run.name);
+            terminal::doubt();
+            warn(format!("{}: {warning}", run.name));
         }
+    }
+}
+
+/// Notes whether a solution can be trusted.
+pub fn judge(summary: &Summary) {
+    if summary.diverged.is_some()
+        || summary.suspect.is_some()
+        || !summary.restarts.is_empty()
+        || summary.wrong_signs().next().is_some()
+    {
+        terminal::doubt();
     }
 }
 
 /// Tells what should be said with a result.
 pub fn print_remarks(remarks: impl IntoIterator<Item = String>) {
     for remark in remarks {
-        eprintln!("{remark}");
-    }
-}
-
-/// Prints to standard output; a reader that went away (`undrift … | head`) ends the program quietly.
-pub fn say(text: impl std::fmt::Display) -> Result<()> {
-    use std::io::Write;
-    match writeln!(std::io::stdout(), "{text}") {
-        Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => std::process::exit(0),
-        other => Ok(other?),
+        warn(remark);
     }
 }
 
@@ -68,13 +84,4 @@ pub fn write_whole(path: &Path, text: &str) -> Result<()> {
         file.finish()
     };
     write().with_context(|| format!("cannot write {}", path.display()))
-}
-
-/// Writes a result to a file, or to standard output for "-"; whether it went there.
-pub fn result(path: Option<&Path>, text: &str) -> Result<bool> {
-    match path {
-        Some(path) if path.as_os_str() == "-" => say(text).map(|()| true),
-        Some(path) => write_whole(path, text).map(|()| false),
-        None => Ok(false),
-    }
 }

@@ -1,6 +1,6 @@
 //! `undrift report`: results that were written as JSON, for reading.
 
-use crate::print;
+use crate::{output, print};
 use anyhow::{Context, Result};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -10,9 +10,12 @@ use undrift::report::{self, figures::Formats};
 ///
 /// Results are what --json of the other verbs writes. Results of one kind are compared: tables side
 /// by side, curves over one another; those of different kinds follow each other.
-///
-/// Example: undrift report arma.json white.json -o compared.html
 #[derive(Args)]
+#[command(after_help = "Examples:
+  undrift report demo.json -o demo.html
+  undrift report arma.json white.json -o compared.html --figures figures
+
+undrift demo --json demo.json makes the first one.")]
 pub struct Arguments {
     /// Results
     #[arg(value_name = "RESULT.json", required = true)]
@@ -34,14 +37,19 @@ pub struct Arguments {
 #[derive(Args)]
 pub struct Reporting {
     /// Write a report with tables and figures, one HTML file that needs nothing else
-    #[arg(long, value_name = "FILE.html")]
+    #[arg(long, value_name = "FILE.html", help_heading = "Output")]
     report: Option<PathBuf>,
     /// Write the report's figures into this folder, each as SVG and PNG
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", help_heading = "Output")]
     figures: Option<PathBuf>,
 }
 
 impl Reporting {
+    /// As [`output::ready`].
+    pub fn ready(&self) -> Result<()> {
+        output::ready(self.report.as_deref())
+    }
+
     /// Whether there is to be one.
     pub fn is_wanted(&self) -> bool {
         self.report.is_some() || self.figures.is_some()

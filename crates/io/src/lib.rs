@@ -12,6 +12,7 @@ pub mod gnss;
 pub mod imu;
 pub mod layouts;
 pub mod log;
+pub mod nearby;
 pub mod number;
 #[cfg(feature = "parquet")]
 pub mod parquet;

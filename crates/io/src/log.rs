@@ -172,7 +172,16 @@ pub(crate) struct Log {
 impl Log {
     /// Opens a log, plain or gzip.
     pub(crate) fn open(path: &Path, format: Format, wanted: &Wanted) -> Result<Self, ReadError> {
-        let source = source::open(path)?;
+        Self::from_source(path, source::open(path)?, format, wanted)
+    }
+
+    /// Reads a log from an open stream; `path` is what messages call it.
+    pub(crate) fn from_source(
+        path: &Path,
+        source: Source,
+        format: Format,
+        wanted: &Wanted,
+    ) -> Result<Self, ReadError> {
         Ok(Self {
             path: path.to_path_buf(),
             entries: entries(path, source, format, wanted)?,

@@ -1,12 +1,14 @@
 //! Opening a file for reading, compressed or not.
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader};
+use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use flate2::bufread::MultiGzDecoder;
 
-use crate::ReadError;
+use crate::{ReadError, nearby};
 
 /// A byte stream to read from.
 pub type Source = Box<dyn BufRead + Send>;
@@ -15,13 +17,50 @@ pub type Source = Box<dyn BufRead + Send>;
 const BUFFER: usize = 256 * 1024;
 const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 
+/// How much of a file was read [bytes], as it lies there: clones count together, so that another
+/// thread can look on.
+#[derive(Clone, Debug, Default)]
+pub struct BytesRead(Arc<AtomicU64>);
+
+impl BytesRead {
+    /// The number itself.
+    pub fn bytes(&self) -> Arc<AtomicU64> {
+        self.0.clone()
+    }
+}
+
+struct Counted {
+    file: File,
+    read: Arc<AtomicU64>,
+}
+
+impl Read for Counted {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let length = self.file.read(buffer)?;
+        self.read.fetch_add(length as u64, Relaxed);
+        Ok(length)
+    }
+}
+
 /// Opens a file; one that starts with the gzip magic is decompressed (all its members), whatever
 /// its name.
 ///
 /// # Errors
 /// If the file is missing, is a directory or cannot be read.
 pub fn open(path: &Path) -> Result<Source, ReadError> {
-    let file = File::open(path).map_err(|e| cannot_open(path, e))?;
+    open_counted(path, &BytesRead::default())
+}
+
+/// As [`open`]; `read` counts from 0.
+///
+/// # Errors
+/// As [`open`].
+pub fn open_counted(path: &Path, read: &BytesRead) -> Result<Source, ReadError> {
+    let file = Counted {
+        file: File::open(path).map_err(|e| cannot_open(path, e))?,
+        read: read.0.clone(),
+    };
+    read.0.store(0, Relaxed);
     let mut reader = BufReader::with_capacity(BUFFER, file);
     let start = reader.fill_buf().map_err(|e| cannot_open(path, e))?;
     if start.starts_with(&GZIP_MAGIC) {
@@ -33,19 +72,32 @@ pub fn open(path: &Path) -> Result<Source, ReadError> {
 }
 
 fn cannot_open(path: &Path, error: io::Error) -> ReadError {
+    // What is said in full needs no cause after it.
     let problem = match error.kind() {
-        io::ErrorKind::NotFound => "no such file".to_owned(),
-        io::ErrorKind::PermissionDenied => "no permission to read".to_owned(),
-        io::ErrorKind::IsADirectory => "is a directory, not a file".to_owned(),
-        _ => format!("cannot be read: {error}"),
+        io::ErrorKind::NotFound => return missing(path),
+        io::ErrorKind::PermissionDenied => "no permission to read",
+        io::ErrorKind::IsADirectory => "is a directory, not a file",
+        _ => {
+            let problem = format!("cannot be read: {error}");
+            return ReadError::new(path, problem).caused_by(error);
+        }
     };
-    ReadError::new(path, problem).caused_by(error)
+    ReadError::new(path, problem)
+}
+
+/// A file that is not there, and those of its folder whose names are near.
+fn missing(path: &Path) -> ReadError {
+    let error = ReadError::new(path, "no such file");
+    match nearby::names(path) {
+        Some(names) => error.mend(names),
+        None => error,
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::io::{Read, Write};
+    use std::io::Write;
 
     fn gzip(text: &str) -> Vec<u8> {
         let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
@@ -68,6 +120,23 @@ mod tests {
         let members = [gzip("one "), gzip("two")].concat();
         assert_eq!(read_back("two-members.csv", &members), "one two");
         assert_eq!(read_back("empty", b""), "");
+    }
+
+    #[test]
+    fn what_is_read_is_counted() {
+        let path = std::env::temp_dir().join(format!("undrift-io-{}-counted", std::process::id()));
+        let bytes = gzip(&"a line of text\n".repeat(1000));
+        std::fs::write(&path, &bytes).unwrap();
+        let read = BytesRead::default();
+        // The second time from 0 again.
+        for _ in 0..2 {
+            let mut text = String::new();
+            let mut source = open_counted(&path, &read).unwrap();
+            source.read_to_string(&mut text).unwrap();
+            assert_eq!(text.len(), 15_000);
+            assert_eq!(read.bytes().load(Relaxed), bytes.len() as u64);
+        }
+        std::fs::remove_file(&path).unwrap();
     }
 
     #[test]

@@ -6,7 +6,7 @@ use crate::record::Record;
 use crate::{
     identify::{self, Identified},
     outages::{self, ModelRun, Schedule},
-    replay::{Outage, ReplayError, Settings},
+    replay::{Measurement, Outage, ReplayError, Settings},
     simulate::{GnssNoise, Simulation, SimulationError, Trajectory, simulate},
 };
 use rand::SeedableRng;
@@ -69,6 +69,24 @@ pub enum DemoError {
 
 /// Simulates the drive and runs all bias models through its outages.
 pub fn run(seed: u64, models: Models) -> Result<Demo, DemoError> {
+    run_told(seed, models, |_, _, _| {})
+}
+
+/// What takes time in a demo.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Identification, axis by axis.
+    Identification,
+    /// The noise models over the drive, sample by sample.
+    Navigation,
+}
+
+/// As [`run`]; `done` is told the stage, how much more of it is done, and how much it is in all.
+pub fn run_told(
+    seed: u64,
+    models: Models,
+    done: impl Fn(Stage, u64, u64) + Sync,
+) -> Result<Demo, DemoError> {
     let preset = ImuModel::preset(PRESET).unwrap_or_default();
     let interval = 1.0 / RATE_HZ;
     let lever_arm = Vector3::new(0.3, 0.1, -1.2);
@@ -118,7 +136,9 @@ pub fn run(seed: u64, models: Models) -> Result<Demo, DemoError> {
         Models::Truth => (preset, None),
         Models::Identified => {
             let record = static_record(&sensors, &preset, seed);
-            let found = identify::run(&record, &Options::at(RATE_HZ), || {});
+            let told = |more| done(Stage::Identification, more, AXES.len() as u64);
+            told(0);
+            let found = identify::run(&record, &Options::at(RATE_HZ), || told(1));
             let model = found
                 .model(Some(&preset), PRESET, Provenance::default())
                 .map_err(DemoError::Plan)?;
@@ -147,17 +167,22 @@ pub fn run(seed: u64, models: Models) -> Result<Demo, DemoError> {
         .into_iter()
         .map(settings)
         .collect::<Result<Vec<_>, _>>()?;
-    let mut runs = outages::run(
-        &simulation.imu,
-        &simulation.gnss,
-        &simulation.truth,
-        &models,
-    );
+    // One more, on the calibrated samples.
+    let total = ((models.len() + 1) * simulation.imu.len()) as u64;
+    let told = |more| done(Stage::Navigation, more, total);
+    let fixes: Vec<_> = simulation
+        .gnss
+        .iter()
+        .copied()
+        .map(Measurement::Gnss)
+        .collect();
+    told(0);
+    let mut runs = outages::run_told(&simulation.imu, &fixes, &simulation.truth, &models, told);
     let (_, white) = settings(BiasModel::White)?;
     let white = [(WHITE_CALIBRATED.to_owned(), white)];
     runs.splice(
         1..1,
-        outages::run(&calibrated, &simulation.gnss, &simulation.truth, &white),
+        outages::run_told(&calibrated, &fixes, &simulation.truth, &white, told),
     );
     Ok(Demo {
         seed,

@@ -42,6 +42,7 @@ use undrift_io::{
     imu::{ImuFormat, ImuReader},
     rtklib::RtklibOptions,
     scalar::{ScalarFormat, ScalarReader},
+    source::BytesRead,
     truth::{TruthFormat, TruthLog, TruthReader},
 };
 use undrift_nav::{Vector3, parameters::Parameters, sample::ImuSample, units::Quantity};
@@ -52,6 +53,8 @@ use undrift_noise::{ImuModel, ModelError};
 pub struct Drive {
     /// Inertial log.
     pub imu: (PathBuf, ImuFormat),
+    /// How much of the inertial log was read since it was opened last, for who looks on.
+    pub imu_read: BytesRead,
     /// Whether the IMU's mounting is to be estimated from the log ([`crate::mounting`]): until then
     /// body axes are the sensor's own.
     pub estimate_mounting: bool,
@@ -163,6 +166,7 @@ impl Drive {
             constraints,
             gating: tables::read_switch(&gnss, "gate")?.unwrap_or(true),
             imu,
+            imu_read: BytesRead::default(),
             estimate_mounting,
             adapt: tables::read_switch(&gnss, "adapt")?.unwrap_or(false),
             quality: gnss::read_quality(&gnss)?,
@@ -178,7 +182,7 @@ impl Drive {
 
     /// Opens the inertial log from its start.
     pub fn open_imu(&self) -> Result<ImuReader, ReadError> {
-        ImuReader::open(&self.imu.0, &self.imu.1)
+        ImuReader::open_counted(&self.imu.0, &self.imu.1, &self.imu_read)
     }
 
     /// Opens the GNSS log from its start.

@@ -217,6 +217,21 @@ pub fn run_aided(
     truth: &[TruthSample],
     models: &[(String, Settings)],
 ) -> Vec<(String, Result<ModelRun, ReplayError>)> {
+    run_told(imu, aiding, truth, models, |_| {})
+}
+
+/// Samples from one word on how far it is to the next.
+const TOLD_EVERY: usize = 4096;
+
+/// As [`run_aided`]; `done` is told how many more samples a model has taken, of `imu` times `models`.
+pub fn run_told(
+    imu: &[ImuSample],
+    aiding: &[Measurement],
+    truth: &[TruthSample],
+    models: &[(String, Settings)],
+    done: impl Fn(u64) + Sync,
+) -> Vec<(String, Result<ModelRun, ReplayError>)> {
+    let done = &done;
     models
         .par_iter()
         .map(|(name, settings)| {
@@ -239,8 +254,12 @@ pub fn run_aided(
                     Err(error) => return (name.clone(), Err(error.into())),
                 });
             }
+            let samples = imu.chunks(TOLD_EVERY).flat_map(|chunk| {
+                done(chunk.len() as u64);
+                chunk.iter().copied().map(Ok)
+            });
             let result = replay(
-                imu.iter().copied().map(Ok),
+                samples,
                 aiding.iter().copied().map(Ok),
                 settings,
                 &mut watch,

@@ -188,19 +188,19 @@ fn mistakes_in_the_drive_file() {
             "file",
             "\"imu.csv\"",
             "\"imv.csv\"",
-            &["imv.csv", "No such file"],
+            &["imv.csv: no such file; did you mean imu.csv?"],
         ),
         (
             "file_gnss",
             "\"gnss.csv\"",
             "\"gns.csv\"",
-            &["gns.csv", "No such file"],
+            &["gns.csv: no such file; did you mean gnss.csv?"],
         ),
         (
             "file_truth",
             "\"truth.csv\"",
             "\"truht.csv\"",
-            &["truht.csv", "No such file"],
+            &["truht.csv: no such file; did you mean truth.csv?"],
         ),
         (
             "file_none",
@@ -275,7 +275,10 @@ fn a_drive_file_that_is_not_there() {
         .write("no_drive")
         .run(&["navigate", "drvie.toml"]);
     assert_eq!(outcome.code, Some(1));
-    says(&outcome.stderr, &["drvie.toml", "cannot be read"]);
+    says(
+        &outcome.stderr,
+        &["error: drvie.toml: no such file; did you mean drive.toml?"],
+    );
 }
 
 #[test]
@@ -438,7 +441,7 @@ fn the_examples_of_the_pages_are_understood() {
     log.drive = example(DRIVE_DOC).to_owned();
     says(
         &log.write("doc_drive").refusal(),
-        &["undrift: imu.csv.gz", "No such file"],
+        &["error: imu.csv.gz: no such file; did you mean imu.csv?"],
     );
     let case = Log::good().write("doc_imu");
     case.put("imu.toml", example(IMU_DOC).as_bytes());

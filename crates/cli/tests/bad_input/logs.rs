@@ -124,7 +124,10 @@ fn short_gaps_are_bridged_and_counted() {
         log.imu.drain(from..from + 5);
     }
     let (outcome, _) = log.write("short_gaps").solution();
-    assert_eq!(outcome.stderr, "short gaps between samples, bridged: 2\n");
+    assert_eq!(
+        outcome.stderr,
+        "warning: short gaps between samples, bridged: 2\n"
+    );
     assert!(outcome.rms("horizontal_m") < SOUND, "{}", outcome.stdout);
     assert!(outcome.rms("yaw_deg") < 1.0, "{}", outcome.stdout);
 }
@@ -146,7 +149,10 @@ fn short_gaps_of_increments_are_bridged_as_those_of_rates() {
         log.imu.drain(from..from + 5);
     }
     let (outcome, _) = log.write("increments").solution();
-    assert_eq!(outcome.stderr, "short gaps between samples, bridged: 10\n");
+    assert_eq!(
+        outcome.stderr,
+        "warning: short gaps between samples, bridged: 10\n"
+    );
     assert!(outcome.rms("horizontal_m") < SOUND, "{}", outcome.stdout);
     assert!(outcome.rms("vd_mps") < 0.05, "{}", outcome.stdout);
 
@@ -307,7 +313,7 @@ fn empty_files_and_headers_without_rows_are_refused() {
         };
         case.put(file, header.as_bytes());
         let message = case.refusal();
-        says(&message, &[&format!("undrift: {file}"), "no "]);
+        says(&message, &[&format!("error: {file}"), "no "]);
     }
     let mut log = Log::good();
     log.imu.truncate(1);
@@ -428,10 +434,10 @@ fn fixes_of_another_place_are_said_to_disagree() {
         let line = outcome
             .stderr
             .lines()
-            .find(|l| l.starts_with("position left out, jump: "));
+            .find(|l| l.starts_with("warning: position left out, jump: "));
         let line = line.unwrap_or_else(|| panic!("{name}: {}", outcome.stderr));
         says(line, &["m off at first"]);
-        let time: f64 = line.split(' ').nth(4).unwrap().parse().unwrap();
+        let time: f64 = line.split(' ').nth(5).unwrap().parse().unwrap();
         assert!(time > from && time <= from + 0.5, "{name}: {time}");
     }
     // Shanghai instead of Wuhan.

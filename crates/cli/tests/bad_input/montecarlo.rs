@@ -178,7 +178,10 @@ fn runs_that_cannot_be() {
     }
     let outcome = case.run(&["montecarlo", "sepc.toml"]);
     assert_eq!(outcome.code, Some(1));
-    says(&outcome.stderr, &["sepc.toml: cannot be read"]);
+    says(
+        &outcome.stderr,
+        &["sepc.toml: no such file; did you mean spec.toml?"],
+    );
     // A drive so short does not move.
     case.put("spec.toml", SPEC.replace("150 s", "100 s").as_bytes());
     let outcome = case.run(&["montecarlo", "spec.toml", "--runs", "2"]);

@@ -105,7 +105,7 @@ fn mistakes_in_their_tables() {
     let cases: &[(String, &[&str])] = &[
         (
             wheel("\"wheel.csv\"", "\"whell.csv\""),
-            &["whell.csv", "No such file"],
+            &["whell.csv", "no such file"],
         ),
         (
             wheel("file = \"wheel.csv\"\n", ""),

@@ -22,7 +22,7 @@ use crate::gaps::{GAP_INTERVALS, GapWatch};
 pub use crate::gaps::{Gap, GapSummary};
 use crate::log::{Log, Wanted, What};
 use crate::skipped::Skipped;
-use crate::source::{self, Source};
+use crate::source::{self, BytesRead, Source};
 use crate::table::{Column, Table, TableOptions};
 
 /// Samples in a row that must be earlier than the last accepted one to count as a clock set back.
@@ -237,11 +237,25 @@ impl ImuReader {
     /// If the file cannot be opened, a column or a stream is missing, or the format has neither a
     /// time column nor a rate.
     pub fn open(path: &Path, format: &ImuFormat) -> Result<Self, ReadError> {
+        Self::open_counted(path, format, &BytesRead::default())
+    }
+
+    /// As [`ImuReader::open`]; `read` counts the bytes of the file from 0.
+    ///
+    /// # Errors
+    /// As [`ImuReader::open`].
+    pub fn open_counted(
+        path: &Path,
+        format: &ImuFormat,
+        read: &BytesRead,
+    ) -> Result<Self, ReadError> {
         format.check(path)?;
+        let source = source::open_counted(path, read)?;
         let rows = match &format.source {
-            ImuSource::Table { .. } => return Self::from_source(path, source::open(path)?, format),
+            ImuSource::Table { .. } => return Self::from_source(path, source, format),
             ImuSource::Log(kind, stream) => {
-                Rows::Log(Log::open(path, *kind, &Wanted::Imu(stream.clone()))?)
+                let wanted = Wanted::Imu(stream.clone());
+                Rows::Log(Log::from_source(path, source, *kind, &wanted)?)
             }
         };
         Ok(Self::new(path, rows, format))

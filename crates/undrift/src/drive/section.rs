@@ -56,7 +56,11 @@ pub(crate) fn read_text(path: &Path) -> Result<(String, String), ConfigError> {
             file,
             line: None,
             key: String::new(),
-            message: format!("cannot be read: {e}"),
+            message: match (e.kind(), undrift_io::nearby::names(path)) {
+                (std::io::ErrorKind::NotFound, Some(names)) => format!("no such file; {names}"),
+                (std::io::ErrorKind::NotFound, None) => "no such file".into(),
+                _ => format!("cannot be read: {e}"),
+            },
         }),
     }
 }

@@ -48,8 +48,7 @@ pub(super) fn read_format<'a>(
     match section.word("format", &words)? {
         Some(stated) => Ok(stated),
         None if section.get(column).is_some() => Ok(Format::Csv),
-        // A file that cannot be opened is told when it is read.
-        None => Ok(format::detect(path).unwrap_or(Format::Csv)),
+        None => format::detect(path).map_err(|error| section.error("file", error.to_string())),
     }
 }
 

@@ -1,0 +1,226 @@
+//! A bar for what takes time: how far, how fast, how long still.
+//!
+//! The work counts in an atomic number; a thread beside it looks at the number and draws. It begins
+//! after [`PATIENCE`], on a terminal only, and never when quiet.
+
+use crate::terminal;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::{
+    io::IsTerminal,
+    sync::{
+        Arc, Mutex,
+        atomic::{AtomicU64, Ordering::Relaxed},
+        mpsc::{RecvTimeoutError, Sender, channel},
+    },
+    thread::JoinHandle,
+    time::{Duration, Instant},
+};
+
+/// Work shorter than this has no bar.
+const PATIENCE: Duration = Duration::from_secs(2);
+/// From one look at the number to the next.
+const LOOK: Duration = Duration::from_millis(200);
+
+/// What is counted, and how many there are; 0 where that is not known.
+#[derive(Clone, PartialEq)]
+struct Stage {
+    /// Such as "identified".
+    name: String,
+    /// Such as "axes", or "bytes".
+    unit: &'static str,
+    total: u64,
+}
+
+/// A bar, as long as it lives.
+pub struct Bar {
+    done: Arc<AtomicU64>,
+    stage: Arc<Mutex<Stage>>,
+    watcher: Option<(Sender<()>, JoinHandle<()>)>,
+}
+
+impl Bar {
+    /// A bar for `total` of something.
+    pub fn new(name: &str, total: u64, unit: &'static str) -> Self {
+        Self::watching(Arc::default(), name, total, unit)
+    }
+
+    /// A bar for a number that somebody else counts.
+    pub fn watching(done: Arc<AtomicU64>, name: &str, total: u64, unit: &'static str) -> Self {
+        let stage = Arc::new(Mutex::new(Stage {
+            name: name.to_owned(),
+            unit,
+            total,
+        }));
+        let watched = std::io::stderr().is_terminal() && !terminal::is_quiet();
+        let watcher = watched.then(|| {
+            let (stop, stopped) = channel();
+            let (done, stage) = (done.clone(), stage.clone());
+            let watch = move || {
+                let mut view = View::new(&stage);
+                let wait = |time| stopped.recv_timeout(time) == Err(RecvTimeoutError::Timeout);
+                let mut patience = PATIENCE;
+                while wait(patience) {
+                    patience = LOOK;
+                    view.look(&stage, done.load(Relaxed));
+                }
+                view.bar.finish_and_clear();
+            };
+            (stop, std::thread::spawn(watch))
+        });
+        Self {
+            done,
+            stage,
+            watcher,
+        }
+    }
+
+    /// Counts.
+    pub fn add(&self, more: u64) {
+        self.done.fetch_add(more, Relaxed);
+    }
+
+    /// Goes on to another stage, if it is one.
+    pub fn stage(&self, name: &str, total: u64, unit: &'static str) {
+        if let Ok(mut stage) = self.stage.lock()
+            && (stage.name != name || stage.total != total)
+        {
+            *stage = Stage {
+                name: name.to_owned(),
+                unit,
+                total,
+            };
+            self.done.store(0, Relaxed);
+        }
+    }
+}
+
+impl Drop for Bar {
+    fn drop(&mut self) {
+        if let Some((stop, thread)) = self.watcher.take() {
+            drop(stop);
+            // It only draws: what went wrong there is no matter here.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// What the thread draws.
+struct View {
+    bar: ProgressBar,
+    stage: Option<Stage>,
+    since: Instant,
+    before: u64,
+}
+
+impl View {
+    fn new(stage: &Mutex<Stage>) -> Self {
+        Self {
+            bar: ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden()),
+            stage: stage.lock().ok().map(|stage| stage.clone()),
+            since: Instant::now(),
+            before: 0,
+        }
+    }
+
+    fn look(&mut self, stage: &Mutex<Stage>, done: u64) {
+        let now = stage.lock().ok().map(|stage| stage.clone());
+        // A number that fell is that of another pass.
+        if now != self.stage || done < self.before {
+            self.stage = now;
+            self.since = Instant::now();
+        }
+        self.before = done;
+        let Some(stage) = &self.stage else { return };
+        let template = match stage.total {
+            0 => "{wide_msg}",
+            _ => "{bar:24} {wide_msg}",
+        };
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            self.bar.set_style(style.progress_chars("=> "));
+        }
+        self.bar.set_length(stage.total);
+        self.bar.set_position(done.min(stage.total));
+        self.bar
+            .set_message(text(stage, done, self.since.elapsed()));
+        // What is drawn first has all of it.
+        if self.bar.is_hidden() {
+            self.bar.set_draw_target(ProgressDrawTarget::stderr());
+        }
+    }
+}
+
+/// How far, how fast, how long still.
+fn text(stage: &Stage, done: u64, elapsed: Duration) -> String {
+    let Stage { name, unit, total } = stage;
+    let seconds = elapsed.as_secs_f64();
+    if *total == 0 {
+        return format!("{name}, {}", clock(seconds));
+    }
+    let share = (done as f64 / *total as f64).min(1.0);
+    let rate = done as f64 / seconds;
+    let left = if share > 0.0 {
+        format!(", {} left", clock(seconds * (1.0 - share) / share))
+    } else {
+        String::new()
+    };
+    let (far, fast) = if *unit == "bytes" {
+        (
+            format!("{:.0} % of {:.1} MB", 100.0 * share, *total as f64 / 1e6),
+            format!("{:.1} MB/s", rate / 1e6),
+        )
+    } else if *total > 10_000 {
+        (
+            format!("{:.0} %", 100.0 * share),
+            format!("{rate:.0} {unit}/s"),
+        )
+    } else {
+        (format!("{done} of {total} {unit}"), format!("{rate:.2}/s"))
+    };
+    format!("{name}: {far}, {fast}{left}")
+}
+
+/// Hours, minutes and seconds, as many as are needed.
+fn clock(seconds: f64) -> String {
+    let s = seconds.round() as u64;
+    match (s / 3600, s / 60 % 60, s % 60) {
+        (0, 0, s) => format!("{s} s"),
+        (0, m, s) => format!("{m} min {s} s"),
+        (h, m, _) => format!("{h} h {m} min"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(name: &str, unit: &'static str, total: u64, done: u64, seconds: u64) -> String {
+        let stage = Stage {
+            name: name.into(),
+            unit,
+            total,
+        };
+        text(&stage, done, Duration::from_secs(seconds))
+    }
+
+    #[test]
+    fn how_far_how_fast_how_long_still() {
+        assert_eq!(
+            of("imu.csv.gz", "bytes", 40_000_000, 10_000_000, 5),
+            "imu.csv.gz: 25 % of 40.0 MB, 2.0 MB/s, 15 s left"
+        );
+        assert_eq!(
+            of("simulated", "runs", 100, 4, 8),
+            "simulated: 4 of 100 runs, 0.50/s, 3 min 12 s left"
+        );
+        assert_eq!(
+            of("navigated", "samples", 1_000_000, 250_000, 2700),
+            "navigated: 25 %, 93 samples/s, 2 h 15 min left"
+        );
+        // Nothing done tells nothing of the rest.
+        assert_eq!(
+            of("identified", "axes", 6, 0, 3),
+            "identified: 0 of 6 axes, 0.00/s"
+        );
+        assert_eq!(of("imu.bag", "bytes", 0, 7, 65), "imu.bag, 1 min 5 s");
+    }
+}

@@ -1,0 +1,166 @@
+//! What goes to the terminal: how much, in which colours, and what a script is told at the end.
+//!
+//! Results go to standard output; warnings, details and progress to standard error.
+
+use anyhow::Result;
+use clap::{ArgAction, Args, ColorChoice};
+use std::{
+    ffi::OsString,
+    fmt::Display,
+    io::Write,
+    sync::atomic::{AtomicBool, AtomicI16, Ordering::Relaxed},
+    time::Instant,
+};
+
+use crate::style;
+
+/// Options of every verb.
+#[derive(Args)]
+#[command(next_help_heading = "Terminal")]
+pub struct Options {
+    /// Say nothing but errors; results asked for on standard output still come
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    quiet: bool,
+    /// Tell what is read, with which settings, and how long each stage took; twice tells all settings
+    #[arg(short, long, global = true, action = ArgAction::Count)]
+    verbose: u8,
+    /// Colours: on a terminal that has them, always or never
+    #[arg(long, global = true, value_name = "WHEN", value_enum, default_value_t = ColorChoice::Auto)]
+    color: ColorChoice,
+    /// End with exit code 3 when the result cannot be trusted
+    #[arg(long, global = true)]
+    pub strict: bool,
+}
+
+/// −1 is quiet, above 0 verbose.
+static LEVEL: AtomicI16 = AtomicI16::new(0);
+/// Whether a result cannot be trusted.
+static DOUBT: AtomicBool = AtomicBool::new(false);
+
+impl Options {
+    /// Puts the options into force.
+    pub fn apply(&self) {
+        let level = if self.quiet {
+            -1
+        } else {
+            i16::from(self.verbose)
+        };
+        LEVEL.store(level, Relaxed);
+        set_colour(self.color);
+    }
+}
+
+fn set_colour(choice: ColorChoice) {
+    match choice {
+        ColorChoice::Auto => anstream::ColorChoice::Auto,
+        ColorChoice::Always => anstream::ColorChoice::Always,
+        ColorChoice::Never => anstream::ColorChoice::Never,
+    }
+    .write_global();
+}
+
+/// Puts --color into force before the command line is understood: for help, and for mistakes in it.
+pub fn colour_from(command_line: impl Iterator<Item = OsString>) {
+    let words: Vec<String> = command_line
+        .map(|word| word.to_string_lossy().into_owned())
+        .collect();
+    let following = words.iter().skip(1).map(Some).chain([None]);
+    for (word, next) in words.iter().zip(following) {
+        let value = match word.as_str() {
+            "--" => return,
+            "--color" => next.map(String::as_str),
+            other => other.strip_prefix("--color="),
+        };
+        if let Some(Ok(choice)) = value.map(str::parse) {
+            set_colour(choice);
+        }
+    }
+}
+
+/// Whether standard output has colours.
+pub fn has_colours() -> bool {
+    anstream::AutoStream::choice(&std::io::stdout()) != anstream::ColorChoice::Never
+}
+
+/// Whether only errors are told.
+pub fn is_quiet() -> bool {
+    LEVEL.load(Relaxed) < 0
+}
+
+/// Prints a summary to standard output, unless quiet.
+pub fn say(text: impl Display) -> Result<()> {
+    if is_quiet() {
+        return Ok(());
+    }
+    written(writeln!(anstream::stdout(), "{text}"))
+}
+
+/// Prints a result that was asked for on standard output, as it is.
+pub fn result(text: impl Display) -> Result<()> {
+    written(writeln!(std::io::stdout(), "{text}"))
+}
+
+/// A reader that went away (`undrift … | head`) ends the program quietly.
+fn written(outcome: std::io::Result<()>) -> Result<()> {
+    match outcome {
+        Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => std::process::exit(0),
+        other => Ok(other?),
+    }
+}
+
+/// Tells what should be known with a result, unless quiet.
+pub fn warn(text: impl Display) {
+    if !is_quiet() {
+        complain(format!("{} {text}", style::warning("warning:")));
+    }
+}
+
+/// Tells what is worth knowing while standard output is for something else, unless quiet.
+pub fn note(text: impl Display) {
+    if !is_quiet() {
+        complain(text.to_string());
+    }
+}
+
+/// Notes that the result cannot be trusted: --strict makes an exit code of it.
+pub fn doubt() {
+    DOUBT.store(true, Relaxed);
+}
+
+/// Whether [`doubt`] was called.
+pub fn doubted() -> bool {
+    DOUBT.load(Relaxed)
+}
+
+/// Tells why there is no result: the causes that are not in the text already follow it.
+pub fn error(error: &anyhow::Error) {
+    let mut text = error.to_string();
+    for cause in error.chain().skip(1).map(ToString::to_string) {
+        if !text.contains(&cause) {
+            text = format!("{text}: {cause}");
+        }
+    }
+    complain(format!("{} {text}", style::error("error:")));
+}
+
+/// Tells what is going on to those who asked for it `level` times.
+pub fn detail(level: i16, text: impl FnOnce() -> String) {
+    if LEVEL.load(Relaxed) >= level {
+        complain(text());
+    }
+}
+
+/// Does something and tells how long it took to those who asked for details.
+pub fn stage<T>(name: &str, work: impl FnOnce() -> T) -> T {
+    let start = Instant::now();
+    let done = work();
+    detail(1, || {
+        format!("{name}: {:.2} s", start.elapsed().as_secs_f64())
+    });
+    done
+}
+
+/// One line on standard error. Where that is closed there is nobody to tell.
+fn complain(line: String) {
+    let _ = writeln!(anstream::stderr(), "{line}");
+}
