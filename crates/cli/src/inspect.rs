@@ -87,8 +87,11 @@ fn write_part(text: &mut String, part: &Part) {
     if let Some(m) = &part.measured {
         let _ = write!(
             text,
-            " {} records at {:.6} Hz, {:.3} s to {:.3} s",
-            m.records, m.rate_hz, m.first_s, m.last_s
+            " {} records at {} Hz, {:.3} s to {:.3} s",
+            m.records,
+            short(m.rate_hz),
+            m.first_s,
+            m.last_s
         );
         match m.longest_gap_s {
             Some((start, length)) => {
@@ -129,4 +132,9 @@ fn write_part(text: &mut String, part: &Part) {
     if let Some(problem) = &part.problem {
         let _ = writeln!(text, "    cannot be read: {problem}");
     }
+}
+
+/// A rate to its fourth decimal, without the zeros at its end.
+fn short(rate_hz: f64) -> f64 {
+    (rate_hz * 1e4).round() / 1e4
 }

@@ -58,8 +58,8 @@ fn inspect_and_navigate(name: &str, head: &str, row: impl Fn(f64, f64) -> String
         &dir,
     );
     let report = text(&found);
-    assert!(report.contains("[imu] 6000 records at 100.0"), "{report}");
-    assert!(report.contains("[gnss] 300 records at 5.0"), "{report}");
+    assert!(report.contains("[imu] 6000 records at 100 Hz"), "{report}");
+    assert!(report.contains("[gnss] 300 records at 5 Hz"), "{report}");
     let file = fs::read_to_string(dir.join("drive.toml")).unwrap();
     for expected in says {
         assert!(file.contains(expected), "{expected} is not in\n{file}");
@@ -160,6 +160,58 @@ fn what_is_no_log_is_said() {
         let output = undrift(&["inspect", missing], &dir);
         assert!(!output.status.success());
         assert!(String::from_utf8_lossy(&output.stderr).contains(missing));
+    }
+    fs::remove_dir_all(&dir).unwrap();
+}
+
+/// A golden file, what it is called, and what can be read of it.
+const SAMPLES: [(&str, &str, &[&str]); 10] = [
+    ("rosbag/bz2.bag", "a ROS 1 bag", &["imu", "gnss"]),
+    ("mcap/zstd.mcap", "MCAP", &["imu", "gnss"]),
+    ("ulog/old.ulg", "PX4 ULog", &["imu", "gnss", "truth"]),
+    (
+        "navego/compressed.mat",
+        "a NaveGo MATLAB file",
+        &["imu", "gnss", "truth"],
+    ),
+    ("nmea/drive.nmea", "NMEA 0183", &["gnss"]),
+    ("ubx/drive.ubx", "u-blox UBX", &["imu", "gnss"]),
+    ("gpx/track.gpx", "GPX", &["gnss"]),
+    ("parquet/imu.parquet", "Parquet", &["imu"]),
+    ("written/track.nav", "KF-GINS text", &["truth"]),
+    ("euroc/imu.csv", "EuRoC CSV", &["imu"]),
+];
+
+fn gzipped(bytes: &[u8]) -> Vec<u8> {
+    use std::io::Write;
+    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    encoder.write_all(bytes).unwrap();
+    encoder.finish().unwrap()
+}
+
+#[test]
+fn every_format_is_known_by_its_content() {
+    let dir = folder("formats");
+    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../testdata/golden/formats");
+    for (file, called, parts) in SAMPLES {
+        let bytes = fs::read(golden.join(file)).unwrap();
+        // No name helps, and compression does not matter but to Parquet, which is read from its end.
+        fs::write(dir.join("unnamed"), &bytes).unwrap();
+        fs::write(dir.join("compressed"), gzipped(&bytes)).unwrap();
+        for name in ["unnamed", "compressed"] {
+            if name == "compressed" && called == "Parquet" {
+                continue;
+            }
+            let report = text(&undrift(&["inspect", name], &dir));
+            assert!(
+                report.starts_with(&format!("{name}: {called}\n")),
+                "{file}: {report}"
+            );
+            for part in parts {
+                assert!(report.contains(&format!("[{part}] ")), "{file}: {report}");
+            }
+            assert!(!report.contains("cannot be read"), "{file}: {report}");
+        }
     }
     fs::remove_dir_all(&dir).unwrap();
 }

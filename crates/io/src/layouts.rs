@@ -56,6 +56,7 @@ pub fn kf_gins_gnss(columns: usize) -> GnssFormat {
 /// north, east, down, roll, pitch, yaw [deg].
 pub fn kf_gins_truth() -> TruthFormat {
     TruthFormat {
+        week: Some(Column::Number(1)),
         velocity: Some(three(6)),
         attitude: Some(three(9)),
         ..TruthFormat::degrees(Column::Number(2), three(3))

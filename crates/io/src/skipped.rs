@@ -22,6 +22,8 @@ pub enum SkipKind {
     OutOfRange,
     /// A standard deviation that is zero, negative or not a number.
     Uncertainty,
+    /// A position or velocity whose uncertainty neither the file nor the user tells.
+    Untold,
     /// A message or a part of the file that is damaged: its checksum is wrong, its end is missing, or
     /// it cannot be decompressed; reading goes on after it.
     Damaged,
@@ -50,6 +52,8 @@ impl SkipKind {
             (Self::OutOfRange, true) => "rows with a value out of its range",
             (Self::Uncertainty, false) => "value with an unusable standard deviation",
             (Self::Uncertainty, true) => "values with an unusable standard deviation",
+            (Self::Untold, false) => "value of unknown uncertainty",
+            (Self::Untold, true) => "values of unknown uncertainty",
             (Self::Damaged, false) => "damaged message or part",
             (Self::Damaged, true) => "damaged messages or parts",
             (Self::NoFix, false) => "epoch without a fix",

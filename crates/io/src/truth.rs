@@ -27,6 +27,8 @@ pub struct TruthFormat {
     pub time_scale: f64,
     /// Added to the time after scaling [s].
     pub time_offset: f64,
+    /// GPS week, where the time is the second of it: times count on from the week of the first row.
+    pub week: Option<Column>,
     /// Latitude, longitude, and height above the ellipsoid [m].
     pub position: [Column; 3],
     /// Factor from the columns of latitude and longitude to radians.
@@ -53,6 +55,7 @@ impl TruthFormat {
             time,
             time_scale: 1.0,
             time_offset: 0.0,
+            week: None,
             position,
             angle_scale: radians,
             velocity: None,
@@ -96,8 +99,10 @@ enum Rows {
 struct TableRows {
     table: Table,
     format: TruthFormat,
-    /// Time, position, then velocity and attitude where asked for.
+    /// Time, position, then velocity, attitude and week where asked for.
     row: Vec<f64>,
+    /// Of the first row.
+    week: Option<f64>,
 }
 
 impl Rows {
@@ -184,6 +189,9 @@ impl TruthReader {
                 columns.push((key.to_owned(), column.clone()));
             }
         }
+        if let Some(week) = &format.week {
+            columns.push(("truth.week".to_owned(), week.clone()));
+        }
         let options = TableOptions {
             columns,
             delimiter: format.delimiter,
@@ -193,6 +201,7 @@ impl TruthReader {
             row: vec![0.0; options.columns.len()],
             table: Table::from_source(path, source, &options)?,
             format: format.clone(),
+            week: None,
         }));
         Ok(Self::new(path, rows, format.span))
     }
@@ -248,7 +257,10 @@ impl TruthReader {
 }
 
 impl TableRows {
-    fn sample(&self) -> TruthSample {
+    fn sample(&mut self) -> TruthSample {
+        let week = self.format.week.as_ref().and(self.row.last().copied());
+        let first = *self.week.get_or_insert(week.unwrap_or(0.0));
+        let weeks = 604_800.0 * (week.unwrap_or(first) - first);
         let format = &self.format;
         let three = |from: usize| {
             let get = |k: usize| self.row.get(from + k).copied().unwrap_or(f64::NAN);
@@ -261,7 +273,7 @@ impl TableRows {
         });
         let attitude_at = if v_n.is_some() { 7 } else { 4 };
         TruthSample {
-            time: three(0).x * format.time_scale + format.time_offset,
+            time: three(0).x * format.time_scale + weeks + format.time_offset,
             position: Geodetic {
                 lat: position.x * format.angle_scale,
                 lon: position.y * format.angle_scale,

@@ -97,6 +97,17 @@ pub enum GnssSource {
     Log(GnssLog),
 }
 
+impl GnssSource {
+    /// Opens a log of this layout.
+    pub(crate) fn open(&self, path: &Path) -> Result<GnssReader, ReadError> {
+        match self {
+            Self::Csv(format) => GnssReader::open_csv(path, format),
+            Self::Rtklib(options) => GnssReader::open_rtklib(path, options),
+            Self::Log(log) => GnssReader::open_log(path, log),
+        }
+    }
+}
+
 /// Layout of the reference.
 #[derive(Clone, Debug)]
 pub enum TruthSource {
@@ -104,6 +115,16 @@ pub enum TruthSource {
     Table(Box<TruthFormat>),
     /// Log that says itself what it holds.
     Log(TruthLog),
+}
+
+impl TruthSource {
+    /// Opens a reference of this layout.
+    pub(crate) fn open(&self, path: &Path) -> Result<TruthReader, ReadError> {
+        match self {
+            Self::Table(format) => TruthReader::open(path, format),
+            Self::Log(log) => TruthReader::open_log(path, log),
+        }
+    }
 }
 
 /// Why a drive cannot be set up.
@@ -187,11 +208,7 @@ impl Drive {
 
     /// Opens the GNSS log from its start.
     pub fn open_gnss(&self) -> Result<GnssReader, ReadError> {
-        match &self.gnss.1 {
-            GnssSource::Csv(format) => GnssReader::open_csv(&self.gnss.0, format),
-            GnssSource::Rtklib(options) => GnssReader::open_rtklib(&self.gnss.0, options),
-            GnssSource::Log(log) => GnssReader::open_log(&self.gnss.0, log),
-        }
+        self.gnss.1.open(&self.gnss.0)
     }
 
     /// Opens the log of the wheel's speed from its start, if there is one.
@@ -208,10 +225,7 @@ impl Drive {
     pub fn open_truth(&self) -> Result<Option<TruthReader>, ReadError> {
         self.truth
             .as_ref()
-            .map(|(path, source)| match source {
-                TruthSource::Table(format) => TruthReader::open(path, format),
-                TruthSource::Log(log) => TruthReader::open_log(path, log),
-            })
+            .map(|(path, source)| source.open(path))
             .transpose()
     }
 

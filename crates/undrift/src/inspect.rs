@@ -44,6 +44,9 @@ pub struct Part {
     pub measured: Option<Measured>,
     /// Why nothing was.
     pub problem: Option<String>,
+    /// The streams that a key may name, the first of each the likeliest.
+    #[serde(skip)]
+    choices: Vec<(&'static str, Vec<String>)>,
 }
 
 /// A key of a drive file.
@@ -74,6 +77,8 @@ pub struct Measured {
     pub longest_gap_s: Option<(f64, f64)>,
     /// What was left out, a line each.
     pub skipped: String,
+    /// Velocities left out because the log does not tell how certain they are.
+    pub untold_velocities: u64,
     /// What else there is to say.
     pub remarks: Vec<String>,
 }
@@ -119,15 +124,7 @@ pub fn inspect(path: &Path) -> Result<Inspection, ReadError> {
         Format::KfGins => vec![Part::new(kf_gins(path)?, Vec::new())],
         log => {
             let streams = log::streams(path, log)?;
-            let mut parts = of_streams(&streams);
-            if log == Format::Nmea
-                && let Some(part) = parts.first_mut()
-            {
-                let why =
-                    "guessed: NMEA does not tell; large for the vertical speed, which it lacks";
-                part.lines
-                    .push(Line::text("velocity_std", "0.2, 0.2, 20 m/s", why));
-            }
+            let parts = of_streams(&streams);
             inspection.streams = streams
                 .into_iter()
                 .map(|stream| (stream.name, stream.messages, stream.about))
@@ -136,7 +133,7 @@ pub fn inspect(path: &Path) -> Result<Inspection, ReadError> {
         }
     };
     for part in &mut inspection.parts {
-        measure::measure(path, part);
+        measure::measure(path, format, part);
     }
     if inspection.parts.is_empty() {
         let note =
@@ -153,6 +150,7 @@ impl Part {
             lines,
             measured: None,
             problem: None,
+            choices: Vec::new(),
         }
     }
 }
@@ -165,7 +163,7 @@ fn kf_gins(path: &Path) -> Result<&'static str, ReadError> {
         KF_GINS_WITH_VELOCITY => "gnss",
         _ => {
             let mut imu = Part::new("imu", Vec::new());
-            measure::measure(path, &mut imu);
+            measure::measure(path, Format::KfGins, &mut imu);
             if imu.problem.is_none() && measure::is_gravity(&imu) {
                 "imu"
             } else {
@@ -175,20 +173,11 @@ fn kf_gins(path: &Path) -> Result<&'static str, ReadError> {
     })
 }
 
-/// The first stream of each kind; the topic is named where there are several.
+/// A part for each kind of streams that there is.
 fn of_streams(streams: &[log::Stream]) -> Vec<Part> {
-    let of = |kind: StreamKind| -> Vec<&log::Stream> {
-        streams
-            .iter()
-            .filter(|stream| stream.kind == kind)
-            .collect()
-    };
-    let topic = |key: &'static str, kind: StreamKind| -> Option<Line> {
-        let found = of(kind);
-        let others: Vec<&str> = found.iter().skip(1).map(|s| s.name.as_str()).collect();
-        let first = found.first().filter(|_| !others.is_empty())?;
-        let why = format!("the first of several; the others: {}", others.join(", "));
-        Some(Line::text(key, &first.name, why))
+    let of = |kind: StreamKind| -> Vec<String> {
+        let those = streams.iter().filter(|stream| stream.kind == kind);
+        those.map(|stream| stream.name.clone()).collect()
     };
     let mut parts = Vec::new();
     for (table, kind) in [
@@ -196,14 +185,17 @@ fn of_streams(streams: &[log::Stream]) -> Vec<Part> {
         ("gnss", StreamKind::Fixes),
         ("truth", StreamKind::Poses),
     ] {
-        if of(kind).is_empty() {
+        let names = of(kind);
+        if names.is_empty() {
             continue;
         }
-        let mut lines: Vec<Line> = topic("topic", kind).into_iter().collect();
+        let mut part = Part::new(table, Vec::new());
+        part.choices.push(("topic", names));
         if kind == StreamKind::Fixes {
-            lines.extend(topic("velocity_topic", StreamKind::Velocity));
+            let velocities = of(StreamKind::Velocity);
+            part.choices.push(("velocity_topic", velocities));
         }
-        parts.push(Part::new(table, lines));
+        parts.push(part);
     }
     parts
 }

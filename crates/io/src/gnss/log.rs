@@ -24,8 +24,8 @@ pub struct GnssLog {
     pub time_offset: f64,
     /// Standard deviations north, east, down [m] instead of the file's; needed where it has none.
     pub position_std: Option<[f64; 3]>,
-    /// Standard deviations north, east, down [m/s] instead of the file's; needed where it has none,
-    /// but for NMEA, whose velocities are left out without.
+    /// Standard deviations north, east, down [m/s] instead of the file's; a velocity without any is
+    /// left out.
     pub velocity_std: Option<[f64; 3]>,
     /// Factor on the standard deviations of position.
     pub position_std_factor: f64,
@@ -55,6 +55,11 @@ impl GnssLog {
 pub(super) struct LogRows {
     log: Log,
     options: GnssLog,
+    positions: u64,
+    /// Where the first position stands of which nobody says how certain it is.
+    unknown: Option<u64>,
+    /// Velocities left out because nobody says how certain they are.
+    pub(super) untold_velocities: u64,
 }
 
 impl LogRows {
@@ -66,6 +71,9 @@ impl LogRows {
         Ok(Self {
             log: Log::open(path, options.format, &wanted)?,
             options: options.clone(),
+            positions: 0,
+            unknown: None,
+            untold_velocities: 0,
         })
     }
 
@@ -87,16 +95,25 @@ impl LogRows {
             let What::Fix(fix) = entry.what else {
                 continue;
             };
-            let usable = self.fix(entry.at, &fix)?;
+            let usable = self.fix(entry.at, &fix);
+            self.positions += u64::from(usable.position.is_some());
             if usable.position.is_some() || usable.velocity.is_some() {
                 return Ok(Some((entry.at, usable)));
             }
         }
-        Ok(None)
+        match self.unknown {
+            Some(at) if self.positions == 0 => Err(ReadError::new(
+                self.log.path(),
+                "the log does not tell how certain its positions are",
+            )
+            .at(at)
+            .key("gnss.position_std")
+            .mend("give it: position_std = \"1, 1, 2 m\"")),
+            _ => Ok(None),
+        }
     }
 
-    fn fix(&mut self, at: u64, fix: &Fix) -> Result<GnssFix, ReadError> {
-        let options = &self.options;
+    fn fix(&mut self, at: u64, fix: &Fix) -> GnssFix {
         let place = fix.position.filter(|(position, _)| match position {
             Position::Geodetic(place) => is_a_fix(place),
             Position::Baseline { .. } => true,
@@ -105,51 +122,38 @@ impl LogRows {
             let detail = format!("{:?}", fix.position);
             self.log.skipped_mut().add(SkipKind::OutOfRange, at, detail);
         }
-        let position = match place {
-            None => None,
-            Some((position, own)) => {
-                let stated = options.position_std;
-                let factor = options.position_std_factor;
-                let covariance = certain(own, stated, factor).ok_or_else(|| {
-                    self.unknown(at, "position", "gnss.position_std", "1, 1, 2 m")
-                })?;
-                Some((position, covariance))
-            }
-        };
-        let velocity = match fix.velocity {
-            None => None,
-            // NMEA never tells, and half of the velocity is missing.
-            Some(_) if options.format == Format::Nmea && options.velocity_std.is_none() => None,
-            Some((velocity, own)) => {
-                let stated = options.velocity_std;
-                let factor = options.velocity_std_factor;
-                let covariance = certain(own, stated, factor).ok_or_else(|| {
-                    self.unknown(at, "velocity", "gnss.velocity_std", "0.1, 0.1, 0.2 m/s")
-                })?;
-                Some((velocity, covariance))
-            }
-        };
-        let mut usable = GnssFix {
-            time: fix.time + options.time_offset,
-            position,
-            velocity,
-            quality: fix.quality,
-        };
+        let options = &self.options;
+        let position = place.and_then(|(position, own)| {
+            let factor = options.position_std_factor;
+            Some((position, certain(own, options.position_std, factor)?))
+        });
+        let velocity = fix.velocity.and_then(|(velocity, own)| {
+            let factor = options.velocity_std_factor;
+            Some((velocity, certain(own, options.velocity_std, factor)?))
+        });
         let skipped = self.log.skipped_mut();
-        usable.position = usable.position.filter(|(_, p)| sound(p, at, skipped));
-        usable.velocity = usable.velocity.filter(|(_, p)| sound(p, at, skipped));
-        Ok(usable)
-    }
-
-    fn unknown(&self, at: u64, what: &str, key: &str, example: &str) -> ReadError {
-        let problem = format!("the log does not tell how certain its {what} is");
-        ReadError::new(self.log.path(), problem)
-            .at(at)
-            .key(key)
-            .mend(format!(
-                "give it: {} = \"{example}\"",
-                &key["gnss.".len()..]
-            ))
+        for (told, used, key) in [
+            (place.is_some(), position.is_some(), "gnss.position_std"),
+            (
+                fix.velocity.is_some(),
+                velocity.is_some(),
+                "gnss.velocity_std",
+            ),
+        ] {
+            if told && !used {
+                skipped.add(SkipKind::Untold, at, format_args!("give {key}"));
+            }
+        }
+        self.untold_velocities += u64::from(fix.velocity.is_some() && velocity.is_none());
+        if place.is_some() && position.is_none() {
+            self.unknown.get_or_insert(at);
+        }
+        GnssFix {
+            time: fix.time + self.options.time_offset,
+            position: position.filter(|(_, p)| sound(p, at, skipped)),
+            velocity: velocity.filter(|(_, p)| sound(p, at, skipped)),
+            quality: fix.quality,
+        }
     }
 }
 

@@ -94,6 +94,14 @@ impl GnssReader {
         }
     }
 
+    /// Velocities left out so far because neither the log nor its options tell how certain they are.
+    pub fn untold_velocities(&self) -> u64 {
+        match &self.rows {
+            Rows::Csv(_) | Rows::Rtklib(_) => 0,
+            Rows::Log(rows) => rows.untold_velocities,
+        }
+    }
+
     fn path(&self) -> &Path {
         match &self.rows {
             Rows::Csv(rows) => rows.path(),

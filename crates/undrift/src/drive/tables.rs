@@ -107,6 +107,7 @@ fn read_truth_columns(section: &Section) -> Result<TruthFormat, ConfigError> {
         time,
         time_scale: section.unit("time_unit", Quantity::Time, 1.0)?,
         time_offset: 0.0,
+        week: None,
         position,
         angle_scale: section.unit("position_unit", Quantity::Angle, degree)?,
         velocity: section.columns("velocity")?,

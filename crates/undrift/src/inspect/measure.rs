@@ -1,40 +1,70 @@
 //! Reads a part of a file with the keys found for it, as a drive would.
 
 use super::{Line, Measured, Part, quoted};
-use crate::drive::{
-    ConfigError, DriveError, GnssSource, Section, TruthSource, gnss, imu, parse, tables,
-};
+use crate::drive::{DriveError, Section, gnss, imu, parse, tables};
 use std::path::Path;
-use undrift_io::{ReadError, gnss::GnssReader, imu::ImuReader, truth::TruthReader};
+use undrift_io::{ReadError, format::Format, gnss::GnssReader, imu::ImuReader, truth::TruthReader};
 use undrift_nav::{Vector3, earth::STANDARD_GRAVITY, sample::FixQuality};
 
 /// Standard deviations to begin with where a log does not tell any: a single-frequency receiver
 /// under an open sky.
 const POSITION_STD: &str = "3, 3, 6 m";
 const VELOCITY_STD: &str = "0.2, 0.2, 0.4 m/s";
+/// NMEA has no vertical speed: 20 m/s leave it open.
+const NMEA_VELOCITY_STD: &str = "0.2, 0.2, 20 m/s";
 
-/// Reads the part; what was found, or why not, goes into it.
-pub(super) fn measure(path: &Path, part: &mut Part) {
-    let mut result = read(path, part);
-    // What a log does not tell is guessed, once for each of position and velocity.
-    for (key, std) in [
-        ("position_std", POSITION_STD),
-        ("velocity_std", VELOCITY_STD),
-    ] {
-        let asked = matches!(&result, Err(DriveError::Read(error)) if error.key.as_deref() == Some(&format!("gnss.{key}")));
-        if asked {
-            let why = "guessed: the log does not tell; set what fits the receiver";
-            part.lines.push(Line::text(key, std, why));
-            result = read(path, part);
+/// Reads the part; what was found, or why not, goes into it. What has to be said is said: the stream
+/// where there are several, the uncertainty that a log does not tell.
+pub(super) fn measure(path: &Path, format: Format, part: &mut Part) {
+    loop {
+        let result = read(path, part);
+        if let Some(line) = missing(&result, format, part) {
+            part.lines.push(line);
+            continue;
         }
-    }
-    match result {
-        Ok(measured) => part.measured = Some(measured),
-        Err(error) => part.problem = Some(error.to_string()),
+        match result {
+            Ok((measured, axes)) => {
+                part.lines.extend(axes);
+                part.measured = Some(measured);
+            }
+            Err(error) => part.problem = Some(error.to_string()),
+        }
+        return;
     }
 }
 
-fn read(path: &Path, part: &mut Part) -> Result<Measured, DriveError> {
+/// The line that reading asked for, if it is not there yet.
+fn missing(
+    result: &Result<(Measured, Option<Line>), DriveError>,
+    format: Format,
+    part: &Part,
+) -> Option<Line> {
+    let key = match result {
+        Err(DriveError::Read(error)) => error.key.as_deref()?.split('.').nth(1)?,
+        Ok((measured, _)) if measured.untold_velocities > 0 => "velocity_std",
+        _ => return None,
+    };
+    if part.lines.iter().any(|line| line.key == key) {
+        return None;
+    }
+    let why = "guessed: the log does not tell; set what fits the receiver";
+    match key {
+        "position_std" => Some(Line::text("position_std", POSITION_STD, why)),
+        "velocity_std" if format == Format::Nmea => {
+            let why = "guessed: NMEA does not tell; large for the vertical speed, which it lacks";
+            Some(Line::text("velocity_std", NMEA_VELOCITY_STD, why))
+        }
+        "velocity_std" => Some(Line::text("velocity_std", VELOCITY_STD, why)),
+        _ => {
+            let (key, names) = part.choices.iter().find(|(choice, _)| *choice == key)?;
+            let (first, others) = names.split_first()?;
+            let why = format!("the first of several; the others: {}", others.join(", "));
+            Some(Line::text(key, first, why))
+        }
+    }
+}
+
+fn read(path: &Path, part: &Part) -> Result<(Measured, Option<Line>), DriveError> {
     let mut text = format!(
         "[{}]\nfile = {}\n",
         part.table,
@@ -50,30 +80,15 @@ fn read(path: &Path, part: &mut Part) -> Result<Measured, DriveError> {
     match part.table {
         "imu" => {
             let ((path, format), _) = imu::read_imu(&section, here, None)?;
-            let (measured, axes) = samples(ImuReader::open(&path, &format)?)?;
-            part.lines.extend(axes);
-            Ok(measured)
+            Ok(samples(ImuReader::open(&path, &format)?)?)
         }
         "gnss" => {
             let (path, source) = gnss::read_gnss(&section, here, None)?;
-            Ok(fixes(match &source {
-                GnssSource::Csv(format) => GnssReader::open_csv(&path, format)?,
-                GnssSource::Rtklib(options) => GnssReader::open_rtklib(&path, options)?,
-                GnssSource::Log(log) => GnssReader::open_log(&path, log)?,
-            })?)
+            Ok((fixes(source.open(&path)?)?, None))
         }
         _ => match tables::read_truth(&section, here)? {
-            Some((path, TruthSource::Table(format))) => {
-                Ok(poses(TruthReader::open(&path, &format)?)?)
-            }
-            Some((path, TruthSource::Log(log))) => Ok(poses(TruthReader::open_log(&path, &log)?)?),
-            None => Err(ConfigError {
-                file: path.display().to_string(),
-                line: None,
-                key: part.table.into(),
-                message: "is not there".into(),
-            }
-            .into()),
+            Some((path, source)) => Ok((poses(source.open(&path)?)?, None)),
+            None => Err(section.error("file", "is not there").into()),
         },
     }
 }
@@ -173,6 +188,7 @@ fn fixes(mut reader: GnssReader) -> Result<Measured, ReadError> {
     let step = span.step();
     let mut measured = span.measured(step, reader.skipped().to_string());
     measured.remarks = remarks;
+    measured.untold_velocities = reader.untold_velocities();
     Ok(measured)
 }
 
@@ -246,6 +262,7 @@ impl Span {
             gaps: self.gaps,
             longest_gap_s: self.longest.filter(|(_, length)| *length > 1.5 * interval),
             skipped,
+            untold_velocities: 0,
             remarks: Vec::new(),
         }
     }

@@ -3,6 +3,7 @@ and numpy 2.
 
 types.parquet: columns of every kind of number, nulls and text, in three row groups; the others:
 the same numbers in every compression that is read, and with the second version of data pages.
+imu.parquet: an inertial log at 100 Hz, stamps in microseconds, at rest with the z axis up.
 """
 
 import datetime
@@ -45,6 +46,12 @@ if __name__ == "__main__":
         pq.write_table(numbers, HERE / f"{codec}.parquet", compression=codec, use_dictionary=False)
     pq.write_table(numbers, HERE / "pages2.parquet", data_page_version="2.0", compression="zstd", column_encoding={
         "time": "BYTE_STREAM_SPLIT", "integer": "DELTA_BINARY_PACKED", "holes": "PLAIN"}, use_dictionary=False)
+    n = 400
+    rest = {"timestamp_us": pa.array(1_000_000 + 10_000 * np.arange(n))}
+    for axis, force in zip("xyz", [0.0, 0.0, 9.80665]):
+        rest[f"gyro_{axis}"] = pa.array(random.normal(0, 2e-3, n))
+        rest[f"accel_{axis}"] = pa.array(random.normal(force, 2e-2, n))
+    pq.write_table(pa.table(rest), HERE / "imu.parquet", compression="zstd")
     read = pq.read_table(HERE / "types.parquet")
     expected = {}
     for name in read.column_names:
