@@ -151,6 +151,41 @@ fn a_record_becomes_a_model_that_makes_filters() {
 }
 
 #[test]
+fn a_record_becomes_a_kalibr_yaml_in_two_commands() {
+    let folder = folder("kalibr");
+    let record = record(HEADER, 6000);
+    let output = identify(
+        &folder,
+        &record,
+        &["--rate", "100", "--n-max", "1", "-o", "imu.toml"],
+    );
+    assert!(output.status.success(), "{output:?}");
+    let output = Command::new(env!("CARGO_BIN_EXE_undrift"))
+        .current_dir(&folder)
+        .args(["model", "imu.toml", "--to", "kalibr", "-o", "imu.yaml"])
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{output:?}");
+    let yaml = std::fs::read_to_string(folder.join("imu.yaml")).unwrap();
+    let value = |key: &str| -> f64 {
+        let line = yaml
+            .lines()
+            .find_map(|l| l.strip_prefix(&format!("{key}: ")));
+        line.unwrap().split("  #").next().unwrap().parse().unwrap()
+    };
+    // White noise of 0.03 deg/s/√Hz and 1 mg/√Hz; three axes give it to some percent.
+    let gyro = value("gyroscope_noise_density");
+    assert!((gyro.to_degrees() / 0.03 - 1.0).abs() < 0.1, "{gyro}");
+    let accel = value("accelerometer_noise_density");
+    assert!((accel / 9.80665e-3 - 1.0).abs() < 0.1, "{accel}");
+    assert_eq!(value("update_rate"), 100.0);
+    // Sixty seconds of white noise show no bias: the bound is told as such.
+    assert!(yaml.contains("no slow bias was seen in the 60 s"), "{yaml}");
+    let bound = 3f64.sqrt() * gyro / 6.0;
+    assert!((value("gyroscope_random_walk") / bound - 1.0).abs() < 1e-6);
+}
+
+#[test]
 fn one_axis_becomes_a_model_of_one_axis_or_fills_a_base() {
     let folder = folder("one");
     let text = record(HEADER, 3000);

@@ -194,7 +194,7 @@ fn read_table(path: &Path, format: &RecordFormat) -> Result<Record, ReadError> {
         });
         let unit = stated.or(units[*axis].as_deref()).ok_or_else(|| {
             wrong(format!(
-                "the unit of column {column} is not known; give --units, for instance \"deg/s,g\""
+                "the unit of column {column} is not known; give --units, for instance \"deg/s,g\" (undrift inspect guesses it by the numbers)"
             ))
         })?;
         scales.push(

@@ -48,13 +48,6 @@ impl Equivalent {
                 model: "arma",
                 error,
             })?;
-            if format == ModelFormat::Kalibr && of.slow.drive() == 0.0 {
-                return Err(ModelError::Missing {
-                    axis: Some(name),
-                    model: "kalibr",
-                    needs: "a bias that moves: bias_instability with correlation_time, or random_walk",
-                });
-            }
             axes.push(of);
         }
         let [gx, gy, gz, ax, ay, az]: [Axis; 6] =
@@ -62,14 +55,53 @@ impl Equivalent {
                 prefix: model.prefix.clone(),
                 axis: "gyro_x",
             })?;
+        let (mut gyro, mut accel) = ([gx, gy, gz], [ax, ay, az]);
+        if format == ModelFormat::Kalibr {
+            let record = length(model);
+            for (sensor, axis, axes) in [
+                ("gyros", "gyro_x", &mut gyro),
+                ("accelerometers", "accel_x", &mut accel),
+            ] {
+                if rms(axes, |axis| axis.slow.drive()) > 0.0 {
+                    continue;
+                }
+                let Some(length) = record else {
+                    return Err(ModelError::Missing {
+                        axis: Some(axis),
+                        model: "kalibr",
+                        needs: "a bias that moves: bias_instability with correlation_time, or random_walk",
+                    });
+                };
+                for axis in axes.iter_mut() {
+                    axis.slow.walk = Some(unseen_walk(axis.white, length));
+                }
+                remarks.push(format!(
+                    "{sensor}: no slow bias was seen in the {length:.0} s of the record. Their random walk is the largest that could have stayed unseen, 10 √3 N / T: an upper bound, which a longer record lowers."
+                ));
+            }
+        }
         Ok(Self {
             name: model.name.clone(),
             source: model.source.clone(),
-            gyro: [gx, gy, gz],
-            accel: [ax, ay, az],
+            gyro,
+            accel,
             remarks,
         })
     }
+}
+
+/// Length of the record that a model was identified from [s].
+fn length(model: &ImuModel) -> Option<f64> {
+    let (samples, rate) = (model.provenance.samples?, model.provenance.rate_hz?);
+    let length = samples as f64 / rate;
+    (length.is_finite() && length > 0.0).then_some(length)
+}
+
+/// The random walk [unit/√s] whose Allan variance K²τ/3 reaches that of the white noise, N²/τ, at
+/// a tenth of the record's length [s] (IEEE Std 952-1997, C.1.1 and C.1.4): the longest averaging
+/// time with the ten means that such a doubling of the variance takes to be seen.
+fn unseen_walk(white: f64, length: f64) -> f64 {
+    3f64.sqrt() * white / (0.1 * length)
 }
 
 fn equivalent(
