@@ -1,0 +1,118 @@
+//! The solution in the formats of others, read back by this crate's own readers.
+
+use std::path::PathBuf;
+
+use undrift_io::format::{Format, detect};
+use undrift_io::gnss::{GnssLog, GnssReader};
+use undrift_io::write::solution::SolutionRow;
+use undrift_io::write::{SolutionFile, SolutionFormat, SolutionOptions};
+use undrift_nav::Vector3;
+use undrift_nav::earth::Geodetic;
+use undrift_nav::sample::{GnssFix, Position};
+
+/// GPS week of the track, which runs over its end.
+const WEEK: u32 = 2374;
+
+fn row(k: u32) -> SolutionRow {
+    let x = f64::from(k);
+    SolutionRow {
+        v_n: Vector3::new(2.0, -3.5, 0.0),
+        rpy: Vector3::new(0.01, -0.02, -1.0),
+        nav_std: [0.5, 0.75, 1.25, 0.1, 0.1, 0.1, 0.01, 0.01, 0.02],
+        gyro_error: Vector3::zeros(),
+        accel_error: Vector3::zeros(),
+        error_std: [0.0; 6],
+        ..SolutionRow::at(
+            604_794.0 + 0.2 * x,
+            Geodetic::from_degrees(-33.86 + 1e-6 * x, 151.2 - 2e-6 * x, 25.0 + 0.01 * x),
+        )
+    }
+}
+
+/// Writes the track and reads its fixes.
+fn round_trip(format: SolutionFormat, log: Format) -> Vec<GnssFix> {
+    let path: PathBuf = std::env::temp_dir().join(format!(
+        "undrift-io-round-trip-{}-{}",
+        std::process::id(),
+        format.name()
+    ));
+    let options = SolutionOptions {
+        week: Some(WEEK),
+        name: "track".into(),
+        every: None,
+    };
+    let mut file = SolutionFile::create(&path, format, &options).unwrap();
+    for k in 0..60 {
+        file.write(&row(k), false).unwrap();
+    }
+    file.finish().unwrap();
+    assert_eq!(detect(&path).unwrap(), log);
+    let options = GnssLog {
+        position_std: (log == Format::Gpx).then_some([1.0; 3]),
+        ..GnssLog::new(log)
+    };
+    let fixes = GnssReader::open_log(&path, &options).unwrap();
+    let fixes: Vec<GnssFix> = fixes.map(Result::unwrap).collect();
+    std::fs::remove_file(&path).unwrap();
+    assert_eq!(fixes.len(), 60);
+    fixes
+}
+
+/// Compares times, places to `angle` [rad] and `height` [m], and standard deviations to `std` [m].
+fn compare(fixes: &[GnssFix], angle: f64, height: f64, std: Option<f64>) {
+    for (k, fix) in (0..).zip(fixes) {
+        let wrote = row(k);
+        // Formats with dates have milliseconds.
+        assert!(
+            (fix.time - wrote.time).abs() < 6e-4,
+            "{} {}",
+            fix.time,
+            wrote.time
+        );
+        let Some((Position::Geodetic(place), covariance)) = fix.position else {
+            panic!("no position");
+        };
+        assert!((place.lat - wrote.position.lat).abs() < angle, "{place:?}");
+        assert!((place.lon - wrote.position.lon).abs() < angle, "{place:?}");
+        assert!(
+            (place.height - wrote.position.height).abs() < height,
+            "{place:?}"
+        );
+        for axis in (0..3).filter(|_| std.is_some()) {
+            let read = covariance[(axis, axis)].sqrt();
+            assert!((read - wrote.nav_std[axis]).abs() < std.unwrap(), "{read}");
+        }
+    }
+}
+
+#[test]
+fn nmea() {
+    // Minutes and metres as the sentences have them: a unit of the last decimal of each.
+    let minute = 1f64.to_radians() / 60.0;
+    let fixes = round_trip(SolutionFormat::Nmea, Format::Nmea);
+    compare(&fixes, 1e-7 * minute, 1e-3, Some(1e-3));
+}
+
+#[test]
+fn gpx() {
+    let fixes = round_trip(SolutionFormat::Gpx, Format::Gpx);
+    compare(&fixes, 1e-9f64.to_radians(), 1e-3, None);
+}
+
+#[test]
+fn mcap() {
+    let fixes = round_trip(SolutionFormat::Mcap, Format::Mcap);
+    // Doubles in degrees: some roundings.
+    compare(&fixes, 1e-14, 1e-9, Some(1e-9));
+}
+
+#[test]
+fn a_file_that_is_not_finished_is_none() {
+    let path =
+        std::env::temp_dir().join(format!("undrift-io-unfinished-{}.mcap", std::process::id()));
+    let mut file =
+        SolutionFile::create(&path, SolutionFormat::Mcap, &SolutionOptions::default()).unwrap();
+    file.write(&row(0), false).unwrap();
+    drop(file);
+    assert!(!path.exists());
+}
