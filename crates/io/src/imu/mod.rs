@@ -21,12 +21,15 @@ use crate::format::Format;
 use crate::gaps::{GAP_INTERVALS, GapWatch};
 pub use crate::gaps::{Gap, GapSummary};
 use crate::log::{Log, Wanted, What};
-use crate::skipped::Skipped;
+use crate::skipped::{SkipKind, Skipped};
 use crate::source::{self, BytesRead, Source};
 use crate::table::{Column, Table, TableOptions};
 
 /// Samples in a row that must be earlier than the last accepted one to count as a clock set back.
 const PATIENCE: u32 = 100;
+
+/// Values beyond this are none of a sensor, in SI, rates or increments: they would overflow on the way.
+const MAX_VALUE: f64 = 1e9;
 
 /// Gaps in a row that mean another sampling rate, in a log of increments.
 const GAPS_IN_A_ROW: u32 = 100;
@@ -125,7 +128,7 @@ impl ImuFormat {
 
     fn check(&self, path: &Path) -> Result<(), ReadError> {
         if let Some(rate) = self.rate_hz {
-            if !(rate.is_finite() && rate > 0.0) {
+            if !(rate.is_normal() && rate > 0.0) {
                 let problem = format!("a rate of {rate} Hz makes no times");
                 return Err(ReadError::new(path, problem).key("imu.rate"));
             }
@@ -329,6 +332,13 @@ impl ImuReader {
             let Some((line, stamp, gyro, accel)) = self.rows.next(has_times)? else {
                 return Ok(None);
             };
+            let largest =
+                (gyro.amax() * self.format.gyro_scale).max(accel.amax() * self.format.accel_scale);
+            if largest > MAX_VALUE {
+                let skipped = self.rows.skipped_mut();
+                skipped.add(SkipKind::OutOfRange, line, largest);
+                continue;
+            }
             let time = match self.format.rate_hz {
                 Some(rate) if !has_times => stamp / rate,
                 _ => stamp * self.format.time_scale,
@@ -394,17 +404,26 @@ impl ImuReader {
                     line: raw.line,
                 });
             }
+            let sample = self.sample(&raw, dt, covered);
+            // Increments that were collected in next to no time cannot be scaled to a gap.
+            let values = sample.dtheta.iter().chain(&sample.dvel);
+            if values.copied().any(|value| !value.is_finite()) {
+                let skipped = self.rows.skipped_mut();
+                skipped.add(SkipKind::OutOfRange, raw.line, format_args!("{dt} s"));
+                continue;
+            }
             self.given += 1;
-            return Ok(Some(self.sample(&raw, dt, covered)));
+            return Ok(Some(sample));
         }
         match (span, self.covered) {
             (Some(span), _) if self.given == 0 => {
                 Err(clock::none_in_span(self.rows.path(), span, self.covered))
             }
-            (None, None) => Err(
-                ReadError::new(self.rows.path(), "no usable inertial sample")
-                    .mend(self.rows.skipped().to_string().replace('\n', "; ")),
-            ),
+            (None, _) if self.given == 0 => Err(ReadError::new(
+                self.rows.path(),
+                "no usable inertial sample",
+            )
+            .mend(self.rows.skipped().to_string().replace('\n', "; "))),
             _ => Ok(None),
         }
     }

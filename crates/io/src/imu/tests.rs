@@ -97,6 +97,29 @@ fn one_sample_without_a_rate_is_an_error_and_only_once() {
 }
 
 #[test]
+fn values_that_would_overflow_are_left_out() {
+    let text =
+        "0,1,2,3,4,5,6\n1,1,2,3,4,5,6\n2,1e308,2,3,4,5,6\n4,1,2,3,4,5,-1e200\n5,1,2,3,4,5,6\n";
+    let mut reader = reader(text, &format());
+    let intervals: Vec<f64> = reader.by_ref().map(|sample| sample.unwrap().dt).collect();
+    // The next one reaches back to the last that was given.
+    assert_eq!(intervals, [1.0, 1.0, 4.0]);
+    assert_eq!(reader.skipped().count(SkipKind::OutOfRange), 2);
+}
+
+#[test]
+fn increments_of_next_to_no_time_are_not_scaled_to_a_gap() {
+    let increments = ImuFormat {
+        increments: true,
+        ..format()
+    };
+    let text = "0,1,2,3,4,5,6\n1e-310,1,2,3,4,5,6\n1,1,2,3,4,5,6\n";
+    let mut reader = reader(text, &increments);
+    assert_eq!(reader.by_ref().map(Result::unwrap).count(), 2);
+    assert_eq!(reader.skipped().count(SkipKind::OutOfRange), 1);
+}
+
+#[test]
 fn formats_that_make_no_times() {
     for bad in [
         ImuFormat {
@@ -109,6 +132,11 @@ fn formats_that_make_no_times() {
         },
         ImuFormat {
             rate_hz: Some(0.0),
+            ..format()
+        },
+        // Its interval is infinite.
+        ImuFormat {
+            rate_hz: Some(1e-310),
             ..format()
         },
         ImuFormat {

@@ -45,13 +45,7 @@ fn write_part(text: &mut String, inspection: &Inspection, part: &Part, home: &Pa
     for line in &part.lines {
         let _ = write!(text, "{} = {}", line.key, line.value);
         if !line.why.is_empty() {
-            // A comment is one line, whatever a column is called.
-            let why: String = line
-                .why
-                .chars()
-                .map(|c| if c.is_control() { ' ' } else { c })
-                .collect();
-            let _ = write!(text, " # {why}");
+            let _ = write!(text, " # {}", comment(&line.why));
         }
         text.push('\n');
     }
@@ -60,9 +54,15 @@ fn write_part(text: &mut String, inspection: &Inspection, part: &Part, home: &Pa
     }
     if let Some(problem) = &part.problem {
         for line in problem.lines() {
-            let _ = writeln!(text, "# {line}");
+            let _ = writeln!(text, "# {}", comment(line));
         }
     }
+}
+
+/// A text as the comment of one line, whatever a column or stream is called.
+fn comment(text: &str) -> String {
+    let one = |c: char| if c.is_control() { ' ' } else { c };
+    text.chars().map(one).collect()
 }
 
 /// The file as seen from the folder: relative if it is below it, else whole.
@@ -80,4 +80,32 @@ fn relative(file: &Path, home: &Path) -> String {
         _ => file.to_path_buf(),
     };
     found.to_string_lossy().into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Line;
+    use super::*;
+
+    #[test]
+    fn names_and_problems_with_control_characters_stay_toml() {
+        let odd = "gps\u{7f}\u{1b}\r_\"0\"";
+        let inspection = Inspection {
+            file: odd.into(),
+            format: "ulog",
+            description: "PX4 ULog",
+            streams: Vec::new(),
+            parts: vec![Part {
+                table: "imu",
+                lines: vec![Line::text("topic", odd, odd)],
+                measured: None,
+                problem: Some(format!("the log has: {odd}\nand {odd}")),
+            }],
+            notes: Vec::new(),
+        };
+        let text = drive_file(&[inspection], Path::new(""));
+        let table: toml::Table = text.parse().unwrap();
+        let keys = |key: &str| table["imu"].get(key).and_then(|value| value.as_str());
+        assert_eq!((keys("file"), keys("topic")), (Some(odd), Some(odd)));
+    }
 }

@@ -1,0 +1,130 @@
+//! What must hold for whatever the readers give out, and the inputs as files.
+
+pub mod logs;
+
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+
+use undrift::io::ReadError;
+use undrift::io::imu::{GapSummary, ImuReader};
+use undrift::io::skipped::Skipped;
+use undrift::nav::earth::Geodetic;
+use undrift::nav::sample::{GnssFix, ImuSample, Position, Scalar, TruthSample};
+use undrift::nav::{Matrix3, Vector3};
+
+thread_local! {
+    static INPUT: RefCell<Option<PathBuf>> = const { RefCell::new(None) };
+}
+
+/// Runs `read` with a file that holds `data`, in memory where the system has such a folder.
+///
+/// The file is the same for every input: its old content is replaced.
+pub fn with_file(data: &[u8], read: impl FnOnce(&Path)) {
+    let path = INPUT.with_borrow_mut(|path| path.get_or_insert_with(input).clone());
+    std::fs::write(&path, data).expect("a place for the input");
+    read(&path);
+}
+
+fn input() -> PathBuf {
+    let memory = Path::new("/dev/shm");
+    let folder = match memory.is_dir() {
+        true => memory.to_path_buf(),
+        false => std::env::temp_dir(),
+    };
+    folder.join(format!("undrift-fuzz-{}", std::process::id()))
+}
+
+/// Takes all records of a reader: their times are finite and go forward, `sound` holds for each, and
+/// nothing follows an error.
+pub fn exhaust<T: std::fmt::Debug>(
+    reader: &mut impl Iterator<Item = Result<T, ReadError>>,
+    time: impl Fn(&T) -> f64,
+    sound: impl Fn(&T) -> bool,
+) {
+    let mut last = f64::NEG_INFINITY;
+    while let Some(record) = reader.next() {
+        match record {
+            Ok(record) => {
+                let time = time(&record);
+                assert!(time.is_finite() && time > last, "{record:?} after {last} s");
+                assert!(sound(&record), "{record:?}");
+                last = time;
+            }
+            Err(error) => {
+                assert!(!error.to_string().is_empty());
+                assert!(reader.next().is_none(), "a record after the error {error}");
+                return;
+            }
+        }
+    }
+    assert!(reader.next().is_none(), "a record after the end");
+}
+
+/// All samples of an inertial log, if it can be opened.
+pub fn imu(reader: Result<ImuReader, ReadError>) {
+    if let Ok(mut reader) = opened(reader) {
+        exhaust(&mut reader, |sample| sample.time, imu_sample);
+        told(reader.skipped(), Some(reader.gaps()));
+    }
+}
+
+/// What was opened; an error can be shown.
+pub fn opened<T>(reader: Result<T, ReadError>) -> Result<T, ReadError> {
+    reader.inspect_err(|error| assert!(!error.to_string().is_empty()))
+}
+
+/// What a reader tells of what it left out.
+pub fn told(skipped: &Skipped, gaps: Option<GapSummary>) {
+    let _ = skipped.to_string();
+    if let Some(gaps) = gaps {
+        assert!(gaps.nominal_interval.is_finite() && gaps.nominal_interval >= 0.0);
+        assert!(
+            gaps.longest
+                .is_none_or(|gap| gap.start.is_finite() && gap.length > 0.0)
+        );
+    }
+}
+
+fn imu_sample(sample: &ImuSample) -> bool {
+    sample.dt.is_finite() && sample.dt > 0.0 && finite(&sample.dtheta) && finite(&sample.dvel)
+}
+
+/// Whether a fix has finite numbers, a place on Earth, and covariances that are some.
+pub fn fix(fix: &GnssFix) -> bool {
+    let position = fix.position.is_none_or(|(position, covariance)| {
+        let place = match position {
+            Position::Geodetic(position) => place(&position),
+            Position::Baseline { base, ned } => place(&base) && finite(&ned),
+        };
+        place && positive(&covariance)
+    });
+    let velocity = fix.velocity.is_none_or(|(v, p)| finite(&v) && positive(&p));
+    let something = fix.position.is_some() || fix.velocity.is_some();
+    position && velocity && something
+}
+
+/// Whether a reference sample has finite numbers and a place on Earth.
+pub fn truth_sample(sample: &TruthSample) -> bool {
+    place(&sample.position)
+        && sample.v_n.is_none_or(|v| finite(&v))
+        && sample.rpy.is_none_or(|rpy| finite(&rpy))
+}
+
+/// Whether a number is finite and has a standard deviation.
+pub fn scalar(scalar: &Scalar) -> bool {
+    scalar.value.is_finite() && scalar.std.is_finite() && scalar.std > 0.0
+}
+
+fn finite(v: &Vector3) -> bool {
+    v.iter().all(|x| x.is_finite())
+}
+
+fn place(place: &Geodetic) -> bool {
+    let on_earth =
+        place.lat.abs() <= std::f64::consts::FRAC_PI_2 && place.lon.abs() <= std::f64::consts::TAU;
+    on_earth && place.height.is_finite()
+}
+
+fn positive(covariance: &Matrix3) -> bool {
+    covariance.iter().all(|x| x.is_finite()) && covariance.cholesky().is_some()
+}

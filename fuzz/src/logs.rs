@@ -1,0 +1,85 @@
+//! Logs that say themselves what they hold: all that can be read of one.
+
+use std::path::Path;
+
+use undrift::io::format::Format;
+use undrift::io::gnss::{GnssLog, GnssReader};
+use undrift::io::imu::{ImuFormat, ImuReader};
+use undrift::io::log::{self, StreamKind};
+use undrift::io::truth::{TruthLog, TruthReader};
+
+use crate::{exhaust, fix, imu, opened, told, truth_sample, with_file};
+
+/// Streams that are read by their names: a file can list thousands.
+const STREAMS: usize = 4;
+
+/// Reads everything of a log of the format.
+pub fn log(format: Format, data: &[u8]) {
+    with_file(data, |path| {
+        let streams = opened(log::streams(path, format)).unwrap_or_default();
+        imu(ImuReader::open(path, &ImuFormat::log(format, None)));
+        fixes(path, &GnssLog::new(format));
+        fixes(path, &with_stds(GnssLog::new(format)));
+        truth(path, format, None);
+        for stream in streams.into_iter().take(STREAMS) {
+            let name = Some(stream.name);
+            match stream.kind {
+                StreamKind::Imu => imu(ImuReader::open(path, &ImuFormat::log(format, name))),
+                StreamKind::Poses => truth(path, format, name),
+                StreamKind::Fixes => fixes(
+                    path,
+                    &with_stds(GnssLog {
+                        position: name,
+                        ..GnssLog::new(format)
+                    }),
+                ),
+                StreamKind::Velocity => fixes(
+                    path,
+                    &with_stds(GnssLog {
+                        velocity: name,
+                        ..GnssLog::new(format)
+                    }),
+                ),
+                StreamKind::Other => {}
+            }
+        }
+    });
+}
+
+fn with_stds(log: GnssLog) -> GnssLog {
+    GnssLog {
+        position_std: Some([1.0, 1.0, 2.0]),
+        velocity_std: Some([0.1, 0.1, 0.2]),
+        ..log
+    }
+}
+
+fn fixes(path: &Path, log: &GnssLog) {
+    gnss(GnssReader::open_log(path, log));
+}
+
+/// All fixes of a log, if it can be opened.
+pub fn gnss(reader: Result<GnssReader, undrift::io::ReadError>) {
+    if let Ok(mut reader) = opened(reader) {
+        exhaust(&mut reader, |fix| fix.time, fix);
+        told(reader.skipped(), None);
+    }
+}
+
+fn truth(path: &Path, format: Format, stream: Option<String>) {
+    let log = TruthLog {
+        format,
+        stream,
+        time_offset: 0.0,
+        span: None,
+    };
+    poses(TruthReader::open_log(path, &log));
+}
+
+/// All samples of a reference, if it can be opened.
+pub fn poses(reader: Result<TruthReader, undrift::io::ReadError>) {
+    if let Ok(mut reader) = opened(reader) {
+        exhaust(&mut reader, |sample| sample.time, truth_sample);
+        told(reader.skipped(), None);
+    }
+}
