@@ -6,8 +6,8 @@ mod panels;
 use super::{
     Axis, Block, Cell, Corner, Figure, Panel, Section, Series, Table,
     parts::{
-        Clock, cell, count, extent, level, on_the_ground, origin, short, span, table, text,
-        warnings,
+        Clock, broken, cell, count, error, extent, level, named, on_the_ground, origin, short,
+        span, table, text, warnings,
     },
     read::{Counts, Navigate, NavigateSeries, Nis},
 };
@@ -49,7 +49,7 @@ const ACCEL: [Component; 3] = [
 
 /// Colours of the runs, of a band, and of what was left out.
 const COLOURS: [usize; 6] = [7, 6, 4, 5, 2, 0];
-const BAND: usize = 1;
+const BAND: usize = 7;
 const LEFT_OUT: usize = 6;
 
 /// NIS per degree of freedom that is told as right.
@@ -95,27 +95,33 @@ fn figure(name: &str, caption: &str, columns: usize, panels: Vec<Panel>) -> Opti
     })
 }
 
+fn has_gaps(series: &[(&str, &NavigateSeries)]) -> bool {
+    series.iter().any(|(_, s)| !s.without_gnss_s.is_empty())
+}
+
+/// A caption, which says what is shaded where something is.
+fn with_gaps(caption: &str, series: &[(&str, &NavigateSeries)]) -> String {
+    if series.len() == 1 && has_gaps(series) {
+        format!("{caption}; spans without a usable fix shaded.")
+    } else {
+        format!("{caption}.")
+    }
+}
+
 /// What was done and how it went, in words and counts.
 fn summary(runs: &[Run<'_>]) -> Section {
     let mut blocks = Vec::new();
-    for (name, run) in runs {
-        if name.is_empty() {
-            blocks.extend(warnings(&run.warnings));
-        } else {
-            let told: Vec<String> = run
-                .warnings
-                .iter()
-                .map(|w| format!("{name}: {w}"))
-                .collect();
-            blocks.extend(warnings(&told));
-        }
-    }
+    let told: Vec<String> = runs
+        .iter()
+        .flat_map(|(name, run)| run.warnings.iter().map(|w| named(name, w)))
+        .collect();
+    blocks.extend(warnings(&told));
     for (name, run) in runs {
         blocks.extend(text(&what_was_done(name, run)));
     }
     let mut counts = table(
         "updates",
-        "Measurements used. NIS is the normalised innovation squared: 1 per degree of freedom when the model is right.",
+        "Measurements used. NIS / dof is the normalised innovation squared per degree of freedom, 1 when the model is right; the autocorrelation is that of the innovations from one fix to the next, with its 95 % bound for white ones. Left out are those far from the prediction; weakened those that were doubtful and counted less.",
         &[
             "measurement",
             "updates",
@@ -149,13 +155,18 @@ fn what_was_done(name: &str, run: &Navigate) -> Vec<String> {
     if let (Some(imu), Some(gnss)) = (&drive.imu, &drive.gnss) {
         let model = drive.model.as_deref().filter(|m| !m.is_empty());
         told.push(format!(
-            "{prefix}{imu} at {} Hz was navigated with the {} of {gnss}, under {} run as {}.",
+            "{prefix}{imu} at {} Hz was navigated with the {} of {gnss}, with {} run as {}{}.",
             short(drive.rate_hz.0),
             drive.gnss_use.as_deref().unwrap_or("fixes"),
             model.map_or("a noise model".into(), |m| format!(
                 "the noise model \"{m}\""
             )),
             run.bias_model,
+            if run.smooth {
+                ", and smoothed: every sample knows the fixes after it too"
+            } else {
+                ""
+            },
         ));
     }
     let (from, to) = (s.started.0, s.ended.0);
@@ -202,9 +213,12 @@ fn verdict(part: &str, nis: &Nis) -> String {
     };
     let colour = match correlation {
         c if !c.is_finite() => "",
-        c if c.abs() <= bound => " and white",
-        c if c.abs() > 0.5 => ", and they go on from fix to fix",
-        _ => ", and slightly correlated from fix to fix",
+        c if c.abs() <= bound => ", and white",
+        c if c.abs() > 0.5 => {
+            "; they are strongly correlated from fix to fix, so that the errors of fixes or model last longer than the filter assumes"
+        }
+        c if c.abs() > 0.2 => "; they are correlated from fix to fix",
+        _ => "; they are slightly correlated from fix to fix",
     };
     format!("{size}{colour}.")
 }
@@ -253,29 +267,53 @@ fn update_rows(name: &str, run: &Navigate) -> Vec<Vec<Cell>> {
 fn parameters(runs: &[Run<'_>]) -> Option<Table> {
     let mut estimated = table(
         "parameters",
-        "Constants estimated, with their standard deviations at the end.",
-        &["constant", "estimate", "standard deviation"],
+        "Constants estimated beside the sensors' errors, with their standard deviations at the end.",
+        &["constant", "unit", "estimate", "standard deviation"],
     );
     for (name, run) in runs {
         for (kind, parameter) in &run.summary.parameters {
-            let list = |numbers: &[super::read::Number]| -> Cell {
-                let texts: Vec<String> = numbers.iter().map(|n| short(n.0)).collect();
+            let (constant, unit, factor) = constant(kind);
+            let list = |numbers: &[super::read::Number], text: fn(f64) -> String| -> Cell {
+                let texts: Vec<String> = numbers.iter().map(|n| text(factor * n.0)).collect();
                 texts.join(", ").into()
             };
             estimated.rows.push(vec![
-                format!("{name} {kind}").trim().to_owned().into(),
-                list(&parameter.value),
-                list(&parameter.std),
+                named(name, constant).into(),
+                unit.into(),
+                list(&parameter.value, short),
+                list(&parameter.std, error),
             ]);
         }
     }
     (!estimated.rows.is_empty()).then_some(estimated)
 }
 
+/// A kind of [`undrift_nav::parameters::Parameter`] in words, its unit in the report, and what that is of SI.
+fn constant(kind: &str) -> (&str, &'static str, f64) {
+    match kind {
+        "GyroScale" => ("gyro scale factors x, y, z", "%", 100.0),
+        "AccelScale" => ("accelerometer scale factors x, y, z", "%", 100.0),
+        "GyroMisalignment" => ("gyro axes xy, xz, yx, yz, zx, zy", "°", DEGREES),
+        "AccelMisalignment" => ("accelerometer axes xy, xz, yx, yz, zx, zy", "°", DEGREES),
+        "LeverArm" => (
+            "lever arm forward, right, down, beyond the configured",
+            "m",
+            1.0,
+        ),
+        "TimeOffset" => ("fixes later than stamped by", "ms", 1e3),
+        "Mounting" => ("vehicle against body: pitch, yaw", "°", DEGREES),
+        "Axle" => ("fixed axle further forward by", "m", 1.0),
+        "OdometerScale" => ("odometer scale factor", "%", 100.0),
+        "BarometerBias" => ("error of the barometric height", "m", 1.0),
+        other => (other, "SI", 1.0),
+    }
+}
+
 /// The way driven, height, velocity and attitude.
 fn solution(series: &[(&str, &NavigateSeries)], clock: Clock) -> Option<Section> {
     let mut blocks = Vec::new();
     let start = series.iter().find_map(|(_, s)| origin(&s.track));
+    let mut first = None;
     let mut ground = Panel::new("", Axis::new("east [m]"), Axis::new("north [m]")).to_scale();
     let mut height = panel_over_time("height [m]", clock, series);
     for (at, (name, run)) in series.iter().enumerate() {
@@ -286,17 +324,25 @@ fn solution(series: &[(&str, &NavigateSeries)], clock: Clock) -> Option<Section>
             colour,
             track.iter().map(|p| p.1).collect(),
         ));
-        for (from, to) in &run.without_gnss_s {
-            let inside = track.iter().filter(|(t, _)| from.0 <= *t && *t <= to.0);
+        // Of several they would hide each other.
+        let spans = run.without_gnss_s.iter().filter(|_| series.len() == 1);
+        for (at, (from, to)) in spans.enumerate() {
+            // The fix that ends the span has moved the solution already.
+            let inside = track.iter().filter(|(t, _)| from.0 <= *t && *t < to.0);
             let points: Vec<_> = inside.map(|p| p.1).collect();
-            ground.add(Series::thick("", LEFT_OUT, points));
+            let name = if at == 0 { "without GNSS" } else { "" };
+            ground.add(Series::thick(name, LEFT_OUT, points));
+        }
+        if at == 0 {
+            first = track.first().map(|p| p.1);
         }
         let heights = run.track.time_s.iter().zip(&run.track.height_m);
         let points = heights.map(|(t, h)| (clock.at(t.0), h.0)).collect();
         height.add(Series::thin(name, colour, points));
     }
-    let gaps = series.iter().any(|(_, s)| !s.without_gnss_s.is_empty());
-    let caption = if gaps {
+    ground.add(Series::dots("start", 0, Vec::from_iter(first)));
+    let gaps = has_gaps(series);
+    let caption = if gaps && series.len() == 1 {
         "The way driven, to scale, from its start; spans without a usable fix in orange."
     } else {
         "The way driven, to scale, from its start."
@@ -308,12 +354,22 @@ fn solution(series: &[(&str, &NavigateSeries)], clock: Clock) -> Option<Section>
             .filter_map(|c| component_panel(c, "", series, clock, |s| &s.motion, None))
             .collect()
     };
-    blocks.extend(figure("velocity", "Velocity.", 3, of(VELOCITY)));
+    blocks.extend(figure(
+        "velocity",
+        &with_gaps("Velocity", series),
+        3,
+        of(VELOCITY),
+    ));
     let attitude: Vec<Panel> = of(ATTITUDE);
-    blocks.extend(figure("attitude", "Attitude.", 3, attitude));
+    blocks.extend(figure(
+        "attitude",
+        &with_gaps("Attitude", series),
+        3,
+        attitude,
+    ));
     blocks.extend(figure(
         "height",
-        "Height above the ellipsoid.",
+        &with_gaps("Height above the ellipsoid", series),
         1,
         vec![height],
     ));
@@ -355,8 +411,8 @@ fn deviations(series: &[(&str, &NavigateSeries)], clock: Clock) -> Option<Sectio
         any.then_some(panel)
     })
     .collect();
-    let caption = "Standard deviations as the filter states them.";
-    let blocks = figure("standard-deviations", caption, 3, panels);
+    let caption = with_gaps("Standard deviations (1σ) as the filter states them", series);
+    let blocks = figure("standard-deviations", &caption, 3, panels);
     section("Standard deviations", blocks.into_iter().collect())
 }
 
@@ -373,8 +429,11 @@ fn sensors(series: &[(&str, &NavigateSeries)], clock: Clock) -> Option<Section> 
             .filter_map(|c| sensor_panel(c, series, clock))
             .collect();
         let caption = if single {
-            format!(
-                "Estimated {what} errors and three of their standard deviations (grey); the scale is that after settling."
+            with_gaps(
+                &format!(
+                    "Estimated {what} errors, with three standard deviations to either side (band); the scale is that after settling"
+                ),
+                series,
             )
         } else {
             format!("Estimated {what} errors.")
@@ -391,6 +450,13 @@ fn innovations(
     clock: Clock,
 ) -> Option<Section> {
     let mut blocks = Vec::new();
+    // A line is no innovation where there was no fix.
+    let gaps: Vec<(f64, f64)> = series
+        .iter()
+        .flat_map(|(_, s)| &s.without_gnss_s)
+        .map(|(from, to)| (clock.at(from.0), clock.at(to.0)))
+        .collect();
+    let without_gaps = |points| broken(points, &gaps);
     for part in ["position", "velocity"] {
         let with: Vec<_> = series
             .iter()
@@ -409,7 +475,7 @@ fn innovations(
                 let Some(curve) = curves.get(component) else {
                     continue;
                 };
-                let points = clock.points(curve, 1.0);
+                let points = without_gaps(clock.points(curve, 1.0));
                 ends = extent(&points);
                 panel.add(Series::thin(name, COLOURS[at % COLOURS.len()], points));
             }
@@ -423,12 +489,17 @@ fn innovations(
         let mut ends = (0.0, 1.0);
         for (at, (name, curves)) in with.iter().enumerate() {
             if let Some(curve) = curves.get("nis") {
-                let points = clock.points(curve, 1.0);
+                let points = without_gaps(clock.points(curve, 1.0));
                 ends = extent(&points);
                 nis.add(Series::thin(name, COLOURS[at % COLOURS.len()], points));
             }
             if let Some(curve) = curves.get("left_out_nis") {
-                nis.add(Series::dots("left out", LEFT_OUT, clock.points(curve, 1.0)));
+                let (name, colour) = if with.len() == 1 {
+                    ("left out".to_owned(), LEFT_OUT)
+                } else {
+                    (format!("{name}: left out"), COLOURS[at % COLOURS.len()])
+                };
+                nis.add(Series::dots(&name, colour, clock.points(curve, 1.0)));
             }
         }
         nis.add(level("", 0, ends, 1.0));
@@ -436,9 +507,14 @@ fn innovations(
         let fixes = runs.iter().map(|(_, run)| run.summary.fixes).max();
         let thinned = fixes.is_some_and(|fixes| fixes > crate::series::BUCKETS as u64);
         let caption = format!(
-            "Innovations of the {part} over their predicted standard deviations, with 95 % bounds, and NIS, 1 on average when the model is right{}.",
+            "Innovations of the {part} over their predicted standard deviations, with 95 % bounds (dashed), and NIS per degree of freedom, 1 on average when the model is right{}{}.",
             if thinned {
                 "; of each stretch its smallest and largest"
+            } else {
+                ""
+            },
+            if has_gaps(series) && series.len() == 1 {
+                "; spans without a usable fix shaded"
             } else {
                 ""
             }
