@@ -59,9 +59,9 @@ impl Model<'_> {
 pub fn sections(runs: &[Run<'_>]) -> Vec<Section> {
     let models = models(runs);
     let mut sections = vec![summary(runs, &models)];
+    sections.extend(drift(&models));
     sections.extend(tables(&models));
     sections.extend(way(runs));
-    sections.extend(drift(&models));
     sections
 }
 

@@ -71,12 +71,12 @@ function figureSvg(plots, columns, palette) {
   return svgFile(body, width, top + row, palette.paper);
 }
 
-// Text as spreadsheets take it: numbers without gaps between their thousands, and nothing that they
-// would reckon with as a formula.
+// Text as spreadsheets take it: numbers with a plain minus and without gaps between their thousands, and
+// nothing that they would reckon with as a formula.
 function asData(text) {
   const number = text.replace(/(\d)\u202f(?=\d)/g, "$1").replace(/−(?=[\d.])/g, "-");
   if (/^[+-]?[\d.]+(e[+-]?\d+)?$/i.test(number)) return number;
-  return /^[=+\-−@\t\r]/.test(text) ? "'" + text : text;
+  return /^[=+\-@\t\r]/.test(number) ? "'" + number : number;
 }
 
 function csv(rows) {
