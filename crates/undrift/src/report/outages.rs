@@ -1,17 +1,17 @@
 //! The report of GNSS outages: the source paper's Table 4, the way driven, and the drift of each model.
 
 mod drift;
+mod way;
 
 use super::{
-    Axis, Block, Cell, Figure, Panel, Section, Series, Table,
+    Block, Cell, Section, Table,
     parts::{
-        cell, get, mark_least, model_colour, named, on_the_ground, origin, quantile, short, table,
-        text, warnings, zip,
+        cell, get, mark_least, model_colour, named, quantile, short, table, text, warnings, zip,
     },
     read::{ModelErrors, Numbers, Outages},
 };
-
 use drift::drift;
+use way::way;
 
 /// Components of Table 4 with the heads of their columns.
 const COLUMNS: [(&str, &str); 10] = [
@@ -48,6 +48,15 @@ impl Model<'_> {
     fn largest(&self) -> Vec<f64> {
         let outages = self.errors.per_outage.iter();
         outages.map(|o| get(&o.max, HORIZONTAL)).collect()
+    }
+
+    /// Its name in a sentence, in quotes where it would fall apart there.
+    fn spoken(&self) -> String {
+        if self.name.contains([',', ' ']) {
+            format!("\"{}\"", self.name)
+        } else {
+            self.name.clone()
+        }
     }
 
     fn rms(&self) -> f64 {
@@ -198,7 +207,8 @@ fn findings(models: &[Model<'_>]) -> Vec<String> {
     };
     let alike = ranked.partition_point(|m| m.rms() <= ALIKE * best.rms());
     let (first, rest) = ranked.split_at(alike);
-    let names = |models: &[&Model<'_>]| listed(models.iter().map(|m| m.name.as_str()));
+    let names =
+        |models: &[&Model<'_>]| listed(&models.iter().map(|m| m.spoken()).collect::<Vec<_>>());
     let mut told = vec![
         if alike > 1 {
             format!(
@@ -209,7 +219,7 @@ fn findings(models: &[Model<'_>]) -> Vec<String> {
         } else {
             format!(
                 "The least horizontal drift is that of {}: {} m",
-                best.name,
+                best.spoken(),
                 short(best.rms())
             )
         } + ", the root mean square over the outages of each one's largest error.",
@@ -220,21 +230,21 @@ fn findings(models: &[Model<'_>]) -> Vec<String> {
         let wins = pairs.iter().filter(|(a, b)| a < b).count();
         told.push(format!(
             "Next is {} with {} m; {} drifted less than it in {wins} of {} outages{}.",
-            second.name,
+            second.spoken(),
             short(second.rms()),
-            best.name,
+            best.spoken(),
             pairs.len(),
             if is_clear(wins, pairs.len()) {
                 ", more than chance gives"
             } else {
-                ", which may be chance"
+                ", no more than chance gives"
             }
         ));
     }
     if let Some(worst) = rest.last().filter(|_| rest.len() > 1) {
         told.push(format!(
             "The most is that of {}: {} m, {} times as much as the least.",
-            worst.name,
+            worst.spoken(),
             short(worst.rms()),
             short(worst.rms() / best.rms())
         ));
@@ -243,8 +253,7 @@ fn findings(models: &[Model<'_>]) -> Vec<String> {
 }
 
 /// "a, b and c".
-fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
-    let names: Vec<&str> = names.collect();
+fn listed(names: &[String]) -> String {
     match names.split_last() {
         Some((last, before)) if !before.is_empty() => format!("{} and {last}", before.join(", ")),
         _ => names.concat(),
@@ -324,62 +333,6 @@ fn table_of(
         mark_least(&mut table, at + 1, &values);
     }
     Some(table)
-}
-
-/// The way driven with its outages, one panel for each drive.
-fn way(runs: &[Run<'_>]) -> Option<Section> {
-    let mut panels: Vec<Panel> = Vec::new();
-    let mut drawn: Vec<&Run<'_>> = Vec::new();
-    for run in runs {
-        let (name, result) = run;
-        let track = &result.series.track;
-        let same = |other: &&Run<'_>| {
-            let starts = |r: &Outages| {
-                r.outages
-                    .iter()
-                    .map(|o| o.start_s.0.to_bits())
-                    .collect::<Vec<_>>()
-            };
-            let ways = |r: &Outages| {
-                r.series
-                    .track
-                    .lat_deg
-                    .iter()
-                    .map(|n| n.0.to_bits())
-                    .collect::<Vec<_>>()
-            };
-            starts(other.1) == starts(result) && ways(other.1) == ways(result)
-        };
-        if track.time_s.is_empty() || drawn.iter().any(same) {
-            continue;
-        }
-        drawn.push(run);
-        let points = on_the_ground(track, origin(track).as_ref());
-        let mut panel = Panel::new(name, Axis::new("east [m]"), Axis::new("north [m]")).to_scale();
-        panel.add(Series::line(
-            "driven",
-            1,
-            points.iter().map(|p| p.1).collect(),
-        ));
-        let start = points.first().map(|p| p.1);
-        for (at, cut) in result.outages.iter().enumerate() {
-            let (from, to) = (cut.start_s.0, cut.start_s.0 + cut.length_s.0);
-            let inside = points.iter().filter(|(t, _)| from <= *t && *t <= to);
-            let name = if at == 0 { "without GNSS" } else { "" };
-            panel.add(Series::thick(name, 6, inside.map(|p| p.1).collect()));
-        }
-        panel.add(Series::dots("start", 0, Vec::from_iter(start)));
-        panels.push(panel);
-    }
-    (!panels.is_empty()).then(|| Section {
-        title: "Where GNSS was cut".into(),
-        blocks: vec![Block::Figure(Figure {
-            name: "trajectory".into(),
-            caption: "The way driven, to scale, from its start; without GNSS in orange.".into(),
-            columns: panels.len().min(2),
-            panels,
-        })],
-    })
 }
 
 #[cfg(test)]
