@@ -8,13 +8,16 @@ const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..")
 // Where the sample reports are.
 export const samples = process.env.REPORT_SAMPLES || path.join(root, "target/report-samples");
 
+// Where the real ones are.
+export const real = process.env.REPORT_REAL || path.join(root, "target/report-real");
+
 export const launch = () => chromium.launch({
   executablePath: process.env.CHROMIUM || "/usr/bin/chromium",
   args: ["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"],
 });
 
-// A page with a sample report, and what went wrong on it.
-export async function open(browser, name, options = {}) {
+// A page with a report, a sample unless a folder is given, and what went wrong on it.
+export async function open(browser, name, { folder = samples, ...options } = {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, ...options });
   const page = await context.newPage();
   const troubles = [];
@@ -23,7 +26,7 @@ export async function open(browser, name, options = {}) {
   page.on("pageerror", error => troubles.push(String(error)));
   page.on("dialog", dialog => { troubles.push("dialog: " + dialog.message()); dialog.dismiss(); });
   page.on("request", request => { if (!/^(file|data|blob):/.test(request.url())) troubles.push("request: " + request.url()); });
-  await page.goto(pathToFileURL(path.join(samples, name + ".html")).href);
+  await page.goto(pathToFileURL(path.join(folder, name + ".html")).href);
   if (options.javaScriptEnabled !== false) await page.waitForFunction(() => window.report && window.report.ready, null, { timeout: 10000 });
   return { page, troubles, close: () => context.close() };
 }

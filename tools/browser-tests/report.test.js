@@ -1,83 +1,15 @@
 // Sample reports in a real browser. They are written by `cargo run -p undrift --example report_sample`.
 import test, { before, after } from "node:test";
 import assert from "node:assert/strict";
-import { readFile, stat } from "node:fs/promises";
+import { stat } from "node:fs/promises";
 import path from "node:path";
 import { launch, open, samples } from "./browser.js";
+import { area, coloured, download, drag, hash, ofColour, parseCsv, plotOf, scales, settled, tool } from "./page.js";
 
 const HOSTILE = `</script><img src=x onerror=alert(1)><!--<script>"'&`;
 let browser;
 before(async () => { browser = await launch(); });
 after(() => browser.close());
-
-// The plot of a panel with a title, as an expression in the page.
-const plotOf = title => `report.plots.find(plot => plot.panel.title === ${JSON.stringify(title)})`;
-
-// Pixels inside the plot area of every plot: of how many colours, and how many of a given one.
-const coloured = page => page.evaluate(() => report.plots.map(plot => {
-  const { ctx, bbox } = plot.u;
-  const { data } = ctx.getImageData(bbox.left, bbox.top, bbox.width, bbox.height);
-  const grounds = ["grid", "shade"].map(name => plot.palette[name]);
-  let count = 0;
-  for (let i = 0; i < data.length; i += 4) {
-    const opaque = data[i + 3] === 255, colour = `rgb(${data[i]}, ${data[i + 1]}, ${data[i + 2]})`;
-    if (data[i + 3] > 0 && !(opaque && grounds.includes(colour))) count++;
-  }
-  return { title: plot.panel.title, count };
-}));
-
-const hash = (page, title) => page.evaluate(`(() => {
-  const { ctx } = ${plotOf(title)}.u;
-  const { data } = ctx.getImageData(0, 0, ctx.canvas.width, ctx.canvas.height);
-  let h = 0;
-  for (let i = 0; i < data.length; i++) h = (h * 31 + data[i]) | 0;
-  return h;
-})()`);
-
-// Pixels of a plot in exactly the colour of a series.
-const ofColour = (page, title, name) => page.evaluate(`(plot => {
-  const { ctx, bbox } = plot.u, colour = plot.palette[plot.panel.series.find(s => s.name === ${JSON.stringify(name)}).colour];
-  const { data } = ctx.getImageData(bbox.left, bbox.top, bbox.width, bbox.height);
-  let count = 0;
-  for (let i = 0; i < data.length; i += 4) if (colour === "rgb(" + data[i] + ", " + data[i + 1] + ", " + data[i + 2] + ")") count++;
-  return count;
-})(${plotOf(title)})`);
-
-const scales = (page, title) => page.evaluate(`(({ x, y }) => [x.min, x.max, y.min, y.max])(${plotOf(title)}.u.scales)`);
-
-const settled = page => page.evaluate(() => new Promise(done => requestAnimationFrame(() => setTimeout(done, 30))));
-
-// Where the plot area of a panel is on the screen.
-async function area(page, title) {
-  await page.evaluate(`${plotOf(title)}.u.over.scrollIntoView({ block: "center" })`);
-  await settled(page);
-  return page.evaluate(`(r => ({ x: r.x, y: r.y, width: r.width, height: r.height }))(${plotOf(title)}.u.over.getBoundingClientRect())`);
-}
-
-async function drag(page, box, from, to) {
-  const at = ([x, y]) => [box.x + x * box.width, box.y + y * box.height];
-  await page.mouse.move(...at(from));
-  await page.mouse.down();
-  await page.mouse.move(...at([(from[0] + to[0]) / 2, (from[1] + to[1]) / 2]));
-  await page.mouse.move(...at(to), { steps: 4 });
-  await page.mouse.up();
-  await settled(page);
-}
-
-async function download(page, click) {
-  const [file] = await Promise.all([page.waitForEvent("download"), click()]);
-  return { name: file.suggestedFilename(), text: await readFile(await file.path(), "utf8") };
-}
-
-const tool = (page, id, name) => page.locator(`#${id} .tools button`, { hasText: new RegExp(`^${name}$`) });
-
-function parseCsv(text) {
-  return text.trimEnd().split("\r\n").map(line => {
-    const cells = [];
-    for (const [, quoted, plain] of line.matchAll(/(?:^|,)(?:"((?:[^"]|"")*)"|([^,]*))/g)) cells.push(quoted === undefined ? plain : quoted.replace(/""/g, '"'));
-    return cells;
-  });
-}
 
 test("every plot is drawn, without errors or requests", async () => {
   for (const [name, plots] of [["kinds", 9], ["hostile", 11], ["large", 12]]) {

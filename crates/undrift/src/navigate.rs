@@ -45,6 +45,8 @@ pub struct Report {
     pub std_factors: [Option<f64>; 2],
     /// Counts, alignment, innovations.
     pub summary: Summary,
+    /// Whether the solution is the smoothed one.
+    pub smooth: bool,
     /// The mounting, where the drive asks for an estimate: the solution is that of the vehicle's axes.
     pub mounting: Option<Mounting>,
     /// Root-mean-square error over all samples that have a truth, and their number.
@@ -248,6 +250,7 @@ pub fn navigate_for(
     Ok(Report {
         std_factors: std_factors(&drive, &settings, &summary)?,
         summary,
+        smooth,
         mounting,
         rmse: (n > 0).then(|| (Errors(recorder.squares.map(|s| (s / n as f64).sqrt())), n)),
         consistency: recorder.consistency,

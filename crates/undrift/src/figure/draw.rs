@@ -233,9 +233,12 @@ impl Panel {
                 .map(|point| Circle::new(point, 3 * unit, colour.filled()).into_dyn())
                 .collect(),
             Style::Band => {
-                let lower = runs(&series.x, column(0), window);
-                let upper = runs(&series.x, column(1), window);
-                // Runs of both bounds end at the same gaps where both are inside the window.
+                // What is beyond the window goes along its edge, so that both bounds have the same runs.
+                let edged = |bound: &[f64]| -> Vec<f64> {
+                    bound.iter().map(|y| window.y.clamp(*y)).collect()
+                };
+                let lower = runs(&series.x, &edged(column(0)), window);
+                let upper = runs(&series.x, &edged(column(1)), window);
                 lower
                     .into_iter()
                     .zip(upper)

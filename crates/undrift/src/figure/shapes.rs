@@ -92,6 +92,7 @@ impl Panel {
     fn extents(&self) -> (Range<f64>, Range<f64>) {
         let mut xs = Vec::new();
         let mut ys = Vec::new();
+        let mut dots = false;
         for (i, series) in self.series.iter().enumerate() {
             let wide = matches!(series.style, Style::Bars | Style::Boxes);
             let slot = if wide { bar_slot(self, i) } else { [0.0; 2] };
@@ -101,12 +102,17 @@ impl Panel {
                     ys.push(y);
                 }
             }
+            if series.style == Style::Dots {
+                dots = true;
+            }
             if series.style == Style::Bars && !self.y.logarithmic {
                 ys.push(0.0);
             }
         }
         (
-            self.x.range_of(xs.into_iter(), 0.0),
+            // A dot at the edge is to be seen whole.
+            self.x
+                .range_of(xs.into_iter(), if dots { 0.01 } else { 0.0 }),
             self.y.range_of(ys.into_iter(), 0.05),
         )
     }
@@ -173,8 +179,8 @@ impl Panel {
     }
 }
 
-/// From where to where a bar or box stands, seen from its x: those of several series at one x stand
-/// side by side.
+/// From where to where a bar or box stands, seen from its x: those of several series stand side by
+/// side where two are at one x.
 pub(super) fn bar_slot(panel: &Panel, index: usize) -> [f64; 2] {
     let wide = |style: Style| matches!(style, Style::Bars | Style::Boxes);
     let of_kind = || {
@@ -193,8 +199,14 @@ pub(super) fn bar_slot(panel: &Panel, index: usize) -> [f64; 2] {
         .filter(|gap| *gap > 0.0)
         .fold(f64::INFINITY, f64::min);
     let group = 0.8 * if gap.is_finite() { gap } else { 1.0 };
-    let place = of_kind().position(|(i, _)| i == index).unwrap_or(0) as f64;
-    let width = group / of_kind().count().max(1) as f64;
+    let shared = xs.windows(2).any(|w| w[0] == w[1]);
+    let (place, of) = if shared {
+        let place = of_kind().position(|(i, _)| i == index).unwrap_or(0);
+        (place as f64, of_kind().count().max(1) as f64)
+    } else {
+        (0.0, 1.0)
+    };
+    let width = group / of;
     // A little air between neighbours.
     let left = place * width - 0.5 * group;
     [left + 0.04 * width, left + 0.96 * width]
@@ -403,5 +415,13 @@ mod tests {
         let (one, two) = (bar_slot(&panel, 0), bar_slot(&panel, 2));
         assert!(-0.4 < one[0] && one[1] < two[0] && two[1] < 0.4);
         assert_eq!(panel.window(1.0, 1.0).y.range.start, -0.1);
+        // Each at an x of its own: above its name.
+        let mut panel = Panel::new("", Axis::categories(["a", "b"]), Axis::new("y"));
+        panel.add(Series::bars("one", 1, vec![(0.0, 1.0)]));
+        panel.add(Series::bars("two", 2, vec![(1.0, 2.0)]));
+        for index in [0, 1] {
+            let [left, right] = bar_slot(&panel, index);
+            assert!((left + right).abs() < 1e-12 && right > 0.3);
+        }
     }
 }

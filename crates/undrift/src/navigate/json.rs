@@ -43,6 +43,7 @@ impl Report {
             json!({
                 "drive": drive,
                 "bias_model": kind.name(),
+                "smooth": self.smooth,
                 "mounting": self.mounting.as_ref().map(ToString::to_string),
                 "position": of(&s.position),
                 "velocity": of(&s.velocity),

@@ -96,7 +96,7 @@ impl<'a> All<'a> {
     /// What there is, in words.
     fn kinds(&self) -> Vec<(&'static str, usize)> {
         [
-            ("The experiment, simulated", self.demos.len()),
+            ("The source paper's experiment, simulated", self.demos.len()),
             ("Sensor noise", self.identified.len()),
             ("Navigation", self.navigated.len()),
             ("GNSS outages", self.cut.len()),
@@ -144,12 +144,12 @@ fn demo(demos: &[(String, &Demo)]) -> Vec<Section> {
                 format!("{name}: ")
             };
             let identified = if demo.identification.is_some() {
-                "The sensors were identified from a simulated static record, "
+                "The noise of the sensors was identified from a simulated static record. The models found "
             } else {
-                "The models are the simulation's own, "
+                "The simulation's own noise models "
             };
             Block::Text(format!(
-                "{prefix}{identified}and run through the GNSS outages of a simulated drive, seed {}.",
+                "{prefix}{identified}were run through the GNSS outages of a simulated drive, seed {}.",
                 demo.seed
             ))
         })

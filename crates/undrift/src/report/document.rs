@@ -29,6 +29,8 @@ pub enum Block {
     Text(String),
     /// A paragraph that must not be overlooked.
     Warning(String),
+    /// Several of them, one below the other.
+    Warnings(Vec<String>),
     /// A table.
     Table(Table),
     /// A figure.

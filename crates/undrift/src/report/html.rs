@@ -111,6 +111,13 @@ fn render_section(out: &mut String, section: &Section, number: usize, numbers: &
                 out,
                 format_args!("<p class=\"warning\"><b>Warning</b>{}</p>\n", escape(text)),
             ),
+            Block::Warnings(texts) => {
+                out.push_str("<div class=\"warning\"><b>Warnings</b><ul>\n");
+                for text in texts {
+                    push(out, format_args!("<li>{}</li>\n", escape(text)));
+                }
+                out.push_str("</ul></div>\n");
+            }
             Block::Table(table) => {
                 numbers.tables += 1;
                 render_table(out, table, numbers.tables);
@@ -157,25 +164,34 @@ fn render_table(out: &mut String, table: &Table, number: usize) {
         out.push_str("<tr>");
         for (i, cell) in row.iter().enumerate() {
             let class = class(i, cell.strong);
-            push(out, format_args!("<td{class}>{}</td>", escape(&cell.text)));
+            let text = if numeric.get(i) == Some(&true) {
+                cell.text.replace('-', "−")
+            } else {
+                cell.text.clone()
+            };
+            push(out, format_args!("<td{class}>{}</td>", escape(&text)));
         }
         out.push_str("</tr>\n");
     }
     out.push_str("</tbody></table></div>\n</figure>\n");
 }
 
-/// Whether a column holds numbers, and gaps at most.
+/// Whether a column holds numbers, be they with a unit, a bound or an interval after them, and gaps at
+/// most. The first column names the rows: there a name may begin with a digit.
 fn is_numeric(table: &Table, column: usize) -> bool {
     let is_number = |cell: &Cell| {
-        let text = cell.text.trim_start_matches(['±', '<', '>', '+', ' ']);
-        text.trim_end_matches([' ', '%'])
-            .replace('−', "-")
-            .parse::<f64>()
-            .is_ok()
+        let text = cell
+            .text
+            .trim_start_matches(['±', '<', '>', '+', '−', '-', ' ']);
+        let number = text.replace('\u{202f}', "");
+        let first = number.split([' ', ',']).next().unwrap_or_default();
+        let alone = number.trim_end_matches([' ', '%']);
+        let number = if column == 0 { alone } else { first };
+        number.starts_with(|c: char| c.is_ascii_digit()) && number.parse::<f64>().is_ok()
     };
-    let is_gap = |cell: &Cell| matches!(cell.text.as_str(), "" | "–" | "—" | "-");
+    let is_gap = |cell: &Cell| matches!(cell.text.as_str(), "" | "–" | "—" | "-" | "not seen");
     let cells = || table.rows.iter().filter_map(|row| row.get(column));
-    cells().any(is_number) && cells().all(|cell| is_number(cell) || is_gap(cell))
+    cells().all(|cell| is_number(cell) || is_gap(cell)) && cells().any(|cell| !cell.text.is_empty())
 }
 
 fn render_figure(out: &mut String, figure: &Figure, number: usize) {
@@ -317,10 +333,27 @@ mod tests {
             rows: vec![row("1", "−2.5 %", "–"), row("x", "–", "")],
             ..Table::default()
         };
+        // Of gaps alone it was to be one of numbers.
         assert_eq!(
             [0, 1, 2].map(|i| is_numeric(&table, i)),
-            [false, true, false]
+            [false, true, true]
         );
+        let of = |text: &str| Table {
+            rows: vec![row("", text, ""), row("", "–", "")],
+            ..Table::default()
+        };
+        for text in [
+            "-98.0 (-2.86)",
+            "2.35 °/√h",
+            "1.2e-4 ± 3e-5 (2e-4)",
+            "1\u{202f}234",
+            "0.1, 0.2, 0.3",
+        ] {
+            assert!(is_numeric(&of(text), 1), "{text}");
+        }
+        for text in ["ARMA(1,1)", "consistent", "3D", "5-state", "inf"] {
+            assert!(!is_numeric(&of(text), 1), "{text}");
+        }
     }
 
     #[test]

@@ -5,7 +5,7 @@ mod axis;
 
 use super::{
     Block, Cell, Figure, Panel, Section, Series,
-    parts::{cell, count, get, percent, short, span, table, text, warnings, zip},
+    parts::{cell, count, get, short, span, table, text, warnings, zip},
     read::{Axis, Identify},
 };
 use axis::{allan_panel, of_axis, psd};
@@ -26,6 +26,8 @@ struct Units {
     scale: f64,
     /// Of a sample.
     sample: &'static str,
+    /// Of a sum of squares, SI.
+    squares: &'static str,
     /// Of white noise, a root of an hour.
     white: &'static str,
     /// Of bias instability and what it is of SI.
@@ -41,6 +43,7 @@ struct Units {
 const GYRO: Units = Units {
     scale: 180.0 / PI,
     sample: "°/s",
+    squares: "rad²/s²",
     white: "°/√h",
     instability: "°/h",
     instability_scale: 180.0 / PI * 3600.0,
@@ -51,6 +54,7 @@ const GYRO: Units = Units {
 const ACCEL: Units = Units {
     scale: 1.0,
     sample: "m/s²",
+    squares: "m²/s⁴",
     white: "m/s/√h",
     instability: "µg",
     instability_scale: 1e6 / 9.806_65,
@@ -69,14 +73,15 @@ fn units(name: &str) -> &'static Units {
 
 /// "Gyro x" of "gyro_x".
 fn heading(name: &str) -> String {
+    let name = spoken(name);
     let mut letters = name.chars();
     let first = letters.next().into_iter().flat_map(char::to_uppercase);
-    spoken(&first.chain(letters).collect::<String>())
+    first.chain(letters).collect()
 }
 
 /// "gyro x" of "gyro_x".
 fn spoken(name: &str) -> String {
-    name.replace('_', " ")
+    name.replace("accel_", "accelerometer_").replace('_', " ")
 }
 
 /// The sections.
@@ -226,6 +231,7 @@ fn what_was_done(name: &str, run: &Identify) -> Vec<String> {
     if run.skipped_rows > 0 {
         told.push(format!("{} rows were left out.", count(run.skipped_rows)));
     }
+    told.push("Models were fitted to one half of it and judged on the other, by the drift that they leave in the integral of the samples.".into());
     told
 }
 
@@ -352,7 +358,7 @@ fn compared(name: &str, axes: &[(&str, &Axis)]) -> Section {
                 format!("{} {} after {s:.0} s", short(d * unit.scale), unit.drift)
             })
             .into(),
-            percent(axis.outliers.len() as f64 / axis.samples as f64).into(),
+            count(axis.outliers.len() as u64).into(),
         ]);
     }
     let mut blocks = Vec::from_iter(figure(

@@ -2,7 +2,7 @@
 
 use super::{
     Axis, Block, Cell, Figure, Panel, Section, Series,
-    parts::{count, percent, short, span, table, text, warnings},
+    parts::{count, error, model_colour, percent, short, span, table, text, warnings},
     read::{Group, MonteCarlo, MonteCarloModel, Number},
 };
 use crate::{
@@ -14,12 +14,13 @@ use crate::{
 pub type Run<'a> = (String, &'a MonteCarlo);
 
 /// NEES per degree of freedom that the plots reach over.
-const RANGE: (f64, f64) = (0.1, 1000.0);
-const COLOURS: [usize; 6] = [7, 6, 5, 2, 3, 4];
+const RANGE: (f64, f64) = (0.1, 1e7);
 
 /// One model of one run.
 struct Model<'a> {
     name: String,
+    /// Whether it is of the first run.
+    first: bool,
     run: &'a MonteCarlo,
     model: &'a MonteCarloModel,
 }
@@ -27,14 +28,19 @@ struct Model<'a> {
 /// The sections.
 pub fn sections(runs: &[Run<'_>]) -> Vec<Section> {
     let mut models = Vec::new();
-    for (name, run) in runs {
+    for (at, (name, run)) in runs.iter().enumerate() {
         for model in &run.models {
             let name = if name.is_empty() {
                 model.name.clone()
             } else {
                 format!("{name}: {}", model.name)
             };
-            models.push(Model { name, run, model });
+            models.push(Model {
+                name,
+                first: at == 0,
+                run,
+                model,
+            });
         }
     }
     let mut sections = vec![summary(runs, &models)];
@@ -61,7 +67,7 @@ fn summary(runs: &[Run<'_>], models: &[Model<'_>]) -> Section {
             )
         })
         .collect();
-    let mut blocks = warnings(&diverged);
+    let mut blocks = Vec::from_iter(warnings(&diverged));
     for (name, run) in runs {
         let drive = &run.drive;
         let prefix = if name.is_empty() {
@@ -112,12 +118,12 @@ fn summary(runs: &[Run<'_>], models: &[Model<'_>]) -> Section {
                 format!(
                     "{} ± {}",
                     short(group.mean_per_freedom.0),
-                    short(group.mean_standard_error.0)
+                    error(group.mean_standard_error.0)
                 )
                 .into(),
                 format!(
                     "{} ± {}",
-                    percent(group.share_inside.0),
+                    percent(group.share_inside.0).trim_end_matches(" %"),
                     percent(group.share_standard_error.0)
                 )
                 .into(),
@@ -148,6 +154,13 @@ fn marked(verdict: &str) -> Cell {
 
 /// A model in a sentence.
 fn verdict(model: &Model<'_>) -> String {
+    let all = model.model.nees.iter().find(|g| g.name == "all");
+    if let Some(all) = all.filter(|all| model.model.nees.iter().all(|g| g.verdict == all.verdict)) {
+        return format!(
+            "{} is {} in every group of states.",
+            model.name, all.verdict
+        );
+    }
     let parts: Vec<String> = ["consistent", "optimistic", "pessimistic"]
         .into_iter()
         .filter_map(|verdict| {
@@ -174,9 +187,9 @@ fn over_time(models: &[Model<'_>]) -> Option<Section> {
                 .filter(|(_, group)| !group.average.is_empty())
                 .collect();
             let (first, group) = with.first()?;
-            let curves: Vec<(&str, Vec<(f64, f64)>)> = with
+            let curves: Vec<(&Model<'_>, Vec<(f64, f64)>)> = with
                 .iter()
-                .map(|(m, g)| (m.name.as_str(), per_freedom(m.run, &g.average, g.freedom)))
+                .map(|(m, g)| (*m, per_freedom(m.run, &g.average, g.freedom)))
                 .collect();
             let largest = curves
                 .iter()
@@ -188,8 +201,13 @@ fn over_time(models: &[Model<'_>]) -> Option<Section> {
             let mut panel = Panel::new(name, Axis::new("time [s]"), y);
             let started = first.run.time_s.first().map_or(0.0, |t| t.0);
             panel.shade(started, first.model.started_s.0 + first.run.settle_s.0);
-            for (at, (name, points)) in curves.into_iter().enumerate().rev() {
-                panel.add(Series::thin(name, COLOURS[at % COLOURS.len()], points));
+            for (at, (m, points)) in curves.into_iter().enumerate().rev() {
+                let colour = model_colour(&m.model.name, at);
+                panel.add(if m.first {
+                    Series::thin(&m.name, colour, points)
+                } else {
+                    Series::dashed(&m.name, colour, points)
+                });
             }
             for bound in [&group.lower, &group.upper] {
                 let points = per_freedom(first.run, bound, group.freedom);

@@ -1,18 +1,19 @@
 //! The report of a navigated drive, or of several side by side.
 
 mod accuracy;
+mod innovations;
 mod panels;
+mod summary;
 
 use super::{
-    Axis, Block, Cell, Corner, Figure, Panel, Section, Series, Table,
-    parts::{
-        Clock, cell, count, extent, level, on_the_ground, origin, short, span, table, text,
-        warnings,
-    },
-    read::{Counts, Navigate, NavigateSeries, Nis},
+    Axis, Block, Corner, Figure, Panel, Section, Series,
+    parts::{Clock, on_the_ground, origin},
+    read::{Navigate, NavigateSeries},
 };
 use accuracy::accuracy;
+use innovations::innovations;
 use panels::{component_panel, panel_over_time, sensor_panel, shaded};
+use summary::summary;
 
 /// A run with its name; the name of a single one is empty.
 pub type Run<'a> = (String, &'a Navigate);
@@ -49,11 +50,8 @@ const ACCEL: [Component; 3] = [
 
 /// Colours of the runs, of a band, and of what was left out.
 const COLOURS: [usize; 6] = [7, 6, 4, 5, 2, 0];
-const BAND: usize = 1;
+const BAND: usize = 7;
 const LEFT_OUT: usize = 6;
-
-/// NIS per degree of freedom that is told as right.
-const PLAUSIBLE: std::ops::RangeInclusive<f64> = 0.6..=1.6;
 
 /// The sections.
 pub fn sections(runs: &[Run<'_>]) -> Vec<Section> {
@@ -95,187 +93,24 @@ fn figure(name: &str, caption: &str, columns: usize, panels: Vec<Panel>) -> Opti
     })
 }
 
-/// What was done and how it went, in words and counts.
-fn summary(runs: &[Run<'_>]) -> Section {
-    let mut blocks = Vec::new();
-    for (name, run) in runs {
-        if name.is_empty() {
-            blocks.extend(warnings(&run.warnings));
-        } else {
-            let told: Vec<String> = run
-                .warnings
-                .iter()
-                .map(|w| format!("{name}: {w}"))
-                .collect();
-            blocks.extend(warnings(&told));
-        }
-    }
-    for (name, run) in runs {
-        blocks.extend(text(&what_was_done(name, run)));
-    }
-    let mut counts = table(
-        "updates",
-        "Measurements used. NIS is the normalised innovation squared: 1 per degree of freedom when the model is right.",
-        &[
-            "measurement",
-            "updates",
-            "NIS / dof",
-            "autocorrelation",
-            "left out",
-            "weakened",
-        ],
-    );
-    for (name, run) in runs {
-        counts.rows.extend(update_rows(name, run));
-    }
-    if !counts.rows.is_empty() {
-        blocks.push(Block::Table(counts));
-    }
-    blocks.extend(parameters(runs).map(Block::Table));
-    Section {
-        title: "What was done".into(),
-        blocks,
-    }
+fn has_gaps(series: &[(&str, &NavigateSeries)]) -> bool {
+    series.iter().any(|(_, s)| !s.without_gnss_s.is_empty())
 }
 
-fn what_was_done(name: &str, run: &Navigate) -> Vec<String> {
-    let (drive, s) = (&run.drive, &run.summary);
-    let mut told = Vec::new();
-    let prefix = if name.is_empty() {
-        String::new()
+/// A caption, which says what is shaded where something is.
+fn with_gaps(caption: &str, series: &[(&str, &NavigateSeries)]) -> String {
+    if series.len() == 1 && has_gaps(series) {
+        format!("{caption}; spans without a usable fix shaded.")
     } else {
-        format!("{name}: ")
-    };
-    if let (Some(imu), Some(gnss)) = (&drive.imu, &drive.gnss) {
-        let model = drive.model.as_deref().filter(|m| !m.is_empty());
-        told.push(format!(
-            "{prefix}{imu} at {} Hz was navigated with the {} of {gnss}, under {} run as {}.",
-            short(drive.rate_hz.0),
-            drive.gnss_use.as_deref().unwrap_or("fixes"),
-            model.map_or("a noise model".into(), |m| format!(
-                "the noise model \"{m}\""
-            )),
-            run.bias_model,
-        ));
+        format!("{caption}.")
     }
-    let (from, to) = (s.started.0, s.ended.0);
-    if from.is_finite() && to.is_finite() {
-        told.push(format!(
-            "The solution has {} samples from {from:.3} s to {to:.3} s ({}) and used {} fixes.",
-            count(s.samples),
-            span(to - from),
-            count(s.fixes)
-        ));
-    }
-    if !s.alignment.is_empty() {
-        told.push(format!("Start: {}.", s.alignment));
-    }
-    told.extend(
-        run.mounting
-            .as_ref()
-            .map(|m| format!("Mounting estimated: {m}.")),
-    );
-    for (part, nis) in [("position", &run.position), ("velocity", &run.velocity)] {
-        told.push(verdict(part, nis));
-    }
-    told
-}
-
-/// What the innovations of a part of the fixes say.
-fn verdict(part: &str, nis: &Nis) -> String {
-    let value = nis.nis_per_dof.0;
-    let (correlation, bound) = (nis.autocorrelation.0, nis.autocorrelation_bound.0);
-    let size = if !value.is_finite() {
-        return String::new();
-    } else if PLAUSIBLE.contains(&value) {
-        format!("The innovations of the {part} are as large as predicted")
-    } else if value > 1.0 {
-        format!(
-            "The innovations of the {part} are {} times as large as predicted: the filter or the stated accuracy is optimistic",
-            short(value.sqrt())
-        )
-    } else {
-        format!(
-            "The innovations of the {part} are {} times smaller than predicted: the stated accuracy is pessimistic",
-            short(value.sqrt().recip())
-        )
-    };
-    let colour = match correlation {
-        c if !c.is_finite() => "",
-        c if c.abs() <= bound => " and white",
-        c if c.abs() > 0.5 => ", and they go on from fix to fix",
-        _ => ", and slightly correlated from fix to fix",
-    };
-    format!("{size}{colour}.")
-}
-
-fn update_rows(name: &str, run: &Navigate) -> Vec<Vec<Cell>> {
-    let s = &run.summary;
-    let none = Nis::default();
-    let kinds: [(&str, &Counts, &Nis); 6] = [
-        ("position", &s.position, &run.position),
-        ("velocity", &s.velocity, &run.velocity),
-        ("non-holonomic", &s.non_holonomic, &none),
-        ("zero velocity", &s.zero_velocity, &none),
-        ("odometer", &s.odometer, &none),
-        ("barometer", &s.barometer, &none),
-    ];
-    kinds
-        .into_iter()
-        .filter(|(_, counts, _)| counts.updates + counts.rejected > 0)
-        .map(|(kind, counts, nis)| {
-            let measurement = if name.is_empty() {
-                kind.to_owned()
-            } else {
-                format!("{name}: {kind}")
-            };
-            let correlation = if nis.autocorrelation.0.is_finite() {
-                format!(
-                    "{:.2} (±{:.2})",
-                    nis.autocorrelation.0, nis.autocorrelation_bound.0
-                )
-            } else {
-                "–".into()
-            };
-            vec![
-                measurement.into(),
-                count(counts.updates).into(),
-                cell(counts.nis_sum.0 / counts.dof_sum as f64),
-                correlation.into(),
-                count(counts.rejected).into(),
-                count(counts.weakened).into(),
-            ]
-        })
-        .collect()
-}
-
-/// Constants that were estimated.
-fn parameters(runs: &[Run<'_>]) -> Option<Table> {
-    let mut estimated = table(
-        "parameters",
-        "Constants estimated, with their standard deviations at the end.",
-        &["constant", "estimate", "standard deviation"],
-    );
-    for (name, run) in runs {
-        for (kind, parameter) in &run.summary.parameters {
-            let list = |numbers: &[super::read::Number]| -> Cell {
-                let texts: Vec<String> = numbers.iter().map(|n| short(n.0)).collect();
-                texts.join(", ").into()
-            };
-            estimated.rows.push(vec![
-                format!("{name} {kind}").trim().to_owned().into(),
-                list(&parameter.value),
-                list(&parameter.std),
-            ]);
-        }
-    }
-    (!estimated.rows.is_empty()).then_some(estimated)
 }
 
 /// The way driven, height, velocity and attitude.
 fn solution(series: &[(&str, &NavigateSeries)], clock: Clock) -> Option<Section> {
     let mut blocks = Vec::new();
     let start = series.iter().find_map(|(_, s)| origin(&s.track));
+    let mut first = None;
     let mut ground = Panel::new("", Axis::new("east [m]"), Axis::new("north [m]")).to_scale();
     let mut height = panel_over_time("height [m]", clock, series);
     for (at, (name, run)) in series.iter().enumerate() {
@@ -286,17 +121,25 @@ fn solution(series: &[(&str, &NavigateSeries)], clock: Clock) -> Option<Section>
             colour,
             track.iter().map(|p| p.1).collect(),
         ));
-        for (from, to) in &run.without_gnss_s {
-            let inside = track.iter().filter(|(t, _)| from.0 <= *t && *t <= to.0);
+        // Of several they would hide each other.
+        let spans = run.without_gnss_s.iter().filter(|_| series.len() == 1);
+        for (at, (from, to)) in spans.enumerate() {
+            // The fix that ends the span has moved the solution already.
+            let inside = track.iter().filter(|(t, _)| from.0 <= *t && *t < to.0);
             let points: Vec<_> = inside.map(|p| p.1).collect();
-            ground.add(Series::thick("", LEFT_OUT, points));
+            let name = if at == 0 { "without GNSS" } else { "" };
+            ground.add(Series::thick(name, LEFT_OUT, points));
+        }
+        if at == 0 {
+            first = track.first().map(|p| p.1);
         }
         let heights = run.track.time_s.iter().zip(&run.track.height_m);
         let points = heights.map(|(t, h)| (clock.at(t.0), h.0)).collect();
         height.add(Series::thin(name, colour, points));
     }
-    let gaps = series.iter().any(|(_, s)| !s.without_gnss_s.is_empty());
-    let caption = if gaps {
+    ground.add(Series::dots("start", 0, Vec::from_iter(first)));
+    let gaps = has_gaps(series);
+    let caption = if gaps && series.len() == 1 {
         "The way driven, to scale, from its start; spans without a usable fix in orange."
     } else {
         "The way driven, to scale, from its start."
@@ -308,12 +151,22 @@ fn solution(series: &[(&str, &NavigateSeries)], clock: Clock) -> Option<Section>
             .filter_map(|c| component_panel(c, "", series, clock, |s| &s.motion, None))
             .collect()
     };
-    blocks.extend(figure("velocity", "Velocity.", 3, of(VELOCITY)));
+    blocks.extend(figure(
+        "velocity",
+        &with_gaps("Velocity", series),
+        3,
+        of(VELOCITY),
+    ));
     let attitude: Vec<Panel> = of(ATTITUDE);
-    blocks.extend(figure("attitude", "Attitude.", 3, attitude));
+    blocks.extend(figure(
+        "attitude",
+        &with_gaps("Attitude", series),
+        3,
+        attitude,
+    ));
     blocks.extend(figure(
         "height",
-        "Height above the ellipsoid.",
+        &with_gaps("Height above the ellipsoid", series),
         1,
         vec![height],
     ));
@@ -355,8 +208,8 @@ fn deviations(series: &[(&str, &NavigateSeries)], clock: Clock) -> Option<Sectio
         any.then_some(panel)
     })
     .collect();
-    let caption = "Standard deviations as the filter states them.";
-    let blocks = figure("standard-deviations", caption, 3, panels);
+    let caption = with_gaps("Standard deviations (1σ) as the filter states them", series);
+    let blocks = figure("standard-deviations", &caption, 3, panels);
     section("Standard deviations", blocks.into_iter().collect())
 }
 
@@ -373,8 +226,11 @@ fn sensors(series: &[(&str, &NavigateSeries)], clock: Clock) -> Option<Section> 
             .filter_map(|c| sensor_panel(c, series, clock))
             .collect();
         let caption = if single {
-            format!(
-                "Estimated {what} errors and three of their standard deviations (grey); the scale is that after settling."
+            with_gaps(
+                &format!(
+                    "Estimated {what} errors, with three standard deviations to either side (band); the scale is that after settling"
+                ),
+                series,
             )
         } else {
             format!("Estimated {what} errors.")
@@ -382,68 +238,4 @@ fn sensors(series: &[(&str, &NavigateSeries)], clock: Clock) -> Option<Section> 
         blocks.extend(figure(name, &caption, 3, panels));
     }
     section("Estimated sensor errors", blocks)
-}
-
-/// Innovations over time.
-fn innovations(
-    runs: &[Run<'_>],
-    series: &[(&str, &NavigateSeries)],
-    clock: Clock,
-) -> Option<Section> {
-    let mut blocks = Vec::new();
-    for part in ["position", "velocity"] {
-        let with: Vec<_> = series
-            .iter()
-            .filter_map(|(name, s)| Some((*name, s.innovations.get(part)?)))
-            .filter(|(_, curves)| !curves.is_empty())
-            .collect();
-        if with.is_empty() {
-            continue;
-        }
-        let mut panels = Vec::new();
-        for component in ["north", "east", "down"] {
-            let label = format!("{part} {component} [σ]");
-            let mut panel = panel_over_time(&label, clock, series);
-            let mut ends = (0.0, 1.0);
-            for (at, (name, curves)) in with.iter().enumerate() {
-                let Some(curve) = curves.get(component) else {
-                    continue;
-                };
-                let points = clock.points(curve, 1.0);
-                ends = extent(&points);
-                panel.add(Series::thin(name, COLOURS[at % COLOURS.len()], points));
-            }
-            for bound in [-1.96, 1.96] {
-                panel.add(level("", 0, ends, bound));
-            }
-            panels.push(panel);
-        }
-        let y = Axis::logarithmic("NIS / degrees of freedom");
-        let mut nis = shaded(Panel::new("", Axis::new(&clock.label()), y), clock, series);
-        let mut ends = (0.0, 1.0);
-        for (at, (name, curves)) in with.iter().enumerate() {
-            if let Some(curve) = curves.get("nis") {
-                let points = clock.points(curve, 1.0);
-                ends = extent(&points);
-                nis.add(Series::thin(name, COLOURS[at % COLOURS.len()], points));
-            }
-            if let Some(curve) = curves.get("left_out_nis") {
-                nis.add(Series::dots("left out", LEFT_OUT, clock.points(curve, 1.0)));
-            }
-        }
-        nis.add(level("", 0, ends, 1.0));
-        panels.push(nis);
-        let fixes = runs.iter().map(|(_, run)| run.summary.fixes).max();
-        let thinned = fixes.is_some_and(|fixes| fixes > crate::series::BUCKETS as u64);
-        let caption = format!(
-            "Innovations of the {part} over their predicted standard deviations, with 95 % bounds, and NIS, 1 on average when the model is right{}.",
-            if thinned {
-                "; of each stretch its smallest and largest"
-            } else {
-                ""
-            }
-        );
-        blocks.extend(figure(&format!("innovations-{part}"), &caption, 2, panels));
-    }
-    section("Innovations", blocks)
 }

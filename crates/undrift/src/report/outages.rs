@@ -1,16 +1,17 @@
 //! The report of GNSS outages: the source paper's Table 4, the way driven, and the drift of each model.
 
 mod drift;
+mod way;
 
 use super::{
-    Axis, Block, Cell, Figure, Panel, Section, Series, Table,
+    Block, Cell, Section, Table,
     parts::{
-        cell, get, mark_least, on_the_ground, origin, quantile, short, table, text, warnings, zip,
+        cell, get, mark_least, model_colour, named, quantile, short, table, text, warnings, zip,
     },
     read::{ModelErrors, Numbers, Outages},
 };
-
 use drift::drift;
+use way::way;
 
 /// Components of Table 4 with the heads of their columns.
 const COLUMNS: [(&str, &str); 10] = [
@@ -33,6 +34,10 @@ pub type Run<'a> = (String, &'a Outages);
 /// One model of one experiment.
 struct Model<'a> {
     name: String,
+    /// Without the name of the run.
+    key: &'a str,
+    /// Which run it is of.
+    run: usize,
     errors: &'a ModelErrors,
     drift: Vec<(f64, f64)>,
     colour: usize,
@@ -45,6 +50,15 @@ impl Model<'_> {
         outages.map(|o| get(&o.max, HORIZONTAL)).collect()
     }
 
+    /// Its name in a sentence, in quotes where it would fall apart there.
+    fn spoken(&self) -> String {
+        if self.name.contains([',', ' ']) {
+            format!("\"{}\"", self.name)
+        } else {
+            self.name.clone()
+        }
+    }
+
     fn rms(&self) -> f64 {
         get(&self.errors.rms, HORIZONTAL)
     }
@@ -54,15 +68,15 @@ impl Model<'_> {
 pub fn sections(runs: &[Run<'_>]) -> Vec<Section> {
     let models = models(runs);
     let mut sections = vec![summary(runs, &models)];
+    sections.extend(drift(&models));
     sections.extend(tables(&models));
     sections.extend(way(runs));
-    sections.extend(drift(&models));
     sections
 }
 
 fn models<'a>(runs: &[Run<'a>]) -> Vec<Model<'a>> {
     let mut models = Vec::new();
-    for (run, result) in runs {
+    for (at, (run, result)) in runs.iter().enumerate() {
         // Models that the order leaves out come last.
         let rest = result.models.keys().filter(|k| !result.order.contains(k));
         for key in result.order.iter().chain(rest) {
@@ -76,9 +90,11 @@ fn models<'a>(runs: &[Run<'a>]) -> Vec<Model<'a>> {
                 } else {
                     format!("{run}: {key}")
                 },
+                key,
+                run: at,
                 errors,
                 drift: drift.map_or(Vec::new(), |d| zip(&d.since_cut_s, &d.horizontal_rms_m)),
-                colour: models.len() + 1,
+                colour: model_colour(key, models.len()),
             });
         }
     }
@@ -86,7 +102,7 @@ fn models<'a>(runs: &[Run<'a>]) -> Vec<Model<'a>> {
 }
 
 fn summary(runs: &[Run<'_>], models: &[Model<'_>]) -> Section {
-    let mut blocks = Vec::new();
+    let mut told = Vec::new();
     for (name, run) in runs {
         let prefix = if name.is_empty() {
             String::new()
@@ -97,17 +113,17 @@ fn summary(runs: &[Run<'_>], models: &[Model<'_>]) -> Section {
             .failed
             .iter()
             .map(|(model, why)| format!("{model} could not be run: {why}"));
-        let said = run
-            .models
-            .iter()
-            .filter_map(|(model, errors)| Some(format!("{model}: {}", errors.warning.as_ref()?)));
-        let all: Vec<String> = failed
-            .chain(said)
-            .chain(run.warnings.iter().cloned())
-            .map(|warning| format!("{prefix}{warning}"))
-            .collect();
-        blocks.extend(warnings(&all));
+        let said = run.models.iter().filter_map(|(model, errors)| {
+            Some(format!("run as {model}, {}", errors.warning.as_ref()?))
+        });
+        told.extend(
+            failed
+                .chain(said)
+                .chain(run.warnings.iter().cloned())
+                .map(|warning| format!("{prefix}{warning}")),
+        );
     }
+    let mut blocks = Vec::from_iter(warnings(&told));
     for (name, run) in runs {
         blocks.extend(text(&[what_was_done(name, run)]));
     }
@@ -134,15 +150,19 @@ fn what_was_done(name: &str, run: &Outages) -> String {
     };
     let lengths: Vec<f64> = run.outages.iter().map(|o| o.length_s.0).collect();
     let model = drive.model.as_deref().filter(|m| !m.is_empty());
-    format!(
-        "{}{what} GNSS was cut {} times for {} s. Inside the outages the {} was compared with {}{}.",
-        if name.is_empty() {
-            String::new()
-        } else {
-            format!("{name}: ")
-        },
+    let differ = quantile(&lengths, 1.0) - quantile(&lengths, 0.0) > 0.05;
+    let lengths = if differ {
+        format!(
+            "{} to {}",
+            seconds(quantile(&lengths, 0.0)),
+            seconds(quantile(&lengths, 1.0))
+        )
+    } else {
+        seconds(quantile(&lengths, 0.5))
+    };
+    let sentence = format!(
+        "{what} GNSS was cut {} times for {lengths} s. Inside the outages the {} was compared with {}{}.",
         run.outages.len(),
-        short(quantile(&lengths, 0.5)),
         if run.smooth {
             "smoothed solution"
         } else {
@@ -154,49 +174,90 @@ fn what_was_done(name: &str, run: &Outages) -> String {
             "the truth"
         },
         model.map_or(String::new(), |m| format!(
-            "; the noise model is {m}, run in {} forms",
+            "; the noise model is {}, run in {} forms",
+            if m.starts_with("the ") {
+                m.to_owned()
+            } else {
+                format!("\"{m}\"")
+            },
             run.models.len()
         )),
-    )
+    );
+    named(name, &sentence)
 }
+
+/// Seconds without needless digits.
+fn seconds(value: f64) -> String {
+    if !value.is_finite() {
+        return short(value);
+    }
+    let text = format!("{value:.1}");
+    text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
+}
+
+/// How much more than the least still counts as the same drift.
+const ALIKE: f64 = 1.01;
 
 /// Which model drifts least, and how sure that is.
 fn findings(models: &[Model<'_>]) -> Vec<String> {
     let mut ranked: Vec<&Model<'_>> = models.iter().filter(|m| m.rms().is_finite()).collect();
     ranked.sort_by(|a, b| a.rms().total_cmp(&b.rms()));
-    let [best, rest @ ..] = ranked.as_slice() else {
+    let Some(best) = ranked.first().copied() else {
         return vec!["No model has an error inside every outage.".into()];
     };
-    let mut told = vec![format!(
-        "The least horizontal drift is that of {}: {} m in the root mean square over the outages of each one's largest error.",
-        best.name,
-        short(best.rms())
-    )];
+    let alike = ranked.partition_point(|m| m.rms() <= ALIKE * best.rms());
+    let (first, rest) = ranked.split_at(alike);
+    let names =
+        |models: &[&Model<'_>]| listed(&models.iter().map(|m| m.spoken()).collect::<Vec<_>>());
+    let mut told = vec![
+        if alike > 1 {
+            format!(
+                "The least horizontal drift is that of {}, alike within 1 %: {} m",
+                names(first),
+                short(best.rms())
+            )
+        } else {
+            format!(
+                "The least horizontal drift is that of {}: {} m",
+                best.spoken(),
+                short(best.rms())
+            )
+        } + ", the root mean square over the outages of each one's largest error.",
+    ];
     if let Some(second) = rest.first() {
-        let pairs: Vec<(f64, f64)> = best.largest().into_iter().zip(second.largest()).collect();
+        let pairs = best.largest().into_iter().zip(second.largest());
+        let pairs: Vec<(f64, f64)> = pairs.filter(|(a, b)| a != b).collect();
         let wins = pairs.iter().filter(|(a, b)| a < b).count();
         told.push(format!(
-            "It is followed by {} with {} m; {} drifted less in {wins} of {} outages{}.",
-            second.name,
+            "Next is {} with {} m; {} drifted less than it in {wins} of {} outages{}.",
+            second.spoken(),
             short(second.rms()),
-            best.name,
+            best.spoken(),
             pairs.len(),
             if is_clear(wins, pairs.len()) {
-                ""
+                ", more than chance gives"
             } else {
-                ", which may be chance"
+                ", no more than chance gives"
             }
         ));
     }
     if let Some(worst) = rest.last().filter(|_| rest.len() > 1) {
         told.push(format!(
-            "The most is that of {}: {} m, {} times as much.",
-            worst.name,
+            "The most is that of {}: {} m, {} times as much as the least.",
+            worst.spoken(),
             short(worst.rms()),
             short(worst.rms() / best.rms())
         ));
     }
     told
+}
+
+/// "a, b and c".
+fn listed(names: &[String]) -> String {
+    match names.split_last() {
+        Some((last, before)) if !before.is_empty() => format!("{} and {last}", before.join(", ")),
+        _ => names.concat(),
+    }
 }
 
 /// Whether so many wins of so many are rarer than 5 % by chance: sign test, both sides.
@@ -274,60 +335,6 @@ fn table_of(
     Some(table)
 }
 
-/// The way driven with its outages, one panel for each drive.
-fn way(runs: &[Run<'_>]) -> Option<Section> {
-    let mut panels: Vec<Panel> = Vec::new();
-    let mut drawn: Vec<&Run<'_>> = Vec::new();
-    for run in runs {
-        let (name, result) = run;
-        let track = &result.series.track;
-        let same = |other: &&Run<'_>| {
-            let starts = |r: &Outages| {
-                r.outages
-                    .iter()
-                    .map(|o| o.start_s.0.to_bits())
-                    .collect::<Vec<_>>()
-            };
-            let ways = |r: &Outages| {
-                r.series
-                    .track
-                    .lat_deg
-                    .iter()
-                    .map(|n| n.0.to_bits())
-                    .collect::<Vec<_>>()
-            };
-            starts(other.1) == starts(result) && ways(other.1) == ways(result)
-        };
-        if track.time_s.is_empty() || drawn.iter().any(same) {
-            continue;
-        }
-        drawn.push(run);
-        let points = on_the_ground(track, origin(track).as_ref());
-        let mut panel = Panel::new(name, Axis::new("east [m]"), Axis::new("north [m]")).to_scale();
-        panel.add(Series::line(
-            "driven",
-            1,
-            points.iter().map(|p| p.1).collect(),
-        ));
-        for (at, cut) in result.outages.iter().enumerate() {
-            let (from, to) = (cut.start_s.0, cut.start_s.0 + cut.length_s.0);
-            let inside = points.iter().filter(|(t, _)| from <= *t && *t <= to);
-            let name = if at == 0 { "without GNSS" } else { "" };
-            panel.add(Series::thick(name, 6, inside.map(|p| p.1).collect()));
-        }
-        panels.push(panel);
-    }
-    (!panels.is_empty()).then(|| Section {
-        title: "Where GNSS was cut".into(),
-        blocks: vec![Block::Figure(Figure {
-            name: "trajectory".into(),
-            caption: "The way driven, to scale, from its start; the outages in orange.".into(),
-            columns: panels.len().min(2),
-            panels,
-        })],
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -349,6 +356,8 @@ mod tests {
         let (a, b) = (errors(2.0), errors(1.0));
         let model = |name: &str, errors| Model {
             name: name.into(),
+            key: "",
+            run: 0,
             errors,
             drift: Vec::new(),
             colour: 0,

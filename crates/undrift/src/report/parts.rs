@@ -17,7 +17,12 @@ pub fn short(value: f64) -> String {
         v if v < 0.9995 => format!("{value:.3}"),
         v if v < 9.995 => format!("{value:.2}"),
         v if v < 99.95 => format!("{value:.1}"),
-        v if v < 1e6 => format!("{value:.0}"),
+        v if v < 9999.5 => format!("{value:.0}"),
+        v if v < 999_500.0 => {
+            let step = if v < 99_950.0 { 100.0 } else { 1000.0 };
+            let sign = if value < 0.0 { "-" } else { "" };
+            format!("{sign}{}", count(((v / step).round() * step) as u64))
+        }
         _ => format!("{value:.2e}"),
     }
 }
@@ -82,8 +87,8 @@ pub fn text(sentences: &[String]) -> Option<Block> {
     (!told.is_empty()).then(|| Block::Text(told.join(" ")))
 }
 
-/// A paragraph to be seen for each warning, the first letter large.
-pub fn warnings<'a>(warnings: impl IntoIterator<Item = &'a String>) -> Vec<Block> {
+/// Warnings as one block to be seen, the first letter of each large.
+pub fn warnings<'a>(warnings: impl IntoIterator<Item = &'a String>) -> Option<Block> {
     let sentence = |warning: &String| {
         let mut letters = warning.chars();
         let first: String = letters
@@ -98,10 +103,12 @@ pub fn warnings<'a>(warnings: impl IntoIterator<Item = &'a String>) -> Vec<Block
             text + "."
         }
     };
-    warnings
-        .into_iter()
-        .map(|warning| Block::Warning(sentence(warning)))
-        .collect()
+    let mut told: Vec<String> = warnings.into_iter().map(sentence).collect();
+    match told.len() {
+        0 => None,
+        1 => told.pop().map(Block::Warning),
+        _ => Some(Block::Warnings(told)),
+    }
 }
 
 /// A table without rows.
@@ -119,23 +126,86 @@ pub fn cell(value: f64) -> Cell {
     short(value).into()
 }
 
-/// Makes the smallest number of a column stand out, where it differs from others.
+/// A standard error, with two significant digits.
+pub fn error(value: f64) -> String {
+    match value.abs() {
+        v if !v.is_finite() => "–".into(),
+        0.0 => "0".into(),
+        v if v < 9.95e-5 => format!("{value:.1e}"),
+        v if v < 9.95 => {
+            let digits = (1.0 - v.log10().floor()).clamp(0.0, 6.0) as usize;
+            format!("{value:.digits$}")
+        }
+        _ => short(value),
+    }
+}
+
+/// A probability; very small ones as such.
+pub fn probability(p: f64) -> String {
+    if p < 1e-4 {
+        "< 0.0001".into()
+    } else {
+        short(p)
+    }
+}
+
+/// Where a result has a name: the name before a sentence, which goes on with a small letter.
+pub fn named(name: &str, sentence: &str) -> String {
+    if name.is_empty() {
+        return sentence.to_owned();
+    }
+    let rest = ["The ", "It ", "On "]
+        .into_iter()
+        .find_map(|start| Some((start, sentence.strip_prefix(start)?)));
+    match rest {
+        Some((start, rest)) => format!("{name}: {}{rest}", start.to_lowercase()),
+        None => format!("{name}: {sentence}"),
+    }
+}
+
+/// A line broken inside spans of time, where it has nothing to say.
+pub fn broken(points: Vec<(f64, f64)>, spans: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let mut out: Vec<(f64, f64)> = Vec::with_capacity(points.len());
+    for point in points {
+        if let Some(before) = out.last().map(|p| p.0) {
+            let middle = f64::midpoint(before, point.0);
+            if spans.iter().any(|s| s.0 < middle && middle < s.1) {
+                out.push((middle, f64::NAN));
+            }
+        }
+        out.push(point);
+    }
+    out
+}
+
+/// The colour of a bias model, the same in all figures; of others one by their place.
+pub fn model_colour(name: &str, place: usize) -> usize {
+    match name {
+        "white" => 1,
+        "paper" => 6,
+        "gauss-markov" => 4,
+        "random-walk" => 5,
+        "ar" => 3,
+        "arma" => 7,
+        _ => [0, 2][place % 2],
+    }
+}
+
+/// Makes the smallest number of a column stand out, and those that read the same, where others differ.
 pub fn mark_least(table: &mut Table, column: usize, values: &[f64]) {
     let finite = || values.iter().copied().filter(|v| v.is_finite());
     let (least, most) = (
         finite().fold(f64::INFINITY, f64::min),
         finite().fold(f64::NEG_INFINITY, f64::max),
     );
-    if most > least {
-        for (row, _) in table
-            .rows
-            .iter_mut()
-            .zip(values)
-            .filter(|(_, v)| **v == least)
-        {
-            if let Some(cell) = row.get_mut(column) {
-                *cell = cell.clone().strong();
-            }
+    let least = short(least);
+    if short(most) == least {
+        return;
+    }
+    let best = values.iter().map(|v| v.is_finite() && short(*v) == least);
+    for (row, _) in table.rows.iter_mut().zip(best).filter(|(_, best)| *best) {
+        if let Some(cell) = row.get_mut(column) {
+            *cell = cell.clone().strong();
         }
     }
 }
@@ -254,7 +324,9 @@ mod tests {
             (0.001_234, "0.00123"),
             (1.234, "1.23"),
             (99.99, "100"),
-            (12_345.6, "12346"),
+            (12_345.6, "12\u{202f}300"),
+            (-232_966.0, "-233\u{202f}000"),
+            (9_999.0, "9999"),
             (f64::NAN, "–"),
         ] {
             assert_eq!(short(value), text);
@@ -269,6 +341,40 @@ mod tests {
         assert_eq!(count(1_234_567), "1\u{202f}234\u{202f}567");
         assert_eq!(count(123), "123");
         assert_eq!(span(3600.0), "60 min");
+    }
+
+    #[test]
+    fn errors_have_two_digits() {
+        for (value, text) in [
+            (0.001_04, "0.0010"),
+            (0.0944, "0.094"),
+            (0.105, "0.10"),
+            (4.16e-4, "0.00042"),
+            (1.5, "1.5"),
+            (198.3, "198"),
+            (1e-7, "1.0e-7"),
+        ] {
+            assert_eq!(error(value), text);
+        }
+        assert_eq!(probability(7e-297), "< 0.0001");
+        assert_eq!(probability(0.91), "0.910");
+    }
+
+    #[test]
+    fn those_that_read_the_same_stand_out_together() {
+        let mut t = table("", "", &["a"]);
+        let values = [3.831, 3.834, 6.0];
+        t.rows = values.iter().map(|v| vec![cell(*v)]).collect();
+        mark_least(&mut t, 0, &values);
+        let strong: Vec<bool> = t.rows.iter().map(|r| r[0].strong).collect();
+        assert_eq!(strong, [true, true, false]);
+    }
+
+    #[test]
+    fn lines_break_in_spans() {
+        let points = broken(vec![(0.0, 1.0), (1.0, 1.0), (5.0, 2.0)], &[(1.0, 5.0)]);
+        assert_eq!(points.len(), 4);
+        assert!(points[2].1.is_nan());
     }
 
     #[test]

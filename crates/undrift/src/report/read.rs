@@ -137,6 +137,7 @@ pub struct Drive {
 pub struct Navigate {
     pub drive: Drive,
     pub bias_model: String,
+    pub smooth: bool,
     pub mounting: Option<String>,
     pub position: Nis,
     pub velocity: Nis,

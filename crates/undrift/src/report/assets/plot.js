@@ -133,8 +133,10 @@ class Plot {
         setSelect: [u => this.selected(u)],
       },
     }, [x, [null, null]], this.box);
+    this.bindTouch();
+    this.bindKeys();
     this.u.root.setAttribute("role", "img");
-    this.u.root.setAttribute("aria-label", ["Plot", panel.title, panel.y.label, "over", panel.x.label].filter(Boolean).join(" "));
+    this.u.root.setAttribute("aria-label", ["Plot", panel.title, panel.y.label, "over", panel.x.label].filter(Boolean).join(" ") + "; plus and minus zoom, arrows move, 0 shows all");
     this.marks = panel.series.map(series => {
       const mark = make("span", "mark");
       mark.style.background = `var(--c${series.colour})`;
@@ -164,7 +166,7 @@ class Plot {
   ranges(width, height) {
     const { panel, zoom } = this;
     let x = zoom ? zoom.x : extent(panel, "x", -Infinity, Infinity);
-    let y = zoom && zoom.y || extent(panel, "y", x[0], x[1]);
+    let y = zoom && zoom.y || extent(panel, "y", x[0], x[1], !!zoom);
     if (panel.scale) {
       const pixel = 1.04 * Math.max((x[1] - x[0]) / width, (y[1] - y[0]) / height);
       const around = ([a, b], n) => [(a + b - pixel * n) / 2, (a + b + pixel * n) / 2];
@@ -200,6 +202,57 @@ class Plot {
     if (this.panel.scale) zoom.y = [u.posToVal(top + height, "y"), u.posToVal(top, "y")];
     u.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
     if (zoom.x[1] > zoom.x[0] && (!zoom.y || zoom.y[1] > zoom.y[0])) this.setZoom(zoom);
+  }
+
+  // A finger that moves sideways selects as the mouse does; up and down it scrolls the page.
+  bindTouch() {
+    const { u } = this, { over } = u;
+    let from = null;
+    const select = event => {
+      const box = over.getBoundingClientRect(), within = (v, n) => Math.max(0, Math.min(n, v));
+      const at = within(event.clientX - box.left, box.width), left = Math.min(from.x, at), width = Math.abs(at - from.x);
+      const height = this.panel.scale ? width * box.height / box.width : box.height;
+      const top = this.panel.scale ? within(from.y - height / 2, box.height - height) : 0;
+      u.setSelect({ left, top, width, height }, false);
+    };
+    over.addEventListener("pointerdown", event => {
+      if (event.pointerType !== "touch" || !event.isPrimary) { from = null; return; }
+      const box = over.getBoundingClientRect();
+      from = { x: event.clientX - box.left, y: event.clientY - box.top };
+    });
+    over.addEventListener("pointermove", event => { if (from && event.isPrimary) select(event); });
+    const end = take => event => {
+      if (!from || !event.isPrimary) return;
+      from = null;
+      if (take && u.select.width >= 12) this.selected(u);
+      else u.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+    };
+    over.addEventListener("pointerup", end(true));
+    over.addEventListener("pointercancel", end(false));
+  }
+
+  // Plus and minus zoom, arrows move what is zoomed, 0 and Escape show all again.
+  bindKeys() {
+    const { u, panel } = this;
+    u.root.tabIndex = 0;
+    u.root.addEventListener("keydown", event => {
+      const [factor, move] = { "+": [0.5, 0], "=": [0.5, 0], "-": [2, 0], ArrowLeft: [1, -0.25], ArrowRight: [1, 0.25] }[event.key] || [];
+      if (event.ctrlKey || event.metaKey || event.altKey) return;
+      if (event.key === "0" || event.key === "Escape") this.setZoom(null);
+      else if (factor && (factor < 1 || this.zoom)) {
+        event.preventDefault();
+        const all = this.all || (this.all = extent(panel, "x", -Infinity, Infinity));
+        const part = along => {
+          const { log } = panel[along], to = v => log ? Math.log(v) : v, back = v => log ? Math.exp(v) : v;
+          const { min, max } = u.scales[along], [a, b] = [to(min), to(max)];
+          const middle = (a + b) / 2 + (along === "x" ? move * (b - a) : 0), half = factor * (b - a) / 2;
+          return [back(middle - half), back(middle + half)];
+        };
+        const x = part("x"), whole = factor > 1 && x[0] <= all[0] && x[1] >= all[1];
+        if (!panel.scale) { x[0] = Math.max(x[0], all[0]); x[1] = Math.min(x[1], all[1]); }
+        if (whole || x[1] > x[0]) this.setZoom(whole ? null : panel.scale ? { x, y: part("y") } : { x });
+      }
+    });
   }
 
   inner() {

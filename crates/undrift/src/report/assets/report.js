@@ -71,9 +71,17 @@ function figureSvg(plots, columns, palette) {
   return svgFile(body, width, top + row, palette.paper);
 }
 
+// Text as spreadsheets take it: numbers with a plain minus and without gaps between their thousands, and
+// nothing that they would reckon with as a formula.
+function asData(text) {
+  const number = text.replace(/(\d)\u202f(?=\d)/g, "$1").replace(/−(?=[\d.])/g, "-");
+  if (/^[+-]?[\d.]+(e[+-]?\d+)?$/i.test(number)) return number;
+  return /^[=+\-@\t\r]/.test(number) ? "'" + number : number;
+}
+
 function csv(rows) {
   const cell = value => {
-    const text = value == null ? "" : String(value);
+    const text = value == null ? "" : asData(String(value));
     return /[",\r\n]/.test(text) ? `"${text.replace(/"/g, '""')}"` : text;
   };
   return rows.map(row => row.map(cell).join(",") + "\r\n").join("");
@@ -185,7 +193,7 @@ function start() {
     const rows = () => Array.from(element.querySelectorAll("tr"), row => Array.from(row.cells, c => c.textContent));
     const plain = text => text.replace(/[\t\r\n]+/g, " ");
     tools(element.querySelector(".caption"), [
-      ["Copy", "Copy for a spreadsheet", () => copy(rows().map(row => row.map(plain).join("\t")).join("\n"))],
+      ["Copy", "Copy for a spreadsheet", () => copy(rows().map(row => row.map(text => asData(plain(text))).join("\t")).join("\n"))],
       ["CSV", "Save as CSV", () => save(element.dataset.table + ".csv", "text/csv", csv(rows()))],
     ]);
   }

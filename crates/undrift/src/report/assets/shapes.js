@@ -58,22 +58,25 @@ function tickLabels(ticks) {
 const wide = series => series.style === "bars" || series.style === "boxes";
 const usable = (v, log) => v != null && (!log || v > 0);
 
-// From where to where a bar stands beside its x: those of several series stand side by side.
+// From where to where a bar stands beside its x: those of several series at one x stand side by side.
 function barSlot(panel, series) {
   const kin = panel.series.filter(wide);
   if (panel.gap === undefined) {
     const xs = kin.flatMap(s => Array.from(s.x)).filter(v => v != null).sort((a, b) => a - b);
     panel.gap = xs.slice(1).map((x, i) => x - xs[i]).filter(d => d > 0).reduce((a, b) => Math.min(a, b), Infinity);
     if (!isFinite(panel.gap)) panel.gap = 1;
+    panel.shared = xs.some((x, i) => i && x === xs[i - 1]);
   }
-  const group = 0.8 * panel.gap, width = group / kin.length, left = kin.indexOf(series) * width - group / 2;
+  const group = 0.8 * panel.gap, width = panel.shared ? group / kin.length : group;
+  const left = (panel.shared ? kin.indexOf(series) * width : 0) - group / 2;
   return [left + 0.04 * width, left + 0.96 * width];
 }
 
-// The least and greatest value of an axis over the series that are shown, inside [from, to] of x.
-function extent(panel, axis, from, to) {
+// The least and greatest value of an axis over the series that are shown, inside [from, to] of x; of a
+// part of them even where the axis has a range of its own.
+function extent(panel, axis, from, to, part = false) {
   const along = axis === "x", own = panel[axis];
-  if (own.range) return own.range.slice();
+  if (own.range && !part) return own.range.slice();
   let low = Infinity, high = -Infinity;
   const take = v => { if (v < low) low = v; if (v > high) high = v; };
   for (const s of panel.series) {
@@ -92,7 +95,7 @@ function extent(panel, axis, from, to) {
     if (!along && s.style === "bars" && !own.log) take(0);
   }
   if (low > high) return own.log ? [1, 10] : [0, 1];
-  const room = along ? 0 : 0.05;
+  const room = !along ? 0.05 : panel.series.some(s => s.style === "dots") ? 0.01 : 0;
   if (low === high) return own.log ? [low / 2, high * 2] : [low - (Math.abs(low) * 1e-3 || 1), high + (Math.abs(high) * 1e-3 || 1)];
   if (own.log) { const f = (high / low) ** room; return [low / f, high * f]; }
   return [low - room * (high - low), high + room * (high - low)];

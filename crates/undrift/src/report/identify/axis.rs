@@ -4,7 +4,7 @@ use super::{COLOURS, LEVEL, Units, figure, heading, is_seen, term, units};
 use crate::report::{
     Axis as PlotAxis, Block, Cell, Corner, Panel, Section, Series, Table,
     parts::{
-        Clock, cell, count, exact, get, mark_least, quantile, short, table, text, warnings, zip,
+        Clock, count, error, exact, get, probability, quantile, short, table, text, warnings, zip,
     },
     read::{Axis, Number, OrderRow},
 };
@@ -13,7 +13,7 @@ use std::f64::consts::{LN_2, PI, TAU};
 /// One axis in all detail.
 pub(super) fn of_axis(name: &str, axis: &Axis) -> Section {
     let unit = units(name);
-    let mut blocks = warnings(&axis.warnings);
+    let mut blocks = Vec::from_iter(warnings(&axis.warnings));
     let reason = &axis.chosen.reason;
     blocks.extend(text(&[
         axis.stationarity.clone(),
@@ -38,7 +38,7 @@ pub(super) fn of_axis(name: &str, axis: &Axis) -> Section {
         2,
         [allan(axis, unit), psd(axis, unit)].into_iter().flatten().collect(),
     ));
-    blocks.extend(pandit_wu(name, axis).map(Block::Table));
+    blocks.extend(pandit_wu(name, axis, unit).map(Block::Table));
     blocks.extend(candidates(name, axis, unit).map(Block::Table));
     Section {
         title: heading(name),
@@ -253,13 +253,13 @@ pub(super) fn psd(axis: &Axis, unit: &Units) -> Option<Panel> {
 }
 
 /// Table 3.
-fn pandit_wu(name: &str, axis: &Axis) -> Option<Table> {
+fn pandit_wu(name: &str, axis: &Axis, unit: &Units) -> Option<Table> {
     let mut rows = table(
         &format!("pandit-wu-{name}"),
-        "Pandit and Wu's procedure, as in the source paper's Table 3. F tests each order against the one before: above its 5 % point the larger order is better.",
+        "Pandit and Wu's procedure, as in the source paper's Table 3. F tests each order against the one before: above its 5 % point the larger order is better. The least AIC and BIC stand out.",
         &[
             "model",
-            "sum of squares",
+            &format!("sum of squares [{}]", unit.squares),
             "AIC",
             "BIC",
             "F",
@@ -281,8 +281,14 @@ fn pandit_wu(name: &str, axis: &Axis) -> Option<Table> {
         ]);
     }
     for (column, of) in [(2, (|r| r.aic.0) as fn(&OrderRow) -> f64), (3, |r| r.bic.0)] {
-        let values: Vec<f64> = axis.pandit_wu.iter().map(of).collect();
-        mark_least(&mut rows, column, &values);
+        let orders = axis.pandit_wu.iter().map(of).enumerate();
+        let least = orders
+            .filter(|(_, v)| v.is_finite())
+            .min_by(|a, b| a.1.total_cmp(&b.1));
+        let row = least.and_then(|(at, _)| rows.rows.get_mut(at));
+        if let Some(cell) = row.and_then(|row| row.get_mut(column)) {
+            *cell = cell.clone().strong();
+        }
     }
     (!rows.rows.is_empty()).then_some(rows)
 }
@@ -321,14 +327,14 @@ fn candidates(name: &str, axis: &Axis, unit: &Units) -> Option<Table> {
             if chosen { label.strong() } else { label },
             count(candidate.states).into(),
             count(candidate.parameters).into(),
-            cell(candidate.ljung_box_p.0),
+            probability(candidate.ljung_box_p.0).into(),
         ];
         row.extend(horizons.iter().map(|(_, key)| {
             let of = |numbers| get(numbers, key) * unit.scale;
             let text = format!(
                 "{} ± {} ({})",
                 short(of(&candidate.drift_score)),
-                short(of(&candidate.drift_score_error)),
+                error(of(&candidate.drift_score_error)),
                 short(of(&candidate.drift_predicted))
             );
             let score = Cell::from(text);

@@ -1,11 +1,13 @@
 //! Errors of a solution against the truth, in the bounds that the filter states.
 
-use super::{ATTITUDE, POSITION, Run, VELOCITY, figure, panels::component_panel, section};
+use super::{
+    ATTITUDE, POSITION, Run, VELOCITY, figure, panels::component_panel, section, with_gaps,
+};
 use crate::{
     reference::COMPONENTS,
     report::{
         Block, Cell, Section,
-        parts::{Clock, cell, count, get, short, table, text},
+        parts::{Clock, cell, count, get, mark_least, named, short, table, text},
         read::{Navigate, NavigateSeries},
     },
 };
@@ -47,7 +49,6 @@ pub(super) fn accuracy(
         "Root mean square error against the truth over all samples that have one.",
         &head,
     );
-    let mut told = Vec::new();
     for (name, run) in compared.iter().copied() {
         let Some(rms) = &run.rms_error else { continue };
         let first = if name.is_empty() {
@@ -58,19 +59,22 @@ pub(super) fn accuracy(
         let mut row: Vec<Cell> = vec![first.into()];
         row.extend(COMPONENTS.iter().map(|c| cell(get(rms, c))));
         errors.rows.push(row);
-        let prefix = if name.is_empty() {
-            String::new()
-        } else {
-            format!("{name}: ")
-        };
-        told.push(format!(
-            "{prefix}The horizontal position is {} m off the truth in the root mean square over {} samples.",
+        let said = format!(
+            "The horizontal position is {} m off the truth in the root mean square over {} samples.",
             short(get(rms, "horizontal_m")),
             count(run.compared_samples.unwrap_or(0))
-        ));
-        told.push(nees(run));
+        );
+        blocks.extend(text(&[named(name, &said), nees(run)]));
     }
-    blocks.extend(text(&told));
+    if compared.len() > 1 {
+        for (at, component) in COMPONENTS.iter().enumerate() {
+            let values = compared
+                .iter()
+                .filter_map(|(_, run)| run.rms_error.as_ref());
+            let values: Vec<f64> = values.map(|rms| get(rms, component)).collect();
+            mark_least(&mut errors, at + 1, &values);
+        }
+    }
     blocks.push(Block::Table(errors));
     for (name, caption, components) in [
         (
@@ -92,11 +96,12 @@ pub(super) fn accuracy(
         let single = series.len() == 1;
         let caption = if single {
             format!(
-                "{caption}, and three standard deviations as the filter states them (grey); the scale is that after settling."
+                "{caption}, and three standard deviations to either side as the filter states them (band); the scale is that after settling"
             )
         } else {
-            format!("{caption}.")
+            caption.to_owned()
         };
+        let caption = with_gaps(&caption, series);
         let panels = components
             .iter()
             .filter_map(|c| {

@@ -40,11 +40,8 @@ pub(super) fn component_panel(
         let bounds = clock.points(bounds, 3.0 * factor);
         let limit = limit(&curves, &bounds);
         panel = panel_within(&label, clock, series, limit);
-        let band: Vec<(f64, f64, f64)> = bounds
-            .iter()
-            .map(|(t, b)| (*t, -b.min(limit), b.min(limit)))
-            .collect();
-        panel.add(Series::band("3σ", BAND, &band));
+        let band: Vec<(f64, f64, f64)> = bounds.iter().map(|(t, b)| (*t, -b, *b)).collect();
+        panel.add(Series::band("±3σ", BAND, &band));
     }
     for (at, (run, points)) in curves.into_iter().enumerate() {
         let points = if *unit == "°" {
@@ -70,7 +67,10 @@ fn limit(curves: &[(&str, Vec<(f64, f64)>)], bounds: &[(f64, f64)]) -> f64 {
         .flat_map(|(_, points)| settled(points))
         .map(f64::abs)
         .fold(0.0, f64::max);
-    let usual = quantile(&settled(bounds), 0.95);
+    // Bounds that are wide for a while, as in an outage, do not flatten the rest.
+    let bounds = settled(bounds);
+    let wide = (2.0 * largest).max(1.2 * quantile(&bounds, 0.75));
+    let usual = quantile(&bounds, 0.95).min(wide);
     1.1 * largest
         .max(if usual.is_finite() { usual } else { 0.0 })
         .max(1e-12)
@@ -144,18 +144,13 @@ pub(super) fn sensor_panel(
     let low = quantile(&settled(&lower), 0.05).min(quantile(&values, 0.0));
     let high = quantile(&settled(&upper), 0.95).max(quantile(&values, 1.0));
     let mut y = Axis::new(&format!("{name} [{unit}]"));
-    let mut shown = band;
     if high > low {
         let room = 0.08 * (high - low);
-        let (low, high) = (low - room, high + room);
-        for (_, lower, upper) in &mut shown {
-            (*lower, *upper) = (lower.clamp(low, high), upper.clamp(low, high));
-        }
-        y = y.within(low..high);
+        y = y.within(low - room..high + room);
     }
     let panel = Panel::new("", Axis::new(&clock.label()), y);
     let mut panel = shaded(panel, clock, series);
-    panel.add(Series::band("3σ", BAND, &shown));
+    panel.add(Series::band("±3σ", BAND, &band));
     panel.add(Series::thin("estimate", COLOURS[0], estimate));
     Some(panel)
 }

@@ -6,6 +6,9 @@ use crate::report::{
     parts::{Clock, quantile},
 };
 
+/// Colours of several runs.
+const RUNS: [usize; 6] = [7, 6, 4, 5, 2, 0];
+
 /// Drift since the cut, and how it scatters over the outages.
 pub(super) fn drift(models: &[Model<'_>]) -> Option<Section> {
     let models: Vec<&Model<'_>> = models
@@ -24,7 +27,7 @@ pub(super) fn drift(models: &[Model<'_>]) -> Option<Section> {
     let y = axis_for(&drifts, "horizontal error, RMS [m]");
     let mut curves = Panel::new("", Axis::new("time since the cut [s]"), y);
     for model in models.iter().filter(|m| !m.drift.is_empty()) {
-        curves.add(Series::line(&model.name, model.colour, model.drift.clone()));
+        curves.add(model.line(model.drift.clone()));
     }
     if !drifts.is_empty() {
         blocks.push(Block::Figure(Figure {
@@ -34,44 +37,78 @@ pub(super) fn drift(models: &[Model<'_>]) -> Option<Section> {
             panels: vec![curves],
         }));
     }
-    let names = || models.iter().map(|m| m.name.clone());
+    blocks.push(spread(&models));
+    blocks.extend(outage_by_outage(&models));
+    Some(Section {
+        title: "Drift without GNSS".into(),
+        blocks,
+    })
+}
+
+impl Model<'_> {
+    /// A curve of the model: dashed where it is of another run than the first.
+    fn line(&self, points: Vec<(f64, f64)>) -> Series {
+        if self.run == 0 {
+            Series::line(&self.name, self.colour, points)
+        } else {
+            Series::dashed(&self.name, self.colour, points)
+        }
+    }
+}
+
+/// The largest horizontal errors of each model as a box, with their root mean square.
+fn spread(models: &[&Model<'_>]) -> Block {
+    let mut keys: Vec<&str> = Vec::new();
+    for model in models {
+        if !keys.contains(&model.key) {
+            keys.push(model.key);
+        }
+    }
+    let several = models.iter().any(|m| m.run > 0);
     let all: Vec<f64> = models
         .iter()
         .flat_map(|m| m.largest())
         .filter(|e| *e > 0.0)
         .collect();
-    let rms: Vec<f64> = models.iter().map(|m| m.rms()).collect();
-    let mut bars = Panel::new(
-        "Root mean square",
-        Axis::categories(names()),
-        axis_for(&rms, "largest horizontal error [m]"),
-    );
-    let mut boxes = Panel::new(
-        "Spread over the outages",
-        Axis::categories(names()),
-        axis_for(&all, "largest horizontal error [m]"),
-    );
-    for (at, model) in models.iter().enumerate() {
-        let x = at as f64;
-        if model.rms().is_finite() {
-            bars.add(Series::bars("", model.colour, vec![(x, model.rms())]));
+    let y = axis_for(&all, "largest horizontal error [m]");
+    let mut panel = Panel::new("", Axis::categories(keys.iter().copied()), y);
+    let runs = models.iter().map(|m| m.run).max().unwrap_or(0) + 1;
+    let mut squares: Vec<(f64, f64)> = Vec::new();
+    for run in 0..runs {
+        let mut boxes = Vec::new();
+        for model in models.iter().filter(|m| m.run == run) {
+            let x = keys.iter().position(|k| *k == model.key).unwrap_or(0) as f64;
+            let largest = model.largest();
+            let quartiles = [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| quantile(&largest, share));
+            if quartiles.iter().all(|q| q.is_finite()) {
+                boxes.push((model, (x, quartiles)));
+            }
+            // Where the box stands: those of several runs share 0.8 side by side.
+            let beside = if keys.len() < models.len() {
+                0.8 * ((run as f64 + 0.5) / runs as f64 - 0.5)
+            } else {
+                0.0
+            };
+            squares.push((x + beside, model.rms()));
         }
-        let largest = model.largest();
-        let quartiles = [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| quantile(&largest, share));
-        if quartiles.iter().all(|q| q.is_finite()) {
-            boxes.add(Series::boxes("", model.colour, vec![(x, quartiles)]));
+        if several {
+            let name = boxes.first().map_or("", |(m, _)| {
+                m.name.strip_suffix(&format!(": {}", m.key)).unwrap_or("")
+            });
+            let boxes = boxes.iter().map(|b| b.1).collect();
+            panel.add(Series::boxes(name, RUNS[run % RUNS.len()], boxes));
+        } else {
+            for (model, one) in boxes {
+                panel.add(Series::boxes("", model.colour, vec![one]));
+            }
         }
     }
-    blocks.push(Block::Figure(Figure {
+    panel.add(Series::dots("root mean square", 0, squares));
+    Block::Figure(Figure {
         name: "models".into(),
-        caption: "The models compared: largest horizontal error of each outage, its root mean square, and its least, quartiles, median and largest over the outages.".into(),
-        columns: 2,
-        panels: vec![bars, boxes],
-    }));
-    blocks.extend(outage_by_outage(&models));
-    Some(Section {
-        title: "Drift without GNSS".into(),
-        blocks,
+        caption: "The models compared by the largest horizontal error of each outage: box from the first to the third quartile with the median in it, whiskers to the least and the largest; dots: root mean square.".into(),
+        columns: 1,
+        panels: vec![panel],
     })
 }
 
@@ -96,7 +133,7 @@ fn outage_by_outage(models: &[&Model<'_>]) -> Option<Block> {
     for model in models {
         let outages = model.errors.per_outage.iter().zip(model.largest());
         let points: Vec<(f64, f64)> = outages.map(|(o, e)| (clock.at(o.start_s.0), e)).collect();
-        panel.add(Series::line(&model.name, model.colour, points.clone()));
+        panel.add(model.line(points.clone()));
         panel.add(Series::dots("", model.colour, points));
     }
     Some(Block::Figure(Figure {
