@@ -96,10 +96,8 @@ mod tests {
             description: "PX4 ULog",
             streams: Vec::new(),
             parts: vec![Part {
-                table: "imu",
-                lines: vec![Line::text("topic", odd, odd)],
-                measured: None,
                 problem: Some(format!("the log has: {odd}\nand {odd}")),
+                ..Part::new("imu", vec![Line::text("topic", odd, odd)])
             }],
             notes: Vec::new(),
         };
