@@ -2,8 +2,7 @@
 
 pub mod logs;
 
-use std::cell::RefCell;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use undrift::io::ReadError;
 use undrift::io::imu::{GapSummary, ImuReader};
@@ -12,26 +11,12 @@ use undrift::nav::earth::Geodetic;
 use undrift::nav::sample::{GnssFix, ImuSample, Position, Scalar, TruthSample};
 use undrift::nav::{Matrix3, Vector3};
 
-thread_local! {
-    static INPUT: RefCell<Option<PathBuf>> = const { RefCell::new(None) };
-}
-
-/// Runs `read` with a file that holds `data`, in memory where the system has such a folder.
-///
-/// The file is the same for every input: its old content is replaced.
+/// Runs `read` with a file that holds `data`, in the folder for temporary files: `tools/fuzz` takes one
+/// in memory. It is the same file for every input.
 pub fn with_file(data: &[u8], read: impl FnOnce(&Path)) {
-    let path = INPUT.with_borrow_mut(|path| path.get_or_insert_with(input).clone());
+    let path = std::env::temp_dir().join(format!("undrift-fuzz-{}", std::process::id()));
     std::fs::write(&path, data).expect("a place for the input");
     read(&path);
-}
-
-fn input() -> PathBuf {
-    let memory = Path::new("/dev/shm");
-    let folder = match memory.is_dir() {
-        true => memory.to_path_buf(),
-        false => std::env::temp_dir(),
-    };
-    folder.join(format!("undrift-fuzz-{}", std::process::id()))
 }
 
 /// Takes all records of a reader: their times are finite and go forward, `sound` holds for each, and
