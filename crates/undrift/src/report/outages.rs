@@ -107,7 +107,7 @@ fn summary(runs: &[Run<'_>], models: &[Model<'_>]) -> Section {
         let prefix = if name.is_empty() {
             String::new()
         } else {
-            format!("{name}: ")
+            format!("in {name}: ")
         };
         let failed = run
             .failed

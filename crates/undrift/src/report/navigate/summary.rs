@@ -15,7 +15,15 @@ pub(super) fn summary(runs: &[Run<'_>]) -> Section {
     let mut blocks = Vec::new();
     let told: Vec<String> = runs
         .iter()
-        .flat_map(|(name, run)| run.warnings.iter().map(|w| named(name, w)))
+        .flat_map(|(name, run)| {
+            run.warnings.iter().map(move |w| {
+                if name.is_empty() {
+                    w.clone()
+                } else {
+                    format!("in {name}: {w}")
+                }
+            })
+        })
         .collect();
     blocks.extend(warnings(&told));
     for (name, run) in runs {
