@@ -1,6 +1,6 @@
 //! Damaged and unusual logs.
 
-use super::log::{DURATION, Log, says, table};
+use super::log::{Case, DURATION, Log, says, table};
 use std::io::Write;
 
 /// Horizontal RMS error that a sound solution of the drive stays below [m]: the fixes have 0.5 m an
@@ -455,24 +455,41 @@ fn fixes_of_another_place_are_said_to_disagree() {
     }
 }
 
+/// Writes 1 s of absurd samples into a log.
+fn absurd(name: &str, value: &str) -> Case {
+    let mut log = Log::good();
+    for row in &mut log.imu[2500..2600] {
+        row.fields[1] = value.into();
+        row.fields[4] = value.into();
+    }
+    log.write(name)
+}
+
 #[test]
 fn absurd_samples_end_in_a_divergence_that_is_said() {
-    for (name, value) in [("huge", "1e300"), ("large", "1e9")] {
-        let mut log = Log::good();
-        for row in &mut log.imu[2500..2600] {
-            row.fields[1] = value.into();
-            row.fields[4] = value.into();
-        }
-        let (outcome, nav) = log.write(name).navigate();
-        assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
-        says(
-            &outcome.stderr,
-            &[
-                "the solution diverged at 50.0",
-                "what was written ends there",
-            ],
-        );
-        let nav = nav.unwrap();
-        assert!(nav.at(49.9, "north_std_m") < 1.0);
-    }
+    let (outcome, nav) = absurd("large", "1e9").navigate();
+    assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
+    says(
+        &outcome.stderr,
+        &[
+            "the solution diverged at 50.0",
+            "what was written ends there",
+        ],
+    );
+    let nav = nav.unwrap();
+    assert!(nav.at(49.9, "north_std_m") < 1.0);
+}
+
+#[test]
+fn samples_that_no_sensor_can_have_are_left_out() {
+    let (outcome, nav) = absurd("huge", "1e300").navigate();
+    assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+    says(
+        &outcome.stderr,
+        &[
+            "100 rows with a value out of its range",
+            "long gaps between samples: 1",
+        ],
+    );
+    assert!(nav.unwrap().at(60.0, "north_std_m") < 1.0);
 }
