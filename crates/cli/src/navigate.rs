@@ -30,10 +30,10 @@ use undrift::{
 #[derive(Args)]
 #[command(after_help = "Examples:
   undrift navigate examples/rtk-drive.toml --data logs -o nav.csv -o nav.kml
-  undrift navigate examples/drive30.toml --data target/drive30 --smooth --json -
+  undrift navigate examples/drive30.toml --data target/drive30/seed1 --smooth --json -
   undrift navigate examples/uav-flight.toml --data logs --bias-model gauss-markov -v
 
-tools/make-drive30 makes target/drive30.")]
+tools/make-drive30 makes target/drive30/seed1.")]
 pub struct Arguments {
     /// The drive file
     #[arg(value_name = "DRIVE.toml")]

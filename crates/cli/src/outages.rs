@@ -35,9 +35,9 @@ const OUTAGE_NODE_SPAN: f64 = 0.2;
 #[command(after_help = "Examples:
   undrift outages examples/rtk-drive.toml --data logs --length 10 --every 30 --start 40
   undrift outages examples/navego-adis16405.toml --data logs --every 24 --count 15 --out out
-  undrift outages examples/drive30.toml --data target/drive30 --count 10 --bias-models white,arma
+  undrift outages examples/drive30.toml --data target/drive30/seed1 --count 10 --bias-models white,arma
 
-tools/make-drive30 makes target/drive30.")]
+tools/make-drive30 makes target/drive30/seed1.")]
 pub struct Arguments {
     /// The drive file
     #[arg(value_name = "DRIVE.toml")]
