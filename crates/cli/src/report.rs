@@ -1,6 +1,9 @@
 //! `undrift report`: results that were written as JSON, for reading.
 
-use crate::{output, print};
+use crate::{
+    output::{self, JsonOutput},
+    print,
+};
 use anyhow::{Context, Result};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -31,6 +34,8 @@ pub struct Arguments {
     /// Write its figures into this folder, each as SVG and PNG
     #[arg(long, value_name = "DIR")]
     figures: Option<PathBuf>,
+    #[command(flatten)]
+    json: JsonOutput,
 }
 
 /// Where a verb puts the report of its result.
@@ -69,6 +74,7 @@ impl Reporting {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
+    arguments.json.ready()?;
     let results = arguments
         .results
         .iter()
@@ -82,7 +88,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         &results,
         arguments.output.as_deref(),
         arguments.figures.as_deref(),
-    )
+    )?;
+    let told = serde_json::json!({
+        "results": arguments.results,
+        "report": arguments.output,
+        "figures": arguments.figures,
+    });
+    arguments.json.write(&format!("{told:#}")).map(drop)
 }
 
 fn write(
