@@ -32,15 +32,16 @@ const STEP_MIN: f64 = 1e-4;
 
 /// Collects intervals; the median of the first ones starts a running median.
 #[derive(Default)]
-pub(crate) struct GapWatch {
+pub struct GapWatch {
     start: Vec<Gap>,
     seen: u64,
     summary: GapSummary,
 }
 
 impl GapWatch {
+    /// Takes in the next interval.
     #[inline]
-    pub(crate) fn add(&mut self, interval: Gap) {
+    pub fn add(&mut self, interval: Gap) {
         self.seen += 1;
         if self.start.len() < START {
             self.start.push(interval);
@@ -69,7 +70,8 @@ impl GapWatch {
         lengths.get(lengths.len().saturating_sub(1) / 2).copied()
     }
 
-    pub(crate) fn summary(&self) -> GapSummary {
+    /// What the intervals so far show.
+    pub fn summary(&self) -> GapSummary {
         if self.start.len() < START {
             of_all(&self.start)
         } else {

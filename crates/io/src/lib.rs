@@ -8,6 +8,7 @@
 //! north-east-down and forward-right-down; whatever a file has is scaled and rotated on reading.
 
 pub mod format;
+pub mod gaps;
 pub mod gnss;
 pub mod imu;
 pub mod layouts;
@@ -26,7 +27,6 @@ pub mod write;
 
 mod clock;
 mod error;
-mod gaps;
 mod lines;
 mod time;
 

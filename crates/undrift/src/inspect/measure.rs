@@ -3,7 +3,15 @@
 use super::{Line, Measured, Part, quoted};
 use crate::drive::{DriveError, Section, gnss, imu, parse, tables};
 use std::path::Path;
-use undrift_io::{ReadError, format::Format, gnss::GnssReader, imu::ImuReader, truth::TruthReader};
+use undrift_io::{
+    ReadError,
+    format::Format,
+    gaps::{Gap, GapWatch},
+    gnss::GnssReader,
+    imu::ImuReader,
+    skipped::Skipped,
+    truth::TruthReader,
+};
 use undrift_nav::{Vector3, earth::STANDARD_GRAVITY, sample::FixQuality};
 
 /// Standard deviations to begin with where a log does not tell any: a single-frequency receiver
@@ -147,10 +155,7 @@ fn samples(mut reader: ImuReader) -> Result<(Measured, Option<Line>), ReadError>
         });
         remarks.push(shown);
     }
-    let gaps = reader.gaps();
-    let mut measured = span.measured(gaps.nominal_interval, reader.skipped().to_string());
-    measured.gaps = gaps.count;
-    measured.longest_gap_s = gaps.longest.map(|gap| (gap.start, gap.length));
+    let mut measured = span.measured(reader.skipped());
     measured.remarks = remarks;
     Ok((measured, axes))
 }
@@ -185,8 +190,7 @@ fn fixes(mut reader: GnssReader) -> Result<Measured, ReadError> {
         "fixes: {}; {velocities} with a velocity",
         shares.join(", ")
     ));
-    let step = span.step();
-    let mut measured = span.measured(step, reader.skipped().to_string());
+    let mut measured = span.measured(reader.skipped());
     measured.remarks = remarks;
     measured.untold_velocities = reader.untold_velocities();
     Ok(measured)
@@ -201,8 +205,7 @@ fn poses(mut reader: TruthReader) -> Result<Measured, ReadError> {
         velocities += u64::from(sample.v_n.is_some());
         attitudes += u64::from(sample.rpy.is_some());
     }
-    let step = span.step();
-    let mut measured = span.measured(step, reader.skipped().to_string());
+    let mut measured = span.measured(reader.skipped());
     measured.remarks = vec![format!(
         "{velocities} with a velocity, {attitudes} with an attitude"
     )];
@@ -215,53 +218,37 @@ struct Span {
     records: u64,
     first: f64,
     last: f64,
-    /// The first intervals, for the ordinary one [s].
-    steps: Vec<f64>,
-    ordinary: Option<f64>,
-    gaps: u64,
-    longest: Option<(f64, f64)>,
+    gaps: GapWatch,
 }
-
-/// Intervals that the ordinary one is taken of.
-const STEPS: usize = 200;
 
 impl Span {
     fn add(&mut self, time: f64) {
         if self.records == 0 {
             self.first = time;
         } else {
-            let step = time - self.last;
-            match self.ordinary {
-                Some(ordinary) => self.gaps += u64::from(step > 1.5 * ordinary),
-                None => {
-                    self.steps.push(step);
-                    self.ordinary = (self.steps.len() == STEPS).then(|| self.step());
-                }
-            }
-            if self.longest.is_none_or(|(_, length)| step > length) {
-                self.longest = Some((self.last, step));
-            }
+            self.gaps.add(Gap {
+                start: self.last,
+                length: time - self.last,
+                line: self.records + 1,
+            });
         }
         self.records += 1;
         self.last = time;
     }
 
-    /// The ordinary interval [s]; 0 while there is none.
-    fn step(&self) -> f64 {
-        let mut steps = self.steps.clone();
-        steps.sort_by(f64::total_cmp);
-        steps.get(steps.len() / 2).copied().unwrap_or(0.0)
-    }
-
-    fn measured(self, interval: f64, skipped: String) -> Measured {
+    fn measured(&self, skipped: &Skipped) -> Measured {
+        let gaps = self.gaps.summary();
         Measured {
             records: self.records,
             first_s: self.first,
             last_s: self.last,
-            rate_hz: if interval > 0.0 { 1.0 / interval } else { 0.0 },
-            gaps: self.gaps,
-            longest_gap_s: self.longest.filter(|(_, length)| *length > 1.5 * interval),
-            skipped,
+            rate_hz: match gaps.nominal_interval {
+                0.0 => 0.0,
+                interval => 1.0 / interval,
+            },
+            gaps: gaps.count,
+            longest_gap_s: gaps.longest.map(|gap| (gap.start, gap.length)),
+            skipped: skipped.to_string(),
             untold_velocities: 0,
             remarks: Vec::new(),
         }
