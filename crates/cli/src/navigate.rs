@@ -44,10 +44,10 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME", default_value = "arma")]
     bias_model: BiasModel,
     /// Write the solution, in the format of the extension: csv (every sample, with standard deviations
-    /// and estimated sensor errors), nav (KF-GINS), nmea, kml, geojson, gpx; may be given again
+    /// and estimated sensor errors), nav (KF-GINS), nmea, kml, geojson, gpx, mcap, parquet; may be given again
     #[arg(short, long, value_name = "nav.csv", help_heading = "Output")]
     output: Vec<PathBuf>,
-    /// Format of the solution, whatever the extension: csv, kf-gins, nmea, kml, geojson or gpx
+    /// Format of the solution, whatever the extension: csv, kf-gins, nmea, kml, geojson, gpx, mcap or parquet
     #[arg(long, value_name = "NAME", help_heading = "Output")]
     format: Option<SolutionFormat>,
     /// GPS week in which the log begins, for formats with dates
@@ -155,7 +155,7 @@ fn outputs(arguments: &Arguments) -> Result<Vec<SolutionFile>> {
 fn format_of(path: &Path) -> Result<SolutionFormat> {
     SolutionFormat::from_path(path).with_context(|| {
         format!(
-            "{}: the extension names no format; there are csv, nav, nmea, kml, geojson, gpx, or give --format",
+            "{}: the extension names no format; there are csv, nav, nmea, kml, geojson, gpx, mcap, parquet, or give --format",
             path.display()
         )
     })
