@@ -212,12 +212,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             .model(base.as_ref(), &name, provenance)
             .map_err(anyhow::Error::msg)?;
         print::write_whole(file, &model.to_toml())?;
-        let told = format!("model: {}", file.display());
-        if shown {
-            terminal::note(told);
-        } else {
-            say(told)?;
-        }
+        terminal::say_beside(shown, format!("model: {}", file.display()))?;
         let unknown: Vec<&str> = model
             .axes()
             .into_iter()

@@ -2,8 +2,7 @@
 
 use crate::{
     output::{self, JsonOutput},
-    print,
-    terminal::{self, note},
+    print, terminal,
 };
 use anyhow::{Result, bail};
 use clap::Args;
@@ -51,12 +50,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(file) = &arguments.output {
         let home = file.parent().unwrap_or(std::path::Path::new(""));
         print::write_whole(file, &inspect::drive_file(&inspections, home))?;
-        let told = format!("drive file: {}", file.display());
-        if shown {
-            note(told);
-        } else {
-            terminal::say(told)?;
-        }
+        terminal::say_beside(shown, format!("drive file: {}", file.display()))?;
     }
     if inspections.len() < arguments.files.len() {
         bail!("not every file could be read");

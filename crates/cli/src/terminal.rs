@@ -122,6 +122,15 @@ pub fn note(text: impl Display) {
     }
 }
 
+/// Prints a summary, or notes it where standard output is `taken` by a result.
+pub fn say_beside(taken: bool, text: impl Display) -> Result<()> {
+    if taken {
+        note(text);
+        return Ok(());
+    }
+    say(text)
+}
+
 /// Notes that the result cannot be trusted: --strict makes an exit code of it.
 pub fn doubt() {
     DOUBT.store(true, Relaxed);

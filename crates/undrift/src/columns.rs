@@ -266,13 +266,18 @@ pub const FIX_STEP: f64 = 30.0;
 /// The unit of time stamps, and its factor to seconds: the longest one that makes their ordinary
 /// step no longer than `longest` [s]; `None` if there are too few stamps or none fits.
 pub fn time_unit(stamps: &[f64], longest: f64) -> Option<(&'static str, f64)> {
-    let mut steps: Vec<f64> = stamps.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    steps.retain(|step| *step > 0.0);
-    steps.sort_by(f64::total_cmp);
-    let step = *steps.get(steps.len() / 2)?;
+    let step = ordinary_step(stamps)?;
     [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)]
         .into_iter()
         .find(|(_, factor)| step * factor <= longest)
+}
+
+/// Median of the steps forward of time stamps, in their unit; `None` if there are none.
+pub fn ordinary_step(stamps: &[f64]) -> Option<f64> {
+    let mut steps: Vec<f64> = stamps.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    steps.retain(|step| *step > 0.0);
+    steps.sort_by(f64::total_cmp);
+    steps.get(steps.len() / 2).copied()
 }
 
 #[cfg(test)]

@@ -13,7 +13,6 @@ use undrift_io::{
     rtklib::RtklibOptions,
 };
 use undrift_nav::{
-    Vector3,
     earth::Geodetic,
     units::{self, Quantity},
 };
@@ -41,21 +40,13 @@ pub(crate) fn read_gnss(
     let position_std_factor = section.factor("position_std_factor")?.unwrap_or(1.0);
     let velocity_std_factor = section.factor("velocity_std_factor")?.unwrap_or(1.0);
     let _ = ["lever_arm", "gate", "adapt", "quality_std_factors"].map(|key| section.get(key));
-    let position_std = |section: &Section| -> Result<Option<[f64; 3]>, ConfigError> {
-        let std = positive(section, "position_std", Quantity::Length)?;
-        Ok(std.map(|v| [v.x, v.y, v.z]))
-    };
-    let velocity_std = |section: &Section| -> Result<Option<[f64; 3]>, ConfigError> {
-        let std = positive(section, "velocity_std", Quantity::Velocity)?;
-        Ok(std.map(|v| [v.x, v.y, v.z]))
-    };
     let source = match format {
         Format::Rtklib => GnssSource::Rtklib(RtklibOptions {
             time_offset,
             position_std_factor,
             velocity_std_factor,
-            position_std: position_std(section)?,
-            velocity_std: velocity_std(section)?,
+            position_std: constant_std(section, "position_std", Quantity::Length)?,
+            velocity_std: constant_std(section, "velocity_std", Quantity::Velocity)?,
             base: read_base(section)?,
             span,
         }),
@@ -63,8 +54,8 @@ pub(crate) fn read_gnss(
             position: section.text("topic")?.map(str::to_owned),
             velocity: section.text("velocity_topic")?.map(str::to_owned),
             time_offset,
-            position_std: position_std(section)?,
-            velocity_std: velocity_std(section)?,
+            position_std: constant_std(section, "position_std", Quantity::Length)?,
+            velocity_std: constant_std(section, "velocity_std", Quantity::Velocity)?,
             position_std_factor,
             velocity_std_factor,
             span,
@@ -76,13 +67,13 @@ pub(crate) fn read_gnss(
             format.span = span;
             if let Some(position) = &mut format.position {
                 position.std_factor = position_std_factor;
-                if let Some(std) = position_std(section)? {
+                if let Some(std) = constant_std(section, "position_std", Quantity::Length)? {
                     position.std = Std::Constant(std);
                 }
             }
             if let Some(velocity) = &mut format.velocity {
                 velocity.std_factor = velocity_std_factor;
-                if let Some(std) = velocity_std(section)? {
+                if let Some(std) = constant_std(section, "velocity_std", Quantity::Velocity)? {
                     velocity.std = Std::Constant(std);
                 }
             }
@@ -164,13 +155,13 @@ fn read_stds<'a>(
     quantity: Quantity,
 ) -> Result<Option<Std>, ConfigError> {
     match (
-        positive(section, constant, quantity)?,
+        constant_std(section, constant, quantity)?,
         section.columns(columns)?,
     ) {
         (Some(_), Some(_)) => {
             Err(section.error(columns, format!("give {constant} or {columns}, not both")))
         }
-        (Some(v), None) => Ok(Some(Std::Constant([v.x, v.y, v.z]))),
+        (Some(v), None) => Ok(Some(Std::Constant(v))),
         (None, Some(columns)) => Ok(Some(Std::Columns(columns))),
         (None, None) => Ok(None),
     }
@@ -258,16 +249,16 @@ fn read_columns(
     })
 }
 
-/// Three standard deviations above zero.
-fn positive<'a>(
+/// Three standard deviations above zero for every fix.
+fn constant_std<'a>(
     section: &Section<'a>,
     key: &'a str,
     quantity: Quantity,
-) -> Result<Option<Vector3>, ConfigError> {
+) -> Result<Option<[f64; 3]>, ConfigError> {
     match section.vector(key, quantity)? {
         Some(v) if v.iter().any(|std| *std <= 0.0) => {
             Err(section.error(key, "standard deviations must be above zero"))
         }
-        other => Ok(other),
+        other => Ok(other.map(|v| [v.x, v.y, v.z])),
     }
 }

@@ -4,7 +4,7 @@ use super::{
     Line, Part, quoted,
     units::{self, Force},
 };
-use crate::columns::{FIX_STEP, IMU_STEP, Meaning, meaning, time_unit};
+use crate::columns::{FIX_STEP, IMU_STEP, Meaning, meaning, ordinary_step, time_unit};
 use std::path::Path;
 use undrift_io::{
     ReadError,
@@ -229,15 +229,7 @@ impl Columns {
         if unit != "s" {
             lines.push(Line::text("time_unit", &unit, why));
         }
-        let mut steps: Vec<f64> = stamps
-            .windows(2)
-            .map(|pair| (pair[1] - pair[0]) * factor)
-            .collect();
-        steps.sort_by(f64::total_cmp);
-        let step = steps
-            .get(steps.len() / 2)
-            .copied()
-            .filter(|step| *step > 0.0);
+        let step = ordinary_step(&stamps).map(|step| step * factor);
         (lines, step)
     }
 

@@ -1,6 +1,7 @@
 //! What a run was like over time, for plots.
 
 use crate::{
+    consistency::COMPONENT_NAMES,
     reference::{COMPONENTS, Errors},
     remarks::WITHOUT_GNSS,
     replay::MOST_EVENTS,
@@ -14,23 +15,10 @@ use undrift_nav::{
 };
 
 /// Names of the six sensor axes' errors with their units.
-const SENSORS: [&str; AXES] = [
-    "gyro_x_radps",
-    "gyro_y_radps",
-    "gyro_z_radps",
-    "accel_x_mps2",
-    "accel_y_mps2",
-    "accel_z_mps2",
-];
-/// Velocity and attitude, and the standard deviations of the nine navigation errors.
-const MOTION: [&str; 6] = [
-    "vn_mps",
-    "ve_mps",
-    "vd_mps",
-    "roll_deg",
-    "pitch_deg",
-    "yaw_deg",
-];
+const SENSORS: &[&str] = COMPONENT_NAMES.split_at(NAV).1;
+/// Velocity and attitude.
+const MOTION: &[&str] = DEVIATIONS.split_at(3).1;
+/// The standard deviations of the nine navigation errors.
 const DEVIATIONS: [&str; NAV] = [
     "north_m",
     "east_m",
@@ -172,10 +160,10 @@ impl Recording {
             .collect();
         json!({
             "track": self.track.json(place),
-            "motion": named(&MOTION, &self.motion),
+            "motion": named(MOTION, &self.motion),
             "std": named(&DEVIATIONS, &self.deviations),
-            "sensor_error": named(&SENSORS, &self.sensors),
-            "sensor_error_std": named(&SENSORS, &self.sensor_deviations),
+            "sensor_error": named(SENSORS, &self.sensors),
+            "sensor_error_std": named(SENSORS, &self.sensor_deviations),
             "error": named(&COMPONENTS, &self.errors),
             "innovations": {"position": innovations(0), "velocity": innovations(1)},
             "without_gnss_s": spans,

@@ -4,8 +4,8 @@
 mod axis;
 
 use super::{
-    Block, Cell, Figure, Panel, Section, Series,
-    parts::{cell, count, get, short, span, table, text, warnings, zip},
+    Block, Cell, Panel, Section, Series,
+    parts::{cell, count, figure, get, short, span, table, text, warnings, zip},
     read::{Axis, Identify},
 };
 use axis::{allan_panel, of_axis, psd};
@@ -297,17 +297,6 @@ fn normality(run: &Identify) -> String {
             ""
         }
     )
-}
-
-fn figure(name: &str, caption: &str, columns: usize, panels: Vec<Panel>) -> Option<Block> {
-    (!panels.is_empty()).then(|| {
-        Block::Figure(Figure {
-            name: name.into(),
-            caption: caption.into(),
-            columns,
-            panels,
-        })
-    })
 }
 
 /// One axis of several records.

@@ -6,8 +6,8 @@ mod panels;
 mod summary;
 
 use super::{
-    Axis, Block, Corner, Figure, Panel, Section, Series,
-    parts::{Clock, on_the_ground, origin},
+    Axis, Block, Corner, Panel, Section, Series,
+    parts::{Clock, figure, on_the_ground, origin},
     read::{Navigate, NavigateSeries},
 };
 use accuracy::accuracy;
@@ -79,17 +79,6 @@ fn section(title: &str, blocks: Vec<Block>) -> Option<Section> {
     (!blocks.is_empty()).then(|| Section {
         title: title.into(),
         blocks,
-    })
-}
-
-fn figure(name: &str, caption: &str, columns: usize, panels: Vec<Panel>) -> Option<Block> {
-    (!panels.is_empty()).then(|| {
-        Block::Figure(Figure {
-            name: name.into(),
-            caption: caption.into(),
-            columns,
-            panels,
-        })
     })
 }
 

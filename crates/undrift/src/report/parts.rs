@@ -1,7 +1,7 @@
 //! What the reports share: numbers as text, curves as points, tables row by row.
 
 use super::{
-    Block, Cell, Series, Table,
+    Block, Cell, Figure, Panel, Series, Table,
     read::{Curve, Number, Numbers, Track},
 };
 use undrift_nav::earth::Geodetic;
@@ -308,6 +308,18 @@ pub fn level(name: &str, colour: usize, x: (f64, f64), y: f64) -> Series {
 pub fn extent(points: &[(f64, f64)]) -> (f64, f64) {
     let ends = points.first().zip(points.last());
     ends.map_or((0.0, 1.0), |(a, b)| (a.0, b.0))
+}
+
+/// A figure of the panels that there are.
+pub fn figure(name: &str, caption: &str, columns: usize, panels: Vec<Panel>) -> Option<Block> {
+    (!panels.is_empty()).then(|| {
+        Block::Figure(Figure {
+            name: name.into(),
+            caption: caption.into(),
+            columns,
+            panels,
+        })
+    })
 }
 
 #[cfg(test)]
