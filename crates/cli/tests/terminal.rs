@@ -13,11 +13,21 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
+/// What an environment may say of colours and widths; `CI` makes even a dumb terminal one with colours.
+const OF_THE_ENVIRONMENT: [&str; 6] = [
+    "NO_COLOR",
+    "CLICOLOR",
+    "CLICOLOR_FORCE",
+    "CI",
+    "TERM",
+    "COLUMNS",
+];
+
 /// The command in a plain environment.
 fn undrift(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_undrift"));
     command.args(arguments).env("LC_ALL", "C.UTF-8");
-    for name in ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "TERM", "COLUMNS"] {
+    for name in OF_THE_ENVIRONMENT {
         command.env_remove(name);
     }
     command
@@ -46,11 +56,14 @@ fn said(command: &mut Command) -> Said {
 
 /// The command on a terminal of its own; `None` where `script` of util-linux is missing.
 fn on_terminal(command: &str) -> Option<String> {
-    let output = Command::new("script")
+    let mut script = Command::new("script");
+    for name in OF_THE_ENVIRONMENT {
+        script.env_remove(name);
+    }
+    let output = script
         .args(["-qec", command, "/dev/null"])
         .env("TERM", "xterm-256color")
         .env("UNDRIFT", env!("CARGO_BIN_EXE_undrift"))
-        .env_remove("NO_COLOR")
         .stdin(Stdio::null())
         .output()
         .ok()?;
