@@ -1,0 +1,1 @@
+//! The error-state filter behind a C header.

@@ -1,0 +1,10 @@
+//! The compiled half of the Python package `undrift`: functions on arrays and files that release the
+//! interpreter's lock. The classes that people see are in `python/undrift`.
+
+use pyo3::prelude::*;
+
+#[pymodule]
+fn _undrift(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    Ok(())
+}
