@@ -38,8 +38,8 @@ pub fn minimal<const N: usize>(
         attitude: vector(),
     };
     let sensors = sensors(number()).map_err(Failure::Model)?;
-    let mut filter = Filter::<N>::new(start, &std, sensors, Parameters::none())
-        .map_err(Failure::Filter)?;
+    let mut filter =
+        Filter::<N>::new(start, &std, sensors, Parameters::none()).map_err(Failure::Filter)?;
     loop {
         filter.begin(&ImuSample {
             time: number(),
