@@ -8,7 +8,9 @@ mod metal {
     #[cortex_m_rt::entry]
     fn main() -> ! {
         let _ = minimal::<{ models::RANDOM_WALK_STATES }>(models::random_walk);
-        loop {}
+        loop {
+            cortex_m::asm::wfi();
+        }
     }
 
     #[panic_handler]

@@ -8,7 +8,9 @@ mod metal {
     #[cortex_m_rt::entry]
     fn main() -> ! {
         let _ = minimal::<{ models::ARMA_STATES }>(models::arma);
-        loop {}
+        loop {
+            cortex_m::asm::wfi();
+        }
     }
 
     #[panic_handler]

@@ -5,7 +5,9 @@
 mod metal {
     #[cortex_m_rt::entry]
     fn main() -> ! {
-        loop {}
+        loop {
+            cortex_m::asm::wfi();
+        }
     }
 
     #[panic_handler]
