@@ -3,8 +3,14 @@
 
 use pyo3::prelude::*;
 
+mod error;
+
 #[pymodule]
 fn _undrift(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add(
+        "UndriftError",
+        module.py().get_type::<error::UndriftError>(),
+    )?;
     Ok(())
 }

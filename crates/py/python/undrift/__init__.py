@@ -1,5 +1,8 @@
-"""Noise models of low-cost inertial sensors, carried exactly into a GNSS/INS filter."""
+"""Noise models of low-cost inertial sensors, carried exactly into a GNSS/INS filter.
 
-from undrift._undrift import __version__
+SI units and radians, unless a name says otherwise; arrays are numpy's, ``float64``.
+"""
 
-__all__ = ["__version__"]
+from undrift._undrift import UndriftError, __version__
+
+__all__ = ["UndriftError", "__version__"]

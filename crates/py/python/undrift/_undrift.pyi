@@ -1,0 +1,5 @@
+"""Signatures of the compiled half."""
+
+__version__: str
+
+class UndriftError(ValueError): ...
