@@ -3,7 +3,12 @@
 
 use pyo3::prelude::*;
 
+mod allan;
+mod arma;
+mod array;
 mod error;
+mod stationarity;
+mod statistics;
 
 #[pymodule]
 fn _undrift(module: &Bound<'_, PyModule>) -> PyResult<()> {
@@ -12,5 +17,8 @@ fn _undrift(module: &Bound<'_, PyModule>) -> PyResult<()> {
         "UndriftError",
         module.py().get_type::<error::UndriftError>(),
     )?;
-    Ok(())
+    allan::register(module)?;
+    stationarity::register(module)?;
+    statistics::register(module)?;
+    arma::register(module)
 }
