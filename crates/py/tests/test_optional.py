@@ -29,7 +29,7 @@ def test_plots(record: npt.NDArray[np.float64]) -> None:
         undrift.psd(record, 100.0),
         undrift.acf(record, 20),
     ):
-        result.plot().figure.canvas.draw()  # type: ignore[attr-defined]
+        result.plot().figure.canvas.draw()
     axes.figure.canvas.draw()
     pyplot.close("all")
 
