@@ -106,6 +106,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             files: outputs(arguments)?,
             smooth: arguments.smooth,
             recording,
+            rows: false,
         };
         navigate::navigate_for(&drive, arguments.bias_model, wanted).map_err(anyhow::Error::from)
     })?;

@@ -14,6 +14,7 @@ use undrift_io::{
     format::{self, Format},
     layouts::KF_GINS_WITH_VELOCITY,
     log::{self, StreamKind},
+    table::Preview,
 };
 
 /// What a file is.
@@ -141,6 +142,20 @@ pub fn inspect(path: &Path) -> Result<Inspection, ReadError> {
         inspection.notes.push(note.into());
     }
     Ok(inspection)
+}
+
+/// What the names of columns alone tell: the parts that they can serve, each with the keys that no
+/// number was looked at for. A unit that no name tells is left out.
+pub fn by_names(names: &[String]) -> Vec<Part> {
+    let table = Preview {
+        names: names.to_vec(),
+        rows: Vec::new(),
+    };
+    let mut parts = columns::parts_of(table, &mut Vec::new());
+    for part in &mut parts {
+        part.lines.retain(|line| !line.why.starts_with("guessed"));
+    }
+    parts
 }
 
 impl Part {
