@@ -276,6 +276,26 @@ pub fn navigate_for(
     })
 }
 
+/// The solution at an instant: state, standard deviations as of [`Filter::nav_std`], and sensor errors,
+/// [`Filter::sensor_error`], with theirs.
+pub fn solution_row(
+    nav: &NavState,
+    nav_std: [f64; NAV],
+    e: [f64; AXES],
+    error_std: [f64; AXES],
+) -> SolutionRow {
+    SolutionRow {
+        time: nav.time,
+        position: nav.position,
+        v_n: nav.v_n,
+        rpy: to_rpy(&nav.q_nb),
+        nav_std,
+        gyro_error: Vector3::new(e[0], e[1], e[2]),
+        accel_error: Vector3::new(e[3], e[4], e[5]),
+        error_std,
+    }
+}
+
 /// Fixes, wheel speeds and heights in order of time.
 fn aiding(
     gnss: &mut GnssReader,
@@ -408,16 +428,7 @@ impl Recorder {
             }
         }
         if !self.outputs.is_empty() || self.recording.is_some() || self.rows.is_some() {
-            let row = SolutionRow {
-                time: nav.time,
-                position: nav.position,
-                v_n: nav.v_n,
-                rpy: to_rpy(&nav.q_nb),
-                nav_std,
-                gyro_error: Vector3::new(e[0], e[1], e[2]),
-                accel_error: Vector3::new(e[3], e[4], e[5]),
-                error_std,
-            };
+            let row = solution_row(nav, nav_std, e, error_std);
             self.outputs.write(&row)?;
             if let Some(recording) = &mut self.recording {
                 recording.solution(&row);

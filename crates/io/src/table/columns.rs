@@ -187,7 +187,7 @@ mod tests {
         assert_eq!(table.next_row(&mut row).unwrap(), None);
         assert_eq!(
             table.skipped().to_string(),
-            "1 row with NaN or infinity, the first on line 2: NaN"
+            "1 row with NaN or infinity, at line 2: NaN"
         );
         let mut table = Table::from_source(path, columns(), &options(true)).unwrap();
         table.next_row(&mut row).unwrap();
