@@ -1,7 +1,7 @@
 //! Drives: files, or columns in memory.
 
 use crate::{
-    arrays::{self, Named},
+    columns::{self, Named},
     error::error,
     model::NoiseModel,
 };
@@ -35,7 +35,7 @@ impl Drive {
         let name = file.to_string_lossy();
         let mut drive = drive::Drive::from_toml(text, &name, &here, &here).map_err(error)?;
         for (path, named) in memory {
-            let columns = arrays::columns(&path, named)?;
+            let columns = columns::columns(&path, named)?;
             drive.memory.insert(path, columns);
         }
         Ok(Self { drive, file })
@@ -84,4 +84,10 @@ pub fn told_by_names(names: Vec<String>) -> Vec<(&'static str, Vec<(&'static str
             )
         })
         .collect()
+}
+
+/// Adds what is in this file to the module.
+pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<Drive>()?;
+    module.add_function(wrap_pyfunction!(told_by_names, module)?)
 }

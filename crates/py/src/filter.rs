@@ -1,6 +1,6 @@
 //! The filter, step by step.
 
-use crate::{arrays, error::error, model::NoiseModel};
+use crate::{columns, error::error, model::NoiseModel};
 use numpy::{PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -268,8 +268,8 @@ impl Filter {
                 attitude: Vector3::from(start.attitude_std),
             },
             covariances: Some((
-                arrays::matrix(start.position_cov),
-                arrays::matrix(start.velocity_cov),
+                columns::matrix(start.position_cov),
+                columns::matrix(start.velocity_cov),
             )),
             sensors,
             parameters: asked,
@@ -333,7 +333,7 @@ impl Filter {
             filter.check().map_err(error)?;
             Ok::<_, PyErr>(rows)
         })?;
-        arrays::solution(py, &rows)
+        columns::solution(py, &rows)
     }
 
     /// Updates with a measurement, `None` if it says nothing: innovation, NIS, degrees of freedom,
@@ -356,7 +356,7 @@ impl Filter {
             return Err(error(format!("{kind}: a number is not finite")));
         }
         let lever = Vector3::from(lever_arm);
-        let r = covariance.map_or_else(|| Matrix3::identity() * (std * std), arrays::matrix);
+        let r = covariance.map_or_else(|| Matrix3::identity() * (std * std), columns::matrix);
         let measured = match kind {
             "position" => Measured::Position(Position::Geodetic(geodetic(value)), lever, r),
             "velocity" => Measured::Velocity(Vector3::from(value), lever, r),
@@ -377,7 +377,7 @@ impl Filter {
 
     /// The state by the names of `undrift.Solution`, each an array of one row.
     fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        arrays::solution(py, &[self.0.row()])
+        columns::solution(py, &[self.0.row()])
     }
 
     /// Time that the filter has reached [s].
@@ -389,7 +389,7 @@ impl Filter {
     /// Covariance of the error state.
     fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let (n, numbers) = self.0.covariance();
-        arrays::table(py, numbers, n)
+        columns::table(py, numbers, n)
     }
 
     /// Estimated parameters: name, values and standard deviations.
@@ -417,4 +417,9 @@ fn told(done: Done) -> Told {
     (
         innovation, update.nis, update.dof, whitened, outcome, factor,
     )
+}
+
+/// Adds what is in this file to the module.
+pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<Filter>()
 }

@@ -1,7 +1,7 @@
 //! Static records into noise models.
 
 use crate::{
-    arrays::{self, Named},
+    columns::{self, Named},
     error::error,
     model::NoiseModel,
 };
@@ -73,7 +73,7 @@ pub fn identify(
         topic,
     };
     let memory = memory
-        .map(|named| arrays::columns(&path, named))
+        .map(|named| columns::columns(&path, named))
         .transpose()?;
     let name = results::name(&path);
     let work = || -> Result<Identified, Box<dyn std::error::Error + Send + Sync>> {
@@ -139,4 +139,10 @@ impl Identified {
         let model = self.found.model(base, &self.name, self.provenance.clone());
         model.map(NoiseModel).map_err(error)
     }
+}
+
+/// Adds what is in this file to the module.
+pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<Identified>()?;
+    module.add_function(wrap_pyfunction!(identify, module)?)
 }

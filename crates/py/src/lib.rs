@@ -3,7 +3,10 @@
 
 use pyo3::prelude::*;
 
-mod arrays;
+mod allan;
+mod arma;
+mod array;
+mod columns;
 mod drive;
 mod error;
 mod filter;
@@ -12,6 +15,8 @@ mod model;
 mod navigate;
 mod report;
 mod simulate;
+mod stationarity;
+mod statistics;
 
 #[pymodule]
 fn _undrift(module: &Bound<'_, PyModule>) -> PyResult<()> {
@@ -20,16 +25,15 @@ fn _undrift(module: &Bound<'_, PyModule>) -> PyResult<()> {
         "UndriftError",
         module.py().get_type::<error::UndriftError>(),
     )?;
-    module.add_class::<drive::Drive>()?;
-    module.add_class::<filter::Filter>()?;
-    module.add_class::<identify::Identified>()?;
-    module.add_class::<model::NoiseModel>()?;
-    module.add_function(wrap_pyfunction!(drive::told_by_names, module)?)?;
-    module.add_function(wrap_pyfunction!(identify::identify, module)?)?;
-    module.add_function(wrap_pyfunction!(navigate::navigate, module)?)?;
-    module.add_function(wrap_pyfunction!(navigate::outages, module)?)?;
-    module.add_function(wrap_pyfunction!(report::make, module)?)?;
-    module.add_function(wrap_pyfunction!(simulate::simulate, module)?)?;
-    module.add_function(wrap_pyfunction!(simulate::write_csv, module)?)?;
-    Ok(())
+    allan::register(module)?;
+    stationarity::register(module)?;
+    statistics::register(module)?;
+    arma::register(module)?;
+    model::register(module)?;
+    identify::register(module)?;
+    simulate::register(module)?;
+    drive::register(module)?;
+    navigate::register(module)?;
+    report::register(module)?;
+    filter::register(module)
 }

@@ -1,6 +1,6 @@
 //! Noise models.
 
-use crate::{arrays, error::error};
+use crate::{columns, error::error};
 use numpy::{PyArray2, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -115,7 +115,7 @@ impl NoiseModel {
                 (0..count).flat_map(|_| errors.draw()).collect(),
             )
         });
-        arrays::table(py, drawn.map_err(error)?, 6)
+        columns::table(py, drawn.map_err(error)?, 6)
     }
 }
 
@@ -190,4 +190,9 @@ pub fn write(path: &Path, text: &str) -> PyResult<()> {
         file.finish()
     };
     write().map_err(|e: std::io::Error| error(format!("cannot write {}: {e}", path.display())))
+}
+
+/// Adds what is in this file to the module.
+pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<NoiseModel>()
 }

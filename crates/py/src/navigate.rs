@@ -1,6 +1,6 @@
 //! Drives into solutions, and drives with their GNSS cut.
 
-use crate::{arrays, drive::Drive, error::error, model::bias_model};
+use crate::{columns, drive::Drive, error::error, model::bias_model};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -13,7 +13,7 @@ use undrift::{
     table::outage_table,
 };
 
-/// Navigates a drive: its result as JSON, and the solution as arrays where `arrays` asks for it.
+/// Navigates a drive: its result as JSON, and the solution as arrays where `solution` asks for it.
 #[pyfunction]
 #[expect(
     clippy::too_many_arguments,
@@ -52,7 +52,7 @@ pub fn navigate<'py>(
             Ok::<_, navigation::NavigateError>((report, json))
         })
         .map_err(error)?;
-    Ok((json, arrays::solution(py, &report.rows)?))
+    Ok((json, columns::solution(py, &report.rows)?))
 }
 
 type Curve<'py> = (f64, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
@@ -124,4 +124,10 @@ pub fn outages<'py>(
         })
         .collect();
     Ok((json, table, curves))
+}
+
+/// Adds what is in this file to the module.
+pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(navigate, module)?)?;
+    module.add_function(wrap_pyfunction!(outages, module)?)
 }

@@ -1,7 +1,7 @@
 //! Simulated drives.
 
 use crate::{
-    arrays::{Named, array, matrix_std, one, three},
+    columns::{Named, array, matrix_std, one, three},
     error::error,
     model::NoiseModel,
 };
@@ -198,4 +198,10 @@ pub fn write_csv(py: Python<'_>, path: PathBuf, columns: Named<'_>) -> PyResult<
     };
     py.detach(write)
         .map_err(|e: std::io::Error| error(format!("cannot write {}: {e}", path.display())))
+}
+
+/// Adds what is in this file to the module.
+pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(simulate, module)?)?;
+    module.add_function(wrap_pyfunction!(write_csv, module)?)
 }

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    import matplotlib.axes
-    import pandas
-    import pyarrow
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
+    from pyarrow import Table
 
 #: Rows that the table of a notebook shows of a long result: so many at the start and at the end.
 _SHOWN = 5
@@ -34,12 +34,12 @@ def optional(module: str, extra: str) -> ModuleType:
         ) from error
 
 
-def axes(ax: matplotlib.axes.Axes | None) -> matplotlib.axes.Axes:
+def axes(ax: Axes | None) -> Axes:
     """The axes given, or those of a figure of their own."""
     pyplot = optional("matplotlib.pyplot", "plot")
     if ax is not None:
         return ax
-    made: matplotlib.axes.Axes = pyplot.figure(layout="constrained").add_subplot()
+    made: Axes = pyplot.figure(layout="constrained").add_subplot()
     return made
 
 
@@ -65,16 +65,14 @@ class Result:
             return columns
         return {name: [value] for name, value in self._fields() if _is_scalar(value)}
 
-    def to_pandas(self) -> pandas.DataFrame:
+    def to_pandas(self) -> DataFrame:
         """The result as a ``pandas.DataFrame``. Needs ``undrift[tables]``."""
-        pandas = optional("pandas", "tables")
-        frame: pandas.DataFrame = pandas.DataFrame(dict(self._table()))
+        frame: DataFrame = optional("pandas", "tables").DataFrame(dict(self._table()))
         return frame
 
-    def to_arrow(self) -> pyarrow.Table:
+    def to_arrow(self) -> Table:
         """The result as a ``pyarrow.Table``. Needs ``undrift[tables]``."""
-        pyarrow = optional("pyarrow", "tables")
-        table: pyarrow.Table = pyarrow.table(dict(self._table()))
+        table: Table = optional("pyarrow", "tables").table(dict(self._table()))
         return table
 
     def __repr__(self) -> str:
