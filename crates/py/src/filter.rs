@@ -297,37 +297,43 @@ impl Filter {
         self.0.advance(to);
     }
 
-    /// Carries the filter over samples that end at `times` [s], the first of `first` seconds and the
-    /// others since the one before; the solution after each as arrays.
+    /// Carries the filter over samples of `dt` seconds each or, with their ends `times` [s], over the first
+    /// of `dt` seconds and the others since the one before; the solution after each as arrays.
     fn predict_many<'py>(
         &mut self,
         py: Python<'py>,
-        times: PyReadonlyArray1<'py, f64>,
-        first: f64,
+        times: Option<PyReadonlyArray1<'py, f64>>,
+        dt: f64,
         gyro: PyReadonlyArray2<'py, f64>,
         accel: PyReadonlyArray2<'py, f64>,
         increments: bool,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let (times, gyro, accel) = (times.as_array(), gyro.as_array(), accel.as_array());
-        let width = |shape: &[usize]| *shape == [times.len(), 3];
-        if !(width(gyro.shape()) && width(accel.shape())) {
+        let times = times.as_ref().map(|times| times.as_array());
+        let (gyro, accel) = (gyro.as_array(), accel.as_array());
+        let count = times.map_or(gyro.nrows(), |times| times.len());
+        if gyro.shape() != [count, 3] || accel.shape() != [count, 3] {
             return Err(error(format!(
-                "gyro and accel must have {} rows of 3, not {:?} and {:?}",
-                times.len(),
+                "gyro and accel must have {count} rows of 3, not {:?} and {:?}",
                 gyro.shape(),
                 accel.shape()
             )));
         }
         let filter = &mut self.0;
         let rows = py.detach(|| {
-            let mut rows = Vec::with_capacity(times.len());
-            let mut before = None;
-            for (k, time) in times.iter().enumerate() {
-                let dt = before.map_or(first, |before| time - before);
-                let row = |of: &numpy::ndarray::ArrayView2<f64>| [0, 1, 2].map(|i| of[(k, i)]);
-                filter.begin(&sample(*time, dt, row(&gyro), row(&accel), increments)?);
+            let mut rows = Vec::with_capacity(count);
+            let (mut before, mut dt) = (None, dt);
+            for (k, (rate, force)) in gyro.rows().into_iter().zip(accel.rows()).enumerate() {
+                let time = match times {
+                    Some(times) => times[k],
+                    None => filter.row().time + dt,
+                };
+                if let (Some(before), Some(_)) = (before, times) {
+                    dt = time - before;
+                }
+                before = Some(time);
+                let [rate, force] = [rate, force].map(|of| [of[0], of[1], of[2]]);
+                filter.begin(&sample(time, dt, rate, force, increments)?);
                 filter.advance(None);
-                before = Some(*time);
                 rows.push(filter.row());
             }
             filter.check().map_err(error)?;

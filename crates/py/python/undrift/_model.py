@@ -37,39 +37,39 @@ _UNITS = {
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Arma(Result):
+class ArmaNoise(Result):
     """``x_t − ar[0] x_{t−1} − … = a_t − ma[0] a_{t−1} − …``, a of standard deviation ``sigma``."""
 
-    #: Autoregressive coefficients φ.
     ar: tuple[float, ...]
-    #: Moving-average coefficients θ, of the sign above.
+    """Autoregressive coefficients φ."""
     ma: tuple[float, ...]
-    #: Standard deviation of the innovations [rad/s] or [m/s²].
+    """Moving-average coefficients θ, of the sign above."""
     sigma: float
-    #: Sample rate that it holds at [Hz].
+    """Standard deviation of the innovations [rad/s] or [m/s²]."""
     rate: float
+    """Sample rate that it holds at [Hz]."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AxisNoise(Result):
     """What is known of the random error of one axis; "unit" is rad/s or m/s². ``None``: not known."""
 
-    #: Density of the white noise N [unit/√Hz].
     white_noise: float | None
-    #: Standard deviations of Gauss-Markov processes [unit].
+    """Density of the white noise N [unit/√Hz]."""
     bias_instability: tuple[float, ...]
-    #: Their correlation times [s].
+    """Standard deviations of Gauss-Markov processes [unit]."""
     correlation_time: tuple[float, ...]
-    #: Density of the bias' random walk K [unit/√s].
+    """Their correlation times [s]."""
     random_walk: float | None
-    #: Standard deviation of the rounding of the integrated signal Q [unit·s].
+    """Density of the bias' random walk K [unit/√s]."""
     quantisation: float | None
-    #: Standard deviation of the constant that changes at every switch-on [unit].
+    """Standard deviation of the rounding of the integrated signal Q [unit·s]."""
     turn_on: float
-    #: σ of the bias model ``paper`` [unit].
+    """Standard deviation of the constant that changes at every switch-on [unit]."""
     paper_sigma: float | None
-    #: The whole error without its constant as ARMA.
-    arma: Arma | None
+    """σ of the bias model ``paper`` [unit]."""
+    arma: ArmaNoise | None
+    """The whole error without its constant as ARMA."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -79,20 +79,20 @@ class Shaping(Result):
     ε is in [rad/s] or [m/s²]; w is white with unit variance, a step is one sample interval.
     """
 
-    #: Transition F, n × n.
     f: npt.NDArray[np.float64]
-    #: Output row H, n.
+    """Transition F, n × n."""
     h: npt.NDArray[np.float64]
-    #: Driving covariance G Gᵀ, n × n.
+    """Output row H, n."""
     q: npt.NDArray[np.float64]
-    #: Cross-covariance G Dᵀ, n.
+    """Driving covariance G Gᵀ, n × n."""
     s: npt.NDArray[np.float64]
-    #: Variance D Dᵀ of one sample.
+    """Cross-covariance G Dᵀ, n."""
     r: float
-    #: Covariance of the state before the first sample, n × n.
+    """Variance D Dᵀ of one sample."""
     p0: npt.NDArray[np.float64]
-    #: Sample interval [s].
+    """Covariance of the state before the first sample, n × n."""
     interval: float
+    """Sample interval [s]."""
 
 
 class NoiseModel:
@@ -134,7 +134,7 @@ class NoiseModel:
         ``white_noise`` [rad/s/√Hz], [m/s²/√Hz], ``bias_instability`` [rad/s], [m/s²] with
         ``correlation_time`` [s], ``random_walk`` [rad/s/√s], [m/s²/√s], ``quantisation`` [rad],
         [m/s], ``turn_on`` [rad/s], [m/s²]. ``arma`` is a mapping of ``rate``, ``ar``, ``ma``,
-        ``sigma``, or an :class:`Arma`.
+        ``sigma``, or an :class:`ArmaNoise`.
         """
         top: dict[str, Any] = {"format": "undrift-imu", "version": 1}
         top.update({"name": name, "source": source})
@@ -144,7 +144,7 @@ class NoiseModel:
         for axis, keys in {"gyro": gyro, "accel": accel, **axes}.items():
             if keys is not None:
                 units = _UNITS["accel" if axis.startswith("accel") else "gyro"]
-                text += _toml.table(axis, _with_arma(keys, units), units)
+                text += _toml.table(axis, _stated(keys, units))
         return cls.from_toml(text, "<model>")
 
     @staticmethod
@@ -222,25 +222,25 @@ def _axis(terms: dict[str, Any]) -> AxisNoise:
     made = None
     if arma is not None:
         ar, ma, sigma, rate = arma
-        made = Arma(tuple(ar), tuple(ma), sigma, rate)
+        made = ArmaNoise(tuple(ar), tuple(ma), sigma, rate)
     return AxisNoise(**terms, arma=made)
 
 
-def _with_arma(keys: Mapping[str, Any], units: Mapping[str, str]) -> dict[str, Any]:
-    keys = dict(keys)
-    arma = keys.get("arma")
-    if isinstance(arma, Arma):
-        arma = {"rate": arma.rate, "ar": arma.ar, "ma": arma.ma, "sigma": arma.sigma}
-    if isinstance(arma, Mapping):
-        keys["arma"] = _WithUnits(arma, {"rate": "Hz", "sigma": units["turn_on"]})
-    return keys
+def _stated(keys: Mapping[str, Any], units: Mapping[str, str]) -> dict[str, Any]:
+    """The keys with the units of numbers that are given in SI."""
+    stated: dict[str, Any] = {}
+    for key, item in keys.items():
+        if key == "arma" and isinstance(item, ArmaNoise):
+            item = {"rate": item.rate, "ar": item.ar, "ma": item.ma, "sigma": item.sigma}
+        if key == "arma" and isinstance(item, Mapping):
+            item = _stated(item, {"rate": "Hz", "sigma": units["turn_on"]})
+        elif key in units:
+            several = isinstance(item, (list, tuple, np.ndarray))
+            item = [_with_unit(one, units[key]) for one in (item if several else [item])]
+            item = item if several else item[0]
+        stated[key] = item
+    return stated
 
 
-class _WithUnits(dict[str, Any]):
-    """A mapping whose numbers have got their units."""
-
-    def __init__(self, keys: Mapping[str, Any], units: Mapping[str, str]) -> None:
-        super().__init__()
-        for key, item in keys.items():
-            number = isinstance(item, (int, float)) and not isinstance(item, bool)
-            self[key] = f"{float(item)!r} {units[key]}" if number and key in units else item
+def _with_unit(item: Any, unit: str) -> Any:
+    return f"{float(item)!r} {unit}" if isinstance(item, (int, float, np.number)) else item

@@ -40,10 +40,10 @@ def _key(name: object) -> str:
     return text if plain else json.dumps(text, ensure_ascii=False)
 
 
-def table(name: str, keys: Mapping[str, Any], units: Mapping[str, str]) -> str:
+def table(name: str, keys: Mapping[str, Any], units: Mapping[str, str] | None = None) -> str:
     """A table and its keys, in their order; those that are ``None`` are left out."""
     lines = [f"[{name}]"]
     for key, item in keys.items():
         if item is not None:
-            lines.append(f"{_key(key)} = {value(item, units.get(key))}")
+            lines.append(f"{_key(key)} = {value(item, (units or {}).get(key))}")
     return "\n".join(lines) + "\n"
