@@ -37,6 +37,9 @@ class AllanTerm(Result):
     def __float__(self) -> float:
         return self.value
 
+    def __repr__(self) -> str:
+        return f"{self.value:.6g} ± {self.standard_error:.2g}{'' if self.seen else ' (not seen)'}"
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AllanTerms(Result):

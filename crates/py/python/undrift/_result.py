@@ -126,11 +126,11 @@ def _is_scalar(value: object) -> bool:
 
 
 def _text(value: object) -> str:
-    """Short text of a value: six digits of a number, the first and last of an array."""
+    """Short text of a value: eight digits of a number, the first and last of an array."""
     if isinstance(value, (bool, np.bool_)):
         return str(bool(value))
     if isinstance(value, (float, np.floating)):
-        return f"{value:.6g}"
+        return f"{value:.8g}"
     if isinstance(value, np.generic):
         return str(value.item())
     if isinstance(value, np.ndarray):
@@ -141,7 +141,7 @@ def _text(value: object) -> str:
         return f"[{_text(value[0])}, {_text(value[1])}, …, {_text(value[-1])}; {len(value)}]"
     if isinstance(value, Result):
         return repr(value)
-    if isinstance(value, (tuple, list)) and len(value) > 6:
+    if isinstance(value, tuple) and value and isinstance(value[0], Result):
         return f"<{len(value)} {type(value[0]).__name__}>"
     if isinstance(value, tuple):
         inside = ", ".join(map(_text, value))
