@@ -6,7 +6,15 @@ use pyo3::prelude::*;
 mod allan;
 mod arma;
 mod array;
+mod columns;
+mod drive;
 mod error;
+mod filter;
+mod identify;
+mod model;
+mod navigate;
+mod report;
+mod simulate;
 mod stationarity;
 mod statistics;
 
@@ -20,5 +28,12 @@ fn _undrift(module: &Bound<'_, PyModule>) -> PyResult<()> {
     allan::register(module)?;
     stationarity::register(module)?;
     statistics::register(module)?;
-    arma::register(module)
+    arma::register(module)?;
+    model::register(module)?;
+    identify::register(module)?;
+    simulate::register(module)?;
+    drive::register(module)?;
+    navigate::register(module)?;
+    report::register(module)?;
+    filter::register(module)
 }

@@ -35,7 +35,10 @@ use crate::{
     replay::{GnssUse, QualityStd},
     vehicle::Constraints,
 };
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 use undrift_io::{
     ReadError,
     gnss::{GnssFormat, GnssLog, GnssReader},
@@ -43,6 +46,7 @@ use undrift_io::{
     rtklib::RtklibOptions,
     scalar::{ScalarFormat, ScalarReader},
     source::BytesRead,
+    table::Columns,
     truth::{TruthFormat, TruthLog, TruthReader},
 };
 use undrift_nav::{Vector3, parameters::Parameters, sample::ImuSample, units::Quantity};
@@ -84,7 +88,12 @@ pub struct Drive {
     pub quality: QualityStd,
     /// Noise model of the IMU, if the file names one.
     pub model: Option<ImuModel>,
+    /// Logs that are columns in memory, by the names that stand in the place of their files.
+    pub memory: Memory,
 }
+
+/// Columns in memory by the names that stand in the place of files.
+pub type Memory = BTreeMap<PathBuf, Columns>;
 
 /// Layout of the GNSS log.
 #[derive(Clone, Debug)]
@@ -99,9 +108,12 @@ pub enum GnssSource {
 
 impl GnssSource {
     /// Opens a log of this layout.
-    pub(crate) fn open(&self, path: &Path) -> Result<GnssReader, ReadError> {
+    pub(crate) fn open(&self, path: &Path, memory: &Memory) -> Result<GnssReader, ReadError> {
         match self {
-            Self::Csv(format) => GnssReader::open_csv(path, format),
+            Self::Csv(format) => match memory.get(path) {
+                Some(columns) => GnssReader::from_source(path, columns.clone(), format),
+                None => GnssReader::open_csv(path, format),
+            },
             Self::Rtklib(options) => GnssReader::open_rtklib(path, options),
             Self::Log(log) => GnssReader::open_log(path, log),
         }
@@ -119,9 +131,12 @@ pub enum TruthSource {
 
 impl TruthSource {
     /// Opens a reference of this layout.
-    pub(crate) fn open(&self, path: &Path) -> Result<TruthReader, ReadError> {
+    pub(crate) fn open(&self, path: &Path, memory: &Memory) -> Result<TruthReader, ReadError> {
         match self {
-            Self::Table(format) => TruthReader::open(path, format),
+            Self::Table(format) => match memory.get(path) {
+                Some(columns) => TruthReader::from_source(path, columns.clone(), format),
+                None => TruthReader::open(path, format),
+            },
             Self::Log(log) => TruthReader::open_log(path, log),
         }
     }
@@ -197,35 +212,40 @@ impl Drive {
             lever_arm,
             align: tables::read_initial(&top.section("initial")?)?,
             model: top.model("model", home)?,
+            memory: Memory::new(),
         };
         Ok(drive)
     }
 
     /// Opens the inertial log from its start.
     pub fn open_imu(&self) -> Result<ImuReader, ReadError> {
-        ImuReader::open_counted(&self.imu.0, &self.imu.1, &self.imu_read)
+        let (path, format) = &self.imu;
+        match self.memory.get(path) {
+            Some(columns) => ImuReader::from_source(path, columns.clone(), format),
+            None => ImuReader::open_counted(path, format, &self.imu_read),
+        }
     }
 
     /// Opens the GNSS log from its start.
     pub fn open_gnss(&self) -> Result<GnssReader, ReadError> {
-        self.gnss.1.open(&self.gnss.0)
+        self.gnss.1.open(&self.gnss.0, &self.memory)
     }
 
     /// Opens the log of the wheel's speed from its start, if there is one.
     pub fn open_odometer(&self) -> Result<Option<ScalarReader>, ReadError> {
-        open_scalar(&self.odometer)
+        open_scalar(&self.odometer, &self.memory)
     }
 
     /// Opens the log of barometric heights from its start, if there is one.
     pub fn open_barometer(&self) -> Result<Option<ScalarReader>, ReadError> {
-        open_scalar(&self.barometer)
+        open_scalar(&self.barometer, &self.memory)
     }
 
     /// Opens the reference from its start, if there is one.
     pub fn open_truth(&self) -> Result<Option<TruthReader>, ReadError> {
         self.truth
             .as_ref()
-            .map(|(path, source)| source.open(path))
+            .map(|(path, source)| source.open(path, &self.memory))
             .transpose()
     }
 
@@ -267,9 +287,15 @@ impl Drive {
     }
 }
 
-fn open_scalar(log: &Option<(PathBuf, ScalarFormat)>) -> Result<Option<ScalarReader>, ReadError> {
+fn open_scalar(
+    log: &Option<(PathBuf, ScalarFormat)>,
+    memory: &Memory,
+) -> Result<Option<ScalarReader>, ReadError> {
     log.as_ref()
-        .map(|(path, format)| ScalarReader::open(path, format))
+        .map(|(path, format)| match memory.get(path) {
+            Some(columns) => ScalarReader::from_source(path, columns.clone(), format),
+            None => ScalarReader::open(path, format),
+        })
         .transpose()
 }
 

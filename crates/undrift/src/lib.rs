@@ -25,6 +25,7 @@ pub mod report;
 pub mod results;
 pub mod series;
 pub mod simulate;
+pub mod size;
 pub mod smooth;
 pub mod table;
 pub mod vehicle;

@@ -19,12 +19,16 @@ pub use summary::{
     Summary,
 };
 
-use crate::{align::AlignSettings, vehicle::Constraints};
+use crate::{
+    align::AlignSettings,
+    size::{AnySize, sized},
+    vehicle::Constraints,
+};
 use measurement::Queue;
 use run::Run;
 use undrift_nav::{
     Vector3,
-    covariance::{AXES, NAV},
+    covariance::AXES,
     filter::{Filter, FilterError, Update},
     parameters::Parameters,
     sample::{GnssFix, ImuSample},
@@ -166,14 +170,32 @@ pub fn replay(
     observer: &mut impl Observer,
 ) -> Result<Summary, ReplayError> {
     let sensors: usize = settings.sensors.iter().map(|f| f.order).sum();
-    match NAV + sensors + settings.parameters.states() {
-        ..=9 => run::<9>(imu, aiding, settings, observer),
-        10..=15 => run::<15>(imu, aiding, settings, observer),
-        16..=21 => run::<21>(imu, aiding, settings, observer),
-        22..=27 => run::<27>(imu, aiding, settings, observer),
-        28..=33 => run::<33>(imu, aiding, settings, observer),
-        34..=45 => run::<45>(imu, aiding, settings, observer),
-        _ => run::<73>(imu, aiding, settings, observer),
+    let task = Replay {
+        imu,
+        aiding,
+        settings,
+        observer,
+    };
+    sized(sensors + settings.parameters.states(), task)
+}
+
+struct Replay<'a, I, A, O> {
+    imu: I,
+    aiding: A,
+    settings: &'a Settings,
+    observer: &'a mut O,
+}
+
+impl<I, A, O> AnySize for Replay<'_, I, A, O>
+where
+    I: Iterator<Item = Result<ImuSample, undrift_io::ReadError>>,
+    A: Iterator<Item = Result<Measurement, undrift_io::ReadError>>,
+    O: Observer,
+{
+    type Output = Result<Summary, ReplayError>;
+
+    fn with<const N: usize>(self) -> Self::Output {
+        run::<N>(self.imu, self.aiding, self.settings, self.observer)
     }
 }
 

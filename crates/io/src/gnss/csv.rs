@@ -9,8 +9,7 @@ use undrift_nav::{Matrix3, Vector3};
 use super::{all_finite, diagonal, quality_of_rtklib};
 use crate::ReadError;
 use crate::skipped::{SkipKind, Skipped};
-use crate::source::Source;
-use crate::table::{Column, Table, TableOptions};
+use crate::table::{Column, Table, TableOptions, TableSource};
 
 /// Where the columns of a GNSS log are and what they mean.
 #[derive(Clone, Debug)]
@@ -118,7 +117,11 @@ pub(super) struct CsvRows {
 }
 
 impl CsvRows {
-    pub(super) fn new(path: &Path, source: Source, format: &GnssFormat) -> Result<Self, ReadError> {
+    pub(super) fn new(
+        path: &Path,
+        source: impl Into<TableSource>,
+        format: &GnssFormat,
+    ) -> Result<Self, ReadError> {
         check(path, format)?;
         let mut columns = vec![("gnss.time".to_owned(), format.time.clone())];
         let mut add = |key: &str, three: [&Column; 3]| {

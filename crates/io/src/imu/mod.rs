@@ -22,8 +22,8 @@ use crate::gaps::{GAP_INTERVALS, GapWatch};
 pub use crate::gaps::{Gap, GapSummary};
 use crate::log::{Log, Wanted, What};
 use crate::skipped::{SkipKind, Skipped};
-use crate::source::{self, BytesRead, Source};
-use crate::table::{Column, Table, TableOptions};
+use crate::source::{self, BytesRead};
+use crate::table::{Column, Table, TableOptions, TableSource};
 
 /// Samples in a row that must be earlier than the last accepted one to count as a clock set back.
 const PATIENCE: u32 = 100;
@@ -264,11 +264,16 @@ impl ImuReader {
         Ok(Self::new(path, rows, format))
     }
 
-    /// Reads an inertial log from any stream of delimited text; `path` is what messages call it.
+    /// Reads an inertial log from any stream of delimited text or from columns in memory; `path` is what
+    /// messages call it.
     ///
     /// # Errors
     /// If a column is missing, the format has neither a time column nor a rate, or is no table's.
-    pub fn from_source(path: &Path, source: Source, format: &ImuFormat) -> Result<Self, ReadError> {
+    pub fn from_source(
+        path: &Path,
+        source: impl Into<TableSource>,
+        format: &ImuFormat,
+    ) -> Result<Self, ReadError> {
         format.check(path)?;
         let ImuSource::Table {
             time,

@@ -4,6 +4,15 @@ SI units and radians, unless a name says otherwise; arrays are numpy's, ``float6
 """
 
 from undrift import arma, statistics
+from undrift._drive import Drive
+from undrift._filter import Filter, FilterState, Innovation
+from undrift._identify import AxisIdentified, Candidate, Identified, identify
+from undrift._model import ArmaNoise, AxisNoise, NoiseModel, Shaping
+from undrift._navigate import Navigation, navigate
+from undrift._outages import Drift, ModelErrors, Outages, outages
+from undrift._simulate import GnssLog, GnssReceiver, ImuLog, Simulation, Truth, simulate
+from undrift._solution import Solution
+from undrift._told import report
 from undrift._undrift import UndriftError, __version__
 from undrift.arma import pandit_wu
 from undrift.statistics import (
@@ -23,6 +32,27 @@ from undrift.statistics import (
 )
 
 __all__ = [
+    "ArmaNoise",
+    "AxisIdentified",
+    "AxisNoise",
+    "Candidate",
+    "Drift",
+    "Drive",
+    "Filter",
+    "FilterState",
+    "GnssLog",
+    "GnssReceiver",
+    "Identified",
+    "ImuLog",
+    "Innovation",
+    "ModelErrors",
+    "Navigation",
+    "NoiseModel",
+    "Outages",
+    "Shaping",
+    "Simulation",
+    "Solution",
+    "Truth",
     "UndriftError",
     "__version__",
     "acf",
@@ -30,14 +60,19 @@ __all__ = [
     "allan",
     "arma",
     "detrend",
+    "identify",
     "jarque_bera",
     "kpss",
     "ljung_box",
+    "navigate",
     "normality",
+    "outages",
     "pacf",
     "pandit_wu",
     "phillips_perron",
     "psd",
+    "report",
+    "simulate",
     "stationarity",
     "statistics",
     "wavelet_variance",

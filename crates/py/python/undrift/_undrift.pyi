@@ -1,5 +1,7 @@
 """Signatures of the compiled half: arrays contiguous ``float64``, results the fields of a result by name."""
 
+import os
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -66,3 +68,127 @@ def ar_order(x: Floats, max_p: int) -> int: ...
 def arma_pandit_wu(
     x: Floats, n_max: int, level: float, mean: float | None, unit_root: bool, effort: float
 ) -> Fields: ...
+
+# Noise models
+
+Path = str | os.PathLike[str]
+
+class NoiseModel:
+    @staticmethod
+    def load(name_or_path: Path) -> NoiseModel: ...
+    @staticmethod
+    def from_toml(text: str, file: str) -> NoiseModel: ...
+    @staticmethod
+    def presets() -> list[str]: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def source(self) -> str: ...
+    def to_toml(self) -> str: ...
+    def save(self, path: Path) -> None: ...
+    def export(self, format: str, rate: float | None = None) -> str: ...
+    def axes(self) -> list[tuple[str, Fields | None]]: ...
+    def shaping(self, bias_model: str, rate: float) -> list[Fields]: ...
+    def simulate(self, count: int, rate: float, bias_model: str, seed: int) -> Floats: ...
+
+class Identified:
+    def json(self) -> str: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    def model(self, base: NoiseModel | None = None) -> NoiseModel: ...
+
+def identify(
+    path: Path,
+    memory: Sequence[tuple[str, Floats]] | None,
+    columns: list[str | int],
+    axis: str | None,
+    units: tuple[str, str] | None,
+    topic: str | None,
+    rate: float | None,
+    n_max: int,
+    detrend: str,
+) -> Identified: ...
+
+# Drives
+
+def simulate(
+    motion: Mapping[str, Any],
+    rate: float,
+    model: NoiseModel | None,
+    bias_model: str,
+    receiver: Mapping[str, Any],
+    seed: int,
+) -> list[Fields]: ...
+def write_csv(path: Path, columns: Sequence[tuple[str, Floats]]) -> None: ...
+
+class Drive:
+    @staticmethod
+    def load(path: Path, data: Path | None = None) -> Drive: ...
+    @staticmethod
+    def from_toml(
+        text: str, file: Path, memory: Sequence[tuple[Path, Sequence[tuple[str, Floats]]]]
+    ) -> Drive: ...
+    def with_model(self, model: NoiseModel) -> Drive: ...
+    @property
+    def model(self) -> NoiseModel | None: ...
+    @property
+    def file(self) -> os.PathLike[str]: ...
+    def json(self) -> str: ...
+
+def told_by_names(names: list[str]) -> list[tuple[str, list[tuple[str, str]]]]: ...
+def navigate(
+    drive: Drive,
+    bias: str,
+    smooth: bool,
+    output: Sequence[Path],
+    format: str | None,
+    week: int | None,
+    every: float | None,
+    solution: bool,
+) -> tuple[str, Fields]: ...
+def outages(
+    drive: Drive,
+    bias_models: list[str],
+    length: float,
+    count: int | None,
+    every: float | None,
+    start: float,
+    at: list[float] | None,
+    smooth: bool,
+) -> tuple[str, str, list[tuple[str, list[tuple[float, Floats, Floats]]]]]: ...
+def report(
+    results: Sequence[tuple[Path, str]], output: Path | None, folder: Path | None
+) -> None: ...
+
+# The filter
+
+class Filter:
+    def __init__(
+        self,
+        model: NoiseModel,
+        bias_model: str,
+        rate: float,
+        start: Mapping[str, Any],
+        parameters: Sequence[tuple[str, float, float]],
+    ) -> None: ...
+    def begin(
+        self, time: float, dt: float, gyro: list[float], accel: list[float], increments: bool
+    ) -> None: ...
+    def advance(self, to: float | None) -> None: ...
+    def predict_many(
+        self, times: Floats | None, dt: float, gyro: Floats, accel: Floats, increments: bool
+    ) -> Fields: ...
+    def update(
+        self,
+        kind: str,
+        value: list[float],
+        std: float = 0.0,
+        lever_arm: list[float] = ...,
+        covariance: list[list[float]] | None = None,
+        gate: tuple[float, float] | None = None,
+    ) -> tuple[list[float], float, int, list[float], str, float] | None: ...
+    def state(self) -> dict[str, Floats]: ...
+    @property
+    def time(self) -> float: ...
+    def covariance(self) -> Floats: ...
+    def parameters(self) -> list[tuple[str, list[float], list[float]]]: ...
