@@ -16,9 +16,8 @@ use undrift::{
     identify::{self, Identified},
     io::table::Column,
     noise::{
-        ImuModel, Provenance,
-        identify::{Axis, Detrend, GRID_ORDER, Options, Removed},
-        screening::Timing,
+        ImuModel,
+        identify::{Axis, GRID_ORDER, Removed},
     },
     record::{self, RecordFormat},
     results,
@@ -128,18 +127,18 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             record.skipped
         ));
     }
-    let rate_hz = rate(arguments.rate, record.timing.as_ref())
+    if let Some(uneven) = record.timing.as_ref().and_then(identify::unevenness) {
+        warn(uneven);
+    }
+    let rate_hz = identify::rate(arguments.rate, record.timing.as_ref())
+        .map_err(anyhow::Error::msg)
         .with_context(|| arguments.record.display().to_string())?;
-    let detrend = match (arguments.detrend, &record.temperature) {
-        (Trend::Linear, _) => Detrend::Linear,
-        (Trend::Temperature, Some(temperature)) => Detrend::Temperature(temperature),
-        _ => Detrend::Constant,
+    let trend = match arguments.detrend {
+        Trend::Constant => identify::Trend::Constant,
+        Trend::Linear => identify::Trend::Linear,
+        Trend::Temperature => identify::Trend::Temperature,
     };
-    let options = Options {
-        n_max: arguments.n_max,
-        detrend,
-        ..Options::at(rate_hz)
-    };
+    let options = identify::options(&record, rate_hz, arguments.n_max, trend);
     detail(1, || {
         format!(
             "record: {} axes of {} samples at {rate_hz} Hz ({}), {}",
@@ -201,13 +200,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             .as_ref()
             .map(|name| ImuModel::resolve(name, std::path::Path::new("")))
             .transpose()?;
-        let provenance = Provenance {
-            record: Some(name.clone()),
-            rate_hz: Some(rate_hz),
-            samples: record.samples.first().map(|s| s.len() as u64),
-            sha256: Some(sha256(&arguments.record)?),
-            program: Some(format!("undrift {}", env!("CARGO_PKG_VERSION"))),
-        };
+        let provenance = identify::provenance(&record, &name, Some(&arguments.record), rate_hz)?;
         let model = identified
             .model(base.as_ref(), &name, provenance)
             .map_err(anyhow::Error::msg)?;
@@ -228,41 +221,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         }
     }
     Ok(())
-}
-
-/// The rate to go by: stated, or from the stamps; the two must agree within 1 %.
-fn rate(stated: Option<f64>, timing: Option<&Timing>) -> Result<f64> {
-    let Some(timing) = timing else {
-        return stated.context("the record has no time column; state its sample rate with --rate");
-    };
-    if !timing.even {
-        warn(format!(
-            "the record is not evenly stamped: {} gaps, jitter {:.2} ms RMS of {:.2} ms; it is taken as if it were",
-            timing.gaps.len(),
-            timing.jitter_rms_s * 1e3,
-            timing.interval_s * 1e3
-        ));
-    }
-    match stated {
-        Some(rate) if (rate / timing.rate_hz - 1.0).abs() > 0.01 => bail!(
-            "--rate says {rate} Hz, the time stamps say {:.3} Hz; leave --rate out or mend the stamps",
-            timing.rate_hz
-        ),
-        Some(rate) => Ok(rate),
-        None => Ok(timing.rate_hz),
-    }
-}
-
-/// SHA-256 of a file's bytes, hexadecimal.
-fn sha256(path: &std::path::Path) -> Result<String> {
-    use sha2::{Digest, Sha256};
-    let mut hasher = Sha256::new();
-    std::io::copy(&mut std::fs::File::open(path)?, &mut hasher)?;
-    Ok(hasher
-        .finalize()
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect())
 }
 
 /// The candidates of each axis with their drift scores, and the choice.

@@ -15,16 +15,11 @@ use undrift::{
     figure,
     io::write::{SolutionFile, SolutionFormat, SolutionOptions, solution::SolutionRow},
     nav::sample::TruthSample,
-    navigate::scalars,
     noise::BiasModel,
-    outages::{self, Experiment, Schedule},
-    remarks,
-    replay::{Measurement, Outage, STAMP_ROUNDING, merge},
+    outages::{Logs, Schedule},
+    replay::{Outage, STAMP_ROUNDING},
     results,
 };
-
-/// Longest span between two nodes of the smoother [s]: the errors are taken at nodes.
-const OUTAGE_NODE_SPAN: f64 = 0.2;
 
 /// Cut GNSS again and again on a drive and measure how far each bias model drifts.
 ///
@@ -94,139 +89,58 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         track_format(path)?;
     }
     let drive = navigate::load(&arguments.drive, &arguments.common)?;
-    let (drive, mounting) = undrift::mounting::resolve(&drive)?;
-    if let Some(mounting) = mounting {
+    let logs = Logs::load(&drive)?;
+    if let Some(mounting) = &logs.mounting {
         note(format!("mounting estimated: {mounting}"));
     }
-    let mut imu_reader = drive.open_imu()?;
-    let imu = imu_reader.by_ref().collect::<Result<Vec<_>, _>>()?;
-    let mut gnss_reader = drive.open_gnss()?;
-    let gnss = gnss_reader.by_ref().collect::<Result<Vec<_>, _>>()?;
-    let (mut odometer, mut barometer) = (drive.open_odometer()?, drive.open_barometer()?);
-    let aiding = merge(
-        gnss.iter().copied().map(Measurement::Gnss).map(Ok),
-        merge(
-            scalars(&mut odometer, Measurement::Odometer),
-            scalars(&mut barometer, Measurement::Barometer),
-        ),
+    let plan = Schedule::asked(
+        arguments.at.clone(),
+        arguments.every,
+        arguments.count,
+        arguments.start,
     )
-    .collect::<Result<Vec<_>, _>>()?;
-    let mut truth_reader = drive.open_truth()?;
-    let truth = match &mut truth_reader {
-        Some(reader) => reader.collect::<Result<Vec<_>, _>>()?,
-        None => Vec::new(),
-    };
-    let (Some(first), Some(last)) = (gnss.first(), gnss.last()) else {
-        bail!("{} holds no usable fix", drive.gnss.0.display());
-    };
-    let plan = match (&arguments.at, arguments.every, arguments.count) {
-        (Some(times), ..) => Schedule::At(times.clone()),
-        (None, Some(every), count) => Schedule::Every {
-            start: arguments.start,
-            every,
-            count,
-        },
-        (None, None, Some(count)) => Schedule::Count {
-            start: arguments.start,
-            count,
-        },
-        (None, None, None) => {
-            bail!("say how many outages: --count N, --every SECONDS, or --at T1,T2,…")
-        }
-    };
-    let cuts = outages::schedule(&plan, arguments.length, first.time, last.time)
+    .context("say how many outages: --count N, --every SECONDS, or --at T1,T2,…")?;
+    let cuts = logs
+        .plan(&plan, arguments.length)
         .map_err(anyhow::Error::msg)?;
-    if !truth.is_empty() {
-        let covered = |t: f64| truth[0].time <= t && t <= truth[truth.len() - 1].time;
-        if let Some(cut) = cuts.iter().find(|c| !covered(c.start) || !covered(c.end)) {
-            bail!(
-                "the truth covers {:.3} to {:.3} s, not the outage from {:.3} to {:.3} s; compare the time columns, or leave the truth out to measure against the withheld fixes",
-                truth[0].time,
-                truth[truth.len() - 1].time,
-                cut.start,
-                cut.end
-            );
-        }
-    }
-    let models = arguments
-        .bias_models
-        .iter()
-        .map(|kind| {
-            let mut settings = undrift::navigate::settings(&drive, *kind)?;
-            settings.outages = cuts.clone();
-            settings.nodes = arguments.smooth.then_some(OUTAGE_NODE_SPAN);
-            Ok((kind.name().to_owned(), settings))
-        })
-        .collect::<Result<Vec<_>>>()?;
-
     let outcomes = stage("navigation", || {
-        let total = imu.len() * models.len();
+        let total = logs.imu.len() * arguments.bias_models.len();
         let bar = Bar::new("navigated", total as u64, "samples");
-        outages::run_told(&imu, &aiding, &truth, &models, |more| bar.add(more))
-    });
+        let done = |more| bar.add(more);
+        logs.run(&arguments.bias_models, &cuts, arguments.smooth, done)
+            .map_err(anyhow::Error::from)
+    })?;
     let (runs, failed) = print::split(&outcomes);
-    let mut said = Vec::new();
-    if let Some(run) = runs.first() {
-        said.extend(remarks::of_health(&run.summary));
-        // Among several, what one model disagrees with says nothing of the log.
-        if runs.len() == 1 {
-            print::judge(&run.summary);
-            said.extend(remarks::of_disagreement(&run.summary));
-        }
-        for (name, reader, used) in [
-            ("odometer", &odometer, &run.summary.odometer),
-            ("barometer", &barometer, &run.summary.barometer),
-        ] {
-            let reader = reader.iter();
-            said.extend(
-                reader.flat_map(|r| remarks::of_scalar(name, r.skipped(), &r.gaps(), used)),
-            );
-        }
+    if let [run] = runs.as_slice() {
+        print::judge(&run.summary);
     }
-    let mut logs = vec![
-        ("IMU", imu_reader.skipped()),
-        ("GNSS", gnss_reader.skipped()),
-    ];
-    logs.extend(truth_reader.as_ref().map(|r| ("truth", r.skipped())));
-    said.extend(remarks::of_skipped(&logs));
-    let track = outages::track(&truth, &gnss);
-    let experiment = Experiment {
-        drive: results::drive(&arguments.drive, &drive),
-        outages: &cuts,
-        results: &outcomes,
-        reference: if truth.is_empty() { "gnss" } else { "truth" },
-        track: &track,
-        smooth: arguments.smooth,
-        warnings: said.clone(),
-    };
-    let json = results::text(&experiment.json());
+    let json = results::text(&logs.json(&arguments.drive, &cuts, &outcomes, arguments.smooth));
     arguments.reporting.write(&json)?;
     if !arguments.json.write(&json)? {
         say(format!(
             "{} outages of {} s, reference: {}. Errors inside the outages:\n",
             cuts.len(),
             arguments.length,
-            if truth.is_empty() {
-                "the withheld fixes"
-            } else {
-                "the truth"
+            match logs.reference() {
+                "gnss" => "the withheld fixes",
+                _ => "the truth",
             }
         ))?;
         say(print::shown(&runs))?;
     }
     print::print_failed(&failed);
     print::print_warnings(&runs);
-    print::print_remarks(said);
+    print::print_remarks(logs.remarks(&outcomes));
     if let Some(folder) = &arguments.out {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("cannot make {}", folder.display()))?;
         print::write_whole(&folder.join("outages.json"), &json)?;
         let curves: Vec<_> = runs.iter().map(|r| figure::drift_curve(r)).collect();
-        figure::experiment(&folder.join("outages.svg"), &track, &cuts, &curves)
+        figure::experiment(&folder.join("outages.svg"), &logs.track(), &cuts, &curves)
             .map_err(anyhow::Error::msg)?;
     }
     if let Some(path) = &arguments.track {
-        write_track(path, &track, &cuts, &arguments.drive)
+        write_track(path, &logs.track(), &cuts, &arguments.drive)
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
     if runs.is_empty() {

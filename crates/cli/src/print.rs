@@ -5,12 +5,10 @@ use anyhow::{Context, Result};
 use std::path::Path;
 use undrift::{
     io::write::PendingFile,
-    outages::ModelRun,
+    outages::{ModelRun, Outcome},
     replay::{ReplayError, Summary},
     table::outage_table,
 };
-
-type Outcome = (String, Result<ModelRun, ReplayError>);
 
 /// The runs that ended with a result, and the others' names and errors.
 pub fn split(results: &[Outcome]) -> (Vec<&ModelRun>, Vec<(&str, &ReplayError)>) {

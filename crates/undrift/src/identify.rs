@@ -2,8 +2,10 @@
 
 mod json;
 mod series;
+mod settings;
 
 pub use series::RecordSeries;
+pub use settings::{Trend, options, provenance, rate, unevenness};
 
 use crate::record::Record;
 use rayon::prelude::*;

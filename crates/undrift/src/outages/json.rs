@@ -1,9 +1,9 @@
 //! The experiment as JSON.
 
-use super::ModelRun;
+use super::{ModelRun, Outcome};
 use crate::{
     figure::drift_curve,
-    replay::{Outage, ReplayError},
+    replay::Outage,
     results::{self, Kind, with_head},
     series::{ROWS, Thinned, to_digits, to_millimetre, to_millisecond},
 };
@@ -17,7 +17,7 @@ pub struct Experiment<'a> {
     /// Where GNSS was cut.
     pub outages: &'a [Outage],
     /// Model by model.
-    pub results: &'a [(String, Result<ModelRun, ReplayError>)],
+    pub results: &'a [Outcome],
     /// "truth", or "gnss" where the withheld fixes are the reference.
     pub reference: &'a str,
     /// The way driven.

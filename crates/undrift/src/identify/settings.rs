@@ -1,0 +1,104 @@
+//! What a record is identified with.
+
+use crate::record::Record;
+use std::path::Path;
+use undrift_noise::{
+    Provenance,
+    identify::{Detrend, Options},
+    screening::Timing,
+};
+
+/// What is taken out of every axis first.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Trend {
+    /// The mean.
+    #[default]
+    Constant,
+    /// A straight line.
+    Linear,
+    /// The mean and a multiple of the record's temperature.
+    Temperature,
+}
+
+/// Most that a stated rate may be off the time stamps, relative.
+const RATE_TOLERANCE: f64 = 0.01;
+
+/// The sample rate to go by [Hz]: stated, or from the stamps.
+///
+/// # Errors
+/// A sentence for the user when there is neither, or the two disagree by more than 1 %.
+pub fn rate(stated: Option<f64>, timing: Option<&Timing>) -> Result<f64, String> {
+    match (stated, timing) {
+        (None, None) => {
+            Err("the record has no time column; state its sample rate with --rate".into())
+        }
+        (Some(rate), Some(timing)) if (rate / timing.rate_hz - 1.0).abs() > RATE_TOLERANCE => {
+            Err(format!(
+                "--rate says {rate} Hz, the time stamps say {:.3} Hz; leave --rate out or mend the stamps",
+                timing.rate_hz
+            ))
+        }
+        (Some(rate), _) => Ok(rate),
+        (None, Some(timing)) => Ok(timing.rate_hz),
+    }
+}
+
+/// What should be said of stamps that are not evenly spaced.
+pub fn unevenness(timing: &Timing) -> Option<String> {
+    (!timing.even).then(|| {
+        format!(
+            "the record is not evenly stamped: {} gaps, jitter {:.2} ms RMS of {:.2} ms; it is taken as if it were",
+            timing.gaps.len(),
+            timing.jitter_rms_s * 1e3,
+            timing.interval_s * 1e3
+        )
+    })
+}
+
+/// The options for a record at a rate [Hz]; a record without temperatures has none taken out.
+pub fn options(record: &Record, rate_hz: f64, n_max: usize, trend: Trend) -> Options<'_> {
+    let detrend = match (trend, &record.temperature) {
+        (Trend::Linear, _) => Detrend::Linear,
+        (Trend::Temperature, Some(temperature)) => Detrend::Temperature(temperature),
+        _ => Detrend::Constant,
+    };
+    Options {
+        n_max,
+        detrend,
+        ..Options::at(rate_hz)
+    }
+}
+
+/// Where a model comes from: a record called `name` at a rate [Hz], with the hash of its file.
+///
+/// # Errors
+/// If the file cannot be read.
+pub fn provenance(
+    record: &Record,
+    name: &str,
+    file: Option<&Path>,
+    rate_hz: f64,
+) -> std::io::Result<Provenance> {
+    Ok(Provenance {
+        record: Some(name.to_owned()),
+        rate_hz: Some(rate_hz),
+        samples: record.samples.first().map(|s| s.len() as u64),
+        sha256: file.map(sha256).transpose()?,
+        program: Some(format!("undrift {}", env!("CARGO_PKG_VERSION"))),
+    })
+}
+
+/// SHA-256 of a file's bytes, hexadecimal.
+///
+/// # Errors
+/// If the file cannot be read.
+pub fn sha256(path: &Path) -> std::io::Result<String> {
+    use sha2::{Digest, Sha256};
+    let mut hasher = Sha256::new();
+    std::io::copy(&mut std::fs::File::open(path)?, &mut hasher)?;
+    Ok(hasher
+        .finalize()
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect())
+}

@@ -1,0 +1,191 @@
+//! A drive's logs in memory, and the experiment on them.
+
+use super::{Experiment, Outcome, Schedule, run_told, schedule, track};
+use crate::{
+    drive::Drive,
+    mounting::{self, Mounting},
+    navigate::{NavigateError, scalars, settings},
+    remarks,
+    replay::{Measurement, Outage, merge},
+    results,
+};
+use serde_json::Value;
+use std::path::Path;
+use undrift_io::{imu::GapSummary, scalar::ScalarReader, skipped::Skipped};
+use undrift_nav::sample::{GnssFix, ImuSample, TruthSample};
+use undrift_noise::BiasModel;
+
+/// Longest span between two nodes of the smoother [s]: the errors are taken at nodes.
+const NODE_SPAN: f64 = 0.2;
+
+/// A drive and all that its logs hold. Every model is run on the same.
+pub struct Logs {
+    /// The drive, in the vehicle's axes.
+    pub drive: Drive,
+    /// The mounting, where the drive asks for an estimate.
+    pub mounting: Option<Mounting>,
+    /// Inertial samples.
+    pub imu: Vec<ImuSample>,
+    /// Fixes.
+    pub gnss: Vec<GnssFix>,
+    /// Fixes, wheel speeds and heights in order of time.
+    pub aiding: Vec<Measurement>,
+    /// The reference; empty if there is none.
+    pub truth: Vec<TruthSample>,
+    skipped: Vec<(&'static str, Skipped)>,
+    odometer: Option<(Skipped, GapSummary)>,
+    barometer: Option<(Skipped, GapSummary)>,
+}
+
+impl Logs {
+    /// Reads the logs of a drive.
+    ///
+    /// # Errors
+    /// A log that cannot be read; a mounting that cannot be estimated.
+    pub fn load(drive: &Drive) -> Result<Self, NavigateError> {
+        let (drive, mounting) = mounting::resolve(drive)?;
+        let mut imu_reader = drive.open_imu()?;
+        let imu = imu_reader.by_ref().collect::<Result<Vec<_>, _>>()?;
+        let mut gnss_reader = drive.open_gnss()?;
+        let gnss = gnss_reader.by_ref().collect::<Result<Vec<_>, _>>()?;
+        let (mut odometer, mut barometer) = (drive.open_odometer()?, drive.open_barometer()?);
+        let aiding = merge(
+            gnss.iter().copied().map(Measurement::Gnss).map(Ok),
+            merge(
+                scalars(&mut odometer, Measurement::Odometer),
+                scalars(&mut barometer, Measurement::Barometer),
+            ),
+        )
+        .collect::<Result<Vec<_>, _>>()?;
+        let mut skipped = vec![
+            ("IMU", imu_reader.skipped().clone()),
+            ("GNSS", gnss_reader.skipped().clone()),
+        ];
+        let mut truth = Vec::new();
+        if let Some(mut reader) = drive.open_truth()? {
+            truth = reader.by_ref().collect::<Result<Vec<_>, _>>()?;
+            skipped.push(("truth", reader.skipped().clone()));
+        }
+        let health = |reader: Option<ScalarReader>| reader.map(|r| (r.skipped().clone(), r.gaps()));
+        Ok(Self {
+            drive,
+            mounting,
+            imu,
+            gnss,
+            aiding,
+            truth,
+            skipped,
+            odometer: health(odometer),
+            barometer: health(barometer),
+        })
+    }
+
+    /// The outages of `length` [s] that a schedule asks for.
+    ///
+    /// # Errors
+    /// A sentence for the user when there is no fix, or they do not fit the fixes or the truth.
+    pub fn plan(&self, plan: &Schedule, length: f64) -> Result<Vec<Outage>, String> {
+        let (Some(first), Some(last)) = (self.gnss.first(), self.gnss.last()) else {
+            return Err(format!(
+                "{} holds no usable fix",
+                self.drive.gnss.0.display()
+            ));
+        };
+        let cuts = schedule(plan, length, first.time, last.time)?;
+        if let (Some(first), Some(last)) = (self.truth.first(), self.truth.last()) {
+            let covered = |t: f64| first.time <= t && t <= last.time;
+            if let Some(cut) = cuts.iter().find(|c| !covered(c.start) || !covered(c.end)) {
+                return Err(format!(
+                    "the truth covers {:.3} to {:.3} s, not the outage from {:.3} to {:.3} s; compare the time columns, or leave the truth out to measure against the withheld fixes",
+                    first.time, last.time, cut.start, cut.end
+                ));
+            }
+        }
+        Ok(cuts)
+    }
+
+    /// Runs every bias model through the outages, on all cores; with `smooth`, the errors are those
+    /// that are left when the fixes after an outage are known too. `done` is told how many more
+    /// samples a model has taken, of [`Logs::imu`] times the models.
+    ///
+    /// # Errors
+    /// A drive without a model, or with one that is none at the log's rate.
+    pub fn run(
+        &self,
+        kinds: &[BiasModel],
+        cuts: &[Outage],
+        smooth: bool,
+        done: impl Fn(u64) + Sync,
+    ) -> Result<Vec<Outcome>, NavigateError> {
+        let models = kinds
+            .iter()
+            .map(|kind| {
+                let mut settings = settings(&self.drive, *kind)?;
+                settings.outages = cuts.to_vec();
+                settings.nodes = smooth.then_some(NODE_SPAN);
+                Ok((kind.name().to_owned(), settings))
+            })
+            .collect::<Result<Vec<_>, NavigateError>>()?;
+        Ok(run_told(
+            &self.imu,
+            &self.aiding,
+            &self.truth,
+            &models,
+            done,
+        ))
+    }
+
+    /// What the errors are measured against: "truth", or "gnss" for the withheld fixes.
+    pub fn reference(&self) -> &'static str {
+        if self.truth.is_empty() {
+            "gnss"
+        } else {
+            "truth"
+        }
+    }
+
+    /// The way driven.
+    pub fn track(&self) -> Vec<TruthSample> {
+        track(&self.truth, &self.gnss)
+    }
+
+    /// What should be said of the logs and of the first model's run.
+    pub fn remarks(&self, results: &[Outcome]) -> Vec<String> {
+        let mut said = Vec::new();
+        let mut runs = results.iter().filter_map(|(_, run)| run.as_ref().ok());
+        if let Some(run) = runs.next() {
+            said.extend(remarks::of_health(&run.summary));
+            // Among several, what one model disagrees with says nothing of the log.
+            if runs.next().is_none() {
+                said.extend(remarks::of_disagreement(&run.summary));
+            }
+            for (name, health, used) in [
+                ("odometer", &self.odometer, &run.summary.odometer),
+                ("barometer", &self.barometer, &run.summary.barometer),
+            ] {
+                let health = health.iter();
+                said.extend(
+                    health
+                        .flat_map(|(skipped, gaps)| remarks::of_scalar(name, skipped, gaps, used)),
+                );
+            }
+        }
+        let logs: Vec<_> = self.skipped.iter().map(|(log, s)| (*log, s)).collect();
+        said.extend(remarks::of_skipped(&logs));
+        said
+    }
+
+    /// The experiment as JSON; `file` is the drive file.
+    pub fn json(&self, file: &Path, cuts: &[Outage], results: &[Outcome], smooth: bool) -> Value {
+        Experiment {
+            drive: results::drive(file, &self.drive),
+            outages: cuts,
+            results,
+            reference: self.reference(),
+            track: &self.track(),
+            smooth,
+            warnings: self.remarks(results),
+        }
+        .json()
+    }
+}
