@@ -14,6 +14,7 @@ mod process;
 mod run;
 mod statistics;
 mod summary;
+#[cfg(feature = "parquet")]
 mod table;
 
 pub use fingerprint::{fingerprint, inputs};
@@ -23,7 +24,7 @@ pub use outcome::{Outcome, Row};
 pub use process::process;
 pub use run::{Done, FleetError, Options, job_path, run, shard};
 
-use crate::{outages::Schedule, record::RecordFormat};
+use crate::{identify::Trend, outages::Schedule, record::RecordFormat};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::path::{Path, PathBuf};
 use undrift_io::table::Column;
@@ -116,17 +117,20 @@ impl Default for Plan {
 }
 
 impl Plan {
-    /// The schedule for one drive.
-    pub fn schedule(&self) -> Schedule {
-        let (start, count) = (self.start_s, self.count);
-        match (self.every_s, count) {
-            (None, Some(count)) => Schedule::Count { start, count },
-            (every, count) => Schedule::Every {
-                start,
-                every: every.unwrap_or(EVERY),
-                count,
-            },
-        }
+    /// The schedule for one drive; there is one.
+    pub fn schedule(&self) -> Option<Schedule> {
+        let Self {
+            start_s,
+            every_s,
+            count,
+            ..
+        } = *self;
+        let every = if count.is_none() {
+            every_s.or(Some(EVERY))
+        } else {
+            every_s
+        };
+        Schedule::asked(None, every, count, start_s)
     }
 }
 
@@ -146,19 +150,6 @@ pub struct RecordSettings {
     pub detrend: Trend,
     /// Largest n of ARMA(2n, 2n−1) in the Pandit-Wu table.
     pub n_max: usize,
-}
-
-/// What is taken out of a record.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Trend {
-    /// The mean.
-    #[default]
-    Constant,
-    /// A straight line.
-    Linear,
-    /// The mean and a multiple of the temperature.
-    Temperature,
 }
 
 impl RecordSettings {

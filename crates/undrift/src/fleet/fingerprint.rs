@@ -1,13 +1,9 @@
 //! What an outcome depends on, as one number.
 
 use super::{Job, Task};
-use crate::drive;
+use crate::{drive, identify::sha256};
 use sha2::{Digest, Sha256};
-use std::{
-    fs::File,
-    io::{self, Read},
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 use undrift_noise::ImuModel;
 
 /// What outcomes are like: another number makes all of them out of date.
@@ -53,23 +49,10 @@ pub fn fingerprint(job: &Job) -> String {
     // A job is text and numbers: it can always be written.
     sum.update(serde_json::to_string(&placeless).unwrap_or_default());
     for (key, path) in inputs(job) {
-        let content = content(&path).unwrap_or_else(|error| error.kind().to_string());
+        let content = sha256(&path).unwrap_or_else(|error| error.kind().to_string());
         sum.update(format!("\n{key} {content}"));
     }
     hexadecimal(sum)
-}
-
-/// SHA-256 of a file's bytes, hexadecimal.
-fn content(path: &Path) -> io::Result<String> {
-    let mut file = File::open(path)?;
-    let mut sum = Sha256::new();
-    let mut block = vec![0; 1 << 18];
-    loop {
-        match file.read(&mut block)? {
-            0 => return Ok(hexadecimal(sum)),
-            n => sum.update(block.get(..n).unwrap_or_default()),
-        }
-    }
 }
 
 fn hexadecimal(sum: Sha256) -> String {

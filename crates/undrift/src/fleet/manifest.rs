@@ -1,7 +1,10 @@
 //! `MANIFEST.toml`: which logs, and what is to be done with them. All keys are in `docs/fleet.md`.
 
-use super::{EVERY, Job, Plan, RecordSettings, Task, Trend};
-use crate::drive::{ConfigError, DriveError, Section, parse, read_switch, read_text};
+use super::{Job, Plan, RecordSettings, Task};
+use crate::{
+    drive::{ConfigError, DriveError, Section, parse, read_switch, read_text},
+    identify::Trend,
+};
 use std::path::Path;
 use undrift_io::table::Column;
 use undrift_nav::units::Quantity;
@@ -277,8 +280,9 @@ fn read_choice(section: &Section, before: Choice, unit: &str) -> Result<Choice, 
         }
     }
     if let Some(text) = section.text("temperature")? {
-        let celsius = celsius(text)
-            .ok_or_else(|| section.error("temperature", "must be such as \"25 degC\" or \"298 K\""));
+        let celsius = celsius(text).ok_or_else(|| {
+            section.error("temperature", "must be such as \"25 degC\" or \"298 K\"")
+        });
         choice.temperature_c = Some(celsius?);
     }
     read_plan(&section.section("outages")?, &mut choice.plan)?;
@@ -429,10 +433,10 @@ mod tests {
         assert_eq!(bias_models, &[BiasModel::White, BiasModel::Arma]);
         assert_eq!(
             plan.schedule(),
-            crate::outages::Schedule::Count {
+            Some(crate::outages::Schedule::Count {
                 start: 60.0,
                 count: 3
-            }
+            })
         );
         assert_eq!(plan.length_s, 20.0);
         assert_eq!(
@@ -467,7 +471,10 @@ mod tests {
                 "[[log]]\ndrive='a'\ncolour=1\n",
                 "fleet.toml line 3, log.colour: unknown key; known here: bias_models, data, drive",
             ),
-            ("uint='a'\n[[log]]\ndrive='a'\n", "fleet.toml line 1, uint: unknown key"),
+            (
+                "uint='a'\n[[log]]\ndrive='a'\n",
+                "fleet.toml line 1, uint: unknown key",
+            ),
             (
                 "[[log]]\n\ndrive='none*'\n",
                 "fleet.toml line 3, log.drive: \"none*\" matches no file",
@@ -480,8 +487,14 @@ mod tests {
                 "temperature=25\n[[log]]\ndrive='a'\n",
                 "fleet.toml line 1, temperature: must be a string",
             ),
-            ("log = 3", "fleet.toml line 1, log: must be tables: write [[log]]"),
-            ("log = [3]", "fleet.toml line 1, log: must be tables: write [[log]]"),
+            (
+                "log = 3",
+                "fleet.toml line 1, log: must be tables: write [[log]]",
+            ),
+            (
+                "log = [3]",
+                "fleet.toml line 1, log: must be tables: write [[log]]",
+            ),
             (
                 "[outages]\nlength=10\n[[log]]\ndrive='a'\n",
                 "fleet.toml line 2, outages.length: the number needs a unit",
@@ -494,8 +507,14 @@ mod tests {
                 "[[log]]\ndrive='a'\noutages={count=0}\n",
                 "fleet.toml line 3, outages.count: must be 1 or more",
             ),
-            ("bias_models=[]\n[[log]]\ndrive='a'\n", "must be a list of words"),
-            ("[[log]]\ndrive=''\n", "log.drive: the name of the file is empty"),
+            (
+                "bias_models=[]\n[[log]]\ndrive='a'\n",
+                "must be a list of words",
+            ),
+            (
+                "[[log]]\ndrive=''\n",
+                "log.drive: the name of the file is empty",
+            ),
         ] {
             let error = jobs(text).unwrap_err().to_string();
             assert!(error.contains(wanted), "{text}: {error}");

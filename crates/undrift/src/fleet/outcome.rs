@@ -92,7 +92,11 @@ pub(super) const HORIZONS: [(&str, f64); 3] =
 
 /// Names of the numbers of a task's rows.
 pub(super) fn columns(task: &str) -> Vec<String> {
-    let of = |prefix: &'static str| COMPONENTS.iter().map(move |name| format!("{prefix}_{name}"));
+    let of = |prefix: &'static str| {
+        COMPONENTS
+            .iter()
+            .map(move |name| format!("{prefix}_{name}"))
+    };
     let words = |words: &[&str]| words.iter().map(|w| (*w).to_owned()).collect::<Vec<_>>();
     match task {
         "outages" => words(&["start_s", "length_s"])
