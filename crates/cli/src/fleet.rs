@@ -226,21 +226,26 @@ fn tell_troubles(gathered: &Gathered) {
         terminal::doubt();
     }
     for key in ["failed", "untrusted"] {
-        let list = gathered.json[key].as_array();
-        let list = list.map(Vec::as_slice).unwrap_or_default();
-        let text =
-            |trouble: &Value, key: &str| trouble[key].as_str().unwrap_or_default().to_owned();
-        let told = list.iter().take(TOLD).map(|trouble| {
-            let part = trouble["part"].as_str();
-            let part = part.map_or(String::new(), |part| format!(", {part}"));
-            format!("{}{part}: {}", text(trouble, "log"), text(trouble, "why"))
-        });
-        print::print_remarks(told);
-        if list.len() > TOLD {
-            warn(format!(
-                "and {} more; fleet.html names them",
-                list.len() - TOLD
-            ));
+        let mut told: Vec<(String, Vec<String>, String)> = Vec::new();
+        for trouble in gathered.json[key].as_array().into_iter().flatten() {
+            let text = |key: &str| trouble[key].as_str().unwrap_or_default().to_owned();
+            let (log, why) = (text("log"), text("why"));
+            match told.last_mut() {
+                Some((last, parts, same)) if *last == log && *same == why => {
+                    parts.push(text("part"))
+                }
+                _ => told.push((log, vec![text("part")], why)),
+            }
+        }
+        let more = told.len().saturating_sub(TOLD);
+        print::print_remarks(told.into_iter().take(TOLD).map(|(log, parts, why)| {
+            match parts.join(", ").as_str() {
+                "" => format!("{log}: {why}"),
+                parts => format!("{log}, {parts}: {why}"),
+            }
+        }));
+        if more > 0 {
+            warn(format!("and {more} more; fleet.html names them"));
         }
     }
 }

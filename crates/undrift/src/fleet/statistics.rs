@@ -1,6 +1,6 @@
 //! Numbers of many logs against each other, robust to a few that are far off.
 
-/// Robust standard deviations above the median from which a value is an outlier …
+/// A value is an outlier from so many robust standard deviations of the logarithm above the median …
 pub const OUTLIER_DEVIATIONS: f64 = 5.0;
 /// … if it is above the median by this share too, …
 pub const OUTLIER_SHARE: f64 = 0.1;
@@ -23,18 +23,20 @@ pub fn median(values: &[f64]) -> f64 {
     }
 }
 
-/// Value above which one is an outlier: the median plus [`OUTLIER_DEVIATIONS`] × 1.4826 median absolute
-/// deviations, or plus [`OUTLIER_SHARE`] of the median where that is more. `None` of fewer than
-/// [`OUTLIER_LEAST`] finite values.
+/// Value above which one is an outlier. Drifts and noises scatter by factors rather than by sums, so the
+/// rule is on their logarithms: the median plus [`OUTLIER_DEVIATIONS`] × 1.4826 median absolute deviations,
+/// or [`OUTLIER_SHARE`] above the median where that is more. What is not positive is left out; `None` of
+/// fewer than [`OUTLIER_LEAST`] values.
 pub fn outlier_limit(values: &[f64]) -> Option<f64> {
-    let finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
-    if finite.len() < OUTLIER_LEAST {
+    let positive = values.iter().filter(|v| v.is_finite() && **v > 0.0);
+    let logarithms: Vec<f64> = positive.map(|v| v.ln()).collect();
+    if logarithms.len() < OUTLIER_LEAST {
         return None;
     }
-    let middle = median(&finite);
-    let deviations: Vec<f64> = finite.iter().map(|v| (v - middle).abs()).collect();
+    let middle = median(&logarithms);
+    let deviations: Vec<f64> = logarithms.iter().map(|v| (v - middle).abs()).collect();
     let robust = NORMAL * median(&deviations);
-    Some(middle + (OUTLIER_DEVIATIONS * robust).max(OUTLIER_SHARE * middle.abs()))
+    Some((middle + (OUTLIER_DEVIATIONS * robust).max(OUTLIER_SHARE.ln_1p())).exp())
 }
 
 /// Spearman's rank correlation of pairs, and what its magnitude stays below 19 times out of 20 where
@@ -81,15 +83,19 @@ mod tests {
 
     #[test]
     fn outliers_stand_out_of_the_rest() {
-        // Median 5, median absolute deviation 2: 5 + 5·1.4826·2.
-        let values = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0];
+        // Logarithms 1 to 9: median 5, median absolute deviation 2, limit 5 + 5·1.4826·2.
+        let mut values: Vec<f64> = (1..10).map(|k| f64::from(k).exp()).collect();
         let limit = outlier_limit(&values).unwrap();
-        assert!((limit - 19.826).abs() < 1e-12, "{limit}");
-        // However far off one is, the limit hardly moves.
-        let far = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 1e9];
-        assert_eq!(outlier_limit(&far), Some(limit));
+        // A few roundings of the logarithm and the exponential.
+        assert!((limit.ln() - 19.826).abs() < 1e-12, "{limit}");
+        // However far off one is, the limit stays.
+        values[8] = 1e300;
+        assert_eq!(outlier_limit(&values), Some(limit));
+        // What is no number or not positive does not count.
+        values.extend([f64::NAN, 0.0, -1.0]);
+        assert_eq!(outlier_limit(&values), Some(limit));
         // Equal values: a tenth more is another.
-        assert_eq!(outlier_limit(&[2.0; 8]), Some(2.2));
+        assert!((outlier_limit(&[2.0; 8]).unwrap() - 2.2).abs() < 1e-12);
         assert_eq!(outlier_limit(&[2.0; 7]), None);
         assert_eq!(outlier_limit(&[f64::NAN; 20]), None);
     }

@@ -169,7 +169,7 @@ fn overview(run: &Fleet, measure: &Measure) -> Table {
     let mut rows = table(
         &measure.name,
         &format!(
-            "The {}. A log stands out above the limit: the median plus {} robust standard deviations (1.4826 times the median absolute deviation), or plus {:.0} % of it where that is more; of fewer than {} logs none does.",
+            "The {}. A log stands out above the limit: {} robust standard deviations of the logarithm (1.4826 times its median absolute deviation) above its median, and {:.0} % or more above the median; of fewer than {} logs none does.",
             measure.what,
             short(rule.deviations.0),
             100.0 * rule.share.0,
