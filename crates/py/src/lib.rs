@@ -3,8 +3,22 @@
 
 use pyo3::prelude::*;
 
+mod allan;
+mod arma;
+mod array;
+mod error;
+mod stationarity;
+mod statistics;
+
 #[pymodule]
 fn _undrift(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    Ok(())
+    module.add(
+        "UndriftError",
+        module.py().get_type::<error::UndriftError>(),
+    )?;
+    allan::register(module)?;
+    stationarity::register(module)?;
+    statistics::register(module)?;
+    arma::register(module)
 }

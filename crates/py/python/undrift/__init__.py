@@ -1,5 +1,44 @@
-"""Noise models of low-cost inertial sensors, carried exactly into a GNSS/INS filter."""
+"""Noise models of low-cost inertial sensors, carried exactly into a GNSS/INS filter.
 
-from undrift._undrift import __version__
+SI units and radians, unless a name says otherwise; arrays are numpy's, ``float64``.
+"""
 
-__all__ = ["__version__"]
+from undrift import arma, statistics
+from undrift._undrift import UndriftError, __version__
+from undrift.arma import pandit_wu
+from undrift.statistics import (
+    acf,
+    adf,
+    allan,
+    detrend,
+    jarque_bera,
+    kpss,
+    ljung_box,
+    normality,
+    pacf,
+    phillips_perron,
+    psd,
+    stationarity,
+    wavelet_variance,
+)
+
+__all__ = [
+    "UndriftError",
+    "__version__",
+    "acf",
+    "adf",
+    "allan",
+    "arma",
+    "detrend",
+    "jarque_bera",
+    "kpss",
+    "ljung_box",
+    "normality",
+    "pacf",
+    "pandit_wu",
+    "phillips_perron",
+    "psd",
+    "stationarity",
+    "statistics",
+    "wavelet_variance",
+]
