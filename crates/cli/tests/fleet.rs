@@ -333,6 +333,83 @@ fn drives_without_a_manifest() {
     assert!(bytes(logs.join("again.html")) == bytes(out.join("fleet.html")));
 }
 
+/// Nine records of white noise, one ten times as loud, and a drive that is navigated beside them.
+#[test]
+fn records_and_navigation() {
+    let logs = folder("records");
+    let mut state = 1u64;
+    for k in 0..9 {
+        let mut text = String::from("gz_dps,temp_C\n");
+        let std = if k == 4 { 1.0 } else { 0.1 };
+        for _ in 0..3000 {
+            // The sum of twelve uniform numbers is close to normal, of variance 1.
+            let mut sum = -6.0;
+            for _ in 0..12 {
+                state = state
+                    .wrapping_mul(6364136223846793005)
+                    .wrapping_add(1442695040888963407);
+                sum += (state >> 11) as f64 / (1u64 << 53) as f64;
+            }
+            text += &format!("{:.6},{k}.5\n", std * sum);
+        }
+        std::fs::write(logs.join(format!("SN{k}.csv")), text).unwrap();
+    }
+    let model = ImuModel::preset("adis16405").unwrap();
+    let log = SimulatedLog {
+        trajectory: &Trajectory::car(150.0, 1),
+        rate_hz: 50.0,
+        filters: &model.shaping(BiasModel::GaussMarkov, 0.02).unwrap(),
+        gnss: &GnssNoise::default(),
+        seed: 1,
+        model: "adis16405",
+        temperature_c: None,
+    };
+    log.write(&logs.join("drive")).unwrap();
+    let manifest = r#"
+unit = "{stem}"
+identify = { rate = "100 Hz", n_max = 1 }
+[[log]]
+record = "SN*.csv"
+[[log]]
+drive = "drive/drive.toml"
+task = "navigate"
+bias_models = ["arma"]
+"#;
+    std::fs::write(logs.join("fleet.toml"), manifest).unwrap();
+    let out = logs.join("out");
+    done(&logs, &out, &[]);
+    let json = summary(&out);
+    assert_eq!(json["tasks"], serde_json::json!({"identify": 9, "navigate": 1}));
+    assert_eq!(json["failed"], serde_json::json!([]));
+    assert_eq!(json["logs"][3]["temperature_c"], 3.5);
+    let measures = json["measures"].as_array().unwrap();
+    let measure = |name: &str| measures.iter().find(|m| m["name"] == name).unwrap();
+    let white = &measure("gyro_white_noise")["parts"][0];
+    assert_eq!(white["part"], "gyro_z");
+    // 0.1 deg/s at 100 Hz is 0.01 deg/√s, 0.6 deg/√h; 3000 samples tell it to some percent.
+    let median = white["median"].as_f64().unwrap();
+    assert!((0.55..0.65).contains(&median), "{median}");
+    assert_eq!(white["outliers"].as_array().unwrap().len(), 1);
+    assert_eq!(white["outliers"][0]["log"], "SN4.csv");
+    // What navigate tells of the drive alone.
+    let alone = Command::new(env!("CARGO_BIN_EXE_undrift"))
+        .arg("navigate")
+        .arg(logs.join("drive/drive.toml"))
+        .args(["--json", "-"])
+        .output()
+        .unwrap();
+    let alone: serde_json::Value = serde_json::from_slice(&alone.stdout).unwrap();
+    for (name, expected) in [
+        ("error", &alone["rms_error"]["horizontal_m"]),
+        ("nis_position", &alone["position"]["nis_per_dof"]),
+    ] {
+        let (ours, expected) = (&measure(name)["parts"][0]["median"], expected.as_f64());
+        // The summary has six digits.
+        let difference = ours.as_f64().unwrap() / expected.unwrap() - 1.0;
+        assert!(difference.abs() < 1e-5, "{name}: {difference:e}");
+    }
+}
+
 #[test]
 fn what_cannot_be_is_told() {
     let folder = folder("told");

@@ -7,6 +7,7 @@ mod allan;
 mod arma;
 mod array;
 mod error;
+mod fleet;
 mod stationarity;
 mod statistics;
 
@@ -20,5 +21,6 @@ fn _undrift(module: &Bound<'_, PyModule>) -> PyResult<()> {
     allan::register(module)?;
     stationarity::register(module)?;
     statistics::register(module)?;
-    arma::register(module)
+    arma::register(module)?;
+    fleet::register(module)
 }

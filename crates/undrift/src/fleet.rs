@@ -22,7 +22,7 @@ pub use gather::{Gathered, gather};
 pub use manifest::{Choice, Manifest, Pattern, drives};
 pub use outcome::{Outcome, Row};
 pub use process::process;
-pub use run::{Done, FleetError, Options, job_path, run, shard};
+pub use run::{Done, FleetError, Options, job_path, process_on, run, shard};
 
 use crate::{identify::Trend, outages::Schedule, record::RecordFormat};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};

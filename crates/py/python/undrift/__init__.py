@@ -3,7 +3,7 @@
 SI units and radians, unless a name says otherwise; arrays are numpy's, ``float64``.
 """
 
-from undrift import arma, statistics
+from undrift import arma, fleet, statistics
 from undrift._undrift import UndriftError, __version__
 from undrift.arma import pandit_wu
 from undrift.statistics import (
@@ -30,6 +30,7 @@ __all__ = [
     "allan",
     "arma",
     "detrend",
+    "fleet",
     "jarque_bera",
     "kpss",
     "ljung_box",

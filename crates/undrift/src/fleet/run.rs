@@ -88,6 +88,15 @@ pub fn shard(jobs: Vec<Job>, which: usize, of: usize) -> Vec<Job> {
         .collect()
 }
 
+/// As [`process`], on so many threads; 0 for as many as there are cores.
+///
+/// # Errors
+/// If there are no threads to be had.
+pub fn process_on(job: &Job, threads: usize) -> Result<Outcome, FleetError> {
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build()?;
+    Ok(pool.install(|| process(job)))
+}
+
 /// Where the outcome of a job with this fingerprint is kept.
 pub fn job_path(folder: &Path, fingerprint: &str) -> PathBuf {
     folder.join("jobs").join(format!("{fingerprint}.json"))
