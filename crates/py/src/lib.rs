@@ -10,6 +10,7 @@ mod columns;
 mod drive;
 mod error;
 mod filter;
+mod fleet;
 mod identify;
 mod model;
 mod navigate;
@@ -35,5 +36,6 @@ fn _undrift(module: &Bound<'_, PyModule>) -> PyResult<()> {
     drive::register(module)?;
     navigate::register(module)?;
     report::register(module)?;
-    filter::register(module)
+    filter::register(module)?;
+    fleet::register(module)
 }

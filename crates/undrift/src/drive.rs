@@ -28,7 +28,7 @@ pub(crate) mod tables;
 
 pub use section::{ConfigError, Section};
 pub(crate) use section::{parse, read_text};
-pub(crate) use tables::read_initial;
+pub(crate) use tables::{read_initial, read_switch};
 
 use crate::{
     align::AlignSettings,
@@ -285,6 +285,23 @@ impl Drive {
             )),
         }
     }
+}
+
+/// The files that a drive file's text names, by their tables: "imu", "gnss" and so on, and "model", which
+/// may be a preset as well. Of a text that is no drive file, those that can be told.
+pub fn files_named(text: &str) -> Vec<(&'static str, String)> {
+    let Ok(table) = parse(text, "") else {
+        return Vec::new();
+    };
+    let top = Section::top(table.get_ref(), text, "");
+    let logs = ["imu", "gnss", "odometer", "barometer", "truth"];
+    let mut named: Vec<_> = logs
+        .into_iter()
+        .filter_map(|log| Some((log, top.section(log).ok()?.text("file").ok()??.to_owned())))
+        .collect();
+    let model = top.text("model").ok().flatten();
+    named.extend(model.map(|name| ("model", name.to_owned())));
+    named
 }
 
 fn open_scalar(

@@ -11,6 +11,7 @@ pub mod consistency;
 pub mod demo;
 pub mod drive;
 pub mod figure;
+pub mod fleet;
 pub mod identify;
 pub mod inspect;
 pub mod montecarlo;

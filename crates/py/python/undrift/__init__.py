@@ -3,7 +3,7 @@
 SI units and radians, unless a name says otherwise; arrays are numpy's, ``float64``.
 """
 
-from undrift import arma, statistics
+from undrift import arma, fleet, statistics
 from undrift._drive import Drive
 from undrift._filter import Filter, FilterState, Innovation
 from undrift._identify import AxisIdentified, Candidate, Identified, identify
@@ -60,6 +60,7 @@ __all__ = [
     "allan",
     "arma",
     "detrend",
+    "fleet",
     "identify",
     "jarque_bera",
     "kpss",
