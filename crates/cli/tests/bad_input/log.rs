@@ -91,7 +91,11 @@ fn simulation() -> &'static Simulation {
 impl Log {
     /// Without a fault.
     pub fn good() -> Self {
-        let of = simulation();
+        Self::of(simulation())
+    }
+
+    /// The files of a simulated drive.
+    pub fn of(of: &Simulation) -> Self {
         let vector = |v: Vector3| [v.x, v.y, v.z];
         let place =
             |p: &undrift::nav::earth::Geodetic| [p.lat.to_degrees(), p.lon.to_degrees(), p.height];
