@@ -1,6 +1,6 @@
 //! A drive through a town, with turns and stops, at any place and rate, and how good its solution is.
 
-use super::log::Log;
+use super::log::{Log, Outcome};
 use std::sync::OnceLock;
 use undrift::nav::earth::Geodetic;
 use undrift::noise::{BiasModel, ImuModel};
@@ -49,8 +49,21 @@ pub fn good() -> Log {
         .clone()
 }
 
+/// RMS errors that a sound solution of the town drive stays below: horizontally [m], where the fixes have
+/// 0.5 m an axis and the filter 0.2 m, and of the heading [deg], which is 0.2.
+pub const SOUND: (f64, f64) = (0.5, 1.0);
+
+/// Asserts that a solution is as good as that of the drive without a fault.
+#[track_caller]
+pub fn is_sound(outcome: &Outcome) {
+    let errors = (outcome.rms("horizontal_m"), outcome.rms("yaw_deg"));
+    let sound = errors.0 < SOUND.0 && errors.1 < SOUND.1;
+    assert!(sound, "{errors:?} {}", outcome.stderr);
+}
+
 #[test]
-fn dump() {
-    let case = good().write("town");
-    std::mem::forget(case);
+fn the_town_drive_is_navigated_without_complaint() {
+    let (outcome, _) = good().write("town").solution();
+    assert_eq!(outcome.stderr, "");
+    is_sound(&outcome);
 }

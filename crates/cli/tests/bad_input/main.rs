@@ -2,10 +2,16 @@
 
 mod configuration;
 mod drives;
+mod files;
+mod fixes;
 mod log;
 mod logs;
+mod models;
 mod montecarlo;
+mod places;
+mod reliability;
 mod reports;
 mod scalars;
 mod schedule;
+mod sensors;
 mod solutions;

@@ -1,0 +1,133 @@
+//! Noise models that cannot be, or are of another rate.
+
+use super::drives::{good, is_sound};
+use super::log::{Case, Outcome, says};
+
+const HEAD: &str = "format = \"undrift-imu\"\nversion = 1\n";
+const GYRO: &str = "[gyro]\nwhite_noise = \"0.1 deg/sqrt(h)\"\n";
+const ACCEL: &str = "[accel]\nwhite_noise = \"0.02 m/s/sqrt(h)\"\n";
+
+fn run(case: &Case, model: &str) -> Outcome {
+    case.put("imu.toml", model.as_bytes());
+    case.run(&[
+        "navigate",
+        "drive.toml",
+        "--model",
+        "imu.toml",
+        "-o",
+        "nav.csv",
+    ])
+}
+
+/// What is said of a model that is refused.
+#[track_caller]
+fn refused(case: &Case, model: &str, parts: &[&str]) {
+    let outcome = run(case, model);
+    assert_eq!(outcome.code, Some(1), "{model} {}", outcome.stderr);
+    says(&outcome.stderr, parts);
+}
+
+fn arma(ar: &str, ma: &str) -> String {
+    format!(
+        "{HEAD}{GYRO}[gyro.arma]\nsigma = \"0.01 deg/s\"\nrate = \"100 Hz\"\nar = [{ar}]\nma = [{ma}]\n{ACCEL}"
+    )
+}
+
+#[test]
+fn unstable_autoregression() {
+    let case = good().write("model_unstable");
+    refused(
+        &case,
+        &arma("1.1", "0.5"),
+        &["imu.toml:5: gyro.arma:", "unstable"],
+    );
+    refused(&case, &arma("0.5, 0.6", "0.5"), &["gyro.arma:", "unstable"]);
+}
+
+#[test]
+fn a_moving_average_that_is_not_invertible() {
+    let case = good().write("model_noninvertible");
+    let outcome = run(&case, &arma("0.99", "1.5"));
+    // The same noise has an invertible form; whether refused or run, nothing is left in silence.
+    match outcome.code {
+        Some(0) => is_sound(&case.solution().0),
+        _ => says(&outcome.stderr, &["imu.toml:5: gyro.arma"]),
+    }
+}
+
+#[test]
+fn numbers_that_are_none() {
+    let case = good().write("model_numbers");
+    refused(
+        &case,
+        &arma("nan", "0.5"),
+        &["imu.toml:8: gyro.arma.ar:", "finite"],
+    );
+    refused(&case, &arma("0.9", "inf"), &["gyro.arma.ma:", "finite"]);
+    let negative = format!("{HEAD}{}{ACCEL}", GYRO.replace("0.1", "-0.1"));
+    refused(
+        &case,
+        &negative,
+        &["imu.toml:4: gyro.white_noise:", "negative"],
+    );
+    let nan = format!("{HEAD}{}{ACCEL}", GYRO.replace("0.1", "nan"));
+    refused(&case, &nan, &["imu.toml:4: gyro.white_noise:"]);
+}
+
+#[test]
+fn an_axis_that_is_none() {
+    let case = good().write("model_axis");
+    let model = format!("{HEAD}{GYRO}{ACCEL}[gyro_w]\nwhite_noise = \"0.1 deg/sqrt(h)\"\n");
+    refused(
+        &case,
+        &model,
+        &["imu.toml:7: gyro_w: unknown key", "gyro_x"],
+    );
+}
+
+#[test]
+fn a_model_of_another_rate() {
+    let case = good().write("model_rate");
+    // Ten times slower: made one of the log's rate, or said not to be possible.
+    for (rate, ok) in [
+        ("10 Hz", true),
+        ("1000 Hz", true),
+        ("0 Hz", false),
+        ("-5 Hz", false),
+    ] {
+        let outcome = run(&case, &arma("0.99", "0.5").replace("100 Hz", rate));
+        match outcome.code {
+            Some(0) => {
+                assert!(ok, "{rate}");
+                is_sound(&outcome);
+            }
+            _ => says(&outcome.stderr, &["error: ", "rate"]),
+        }
+    }
+}
+
+#[test]
+fn noise_of_none_or_of_everything() {
+    let case = good().write("model_size");
+    for (value, bias_model) in [("0", "arma"), ("1e-30", "arma"), ("1e6", "arma")] {
+        let model = format!("{HEAD}{}{ACCEL}", GYRO.replace("0.1", value));
+        case.put("imu.toml", model.as_bytes());
+        let arguments = [
+            "navigate",
+            "drive.toml",
+            "--model",
+            "imu.toml",
+            "-o",
+            "nav.csv",
+            "--bias-model",
+            bias_model,
+        ];
+        let outcome = case.run(&arguments);
+        // Too little noise shows in the innovations, too much in the standard deviations.
+        assert!(
+            matches!(outcome.code, Some(0 | 1)),
+            "{value} {}",
+            outcome.stderr
+        );
+    }
+}
