@@ -93,18 +93,19 @@ fn radians_called_degrees() {
 
 #[test]
 fn longitudes_from_0_to_360() {
-    // 245° east is 115° west: the same place as −115°.
-    let move_by = |by: f64| {
-        let log = changed(|row| row.put(2, &[row.number(2) + by]));
-        log.write(&format!("lon_{by}"))
-            .run(&["navigate", "drive.toml"])
-    };
-    assert_eq!(move_by(-230.0).code, Some(0));
-    let outcome = move_by(130.0);
-    assert_eq!(outcome.code, Some(1));
+    // 244.47° east is 115.53° west.
+    let moved =
+        |by: f64| changed(|row| row.put(2, &[row.number(2) + by])).write(&format!("lon_{by}"));
+    let (_, nav) = moved(130.0).solution();
+    assert!(
+        (nav.at(100.0, "lon_deg") + 115.53).abs() < 0.01,
+        "{}",
+        nav.at(100.0, "lon_deg")
+    );
+    // Beyond a full turn it is none.
     says(
-        &outcome.stderr,
-        &["244.4", "rows with a value out of its range"],
+        &moved(360.0).refusal(),
+        &["gnss.csv: no usable fix", "474.46"],
     );
 }
 

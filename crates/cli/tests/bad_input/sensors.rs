@@ -311,7 +311,7 @@ fn a_saturated_accelerometer() {
     let warnings = log
         .write("saturated_accel")
         .doubted(&["the sensor is saturated"]);
-    says(&warnings.join("\n"), &["accelerometer y read 2 for"]);
+    says(&warnings.join("\n"), &["accelerometer y read ", "2 for"]);
 }
 
 #[test]
@@ -476,7 +476,7 @@ fn the_end_of_the_week() {
     says(
         &message,
         &[
-            "imu.csv line 7001: time jumps back",
+            "time jumps back by 604799.",
             "the end of a GPS week: add 604800 s",
         ],
     );

@@ -11,7 +11,7 @@ use serde::Serialize;
 use std::collections::VecDeque;
 use undrift_nav::{
     Vector3,
-    earth::{Geodetic, STANDARD_GRAVITY},
+    earth::{Geodetic, STANDARD_GRAVITY, wrap_pi},
     sample::{GnssFix, ImuSample, Position},
 };
 
@@ -310,8 +310,7 @@ impl Plausible {
             return;
         }
         self.course = Some((time, course, speed));
-        let turn = (course - before + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU)
-            - std::f64::consts::PI;
+        let turn = wrap_pi(course - before);
         if time - start <= TURN_WINDOW.end && turn.abs() < MOST_TURN {
             self.noise += 2.0 * noise;
             self.waiting.push_back(Turn {

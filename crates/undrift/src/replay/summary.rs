@@ -214,10 +214,12 @@ impl Summary {
         })
     }
 
-    pub(super) fn regress(&mut self, innovation: &Vector3, measured: &Vector3) {
+    /// Takes in the innovation (predicted less measured) of a measured velocity and the variances of its
+    /// noise, which is in both and would correlate them at rest.
+    pub(super) fn regress(&mut self, innovation: &Vector3, measured: &Vector3, noise: &Vector3) {
         for (i, sums) in self.against_velocity.iter_mut().enumerate() {
-            sums.0 += innovation[i] * measured[i];
-            sums.1 += measured[i] * measured[i];
+            sums.0 += innovation[i] * measured[i] + noise[i];
+            sums.1 += measured[i] * measured[i] - noise[i];
         }
     }
 
