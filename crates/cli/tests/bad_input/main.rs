@@ -15,3 +15,4 @@ mod scalars;
 mod schedule;
 mod sensors;
 mod solutions;
+mod stamps;

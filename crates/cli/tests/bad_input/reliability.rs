@@ -26,8 +26,8 @@ fn source(crate_name: &str, module: &str) -> PathBuf {
     let path = module.replace("::", "/");
     [
         folder.join("tests").join(format!("{path}.rs")),
-        folder.join("src").join(format!("{path}.rs")),
         folder.join("src").join(&path).join("tests.rs"),
+        folder.join("src").join(format!("{path}.rs")),
     ]
     .into_iter()
     .find(|path| path.is_file())
