@@ -83,6 +83,13 @@ pub fn load(drive: &std::path::Path, common: &Common) -> Result<Drive> {
     if let Some(name) = &common.model {
         loaded.model = Some(ImuModel::resolve(name, std::path::Path::new(""))?);
     }
+    [drive]
+        .into_iter()
+        .chain(loaded.logs())
+        .for_each(output::reads);
+    if let Some(name) = &common.model {
+        output::reads(Path::new(name));
+    }
     details::drive(drive, &loaded);
     Ok(loaded)
 }
@@ -94,6 +101,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.json.ready()?;
     arguments.reporting.ready()?;
     let drive = load(&arguments.drive, &arguments.common)?;
+    for file in &arguments.output {
+        output::spares_input(file)?;
+    }
+    arguments.json.spares_input()?;
+    arguments.reporting.spares_input()?;
     let recording = arguments.json.is_wanted() || arguments.reporting.is_wanted();
     let report = stage("navigation", || {
         let _bar = Bar::watching(

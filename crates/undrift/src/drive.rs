@@ -188,6 +188,13 @@ impl Drive {
         let lever_arm = gnss
             .vector("lever_arm", Quantity::Length)?
             .unwrap_or_else(Vector3::zeros);
+        if lever_arm.norm() > MOST_LEVER_ARM {
+            let message = format!(
+                "{:.0} m is longer than any vehicle: check its unit",
+                lever_arm.norm()
+            );
+            return Err(gnss.error("lever_arm", message).into());
+        }
         let (constraints, parameters) = tables::read_vehicle(&top.section("vehicle")?)?;
         let (imu, estimate_mounting) = imu::read_imu(&top.section("imu")?, data, span)?;
         let parameters = tables::read_states(&top.section("states")?, parameters)?;
@@ -215,6 +222,18 @@ impl Drive {
             memory: Memory::new(),
         };
         Ok(drive)
+    }
+
+    /// The logs that the drive reads.
+    pub fn logs(&self) -> Vec<&Path> {
+        let scalars = [&self.odometer, &self.barometer];
+        let scalars = scalars.into_iter().flatten().map(|(path, _)| path);
+        let truth = self.truth.iter().map(|(path, _)| path);
+        let logs = [&self.imu.0, &self.gnss.0].into_iter();
+        logs.chain(scalars)
+            .chain(truth)
+            .map(PathBuf::as_path)
+            .collect()
     }
 
     /// Opens the inertial log from its start.
@@ -253,8 +272,22 @@ impl Drive {
     /// gaps left out.
     ///
     /// # Errors
-    /// If the log cannot be read, is too short, or is at another rate than stated: by a fifth or more.
+    /// If the log cannot be read, is too short, or is at another rate than stated, by a fifth or
+    /// more, or at one that no IMU has.
     pub fn sample_interval(&self) -> Result<f64, ReadError> {
+        let interval = self.any_interval()?;
+        if INTERVALS.contains(&interval) {
+            return Ok(interval);
+        }
+        let (key, mend) = match self.imu.1.has_times() {
+            true => ("imu.time_unit", "is the time column in ms, us or ns?"),
+            false => ("imu.rate", "correct the rate"),
+        };
+        let problem = format!("{:.4} samples a second are none of an IMU", 1.0 / interval);
+        Err(ReadError::new(&self.imu.0, problem).key(key).mend(mend))
+    }
+
+    fn any_interval(&self) -> Result<f64, ReadError> {
         let stated = self.imu.1.rate_hz.map(|rate| 1.0 / rate);
         if let (Some(interval), false) = (stated, self.imu.1.has_times()) {
             return Ok(interval);
@@ -315,6 +348,12 @@ fn open_scalar(
         })
         .transpose()
 }
+
+/// Longest lever arm [m]: the largest ships are 400 m long.
+const MOST_LEVER_ARM: f64 = 500.0;
+
+/// Sample intervals that a log of an IMU may have [s].
+const INTERVALS: std::ops::RangeInclusive<f64> = 2e-5..=1.0;
 
 /// Samples looked at for the rate.
 const PROBE: usize = 2000;

@@ -12,6 +12,7 @@ use crate::{
     drive::{Drive, DriveError},
     mounting::{self, Mounting, MountingError},
     reference::{COMPONENTS, Errors, TruthCursor},
+    remarks,
     replay::{Measurement, Observer, ReplayError, Settings, Summary, merge, replay},
     smooth::{self, History, Path as SmoothedPath},
 };
@@ -20,6 +21,7 @@ use std::path::Path;
 use undrift_io::{
     ReadError,
     gnss::GnssReader,
+    held::Held,
     imu::GapSummary,
     scalar::ScalarReader,
     skipped::Skipped,
@@ -66,6 +68,8 @@ pub struct Report {
     pub truth_skipped: Skipped,
     /// Gaps of the inertial log.
     pub gaps: GapSummary,
+    /// Axes of the IMU that held a value for long.
+    pub held: Vec<Held>,
     /// The run over time, where it was asked for.
     pub recording: Option<Box<Recording>>,
     /// The solution at every sample, where it was asked for.
@@ -216,7 +220,21 @@ pub fn navigate_for(
         rows: rows.then(Vec::new),
     };
     let measurements = aiding(&mut gnss, &mut odometer, &mut barometer);
-    let summary = replay(&mut imu, measurements, &settings, &mut recorder)?;
+    let replayed = replay(&mut imu, measurements, &settings, &mut recorder);
+    let summary = replayed.map_err(|error| match error {
+        // What was left out is often why.
+        ReplayError::NotAligned(why) => {
+            let logs = [("IMU", imu.skipped()), ("GNSS", gnss.skipped())];
+            let left_out = remarks::of_skipped(&logs);
+            ReplayError::NotAligned(
+                [&[why], &left_out[..]]
+                    .concat()
+                    .join("; ")
+                    .replace('\n', "; "),
+            )
+        }
+        other => other,
+    })?;
     recorder.outputs.fixes_end();
     if let Some(smoothed) = recorder
         .history
@@ -267,6 +285,7 @@ pub fn navigate_for(
         gnss_skipped: gnss.skipped().clone(),
         truth_skipped,
         gaps: imu.gaps(),
+        held: imu.held(),
         scalars: [("odometer", odometer), ("barometer", barometer)]
             .into_iter()
             .filter_map(|(name, reader)| {

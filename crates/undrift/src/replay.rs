@@ -6,6 +6,7 @@
 mod bridge;
 mod gate;
 mod measurement;
+mod plausible;
 mod quality;
 mod receiver;
 mod rest;
@@ -13,6 +14,7 @@ mod run;
 mod summary;
 
 pub use measurement::{Measurement, Scalar, merge};
+pub use plausible::Implausible;
 pub use quality::QualityStd;
 pub use summary::{
     Contradiction, Innovations, Lean, MOST_EVENTS, Part, Restart, SUSPECT_NIS, SUSPECT_UPDATES,
@@ -21,6 +23,7 @@ pub use summary::{
 
 use crate::{
     align::AlignSettings,
+    remarks,
     size::{AnySize, sized},
     vehicle::Constraints,
 };
@@ -208,6 +211,7 @@ fn run<const N: usize>(
     let mut run = Run::<N>::new(settings);
     let mut aiding = Queue::new(aiding);
     let (mut imu_start, mut first_fix) = (None, None);
+    let mut fixes_within = 0;
     for sample in imu {
         let sample = sample?;
         let start = sample.time - sample.dt;
@@ -220,6 +224,7 @@ fn run<const N: usize>(
                 }
             }
         }
+        run.plausible.sample(&sample);
         run.begin(&sample);
         while let Some(measurement) =
             aiding.next_until(sample.time + STAMP_ROUNDING, run.fix_offset())
@@ -227,28 +232,36 @@ fn run<const N: usize>(
             match measurement? {
                 Measurement::Gnss(fix) => {
                     first_fix.get_or_insert(fix.time);
+                    fixes_within += 1;
+                    run.plausible.fix(&fix);
                     run.fix(&fix, &sample, observer)?;
                 }
                 Measurement::Odometer(speed) => run.odometer(&speed),
                 Measurement::Barometer(height) => run.barometer(&height),
             }
             if run.summary.diverged.is_some() {
+                run.summary.implausible = run.plausible.findings();
                 return Ok(run.summary);
             }
         }
         run.finish(&sample, observer)?;
         if run.summary.diverged.is_some() {
+            run.summary.implausible = run.plausible.findings();
             return Ok(run.summary);
         }
     }
+    run.summary.implausible = run.plausible.findings();
     if run.filter.is_none() && run.summary.restarts.is_empty() {
-        let mut why = run.aligner.why_not();
+        let mut why = run.aligner.why_not(fixes_within);
         let first_fix = first_fix.or_else(|| aiding.next_fix());
         if let (Some(imu), Some(gnss)) = (imu_start, first_fix) {
             let end = run.summary.ended;
             why += &format!(
                 "; the samples run from {imu:.3} s to {end:.3} s, the fixes from {gnss:.3} s on"
             );
+        }
+        for finding in &run.summary.implausible {
+            why += &format!("; {}", remarks::of_implausible(finding));
         }
         return Err(ReplayError::NotAligned(why));
     }

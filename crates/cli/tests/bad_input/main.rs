@@ -1,10 +1,18 @@
 //! The command on damaged logs and wrong settings: what it says, how it ends, what it leaves behind.
 
 mod configuration;
+mod drives;
+mod files;
+mod fixes;
 mod log;
 mod logs;
+mod models;
 mod montecarlo;
+mod places;
+mod reliability;
 mod reports;
 mod scalars;
 mod schedule;
+mod sensors;
 mod solutions;
+mod stamps;

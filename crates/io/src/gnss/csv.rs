@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use undrift_nav::earth::Geodetic;
+use undrift_nav::earth::{Geodetic, wrap_pi};
 use undrift_nav::sample::{FixQuality, GnssFix, Position};
 use undrift_nav::{Matrix3, Vector3};
 
@@ -225,7 +225,12 @@ impl CsvRows {
                     skipped.add(SkipKind::OutOfRange, line, detail);
                     return None;
                 }
-                Position::Geodetic(place)
+                // From 0° to 360° as well as from −180° to 180°.
+                let lon = match place.lon {
+                    lon if lon.abs() > std::f64::consts::PI => wrap_pi(lon),
+                    lon => lon,
+                };
+                Position::Geodetic(Geodetic { lon, ..place })
             }
             Place::Baseline { base, .. } => Position::Baseline {
                 base: *base,

@@ -150,8 +150,16 @@ impl GnssReader {
         }
         match (self.span, self.covered) {
             (Some(span), Some(_)) => Err(clock::none_in_span(self.path(), span, self.covered)),
-            _ => Err(ReadError::new(self.path(), "no usable fix")
-                .mend(self.skipped().to_string().replace('\n', "; "))),
+            _ => {
+                let skipped = self.skipped();
+                let mut mend = skipped.to_string().replace('\n', "; ");
+                let error = ReadError::new(self.path(), "no usable fix");
+                if skipped.count(SkipKind::OutOfRange) > 0 && matches!(self.rows, Rows::Csv(_)) {
+                    mend += "; are the columns latitude, longitude, height in this order and in gnss.position_unit, neither ECEF nor degrees and minutes?";
+                    return Err(error.key("gnss.position").mend(mend));
+                }
+                Err(error.mend(mend))
+            }
         }
     }
 }

@@ -20,6 +20,7 @@ use crate::clock::{self, Clock, Tick};
 use crate::format::Format;
 use crate::gaps::{GAP_INTERVALS, GapWatch};
 pub use crate::gaps::{Gap, GapSummary};
+use crate::held::{Held, HeldWatch};
 use crate::log::{Log, Wanted, What};
 use crate::skipped::{SkipKind, Skipped};
 use crate::source::{self, BytesRead};
@@ -153,6 +154,7 @@ pub struct ImuReader {
     format: ImuFormat,
     clock: Clock,
     gaps: GapWatch,
+    held_values: HeldWatch,
     /// The second sample, read for the interval of the first.
     held: Option<Raw>,
     /// First and last time of the file up to here [s].
@@ -312,6 +314,7 @@ impl ImuReader {
             format: format.clone(),
             clock: Clock::new(path, PATIENCE),
             gaps: GapWatch::default(),
+            held_values: HeldWatch::default(),
             held: None,
             covered: None,
             given: 0,
@@ -328,6 +331,11 @@ impl ImuReader {
     /// The usual interval and the gaps of the samples given out so far.
     pub fn gaps(&self) -> GapSummary {
         self.gaps.summary()
+    }
+
+    /// The axes that held a value for long among the samples given out so far.
+    pub fn held(&self) -> Vec<Held> {
+        self.held_values.held()
     }
 
     /// The next row whose time goes forward.
@@ -418,6 +426,9 @@ impl ImuReader {
                 continue;
             }
             self.given += 1;
+            let [gx, gy, gz] = raw.gyro.into();
+            let [ax, ay, az] = raw.accel.into();
+            self.held_values.add(raw.time, [gx, gy, gz, ax, ay, az]);
             return Ok(Some(sample));
         }
         match (span, self.covered) {

@@ -33,7 +33,7 @@ use std::path::Path;
 use crate::ReadError;
 #[cfg(feature = "parquet")]
 use crate::parquet::ParquetTable;
-use crate::skipped::Skipped;
+use crate::skipped::{SkipKind, Skipped};
 use crate::source::{self, Source};
 use text::TextTable;
 
@@ -260,7 +260,16 @@ pub(crate) fn no_rows(path: &Path, seen: u64, skipped: &Skipped) -> ReadError {
     } else {
         "no row with a number in every wanted column"
     };
-    ReadError::new(path, problem).mend(skipped.to_string().replace('\n', "; "))
+    let mut mend = skipped.to_string().replace('\n', "; ");
+    let text = skipped.iter().find(|(kind, _)| *kind == SkipKind::Text);
+    let is_decimal = |text: &str| {
+        let text = text.trim_matches('"');
+        text.contains(',') && text.replacen(',', ".", 1).parse::<f64>().is_ok()
+    };
+    if text.is_some_and(|(_, entry)| is_decimal(&entry.first_detail)) {
+        mend += "; write numbers with decimal points";
+    }
+    ReadError::new(path, problem).mend(mend)
 }
 
 /// Whether a line is neither blank nor a comment.
