@@ -23,7 +23,7 @@ RATE_HZ = 100.0
 # Share of the ratio from Rust that must be left through Python.
 SHARE = 0.9
 # Ours in turns from Rust and from Python, so that a busy machine slows both alike.
-ROUNDS = 3
+ROUNDS = 5
 
 
 def simulate(samples, seed):
