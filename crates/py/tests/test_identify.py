@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import json
+import pickle
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -18,7 +20,7 @@ RATE = 50.0
 @pytest.fixture(scope="module")
 def noise() -> dict[str, Any]:
     model = undrift.NoiseModel.load("adis16405")
-    return model.simulate(12_000, RATE, seed=2)
+    return model.simulate(4_000, RATE, seed=2)
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +53,7 @@ def test_what_was_found_has_names(found: undrift.Identified) -> None:
     assert [c.name for c in axis.candidates] == told["ranking"]
     assert found.recommended["gyro_z"] == axis.recommended.name == told["chosen"]["name"]
     assert axis.adev.tolist() == told["allan"]["adev"] and axis.tests["adf"] == told["adf"]
+    assert list(found.axes) == ["gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z"]
     assert axis.reason and axis.stationarity and not found.failed
     assert "gyro_z" in repr(found) and "<table>" in found._repr_html_()
     model = found.model(base="adis16405")
@@ -69,7 +72,7 @@ def test_tables_and_figures(found: undrift.Identified, tmp_path: Path) -> None:
 
 
 def test_one_axis_with_stamps_and_a_unit_in_its_name(noise: dict[str, Any]) -> None:
-    table = {"t_s": np.arange(12_000) / RATE, "gz_dps": np.degrees(noise["gyro_z"])}
+    table = {"t_s": np.arange(4_000) / RATE, "gz_dps": np.degrees(noise["gyro_z"])}
     found = undrift.identify(table)
     assert list(found.axes) == ["gyro_z"] and found.rate == pytest.approx(RATE, rel=1e-9)
     alone = undrift.identify(noise["gyro_z"], axis="gyro_z", rate=RATE)
@@ -88,3 +91,13 @@ def test_what_is_wrong_is_said(noise: dict[str, Any]) -> None:
         undrift.identify(np.zeros(5000), axis="gyro_z", rate=RATE)
     with pytest.raises(undrift.UndriftError, match="nowhere.csv: no such file"):
         undrift.identify("nowhere.csv")
+
+
+def test_results_pickle_and_copy(found: undrift.Identified) -> None:
+    again = pickle.loads(pickle.dumps(found))
+    assert again.json == found.json and again.recommended == found.recommended
+    with pytest.raises(undrift.UndriftError, match="save the model itself"):
+        again.model()
+    model = found.model()
+    assert copy.deepcopy(model) is model
+    assert pickle.loads(pickle.dumps(model)).to_toml() == model.to_toml()

@@ -112,7 +112,7 @@ class Identified(Told):
     """What should be said of the record and its axes."""
     json: str = field(repr=False)
     """The result as ``undrift identify --json -`` prints it."""
-    _found: _undrift.Identified = field(repr=False)
+    _found: _undrift.Identified | None = field(repr=False)
 
     @property
     def recommended(self) -> dict[str, str]:
@@ -125,7 +125,12 @@ class Identified(Told):
         ``base`` gives the axes that the record does not have, and the turn-on constants, of which a
         record shows one draw.
         """
+        if self._found is None:
+            raise _undrift.UndriftError("a pickled result has no model: save the model itself")
         return NoiseModel(self._found.model(None if base is None else compiled(base)))
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_found": None}
 
     def plot(self, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
         """The Allan deviations of all axes. Needs ``undrift[plot]``."""
@@ -193,7 +198,8 @@ def identify(
     text = found.json()
     told = json.loads(text)
     done, failed = {}, {}
-    for name, of_axis in told["axes"].items():
+    for name in (name for name in AXES if name in told["axes"]):
+        of_axis = told["axes"][name]
         if "error" in of_axis:
             failed[name] = of_axis["error"]
         else:

@@ -202,6 +202,15 @@ class NoiseModel:
             for name, column in zip(names, samples.T, strict=True)
         }
 
+    def __copy__(self) -> NoiseModel:
+        return self
+
+    def __deepcopy__(self, memo: object) -> NoiseModel:
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return NoiseModel.from_toml, (self.to_toml(), self.name)
+
     def __repr__(self) -> str:
         return f"NoiseModel({self.name!r}, axes={', '.join(self.axes)})"
 
