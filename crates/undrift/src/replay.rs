@@ -5,6 +5,7 @@
 
 mod bridge;
 mod gate;
+mod health;
 mod measurement;
 mod quality;
 mod receiver;
@@ -12,6 +13,7 @@ mod rest;
 mod run;
 mod summary;
 
+pub use health::CovarianceHealth;
 pub use measurement::{Measurement, Scalar, merge};
 pub use quality::QualityStd;
 pub use summary::{
@@ -241,6 +243,7 @@ fn run<const N: usize>(
         _ => None,
     };
     if let Some(filter) = &run.filter {
+        run.summary.covariance = Some(CovarianceHealth::of(filter));
         for (kind, ..) in filter.parameters().blocks() {
             if let Some((value, std)) = filter.parameter(kind) {
                 let n = kind.width();
