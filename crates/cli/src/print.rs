@@ -4,7 +4,7 @@ use crate::{output, style, terminal, terminal::warn};
 use anyhow::{Context, Result};
 use std::path::Path;
 use undrift::{
-    io::write::PendingFile,
+    io::write,
     outages::{ModelRun, Outcome},
     replay::{Implausible, ReplayError, Summary},
     table::outage_table,
@@ -76,12 +76,6 @@ pub fn print_remarks(remarks: impl IntoIterator<Item = String>) {
 
 /// Writes a file whole or not at all.
 pub fn write_whole(path: &Path, text: &str) -> Result<()> {
-    use std::io::Write;
     output::spares_input(path)?;
-    let write = || {
-        let mut file = PendingFile::create(path)?;
-        file.write_all(text.as_bytes())?;
-        file.finish()
-    };
-    write().with_context(|| format!("cannot write {}", path.display()))
+    write::write_whole(path, text).with_context(|| format!("cannot write {}", path.display()))
 }

@@ -15,8 +15,11 @@
 //! Error model: Groves 2013, section 14.2.4, with the signs of `docs/conventions.md`.
 
 use crate::{
-    Matrix3, Vector3, attitude::skew, mechanisation::Step, parameters::Coupling,
-    shaping::ShapingFilter,
+    Matrix3, Vector3,
+    attitude::skew,
+    mechanisation::Step,
+    parameters::Coupling,
+    shaping::{AxisMatrix, MAX_ORDER, ShapingFilter},
 };
 
 /// Navigation errors: position, velocity, misalignment.
@@ -25,6 +28,8 @@ pub const NAV: usize = 9;
 pub const AXES: usize = 6;
 /// Width of the joint navigation and sensor error.
 const JOINT: usize = NAV + AXES;
+/// Columns that [`NAV`] are carried as, two at a time.
+const EVEN: usize = NAV + 1;
 
 /// The linear map of one step from navigation and sensor errors to navigation errors.
 #[derive(Clone, Copy, Debug)]
@@ -263,18 +268,19 @@ impl Sensors {
     pub fn step_mean<const N: usize>(&self, x: &mut [f64; N]) {
         for (axis, filter) in self.axes.iter().enumerate() {
             let at = self.start[axis];
-            let n = filter.order;
-            if n == 1 {
+            if filter.order == 1 {
                 x[at] *= filter.f[0][0];
                 continue;
             }
-            let mut moved = [0.0; crate::shaping::MAX_ORDER];
-            for i in 0..n {
-                for j in 0..n {
-                    moved[i] += filter.f[i][j] * x[at + j];
-                }
+            let x = &mut x[at..at + filter.order];
+            match filter.order {
+                0 => {}
+                2 => step::<2>(&filter.f, x),
+                3 => step::<3>(&filter.f, x),
+                4 => step::<4>(&filter.f, x),
+                5 => step::<5>(&filter.f, x),
+                _ => step::<MAX_ORDER>(&filter.f, x),
             }
-            x[at..at + n].copy_from_slice(&moved[..n]);
         }
     }
 
@@ -339,7 +345,7 @@ impl Sensors {
 
         // Navigation block: A J Aᵀ as A (A J)ᵀ, J the joint covariance of (n, ε).
         let gamma = transition.input();
-        let mut turned = [[0.0; NAV]; JOINT];
+        let mut turned = [[0.0; EVEN]; JOINT];
         for i in 0..NAV {
             for j in 0..NAV {
                 turned[j][i] = moved[i][j];
@@ -388,25 +394,47 @@ impl Sensors {
     }
 
     /// `P_xx ← F P_xx Fᵀ + q`, `P_xp ← F P_xp`.
+    ///
+    /// Row by row both times: F P, then F of its transpose, which is the symmetric F P Fᵀ.
     fn step_state_covariance<const N: usize>(&self, p: &mut [[f64; N]; N]) {
-        for i in NAV..self.states() {
-            self.step_mean(&mut p[i]);
+        let states = self.states();
+        for (axis, filter) in self.axes.iter().enumerate() {
+            step_rows(filter, self.start[axis], NAV..N, p);
         }
-        // Now the rows: the block is symmetric only after both sides are done.
+        for i in NAV..states {
+            for j in NAV..i {
+                (p[i][j], p[j][i]) = (p[j][i], p[i][j]);
+            }
+        }
         for (axis, filter) in self.axes.iter().enumerate() {
             let at = self.start[axis];
-            step_rows(filter, at, NAV..N, p);
+            step_rows(filter, at, NAV..states, p);
             for i in 0..filter.order {
                 for j in 0..filter.order {
                     p[at + i][at + j] += filter.q[i][j];
                 }
             }
         }
-        for i in NAV..self.states() {
+        for i in NAV..states {
             for j in i + 1..N {
                 p[j][i] = p[i][j];
             }
         }
+    }
+}
+
+/// `x ← F x` of an axis with `K` states; of one with fewer, nothing.
+fn step<const K: usize>(f: &AxisMatrix, x: &mut [f64]) {
+    let Some(x) = x.first_chunk_mut::<K>() else {
+        return;
+    };
+    let before = *x;
+    for i in 0..K {
+        let mut sum = 0.0;
+        for j in 0..K {
+            sum += f[i][j] * before[j];
+        }
+        x[i] = sum;
     }
 }
 
@@ -417,22 +445,41 @@ fn step_rows<const N: usize>(
     columns: core::ops::Range<usize>,
     m: &mut [[f64; N]; N],
 ) {
-    let n = filter.order;
-    if n == 1 {
-        for k in columns {
-            m[at][k] *= filter.f[0][0];
-        }
-        return;
+    let (f, rows) = (&filter.f, &mut m[at..at + filter.order]);
+    match filter.order {
+        0 => {}
+        1 => rows[0][columns].iter_mut().for_each(|x| *x *= f[0][0]),
+        2 => step_rows_of::<2, N>(f, columns, rows),
+        3 => step_rows_of::<3, N>(f, columns, rows),
+        4 => step_rows_of::<4, N>(f, columns, rows),
+        5 => step_rows_of::<5, N>(f, columns, rows),
+        _ => step_rows_of::<MAX_ORDER, N>(f, columns, rows),
     }
-    for k in columns {
-        let mut moved = [0.0; crate::shaping::MAX_ORDER];
-        for i in 0..n {
-            for j in 0..n {
-                moved[i] += filter.f[i][j] * m[at + j][k];
+}
+
+/// As [`step_rows`], of an axis with `K` states; of one with fewer, nothing.
+fn step_rows_of<const K: usize, const N: usize>(
+    f: &AxisMatrix,
+    columns: core::ops::Range<usize>,
+    rows: &mut [[f64; N]],
+) {
+    let Some(rows) = rows.first_chunk_mut::<K>() else {
+        return;
+    };
+    let mut moved = [[0.0; N]; K];
+    for i in 0..K {
+        let to = &mut moved[i][columns.clone()];
+        for j in 0..K {
+            // Companion forms have few others.
+            if f[i][j] == 0.0 {
+                continue;
+            }
+            for (to, from) in to.iter_mut().zip(&rows[j][columns.clone()]) {
+                *to += f[i][j] * from;
             }
         }
-        for i in 0..n {
-            m[at + i][k] = moved[i];
-        }
+    }
+    for (row, moved) in rows.iter_mut().zip(&moved) {
+        row[columns.clone()].copy_from_slice(&moved[columns.clone()]);
     }
 }

@@ -5,6 +5,7 @@
 
 mod bridge;
 mod gate;
+mod health;
 mod measurement;
 mod plausible;
 mod quality;
@@ -13,6 +14,7 @@ mod rest;
 mod run;
 mod summary;
 
+pub use health::CovarianceHealth;
 pub use measurement::{Measurement, Scalar, merge};
 pub use plausible::Implausible;
 pub use quality::QualityStd;
@@ -276,6 +278,7 @@ fn run<const N: usize>(
         _ => None,
     };
     if let Some(filter) = &run.filter {
+        run.summary.covariance = Some(CovarianceHealth::of(filter));
         for (kind, ..) in filter.parameters().blocks() {
             if let Some((value, std)) = filter.parameter(kind) {
                 let n = kind.width();

@@ -86,18 +86,23 @@ fn simulation() -> &'static Simulation {
         let mut car = Trajectory::rest(DURATION);
         car.course = 0.6;
         car.speed.ramp_to(20.0, 1.5, 1.0, 15.0);
-        let model = ImuModel::preset("adis16465").unwrap();
-        let sensors = model
-            .shaping(BiasModel::GaussMarkov, 1.0 / RATE_HZ)
-            .unwrap();
-        let gnss = GnssNoise {
-            position_std: [0.5, 0.5, 1.0],
-            velocity_std: [0.05; 3],
-            rate_hz: 2.0,
-            ..GnssNoise::default()
-        };
-        simulate(&car, RATE_HZ, Some(&sensors), &gnss, 5).unwrap()
+        simulated(&car)
     })
+}
+
+/// A drive with the sensors and the receiver of all drives here.
+pub fn simulated(car: &Trajectory) -> Simulation {
+    let model = ImuModel::preset("adis16465").unwrap();
+    let sensors = model
+        .shaping(BiasModel::GaussMarkov, 1.0 / RATE_HZ)
+        .unwrap();
+    let gnss = GnssNoise {
+        position_std: [0.5, 0.5, 1.0],
+        velocity_std: [0.05; 3],
+        rate_hz: 2.0,
+        ..GnssNoise::default()
+    };
+    simulate(car, RATE_HZ, Some(&sensors), &gnss, 5).unwrap()
 }
 
 impl Log {

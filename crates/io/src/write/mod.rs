@@ -26,4 +26,4 @@ pub use gpx::GpxWriter;
 pub use kf_gins::KfGinsWriter;
 pub use kml::KmlWriter;
 pub use nmea::NmeaWriter;
-pub use pending::PendingFile;
+pub use pending::{PendingFile, write_whole};

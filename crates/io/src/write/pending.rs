@@ -49,6 +49,16 @@ impl PendingFile {
     }
 }
 
+/// Writes a file whole or not at all, replacing one that is there.
+///
+/// # Errors
+/// If it cannot be written; what was under the name is still there then.
+pub fn write_whole(path: &Path, content: impl AsRef<[u8]>) -> io::Result<()> {
+    let mut file = PendingFile::create(path)?;
+    file.write_all(content.as_ref())?;
+    file.finish()
+}
+
 impl Write for PendingFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.file.write(bytes)

@@ -1,6 +1,6 @@
 //! What a replay was like.
 
-use super::Implausible;
+use super::{CovarianceHealth, Implausible};
 use serde::{Serialize, Serializer, ser::SerializeMap};
 use undrift_nav::{
     Vector3,
@@ -186,6 +186,8 @@ pub struct Summary {
     pub implausible: Vec<Implausible>,
     /// When the solution stopped being one, if it did and did not begin anew [s].
     pub diverged: Option<f64>,
+    /// The covariance at the end, if there is a solution.
+    pub covariance: Option<CovarianceHealth>,
     /// Start of the first [`SUSPECT_UPDATES`] updates on end, or fewer at the end of the log, whose
     /// innovations were far beyond their predicted size [s].
     pub suspect: Option<f64>,

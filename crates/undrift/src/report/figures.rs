@@ -44,7 +44,7 @@ pub fn write(document: &Document, dir: &Path, formats: Formats) -> Result<Vec<Pa
     let mut names: HashMap<String, usize> = HashMap::new();
     let mut save = |name: String, content: &[u8]| {
         let path = dir.join(name);
-        std::fs::write(&path, content).map_err(|e| at(&path, e.to_string()))?;
+        undrift_io::write::write_whole(&path, content).map_err(|e| at(&path, e.to_string()))?;
         written.push(path);
         Ok::<(), String>(())
     };

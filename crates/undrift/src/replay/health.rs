@@ -1,0 +1,36 @@
+//! Whether the covariance of a filter is still one after a long log.
+
+use nalgebra::DMatrix;
+use serde::Serialize;
+use undrift_nav::filter::Filter;
+
+/// What rounding has left of a covariance.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct CovarianceHealth {
+    /// States with a variance: those of navigation, sensors and parameters.
+    pub states: usize,
+    /// Largest |P_ij − P_ji| over √(P_ii P_jj).
+    pub asymmetry: f64,
+    /// Least eigenvalue of the matrix of correlations, P_ij over √(P_ii P_jj): negative where it is no
+    /// covariance any more.
+    pub least_eigenvalue: f64,
+}
+
+impl CovarianceHealth {
+    /// Of a filter as it stands.
+    pub fn of<const N: usize>(filter: &Filter<N>) -> Self {
+        let p = filter.covariance();
+        let kept: Vec<usize> = (0..N).filter(|i| p[(*i, *i)] > 0.0).collect();
+        let scaled = DMatrix::from_fn(kept.len(), kept.len(), |i, j| {
+            let (i, j) = (kept[i], kept[j]);
+            p[(i, j)] / (p[(i, i)].sqrt() * p[(j, j)].sqrt())
+        });
+        let asymmetry = (&scaled - scaled.transpose()).amax();
+        let eigenvalues = scaled.symmetric_eigenvalues();
+        Self {
+            states: kept.len(),
+            asymmetry,
+            least_eigenvalue: eigenvalues.min(),
+        }
+    }
+}
