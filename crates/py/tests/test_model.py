@@ -79,6 +79,17 @@ def test_an_arma_is_its_matrices() -> None:
     assert accel.f.shape == (0, 0) and accel.r == pytest.approx(1e-6 * 100.0, rel=1e-15)
 
 
+def test_fits_of_the_package_are_numbers_of_a_model() -> None:
+    noise = NoiseModel.of(gyro={"white_noise": 1e-3}, accel={"white_noise": 1e-3})
+    x = noise.simulate(20_000, 100.0, seed=5)["gyro_x"]
+    terms = undrift.allan(x, 100.0).terms
+    fit = undrift.arma.fit(x[:2000], (1, 1), effort=0.1)
+    arma = undrift.ArmaNoise(fit.ar, fit.ma, fit.sigma, 100.0)
+    model = NoiseModel.of(gyro={"white_noise": terms.N}, accel={"arma": arma})
+    assert model.axes["gyro_x"].white_noise == float(terms.N)
+    assert model.axes["accel_x"].arma.ar == tuple(fit.ar)
+
+
 def test_samples_have_the_variance_and_the_seed() -> None:
     model = NoiseModel.of(gyro={"white_noise": 1e-3}, accel={"white_noise": 2e-3, "turn_on": 0.5})
     noise = model.simulate(20_000, 100.0, seed=3)

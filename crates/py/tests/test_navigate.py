@@ -215,6 +215,8 @@ def test_messages_name_table_row_and_column(simulation: undrift.Simulation) -> N
         undrift.navigate(log, fixes, **units)
     with pytest.raises(undrift.UndriftError, match='<imu>: column "time" has 2 rows|has 7500 rows'):
         undrift.navigate({**log, "time": [0.0, 1.0]}, fixes, "adis16405", **units)
+    with pytest.raises(TypeError, match="gnss is missing"):
+        undrift.navigate(log)
     with pytest.raises(TypeError, match="lever"):
         undrift.navigate(log, fixes, "adis16405", lever="1 m")
     with pytest.raises(undrift.UndriftError, match="nowhere.toml: no such file"):
@@ -290,3 +292,42 @@ def test_examples_and_their_model(saved: Path, tmp_path: Path) -> None:
     moved.write_text(saved.read_text().replace('model = "imu.toml"', 'model = "adis16405"'))
     assert undrift.navigate(moved, data=saved.parent).rmse == undrift.navigate(drive).rmse
     assert len(undrift.navigate(drive, solution=False)) == 0
+
+
+def test_columns_of_all_kinds() -> None:
+    from undrift._tables import columns
+
+    pandas = pytest.importorskip("pandas")
+    frame = pandas.DataFrame(
+        {
+            "whole": np.array([1, 2], dtype=np.int32),
+            "single": np.array([0.5, 1.5], dtype=np.float32),
+            "yes": [True, False],
+            "missing": pandas.array([7, None], dtype="Int64"),
+            "written": ["1.5", "2"],
+            "text": ["a", "b"],
+            "date": pandas.to_datetime(["1970-01-01T00:00:01.5", None]),
+        }
+    )
+    found = dict(columns(frame))
+    expected = {
+        "whole": [1.0, 2.0],
+        "single": [0.5, 1.5],
+        "yes": [1.0, 0.0],
+        "missing": [7.0, np.nan],
+        "written": [1.5, 2.0],
+        "text": [np.nan, np.nan],
+        "date": [1.5, np.nan],
+    }
+    assert {name: column.dtype for name, column in found.items()} == dict.fromkeys(
+        expected, np.dtype(np.float64)
+    )
+    for name, values in expected.items():
+        assert np.array_equal(found[name], values, equal_nan=True), name
+    own = np.arange(3.0)
+    ((_, same),) = columns({"t": own})
+    assert same is own
+    masked = np.ma.masked_array([1, 2], mask=[False, True])
+    assert np.isnan(columns({"m": masked})[0][1][1])
+    with pytest.raises(TypeError, match="column g: an array of 2 x 2"):
+        columns({"g": np.zeros((2, 2))})

@@ -17,7 +17,7 @@ Log: TypeAlias = Any
 _VEHICLE_LENGTHS = ("axle", "axle_std", "odometer_wheel")
 
 #: SI units of the keys whose numbers have one, table by table (docs/drive-file.md).
-_UNITS: dict[str, dict[str, str]] = {
+UNITS: dict[str, dict[str, str]] = {
     "imu": {
         "time_offset": "s",
         "rate": "Hz",
@@ -166,7 +166,7 @@ class Drive:
         tables = {"vehicle": vehicle, "states": states, "initial": initial, "span": span}
         for table, stated in tables.items():
             if stated is not None:
-                text += _toml.table(table, stated, _UNITS[table])
+                text += _toml.table(table, stated, UNITS[table])
         self._text = text
         self._drive = _undrift.Drive.from_toml(text, name, memory)
         if model is not None:
@@ -181,8 +181,8 @@ class Drive:
     ) -> Drive:
         """Reads a drive file; ``data`` is the folder of its logs, if not its own, ``model`` replaces its model."""
         made = cls.__new__(cls)
-        made._text = Path(path).read_text(encoding="utf-8") if os.path.exists(path) else ""
         made._drive = _undrift.Drive.load(path, data)
+        made._text = Path(path).read_text(encoding="utf-8")
         return made.with_model(model) if model is not None else made
 
     def with_model(self, model: ModelLike) -> Drive:
@@ -226,10 +226,10 @@ def _log(
         missing = {key: item for key, item in told.items() if not _stated(key, keys)}
         lines = "".join(f"{key} = {item}\n" for key, item in missing.items())
         keys = {"file": name, "format": "csv", **keys}
-        return _toml.table(table, keys, _UNITS[table]) + lines
+        return _toml.table(table, keys, UNITS[table]) + lines
     else:
         raise TypeError(f"{table}: a {type(log).__name__} is neither a file nor a table")
-    return _toml.table(table, keys, _UNITS[table])
+    return _toml.table(table, keys, UNITS[table])
 
 
 def _stated(key: str, keys: Mapping[str, Any]) -> bool:

@@ -129,6 +129,12 @@ class Identified(Told):
             raise _undrift.UndriftError("a pickled result has no model: save the model itself")
         return NoiseModel(self._found.model(None if base is None else compiled(base)))
 
+    def __copy__(self) -> Identified:
+        return self
+
+    def __deepcopy__(self, memo: object) -> Identified:
+        return self
+
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_found": None}
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from undrift import _toml, _undrift
+from undrift._array import Floats
 from undrift._result import Result
 
 #: SI units of the keys of a model file, of gyros and accelerometers.
@@ -40,9 +40,9 @@ _UNITS = {
 class ArmaNoise(Result):
     """``x_t − ar[0] x_{t−1} − … = a_t − ma[0] a_{t−1} − …``, a of standard deviation ``sigma``."""
 
-    ar: tuple[float, ...]
+    ar: Sequence[float] | Floats
     """Autoregressive coefficients φ."""
-    ma: tuple[float, ...]
+    ma: Sequence[float] | Floats
     """Moving-average coefficients θ, of the sign above."""
     sigma: float
     """Standard deviation of the innovations [rad/s] or [m/s²]."""
@@ -79,17 +79,17 @@ class Shaping(Result):
     ε is in [rad/s] or [m/s²]; w is white with unit variance, a step is one sample interval.
     """
 
-    f: npt.NDArray[np.float64]
+    f: Floats
     """Transition F, n × n."""
-    h: npt.NDArray[np.float64]
+    h: Floats
     """Output row H, n."""
-    q: npt.NDArray[np.float64]
+    q: Floats
     """Driving covariance G Gᵀ, n × n."""
-    s: npt.NDArray[np.float64]
+    s: Floats
     """Cross-covariance G Dᵀ, n."""
     r: float
     """Variance D Dᵀ of one sample."""
-    p0: npt.NDArray[np.float64]
+    p0: Floats
     """Covariance of the state before the first sample, n × n."""
     interval: float
     """Sample interval [s]."""
@@ -190,7 +190,7 @@ class NoiseModel:
 
     def simulate(
         self, n: int, rate: float, seed: int, bias_model: str = "gauss-markov"
-    ) -> dict[str, npt.NDArray[np.float64]]:
+    ) -> dict[str, Floats]:
         """``n`` samples of the error of each axis [rad/s] or [m/s²] at ``rate`` [Hz].
 
         The turn-on constant is drawn too. One seed gives the same samples everywhere.
@@ -252,4 +252,5 @@ def _stated(keys: Mapping[str, Any], units: Mapping[str, str]) -> dict[str, Any]
 
 
 def _with_unit(item: Any, unit: str) -> Any:
-    return f"{float(item)!r} {unit}" if isinstance(item, (int, float, np.number)) else item
+    """A number, or a fitted term that is one, with its unit."""
+    return f"{float(item)!r} {unit}" if hasattr(item, "__float__") else item

@@ -8,8 +8,6 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from undrift import _undrift
 from undrift._drive import Drive, Log
 from undrift._model import ModelLike
@@ -47,16 +45,6 @@ class Navigation(Solution, Told):
     json: str = field(repr=False)
     """The result as ``undrift navigate --json -`` prints it."""
 
-    def plot(self, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
-        """The way, east over north from its first place [m]. Needs ``undrift[plot]``."""
-        ax = axes(ax)
-        north, east = _local(self.lat, self.lon)
-        ax.plot(east, north)
-        ax.set_aspect("equal", adjustable="datalim")
-        ax.set_xlabel("east [m]")
-        ax.set_ylabel("north [m]")
-        return ax
-
     def plot_std(self, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
         """Standard deviation of the position over time. Needs ``undrift[plot]``."""
         ax = axes(ax)
@@ -67,14 +55,6 @@ class Navigation(Solution, Told):
         ax.set_ylabel("standard deviation [m]")
         ax.legend()
         return ax
-
-
-def _local(lat: Any, lon: Any) -> tuple[Any, Any]:
-    """North and east of the first place [m], on a sphere: for figures."""
-    radius = 6_371_000.0
-    if len(lat) == 0:
-        return lat, lon
-    return (lat - lat[0]) * radius, (lon - lon[0]) * radius * np.cos(lat[0])
 
 
 def drive_of(
@@ -95,8 +75,10 @@ def drive_of(
         raise TypeError("the model of a drive is a name, a file or a NoiseModel")
     if isinstance(drive, Simulation):
         drive = drive.drive()
-    elif not isinstance(drive, Drive):
+    elif isinstance(drive, (str, os.PathLike)):
         drive = Drive.load(drive, data)
+    elif not isinstance(drive, Drive):
+        raise TypeError(f"a {type(drive).__name__} is no drive: gnss is missing beside it")
     return drive if model is None else drive.with_model(model)
 
 

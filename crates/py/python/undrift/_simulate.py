@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from undrift import _undrift
+from undrift import _toml, _undrift
 from undrift._array import Floats
-from undrift._drive import Drive
+from undrift._drive import UNITS, Drive
 from undrift._model import ModelLike, NoiseModel, compiled
-from undrift._result import Result, axes
+from undrift._result import Result
 from undrift._solution import Placed, Series
 
 if TYPE_CHECKING:
@@ -132,12 +132,9 @@ class Simulation(Result):
         if self.model is not None:
             self.model.save(folder / "imu.toml")
             text = 'model = "imu.toml"\n\n'
-        from undrift import _toml
-        from undrift._drive import _UNITS
-
         for table, (columns, keys) in self._logs(True).items():
             _undrift.write_csv(folder / f"{table}.csv", columns)
-            text += _toml.table(table, {"file": f"{table}.csv", **keys}, _UNITS[table]) + "\n"
+            text += _toml.table(table, {"file": f"{table}.csv", **keys}, UNITS[table]) + "\n"
         path = folder / "drive.toml"
         path.write_text(text, encoding="utf-8")
         return path
@@ -189,15 +186,7 @@ class Simulation(Result):
 
     def plot(self, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
         """The way driven, east over north from its start [m]. Needs ``undrift[plot]``."""
-        from undrift._navigate import _local
-
-        ax = axes(ax)
-        north, east = _local(self.truth.lat, self.truth.lon)
-        ax.plot(east, north)
-        ax.set_aspect("equal", adjustable="datalim")
-        ax.set_xlabel("east [m]")
-        ax.set_ylabel("north [m]")
-        return ax
+        return self.truth.plot(ax)
 
 
 def _columns(names: tuple[str, ...], values: Floats) -> list[tuple[str, Floats]]:

@@ -4,12 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from undrift._array import Floats
-from undrift._result import Result
+from undrift._result import Result, axes
+
+if TYPE_CHECKING:
+    import matplotlib.axes
+
+#: Mean radius of the Earth [m].
+_EARTH = 6_371_000.0
 
 #: Columns of the solution's table that are parts of its arrays.
 PARTS = {
@@ -57,6 +63,19 @@ class Placed(Series):
     def lon_deg(self) -> Floats:
         """Longitude [deg]."""
         return np.degrees(self.lon)
+
+    def plot(self, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
+        """The way, east over north from its first place [m]. Needs ``undrift[plot]``."""
+        ax = axes(ax)
+        if len(self.lat):
+            # A sphere's metres do for a figure.
+            north = _EARTH * (self.lat - self.lat[0])
+            east = _EARTH * np.cos(self.lat[0]) * (self.lon - self.lon[0])
+            ax.plot(east, north)
+        ax.set_aspect("equal", adjustable="datalim")
+        ax.set_xlabel("east [m]")
+        ax.set_ylabel("north [m]")
+        return ax
 
 
 @dataclass(frozen=True, eq=False, repr=False)

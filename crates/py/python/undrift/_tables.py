@@ -46,9 +46,9 @@ def _named(data: Any) -> Iterator[tuple[str, Any]]:
 
 
 def _columns(name: str, column: Any) -> Columns:
-    if hasattr(column, "to_numpy"):
-        column = column.to_numpy()
-    array = np.asarray(column)
+    array = column if isinstance(column, np.ndarray) else _array(column)
+    if isinstance(array, np.ma.MaskedArray):
+        array = np.ma.filled(array.astype(np.float64), np.nan)
     if array.ndim == 2 and array.shape[1] == 3:
         parts = zip(_THREE, array.T, strict=True)
         return [(f"{name}_{axis}", _numbers(name, part)) for axis, part in parts]
@@ -56,6 +56,19 @@ def _columns(name: str, column: Any) -> Columns:
         shape = " x ".join(map(str, array.shape))
         raise TypeError(f"column {name}: an array of {shape} is none")
     return [(name, _numbers(name, array))]
+
+
+def _array(column: Any) -> npt.NDArray[Any]:
+    """A column of a frame, a missing value as NaN."""
+    if not hasattr(column, "to_numpy"):
+        return np.asarray(column)
+    array: npt.NDArray[Any] = np.asarray(column.to_numpy())
+    if array.dtype.kind == "O":
+        try:
+            array = np.asarray(column.to_numpy(dtype=np.float64, na_value=np.nan))
+        except (TypeError, ValueError):
+            pass
+    return array
 
 
 def _numbers(name: str, array: npt.NDArray[Any]) -> npt.NDArray[np.float64]:
@@ -71,8 +84,3 @@ def _numbers(name: str, array: npt.NDArray[Any]) -> npt.NDArray[np.float64]:
     except (TypeError, ValueError):
         # Text stands in logs beside the numbers: it is an error where it is asked for.
         return np.full(len(array), np.nan)
-
-
-def plain(result: Any) -> Columns:
-    """The columns of a table without those that hold no number."""
-    return [(name, column) for name, column in columns(result) if not np.isnan(column).all()]
