@@ -62,7 +62,8 @@ class Fleet(Result):
     def to_pandas(self) -> DataFrame:
         """:meth:`to_arrow` as a data frame."""
         optional("pandas", "tables")
-        return self.to_arrow().to_pandas()
+        frame: DataFrame = self.to_arrow().to_pandas()
+        return frame
 
 
 def jobs(manifest: str | os.PathLike[str]) -> list[str]:
@@ -153,9 +154,7 @@ def gather(keys: Iterable[str], output: str | os.PathLike[str]) -> dict[str, Any
     with tempfile.TemporaryDirectory(prefix="undrift-fleet-") as here:
         Path(here, "jobs").mkdir()
         for name in (f"{one}.json" for one in order):
-            system.get_file(
-                posixpath.join(path, "jobs", name), str(Path(here, "jobs", name))
-            )
+            system.get_file(posixpath.join(path, "jobs", name), str(Path(here, "jobs", name)))
         summary = json.loads(_undrift.fleet_gather(order, here))
         for name in _GATHERED:
             system.put_file(str(Path(here, name)), posixpath.join(path, name))
@@ -197,9 +196,7 @@ def run(
     if retry_failed:
         done -= _failures(done, output)
     futures = {
-        client.submit(
-            process, job, threads, key=f"undrift-{key}", retries=retries, pure=True
-        ): key
+        client.submit(process, job, threads, key=f"undrift-{key}", retries=retries, pure=True): key
         for key, job in order.items()
         if key not in done
     }
@@ -282,6 +279,7 @@ def _open(name: str) -> Any:
 @contextmanager
 def _local(job: str) -> Iterator[str]:
     """The job with its files on this machine: those of URLs are fetched for as long as it lasts."""
+    _undrift.fleet_inputs(job)  # refuses what is no job
     fields = json.loads(job)
     folder, data = fields["folder"], fields["data"]
     if data is not None and not _is_url(data) and _is_url(folder):
