@@ -32,6 +32,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.json.ready()?;
     let mut inspections = Vec::new();
     for file in &arguments.files {
+        output::reads(file);
         match inspect::inspect(file) {
             Ok(inspection) => inspections.push(inspection),
             Err(error) => terminal::error(&error.into()),

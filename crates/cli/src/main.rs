@@ -2,6 +2,7 @@
 
 mod demo;
 mod details;
+mod fleet;
 mod identify;
 mod inspect;
 mod model;
@@ -58,6 +59,7 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Verb {
     Demo(demo::Arguments),
+    Fleet(fleet::Arguments),
     Identify(identify::Arguments),
     Inspect(inspect::Arguments),
     Model(model::Arguments),
@@ -77,6 +79,7 @@ fn main() -> ExitCode {
     terminal.apply();
     let result = match verb {
         Verb::Demo(arguments) => demo::run(&arguments),
+        Verb::Fleet(arguments) => fleet::run(&arguments),
         Verb::Identify(arguments) => identify::run(&arguments),
         Verb::Inspect(arguments) => inspect::run(&arguments),
         Verb::Model(arguments) => model::run(&arguments),

@@ -35,6 +35,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     output::ready(arguments.output.as_deref())?;
     arguments.json.ready()?;
+    output::reads(Path::new(&arguments.model));
     let model = ImuModel::resolve(&arguments.model, Path::new(""))?;
     if arguments.json.is_wanted() {
         // The model file's own keys and values.

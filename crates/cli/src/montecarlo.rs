@@ -51,6 +51,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     output::ready(arguments.figure.as_deref())?;
     arguments.json.ready()?;
     arguments.reporting.ready()?;
+    output::reads(&arguments.spec);
     let mut spec = Spec::load(&arguments.spec)?;
     if !arguments.bias_models.is_empty() {
         spec.bias_models.clone_from(&arguments.bias_models);

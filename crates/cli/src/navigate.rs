@@ -8,7 +8,7 @@ use crate::{
     report::Reporting,
     terminal::{say, stage},
 };
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use undrift::{
@@ -83,6 +83,13 @@ pub fn load(drive: &std::path::Path, common: &Common) -> Result<Drive> {
     if let Some(name) = &common.model {
         loaded.model = Some(ImuModel::resolve(name, std::path::Path::new(""))?);
     }
+    [drive]
+        .into_iter()
+        .chain(loaded.logs())
+        .for_each(output::reads);
+    if let Some(name) = &common.model {
+        output::reads(Path::new(name));
+    }
     details::drive(drive, &loaded);
     Ok(loaded)
 }
@@ -94,6 +101,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.json.ready()?;
     arguments.reporting.ready()?;
     let drive = load(&arguments.drive, &arguments.common)?;
+    for file in &arguments.output {
+        output::spares_input(file)?;
+    }
+    arguments.json.spares_input()?;
+    arguments.reporting.spares_input()?;
     let recording = arguments.json.is_wanted() || arguments.reporting.is_wanted();
     let report = stage("navigation", || {
         let _bar = Bar::watching(
@@ -106,6 +118,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             files: outputs(arguments)?,
             smooth: arguments.smooth,
             recording,
+            rows: false,
         };
         navigate::navigate_for(&drive, arguments.bias_model, wanted).map_err(anyhow::Error::from)
     })?;
@@ -135,30 +148,8 @@ fn outputs(arguments: &Arguments) -> Result<Vec<SolutionFile>> {
         name: stem(&arguments.drive),
         every: arguments.every,
     };
-    let mut files = Vec::new();
-    for (k, path) in arguments.output.iter().enumerate() {
-        if arguments.output[..k].contains(path) {
-            bail!("{} is asked for twice", path.display());
-        }
-        let format = match arguments.format {
-            Some(format) => format,
-            None => format_of(path)?,
-        };
-        let file = SolutionFile::create(path, format, &options)
-            .with_context(|| format!("cannot write {}", path.display()))?;
-        files.push(file);
-    }
-    Ok(files)
-}
-
-/// The format that the extension of a solution stands for.
-fn format_of(path: &Path) -> Result<SolutionFormat> {
-    SolutionFormat::from_path(path).with_context(|| {
-        format!(
-            "{}: the extension names no format; there are csv, nav, nmea, kml, geojson, gpx, mcap, parquet, or give --format",
-            path.display()
-        )
-    })
+    SolutionFile::create_all(&arguments.output, arguments.format, &options)
+        .map_err(anyhow::Error::msg)
 }
 
 /// The name of a file without folder and extension.

@@ -1,12 +1,12 @@
 //! What the verbs share in telling their results.
 
-use crate::{style, terminal, terminal::warn};
+use crate::{output, style, terminal, terminal::warn};
 use anyhow::{Context, Result};
 use std::path::Path;
 use undrift::{
     io::write,
     outages::{ModelRun, Outcome},
-    replay::{ReplayError, Summary},
+    replay::{Implausible, ReplayError, Summary},
     table::outage_table,
 };
 
@@ -61,6 +61,7 @@ pub fn judge(summary: &Summary) {
         || summary.suspect.is_some()
         || !summary.restarts.is_empty()
         || summary.wrong_signs().next().is_some()
+        || (summary.implausible.iter()).any(|finding| !matches!(finding, Implausible::Down(_)))
     {
         terminal::doubt();
     }
@@ -75,5 +76,6 @@ pub fn print_remarks(remarks: impl IntoIterator<Item = String>) {
 
 /// Writes a file whole or not at all.
 pub fn write_whole(path: &Path, text: &str) -> Result<()> {
+    output::spares_input(path)?;
     write::write_whole(path, text).with_context(|| format!("cannot write {}", path.display()))
 }

@@ -55,6 +55,14 @@ impl Reporting {
         output::ready(self.report.as_deref())
     }
 
+    /// That the report is none of the files that this run reads.
+    ///
+    /// # Errors
+    /// As [`output::spares_input`].
+    pub fn spares_input(&self) -> Result<()> {
+        self.report.as_deref().map_or(Ok(()), output::spares_input)
+    }
+
     /// Whether there is to be one.
     pub fn is_wanted(&self) -> bool {
         self.report.is_some() || self.figures.is_some()
@@ -79,6 +87,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .results
         .iter()
         .map(|path| {
+            output::reads(path);
             let text = std::fs::read_to_string(path)
                 .with_context(|| format!("cannot read {}", path.display()))?;
             Ok((path.clone(), text))

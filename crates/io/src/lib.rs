@@ -10,6 +10,7 @@
 pub mod format;
 pub mod gaps;
 pub mod gnss;
+pub mod held;
 pub mod imu;
 pub mod layouts;
 pub mod log;

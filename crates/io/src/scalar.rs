@@ -12,8 +12,8 @@ use crate::ReadError;
 use crate::clock::{self, Clock, Tick};
 use crate::gaps::{Gap, GapSummary, GapWatch};
 use crate::skipped::{SkipKind, Skipped};
-use crate::source::{self, Source};
-use crate::table::{Column, Table, TableOptions};
+use crate::source;
+use crate::table::{Column, Table, TableOptions, TableSource};
 
 /// Rows in a row that must be earlier than the last accepted one to count as a clock set back.
 const PATIENCE: u32 = 100;
@@ -98,7 +98,7 @@ impl ScalarReader {
     /// If a column is missing, or a factor or standard deviation is not positive.
     pub fn from_source(
         path: &Path,
-        source: Source,
+        source: impl Into<TableSource>,
         format: &ScalarFormat,
     ) -> Result<Self, ReadError> {
         let key = |name: &str| format!("{}.{name}", format.table);

@@ -12,8 +12,8 @@ use crate::format::Format;
 use crate::gnss::is_a_fix;
 use crate::log::{Log, Wanted, What};
 use crate::skipped::{SkipKind, Skipped};
-use crate::source::{self, Source};
-use crate::table::{Column, Table, TableOptions};
+use crate::source;
+use crate::table::{Column, Table, TableOptions, TableSource};
 
 /// Samples in a row that must be earlier than the last accepted one to count as a clock set back.
 const PATIENCE: u32 = 100;
@@ -165,13 +165,14 @@ impl TruthReader {
         Self::from_source(path, source::open(path)?, format)
     }
 
-    /// Reads a reference trajectory from any stream; `path` is what messages call it.
+    /// Reads a reference trajectory from any stream or from columns in memory; `path` is what messages
+    /// call it.
     ///
     /// # Errors
     /// If a column is missing or the time scale is not positive.
     pub fn from_source(
         path: &Path,
-        source: Source,
+        source: impl Into<TableSource>,
         format: &TruthFormat,
     ) -> Result<Self, ReadError> {
         if !(format.time_scale.is_finite() && format.time_scale > 0.0) {

@@ -2,16 +2,16 @@
 //! result, the CPU time of the task alone and the peak memory of the process as one line of JSON.
 //!
 //! `cargo run --release -p undrift-noise --example peers TASK FILE [REPEATS]`, TASK one of `arma`,
-//! `allan`, `adf`, `ljung_box`, `normality`, `phillips_perron`. Linux only. `benches/peers/run` drives it.
+//! `allan`, `allan_intervals`, `adf`, `ljung_box`, `jarque_bera`, `normality`, `phillips_perron`. Linux only. `benches/peers/run` drives it.
 
 use std::error::Error;
 use std::fs::{self, File};
 use std::hint::black_box;
 use std::io::{BufReader, Read};
 use std::time::Duration;
-use undrift_noise::allan::{Grid, Kind, deviations};
+use undrift_noise::allan::{Grid, Kind, deviations, intervals};
 use undrift_noise::arma::{FitOptions, Mean, fit};
-use undrift_noise::normality::normality;
+use undrift_noise::normality::{jarque_bera, normality};
 use undrift_noise::stationarity::{Deterministic, Lags, adf, phillips_perron};
 use undrift_noise::whiteness::portmanteau;
 
@@ -53,6 +53,12 @@ fn run(task: &str, record: &[f64]) -> Result<Vec<f64>, Box<dyn Error>> {
             .iter()
             .flat_map(|point| [point.tau_s, point.deviation])
             .collect(),
+        "allan_intervals" => {
+            let curve = deviations(record, 100.0, Kind::Overlapping, Grid::Octave)?;
+            black_box(intervals(record, &curve, 0.683)?);
+            let points = curve.points.iter();
+            points.flat_map(|p| [p.tau_s, p.deviation]).collect()
+        }
         "adf" => {
             let test = adf(record, Deterministic::Constant, Lags::Fixed(20))?;
             vec![test.statistic, test.p_value]
@@ -60,6 +66,10 @@ fn run(task: &str, record: &[f64]) -> Result<Vec<f64>, Box<dyn Error>> {
         "ljung_box" => {
             let test = portmanteau(record, &[20], 0)?[0];
             vec![test.ljung_box, test.ljung_box_p]
+        }
+        "jarque_bera" => {
+            let test = jarque_bera(record)?;
+            vec![test.statistic, test.p_value]
         }
         "normality" => {
             let test = normality(record)?;

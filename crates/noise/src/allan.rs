@@ -23,9 +23,11 @@ pub mod deviation;
 pub mod fit;
 pub mod gauss_markov;
 pub mod nnls;
+pub mod noise_type;
 mod octaves;
 
 pub use confidence::{Interval, intervals};
-pub use deviation::{Curve, Grid, Kind, Point, deviations, deviations_at};
+pub use deviation::{Curve, Grid, Kind, Point, deviations, deviations_at, factors_of};
 pub use fit::{Term, Terms, fit_terms, fit_terms_from};
 pub use gauss_markov::{GaussMarkovFit, fit_gauss_markov, fit_gauss_markov_from};
+pub use noise_type::noise_types;

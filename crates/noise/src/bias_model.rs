@@ -24,6 +24,7 @@
 
 use crate::composite;
 use crate::model_file::{AXES, Arma, AxisModel, ImuModel, Instability, ModelError};
+use crate::prediction::Predictor;
 use std::fmt;
 use undrift_nav::shaping::{MAX_ORDER, ShapingError, ShapingFilter};
 
@@ -458,22 +459,13 @@ fn first_order_innovations(process: &ShapingFilter, r: f64) -> ShapingFilter {
 }
 
 /// AR coefficients and innovation variance of the best linear predictor from autocovariances at
-/// lags 0…p: Levinson's recursion, Brockwell & Davis 1991, proposition 5.2.1.
-fn yule_walker(lags: &[f64; AR_ORDER + 1]) -> ([f64; AR_ORDER], f64) {
-    let mut phi = [0.0; AR_ORDER];
-    let mut variance = lags[0];
-    for k in 0..AR_ORDER {
-        if variance <= 1e-14 * lags[0] {
-            break; // already predicted completely
-        }
-        let left: f64 = lags[k + 1] - (0..k).map(|j| phi[j] * lags[k - j]).sum::<f64>();
-        let reflection = left / variance;
-        let before = phi;
-        for j in 0..k {
-            phi[j] = before[j] - reflection * before[k - 1 - j];
-        }
-        phi[k] = reflection;
-        variance *= 1.0 - reflection * reflection;
+/// lags 0…p.
+fn yule_walker(lags: &[f64; AR_ORDER + 1]) -> (Vec<f64>, f64) {
+    let mut predictor = Predictor::new(lags[0]);
+    // Up to where all is predicted already.
+    while predictor.phi.len() < AR_ORDER && predictor.variance > 1e-14 * lags[0] {
+        predictor.extend(predictor.reflection(lags));
     }
-    (phi, variance.max(0.0))
+    predictor.phi.resize(AR_ORDER, 0.0);
+    (predictor.phi, predictor.variance.max(0.0))
 }

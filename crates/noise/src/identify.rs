@@ -349,7 +349,7 @@ pub fn identify(
     let acf = correlation::autocorrelation(&bridged, LAGS)?;
     let pacf = correlation::partial_autocorrelation(&bridged, LAGS, Partial::YuleWalker)?;
     let whiteness = whiteness::portmanteau(&bridged, &[20], 0)?[0];
-    let segment = (record.len() / 8).clamp(256, 8192);
+    let segment = spectrum::default_segment(record.len());
     let psd = spectrum::welch(&bridged, rate, segment)?;
     let lines = spectrum::lines(&psd, LINE_FACTOR);
     let curve = allan::deviations(&bridged, rate, Kind::Overlapping, Grid::Octave)?;

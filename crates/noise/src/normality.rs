@@ -53,20 +53,50 @@ pub struct Normality {
     pub quantisation: Option<Quantisation>,
 }
 
+/// Skewness, kurtosis and the test made of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JarqueBera {
+    /// Jarque & Bera (Economics Letters 6, 1980): n/6 (skewness² + kurtosis²/4).
+    pub statistic: f64,
+    /// Its p by chi-squared with 2 degrees of freedom.
+    pub p_value: f64,
+    /// Skewness m₃/m₂^{3/2}, moments with divisor n; 0 for a normal distribution.
+    pub skewness: f64,
+    /// Excess kurtosis m₄/m₂² − 3; 0 for a normal distribution.
+    pub kurtosis_excess: f64,
+}
+
+/// Jarque-Bera test alone; O(N) time, no memory.
+///
+/// Errors: fewer than 5 samples, not finite, constant.
+pub fn jarque_bera(x: &[f64]) -> Result<JarqueBera, RecordError> {
+    let (mean, squares) = check_varying(x, 5)?;
+    Ok(jarque_bera_about(x, mean, squares))
+}
+
+/// The test of a record of known mean and sum of squared deviations from it.
+fn jarque_bera_about(x: &[f64], mean: f64, squares: f64) -> JarqueBera {
+    let count = x.len() as f64;
+    let scale = (squares / count).sqrt();
+    // Standardised before the powers, which could overflow.
+    let skewness = sum_of(x, |v| ((v - mean) / scale).powi(3)) / count;
+    let kurtosis_excess = sum_of(x, |v| ((v - mean) / scale).powi(4)) / count - 3.0;
+    let statistic = count / 6.0 * (skewness * skewness + 0.25 * kurtosis_excess * kurtosis_excess);
+    JarqueBera {
+        statistic,
+        p_value: (-0.5 * statistic).exp(),
+        skewness,
+        kurtosis_excess,
+    }
+}
+
 /// Moments, tests and quantisation step of a record; O(N log N) time, one sorted copy.
 ///
 /// Errors: fewer than 5 samples, not finite, constant.
 pub fn normality(x: &[f64]) -> Result<Normality, RecordError> {
     let (mean, squares) = check_varying(x, 5)?;
-    let count = x.len() as f64;
-    let second = squares / count;
-    let scale = second.sqrt();
-    // Standardised before the powers, which could overflow.
-    let skewness = sum_of(x, |v| ((v - mean) / scale).powi(3)) / count;
-    let kurtosis_excess = sum_of(x, |v| ((v - mean) / scale).powi(4)) / count - 3.0;
-    let jarque_bera =
-        count / 6.0 * (skewness * skewness + 0.25 * kurtosis_excess * kurtosis_excess);
-    let deviation = (squares / (count - 1.0)).sqrt();
+    let test = jarque_bera_about(x, mean, squares);
+    let deviation = (squares / (x.len() as f64 - 1.0)).sqrt();
     let mut sorted = x.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
     let distance = distance_of_sorted(&sorted, mean, deviation);
@@ -74,10 +104,10 @@ pub fn normality(x: &[f64]) -> Result<Normality, RecordError> {
         samples: x.len(),
         mean,
         deviation,
-        skewness,
-        kurtosis_excess,
-        jarque_bera,
-        jarque_bera_p: (-0.5 * jarque_bera).exp(),
+        skewness: test.skewness,
+        kurtosis_excess: test.kurtosis_excess,
+        jarque_bera: test.statistic,
+        jarque_bera_p: test.p_value,
         distance,
         plain_critical_5: plain_critical_5(x.len()),
         plain_p: plain_p(distance, x.len()),

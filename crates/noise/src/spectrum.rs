@@ -13,4 +13,4 @@ pub mod lines;
 pub mod welch;
 
 pub use lines::{Line, lines};
-pub use welch::{Density, welch};
+pub use welch::{Density, default_segment, welch};

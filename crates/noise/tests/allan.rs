@@ -4,7 +4,9 @@ mod common;
 
 use common::{close, data, numbers, reference, series};
 use undrift_noise::allan::confidence::intervals;
-use undrift_noise::allan::{Grid, Kind, deviations, deviations_at, fit_gauss_markov, fit_terms};
+use undrift_noise::allan::{
+    Grid, Kind, deviations, deviations_at, factors_of, fit_gauss_markov, fit_terms,
+};
 use undrift_noise::screening::RecordError;
 
 const KINDS: [(Kind, &str); 4] = [
@@ -285,4 +287,14 @@ fn bad_records_are_errors() {
     let huge = [1e308, -1e308, 1e308, -1e308, 1e308];
     let _ = deviations(&huge, 1.0, Kind::Overlapping, Grid::All)
         .map(|c| (fit_terms(&c), fit_gauss_markov(&c)));
+}
+
+#[test]
+fn averaging_times_become_whole_samples() {
+    // At 10 Hz: to the nearest, growing, each once; 0 is left to `deviations_at`, which skips it.
+    let found = factors_of(&[3.04, 0.1, 2.96, 0.04, 1e6], 10.0);
+    assert_eq!(found, Ok(vec![0, 1, 30, 10_000_000]));
+    for (taus, rate) in [([0.0], 1.0), ([f64::NAN], 1.0), ([-1.0], 1.0), ([1.0], 0.0)] {
+        assert!(factors_of(&taus, rate).is_err(), "{taus:?} {rate}");
+    }
 }

@@ -6,8 +6,9 @@ use common::{close, number, reference, series};
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
-use undrift_noise::allan::confidence::{edf, intervals, intervals_of, noise_types};
+use undrift_noise::allan::confidence::{edf, intervals, intervals_of};
 use undrift_noise::allan::gauss_markov::gauss_markov_variance;
+use undrift_noise::allan::noise_types;
 use undrift_noise::allan::{
     Curve, Grid, Kind, deviations, deviations_at, fit_gauss_markov, fit_gauss_markov_from,
     fit_terms,

@@ -6,7 +6,9 @@ use common::{close, columns, near, number, numbers, reference, series};
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
-use undrift_noise::normality::{lilliefors_critical_5, normality, plain_critical_5, plain_p};
+use undrift_noise::normality::{
+    jarque_bera, lilliefors_critical_5, normality, plain_critical_5, plain_p,
+};
 use undrift_noise::screening::RecordError;
 
 const CLASSIC: [&str; 8] = [
@@ -238,4 +240,15 @@ fn bad_records_are_errors() {
         );
     }
     assert!(plain_p(0.0, 10) == 1.0 && plain_p(1.0, 10) < 1e-8 && plain_p(0.5, 0).is_finite());
+}
+
+#[test]
+fn jarque_bera_alone_is_the_one_of_the_whole() {
+    let x = normal(9, 5003);
+    let (alone, whole) = (jarque_bera(&x).unwrap(), normality(&x).unwrap());
+    assert_eq!(alone.statistic, whole.jarque_bera);
+    assert_eq!(alone.p_value, whole.jarque_bera_p);
+    assert_eq!(alone.skewness, whole.skewness);
+    assert_eq!(alone.kurtosis_excess, whole.kurtosis_excess);
+    assert_eq!(jarque_bera(&[1.0; 10]), Err(RecordError::Constant));
 }

@@ -3,8 +3,39 @@
 
 use pyo3::prelude::*;
 
+mod allan;
+mod arma;
+mod array;
+mod columns;
+mod drive;
+mod error;
+mod filter;
+mod fleet;
+mod identify;
+mod model;
+mod navigate;
+mod report;
+mod simulate;
+mod stationarity;
+mod statistics;
+
 #[pymodule]
 fn _undrift(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    Ok(())
+    module.add(
+        "UndriftError",
+        module.py().get_type::<error::UndriftError>(),
+    )?;
+    allan::register(module)?;
+    stationarity::register(module)?;
+    statistics::register(module)?;
+    arma::register(module)?;
+    model::register(module)?;
+    identify::register(module)?;
+    simulate::register(module)?;
+    drive::register(module)?;
+    navigate::register(module)?;
+    report::register(module)?;
+    filter::register(module)?;
+    fleet::register(module)
 }

@@ -296,9 +296,11 @@ impl Aligner {
         }))
     }
 
-    /// Why there was no alignment, for the user.
-    pub fn why_not(&self) -> String {
-        let reason = if self.fixes == 0 {
+    /// Why there was no alignment, for the user; so many fixes fell within the inertial log.
+    pub fn why_not(&self, fixes_within: u64) -> String {
+        let reason = if self.fixes == 0 && fixes_within > 0 {
+            "no fix within the inertial log has a usable position".to_string()
+        } else if self.fixes == 0 {
             "no usable GNSS position fell within the inertial log; compare the two time columns"
                 .to_string()
         } else if self.settings.attitude.is_some() {
@@ -308,6 +310,13 @@ impl Aligner {
                 _ if self.rested.is_none() => (
                     "there was no rest to level on".to_string(),
                     "initial.attitude",
+                ),
+                Heading::Course if self.fastest >= self.settings.min_speed => (
+                    format!(
+                        "no fix after a rest was faster than {:.1} m/s, so the course gives no heading",
+                        self.settings.min_speed
+                    ),
+                    "initial.heading or initial.attitude",
                 ),
                 Heading::Course => (
                     format!(

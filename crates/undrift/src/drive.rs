@@ -28,14 +28,17 @@ pub(crate) mod tables;
 
 pub use section::{ConfigError, Section};
 pub(crate) use section::{parse, read_text};
-pub(crate) use tables::read_initial;
+pub(crate) use tables::{read_initial, read_switch};
 
 use crate::{
     align::AlignSettings,
     replay::{GnssUse, QualityStd},
     vehicle::Constraints,
 };
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 use undrift_io::{
     ReadError,
     gnss::{GnssFormat, GnssLog, GnssReader},
@@ -43,6 +46,7 @@ use undrift_io::{
     rtklib::RtklibOptions,
     scalar::{ScalarFormat, ScalarReader},
     source::BytesRead,
+    table::Columns,
     truth::{TruthFormat, TruthLog, TruthReader},
 };
 use undrift_nav::{Vector3, parameters::Parameters, sample::ImuSample, units::Quantity};
@@ -84,7 +88,12 @@ pub struct Drive {
     pub quality: QualityStd,
     /// Noise model of the IMU, if the file names one.
     pub model: Option<ImuModel>,
+    /// Logs that are columns in memory, by the names that stand in the place of their files.
+    pub memory: Memory,
 }
+
+/// Columns in memory by the names that stand in the place of files.
+pub type Memory = BTreeMap<PathBuf, Columns>;
 
 /// Layout of the GNSS log.
 #[derive(Clone, Debug)]
@@ -99,9 +108,12 @@ pub enum GnssSource {
 
 impl GnssSource {
     /// Opens a log of this layout.
-    pub(crate) fn open(&self, path: &Path) -> Result<GnssReader, ReadError> {
+    pub(crate) fn open(&self, path: &Path, memory: &Memory) -> Result<GnssReader, ReadError> {
         match self {
-            Self::Csv(format) => GnssReader::open_csv(path, format),
+            Self::Csv(format) => match memory.get(path) {
+                Some(columns) => GnssReader::from_source(path, columns.clone(), format),
+                None => GnssReader::open_csv(path, format),
+            },
             Self::Rtklib(options) => GnssReader::open_rtklib(path, options),
             Self::Log(log) => GnssReader::open_log(path, log),
         }
@@ -119,9 +131,12 @@ pub enum TruthSource {
 
 impl TruthSource {
     /// Opens a reference of this layout.
-    pub(crate) fn open(&self, path: &Path) -> Result<TruthReader, ReadError> {
+    pub(crate) fn open(&self, path: &Path, memory: &Memory) -> Result<TruthReader, ReadError> {
         match self {
-            Self::Table(format) => TruthReader::open(path, format),
+            Self::Table(format) => match memory.get(path) {
+                Some(columns) => TruthReader::from_source(path, columns.clone(), format),
+                None => TruthReader::open(path, format),
+            },
             Self::Log(log) => TruthReader::open_log(path, log),
         }
     }
@@ -173,6 +188,13 @@ impl Drive {
         let lever_arm = gnss
             .vector("lever_arm", Quantity::Length)?
             .unwrap_or_else(Vector3::zeros);
+        if lever_arm.norm() > MOST_LEVER_ARM {
+            let message = format!(
+                "{:.0} m is longer than any vehicle: check its unit",
+                lever_arm.norm()
+            );
+            return Err(gnss.error("lever_arm", message).into());
+        }
         let (constraints, parameters) = tables::read_vehicle(&top.section("vehicle")?)?;
         let (imu, estimate_mounting) = imu::read_imu(&top.section("imu")?, data, span)?;
         let parameters = tables::read_states(&top.section("states")?, parameters)?;
@@ -197,35 +219,52 @@ impl Drive {
             lever_arm,
             align: tables::read_initial(&top.section("initial")?)?,
             model: top.model("model", home)?,
+            memory: Memory::new(),
         };
         Ok(drive)
     }
 
+    /// The logs that the drive reads.
+    pub fn logs(&self) -> Vec<&Path> {
+        let scalars = [&self.odometer, &self.barometer];
+        let scalars = scalars.into_iter().flatten().map(|(path, _)| path);
+        let truth = self.truth.iter().map(|(path, _)| path);
+        let logs = [&self.imu.0, &self.gnss.0].into_iter();
+        logs.chain(scalars)
+            .chain(truth)
+            .map(PathBuf::as_path)
+            .collect()
+    }
+
     /// Opens the inertial log from its start.
     pub fn open_imu(&self) -> Result<ImuReader, ReadError> {
-        ImuReader::open_counted(&self.imu.0, &self.imu.1, &self.imu_read)
+        let (path, format) = &self.imu;
+        match self.memory.get(path) {
+            Some(columns) => ImuReader::from_source(path, columns.clone(), format),
+            None => ImuReader::open_counted(path, format, &self.imu_read),
+        }
     }
 
     /// Opens the GNSS log from its start.
     pub fn open_gnss(&self) -> Result<GnssReader, ReadError> {
-        self.gnss.1.open(&self.gnss.0)
+        self.gnss.1.open(&self.gnss.0, &self.memory)
     }
 
     /// Opens the log of the wheel's speed from its start, if there is one.
     pub fn open_odometer(&self) -> Result<Option<ScalarReader>, ReadError> {
-        open_scalar(&self.odometer)
+        open_scalar(&self.odometer, &self.memory)
     }
 
     /// Opens the log of barometric heights from its start, if there is one.
     pub fn open_barometer(&self) -> Result<Option<ScalarReader>, ReadError> {
-        open_scalar(&self.barometer)
+        open_scalar(&self.barometer, &self.memory)
     }
 
     /// Opens the reference from its start, if there is one.
     pub fn open_truth(&self) -> Result<Option<TruthReader>, ReadError> {
         self.truth
             .as_ref()
-            .map(|(path, source)| source.open(path))
+            .map(|(path, source)| source.open(path, &self.memory))
             .transpose()
     }
 
@@ -233,8 +272,22 @@ impl Drive {
     /// gaps left out.
     ///
     /// # Errors
-    /// If the log cannot be read, is too short, or is at another rate than stated: by a fifth or more.
+    /// If the log cannot be read, is too short, or is at another rate than stated, by a fifth or
+    /// more, or at one that no IMU has.
     pub fn sample_interval(&self) -> Result<f64, ReadError> {
+        let interval = self.any_interval()?;
+        if INTERVALS.contains(&interval) {
+            return Ok(interval);
+        }
+        let (key, mend) = match self.imu.1.has_times() {
+            true => ("imu.time_unit", "is the time column in ms, us or ns?"),
+            false => ("imu.rate", "correct the rate"),
+        };
+        let problem = format!("{:.4} samples a second are none of an IMU", 1.0 / interval);
+        Err(ReadError::new(&self.imu.0, problem).key(key).mend(mend))
+    }
+
+    fn any_interval(&self) -> Result<f64, ReadError> {
         let stated = self.imu.1.rate_hz.map(|rate| 1.0 / rate);
         if let (Some(interval), false) = (stated, self.imu.1.has_times()) {
             return Ok(interval);
@@ -267,11 +320,40 @@ impl Drive {
     }
 }
 
-fn open_scalar(log: &Option<(PathBuf, ScalarFormat)>) -> Result<Option<ScalarReader>, ReadError> {
+/// The files that a drive file's text names, by their tables: "imu", "gnss" and so on, and "model", which
+/// may be a preset as well. Of a text that is no drive file, those that can be told.
+pub fn files_named(text: &str) -> Vec<(&'static str, String)> {
+    let Ok(table) = parse(text, "") else {
+        return Vec::new();
+    };
+    let top = Section::top(table.get_ref(), text, "");
+    let logs = ["imu", "gnss", "odometer", "barometer", "truth"];
+    let mut named: Vec<_> = logs
+        .into_iter()
+        .filter_map(|log| Some((log, top.section(log).ok()?.text("file").ok()??.to_owned())))
+        .collect();
+    let model = top.text("model").ok().flatten();
+    named.extend(model.map(|name| ("model", name.to_owned())));
+    named
+}
+
+fn open_scalar(
+    log: &Option<(PathBuf, ScalarFormat)>,
+    memory: &Memory,
+) -> Result<Option<ScalarReader>, ReadError> {
     log.as_ref()
-        .map(|(path, format)| ScalarReader::open(path, format))
+        .map(|(path, format)| match memory.get(path) {
+            Some(columns) => ScalarReader::from_source(path, columns.clone(), format),
+            None => ScalarReader::open(path, format),
+        })
         .transpose()
 }
+
+/// Longest lever arm [m]: the largest ships are 400 m long.
+const MOST_LEVER_ARM: f64 = 500.0;
+
+/// Sample intervals that a log of an IMU may have [s].
+const INTERVALS: std::ops::RangeInclusive<f64> = 2e-5..=1.0;
 
 /// Samples looked at for the rate.
 const PROBE: usize = 2000;

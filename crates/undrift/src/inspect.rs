@@ -14,6 +14,7 @@ use undrift_io::{
     format::{self, Format},
     layouts::KF_GINS_WITH_VELOCITY,
     log::{self, StreamKind},
+    table::Preview,
 };
 
 /// What a file is.
@@ -143,6 +144,20 @@ pub fn inspect(path: &Path) -> Result<Inspection, ReadError> {
     Ok(inspection)
 }
 
+/// What the names of columns alone tell: the parts that they can serve, each with the keys that no
+/// number was looked at for. A unit that no name tells is left out.
+pub fn by_names(names: &[String]) -> Vec<Part> {
+    let table = Preview {
+        names: names.to_vec(),
+        rows: Vec::new(),
+    };
+    let mut parts = columns::parts_of(table, &mut Vec::new());
+    for part in &mut parts {
+        part.lines.retain(|line| line.why.starts_with("by "));
+    }
+    parts
+}
+
 impl Part {
     fn new(table: &'static str, lines: Vec<Line>) -> Self {
         Self {
@@ -198,4 +213,44 @@ fn of_streams(streams: &[log::Stream]) -> Vec<Part> {
         parts.push(part);
     }
     parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_alone_tell_no_unit_that_they_do_not_say() {
+        let told = |names: &[&str]| {
+            let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
+            let parts = by_names(&names).into_iter();
+            let lines = |part: Part| part.lines.into_iter().map(|l| (l.key, l.value)).collect();
+            parts.map(lines).collect::<Vec<Vec<_>>>()
+        };
+        let imu = |gyro: &'static str, accel: &'static str| {
+            let columns = |key, stem: &str| {
+                let [x, y, z] = ["x", "y", "z"].map(|axis| stem.replace('?', axis));
+                (key, format!("[\"{x}\", \"{y}\", \"{z}\"]"))
+            };
+            [columns("gyro", gyro), columns("accel", accel)]
+        };
+        let [gyro, accel] = imu("gyro_?", "accel_?");
+        let names = [
+            "gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z",
+        ];
+        assert_eq!(told(&names), [[gyro, accel]]);
+        let [gyro, accel] = imu("g?_dps", "a?_g");
+        let names = ["t_ms", "gx_dps", "gy_dps", "gz_dps", "ax_g", "ay_g", "az_g"];
+        let expected = [
+            ("time", "\"t_ms\"".to_owned()),
+            ("time_unit", "\"ms\"".to_owned()),
+            gyro,
+            ("gyro_unit", "\"deg/s\"".to_owned()),
+            accel,
+            ("accel_unit", "\"g\"".to_owned()),
+        ];
+        assert_eq!(told(&names), [expected]);
+        let fixes = told(&["time", "lat", "lon", "height"]);
+        assert_eq!(fixes.concat().len(), 2, "time and position: {fixes:?}");
+    }
 }

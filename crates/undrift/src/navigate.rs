@@ -12,6 +12,7 @@ use crate::{
     drive::{Drive, DriveError},
     mounting::{self, Mounting, MountingError},
     reference::{COMPONENTS, Errors, TruthCursor},
+    remarks,
     replay::{Measurement, Observer, ReplayError, Settings, Summary, merge, replay},
     smooth::{self, History, Path as SmoothedPath},
 };
@@ -20,6 +21,7 @@ use std::path::Path;
 use undrift_io::{
     ReadError,
     gnss::GnssReader,
+    held::Held,
     imu::GapSummary,
     scalar::ScalarReader,
     skipped::Skipped,
@@ -66,8 +68,12 @@ pub struct Report {
     pub truth_skipped: Skipped,
     /// Gaps of the inertial log.
     pub gaps: GapSummary,
+    /// Axes of the IMU that held a value for long.
+    pub held: Vec<Held>,
     /// The run over time, where it was asked for.
     pub recording: Option<Box<Recording>>,
+    /// The solution at every sample, where it was asked for.
+    pub rows: Vec<SolutionRow>,
 }
 
 /// Why there is no solution.
@@ -135,6 +141,8 @@ pub struct Wanted {
     pub smooth: bool,
     /// The run over time in [`Report::recording`].
     pub recording: bool,
+    /// The solution at every sample in [`Report::rows`]: 31 numbers each.
+    pub rows: bool,
 }
 
 /// Navigates a drive; the solution at every sample goes to `output` as CSV, if there is one.
@@ -153,7 +161,7 @@ pub fn navigate(
     let wanted = Wanted {
         files: output.map(create).transpose()?.into_iter().collect(),
         smooth,
-        recording: false,
+        ..Wanted::default()
     };
     navigate_for(drive, kind, wanted)
 }
@@ -171,6 +179,7 @@ pub fn navigate_for(
         files,
         smooth,
         recording,
+        rows,
     } = wanted;
     let (drive, mounting) = mounting::resolve(drive)?;
     let mut settings = settings(&drive, kind)?;
@@ -208,9 +217,24 @@ pub fn navigate_for(
         consistency: Consistency::default(),
         next_nees: f64::NEG_INFINITY,
         recording: recording.then(Box::default),
+        rows: rows.then(Vec::new),
     };
     let measurements = aiding(&mut gnss, &mut odometer, &mut barometer);
-    let summary = replay(&mut imu, measurements, &settings, &mut recorder)?;
+    let replayed = replay(&mut imu, measurements, &settings, &mut recorder);
+    let summary = replayed.map_err(|error| match error {
+        // What was left out is often why.
+        ReplayError::NotAligned(why) => {
+            let logs = [("IMU", imu.skipped()), ("GNSS", gnss.skipped())];
+            let left_out = remarks::of_skipped(&logs);
+            ReplayError::NotAligned(
+                [&[why], &left_out[..]]
+                    .concat()
+                    .join("; ")
+                    .replace('\n', "; "),
+            )
+        }
+        other => other,
+    })?;
     recorder.outputs.fixes_end();
     if let Some(smoothed) = recorder
         .history
@@ -255,11 +279,13 @@ pub fn navigate_for(
         rmse: (n > 0).then(|| (Errors(recorder.squares.map(|s| (s / n as f64).sqrt())), n)),
         consistency: recorder.consistency,
         recording: recorder.recording,
+        rows: recorder.rows.unwrap_or_default(),
         truth_read,
         imu_skipped: imu.skipped().clone(),
         gnss_skipped: gnss.skipped().clone(),
         truth_skipped,
         gaps: imu.gaps(),
+        held: imu.held(),
         scalars: [("odometer", odometer), ("barometer", barometer)]
             .into_iter()
             .filter_map(|(name, reader)| {
@@ -267,6 +293,26 @@ pub fn navigate_for(
             })
             .collect(),
     })
+}
+
+/// The solution at an instant: state, standard deviations as of [`Filter::nav_std`], and sensor errors,
+/// [`Filter::sensor_error`], with theirs.
+pub fn solution_row(
+    nav: &NavState,
+    nav_std: [f64; NAV],
+    e: [f64; AXES],
+    error_std: [f64; AXES],
+) -> SolutionRow {
+    SolutionRow {
+        time: nav.time,
+        position: nav.position,
+        v_n: nav.v_n,
+        rpy: to_rpy(&nav.q_nb),
+        nav_std,
+        gyro_error: Vector3::new(e[0], e[1], e[2]),
+        accel_error: Vector3::new(e[3], e[4], e[5]),
+        error_std,
+    }
 }
 
 /// Fixes, wheel speeds and heights in order of time.
@@ -376,8 +422,9 @@ struct Recorder {
     /// Of the filter's errors against its covariance, and when next [s].
     consistency: Consistency,
     next_nees: f64,
-    /// Where it is asked for.
+    /// Where they are asked for.
     recording: Option<Box<Recording>>,
+    rows: Option<Vec<SolutionRow>>,
 }
 
 impl Recorder {
@@ -399,20 +446,14 @@ impl Recorder {
                 recording.errors(nav.time, &errors);
             }
         }
-        if !self.outputs.is_empty() || self.recording.is_some() {
-            let row = SolutionRow {
-                time: nav.time,
-                position: nav.position,
-                v_n: nav.v_n,
-                rpy: to_rpy(&nav.q_nb),
-                nav_std,
-                gyro_error: Vector3::new(e[0], e[1], e[2]),
-                accel_error: Vector3::new(e[3], e[4], e[5]),
-                error_std,
-            };
+        if !self.outputs.is_empty() || self.recording.is_some() || self.rows.is_some() {
+            let row = solution_row(nav, nav_std, e, error_std);
             self.outputs.write(&row)?;
             if let Some(recording) = &mut self.recording {
                 recording.solution(&row);
+            }
+            if let Some(rows) = &mut self.rows {
+                rows.push(row);
             }
         }
         Ok(truth)

@@ -8,7 +8,7 @@ use undrift_io::{
     imu::{ImuFormat, ImuReader},
     layouts,
     skipped::Skipped,
-    table::{self, Column, Table, TableOptions},
+    table::{self, Column, Columns, Table, TableOptions},
 };
 use undrift_nav::units::{Quantity, unit_factor};
 use undrift_noise::{
@@ -81,8 +81,20 @@ pub fn read(path: &Path, format: &RecordFormat) -> Result<Record, ReadError> {
             "the temperature is read of tables only: name the columns",
         )),
         Some(imu) => read_known(path, &imu),
-        None => read_table(path, format),
+        None => read_table(path, None, format),
     }
+}
+
+/// Reads a record of columns in memory; `name` is what messages call it.
+///
+/// # Errors
+/// Columns or units that neither the format nor the names tell.
+pub fn read_columns(
+    name: &Path,
+    columns: &Columns,
+    format: &RecordFormat,
+) -> Result<Record, ReadError> {
+    read_table(name, Some(columns), format)
 }
 
 /// Reads a record whose columns and units are known.
@@ -107,8 +119,16 @@ fn read_known(path: &Path, format: &ImuFormat) -> Result<Record, ReadError> {
     })
 }
 
-fn read_table(path: &Path, format: &RecordFormat) -> Result<Record, ReadError> {
-    let header = table::header_names(path)?;
+/// Reads the columns in `memory`, or else the file.
+fn read_table(
+    path: &Path,
+    memory: Option<&Columns>,
+    format: &RecordFormat,
+) -> Result<Record, ReadError> {
+    let header = match memory {
+        Some(columns) => columns.names().to_vec(),
+        None => table::header_names(path)?,
+    };
     let wrong = |message: String| ReadError::new(path, message);
     let mut units: [Option<String>; 6] = Default::default();
     let columns: Vec<(usize, Column)> = match (format.columns.as_slice(), &format.axis) {
@@ -140,7 +160,9 @@ fn read_table(path: &Path, format: &RecordFormat) -> Result<Record, ReadError> {
         ([one], axis) => {
             let named = match one {
                 Column::Name(name) => named_axis(name),
-                Column::Number(n) => header.get(n - 1).and_then(|name| named_axis(name)),
+                Column::Number(n) => header
+                    .get(n.wrapping_sub(1))
+                    .and_then(|name| named_axis(name)),
             };
             let axis = match axis {
                 Some(name) => AXES.iter().position(|a| a == name).ok_or_else(|| {
@@ -212,7 +234,10 @@ fn read_table(path: &Path, format: &RecordFormat) -> Result<Record, ReadError> {
     let time_scale = match &found {
         Some((_, Some(unit))) => unit_factor(unit, Quantity::Time).unwrap_or(1.0),
         Some((place, None)) => {
-            let beginning = table::preview(path, BEGINNING)?;
+            let beginning = match memory {
+                Some(columns) => columns.preview(BEGINNING),
+                None => table::preview(path, BEGINNING)?,
+            };
             let stamps: Vec<f64> = beginning
                 .rows
                 .iter()
@@ -241,7 +266,10 @@ fn read_table(path: &Path, format: &RecordFormat) -> Result<Record, ReadError> {
             .collect(),
         ..TableOptions::default()
     };
-    let mut table = Table::open(path, &options)?;
+    let mut table = match memory {
+        Some(columns) => Table::from_source(path, columns.clone(), &options)?,
+        None => Table::open(path, &options)?,
+    };
     let mut row = vec![0.0; options.columns.len()];
     let mut temperature = format.temperature.then(Vec::new);
     let mut stamps = Vec::new();

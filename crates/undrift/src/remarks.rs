@@ -1,7 +1,7 @@
 //! What should be said of a log and of how it was navigated, in sentences.
 
-use crate::replay::{Innovations, Part, Summary};
-use undrift_io::{imu::GapSummary, skipped::Skipped};
+use crate::replay::{Implausible, Innovations, Part, Summary};
+use undrift_io::{held::Held, imu::GapSummary, skipped::Skipped};
 
 /// What was unusual about the log.
 pub fn of_health(summary: &Summary) -> Vec<String> {
@@ -32,12 +32,133 @@ pub fn of_health(summary: &Summary) -> Vec<String> {
     remarks
 }
 
+/// Axes of the IMU that held a value.
+pub fn of_held(held: &[Held]) -> Vec<String> {
+    let of = |held: &Held| {
+        let Held {
+            value,
+            start,
+            length,
+            samples,
+            ..
+        } = held;
+        let sensor = if held.axis < 3 {
+            "gyro"
+        } else {
+            "accelerometer"
+        };
+        let axis = ["x", "y", "z"][held.axis % 3];
+        let why = if held.saturated {
+            "its largest or smallest: the sensor is saturated, or too coarse"
+        } else {
+            "and nothing else: the sensor is frozen, not connected or too coarse"
+        };
+        format!(
+            "{sensor} {axis} read {value} for {length:.2} s from {start:.3} s, {samples} samples on end, {why}"
+        )
+    };
+    // A frozen log is one remark.
+    match held {
+        [first, _, _, _, _, _]
+            if held
+                .iter()
+                .all(|of| of.start == first.start && !of.saturated) =>
+        {
+            vec![format!(
+                "all six axes of the IMU repeat their values for {:.2} s from {:.3} s, {} samples on end: the log or the sensor is frozen",
+                first.length, first.start, first.samples
+            )]
+        }
+        _ => held.iter().map(of).collect(),
+    }
+}
+
 /// Spans without a usable fix longer than this are told [s].
 pub const WITHOUT_GNSS: f64 = 5.0;
 
+/// What of the units, axes, signs or times cannot be right, and what to look at.
+pub fn of_implausible(finding: &Implausible) -> String {
+    match *finding {
+        Implausible::Gravity(ratio) => format!(
+            "the accelerometers show {} times gravity on the average: check {}",
+            digits(ratio),
+            match ratio {
+                0.09..0.115 => "imu.accel_unit, the numbers are those of g",
+                8.5..11.5 => "imu.accel_unit, the numbers are those of m/s^2",
+                90.0..115.0 => "imu.accel_unit, the numbers are those of mg or cm/s^2",
+                _ => "imu.accel, imu.accel_unit and imu.data",
+            }
+        ),
+        Implausible::Down(down) => format!(
+            "gravity lies along {:.2}, {:.2}, {:.2} of the body axes, which are to be forward, right, down: check imu.axes and the order and signs of imu.accel; the attitude is that of the axes as given",
+            down[0], down[1], down[2]
+        ),
+        Implausible::TurnScale(scale) => format!(
+            "the course turns by {} times what the gyros say: check {}",
+            digits(scale),
+            match scale {
+                -1.7..-0.6 => "the signs of imu.gyro and imu.axes",
+                0.01..0.03 => "imu.gyro_unit, the numbers are those of deg/s",
+                34.0..97.0 => "imu.gyro_unit, the numbers are those of rad/s",
+                0.0006..0.0017 => "imu.gyro_unit, the numbers are a thousand times too large",
+                _ => "imu.gyro_unit and imu.axes",
+            }
+        ),
+        Implausible::TurnAxis(axis) => format!(
+            "the course turns as the gyro about body {} says, which is not the vertical axis: check the order of imu.gyro, and imu.axes",
+            ["forward", "right", "down"].get(axis).unwrap_or(&"")
+        ),
+        Implausible::NoTurn => {
+            "the gyros do not see the turns of the GNSS course: check imu.gyro, and the times of both logs (gnss.time_offset)".into()
+        }
+        Implausible::Late(late) => format!(
+            "the gyros see the turns of the GNSS course {:.2} s {} than its stamps say: set gnss.time_offset = \"{late:.2} s\" more than it is{}",
+            late.abs(),
+            if late < 0.0 { "earlier" } else { "later" },
+            if (late.abs() - LEAP_SECONDS).abs() < 0.5 {
+                "; that is GPS time and UTC mixed"
+            } else {
+                ""
+            }
+        ),
+        Implausible::Push { forward, right } => format!(
+            "by the fixes the vehicle accelerates along body {}, to be forward, and is pushed along body {} in turns to the right, to be right: check imu.axes and the order and signs of imu.accel and imu.gyro",
+            axis(forward),
+            axis(right)
+        ),
+        Implausible::Velocity(why) => format!(
+            "positions do not move as the velocities say: {}; check gnss.position, gnss.velocity and their units",
+            why.unwrap_or("one of the two is wrong")
+        ),
+    }
+}
+
+/// Name of a body axis in the horizontal plane.
+fn axis(number: Option<i8>) -> &'static str {
+    match number {
+        Some(1) => "forward",
+        Some(-1) => "backward",
+        Some(2) => "right",
+        Some(-2) => "left",
+        _ => "(not seen)",
+    }
+}
+
+/// GPS time less UTC since 2017 [s].
+const LEAP_SECONDS: f64 = 18.0;
+
+/// Three digits of a factor.
+fn digits(value: f64) -> String {
+    if value.abs() < 1e-6 {
+        return "0".into();
+    }
+    let decimals = (2 - value.abs().max(1e-9).log10().floor() as i32).clamp(0, 9) as usize;
+    format!("{value:.decimals$}")
+}
+
 /// Where the solution and the fixes disagreed: the receiver's fault or the model's.
 pub fn of_disagreement(summary: &Summary) -> Vec<String> {
-    let mut remarks = Vec::new();
+    let mut remarks: Vec<String> = summary.implausible.iter().map(of_implausible).collect();
     for restart in &summary.restarts {
         let then = match restart.resumed {
             Some(time) => format!("aligned anew at {time:.3} s"),

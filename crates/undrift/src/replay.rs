@@ -7,6 +7,7 @@ mod bridge;
 mod gate;
 mod health;
 mod measurement;
+mod plausible;
 mod quality;
 mod receiver;
 mod rest;
@@ -15,18 +16,24 @@ mod summary;
 
 pub use health::CovarianceHealth;
 pub use measurement::{Measurement, Scalar, merge};
+pub use plausible::Implausible;
 pub use quality::QualityStd;
 pub use summary::{
     Contradiction, Innovations, Lean, MOST_EVENTS, Part, Restart, SUSPECT_NIS, SUSPECT_UPDATES,
     Summary,
 };
 
-use crate::{align::AlignSettings, vehicle::Constraints};
+use crate::{
+    align::AlignSettings,
+    remarks,
+    size::{AnySize, sized},
+    vehicle::Constraints,
+};
 use measurement::Queue;
 use run::Run;
 use undrift_nav::{
     Vector3,
-    covariance::{AXES, NAV},
+    covariance::AXES,
     filter::{Filter, FilterError, Update},
     parameters::Parameters,
     sample::{GnssFix, ImuSample},
@@ -168,14 +175,32 @@ pub fn replay(
     observer: &mut impl Observer,
 ) -> Result<Summary, ReplayError> {
     let sensors: usize = settings.sensors.iter().map(|f| f.order).sum();
-    match NAV + sensors + settings.parameters.states() {
-        ..=9 => run::<9>(imu, aiding, settings, observer),
-        10..=15 => run::<15>(imu, aiding, settings, observer),
-        16..=21 => run::<21>(imu, aiding, settings, observer),
-        22..=27 => run::<27>(imu, aiding, settings, observer),
-        28..=33 => run::<33>(imu, aiding, settings, observer),
-        34..=45 => run::<45>(imu, aiding, settings, observer),
-        _ => run::<73>(imu, aiding, settings, observer),
+    let task = Replay {
+        imu,
+        aiding,
+        settings,
+        observer,
+    };
+    sized(sensors + settings.parameters.states(), task)
+}
+
+struct Replay<'a, I, A, O> {
+    imu: I,
+    aiding: A,
+    settings: &'a Settings,
+    observer: &'a mut O,
+}
+
+impl<I, A, O> AnySize for Replay<'_, I, A, O>
+where
+    I: Iterator<Item = Result<ImuSample, undrift_io::ReadError>>,
+    A: Iterator<Item = Result<Measurement, undrift_io::ReadError>>,
+    O: Observer,
+{
+    type Output = Result<Summary, ReplayError>;
+
+    fn with<const N: usize>(self) -> Self::Output {
+        run::<N>(self.imu, self.aiding, self.settings, self.observer)
     }
 }
 
@@ -188,6 +213,7 @@ fn run<const N: usize>(
     let mut run = Run::<N>::new(settings);
     let mut aiding = Queue::new(aiding);
     let (mut imu_start, mut first_fix) = (None, None);
+    let mut fixes_within = 0;
     for sample in imu {
         let sample = sample?;
         let start = sample.time - sample.dt;
@@ -200,6 +226,7 @@ fn run<const N: usize>(
                 }
             }
         }
+        run.plausible.sample(&sample);
         run.begin(&sample);
         while let Some(measurement) =
             aiding.next_until(sample.time + STAMP_ROUNDING, run.fix_offset())
@@ -207,28 +234,36 @@ fn run<const N: usize>(
             match measurement? {
                 Measurement::Gnss(fix) => {
                     first_fix.get_or_insert(fix.time);
+                    fixes_within += 1;
+                    run.plausible.fix(&fix);
                     run.fix(&fix, &sample, observer)?;
                 }
                 Measurement::Odometer(speed) => run.odometer(&speed),
                 Measurement::Barometer(height) => run.barometer(&height),
             }
             if run.summary.diverged.is_some() {
+                run.summary.implausible = run.plausible.findings();
                 return Ok(run.summary);
             }
         }
         run.finish(&sample, observer)?;
         if run.summary.diverged.is_some() {
+            run.summary.implausible = run.plausible.findings();
             return Ok(run.summary);
         }
     }
+    run.summary.implausible = run.plausible.findings();
     if run.filter.is_none() && run.summary.restarts.is_empty() {
-        let mut why = run.aligner.why_not();
+        let mut why = run.aligner.why_not(fixes_within);
         let first_fix = first_fix.or_else(|| aiding.next_fix());
         if let (Some(imu), Some(gnss)) = (imu_start, first_fix) {
             let end = run.summary.ended;
             why += &format!(
                 "; the samples run from {imu:.3} s to {end:.3} s, the fixes from {gnss:.3} s on"
             );
+        }
+        for finding in &run.summary.implausible {
+            why += &format!("; {}", remarks::of_implausible(finding));
         }
         return Err(ReplayError::NotAligned(why));
     }

@@ -5,6 +5,7 @@ mod compare;
 mod data;
 mod document;
 pub mod figures;
+mod fleet;
 pub mod html;
 mod identify;
 mod montecarlo;

@@ -20,16 +20,19 @@ pub enum Kind {
     MonteCarlo,
     /// The simulated experiment: identification and outages.
     Demo,
+    /// Many logs.
+    Fleet,
 }
 
 impl Kind {
     /// All of them.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Identify,
         Self::Navigate,
         Self::Outages,
         Self::MonteCarlo,
         Self::Demo,
+        Self::Fleet,
     ];
 
     /// The verb's name.
@@ -40,6 +43,7 @@ impl Kind {
             Self::Outages => "outages",
             Self::MonteCarlo => "montecarlo",
             Self::Demo => "demo",
+            Self::Fleet => "fleet",
         }
     }
 }

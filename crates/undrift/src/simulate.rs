@@ -13,6 +13,7 @@
 //! # Ok::<(), undrift::simulate::SimulationError>(())
 //! ```
 
+pub mod files;
 pub mod gnss;
 pub mod increments;
 pub mod profile;
@@ -25,6 +26,7 @@ pub mod trajectory;
 #[cfg(test)]
 mod tests;
 
+pub use files::SimulatedLog;
 pub use gnss::{GnssFixes, GnssNoise};
 pub use increments::{Increments, State, Stepper, antenna};
 pub use profile::{Channel, Profile, Wave};

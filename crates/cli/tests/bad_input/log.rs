@@ -57,6 +57,18 @@ impl Row {
         row.fields[0] = format!("{time:.4}");
         row
     }
+
+    /// The number in a column; the time is column 0.
+    pub fn number(&self, column: usize) -> f64 {
+        self.fields[column].parse().unwrap()
+    }
+
+    /// Puts numbers into columns after the time.
+    pub fn put(&mut self, column: usize, values: &[f64]) {
+        for (field, value) in self.fields[column..].iter_mut().zip(values) {
+            *field = format!("{value:.12e}");
+        }
+    }
 }
 
 /// The files of a drive, before they are written.
@@ -99,7 +111,7 @@ impl Log {
         Self::of(simulation())
     }
 
-    /// Of a simulated drive.
+    /// The files of a simulated drive.
     pub fn of(of: &Simulation) -> Self {
         let vector = |v: Vector3| [v.x, v.y, v.z];
         let place =
@@ -219,7 +231,7 @@ impl Case {
         };
         assert!(!outcome.stderr.contains("panicked"), "{}", outcome.stderr);
         assert!(
-            matches!(outcome.code, Some(0..=2)),
+            matches!(outcome.code, Some(0..=3)),
             "{:?} {}",
             outcome.code,
             outcome.stderr
@@ -248,6 +260,29 @@ impl Case {
         assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
         assert!(nav.is_none(), "a solution was left behind");
         outcome.stderr
+    }
+
+    /// `undrift navigate` whose result says that it cannot be trusted, with a warning that has all
+    /// these parts in its JSON.
+    #[track_caller]
+    pub fn doubted(&self, parts: &[&str]) -> Vec<String> {
+        let outcome = self.run(&[
+            "navigate",
+            "drive.toml",
+            "--strict",
+            "-o",
+            "nav.csv",
+            "--json",
+            "r.json",
+        ]);
+        assert_eq!(outcome.code, Some(3), "{}", outcome.stderr);
+        assert!(self.nav().is_some(), "no solution");
+        let result = std::fs::read_to_string(self.folder.join("r.json")).unwrap();
+        let result: serde_json::Value = serde_json::from_str(&result).unwrap();
+        let warnings: Vec<String> = serde_json::from_value(result["warnings"].clone()).unwrap();
+        let said = |warning: &String| parts.iter().all(|part| warning.contains(part));
+        assert!(warnings.iter().any(said), "{parts:?} in {warnings:#?}");
+        warnings
     }
 
     /// `undrift outages` with the arma model.

@@ -1,13 +1,21 @@
 //! The command on damaged logs and wrong settings: what it says, how it ends, what it leaves behind.
 
 mod configuration;
+mod drives;
+mod files;
+mod fixes;
 mod killed;
 mod log;
 mod logs;
 mod long;
+mod models;
 mod montecarlo;
+mod places;
+mod reliability;
 mod repeated;
 mod reports;
 mod scalars;
 mod schedule;
+mod sensors;
 mod solutions;
+mod stamps;

@@ -2,15 +2,14 @@
 
 use std::path::Path;
 
-use undrift_nav::earth::Geodetic;
+use undrift_nav::earth::{Geodetic, wrap_pi};
 use undrift_nav::sample::{FixQuality, GnssFix, Position};
 use undrift_nav::{Matrix3, Vector3};
 
 use super::{all_finite, diagonal, quality_of_rtklib};
 use crate::ReadError;
 use crate::skipped::{SkipKind, Skipped};
-use crate::source::Source;
-use crate::table::{Column, Table, TableOptions};
+use crate::table::{Column, Table, TableOptions, TableSource};
 
 /// Where the columns of a GNSS log are and what they mean.
 #[derive(Clone, Debug)]
@@ -118,7 +117,11 @@ pub(super) struct CsvRows {
 }
 
 impl CsvRows {
-    pub(super) fn new(path: &Path, source: Source, format: &GnssFormat) -> Result<Self, ReadError> {
+    pub(super) fn new(
+        path: &Path,
+        source: impl Into<TableSource>,
+        format: &GnssFormat,
+    ) -> Result<Self, ReadError> {
         check(path, format)?;
         let mut columns = vec![("gnss.time".to_owned(), format.time.clone())];
         let mut add = |key: &str, three: [&Column; 3]| {
@@ -222,7 +225,12 @@ impl CsvRows {
                     skipped.add(SkipKind::OutOfRange, line, detail);
                     return None;
                 }
-                Position::Geodetic(place)
+                // From 0° to 360° as well as from −180° to 180°.
+                let lon = match place.lon {
+                    lon if lon.abs() > std::f64::consts::PI => wrap_pi(lon),
+                    lon => lon,
+                };
+                Position::Geodetic(Geodetic { lon, ..place })
             }
             Place::Baseline { base, .. } => Position::Baseline {
                 base: *base,

@@ -17,6 +17,7 @@ use crate::clock::{self, Clock, Tick};
 use crate::rtklib::{RtklibOptions, RtklibRows};
 use crate::skipped::{SkipKind, Skipped};
 use crate::source;
+use crate::table::TableSource;
 
 use csv::CsvRows;
 pub(crate) use csv::is_a_fix;
@@ -51,7 +52,20 @@ impl GnssReader {
     /// If the file cannot be opened, a column is missing, or the format asks for neither position
     /// nor velocity or has unusable constants.
     pub fn open_csv(path: &Path, format: &GnssFormat) -> Result<Self, ReadError> {
-        let rows = CsvRows::new(path, source::open(path)?, format)?;
+        Self::from_source(path, source::open(path)?, format)
+    }
+
+    /// Reads fixes from any stream of delimited text or from columns in memory; `path` is what messages
+    /// call it.
+    ///
+    /// # Errors
+    /// As [`GnssReader::open_csv`], of the columns and the format.
+    pub fn from_source(
+        path: &Path,
+        source: impl Into<TableSource>,
+        format: &GnssFormat,
+    ) -> Result<Self, ReadError> {
+        let rows = CsvRows::new(path, source, format)?;
         Ok(Self::new(path, Rows::Csv(Box::new(rows)), format.span))
     }
 
@@ -136,8 +150,16 @@ impl GnssReader {
         }
         match (self.span, self.covered) {
             (Some(span), Some(_)) => Err(clock::none_in_span(self.path(), span, self.covered)),
-            _ => Err(ReadError::new(self.path(), "no usable fix")
-                .mend(self.skipped().to_string().replace('\n', "; "))),
+            _ => {
+                let skipped = self.skipped();
+                let mut mend = skipped.to_string().replace('\n', "; ");
+                let error = ReadError::new(self.path(), "no usable fix");
+                if skipped.count(SkipKind::OutOfRange) > 0 && matches!(self.rows, Rows::Csv(_)) {
+                    mend += "; are the columns latitude, longitude, height in this order and in gnss.position_unit, neither ECEF nor degrees and minutes?";
+                    return Err(error.key("gnss.position").mend(mend));
+                }
+                Err(error.mend(mend))
+            }
         }
     }
 }

@@ -20,10 +20,11 @@ use crate::clock::{self, Clock, Tick};
 use crate::format::Format;
 use crate::gaps::{GAP_INTERVALS, GapWatch};
 pub use crate::gaps::{Gap, GapSummary};
+use crate::held::{Held, HeldWatch};
 use crate::log::{Log, Wanted, What};
 use crate::skipped::{SkipKind, Skipped};
-use crate::source::{self, BytesRead, Source};
-use crate::table::{Column, Table, TableOptions};
+use crate::source::{self, BytesRead};
+use crate::table::{Column, Table, TableOptions, TableSource};
 
 /// Samples in a row that must be earlier than the last accepted one to count as a clock set back.
 const PATIENCE: u32 = 100;
@@ -153,6 +154,7 @@ pub struct ImuReader {
     format: ImuFormat,
     clock: Clock,
     gaps: GapWatch,
+    held_values: HeldWatch,
     /// The second sample, read for the interval of the first.
     held: Option<Raw>,
     /// First and last time of the file up to here [s].
@@ -264,11 +266,16 @@ impl ImuReader {
         Ok(Self::new(path, rows, format))
     }
 
-    /// Reads an inertial log from any stream of delimited text; `path` is what messages call it.
+    /// Reads an inertial log from any stream of delimited text or from columns in memory; `path` is what
+    /// messages call it.
     ///
     /// # Errors
     /// If a column is missing, the format has neither a time column nor a rate, or is no table's.
-    pub fn from_source(path: &Path, source: Source, format: &ImuFormat) -> Result<Self, ReadError> {
+    pub fn from_source(
+        path: &Path,
+        source: impl Into<TableSource>,
+        format: &ImuFormat,
+    ) -> Result<Self, ReadError> {
         format.check(path)?;
         let ImuSource::Table {
             time,
@@ -307,6 +314,7 @@ impl ImuReader {
             format: format.clone(),
             clock: Clock::new(path, PATIENCE),
             gaps: GapWatch::default(),
+            held_values: HeldWatch::default(),
             held: None,
             covered: None,
             given: 0,
@@ -323,6 +331,11 @@ impl ImuReader {
     /// The usual interval and the gaps of the samples given out so far.
     pub fn gaps(&self) -> GapSummary {
         self.gaps.summary()
+    }
+
+    /// The axes that held a value for long among the samples given out so far.
+    pub fn held(&self) -> Vec<Held> {
+        self.held_values.held()
     }
 
     /// The next row whose time goes forward.
@@ -413,6 +426,9 @@ impl ImuReader {
                 continue;
             }
             self.given += 1;
+            let [gx, gy, gz] = raw.gyro.into();
+            let [ax, ay, az] = raw.accel.into();
+            self.held_values.add(raw.time, [gx, gy, gz, ax, ay, az]);
             return Ok(Some(sample));
         }
         match (span, self.covered) {

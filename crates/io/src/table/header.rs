@@ -19,6 +19,8 @@ pub(super) struct Layout {
     pub(super) wanted: Vec<(usize, usize)>,
     /// The line stepped to last, if it is data.
     pub(super) first_row: Option<Vec<u8>>,
+    /// Number of names in the header, where columns are found by name.
+    pub(super) names: Option<usize>,
 }
 
 /// A line that may name the columns.
@@ -61,7 +63,11 @@ pub(super) fn find(
             let wanted = own.places(path, options)?;
             // A line with a number wherever one is wanted by number is a row, not a header.
             let is_row = !named && reads_as_row(&first, delimiter, &wanted);
-            layout(delimiter, wanted, first_row().filter(|_| is_row))
+            let layout = layout(delimiter, wanted, first_row().filter(|_| is_row))?;
+            Ok(Layout {
+                names: named.then_some(own.names.len()),
+                ..layout
+            })
         }
         (None, Some(above)) => {
             let wanted = above.places(path, options)?;
@@ -85,6 +91,7 @@ fn layout(
         delimiter,
         wanted,
         first_row,
+        names: None,
     })
 }
 

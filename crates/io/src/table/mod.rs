@@ -18,25 +18,26 @@
 //! # Ok::<(), undrift_io::ReadError>(())
 //! ```
 
+mod columns;
 mod fields;
 mod header;
 mod text;
-#[cfg(feature = "parquet")]
+pub use columns::Columns;
+use columns::MemoryTable;
 pub(crate) use header::places;
 
 use std::fmt;
+use std::io::BufRead;
 use std::path::Path;
 
 use crate::ReadError;
 #[cfg(feature = "parquet")]
 use crate::parquet::ParquetTable;
-use crate::skipped::Skipped;
+use crate::skipped::{SkipKind, Skipped};
 use crate::source::{self, Source};
 use text::TextTable;
 
-#[cfg(feature = "parquet")]
-pub(crate) use fields::Defect;
-pub(crate) use fields::shown;
+pub(crate) use fields::{Defect, shown};
 
 /// Which column is meant.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -68,6 +69,26 @@ pub struct TableOptions {
     pub keep_not_finite: bool,
 }
 
+/// What a table is read from.
+pub enum TableSource {
+    /// A stream of delimited text, or a file that begins as Parquet does.
+    Stream(Source),
+    /// Columns in memory.
+    Columns(Columns),
+}
+
+impl<R: BufRead + Send + 'static> From<R> for TableSource {
+    fn from(stream: R) -> Self {
+        Self::Stream(Box::new(stream))
+    }
+}
+
+impl From<Columns> for TableSource {
+    fn from(columns: Columns) -> Self {
+        Self::Columns(columns)
+    }
+}
+
 /// Reads the wanted columns of a table row by row.
 pub struct Table {
     rows: Rows,
@@ -76,6 +97,7 @@ pub struct Table {
 /// Boxed: a reader holds its place in the file and a row.
 enum Rows {
     Text(Box<TextTable>),
+    Memory(Box<MemoryTable>),
     #[cfg(feature = "parquet")]
     Parquet(Box<ParquetTable>),
 }
@@ -89,26 +111,30 @@ impl Table {
         Self::from_source(path, source::open(path)?, options)
     }
 
-    /// Reads a table from any stream of text; `path` is what messages call it, and where Parquet, which
-    /// is read from its end, is opened.
+    /// Reads a table from any stream of text or from columns in memory; `path` is what messages call it,
+    /// and where Parquet, which is read from its end, is opened.
     ///
     /// # Errors
     /// If there is no line, or a wanted column is missing.
     pub fn from_source(
         path: &Path,
-        mut source: Source,
+        source: impl Into<TableSource>,
         options: &TableOptions,
     ) -> Result<Self, ReadError> {
-        let rows = if begins_as_parquet(&mut source) {
-            parquet_rows(path, options)?
-        } else {
-            Rows::Text(Box::new(TextTable::from_source(path, source, options)?))
+        let rows = match source.into() {
+            TableSource::Columns(columns) => {
+                Rows::Memory(Box::new(MemoryTable::new(path, columns, options)?))
+            }
+            TableSource::Stream(mut source) => match begins_as_parquet(&mut source) {
+                true => parquet_rows(path, options)?,
+                false => Rows::Text(Box::new(TextTable::from_source(path, source, options)?)),
+            },
         };
         Ok(Self { rows })
     }
 
     /// Reads the next usable row into `out`, in the order of the wanted columns, and gives its
-    /// line number, or that of the row in Parquet; `None` at the end.
+    /// line number, or that of the row in Parquet and in memory; `None` at the end.
     ///
     /// # Errors
     /// If the file ends without one usable row, or `out` has another length than there are wanted
@@ -117,6 +143,7 @@ impl Table {
     pub fn next_row(&mut self, out: &mut [f64]) -> Result<Option<u64>, ReadError> {
         match &mut self.rows {
             Rows::Text(table) => table.next_row(out),
+            Rows::Memory(table) => table.next_row(out),
             #[cfg(feature = "parquet")]
             Rows::Parquet(table) => table.next_row(out),
         }
@@ -126,15 +153,17 @@ impl Table {
     pub fn skipped(&self) -> &Skipped {
         match &self.rows {
             Rows::Text(table) => table.skipped(),
+            Rows::Memory(table) => table.skipped(),
             #[cfg(feature = "parquet")]
             Rows::Parquet(table) => table.skipped(),
         }
     }
 
-    /// The file as it was given.
+    /// The file as it was given, or what columns in memory are called.
     pub fn path(&self) -> &Path {
         match &self.rows {
             Rows::Text(table) => table.path(),
+            Rows::Memory(table) => table.path(),
             #[cfg(feature = "parquet")]
             Rows::Parquet(table) => table.path(),
         }
@@ -144,6 +173,7 @@ impl Table {
     pub fn rows_seen(&self) -> u64 {
         match &self.rows {
             Rows::Text(table) => table.rows_seen(),
+            Rows::Memory(table) => table.rows_seen(),
             #[cfg(feature = "parquet")]
             Rows::Parquet(table) => table.rows_seen(),
         }
@@ -152,6 +182,7 @@ impl Table {
     pub(crate) fn skipped_mut(&mut self) -> &mut Skipped {
         match &mut self.rows {
             Rows::Text(table) => table.skipped_mut(),
+            Rows::Memory(table) => table.skipped_mut(),
             #[cfg(feature = "parquet")]
             Rows::Parquet(table) => table.skipped_mut(),
         }
@@ -229,7 +260,16 @@ pub(crate) fn no_rows(path: &Path, seen: u64, skipped: &Skipped) -> ReadError {
     } else {
         "no row with a number in every wanted column"
     };
-    ReadError::new(path, problem).mend(skipped.to_string().replace('\n', "; "))
+    let mut mend = skipped.to_string().replace('\n', "; ");
+    let text = skipped.iter().find(|(kind, _)| *kind == SkipKind::Text);
+    let is_decimal = |text: &str| {
+        let text = text.trim_matches('"');
+        text.contains(',') && text.replacen(',', ".", 1).parse::<f64>().is_ok()
+    };
+    if text.is_some_and(|(_, entry)| is_decimal(&entry.first_detail)) {
+        mend += "; write numbers with decimal points";
+    }
+    ReadError::new(path, problem).mend(mend)
 }
 
 /// Whether a line is neither blank nor a comment.

@@ -27,6 +27,7 @@ impl Table {
     fn width(&self) -> usize {
         match &self.rows {
             super::Rows::Text(table) => table.width,
+            super::Rows::Memory(table) => table.width,
             #[cfg(feature = "parquet")]
             super::Rows::Parquet(_) => 0,
         }

@@ -20,6 +20,8 @@ pub(super) struct TextTable {
     keep_not_finite: bool,
     /// The first line of data, found while looking for the header.
     held: Option<Vec<u8>>,
+    /// Number of names in the header, until a row was compared with it.
+    names: Option<usize>,
     rows_read: u64,
     rows_seen: u64,
     finished: bool,
@@ -47,6 +49,7 @@ impl TextTable {
             width: options.columns.len(),
             keep_not_finite: options.keep_not_finite,
             held: layout.first_row,
+            names: layout.names,
             rows_read: 0,
             rows_seen: 0,
             finished: false,
@@ -97,6 +100,12 @@ impl TextTable {
             let bytes = self.lines.bytes(range);
             if !starts_a_row(bytes) {
                 continue;
+            }
+            if let Some(names) = self.names.take() {
+                fits(bytes, delimiter, names).map_err(|problem| {
+                    let error = ReadError::new(&self.path, problem).at(line);
+                    error.mend("write numbers with points, or ask for columns by number")
+                })?;
             }
             let parsed = fields::parse_row(bytes, delimiter, &self.wanted, keep, out);
             if self.accept(parsed, line) {
@@ -151,5 +160,20 @@ impl TextTable {
             return Ok(());
         }
         Err(no_rows(&self.path, self.rows_seen, &self.skipped))
+    }
+}
+
+/// Whether a row has no more fields than its header names; empty ones at the end do not count.
+fn fits(row: &[u8], delimiter: Delimiter, names: usize) -> Result<(), String> {
+    let last = fields::Fields::new(row, delimiter)
+        .enumerate()
+        .filter(|(_, field)| !field.is_empty())
+        .last();
+    match last {
+        Some((k, _)) if k >= names => Err(format!(
+            "the row has {} fields, the header names {names}: decimal commas, or a column without a name",
+            k + 1
+        )),
+        _ => Ok(()),
     }
 }

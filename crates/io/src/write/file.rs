@@ -1,7 +1,7 @@
 //! The solution in any format.
 
 use std::io::{self, Seek, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::PendingFile;
 use super::geojson::GeoJsonWriter;
@@ -142,6 +142,31 @@ impl SolutionFile<PendingFile> {
         options: &SolutionOptions,
     ) -> io::Result<Self> {
         Self::new(PendingFile::create(path)?, format, options)
+    }
+
+    /// Starts a file at each path, in `format` or else in that of its extension.
+    ///
+    /// # Errors
+    /// A sentence for the user when an extension names no format, a path is asked for twice or a file
+    /// cannot be created.
+    pub fn create_all(
+        paths: &[PathBuf],
+        format: Option<SolutionFormat>,
+        options: &SolutionOptions,
+    ) -> Result<Vec<Self>, String> {
+        let mut files = Vec::new();
+        for (k, path) in paths.iter().enumerate() {
+            let name = path.display();
+            if paths.iter().take(k).any(|other| other == path) {
+                return Err(format!("{name} is asked for twice"));
+            }
+            let format = format.or_else(|| SolutionFormat::from_path(path)).ok_or_else(|| {
+                format!("{name}: the extension names no format; there are csv, nav, nmea, kml, geojson, gpx, mcap, parquet, or give --format")
+            })?;
+            let file = Self::create(path, format, options);
+            files.push(file.map_err(|e| format!("cannot write {name}: {e}"))?);
+        }
+        Ok(files)
     }
 
     /// Writes what is left and gives the file its name.

@@ -12,6 +12,8 @@ pub mod mcap;
 mod nmea;
 #[cfg(feature = "parquet")]
 pub mod parquet;
+#[cfg(feature = "parquet")]
+pub mod parquet_table;
 mod pending;
 pub mod solution;
 mod spans;

@@ -1,15 +1,14 @@
-//! Confidence of a deviation: equivalent degrees of freedom by noise type, and the type by lag-1
-//! autocorrelation.
+//! Confidence of a deviation: equivalent degrees of freedom by noise type ([`noise_types`]).
 //!
 //! Noise types are the exponent α of the rate's spectral density S(f) ∝ f^α: 2 quantisation (white
 //! phase), 1 flicker phase, 0 white, −1 bias instability (flicker rate), −2 rate random walk.
 //! Sources: Greenhall & Riley, "Uncertainty of stability variances based on finite differences"
 //! (35th PTTI, 2003) as in NIST SP 1065 section 5.4.1 (Allan, modified, Hadamard); Howe & Greenhall
-//! as in SP 1065 table 8 (total); Riley & Greenhall, "Power law noise identification using the lag 1
-//! autocorrelation" (18th EFTF, 2004), SP 1065 section 5.5.6.
+//! as in SP 1065 table 8 (total).
 
 use super::deviation::{Curve, Kind};
-use crate::screening::record::{RecordError, check, mean, prefix_sums};
+use super::noise_type::noise_types;
+use crate::screening::record::RecordError;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Terms of the sum over lags; with more the sum is taken on a coarser grid of lags.
@@ -20,9 +19,6 @@ const CONTINUOUS: f64 = 1000.0;
 
 /// Averages from which on reflection adds nothing to the confidence of a total deviation.
 const MANY: usize = 32;
-
-/// Averages that the identification of the noise type needs.
-const AVERAGES: usize = 30;
 
 /// Confidence of one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -178,49 +174,4 @@ fn generalised(t: f64, alpha: i32) -> f64 {
         -3 => t.powi(6) * log,
         _ => t.powi(7),
     }
-}
-
-/// Noise type at each averaging factor, from the lag-1 autocorrelation of the averages (differenced
-/// until it looks stationary). Where fewer than 30 averages are left, the last type found goes on.
-///
-/// Errors: fewer than 3 samples, not finite.
-pub fn noise_types(rates: &[f64], factors: &[usize]) -> Result<Vec<i32>, RecordError> {
-    check(rates, 3)?;
-    let sums = prefix_sums(rates, mean(rates));
-    let mut last = 0;
-    let mut types = Vec::with_capacity(factors.len());
-    for &m in factors {
-        let m = m.max(1);
-        if rates.len() / m >= AVERAGES {
-            let ends: Vec<f64> = sums.iter().step_by(m).copied().collect();
-            let averages = ends.windows(2).map(|pair| pair[1] - pair[0]).collect();
-            last = type_of_averages(averages);
-        }
-        types.push(last);
-    }
-    Ok(types)
-}
-
-/// α = −2 (δ + differences taken), rounded, δ = r₁ / (1 + r₁).
-fn type_of_averages(mut averages: Vec<f64>) -> i32 {
-    for differences in 0..3 {
-        let centre = mean(&averages);
-        let squares: f64 = averages.iter().map(|v| (v - centre).powi(2)).sum();
-        if squares <= 0.0 {
-            return 0;
-        }
-        let products: f64 = averages
-            .windows(2)
-            .map(|w| (w[0] - centre) * (w[1] - centre))
-            .sum();
-        let r1 = products / squares;
-        let delta = r1 / (1.0 + r1).max(f64::MIN_POSITIVE);
-        if delta < 0.25 || differences == 2 {
-            return (-2.0 * (delta + f64::from(differences)))
-                .round()
-                .clamp(-4.0, 2.0) as i32;
-        }
-        averages = averages.windows(2).map(|w| w[1] - w[0]).collect();
-    }
-    0
 }

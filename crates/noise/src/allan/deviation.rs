@@ -131,6 +131,34 @@ impl Grid {
     }
 }
 
+/// The averaging factors nearest to averaging times [s] at a sample rate [Hz], growing, each once.
+///
+/// Errors: a time that is not positive, a rate that is not positive.
+pub fn factors_of(taus_s: &[f64], rate_hz: f64) -> Result<Vec<usize>, RecordError> {
+    check_rate(rate_hz)?;
+    if !taus_s.iter().all(|tau| *tau > 0.0 && tau.is_finite()) {
+        return Err(RecordError::Argument(
+            "averaging times must be positive numbers",
+        ));
+    }
+    let mut factors: Vec<usize> = taus_s
+        .iter()
+        .map(|tau| (tau * rate_hz).round() as usize)
+        .collect();
+    factors.sort_unstable();
+    factors.dedup();
+    Ok(factors)
+}
+
+fn check_rate(rate_hz: f64) -> Result<(), RecordError> {
+    if rate_hz > 0.0 && rate_hz.is_finite() {
+        return Ok(());
+    }
+    Err(RecordError::Argument(
+        "the sample rate must be a positive number",
+    ))
+}
+
 /// The deviation of `rates` sampled at `rate_hz` [Hz] at a grid of averaging times.
 ///
 /// Errors: too short for m = 1 (2 samples, 3 for Hadamard), not finite, a rate that is not positive.
@@ -163,11 +191,7 @@ pub fn deviations_at(
             got: rates.len(),
         });
     }
-    if !(rate_hz > 0.0 && rate_hz.is_finite()) {
-        return Err(RecordError::Argument(
-            "the sample rate must be a positive number",
-        ));
-    }
+    check_rate(rate_hz)?;
     let samples = rates.len();
     let largest = kind.largest_m(samples);
     let factors: Vec<usize> = factors

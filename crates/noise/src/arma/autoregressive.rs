@@ -3,6 +3,7 @@
 
 use super::ArmaError;
 use super::likelihood::screen;
+use crate::prediction::{self, Predictor};
 
 /// An autoregression `x_t − φ1 x_{t−1} − … − φp x_{t−p} = a_t` about a mean.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,27 +35,24 @@ fn checked(samples: &[f64], p: usize) -> Result<f64, ArmaError> {
 }
 
 impl ArFit {
-    /// Order 0: white noise about a mean.
-    fn white(mean: f64, variance: f64) -> Self {
+    /// A predictor grown by one reflection after the other, about a mean.
+    fn grown(mean: f64, variance: f64, p: usize, mut next: impl FnMut(&Predictor) -> f64) -> Self {
+        let mut predictor = Predictor::new(variance);
+        let mut partial_autocorrelations = Vec::with_capacity(p);
+        let mut variance_by_order = vec![variance];
+        for _ in 0..p {
+            let kappa = next(&predictor);
+            predictor.extend(kappa);
+            partial_autocorrelations.push(kappa);
+            variance_by_order.push(predictor.variance);
+        }
         Self {
-            ar: Vec::new(),
-            variance,
+            ar: predictor.phi,
+            variance: predictor.variance,
             mean,
-            partial_autocorrelations: Vec::new(),
-            variance_by_order: vec![variance],
+            partial_autocorrelations,
+            variance_by_order,
         }
-    }
-
-    /// Durbin's step: the next reflection coefficient extends φ.
-    fn add_order(&mut self, kappa: f64) {
-        let old = self.ar.clone();
-        for j in 0..old.len() {
-            self.ar[j] = old[j] - kappa * old[old.len() - 1 - j];
-        }
-        self.ar.push(kappa);
-        self.variance *= (1.0 - kappa) * (1.0 + kappa);
-        self.partial_autocorrelations.push(kappa);
-        self.variance_by_order.push(self.variance);
     }
 }
 
@@ -67,31 +65,12 @@ impl ArFit {
 pub fn burg(samples: &[f64], p: usize) -> Result<ArFit, ArmaError> {
     let mean = checked(samples, p)?;
     let n = samples.len();
-    let mut forward: Vec<f64> = samples.iter().map(|x| x - mean).collect();
-    let mut backward = forward.clone();
-    let variance = forward.iter().map(|x| x * x).sum::<f64>() / n as f64;
-    let mut fit = ArFit::white(mean, variance);
-    for order in 1..=p {
-        // forward[t] at order−1 pairs with backward[t−1]; backward is kept shifted by one an order.
-        let (mut cross, mut power) = (0.0, 0.0);
-        for t in order..n {
-            let (f, b) = (forward[t], backward[t - order]);
-            cross += f * b;
-            power += f * f + b * b;
-        }
-        let kappa = if power > 0.0 {
-            2.0 * cross / power
-        } else {
-            0.0
-        };
-        for t in order..n {
-            let (f, b) = (forward[t], backward[t - order]);
-            forward[t] = f - kappa * b;
-            backward[t - order] = b - kappa * f;
-        }
-        fit.add_order(kappa);
-    }
-    Ok(fit)
+    let centred: Vec<f64> = samples.iter().map(|x| x - mean).collect();
+    let variance = centred.iter().map(|x| x * x).sum::<f64>() / n as f64;
+    let mut reflections = prediction::burg(centred, p).into_iter();
+    Ok(ArFit::grown(mean, variance, p, |_| {
+        reflections.next().unwrap_or(0.0)
+    }))
 }
 
 /// AR(p) by the Yule-Walker equations, from the biased autocovariances (divisor N, so the result
@@ -111,17 +90,13 @@ pub fn yule_walker(samples: &[f64], p: usize) -> Result<ArFit, ArmaError> {
             sum / n as f64
         })
         .collect();
-    let mut fit = ArFit::white(mean, gamma[0]);
-    for order in 1..=p {
-        let predicted: f64 = (1..order).map(|j| fit.ar[j - 1] * gamma[order - j]).sum();
-        let kappa = if fit.variance > 0.0 {
-            (gamma[order] - predicted) / fit.variance
+    Ok(ArFit::grown(mean, gamma[0], p, |so_far| {
+        if so_far.variance > 0.0 {
+            so_far.reflection(&gamma)
         } else {
             0.0
-        };
-        fit.add_order(kappa);
-    }
-    Ok(fit)
+        }
+    }))
 }
 
 /// The order up to `p_max` with the least AICc, `N ln σ²_p + 2 (p+2) N/(N−p−3)`, by Burg's variances.

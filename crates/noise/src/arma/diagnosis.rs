@@ -7,6 +7,7 @@ use super::optimise::{Objective, Point, hessian};
 use super::polynomial::{distance, inverse_roots};
 use super::search::Problem;
 use super::starts::encode;
+use std::fmt;
 
 /// What should be said with a fitted model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +38,40 @@ pub enum Warning {
     NotConverged,
     /// Fewer than ten samples a parameter.
     ShortRecord,
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NearCancelling {
+                distance,
+                standard_error: Some(error),
+            } => write!(
+                f,
+                "an autoregressive and a moving-average root nearly cancel: {distance:.2e} apart with a standard error of {error:.1e}"
+            ),
+            Self::NearCancelling { distance, .. } => write!(
+                f,
+                "an autoregressive and a moving-average root nearly cancel: {distance:.2e} apart"
+            ),
+            Self::FlatLikelihood => f.write_str(
+                "the likelihood is flat in some direction: the coefficients are not well determined, what they predict is",
+            ),
+            Self::UnitRoot { distance } => write!(
+                f,
+                "an autoregressive root is 1 as far as the record can tell ({distance:.1e} from it): a random walk in effect"
+            ),
+            Self::MovingAverageUnitRoot { distance } => write!(
+                f,
+                "a moving-average root is on the unit circle as far as the record can tell ({distance:.1e} from it)"
+            ),
+            Self::NoStandardErrors => {
+                f.write_str("no standard errors: the likelihood is singular at its best")
+            }
+            Self::NotConverged => f.write_str("the search stopped before it met its tolerance"),
+            Self::ShortRecord => f.write_str("fewer than ten samples a parameter"),
+        }
+    }
 }
 
 /// Correlation times a record must be long for a root to count as clear of 1.

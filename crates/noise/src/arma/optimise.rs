@@ -1,6 +1,8 @@
 //! Minimisation of a smooth function of a few variables: BFGS with numeric gradients, finished by
 //! Nelder-Mead. Nocedal & Wright 2006, chapters 6 and 8; Nelder & Mead 1965.
 
+use crate::quasi_newton::{backtrack, diagonal, product, update};
+
 /// Difference step. The search coordinates have unit scale (standard errors 1e-3 to 10), so a
 /// likelihood with 1e-9 of rounding still gives gradients to 1e-5.
 const STEP: f64 = 1e-4;
@@ -124,22 +126,16 @@ pub(super) fn bfgs(
     objective.gradient(&z, value, central, &mut gradient);
     let mut fresh = start.inverse.len() != n * n;
     let mut inverse = if fresh {
-        identity(n)
+        diagonal(&vec![1.0; n])
     } else {
         start.inverse.clone()
     };
     let mut refused = 0;
     for _ in 0..iterations {
-        let mut direction: Vec<f64> = (0..n)
-            .map(|i| {
-                -(0..n)
-                    .map(|j| inverse[i * n + j] * gradient[j])
-                    .sum::<f64>()
-            })
-            .collect();
+        let mut direction: Vec<f64> = product(&inverse, &gradient).iter().map(|d| -d).collect();
         let mut slope: f64 = direction.iter().zip(&gradient).map(|(d, g)| d * g).sum();
         if slope.is_nan() || slope >= 0.0 {
-            inverse = identity(n);
+            inverse = diagonal(&vec![1.0; n]);
             fresh = true;
             direction = gradient.iter().map(|g| -g).collect();
             slope = -gradient.iter().map(|g| g * g).sum::<f64>();
@@ -156,25 +152,14 @@ pub(super) fn bfgs(
             objective.gradient(&z, value, central, &mut gradient);
             continue;
         }
-        let mut t = scale;
         let mut next = z.clone();
-        let mut next_value = f64::INFINITY;
-        for _ in 0..25 {
+        let at = |t: f64| {
             for i in 0..n {
                 next[i] = (z[i] + t * direction[i]).clamp(-EDGE, EDGE);
             }
-            next_value = objective.at(&next);
-            if next_value <= value + 1e-4 * t * slope {
-                break;
-            }
-            // Quadratic interpolation, kept within a tenth and a half.
-            let guess = -slope * t * t / (2.0 * (next_value - value - slope * t));
-            t = if guess.is_finite() {
-                guess.clamp(0.1 * t, 0.5 * t)
-            } else {
-                0.2 * t
-            };
-        }
+            objective.at(&next)
+        };
+        let next_value = backtrack(at, value, slope, scale);
         if next_value >= value {
             refused += 1;
             if refused > 2 {
@@ -182,7 +167,7 @@ pub(super) fn bfgs(
             }
             // Start again from the steepest descent with the better gradient.
             central = true;
-            inverse = identity(n);
+            inverse = diagonal(&vec![1.0; n]);
             fresh = true;
             objective.gradient(&z, value, central, &mut gradient);
             continue;
@@ -205,36 +190,6 @@ pub(super) fn bfgs(
     }
     let inverse = if fresh { Vec::new() } else { inverse };
     stop(z, value, false, inverse)
-}
-
-fn identity(n: usize) -> Vec<f64> {
-    (0..n * n).map(|k| f64::from(k / n == k % n)).collect()
-}
-
-/// BFGS update of the inverse Hessian; skipped where the curvature is not positive.
-fn update(inverse: &mut [f64], s: &[f64], y: &[f64], fresh: bool) {
-    let n = s.len();
-    let sy: f64 = s.iter().zip(y).map(|(a, b)| a * b).sum();
-    let yy: f64 = y.iter().map(|v| v * v).sum();
-    let ss: f64 = s.iter().map(|v| v * v).sum();
-    if sy.is_nan() || sy <= 1e-10 * (ss * yy).sqrt() {
-        return;
-    }
-    if fresh {
-        for k in 0..n * n {
-            inverse[k] *= sy / yy;
-        }
-    }
-    let hy: Vec<f64> = (0..n)
-        .map(|i| (0..n).map(|j| inverse[i * n + j] * y[j]).sum())
-        .collect();
-    let yhy: f64 = y.iter().zip(&hy).map(|(a, b)| a * b).sum();
-    for i in 0..n {
-        for j in 0..n {
-            inverse[i * n + j] +=
-                (1.0 + yhy / sy) * s[i] * s[j] / sy - (hy[i] * s[j] + s[i] * hy[j]) / sy;
-        }
-    }
 }
 
 /// Nelder-Mead from `start` with a simplex of the given size.

@@ -1,6 +1,7 @@
 //! Minimisation of a smooth function of a few logarithms: BFGS with central differences, its first
 //! metric from the second differences that these give for nothing. Nocedal & Wright 2006, chapter 6.
 
+use crate::quasi_newton::{backtrack, diagonal, product, update};
 use nalgebra::DMatrix;
 
 /// Difference step. Functions are log-likelihoods of logarithms, with curvatures 0.1 to 1e6.
@@ -36,15 +37,9 @@ fn differences(f: &mut dyn FnMut(&[f64]) -> f64, z: &[f64], value: f64) -> (Vec<
 }
 
 /// Diagonal inverse metric.
-fn metric(curvature: &[f64]) -> DMatrix<f64> {
-    let n = curvature.len();
-    DMatrix::from_fn(n, n, |i, j| {
-        if i == j {
-            1.0 / curvature[i].abs().max(0.1)
-        } else {
-            0.0
-        }
-    })
+fn metric(curvature: &[f64]) -> Vec<f64> {
+    let scales: Vec<f64> = curvature.iter().map(|c| 1.0 / c.abs().max(0.1)).collect();
+    diagonal(&scales)
 }
 
 /// Minimises `f` from `start` until the decrease to expect is below `tolerance`.
@@ -69,9 +64,7 @@ pub(crate) fn minimise(
     let mut inverse = metric(&curvature);
     let mut fresh = true;
     for _ in 0..iterations {
-        let mut direction: Vec<f64> = (0..n)
-            .map(|i| -(0..n).map(|j| inverse[(i, j)] * gradient[j]).sum::<f64>())
-            .collect();
+        let mut direction: Vec<f64> = product(&inverse, &gradient).iter().map(|d| -d).collect();
         let longest = direction.iter().fold(0.0f64, |m, d| m.max(d.abs()));
         if longest > LONGEST {
             direction.iter_mut().for_each(|d| *d *= LONGEST / longest);
@@ -81,24 +74,14 @@ pub(crate) fn minimise(
         if end.converged {
             break;
         }
-        let mut t = 1.0;
         let mut next = z.clone();
-        let mut next_value = f64::INFINITY;
-        for _ in 0..20 {
+        let at = |t: f64| {
             for i in 0..n {
                 next[i] = z[i] + t * direction[i];
             }
-            next_value = f(&next);
-            if next_value <= value + 1e-4 * t * slope {
-                break;
-            }
-            let guess = -slope * t * t / (2.0 * (next_value - value - slope * t));
-            t = if guess.is_finite() {
-                guess.clamp(0.1 * t, 0.5 * t)
-            } else {
-                0.25 * t
-            };
-        }
+            f(&next)
+        };
+        let next_value = backtrack(at, value, slope, 1.0);
         if next_value.is_nan() || next_value >= value {
             if fresh {
                 break;
@@ -108,34 +91,15 @@ pub(crate) fn minimise(
             continue;
         }
         let (new_gradient, _) = differences(f, &next, next_value);
-        update(&mut inverse, &z, &next, &gradient, &new_gradient);
+        let s: Vec<f64> = next.iter().zip(&z).map(|(a, b)| a - b).collect();
+        let changed = new_gradient.iter().zip(&gradient);
+        let y: Vec<f64> = changed.map(|(a, b)| a - b).collect();
+        update(&mut inverse, &s, &y, false);
         (z, value, gradient, fresh) = (next, next_value, new_gradient, false);
     }
     end.z = z;
     end.value = value;
     end
-}
-
-/// BFGS update of the inverse metric, left out where the curvature is not positive.
-fn update(inverse: &mut DMatrix<f64>, z: &[f64], next: &[f64], old: &[f64], new: &[f64]) {
-    let n = z.len();
-    let s: Vec<f64> = next.iter().zip(z).map(|(a, b)| a - b).collect();
-    let y: Vec<f64> = new.iter().zip(old).map(|(a, b)| a - b).collect();
-    let sy: f64 = s.iter().zip(&y).map(|(a, b)| a * b).sum();
-    let size: f64 = s.iter().map(|v| v * v).sum::<f64>() * y.iter().map(|v| v * v).sum::<f64>();
-    if sy.is_nan() || sy <= 1e-10 * size.sqrt() {
-        return;
-    }
-    let hy: Vec<f64> = (0..n)
-        .map(|i| (0..n).map(|j| inverse[(i, j)] * y[j]).sum())
-        .collect();
-    let yhy: f64 = y.iter().zip(&hy).map(|(a, b)| a * b).sum();
-    for i in 0..n {
-        for j in 0..n {
-            inverse[(i, j)] +=
-                (1.0 + yhy / sy) * s[i] * s[j] / sy - (hy[i] * s[j] + s[i] * hy[j]) / sy;
-        }
-    }
 }
 
 /// Covariance at a minimum of a negative log-likelihood, row-major: the inverse of its second

@@ -1,8 +1,8 @@
 //! Partial autocorrelation.
 
 use super::autocovariance;
+use crate::prediction::{self, Predictor};
 use crate::screening::record::{RecordError, check_varying};
-use crate::stationarity::dot;
 
 /// How partial autocorrelations are estimated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,54 +45,19 @@ pub fn durbin_levinson(covariance: &[f64]) -> Vec<f64> {
     let Some(&zeroth) = covariance.first() else {
         return partial;
     };
-    let mut variance = zeroth;
-    let mut phi: Vec<f64> = Vec::new();
-    for lag in 1..covariance.len() {
-        let predicted: f64 = phi
-            .iter()
-            .enumerate()
-            .map(|(i, c)| c * covariance[lag - 1 - i])
-            .sum();
-        let reflection = if variance == 0.0 {
-            f64::NAN
-        } else {
-            (covariance[lag] - predicted) / variance
-        };
-        let turned: Vec<f64> = phi.iter().rev().copied().collect();
-        for (c, r) in phi.iter_mut().zip(&turned) {
-            *c -= reflection * r;
-        }
-        phi.push(reflection);
-        variance *= 1.0 - reflection * reflection;
+    let mut predictor = Predictor::new(zeroth);
+    for _ in 1..covariance.len() {
+        let reflection = predictor.reflection(covariance);
+        predictor.extend(reflection);
         partial.push(reflection);
     }
     partial
 }
 
-/// Burg's method: the reflection that minimises forward and backward errors together at each lag.
+/// Burg's reflections of a record less its mean; 1 first.
 fn burg(x: &[f64], lags: usize) -> Result<Vec<f64>, RecordError> {
     let (mean, _) = check_varying(x, lags.saturating_add(1).max(2))?;
-    let mut forward: Vec<f64> = x.iter().map(|v| v - mean).collect();
-    let mut backward = forward.clone();
     let mut partial = vec![1.0];
-    for lag in 1..=lags {
-        let (ahead, behind) = (&mut forward[lag..], &mut backward[lag - 1..x.len() - 1]);
-        let (mut products, mut squares) = (0.0, 0.0);
-        for (f, b) in ahead.chunks(1024).zip(behind.chunks(1024)) {
-            products += dot(f, b);
-            squares += dot(f, f) + dot(b, b);
-        }
-        let reflection = if squares > 0.0 {
-            2.0 * products / squares
-        } else {
-            0.0
-        };
-        for (f, b) in ahead.iter_mut().zip(behind.iter_mut()) {
-            (*f, *b) = (*f - reflection * *b, *b - reflection * *f);
-        }
-        // The backward error of sample t − 1 is that of sample t at the next lag.
-        backward.copy_within(lag - 1..x.len() - 1, lag);
-        partial.push(reflection);
-    }
+    partial.extend(prediction::burg(x.iter().map(|v| v - mean).collect(), lags));
     Ok(partial)
 }

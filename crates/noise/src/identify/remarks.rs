@@ -58,29 +58,7 @@ pub(super) fn of_arma(fit: &ArmaFit) -> Vec<String> {
     warnings
         // A root held at 1 is no finding.
         .filter(|w| !(fit.has_unit_root && matches!(w, Warning::UnitRoot { .. })))
-        .map(|warning| match warning {
-            Warning::NearCancelling {
-                distance,
-                standard_error: Some(error),
-            } => format!(
-                "an autoregressive and a moving-average root nearly cancel: {distance:.2e} apart with a standard error of {error:.1e}"
-            ),
-            Warning::NearCancelling { distance, .. } => format!(
-                "an autoregressive and a moving-average root nearly cancel: {distance:.2e} apart"
-            ),
-            Warning::FlatLikelihood => {
-                "the likelihood is flat in some direction: the coefficients are not well determined, what they predict is".into()
-            }
-            Warning::UnitRoot { distance } => format!(
-                "an autoregressive root is 1 as far as the record can tell ({distance:.1e} from it): a random walk in effect"
-            ),
-            Warning::MovingAverageUnitRoot { distance } => format!(
-                "a moving-average root is on the unit circle as far as the record can tell ({distance:.1e} from it)"
-            ),
-            Warning::NoStandardErrors => "no standard errors: the likelihood is singular at its best".into(),
-            Warning::NotConverged => NOT_CONVERGED.into(),
-            Warning::ShortRecord => "fewer than ten samples a parameter".into(),
-        })
+        .map(ToString::to_string)
         .chain(held)
         .collect()
 }

@@ -23,6 +23,11 @@ impl Density {
     }
 }
 
+/// Samples of a segment by default: an eighth of the record, at least 256, at most 8192.
+pub fn default_segment(samples: usize) -> usize {
+    (samples / 8).clamp(256, 8192)
+}
+
 /// Density of `x` sampled at `rate_hz` [Hz] from segments of `segment` samples (cut to the record),
 /// periodic Hann window, half overlapped, the mean of each segment taken out: `scipy.signal.welch`
 /// with its defaults. Samples at the end that fill no segment are left out. O(N log segment).

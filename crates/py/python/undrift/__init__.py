@@ -1,5 +1,80 @@
-"""Noise models of low-cost inertial sensors, carried exactly into a GNSS/INS filter."""
+"""Noise models of low-cost inertial sensors, carried exactly into a GNSS/INS filter.
 
-from undrift._undrift import __version__
+SI units and radians, unless a name says otherwise; arrays are numpy's, ``float64``.
+"""
 
-__all__ = ["__version__"]
+from undrift import arma, fleet, statistics
+from undrift._drive import Drive
+from undrift._filter import Filter, FilterState, Innovation
+from undrift._identify import AxisIdentified, Candidate, Identified, identify
+from undrift._model import ArmaNoise, AxisNoise, NoiseModel, Shaping
+from undrift._navigate import Navigation, navigate
+from undrift._outages import Drift, ModelErrors, Outages, outages
+from undrift._simulate import GnssLog, GnssReceiver, ImuLog, Simulation, Truth, simulate
+from undrift._solution import Solution
+from undrift._told import report
+from undrift._undrift import UndriftError, __version__
+from undrift.arma import pandit_wu
+from undrift.statistics import (
+    acf,
+    adf,
+    allan,
+    detrend,
+    jarque_bera,
+    kpss,
+    ljung_box,
+    normality,
+    pacf,
+    phillips_perron,
+    psd,
+    stationarity,
+    wavelet_variance,
+)
+
+__all__ = [
+    "ArmaNoise",
+    "AxisIdentified",
+    "AxisNoise",
+    "Candidate",
+    "Drift",
+    "Drive",
+    "Filter",
+    "FilterState",
+    "GnssLog",
+    "GnssReceiver",
+    "Identified",
+    "ImuLog",
+    "Innovation",
+    "ModelErrors",
+    "Navigation",
+    "NoiseModel",
+    "Outages",
+    "Shaping",
+    "Simulation",
+    "Solution",
+    "Truth",
+    "UndriftError",
+    "__version__",
+    "acf",
+    "adf",
+    "allan",
+    "arma",
+    "detrend",
+    "fleet",
+    "identify",
+    "jarque_bera",
+    "kpss",
+    "ljung_box",
+    "navigate",
+    "normality",
+    "outages",
+    "pacf",
+    "pandit_wu",
+    "phillips_perron",
+    "psd",
+    "report",
+    "simulate",
+    "stationarity",
+    "statistics",
+    "wavelet_variance",
+]

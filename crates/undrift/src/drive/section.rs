@@ -108,6 +108,29 @@ impl<'a> Section<'a> {
         Ok(section)
     }
 
+    /// The tables of a list, `[[key]]`; none where it is absent.
+    pub fn sections(&self, key: &'a str) -> Result<Vec<Section<'a>>, ConfigError> {
+        let wrong = || self.error(key, format!("must be tables: write [[{key}]]"));
+        let Some((value, _)) = self.get(key) else {
+            return Ok(Vec::new());
+        };
+        let DeValue::Array(items) = value else {
+            return Err(wrong());
+        };
+        let section = |item: &'a Spanned<DeValue<'a>>| match item.get_ref() {
+            DeValue::Table(table) => Ok(Section {
+                table: Some(table),
+                text: self.text,
+                file: self.file,
+                path: key,
+                line: Some(line_at(self.text, item.span().start)),
+                asked: RefCell::default(),
+            }),
+            _ => Err(wrong()),
+        };
+        items.iter().map(section).collect()
+    }
+
     /// Whether the table is there.
     pub fn exists(&self) -> bool {
         self.table.is_some()

@@ -165,7 +165,7 @@ pub(crate) fn read_initial(section: &Section) -> Result<AlignSettings, ConfigErr
 }
 
 /// `gate = true`.
-pub(super) fn read_switch<'a>(
+pub(crate) fn read_switch<'a>(
     section: &Section<'a>,
     key: &'a str,
 ) -> Result<Option<bool>, ConfigError> {

@@ -1,6 +1,7 @@
 //! What a record is identified with.
 
 use crate::record::Record;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 use undrift_noise::{
     Provenance,
@@ -9,7 +10,8 @@ use undrift_noise::{
 };
 
 /// What is taken out of every axis first.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Trend {
     /// The mean.
     #[default]

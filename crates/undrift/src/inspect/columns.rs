@@ -32,7 +32,11 @@ struct Found {
 
 /// The tables of a drive file that columns can serve.
 pub(super) fn parts(path: &Path, notes: &mut Vec<String>) -> Result<Vec<Part>, ReadError> {
-    let table = preview(path, ROWS)?;
+    Ok(parts_of(preview(path, ROWS)?, notes))
+}
+
+/// The same of a table's beginning.
+pub(super) fn parts_of(table: Preview, notes: &mut Vec<String>) -> Vec<Part> {
     let mut found = by_names(&table);
     if all(&found.gyro).is_none() && all(&found.place).is_none() {
         let by_numbers = by_numbers(&table);
@@ -61,7 +65,7 @@ pub(super) fn parts(path: &Path, notes: &mut Vec<String>) -> Result<Vec<Part>, R
     } else if columns.found.time.is_none() {
         notes.push("no column of times was found".into());
     }
-    Ok(parts)
+    parts
 }
 
 fn all(three: &[Option<usize>; 3]) -> Option<[usize; 3]> {

@@ -1,7 +1,7 @@
 //! Reads a part of a file with the keys found for it, as a drive would.
 
 use super::{Line, Measured, Part, quoted};
-use crate::drive::{DriveError, Section, gnss, imu, parse, tables};
+use crate::drive::{DriveError, Memory, Section, gnss, imu, parse, tables};
 use std::path::Path;
 use undrift_io::{
     ReadError,
@@ -92,10 +92,10 @@ fn read(path: &Path, part: &Part) -> Result<(Measured, Option<Line>), DriveError
         }
         "gnss" => {
             let (path, source) = gnss::read_gnss(&section, here, None)?;
-            Ok((fixes(source.open(&path)?)?, None))
+            Ok((fixes(source.open(&path, &Memory::new())?)?, None))
         }
         _ => match tables::read_truth(&section, here)? {
-            Some((path, source)) => Ok((poses(source.open(&path)?)?, None)),
+            Some((path, source)) => Ok((poses(source.open(&path, &Memory::new())?)?, None)),
             None => Err(section.error("file", "is not there").into()),
         },
     }

@@ -73,6 +73,7 @@ impl Report {
         let s = &self.summary;
         let mut warnings = Vec::from_iter(self.no_comparison());
         warnings.extend(remarks::of_health(s));
+        warnings.extend(remarks::of_held(&self.held));
         warnings.extend(remarks::of_disagreement(s));
         for (name, skipped, gaps) in &self.scalars {
             let sums = if *name == "odometer" {
@@ -82,7 +83,9 @@ impl Report {
             };
             warnings.extend(remarks::of_scalar(name, skipped, gaps, sums));
         }
-        for (part, factor) in ["position", "velocity"].iter().zip(self.std_factors) {
+        // With a wrong unit or axis the innovations say nothing of the accuracy.
+        let factors = self.std_factors.iter().filter(|_| s.implausible.is_empty());
+        for (part, factor) in ["position", "velocity"].iter().zip(factors) {
             warnings.extend(factor.map(|factor| remarks::of_accuracy(part, factor, s)));
         }
         warnings.extend(remarks::of_skipped(&self.logs()));

@@ -176,7 +176,7 @@ impl Receiver {
                 observed
             };
             let innovation = observe(filter).innovation;
-            summary.regress(&innovation, v_n);
+            summary.regress(&innovation, v_n, &r.diagonal());
             let doubt = |size: f64, _| (0.0, size);
             // One that goes on while the position is held is of use.
             let held = self.same.is_some_and(|(.., held)| held == Some(*v_n));

@@ -4,7 +4,7 @@ mod constrain;
 
 use super::{
     GnssUse, Observer, ReplayError, Restart, STAMP_ROUNDING, Settings, Summary, bridge::Bridge,
-    receiver::Receiver, rest::RestDetector, summary::Streak,
+    plausible::Plausible, receiver::Receiver, rest::RestDetector, summary::Streak,
 };
 use crate::align::{Aligner, Heading};
 use constrain::CONSTRAINT_GATE;
@@ -41,6 +41,7 @@ pub(super) struct Run<'a, const N: usize> {
     pub(super) bridge: Option<Bridge>,
     pub(super) receiver: Receiver,
     pub(super) rest: RestDetector,
+    pub(super) plausible: Plausible,
     pub(super) last_constraint: f64,
     /// Since the last node, and its time.
     pub(super) tape: Option<Box<Tape<N>>>,
@@ -62,6 +63,7 @@ impl<'a, const N: usize> Run<'a, N> {
             bridge: None,
             receiver: Receiver::new(f64::NEG_INFINITY),
             rest: RestDetector::new(&settings.sensors),
+            plausible: Plausible::new(settings),
             last_constraint: f64::NEG_INFINITY,
             tape: None,
             last_node: f64::NEG_INFINITY,

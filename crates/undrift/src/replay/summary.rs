@@ -1,6 +1,6 @@
 //! What a replay was like.
 
-use super::CovarianceHealth;
+use super::{CovarianceHealth, Implausible};
 use serde::{Serialize, Serializer, ser::SerializeMap};
 use undrift_nav::{
     Vector3,
@@ -182,6 +182,8 @@ pub struct Summary {
     pub long_gaps: Option<(u64, f64, f64)>,
     /// Longest span without a fix, outages aside: start and length [s].
     pub longest_without_gnss: (f64, f64),
+    /// Units, axes, signs or times that cannot be right.
+    pub implausible: Vec<Implausible>,
     /// When the solution stopped being one, if it did and did not begin anew [s].
     pub diverged: Option<f64>,
     /// The covariance at the end, if there is a solution.
@@ -214,10 +216,12 @@ impl Summary {
         })
     }
 
-    pub(super) fn regress(&mut self, innovation: &Vector3, measured: &Vector3) {
+    /// Takes in the innovation (predicted less measured) of a measured velocity and the variances of its
+    /// noise, which is in both and would correlate them at rest.
+    pub(super) fn regress(&mut self, innovation: &Vector3, measured: &Vector3, noise: &Vector3) {
         for (i, sums) in self.against_velocity.iter_mut().enumerate() {
-            sums.0 += innovation[i] * measured[i];
-            sums.1 += measured[i] * measured[i];
+            sums.0 += innovation[i] * measured[i] + noise[i];
+            sums.1 += measured[i] * measured[i] - noise[i];
         }
     }
 

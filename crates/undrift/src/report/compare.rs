@@ -1,8 +1,8 @@
 //! Results into a document: one told, several of a kind compared, several kinds one after the other.
 
 use super::{
-    Block, Document, Section, identify, montecarlo, navigate, outages,
-    read::{Demo, Identify, MonteCarlo, Navigate, Outages, Read, read},
+    Block, Document, Section, fleet, identify, montecarlo, navigate, outages,
+    read::{Demo, Fleet, Identify, MonteCarlo, Navigate, Outages, Read, read},
 };
 use std::path::PathBuf;
 use undrift_io::ReadError;
@@ -46,6 +46,9 @@ pub fn of_results(results: &[(PathBuf, String)]) -> Result<Document, ReadError> 
     if !all.cut.is_empty() {
         add("Outages", outages::sections(&all.cut));
     }
+    if !all.fleets.is_empty() {
+        add("Fleet", fleet::sections(&all.fleets));
+    }
     if !all.simulated.is_empty() {
         add("Monte Carlo", montecarlo::sections(&all.simulated));
     }
@@ -64,6 +67,7 @@ struct All<'a> {
     cut: Vec<(String, &'a Outages)>,
     simulated: Vec<(String, &'a MonteCarlo)>,
     demos: Vec<(String, &'a Demo)>,
+    fleets: Vec<(String, &'a Fleet)>,
 }
 
 impl<'a> All<'a> {
@@ -77,6 +81,7 @@ impl<'a> All<'a> {
                 Read::Outages(one) => all.cut.push((name, one)),
                 Read::MonteCarlo(one) => all.simulated.push((name, one)),
                 Read::Demo(one) => all.demos.push((name, one)),
+                Read::Fleet(one) => all.fleets.push((name, one)),
             }
         }
         // One of its kind needs no name.
@@ -90,6 +95,7 @@ impl<'a> All<'a> {
         anonymous(&mut all.cut);
         anonymous(&mut all.simulated);
         anonymous(&mut all.demos);
+        anonymous(&mut all.fleets);
         all
     }
 
@@ -100,6 +106,7 @@ impl<'a> All<'a> {
             ("Sensor noise", self.identified.len()),
             ("Navigation", self.navigated.len()),
             ("GNSS outages", self.cut.len()),
+            ("Many logs", self.fleets.len()),
             ("Filter consistency", self.simulated.len()),
         ]
         .into_iter()

@@ -1,8 +1,13 @@
 //! Results read back from their JSON: what a report needs of them. What is missing stays empty; a
 //! number that is null is NaN.
 
+mod fleet;
 mod identify;
 
+pub use fleet::{
+    Fleet, Group as FleetGroup, Log as FleetLog, Measure as FleetMeasure, Part as FleetPart,
+    Trouble,
+};
 pub use identify::{Axis, Identify, OrderRow, Test};
 
 use crate::results::Kind;
@@ -41,6 +46,8 @@ pub enum Read {
     MonteCarlo(MonteCarlo),
     /// Of `demo`.
     Demo(Demo),
+    /// Of `fleet`.
+    Fleet(Fleet),
 }
 
 /// What every result begins with.
@@ -61,6 +68,7 @@ pub fn read(path: &Path, text: &str) -> Result<(String, Read), ReadError> {
         Some(Kind::Outages) => Read::Outages(part(path, text)?),
         Some(Kind::MonteCarlo) => Read::MonteCarlo(part(path, text)?),
         Some(Kind::Demo) => Read::Demo(part(path, text)?),
+        Some(Kind::Fleet) => Read::Fleet(part(path, text)?),
         None => {
             let kinds = Kind::ALL.map(Kind::name).join(", ");
             return Err(not_a_result(

@@ -1,0 +1,686 @@
+/*
+ * undrift: position, velocity and attitude from a low-cost inertial sensor and GNSS, with any model of how
+ * the sensor errs. No allocation, no global state. docs/embedded.md shows its use.
+ *
+ * SI units and radians. Navigation frame north-east-down, body frame forward-right-down; times in seconds of
+ * one base. An error is estimate less truth.
+ *
+ * A pointer is null or points to as much memory as its type or the length beside it says. A filter is used
+ * by one thread at a time. All else is checked: null pointers, numbers that are not finite, sizes and
+ * alignment give a status that is not UNDRIFT_STATUS_OK, and the filter is then as it was, but for
+ * UNDRIFT_STATUS_DIVERGED.
+ *
+ * This file is made from the library's source: change it there.
+ */
+
+#ifndef UNDRIFT_H
+#define UNDRIFT_H
+
+#include <stddef.h>
+#include <stdint.h>
+/*
+ * Bytes of memory that are enough for a filter of a library built for so many states (undrift_max_states()):
+ *
+ *     static union { double align; unsigned char bytes[UNDRIFT_FILTER_BYTES(33)]; } memory;
+ */
+#define UNDRIFT_FILTER_BYTES(states) (8 * ((states) * (states) + (states)) + UNDRIFT_FILTER_OVERHEAD)
+
+
+/**
+ * Most states of one sensor axis.
+ */
+#define UNDRIFT_MAX_ORDER 6
+
+/**
+ * Sensor axes: gyro x, y, z, then accelerometer x, y, z.
+ */
+#define UNDRIFT_AXES 6
+
+/**
+ * Kinds of parameters.
+ */
+#define UNDRIFT_PARAMETERS 10
+
+/**
+ * Bytes of a filter beside its covariance and estimates, at most; see UNDRIFT_FILTER_BYTES.
+ */
+#define UNDRIFT_FILTER_OVERHEAD 7168
+
+/**
+ * What a call came to: 0 is success.
+ */
+enum undrift_status
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * Done.
+     */
+    UNDRIFT_STATUS_OK = 0,
+    /**
+     * A pointer is null that must not be.
+     */
+    UNDRIFT_STATUS_NULL_POINTER = 1,
+    /**
+     * The memory or array given is too small.
+     */
+    UNDRIFT_STATUS_TOO_SMALL = 2,
+    /**
+     * The memory does not start at a multiple of undrift_filter_align().
+     */
+    UNDRIFT_STATUS_MISALIGNED = 3,
+    /**
+     * The filter was not initialised, or its initialisation failed.
+     */
+    UNDRIFT_STATUS_NOT_INITIALISED = 4,
+    /**
+     * A number is not finite.
+     */
+    UNDRIFT_STATUS_NOT_FINITE = 5,
+    /**
+     * A number lies outside of what it can be.
+     */
+    UNDRIFT_STATUS_OUT_OF_RANGE = 6,
+    /**
+     * More states than the filter or an axis holds.
+     */
+    UNDRIFT_STATUS_TOO_MANY_STATES = 7,
+    /**
+     * The autoregressive part of a noise model is unstable: its roots must lie inside the unit circle,
+     * one may be 1.
+     */
+    UNDRIFT_STATUS_UNSTABLE = 8,
+    /**
+     * Noise models of different sample intervals.
+     */
+    UNDRIFT_STATUS_INTERVALS_DIFFER = 9,
+    /**
+     * The noise model does not exist at the sample interval asked for.
+     */
+    UNDRIFT_STATUS_NO_MODEL_AT_RATE = 10,
+    /**
+     * The second moments of a noise model are no covariance.
+     */
+    UNDRIFT_STATUS_BAD_SENSOR = 11,
+    /**
+     * The measurement's covariance is not symmetric or not positive definite.
+     */
+    UNDRIFT_STATUS_BAD_MEASUREMENT = 12,
+    /**
+     * The sample does not begin where the one before ended.
+     */
+    UNDRIFT_STATUS_GAP = 13,
+    /**
+     * The solution left the possible range or is no number; the filter must be initialised again.
+     */
+    UNDRIFT_STATUS_DIVERGED = 14,
+    /**
+     * The parameter is not estimated.
+     */
+    UNDRIFT_STATUS_NOT_ESTIMATED = 15,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum undrift_status undrift_status;
+#else
+typedef int32_t undrift_status;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * What became of a measurement.
+ */
+enum undrift_outcome
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * Used as it was.
+     */
+    UNDRIFT_OUTCOME_USED = 0,
+    /**
+     * Used with its covariance enlarged.
+     */
+    UNDRIFT_OUTCOME_WEAKENED = 1,
+    /**
+     * Not used.
+     */
+    UNDRIFT_OUTCOME_REJECTED = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum undrift_outcome undrift_outcome;
+#else
+typedef int32_t undrift_outcome;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * Constants that can be estimated beside the sensors' errors: places in the array given to
+ * undrift_filter_init().
+ */
+enum undrift_parameter
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * Scale factor errors of gyro x, y, z.
+     */
+    UNDRIFT_PARAMETER_GYRO_SCALE = 0,
+    /**
+     * Scale factor errors of accelerometer x, y, z.
+     */
+    UNDRIFT_PARAMETER_ACCEL_SCALE = 1,
+    /**
+     * Misalignment of the gyro axes xy, xz, yx, yz, zx, zy [rad].
+     */
+    UNDRIFT_PARAMETER_GYRO_MISALIGNMENT = 2,
+    /**
+     * Misalignment of the accelerometer axes, in the same order [rad].
+     */
+    UNDRIFT_PARAMETER_ACCEL_MISALIGNMENT = 3,
+    /**
+     * Lever arm from IMU to antenna, body axes [m]; three states.
+     */
+    UNDRIFT_PARAMETER_LEVER_ARM = 4,
+    /**
+     * By how much a fix is later than its time says [s].
+     */
+    UNDRIFT_PARAMETER_TIME_OFFSET = 5,
+    /**
+     * Turn of the vehicle's axes against the body axes, about pitch and yaw [rad].
+     */
+    UNDRIFT_PARAMETER_MOUNTING = 6,
+    /**
+     * Distance from IMU to the axle that does not steer, beyond the one given [m].
+     */
+    UNDRIFT_PARAMETER_AXLE = 7,
+    /**
+     * Scale factor error of the odometer.
+     */
+    UNDRIFT_PARAMETER_ODOMETER_SCALE = 8,
+    /**
+     * Error of the barometric height [m].
+     */
+    UNDRIFT_PARAMETER_BAROMETER_BIAS = 9,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum undrift_parameter undrift_parameter;
+#else
+typedef int32_t undrift_parameter;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * An error-state filter. Its inside is nobody's business; its memory is the caller's.
+ */
+typedef struct undrift_filter undrift_filter;
+
+/**
+ * The noise model of one sensor axis, a shaping filter that steps once a sample:
+ * x' = F x + G w, error = H x + D w. The functions undrift_sensor_... make the usual ones.
+ * Only the first `order` rows and columns count. "unit" is rad/s for a gyro, m/s^2 for an accelerometer.
+ */
+typedef struct {
+    /**
+     * Number of states, 0 to UNDRIFT_MAX_ORDER.
+     */
+    uint32_t order;
+    /**
+     * Sample interval [s].
+     */
+    double interval;
+    /**
+     * Transition F.
+     */
+    double f[UNDRIFT_MAX_ORDER][UNDRIFT_MAX_ORDER];
+    /**
+     * Output row H.
+     */
+    double h[UNDRIFT_MAX_ORDER];
+    /**
+     * Driving covariance G G'.
+     */
+    double q[UNDRIFT_MAX_ORDER][UNDRIFT_MAX_ORDER];
+    /**
+     * Cross-covariance G D'.
+     */
+    double s[UNDRIFT_MAX_ORDER];
+    /**
+     * Variance D D' of one sample [unit^2].
+     */
+    double r;
+    /**
+     * Covariance of the states before the first sample.
+     */
+    double p0[UNDRIFT_MAX_ORDER][UNDRIFT_MAX_ORDER];
+} undrift_sensor;
+
+/**
+ * Position, velocity and attitude of the IMU before the first sample, and how well they are known.
+ */
+typedef struct {
+    /**
+     * Time [s], where the first sample begins.
+     */
+    double time;
+    /**
+     * Latitude [rad].
+     */
+    double latitude;
+    /**
+     * Longitude [rad].
+     */
+    double longitude;
+    /**
+     * Height above the ellipsoid [m].
+     */
+    double height;
+    /**
+     * Velocity over ground north, east, down [m/s].
+     */
+    double velocity[3];
+    /**
+     * Roll, pitch, yaw [rad].
+     */
+    double roll_pitch_yaw[3];
+    /**
+     * Standard deviation of the position north, east, down [m].
+     */
+    double position_std[3];
+    /**
+     * Standard deviation of the velocity north, east, down [m/s].
+     */
+    double velocity_std[3];
+    /**
+     * Standard deviation of the attitude about north, east, down [rad].
+     */
+    double attitude_std[3];
+} undrift_start;
+
+/**
+ * What is known of a parameter before: its correction is zero with this standard deviation.
+ */
+typedef struct {
+    /**
+     * Standard deviation of each state [the parameter's unit]; 0: not estimated.
+     */
+    double std;
+    /**
+     * Random walk [unit/sqrt(s)]; 0 for a constant.
+     */
+    double walk;
+} undrift_prior;
+
+/**
+ * One inertial sample as increments over the interval that ends at `time`, body axes.
+ */
+typedef struct {
+    /**
+     * End of the interval [s].
+     */
+    double time;
+    /**
+     * Length of the interval [s].
+     */
+    double dt;
+    /**
+     * Integrated angular rate [rad]: rate times dt for a sensor that gives rates.
+     */
+    double dtheta[3];
+    /**
+     * Integrated specific force [m/s].
+     */
+    double dvel[3];
+} undrift_sample;
+
+/**
+ * Position of the antenna.
+ */
+typedef struct {
+    /**
+     * Latitude [rad].
+     */
+    double latitude;
+    /**
+     * Longitude [rad].
+     */
+    double longitude;
+    /**
+     * Height above the ellipsoid [m].
+     */
+    double height;
+    /**
+     * Covariance, north-east-down [m^2].
+     */
+    double covariance[3][3];
+} undrift_position;
+
+/**
+ * Limits of the normalised innovation squared, chi-squared with as many degrees of freedom as the
+ * measurement has numbers. INFINITY is no limit.
+ */
+typedef struct {
+    /**
+     * Above it the measurement's covariance is enlarged in proportion.
+     */
+    double weaken;
+    /**
+     * Above it the measurement is not used.
+     */
+    double reject;
+} undrift_gate;
+
+/**
+ * What an update did.
+ */
+typedef struct {
+    /**
+     * Normalised innovation squared of the measurement at its stated covariance.
+     */
+    double nis;
+    /**
+     * Number of scalar measurements.
+     */
+    int32_t dof;
+    /**
+     * What became of it.
+     */
+    undrift_outcome outcome;
+    /**
+     * Factor on its covariance, 1 or more.
+     */
+    double factor;
+} undrift_update;
+
+/**
+ * Velocity of the antenna over ground.
+ */
+typedef struct {
+    /**
+     * North, east, down [m/s].
+     */
+    double velocity[3];
+    /**
+     * Covariance, north-east-down [(m/s)^2].
+     */
+    double covariance[3][3];
+} undrift_velocity;
+
+/**
+ * The solution and its standard deviations.
+ */
+typedef struct {
+    /**
+     * Time [s].
+     */
+    double time;
+    /**
+     * Latitude of the IMU [rad].
+     */
+    double latitude;
+    /**
+     * Longitude [rad].
+     */
+    double longitude;
+    /**
+     * Height above the ellipsoid [m].
+     */
+    double height;
+    /**
+     * Velocity over ground north, east, down [m/s].
+     */
+    double velocity[3];
+    /**
+     * Attitude, body to north-east-down: w, x, y, z.
+     */
+    double quaternion[4];
+    /**
+     * The same as roll, pitch, yaw [rad].
+     */
+    double roll_pitch_yaw[3];
+    /**
+     * Estimated errors of the gyros [rad/s]: what is taken off the next sample.
+     */
+    double gyro_error[3];
+    /**
+     * Estimated errors of the accelerometers [m/s^2].
+     */
+    double accel_error[3];
+    /**
+     * Angular rate of the body against the navigation frame, body axes, from the last sample [rad/s].
+     */
+    double angular_rate[3];
+    /**
+     * Standard deviation of the position north, east, down [m].
+     */
+    double position_std[3];
+    /**
+     * Standard deviation of the velocity north, east, down [m/s].
+     */
+    double velocity_std[3];
+    /**
+     * Standard deviation of the attitude about north, east, down [rad].
+     */
+    double attitude_std[3];
+    /**
+     * Standard deviation of the gyros' errors [rad/s].
+     */
+    double gyro_error_std[3];
+    /**
+     * Standard deviation of the accelerometers' errors [m/s^2].
+     */
+    double accel_error_std[3];
+} undrift_state;
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+/**
+ * One line of English about a status, never null; it lives as long as the program.
+ */
+const char *undrift_error_text(int32_t status);
+
+/**
+ * White noise of `density` [unit*sqrt(s)], the angle or velocity random walk; no state.
+ */
+undrift_status undrift_sensor_white(double density, double interval, undrift_sensor *out);
+
+/**
+ * A constant that differs from one turn-on to the next with standard deviation `sigma` [unit]; one state.
+ */
+undrift_status undrift_sensor_constant(double sigma, double interval, undrift_sensor *out);
+
+/**
+ * A random walk of the bias with coefficient `k` [unit/sqrt(s)], from zero; one state.
+ */
+undrift_status undrift_sensor_random_walk(double k, double interval, undrift_sensor *out);
+
+/**
+ * A first-order Gauss-Markov process of standard deviation `sigma` [unit] and correlation time `tau`
+ * [s], as a bias instability is commonly modelled; one state.
+ */
+undrift_status undrift_sensor_gauss_markov(double sigma, double tau, double interval, undrift_sensor *out);
+
+/**
+ * ARMA(p, q), x_t - phi_1 x_(t-1) - ... = a_t - theta_1 a_(t-1) - ..., the standard deviation of a being
+ * `sigma` [unit]; max(p, q) states. An array of no coefficients may be null.
+ */
+undrift_status undrift_sensor_arma(const double *phi,
+                                   size_t p,
+                                   const double *theta,
+                                   size_t q,
+                                   double sigma,
+                                   double interval,
+                                   undrift_sensor *out);
+
+/**
+ * The sum of two independent errors, as white noise and a bias; `out` may be one of them. A random walk
+ * and a constant share one state.
+ */
+undrift_status undrift_sensor_add(const undrift_sensor *one,
+                                  const undrift_sensor *other,
+                                  undrift_sensor *out);
+
+/**
+ * The same noise at another sample interval [s]: for coefficients found at another rate than the
+ * filter's; `out` may be `sensor`.
+ */
+undrift_status undrift_sensor_at_interval(const undrift_sensor *sensor, double interval, undrift_sensor *out);
+
+/**
+ * Most states a filter of this library holds.
+ */
+size_t undrift_max_states(void);
+
+/**
+ * Bytes of a filter.
+ */
+size_t undrift_filter_size(void);
+
+/**
+ * Of which number of bytes a filter's address must be a multiple.
+ */
+size_t undrift_filter_align(void);
+
+/**
+ * Makes a filter in `memory` of `length` bytes, at least undrift_filter_size(), and sets `filter` to it.
+ * `sensors` are UNDRIFT_AXES models at one interval: gyro x, y, z [rad/s], accelerometer x, y, z [m/s^2].
+ * `parameters` are UNDRIFT_PARAMETERS priors, or null for none.
+ */
+undrift_status undrift_filter_init(void *memory,
+                                   size_t length,
+                                   const undrift_start *start,
+                                   const undrift_sensor *sensors,
+                                   const undrift_prior *parameters,
+                                   undrift_filter **filter);
+
+/**
+ * Sets the estimated errors of gyro x, y, z [rad/s] and accelerometer x, y, z [m/s^2], UNDRIFT_AXES
+ * numbers: what a rest before the start has shown. How uncertain they are stays.
+ */
+undrift_status undrift_set_sensor_error(undrift_filter *filter, const double *error);
+
+/**
+ * Carries the filter over one whole sample. UNDRIFT_STATUS_GAP, the filter unchanged, if the sample does
+ * not begin where the one before ended, to half its length: samples were lost, or came twice. One that
+ * spans the gap takes the filter across.
+ */
+undrift_status undrift_predict(undrift_filter *filter, const undrift_sample *sample);
+
+/**
+ * Takes up a sample without moving yet, for a fix that lies within it: undrift_sample_advance() to the
+ * fix, update, then undrift_sample_end(). What is left of the sample before is done first.
+ */
+undrift_status undrift_sample_begin(undrift_filter *filter, const undrift_sample *sample);
+
+/**
+ * Moves to `time` [s] within the sample taken up, not back; a time beyond its end is its end, one within
+ * `rounding` [s] of it too.
+ */
+undrift_status undrift_sample_advance(undrift_filter *filter, double time, double rounding);
+
+/**
+ * Moves to the end of the sample taken up.
+ */
+undrift_status undrift_sample_end(undrift_filter *filter);
+
+/**
+ * Updates with the position of the antenna at `lever`, three numbers from the IMU [m, body axes]; null is
+ * at the IMU. As every update: null is no `gate`, `done` may be null, and a measurement that the gate
+ * keeps out is a success whose outcome says so.
+ */
+undrift_status undrift_update_position(undrift_filter *filter,
+                                       const undrift_position *position,
+                                       const double *lever,
+                                       const undrift_gate *gate,
+                                       undrift_update *done);
+
+/**
+ * Updates with the velocity of the antenna; `lever` as for the position.
+ */
+undrift_status undrift_update_velocity(undrift_filter *filter,
+                                       const undrift_velocity *velocity,
+                                       const double *lever,
+                                       const undrift_gate *gate,
+                                       undrift_update *done);
+
+/**
+ * Updates with rest: the velocity is zero with standard deviation `std` [m/s] along each axis.
+ */
+undrift_status undrift_update_zero_velocity(undrift_filter *filter,
+                                            double std,
+                                            const undrift_gate *gate,
+                                            undrift_update *done);
+
+/**
+ * Updates with what a rolling vehicle cannot do: at the point `lever` from the IMU [m, body axes], on the
+ * axle that does not steer, it moves neither sideways nor up, with standard deviations [m/s].
+ */
+undrift_status undrift_update_non_holonomic(undrift_filter *filter,
+                                            const double *lever,
+                                            double sideways_std,
+                                            double up_std,
+                                            const undrift_gate *gate,
+                                            undrift_update *done);
+
+/**
+ * Updates with the speed [m/s, forward positive] of the wheel at `lever` from the IMU [m, body axes].
+ */
+undrift_status undrift_update_odometer(undrift_filter *filter,
+                                       double speed,
+                                       double std,
+                                       const double *lever,
+                                       const undrift_gate *gate,
+                                       undrift_update *done);
+
+/**
+ * Updates with a barometric height of the IMU [m, above the ellipsoid but for its error].
+ */
+undrift_status undrift_update_height(undrift_filter *filter,
+                                     double height,
+                                     double std,
+                                     const undrift_gate *gate,
+                                     undrift_update *done);
+
+/**
+ * Number of states in use; 0 for what is no filter.
+ */
+size_t undrift_states(const undrift_filter *filter);
+
+/**
+ * The solution.
+ */
+undrift_status undrift_get_state(const undrift_filter *filter, undrift_state *state);
+
+/**
+ * The covariance of the error state, undrift_states() rows of as many numbers, into an array of `count`
+ * numbers: position [m], velocity [m/s], misalignment [rad], each north, east, down, then the sensors'
+ * states, then the parameters.
+ */
+undrift_status undrift_get_covariance(const undrift_filter *filter, double *covariance, size_t count);
+
+/**
+ * The estimated correction of a parameter (undrift_parameter) to what was given, and its standard
+ * deviation: up to six numbers each, as many as the parameter has states.
+ */
+undrift_status undrift_get_parameter(const undrift_filter *filter,
+                                     int32_t parameter,
+                                     double *value,
+                                     double *std);
+
+/**
+ * UNDRIFT_STATUS_OK while the solution is one: finite, possible, its covariance not negative.
+ */
+undrift_status undrift_check(const undrift_filter *filter);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* UNDRIFT_H */

@@ -1,0 +1,237 @@
+//! Measurements. Each takes a gate, null for none, and says what it did in `done` unless that is null.
+
+use crate::{
+    capacity::{Inner, STATES},
+    filter::{Filter, filter_mut},
+    memory::{finite, read, read_or, write},
+    status::{Status, status},
+    types::{Gate, Outcome, Position, Update, Velocity},
+};
+use undrift_nav::{
+    Matrix3, Vector3,
+    aiding::Observation,
+    earth::Geodetic,
+    filter::{self, Outcome as Came},
+    sample,
+};
+
+/// Runs an update past a gate.
+///
+/// # Safety
+/// `at` is null or a filter that nobody else uses, `gate` and `done` are null or theirs.
+unsafe fn run<const M: usize>(
+    at: *mut Filter,
+    gate: *const Gate,
+    done: *mut Update,
+    observe: impl FnOnce(&Inner) -> Result<(Observation<M, STATES>, [[f64; M]; M]), Status>,
+) -> Status {
+    let update = || {
+        // SAFETY: null or a filter that nobody else uses.
+        let filter = unsafe { filter_mut(at) }?;
+        let open = Gate {
+            weaken: f64::INFINITY,
+            reject: f64::INFINITY,
+        };
+        // SAFETY: null or a gate.
+        let gate = unsafe { read_or(gate, open) };
+        if gate.weaken.is_nan() || gate.reject.is_nan() {
+            return Err(Status::NotFinite);
+        }
+        if gate.weaken <= 0.0 || gate.reject <= 0.0 {
+            return Err(Status::OutOfRange);
+        }
+        let gate = filter::Gate {
+            weaken: gate.weaken,
+            reject: gate.reject,
+        };
+        let (observed, r) = observe(filter)?;
+        finite(r.iter().flatten())?;
+        if !is_positive(&r) {
+            return Err(Status::BadMeasurement);
+        }
+        // By columns or by rows: it is symmetric.
+        let update = filter.update_recorded(&observed, &r.into(), &gate, None)?;
+        let (outcome, factor) = match update.outcome {
+            Came::Used => (Outcome::Used, 1.0),
+            Came::Weakened(factor) => (Outcome::Weakened, factor),
+            Came::Rejected => (Outcome::Rejected, 1.0),
+        };
+        if !done.is_null() {
+            let update = Update {
+                nis: update.nis,
+                dof: M as i32,
+                outcome,
+                factor,
+            };
+            // SAFETY: not null, so it points to an update.
+            unsafe { write(done, update) }?;
+        }
+        Ok(filter.check()?)
+    };
+    status(update())
+}
+
+/// Whether a matrix of up to three rows is symmetric to rounding and its leading minors are positive.
+fn is_positive<const M: usize>(r: &[[f64; M]; M]) -> bool {
+    let mut whole = Matrix3::identity();
+    for i in 0..M {
+        for j in 0..M {
+            whole[(i, j)] = r[i][j];
+            let size = r[i][i].max(r[j][j]);
+            if (r[i][j] - r[j][i]).abs() > 1e-9 * size {
+                return false;
+            }
+        }
+    }
+    whole.cholesky().is_some()
+}
+
+/// The three numbers at `from`, zeros if it is null.
+///
+/// # Safety
+/// `from` is null or points to three numbers.
+unsafe fn lever_arm(from: *const f64) -> Result<Vector3, Status> {
+    // SAFETY: null or three numbers.
+    let lever = unsafe { read_or(from.cast::<[f64; 3]>(), [0.0; 3]) };
+    finite(&lever)?;
+    Ok(lever.into())
+}
+
+/// The variance of a standard deviation, which must be positive.
+fn variance(std: f64) -> Result<f64, Status> {
+    finite([&std])?;
+    if std > 0.0 {
+        Ok(std * std)
+    } else {
+        Err(Status::OutOfRange)
+    }
+}
+
+/// Updates with the position of the antenna at `lever`, three numbers from the IMU [m, body axes]; null is
+/// at the IMU. As every update: null is no `gate`, `done` may be null, and a measurement that the gate
+/// keeps out is a success whose outcome says so.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn undrift_update_position(
+    filter: *mut Filter,
+    position: *const Position,
+    lever: *const f64,
+    gate: *const Gate,
+    done: *mut Update,
+) -> Status {
+    let observe = |filter: &Inner| {
+        // SAFETY: null or a position.
+        let fix = unsafe { read(position) }?;
+        // SAFETY: null or three numbers.
+        let lever = unsafe { lever_arm(lever) }?;
+        finite([&fix.latitude, &fix.longitude, &fix.height])?;
+        let place = Geodetic {
+            lat: fix.latitude,
+            lon: fix.longitude,
+            height: fix.height,
+        };
+        if !place.is_valid() {
+            return Err(Status::OutOfRange);
+        }
+        let observed = filter.observe_position(&sample::Position::Geodetic(place), &lever);
+        Ok((observed, fix.covariance))
+    };
+    // SAFETY: passed on.
+    unsafe { run(filter, gate, done, observe) }
+}
+
+/// Updates with the velocity of the antenna; `lever` as for the position.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn undrift_update_velocity(
+    filter: *mut Filter,
+    velocity: *const Velocity,
+    lever: *const f64,
+    gate: *const Gate,
+    done: *mut Update,
+) -> Status {
+    let observe = |filter: &Inner| {
+        // SAFETY: null or a velocity.
+        let fix = unsafe { read(velocity) }?;
+        // SAFETY: null or three numbers.
+        let lever = unsafe { lever_arm(lever) }?;
+        finite(&fix.velocity)?;
+        let observed = filter.observe_velocity(&fix.velocity.into(), &lever);
+        Ok((observed, fix.covariance))
+    };
+    // SAFETY: passed on.
+    unsafe { run(filter, gate, done, observe) }
+}
+
+/// Updates with rest: the velocity is zero with standard deviation `std` [m/s] along each axis.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn undrift_update_zero_velocity(
+    filter: *mut Filter,
+    std: f64,
+    gate: *const Gate,
+    done: *mut Update,
+) -> Status {
+    let observe = |filter: &Inner| {
+        let v = variance(std)?;
+        let r = [[v, 0.0, 0.0], [0.0, v, 0.0], [0.0, 0.0, v]];
+        Ok((filter.observe_zero_velocity(), r))
+    };
+    // SAFETY: passed on.
+    unsafe { run(filter, gate, done, observe) }
+}
+
+/// Updates with what a rolling vehicle cannot do: at the point `lever` from the IMU [m, body axes], on the
+/// axle that does not steer, it moves neither sideways nor up, with standard deviations [m/s].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn undrift_update_non_holonomic(
+    filter: *mut Filter,
+    lever: *const f64,
+    sideways_std: f64,
+    up_std: f64,
+    gate: *const Gate,
+    done: *mut Update,
+) -> Status {
+    let observe = |filter: &Inner| {
+        // SAFETY: null or three numbers.
+        let lever = unsafe { lever_arm(lever) }?;
+        let r = [[variance(sideways_std)?, 0.0], [0.0, variance(up_std)?]];
+        Ok((filter.observe_non_holonomic(&lever), r))
+    };
+    // SAFETY: passed on.
+    unsafe { run(filter, gate, done, observe) }
+}
+
+/// Updates with the speed [m/s, forward positive] of the wheel at `lever` from the IMU [m, body axes].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn undrift_update_odometer(
+    filter: *mut Filter,
+    speed: f64,
+    std: f64,
+    lever: *const f64,
+    gate: *const Gate,
+    done: *mut Update,
+) -> Status {
+    let observe = |filter: &Inner| {
+        // SAFETY: null or three numbers.
+        let lever = unsafe { lever_arm(lever) }?;
+        finite([&speed])?;
+        Ok((filter.observe_odometer(speed, &lever), [[variance(std)?]]))
+    };
+    // SAFETY: passed on.
+    unsafe { run(filter, gate, done, observe) }
+}
+
+/// Updates with a barometric height of the IMU [m, above the ellipsoid but for its error].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn undrift_update_height(
+    filter: *mut Filter,
+    height: f64,
+    std: f64,
+    gate: *const Gate,
+    done: *mut Update,
+) -> Status {
+    let observe = |filter: &Inner| {
+        finite([&height])?;
+        Ok((filter.observe_barometer(height), [[variance(std)?]]))
+    };
+    // SAFETY: passed on.
+    unsafe { run(filter, gate, done, observe) }
+}

@@ -1,0 +1,395 @@
+//! Files as they come out of other programs, broken transfers and full disks.
+
+use super::drives::{good, is_sound};
+use super::log::{Log, says, table};
+use std::io::Write;
+use std::process::Command;
+
+const HEADER: &str = "t,gx,gy,gz,fx,fy,fz";
+
+fn imu_text() -> String {
+    table(HEADER, &good().imu)
+}
+
+/// The town drive with other bytes as its inertial log; what it says as an error.
+fn refusal(name: &str, imu: &[u8]) -> String {
+    let case = good().write(name);
+    case.put("imu.csv", imu);
+    case.refusal()
+}
+
+/// The same where it is navigated, as well as without the damage; the warnings.
+#[track_caller]
+fn sound(name: &str, imu: &[u8]) -> String {
+    let case = good().write(name);
+    case.put("imu.csv", imu);
+    let (outcome, _) = case.solution();
+    is_sound(&outcome);
+    outcome.stderr
+}
+
+#[test]
+fn ends_of_lines_and_byte_order_marks() {
+    let text = imu_text();
+    assert_eq!(sound("crlf", text.replace('\n', "\r\n").as_bytes()), "");
+    assert_eq!(sound("bom", format!("\u{feff}{text}").as_bytes()), "");
+    assert_eq!(sound("no_end", text.trim_end().as_bytes()), "");
+    says(
+        &refusal("cr", text.replace('\n', "\r").as_bytes()),
+        &["imu.csv", "line too long"],
+    );
+}
+
+#[test]
+fn utf_16() {
+    let text = imu_text();
+    let with_mark = format!("\u{feff}{text}");
+    let little: Vec<u8> = with_mark
+        .encode_utf16()
+        .flat_map(u16::to_le_bytes)
+        .collect();
+    let big: Vec<u8> = with_mark
+        .encode_utf16()
+        .flat_map(u16::to_be_bytes)
+        .collect();
+    for (name, bytes) in [("utf16_le", little), ("utf16_be", big)] {
+        says(
+            &refusal(name, &bytes),
+            &["imu.csv: is UTF-16 text; save it as UTF-8"],
+        );
+    }
+}
+
+#[test]
+fn decimal_commas() {
+    let text = imu_text();
+    let semicolons = text.replace(',', ";").replace('.', ",");
+    says(
+        &refusal("decimal_semicolon", semicolons.as_bytes()),
+        &[
+            "14000 rows with text where a number belongs, first at line 2: \"0,0100\"",
+            "decimal points",
+        ],
+    );
+    says(
+        &refusal("decimal_comma", text.replace('.', ",").as_bytes()),
+        &["imu.csv line 2: the row has 14 fields, the header names 7: decimal commas"],
+    );
+}
+
+#[test]
+fn a_row_of_units_and_headers_in_between() {
+    let text = imu_text();
+    let mut lines: Vec<&str> = text.lines().collect();
+    lines.insert(1, "s,rad/s,rad/s,rad/s,m/s2,m/s2,m/s2");
+    lines.insert(7000, HEADER);
+    let warnings = sound("headers", lines.join("\n").as_bytes());
+    says(
+        &warnings,
+        &["IMU log: 2 rows with text where a number belongs, first at line 2: \"s\""],
+    );
+}
+
+#[test]
+fn a_header_that_is_missing() {
+    let text = imu_text();
+    let (_, rows) = text.split_once('\n').unwrap();
+    says(
+        &refusal("headless", rows.as_bytes()),
+        &[
+            "imu.csv line 1: no header that could name the column \"t\" (key imu.time)",
+            "by number",
+        ],
+    );
+}
+
+#[test]
+fn columns_that_are_missing_or_too_many() {
+    let text = imu_text();
+    let cut = |from: usize| -> String {
+        let lines = text.lines().enumerate();
+        lines
+            .map(|(k, line)| match k >= from {
+                true => format!("{}\n", line.rsplit_once(',').unwrap().0),
+                false => format!("{line}\n"),
+            })
+            .collect()
+    };
+    says(
+        &refusal("column_lost", cut(0).as_bytes()),
+        &["imu.csv line 1: no column \"fz\" (key imu.accel); the file has: t, gx, gy, gz, fx, fy"],
+    );
+    let case = good().write("column_lost_later");
+    case.put("imu.csv", cut(7000).as_bytes());
+    let (outcome, _) = case.solution();
+    says(
+        &outcome.stderr,
+        &["IMU log: 7001 rows with a missing field, first at line 7001"],
+    );
+    // A number of the row that the header does not name, as statistics programs write it.
+    let numbered: String = text
+        .lines()
+        .enumerate()
+        .map(|(k, line)| {
+            if k == 0 {
+                format!("{line}\n")
+            } else {
+                format!("{k},{line}\n")
+            }
+        })
+        .collect();
+    says(
+        &refusal("column_unnamed", numbered.as_bytes()),
+        &[
+            "imu.csv line 2: the row has 8 fields, the header names 7",
+            "a column without a name",
+        ],
+    );
+}
+
+#[test]
+fn a_file_that_breaks_off() {
+    let text = imu_text();
+    // In the middle of a row.
+    let at = text[..text.len() * 3 / 4].rfind(',').unwrap() + 1;
+    let case = good().write("breaks_off");
+    case.put("imu.csv", &text.as_bytes()[..at]);
+    let (outcome, _) = case.solution();
+    says(&outcome.stderr, &["IMU log: 1 row with a missing field"]);
+}
+
+#[test]
+fn two_files_in_one() {
+    let text = imu_text();
+    let message = refusal("twice", format!("{text}{text}").as_bytes());
+    says(
+        &message,
+        &[
+            "imu.csv line 14003: time jumps back by 139.990 s, from 140 s to 0.01 s",
+            "split the file there",
+        ],
+    );
+}
+
+#[test]
+fn a_block_of_zero_bytes() {
+    // What a file system leaves after a crash: half a second of samples.
+    let mut bytes = imu_text().into_bytes();
+    bytes[800_000..805_000].fill(0);
+    let case = good().write("zero_bytes");
+    case.put("imu.csv", &bytes);
+    let (outcome, _) = case.solution();
+    says(
+        &outcome.stderr,
+        &[
+            "1 row with text where a number belongs",
+            "long gaps between samples: 1",
+        ],
+    );
+}
+
+#[test]
+fn numbers_of_other_languages() {
+    let text = imu_text();
+    // Fortran's exponent is no number of any other program.
+    says(
+        &refusal("fortran", text.replace('e', "D").as_bytes()),
+        &["14000 rows with text where a number belongs, first at line 2"],
+    );
+}
+
+#[test]
+fn files_that_are_no_logs() {
+    says(
+        &refusal(
+            "page",
+            b"<!DOCTYPE html>\n<html><body>404, not found</body></html>\n",
+        ),
+        &["imu.csv line 1: no column \"t\" (key imu.time)"],
+    );
+    let noise: Vec<u8> = (0..60_000u32)
+        .map(|k| (k.wrapping_mul(2_654_435_761) >> 13) as u8)
+        .collect();
+    says(&refusal("noise", &noise), &["error: imu.csv"]);
+    // One log in the other's place.
+    let mut log = good();
+    log.set("\"gnss.csv\"", "\"imu.csv\"");
+    says(
+        &log.write("imu_as_gnss").refusal(),
+        &["imu.csv line 1: no column \"lat\" (key gnss.position)"],
+    );
+}
+
+#[test]
+fn a_directory_in_place_of_a_file() {
+    let case = good().write("directory");
+    std::fs::remove_file(case.path("imu.csv")).unwrap();
+    std::fs::create_dir(case.path("imu.csv")).unwrap();
+    says(
+        &case.refusal(),
+        &["error: imu.csv: is a directory, not a file"],
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn a_file_without_permission() {
+    use std::os::unix::fs::PermissionsExt;
+    let case = good().write("permission");
+    let path = case.path("gnss.csv");
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o000)).unwrap();
+    if std::fs::File::open(&path).is_ok() {
+        println!("skipped: this user reads every file");
+        return;
+    }
+    says(&case.refusal(), &["gnss.csv: no permission to read"]);
+}
+
+#[test]
+fn names_that_promise_another_content() {
+    // Plain text called gzip, and gzip called text: the content decides.
+    let mut log = good();
+    log.set("\"imu.csv\"", "\"imu.csv.gz\"");
+    let case = log.write("plain_gz");
+    std::fs::rename(case.path("imu.csv"), case.path("imu.csv.gz")).unwrap();
+    is_sound(&case.solution().0);
+    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    encoder.write_all(imu_text().as_bytes()).unwrap();
+    assert_eq!(sound("gz_plain", &encoder.finish().unwrap()), "");
+}
+
+#[test]
+fn a_result_never_replaces_what_it_is_made_from() {
+    let case = good().write("replaces");
+    let (imu, gnss, drive) = (
+        case.read("imu.csv"),
+        case.read("gnss.csv"),
+        case.read("drive.toml"),
+    );
+    let dotted = format!("{}/../replaces/imu.csv", case.path("").display());
+    for arguments in [
+        &["navigate", "drive.toml", "-o", "imu.csv"][..],
+        &["navigate", "drive.toml", "-o", &dotted],
+        &["navigate", "drive.toml", "-o", "nav.csv", "-o", "truth.csv"],
+        &["navigate", "drive.toml", "--json", "gnss.csv"],
+        &["navigate", "drive.toml", "--report", "gnss.csv"],
+        &[
+            "outages",
+            "drive.toml",
+            "--at",
+            "60",
+            "--length",
+            "5",
+            "--bias-models",
+            "arma",
+            "--json",
+            "drive.toml",
+        ],
+        &["inspect", "imu.csv", "-o", "imu.csv"],
+    ] {
+        let outcome = case.run(arguments);
+        assert_eq!(outcome.code, Some(1), "{arguments:?} {}", outcome.stderr);
+        says(
+            &outcome.stderr,
+            &[
+                "cannot write",
+                "it is read in this run; give the result another name",
+            ],
+        );
+        assert!(case.read("nav.csv").is_none());
+    }
+    assert_eq!(
+        (imu, gnss, drive),
+        (
+            case.read("imu.csv"),
+            case.read("gnss.csv"),
+            case.read("drive.toml")
+        )
+    );
+}
+
+/// A limit on the size of files stands for a full disk: 64 blocks of 512 bytes or 1 kB.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_leaves_the_old_file() {
+    let case = good().write("full_disk");
+    case.put("nav.csv", b"the solution of yesterday\n");
+    let output = Command::new("sh")
+        .args([
+            "-c",
+            "trap '' XFSZ; ulimit -f 64; exec \"$0\" navigate drive.toml -o nav.csv",
+        ])
+        .arg(env!("CARGO_BIN_EXE_undrift"))
+        .current_dir(case.path(""))
+        .output()
+        .unwrap();
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{stderr}");
+    says(&stderr, &["error: cannot write the result: "]);
+    assert_eq!(
+        case.read("nav.csv").as_deref(),
+        Some("the solution of yesterday\n")
+    );
+    // Nor is a part of it left.
+    let files = std::fs::read_dir(case.path("")).unwrap().flatten();
+    let names: Vec<_> = files
+        .map(|f| f.file_name().to_string_lossy().into_owned())
+        .collect();
+    assert!(!names.iter().any(|name| name.contains("part")), "{names:?}");
+}
+
+#[test]
+fn a_folder_that_cannot_hold_the_result() {
+    let case = good().write("no_folder");
+    for target in ["none/nav.csv", "imu.csv/nav.csv"] {
+        let outcome = case.run(&["navigate", "drive.toml", "-o", target]);
+        assert_eq!(outcome.code, Some(1));
+        says(
+            &outcome.stderr,
+            &[&format!("cannot write {target}: there is no folder")],
+        );
+        // Told before the work: nothing was navigated.
+        assert_eq!(outcome.stdout, "");
+    }
+    std::fs::create_dir(case.path("nav.csv")).unwrap();
+    let outcome = case.run(&["navigate", "drive.toml", "-o", "nav.csv"]);
+    assert_eq!(outcome.code, Some(1));
+    says(&outcome.stderr, &["cannot write"]);
+}
+
+#[test]
+fn an_outage_longer_than_the_log() {
+    let outcome = good()
+        .write("long_outage")
+        .outages(&["--count", "1", "--length", "500"]);
+    assert_eq!(outcome.code, Some(1));
+    says(&outcome.stderr, &["no outage of 500 s fits"]);
+}
+
+#[test]
+fn keys_that_contradict_each_other() {
+    for (name, line, told) in [
+        (
+            "two_stds",
+            "position_std = \"1 m\"\n",
+            "line 13, gnss.position_std_columns: give position_std or position_std_columns, not both",
+        ),
+        (
+            "std_column",
+            "velocity_std_columns = [\"vn\", \"ve\", \"vd\"]\n",
+            "line 16, gnss.velocity_std_columns: give velocity_std or velocity_std_columns, not both",
+        ),
+        (
+            "two_places",
+            "baseline = [\"vn\", \"ve\", \"vd\"]\n",
+            "line 16, gnss.baseline: give position or baseline, not both",
+        ),
+        ("two_times", "time = \"t\"\n", "line 16: duplicate key"),
+        ("word", "use = 3\n", "line 16, gnss.use: must be a"),
+    ] {
+        let mut log: Log = good();
+        log.set("[truth]", &format!("{line}[truth]"));
+        let message = log.write(&format!("contradict_{name}")).refusal();
+        says(&message, &["drive.toml ", told]);
+    }
+}

@@ -1,0 +1,190 @@
+//! An inertial log whose times are wrong, unusual or too few: gaps, jumps, rates, units.
+
+use super::drives::{TOWN_DURATION, good, is_sound, simulated};
+use super::log::{Log, says};
+use undrift::simulate::Trajectory;
+
+#[test]
+fn dropped_packets() {
+    let mut log = good();
+    let mut state = 1u32;
+    // Three of ten, by a linear congruential generator.
+    log.imu.retain(|_| {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        state >> 16 > 19_660
+    });
+    let lost = TOWN_DURATION * 100.0 - log.imu.len() as f64;
+    assert!((3900.0..4500.0).contains(&lost), "{lost}");
+    let (outcome, _) = log.write("dropped").solution();
+    says(&outcome.stderr, &["short gaps between samples, bridged: 2"]);
+    is_sound(&outcome);
+}
+
+#[test]
+fn a_gap_of_ten_seconds() {
+    let mut log = good();
+    log.imu.retain(|row| !(43.0..53.0).contains(&row.time));
+    let (outcome, nav) = log.write("gap_10").solution();
+    says(
+        &outcome.stderr,
+        &[
+            "long gaps between samples: 1",
+            "the longest 10.010 s",
+            "covariance was grown",
+        ],
+    );
+    assert!(nav.at(53.0, "yaw_std_deg") > 20.0);
+    assert!(outcome.rms("horizontal_m") < 2.0, "{}", outcome.stdout);
+}
+
+#[test]
+fn stamps_that_jitter() {
+    let mut log = good();
+    for (k, row) in log.imu.iter_mut().enumerate() {
+        let late = [0.0, 0.003, -0.002, 0.004][k % 4];
+        *row = row.at(row.time + late);
+    }
+    let (outcome, _) = log.write("jitter").solution();
+    is_sound(&outcome);
+}
+
+#[test]
+fn stamps_of_whole_seconds() {
+    let mut log = good();
+    for row in &mut log.imu {
+        *row = row.at(row.time.floor());
+    }
+    let case = log.write("whole_seconds");
+    case.doubted(&["rows with the same time as the last row"]);
+}
+
+#[test]
+fn milliseconds_called_seconds() {
+    let mut log = good();
+    for row in &mut log.imu {
+        *row = row.at(1000.0 * row.time);
+    }
+    let message = log.write("ms_imu").refusal();
+    says(
+        &message,
+        &[
+            "imu.csv: 0.1000 samples a second are none of an IMU",
+            "key imu.time_unit",
+            "ms, us or ns?",
+        ],
+    );
+    // And the right unit mends it.
+    log.set("time = \"t\"", "time = \"t\"\ntime_unit = \"ms\"");
+    is_sound(&log.write("ms_imu_told").solution().0);
+    // Seconds called nanoseconds are the other way round.
+    let mut log = good();
+    log.set("time = \"t\"", "time = \"t\"\ntime_unit = \"ns\"");
+    says(
+        &log.write("s_imu").refusal(),
+        &["samples a second are none of an IMU"],
+    );
+}
+
+#[test]
+fn slow_and_fast_imus() {
+    for (rate, duration) in [(10.0, 140.0), (1000.0, 140.0)] {
+        let log = Log::of(&simulated(Trajectory::rest(0.0).start, rate, 2.0));
+        assert_eq!(log.imu.len() as f64, rate * duration);
+        let (outcome, _) = log.write(&format!("imu_{rate}_hz")).solution();
+        assert_eq!(outcome.stderr, "");
+        is_sound(&outcome);
+    }
+}
+
+#[test]
+fn a_rate_that_changes_within_the_log() {
+    let mut log = good();
+    let mut k = 0;
+    // Every fifth sample from the middle on: mean rates are not what is sampled, so a gap each.
+    log.imu.retain(|row| {
+        k += 1;
+        row.time < 70.0 || k % 5 == 0
+    });
+    let (outcome, _) = log.write("rate_changes").solution();
+    says(&outcome.stderr, &["short gaps between samples, bridged: 1"]);
+    assert!(outcome.rms("horizontal_m") < 1.0, "{}", outcome.stdout);
+}
+
+#[test]
+fn a_clock_of_the_imu_that_jumps() {
+    // Five seconds ahead: a gap, and the fixes no longer fit.
+    let mut log = good();
+    for row in log.imu.iter_mut().filter(|row| row.time > 60.0) {
+        *row = row.at(row.time + 5.0);
+    }
+    let warnings = log
+        .write("imu_ahead")
+        .doubted(&["long gaps between samples: 1", "5.0"]);
+    says(&warnings.join("\n"), &["jump: "]);
+    // A leap second back: the second that is there twice is left out.
+    let mut log = good();
+    for row in log.imu.iter_mut().filter(|row| row.time > 60.0) {
+        *row = row.at(row.time - 1.0);
+    }
+    log.write("imu_leap")
+        .doubted(&["99 rows with a time before that of the last row"]);
+}
+
+#[test]
+fn the_end_of_the_week() {
+    let mut log = good();
+    for row in log
+        .imu
+        .iter_mut()
+        .chain(&mut log.gnss)
+        .chain(&mut log.truth)
+    {
+        *row = row.at((row.time + 604_730.0) % 604_800.0);
+    }
+    let message = log.write("week_end").refusal();
+    says(
+        &message,
+        &[
+            "time jumps back by 604799.",
+            "the end of a GPS week: add 604800 s",
+        ],
+    );
+}
+
+#[test]
+fn no_motion_to_align_with() {
+    let mut log = good();
+    log.imu.retain(|row| row.time < 15.0);
+    log.gnss.retain(|row| row.time < 15.0);
+    let message = log.write("no_motion").refusal();
+    says(
+        &message,
+        &[
+            "could not be aligned: the speed never reached 3.0 m/s",
+            "set initial.",
+        ],
+    );
+}
+
+#[test]
+fn one_and_two_samples() {
+    for (count, told) in [
+        (1, "only one sample"),
+        (2, "no usable GNSS position fell within"),
+    ] {
+        let mut log = good();
+        log.imu.truncate(count);
+        says(&log.write(&format!("samples_{count}")).refusal(), &[told]);
+    }
+}
+
+#[test]
+fn samples_in_disorder() {
+    let mut log = good();
+    log.imu.reverse();
+    let message = log.write("reversed").refusal();
+    says(
+        &message,
+        &["imu.csv line 3: time jumps back by 0.010 s", "stays behind"],
+    );
+}

@@ -1,0 +1,224 @@
+"""Is a record normally distributed, is it white, what correlations and spectrum does it have?"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from undrift import _undrift
+from undrift._array import Floats, Ints, record
+from undrift._result import Result, axes
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class JarqueBera(Result):
+    """Jarque-Bera test of normality."""
+
+    statistic: float
+    """n/6 (skewness² + kurtosis²/4)."""
+    p_value: float
+    """By chi-squared with 2 degrees of freedom."""
+    skewness: float
+    """0 for a normal distribution."""
+    kurtosis_excess: float
+    """0 for a normal distribution."""
+
+
+def jarque_bera(x: npt.ArrayLike) -> JarqueBera:
+    """Jarque-Bera test of normality."""
+    return JarqueBera(**_undrift.jarque_bera(record(x)))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Normality(Result):
+    """Everything said about the distribution of a record, u its unit."""
+
+    samples: int
+    """Samples."""
+    mean: float
+    """Mean [u]."""
+    deviation: float
+    """Standard deviation, divisor n - 1 [u]."""
+    skewness: float
+    """0 for a normal distribution."""
+    kurtosis_excess: float
+    """0 for a normal distribution."""
+    jarque_bera: float
+    """Jarque-Bera statistic."""
+    jarque_bera_p: float
+    """Its p."""
+    distance: float
+    """Kolmogorov-Smirnov distance to the normal distribution of the record's mean and deviation."""
+    plain_critical_5: float
+    """5 % critical distance for a distribution known beforehand: too lenient here."""
+    plain_p: float
+    """p for a distribution known beforehand."""
+    lilliefors_critical_5: float
+    """5 % critical distance of Lilliefors' test, which allows for the fit."""
+    lilliefors_p: float
+    """p of Lilliefors' test."""
+    quantisation_step: float | None
+    """Step of the grid that the samples lie on [u]; None where there is none."""
+    levels: int | None
+    """Different values, where there is a grid."""
+
+
+def normality(x: npt.ArrayLike) -> Normality:
+    """Jarque-Bera, Kolmogorov-Smirnov and Lilliefors tests, and the quantisation step."""
+    return Normality(**_undrift.normality_tests(record(x)))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LjungBox(Result):
+    """Portmanteau tests of whiteness at one or several numbers of lags."""
+
+    lags: Ints
+    """Autocorrelations summed."""
+    freedom: Ints
+    """Degrees of freedom: lags less the parameters fitted."""
+    statistic: Floats
+    """Ljung-Box."""
+    p_value: Floats
+    """Its p; NaN without degrees of freedom."""
+    box_pierce: Floats
+    """Box-Pierce."""
+    box_pierce_p: Floats
+    """Its p; NaN without degrees of freedom."""
+
+
+def ljung_box(x: npt.ArrayLike, lags: int | Iterable[int] = 20, *, fitted: int = 0) -> LjungBox:
+    """Ljung-Box and Box-Pierce tests at each number of ``lags``.
+
+    ``fitted``: parameters p + q where ``x`` are the residuals of an ARMA(p, q).
+    """
+    wanted = [lags] if isinstance(lags, (int, np.integer)) else [int(lag) for lag in lags]
+    return LjungBox(**_undrift.portmanteau(record(x), wanted, fitted))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Correlations(Result):
+    """Autocorrelations or partial autocorrelations from lag 0 on; an array where one is asked for."""
+
+    samples: int
+    """Samples of the record."""
+    lag: Ints
+    """Lag [samples]."""
+    value: Floats
+    """Correlation; 1 at lag 0."""
+    bound: Floats
+    """95 % bound: of an autocorrelation by Bartlett, were all from this lag on 0; of a partial one
+    that of white noise. NaN at lag 0."""
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> npt.NDArray[Any]:
+        made = np.asarray(self.value, dtype=dtype)
+        return made.copy() if copy and made is self.value else made
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Correlation over lag with its bounds. Needs ``undrift[plot]``."""
+        ax = axes(ax)
+        ax.vlines(self.lag[1:], 0.0, self.value[1:])
+        ax.plot(self.lag[1:], self.value[1:], ".")
+        ax.fill_between(
+            self.lag[1:], -self.bound[1:], self.bound[1:], alpha=0.2, linewidth=0, label="95 %"
+        )
+        ax.axhline(0.0, linewidth=0.8, color="black")
+        ax.set_xlabel("lag [samples]")
+        ax.set_ylabel("correlation")
+        ax.legend()
+        return ax
+
+
+def acf(x: npt.ArrayLike, lags: int = 100) -> Correlations:
+    """Autocorrelations at lags 0 to ``lags``: about the mean, divisor n."""
+    return Correlations(**_undrift.acf(record(x), lags))
+
+
+def pacf(
+    x: npt.ArrayLike,
+    lags: int = 100,
+    *,
+    method: Literal["yule-walker", "yule-walker-adjusted", "burg"] = "yule-walker",
+) -> Correlations:
+    """Partial autocorrelations at lags 0 to ``lags``; Burg's are the ones to trust near a unit root."""
+    return Correlations(**_undrift.pacf(record(x), lags, method))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SpectralLines(Result):
+    """Narrow lines that stand out of a spectrum, strongest first."""
+
+    frequency: Floats
+    """Frequency [Hz]."""
+    amplitude: Floats
+    """Amplitude of a sine of that power [u]."""
+    over_median: Floats
+    """Density of the peak over the median around it."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Spectrum(Result):
+    """One-sided power spectral density, u the unit of the samples."""
+
+    rate: float
+    """Sample rate [Hz]."""
+    segments: int
+    """Segments averaged."""
+    frequency: Floats
+    """Frequency [Hz]."""
+    density: Floats
+    """Density [u²/Hz]; its integral is the variance. White noise N of the Allan deviation has 2 N²."""
+
+    def lines(self, factor: float = 10.0) -> SpectralLines:
+        """The peaks above ``factor`` times the median around them."""
+        found = _undrift.spectral_lines(self.frequency, self.density, self.segments, factor)
+        return SpectralLines(**found)
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Density over frequency, logarithmic. Needs ``undrift[plot]``."""
+        ax = axes(ax)
+        ax.loglog(self.frequency[1:], self.density[1:])
+        ax.set_xlabel("frequency [Hz]")
+        ax.set_ylabel("density [unit² of the samples / Hz]")
+        ax.grid(True, which="both", alpha=0.3)
+        return ax
+
+
+def psd(x: npt.ArrayLike, rate: float, *, segment: int | None = None) -> Spectrum:
+    """Power spectral density of a record sampled at ``rate`` [Hz] by Welch's method.
+
+    Hann window, half overlapped, the mean of each segment taken out. ``segment`` in samples: by
+    default an eighth of the record, 256 to 8192.
+    """
+    return Spectrum(rate=rate, **_undrift.psd(record(x), rate, segment))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Detrended(Result):
+    """A record less its trend, u its unit."""
+
+    mean: float
+    """Mean of the record [u]."""
+    slope: float
+    """Slope: [u a sample] of a line, [u/K] over temperature, 0 of a constant."""
+    explained: float
+    """Share of the variance about the mean that the slope explains, 0 to 1."""
+    residuals: Floats
+    """What is left [u]."""
+
+
+def detrend(
+    x: npt.ArrayLike,
+    kind: Literal["constant", "linear", "temperature"] = "constant",
+    *,
+    temperature: npt.ArrayLike | None = None,
+) -> Detrended:
+    """Takes out the mean, a straight line, or the mean and a multiple of the temperature [°C or K]."""
+    given = None if temperature is None else record(temperature, "the temperature")
+    return Detrended(**_undrift.detrend(record(x), kind, given))

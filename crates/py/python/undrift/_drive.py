@@ -1,0 +1,253 @@
+"""A drive: which logs it consists of and what their columns mean."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from undrift import _toml, _undrift
+from undrift._model import ModelLike, NoiseModel, compiled
+from undrift._tables import Columns, columns, is_table
+
+#: A log: a file, a table in memory, or a table of the drive file whose ``file`` is one of these.
+Log: TypeAlias = Any
+
+_VEHICLE_LENGTHS = ("axle", "axle_std", "odometer_wheel")
+
+#: SI units of the keys whose numbers have one, table by table (docs/drive-file.md).
+_UNITS: dict[str, dict[str, str]] = {
+    "imu": {
+        "time_offset": "s",
+        "rate": "Hz",
+        "mounting": "rad",
+        "gyro_offset": "rad/s",
+        "accel_offset": "m/s^2",
+    },
+    "gnss": {
+        "lever_arm": "m",
+        "position_std": "m",
+        "velocity_std": "m/s",
+        "time_offset": "s",
+    },
+    "odometer": {"time_offset": "s", "speed_std": "m/s"},
+    "barometer": {
+        "time_offset": "s",
+        "std": "m",
+        "bias_std": "m",
+        "bias_walk": "m/sqrt(s)",
+    },
+    "truth": {"time_offset": "s"},
+    "vehicle": {
+        "non_holonomic": "m/s",
+        "mounting_std": "rad",
+        "zero_velocity": "m/s",
+        "zero_angular_rate": "rad/s",
+        "course": "rad",
+        "course_min_speed": "m/s",
+        **dict.fromkeys(_VEHICLE_LENGTHS, "m"),
+    },
+    "states": {"misalignment": "rad", "lever_arm": "m", "time_offset": "s"},
+    "initial": {
+        "attitude": "rad",
+        "attitude_std": "rad",
+        "velocity": "m/s",
+        "velocity_std": "m/s",
+        "heading": "rad",
+        "heading_std": "rad",
+        "min_speed": "m/s",
+    },
+    "span": {"start": "s", "end": "s"},
+}
+
+#: Keys that can be given without their table, and the table.
+_SHORT = {
+    **dict.fromkeys(
+        (
+            "rate",
+            "gyro",
+            "gyro_unit",
+            "accel",
+            "accel_unit",
+            "axes",
+            "mounting",
+            "gyro_offset",
+            "accel_offset",
+        ),
+        "imu",
+    ),
+    **dict.fromkeys(
+        (
+            "lever_arm",
+            "use",
+            "gate",
+            "adapt",
+            "position_std",
+            "velocity_std",
+            "position_std_factor",
+            "velocity_std_factor",
+        ),
+        "gnss",
+    ),
+}
+
+#: What a log of columns by name is asked for.
+_TRUTH_KEYS = (
+    "time",
+    "time_unit",
+    "position",
+    "position_unit",
+    "velocity",
+    "velocity_axes",
+    "attitude",
+    "attitude_unit",
+)
+
+
+class Drive:
+    """A drive, ready to be navigated.
+
+    ``Drive.load("drive.toml")`` reads a drive file. ``Drive(imu, gnss, model)`` has the logs in files
+    or in memory: data frames, Arrow tables, structured arrays or dicts of arrays, in a dict also
+    arrays of n × 3. Every key of the drive file (docs/drive-file.md) can be given:
+
+    * a log with its keys is a dict with the log as ``file``:
+      ``imu={"file": frame, "gyro": ["gx", "gy", "gz"], "gyro_unit": "deg/s", …}``;
+    * the keys that only one table has can stand alone: ``rate``, ``gyro``, ``gyro_unit``, ``accel``,
+      ``accel_unit``, ``axes``, ``mounting``, ``gyro_offset``, ``accel_offset`` of the IMU;
+      ``lever_arm``, ``use``, ``gate``, ``adapt``, ``position_std``, ``velocity_std`` and their
+      factors of GNSS;
+    * ``odometer``, ``barometer``, ``truth`` are logs like these; ``vehicle`` is a profile or a dict,
+      ``states``, ``initial`` and ``span`` are dicts, ``span`` also (start, end);
+    * a number with a dimension is a text with its unit, ``"0.1, 0, -1.2 m"``, or a number or three
+      of them in SI units and radians, ``(0.1, 0, -1.2)``.
+
+    Columns of a table in memory that are not stated are those whose names tell what they are, as
+    ``gx_dps``, ``accel_x [m/s^2]``, ``lat_deg``: nothing is guessed by the numbers.
+    """
+
+    def __init__(
+        self,
+        imu: Log,
+        gnss: Log,
+        model: ModelLike | Mapping[str, Any] | None = None,
+        *,
+        truth: Log = None,
+        odometer: Log = None,
+        barometer: Log = None,
+        vehicle: str | Mapping[str, Any] | None = None,
+        states: Mapping[str, Any] | None = None,
+        initial: Mapping[str, Any] | None = None,
+        span: tuple[float | None, float | None] | Mapping[str, Any] | None = None,
+        name: str = "<drive>",
+        **keys: Any,
+    ) -> None:
+        logs = {"imu": imu, "gnss": gnss}
+        optional = {"truth": truth, "odometer": odometer, "barometer": barometer}
+        logs.update({table: log for table, log in optional.items() if log is not None})
+        short: dict[str, dict[str, Any]] = {"imu": {}, "gnss": {}}
+        for key, item in keys.items():
+            if key not in _SHORT:
+                known = ", ".join(sorted(_SHORT))
+                raise TypeError(f"unknown key {key}; without their table there are {known}")
+            short[_SHORT[key]][key] = item
+        memory: list[tuple[str, Columns]] = []
+        text = ""
+        if isinstance(model, Mapping):
+            text += f"model = {_toml.value(model)}\n"
+            model = None
+        for table, log in logs.items():
+            text += _log(table, log, short.get(table, {}), memory)
+        if isinstance(vehicle, str):
+            vehicle = {"profile": vehicle}
+        if span is not None and not isinstance(span, Mapping):
+            span = {"start": span[0], "end": span[1]}
+        tables = {"vehicle": vehicle, "states": states, "initial": initial, "span": span}
+        for table, stated in tables.items():
+            if stated is not None:
+                text += _toml.table(table, stated, _UNITS[table])
+        self._text = text
+        self._drive = _undrift.Drive.from_toml(text, name, memory)
+        if model is not None:
+            self._drive = self._drive.with_model(compiled(model))
+
+    @classmethod
+    def load(
+        cls,
+        path: str | os.PathLike[str],
+        data: str | os.PathLike[str] | None = None,
+        model: ModelLike | None = None,
+    ) -> Drive:
+        """Reads a drive file; ``data`` is the folder of its logs, if not its own, ``model`` replaces its model."""
+        made = cls.__new__(cls)
+        made._text = Path(path).read_text(encoding="utf-8") if os.path.exists(path) else ""
+        made._drive = _undrift.Drive.load(path, data)
+        return made.with_model(model) if model is not None else made
+
+    def with_model(self, model: ModelLike) -> Drive:
+        """The same drive with another noise model."""
+        made = Drive.__new__(Drive)
+        made._text = self._text
+        made._drive = self._drive.with_model(compiled(model))
+        return made
+
+    @property
+    def model(self) -> NoiseModel | None:
+        """The noise model of the IMU, if there is one."""
+        model = self._drive.model
+        return None if model is None else NoiseModel(model)
+
+    @property
+    def toml(self) -> str:
+        """The drive file; of a drive in memory, ``file`` names its tables ``<imu>``, ``<gnss>``."""
+        return self._text
+
+    def __repr__(self) -> str:
+        return f"Drive({str(self._drive.file)!r})"
+
+
+def _log(
+    table: str, log: Log, short: Mapping[str, Any], memory: list[tuple[str, Columns]]
+) -> str:
+    """The table of a log in the drive file; its columns are added to ``memory`` if it is none of files."""
+    keys: dict[str, Any] = {}
+    if isinstance(log, Mapping) and "file" in log:
+        keys.update({key: item for key, item in log.items() if key != "file"})
+        log = log["file"]
+    keys.update(short)
+    if isinstance(log, (str, os.PathLike)):
+        keys = {"file": os.fspath(log), **keys}
+    elif is_table(log):
+        name = f"<{table}>"
+        held = columns(log)
+        memory.append((name, held))
+        told = _told(table, [column for column, _ in held])
+        missing = {key: item for key, item in told.items() if not _stated(key, keys)}
+        lines = "".join(f"{key} = {item}\n" for key, item in missing.items())
+        keys = {"file": name, "format": "csv", **keys}
+        return _toml.table(table, keys, _UNITS[table]) + lines
+    else:
+        raise TypeError(f"{table}: a {type(log).__name__} is neither a file nor a table")
+    return _toml.table(table, keys, _UNITS[table])
+
+
+def _stated(key: str, keys: Mapping[str, Any]) -> bool:
+    """Whether a key, or one that stands for the same, is stated."""
+    if key == "time" and "rate" in keys and "time" not in keys:
+        # A rate may stand beside the stamps.
+        return False
+    if key == "position" and "baseline" in keys:
+        return True
+    return key in keys or key.replace("_columns", "") in keys
+
+
+def _told(table: str, names: list[str]) -> dict[str, str]:
+    """What the names of columns tell of a table of the drive file."""
+    parts = dict(_undrift.told_by_names(names))
+    if table in parts:
+        return dict(parts[table])
+    if table == "truth" and "gnss" in parts:
+        # A trajectory without attitude.
+        return {key: item for key, item in parts["gnss"] if key in _TRUTH_KEYS}
+    return {}

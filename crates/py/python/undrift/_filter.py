@@ -1,0 +1,334 @@
+"""The filter, step by step."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from undrift import _undrift
+from undrift._array import Floats
+from undrift._model import ModelLike, compiled
+from undrift._result import Result
+from undrift._solution import Solution
+
+Vector = Sequence[float] | Floats
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Innovation(Result):
+    """What an update did."""
+
+    kind: str
+    """Kind of measurement."""
+    innovation: Floats
+    """Predicted less measured, in the measurement's units."""
+    nis: float
+    """Normalised innovation squared: chi-squared with ``dof`` degrees of freedom when the model is right."""
+    dof: int
+    """Numbers measured."""
+    whitened: Floats
+    """Innovation over its standard deviation: independent and standard normal when the model is right."""
+    outcome: str
+    """``used``, ``weakened`` or ``rejected``."""
+    factor: float
+    """Factor on the measurement's covariance."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FilterState(Result):
+    """The state of the filter at one instant."""
+
+    time: float
+    """Time [s]."""
+    lat: float
+    """Latitude [rad]."""
+    lon: float
+    """Longitude [rad]."""
+    height: float
+    """Height above the ellipsoid [m]."""
+    velocity: Floats
+    """Velocity over ground, north, east, down [m/s]."""
+    rpy: Floats
+    """Roll, pitch, yaw [rad]."""
+    position_std: Floats
+    """Standard deviation of the position, north, east, down [m]."""
+    velocity_std: Floats
+    """Standard deviation of the velocity, north, east, down [m/s]."""
+    attitude_std: Floats
+    """Standard deviation of the misalignment about north, east, down [rad]."""
+    gyro_error: Floats
+    """Estimated errors of the gyros [rad/s]."""
+    accel_error: Floats
+    """Estimated errors of the accelerometers [m/s²]."""
+    gyro_error_std: Floats
+    """Their standard deviations [rad/s]."""
+    accel_error_std: Floats
+    """Their standard deviations [m/s²]."""
+    parameters: Mapping[str, tuple[Floats, Floats]]
+    """Estimated parameters and their standard deviations, by name."""
+
+
+class Filter:
+    """The error-state Kalman filter that ``navigate`` runs, one step after the other.
+
+    It starts at ``position`` (latitude, longitude [rad], height [m]), ``velocity`` north, east, down
+    [m/s] and ``rpy`` [rad] at ``time`` [s], with standard deviations or, of position and velocity,
+    covariances. ``model`` at ``rate`` [Hz] gives the sensors' noise. ``lever_arm`` [m], body axes, is
+    the antenna's. ``parameters`` are constants to estimate with their standard deviation, or (standard
+    deviation, random walk [unit/√s]): gyro_scale, accel_scale, gyro_misalignment,
+    accel_misalignment, lever_arm, time_offset, mounting, axle, odometer_scale, barometer_bias.
+
+    Every update returns an :class:`Innovation`; ``gate`` = (weaken, reject) are limits of its NIS:
+    above the first the measurement's covariance grows, above the second it is left out.
+    """
+
+    def __init__(
+        self,
+        model: ModelLike,
+        bias_model: str = "arma",
+        rate: float = 100.0,
+        *,
+        position: Vector,
+        velocity: Vector = (0.0, 0.0, 0.0),
+        rpy: Vector = (0.0, 0.0, 0.0),
+        time: float = 0.0,
+        position_std: float | Vector = 1.0,
+        velocity_std: float | Vector = 0.1,
+        attitude_std: float | Vector = 0.02,
+        position_cov: npt.ArrayLike | None = None,
+        velocity_cov: npt.ArrayLike | None = None,
+        lever_arm: Vector = (0.0, 0.0, 0.0),
+        parameters: Mapping[str, float | tuple[float, float]] | None = None,
+    ) -> None:
+        start = {
+            "time": float(time),
+            "position": _three(position),
+            "velocity": _three(velocity),
+            "rpy": _three(rpy),
+            "position_cov": _covariance(position_std, position_cov),
+            "velocity_cov": _covariance(velocity_std, velocity_cov),
+            "attitude_std": _three(attitude_std),
+        }
+        asked = []
+        for name, prior in (parameters or {}).items():
+            std, walk = prior if isinstance(prior, tuple) else (prior, 0.0)
+            asked.append((name, float(std), float(walk)))
+        self._interval = 1.0 / rate
+        self._lever_arm = _three(lever_arm)
+        self._filter = _undrift.Filter(compiled(model), bias_model, rate, start, asked)
+        self._innovation: Innovation | None = None
+
+    # Time
+
+    def predict(
+        self,
+        gyro: Vector,
+        accel: Vector,
+        dt: float | None = None,
+        *,
+        time: float | None = None,
+        increments: bool = False,
+    ) -> None:
+        """Carries the filter over a sample: mean angular rate [rad/s] and specific force [m/s²], body axes.
+
+        ``dt`` [s] is its interval, by default 1/rate; ``time`` [s] its end, by default the present
+        time and ``dt``. With ``increments`` they are angles [rad] and velocities [m/s] gathered
+        over it.
+        """
+        self.begin(gyro, accel, dt, time=time, increments=increments)
+        self._filter.advance(None)
+
+    def begin(
+        self,
+        gyro: Vector,
+        accel: Vector,
+        dt: float | None = None,
+        *,
+        time: float | None = None,
+        increments: bool = False,
+    ) -> None:
+        """Takes up a sample without moving yet, as :meth:`predict`: for fixes inside of its interval."""
+        dt = self._interval if dt is None else dt
+        end = self._filter.time + dt if time is None else time
+        self._filter.begin(end, dt, _three(gyro), _three(accel), increments)
+
+    def advance(self, time: float | None = None) -> None:
+        """Moves to ``time`` [s] within the sample taken up, or to its end."""
+        self._filter.advance(time)
+
+    def predict_many(
+        self,
+        gyro: npt.ArrayLike,
+        accel: npt.ArrayLike,
+        dt: float | None = None,
+        *,
+        time: npt.ArrayLike | None = None,
+        increments: bool = False,
+    ) -> Solution:
+        """As :meth:`predict` over n samples, n × 3 each; the solution after every one of them.
+
+        ``time`` are the ends of the intervals [s]; the first interval is ``dt``, by default 1/rate.
+        Without it all are ``dt``.
+        """
+        rates, forces = np.asarray(gyro, np.float64), np.asarray(accel, np.float64)
+        dt = self._interval if dt is None else dt
+        ends = None if time is None else np.asarray(time, np.float64)
+        arrays = self._filter.predict_many(ends, dt, rates, forces, increments)
+        return Solution(**arrays)
+
+    # Measurements
+
+    def update_gnss(
+        self,
+        *,
+        position: Vector | None = None,
+        position_std: float | Vector = 1.0,
+        position_cov: npt.ArrayLike | None = None,
+        velocity: Vector | None = None,
+        velocity_std: float | Vector = 0.1,
+        velocity_cov: npt.ArrayLike | None = None,
+        lever_arm: Vector | None = None,
+        gate: tuple[float, float] | None = None,
+    ) -> tuple[Innovation, ...]:
+        """Updates with the antenna's position (latitude, longitude [rad], height [m]), then its velocity [m/s].
+
+        Standard deviations, or covariances, are north, east, down.
+        """
+        lever = self._lever_arm if lever_arm is None else _three(lever_arm)
+        done = []
+        if position is not None:
+            cov = _covariance(position_std, position_cov)
+            done.append(self._update("position", position, lever, cov=cov, gate=gate))
+        if velocity is not None:
+            cov = _covariance(velocity_std, velocity_cov)
+            done.append(self._update("velocity", velocity, lever, cov=cov, gate=gate))
+        return tuple(one for one in done if one is not None)
+
+    def update_zero_velocity(
+        self, std: float = 0.02, gate: tuple[float, float] | None = None
+    ) -> Innovation | None:
+        """Updates with rest: no velocity, ``std`` [m/s]."""
+        return self._update("zero velocity", (0.0, 0.0, 0.0), std=std, gate=gate)
+
+    def update_earth_rate(
+        self, gyro: Vector, std: float, gate: tuple[float, float] | None = None
+    ) -> Innovation | None:
+        """Updates with a mean angular rate at rest [rad/s]: what it is beyond the Earth's is the gyros' error."""
+        return self._update("earth rate", gyro, std=std, gate=gate)
+
+    def update_level(
+        self, accel: Vector, std: float, gate: tuple[float, float] | None = None
+    ) -> Innovation | None:
+        """Updates with a mean specific force at rest [m/s²], which points up."""
+        return self._update("level", accel, std=std, gate=gate)
+
+    def update_non_holonomic(
+        self,
+        right_std: float = 0.2,
+        down_std: float = 0.4,
+        axle: Vector = (0.0, 0.0, 0.0),
+        gate: tuple[float, float] | None = None,
+    ) -> Innovation | None:
+        """Updates with that the axle that does not steer, at ``axle`` from the IMU [m], does not slide: [m/s]."""
+        value = (right_std, down_std, 0.0)
+        return self._update("non-holonomic", value, _three(axle), gate=gate)
+
+    def update_odometer(
+        self,
+        speed: float,
+        std: float = 0.1,
+        wheel: Vector = (0.0, 0.0, 0.0),
+        gate: tuple[float, float] | None = None,
+    ) -> Innovation | None:
+        """Updates with the speed of the wheel at ``wheel`` from the IMU [m], forward positive [m/s]."""
+        return self._update("odometer", (speed, 0.0, 0.0), _three(wheel), std=std, gate=gate)
+
+    def update_barometer(
+        self, height: float, std: float = 1.0, gate: tuple[float, float] | None = None
+    ) -> Innovation | None:
+        """Updates with a barometric height [m]; its constant error is the parameter barometer_bias."""
+        return self._update("barometer", (height, 0.0, 0.0), std=std, gate=gate)
+
+    def update_course(
+        self, course: float, std: float, gate: tuple[float, float] | None = None
+    ) -> Innovation | None:
+        """Updates the heading with a course over ground [rad]; None while the vehicle points up or down."""
+        return self._update("course", (course, 0.0, 0.0), std=std, gate=gate)
+
+    def _update(
+        self,
+        kind: str,
+        value: Vector,
+        lever: list[float] | None = None,
+        *,
+        std: float = 0.0,
+        cov: list[list[float]] | None = None,
+        gate: tuple[float, float] | None = None,
+    ) -> Innovation | None:
+        lever = [0.0, 0.0, 0.0] if lever is None else lever
+        told = self._filter.update(kind, _three(value), std, lever, cov, gate)
+        if told is None:
+            return None
+        innovation, nis, dof, whitened, outcome, factor = told
+        self._innovation = Innovation(
+            kind, np.array(innovation), nis, dof, np.array(whitened), outcome, factor
+        )
+        return self._innovation
+
+    # What it knows
+
+    @property
+    def time(self) -> float:
+        """Time that it has reached [s]."""
+        return self._filter.time
+
+    @property
+    def innovation(self) -> Innovation | None:
+        """Of the last update."""
+        return self._innovation
+
+    @property
+    def state(self) -> FilterState:
+        """Position, velocity, attitude, sensor errors and parameters with their standard deviations."""
+        fields: dict[str, Any] = {}
+        for name, values in self._filter.state().items():
+            fields[name] = values[0] if values.ndim == 2 else float(values[0])
+        parameters = {
+            name: (np.array(value), np.array(std))
+            for name, value, std in self._filter.parameters()
+        }
+        return FilterState(**fields, parameters=parameters)
+
+    @property
+    def covariance(self) -> Floats:
+        """Covariance of the error state, n × n, a copy: position error north, east, down [m], velocity
+        error [m/s], misalignment [rad], then the states of the six sensor axes, then parameters.
+        """
+        return self._filter.covariance()
+
+    def __repr__(self) -> str:
+        return f"Filter(time={self.time:.6g}, states={len(self.covariance)})"
+
+
+def _three(value: float | Vector) -> list[float]:
+    """Three numbers; one stands for all of them."""
+    if isinstance(value, (int, float)):
+        return [float(value)] * 3
+    numbers = [float(one) for one in value]
+    if len(numbers) != 3:
+        raise TypeError(f"three numbers are needed, not {len(numbers)}")
+    return numbers
+
+
+def _covariance(std: float | Vector, cov: npt.ArrayLike | None) -> list[list[float]]:
+    if cov is None:
+        cov = np.diag([one * one for one in _three(std)])
+    matrix = np.asarray(cov, np.float64)
+    if matrix.shape != (3, 3):
+        raise TypeError(f"a covariance of 3 x 3 is needed, not {matrix.shape}")
+    rows: list[list[float]] = matrix.tolist()
+    return rows

@@ -1,0 +1,276 @@
+"""Static records into noise models."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from undrift import _undrift
+from undrift._array import Floats
+from undrift._model import ModelLike, NoiseModel, compiled
+from undrift._result import Result, axes
+from undrift._tables import columns as columns_of
+from undrift._told import Told
+
+if TYPE_CHECKING:
+    import matplotlib.axes
+
+#: Names of the six axes in the order of columns.
+AXES = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Candidate(Result):
+    """A model of an axis; "unit" is rad/s or m/s²."""
+
+    name: str
+    """Name, such as ``ARMA(1,1)`` or ``white + random walk``."""
+    states: int
+    """States of its shaping filter, the turn-on constant's included."""
+    drift: Mapping[str, float]
+    """RMS error of the predicted integral [unit·s] by the horizon in seconds, on the second half of the record."""
+    drift_error: Mapping[str, float]
+    """Standard errors of these."""
+    parameters: Mapping[str, Any] = field(repr=False)
+    """All that was found of it, as in :attr:`Identified.data`."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class AxisIdentified(Result):
+    """What was found out about one axis; "unit" is rad/s or m/s²."""
+
+    samples: int
+    """Samples."""
+    mean: float
+    """Their mean [unit]."""
+    unit: str
+    """rad/s or m/s^2."""
+    candidates: tuple[Candidate, ...] = field(repr=False)
+    """The candidates, the least drift after the longest time first."""
+    recommended: Candidate
+    """The simplest candidate within the sampling error of the best."""
+    reason: str
+    """Why it is recommended."""
+    stationarity: str
+    """What ADF, KPSS and Phillips-Perron say together."""
+    taus: Floats
+    """Averaging times of the Allan deviation [s]."""
+    adev: Floats
+    """Overlapping Allan deviation [unit]."""
+    adev_lower: Floats
+    """Lower end of its confidence interval."""
+    adev_upper: Floats
+    """Upper end of its confidence interval."""
+    adev_fit: Floats
+    """Deviation of the terms fitted."""
+    tests: Mapping[str, Any] = field(repr=False)
+    """The tests by name: adf, kpss, phillips_perron, jarque_bera, ks, lilliefors, ljung_box, pandit_wu, box_jenkins …"""
+    warnings: tuple[str, ...]
+    """What should be said of the axis."""
+
+    def plot(self, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
+        """The Allan deviation with its interval, and the fit. Needs ``undrift[plot]``."""
+        ax = axes(ax)
+        (line,) = ax.loglog(self.taus, self.adev, label="Allan deviation")
+        ax.fill_between(self.taus, self.adev_lower, self.adev_upper, color=line.get_color(), alpha=0.2)
+        ax.loglog(self.taus, self.adev_fit, "--", label="fit")
+        ax.set_xlabel("averaging time [s]")
+        ax.set_ylabel(f"deviation [{self.unit}]")
+        ax.legend()
+        return ax
+
+    def _table(self) -> Mapping[str, Any]:
+        """The candidates, a row each."""
+        horizons = self.recommended.drift
+        return {
+            "candidate": np.array([c.name for c in self.candidates]),
+            "states": np.array([c.states for c in self.candidates]),
+            **{
+                f"drift_{h}s": np.array([c.drift.get(h, np.nan) for c in self.candidates])
+                for h in horizons
+            },
+        }
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Identified(Told):
+    """A static record, identified axis by axis."""
+
+    axes: Mapping[str, AxisIdentified]
+    """What was found, ``gyro_x`` … ``accel_z``."""
+    failed: Mapping[str, str]
+    """The axes of which no model was found, and why."""
+    rate: float
+    """Sample rate [Hz]."""
+    warnings: tuple[str, ...]
+    """What should be said of the record and its axes."""
+    json: str = field(repr=False)
+    """The result as ``undrift identify --json -`` prints it."""
+    _found: _undrift.Identified | None = field(repr=False)
+
+    @property
+    def recommended(self) -> dict[str, str]:
+        """Name of the candidate that is recommended for each axis."""
+        return {name: axis.recommended.name for name, axis in self.axes.items()}
+
+    def model(self, base: ModelLike | None = None) -> NoiseModel:
+        """The noise model: the recommended candidate of each axis.
+
+        ``base`` gives the axes that the record does not have, and the turn-on constants, of which a
+        record shows one draw.
+        """
+        if self._found is None:
+            raise _undrift.UndriftError("a pickled result has no model: save the model itself")
+        return NoiseModel(self._found.model(None if base is None else compiled(base)))
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_found": None}
+
+    def plot(self, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
+        """The Allan deviations of all axes. Needs ``undrift[plot]``."""
+        ax = axes(ax)
+        for name, axis in self.axes.items():
+            ax.loglog(axis.taus, axis.adev, label=f"{name} [{axis.unit}]")
+        ax.set_xlabel("averaging time [s]")
+        ax.set_ylabel("Allan deviation")
+        ax.legend()
+        return ax
+
+    def _table(self) -> Mapping[str, Any]:
+        """The axes, a row each."""
+        found = list(self.axes.values())
+        horizons = found[0].recommended.drift if found else {}
+        return {
+            "axis": np.array(list(self.axes)),
+            "recommended": np.array([axis.recommended.name for axis in found]),
+            **{
+                f"drift_{h}s": np.array([axis.recommended.drift.get(h, np.nan) for axis in found])
+                for h in horizons
+            },
+        }
+
+
+def identify(
+    record: Any,
+    *,
+    rate: float | None = None,
+    columns: Iterable[str | int] = (),
+    axis: str | None = None,
+    units: str | tuple[str, str] | None = None,
+    topic: str | None = None,
+    n_max: int = 2,
+    detrend: str = "constant",
+) -> Identified:
+    """Identifies how a sensor errs from a record of it at rest.
+
+    ``record`` is a file; a table in memory (data frame, Arrow table, structured array, dict of
+    arrays); or an array, of one axis (then ``axis`` names it) or of n × 6 columns in the order of
+    gyro x, y, z, accelerometer x, y, z, in SI units. ``columns`` and ``units``, ``"deg/s,g"``, are
+    told by the names of columns where they tell; ``rate`` [Hz] by the time stamps, if there are any.
+    ``detrend`` is constant, linear or temperature; ``n_max`` the largest n of ARMA(2n, 2n−1) in the
+    Pandit-Wu table. docs/identify.md has the steps.
+    """
+    if isinstance(units, str):
+        parts = [part.strip() for part in units.split(",")]
+        if len(parts) > 2:
+            raise _undrift.UndriftError(
+                'units takes the gyros\' and the accelerometers\' unit, for instance "deg/s,g"'
+            )
+        units = (parts[0], parts[-1])
+    memory: list[tuple[str, Floats]] | None = None
+    path: str | os.PathLike[str] = "<record>"
+    if isinstance(record, (str, os.PathLike)):
+        path = record
+    elif isinstance(record, np.ndarray) and record.dtype.names is None:
+        memory = _bare(record, axis)
+        units = units or ("rad/s", "m/s^2")
+    else:
+        memory = columns_of(record)
+    found = _undrift.identify(
+        path, memory, list(columns), axis, units, topic, rate, n_max, detrend
+    )
+    text = found.json()
+    told = json.loads(text)
+    done, failed = {}, {}
+    for name in (name for name in AXES if name in told["axes"]):
+        of_axis = told["axes"][name]
+        if "error" in of_axis:
+            failed[name] = of_axis["error"]
+        else:
+            done[name] = _axis(of_axis)
+    said = [f"{name}: {why}" for name, why in failed.items()]
+    said += [f"{name}: {warning}" for name, one in done.items() for warning in one.warnings]
+    return Identified(
+        axes=done,
+        failed=failed,
+        rate=told["rate_hz"],
+        warnings=(*found.warnings, *said),
+        json=text,
+        _found=found,
+    )
+
+
+def _bare(record: npt.NDArray[Any], axis: str | None) -> list[tuple[str, Floats]]:
+    """The columns of an array without names."""
+    if record.ndim == 1:
+        if axis is None:
+            raise TypeError(f"say which axis the record is of: axis={AXES[0]!r} … {AXES[-1]!r}")
+        return [(axis, np.asarray(record, dtype=np.float64))]
+    if record.ndim == 2 and record.shape[1] == len(AXES):
+        return [
+            (name, np.asarray(column, dtype=np.float64))
+            for name, column in zip(AXES, record.T, strict=True)
+        ]
+    shape = " x ".join(map(str, record.shape))
+    raise TypeError(f"a record of one axis or of n x 6 columns is needed, not {shape}")
+
+
+def _axis(told: dict[str, Any]) -> AxisIdentified:
+    candidates = {c["name"]: _candidate(c) for c in told["candidates"]}
+    allan = told["allan"]
+    tests = (
+        "adf",
+        "kpss",
+        "phillips_perron",
+        "jarque_bera",
+        "ks",
+        "lilliefors",
+        "ljung_box",
+        "pandit_wu",
+        "box_jenkins",
+        "allan_terms",
+        "scales",
+    )
+    array = np.array
+    return AxisIdentified(
+        samples=told["samples"],
+        mean=told["mean"],
+        unit=told["unit"],
+        candidates=tuple(candidates[name] for name in told["ranking"]),
+        recommended=candidates[told["chosen"]["name"]],
+        reason=told["chosen"]["reason"],
+        stationarity=told["stationarity"],
+        taus=array(allan["tau_s"], dtype=np.float64),
+        adev=array(allan["adev"], dtype=np.float64),
+        adev_lower=array(allan["lower"], dtype=np.float64),
+        adev_upper=array(allan["upper"], dtype=np.float64),
+        adev_fit=array(allan["fit"], dtype=np.float64),
+        tests={name: told[name] for name in tests},
+        warnings=tuple(told["warnings"]),
+    )
+
+
+def _candidate(told: dict[str, Any]) -> Candidate:
+    return Candidate(
+        name=told["name"],
+        states=told["states"],
+        drift=told["drift_score"],
+        drift_error=told["drift_score_error"],
+        parameters=told,
+    )

@@ -1,0 +1,149 @@
+"""Drives into solutions."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from undrift import _undrift
+from undrift._drive import Drive, Log
+from undrift._model import ModelLike
+from undrift._result import axes
+from undrift._simulate import Simulation
+from undrift._solution import Solution
+from undrift._told import Told
+
+if TYPE_CHECKING:
+    import matplotlib.axes
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Navigation(Solution, Told):
+    """A navigated drive: the solution at every sample, and what is to be said of it."""
+
+    bias_model: str
+    """Name of the bias model."""
+    smooth: bool
+    """Whether the solution is the smoothed one."""
+    alignment: str
+    """How it began."""
+    fixes: int
+    """Fixes used."""
+    rmse: Mapping[str, float] | None
+    """Root-mean-square error against the truth by component: [m], [m/s], [deg]; None without a truth."""
+    nis: Mapping[str, float | None]
+    """NIS per degree of freedom of ``position`` and ``velocity``: 1 when the model is right."""
+    nees: Mapping[str, float | None]
+    """NEES per degree of freedom against the truth, once a second: 1 when the covariance is right."""
+    diverged: float | None
+    """Time at which the solution came to an end [s]; None if it did not."""
+    warnings: tuple[str, ...]
+    """What should be said with the solution, in sentences."""
+    json: str = field(repr=False)
+    """The result as ``undrift navigate --json -`` prints it."""
+
+    def plot(self, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
+        """The way, east over north from its first place [m]. Needs ``undrift[plot]``."""
+        ax = axes(ax)
+        north, east = _local(self.lat, self.lon)
+        ax.plot(east, north)
+        ax.set_aspect("equal", adjustable="datalim")
+        ax.set_xlabel("east [m]")
+        ax.set_ylabel("north [m]")
+        return ax
+
+    def plot_std(self, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
+        """Standard deviation of the position over time. Needs ``undrift[plot]``."""
+        ax = axes(ax)
+        for name, column in zip(("north", "east", "down"), self.position_std.T, strict=True):
+            ax.plot(self.time, column, label=name)
+        ax.set_yscale("log")
+        ax.set_xlabel("time [s]")
+        ax.set_ylabel("standard deviation [m]")
+        ax.legend()
+        return ax
+
+
+def _local(lat: Any, lon: Any) -> tuple[Any, Any]:
+    """North and east of the first place [m], on a sphere: for figures."""
+    radius = 6_371_000.0
+    if len(lat) == 0:
+        return lat, lon
+    return (lat - lat[0]) * radius, (lon - lon[0]) * radius * np.cos(lat[0])
+
+
+def drive_of(
+    drive: Log | Drive | Simulation,
+    gnss: Log,
+    model: ModelLike | Mapping[str, Any] | None,
+    data: str | os.PathLike[str] | None,
+    keys: Mapping[str, Any],
+) -> Drive:
+    """The drive that is meant by the arguments of ``navigate`` and ``outages``."""
+    if gnss is not None:
+        if data is not None:
+            raise TypeError("data goes with a drive file: give the paths of the logs instead")
+        return Drive(drive, gnss, model, **keys)
+    if keys:
+        raise TypeError(f"{', '.join(keys)}: goes with logs, of which gnss is not given")
+    if isinstance(model, Mapping):
+        raise TypeError("the model of a drive is a name, a file or a NoiseModel")
+    if isinstance(drive, Simulation):
+        drive = drive.drive()
+    elif not isinstance(drive, Drive):
+        drive = Drive.load(drive, data)
+    return drive if model is None else drive.with_model(model)
+
+
+def navigate(
+    drive: Log | Drive | Simulation,
+    gnss: Log = None,
+    model: ModelLike | Mapping[str, Any] | None = None,
+    *,
+    data: str | os.PathLike[str] | None = None,
+    bias_model: str = "arma",
+    smooth: bool = False,
+    output: str | os.PathLike[str] | Iterable[str | os.PathLike[str]] = (),
+    format: str | None = None,
+    week: int | None = None,
+    every: float | None = None,
+    solution: bool = True,
+    **keys: Any,
+) -> Navigation:
+    """Navigates a drive: IMU and GNSS into position, velocity and attitude.
+
+    ``navigate("drive.toml")`` takes a drive file, with ``data`` as the folder of its logs if it is
+    not its own; or a :class:`Drive`; or a :class:`Simulation`. ``navigate(imu, gnss, model, …)``
+    takes the logs themselves, in files or in memory, and all that :class:`Drive` takes.
+
+    ``bias_model`` is white, paper, gauss-markov, random-walk, ar or arma. With ``smooth`` the
+    solution is at every sample the best estimate given the whole log. ``output`` are files to write
+    it to, in the ``format`` of the extension or the one given; ``week`` is the GPS week in which the
+    log begins, ``every`` the least time between rows of the files [s]. Without ``solution`` the
+    arrays are empty: 31 numbers a sample, for long logs.
+    """
+    made = drive_of(drive, gnss, model, data, keys)
+    files = [output] if isinstance(output, (str, os.PathLike)) else list(output)
+    text, arrays = _undrift.navigate(
+        made._drive, bias_model, smooth, files, format, week, every, solution
+    )
+    told = json.loads(text)
+    summary = told["summary"]
+    return Navigation(
+        **arrays,
+        json=text,
+        bias_model=told["bias_model"],
+        smooth=told["smooth"],
+        alignment=summary["alignment"],
+        fixes=summary["fixes"],
+        rmse=told["rms_error"],
+        nis={part: told[part]["nis_per_dof"] for part in ("position", "velocity")},
+        nees=told["nees_per_dof"],
+        diverged=summary["diverged"],
+        warnings=tuple(told["warnings"]),
+    )

@@ -1,0 +1,170 @@
+"""Drives with their GNSS cut."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from undrift import _undrift
+from undrift._array import Floats
+from undrift._drive import Drive, Log
+from undrift._model import ModelLike
+from undrift._navigate import drive_of
+from undrift._result import Result, axes
+from undrift._simulate import Simulation
+from undrift._told import Told
+
+if TYPE_CHECKING:
+    import matplotlib.axes
+
+#: Names of the bias models in the order of tables.
+BIAS_MODELS = ("white", "paper", "gauss-markov", "random-walk", "ar", "arma")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Drift(Result):
+    """The horizontal error in one outage over the time since GNSS was cut."""
+
+    start: float
+    """Start of the outage [s], in the logs' time base."""
+    since: Floats
+    """Time since then [s], at most about ten a second."""
+    horizontal: Floats
+    """Horizontal error [m]."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ModelErrors(Result):
+    """What the outages did to one bias model; errors by component: [m], [m/s], [deg]."""
+
+    max: Mapping[str, float | None]
+    """Largest magnitude over all samples inside the outages."""
+    rms: Mapping[str, float | None]
+    """Root mean square over the outages of each one's largest error."""
+    median: Mapping[str, float | None]
+    """Median over the outages of each one's largest error."""
+    end_rms: Mapping[str, float | None]
+    """Root mean square over the outages of the error at the end."""
+    outages: tuple[Drift, ...] = field(repr=False)
+    """Outage by outage."""
+    mean_drift: Drift
+    """RMS over the outages of the horizontal error; ``start`` is 0."""
+    warning: str | None
+    """Why the numbers cannot be trusted, if so."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Outages(Told):
+    """How far each bias model drifts when GNSS is cut."""
+
+    models: Mapping[str, ModelErrors]
+    """The models that were run, by name."""
+    failed: Mapping[str, str]
+    """Those that could not be, and why."""
+    cuts: Floats
+    """Start and length of every outage [s], n × 2."""
+    reference: str
+    """What the errors are measured against: ``truth``, or ``gnss`` for the withheld fixes."""
+    smooth: bool
+    """Whether the errors are those of the smoothed solutions."""
+    warnings: tuple[str, ...]
+    """What should be said of the logs and of the models."""
+    table: str = field(repr=False)
+    """The table that the terminal prints."""
+    json: str = field(repr=False)
+    """The result as ``undrift outages --json -`` prints it."""
+
+    def _table(self) -> Mapping[str, Any]:
+        """Rows of models and statistics, columns of components."""
+        rows = [
+            (name, statistic, getattr(model, statistic))
+            for name, model in self.models.items()
+            for statistic in ("max", "rms", "median", "end_rms")
+        ]
+        table: dict[str, Any] = {
+            "model": np.array([name for name, *_ in rows]),
+            "statistic": np.array([statistic for _, statistic, _ in rows]),
+        }
+        for component in rows[0][2] if rows else ():
+            values = [np.nan if v is None else v for v in (errors[component] for *_, errors in rows)]
+            table[component] = np.array(values)
+        return table
+
+    def plot(self, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
+        """Horizontal drift since the cut, RMS over the outages, of each model. Needs ``undrift[plot]``."""
+        ax = axes(ax)
+        for name, model in self.models.items():
+            ax.plot(model.mean_drift.since, model.mean_drift.horizontal, label=name)
+        ax.set_xlabel("time since GNSS was cut [s]")
+        ax.set_ylabel("horizontal error, RMS [m]")
+        ax.legend()
+        return ax
+
+
+def outages(
+    drive: Log | Drive | Simulation,
+    gnss: Log = None,
+    model: ModelLike | Mapping[str, Any] | None = None,
+    *,
+    data: str | os.PathLike[str] | None = None,
+    bias_models: Iterable[str] = BIAS_MODELS,
+    length: float = 10.0,
+    count: int | None = None,
+    every: float | None = None,
+    start: float = 60.0,
+    at: Iterable[float] | None = None,
+    smooth: bool = False,
+    **keys: Any,
+) -> Outages:
+    """Cuts GNSS again and again on a drive and measures how far each bias model drifts.
+
+    ``drive``, ``gnss``, ``model``, ``data`` and further keys are those of :func:`navigate`. An
+    outage lasts ``length`` [s]; the first starts ``start`` [s] after the first fix. ``count`` of them
+    are spread evenly, or stand ``every`` so many seconds from start to start; ``at`` are starts in
+    the logs' time base instead. With ``smooth`` the errors are those that are left when the fixes
+    after an outage are known too.
+    """
+    made = drive_of(drive, gnss, model, data, keys)
+    text, table, curves = _undrift.outages(
+        made._drive,
+        [bias_models] if isinstance(bias_models, str) else list(bias_models),
+        length,
+        count,
+        every,
+        start,
+        None if at is None else [float(time) for time in at],
+        smooth,
+    )
+    told = json.loads(text)
+    drift = told["series"]["drift"]
+    models = {}
+    for name, of_model in curves:
+        errors, mean = told["models"][name], drift[name]
+        models[name] = ModelErrors(
+            max=errors["max"],
+            rms=errors["rms"],
+            median=errors["median"],
+            end_rms=errors["end_rms"],
+            outages=tuple(Drift(*curve) for curve in of_model),
+            mean_drift=Drift(
+                0.0, np.array(mean["since_cut_s"]), np.array(mean["horizontal_rms_m"])
+            ),
+            warning=errors.get("warning"),
+        )
+    of_models = [f"{name}: {m.warning}" for name, m in models.items() if m.warning]
+    cuts = [(cut["start_s"], cut["length_s"]) for cut in told["outages"]]
+    return Outages(
+        models=models,
+        failed=told["failed"],
+        cuts=np.array(cuts).reshape(-1, 2),
+        reference=told["reference"],
+        smooth=told["smooth"],
+        warnings=(*told["warnings"], *of_models),
+        table=table,
+        json=text,
+    )

@@ -1,0 +1,249 @@
+"""Simulated drives."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from undrift import _undrift
+from undrift._array import Floats
+from undrift._drive import Drive
+from undrift._model import ModelLike, NoiseModel, compiled
+from undrift._result import Result, axes
+from undrift._solution import Placed, Series
+
+if TYPE_CHECKING:
+    import matplotlib.axes
+
+Three = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class GnssReceiver:
+    """What a simulated receiver reports, when, and how well; by default a carrier-phase receiver."""
+
+    position_std: Three = (0.02, 0.02, 0.04)
+    """Standard deviation of the position, north, east, down [m]."""
+    velocity_std: Three = (0.03, 0.03, 0.03)
+    """Standard deviation of the velocity, north, east, down [m/s]."""
+    rate: float = 1.0
+    """Fixes a second [Hz]."""
+    start: float = 1.0
+    """Time of the first fix [s], before ``time_offset``."""
+    time_offset: float = 0.0
+    """Offset of every fix [s]; those before 0 are left out."""
+    lever_arm: Three = (0.0, 0.0, 0.0)
+    """From the IMU to the antenna, body axes [m]."""
+    position: bool = True
+    """Whether fixes have a position."""
+    velocity: bool = True
+    """Whether fixes have a velocity."""
+    noise_scale: float = 1.0
+    """Factor on the noise that is drawn, not on the standard deviations that are reported."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ImuLog(Series):
+    """Inertial samples, each the mean over the interval that ends at its time."""
+
+    time: Floats
+    """End of the interval [s]."""
+    gyro: Floats
+    """Angular rate, body axes [rad/s], n × 3."""
+    accel: Floats
+    """Specific force, body axes [m/s²], n × 3."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class GnssLog(Placed):
+    """Fixes of the antenna; NaN where a fix has no position or no velocity."""
+
+    time: Floats
+    """Time of the fix [s]."""
+    lat: Floats
+    """Latitude [rad]."""
+    lon: Floats
+    """Longitude [rad]."""
+    height: Floats
+    """Height above the ellipsoid [m]."""
+    position_std: Floats
+    """Standard deviation of the position, north, east, down [m], n × 3."""
+    velocity: Floats
+    """Velocity, north, east, down [m/s], n × 3."""
+    velocity_std: Floats
+    """Its standard deviation [m/s], n × 3."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Truth(Placed):
+    """What the IMU did: at time 0, then at the end of each inertial sample."""
+
+    time: Floats
+    """Time [s]."""
+    lat: Floats
+    """Latitude [rad]."""
+    lon: Floats
+    """Longitude [rad]."""
+    height: Floats
+    """Height above the ellipsoid [m]."""
+    velocity: Floats
+    """Velocity, north, east, down [m/s], n × 3."""
+    rpy: Floats
+    """Roll, pitch, yaw [rad], n × 3."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Simulation(Result):
+    """A simulated drive: what the sensors report, and the truth."""
+
+    imu: ImuLog
+    """Inertial samples."""
+    gnss: GnssLog
+    """Fixes."""
+    truth: Truth
+    """The truth at the IMU."""
+    receiver: GnssReceiver
+    """The receiver."""
+    rate: float
+    """Rate of the inertial samples [Hz]."""
+    seed: int
+    """Seed of the trajectory and of all noise."""
+    model: NoiseModel | None = field(repr=False)
+    """The noise model of the IMU; None if it is free of errors."""
+
+    def drive(self, *, truth: bool = True, **keys: Any) -> Drive:
+        """The drive in memory; ``keys`` are further ones of :class:`Drive`."""
+        logs = {table: {"file": dict(log[0]), **log[1]} for table, log in self._logs(truth).items()}
+        reference = {"truth": logs["truth"]} if truth else {}
+        return Drive(logs["imu"], logs["gnss"], self.model, **reference, name="<simulation>", **keys)
+
+    def save(self, folder: str | os.PathLike[str]) -> Path:
+        """Writes ``imu.csv``, ``gnss.csv``, ``truth.csv``, ``imu.toml`` and ``drive.toml``, which is returned.
+
+        The numbers have all their digits: what is navigated from the files is the same.
+        """
+        folder = Path(folder)
+        folder.mkdir(parents=True, exist_ok=True)
+        text = ""
+        if self.model is not None:
+            self.model.save(folder / "imu.toml")
+            text = 'model = "imu.toml"\n\n'
+        from undrift import _toml
+        from undrift._drive import _UNITS
+
+        for table, (columns, keys) in self._logs(True).items():
+            _undrift.write_csv(folder / f"{table}.csv", columns)
+            text += _toml.table(table, {"file": f"{table}.csv", **keys}, _UNITS[table]) + "\n"
+        path = folder / "drive.toml"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    def _logs(self, truth: bool) -> dict[str, tuple[list[tuple[str, Floats]], dict[str, Any]]]:
+        """The logs as a drive file has them: columns by name, and the keys that say what they are."""
+        imu, gnss, reference = self.imu, self.gnss, self.truth
+        rates, forces = ("gx_radps", "gy_radps", "gz_radps"), ("fx_mps2", "fy_mps2", "fz_mps2")
+        place, velocity = ("lat_deg", "lon_deg", "height_m"), ("vn_mps", "ve_mps", "vd_mps")
+        stds, velocity_stds = ("sn_m", "se_m", "sd_m"), ("svn_mps", "sve_mps", "svd_mps")
+        angles = ("roll_deg", "pitch_deg", "yaw_deg")
+        of_gnss: dict[str, Any] = {"time": "t_s", "lever_arm": self.receiver.lever_arm}
+        columns = [("t_s", gnss.time)]
+        if self.receiver.position:
+            of_gnss |= {"position": place, "position_std_columns": stds}
+            columns += [*_place(place, gnss), *_columns(stds, gnss.position_std)]
+        if self.receiver.velocity:
+            of_gnss |= {"velocity": velocity, "velocity_std_columns": velocity_stds}
+            columns += [
+                *_columns(velocity, gnss.velocity),
+                *_columns(velocity_stds, gnss.velocity_std),
+            ]
+        of_imu = {
+            "time": "t_s",
+            "rate": self.rate,
+            "gyro": rates,
+            "gyro_unit": "rad/s",
+            "accel": forces,
+            "accel_unit": "m/s^2",
+        }
+        logs: dict[str, tuple[list[tuple[str, Floats]], dict[str, Any]]] = {
+            "imu": (
+                [("t_s", imu.time), *_columns(rates, imu.gyro), *_columns(forces, imu.accel)],
+                of_imu,
+            ),
+            "gnss": (columns, of_gnss),
+        }
+        if truth:
+            logs["truth"] = (
+                [
+                    ("t_s", reference.time),
+                    *_place(place, reference),
+                    *_columns(velocity, reference.velocity),
+                    *_columns(angles, np.degrees(reference.rpy)),
+                ],
+                {"time": "t_s", "position": place, "velocity": velocity, "attitude": angles},
+            )
+        return logs
+
+    def plot(self, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
+        """The way driven, east over north from its start [m]. Needs ``undrift[plot]``."""
+        from undrift._navigate import _local
+
+        ax = axes(ax)
+        north, east = _local(self.truth.lat, self.truth.lon)
+        ax.plot(east, north)
+        ax.set_aspect("equal", adjustable="datalim")
+        ax.set_xlabel("east [m]")
+        ax.set_ylabel("north [m]")
+        return ax
+
+
+def _columns(names: tuple[str, ...], values: Floats) -> list[tuple[str, Floats]]:
+    return list(zip(names, values.T, strict=True))
+
+
+def _place(names: tuple[str, str, str], log: Any) -> list[tuple[str, Floats]]:
+    return list(zip(names, (log.lat_deg, log.lon_deg, log.height), strict=True))
+
+
+def simulate(
+    trajectory: str = "car",
+    duration: float = 600.0,
+    rate: float = 100.0,
+    model: ModelLike | None = "adis16405",
+    *,
+    gnss: GnssReceiver | None = None,
+    bias_model: str = "gauss-markov",
+    seed: int = 1,
+    speed: float = 10.0,
+    course: float = 0.0,
+    turn_rate: float = 0.1,
+) -> Simulation:
+    """Simulates a drive of ``duration`` [s] with an IMU at ``rate`` [Hz].
+
+    ``trajectory`` is ``car``, ``flight`` (drawn from the seed, with a rest before), ``rest``,
+    ``straight`` (``speed`` [m/s], ``course`` [rad]) or ``turn`` (``speed``, ``turn_rate`` [rad/s]).
+    The motion is analytic, so the increments are exact. ``model`` draws the sensors' errors, turn-on
+    constants included, as its ``bias_model``; None leaves them out. One seed gives the same drive
+    everywhere.
+    """
+    receiver = GnssReceiver() if gnss is None else gnss
+    noise = None if model is None else model if isinstance(model, NoiseModel) else NoiseModel.load(model)
+    motion = {
+        "kind": trajectory,
+        "duration": duration,
+        "speed": speed,
+        "course": course,
+        "turn_rate": turn_rate,
+    }
+    imu, fixes, truth = _undrift.simulate(
+        motion,
+        rate,
+        None if noise is None else compiled(noise),
+        bias_model,
+        asdict(receiver),
+        seed,
+    )
+    return Simulation(ImuLog(**imu), GnssLog(**fixes), Truth(**truth), receiver, rate, seed, noise)

@@ -1,0 +1,421 @@
+//! ARMA models: fits, orders, likelihood, simulation.
+
+use crate::array::{Array, Record, samples};
+use crate::error::error;
+use pyo3::prelude::*;
+use undrift::nav::shaping::ShapingFilter;
+use undrift::noise::arma::{self, ArFit, ArmaError, ArmaFit, FitOptions, Mean, Root, Selection};
+use undrift::noise::pandit_wu::{self, OrderTest, PAPER_CRITICAL, PanditWuOptions};
+use undrift::noise::synthesis::NoiseGenerator;
+
+pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(arma_fit, module)?)?;
+    module.add_function(wrap_pyfunction!(arma_residuals, module)?)?;
+    module.add_function(wrap_pyfunction!(arma_log_likelihood, module)?)?;
+    module.add_function(wrap_pyfunction!(arma_select, module)?)?;
+    module.add_function(wrap_pyfunction!(arma_profile_interval, module)?)?;
+    module.add_function(wrap_pyfunction!(arma_simulate, module)?)?;
+    module.add_function(wrap_pyfunction!(ar_burg, module)?)?;
+    module.add_function(wrap_pyfunction!(ar_yule_walker, module)?)?;
+    module.add_function(wrap_pyfunction!(ar_order, module)?)?;
+    module.add_function(wrap_pyfunction!(arma_pandit_wu, module)?)
+}
+
+#[derive(IntoPyObject)]
+struct Fit {
+    ar: Array<f64>,
+    ma: Array<f64>,
+    sigma: f64,
+    sigma2: f64,
+    mean: f64,
+    mean_standard_error: f64,
+    log_likelihood: f64,
+    residual_sum_of_squares: f64,
+    parameters: usize,
+    aic: f64,
+    aicc: f64,
+    bic: f64,
+    standard_errors: Option<Array<f64>>,
+    covariance: Option<Array<f64>>,
+    n: usize,
+    has_unit_root: bool,
+    local_optima: usize,
+    converged: bool,
+    pair_likelihood_ratio: Option<f64>,
+    near_cancelling: bool,
+    flat_likelihood: bool,
+    unit_root: bool,
+    warnings: Vec<String>,
+}
+
+impl From<ArmaFit> for Fit {
+    fn from(fit: ArmaFit) -> Self {
+        Self {
+            ar: Array(fit.ar),
+            ma: Array(fit.ma),
+            sigma: fit.sigma,
+            sigma2: fit.variance,
+            mean: fit.mean,
+            mean_standard_error: fit.mean_standard_error,
+            log_likelihood: fit.log_likelihood,
+            residual_sum_of_squares: fit.residual_sum_of_squares,
+            parameters: fit.parameters,
+            aic: fit.aic,
+            aicc: fit.aicc,
+            bic: fit.bic,
+            standard_errors: fit.standard_errors.map(Array),
+            covariance: fit.covariance.map(Array),
+            n: fit.n,
+            has_unit_root: fit.has_unit_root,
+            local_optima: fit.local_optima,
+            converged: fit.converged,
+            pair_likelihood_ratio: fit.pair_likelihood_ratio,
+            near_cancelling: fit.near_cancelling,
+            flat_likelihood: fit.flat_likelihood,
+            unit_root: fit.unit_root,
+            warnings: fit.warnings.iter().map(ToString::to_string).collect(),
+        }
+    }
+}
+
+/// A fit as the package holds it: what of it is needed again.
+#[derive(FromPyObject)]
+struct PyFit {
+    ar: Vec<f64>,
+    ma: Vec<f64>,
+    sigma: f64,
+    sigma2: f64,
+    mean: f64,
+    mean_standard_error: f64,
+    log_likelihood: f64,
+    residual_sum_of_squares: f64,
+    parameters: usize,
+    aic: f64,
+    aicc: f64,
+    bic: f64,
+    standard_errors: Option<Vec<f64>>,
+    n: usize,
+    has_unit_root: bool,
+    local_optima: usize,
+    converged: bool,
+    pair_likelihood_ratio: Option<f64>,
+    near_cancelling: bool,
+    flat_likelihood: bool,
+    unit_root: bool,
+}
+
+impl From<PyFit> for ArmaFit {
+    fn from(fit: PyFit) -> Self {
+        Self {
+            ar: fit.ar,
+            ma: fit.ma,
+            sigma: fit.sigma,
+            variance: fit.sigma2,
+            mean: fit.mean,
+            mean_standard_error: fit.mean_standard_error,
+            log_likelihood: fit.log_likelihood,
+            residual_sum_of_squares: fit.residual_sum_of_squares,
+            parameters: fit.parameters,
+            aic: fit.aic,
+            aicc: fit.aicc,
+            bic: fit.bic,
+            standard_errors: fit.standard_errors,
+            covariance: None,
+            n: fit.n,
+            has_unit_root: fit.has_unit_root,
+            local_optima: fit.local_optima,
+            converged: fit.converged,
+            pair_likelihood_ratio: fit.pair_likelihood_ratio,
+            near_cancelling: fit.near_cancelling,
+            flat_likelihood: fit.flat_likelihood,
+            unit_root: fit.unit_root,
+            warnings: Vec::new(),
+        }
+    }
+}
+
+fn mean_of(known: Option<f64>) -> Mean {
+    known.map_or(Mean::Estimated, Mean::Known)
+}
+
+fn options(mean: Option<f64>, unit_root: bool, effort: f64) -> FitOptions {
+    FitOptions {
+        mean: mean_of(mean),
+        unit_root,
+        effort,
+    }
+}
+
+#[pyfunction]
+fn arma_fit(
+    py: Python<'_>,
+    x: Record<'_>,
+    order: (usize, usize),
+    mean: Option<f64>,
+    unit_root: bool,
+    effort: f64,
+    starts: Vec<(Vec<f64>, Vec<f64>)>,
+) -> PyResult<Fit> {
+    let x = samples(&x)?;
+    let options = options(mean, unit_root, effort);
+    py.detach(|| arma::fit_from(x, order.0, order.1, &options, &starts))
+        .map(Fit::from)
+        .map_err(error)
+}
+
+#[pyfunction]
+fn arma_residuals(py: Python<'_>, fit: PyFit, x: Record<'_>) -> PyResult<Array<f64>> {
+    let x = samples(&x)?;
+    let fit = ArmaFit::from(fit);
+    py.detach(|| fit.residuals(x)).map(Array).map_err(error)
+}
+
+#[derive(IntoPyObject)]
+struct Likelihood {
+    log_likelihood: f64,
+    sum_of_squares: f64,
+    sigma2: f64,
+    mean: f64,
+    mean_standard_error: f64,
+    n: usize,
+}
+
+#[pyfunction]
+fn arma_log_likelihood(
+    py: Python<'_>,
+    x: Record<'_>,
+    ar: Vec<f64>,
+    ma: Vec<f64>,
+    mean: Option<f64>,
+    unit_root: bool,
+) -> PyResult<Likelihood> {
+    let x = samples(&x)?;
+    let at = py
+        .detach(|| arma::log_likelihood(x, &ar, &ma, mean_of(mean), unit_root))
+        .map_err(error)?;
+    Ok(Likelihood {
+        log_likelihood: at.log_likelihood,
+        sum_of_squares: at.sum_of_squares,
+        sigma2: at.variance,
+        mean: at.mean,
+        mean_standard_error: at.mean_standard_error,
+        n: at.observations,
+    })
+}
+
+#[derive(IntoPyObject)]
+struct Orders {
+    fits: Vec<Fit>,
+    index_aic: usize,
+    index_aicc: usize,
+    index_bic: usize,
+}
+
+#[pyfunction]
+fn arma_select(
+    py: Python<'_>,
+    x: Record<'_>,
+    max_order: (usize, usize),
+    mean: Option<f64>,
+    unit_root: bool,
+    effort: f64,
+) -> PyResult<Orders> {
+    let x = samples(&x)?;
+    let options = options(mean, unit_root, effort);
+    let found: Selection = py
+        .detach(|| arma::select(x, max_order.0, max_order.1, &options))
+        .map_err(error)?;
+    Ok(Orders {
+        fits: found.fits.into_iter().map(Fit::from).collect(),
+        index_aic: found.by_aic,
+        index_aicc: found.by_aicc,
+        index_bic: found.by_bic,
+    })
+}
+
+#[derive(IntoPyObject)]
+struct Profile {
+    estimate: f64,
+    low: f64,
+    high: f64,
+}
+
+#[pyfunction]
+fn arma_profile_interval(
+    py: Python<'_>,
+    x: Record<'_>,
+    fit: PyFit,
+    root: &str,
+    level: f64,
+) -> PyResult<Profile> {
+    let x = samples(&x)?;
+    let root = match root {
+        "ar" => Root::Ar,
+        "ma" => Root::Ma,
+        _ => return Err(error(format!("no root is called {root:?}: ar or ma"))),
+    };
+    let fit = ArmaFit::from(fit);
+    let interval = py
+        .detach(|| arma::profile_interval(x, &fit, root, level))
+        .map_err(error)?;
+    Ok(Profile {
+        estimate: interval.estimate,
+        low: interval.low,
+        high: interval.high,
+    })
+}
+
+#[pyfunction]
+fn arma_simulate(
+    py: Python<'_>,
+    n: usize,
+    ar: Vec<f64>,
+    ma: Vec<f64>,
+    sigma: f64,
+    mean: f64,
+    seed: u64,
+) -> PyResult<Array<f64>> {
+    // The interval plays no part in an ARMA at its own rate.
+    let filter = ShapingFilter::arma(&ar, &ma, sigma, 1.0).map_err(error)?;
+    let mut record = Vec::new();
+    record
+        .try_reserve_exact(n)
+        .map_err(|_| error(format!("there is no memory for {n} samples")))?;
+    py.detach(|| {
+        let noise = NoiseGenerator::new(&filter, seed);
+        record.extend(noise.take(n).map(|value| mean + value));
+    });
+    Ok(Array(record))
+}
+
+#[derive(IntoPyObject)]
+struct Autoregression {
+    ar: Array<f64>,
+    sigma2: f64,
+    mean: f64,
+    partial_autocorrelations: Array<f64>,
+    sigma2_by_order: Array<f64>,
+}
+
+fn autoregression(fit: Result<ArFit, ArmaError>) -> PyResult<Autoregression> {
+    let fit = fit.map_err(error)?;
+    Ok(Autoregression {
+        ar: Array(fit.ar),
+        sigma2: fit.variance,
+        mean: fit.mean,
+        partial_autocorrelations: Array(fit.partial_autocorrelations),
+        sigma2_by_order: Array(fit.variance_by_order),
+    })
+}
+
+#[pyfunction]
+fn ar_burg(py: Python<'_>, x: Record<'_>, p: usize) -> PyResult<Autoregression> {
+    let x = samples(&x)?;
+    autoregression(py.detach(|| arma::burg(x, p)))
+}
+
+#[pyfunction]
+fn ar_yule_walker(py: Python<'_>, x: Record<'_>, p: usize) -> PyResult<Autoregression> {
+    let x = samples(&x)?;
+    autoregression(py.detach(|| arma::yule_walker(x, p)))
+}
+
+#[pyfunction]
+fn ar_order(py: Python<'_>, x: Record<'_>, max_p: usize) -> PyResult<usize> {
+    let x = samples(&x)?;
+    py.detach(|| arma::order_by_aicc(x, max_p)).map_err(error)
+}
+
+#[derive(IntoPyObject)]
+struct Test {
+    smaller: (usize, usize),
+    larger: (usize, usize),
+    sum_smaller: f64,
+    sum_larger: f64,
+    f: f64,
+    added: usize,
+    remaining: usize,
+    critical: f64,
+    p_value: f64,
+    significant: bool,
+    significant_in_paper: bool,
+}
+
+impl From<OrderTest> for Test {
+    fn from(test: OrderTest) -> Self {
+        Self {
+            smaller: test.smaller,
+            larger: test.larger,
+            sum_smaller: test.sum_smaller,
+            sum_larger: test.sum_larger,
+            f: test.f,
+            added: test.added,
+            remaining: test.remaining,
+            critical: test.critical,
+            p_value: test.p_value,
+            significant: test.significant,
+            significant_in_paper: test.significant_in_paper,
+        }
+    }
+}
+
+#[derive(IntoPyObject)]
+struct Row {
+    n: usize,
+    order: (usize, usize),
+    test: Option<Test>,
+}
+
+#[derive(IntoPyObject)]
+struct PanditWu {
+    rows: Vec<Row>,
+    n: usize,
+    adequate: bool,
+    step_down: Vec<Test>,
+    neighbours: Vec<Test>,
+    fits: Vec<Fit>,
+    by_f: (usize, usize),
+    by_bic_step_down: (usize, usize),
+    by_aic: (usize, usize),
+    by_bic: (usize, usize),
+    paper_critical: f64,
+}
+
+#[pyfunction]
+fn arma_pandit_wu(
+    py: Python<'_>,
+    x: Record<'_>,
+    n_max: usize,
+    level: f64,
+    mean: Option<f64>,
+    unit_root: bool,
+    effort: f64,
+) -> PyResult<PanditWu> {
+    let x = samples(&x)?;
+    let options = PanditWuOptions {
+        n_max,
+        level,
+        fit: options(mean, unit_root, effort),
+    };
+    let table = py
+        .detach(|| pandit_wu::pandit_wu(x, &options))
+        .map_err(error)?;
+    let row = |row: &pandit_wu::OrderRow| Row {
+        n: row.n,
+        order: row.order(),
+        test: row.test.map(Test::from),
+    };
+    Ok(PanditWu {
+        rows: table.rows.iter().map(row).collect(),
+        n: table.n,
+        adequate: table.adequate,
+        step_down: table.step_down.into_iter().map(Test::from).collect(),
+        neighbours: table.neighbours.into_iter().map(Test::from).collect(),
+        fits: table.fits.into_iter().map(Fit::from).collect(),
+        by_f: table.by_f,
+        by_bic_step_down: table.by_bic_step_down,
+        by_aic: table.by_aic,
+        by_bic: table.by_bic,
+        paper_critical: PAPER_CRITICAL,
+    })
+}

@@ -1,0 +1,431 @@
+//! The filter, step by step.
+
+use crate::{columns, error::error, model::NoiseModel};
+use numpy::{PyArray2, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use undrift::{
+    io::write::solution::SolutionRow,
+    nav::{
+        Matrix3, Vector3,
+        aiding::Observation,
+        attitude::from_rpy,
+        earth::Geodetic,
+        filter::{self, FilterError, Gate, InitialStd, Outcome, Update},
+        mechanisation::NavState,
+        parameters::{Parameter, Parameters, Prior},
+        sample::{ImuSample, Position},
+        shaping::ShapingFilter,
+    },
+    navigate::solution_row,
+    replay::STAMP_ROUNDING,
+    size::{AnySize, sized},
+};
+
+/// A measurement that the filter takes.
+enum Measured {
+    Position(Position, Vector3, Matrix3),
+    Velocity(Vector3, Vector3, Matrix3),
+    ZeroVelocity(f64),
+    EarthRate(Vector3, f64),
+    Level(Vector3, f64),
+    NonHolonomic(Vector3, f64, f64),
+    Odometer(f64, Vector3, f64),
+    Barometer(f64, f64),
+    Course(f64, f64),
+}
+
+/// What an update did, with the innovation, predicted less measured.
+struct Done {
+    innovation: Vec<f64>,
+    update: Update,
+}
+
+/// A filter of any size.
+trait Steps: Send + Sync {
+    fn begin(&mut self, sample: &ImuSample);
+    fn advance(&mut self, to: Option<f64>);
+    /// `None` where the measurement says nothing: a course of a vehicle that points up or down.
+    fn update(&mut self, measured: &Measured, gate: &Gate) -> Result<Option<Done>, FilterError>;
+    fn check(&self) -> Result<(), FilterError>;
+    fn row(&self) -> SolutionRow;
+    fn covariance(&self) -> (usize, Vec<f64>);
+    fn parameter(&self, kind: Parameter) -> Option<(Vec<f64>, Vec<f64>)>;
+}
+
+impl<const N: usize> Steps for filter::Filter<N> {
+    fn begin(&mut self, sample: &ImuSample) {
+        filter::Filter::begin(self, sample);
+    }
+
+    fn advance(&mut self, to: Option<f64>) {
+        match to {
+            None => filter::Filter::advance(self, 1.0),
+            Some(time) => self.advance_to(time, STAMP_ROUNDING),
+        }
+    }
+
+    fn update(&mut self, measured: &Measured, gate: &Gate) -> Result<Option<Done>, FilterError> {
+        let of = |std: f64| nalgebra::Matrix1::new(std * std);
+        let three = |std: f64| Matrix3::identity() * (std * std);
+        let done = match measured {
+            Measured::Position(place, lever, r) => {
+                update(self, &self.observe_position(place, lever), r, gate)
+            }
+            Measured::Velocity(v_n, lever, r) => {
+                update(self, &self.observe_velocity(v_n, lever), r, gate)
+            }
+            Measured::ZeroVelocity(std) => {
+                update(self, &self.observe_zero_velocity(), &three(*std), gate)
+            }
+            Measured::EarthRate(rate, std) => {
+                update(self, &self.observe_earth_rate(rate), &three(*std), gate)
+            }
+            Measured::Level(force, std) => {
+                let r = nalgebra::Matrix2::identity() * (std * std);
+                update(self, &self.observe_level(force), &r, gate)
+            }
+            Measured::NonHolonomic(axle, right, down) => {
+                let r = nalgebra::Matrix2::new(right * right, 0.0, 0.0, down * down);
+                update(self, &self.observe_non_holonomic(axle), &r, gate)
+            }
+            Measured::Odometer(speed, lever, std) => {
+                update(self, &self.observe_odometer(*speed, lever), &of(*std), gate)
+            }
+            Measured::Barometer(height, std) => {
+                update(self, &self.observe_barometer(*height), &of(*std), gate)
+            }
+            Measured::Course(course, std) => match self.observe_course(*course) {
+                Some(observed) => update(self, &observed, &of(*std), gate),
+                None => return Ok(None),
+            },
+        };
+        done.map(Some)
+    }
+
+    fn check(&self) -> Result<(), FilterError> {
+        filter::Filter::check(self)
+    }
+
+    fn row(&self) -> SolutionRow {
+        let (error, std) = (self.sensor_error(), self.sensor_error_std());
+        solution_row(self.nav(), self.nav_std(), error, std)
+    }
+
+    fn covariance(&self) -> (usize, Vec<f64>) {
+        let n = self.states();
+        let p = filter::Filter::covariance(self);
+        let row = |i: usize| (0..n).map(move |j| p[(i, j)]);
+        (n, (0..n).flat_map(row).collect())
+    }
+
+    fn parameter(&self, kind: Parameter) -> Option<(Vec<f64>, Vec<f64>)> {
+        let (value, std) = filter::Filter::parameter(self, kind)?;
+        let n = kind.width();
+        Some((value[..n].to_vec(), std[..n].to_vec()))
+    }
+}
+
+fn update<const M: usize, const N: usize>(
+    filter: &mut filter::Filter<N>,
+    observed: &Observation<M, N>,
+    r: &nalgebra::SMatrix<f64, M, M>,
+    gate: &Gate,
+) -> Result<Done, FilterError> {
+    Ok(Done {
+        innovation: observed.innovation.iter().copied().collect(),
+        update: filter.update_recorded(observed, r, gate, None)?,
+    })
+}
+
+/// Builds a filter of the size that the models need.
+struct Build {
+    nav: NavState,
+    std: InitialStd,
+    covariances: Option<(Matrix3, Matrix3)>,
+    sensors: [ShapingFilter; 6],
+    parameters: Parameters,
+}
+
+impl AnySize for Build {
+    type Output = Result<Box<dyn Steps>, FilterError>;
+
+    fn with<const N: usize>(self) -> Self::Output {
+        let mut filter =
+            filter::Filter::<N>::new(self.nav, &self.std, self.sensors, self.parameters)?;
+        if let Some((position, velocity)) = &self.covariances {
+            filter.set_position_velocity_covariance(position, velocity);
+        }
+        Ok(Box::new(filter))
+    }
+}
+
+/// The parameters that can be estimated, by their names.
+const PARAMETERS: [(&str, Parameter); 10] = [
+    ("gyro_scale", Parameter::GyroScale),
+    ("accel_scale", Parameter::AccelScale),
+    ("gyro_misalignment", Parameter::GyroMisalignment),
+    ("accel_misalignment", Parameter::AccelMisalignment),
+    ("lever_arm", Parameter::LeverArm),
+    ("time_offset", Parameter::TimeOffset),
+    ("mounting", Parameter::Mounting),
+    ("axle", Parameter::Axle),
+    ("odometer_scale", Parameter::OdometerScale),
+    ("barometer_bias", Parameter::BarometerBias),
+];
+
+/// The filter; `undrift.Filter` wraps it.
+#[pyclass(module = "undrift._undrift")]
+pub struct Filter(Box<dyn Steps>);
+
+/// The start of a filter.
+#[derive(FromPyObject)]
+pub struct Start {
+    #[pyo3(item)]
+    time: f64,
+    #[pyo3(item)]
+    position: [f64; 3],
+    #[pyo3(item)]
+    velocity: [f64; 3],
+    #[pyo3(item)]
+    rpy: [f64; 3],
+    #[pyo3(item)]
+    position_cov: [[f64; 3]; 3],
+    #[pyo3(item)]
+    velocity_cov: [[f64; 3]; 3],
+    #[pyo3(item)]
+    attitude_std: [f64; 3],
+}
+
+fn geodetic([lat, lon, height]: [f64; 3]) -> Geodetic {
+    Geodetic { lat, lon, height }
+}
+
+/// A sample of rates, or of increments.
+fn sample(
+    time: f64,
+    dt: f64,
+    gyro: [f64; 3],
+    accel: [f64; 3],
+    increments: bool,
+) -> PyResult<ImuSample> {
+    if !(dt > 0.0 && dt.is_finite() && time.is_finite()) {
+        return Err(error(format!(
+            "a sample of {dt} s that ends at {time} s is none"
+        )));
+    }
+    let (gyro, accel) = (Vector3::from(gyro), Vector3::from(accel));
+    if gyro.iter().chain(&accel).any(|value| !value.is_finite()) {
+        return Err(error("a sample has a number that is not finite"));
+    }
+    let factor = if increments { 1.0 } else { dt };
+    Ok(ImuSample {
+        time,
+        dt,
+        dtheta: gyro * factor,
+        dvel: accel * factor,
+    })
+}
+
+#[pymethods]
+impl Filter {
+    #[new]
+    fn new(
+        model: &NoiseModel,
+        bias_model: &str,
+        rate: f64,
+        start: Start,
+        parameters: Vec<(String, f64, f64)>,
+    ) -> PyResult<Self> {
+        let sensors = model.filters(bias_model, rate)?;
+        let mut asked = Parameters::none();
+        for (name, std, walk) in parameters {
+            let known = PARAMETERS.iter().find(|(other, _)| *other == name);
+            let Some((_, kind)) = known else {
+                let names = PARAMETERS.map(|(name, _)| name).join(", ");
+                return Err(error(format!(
+                    "unknown parameter \"{name}\"; there are {names}"
+                )));
+            };
+            if !(std > 0.0 && std.is_finite() && walk >= 0.0 && walk.is_finite()) {
+                return Err(error(format!(
+                    "{name}: a standard deviation of {std} is none"
+                )));
+            }
+            asked = asked.with(*kind, Prior { std, walk });
+        }
+        let states: usize = sensors.iter().map(|axis| axis.order).sum();
+        let build = Build {
+            nav: NavState {
+                time: start.time,
+                position: geodetic(start.position),
+                v_n: Vector3::from(start.velocity),
+                q_nb: from_rpy(&Vector3::from(start.rpy)),
+            },
+            std: InitialStd {
+                position: Vector3::repeat(1.0),
+                velocity: Vector3::repeat(1.0),
+                attitude: Vector3::from(start.attitude_std),
+            },
+            covariances: Some((
+                columns::matrix(start.position_cov),
+                columns::matrix(start.velocity_cov),
+            )),
+            sensors,
+            parameters: asked,
+        };
+        let filter = sized(states + asked.states(), build).map_err(error)?;
+        filter.check().map_err(error)?;
+        Ok(Self(filter))
+    }
+
+    /// Takes up a sample of `dt` seconds that ends at `time` [s] without moving yet.
+    fn begin(
+        &mut self,
+        time: f64,
+        dt: f64,
+        gyro: [f64; 3],
+        accel: [f64; 3],
+        increments: bool,
+    ) -> PyResult<()> {
+        self.0.begin(&sample(time, dt, gyro, accel, increments)?);
+        Ok(())
+    }
+
+    /// Moves to a time [s] within the sample taken up, or to its end.
+    fn advance(&mut self, to: Option<f64>) {
+        self.0.advance(to);
+    }
+
+    /// Carries the filter over samples of `dt` seconds each or, with their ends `times` [s], over the first
+    /// of `dt` seconds and the others since the one before; the solution after each as arrays.
+    fn predict_many<'py>(
+        &mut self,
+        py: Python<'py>,
+        times: Option<PyReadonlyArray1<'py, f64>>,
+        dt: f64,
+        gyro: PyReadonlyArray2<'py, f64>,
+        accel: PyReadonlyArray2<'py, f64>,
+        increments: bool,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let times = times.as_ref().map(|times| times.as_array());
+        let (gyro, accel) = (gyro.as_array(), accel.as_array());
+        let count = times.map_or(gyro.nrows(), |times| times.len());
+        if gyro.shape() != [count, 3] || accel.shape() != [count, 3] {
+            return Err(error(format!(
+                "gyro and accel must have {count} rows of 3, not {:?} and {:?}",
+                gyro.shape(),
+                accel.shape()
+            )));
+        }
+        let filter = &mut self.0;
+        let rows = py.detach(|| {
+            let mut rows = Vec::with_capacity(count);
+            let (mut before, mut dt) = (None, dt);
+            for (k, (rate, force)) in gyro.rows().into_iter().zip(accel.rows()).enumerate() {
+                let time = match times {
+                    Some(times) => times[k],
+                    None => filter.row().time + dt,
+                };
+                if let (Some(before), Some(_)) = (before, times) {
+                    dt = time - before;
+                }
+                before = Some(time);
+                let [rate, force] = [rate, force].map(|of| [of[0], of[1], of[2]]);
+                filter.begin(&sample(time, dt, rate, force, increments)?);
+                filter.advance(None);
+                rows.push(filter.row());
+            }
+            filter.check().map_err(error)?;
+            Ok::<_, PyErr>(rows)
+        })?;
+        columns::solution(py, &rows)
+    }
+
+    /// Updates with a measurement, `None` if it says nothing: innovation, NIS, degrees of freedom,
+    /// whitened innovation, outcome and factor on the covariance.
+    #[pyo3(signature = (kind, value, std=0.0, lever_arm=[0.0; 3], covariance=None, gate=None))]
+    fn update(
+        &mut self,
+        kind: &str,
+        value: [f64; 3],
+        std: f64,
+        lever_arm: [f64; 3],
+        covariance: Option<[[f64; 3]; 3]>,
+        gate: Option<(f64, f64)>,
+    ) -> PyResult<Option<Told>> {
+        let numbers = value.iter().chain(&lever_arm).chain([&std]);
+        if numbers
+            .chain(covariance.iter().flatten().flatten())
+            .any(|x| !x.is_finite())
+        {
+            return Err(error(format!("{kind}: a number is not finite")));
+        }
+        let lever = Vector3::from(lever_arm);
+        let r = covariance.map_or_else(|| Matrix3::identity() * (std * std), columns::matrix);
+        let measured = match kind {
+            "position" => Measured::Position(Position::Geodetic(geodetic(value)), lever, r),
+            "velocity" => Measured::Velocity(Vector3::from(value), lever, r),
+            "zero velocity" => Measured::ZeroVelocity(std),
+            "earth rate" => Measured::EarthRate(Vector3::from(value), std),
+            "level" => Measured::Level(Vector3::from(value), std),
+            "non-holonomic" => Measured::NonHolonomic(lever, value[0], value[1]),
+            "odometer" => Measured::Odometer(value[0], lever, std),
+            "barometer" => Measured::Barometer(value[0], std),
+            "course" => Measured::Course(value[0], std),
+            other => return Err(error(format!("unknown measurement \"{other}\""))),
+        };
+        let gate = gate.map_or(Gate::OPEN, |(weaken, reject)| Gate { weaken, reject });
+        let done = self.0.update(&measured, &gate).map_err(error)?;
+        self.0.check().map_err(error)?;
+        Ok(done.map(told))
+    }
+
+    /// The state by the names of `undrift.Solution`, each an array of one row.
+    fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        columns::solution(py, &[self.0.row()])
+    }
+
+    /// Time that the filter has reached [s].
+    #[getter]
+    fn time(&self) -> f64 {
+        self.0.row().time
+    }
+
+    /// Covariance of the error state.
+    fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let (n, numbers) = self.0.covariance();
+        columns::table(py, numbers, n)
+    }
+
+    /// Estimated parameters: name, values and standard deviations.
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>, Vec<f64>)> {
+        let all = PARAMETERS.iter();
+        all.filter_map(|(name, kind)| {
+            let (value, std) = self.0.parameter(*kind)?;
+            Some((*name, value, std))
+        })
+        .collect()
+    }
+}
+
+/// As [`Filter::update`] gives it.
+type Told = (Vec<f64>, f64, usize, Vec<f64>, &'static str, f64);
+
+fn told(done: Done) -> Told {
+    let Done { innovation, update } = done;
+    let (outcome, factor) = match update.outcome {
+        Outcome::Used => ("used", 1.0),
+        Outcome::Weakened(factor) => ("weakened", factor),
+        Outcome::Rejected => ("rejected", f64::INFINITY),
+    };
+    let whitened = update.whitened.iter().take(update.dof).copied().collect();
+    (
+        innovation, update.nis, update.dof, whitened, outcome, factor,
+    )
+}
+
+/// Adds what is in this file to the module.
+pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<Filter>()
+}

@@ -1,0 +1,148 @@
+//! Static records into noise models.
+
+use crate::{
+    columns::{self, Named},
+    error::error,
+    model::NoiseModel,
+};
+use pyo3::prelude::*;
+use std::path::{Path, PathBuf};
+use undrift::{
+    identify::{self as identification, Trend},
+    io::table::Column,
+    noise::Provenance,
+    record::{self, Record, RecordFormat},
+    results,
+};
+
+/// An identified record; `undrift.Identified` wraps it.
+#[pyclass(frozen, module = "undrift._undrift")]
+pub struct Identified {
+    found: identification::Identified,
+    name: String,
+    provenance: Provenance,
+    warnings: Vec<String>,
+}
+
+/// A column: its name, or its number from 1.
+#[derive(FromPyObject)]
+pub enum Which {
+    Number(usize),
+    Name(String),
+}
+
+/// Identifies a record: a file, or columns in memory under the name of a file.
+#[pyfunction]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "each is one of the terminal's options"
+)]
+pub fn identify(
+    py: Python<'_>,
+    path: PathBuf,
+    memory: Option<Named<'_>>,
+    columns: Vec<Which>,
+    axis: Option<String>,
+    units: Option<(String, String)>,
+    topic: Option<String>,
+    rate: Option<f64>,
+    n_max: usize,
+    detrend: &str,
+) -> PyResult<Identified> {
+    let trend = match detrend {
+        "constant" => Trend::Constant,
+        "linear" => Trend::Linear,
+        "temperature" => Trend::Temperature,
+        other => {
+            let problem =
+                format!("unknown detrend \"{other}\"; there are constant, linear, temperature");
+            return Err(error(problem));
+        }
+    };
+    let format = RecordFormat {
+        columns: columns
+            .into_iter()
+            .map(|column| match column {
+                Which::Number(number) => Column::Number(number),
+                Which::Name(name) => Column::Name(name),
+            })
+            .collect(),
+        axis,
+        units,
+        temperature: trend == Trend::Temperature,
+        topic,
+    };
+    let memory = memory
+        .map(|named| columns::columns(&path, named))
+        .transpose()?;
+    let name = results::name(&path);
+    let work = || -> Result<Identified, Box<dyn std::error::Error + Send + Sync>> {
+        let record = match &memory {
+            Some(columns) => record::read_columns(&path, columns, &format)?,
+            None => record::read(&path, &format)?,
+        };
+        let warnings = warnings(&path, &record);
+        let rate = identification::rate(rate, record.timing.as_ref())
+            .map_err(|problem| format!("{}: {problem}", path.display()))?;
+        let options = identification::options(&record, rate, n_max, trend);
+        let found = identification::run(&record, &options, || ());
+        if found.axes.iter().all(|(_, axis)| axis.is_err()) {
+            let why = found
+                .axes
+                .iter()
+                .filter_map(|(name, axis)| Some(format!("{name}: {}", axis.as_ref().err()?)));
+            return Err(format!(
+                "no axis could be identified: {}",
+                why.collect::<Vec<_>>().join("; ")
+            )
+            .into());
+        }
+        let file = memory.is_none().then_some(path.as_path());
+        let provenance = identification::provenance(&record, &name, file, rate)?;
+        Ok(Identified {
+            found,
+            name: name.clone(),
+            provenance,
+            warnings,
+        })
+    };
+    py.detach(work).map_err(error)
+}
+
+/// What should be said of a record.
+fn warnings(path: &Path, record: &Record) -> Vec<String> {
+    let mut said = Vec::new();
+    if !record.skipped.is_empty() {
+        said.push(format!("{}: {}", path.display(), record.skipped));
+    }
+    said.extend(record.timing.as_ref().and_then(identification::unevenness));
+    said
+}
+
+#[pymethods]
+impl Identified {
+    /// Everything as JSON.
+    fn json(&self, py: Python<'_>) -> String {
+        py.detach(|| results::text(&self.found.json(&self.name)))
+    }
+
+    /// What should be said of the record.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.warnings.clone()
+    }
+
+    /// The model; `base` gives the axes that the record does not have.
+    #[pyo3(signature = (base=None))]
+    fn model(&self, base: Option<&NoiseModel>) -> PyResult<NoiseModel> {
+        let base = base.map(|model| &model.0);
+        let model = self.found.model(base, &self.name, self.provenance.clone());
+        model.map(NoiseModel).map_err(error)
+    }
+}
+
+/// Adds what is in this file to the module.
+pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<Identified>()?;
+    module.add_function(wrap_pyfunction!(identify, module)?)
+}

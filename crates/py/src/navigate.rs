@@ -1,0 +1,133 @@
+//! Drives into solutions, and drives with their GNSS cut.
+
+use crate::{columns, drive::Drive, error::error, model::bias_model};
+use numpy::{IntoPyArray, PyArray1};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::PathBuf;
+use undrift::{
+    io::write::{SolutionFile, SolutionFormat, SolutionOptions},
+    navigate::{self as navigation, Wanted},
+    outages::{Logs, Schedule},
+    results,
+    table::outage_table,
+};
+
+/// Navigates a drive: its result as JSON, and the solution as arrays where `solution` asks for it.
+#[pyfunction]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "each is one of the terminal's options"
+)]
+pub fn navigate<'py>(
+    py: Python<'py>,
+    drive: &Drive,
+    bias: &str,
+    smooth: bool,
+    output: Vec<PathBuf>,
+    format: Option<&str>,
+    week: Option<u32>,
+    every: Option<f64>,
+    solution: bool,
+) -> PyResult<(String, Bound<'py, PyDict>)> {
+    let kind = bias_model(bias)?;
+    let format: Option<SolutionFormat> = format.map(str::parse).transpose().map_err(error)?;
+    let name = drive.file.file_stem().unwrap_or_default();
+    let options = SolutionOptions {
+        week,
+        name: name.to_string_lossy().into_owned(),
+        every,
+    };
+    let wanted = Wanted {
+        files: SolutionFile::create_all(&output, format, &options).map_err(error)?,
+        smooth,
+        recording: true,
+        rows: solution,
+    };
+    let (report, json) = py
+        .detach(|| {
+            let report = navigation::navigate_for(&drive.drive, kind, wanted)?;
+            let about = results::drive(&drive.file, &drive.drive);
+            let json = results::text(&report.json(kind, about));
+            Ok::<_, navigation::NavigateError>((report, json))
+        })
+        .map_err(error)?;
+    Ok((json, columns::solution(py, &report.rows)?))
+}
+
+type Curve<'py> = (f64, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
+
+/// Cuts the GNSS of a drive: the result as JSON, the terminal's table, and for every model the start of
+/// each outage [s] with the horizontal error [m] over the time since [s].
+#[pyfunction]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "each is one of the terminal's options"
+)]
+pub fn outages<'py>(
+    py: Python<'py>,
+    drive: &Drive,
+    bias_models: Vec<String>,
+    length: f64,
+    count: Option<usize>,
+    every: Option<f64>,
+    start: f64,
+    at: Option<Vec<f64>>,
+    smooth: bool,
+) -> PyResult<(String, String, Vec<(String, Vec<Curve<'py>>)>)> {
+    let kinds = bias_models
+        .iter()
+        .map(|name| bias_model(name))
+        .collect::<PyResult<Vec<_>>>()?;
+    let plan = Schedule::asked(at, every, count, start)
+        .ok_or_else(|| error("say how many outages: count, every or at"))?;
+    type Failure = Box<dyn std::error::Error + Send + Sync>;
+    let (outcomes, json) = py
+        .detach(|| {
+            let logs = Logs::load(&drive.drive)?;
+            let cuts = logs.plan(&plan, length)?;
+            let outcomes = logs.run(&kinds, &cuts, smooth, |_| {})?;
+            let json = results::text(&logs.json(&drive.file, &cuts, &outcomes, smooth));
+            Ok::<_, Failure>((outcomes, json))
+        })
+        .map_err(error)?;
+    let (mut runs, mut failed) = (Vec::new(), Vec::new());
+    for (name, outcome) in outcomes {
+        match outcome {
+            Ok(run) => runs.push((name, run.errors)),
+            Err(why) => failed.push(format!("{name}: {why}")),
+        }
+    }
+    if runs.is_empty() {
+        return Err(error(format!(
+            "no model could be run: {}",
+            failed.join("; ")
+        )));
+    }
+    let named: Vec<_> = runs
+        .iter()
+        .map(|(name, errors)| (name.clone(), errors))
+        .collect();
+    let table = outage_table(&named);
+    let curves = runs
+        .iter()
+        .map(|(name, errors)| {
+            let of_model = errors.per_outage.iter().map(|outage| {
+                let (times, drift): (Vec<f64>, Vec<f64>) = outage.drift.iter().copied().unzip();
+                (
+                    outage.start_s,
+                    times.into_pyarray(py),
+                    drift.into_pyarray(py),
+                )
+            });
+            (name.clone(), of_model.collect())
+        })
+        .collect();
+    Ok((json, table, curves))
+}
+
+/// Adds what is in this file to the module.
+pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(navigate, module)?)?;
+    module.add_function(wrap_pyfunction!(outages, module)?)
+}

@@ -1,0 +1,33 @@
+//! Results for reading.
+
+use crate::{error::error, model::write};
+use pyo3::prelude::*;
+use std::path::PathBuf;
+use undrift::report::{self, figures, html};
+
+/// Makes a report of results: their names, of files or none, and their JSON. It goes into an HTML file
+/// `output`, its figures into a folder, where they are asked for.
+#[pyfunction]
+#[pyo3(name = "report")]
+pub fn make(
+    py: Python<'_>,
+    results: Vec<(PathBuf, String)>,
+    output: Option<PathBuf>,
+    folder: Option<PathBuf>,
+) -> PyResult<()> {
+    py.detach(|| {
+        let document = report::of_results(&results).map_err(error)?;
+        if let Some(path) = output {
+            write(&path, &html::render(&document))?;
+        }
+        if let Some(folder) = folder {
+            figures::write(&document, &folder, figures::Formats::default()).map_err(error)?;
+        }
+        Ok(())
+    })
+}
+
+/// Adds what is in this file to the module.
+pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(make, module)?)
+}

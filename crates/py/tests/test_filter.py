@@ -1,0 +1,182 @@
+"""Filter: stepped by hand it is navigate, to the last digit."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import undrift
+
+RATE = 50.0
+
+
+@pytest.fixture(scope="module")
+def sim() -> undrift.Simulation:
+    # Fixes every half second lie on stamps of samples, and 7 ms after them with the offset.
+    receiver = undrift.GnssReceiver(rate=2.0, time_offset=0.007, lever_arm=(0.3, 0.1, -1.2))
+    return undrift.simulate("car", 90.0, RATE, "adis16405", gnss=receiver, seed=4)
+
+
+RPY, VELOCITY = (0.01, -0.02, 0.5), (0.1, 0.2, 0.0)
+
+
+def start_of(sim: undrift.Simulation, k: int, **keys: Any) -> undrift.Filter:
+    """A filter at the fix k, the antenna at the IMU."""
+    gnss = sim.gnss
+    # As a drive file's numbers: degrees and back.
+    lat, lon = (np.degrees(x[k]) * (np.pi / 180.0) for x in (gnss.lat, gnss.lon))
+    return undrift.Filter(
+        "adis16405",
+        "arma",
+        RATE,
+        position=(lat, lon, gnss.height[k]),
+        velocity=VELOCITY,
+        rpy=RPY,
+        time=gnss.time[k],
+        position_std=gnss.position_std[k],
+        velocity_std=0.5,
+        attitude_std=(0.05, 0.05, 0.1),
+        **keys,
+    )
+
+
+def test_stepped_by_hand_it_is_navigate(sim: undrift.Simulation) -> None:
+    drive = sim.drive(
+        truth=False,
+        gate=False,
+        initial={
+            "attitude": RPY,
+            "attitude_std": (0.05, 0.05, 0.1),
+            "velocity": VELOCITY,
+            "velocity_std": 0.5,
+        },
+    )
+    text = drive.toml.replace('lever_arm = "0.3, 0.1, -1.2 m"', 'lever_arm = "0 m"')
+    assert text != drive.toml
+    logs = sim._logs(False)
+    drive._drive = undrift._undrift.Drive.from_toml(
+        text, "<drive>", [(f"<{name}>", log[0]) for name, log in logs.items()]
+    ).with_model(undrift.NoiseModel.load("adis16405")._model)
+    done = undrift.navigate(drive)
+
+    imu, gnss = sim.imu, sim.gnss
+    filter = start_of(sim, 0)
+    begun = np.searchsorted(imu.time, gnss.time[0])
+    # The rest of the sample that the first fix lies in.
+    rest, dt = imu.time[begun] - gnss.time[0], imu.time[begun] - imu.time[begun - 1]
+    part = rest / dt
+    filter.predict(
+        imu.gyro[begun] * dt * part,
+        imu.accel[begun] * dt * part,
+        rest,
+        time=imu.time[begun],
+        increments=True,
+    )
+    states, fix, updates = [filter.state], 1, 0
+    for k in range(begun + 1, len(imu.time)):
+        filter.begin(imu.gyro[k], imu.accel[k], imu.time[k] - imu.time[k - 1], time=imu.time[k])
+        while fix < len(gnss.time) and gnss.time[fix] <= imu.time[k] + 1e-6:
+            filter.advance(gnss.time[fix])
+            lat, lon = (np.degrees(x[fix]) * (np.pi / 180.0) for x in (gnss.lat, gnss.lon))
+            updates += len(
+                filter.update_gnss(
+                    position=(lat, lon, gnss.height[fix]),
+                    position_std=gnss.position_std[fix],
+                    velocity=gnss.velocity[fix],
+                    velocity_std=gnss.velocity_std[fix],
+                )
+            )
+            fix += 1
+        filter.advance()
+        states.append(filter.state)
+    assert updates == 2 * (len(gnss.time) - 1) and len(states) == len(done)
+    for name in ("time", "lat", "lon", "height", "velocity", "rpy", "position_std",
+                 "velocity_std", "attitude_std", "gyro_error", "accel_error",
+                 "gyro_error_std", "accel_error_std"):
+        by_hand = np.array([getattr(state, name) for state in states])
+        assert np.array_equal(by_hand, getattr(done, name)), name
+
+
+def test_many_samples_are_one_after_the_other(sim: undrift.Simulation) -> None:
+    one, many = start_of(sim, 0), start_of(sim, 0)
+    gyro, accel = sim.imu.gyro[3500:3800], sim.imu.accel[3500:3800]
+    for rate, force in zip(gyro, accel, strict=True):
+        one.predict(rate, force)
+    solution = many.predict_many(gyro, accel)
+    assert len(solution) == 300 and solution.time[-1] == many.time == one.time
+    assert np.array_equal(one.covariance, many.covariance)
+    assert np.array_equal(solution.rpy[-1], one.state.rpy)
+    times = sim.imu.time[3500:3800]
+    stamped = start_of(sim, 0).predict_many(gyro, accel, time=times)
+    assert np.array_equal(stamped.time, times)
+
+
+def test_covariance_and_innovation(sim: undrift.Simulation) -> None:
+    filter = start_of(sim, 0)
+    assert filter.innovation is None
+    p = filter.covariance
+    assert p.shape[0] >= 15 and np.array_equal(p, p.T)
+    assert np.sqrt(np.diag(p)[:3]) == pytest.approx(sim.gnss.position_std[0], rel=1e-15)
+    p[:] = 0.0
+    assert filter.covariance[0, 0] > 0.0
+    state = filter.state
+    # 3 m north: predicted less measured is -3 m, NIS (3 m)^2 over the sum of both variances.
+    north = 3.0 / 6_356_752.0
+    (told,) = filter.update_gnss(
+        position=(state.lat + north, state.lon, state.height), position_cov=np.diag([4.0, 4.0, 9.0])
+    )
+    assert filter.innovation is told and told.kind == "position" and told.dof == 3
+    # The radius of the meridian differs from the polar one by up to 1 %.
+    assert told.innovation == pytest.approx([-3.0, 0.0, 0.0], abs=0.03)
+    variance = 4.0 + sim.gnss.position_std[0, 0] ** 2
+    assert told.nis == pytest.approx(told.innovation[0] ** 2 / variance, rel=1e-9)
+    assert told.outcome == "used" and told.factor == 1.0
+    (far,) = filter.update_gnss(
+        position=(state.lat + 1000 * north, state.lon, state.height), gate=(9.0, 100.0)
+    )
+    assert far.outcome == "rejected" and filter.state.lat < state.lat + 10 * north
+
+
+def test_every_measurement_is_taken(sim: undrift.Simulation) -> None:
+    parameters = {"lever_arm": 0.1, "odometer_scale": 0.03, "barometer_bias": (100.0, 0.1)}
+    filter = start_of(sim, 0, parameters=parameters)
+    rest, force = sim.imu.gyro[:50].mean(axis=0), sim.imu.accel[:50].mean(axis=0)
+    filter.predict(rest, force)
+    for told, kind, dof in (
+        (filter.update_zero_velocity(), "zero velocity", 3),
+        (filter.update_earth_rate(rest, 0.002), "earth rate", 3),
+        (filter.update_level(force, 0.05), "level", 2),
+        (filter.update_non_holonomic(), "non-holonomic", 2),
+        (filter.update_odometer(0.0), "odometer", 1),
+        (filter.update_barometer(20.0), "barometer", 1),
+        (filter.update_course(0.5, 0.1), "course", 1),
+    ):
+        assert told is not None and told.kind == kind and told.dof == dof
+        assert len(told.innovation) == len(told.whitened) == dof
+    state = filter.state
+    assert set(state.parameters) == set(parameters)
+    value, std = state.parameters["barometer_bias"]
+    assert std[0] < 100.0 and len(value) == 1
+    assert np.linalg.norm(state.velocity) < 0.05
+
+
+def test_what_cannot_be_is_said(sim: undrift.Simulation) -> None:
+    filter = start_of(sim, 0)
+    with pytest.raises(undrift.UndriftError, match="not finite"):
+        filter.predict((np.nan, 0.0, 0.0), (0.0, 0.0, -9.8))
+    with pytest.raises(undrift.UndriftError, match="a sample of 0 s"):
+        filter.predict((0.0, 0.0, 0.0), (0.0, 0.0, -9.8), 0.0)
+    with pytest.raises(undrift.UndriftError, match="not positive definite"):
+        filter.update_gnss(velocity=(0.0, 0.0, 0.0), velocity_cov=-np.eye(3))
+    with pytest.raises(TypeError, match="three numbers"):
+        filter.predict((0.0, 0.0), (0.0, 0.0, -9.8))
+    with pytest.raises(undrift.UndriftError, match="rows of 3"):
+        filter.predict_many(np.zeros((5, 3)), np.zeros((4, 3)))
+    with pytest.raises(undrift.UndriftError, match='unknown parameter "spin"'):
+        start_of(sim, 0, parameters={"spin": 1.0})
+    with pytest.raises(undrift.UndriftError, match="the solution diverged"):
+        undrift.Filter("adis16405", position=(2.0, 0.0, 0.0))
+    with pytest.raises(undrift.UndriftError, match="unknown bias model"):
+        undrift.Filter("adis16405", "best", position=(0.5, 0.0, 0.0))

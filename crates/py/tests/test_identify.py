@@ -1,0 +1,103 @@
+"""identify: the terminal's numbers, of files and of arrays."""
+
+from __future__ import annotations
+
+import copy
+import json
+import pickle
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import undrift
+
+RATE = 50.0
+
+
+@pytest.fixture(scope="module")
+def noise() -> dict[str, Any]:
+    model = undrift.NoiseModel.load("adis16405")
+    return model.simulate(4_000, RATE, seed=2)
+
+
+@pytest.fixture(scope="module")
+def found(noise: dict[str, Any]) -> undrift.Identified:
+    return undrift.identify({f"{name}": column for name, column in noise.items()}, rate=RATE,
+                            units="rad/s,m/s^2")
+
+
+def test_identify_is_the_terminals(
+    noise: dict[str, Any], found: undrift.Identified, tmp_path: Path, terminal: Callable[..., Any]
+) -> None:
+    path, model = tmp_path / "static.csv", tmp_path / "imu.toml"
+    np.savetxt(path, np.column_stack(list(noise.values())), delimiter=",", fmt="%.17g",
+               header=",".join(noise), comments="")
+    done = terminal("identify", path, "--rate", RATE, "--units", "rad/s,m/s^2", "-o", model,
+                    "--json", "-")
+    told = json.loads(done.stdout)
+    of_file = undrift.identify(path, rate=RATE, units="rad/s,m/s^2")
+    assert json.loads(of_file.json) == told
+    told["record"] = "<record>"
+    assert json.loads(found.json) == told
+    assert of_file.model().to_toml() == model.read_text()
+    bare = undrift.identify(np.column_stack(list(noise.values())), rate=RATE)
+    assert bare.data["axes"] == told["axes"]
+
+
+def test_what_was_found_has_names(found: undrift.Identified) -> None:
+    axis = found.axes["gyro_z"]
+    told = found.data["axes"]["gyro_z"]
+    assert [c.name for c in axis.candidates] == told["ranking"]
+    assert found.recommended["gyro_z"] == axis.recommended.name == told["chosen"]["name"]
+    assert axis.adev.tolist() == told["allan"]["adev"] and axis.tests["adf"] == told["adf"]
+    assert list(found.axes) == ["gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z"]
+    assert axis.reason and axis.stationarity and not found.failed
+    assert "gyro_z" in repr(found) and "<table>" in found._repr_html_()
+    model = found.model(base="adis16405")
+    assert model.axes["gyro_x"].turn_on == undrift.NoiseModel.load("adis16405").axes["gyro_x"].turn_on
+    model.shaping("arma", RATE)
+
+
+def test_tables_and_figures(found: undrift.Identified, tmp_path: Path) -> None:
+    found.report(tmp_path / "identify.html")
+    assert "<html" in (tmp_path / "identify.html").read_text()
+    pytest.importorskip("pandas")
+    assert list(found.to_pandas()["axis"]) == list(found.axes)
+    assert len(found.axes["gyro_x"].to_pandas()) == len(found.axes["gyro_x"].candidates)
+    pytest.importorskip("matplotlib").use("Agg")
+    assert found.plot().lines and found.axes["accel_x"].plot().lines
+
+
+def test_one_axis_with_stamps_and_a_unit_in_its_name(noise: dict[str, Any]) -> None:
+    table = {"t_s": np.arange(4_000) / RATE, "gz_dps": np.degrees(noise["gyro_z"])}
+    found = undrift.identify(table)
+    assert list(found.axes) == ["gyro_z"] and found.rate == pytest.approx(RATE, rel=1e-9)
+    alone = undrift.identify(noise["gyro_z"], axis="gyro_z", rate=RATE)
+    # Degrees and back round twice.
+    assert alone.axes["gyro_z"].adev == pytest.approx(found.axes["gyro_z"].adev, rel=1e-9)
+
+
+def test_what_is_wrong_is_said(noise: dict[str, Any]) -> None:
+    with pytest.raises(undrift.UndriftError, match="<record>: the record has no time column"):
+        undrift.identify(noise["gyro_z"], axis="gyro_z")
+    with pytest.raises(TypeError, match="say which axis"):
+        undrift.identify(noise["gyro_z"], rate=RATE)
+    with pytest.raises(undrift.UndriftError, match="<record>: the columns of the six axes cannot be told"):
+        undrift.identify({"u": noise["gyro_z"]}, rate=RATE)
+    with pytest.raises(undrift.UndriftError, match="no axis could be identified"):
+        undrift.identify(np.zeros(5000), axis="gyro_z", rate=RATE)
+    with pytest.raises(undrift.UndriftError, match="nowhere.csv: no such file"):
+        undrift.identify("nowhere.csv")
+
+
+def test_results_pickle_and_copy(found: undrift.Identified) -> None:
+    again = pickle.loads(pickle.dumps(found))
+    assert again.json == found.json and again.recommended == found.recommended
+    with pytest.raises(undrift.UndriftError, match="save the model itself"):
+        again.model()
+    model = found.model()
+    assert copy.deepcopy(model) is model
+    assert pickle.loads(pickle.dumps(model)).to_toml() == model.to_toml()

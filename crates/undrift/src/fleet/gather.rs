@@ -1,0 +1,87 @@
+//! The outcomes in a folder into one table, one summary and one report.
+
+use super::{FleetError, Outcome, job_path, summary::Summary};
+use crate::{report, results};
+use std::{
+    io::{self, Write},
+    path::{Path, PathBuf},
+};
+use undrift_io::write::PendingFile;
+
+/// What was gathered.
+#[derive(Clone, Debug)]
+pub struct Gathered {
+    /// Logs that nothing came of.
+    pub failed: usize,
+    /// Results of bias models that cannot be trusted, or that there are none of.
+    pub untrusted: usize,
+    /// The summary, which is `fleet.json`.
+    pub json: serde_json::Value,
+}
+
+/// Makes `results.parquet`, `fleet.json` and `fleet.html` in a folder of the outcomes that are kept there
+/// under these fingerprints, in their order. One outcome is in memory at a time.
+///
+/// # Errors
+/// An outcome that is missing or is none; a file that cannot be written.
+pub fn gather(fingerprints: &[String], folder: &Path) -> Result<Gathered, FleetError> {
+    let path = folder.join("results.parquet");
+    let mut summary = Summary::default();
+    #[cfg(feature = "parquet")]
+    let mut table = super::table::Table::create(&path).map_err(FleetError::file(&path))?;
+    for fingerprint in fingerprints {
+        let kept = job_path(folder, fingerprint);
+        let text = std::fs::read_to_string(&kept).map_err(FleetError::file(&kept))?;
+        let outcome = Outcome::from_json(&text, &kept.display().to_string())?;
+        #[cfg(feature = "parquet")]
+        table
+            .write(&outcome, fingerprint)
+            .map_err(FleetError::file(&path))?;
+        summary.add(&outcome);
+    }
+    #[cfg(feature = "parquet")]
+    table.finish().map_err(FleetError::file(&path))?;
+    #[cfg(not(feature = "parquet"))]
+    drop(path);
+    let json = summary.json();
+    let text = results::text(&json) + "\n";
+    write(&folder.join("fleet.json"), &text)?;
+    let path = folder.join("fleet.html");
+    let document = report::of_results(&[(PathBuf::new(), text)])
+        .map_err(io::Error::other)
+        .map_err(FleetError::file(&path))?;
+    write(&path, &report::html::render(&document))?;
+    tidy(folder).map_err(FleetError::file(folder))?;
+    Ok(Gathered {
+        failed: summary.failed(),
+        untrusted: summary.untrusted(),
+        json,
+    })
+}
+
+fn write(path: &Path, text: &str) -> Result<(), FleetError> {
+    let write = || {
+        let mut file = PendingFile::create(path)?;
+        file.write_all(text.as_bytes())?;
+        file.finish()
+    };
+    write().map_err(FleetError::file(path))
+}
+
+/// Removes what a killed process left of outcomes that are whole by now.
+fn tidy(folder: &Path) -> io::Result<()> {
+    for entry in std::fs::read_dir(folder.join("jobs"))? {
+        let path = entry?.path();
+        let name = path
+            .file_name()
+            .map(|name| name.to_string_lossy().into_owned());
+        let whole = name.as_deref().and_then(|name| {
+            let (hidden, _) = name.rsplit_once(".part")?;
+            Some(path.with_file_name(hidden.strip_prefix('.')?))
+        });
+        if whole.is_some_and(|whole| whole.is_file()) {
+            std::fs::remove_file(&path)?;
+        }
+    }
+    Ok(())
+}

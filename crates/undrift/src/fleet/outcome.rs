@@ -1,0 +1,122 @@
+//! What came of one log.
+
+use super::Job;
+use crate::{drive::ConfigError, reference::COMPONENTS};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// What came of one log: numbers in rows, or why there are none. The same to the bit wherever it was
+/// worked out.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Outcome {
+    /// The log, as the job calls it.
+    pub log: String,
+    /// Serial number of the IMU.
+    pub unit: Option<String>,
+    /// Name of the noise model of the IMU.
+    pub sensor: Option<String>,
+    /// Temperature [°C]: stated, else the mean of the log's own column.
+    pub temperature_c: Option<f64>,
+    /// What was done: "navigate", "outages" or "identify".
+    pub task: String,
+    /// Why nothing came of it.
+    pub failed: Option<String>,
+    /// Bias models or axes that nothing came of, and why.
+    pub failed_parts: BTreeMap<String, String>,
+    /// What should be said of the log, in sentences.
+    pub warnings: Vec<String>,
+    /// Names of the numbers of each row.
+    pub columns: Vec<String>,
+    /// The rows.
+    pub rows: Vec<Row>,
+}
+
+/// Numbers of a bias model or an axis.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Row {
+    /// The bias model or axis.
+    pub part: String,
+    /// Which outage, from 1.
+    pub outage: Option<u32>,
+    /// What should be said of it, or the model that was recommended.
+    pub note: Option<String>,
+    /// A number for each of [`Outcome::columns`]; `None` where there is none.
+    pub values: Vec<Option<f64>>,
+}
+
+impl Outcome {
+    /// Of a job, before anything came of it.
+    pub(super) fn of(job: &Job) -> Self {
+        Self {
+            log: job.log.clone(),
+            unit: job.unit.clone(),
+            sensor: None,
+            temperature_c: job.temperature_c,
+            task: job.task.name().into(),
+            failed: None,
+            failed_parts: BTreeMap::new(),
+            warnings: Vec::new(),
+            columns: columns(job.task.name()),
+            rows: Vec::new(),
+        }
+    }
+
+    /// As text: JSON with a line for each row.
+    pub fn to_json(&self) -> String {
+        let value = serde_json::to_value(self).unwrap_or_default();
+        crate::results::text(&value) + "\n"
+    }
+
+    /// Reads [`Outcome::to_json`]; `file` is for messages.
+    pub fn from_json(text: &str, file: &str) -> Result<Self, ConfigError> {
+        serde_json::from_str(text).map_err(|error| ConfigError {
+            file: file.to_owned(),
+            line: Some(error.line()),
+            key: String::new(),
+            message: format!("not the outcome of a log: {error}; remove the file and run again"),
+        })
+    }
+
+    /// A row's number by its column.
+    pub fn value(&self, row: &Row, column: &str) -> Option<f64> {
+        let place = self.columns.iter().position(|name| name == column)?;
+        *row.values.get(place)?
+    }
+}
+
+/// Horizons of the drift scores of an identified axis [s].
+pub(super) const HORIZONS: [(&str, f64); 3] =
+    [("drift_1s", 1.0), ("drift_10s", 10.0), ("drift_60s", 60.0)];
+
+/// Names of the numbers of a task's rows.
+pub(super) fn columns(task: &str) -> Vec<String> {
+    let of = |prefix: &'static str| {
+        COMPONENTS
+            .iter()
+            .map(move |name| format!("{prefix}_{name}"))
+    };
+    let words = |words: &[&str]| words.iter().map(|w| (*w).to_owned()).collect::<Vec<_>>();
+    match task {
+        "outages" => words(&["start_s", "length_s"])
+            .into_iter()
+            .chain(of("max"))
+            .chain(of("end"))
+            .collect(),
+        "navigate" => words(&["started_s", "ended_s", "nis_position", "nis_velocity"])
+            .into_iter()
+            .chain(of("rms"))
+            .collect(),
+        _ => words(&[
+            "samples",
+            "mean",
+            "white_noise",
+            "bias_instability",
+            "random_walk",
+        ])
+        .into_iter()
+        .chain(HORIZONS.map(|(name, _)| name.to_owned()))
+        .collect(),
+    }
+}

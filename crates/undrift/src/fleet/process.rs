@@ -1,0 +1,366 @@
+//! One log into its outcome.
+
+use super::{
+    Job, Outcome, Plan, RecordSettings, Row, Task, inputs, manifest::ZERO_CELSIUS,
+    outcome::HORIZONS,
+};
+use crate::{
+    columns::{Meaning, meaning},
+    drive::{Drive, read_text},
+    identify::{self, Trend},
+    navigate::{self, Wanted},
+    outages::Logs,
+    record,
+    reference::Errors,
+};
+use std::{
+    any::Any,
+    error::Error,
+    panic::{AssertUnwindSafe, catch_unwind},
+    path::{Path, PathBuf},
+};
+use undrift_io::{
+    ReadError,
+    imu::ImuSource,
+    table::{Column, Table, TableOptions, header_names},
+};
+use undrift_noise::{BiasModel, ImuModel};
+
+/// Works a job out. Nothing but the job and the files that it names bears on the outcome; whatever goes
+/// wrong is told in [`Outcome::failed`]. On all cores of the pool that it is called in.
+pub fn process(job: &Job) -> Outcome {
+    let mut outcome = Outcome::of(job);
+    let (home, data) = job.folders();
+    let folders = [data, home, PathBuf::from(&job.folder)];
+    let failed = isolated(|| {
+        // Told here: who reads them tells of their neighbours too, which are no part of the job.
+        if let Some((_, path)) = inputs(job).iter().find(|(_, path)| !path.is_file()) {
+            return Err(format!("{}: no such file", path.display()));
+        }
+        match &job.task {
+            Task::Navigate {
+                bias_models,
+                smooth,
+            } => navigate(job, bias_models, *smooth, &mut outcome),
+            Task::Outages {
+                bias_models,
+                plan,
+                smooth,
+            } => outages(job, bias_models, plan, *smooth, &mut outcome),
+            Task::Identify(settings) => identify(job, settings, &mut outcome),
+        }
+    });
+    outcome.failed = failed.err();
+    if outcome.failed.is_none() && outcome.rows.is_empty() {
+        let first = outcome.failed_parts.iter().next();
+        let why = first.map_or("there is nothing to tell".into(), |(part, why)| {
+            format!("{part}: {why}")
+        });
+        outcome.failed = Some(why);
+    }
+    if outcome.failed.is_some() {
+        outcome.rows.clear();
+    }
+    // Where the files lie is no part of what they hold.
+    let texts = outcome
+        .failed
+        .iter_mut()
+        .chain(outcome.failed_parts.values_mut())
+        .chain(&mut outcome.warnings)
+        .chain(outcome.rows.iter_mut().filter_map(|row| row.note.as_mut()));
+    for text in texts {
+        *text = without_folders(text, &folders);
+    }
+    outcome
+}
+
+/// Why something has no result, with all causes that the text does not have already.
+fn told(error: impl Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        let more = error.to_string();
+        if !text.contains(&more) {
+            text = format!("{text}: {more}");
+        }
+        cause = error.source();
+    }
+    text
+}
+
+/// Does something; a panic is no more than an error.
+fn isolated(work: impl FnOnce() -> Result<(), String>) -> Result<(), String> {
+    let words = |panic: Box<dyn Any + Send>| match panic.downcast::<String>() {
+        Ok(text) => *text,
+        Err(other) => other
+            .downcast_ref::<&str>()
+            .map_or_else(|| "without a word".into(), |text| (*text).to_owned()),
+    };
+    catch_unwind(AssertUnwindSafe(work))
+        .unwrap_or_else(|panic| Err(format!("a fault in the program: {}", words(panic))))
+}
+
+/// A text in which files go by their names relative to the folders.
+fn without_folders(text: &str, folders: &[PathBuf]) -> String {
+    let mut text = text.to_owned();
+    for folder in folders {
+        let mut folder = folder.display().to_string();
+        if folder.is_empty() {
+            continue;
+        }
+        if !folder.ends_with('/') {
+            folder.push('/');
+        }
+        let mut out = String::new();
+        let mut rest = text.as_str();
+        while let Some((before, after)) = rest.split_once(folder.as_str()) {
+            out += before;
+            // Inside of another path it is not the folder.
+            let inside = |c: char| c.is_alphanumeric() || "._-/".contains(c);
+            if out.ends_with(inside) {
+                out += &folder;
+            }
+            rest = after;
+        }
+        text = out + rest;
+    }
+    text
+}
+
+/// The drive with the model that the job asks for; the temperature of its inertial log.
+fn load(job: &Job, outcome: &mut Outcome) -> Result<Drive, String> {
+    let (home, data) = job.folders();
+    let (text, _) = read_text(&job.path()).map_err(told)?;
+    let mut drive = Drive::from_toml(&text, &job.log, &home, &data).map_err(told)?;
+    if let Some(name) = &job.model {
+        let model = ImuModel::resolve(name, Path::new(&job.folder)).map_err(told)?;
+        drive.model = Some(model);
+    }
+    outcome.sensor = drive.model.as_ref().map(|model| model.name.clone());
+    if outcome.temperature_c.is_none() && matches!(drive.imu.1.source, ImuSource::Table { .. }) {
+        outcome.temperature_c = mean_temperature(&drive.imu.0).map_err(told)?;
+    }
+    Ok(drive)
+}
+
+/// Mean of a table's column of temperatures [°C], if its header names one.
+fn mean_temperature(path: &Path) -> Result<Option<f64>, ReadError> {
+    let header = header_names(path)?;
+    let found = header
+        .iter()
+        .enumerate()
+        .find_map(|(place, name)| match meaning(name) {
+            Some((Meaning::Temperature, unit)) => Some((place, unit)),
+            _ => None,
+        });
+    let Some((place, unit)) = found else {
+        return Ok(None);
+    };
+    let options = TableOptions {
+        columns: vec![("temperature".into(), Column::Number(place + 1))],
+        ..TableOptions::default()
+    };
+    let mut table = Table::open(path, &options)?;
+    let (mut sum, mut count, mut row) = (0.0, 0u64, [0.0]);
+    while table.next_row(&mut row)?.is_some() {
+        sum += row[0];
+        count += 1;
+    }
+    Ok(mean_celsius(sum, count, unit.as_deref()))
+}
+
+/// A mean of temperatures [°C].
+fn mean_celsius(sum: f64, count: u64, unit: Option<&str>) -> Option<f64> {
+    let zero = if unit == Some("K") { ZERO_CELSIUS } else { 0.0 };
+    (count > 0).then(|| sum / count as f64 - zero)
+}
+
+fn number(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+fn errors(errors: &Errors) -> impl Iterator<Item = Option<f64>> {
+    errors.0.into_iter().map(number)
+}
+
+fn outages(
+    job: &Job,
+    kinds: &[BiasModel],
+    plan: &Plan,
+    smooth: bool,
+    outcome: &mut Outcome,
+) -> Result<(), String> {
+    let drive = load(job, outcome)?;
+    let logs = Logs::load(&drive).map_err(told)?;
+    let schedule = plan.schedule().ok_or("no outages are asked for")?;
+    let cuts = logs.plan(&schedule, plan.length_s)?;
+    let results = logs.run(kinds, &cuts, smooth, |_| {}).map_err(told)?;
+    outcome.warnings = logs.remarks(&results);
+    for (name, run) in &results {
+        let run = match run {
+            Ok(run) => run,
+            Err(error) => {
+                outcome.failed_parts.insert(name.clone(), told(error));
+                continue;
+            }
+        };
+        let per_outage = run.errors.per_outage.iter().zip(&cuts).zip(1..);
+        outcome
+            .rows
+            .extend(per_outage.map(|((outage, cut), which)| {
+                Row {
+                    part: name.clone(),
+                    outage: Some(which),
+                    note: run.errors.warning.clone(),
+                    values: [number(outage.start_s), number(cut.end - cut.start)]
+                        .into_iter()
+                        .chain(errors(&outage.max))
+                        .chain(errors(&outage.end))
+                        .collect(),
+                }
+            }));
+    }
+    Ok(())
+}
+
+fn navigate(
+    job: &Job,
+    kinds: &[BiasModel],
+    smooth: bool,
+    outcome: &mut Outcome,
+) -> Result<(), String> {
+    let drive = load(job, outcome)?;
+    for kind in kinds {
+        let wanted = Wanted {
+            smooth,
+            ..Wanted::default()
+        };
+        let name = kind.name().to_owned();
+        let report = match navigate::navigate_for(&drive, *kind, wanted) {
+            Ok(report) => report,
+            Err(error) => {
+                outcome.failed_parts.insert(name, told(error));
+                continue;
+            }
+        };
+        for warning in report.warnings() {
+            if !outcome.warnings.contains(&warning) {
+                outcome.warnings.push(warning);
+            }
+        }
+        let summary = &report.summary;
+        let nis = |sums: &crate::replay::Innovations| sums.per_dof().and_then(number);
+        let unknown = Errors::UNKNOWN;
+        let rms = report.rmse.as_ref().map_or(&unknown, |(errors, _)| errors);
+        outcome.rows.push(Row {
+            part: name,
+            outage: None,
+            note: report.divergence(),
+            values: [
+                summary.started.and_then(number),
+                number(summary.ended),
+                nis(&summary.position),
+                nis(&summary.velocity),
+            ]
+            .into_iter()
+            .chain(errors(rms))
+            .collect(),
+        });
+    }
+    Ok(())
+}
+
+fn identify(job: &Job, settings: &RecordSettings, outcome: &mut Outcome) -> Result<(), String> {
+    let path = job.path();
+    let header = header_names(&path).unwrap_or_default();
+    let unit = header.iter().find_map(|name| match meaning(name) {
+        Some((Meaning::Temperature, unit)) => Some(unit),
+        _ => None,
+    });
+    let wanted = settings.detrend == Trend::Temperature || unit.is_some();
+    let record = record::read(&path, &settings.format(wanted)).map_err(told)?;
+    if let (None, Some(unit), Some(values)) =
+        (outcome.temperature_c, unit, record.temperature.as_ref())
+    {
+        let count = values.len() as u64;
+        outcome.temperature_c = mean_celsius(values.iter().sum(), count, unit.as_deref());
+    }
+    if !record.skipped.is_empty() {
+        outcome.warnings.push(record.skipped.to_string());
+    }
+    let timing = record.timing.as_ref();
+    outcome
+        .warnings
+        .extend(timing.and_then(identify::unevenness));
+    let rate_hz = identify::rate(settings.rate_hz, timing)
+        .map_err(|error| error.replace("--rate", "identify.rate"))?;
+    let options = identify::options(&record, rate_hz, settings.n_max, settings.detrend);
+    let identified = identify::run(&record, &options, || {});
+    for (name, found) in &identified.axes {
+        let axis = match found {
+            Ok(axis) => axis,
+            Err(error) => {
+                outcome
+                    .failed_parts
+                    .insert((*name).to_owned(), error.to_string());
+                continue;
+            }
+        };
+        outcome
+            .warnings
+            .extend(axis.warnings.iter().map(|w| format!("{name}: {w}")));
+        let terms = &axis.allan_terms;
+        let chosen = axis.recommended();
+        let drift = |horizon: f64| {
+            // Horizons are rounded to whole samples.
+            let mut scores = chosen.score.iter();
+            let found = scores.find(|s| (s.horizon_s - horizon).abs() < 0.5 * horizon);
+            found.and_then(|score| number(score.rms))
+        };
+        outcome.rows.push(Row {
+            part: (*name).to_owned(),
+            outage: None,
+            note: Some(chosen.name.clone()),
+            values: [
+                number(axis.samples as f64),
+                number(axis.mean),
+                number(terms.white.value),
+                number(terms.bias_instability.value),
+                number(terms.random_walk.value),
+            ]
+            .into_iter()
+            .chain(HORIZONS.map(|(_, horizon)| drift(horizon)))
+            .collect(),
+        });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_is_an_error() {
+        let told = isolated(|| panic!("{} is none", 3)).unwrap_err();
+        assert_eq!(told, "a fault in the program: 3 is none");
+        assert_eq!(
+            isolated(|| panic!("plain")).unwrap_err(),
+            "a fault in the program: plain"
+        );
+        assert_eq!(isolated(|| Ok(())), Ok(()));
+    }
+
+    #[test]
+    fn files_go_by_their_names() {
+        let folders = ["/data/a", "logs", ""].map(PathBuf::from);
+        for (text, wanted) in [
+            ("/data/a/imu.csv line 3: bad", "imu.csv line 3: bad"),
+            ("\"logs/x\" and (logs/y)", "\"x\" and (y)"),
+            ("my/logs/x, catalogs/y", "my/logs/x, catalogs/y"),
+            ("/mnt/data/a/x", "/mnt/data/a/x"),
+        ] {
+            assert_eq!(without_folders(text, &folders), wanted);
+        }
+    }
+}

@@ -1,0 +1,227 @@
+//! Many jobs on the cores of one machine, their outcomes in a folder.
+
+use super::{Job, Outcome, fingerprint, process};
+use crate::drive::ConfigError;
+use rayon::{ThreadPoolBuildError, ThreadPoolBuilder};
+use std::{
+    collections::HashSet,
+    io::{self, Write},
+    path::{Path, PathBuf},
+    sync::{
+        Mutex,
+        atomic::{AtomicUsize, Ordering::Relaxed},
+    },
+};
+use undrift_io::write::PendingFile;
+
+/// Why a fleet cannot be worked through. A log that fails is no reason.
+#[derive(Debug, thiserror::Error)]
+pub enum FleetError {
+    /// A file cannot be written or read.
+    #[error("{}: {error}", path.display())]
+    File {
+        /// The file or folder.
+        path: PathBuf,
+        /// Why.
+        error: io::Error,
+    },
+    /// An outcome's file holds none.
+    #[error(transparent)]
+    Outcome(#[from] ConfigError),
+    /// Outcomes are missing.
+    #[error(
+        "{missing} of {all} logs are not done yet, the first is {first}; run without --gather, or the shards that are left"
+    )]
+    Missing {
+        /// How many.
+        missing: usize,
+        /// Of how many.
+        all: usize,
+        /// The first one's name.
+        first: String,
+    },
+    /// There are no threads.
+    #[error(transparent)]
+    Threads(#[from] ThreadPoolBuildError),
+}
+
+impl FleetError {
+    pub(super) fn file(path: &Path) -> impl FnOnce(io::Error) -> Self {
+        let path = path.to_path_buf();
+        |error| Self::File { path, error }
+    }
+}
+
+/// How a fleet is worked through.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Options {
+    /// Threads, and jobs at a time; 0 for as many as there are cores.
+    pub threads: usize,
+    /// Work out again what failed.
+    pub retry_failed: bool,
+    /// Only find out what is up to date.
+    pub look_only: bool,
+}
+
+/// What was done.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Done {
+    /// The fingerprint of each job, in the order of the jobs, each once.
+    pub fingerprints: Vec<String>,
+    /// Jobs that were worked out.
+    pub processed: usize,
+    /// Jobs that were up to date.
+    pub skipped: usize,
+    /// Jobs that are not worked out, if it was only looked.
+    pub missing: usize,
+    /// The first of them.
+    pub first_missing: Option<String>,
+}
+
+/// The jobs of one of `of` shards, counted from 1: every `of`-th one.
+pub fn shard(jobs: Vec<Job>, which: usize, of: usize) -> Vec<Job> {
+    let mine = |place: &usize| place % of.max(1) + 1 == which;
+    let places = jobs.into_iter().enumerate();
+    places
+        .filter(|(place, _)| mine(place))
+        .map(|(_, job)| job)
+        .collect()
+}
+
+/// As [`process`], on so many threads; 0 for as many as there are cores.
+///
+/// # Errors
+/// If there are no threads to be had.
+pub fn process_on(job: &Job, threads: usize) -> Result<Outcome, FleetError> {
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build()?;
+    Ok(pool.install(|| process(job)))
+}
+
+/// Where the outcome of a job with this fingerprint is kept.
+pub fn job_path(folder: &Path, fingerprint: &str) -> PathBuf {
+    folder.join("jobs").join(format!("{fingerprint}.json"))
+}
+
+/// Works all jobs out that are not up to date, and keeps each outcome in a file of its own under
+/// [`job_path`], which appears whole: whatever ends this, a later run goes on. `told` is called after
+/// each job with its outcome, `None` where it was up to date.
+///
+/// # Errors
+/// If an outcome cannot be kept.
+pub fn run(
+    jobs: &[Job],
+    folder: &Path,
+    options: Options,
+    told: impl Fn(Option<&Outcome>) + Sync,
+) -> Result<Done, FleetError> {
+    let outcomes = folder.join("jobs");
+    std::fs::create_dir_all(&outcomes).map_err(FleetError::file(&outcomes))?;
+    let pool = ThreadPoolBuilder::new()
+        .num_threads(options.threads)
+        .build()?;
+    let threads = pool.current_num_threads();
+    // A thread of the pool that waits for a part of its job would begin another one, and so on: memory
+    // stays bounded because no more jobs are handed out than there are threads.
+    let next = AtomicUsize::new(0);
+    let seen = Mutex::new(HashSet::new());
+    let results: Mutex<Vec<(usize, Result<Step, FleetError>)>> = Mutex::default();
+    let work = || {
+        while let Some((place, job)) = {
+            let place = next.fetch_add(1, Relaxed);
+            jobs.get(place).map(|job| (place, job))
+        } {
+            let step = pool.install(|| one(job, folder, options, &seen));
+            if let Ok(step) = &step {
+                told(step.outcome.as_ref());
+            }
+            let failed = step.is_err();
+            if let Ok(mut results) = results.lock() {
+                results.push((place, step));
+            }
+            if failed {
+                next.store(jobs.len(), Relaxed);
+            }
+        }
+    };
+    std::thread::scope(|scope| {
+        (0..threads.min(jobs.len())).for_each(|_| {
+            scope.spawn(work);
+        });
+    });
+    let mut results = results.into_inner().unwrap_or_default();
+    results.sort_by_key(|(place, _)| *place);
+    let mut done = Done::default();
+    let mut counted = HashSet::new();
+    for (place, step) in results {
+        let step = step?;
+        match step.state {
+            State::Processed => done.processed += 1,
+            State::UpToDate => done.skipped += 1,
+            State::Missing => {
+                done.missing += 1;
+                let name = jobs.get(place).map(|job| job.log.clone());
+                done.first_missing = done.first_missing.or(name);
+            }
+            State::Twice => {}
+        }
+        if counted.insert(step.fingerprint.clone()) {
+            done.fingerprints.push(step.fingerprint);
+        }
+    }
+    Ok(done)
+}
+
+#[derive(Clone, Copy)]
+enum State {
+    Processed,
+    UpToDate,
+    Missing,
+    /// Another job is the same.
+    Twice,
+}
+
+struct Step {
+    fingerprint: String,
+    state: State,
+    outcome: Option<Outcome>,
+}
+
+fn one(
+    job: &Job,
+    folder: &Path,
+    options: Options,
+    seen: &Mutex<HashSet<String>>,
+) -> Result<Step, FleetError> {
+    let fingerprint = fingerprint(job);
+    let step = |state, outcome| Step {
+        fingerprint: fingerprint.clone(),
+        state,
+        outcome,
+    };
+    if seen
+        .lock()
+        .is_ok_and(|mut seen| !seen.insert(fingerprint.clone()))
+    {
+        return Ok(step(State::Twice, None));
+    }
+    let path = job_path(folder, &fingerprint);
+    let again = || {
+        let known = std::fs::read_to_string(&path).ok();
+        let known = known.and_then(|text| Outcome::from_json(&text, "").ok());
+        known.is_none_or(|outcome| outcome.failed.is_some())
+    };
+    if path.is_file() && !(options.retry_failed && again()) {
+        return Ok(step(State::UpToDate, None));
+    }
+    if options.look_only {
+        return Ok(step(State::Missing, None));
+    }
+    let outcome = process(job);
+    let keep = || {
+        let mut file = PendingFile::create(&path)?;
+        file.write_all(outcome.to_json().as_bytes())?;
+        file.finish()
+    };
+    keep().map_err(FleetError::file(&path))?;
+    Ok(step(State::Processed, Some(outcome)))
+}

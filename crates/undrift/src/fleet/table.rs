@@ -1,0 +1,97 @@
+//! All outcomes as one table: a row for each outage, bias model or axis of each log, or for what failed.
+
+use super::{Outcome, outcome::columns};
+use std::{io, path::Path};
+use undrift_io::write::parquet_table::{ParquetTableWriter, Value, Values};
+
+/// Columns of text.
+const TEXTS: [&str; 8] = [
+    "log",
+    "unit",
+    "sensor",
+    "task",
+    "part",
+    "note",
+    "failed",
+    "fingerprint",
+];
+
+/// The table while it is written.
+pub struct Table {
+    writer: ParquetTableWriter,
+    /// Columns of numbers behind the temperature.
+    numbers: Vec<String>,
+}
+
+impl Table {
+    /// Starts a file that appears under its name at [`Table::finish`].
+    pub fn create(path: &Path) -> io::Result<Self> {
+        let tasks = ["outages", "navigate", "identify"];
+        let numbers: Vec<String> = tasks.into_iter().flat_map(columns).collect();
+        let text = |name| (name, Values::Text(Vec::new()));
+        let number = |name| (name, Values::Number(Vec::new()));
+        let mut columns: Vec<(&str, Values)> = TEXTS.into_iter().map(text).collect();
+        columns.push(("outage", Values::Whole(Vec::new())));
+        columns.push(number("temperature_c"));
+        columns.extend(numbers.iter().map(String::as_str).map(number));
+        Ok(Self {
+            writer: ParquetTableWriter::create(path, columns)?,
+            numbers,
+        })
+    }
+
+    /// Writes the rows of an outcome; one that failed has a row too, as has each part that failed.
+    pub fn write(&mut self, outcome: &Outcome, fingerprint: &str) -> io::Result<()> {
+        let places: Vec<Option<usize>> = self
+            .numbers
+            .iter()
+            .map(|name| outcome.columns.iter().position(|column| column == name))
+            .collect();
+        let rows = outcome.rows.iter().map(|row| {
+            let part = Some(row.part.as_str());
+            (
+                part,
+                row.note.as_deref(),
+                None,
+                row.outage,
+                row.values.as_slice(),
+            )
+        });
+        let whole = outcome.failed.as_deref().map(|why| (None, why));
+        let failed = outcome.failed_parts.iter();
+        // What failed as a whole says why its parts did.
+        let parts = failed.map(|(part, why)| (Some(part.as_str()), why.as_str()));
+        let failed = whole
+            .into_iter()
+            .chain(parts)
+            .map(|(part, why)| (part, None, Some(why), None, [].as_slice()));
+        for (part, note, failed, outage, values) in rows.chain(failed) {
+            let texts = [
+                Some(outcome.log.as_str()),
+                outcome.unit.as_deref(),
+                outcome.sensor.as_deref(),
+                Some(outcome.task.as_str()),
+                part,
+                note,
+                failed,
+                Some(fingerprint),
+            ];
+            let value = |place: &Option<usize>| place.and_then(|place| *values.get(place)?);
+            let numbers = [outcome.temperature_c].into_iter();
+            let numbers = numbers.chain(places.iter().map(value)).map(Value::Number);
+            let outage = outage.and_then(|n| i32::try_from(n).ok());
+            let row = texts
+                .into_iter()
+                .map(Value::Text)
+                .chain([Value::Whole(outage)])
+                .chain(numbers);
+            self.writer.write(row)?;
+        }
+        Ok(())
+    }
+
+    /// Gives the file its name.
+    pub fn finish(self) -> io::Result<()> {
+        self.writer.finish()
+    }
+}

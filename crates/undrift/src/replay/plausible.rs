@@ -1,0 +1,141 @@
+//! Whether samples and fixes can be of one vehicle: units, axes, signs and time bases that are wrong.
+//!
+//! A wrong unit or a swapped column lets a filter struggle on with fixes left out and weights enlarged,
+//! which hides the cause. Three things are known whatever the noise model says: the specific force is
+//! gravity on the average; the course of a vehicle turns as its gyros say; positions move as velocities
+//! say. Streamed: sums and a bounded window are kept.
+
+mod moves;
+mod turns;
+
+use super::Settings;
+use crate::align::Heading;
+use moves::Moves;
+use serde::Serialize;
+use turns::Turns;
+use undrift_nav::{
+    Vector3,
+    earth::STANDARD_GRAVITY,
+    sample::{GnssFix, ImuSample},
+};
+
+/// What cannot be.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Implausible {
+    /// The mean specific force, as a multiple of gravity.
+    Gravity(f64),
+    /// Gravity lies along another axis than body down, which is `[0, 0, 1]` of it.
+    Down([f64; 3]),
+    /// The course turns by this multiple of what the gyros say.
+    TurnScale(f64),
+    /// The course turns as the gyro of this axis says (0 to 2), which is not the vertical one.
+    TurnAxis(usize),
+    /// The gyros do not see the turns of the course.
+    NoTurn,
+    /// The gyros saw the turns so much later than the course's stamps say [s].
+    Late(f64),
+    /// The body axis along which the vehicle accelerates and the one along which it is pushed in turns to
+    /// the right: 1 forward, 2 right, with sign, as far as that is seen.
+    Push {
+        /// When it accelerates: to be 1.
+        forward: Option<i8>,
+        /// In turns to the right: to be 2.
+        right: Option<i8>,
+    },
+    /// Positions move as the velocities say only if something is changed; `None` where nothing simple is.
+    Velocity(Option<&'static str>),
+}
+
+/// Length of the blocks that specific force is averaged over [s], and how many there must be.
+const BLOCK: f64 = 1.0;
+const LEAST_BLOCKS: u32 = 10;
+/// Multiples of gravity that a block of a vehicle may have, and the least share of such blocks.
+const GRAVITY: std::ops::Range<f64> = 0.7..1.4;
+const LEAST_SHARE: f64 = 0.1;
+/// Cosine of the angle between gravity and body down below which axes are not forward, right, down.
+const DOWN: f64 = 0.5;
+
+/// What is known so far.
+pub(super) struct Plausible {
+    /// Whether body axes are promised to be forward, right, down.
+    level: bool,
+    /// Specific force of the present block [m/s], its length [s].
+    block: (Vector3, f64),
+    /// Sum of the directions of the blocks' specific force, of the logarithms of its size over gravity,
+    /// their number, and that of those of a vehicle.
+    direction: Vector3,
+    logarithms: f64,
+    blocks: u32,
+    sound: u32,
+    turns: Turns,
+    moves: Moves,
+}
+
+impl Plausible {
+    pub(super) fn new(settings: &Settings) -> Self {
+        Self {
+            level: settings.align.attitude.is_none() && settings.align.heading == Heading::Course,
+            block: (Vector3::zeros(), 0.0),
+            direction: Vector3::zeros(),
+            logarithms: 0.0,
+            blocks: 0,
+            sound: 0,
+            turns: Turns::new(),
+            moves: Moves::default(),
+        }
+    }
+
+    /// Takes in a sample.
+    pub(super) fn sample(&mut self, sample: &ImuSample) {
+        self.block.0 += sample.dvel;
+        self.block.1 += sample.dt;
+        if self.block.1 >= BLOCK {
+            let (sum, length) = std::mem::replace(&mut self.block, (Vector3::zeros(), 0.0));
+            let ratio = sum.norm() / length / STANDARD_GRAVITY;
+            if ratio.is_finite() {
+                self.blocks += 1;
+                self.sound += u32::from(GRAVITY.contains(&ratio));
+                self.logarithms += ratio.max(1e-9).ln();
+                self.direction += sum.try_normalize(1e-9).unwrap_or_else(Vector3::zeros);
+            }
+        }
+        self.turns
+            .sample(sample, self.direction.try_normalize(1e-9));
+    }
+
+    /// Takes in a fix.
+    pub(super) fn fix(&mut self, fix: &GnssFix) {
+        if let Some((velocity, r)) = &fix.velocity {
+            let variance = r.fixed_view::<2, 2>(0, 0).trace() / 2.0;
+            self.turns.velocity(fix.time, velocity, variance);
+            self.moves.fix(fix, velocity);
+        }
+    }
+
+    /// What cannot be, at the end of the log.
+    pub(super) fn findings(&mut self) -> Vec<Implausible> {
+        self.turns.finish();
+        let mut found = Vec::new();
+        let blocks = f64::from(self.blocks);
+        let down = self.direction.try_normalize(0.5 * blocks).map(|up| -up);
+        if self.blocks >= LEAST_BLOCKS {
+            if f64::from(self.sound) < LEAST_SHARE * blocks {
+                found.push(Implausible::Gravity((self.logarithms / blocks).exp()));
+            }
+            if let Some(down) = down.filter(|down| self.level && down.z < DOWN) {
+                found.push(Implausible::Down(down.into()));
+            }
+        }
+        if let Some(wrong) = self.moves.finding() {
+            // Then the course is no measure of the sensors.
+            found.push(wrong);
+        } else if let Some(down) = down {
+            found.extend(self.turns.turns(&down));
+            if self.level && down.z > DOWN {
+                found.extend(self.turns.pushes());
+            }
+        }
+        found
+    }
+}

@@ -1,0 +1,284 @@
+//! Turns and accelerations: what the fixes show of them and what the sensors do.
+
+use super::Implausible;
+use std::collections::VecDeque;
+use undrift_nav::{Vector3, earth::wrap_pi, sample::ImuSample};
+
+/// Speed below which there is no course [m/s], and its largest standard deviation [rad].
+const COURSE_SPEED: f64 = 3.0;
+const COURSE_STD: f64 = 0.1;
+/// Length of a turn's window [s]; what turns further in it is an outlier [rad].
+const TURN_WINDOW: std::ops::Range<f64> = 0.9..2.5;
+const MOST_TURN: f64 = 1.0;
+/// Sum of squares of the turns that is enough to judge by [rad²]: one right-angle bend.
+const ENOUGH_TURN: f64 = 0.25;
+/// Lags at which turns are compared: so many steps of so many seconds to each side.
+const LAGS: usize = 120;
+const LAG: f64 = 0.25;
+/// Windows that have to be compared before a lag is believed.
+const LAG_WINDOWS: f64 = 20.0;
+/// From one entry of the history of turns to the next [s].
+const HISTORY_STEP: f64 = 0.1;
+/// Multiples of the gyros' turns that the course may turn by: a bank makes 1/cos of it.
+const TURN_SCALE: std::ops::Range<f64> = 0.6..1.7;
+
+/// Sum of squares of the accelerations that is enough to judge by [m²/s⁴]: some ten seconds of 0.5 m/s².
+const ENOUGH_PUSH: f64 = 2.5;
+
+/// Sums of a regression of y on x with means.
+#[derive(Clone, Copy, Default)]
+struct Regression {
+    n: f64,
+    x: f64,
+    y: f64,
+    xx: f64,
+    xy: f64,
+    yy: f64,
+}
+
+impl Regression {
+    fn add(&mut self, x: f64, y: f64) {
+        self.n += 1.0;
+        self.x += x;
+        self.y += y;
+        self.xx += x * x;
+        self.xy += x * y;
+        self.yy += y * y;
+    }
+
+    /// Sum of squares of y about its mean.
+    fn power(&self) -> f64 {
+        self.yy - self.y * self.y / self.n.max(1.0)
+    }
+
+    /// Slope and coefficient of determination; zeros where x does not vary.
+    fn fit(&self) -> (f64, f64) {
+        let n = self.n.max(1.0);
+        let (xx, xy) = (self.xx - self.x * self.x / n, self.xy - self.x * self.y / n);
+        let yy = self.power();
+        if xx > 1e-12 && yy > 1e-12 {
+            (xy / xx, xy * xy / (xx * yy))
+        } else {
+            (0.0, 0.0)
+        }
+    }
+}
+
+/// Angles about the vertical and about the body axes [rad], and specific force over time [m/s], body axes.
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    yaw: f64,
+    angle: Vector3,
+    velocity: Vector3,
+}
+
+/// What a vehicle did over ground from `start` to `end` [s].
+#[derive(Clone, Copy)]
+struct Turn {
+    start: f64,
+    end: f64,
+    /// Of the course [rad].
+    turn: f64,
+    /// On the average, and by how much it grew [m/s].
+    speed: f64,
+    faster: f64,
+}
+
+/// What is known so far.
+pub(super) struct Turns {
+    /// What was gathered since the start, now and at the last times in order.
+    sums: Sums,
+    history: VecDeque<(f64, Sums)>,
+    /// Where the present window of turning began: time [s], course [rad] and speed [m/s].
+    course: Option<(f64, f64, f64)>,
+    /// Windows whose later samples are still to come.
+    waiting: VecDeque<Turn>,
+    /// Of the turns on those of the vertical at each lag, and of each axis at none.
+    lags: [Regression; 2 * LAGS + 1],
+    axes: [Regression; 3],
+    /// Of the accelerations along the course and to its right on the forces along forward and right.
+    pushes: [[Regression; 2]; 2],
+    /// Sum of the variances of the turns that noise makes [rad²].
+    noise: f64,
+}
+
+impl Turns {
+    pub(super) fn new() -> Self {
+        Self {
+            sums: Sums::default(),
+            history: VecDeque::new(),
+            course: None,
+            waiting: VecDeque::new(),
+            lags: [Regression::default(); 2 * LAGS + 1],
+            axes: [Regression::default(); 3],
+            pushes: [[Regression::default(); 2]; 2],
+            noise: 0.0,
+        }
+    }
+
+    /// Takes in a sample; `up` is the direction of the specific force, if it is known.
+    pub(super) fn sample(&mut self, sample: &ImuSample, up: Option<Vector3>) {
+        if let Some(up) = up {
+            self.sums.yaw -= sample.dtheta.dot(&up);
+        }
+        self.sums.angle += sample.dtheta;
+        self.sums.velocity += sample.dvel;
+        let last = self.history.back();
+        if last.is_some_and(|(last, _)| sample.time - last < HISTORY_STEP) {
+            return;
+        }
+        self.history.push_back((sample.time, self.sums));
+        let keep = 2.0 * LAGS as f64 * LAG + 2.0 * TURN_WINDOW.end;
+        while let Some((first, _)) = self.history.front()
+            && sample.time - first > keep
+        {
+            self.history.pop_front();
+        }
+        while let Some(window) = self.waiting.front().copied()
+            && window.end + LAGS as f64 * LAG + HISTORY_STEP <= sample.time
+        {
+            self.waiting.pop_front();
+            self.compare(&window);
+        }
+    }
+
+    /// At the end of the log: what still waits is compared with what there is.
+    pub(super) fn finish(&mut self) {
+        while let Some(window) = self.waiting.pop_front() {
+            self.compare(&window);
+        }
+    }
+
+    /// Takes in a velocity over ground at `time` [s] and its horizontal variance [m²/s²].
+    pub(super) fn velocity(&mut self, time: f64, velocity: &Vector3, variance: f64) {
+        let speed = velocity.xy().norm();
+        let noise = variance / (speed * speed);
+        if speed < COURSE_SPEED || noise > COURSE_STD * COURSE_STD {
+            self.course = None;
+            return;
+        }
+        let course = velocity.y.atan2(velocity.x);
+        let Some((start, before, slow)) = self.course else {
+            self.course = Some((time, course, speed));
+            return;
+        };
+        if time - start < TURN_WINDOW.start {
+            return;
+        }
+        self.course = Some((time, course, speed));
+        let turn = wrap_pi(course - before);
+        if time - start <= TURN_WINDOW.end && turn.abs() < MOST_TURN {
+            self.noise += 2.0 * noise;
+            self.waiting.push_back(Turn {
+                start,
+                end: time,
+                turn,
+                speed: 0.5 * (slow + speed),
+                faster: speed - slow,
+            });
+        }
+    }
+
+    /// What was gathered until `time` [s], if that is in the history.
+    fn sums_at(&self, time: f64) -> Option<Sums> {
+        let after = self.history.partition_point(|entry| entry.0 < time);
+        let (a, b) = (
+            self.history.get(after.checked_sub(1)?)?,
+            self.history.get(after)?,
+        );
+        let part = (time - a.0) / (b.0 - a.0);
+        Some(Sums {
+            yaw: a.1.yaw + part * (b.1.yaw - a.1.yaw),
+            angle: a.1.angle.lerp(&b.1.angle, part),
+            velocity: a.1.velocity.lerp(&b.1.velocity, part),
+        })
+    }
+
+    /// Compares what a vehicle did over ground with what its sensors saw, turns at every lag.
+    fn compare(&mut self, window: &Turn) {
+        for k in 0..self.lags.len() {
+            let late = (k as f64 - LAGS as f64) * LAG;
+            let (start, end) = (window.start + late, window.end + late);
+            let (Some(a), Some(b)) = (self.sums_at(start), self.sums_at(end)) else {
+                continue;
+            };
+            self.lags[k].add(b.yaw - a.yaw, window.turn);
+            if k != LAGS {
+                continue;
+            }
+            for (axis, regression) in self.axes.iter_mut().enumerate() {
+                regression.add(b.angle[axis] - a.angle[axis], window.turn);
+            }
+            let span = end - start;
+            let force = (b.velocity - a.velocity) / span;
+            let seen = [window.faster, window.speed * window.turn].map(|change| change / span);
+            for (seen, regressions) in seen.into_iter().zip(&mut self.pushes) {
+                for (axis, regression) in regressions.iter_mut().enumerate() {
+                    regression.add(force[axis], seen);
+                }
+            }
+        }
+    }
+
+    /// Whether the vehicle accelerates along body forward, and is pushed along body right in turns.
+    pub(super) fn pushes(&self) -> Option<Implausible> {
+        let along = |of: usize| -> Option<i8> {
+            let [x, y] = [&self.pushes[of][0], &self.pushes[of][1]];
+            if x.power() < ENOUGH_PUSH {
+                return None;
+            }
+            let ((x, of_x), (y, of_y)) = (x.fit(), y.fit());
+            if of_x > 0.6 && of_y < 0.3 {
+                Some(if x > 0.0 { 1 } else { -1 })
+            } else if of_y > 0.6 && of_x < 0.3 {
+                Some(if y > 0.0 { 2 } else { -2 })
+            } else {
+                None
+            }
+        };
+        let (forward, right) = (along(0), along(1));
+        let wrong = forward.is_some_and(|axis| axis != 1) || right.is_some_and(|axis| axis != 2);
+        wrong.then_some(Implausible::Push { forward, right })
+    }
+
+    /// What the turns show, where body `down` is the direction of gravity.
+    pub(super) fn turns(&self, down: &Vector3) -> Vec<Implausible> {
+        let now = &self.lags[LAGS];
+        let signal = now.power() - self.noise;
+        if signal < ENOUGH_TURN || signal < 2.0 * self.noise {
+            return Vec::new();
+        }
+        let (mut scale, mut r2) = now.fit();
+        let mut found = Vec::new();
+        let fits = self.lags.iter().map(|lag| match lag {
+            lag if lag.n >= LAG_WINDOWS && lag.power() > 0.5 * now.power() => lag.fit(),
+            _ => (0.0, 0.0),
+        });
+        let best = fits.enumerate().max_by(|a, b| a.1.1.total_cmp(&b.1.1));
+        if let Some((k, (there, best))) = best
+            && best > 0.8
+            && 1.0 - r2 > 4.0 * (1.0 - best) + 0.05
+        {
+            found.push(Implausible::Late((k as f64 - LAGS as f64) * LAG));
+            (scale, r2) = (there, best);
+        }
+        let of_axis = self.axes.iter().map(Regression::fit).enumerate();
+        let best = of_axis.max_by(|a, b| a.1.1.total_cmp(&b.1.1));
+        match best {
+            Some((axis, (of, best)))
+                if best > 0.9
+                    && best > r2
+                    && down[axis].abs() < 0.3
+                    && TURN_SCALE.contains(&of.abs()) =>
+            {
+                found.push(Implausible::TurnAxis(axis));
+            }
+            _ if r2 > 0.7 && !TURN_SCALE.contains(&scale) => {
+                found.push(Implausible::TurnScale(scale));
+            }
+            _ if r2 < 0.1 => found.push(Implausible::NoTurn),
+            _ => {}
+        }
+        found
+    }
+}
