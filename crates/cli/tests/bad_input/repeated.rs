@@ -92,12 +92,14 @@ fn outages() {
 #[test]
 fn identify() {
     let case = Log::good().write("same_identify");
-    case.put("record.csv", static_record(4000).as_bytes());
+    case.put("record.csv", static_record(1000).as_bytes());
     let arguments = [
         "identify",
         "record.csv",
         "--rate",
         "50",
+        "--n-max",
+        "1",
         "-o",
         "imu.toml",
         "--json",

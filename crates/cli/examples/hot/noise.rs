@@ -1,9 +1,8 @@
-//! The hot loops of identification on one record, for counting instructions: `hot_noise TASK SAMPLES`.
-//! `tools/instruction-budgets` runs it.
+//! Identification, on one record.
 
 use std::hint::black_box;
-use undrift_nav::shaping::ShapingFilter;
-use undrift_noise::{
+use undrift::nav::shaping::ShapingFilter;
+use undrift::noise::{
     allan::{Grid, Kind, deviations},
     arma::{Mean, log_likelihood},
     correlation::autocorrelation,
@@ -12,12 +11,8 @@ use undrift_noise::{
     whiteness::portmanteau,
 };
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mut arguments = std::env::args().skip(1);
-    let (Some(task), Some(samples)) = (arguments.next(), arguments.next()) else {
-        return Err("usage: hot_noise TASK SAMPLES".into());
-    };
-    let samples = samples.parse()?;
+pub fn run(task: &str, samples: u32) -> Result<(), Box<dyn std::error::Error>> {
+    let samples = samples as usize;
     if task == "synthesis" {
         let filter = ShapingFilter::arma(&[0.99995], &[0.9994], 0.006, 0.01)?;
         let mut record = vec![0.0; samples];
@@ -29,7 +24,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let x = black_box(record.as_slice());
     let constant = Deterministic::Constant;
     let likelihood = |ar, ma| log_likelihood(x, ar, ma, Mean::Known(0.0), false);
-    match task.as_str() {
+    match task {
         // What all others do beside their task.
         "record" => {}
         "arma-1-1" => drop(black_box(likelihood(&[0.99995], &[0.9994])?)),

@@ -1,21 +1,16 @@
-//! The hot loops of reading and writing text, for counting instructions: `hot_io TASK ROWS`.
-//! `tools/instruction-budgets` runs it.
+//! Reading and writing text.
 
 use std::{fmt::Write as _, hint::black_box, io::Cursor, path::Path};
-use undrift_io::{
+use undrift::io::{
     imu::{ImuFormat, ImuReader},
     table::{Column, Table, TableOptions},
     write::solution::{SolutionRow, SolutionWriter},
 };
-use undrift_nav::{Vector3, earth::Geodetic};
+use undrift::nav::{Vector3, earth::Geodetic};
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mut arguments = std::env::args().skip(1);
-    let (Some(task), Some(rows)) = (arguments.next(), arguments.next()) else {
-        return Err("usage: hot_io TASK ROWS".into());
-    };
-    let rows = rows.parse()?;
-    match task.as_str() {
+pub fn run(task: &str, rows: u32) -> Result<(), Box<dyn std::error::Error>> {
+    let rows = rows as usize;
+    match task {
         "text" => drop(black_box(text(rows))),
         "table" => table(&text(rows))?,
         "imu" => imu(&text(rows))?,

@@ -1,8 +1,7 @@
-//! The hot loops of the filter, for counting instructions: `hot_nav TASK COUNT` does a task so often.
-//! `tools/instruction-budgets` runs it.
+//! The filter.
 
 use std::hint::black_box;
-use undrift_nav::{
+use undrift::nav::{
     Matrix3, Quaternion, Vector3,
     earth::Geodetic,
     filter::{Filter, InitialStd},
@@ -14,13 +13,8 @@ use undrift_nav::{
 
 const DT: f64 = 0.005;
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mut arguments = std::env::args().skip(1);
-    let (Some(task), Some(count)) = (arguments.next(), arguments.next()) else {
-        return Err("usage: hot_nav TASK COUNT".into());
-    };
-    let count = count.parse()?;
-    match task.as_str() {
+pub fn run(task: &str, count: u32) -> Result<(), Box<dyn std::error::Error>> {
+    match task {
         "predict-9" => predict::<9>(count)?,
         "predict-15" => predict::<15>(count)?,
         "predict-21" => predict::<21>(count)?,
