@@ -21,6 +21,9 @@ pub fn bias_model(name: &str) -> PyResult<BiasModel> {
     name.parse::<BiasModel>().map_err(error)
 }
 
+/// An axis with its terms, where they are known.
+type NamedTerms<'py> = (&'static str, Option<Bound<'py, PyDict>>);
+
 #[pymethods]
 impl NoiseModel {
     /// A preset, or a model file.
@@ -72,10 +75,7 @@ impl NoiseModel {
     }
 
     /// The six axes in order: name, and what is known of it, `None` where nothing is.
-    fn axes<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<Vec<(&'static str, Option<Bound<'py, PyDict>>)>> {
+    fn axes<'py>(&self, py: Python<'py>) -> PyResult<Vec<NamedTerms<'py>>> {
         let axes = self.0.axes().into_iter();
         axes.map(|(name, axis)| Ok((name, axis.is_known().then(|| terms(py, axis)).transpose()?)))
             .collect()

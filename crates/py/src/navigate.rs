@@ -13,6 +13,8 @@ use undrift::{
     table::outage_table,
 };
 
+type Failure = Box<dyn std::error::Error + Send + Sync>;
+
 /// Navigates a drive: its result as JSON, and the solution as arrays where `solution` asks for it.
 #[pyfunction]
 #[expect(
@@ -49,13 +51,16 @@ pub fn navigate<'py>(
             let report = navigation::navigate_for(&drive.drive, kind, wanted)?;
             let about = results::drive(&drive.file, &drive.drive);
             let json = results::text(&report.json(kind, about));
-            Ok::<_, navigation::NavigateError>((report, json))
+            Ok::<_, Failure>((report, json))
         })
         .map_err(error)?;
     Ok((json, columns::solution(py, &report.rows)?))
 }
 
+/// Start of an outage, times and errors.
 type Curve<'py> = (f64, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
+/// A model's curves.
+type Curves<'py> = (String, Vec<Curve<'py>>);
 
 /// Cuts the GNSS of a drive: the result as JSON, the terminal's table, and for every model the start of
 /// each outage [s] with the horizontal error [m] over the time since [s].
@@ -74,14 +79,13 @@ pub fn outages<'py>(
     start: f64,
     at: Option<Vec<f64>>,
     smooth: bool,
-) -> PyResult<(String, String, Vec<(String, Vec<Curve<'py>>)>)> {
+) -> PyResult<(String, String, Vec<Curves<'py>>)> {
     let kinds = bias_models
         .iter()
         .map(|name| bias_model(name))
         .collect::<PyResult<Vec<_>>>()?;
     let plan = Schedule::asked(at, every, count, start)
         .ok_or_else(|| error("say how many outages: count, every or at"))?;
-    type Failure = Box<dyn std::error::Error + Send + Sync>;
     let (outcomes, json) = py
         .detach(|| {
             let logs = Logs::load(&drive.drive)?;
