@@ -379,7 +379,10 @@ bias_models = ["arma"]
     let out = logs.join("out");
     done(&logs, &out, &[]);
     let json = summary(&out);
-    assert_eq!(json["tasks"], serde_json::json!({"identify": 9, "navigate": 1}));
+    assert_eq!(
+        json["tasks"],
+        serde_json::json!({"identify": 9, "navigate": 1})
+    );
     assert_eq!(json["failed"], serde_json::json!([]));
     assert_eq!(json["logs"][3]["temperature_c"], 3.5);
     let measures = json["measures"].as_array().unwrap();
