@@ -211,6 +211,7 @@ fn json_on_standard_output_is_json_alone() {
     // Every verb that has a result has it as JSON.
     for verb in [
         "demo",
+        "fleet",
         "identify",
         "inspect",
         "montecarlo",
