@@ -14,6 +14,7 @@ mod fleet;
 mod identify;
 mod model;
 mod navigate;
+mod orders;
 mod report;
 mod simulate;
 mod stationarity;
@@ -30,6 +31,7 @@ fn _undrift(module: &Bound<'_, PyModule>) -> PyResult<()> {
     stationarity::register(module)?;
     statistics::register(module)?;
     arma::register(module)?;
+    orders::register(module)?;
     model::register(module)?;
     identify::register(module)?;
     simulate::register(module)?;
