@@ -90,6 +90,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     output::ready(arguments.output.as_deref())?;
     arguments.json.ready()?;
     arguments.reporting.ready()?;
+    output::reads(&arguments.record);
+    arguments.json.spares_input()?;
+    arguments.reporting.spares_input()?;
+    if let Some(file) = &arguments.output {
+        output::spares_input(file)?;
+    }
     let units = match arguments
         .units
         .as_deref()

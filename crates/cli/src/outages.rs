@@ -2,7 +2,7 @@
 
 use crate::{
     navigate,
-    output::JsonOutput,
+    output::{self, JsonOutput},
     print,
     progress::Bar,
     report::Reporting,
@@ -89,6 +89,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         track_format(path)?;
     }
     let drive = navigate::load(&arguments.drive, &arguments.common)?;
+    arguments.json.spares_input()?;
+    arguments.reporting.spares_input()?;
+    if let Some(track) = &arguments.track {
+        output::spares_input(track)?;
+    }
     let logs = Logs::load(&drive)?;
     if let Some(mounting) = &logs.mounting {
         note(format!("mounting estimated: {mounting}"));

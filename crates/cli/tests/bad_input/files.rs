@@ -286,6 +286,8 @@ fn a_result_never_replaces_what_it_is_made_from() {
             "drive.toml",
         ],
         &["inspect", "imu.csv", "-o", "imu.csv"],
+        &["identify", "imu.csv", "-o", "imu.csv"],
+        &["identify", "imu.csv", "--json", "imu.csv"],
     ] {
         let outcome = case.run(arguments);
         assert_eq!(outcome.code, Some(1), "{arguments:?} {}", outcome.stderr);
