@@ -100,7 +100,7 @@ def test_results_pickle_and_copy(found: undrift.Identified) -> None:
         again.model()
     model = found.model()
     assert copy.deepcopy(model) is model
-    unpickled = pickle.loads(pickle.dumps(model))
-    for name, axis in model.axes.items():
-        # By way of the model file, whose numbers are good to 1e-15 of them.
-        assert unpickled.axes[name].white_noise == pytest.approx(axis.white_noise, rel=2e-15)
+    unpickled = pickle.loads(pickle.dumps(model)).shaping("white", RATE)
+    for name, shaping in model.shaping("white", RATE).items():
+        # By way of the model file, whose numbers are good to 1e-15 of them; r is a square of such.
+        assert unpickled[name].r == pytest.approx(shaping.r, rel=5e-15)
