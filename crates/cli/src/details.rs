@@ -12,12 +12,6 @@ pub fn size(path: &Path) -> u64 {
     std::fs::metadata(path).map_or(0, |about| about.len())
 }
 
-/// Name of a file without its folder.
-pub fn name(path: &Path) -> String {
-    path.file_name()
-        .map_or(String::new(), |name| name.to_string_lossy().into_owned())
-}
-
 /// Tells of a file: its size, and the format by its content.
 pub fn file(what: &str, path: &Path) {
     detail(1, || {

@@ -110,7 +110,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let report = stage("navigation", || {
         let _bar = Bar::watching(
             drive.imu_read.bytes(),
-            &details::name(&drive.imu.0),
+            &results::name(&drive.imu.0),
             details::size(&drive.imu.0),
             "bytes",
         );

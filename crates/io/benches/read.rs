@@ -1,41 +1,63 @@
-//! Reading inertial samples from CSV text, and writing the solution.
+//! Reading CSV text as a table and into inertial samples, and writing the solution.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::{fmt::Write as _, io::Cursor, path::Path, time::Duration};
 use undrift_io::{
+    ReadError,
     imu::{ImuFormat, ImuReader},
-    table::Column,
+    table::{Column, Table, TableOptions},
     write::solution::{SolutionRow, SolutionWriter},
 };
 use undrift_nav::{Vector3, earth::Geodetic};
 
 const ROWS: usize = 20_000;
 
-fn read(c: &mut Criterion) {
+/// Six columns of noise behind a time, so many decimals.
+fn text([time_decimals, decimals]: [usize; 2]) -> String {
     let mut text = String::from("t,gx,gy,gz,ax,ay,az\n");
+    let mut state = 1u64;
     for k in 0..ROWS {
-        let (time, small) = (k as f64 * 0.005, (k * 7919 % 1000) as f64 * 1.237e-5);
-        let _ = writeln!(
-            text,
-            "{time:.3},{small:.9},{:.9},{:.9},{:.9},{:.9},{:.9}",
-            -small,
-            small + 1e-3,
-            small + 0.3,
-            small - 0.2,
-            small - 9.8
-        );
+        let _ = write!(text, "{:.time_decimals$}", k as f64 * 0.005);
+        for axis in 0..6 {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            let unit = (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5;
+            let size = if axis < 3 { 0.1 } else { 20.0 };
+            let _ = write!(text, ",{:.decimals$}", unit * size);
+        }
+        text.push('\n');
     }
+    text
+}
+
+fn read(c: &mut Criterion) {
     let n = Column::Number;
     let format = ImuFormat::new(Some(n(1)), [n(2), n(3), n(4)], [n(5), n(6), n(7)]);
+    let columns = TableOptions {
+        columns: (1..=7).map(|k| ("column".into(), n(k))).collect(),
+        ..TableOptions::default()
+    };
     let mut group = c.benchmark_group("CSV");
-    group.throughput(Throughput::Bytes(text.len() as u64));
-    group.bench_function("inertial samples", |b| {
-        b.iter(|| {
-            let source = Box::new(Cursor::new(text.clone().into_bytes()));
-            let reader = ImuReader::from_source(Path::new("imu.csv"), source, &format);
-            reader.map(|samples| samples.filter(Result::is_ok).count())
-        })
-    });
+    for (numbers, decimals) in [("short", [3, 5]), ("long", [9, 9]), ("18 digits", [9, 17])] {
+        let text = text(decimals);
+        let source = || Box::new(Cursor::new(text.clone().into_bytes()));
+        group.throughput(Throughput::Bytes(text.len() as u64));
+        group.bench_function(format!("table, {numbers} numbers"), |b| {
+            b.iter(|| -> Result<u64, ReadError> {
+                let mut table = Table::from_source(Path::new("imu.csv"), source(), &columns)?;
+                let mut row = [0.0; 7];
+                while table.next_row(&mut row)?.is_some() {}
+                Ok(table.rows_seen())
+            })
+        });
+        group.bench_function(format!("inertial samples, {numbers} numbers"), |b| {
+            b.iter(|| {
+                let reader = ImuReader::from_source(Path::new("imu.csv"), source(), &format);
+                reader.map(|samples| samples.filter(Result::is_ok).count())
+            })
+        });
+    }
 }
 
 fn write(c: &mut Criterion) {

@@ -5,7 +5,7 @@ mod series;
 mod settings;
 
 pub use series::RecordSeries;
-pub use settings::{Trend, options, provenance, rate, sha256, unevenness};
+pub use settings::{Trend, options, provenance, rate, unevenness};
 
 use crate::record::Record;
 use rayon::prelude::*;

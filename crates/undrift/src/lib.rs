@@ -12,6 +12,7 @@ pub mod demo;
 pub mod drive;
 pub mod figure;
 pub mod fleet;
+mod hash;
 pub mod identify;
 pub mod inspect;
 pub mod montecarlo;

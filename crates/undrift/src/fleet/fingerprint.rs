@@ -1,7 +1,7 @@
 //! What an outcome depends on, as one number.
 
 use super::{Job, Task};
-use crate::{drive, identify::sha256};
+use crate::{drive, hash};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 use undrift_noise::ImuModel;
@@ -49,13 +49,8 @@ pub fn fingerprint(job: &Job) -> String {
     // A job is text and numbers: it can always be written.
     sum.update(serde_json::to_string(&placeless).unwrap_or_default());
     for (key, path) in inputs(job) {
-        let content = sha256(&path).unwrap_or_else(|error| error.kind().to_string());
+        let content = hash::of_file(&path).unwrap_or_else(|error| error.kind().to_string());
         sum.update(format!("\n{key} {content}"));
     }
-    hexadecimal(sum)
-}
-
-fn hexadecimal(sum: Sha256) -> String {
-    let bytes = sum.finalize();
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+    hash::hexadecimal(sum)
 }

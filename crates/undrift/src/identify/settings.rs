@@ -1,6 +1,6 @@
 //! What a record is identified with.
 
-use crate::record::Record;
+use crate::{hash, record::Record};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use undrift_noise::{
@@ -85,22 +85,7 @@ pub fn provenance(
         record: Some(name.to_owned()),
         rate_hz: Some(rate_hz),
         samples: record.samples.first().map(|s| s.len() as u64),
-        sha256: file.map(sha256).transpose()?,
+        sha256: file.map(hash::of_file).transpose()?,
         program: Some(format!("undrift {}", env!("CARGO_PKG_VERSION"))),
     })
-}
-
-/// SHA-256 of a file's bytes, hexadecimal.
-///
-/// # Errors
-/// If the file cannot be read.
-pub fn sha256(path: &Path) -> std::io::Result<String> {
-    use sha2::{Digest, Sha256};
-    let mut hasher = Sha256::new();
-    std::io::copy(&mut std::fs::File::open(path)?, &mut hasher)?;
-    Ok(hasher
-        .finalize()
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect())
 }

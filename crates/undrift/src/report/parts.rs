@@ -1,7 +1,7 @@
 //! What the reports share: numbers as text, curves as points, tables row by row.
 
 use super::{
-    Block, Cell, Figure, Panel, Series, Table,
+    Axis, Block, Cell, Figure, Panel, Series, Table,
     read::{Curve, Number, Numbers, Track},
 };
 use undrift_nav::earth::Geodetic;
@@ -297,6 +297,16 @@ pub fn quantile(values: &[f64], share: f64) -> f64 {
     };
     let above = sorted.get(low + 1).copied().unwrap_or(below);
     below + part * (above - below)
+}
+
+/// An axis for values, logarithmic where the values reach over more than a decade and a half.
+pub fn axis_for(values: &[f64], label: &str) -> Axis {
+    let (least, most) = (quantile(values, 0.0), quantile(values, 1.0));
+    if least > 0.0 && most / least > 30.0 {
+        Axis::logarithmic(label)
+    } else {
+        Axis::new(label)
+    }
 }
 
 /// A horizontal line from the first to the last x of points.

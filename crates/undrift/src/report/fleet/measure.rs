@@ -3,7 +3,9 @@
 use super::{ROWS, TOLD, many, shortened};
 use crate::report::{
     Axis, Block, Cell, Panel, Section, Series, Table,
-    parts::{cell, count, figure, get, mark_least, model_colour, quantile, short, table, text},
+    parts::{
+        axis_for, cell, count, figure, get, mark_least, model_colour, quantile, short, table, text,
+    },
     read::{
         Fleet, FleetGroup as Group, FleetLog as Log, FleetMeasure as Measure, FleetPart as Part,
     },
@@ -224,16 +226,6 @@ fn overview(run: &Fleet, measure: &Measure) -> Table {
         mark_least(&mut rows, 2, &medians);
     }
     rows
-}
-
-/// Logarithmic where the values reach over more than a decade and a half.
-fn axis_for(values: &[f64], label: &str) -> Axis {
-    let (least, most) = (quantile(values, 0.0), quantile(values, 1.0));
-    if least > 0.0 && most / least > 30.0 {
-        Axis::logarithmic(label)
-    } else {
-        Axis::new(label)
-    }
 }
 
 fn label(measure: &Measure) -> String {

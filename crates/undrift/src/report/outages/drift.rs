@@ -3,7 +3,7 @@
 use super::Model;
 use crate::report::{
     Axis, Block, Corner, Figure, Panel, Section, Series,
-    parts::{Clock, quantile},
+    parts::{Clock, axis_for, quantile},
 };
 
 /// Colours of several runs.
@@ -142,14 +142,4 @@ fn outage_by_outage(models: &[&Model<'_>]) -> Option<Block> {
         columns: 1,
         panels: vec![panel],
     }))
-}
-
-/// Logarithmic where the values reach over more than a decade and a half.
-fn axis_for(values: &[f64], label: &str) -> Axis {
-    let (least, most) = (quantile(values, 0.0), quantile(values, 1.0));
-    if least > 0.0 && most / least > 30.0 {
-        Axis::logarithmic(label)
-    } else {
-        Axis::new(label)
-    }
 }
