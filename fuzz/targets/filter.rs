@@ -199,19 +199,25 @@ fn replayed(kind: BiasModel, first: u8, events: &[Event]) {
     }
     let (mut imu, mut aiding) = (Vec::new(), Vec::new());
     let mut time = 0.0;
+    // Every interval of a gap up to a minute costs a step: of those there are so many seconds at most.
+    let mut bridged = 120.0;
     for event in events {
         let v = event.vector();
         let noise = Matrix3::identity() * event.std().powi(2);
         match event.kind & 0x07 {
             0..=3 => {
-                // A gap now and then; the others are at 100 Hz.
-                let dt = if event.kind & 0x80 == 0 {
-                    0.01
-                } else {
-                    (event.numbers[4].abs() + 0.01).min(1e4)
+                // A gap before it now and then.
+                let mut gap = match event.kind & 0x80 {
+                    0 => 0.0,
+                    _ => event.numbers[4].abs().min(1e4),
                 };
-                // One event is a quarter of a second.
-                for _ in 0..25 {
+                if gap <= 60.0 {
+                    gap = gap.min(bridged);
+                    bridged -= gap;
+                }
+                // One event is a quarter of a second at 100 Hz.
+                for k in 0..25 {
+                    let dt = if k == 0 { gap + 0.01 } else { 0.01 };
                     time += dt;
                     imu.push(ImuSample {
                         time,

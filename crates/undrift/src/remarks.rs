@@ -14,7 +14,7 @@ pub fn of_health(summary: &Summary) -> Vec<String> {
     }
     if let Some((count, first, longest)) = summary.long_gaps {
         remarks.push(format!(
-            "long gaps between samples: {count}, the first at {first:.3} s, the longest {longest:.3} s; the covariance was grown over each"
+            "long gaps between samples: {count}, the first at {first:.3} s, the longest {longest:.3} s; the covariance was grown over each of up to a minute"
         ));
     }
     let (from, length) = summary.longest_without_gnss;

@@ -215,10 +215,10 @@ fn run<const N: usize>(
     let (mut imu_start, mut first_fix) = (None, None);
     let mut fixes_within = 0;
     for sample in imu {
-        let sample = sample?;
+        let (sample, broken_off) = run.after_gap(sample?);
         let start = sample.time - sample.dt;
-        if imu_start.is_none() {
-            imu_start = Some(sample.time);
+        if imu_start.is_none() || broken_off {
+            imu_start.get_or_insert(sample.time);
             while let Some(before) = aiding.next_until(start - STAMP_ROUNDING, 0.0) {
                 if let Measurement::Gnss(fix) = before? {
                     first_fix.get_or_insert(fix.time);

@@ -38,6 +38,34 @@ fn a_gap_of_ten_seconds() {
 }
 
 #[test]
+fn a_gap_of_an_hour_begins_anew() {
+    let mut log = good();
+    let later = |time: f64| if time < 43.0 { time } else { time + 3600.0 };
+    for rows in [&mut log.imu, &mut log.gnss, &mut log.truth] {
+        for row in rows {
+            *row = row.at(later(row.time));
+        }
+    }
+    // A fix in between, far from both ends, is of no use.
+    let lost = log.gnss.iter().position(|row| row.time > 43.0).unwrap();
+    let between = log.gnss[lost].at(1800.0);
+    log.gnss.insert(lost, between);
+    let (outcome, nav) = log.write("gap_hour").solution();
+    says(
+        &outcome.stderr,
+        &[
+            "long gaps between samples: 1",
+            "for more than a minute",
+            "the longest 36",
+        ],
+    );
+    // Nothing is given out for the hour, and what comes after is as good as after the first start.
+    assert!(outcome.rms("horizontal_m") < 2.0, "{}", outcome.stdout);
+    assert!(nav.len() < (TOWN_DURATION * 100.0) as usize + 2);
+    assert!(nav.at(3600.0 + TOWN_DURATION - 1.0, "yaw_std_deg") < 3.0);
+}
+
+#[test]
 fn stamps_that_jitter() {
     let mut log = good();
     for (k, row) in log.imu.iter_mut().enumerate() {

@@ -4,96 +4,88 @@ use std::io::Write;
 const POWERS: [f64; 16] = [
     1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
 ];
-/// Below this every whole number is a double.
-const EXACT: f64 = 9_007_199_254_740_992.0;
-
-const PAIRS: [u8; 200] = digit_pairs();
-
-const fn digit_pairs() -> [u8; 200] {
-    let mut pairs = [0; 200];
-    let mut k = 0;
-    while k < 100 {
-        pairs[2 * k] = b'0' + (k / 10) as u8;
-        pairs[2 * k + 1] = b'0' + (k % 10) as u8;
-        k += 1;
-    }
-    pairs
-}
+/// 2⁵². Below it the sum of it and a number is that number rounded to a whole one, which then are the
+/// last bits of the sum.
+const WHOLE: f64 = 4_503_599_627_370_496.0;
+/// Digits of the largest number below [`WHOLE`].
+const DIGITS: usize = 16;
 
 /// Appends `value` with a fixed number of decimals, as `format!("{value:.decimals$}")` would;
 /// NaN and infinity become `nan`.
 ///
-/// The value is scaled and rounded as a whole number. Where the scaled value is so close to a tie
+/// The value is scaled and rounded to a whole number. Where the scaled value is so close to a tie
 /// that its own rounding could decide, or too large, the standard library writes it.
 pub fn write_fixed(buf: &mut Vec<u8>, value: f64, decimals: usize) {
-    if !value.is_finite() {
-        buf.extend_from_slice(b"nan");
-        return;
-    }
     let Some(power) = POWERS.get(decimals) else {
         return by_library(buf, value, decimals);
     };
     let scaled = value.abs() * power;
-    if scaled >= EXACT {
-        return by_library(buf, value, decimals);
+    let sum = scaled + WHOLE;
+    let rest = (scaled - (sum - WHOLE)).abs();
+    // The product is off by half a unit in its last place at most, 2⁻⁵³ of itself. Not so for NaN.
+    if scaled < WHOLE && 0.5 - rest > scaled * f64::EPSILON {
+        let number = sum.to_bits() - WHOLE.to_bits();
+        put(buf, value.is_sign_negative(), number, decimals);
+    } else {
+        by_library(buf, value, decimals);
     }
-    let whole = scaled as u64;
-    let rest = scaled - whole as f64;
-    // The product is off by half a unit in its last place at most, 2⁻⁵³ of itself.
-    if (rest - 0.5).abs() <= scaled * f64::EPSILON {
-        return by_library(buf, value, decimals);
-    }
-    let rounded = whole + u64::from(rest > 0.5);
-    put(buf, value.is_sign_negative(), rounded, decimals);
 }
 
-/// Appends a whole number of 10^−decimals.
+/// Appends a whole number of 10^−decimals, below 10^16; 15 decimals at most.
 #[inline]
-fn put(buf: &mut Vec<u8>, negative: bool, mut number: u64, decimals: usize) {
-    // Up to 16 digits, or 15 decimals and a leading zero; the sign and the point.
-    let mut text = [b'0'; 24];
-    let mut at = text.len();
-    let mut left = decimals;
-    while left >= 2 {
-        at -= 2;
-        text[at..at + 2].copy_from_slice(pair(number % 100));
-        number /= 100;
-        left -= 2;
+fn put(buf: &mut Vec<u8>, negative: bool, number: u64, decimals: usize) {
+    // Sixteen digits, and as many bytes again that may be copied with the last of them.
+    let mut digits = [0; 2 * DIGITS];
+    let low = eight_digits(number % 100_000_000);
+    digits[8..DIGITS].copy_from_slice(&(low | ASCII).to_le_bytes());
+    let mut zeros = 8 + low.trailing_zeros() / 8;
+    digits[..8].copy_from_slice(&ASCII.to_le_bytes());
+    if number >= 100_000_000 {
+        let high = eight_digits(number / 100_000_000);
+        digits[..8].copy_from_slice(&(high | ASCII).to_le_bytes());
+        zeros = high.trailing_zeros() / 8;
     }
-    if left == 1 {
-        at -= 1;
-        text[at] = b'0' + (number % 10) as u8;
-        number /= 10;
-    }
+    // One digit at least stands before the point.
+    let point = DIGITS - decimals.min(DIGITS - 1);
+    let first = (zeros as usize).min(point - 1);
+
+    // Sixteen bytes at a time, which is quicker than as many as there are.
+    let mut text = [0; 2 * DIGITS + 2];
+    text[0] = b'-';
+    let mut at = usize::from(negative);
+    text[at..at + DIGITS].copy_from_slice(&digits[first..first + DIGITS]);
+    at += point - first;
     if decimals > 0 {
-        at -= 1;
         text[at] = b'.';
+        text[at + 1..at + 1 + DIGITS].copy_from_slice(&digits[point..point + DIGITS]);
+        at += 1 + decimals;
     }
-    while number >= 10 {
-        at -= 2;
-        text[at..at + 2].copy_from_slice(pair(number % 100));
-        number /= 100;
-    }
-    // One digit is left, or two were written of an even number of them.
-    if number > 0 || text.get(at).is_none_or(|&byte| byte == b'.') {
-        at -= 1;
-        text[at] = b'0' + number as u8;
-    }
-    if negative {
-        at -= 1;
-        text[at] = b'-';
-    }
-    buf.extend_from_slice(&text[at..]);
+    let end = buf.len() + at;
+    buf.extend_from_slice(&text);
+    buf.truncate(end);
 }
 
+/// The digit 0 in each of eight bytes.
+const ASCII: u64 = 0x3030_3030_3030_3030;
+
+/// The digits of a number below 10^8, a byte each, the first in the lowest: halved into four digits each,
+/// two each, one each, all halves at once. Division by 100 below 10⁴ and by 10 below 100 is a
+/// multiplication and a shift.
 #[inline]
-fn pair(number: u64) -> &'static [u8] {
-    let at = 2 * number as usize;
-    &PAIRS[at..at + 2]
+fn eight_digits(number: u64) -> u64 {
+    let fours = (number / 10_000) | ((number % 10_000) << 32);
+    let hundreds = ((fours * 10_486) >> 20) & 0x0000_007f_0000_007f;
+    let twos = hundreds | ((fours - 100 * hundreds) << 16);
+    let tens = ((twos * 103) >> 10) & 0x000f_000f_000f_000f;
+    tens | ((twos - 10 * tens) << 8)
 }
 
 #[cold]
 fn by_library(buf: &mut Vec<u8>, value: f64, decimals: usize) {
+    if !value.is_finite() {
+        buf.extend_from_slice(b"nan");
+        return;
+    }
     // Writing to a vector cannot fail.
     let _ = write!(buf, "{value:.decimals$}");
 }

@@ -20,7 +20,10 @@ const GAP_INTERVALS: f64 = 1.5;
 /// What a vehicle may do unseen in a long gap: acceleration [m/s²] and turn rate [rad/s], one sigma.
 const GAP_ACCEL: f64 = 2.0;
 const GAP_RATE: f64 = 0.2;
+/// A gap longer than this [s] ends the solution: nothing is left of the attitude by then.
+const LONGEST_GAP: f64 = 60.0;
 /// Why a solution is to begin anew.
+const BROKEN_OFF: &str = "no inertial samples came for more than a minute";
 const SICK: &str = "the innovations were far beyond their predicted size for half a minute";
 const HOPELESS: &str = "it gave way to fixes again and again";
 
@@ -102,13 +105,51 @@ impl<'a, const N: usize> Run<'a, N> {
             why: why.into(),
             resumed: None,
         });
+        self.aligner = self.second_aligner();
+    }
+
+    /// An aligner that does not know what was told of the start.
+    fn second_aligner(&self) -> Aligner {
         let mut settings = self.settings.clone();
         settings.align.attitude = None;
         settings.align.velocity = None;
         if let Heading::Given(..) = settings.align.heading {
             settings.align.heading = Heading::Auto;
         }
-        self.aligner = Aligner::new(&settings);
+        Aligner::new(&settings)
+    }
+
+    /// The sample as it is, or after a gap too long for anything to be known behind it the last interval
+    /// of it alone, with which the log begins as if there was nothing before.
+    pub(super) fn after_gap(&mut self, sample: ImuSample) -> (ImuSample, bool) {
+        if sample.dt <= LONGEST_GAP {
+            return (sample, false);
+        }
+        let before = sample.time - sample.dt;
+        self.note_long_gap(before, sample.dt);
+        if self.filter.is_some() {
+            self.begin_anew(before, BROKEN_OFF);
+            self.filter = None;
+        }
+        self.aligner = match self.summary.restarts.is_empty() {
+            true => Aligner::new(self.settings),
+            false => self.second_aligner(),
+        };
+        self.previous = None;
+        let dt = self.settings.sensors[0].interval;
+        let part = dt / sample.dt;
+        let last = ImuSample {
+            dt,
+            dtheta: sample.dtheta * part,
+            dvel: sample.dvel * part,
+            ..sample
+        };
+        (last, true)
+    }
+
+    fn note_long_gap(&mut self, start: f64, length: f64) {
+        let (count, first, longest) = self.summary.long_gaps.unwrap_or((0, start, 0.0));
+        self.summary.long_gaps = Some((count + 1, first, longest.max(length)));
     }
 
     /// Tells the observer of a node, if there is a smoother.
@@ -134,13 +175,10 @@ impl<'a, const N: usize> Run<'a, N> {
         let before = self.previous.filter(|p| p.dt > 0.0);
         let mut bridge = Bridge::new(sample, before.as_ref(), interval);
         match bridge.unknown_since {
-            Some(start) => {
-                let (count, first, longest) = self.summary.long_gaps.unwrap_or((0, start, 0.0));
-                self.summary.long_gaps = Some((count + 1, first, longest.max(sample.dt)));
-            }
+            Some(start) => self.note_long_gap(start, sample.dt),
             None => self.summary.bridged += 1,
         }
-        if let Some(first) = bridge.next() {
+        if let (Some(filter), Some(first)) = (&mut self.filter, bridge.next()) {
             filter.begin(&first);
         }
         self.bridge = Some(bridge);

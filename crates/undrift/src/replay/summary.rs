@@ -178,7 +178,8 @@ pub struct Summary {
     pub(super) against_velocity: [(f64, f64); 3],
     /// Short gaps in the samples that were bridged by interpolation.
     pub bridged: u64,
-    /// Gaps too long for that, covariance grown: their number, the first one's time [s], the longest [s].
+    /// Gaps too long for that: their number, the first one's time [s], the longest [s]. The covariance was
+    /// grown over each of up to a minute; a longer one ended the solution, and is among `restarts`.
     pub long_gaps: Option<(u64, f64, f64)>,
     /// Longest span without a fix, outages aside: start and length [s].
     pub longest_without_gnss: (f64, f64),
