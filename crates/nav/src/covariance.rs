@@ -26,8 +26,6 @@ use crate::{
 pub const NAV: usize = 9;
 /// Sensor axes: gyro x, y, z, accelerometer x, y, z.
 pub const AXES: usize = 6;
-/// Width of the joint navigation and sensor error.
-const JOINT: usize = NAV + AXES;
 /// Columns that [`NAV`] are carried as, two at a time.
 const EVEN: usize = NAV + 1;
 
@@ -115,8 +113,8 @@ impl Transition {
     }
 
     /// The columns of Γ, one per sensor axis: what a unit error of it does to `[δr; δv; ψ]`.
-    fn input(&self) -> [[f64; NAV]; AXES] {
-        let mut gamma = [[0.0; NAV]; AXES];
+    fn input(&self) -> [[f64; EVEN]; AXES] {
+        let mut gamma = [[0.0; EVEN]; AXES];
         for axis in 0..3 {
             let c: Vector3 = self.c_dt.column(axis).into();
             // A gyro error turns by −c dt, by half of that while the specific force acts.
@@ -132,22 +130,27 @@ impl Transition {
         gamma
     }
 
-    /// `[Φ Γ]` times the rows `[δr; δv; ψ; ε_gyro; ε_accel]`, giving `[δr'; δv'; ψ']`.
+    /// `[Φ Γ]` times the rows `nav`, `[δr; δv; ψ]`, and `errors`, `[ε_gyro; ε_accel]`, giving `[δr'; δv'; ψ']`.
     ///
     /// Misalignment first, velocity from the mean of old and new misalignment, position from the
     /// mean of old and new velocity: second order in the step.
-    pub fn carry<const W: usize>(&self, rows: &[[f64; W]; JOINT]) -> [[f64; W]; NAV] {
+    #[inline(always)]
+    pub fn carry<const W: usize>(
+        &self,
+        nav: &[[f64; W]; NAV],
+        errors: &[[f64; W]; AXES],
+    ) -> [[f64; W]; NAV] {
         let mut out = [[0.0; W]; NAV];
         let (rr, vr, vv, pr, pv, c) =
             (&self.rr, &self.vr, &self.vv, &self.pr, &self.pv, &self.c_dt);
         let (z, f) = (&self.frame_turn, &self.dvel_n);
         let h = self.half_dt;
         for k in 0..W {
-            let r = [rows[0][k], rows[1][k], rows[2][k]];
-            let v = [rows[3][k], rows[4][k], rows[5][k]];
-            let p = [rows[6][k], rows[7][k], rows[8][k]];
-            let g = [rows[9][k], rows[10][k], rows[11][k]];
-            let a = [rows[12][k], rows[13][k], rows[14][k]];
+            let r = [nav[0][k], nav[1][k], nav[2][k]];
+            let v = [nav[3][k], nav[4][k], nav[5][k]];
+            let p = [nav[6][k], nav[7][k], nav[8][k]];
+            let g = [errors[0][k], errors[1][k], errors[2][k]];
+            let a = [errors[3][k], errors[4][k], errors[5][k]];
 
             // ∂ω/∂δr has no east column, ∂ω_en/∂δv no down column.
             let turn = |i: usize| {
@@ -284,29 +287,24 @@ impl Sensors {
         }
     }
 
-    /// Rows `[n; H x + U p]` of `p`: navigation errors as they are, then the six sensor errors.
-    fn joint_rows<const N: usize>(
+    /// The six sensor errors `H x + U p` of the states whose rows these are.
+    #[inline(always)]
+    fn error_rows<const W: usize>(
         &self,
-        p: &[[f64; N]; N],
+        rows: &[[f64; W]],
         coupling: &Coupling,
-    ) -> [[f64; N]; JOINT] {
-        let mut rows = [[0.0; N]; JOINT];
-        rows[..NAV].copy_from_slice(&p[..NAV]);
+    ) -> [[f64; W]; AXES] {
+        let mut errors = [[0.0; W]; AXES];
         for (axis, filter) in self.axes.iter().enumerate() {
-            let row = &mut rows[NAV + axis];
+            let error = &mut errors[axis];
             for i in 0..filter.order {
-                let (h, from) = (filter.h[i], &p[self.start[axis] + i]);
-                for k in 0..N {
-                    row[k] += h * from[k];
-                }
+                add_row(error, filter.h[i], &rows[self.start[axis] + i]);
             }
             for (index, factor) in coupling.of(axis) {
-                for k in 0..N {
-                    row[k] += factor * p[*index][k];
-                }
+                add_row(error, *factor, &rows[*index]);
             }
         }
-        rows
+        errors
     }
 
     /// `M ← Φ M`, Φ the transition of the whole error state over a step: what carries the product of
@@ -318,12 +316,12 @@ impl Sensors {
         coupling: &Coupling,
         part: Part,
     ) {
-        let moved = transition.carry(&self.joint_rows(m, coupling));
-        m[..NAV].copy_from_slice(&moved);
+        let errors = self.error_rows(m, coupling);
+        if let Some(nav) = m.first_chunk_mut() {
+            *nav = transition.carry(nav, &errors);
+        }
         if part == Part::Last {
-            for (axis, filter) in self.axes.iter().enumerate() {
-                step_rows(filter, self.start[axis], 0..N, m);
-            }
+            self.step_rows(m, N);
         }
     }
 
@@ -338,44 +336,58 @@ impl Sensors {
         dt: f64,
         part: Part,
     ) {
+        four_lanes(
+            #[inline(always)]
+            || self.propagate_inlined(p, transition, coupling, dt, part),
+        );
+    }
+
+    #[inline(always)]
+    fn propagate_inlined<const N: usize>(
+        &self,
+        p: &mut [[f64; N]; N],
+        transition: &Transition,
+        coupling: &Coupling,
+        dt: f64,
+        part: Part,
+    ) {
         debug_assert!(self.states() <= N);
         // A [P_n; H P_x + U P_p], A = [Φ Γ]: the navigation rows of the new covariance, before the
         // sensors' own step and the white noise.
-        let mut moved = transition.carry(&self.joint_rows(p, coupling));
-
-        // Navigation block: A J Aᵀ as A (A J)ᵀ, J the joint covariance of (n, ε).
-        let gamma = transition.input();
-        let mut turned = [[0.0; EVEN]; JOINT];
+        let errors = self.error_rows(p, coupling);
+        let Some(nav) = p.first_chunk() else {
+            return;
+        };
+        let moved = transition.carry(nav, &errors);
+        // Lying down, so that what is done to a state is done to a row.
+        let mut turned = [[0.0; EVEN]; N];
         for i in 0..NAV {
-            for j in 0..NAV {
+            for j in 0..N {
                 turned[j][i] = moved[i][j];
             }
         }
-        for (axis, filter) in self.axes.iter().enumerate() {
-            let white = filter.r * filter.interval / dt;
-            for i in 0..NAV {
-                let mut sum = gamma[axis][i] * white;
-                for k in 0..filter.order {
-                    sum += moved[i][self.start[axis] + k] * filter.h[k];
-                }
-                for (index, factor) in coupling.of(axis) {
-                    sum += moved[i][*index] * factor;
-                }
-                turned[NAV + axis][i] = sum;
-            }
-        }
-        let nav = transition.carry(&turned);
 
-        // Cross block: the states' step from the right, and the noise that drives both.
+        // Navigation block: A J Aᵀ as A (A J)ᵀ, J the joint covariance of (n, ε).
+        let gamma = transition.input();
+        let mut errors = self.error_rows(&turned, coupling);
+        for (axis, filter) in self.axes.iter().enumerate() {
+            add_row(
+                &mut errors[axis],
+                filter.r * filter.interval / dt,
+                &gamma[axis],
+            );
+        }
+        let Some(nav) = turned.first_chunk() else {
+            return;
+        };
+        let nav = transition.carry(nav, &errors);
+
+        // Cross block: the states' step, and the noise that drives both.
         if part == Part::Last {
-            for i in 0..NAV {
-                self.step_mean(&mut moved[i]);
-            }
+            self.step_rows(&mut turned, EVEN);
             for (axis, filter) in self.axes.iter().enumerate() {
                 for k in 0..filter.order {
-                    for i in 0..NAV {
-                        moved[i][self.start[axis] + k] += gamma[axis][i] * filter.s[k];
-                    }
+                    add_row(&mut turned[self.start[axis] + k], filter.s[k], &gamma[axis]);
                 }
             }
             self.step_state_covariance(p);
@@ -386,29 +398,34 @@ impl Sensors {
                 p[i][j] = nav[i][j];
                 p[j][i] = nav[i][j];
             }
-            for j in NAV..N {
-                p[i][j] = moved[i][j];
-                p[j][i] = moved[i][j];
+        }
+        for j in NAV..N {
+            for i in 0..NAV {
+                p[i][j] = turned[j][i];
+                p[j][i] = turned[j][i];
             }
         }
     }
 
-    /// `P_xx ← F P_xx Fᵀ + q`, `P_xp ← F P_xp`.
+    /// `P_xx ← F P_xx Fᵀ + q`, `P_xp ← F P_xp`; of the columns of the navigation errors nothing is left.
     ///
     /// Row by row both times: F P, then F of its transpose, which is the symmetric F P Fᵀ.
+    #[inline(always)]
     fn step_state_covariance<const N: usize>(&self, p: &mut [[f64; N]; N]) {
         let states = self.states();
-        for (axis, filter) in self.axes.iter().enumerate() {
-            step_rows(filter, self.start[axis], NAV..N, p);
-        }
+        self.step_rows(p, N);
         for i in NAV..states {
             for j in NAV..i {
                 (p[i][j], p[j][i]) = (p[j][i], p[i][j]);
             }
         }
+        if states == N {
+            self.step_rows(p, N);
+        } else {
+            self.step_rows(p, states);
+        }
         for (axis, filter) in self.axes.iter().enumerate() {
             let at = self.start[axis];
-            step_rows(filter, at, NAV..states, p);
             for i in 0..filter.order {
                 for j in 0..filter.order {
                     p[at + i][at + j] += filter.q[i][j];
@@ -420,6 +437,42 @@ impl Sensors {
                 p[j][i] = p[i][j];
             }
         }
+    }
+
+    /// F times the rows of the sensors' states, in the columns before `end`.
+    #[inline(always)]
+    fn step_rows<const W: usize>(&self, rows: &mut [[f64; W]], end: usize) {
+        for (axis, filter) in self.axes.iter().enumerate() {
+            let (f, rows) = (&filter.f, &mut rows[self.start[axis]..]);
+            match filter.order {
+                0 => {}
+                1 => step_rows_of::<1, W>(f, rows, end),
+                2 => step_rows_of::<2, W>(f, rows, end),
+                3 => step_rows_of::<3, W>(f, rows, end),
+                4 => step_rows_of::<4, W>(f, rows, end),
+                5 => step_rows_of::<5, W>(f, rows, end),
+                _ => step_rows_of::<MAX_ORDER, W>(f, rows, end),
+            }
+        }
+    }
+}
+
+/// Runs `step` with vectors of four lanes where the processor has them. What is inlined into it is compiled
+/// once more for them: the same operations in the same order, none fused, hence the same numbers.
+#[inline(always)]
+fn four_lanes<T>(step: impl FnOnce() -> T) -> T {
+    #[cfg(all(feature = "simd", target_arch = "x86_64"))]
+    if let Some(avx2) = pulp::x86::V3::try_new() {
+        return avx2.vectorize(step);
+    }
+    step()
+}
+
+/// `to ← to + factor · from`.
+#[inline(always)]
+fn add_row<const W: usize>(to: &mut [f64; W], factor: f64, from: &[f64; W]) {
+    for k in 0..W {
+        to[k] += factor * from[k];
     }
 }
 
@@ -438,48 +491,78 @@ fn step<const K: usize>(f: &AxisMatrix, x: &mut [f64]) {
     }
 }
 
-/// `F` times the rows of one axis's states in `m`, `at` the first of them.
-fn step_rows<const N: usize>(
-    filter: &ShapingFilter,
-    at: usize,
-    columns: core::ops::Range<usize>,
-    m: &mut [[f64; N]; N],
-) {
-    let (f, rows) = (&filter.f, &mut m[at..at + filter.order]);
-    match filter.order {
-        0 => {}
-        1 => rows[0][columns].iter_mut().for_each(|x| *x *= f[0][0]),
-        2 => step_rows_of::<2, N>(f, columns, rows),
-        3 => step_rows_of::<3, N>(f, columns, rows),
-        4 => step_rows_of::<4, N>(f, columns, rows),
-        5 => step_rows_of::<5, N>(f, columns, rows),
-        _ => step_rows_of::<MAX_ORDER, N>(f, columns, rows),
-    }
-}
-
-/// As [`step_rows`], of an axis with `K` states; of one with fewer, nothing.
-fn step_rows_of<const K: usize, const N: usize>(
-    f: &AxisMatrix,
-    columns: core::ops::Range<usize>,
-    rows: &mut [[f64; N]],
-) {
+/// As [`Sensors::step_rows`], of an axis with `K` states; of one with fewer, nothing.
+#[inline(always)]
+fn step_rows_of<const K: usize, const W: usize>(f: &AxisMatrix, rows: &mut [[f64; W]], end: usize) {
     let Some(rows) = rows.first_chunk_mut::<K>() else {
         return;
     };
-    let mut moved = [[0.0; N]; K];
+    let before = *rows;
     for i in 0..K {
-        let to = &mut moved[i][columns.clone()];
-        for j in 0..K {
+        let mut moved = before[0];
+        for value in &mut moved {
+            *value *= f[i][0];
+        }
+        for j in 1..K {
             // Companion forms have few others.
-            if f[i][j] == 0.0 {
-                continue;
-            }
-            for (to, from) in to.iter_mut().zip(&rows[j][columns.clone()]) {
-                *to += f[i][j] * from;
+            if f[i][j] != 0.0 {
+                add_row(&mut moved, f[i][j], &before[j]);
             }
         }
+        rows[i][..end].copy_from_slice(&moved[..end]);
     }
-    for (row, moved) in rows.iter_mut().zip(&moved) {
-        row[columns.clone()].copy_from_slice(&moved[columns.clone()]);
+}
+
+#[cfg(all(test, feature = "simd"))]
+mod tests {
+    use super::*;
+    use crate::{
+        attitude::from_rpy,
+        earth::Geodetic,
+        mechanisation::{Increments, NavState},
+        parameters::{Parameter, Parameters, Prior},
+    };
+
+    /// To the last bit: no product may be fused, whatever the processor has.
+    #[test]
+    fn four_lanes_give_the_same_numbers() {
+        const N: usize = 9 + 16 + 3;
+        let dt = 0.01;
+        let model = |order: usize| match order {
+            0 => ShapingFilter::white(1e-3, dt),
+            n => ShapingFilter::arma(&[0.9, -0.2, 0.1, 0.05, 0.02, 0.01][..n], &[], 2e-2, dt),
+        };
+        let sensors = Sensors::new([0, 1, 2, 3, 4, 6].map(|order| model(order).unwrap()));
+        let parameters = Parameters::none().with(Parameter::GyroScale, Prior::default());
+        let mut nav = NavState {
+            time: 0.0,
+            position: Geodetic::from_degrees(45.0, 7.0, 300.0),
+            v_n: Vector3::new(15.0, 1.0, 0.1),
+            q_nb: from_rpy(&Vector3::new(0.1, -0.2, 1.0)),
+        };
+        let increments = Increments {
+            dt,
+            rotation: Vector3::new(1e-4, -2e-3, 5e-3),
+            dvel: Vector3::new(0.01, -0.02, -0.098),
+        };
+        let coupling = Coupling::new(
+            &parameters,
+            sensors.states(),
+            &(increments.rotation / dt),
+            &(increments.dvel / dt),
+        );
+        let mut wide = [[0.0; N]; N];
+        for (i, row) in wide.iter_mut().enumerate() {
+            row[i] = 0.1 + i as f64;
+        }
+        let mut plain = wide;
+        for k in 0..200 {
+            let step = nav.step(&increments);
+            let transition = Transition::new(&step, &nav.q_nb.to_rotation_matrix().into_inner());
+            let part = if k % 7 == 0 { Part::Inner } else { Part::Last };
+            sensors.propagate(&mut wide, &transition, &coupling, dt, part);
+            sensors.propagate_inlined(&mut plain, &transition, &coupling, dt, part);
+            assert_eq!(wide, plain, "step {k}");
+        }
     }
 }

@@ -71,6 +71,15 @@ fn sensors(orders: [usize; AXES]) -> Sensors {
     }))
 }
 
+/// `[Φ Γ]`, column by column.
+fn whole(transition: &Transition) -> [[f64; JOINT]; NAV] {
+    let unit = |row: usize| core::array::from_fn(|column| f64::from(row == column));
+    transition.carry(
+        &core::array::from_fn(unit),
+        &core::array::from_fn(|axis| unit(NAV + axis)),
+    )
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
 
@@ -81,9 +90,7 @@ proptest! {
         let c_mid = (truth.q_nb.to_rotation_matrix().into_inner()
             + nominal.q_nb.to_rotation_matrix().into_inner()) * 0.5;
         let transition = Transition::new(&step, &c_mid);
-        let mut identity = [[0.0; JOINT]; JOINT];
-        for i in 0..JOINT { identity[i][i] = 1.0; }
-        let analytic = transition.carry(&identity);
+        let analytic = whole(&transition);
 
         for column in 0..JOINT {
             let d = NUDGE[column / 3];
@@ -152,9 +159,7 @@ proptest! {
         sensors.propagate(&mut p, &transition, &coupling, inc.dt, part);
 
         // Dense: the whole matrices, with w ~ N(0, I) in the form G w, D w.
-        let mut identity = [[0.0; JOINT]; JOINT];
-        for i in 0..JOINT { identity[i][i] = 1.0; }
-        let map = transition.carry(&identity);
+        let map = whole(&transition);
         let mut phi = Dense::zeros();
         let mut q = Dense::zeros();
         for i in 0..NAV { for j in 0..NAV { phi[(i, j)] = map[i][j]; } }

@@ -165,7 +165,7 @@ pub fn of_disagreement(summary: &Summary) -> Vec<String> {
             None => "no new alignment was found".into(),
         };
         remarks.push(format!(
-            "divergence at {:.3} s: {}; {then}",
+            "restart at {:.3} s: {}; {then}",
             restart.time, restart.why
         ));
     }
