@@ -176,7 +176,7 @@ mod tests {
             format!(".out.csv.part{}x", dead.id()),
             ".out.csv.part".to_owned(),
         ];
-        others.clone().map(put);
+        others.iter().cloned().for_each(put);
 
         write_whole(&dir.join("out.csv"), "new").unwrap();
         living.kill().unwrap();
