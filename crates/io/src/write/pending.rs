@@ -187,7 +187,8 @@ mod tests {
             .collect();
         let mut expected = others.to_vec();
         expected.push("out.csv".to_owned());
-        (names.sort(), expected.sort());
+        names.sort();
+        expected.sort();
         fs::remove_dir_all(&dir).unwrap();
         assert_eq!(names, expected);
     }
