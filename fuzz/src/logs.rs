@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use undrift::io::format::Format;
-use undrift::io::gnss::{GnssLog, GnssReader};
+use undrift::io::gnss::{FixOptions, GnssLog, GnssReader};
 use undrift::io::imu::{ImuFormat, ImuReader};
 use undrift::io::log::{self, StreamKind};
 use undrift::io::truth::{TruthLog, TruthReader};
@@ -48,8 +48,11 @@ pub fn log(format: Format, data: &[u8]) {
 
 fn with_stds(log: GnssLog) -> GnssLog {
     GnssLog {
-        position_std: Some([1.0, 1.0, 2.0]),
-        velocity_std: Some([0.1, 0.1, 0.2]),
+        fixes: FixOptions {
+            position_std: Some([1.0, 1.0, 2.0]),
+            velocity_std: Some([0.1, 0.1, 0.2]),
+            ..log.fixes
+        },
         ..log
     }
 }

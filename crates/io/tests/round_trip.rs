@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use undrift_io::format::{Format, detect};
-use undrift_io::gnss::{GnssLog, GnssReader};
+use undrift_io::gnss::{FixOptions, GnssLog, GnssReader};
 use undrift_io::write::solution::SolutionRow;
 use undrift_io::write::{SolutionFile, SolutionFormat, SolutionOptions};
 use undrift_nav::Vector3;
@@ -48,7 +48,10 @@ fn round_trip(format: SolutionFormat, log: Format) -> Vec<GnssFix> {
     file.finish().unwrap();
     assert_eq!(detect(&path).unwrap(), log);
     let options = GnssLog {
-        position_std: (log == Format::Gpx).then_some([1.0; 3]),
+        fixes: FixOptions {
+            position_std: (log == Format::Gpx).then_some([1.0; 3]),
+            ..FixOptions::default()
+        },
         ..GnssLog::new(log)
     };
     let fixes = GnssReader::open_log(&path, &options).unwrap();

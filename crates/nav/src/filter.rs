@@ -13,7 +13,7 @@ use crate::{
     mechanisation::{Increments, NavState, RawIncrements},
     parameters::{Coupling, Parameter, Parameters},
     sample::ImuSample,
-    shaping::ShapingFilter,
+    shaping::{MAX_ORDER, ShapingFilter},
     tape::{Tape, turn_rows},
 };
 use core::fmt;
@@ -148,13 +148,20 @@ impl<const N: usize> Filter<N> {
     /// accelerometer x, y, z.
     ///
     /// # Errors
-    /// More states than `N`, or a start that is no place on the Earth.
+    /// More states than `N`, or of one axis than [`MAX_ORDER`]; a start that is no place on the Earth.
     pub fn new(
         nav: NavState,
         std: &InitialStd,
         sensors: [ShapingFilter; AXES],
         parameters: Parameters,
     ) -> Result<Self, FilterError> {
+        // The fields of a shaping filter are public: it may be made by hand.
+        if let Some(axis) = sensors.iter().find(|axis| axis.order > MAX_ORDER) {
+            return Err(FilterError::TooManyStates {
+                needed: axis.order,
+                capacity: MAX_ORDER,
+            });
+        }
         let sensors = Sensors::new(sensors);
         let behind = sensors.states();
         let needed = behind + parameters.states();
@@ -294,7 +301,8 @@ impl<const N: usize> Filter<N> {
         self.sensors.error_std(|i, j| self.p[(i, j)])
     }
 
-    /// Carries the filter over one whole sample.
+    /// Carries the filter over one whole sample. The sample must begin where the one before ended, which
+    /// is not checked: of one after a gap the time is taken, but the motion within the gap is missing.
     pub fn predict(&mut self, sample: &ImuSample) {
         self.begin(sample);
         self.advance(1.0);

@@ -350,9 +350,12 @@ impl ShapingFilter {
     /// `[D w; G w]` (row 0 the measurement's own noise, rows 1… the states'), for simulation.
     /// Semi-definite is fine: a zero pivot leaves a zero column.
     pub fn noise_factor(&self) -> [[f64; MAX_ORDER + 1]; MAX_ORDER + 1] {
-        const M: usize = MAX_ORDER + 1;
-        let n = self.order + 1;
-        let mut joint = [[0.0; M]; M];
+        semidefinite_cholesky(&self.noise_covariance(), self.order + 1)
+    }
+
+    /// Joint covariance of one sample's noise, of `[D w; G w]`.
+    fn noise_covariance(&self) -> [[f64; MAX_ORDER + 1]; MAX_ORDER + 1] {
+        let mut joint = [[0.0; MAX_ORDER + 1]; MAX_ORDER + 1];
         joint[0][0] = self.r;
         for i in 0..self.order {
             joint[i + 1][0] = self.s[i];
@@ -361,7 +364,7 @@ impl ShapingFilter {
                 joint[i + 1][j + 1] = self.q[i][j];
             }
         }
-        semidefinite_cholesky(&joint, n)
+        joint
     }
 
     /// Lower-triangular factor of the initial covariance `p0`.

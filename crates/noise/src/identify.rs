@@ -4,28 +4,23 @@
 //! `docs/theory.md`, sections 1 and 6: the order of the source paper's part 1, and beyond it the choice by the
 //! prediction error of the integrated signal on the half of the record that was not fitted.
 
+mod axis;
 mod candidates;
 mod remarks;
 mod residuals;
 
+pub use axis::{Axis, Candidate, Origin};
 pub use residuals::Residuals;
 
 use crate::{
-    allan::{self, Curve, GaussMarkovFit, Grid, Interval, Kind, Terms},
-    arma::{ArmaFit, Selection},
-    composite::CompositeFit,
+    allan::{self, Grid, Kind},
     correlation::{self, Partial},
-    drift_score::{self, HORIZONS_S, HorizonScore, Scored},
-    model_file::AxisModel,
-    normality::{self, Normality},
-    pandit_wu::PanditWu,
-    scales::{ScaleFit, Scales},
-    screening::{
-        self, Detrended, Motion, MotionRule, Outlier, OutlierRule, RecordError, Saturation,
-    },
-    spectrum::{self, Density, Line},
-    stationarity::{self, Adf, Deterministic, Kpss, KpssLags, Lags, PhillipsPerron, Verdict},
-    whiteness::{self, Portmanteau},
+    drift_score::{self, HORIZONS_S, Scored},
+    normality,
+    screening::{self, Detrended, MotionRule, OutlierRule, RecordError},
+    spectrum,
+    stationarity::{self, Deterministic, KpssLags, Lags},
+    whiteness,
 };
 use undrift_nav::earth::STANDARD_GRAVITY;
 
@@ -103,109 +98,6 @@ impl Options<'_> {
             detrend: Detrend::Constant,
         }
     }
-}
-
-/// One candidate model.
-#[derive(Clone, Debug)]
-pub struct Candidate {
-    /// Name, such as "ARMA(1,1)" or "white + random walk".
-    pub name: String,
-    /// The model of the axis in the terms of the model file.
-    pub model: AxisModel,
-    /// States of its shaping filter, the turn-on constant's included.
-    pub states: usize,
-    /// Parameters fitted.
-    pub parameters: usize,
-    /// The fit it comes from.
-    pub origin: Origin,
-    /// Ljung-Box p of its residuals at 20 lags, for ARMA and AR models.
-    pub ljung_box_p: Option<f64>,
-    /// RMS prediction error of the integrated signal at each horizon.
-    pub score: Vec<HorizonScore>,
-    /// What should be said with it.
-    pub warnings: Vec<String>,
-}
-
-/// Where the parameters of a candidate come from.
-#[derive(Clone, Debug)]
-pub enum Origin {
-    /// The terms of the Allan deviation.
-    Allan,
-    /// Maximum likelihood of an ARMA.
-    Arma(Box<ArmaFit>),
-    /// Burg's method.
-    Burg,
-    /// Maximum likelihood of a sum of terms, with the wavelet moments it started from.
-    Composite(Box<CompositeFit>),
-    /// ARMA(1,1) of block averages carried back to the full rate.
-    Scale(Box<ScaleFit>),
-}
-
-/// Everything found of one axis. SI units.
-#[derive(Clone, Debug)]
-pub struct Axis {
-    /// Samples of the record.
-    pub samples: usize,
-    /// Mean removed [unit].
-    pub mean: f64,
-    /// What was removed beside it.
-    pub removed: Removed,
-    /// Samples replaced for being outliers.
-    pub outliers: Vec<Outlier>,
-    /// Whether the sensor moved.
-    pub motion: Option<Motion>,
-    /// Ends of the range where samples pile up.
-    pub saturation: Vec<Saturation>,
-    /// Stretches of a thousand equal samples or more: first position and length.
-    pub hanging: Vec<(usize, usize)>,
-    /// Augmented Dickey-Fuller, constant, 20 lags.
-    pub adf: Adf,
-    /// The same with the lags, up to 20, that a rule chooses: name of the rule and test.
-    pub adf_chosen: Vec<(&'static str, Adf)>,
-    /// KPSS about a level.
-    pub kpss: Kpss,
-    /// Phillips-Perron, constant.
-    pub phillips_perron: PhillipsPerron,
-    /// The three weighed.
-    pub stationarity: Verdict,
-    /// Moments, Jarque-Bera, Kolmogorov-Smirnov, Lilliefors, quantisation step.
-    pub normality: Normality,
-    /// Autocorrelation at lags 0…[`LAGS`].
-    pub acf: Vec<f64>,
-    /// Partial autocorrelation at lags 0…[`LAGS`].
-    pub pacf: Vec<f64>,
-    /// Ljung-Box of the record at 20 lags.
-    pub whiteness: Portmanteau,
-    /// Welch power spectral density.
-    pub psd: Density,
-    /// Lines that stand out of it.
-    pub lines: Vec<Line>,
-    /// Overlapping Allan deviation at octaves.
-    pub allan: Curve,
-    /// Its 68 % intervals.
-    pub allan_intervals: Vec<Interval>,
-    /// Terms fitted to it.
-    pub allan_terms: Terms,
-    /// White noise and Gauss-Markov process fitted to it.
-    pub allan_gauss_markov: Option<GaussMarkovFit>,
-    /// The paper's procedure on at most [`SEARCH_SAMPLES`] samples, the search at reduced effort.
-    pub pandit_wu: Option<PanditWu>,
-    /// A grid of orders by information criteria, p, q ≤ [`GRID_ORDER`], on at most
-    /// [`SEARCH_SAMPLES`] samples, at low effort.
-    pub box_jenkins: Option<Selection>,
-    /// What is left by the model that the paper's procedure chose, and by the recommended one where
-    /// that is another ARMA.
-    pub residuals: Vec<Residuals>,
-    /// The fits of block averages, which are candidates too.
-    pub scales: Option<Scales>,
-    /// Candidates with their scores, in the order tried.
-    pub candidates: Vec<Candidate>,
-    /// Index of the recommended candidate.
-    pub chosen: usize,
-    /// Why, in one sentence.
-    pub reason: String,
-    /// Everything that should be said with it.
-    pub warnings: Vec<String>,
 }
 
 /// Why a record has no model.
@@ -467,68 +359,4 @@ fn bridge(cleaned: &[f64]) -> Vec<f64> {
         *value = 0.0;
     }
     whole
-}
-
-impl Axis {
-    /// The recommended candidate.
-    pub fn recommended(&self) -> &Candidate {
-        &self.candidates[self.chosen]
-    }
-
-    /// Positions of the candidates by growing drift at the longest horizon.
-    pub fn ranking(&self) -> Vec<usize> {
-        let mut order: Vec<usize> = (0..self.candidates.len()).collect();
-        let drift = |i: &usize| self.candidates[*i].last_rms();
-        order.sort_by(|a, b| drift(a).total_cmp(&drift(b)));
-        order
-    }
-
-    /// The model to store: the recommended one, with the runner-up and the scores beside it.
-    pub fn model(&self) -> AxisModel {
-        let chosen = self.recommended();
-        let mut model = chosen.model.clone();
-        let mut note = toml::Table::new();
-        note.insert("model".into(), chosen.name.clone().into());
-        note.insert("reason".into(), self.reason.clone().into());
-        let runner_up = self.ranking().into_iter().find(|i| *i != self.chosen);
-        if let Some(index) = runner_up {
-            note.insert(
-                "runner_up".into(),
-                self.candidates[index].name.clone().into(),
-            );
-        }
-        let mut scores = toml::Table::new();
-        for candidate in &self.candidates {
-            let row: Vec<toml::Value> = candidate.score.iter().map(|s| s.rms.into()).collect();
-            scores.insert(candidate.name.clone(), row.into());
-        }
-        let horizons: Vec<toml::Value> = chosen.score.iter().map(|s| s.horizon_s.into()).collect();
-        note.insert("horizons_s".into(), horizons.into());
-        note.insert("drift_scores".into(), scores.into());
-        model.identification = note;
-        model
-    }
-}
-
-impl Candidate {
-    /// The ARMA fit it comes from, if it does.
-    pub fn arma(&self) -> Option<&ArmaFit> {
-        match &self.origin {
-            Origin::Arma(fit) => Some(fit),
-            _ => None,
-        }
-    }
-
-    /// The composite fit it comes from, if it does.
-    pub fn composite(&self) -> Option<&CompositeFit> {
-        match &self.origin {
-            Origin::Composite(fit) => Some(fit),
-            _ => None,
-        }
-    }
-
-    /// Score at the longest horizon [unit·s]; infinite without one.
-    fn last_rms(&self) -> f64 {
-        self.score.last().map_or(f64::INFINITY, |s| s.rms)
-    }
 }

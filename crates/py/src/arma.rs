@@ -1,5 +1,9 @@
 //! ARMA models: fits, likelihood, simulation.
 
+mod fit;
+
+pub use fit::Fit;
+
 use crate::array::{Array, Record, samples};
 use crate::error::error;
 use pyo3::prelude::*;
@@ -16,120 +20,6 @@ pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(ar_burg, module)?)?;
     module.add_function(wrap_pyfunction!(ar_yule_walker, module)?)?;
     module.add_function(wrap_pyfunction!(ar_order, module)?)
-}
-
-/// A fit on its way out.
-#[derive(IntoPyObject)]
-pub struct Fit {
-    ar: Array<f64>,
-    ma: Array<f64>,
-    sigma: f64,
-    sigma2: f64,
-    mean: f64,
-    mean_standard_error: f64,
-    log_likelihood: f64,
-    residual_sum_of_squares: f64,
-    parameters: usize,
-    aic: f64,
-    aicc: f64,
-    bic: f64,
-    standard_errors: Option<Array<f64>>,
-    covariance: Option<Array<f64>>,
-    n: usize,
-    has_unit_root: bool,
-    local_optima: usize,
-    converged: bool,
-    pair_likelihood_ratio: Option<f64>,
-    near_cancelling: bool,
-    flat_likelihood: bool,
-    unit_root: bool,
-    warnings: Vec<String>,
-}
-
-impl From<ArmaFit> for Fit {
-    fn from(fit: ArmaFit) -> Self {
-        Self {
-            ar: Array(fit.ar),
-            ma: Array(fit.ma),
-            sigma: fit.sigma,
-            sigma2: fit.variance,
-            mean: fit.mean,
-            mean_standard_error: fit.mean_standard_error,
-            log_likelihood: fit.log_likelihood,
-            residual_sum_of_squares: fit.residual_sum_of_squares,
-            parameters: fit.parameters,
-            aic: fit.aic,
-            aicc: fit.aicc,
-            bic: fit.bic,
-            standard_errors: fit.standard_errors.map(Array),
-            covariance: fit.covariance.map(Array),
-            n: fit.n,
-            has_unit_root: fit.has_unit_root,
-            local_optima: fit.local_optima,
-            converged: fit.converged,
-            pair_likelihood_ratio: fit.pair_likelihood_ratio,
-            near_cancelling: fit.near_cancelling,
-            flat_likelihood: fit.flat_likelihood,
-            unit_root: fit.unit_root,
-            warnings: fit.warnings.iter().map(ToString::to_string).collect(),
-        }
-    }
-}
-
-/// A fit as the package holds it: what of it is needed again.
-#[derive(FromPyObject)]
-struct PyFit {
-    ar: Vec<f64>,
-    ma: Vec<f64>,
-    sigma: f64,
-    sigma2: f64,
-    mean: f64,
-    mean_standard_error: f64,
-    log_likelihood: f64,
-    residual_sum_of_squares: f64,
-    parameters: usize,
-    aic: f64,
-    aicc: f64,
-    bic: f64,
-    standard_errors: Option<Vec<f64>>,
-    n: usize,
-    has_unit_root: bool,
-    local_optima: usize,
-    converged: bool,
-    pair_likelihood_ratio: Option<f64>,
-    near_cancelling: bool,
-    flat_likelihood: bool,
-    unit_root: bool,
-}
-
-impl From<PyFit> for ArmaFit {
-    fn from(fit: PyFit) -> Self {
-        Self {
-            ar: fit.ar,
-            ma: fit.ma,
-            sigma: fit.sigma,
-            variance: fit.sigma2,
-            mean: fit.mean,
-            mean_standard_error: fit.mean_standard_error,
-            log_likelihood: fit.log_likelihood,
-            residual_sum_of_squares: fit.residual_sum_of_squares,
-            parameters: fit.parameters,
-            aic: fit.aic,
-            aicc: fit.aicc,
-            bic: fit.bic,
-            standard_errors: fit.standard_errors,
-            covariance: None,
-            n: fit.n,
-            has_unit_root: fit.has_unit_root,
-            local_optima: fit.local_optima,
-            converged: fit.converged,
-            pair_likelihood_ratio: fit.pair_likelihood_ratio,
-            near_cancelling: fit.near_cancelling,
-            flat_likelihood: fit.flat_likelihood,
-            unit_root: fit.unit_root,
-            warnings: Vec::new(),
-        }
-    }
 }
 
 fn mean_of(known: Option<f64>) -> Mean {
@@ -163,7 +53,7 @@ fn arma_fit(
 }
 
 #[pyfunction]
-fn arma_residuals(py: Python<'_>, fit: PyFit, x: Record<'_>) -> PyResult<Array<f64>> {
+fn arma_residuals(py: Python<'_>, fit: Fit, x: Record<'_>) -> PyResult<Array<f64>> {
     let x = samples(&x)?;
     let fit = ArmaFit::from(fit);
     py.detach(|| fit.residuals(x)).map(Array).map_err(error)
@@ -213,7 +103,7 @@ struct Profile {
 fn arma_profile_interval(
     py: Python<'_>,
     x: Record<'_>,
-    fit: PyFit,
+    fit: Fit,
     root: &str,
     level: f64,
 ) -> PyResult<Profile> {

@@ -1,7 +1,7 @@
 //! Arrays on their way in and out.
 
 use crate::error::error;
-use numpy::{Element, IntoPyArray, PyArray1, PyReadonlyArray1};
+use numpy::{Element, IntoPyArray, PyArray1, PyReadonlyArray1, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 use std::convert::Infallible;
 
@@ -33,5 +33,17 @@ impl<'py, T: Element> IntoPyObject<'py> for Array<T> {
 
     fn into_pyobject(self, py: Python<'py>) -> Result<Self::Output, Infallible> {
         Ok(self.0.into_pyarray(py))
+    }
+}
+
+/// Of an array of any shape, row by row, or of a list.
+impl<'py> FromPyObject<'_, 'py> for Array<f64> {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        match object.extract::<PyReadonlyArrayDyn<'py, f64>>() {
+            Ok(array) => Ok(array.as_array().iter().copied().collect()),
+            Err(_) => object.extract().map(Self),
+        }
     }
 }

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use std::path::{Path, PathBuf};
 use undrift::{
-    io::write::PendingFile,
+    io::write::write_whole,
     nav::shaping::ShapingFilter,
     noise::{AxisModel, BiasModel, ImuModel, ModelFormat, model_file},
     simulate::SensorErrors,
@@ -183,13 +183,7 @@ fn matrices<'py>(py: Python<'py>, filter: &ShapingFilter) -> PyResult<Bound<'py,
 
 /// Writes a text that appears whole or not at all.
 pub fn write(path: &Path, text: &str) -> PyResult<()> {
-    use std::io::Write;
-    let write = || {
-        let mut file = PendingFile::create(path)?;
-        file.write_all(text.as_bytes())?;
-        file.finish()
-    };
-    write().map_err(|e: std::io::Error| error(format!("cannot write {}: {e}", path.display())))
+    write_whole(path, text).map_err(|e| error(format!("cannot write {}: {e}", path.display())))
 }
 
 /// Adds what is in this file to the module.

@@ -10,7 +10,7 @@ use undrift::{
     },
     noise::{BiasModel, ImuModel},
     replay::{Measurement, Observer, ReplayError, Settings, replay},
-    simulate::{GnssFixes, GnssNoise, Increments, SensorErrors, Trajectory},
+    simulate::{GnssFixes, GnssNoise, IdealImu, SensorErrors, Trajectory},
 };
 
 const RATE_HZ: f64 = 100.0;
@@ -32,7 +32,7 @@ fn drive(c: &mut Criterion) {
         .shaping(BiasModel::GaussMarkov, 1.0 / RATE_HZ)
         .expect("a valid model");
     let mut errors = SensorErrors::new(&truth, RATE_HZ, 1).expect("a valid model");
-    let imu: Vec<ImuSample> = Increments::new(&car, RATE_HZ)
+    let imu: Vec<ImuSample> = IdealImu::new(&car, RATE_HZ)
         .map(|(ideal, _)| errors.apply(&ideal))
         .collect();
     let receiver = GnssNoise::default();

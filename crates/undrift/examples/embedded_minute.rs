@@ -23,7 +23,7 @@ use undrift::{
         sample::{Position, TruthSample},
         shaping::ShapingFilter,
     },
-    simulate::{GnssFixes, GnssNoise, Increments, SensorErrors, Trajectory},
+    simulate::{GnssFixes, GnssNoise, IdealImu, SensorErrors, Trajectory},
 };
 
 type Failure = Box<dyn std::error::Error>;
@@ -54,7 +54,7 @@ fn main() -> Result<(), Failure> {
     let mut start = None;
     let mut end = None;
     let mut samples = Vec::new();
-    for (ideal, truth) in Increments::new(&drive, RATE) {
+    for (ideal, truth) in IdealImu::new(&drive, RATE) {
         if truth.time < BEGIN + 0.5 / RATE {
             start = Some(truth);
         } else if truth.time < BEGIN + LENGTH + 0.5 / RATE {

@@ -1,6 +1,7 @@
 //! What the names of columns mean: the words that logs of this field use.
 
 use undrift_nav::units::{Quantity, unit_factor};
+use undrift_noise::order_statistics::upper_median;
 
 /// What a column holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -276,8 +277,7 @@ pub fn time_unit(stamps: &[f64], longest: f64) -> Option<(&'static str, f64)> {
 pub fn ordinary_step(stamps: &[f64]) -> Option<f64> {
     let mut steps: Vec<f64> = stamps.windows(2).map(|pair| pair[1] - pair[0]).collect();
     steps.retain(|step| *step > 0.0);
-    steps.sort_by(f64::total_cmp);
-    steps.get(steps.len() / 2).copied()
+    (!steps.is_empty()).then(|| upper_median(&mut steps))
 }
 
 #[cfg(test)]

@@ -21,7 +21,7 @@ use crate::{
     consistency::{Consistency, ErrorState, GROUPS, InnovationStatistics, normalised_innovation},
     drive::DriveError,
     replay::{Measurement, Observer, ReplayError, STAMP_ROUNDING, Settings, replay},
-    simulate::{GnssFixes, Increments, SensorErrors, SimulationError, Stepper},
+    simulate::{GnssFixes, IdealImu, SensorErrors, SimulationError, Stepper},
 };
 use rand::{Rng, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
@@ -160,7 +160,7 @@ impl<'a> Stage<'a> {
         let stride = (spec.every * spec.rate_hz).round().max(1.0) as usize;
         let mut ideal = Vec::new();
         let mut truth = Vec::new();
-        for (k, (sample, state)) in Increments::new(&spec.trajectory, spec.rate_hz).enumerate() {
+        for (k, (sample, state)) in IdealImu::new(&spec.trajectory, spec.rate_hz).enumerate() {
             ideal.push(sample);
             if (k + 1) % stride == 0 {
                 truth.push(state);

@@ -2,13 +2,14 @@
 
 mod json;
 mod outputs;
+mod recorder;
 mod recording;
 
 pub use recording::Recording;
 
 use crate::{
     align::Heading,
-    consistency::{Consistency, ErrorState},
+    consistency::Consistency,
     drive::{Drive, DriveError},
     mounting::{self, Mounting, MountingError},
     reference::{COMPONENTS, Errors, TruthCursor},
@@ -17,6 +18,7 @@ use crate::{
     smooth::{self, History, Path as SmoothedPath},
 };
 use outputs::Outputs;
+use recorder::{Readable, Recorder};
 use std::path::Path;
 use undrift_io::{
     ReadError,
@@ -25,17 +27,15 @@ use undrift_io::{
     imu::GapSummary,
     scalar::ScalarReader,
     skipped::Skipped,
-    truth::TruthReader,
     write::{SolutionFile, SolutionFormat, SolutionOptions, solution::SolutionRow},
 };
 use undrift_nav::{
     Vector3,
     attitude::to_rpy,
     covariance::{AXES, NAV},
-    filter::{Filter, Update},
+    filter::Filter,
     mechanisation::NavState,
-    sample::{GnssFix, Scalar, TruthSample},
-    tape::Tape,
+    sample::{GnssFix, Scalar},
 };
 use undrift_noise::BiasModel;
 
@@ -105,8 +105,6 @@ impl From<undrift_noise::ModelError> for NavigateError {
     }
 }
 
-/// From one NEES to the next [s].
-const NEES_SPAN: f64 = 1.0;
 /// Longest span between two nodes of the smoother [s].
 pub const NODE_SPAN: f64 = 1.0;
 
@@ -384,121 +382,4 @@ impl Observer for Nobody {
     }
 
     fn fix<const N: usize>(&mut self, _: &Filter<N>, _: &GnssFix, _: bool) {}
-}
-
-/// A truth reader that ends at its first error and keeps it.
-struct Readable {
-    reader: TruthReader,
-    error: Option<ReadError>,
-    /// First and last time [s].
-    read: Option<(f64, f64)>,
-}
-
-impl Iterator for Readable {
-    type Item = TruthSample;
-
-    fn next(&mut self) -> Option<TruthSample> {
-        match self.reader.next()? {
-            Ok(sample) => {
-                let start = self.read.map_or(sample.time, |(start, _)| start);
-                self.read = Some((start, sample.time));
-                Some(sample)
-            }
-            Err(e) => {
-                self.error = Some(e);
-                None
-            }
-        }
-    }
-}
-
-struct Recorder {
-    outputs: Outputs,
-    truth: Option<TruthCursor<Readable>>,
-    squares: [f64; COMPONENTS.len()],
-    compared: u64,
-    /// While the filter runs for a smoother.
-    history: Option<History>,
-    /// Of the filter's errors against its covariance, and when next [s].
-    consistency: Consistency,
-    next_nees: f64,
-    /// Where they are asked for.
-    recording: Option<Box<Recording>>,
-    rows: Option<Vec<SolutionRow>>,
-}
-
-impl Recorder {
-    fn record(
-        &mut self,
-        nav: &NavState,
-        nav_std: [f64; NAV],
-        e: [f64; AXES],
-        error_std: [f64; AXES],
-    ) -> Result<Option<TruthSample>, ReplayError> {
-        let truth = self.truth.as_mut().and_then(|t| t.at(nav.time));
-        if let Some(truth) = &truth {
-            let errors = Errors::against_truth(nav, truth);
-            for (sum, e) in self.squares.iter_mut().zip(errors.0) {
-                *sum += e * e;
-            }
-            self.compared += 1;
-            if let Some(recording) = &mut self.recording {
-                recording.errors(nav.time, &errors);
-            }
-        }
-        if !self.outputs.is_empty() || self.recording.is_some() || self.rows.is_some() {
-            let row = solution_row(nav, nav_std, e, error_std);
-            self.outputs.write(&row)?;
-            if let Some(recording) = &mut self.recording {
-                recording.solution(&row);
-            }
-            if let Some(rows) = &mut self.rows {
-                rows.push(row);
-            }
-        }
-        Ok(truth)
-    }
-}
-
-impl Observer for Recorder {
-    fn sample<const N: usize>(&mut self, filter: &Filter<N>) -> Result<(), ReplayError> {
-        if self.history.is_some() {
-            self.outputs.begin(filter.nav().time);
-            return Ok(());
-        }
-        let truth = self.record(
-            filter.nav(),
-            filter.nav_std(),
-            filter.sensor_error(),
-            filter.sensor_error_std(),
-        )?;
-        if let Some(truth) = truth.filter(|truth| truth.time >= self.next_nees) {
-            self.next_nees = truth.time + NEES_SPAN;
-            self.consistency.add(&ErrorState::new(filter, &truth, None));
-        }
-        Ok(())
-    }
-
-    fn used(&mut self, time: f64) {
-        self.outputs.fix(time);
-    }
-
-    fn node<const N: usize>(
-        &mut self,
-        filter: &Filter<N>,
-        since: Option<&Tape<N>>,
-    ) -> Result<(), ReplayError> {
-        if let Some(history) = &mut self.history {
-            history.push(filter, since)?;
-        }
-        Ok(())
-    }
-
-    fn fix<const N: usize>(&mut self, _: &Filter<N>, _: &GnssFix, _: bool) {}
-
-    fn updated(&mut self, time: f64, updates: [Option<Update>; 2]) {
-        if let Some(recording) = &mut self.recording {
-            recording.fix(time, updates);
-        }
-    }
 }

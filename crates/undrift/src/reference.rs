@@ -12,6 +12,7 @@ use undrift_nav::{
     mechanisation::NavState,
     sample::{GnssFix, Position, TruthSample},
 };
+use undrift_noise::order_statistics;
 
 /// Names of the components of [`Errors`], as in the JSON: metres, metres a second, degrees.
 pub const COMPONENTS: [&str; 10] = [
@@ -119,16 +120,11 @@ pub fn median(values: &[Errors]) -> Errors {
         return Errors::UNKNOWN;
     }
     Errors(std::array::from_fn(|i| {
-        let mut sorted: Vec<f64> = values.iter().map(|e| e.0[i].abs()).collect();
-        if sorted.iter().any(|v| v.is_nan()) {
-            return f64::NAN;
-        }
-        sorted.sort_by(f64::total_cmp);
-        let middle = sorted.len() / 2;
-        if sorted.len() % 2 == 1 {
-            sorted[middle]
+        let sizes: Vec<f64> = values.iter().map(|e| e.0[i].abs()).collect();
+        if sizes.iter().all(|size| size.is_finite()) {
+            order_statistics::median(&sizes)
         } else {
-            0.5 * (sorted[middle - 1] + sorted[middle])
+            f64::NAN
         }
     }))
 }

@@ -15,7 +15,7 @@
 
 pub mod files;
 pub mod gnss;
-pub mod increments;
+pub mod ideal_imu;
 pub mod profile;
 pub mod recorded;
 pub mod scalars;
@@ -28,7 +28,7 @@ mod tests;
 
 pub use files::SimulatedLog;
 pub use gnss::{GnssFixes, GnssNoise};
-pub use increments::{Increments, State, Stepper, antenna};
+pub use ideal_imu::{IdealImu, State, Stepper, antenna};
 pub use profile::{Channel, Profile, Wave};
 pub use recorded::RecordedErrors;
 pub use scalars::{Barometer, Odometer};
@@ -103,7 +103,7 @@ pub fn simulate(
         return Err(SimulationError::Start);
     }
     gnss.check()?;
-    let samples = increments::epochs(trajectory.duration, rate_hz);
+    let samples = ideal_imu::epochs(trajectory.duration, rate_hz);
     if samples.max(gnss::at_most(trajectory, gnss)) > MAX_SAMPLES {
         return Err(SimulationError::TooLong);
     }
@@ -111,7 +111,7 @@ pub fn simulate(
         Some(filters) => Some(SensorErrors::new(filters, rate_hz, seed)?),
         None => None,
     };
-    let walk = Increments::new(trajectory, rate_hz);
+    let walk = IdealImu::new(trajectory, rate_hz);
     let mut imu = Vec::with_capacity(samples as usize);
     let mut truth = Vec::with_capacity(samples as usize + 1);
     truth.push(walk.state().truth());

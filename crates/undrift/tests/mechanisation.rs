@@ -11,7 +11,7 @@ use undrift::{
 
 /// Worst error of position [m] and of roll, pitch, yaw [deg] over a drive.
 fn drift(trajectory: &Trajectory, rate_hz: f64) -> (f64, f64) {
-    let walk = simulate::Increments::new(trajectory, rate_hz);
+    let walk = simulate::IdealImu::new(trajectory, rate_hz);
     let start = walk.state().truth();
     let mut state = NavState {
         time: 0.0,

@@ -5,7 +5,7 @@ use std::path::Path;
 use undrift_nav::sample::{GnssFix, Position};
 use undrift_nav::{Matrix3, Vector3};
 
-use super::is_a_fix;
+use super::{FixOptions, is_a_fix};
 use crate::ReadError;
 use crate::format::Format;
 use crate::log::{Fix, Log, Wanted, What};
@@ -20,19 +20,8 @@ pub struct GnssLog {
     pub position: Option<String>,
     /// Stream of velocities, where they are apart; `None` for the only one.
     pub velocity: Option<String>,
-    /// Added to the times [s].
-    pub time_offset: f64,
-    /// Standard deviations north, east, down [m] instead of the file's; needed where it has none.
-    pub position_std: Option<[f64; 3]>,
-    /// Standard deviations north, east, down [m/s] instead of the file's; a velocity without any is
-    /// left out.
-    pub velocity_std: Option<[f64; 3]>,
-    /// Factor on the standard deviations of position.
-    pub position_std_factor: f64,
-    /// Factor on the standard deviations of velocity.
-    pub velocity_std_factor: f64,
-    /// First and last time [s] to give out, after the offset.
-    pub span: Option<(f64, f64)>,
+    /// How certain they are, and which are given out; a velocity of which nobody tells is left out.
+    pub fixes: FixOptions,
 }
 
 impl GnssLog {
@@ -42,12 +31,7 @@ impl GnssLog {
             format,
             position: None,
             velocity: None,
-            time_offset: 0.0,
-            position_std: None,
-            velocity_std: None,
-            position_std_factor: 1.0,
-            velocity_std_factor: 1.0,
-            span: None,
+            fixes: FixOptions::default(),
         }
     }
 }
@@ -64,6 +48,7 @@ pub(super) struct LogRows {
 
 impl LogRows {
     pub(super) fn new(path: &Path, options: &GnssLog) -> Result<Self, ReadError> {
+        options.fixes.check(path)?;
         let wanted = Wanted::Fixes {
             position: options.position.clone(),
             velocity: options.velocity.clone(),
@@ -122,7 +107,7 @@ impl LogRows {
             let detail = format!("{:?}", fix.position);
             self.log.skipped_mut().add(SkipKind::OutOfRange, at, detail);
         }
-        let options = &self.options;
+        let options = &self.options.fixes;
         let position = place.and_then(|(position, own)| {
             let factor = options.position_std_factor;
             Some((position, certain(own, options.position_std, factor)?))
@@ -149,7 +134,7 @@ impl LogRows {
             self.unknown.get_or_insert(at);
         }
         GnssFix {
-            time: fix.time + self.options.time_offset,
+            time: fix.time + options.time_offset,
             position: position.filter(|(_, p)| sound(p, at, skipped)),
             velocity: velocity.filter(|(_, p)| sound(p, at, skipped)),
             quality: fix.quality,

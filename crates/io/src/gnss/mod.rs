@@ -6,6 +6,7 @@
 
 mod csv;
 mod log;
+mod options;
 
 use std::path::Path;
 
@@ -24,6 +25,7 @@ pub(crate) use csv::is_a_fix;
 pub use csv::{GnssFormat, Place, PositionFormat, Std, VelocityFormat};
 pub use log::GnssLog;
 use log::LogRows;
+pub use options::FixOptions;
 
 /// Fixes in a row that must be earlier than the last accepted one to count as a clock set back.
 const PATIENCE: u32 = 20;
@@ -76,7 +78,11 @@ impl GnssReader {
     /// the options no base.
     pub fn open_rtklib(path: &Path, options: &RtklibOptions) -> Result<Self, ReadError> {
         let rows = RtklibRows::new(path, source::open(path)?, options)?;
-        Ok(Self::new(path, Rows::Rtklib(Box::new(rows)), options.span))
+        Ok(Self::new(
+            path,
+            Rows::Rtklib(Box::new(rows)),
+            options.fixes.span,
+        ))
     }
 
     /// Opens a log, plain or gzip.
@@ -85,7 +91,11 @@ impl GnssReader {
     /// If the file cannot be opened, is no log of its format, or lacks a stream.
     pub fn open_log(path: &Path, options: &GnssLog) -> Result<Self, ReadError> {
         let rows = LogRows::new(path, options)?;
-        Ok(Self::new(path, Rows::Log(Box::new(rows)), options.span))
+        Ok(Self::new(
+            path,
+            Rows::Log(Box::new(rows)),
+            options.fixes.span,
+        ))
     }
 
     fn new(path: &Path, rows: Rows, span: Option<(f64, f64)>) -> Self {

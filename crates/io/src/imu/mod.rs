@@ -10,21 +10,26 @@
 //! running median of the intervals. Where the increments of one row after another would have to be
 //! scaled, the rate is another than was thought, and the file is refused.
 
+mod format;
+mod rows;
+
+pub use format::{ImuFormat, ImuSource};
+
 use std::path::Path;
 
+use undrift_nav::Vector3;
 use undrift_nav::sample::ImuSample;
-use undrift_nav::{Matrix3, Vector3};
 
 use crate::ReadError;
 use crate::clock::{self, Clock, Tick};
-use crate::format::Format;
 use crate::gaps::{GAP_INTERVALS, GapWatch};
 pub use crate::gaps::{Gap, GapSummary};
 use crate::held::{Held, HeldWatch};
-use crate::log::{Log, Wanted, What};
+use crate::log::{Log, Wanted};
 use crate::skipped::{SkipKind, Skipped};
 use crate::source::{self, BytesRead};
-use crate::table::{Column, Table, TableOptions, TableSource};
+use crate::table::{Table, TableOptions, TableSource};
+use rows::Rows;
 
 /// Samples in a row that must be earlier than the last accepted one to count as a clock set back.
 const PATIENCE: u32 = 100;
@@ -34,119 +39,6 @@ const MAX_VALUE: f64 = 1e9;
 
 /// Gaps in a row that mean another sampling rate, in a log of increments.
 const GAPS_IN_A_ROW: u32 = 100;
-
-/// Where the samples of an inertial log are.
-#[derive(Clone, Debug)]
-pub enum ImuSource {
-    /// In columns of a table.
-    Table {
-        /// Time column; without one, row k (from 0, skipped rows count) is at k / `rate_hz`.
-        time: Option<Column>,
-        /// Angular rates or increments, the sensor's x, y, z.
-        gyro: [Column; 3],
-        /// Specific forces or velocity increments, the sensor's x, y, z.
-        accel: [Column; 3],
-        /// The byte between fields; `None` finds out.
-        delimiter: Option<u8>,
-    },
-    /// In a stream of a log, named as [`crate::log::streams`] does; `None` for the only one.
-    Log(Format, Option<String>),
-}
-
-/// Where the samples of an inertial log are and what they mean.
-#[derive(Clone, Debug)]
-pub struct ImuFormat {
-    /// Where they are.
-    pub source: ImuSource,
-    /// Factor from the time column to seconds; 1 for a log.
-    pub time_scale: f64,
-    /// Factor from the gyro columns to rad/s, or to rad for increments; 1 for a log in order.
-    pub gyro_scale: f64,
-    /// Factor from the accelerometer columns to m/s², or to m/s for increments; 1 for a log in order.
-    pub accel_scale: f64,
-    /// The columns are increments over the interval rather than rates.
-    pub increments: bool,
-    /// Sampling rate [Hz]: makes the times where there is no time column, the interval of the first
-    /// sample, which is otherwise taken from the second one, and the interval that a row of
-    /// increments covers.
-    pub rate_hz: Option<f64>,
-    /// Added to the time after scaling [s].
-    pub time_offset: f64,
-    /// Rotation from sensor axes to body axes.
-    pub rotation: Matrix3,
-    /// Known constant of the gyros, body axes [rad/s], subtracted.
-    pub gyro_offset: Vector3,
-    /// Known constant of the accelerometers, body axes [m/s²], subtracted.
-    pub accel_offset: Vector3,
-    /// First and last time [s] to give out, after the offset; the samples outside are passed over.
-    pub span: Option<(f64, f64)>,
-}
-
-impl ImuFormat {
-    /// Rates in SI units along the body axes, times in seconds.
-    pub fn new(time: Option<Column>, gyro: [Column; 3], accel: [Column; 3]) -> Self {
-        Self::of(ImuSource::Table {
-            time,
-            gyro,
-            accel,
-            delimiter: None,
-        })
-    }
-
-    /// The byte between the fields of a table; `None` finds out.
-    pub fn delimited_by(mut self, byte: Option<u8>) -> Self {
-        if let ImuSource::Table { delimiter, .. } = &mut self.source {
-            *delimiter = byte;
-        }
-        self
-    }
-
-    /// The samples of a log's stream, along the body axes.
-    pub fn log(format: Format, stream: Option<String>) -> Self {
-        Self::of(ImuSource::Log(format, stream))
-    }
-
-    fn of(source: ImuSource) -> Self {
-        Self {
-            source,
-            time_scale: 1.0,
-            gyro_scale: 1.0,
-            accel_scale: 1.0,
-            increments: false,
-            rate_hz: None,
-            time_offset: 0.0,
-            rotation: Matrix3::identity(),
-            gyro_offset: Vector3::zeros(),
-            accel_offset: Vector3::zeros(),
-            span: None,
-        }
-    }
-
-    /// Whether the samples have stamps: else their times are made from the rate.
-    pub fn has_times(&self) -> bool {
-        !matches!(self.source, ImuSource::Table { time: None, .. })
-    }
-
-    fn check(&self, path: &Path) -> Result<(), ReadError> {
-        if let Some(rate) = self.rate_hz {
-            if !(rate.is_normal() && rate > 0.0) {
-                let problem = format!("a rate of {rate} Hz makes no times");
-                return Err(ReadError::new(path, problem).key("imu.rate"));
-            }
-        } else if !self.has_times() {
-            return Err(
-                ReadError::new(path, "neither a time column nor a rate is given")
-                    .key("imu.time")
-                    .mend("give imu.time or imu.rate"),
-            );
-        }
-        if !(self.time_scale.is_finite() && self.time_scale > 0.0) {
-            let problem = format!("a time scale of {} makes no times", self.time_scale);
-            return Err(ReadError::new(path, problem).key("imu.time"));
-        }
-        Ok(())
-    }
-}
 
 /// Reads inertial samples one by one; after an error or the end it gives `None`.
 pub struct ImuReader {
@@ -162,66 +54,6 @@ pub struct ImuReader {
     given: u64,
     gaps_in_a_row: u32,
     finished: bool,
-}
-
-enum Rows {
-    Table {
-        table: Box<Table>,
-        /// Time (where there is a column), gyro x y z, accel x y z.
-        row: [f64; 7],
-    },
-    Log(Log),
-}
-
-impl Rows {
-    fn path(&self) -> &Path {
-        match self {
-            Self::Table { table, .. } => table.path(),
-            Self::Log(log) => log.path(),
-        }
-    }
-
-    fn skipped(&self) -> &Skipped {
-        match self {
-            Self::Table { table, .. } => table.skipped(),
-            Self::Log(log) => log.skipped(),
-        }
-    }
-
-    /// The next row: its line, stamp (the number of rows before it where there is none), gyro and
-    /// accelerometer.
-    #[inline]
-    fn next(&mut self, has_times: bool) -> Result<Option<(u64, f64, Vector3, Vector3)>, ReadError> {
-        match self {
-            Self::Table { table, row } => {
-                let Some(line) = table.next_row(&mut row[usize::from(!has_times)..])? else {
-                    return Ok(None);
-                };
-                let [stamp, gx, gy, gz, ax, ay, az] = *row;
-                let stamp = match has_times {
-                    true => stamp,
-                    false => (table.rows_seen() - 1) as f64,
-                };
-                let (gyro, accel) = (Vector3::new(gx, gy, gz), Vector3::new(ax, ay, az));
-                Ok(Some((line, stamp, gyro, accel)))
-            }
-            Self::Log(log) => {
-                while let Some(entry) = log.next()? {
-                    if let What::Imu(reading) = entry.what {
-                        return Ok(Some((entry.at, reading.time, reading.gyro, reading.accel)));
-                    }
-                }
-                Ok(None)
-            }
-        }
-    }
-
-    fn skipped_mut(&mut self) -> &mut Skipped {
-        match self {
-            Self::Table { table, .. } => table.skipped_mut(),
-            Self::Log(log) => log.skipped_mut(),
-        }
-    }
 }
 
 /// A row in order of time, its values as in the file.

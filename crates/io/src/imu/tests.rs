@@ -1,6 +1,8 @@
 use super::*;
 use crate::skipped::SkipKind;
+use crate::table::Column;
 use std::io::Cursor;
+use undrift_nav::Matrix3;
 
 fn format() -> ImuFormat {
     let column = |n| Column::Number(n);

@@ -17,7 +17,7 @@ use undrift_nav::sample::{GnssFix, Position};
 use undrift_nav::{Matrix3, Vector3};
 
 use crate::ReadError;
-use crate::gnss::{all_finite, diagonal, is_a_fix, quality_of_rtklib};
+use crate::gnss::{FixOptions, all_finite, diagonal, is_a_fix, quality_of_rtklib};
 use crate::lines::{Lines, MAX_LINE, Step};
 use crate::number;
 use crate::skipped::{SkipKind, Skipped};
@@ -28,37 +28,12 @@ use crate::time::WeekClock;
 use header::{Axes, Components, Layout};
 
 /// How to read an RTKLIB solution file.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct RtklibOptions {
-    /// Added to the GPS seconds of week [s].
-    pub time_offset: f64,
-    /// Factor on the standard deviations of position.
-    pub position_std_factor: f64,
-    /// Factor on the standard deviations of velocity.
-    pub velocity_std_factor: f64,
-    /// Standard deviations north, east, down [m] instead of the file's.
-    pub position_std: Option<[f64; 3]>,
-    /// Standard deviations north, east, down [m/s] instead of the file's; needed where the file
-    /// has velocities without any.
-    pub velocity_std: Option<[f64; 3]>,
+    /// How certain the fixes are, and which are given out.
+    pub fixes: FixOptions,
     /// The base station of east-north-up baselines.
     pub base: Option<Geodetic>,
-    /// First and last time [s] to give out, after the offset.
-    pub span: Option<(f64, f64)>,
-}
-
-impl Default for RtklibOptions {
-    fn default() -> Self {
-        Self {
-            time_offset: 0.0,
-            position_std_factor: 1.0,
-            velocity_std_factor: 1.0,
-            position_std: None,
-            velocity_std: None,
-            base: None,
-            span: None,
-        }
-    }
 }
 
 /// Whether a file is an RTKLIB solution: a comment line before its first data names the columns.
@@ -115,7 +90,7 @@ impl RtklibRows {
                 return Err(no_header(path).at(lines.number()));
             }
         };
-        check(path, options)?;
+        options.fixes.check(path)?;
         if layout.axes == Axes::Baseline && options.base.is_none() {
             return Err(ReadError::new(path, "has baselines, whose base is unknown")
                 .at(lines.number())
@@ -187,7 +162,7 @@ impl RtklibRows {
             };
             self.values.clear();
             self.values.extend(tokens.map(number::parse));
-            if let Some(fix) = self.fix(time + self.options.time_offset, number) {
+            if let Some(fix) = self.fix(time + self.options.fixes.time_offset, number) {
                 return Ok(Some((number, fix)));
             }
         }
@@ -225,7 +200,10 @@ impl RtklibRows {
             self.skipped.add(SkipKind::OutOfRange, line, detail);
             return None;
         }
-        let (constant, factor) = (self.options.position_std, self.options.position_std_factor);
+        let (constant, factor) = (
+            self.options.fixes.position_std,
+            self.options.fixes.position_std_factor,
+        );
         let covariance = self.covariance(layout.position_sd, constant, factor, ned_from_file, line);
         let fix = GnssFix {
             time,
@@ -246,14 +224,17 @@ impl RtklibRows {
         line: u64,
     ) -> Option<(Vector3, Matrix3)> {
         let at = layout.velocity?;
-        if layout.velocity_sd.is_none() && self.options.velocity_std.is_none() {
+        if layout.velocity_sd.is_none() && self.options.fixes.velocity_std.is_none() {
             return None;
         }
         let velocity = self.three(at.map(|index| (index, 1)), line)?;
         if !all_finite(&velocity, line, &mut self.skipped) {
             return None;
         }
-        let (constant, factor) = (self.options.velocity_std, self.options.velocity_std_factor);
+        let (constant, factor) = (
+            self.options.fixes.velocity_std,
+            self.options.fixes.velocity_std_factor,
+        );
         let covariance =
             self.covariance(layout.velocity_sd, constant, factor, ned_from_file, line)?;
         Some((ned_from_file * velocity, covariance))
@@ -334,30 +315,6 @@ const NED_FROM_ENU: Matrix3 = Matrix3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.
 fn no_header(path: &Path) -> ReadError {
     ReadError::new(path, "no header line that names the columns of an RTKLIB solution")
         .mend("it looks like \"%  GPST  latitude(deg) longitude(deg) …\"; write the solution with its header")
-}
-
-fn check(path: &Path, options: &RtklibOptions) -> Result<(), ReadError> {
-    let positive = |value: &f64| value.is_finite() && *value > 0.0;
-    let parts = [
-        (
-            "gnss.position_std",
-            options.position_std,
-            options.position_std_factor,
-        ),
-        (
-            "gnss.velocity_std",
-            options.velocity_std,
-            options.velocity_std_factor,
-        ),
-    ];
-    for (key, constants, factor) in parts {
-        let mut all = constants.into_iter().flatten().chain([factor]);
-        if let Some(bad) = all.find(|value| !positive(value)) {
-            let problem = format!("{bad} cannot be a standard deviation or a factor on one");
-            return Err(ReadError::new(path, problem).key(key));
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -40,10 +40,13 @@ fn covariances_come_out_north_east_down() {
     assert_eq!(velocity, Vector3::new(1.0, 2.0, -3.0));
 
     let doubled = RtklibOptions {
-        position_std_factor: 2.0,
-        velocity_std: Some([0.1, 0.2, 0.3]),
-        time_offset: -1.0,
-        ..RtklibOptions::default()
+        fixes: FixOptions {
+            position_std_factor: 2.0,
+            velocity_std: Some([0.1, 0.2, 0.3]),
+            time_offset: -1.0,
+            ..FixOptions::default()
+        },
+        base: None,
     };
     let fix = rows(&text, &doubled).0[0];
     assert_eq!(fix.time, 172_800.0);

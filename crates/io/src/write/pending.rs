@@ -1,10 +1,12 @@
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// A file that appears under its name only when it is finished: until then it is beside it under
-/// a temporary name. Dropped unfinished, it is removed; a killed process leaves the temporary one.
+/// a temporary name, `.NAME.partPID`. Dropped unfinished, it is removed; a killed process leaves the
+/// temporary one, which goes when the same file is written again (on Linux, where it can be told that
+/// the process is no more).
 #[derive(Debug)]
 pub struct PendingFile {
     file: File,
@@ -27,7 +29,9 @@ impl PendingFile {
         };
         let mut hidden = OsString::from(".");
         hidden.push(name);
-        hidden.push(format!(".part{}", std::process::id()));
+        hidden.push(".part");
+        remove_stale(path, &hidden);
+        hidden.push(std::process::id().to_string());
         let temporary = path.with_file_name(hidden);
         Ok(Self {
             file: File::create(&temporary)?,
@@ -48,6 +52,47 @@ impl PendingFile {
         Ok(())
     }
 }
+
+/// Removes what killed processes left beside `path` under names of `start` and a process id. Only files
+/// of this user: processes of others may be hidden.
+#[cfg(target_os = "linux")]
+fn remove_stale(path: &Path, start: &OsStr) {
+    use std::os::unix::fs::MetadataExt;
+
+    let folder = match path.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    };
+    let (Ok(entries), Ok(own)) = (fs::read_dir(folder), fs::metadata("/proc/self")) else {
+        return;
+    };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let process = name
+            .as_encoded_bytes()
+            .strip_prefix(start.as_encoded_bytes());
+        let Some(process) = process.and_then(|id| str::from_utf8(id).ok()?.parse::<u32>().ok())
+        else {
+            continue;
+        };
+        let gone = matches!(
+            Path::new(&format!("/proc/{process}")).try_exists(),
+            Ok(false)
+        );
+        if gone
+            && entry
+                .metadata()
+                .is_ok_and(|file| file.is_file() && file.uid() == own.uid())
+        {
+            // What cannot be removed harms nobody.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// Elsewhere it cannot be told which processes live.
+#[cfg(not(target_os = "linux"))]
+fn remove_stale(_: &Path, _: &OsStr) {}
 
 /// Writes a file whole or not at all, replacing one that is there.
 ///
@@ -110,5 +155,41 @@ mod tests {
 
         assert!(PendingFile::create(&path).is_err());
         assert!(PendingFile::create(Path::new("/")).is_err());
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn what_a_dead_process_left_goes_and_that_of_a_living_one_stays() {
+        use std::process::Command;
+
+        let dir = std::env::temp_dir().join(format!("undrift-io-stale-{}", std::process::id()));
+        fs::create_dir_all(&dir).unwrap();
+        let mut dead = Command::new("true").spawn().unwrap();
+        dead.wait().unwrap();
+        let mut living = Command::new("sleep").arg("600").spawn().unwrap();
+        let put = |name: String| fs::write(dir.join(name), "half").unwrap();
+        put(format!(".out.csv.part{}", dead.id()));
+        let others = [
+            format!(".out.csv.part{}", living.id()),
+            // Another file's, and names that are none of ours.
+            format!(".out.csv.gz.part{}", dead.id()),
+            format!(".out.csv.part{}x", dead.id()),
+            ".out.csv.part".to_owned(),
+        ];
+        others.iter().cloned().for_each(put);
+
+        write_whole(&dir.join("out.csv"), "new").unwrap();
+        living.kill().unwrap();
+        living.wait().unwrap();
+        let names = fs::read_dir(&dir).unwrap();
+        let mut names: Vec<_> = names
+            .map(|e| e.unwrap().file_name().into_string().unwrap())
+            .collect();
+        let mut expected = others.to_vec();
+        expected.push("out.csv".to_owned());
+        names.sort();
+        expected.sort();
+        fs::remove_dir_all(&dir).unwrap();
+        assert_eq!(names, expected);
     }
 }

@@ -89,15 +89,8 @@ impl ShapingFilter {
 
     /// Whether the joint covariance of `[D w; G w]` is one, to 1e-9 of its diagonal.
     fn is_semidefinite(&self) -> bool {
-        const M: usize = MAX_ORDER + 1;
         let n = self.order + 1;
-        let mut joint = [[0.0; M]; M];
-        joint[0][0] = self.r;
-        for i in 0..self.order {
-            joint[i + 1][0] = self.s[i];
-            joint[0][i + 1] = self.s[i];
-            joint[i + 1][1..].copy_from_slice(&self.q[i]);
-        }
+        let joint = self.noise_covariance();
         let l = semidefinite_cholesky(&joint, n);
         (0..n).all(|i| {
             (0..=i).all(|j| {

@@ -1,7 +1,7 @@
 //! A record that is not static: it moves, or its sensor stands still.
 
-use super::outlier::median;
 use super::record::{RecordError, check, mean_and_squares};
+use crate::order_statistics::upper_median;
 
 /// When a record counts as moving.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,7 +54,7 @@ pub fn motion(x: &[f64], rule: MotionRule) -> Result<Motion, RecordError> {
     let width = rule.window as f64;
     let summary: Vec<(f64, f64)> = x.chunks_exact(rule.window).map(mean_and_squares).collect();
     let mut variances: Vec<f64> = summary.iter().map(|s| s.1 / (width - 1.0)).collect();
-    let inside = median(&mut variances);
+    let inside = upper_median(&mut variances);
     let changes: Vec<f64> = summary
         .windows(2)
         .map(|w| 0.5 * (w[1].0 - w[0].0).powi(2))

@@ -2,6 +2,7 @@
 //! Statistical Association 69, 1974).
 
 use super::record::{RecordError, check};
+use crate::order_statistics::upper_median;
 
 /// Median absolute deviation of a standard normal distribution, inverted.
 const MAD_TO_SIGMA: f64 = 1.482_602_218_505_602;
@@ -75,12 +76,12 @@ pub fn outliers(x: &[f64], rule: OutlierRule) -> Result<Outliers, RecordError> {
     for k in 0..x.len().div_ceil(step) {
         work.clear();
         work.extend_from_slice(&x[around(k)]);
-        let centre = median(&mut work);
+        let centre = upper_median(&mut work);
         work.iter_mut().for_each(|v| *v = (*v - centre).abs());
-        windows.push((centre, MAD_TO_SIGMA * median(&mut work)));
+        windows.push((centre, MAD_TO_SIGMA * upper_median(&mut work)));
     }
     let mut deviations: Vec<f64> = windows.iter().map(|w| w.1).collect();
-    let mut floor = 0.5 * median(&mut deviations);
+    let mut floor = 0.5 * upper_median(&mut deviations);
     if floor == 0.0 {
         let absolute = x
             .iter()
@@ -116,10 +117,4 @@ pub fn outliers(x: &[f64], rule: OutlierRule) -> Result<Outliers, RecordError> {
         outliers: found,
         cleaned,
     })
-}
-
-/// Median, the upper one of two; the slice is reordered and must not be empty.
-pub(crate) fn median(values: &mut [f64]) -> f64 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }

@@ -1,6 +1,7 @@
 //! What the time stamps of a record say: rate, jitter, gaps.
 
 use super::record::{RecordError, check};
+use crate::order_statistics::upper_median;
 
 /// Intervals longer than so many times the median are gaps.
 const GAP: f64 = 1.5;
@@ -52,8 +53,7 @@ pub fn timing(stamps_s: &[f64]) -> Result<Timing, RecordError> {
     if 2 * positive.len() < intervals.len() {
         return Err(RecordError::Argument("the time stamps do not increase"));
     }
-    let middle = positive.len() / 2;
-    let interval_s = *positive.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let interval_s = upper_median(&mut positive);
     let (mut gaps, mut not_increasing, mut count, mut sum) = (Vec::new(), Vec::new(), 0.0, 0.0);
     let regular = |v: f64| v > 0.0 && v <= GAP * interval_s;
     for (index, &length_s) in intervals.iter().enumerate() {

@@ -1,6 +1,7 @@
 //! Spectral lines: peaks that stand out of the local median.
 
 use super::welch::Density;
+use crate::order_statistics::upper_median;
 
 /// Bins on either side of the one looked at that the median is taken over.
 const REACH: usize = 25;
@@ -35,8 +36,7 @@ pub fn lines(density: &Density, factor: f64) -> Vec<Line> {
         around.extend_from_slice(
             &power[k.saturating_sub(REACH).max(1)..(k + REACH + 1).min(power.len())],
         );
-        let middle = around.len() / 2;
-        let median = *around.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let median = upper_median(&mut around);
         if !(power[k] > factor * median && median > 0.0) {
             continue;
         }

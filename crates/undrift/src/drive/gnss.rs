@@ -8,7 +8,7 @@ use crate::replay::{GnssUse, QualityStd};
 use std::path::{Path, PathBuf};
 use undrift_io::{
     format::{self, Format},
-    gnss::{GnssFormat, GnssLog, Place, PositionFormat, Std, VelocityFormat},
+    gnss::{FixOptions, GnssFormat, GnssLog, Place, PositionFormat, Std, VelocityFormat},
     layouts,
     rtklib::RtklibOptions,
 };
@@ -40,25 +40,25 @@ pub(crate) fn read_gnss(
     let position_std_factor = section.factor("position_std_factor")?.unwrap_or(1.0);
     let velocity_std_factor = section.factor("velocity_std_factor")?.unwrap_or(1.0);
     let _ = ["lever_arm", "gate", "adapt", "quality_std_factors"].map(|key| section.get(key));
-    let source = match format {
-        Format::Rtklib => GnssSource::Rtklib(RtklibOptions {
+    let fixes = || -> Result<FixOptions, ConfigError> {
+        Ok(FixOptions {
             time_offset,
-            position_std_factor,
-            velocity_std_factor,
             position_std: constant_std(section, "position_std", Quantity::Length)?,
             velocity_std: constant_std(section, "velocity_std", Quantity::Velocity)?,
-            base: read_base(section)?,
+            position_std_factor,
+            velocity_std_factor,
             span,
+        })
+    };
+    let source = match format {
+        Format::Rtklib => GnssSource::Rtklib(RtklibOptions {
+            fixes: fixes()?,
+            base: read_base(section)?,
         }),
         log if log.is_log() => GnssSource::Log(GnssLog {
             position: section.text("topic")?.map(str::to_owned),
             velocity: section.text("velocity_topic")?.map(str::to_owned),
-            time_offset,
-            position_std: constant_std(section, "position_std", Quantity::Length)?,
-            velocity_std: constant_std(section, "velocity_std", Quantity::Velocity)?,
-            position_std_factor,
-            velocity_std_factor,
-            span,
+            fixes: fixes()?,
             ..GnssLog::new(log)
         }),
         Format::KfGins => {

@@ -3,10 +3,10 @@
 use super::{FleetError, Outcome, job_path, summary::Summary};
 use crate::{report, results};
 use std::{
-    io::{self, Write},
+    io,
     path::{Path, PathBuf},
 };
-use undrift_io::write::PendingFile;
+use undrift_io::write::write_whole;
 
 /// What was gathered.
 #[derive(Clone, Debug)]
@@ -60,12 +60,7 @@ pub fn gather(fingerprints: &[String], folder: &Path) -> Result<Gathered, FleetE
 }
 
 fn write(path: &Path, text: &str) -> Result<(), FleetError> {
-    let write = || {
-        let mut file = PendingFile::create(path)?;
-        file.write_all(text.as_bytes())?;
-        file.finish()
-    };
-    write().map_err(FleetError::file(path))
+    write_whole(path, text).map_err(FleetError::file(path))
 }
 
 /// Removes what a killed process left of outcomes that are whole by now.

@@ -5,14 +5,14 @@ use crate::drive::ConfigError;
 use rayon::{ThreadPoolBuildError, ThreadPoolBuilder};
 use std::{
     collections::HashSet,
-    io::{self, Write},
+    io,
     path::{Path, PathBuf},
     sync::{
         Mutex,
         atomic::{AtomicUsize, Ordering::Relaxed},
     },
 };
-use undrift_io::write::PendingFile;
+use undrift_io::write::write_whole;
 
 /// Why a fleet cannot be worked through. A log that fails is no reason.
 #[derive(Debug, thiserror::Error)]
@@ -217,11 +217,6 @@ fn one(
         return Ok(step(State::Missing, None));
     }
     let outcome = process(job);
-    let keep = || {
-        let mut file = PendingFile::create(&path)?;
-        file.write_all(outcome.to_json().as_bytes())?;
-        file.finish()
-    };
-    keep().map_err(FleetError::file(&path))?;
+    write_whole(&path, outcome.to_json()).map_err(FleetError::file(&path))?;
     Ok(step(State::Processed, Some(outcome)))
 }

@@ -1,5 +1,7 @@
 //! Numbers of many logs against each other, robust to a few that are far off.
 
+use undrift_noise::order_statistics::median;
+
 /// A value is an outlier from so many robust standard deviations of the logarithm above the median …
 pub const OUTLIER_DEVIATIONS: f64 = 5.0;
 /// … if it is above the median by this share too, …
@@ -8,20 +10,6 @@ pub const OUTLIER_SHARE: f64 = 0.1;
 pub const OUTLIER_LEAST: usize = 8;
 /// Standard deviation of a normal distribution over its median absolute deviation.
 const NORMAL: f64 = 1.4826;
-
-/// Median; NaN of none. What is not finite is left out.
-pub fn median(values: &[f64]) -> f64 {
-    let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
-    sorted.sort_by(f64::total_cmp);
-    let middle = sorted.len() / 2;
-    match (middle.checked_sub(1), sorted.get(middle)) {
-        (Some(below), Some(&above)) if sorted.len().is_multiple_of(2) => {
-            f64::midpoint(sorted.get(below).copied().unwrap_or(above), above)
-        }
-        (_, Some(&value)) => value,
-        (_, None) => f64::NAN,
-    }
-}
 
 /// Value above which one is an outlier. Drifts and noises scatter by factors rather than by sums, so the
 /// rule is on their logarithms: the median plus [`OUTLIER_DEVIATIONS`] × 1.4826 median absolute deviations,
@@ -72,14 +60,6 @@ fn ranks(values: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn medians() {
-        assert_eq!(median(&[3.0, f64::NAN, 1.0, 2.0]), 2.0);
-        assert_eq!(median(&[4.0, 1.0, 2.0, 3.0]), 2.5);
-        assert_eq!(median(&[7.0]), 7.0);
-        assert!(median(&[]).is_nan());
-    }
 
     #[test]
     fn outliers_stand_out_of_the_rest() {

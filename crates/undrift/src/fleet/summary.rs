@@ -3,7 +3,7 @@
 use super::{
     Outcome, Row,
     statistics::{
-        OUTLIER_DEVIATIONS, OUTLIER_LEAST, OUTLIER_SHARE, median, outlier_limit, rank_correlation,
+        OUTLIER_DEVIATIONS, OUTLIER_LEAST, OUTLIER_SHARE, outlier_limit, rank_correlation,
     },
 };
 use crate::{
@@ -13,6 +13,7 @@ use crate::{
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use undrift_nav::earth::STANDARD_GRAVITY;
+use undrift_noise::order_statistics::median;
 
 /// What is compared between logs: a number for each bias model or axis.
 struct Measure {

@@ -1,6 +1,7 @@
 //! Units by the size of the numbers.
 
 use undrift_nav::earth::STANDARD_GRAVITY;
+use undrift_noise::order_statistics::upper_median;
 
 /// A unit and why.
 pub(super) type Guess = (&'static str, String);
@@ -19,10 +20,10 @@ pub(super) enum Force {
 /// between samples.
 pub(super) fn force(samples: &[[f64; 3]], interval: Option<f64>) -> Force {
     let mut sizes: Vec<f64> = samples.iter().map(size).filter(|s| s.is_finite()).collect();
-    sizes.sort_by(f64::total_cmp);
-    let Some(median) = sizes.get(sizes.len() / 2) else {
+    if sizes.is_empty() {
         return Force::Unknown("no number in the first rows".into());
-    };
+    }
+    let median = upper_median(&mut sizes);
     let near = |value: f64| (0.8..1.25).contains(&(median / value));
     let why = format!("guessed: the median magnitude is {median:.4}");
     for (unit, gravity) in [("m/s^2", STANDARD_GRAVITY), ("g", 1.0), ("mg", 1000.0)] {

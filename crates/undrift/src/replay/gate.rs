@@ -14,6 +14,7 @@ use undrift_nav::{
     Matrix3, Vector3,
     filter::{Gate, Outcome, Update},
 };
+use undrift_noise::order_statistics::upper_median;
 
 /// Innovations that the usual size is taken from.
 const WINDOW: usize = 40;
@@ -210,10 +211,8 @@ impl FixGate {
         if self.count < LEAST {
             return FIRST_USUAL;
         }
-        let mut sorted = self.recent;
-        let sorted = &mut sorted[..self.count.min(WINDOW)];
-        sorted.sort_unstable_by(f64::total_cmp);
-        sorted[sorted.len() / 2] / MEDIAN
+        let mut recent = self.recent;
+        upper_median(&mut recent[..self.count.min(WINDOW)]) / MEDIAN
     }
 }
 

@@ -7,6 +7,7 @@ use undrift_nav::{
     filter::{Outcome, Update},
     parameters::Parameter,
 };
+use undrift_noise::order_statistics::upper_median;
 
 /// Sums of the normalised innovations squared of one kind of measurement.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -372,10 +373,8 @@ impl LeanWatch {
         let size = self.white.norm_squared() / (3.0 * BLOCK as f64);
         let mean: [f64; 3] = (self.innovation / BLOCK as f64).into();
         (self.updates, self.white, self.innovation) = (0, Vector3::zeros(), Vector3::zeros());
-        let mut sorted = self.usual;
-        let known = &mut sorted[..self.count.min(BLOCKS)];
-        known.sort_unstable_by(f64::total_cmp);
-        let usual = known.get(known.len() / 2).copied().unwrap_or(0.0);
+        let mut known = self.usual;
+        let usual = upper_median(&mut known[..self.count.min(BLOCKS)]);
         if self.count >= LEAST_BLOCKS && size > LEANS * usual.max(1.0) {
             let length = |m: &[f64; 3]| Vector3::from(*m).norm();
             let open = self.open.get_or_insert(Lean {

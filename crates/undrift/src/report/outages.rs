@@ -5,12 +5,11 @@ mod way;
 
 use super::{
     Block, Cell, Section, Table,
-    parts::{
-        cell, get, mark_least, model_colour, named, quantile, short, table, text, warnings, zip,
-    },
+    parts::{cell, get, mark_least, model_colour, named, short, table, text, warnings, zip},
     read::{ModelErrors, Numbers, Outages},
 };
 use drift::drift;
+use undrift_noise::order_statistics::quantile;
 use way::way;
 
 /// Components of Table 4 with the heads of their columns.

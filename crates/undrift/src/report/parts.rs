@@ -5,6 +5,7 @@ use super::{
     read::{Curve, Number, Numbers, Track},
 };
 use undrift_nav::earth::Geodetic;
+use undrift_noise::order_statistics::quantile;
 
 /// A number with three significant digits; a dash where there is none.
 pub fn short(value: f64) -> String {
@@ -286,19 +287,6 @@ pub fn origin(track: &Track) -> Option<Geodetic> {
     place.map(|(lat, lon)| Geodetic::from_degrees(lat.0, lon.0, 0.0))
 }
 
-/// Value below which a share of them lies; NaN of none.
-pub fn quantile(values: &[f64], share: f64) -> f64 {
-    let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
-    sorted.sort_by(f64::total_cmp);
-    let at = share * sorted.len().saturating_sub(1) as f64;
-    let (low, part) = (at.floor() as usize, at.fract());
-    let Some(&below) = sorted.get(low) else {
-        return f64::NAN;
-    };
-    let above = sorted.get(low + 1).copied().unwrap_or(below);
-    below + part * (above - below)
-}
-
 /// An axis for values, logarithmic where the values reach over more than a decade and a half.
 pub fn axis_for(values: &[f64], label: &str) -> Axis {
     let (least, most) = (quantile(values, 0.0), quantile(values, 1.0));
@@ -397,14 +385,6 @@ mod tests {
         let points = broken(vec![(0.0, 1.0), (1.0, 1.0), (5.0, 2.0)], &[(1.0, 5.0)]);
         assert_eq!(points.len(), 4);
         assert!(points[2].1.is_nan());
-    }
-
-    #[test]
-    fn quantiles_between_values() {
-        let values = [4.0, 1.0, 2.0, 3.0, f64::NAN];
-        assert_eq!(quantile(&values, 0.5), 2.5);
-        assert_eq!(quantile(&values, 1.0), 4.0);
-        assert!(quantile(&[], 0.5).is_nan());
     }
 
     #[test]

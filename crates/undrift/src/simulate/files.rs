@@ -1,6 +1,6 @@
 //! A simulated drive as the files of a log.
 
-use super::{GnssFixes, GnssNoise, Increments, SensorErrors, SimulationError, Trajectory};
+use super::{GnssFixes, GnssNoise, IdealImu, SensorErrors, SimulationError, Trajectory};
 use std::{
     fs::File,
     io::{self, BufWriter, Write},
@@ -58,7 +58,7 @@ impl SimulatedLog<'_> {
             truth,
             "t_s,lat_deg,lon_deg,height_m,roll_deg,pitch_deg,yaw_deg"
         )?;
-        let mut samples = Increments::new(self.trajectory, self.rate_hz)
+        let mut samples = IdealImu::new(self.trajectory, self.rate_hz)
             .enumerate()
             .peekable();
         while let Some((k, (ideal, reference))) = samples.next() {

@@ -1,7 +1,7 @@
 //! GNSS fixes of an antenna on the trajectory, with white noise.
 
 use super::SimulationError;
-use super::increments::{Stepper, antenna, epochs};
+use super::ideal_imu::{Stepper, antenna, epochs};
 use super::sensors::{GNSS_STREAM, stream_seed};
 use super::trajectory::Trajectory;
 use rand::SeedableRng;

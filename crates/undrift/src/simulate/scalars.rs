@@ -1,7 +1,7 @@
 //! A wheel's speed and a barometer's height on a trajectory, with their errors.
 
 use super::SimulationError;
-use super::increments::{Stepper, epochs};
+use super::ideal_imu::{Stepper, epochs};
 use super::sensors::{BAROMETER_STREAM, ODOMETER_STREAM, stream_seed};
 use super::trajectory::Trajectory;
 use rand::SeedableRng;

@@ -309,7 +309,7 @@ fn odd_input_is_refused_or_harmless() {
             simulate(&rest, rate, None, &gnss, 0),
             Err(SimulationError::Rate)
         );
-        assert!(Increments::new(&rest, rate).next().is_none());
+        assert!(IdealImu::new(&rest, rate).next().is_none());
     }
     let pole = Trajectory {
         start: Geodetic::from_degrees(90.0, 0.0, 0.0),
@@ -343,7 +343,7 @@ fn odd_input_is_refused_or_harmless() {
         period: 1e-300,
         phase: 0.0,
     });
-    assert_eq!(Increments::new(&endless, 1.0).take(3).count(), 3);
+    assert_eq!(IdealImu::new(&endless, 1.0).take(3).count(), 3);
     let mut stepper = Stepper::new(&rest);
     stepper.advance_to(f64::NAN);
     assert_eq!(stepper.increments(f64::INFINITY).0, Vector3::zeros());

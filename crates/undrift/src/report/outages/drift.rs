@@ -3,8 +3,9 @@
 use super::Model;
 use crate::report::{
     Axis, Block, Corner, Figure, Panel, Section, Series,
-    parts::{Clock, axis_for, quantile},
+    parts::{Clock, axis_for},
 };
+use undrift_noise::order_statistics::quantile;
 
 /// Colours of several runs.
 const RUNS: [usize; 6] = [7, 6, 4, 5, 2, 0];

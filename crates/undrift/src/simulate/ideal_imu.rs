@@ -242,14 +242,14 @@ impl<'a> Stepper<'a> {
 /// The noise-free IMU samples of a trajectory with the truth at their ends, at times k/rate for
 /// k = 1, 2, … up to the trajectory's duration. Streamed: memory does not grow.
 #[derive(Clone, Debug)]
-pub struct Increments<'a> {
+pub struct IdealImu<'a> {
     stepper: Stepper<'a>,
     rate_hz: f64,
     done: u64,
     samples: u64,
 }
 
-impl<'a> Increments<'a> {
+impl<'a> IdealImu<'a> {
     /// At `rate_hz` samples per second; none where that is not positive and finite.
     pub fn new(trajectory: &'a Trajectory, rate_hz: f64) -> Self {
         Self {
@@ -277,7 +277,7 @@ pub(super) fn epochs(duration: f64, rate_hz: f64) -> u64 {
     }
 }
 
-impl Iterator for Increments<'_> {
+impl Iterator for IdealImu<'_> {
     type Item = (ImuSample, TruthSample);
 
     fn next(&mut self) -> Option<Self::Item> {

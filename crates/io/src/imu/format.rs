@@ -1,0 +1,122 @@
+//! Where the samples of an inertial log are and what they mean.
+
+use std::path::Path;
+
+use undrift_nav::{Matrix3, Vector3};
+
+use crate::ReadError;
+use crate::format::Format;
+use crate::table::Column;
+
+/// Where the samples of an inertial log are.
+#[derive(Clone, Debug)]
+pub enum ImuSource {
+    /// In columns of a table.
+    Table {
+        /// Time column; without one, row k (from 0, skipped rows count) is at k / `rate_hz`.
+        time: Option<Column>,
+        /// Angular rates or increments, the sensor's x, y, z.
+        gyro: [Column; 3],
+        /// Specific forces or velocity increments, the sensor's x, y, z.
+        accel: [Column; 3],
+        /// The byte between fields; `None` finds out.
+        delimiter: Option<u8>,
+    },
+    /// In a stream of a log, named as [`crate::log::streams`] does; `None` for the only one.
+    Log(Format, Option<String>),
+}
+
+/// Where the samples of an inertial log are and what they mean.
+#[derive(Clone, Debug)]
+pub struct ImuFormat {
+    /// Where they are.
+    pub source: ImuSource,
+    /// Factor from the time column to seconds; 1 for a log.
+    pub time_scale: f64,
+    /// Factor from the gyro columns to rad/s, or to rad for increments; 1 for a log in order.
+    pub gyro_scale: f64,
+    /// Factor from the accelerometer columns to m/s², or to m/s for increments; 1 for a log in order.
+    pub accel_scale: f64,
+    /// The columns are increments over the interval rather than rates.
+    pub increments: bool,
+    /// Sampling rate [Hz]: makes the times where there is no time column, the interval of the first
+    /// sample, which is otherwise taken from the second one, and the interval that a row of
+    /// increments covers.
+    pub rate_hz: Option<f64>,
+    /// Added to the time after scaling [s].
+    pub time_offset: f64,
+    /// Rotation from sensor axes to body axes.
+    pub rotation: Matrix3,
+    /// Known constant of the gyros, body axes [rad/s], subtracted.
+    pub gyro_offset: Vector3,
+    /// Known constant of the accelerometers, body axes [m/s²], subtracted.
+    pub accel_offset: Vector3,
+    /// First and last time [s] to give out, after the offset; the samples outside are passed over.
+    pub span: Option<(f64, f64)>,
+}
+
+impl ImuFormat {
+    /// Rates in SI units along the body axes, times in seconds.
+    pub fn new(time: Option<Column>, gyro: [Column; 3], accel: [Column; 3]) -> Self {
+        Self::of(ImuSource::Table {
+            time,
+            gyro,
+            accel,
+            delimiter: None,
+        })
+    }
+
+    /// The byte between the fields of a table; `None` finds out.
+    pub fn delimited_by(mut self, byte: Option<u8>) -> Self {
+        if let ImuSource::Table { delimiter, .. } = &mut self.source {
+            *delimiter = byte;
+        }
+        self
+    }
+
+    /// The samples of a log's stream, along the body axes.
+    pub fn log(format: Format, stream: Option<String>) -> Self {
+        Self::of(ImuSource::Log(format, stream))
+    }
+
+    fn of(source: ImuSource) -> Self {
+        Self {
+            source,
+            time_scale: 1.0,
+            gyro_scale: 1.0,
+            accel_scale: 1.0,
+            increments: false,
+            rate_hz: None,
+            time_offset: 0.0,
+            rotation: Matrix3::identity(),
+            gyro_offset: Vector3::zeros(),
+            accel_offset: Vector3::zeros(),
+            span: None,
+        }
+    }
+
+    /// Whether the samples have stamps: else their times are made from the rate.
+    pub fn has_times(&self) -> bool {
+        !matches!(self.source, ImuSource::Table { time: None, .. })
+    }
+
+    pub(super) fn check(&self, path: &Path) -> Result<(), ReadError> {
+        if let Some(rate) = self.rate_hz {
+            if !(rate.is_normal() && rate > 0.0) {
+                let problem = format!("a rate of {rate} Hz makes no times");
+                return Err(ReadError::new(path, problem).key("imu.rate"));
+            }
+        } else if !self.has_times() {
+            return Err(
+                ReadError::new(path, "neither a time column nor a rate is given")
+                    .key("imu.time")
+                    .mend("give imu.time or imu.rate"),
+            );
+        }
+        if !(self.time_scale.is_finite() && self.time_scale > 0.0) {
+            let problem = format!("a time scale of {} makes no times", self.time_scale);
+            return Err(ReadError::new(path, problem).key("imu.time"));
+        }
+        Ok(())
+    }
+}

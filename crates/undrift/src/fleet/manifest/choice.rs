@@ -1,0 +1,170 @@
+//! What a manifest says of all logs and of each: the keys beside `drive` and `record`.
+
+use crate::{
+    drive::{ConfigError, Section, read_switch},
+    fleet::{Plan, RecordSettings},
+    identify::Trend,
+};
+use undrift_io::table::Column;
+use undrift_nav::units::Quantity;
+use undrift_noise::BiasModel;
+
+/// What is to be done with logs, and what is known of them; a log's own word goes before that of all.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Choice {
+    /// Cut the GNSS of drives; else navigate them.
+    pub outages: bool,
+    /// Bias models for drives.
+    pub bias_models: Vec<BiasModel>,
+    /// Where GNSS is cut.
+    pub plan: Plan,
+    /// Whether solutions are smoothed.
+    pub smooth: bool,
+    /// How records are read.
+    pub record: RecordSettings,
+    /// Noise model of the IMU instead of the drive file's.
+    pub model: Option<String>,
+    /// Folder of a drive's logs.
+    pub data: Option<String>,
+    /// Serial number; `{stem}`, `{folder}` and `{parent}` in it are the log's.
+    pub unit: Option<String>,
+    /// Temperature [°C].
+    pub temperature_c: Option<f64>,
+}
+
+impl Default for Choice {
+    fn default() -> Self {
+        Self {
+            outages: true,
+            bias_models: BiasModel::ALL.to_vec(),
+            plan: Plan::default(),
+            smooth: false,
+            record: RecordSettings {
+                n_max: 2,
+                ..RecordSettings::default()
+            },
+            model: None,
+            data: None,
+            unit: None,
+            temperature_c: None,
+        }
+    }
+}
+
+pub(super) fn read_choice(
+    section: &Section,
+    before: Choice,
+    unit: &str,
+) -> Result<Choice, ConfigError> {
+    let mut choice = before;
+    let tasks = [("outages", true), ("navigate", false)];
+    if let Some(outages) = section.word("task", &tasks)? {
+        choice.outages = outages;
+    }
+    let models = BiasModel::ALL.map(|model| (model.name(), model));
+    if let Some(models) = section.words("bias_models", &models)? {
+        choice.bias_models = models;
+    }
+    if let Some(smooth) = read_switch(section, "smooth")? {
+        choice.smooth = smooth;
+    }
+    for (key, slot, what) in [
+        ("model", &mut choice.model, "a preset or a model file"),
+        ("data", &mut choice.data, "a folder"),
+        ("unit", &mut choice.unit, unit),
+    ] {
+        match section.text(key)? {
+            Some("") => return Err(section.error(key, format!("is empty; give {what}"))),
+            Some(text) => *slot = Some(text.to_owned()),
+            None => {}
+        }
+    }
+    if let Some(text) = section.text("temperature")? {
+        let celsius = celsius(text).ok_or_else(|| {
+            section.error("temperature", "must be such as \"25 degC\" or \"298 K\"")
+        });
+        choice.temperature_c = Some(celsius?);
+    }
+    read_plan(&section.section("outages")?, &mut choice.plan)?;
+    read_record(&section.section("identify")?, &mut choice.record)?;
+    Ok(choice)
+}
+
+fn read_plan(section: &Section, plan: &mut Plan) -> Result<(), ConfigError> {
+    let time = |key, most: bool| match section.quantity(key, Quantity::Time)? {
+        Some(time) if time < 0.0 || (most && time == 0.0) => {
+            Err(section.error(key, "must be longer than that"))
+        }
+        time => Ok(time),
+    };
+    if let Some(length) = time("length", true)? {
+        plan.length_s = length;
+    }
+    if let Some(start) = time("start", false)? {
+        plan.start_s = start;
+    }
+    let (every, count) = (time("every", true)?, section.whole("count")?);
+    if count == Some(0) {
+        return Err(section.error("count", "must be 1 or more"));
+    }
+    if every.is_some() || count.is_some() {
+        plan.every_s = every;
+        plan.count = count.map(|n| usize::try_from(n).unwrap_or(usize::MAX));
+    }
+    section.only_known()
+}
+
+fn read_record(section: &Section, record: &mut RecordSettings) -> Result<(), ConfigError> {
+    if let Some(rate) = section.quantity("rate", Quantity::Frequency)? {
+        if rate <= 0.0 {
+            return Err(section.error("rate", "must be above 0 Hz"));
+        }
+        record.rate_hz = Some(rate);
+    }
+    match (section.columns("gyro")?, section.columns("accel")?) {
+        (Some(gyro), Some(accel)) => {
+            let name = |column: Column| match column {
+                Column::Name(name) => name,
+                Column::Number(number) => number.to_string(),
+            };
+            record.columns = gyro.into_iter().chain(accel).map(name).collect();
+        }
+        (None, None) => {}
+        _ => return Err(section.error("gyro", "give gyro and accel, or neither")),
+    }
+    match (section.text("gyro_unit")?, section.text("accel_unit")?) {
+        (Some(gyro), Some(accel)) => record.units = Some((gyro.into(), accel.into())),
+        (None, None) => {}
+        _ => return Err(section.error("gyro_unit", "give gyro_unit and accel_unit, or neither")),
+    }
+    if let Some(topic) = section.text("topic")? {
+        record.topic = Some(topic.to_owned());
+    }
+    let trends = [
+        ("constant", Trend::Constant),
+        ("linear", Trend::Linear),
+        ("temperature", Trend::Temperature),
+    ];
+    if let Some(trend) = section.word("detrend", &trends)? {
+        record.detrend = trend;
+    }
+    if let Some(n) = section.whole("n_max")? {
+        record.n_max = usize::try_from(n).unwrap_or(usize::MAX);
+    }
+    section.only_known()
+}
+
+/// Zero of the Celsius scale [K].
+pub(in crate::fleet) const ZERO_CELSIUS: f64 = 273.15;
+
+/// A temperature with its unit [°C].
+pub(super) fn celsius(text: &str) -> Option<f64> {
+    let text = text.trim().replace('\u{2212}', "-");
+    let (number, offset) = ["degC", "°C", "celsius", "C"]
+        .into_iter()
+        .find_map(|unit| Some((text.strip_suffix(unit)?, 0.0)))
+        .or_else(|| Some((text.strip_suffix('K')?, -ZERO_CELSIUS)))?;
+    let value: f64 = number.trim().parse().ok()?;
+    let celsius = value + offset;
+    (celsius.is_finite() && celsius >= -ZERO_CELSIUS).then_some(celsius)
+}

@@ -1,0 +1,164 @@
+//! What wrong fixes do to a solution: gross outliers, jumps, spoofing, wrong accuracies, a frozen
+//! receiver, wrong times and lever arms. Figures as in docs/faults.md. Tests on the public drive are
+//! skipped, and say so, where the data is missing.
+//!
+//! Random numbers are xoshiro256++ from the seeds given.
+
+mod estimates;
+mod outliers;
+mod receiver;
+mod sensors;
+
+use std::path::{Path, PathBuf};
+use undrift::{
+    drive::Drive,
+    io::ReadError,
+    nav::{
+        Vector3,
+        filter::Filter,
+        mechanisation::NavState,
+        sample::{GnssFix, ImuSample, Position},
+    },
+    navigate::settings,
+    noise::BiasModel,
+    outages::{self, Schedule},
+    reference::HORIZONTAL,
+    replay::{Measurement, Observer, ReplayError, Settings, Summary, replay},
+};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// A log in memory with its settings.
+struct Log {
+    imu: Vec<ImuSample>,
+    gnss: Vec<GnssFix>,
+    settings: Settings,
+}
+
+/// The real drive, if it is there.
+fn rtk_drive() -> Option<Log> {
+    let folder = root().join("../shared/data/rtk-drive");
+    if !folder.is_dir() {
+        println!("skipped: {} is missing", folder.display());
+        return None;
+    }
+    let drive = Drive::load(&root().join("examples/rtk-drive.toml"), Some(&folder)).unwrap();
+    let imu: Result<Vec<_>, ReadError> = drive.open_imu().unwrap().collect();
+    let gnss: Result<Vec<_>, ReadError> = drive.open_gnss().unwrap().collect();
+    Some(Log {
+        imu: imu.unwrap(),
+        gnss: gnss.unwrap(),
+        settings: settings(&drive, BiasModel::Arma).unwrap(),
+    })
+}
+
+#[derive(Default)]
+struct Track(Vec<NavState>);
+
+impl Observer for Track {
+    fn sample<const N: usize>(&mut self, filter: &Filter<N>) -> Result<(), ReplayError> {
+        self.0.push(*filter.nav());
+        Ok(())
+    }
+
+    fn fix<const N: usize>(&mut self, _: &Filter<N>, _: &GnssFix, _: bool) {}
+}
+
+fn navigate(log: &Log, gnss: &[GnssFix]) -> (Vec<NavState>, Summary) {
+    navigate_with(log, gnss, &log.settings)
+}
+
+fn navigate_with(log: &Log, gnss: &[GnssFix], settings: &Settings) -> (Vec<NavState>, Summary) {
+    let mut track = Track::default();
+    let imu = log.imu.iter().copied().map(Ok);
+    let aiding = gnss.iter().copied().map(Measurement::Gnss).map(Ok);
+    let summary = replay(imu, aiding, settings, &mut track).unwrap();
+    (track.0, summary)
+}
+
+/// RMS over 10 s outages, every 30 s from `start` seconds after the first fix, of the largest horizontal error
+/// against the fixes of `reference`, the filter being shown `gnss`.
+fn drift_from(
+    start: f64,
+    log: &Log,
+    gnss: &[GnssFix],
+    settings: &Settings,
+    reference: &[GnssFix],
+) -> f64 {
+    let plan = Schedule::Every {
+        start,
+        every: 30.0,
+        count: Some(16),
+    };
+    let (first, last) = (reference[0].time, reference[reference.len() - 1].time);
+    let cuts = outages::schedule(&plan, 10.0, first, last).unwrap();
+    // What is withheld serves as the reference, so it is to be the clean one.
+    let shown: Vec<GnssFix> = gnss
+        .iter()
+        .zip(reference)
+        .map(|(shown, clean)| {
+            let withheld = cuts.iter().any(|cut| cut.contains(clean.time));
+            if withheld { *clean } else { *shown }
+        })
+        .collect();
+    let settings = Settings {
+        outages: cuts,
+        ..settings.clone()
+    };
+    let results = outages::run(&log.imu, &shown, &[], &[("arma".into(), settings)]);
+    results[0].1.as_ref().unwrap().errors.rms.0[HORIZONTAL]
+}
+
+/// As the project's figures for the real drive: from 40 s on.
+fn drift(log: &Log, gnss: &[GnssFix], settings: &Settings, reference: &[GnssFix]) -> f64 {
+    drift_from(40.0, log, gnss, settings, reference)
+}
+
+/// Largest horizontal distance [m] and angle of roll, pitch, yaw [deg] between two tracks, at the
+/// instants both have from `from` on, and the root mean square of the distance.
+fn apart(a: &[NavState], b: &[NavState], from: f64) -> (f64, f64, f64) {
+    let (mut distance, mut angle, mut square, mut n) = (0.0f64, 0.0f64, 0.0, 0.0);
+    let mut others = b.iter().peekable();
+    for x in a.iter().filter(|x| x.time >= from) {
+        while others.next_if(|y| y.time < x.time - 1e-6).is_some() {}
+        let Some(y) = others.peek().filter(|y| y.time < x.time + 1e-6) else {
+            continue;
+        };
+        let d = x.position.offset_to(&y.position).xy().norm();
+        distance = distance.max(d);
+        angle = angle.max((x.q_nb.inverse() * y.q_nb).angle().to_degrees());
+        square += d * d;
+        n += 1.0;
+    }
+    (distance, angle, f64::sqrt(square / n))
+}
+
+fn moved(fix: &GnssFix, by: Vector3) -> GnssFix {
+    let mut fix = *fix;
+    if let Some((position, _)) = &mut fix.position {
+        *position = match position {
+            Position::Geodetic(place) => Position::Geodetic(place.displaced(&by)),
+            Position::Baseline { base, ned } => Position::Baseline {
+                base: *base,
+                ned: *ned + by,
+            },
+        };
+    }
+    fix
+}
+
+fn hurried(fix: &GnssFix, by: Vector3) -> GnssFix {
+    let mut fix = *fix;
+    if let Some((velocity, _)) = &mut fix.velocity {
+        *velocity += by;
+    }
+    fix
+}
+
+/// Index of the first fix at or after `time` seconds from the first.
+fn at(gnss: &[GnssFix], time: f64) -> usize {
+    let start = gnss[0].time;
+    gnss.iter().position(|f| f.time >= start + time).unwrap()
+}
