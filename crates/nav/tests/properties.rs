@@ -1,5 +1,7 @@
 //! What must hold for any numbers: shaping filters of every order, places, attitudes, units.
 
+use core::f64::consts::PI;
+
 use nalgebra::{SMatrix, SVector, Vector3};
 use proptest::prelude::*;
 use undrift_nav::{
@@ -231,7 +233,7 @@ proptest! {
     #[test]
     fn angles_wrap_to_one_turn(angle in -1e6..1e6f64) {
         let wrapped = wrap_pi(angle);
-        prop_assert!(wrapped > -std::f64::consts::PI && wrapped <= std::f64::consts::PI);
+        prop_assert!(wrapped > -PI && wrapped <= PI);
         // Rounding of the angle itself.
         prop_assert!((wrapped.sin() - angle.sin()).abs() < 1e-9 && (wrapped.cos() - angle.cos()).abs() < 1e-9);
         prop_assert_eq!(wrap_pi(wrapped), wrapped);
@@ -239,7 +241,7 @@ proptest! {
 
     #[test]
     fn euler_angles_survive_the_quaternion(
-        roll in -3.14..3.14f64, pitch in -1.5..1.5f64, yaw in -3.14..3.14f64,
+        roll in -PI..PI, pitch in -1.5..1.5f64, yaw in -PI..PI,
     ) {
         let rpy = Vector3::new(roll, pitch, yaw);
         // The arcsine at 1.5 rad loses 1/cos.
@@ -270,7 +272,7 @@ proptest! {
 
 /// Every quantity with units of it, and their factor to SI.
 const UNITS: [(Quantity, &[(&str, f64)]); 8] = {
-    const DEG: f64 = std::f64::consts::PI / 180.0;
+    const DEG: f64 = PI / 180.0;
     const G: f64 = 9.80665;
     [
         (
