@@ -89,7 +89,10 @@ proptest! {
         let of = |x: &[f64]| {
             log_likelihood(x, &walking, &theta, Mean::Estimated, true).unwrap().log_likelihood
         };
-        prop_assert!(close(of(&holed), of(&reversed(&holed))), "{} {}", of(&holed), of(&reversed(&holed)));
+        // A second root near 1 can hardly be told from the level: P grows with the square of 1 − Σφ.
+        let apart = (1.0 - phi.iter().sum::<f64>()).min(1.0);
+        let (there, back) = (of(&holed), of(&reversed(&holed)));
+        prop_assert!((there - back).abs() < 1e-8 * there.abs().max(1.0) / apart.powi(2), "{there} {back}");
     }
 
     #[test]
@@ -108,11 +111,11 @@ proptest! {
     fn partial_autocorrelations_of_an_autoregression_are_those_that_made_it(kappa in partials(6)) {
         let filter = ShapingFilter::ar(&polynomial(&kappa), 0.3, 0.01).unwrap();
         let found = durbin_levinson(&lags(&filter, 10));
-        // 1 − κ² of each order divides the rounding of the one before.
-        let lost: f64 = kappa.iter().map(|k| 1.0 / (1.0 - k * k)).product();
+        // The condition of Durbin's recursion, Cybenko 1980.
+        let lost: f64 = kappa.iter().map(|k| (1.0 + k.abs()) / (1.0 - k.abs())).product();
         for k in 1..10 {
             let exact = kappa.get(k - 1).copied().unwrap_or(0.0);
-            prop_assert!((found[k] - exact).abs() < 1e-13 * lost, "lag {k}: {} {exact}", found[k]);
+            prop_assert!((found[k] - exact).abs() < 1e-14 * lost, "lag {k}: {} {exact}", found[k]);
         }
     }
 
