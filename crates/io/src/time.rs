@@ -360,6 +360,21 @@ mod tests {
         }
     }
 
+    proptest::proptest! {
+        #[test]
+        fn any_gps_time_survives_its_date(week in 0u32..9_000, milli in 0i64..604_800_000) {
+            let seconds = milli as f64 / 1e3;
+            let there = utc(week, seconds).unwrap();
+            let ([year, month, day], [hour, minute, rest]) = (there.date(), there.hms());
+            let of_day = (hour * 3600 + minute * 60) as f64 + rest as f64 / 1e3;
+            let mut weeks = WeekClock::default();
+            // The clock starts at the week before.
+            weeks.gps(i64::from(week) * 7 - 7, 0.0);
+            let back = weeks.utc(year, month, day, of_day).unwrap() - WEEK;
+            proptest::prop_assert!((back - seconds).abs() < 1e-6, "{there:?}: {back} {seconds}");
+        }
+    }
+
     #[test]
     fn what_is_no_time() {
         for (first, second) in [
