@@ -195,11 +195,18 @@ fn date(field: &[u8]) -> Option<i64> {
     day_of(year, month, day)
 }
 
-/// Days from the GPS epoch to a date.
+/// Days from the GPS epoch to a date; `None` for a day that its month does not have.
 fn day_of(year: i64, month: i64, day: i64) -> Option<i64> {
     let plausible = (1980..2200).contains(&year) && (1..=12).contains(&month);
-    (plausible && (1..=31).contains(&day))
-        .then(|| days_of_civil(year, month, day) - days_of_civil(1980, 1, 6))
+    if !plausible || !(1..=31).contains(&day) {
+        return None;
+    }
+    let found = days_of_civil(year, month, day) - days_of_civil(1980, 1, 6);
+    let same = Utc {
+        day: found,
+        milli: 0,
+    };
+    (same.date() == [year, month, day]).then_some(found)
 }
 
 /// Seconds of day of `hh:mm:ss.sss`; the second may be 60.
@@ -358,6 +365,10 @@ mod tests {
             let [year, month, of_month] = Utc { day, milli: 0 }.date();
             assert_eq!(day_of(year, month, of_month), Some(day));
         }
+        for (year, month, day) in [(2025, 2, 29), (2100, 2, 29), (2025, 2, 31), (2025, 4, 31)] {
+            assert_eq!(day_of(year, month, day), None, "{year}-{month}-{day}");
+        }
+        assert!(day_of(2024, 2, 29).is_some() && day_of(2000, 2, 29).is_some());
     }
 
     proptest::proptest! {
