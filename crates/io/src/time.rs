@@ -195,11 +195,18 @@ fn date(field: &[u8]) -> Option<i64> {
     day_of(year, month, day)
 }
 
-/// Days from the GPS epoch to a date.
+/// Days from the GPS epoch to a date; `None` for a day that its month does not have.
 fn day_of(year: i64, month: i64, day: i64) -> Option<i64> {
     let plausible = (1980..2200).contains(&year) && (1..=12).contains(&month);
-    (plausible && (1..=31).contains(&day))
-        .then(|| days_of_civil(year, month, day) - days_of_civil(1980, 1, 6))
+    if !plausible || !(1..=31).contains(&day) {
+        return None;
+    }
+    let found = days_of_civil(year, month, day) - days_of_civil(1980, 1, 6);
+    let same = Utc {
+        day: found,
+        milli: 0,
+    };
+    (same.date() == [year, month, day]).then_some(found)
 }
 
 /// Seconds of day of `hh:mm:ss.sss`; the second may be 60.
@@ -357,6 +364,25 @@ mod tests {
         for day in 0..80_000 {
             let [year, month, of_month] = Utc { day, milli: 0 }.date();
             assert_eq!(day_of(year, month, of_month), Some(day));
+        }
+        for (year, month, day) in [(2025, 2, 29), (2100, 2, 29), (2025, 2, 31), (2025, 4, 31)] {
+            assert_eq!(day_of(year, month, day), None, "{year}-{month}-{day}");
+        }
+        assert!(day_of(2024, 2, 29).is_some() && day_of(2000, 2, 29).is_some());
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn any_gps_time_survives_its_date(week in 0u32..9_000, milli in 0i64..604_800_000) {
+            let seconds = milli as f64 / 1e3;
+            let there = utc(week, seconds).unwrap();
+            let ([year, month, day], [hour, minute, rest]) = (there.date(), there.hms());
+            let of_day = (hour * 3600 + minute * 60) as f64 + rest as f64 / 1e3;
+            let mut weeks = WeekClock::default();
+            // The clock starts at the week before.
+            weeks.gps(i64::from(week) * 7 - 7, 0.0);
+            let back = weeks.utc(year, month, day, of_day).unwrap() - WEEK;
+            proptest::prop_assert!((back - seconds).abs() < 1e-6, "{there:?}: {back} {seconds}");
         }
     }
 

@@ -36,7 +36,8 @@ pub struct Increments {
 }
 
 impl Increments {
-    /// From the raw increments of this interval and those of the one before (`None` at the start).
+    /// From the raw increments of this interval, `dt` [s], `dtheta` [rad] and `dvel` [m/s] in body axes, and
+    /// those of the one before (`None` at the start: no coning and sculling).
     ///
     /// With angular rate and specific force linear in time over both intervals, lengths t₁ and t₂,
     /// coning is `c Δθ₁ × Δθ₂` and sculling `c (Δθ₁ × Δv₂ + Δv₁ × Δθ₂)` with

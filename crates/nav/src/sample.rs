@@ -63,7 +63,7 @@ pub enum FixQuality {
 pub struct Scalar {
     /// Time [s], in the same base as the inertial samples.
     pub time: f64,
-    /// The number.
+    /// The number: speed [m/s] of an odometer, height [m] of a barometer.
     pub value: f64,
     /// Its standard deviation, in the same unit.
     pub std: f64,

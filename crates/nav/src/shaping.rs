@@ -113,7 +113,10 @@ fn not_negative(value: f64, what: &'static str) -> Result<f64, ShapingError> {
 }
 
 impl ShapingFilter {
-    /// No error at all: order 0, no noise.
+    /// No error at all: order 0, no noise. `interval` T [s].
+    ///
+    /// # Errors
+    /// [`ShapingError::BadParameter`] for an interval that is not positive and finite.
     pub fn none(interval: f64) -> Result<Self, ShapingError> {
         if !(interval.is_finite() && interval > 0.0) {
             return Err(ShapingError::BadParameter("the sample interval"));
@@ -142,6 +145,9 @@ impl ShapingFilter {
 
     /// White noise of density `density` [unit/√Hz = unit·√s], the angle or velocity
     /// random walk N: variance N²/T a sample, no state. IEEE Std 952, annex C.
+    ///
+    /// # Errors
+    /// [`ShapingError::BadParameter`] for a density that is negative or not finite, or such an interval [s].
     pub fn white(density: f64, interval: f64) -> Result<Self, ShapingError> {
         let mut filter = Self::none(interval)?;
         let density = not_negative(density, "the white noise density")?;
@@ -150,12 +156,18 @@ impl ShapingFilter {
     }
 
     /// A turn-on constant with standard deviation `sigma` [unit].
+    ///
+    /// # Errors
+    /// As [`ShapingFilter::white`], of `sigma`.
     pub fn constant(sigma: f64, interval: f64) -> Result<Self, ShapingError> {
         let sigma = not_negative(sigma, "the turn-on bias")?;
         Self::single_state(1.0, 0.0, sigma * sigma, interval)
     }
 
     /// Random walk of the bias with coefficient K `[unit/√s]`, starting at zero. IEEE Std 952, annex C.
+    ///
+    /// # Errors
+    /// As [`ShapingFilter::white`], of `k`.
     pub fn random_walk(k: f64, interval: f64) -> Result<Self, ShapingError> {
         let k = not_negative(k, "the random walk coefficient")?;
         Self::single_state(1.0, k * k * interval, 0.0, interval)
@@ -163,6 +175,9 @@ impl ShapingFilter {
 
     /// First-order Gauss-Markov process with standard deviation `sigma` [unit] and correlation time
     /// `tau` [s], stationary. Groves section 14.2.6.
+    ///
+    /// # Errors
+    /// As [`ShapingFilter::white`], of `sigma`; for a `tau` that is not positive and finite too.
     pub fn gauss_markov(sigma: f64, tau: f64, interval: f64) -> Result<Self, ShapingError> {
         let sigma = not_negative(sigma, "the Gauss-Markov standard deviation")?;
         if !(tau > 0.0 && tau.is_finite()) {
@@ -175,6 +190,9 @@ impl ShapingFilter {
     }
 
     /// AR(p): `x_t − φ1 x_{t−1} − … = a_t`, `a_t ~ N(0, sigma²)` [unit].
+    ///
+    /// # Errors
+    /// As [`ShapingFilter::arma`].
     pub fn ar(phi: &[f64], sigma: f64, interval: f64) -> Result<Self, ShapingError> {
         Self::arma(phi, &[], sigma, interval)
     }
@@ -185,6 +203,11 @@ impl ShapingFilter {
     /// F is the companion matrix of φ (first column φ, ones above the diagonal),
     /// `G_i = (φ_i − θ_i) σ`, `H = [1 0 …]`, `D = σ`. One root of φ may be exactly 1: the random
     /// walk it makes starts at zero, the rest stationary.
+    ///
+    /// # Errors
+    /// [`ShapingError::BadParameter`] for a number that is not finite, a negative `sigma` or an interval that
+    /// is not positive; [`ShapingError::TooManyStates`]; [`ShapingError::Unstable`] for a root of φ outside
+    /// the unit circle, or more than the one at 1 on it.
     pub fn arma(
         phi: &[f64],
         theta: &[f64],
@@ -283,6 +306,9 @@ impl ShapingFilter {
 
     /// The sum of two independent errors. A random walk and a constant (or two of either) share
     /// one state, since their sum is again a random walk.
+    ///
+    /// # Errors
+    /// [`ShapingError::IntervalsDiffer`]; [`ShapingError::TooManyStates`] where both do not fit one axis.
     pub fn plus(&self, other: &Self) -> Result<Self, ShapingError> {
         if self.interval != other.interval {
             return Err(ShapingError::IntervalsDiffer);

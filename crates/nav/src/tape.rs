@@ -26,9 +26,9 @@ use nalgebra::{SMatrix, SVector};
 pub struct Tape<const N: usize> {
     /// T, by rows.
     t: [[f64; N]; N],
-    /// a.
+    /// a, the part of λ that the span's measurements bring.
     pub gradient: SVector<f64, N>,
-    /// A.
+    /// A, the part of Λ that the span's measurements bring; symmetric.
     pub information: SMatrix<f64, N, N>,
 }
 
@@ -47,7 +47,7 @@ impl<const N: usize> Default for Tape<N> {
 }
 
 impl<const N: usize> Tape<N> {
-    /// T.
+    /// T, from an error at the start of the span to what is left of it at the end.
     pub fn transition(&self) -> SMatrix<f64, N, N> {
         SMatrix::from_fn(|i, j| self.t[i][j])
     }

@@ -212,6 +212,9 @@ impl fmt::Display for UnitError {
 impl core::error::Error for UnitError {}
 
 /// The factor that turns a number in `unit` into SI and radians, e.g. π/180 for `"deg/s"`.
+///
+/// # Errors
+/// No unit where the quantity has one, a unit that cannot be read, or one of another dimension.
 pub fn unit_factor(unit: &str, quantity: Quantity) -> Result<f64, UnitError> {
     let error = |kind| UnitError {
         expected: quantity,
@@ -236,6 +239,9 @@ pub fn unit_factor(unit: &str, quantity: Quantity) -> Result<f64, UnitError> {
 }
 
 /// A number with its unit, in SI and radians: `parse("25 deg/h", Quantity::AngularRate)` is 1.2e-4.
+///
+/// # Errors
+/// No finite number at the start, or as [`unit_factor`].
 pub fn parse(text: &str, quantity: Quantity) -> Result<f64, UnitError> {
     let error = |kind| UnitError {
         expected: quantity,

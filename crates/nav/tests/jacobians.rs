@@ -16,7 +16,7 @@ use undrift_nav::{
 };
 
 const JOINT: usize = NAV + AXES;
-type Dense = SMatrix<f64, 45, 45>;
+type Dense = SMatrix<f64, 60, 60>;
 
 fn vector(scale: f64) -> impl Strategy<Value = V3> {
     prop::array::uniform3(-scale..scale).prop_map(V3::from)
@@ -62,8 +62,8 @@ const NUDGE: [f64; 5] = [10.0, 0.01, 1e-4, 1e-3, 1e-2];
 
 fn sensors(orders: [usize; AXES]) -> Sensors {
     Sensors::new(orders.map(|order| {
-        let phi = [0.95, -0.2, 0.1];
-        let theta = [0.5, 0.1];
+        let phi = [0.95, -0.2, 0.1, 0.05, -0.04, 0.02];
+        let theta = [0.5, 0.1, -0.2, 0.1, 0.05];
         match order {
             0 => ShapingFilter::white(1e-3, 0.01).unwrap(),
             n => ShapingFilter::arma(&phi[..n], &theta[..n - 1], 2e-2, 0.01).unwrap(),
@@ -132,11 +132,11 @@ proptest! {
 
     #[test]
     fn structured_step_is_the_dense_step(
-        truth in state(), inc in increments(), orders in prop::array::uniform6(0usize..=3),
-        seed in prop::collection::vec(-1.0..1.0f64, 45 * 45), last in any::<bool>(),
+        truth in state(), inc in increments(), orders in prop::array::uniform6(0usize..=6),
+        seed in prop::collection::vec(-1.0..1.0f64, 60 * 60), last in any::<bool>(),
         wanted in prop::array::uniform4(any::<bool>()),
     ) {
-        const N: usize = 45;
+        const N: usize = 60;
         let sensors = sensors(orders);
         let mut parameters = Parameters::none();
         for (kind, wanted) in [Parameter::GyroScale, Parameter::AccelScale, Parameter::GyroMisalignment, Parameter::LeverArm].into_iter().zip(wanted) {

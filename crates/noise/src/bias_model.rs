@@ -177,6 +177,11 @@ impl Slow {
 
 impl AxisModel {
     /// The shaping filter of this axis [rad/s or m/s²] at the sample interval [s].
+    ///
+    /// # Errors
+    /// [`ModelError::Missing`] where the axis lacks what `model` is made of, [`ModelError::Shaping`] where
+    /// that makes no filter: an interval or term that is none, more states than fit, an ARMA that does not
+    /// exist at this interval.
     pub fn shaping(&self, model: BiasModel, interval: f64) -> Result<ShapingFilter, ModelError> {
         self.make(model, interval)
             .map_err(|failure| named(failure, model, None))

@@ -31,7 +31,8 @@ const BLOCK: usize = 2048;
 
 /// Autocovariances γ_0 … γ_lags [unit²], about the mean, divisor n.
 ///
-/// Errors: fewer than lags + 1 samples (2 at least), not finite, constant.
+/// # Errors
+/// Fewer than lags + 1 samples (2 at least), a sample that is not finite, a constant record.
 pub fn autocovariance(x: &[f64], lags: usize) -> Result<Vec<f64>, RecordError> {
     let (mean, squares) = check_varying(x, lags.saturating_add(1).max(2))?;
     let mut products = if lags < FFT_FROM {
@@ -47,7 +48,8 @@ pub fn autocovariance(x: &[f64], lags: usize) -> Result<Vec<f64>, RecordError> {
 
 /// Autocorrelations ρ_0 = 1 … ρ_lags.
 ///
-/// Errors: as [`autocovariance`].
+/// # Errors
+/// As [`autocovariance`].
 pub fn autocorrelation(x: &[f64], lags: usize) -> Result<Vec<f64>, RecordError> {
     let mut values = autocovariance(x, lags)?;
     let variance = values[0];

@@ -220,6 +220,10 @@ fn axis_prefix(axis: Option<&'static str>) -> String {
 
 impl ImuModel {
     /// Reads a model file's text; `file` is what messages call it.
+    ///
+    /// # Errors
+    /// [`ModelError::Syntax`] where the text is no TOML; [`ModelError::Entry`] for a key that is missing or
+    /// unknown, a value without its unit or out of its range, an unknown preset, another version.
     pub fn from_toml(text: &str, file: &str) -> Result<Self, ModelError> {
         read::from_text(text, file)
     }
@@ -227,11 +231,17 @@ impl ImuModel {
     /// Reads a model from a table of another file, e.g. an inline `model = { … }`, where `format`
     /// and `version` may be left out. `file` and the dotted key `path` of the table are for
     /// messages; see [`ImuModel::from_spanned`] for messages with a line.
+    ///
+    /// # Errors
+    /// [`ModelError::Entry`] as [`ImuModel::from_toml`].
     pub fn from_table(table: &toml::Table, file: &str, path: &str) -> Result<Self, ModelError> {
         read::from_plain(table, file, path)
     }
 
     /// As [`ImuModel::from_table`], from a table that knows its place in `text`.
+    ///
+    /// # Errors
+    /// [`ModelError::Entry`] as [`ImuModel::from_toml`], with the line in `text`.
     pub fn from_spanned(
         table: &toml::de::DeTable<'_>,
         text: &str,
@@ -242,6 +252,9 @@ impl ImuModel {
     }
 
     /// Reads a model file.
+    ///
+    /// # Errors
+    /// [`ModelError::Read`] where the file cannot be read or is no UTF-8, else as [`ImuModel::from_toml`].
     pub fn load(path: &Path) -> Result<Self, ModelError> {
         let file = path.display().to_string();
         match std::fs::read_to_string(path) {
@@ -255,6 +268,9 @@ impl ImuModel {
     }
 
     /// The preset of that name, or the model file at that path relative to `base`.
+    ///
+    /// # Errors
+    /// As [`ImuModel::load`]; where there is no such file, the message names the presets.
     pub fn resolve(name_or_path: &str, base: &Path) -> Result<Self, ModelError> {
         if let Some(model) = Self::preset(name_or_path) {
             return Ok(model);

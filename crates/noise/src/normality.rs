@@ -68,7 +68,8 @@ pub struct JarqueBera {
 
 /// Jarque-Bera test alone; O(N) time, no memory.
 ///
-/// Errors: fewer than 5 samples, not finite, constant.
+/// # Errors
+/// Fewer than 5 samples, a sample that is not finite, a constant record.
 pub fn jarque_bera(x: &[f64]) -> Result<JarqueBera, RecordError> {
     let (mean, squares) = check_varying(x, 5)?;
     Ok(jarque_bera_about(x, mean, squares))
@@ -92,7 +93,8 @@ fn jarque_bera_about(x: &[f64], mean: f64, squares: f64) -> JarqueBera {
 
 /// Moments, tests and quantisation step of a record; O(N log N) time, one sorted copy.
 ///
-/// Errors: fewer than 5 samples, not finite, constant.
+/// # Errors
+/// Fewer than 5 samples, a sample that is not finite, a constant record.
 pub fn normality(x: &[f64]) -> Result<Normality, RecordError> {
     let (mean, squares) = check_varying(x, 5)?;
     let test = jarque_bera_about(x, mean, squares);

@@ -74,3 +74,88 @@ pub(crate) fn diagonal(values: &[f64]) -> Vec<f64> {
     }
     matrix
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
+
+    fn dot(a: &[f64], b: &[f64]) -> f64 {
+        a.iter().zip(b).map(|(a, b)| a * b).sum()
+    }
+
+    /// A Hessian with eigenvalues from 0.2, and a gradient at zero.
+    fn quadratic() -> impl Strategy<Value = (Vec<f64>, Vec<f64>)> {
+        (1usize..6).prop_flat_map(|n| {
+            let number = || -1.0..1.0f64;
+            let hessian = prop::collection::vec(number(), n * n).prop_map(move |root| {
+                let row = |i: usize| &root[i * n..(i + 1) * n];
+                let entry = |i, j| dot(row(i), row(j)) + 0.2 * f64::from(u8::from(i == j));
+                (0..n * n).map(|k| entry(k / n, k % n)).collect()
+            });
+            (hessian, prop::collection::vec(number(), n))
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig {
+            rng_seed: RngSeed::Fixed(1), failure_persistence: None, ..ProptestConfig::default()
+        })]
+
+        /// Nocedal & Wright 2006, theorem 6.4: with exact line searches, n steps to the minimum of a
+        /// quadratic of n variables, and then the inverse Hessian is known.
+        #[test]
+        fn a_quadratic_is_done_in_as_many_steps_as_it_has_variables((hessian, start) in quadratic()) {
+            let n = start.len();
+            let mut inverse = diagonal(&vec![1.0; n]);
+            let mut gradient = start.clone();
+            let mut steps = 0;
+            while dot(&gradient, &gradient).sqrt() > 1e-10 && steps < n {
+                let direction: Vec<f64> = product(&inverse, &gradient).iter().map(|v| -v).collect();
+                let turned = product(&hessian, &direction);
+                let slope = dot(&gradient, &direction);
+                prop_assert!(slope < 0.0);
+                let t = -slope / dot(&direction, &turned);
+                let s: Vec<f64> = direction.iter().map(|v| t * v).collect();
+                let y: Vec<f64> = turned.iter().map(|v| t * v).collect();
+                update(&mut inverse, &s, &y, false);
+                // The secant condition.
+                for (a, b) in product(&inverse, &y).iter().zip(&s) {
+                    prop_assert!((a - b).abs() < 1e-9 * dot(&s, &s).sqrt().max(1e-3), "{a} {b}");
+                }
+                gradient.iter_mut().zip(&y).for_each(|(g, y)| *g += y);
+                steps += 1;
+            }
+            // Rounding over the least eigenvalue, a few steps long.
+            prop_assert!(dot(&gradient, &gradient).sqrt() < 1e-8, "{gradient:?}");
+            if steps == n {
+                for i in 0..n {
+                    let column: Vec<f64> = (0..n).map(|k| hessian[k * n + i]).collect();
+                    for (j, value) in product(&inverse, &column).iter().enumerate() {
+                        prop_assert!((value - f64::from(u8::from(i == j))).abs() < 1e-6, "{inverse:?}");
+                    }
+                }
+            }
+        }
+
+        #[test]
+        fn backtracking_ends_lower((hessian, start) in quadratic(), longest in 0.1..100.0f64) {
+            let direction: Vec<f64> = start.iter().map(|v| -v).collect();
+            let (slope, turned) = (-dot(&start, &start), dot(&direction, &product(&hessian, &direction)));
+            prop_assume!(slope < -1e-12);
+            let mut last = 0.0;
+            let found = backtrack(
+                |t| {
+                    last = t;
+                    7.0 + slope * t + 0.5 * turned * t * t
+                },
+                7.0,
+                slope,
+                longest,
+            );
+            prop_assert!(last > 0.0 && last <= longest);
+            prop_assert!(found <= 7.0 + SUFFICIENT * last * slope, "{found} at {last}");
+        }
+    }
+}

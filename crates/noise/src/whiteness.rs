@@ -34,7 +34,8 @@ pub struct Portmanteau {
 /// The tests at each number of lags in `lags`, all from one set of autocorrelations. `fitted` is the
 /// number of ARMA parameters (p + q) if `x` are a model's residuals, 0 for a record.
 ///
-/// Errors: as [`autocorrelation`] with the largest number of lags.
+/// # Errors
+/// As [`autocorrelation`] with the largest number of lags.
 pub fn portmanteau(
     x: &[f64],
     lags: &[usize],

@@ -10,7 +10,8 @@ pub type Record<'py> = PyReadonlyArray1<'py, f64>;
 
 /// The samples of a record.
 ///
-/// Errors: samples that do not lie one after the other.
+/// # Errors
+/// Samples that do not lie one after the other.
 pub fn samples<'a>(record: &'a Record<'_>) -> PyResult<&'a [f64]> {
     record
         .as_slice()

@@ -164,6 +164,9 @@ impl Aligner {
     }
 
     /// Takes a fix; the filter, if it completes the alignment.
+    ///
+    /// # Errors
+    /// [`ReplayError::Filter`] where the alignment is complete and the filter cannot be built.
     pub fn fix<const N: usize>(
         &mut self,
         fix: &GnssFix,

@@ -68,6 +68,10 @@ pub enum DemoError {
 }
 
 /// Simulates the drive and runs all bias models through its outages.
+///
+/// # Errors
+/// [`DemoError`]: the sensors' model makes no filter, nothing could be simulated, or an axis could not be
+/// identified.
 pub fn run(seed: u64, models: Models) -> Result<Demo, DemoError> {
     run_told(seed, models, |_, _, _| {})
 }
@@ -82,6 +86,9 @@ pub enum Stage {
 }
 
 /// As [`run`]; `done` is told the stage, how much more of it is done, and how much it is in all.
+///
+/// # Errors
+/// As [`run`].
 pub fn run_told(
     seed: u64,
     models: Models,

@@ -159,6 +159,9 @@ pub enum DriveError {
 impl Drive {
     /// Reads `DRIVE.toml`. File names in it are relative to `data` or, without it, to its own
     /// folder; a model file always to its own folder.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or as [`Drive::from_toml`].
     pub fn load(path: &Path, data: Option<&Path>) -> Result<Self, DriveError> {
         let (text, file) = read_text(path)?;
         let home = path.parent().unwrap_or(Path::new(""));
@@ -167,6 +170,11 @@ impl Drive {
 
     /// Reads the text of a `DRIVE.toml`; `file` is what messages call it, `home` where a model file
     /// lies, `data` where the logs lie.
+    ///
+    /// # Errors
+    /// [`DriveError::Config`] where the text is no TOML, or a key is missing, unknown or has a wrong value, with
+    /// its line; [`DriveError::Model`] for the model; [`DriveError::Read`] where a log has to be looked into
+    /// and cannot be read.
     pub fn from_toml(text: &str, file: &str, home: &Path, data: &Path) -> Result<Self, DriveError> {
         let table = parse(text, file)?;
         let top = Section::top(table.get_ref(), text, file);
@@ -237,6 +245,9 @@ impl Drive {
     }
 
     /// Opens the inertial log from its start.
+    ///
+    /// # Errors
+    /// If the file cannot be opened, is none of its format or lacks a column or stream.
     pub fn open_imu(&self) -> Result<ImuReader, ReadError> {
         let (path, format) = &self.imu;
         match self.memory.get(path) {
@@ -246,21 +257,33 @@ impl Drive {
     }
 
     /// Opens the GNSS log from its start.
+    ///
+    /// # Errors
+    /// As [`Drive::open_imu`].
     pub fn open_gnss(&self) -> Result<GnssReader, ReadError> {
         self.gnss.1.open(&self.gnss.0, &self.memory)
     }
 
     /// Opens the log of the wheel's speed from its start, if there is one.
+    ///
+    /// # Errors
+    /// As [`Drive::open_imu`].
     pub fn open_odometer(&self) -> Result<Option<ScalarReader>, ReadError> {
         open_scalar(&self.odometer, &self.memory)
     }
 
     /// Opens the log of barometric heights from its start, if there is one.
+    ///
+    /// # Errors
+    /// As [`Drive::open_imu`].
     pub fn open_barometer(&self) -> Result<Option<ScalarReader>, ReadError> {
         open_scalar(&self.barometer, &self.memory)
     }
 
     /// Opens the reference from its start, if there is one.
+    ///
+    /// # Errors
+    /// As [`Drive::open_imu`].
     pub fn open_truth(&self) -> Result<Option<TruthReader>, ReadError> {
         self.truth
             .as_ref()

@@ -110,6 +110,10 @@ pub const NODE_SPAN: f64 = 1.0;
 
 /// The filter's settings for a drive under one bias model of its IMU; for a drive whose mounting is
 /// to be estimated, [`mounting::resolve`] comes first, else the axes are the sensor's.
+///
+/// # Errors
+/// [`NavigateError::NoModel`] for a drive without a model; a model that makes no filter of this kind; an
+/// inertial log that cannot be read or is at another rate than stated.
 pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateError> {
     let model = drive.model.as_ref().ok_or(NavigateError::NoModel)?;
     let mut align = drive.align.clone();
@@ -146,6 +150,9 @@ pub struct Wanted {
 /// Navigates a drive; the solution at every sample goes to `output` as CSV, if there is one.
 ///
 /// As [`navigate_for`], without a recording.
+///
+/// # Errors
+/// As [`navigate_for`], or if `output` cannot be written.
 pub fn navigate(
     drive: &Drive,
     kind: BiasModel,
@@ -168,6 +175,10 @@ pub fn navigate(
 ///
 /// With `smooth`, the solution written and compared is the smoothed one: the filter's nodes go to a
 /// temporary file, and the log is read twice.
+///
+/// # Errors
+/// As [`settings`]; a log that cannot be read or ends before the alignment; a mounting that cannot be
+/// estimated; a file that cannot be written; a filter that cannot be built.
 pub fn navigate_for(
     drive: &Drive,
     kind: BiasModel,

@@ -129,6 +129,9 @@ pub enum GnssUse {
 /// Told of everything that happens, in order of time.
 pub trait Observer {
     /// A sample was processed, and every fix up to its end; the filter stands at the sample's end.
+    ///
+    /// # Errors
+    /// Its own; the replay ends with it.
     fn sample<const N: usize>(&mut self, filter: &Filter<N>) -> Result<(), ReplayError>;
     /// A fix was reached; the filter stands at its time, before any update with it.
     fn fix<const N: usize>(&mut self, filter: &Filter<N>, fix: &GnssFix, withheld: bool);
@@ -141,6 +144,9 @@ pub trait Observer {
     fn judged<const N: usize>(&mut self, _filter: &Filter<N>, _rest: bool) {}
     /// A node of a smoother: the filter after all that happened up to now, and the adjoint of what
     /// happened since the node before; `None` at the first one.
+    ///
+    /// # Errors
+    /// Its own; the replay ends with it.
     fn node<const N: usize>(
         &mut self,
         _filter: &Filter<N>,
@@ -168,6 +174,10 @@ pub enum ReplayError {
 }
 
 /// Navigates a log. The size of the filter follows the models.
+///
+/// # Errors
+/// A log that cannot be read, no alignment before its end, a filter that cannot be built, or what `observer`
+/// ends it with.
 pub fn replay(
     imu: impl Iterator<Item = Result<ImuSample, undrift_io::ReadError>>,
     aiding: impl Iterator<Item = Result<Measurement, undrift_io::ReadError>>,

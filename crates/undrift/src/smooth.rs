@@ -39,7 +39,7 @@ pub struct Node {
     pub estimates: Vec<f64>,
     /// Sensor errors, gyro x, y, z [rad/s], accelerometer x, y, z [m/s²].
     pub sensor_error: [f64; AXES],
-    /// Their standard deviations.
+    /// Their standard deviations [rad/s, m/s²].
     pub sensor_error_std: [f64; AXES],
     /// Angular rate against the navigation frame as the filter had it, body axes [rad/s].
     pub omega_nb_b: Vector3,

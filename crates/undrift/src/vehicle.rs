@@ -37,7 +37,7 @@ pub struct Constraints {
 pub struct NonHolonomic {
     /// Standard deviation of the velocity to the right [m/s] …
     pub right: f64,
-    /// … and down.
+    /// … and down [m/s].
     pub down: f64,
     /// Side slip: added to `right` for every m/s² of lateral acceleration [m/s per m/s²].
     pub slip: f64,

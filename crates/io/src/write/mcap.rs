@@ -68,7 +68,8 @@ impl McapWriter<PendingFile> {
 }
 
 impl<W: Write + Seek> McapWriter<W> {
-    /// Starts with the definitions. The messages are buffered here; `out` needs no buffer.
+    /// Starts with the definitions. The messages are buffered here; `out` needs no buffer. `start_unix_s` is
+    /// the Unix time [s] of the rows' time zero; without it the stamps are the rows' own times.
     ///
     /// # Errors
     /// If `out` does not take them, or the start is not finite.

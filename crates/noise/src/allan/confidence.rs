@@ -36,7 +36,8 @@ pub struct Interval {
 /// Two-sided intervals of the true deviation at each point, `level` their probability (0.683 for one
 /// sigma), with the noise type found at each τ.
 ///
-/// Errors: as [`noise_types`], or a level outside (0, 1).
+/// # Errors
+/// As [`noise_types`], or a level outside (0, 1).
 pub fn intervals(rates: &[f64], curve: &Curve, level: f64) -> Result<Vec<Interval>, RecordError> {
     let factors: Vec<usize> = curve.points.iter().map(|p| p.m).collect();
     intervals_of(curve, &noise_types(rates, &factors)?, level)
@@ -44,7 +45,8 @@ pub fn intervals(rates: &[f64], curve: &Curve, level: f64) -> Result<Vec<Interva
 
 /// As [`intervals`], with the noise type of each point given.
 ///
-/// Errors: a level outside (0, 1), or not one type a point.
+/// # Errors
+/// A level outside (0, 1), or not one type a point.
 pub fn intervals_of(
     curve: &Curve,
     alphas: &[i32],

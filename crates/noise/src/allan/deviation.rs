@@ -133,7 +133,8 @@ impl Grid {
 
 /// The averaging factors nearest to averaging times [s] at a sample rate [Hz], growing, each once.
 ///
-/// Errors: a time that is not positive, a rate that is not positive.
+/// # Errors
+/// A time that is not positive, a rate that is not positive.
 pub fn factors_of(taus_s: &[f64], rate_hz: f64) -> Result<Vec<usize>, RecordError> {
     check_rate(rate_hz)?;
     if !taus_s.iter().all(|tau| *tau > 0.0 && tau.is_finite()) {
@@ -161,7 +162,9 @@ fn check_rate(rate_hz: f64) -> Result<(), RecordError> {
 
 /// The deviation of `rates` sampled at `rate_hz` [Hz] at a grid of averaging times.
 ///
-/// Errors: too short for m = 1 (2 samples, 3 for Hadamard), not finite, a rate that is not positive.
+/// # Errors
+/// Too short for m = 1 (2 samples, 3 for Hadamard), a sample that is not finite,
+/// a rate that is not positive.
 pub fn deviations(
     rates: &[f64],
     rate_hz: f64,
@@ -178,6 +181,9 @@ pub fn deviations(
 
 /// As [`deviations`], at averaging factors `m` of the caller; those too large for the record or 0
 /// are left out.
+///
+/// # Errors
+/// As [`deviations`].
 pub fn deviations_at(
     rates: &[f64],
     rate_hz: f64,
@@ -227,7 +233,8 @@ pub fn deviations_at(
 
 /// Sums of squared differences of each factor, by the cheapest way there is.
 ///
-/// Errors: a sample that is not finite.
+/// # Errors
+/// A sample that is not finite.
 fn energies(rates: &[f64], kind: Kind, factors: &[usize]) -> Result<Vec<f64>, RecordError> {
     if kind == Kind::Overlapping && factors.iter().all(|m| m.is_power_of_two()) {
         let octave = |m: usize| m.trailing_zeros() as usize;

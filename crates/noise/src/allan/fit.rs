@@ -105,7 +105,8 @@ const SHAPES: [(i32, Shape); 5] = [
 /// Fits the terms to an overlapping Allan deviation, from the shortest τ on from which they describe
 /// it: below, a sensor's filter or resonance may add what none of the terms is.
 ///
-/// Errors: a curve that is not [`Kind::Overlapping`], or fewer than 3 points with a positive deviation.
+/// # Errors
+/// A curve that is not [`Kind::Overlapping`], or fewer than 3 points with a positive deviation.
 pub fn fit_terms(curve: &Curve) -> Result<Terms, RecordError> {
     described(curve, |from| {
         let terms = fit_terms_from(curve, from)?;
@@ -115,6 +116,9 @@ pub fn fit_terms(curve: &Curve) -> Result<Terms, RecordError> {
 
 /// As [`fit_terms`], from `shortest_s` [s] on. Quantisation shows at the shortest τ of a curve: where
 /// that is left out, so is the term.
+///
+/// # Errors
+/// As [`fit_terms`], of the points that are left.
 pub fn fit_terms_from(curve: &Curve, shortest_s: f64) -> Result<Terms, RecordError> {
     let mut points = points_for_fit(curve)?;
     points.retain(|p| p.tau_s >= shortest_s * (1.0 - 1e-9));

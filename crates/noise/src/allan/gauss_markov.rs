@@ -84,7 +84,8 @@ pub struct GaussMarkovFit {
 /// non-negative weighted least squares at each; from the shortest τ on from which they describe the
 /// curve: below, a sensor's filter or resonance may add what neither term is.
 ///
-/// Errors: a curve that is not [`Kind::Overlapping`], or fewer than 5 usable points.
+/// # Errors
+/// A curve that is not [`Kind::Overlapping`], or fewer than 5 usable points.
 pub fn fit_gauss_markov(curve: &Curve) -> Result<GaussMarkovFit, RecordError> {
     described(curve, |from| {
         let fit = fit_gauss_markov_from(curve, from)?;
@@ -93,6 +94,9 @@ pub fn fit_gauss_markov(curve: &Curve) -> Result<GaussMarkovFit, RecordError> {
 }
 
 /// As [`fit_gauss_markov`], from `shortest_s` [s] on; quantisation only where that leaves out no τ.
+///
+/// # Errors
+/// As [`fit_gauss_markov`], of the points that are left.
 pub fn fit_gauss_markov_from(
     curve: &Curve,
     shortest_s: f64,

@@ -15,7 +15,8 @@ const LEFT: f64 = 1e-6;
 /// Noise type at each averaging factor, from the lag-1 autocorrelation of the averages (differenced
 /// until it looks stationary). Where fewer than 30 averages are left, the last type found goes on.
 ///
-/// Errors: fewer than 3 samples, not finite.
+/// # Errors
+/// Fewer than 3 samples, a sample that is not finite.
 pub fn noise_types(rates: &[f64], factors: &[usize]) -> Result<Vec<i32>, RecordError> {
     check(rates, 3)?;
     let growing = factors.windows(2).all(|pair| pair[0] <= pair[1]);

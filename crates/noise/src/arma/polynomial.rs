@@ -147,6 +147,8 @@ pub(super) fn inverse_roots(c: &[f64]) -> Vec<Complex> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::{ProptestConfig, prop_assert, prop_assert_eq};
+    use proptest::test_runner::RngSeed;
 
     #[test]
     fn partial_autocorrelations_go_both_ways() {
@@ -178,5 +180,66 @@ mod tests {
             assert!(distance(*root, exact) < 1e-12, "{root:?}");
         }
         assert_eq!(inverse_roots(&[0.0, 0.0]), [(0.0, 0.0); 2]);
+    }
+
+    /// `∏(1 − ρ_i B)`, which is real for roots in conjugate pairs.
+    fn from_roots(roots: &[Complex]) -> Vec<f64> {
+        let mut product = vec![(1.0, 0.0)];
+        for root in roots {
+            product.push((0.0, 0.0));
+            for k in (1..product.len()).rev() {
+                let term = times(product[k - 1], *root);
+                product[k] = (product[k].0 - term.0, product[k].1 - term.1);
+            }
+        }
+        product[1..].iter().map(|c| -c.0).collect()
+    }
+
+    proptest::proptest! {
+        #![proptest_config(ProptestConfig {
+            rng_seed: RngSeed::Fixed(1), failure_persistence: None, ..ProptestConfig::default()
+        })]
+
+        #[test]
+        fn every_point_of_the_search_is_a_stable_polynomial_and_the_way_back(
+            z in proptest::collection::vec(-3.0..3.0f64, 0..9),
+        ) {
+            let c = from_search(&z);
+            prop_assert!(is_stable(&c));
+            // The condition of Durbin's recursion, Cybenko 1980.
+            let lost: f64 = z.iter().map(|z| (2.0 * z.abs()).exp()).product();
+            for (a, b) in to_search(&c, 0.0).iter().zip(&z) {
+                prop_assert!((a.tanh() - b.tanh()).abs() < 1e-14 * lost, "{a} {b}");
+            }
+            for (a, b) in from_search(&to_search(&c, 0.0)).iter().zip(&c) {
+                prop_assert!((a - b).abs() < 1e-14 * lost, "{a} {b}");
+            }
+        }
+
+        #[test]
+        fn stable_means_all_roots_within_the_circle_and_the_roots_make_the_polynomial(
+            c in proptest::collection::vec(-1.5..1.5f64, 1..7),
+        ) {
+            let roots = inverse_roots(&c);
+            let size: f64 = c.iter().map(|c| c.abs()).sum::<f64>() + 1.0;
+            for (made, c) in from_roots(&roots).iter().zip(&c) {
+                // Roots of up to 2.5, six of them multiplied.
+                prop_assert!((made - c).abs() < 1e-9 * size, "{made} {c} {roots:?}");
+            }
+            let largest = roots.iter().map(|r| r.0.hypot(r.1)).fold(0.0, f64::max);
+            // On the circle itself, rounding decides.
+            proptest::prop_assume!((largest - 1.0).abs() > 1e-6);
+            prop_assert_eq!(is_stable(&c), largest < 1.0, "{:?}", roots);
+        }
+
+        #[test]
+        fn a_product_of_polynomials_has_the_product_of_their_values(
+            a in proptest::collection::vec(-2.0..2.0f64, 0..6), b in proptest::collection::vec(-2.0..2.0f64, 0..6),
+            at in -1.0..1.0f64,
+        ) {
+            let value = |c: &[f64]| c.iter().rev().fold(0.0, |sum, c| (sum + c) * at);
+            let exact = (1.0 - value(&a)) * (1.0 - value(&b));
+            prop_assert!((1.0 - value(&multiply(&a, &b)) - exact).abs() < 1e-12);
+        }
     }
 }

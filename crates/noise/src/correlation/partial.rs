@@ -19,7 +19,8 @@ pub enum Partial {
 
 /// Partial autocorrelations at lags 1 … `lags` (element 0 is 1, as for the autocorrelation).
 ///
-/// Errors: fewer than lags + 1 samples (2 at least), not finite, constant.
+/// # Errors
+/// Fewer than lags + 1 samples (2 at least), a sample that is not finite, a constant record.
 pub fn partial_autocorrelation(
     x: &[f64],
     lags: usize,

@@ -121,16 +121,7 @@ fn axis(out: &mut String, name: &str, axis: &AxisModel, units: &Units) {
     if !axis.identification.is_empty() {
         let _ = writeln!(out, "\n[{name}.identification]");
         for (key, value) in &axis.identification {
-            let key = if key
-                .bytes()
-                .all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-')
-                && !key.is_empty()
-            {
-                key.clone()
-            } else {
-                quoted(key)
-            };
-            line(out, &key, &value.to_string());
+            line(out, &as_key(key), &value.to_string());
         }
     }
 }
@@ -141,6 +132,26 @@ fn line(out: &mut String, key: &str, value: &str) {
 
 fn quoted(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()
+}
+
+/// A key, bare where it can be; a key in quotes is never of more than one line.
+fn as_key(key: &str) -> String {
+    let is_bare = |b: u8| b.is_ascii_alphanumeric() || b == b'_' || b == b'-';
+    if !key.is_empty() && key.bytes().all(is_bare) {
+        return key.to_owned();
+    }
+    let mut out = String::from("\"");
+    for c in key.chars() {
+        match c {
+            '"' | '\\' => out.extend(['\\', c]),
+            c if c.is_control() => {
+                let _ = write!(out, "\\u{:04X}", u32::from(c));
+            }
+            c => out.push(c),
+        }
+    }
+    out.push('"');
+    out
 }
 
 /// One number as it is, several as a list.
@@ -154,26 +165,37 @@ fn measures(values: &[f64], unit: (&str, Quantity)) -> String {
     }
 }
 
-/// The fewest digits that read back as the same number to its last places.
-fn measure(value: f64, (unit, quantity): (&str, Quantity)) -> String {
+/// The number in few digits: up to fifteen that read back as it to rounding, or as many as are needed
+/// to have it exactly. A number that no text reads back as, since the product with the unit's factor
+/// rounds, gives way to its neighbour. What is read from the text is written as the same text.
+fn measure(mut value: f64, (unit, quantity): (&str, Quantity)) -> String {
     let factor = units::unit_factor(unit, quantity).unwrap_or(1.0);
-    let in_unit = value / factor;
-    let written = |digits: usize| {
-        let rounded: f64 = format!("{in_unit:.digits$e}").parse().unwrap_or(in_unit);
+    let written = |number: f64, digits: usize| {
+        let rounded: f64 = format!("{number:.digits$e}").parse().unwrap_or(number);
         if rounded == 0.0 || (1e-5..1e7).contains(&rounded.abs()) {
             format!("{rounded} {unit}")
         } else {
             format!("{rounded:e} {unit}")
         }
     };
-    // A product with the factor rounds twice: not every number can be had back exactly.
-    let same = |text: &String| {
-        units::parse(text, quantity).is_ok_and(|back| (back - value).abs() <= 1e-15 * value.abs())
-    };
-    quoted(
-        &(0..17)
-            .map(written)
-            .find(same)
-            .unwrap_or_else(|| written(16)),
-    )
+    let read = |text: &String| units::parse(text, quantity).unwrap_or(f64::NAN);
+    for _ in 0..2 {
+        let number = value / factor;
+        // Two texts of fifteen digits are at least 1e-15 apart.
+        let is_near = |text: &String| (read(text) - value).abs() <= 5e-16 * value.abs();
+        let about = [number, number.next_down(), number.next_up()];
+        let found = (0..15)
+            .map(|digits| written(number, digits))
+            .find(is_near)
+            .or_else(|| {
+                (15..17)
+                    .flat_map(|digits| about.map(|number| written(number, digits)))
+                    .find(|text| read(text) == value)
+            });
+        if let Some(text) = found {
+            return quoted(&text);
+        }
+        value = read(&written(number, 16));
+    }
+    quoted(&written(value / factor, 16))
 }

@@ -43,7 +43,9 @@ pub struct Motion {
 
 /// Holds the change of window means against the variance inside the windows, O(N).
 ///
-/// Errors: not finite, fewer than three windows, a window below 2 or a factor that is not positive.
+/// # Errors
+/// A sample that is not finite, fewer than three windows, a window below 2 or a factor that
+/// is not positive.
 pub fn motion(x: &[f64], rule: MotionRule) -> Result<Motion, RecordError> {
     if rule.window < 2 || rule.factor.is_nan() || rule.factor <= 0.0 {
         return Err(RecordError::Argument(

@@ -55,7 +55,9 @@ pub struct Outliers {
 /// not let below half of its median over all windows (below the mean absolute deviation of the record,
 /// where that is 0), nor below the root mean square of the window with squares capped at five of it.
 ///
-/// Errors: fewer than 5 samples, not finite, a window below 5 or a threshold that is not positive.
+/// # Errors
+/// Fewer than 5 samples, a sample that is not finite, a window below 5 or a threshold that
+/// is not positive.
 pub fn outliers(x: &[f64], rule: OutlierRule) -> Result<Outliers, RecordError> {
     check(x, 5)?;
     if rule.window < 5 || rule.sigmas.is_nan() || rule.sigmas <= 0.0 {

@@ -45,7 +45,8 @@ pub struct Timing {
 
 /// Report on the stamps of a record [s].
 ///
-/// Errors: fewer than 3 stamps, not finite, or [`RecordError::Argument`] where they do not increase.
+/// # Errors
+/// Fewer than 3 stamps, one that is not finite, or [`RecordError::Argument`] where they do not increase.
 pub fn timing(stamps_s: &[f64]) -> Result<Timing, RecordError> {
     check(stamps_s, 3)?;
     let intervals: Vec<f64> = stamps_s.windows(2).map(|w| w[1] - w[0]).collect();

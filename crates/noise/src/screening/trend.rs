@@ -17,7 +17,8 @@ pub struct Detrended {
 
 /// Takes the mean out.
 ///
-/// Errors: no sample, not finite.
+/// # Errors
+/// No sample, a sample that is not finite.
 pub fn remove_constant(x: &[f64]) -> Result<Detrended, RecordError> {
     check(x, 1)?;
     let mean = mean(x);
@@ -31,7 +32,8 @@ pub fn remove_constant(x: &[f64]) -> Result<Detrended, RecordError> {
 
 /// Takes the mean and a straight line out, by least squares.
 ///
-/// Errors: fewer than 3 samples, not finite.
+/// # Errors
+/// Fewer than 3 samples, a sample that is not finite.
 pub fn remove_linear(x: &[f64]) -> Result<Detrended, RecordError> {
     check(x, 3)?;
     let middle = 0.5 * (x.len() - 1) as f64;
@@ -41,8 +43,9 @@ pub fn remove_linear(x: &[f64]) -> Result<Detrended, RecordError> {
 /// Takes the mean and a multiple of the temperature (`temperature_c` [°C or K], one a sample) out, by
 /// least squares. A temperature that only drifts cannot be told from a linear trend.
 ///
-/// Errors: fewer than 3 samples, not finite, lengths that differ, [`RecordError::Constant`] where the
-/// temperature does not change.
+/// # Errors
+/// Fewer than 3 samples, a sample that is not finite, lengths that differ, [`RecordError::Constant`]
+/// where the temperature does not change.
 pub fn remove_temperature(x: &[f64], temperature_c: &[f64]) -> Result<Detrended, RecordError> {
     check(x, 3)?;
     check(temperature_c, 3)?;

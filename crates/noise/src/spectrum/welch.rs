@@ -32,7 +32,9 @@ pub fn default_segment(samples: usize) -> usize {
 /// periodic Hann window, half overlapped, the mean of each segment taken out: `scipy.signal.welch`
 /// with its defaults. Samples at the end that fill no segment are left out. O(N log segment).
 ///
-/// Errors: fewer than 4 samples or a segment shorter than 4, not finite, a rate that is not positive.
+/// # Errors
+/// Fewer than 4 samples or a segment shorter than 4, a sample that is not finite,
+/// a rate that is not positive.
 pub fn welch(x: &[f64], rate_hz: f64, segment: usize) -> Result<Density, RecordError> {
     check(x, 4)?;
     if segment < 4 {

@@ -43,8 +43,9 @@ pub struct Adf {
 
 /// The test on a record.
 ///
-/// Errors: fewer samples than the regression has coefficients plus one, not finite, constant, or
-/// regressors that depend on each other (an exact line, a record of period two).
+/// # Errors
+/// Fewer samples than the regression has coefficients plus one, a sample that is not finite, a constant
+/// record, or regressors that depend on each other (an exact line, a record of period two).
 pub fn adf(x: &[f64], deterministic: Deterministic, lags: Lags) -> Result<Adf, RecordError> {
     let (mean, _) = check_varying(x, 4 + deterministic.columns())?;
     let centre = if deterministic == Deterministic::None {

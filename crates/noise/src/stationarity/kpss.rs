@@ -36,8 +36,9 @@ pub struct Kpss {
 
 /// The test about a level ([`Deterministic::Constant`]) or a trend ([`Deterministic::Trend`]).
 ///
-/// Errors: fewer than 4 samples, not finite, constant (or an exact line), or [`Deterministic::None`],
-/// which the test has no form for.
+/// # Errors
+/// Fewer than 4 samples, a sample that is not finite, a constant record (or an exact line), or
+/// [`Deterministic::None`], which the test has no form for.
 pub fn kpss(x: &[f64], deterministic: Deterministic, lags: KpssLags) -> Result<Kpss, RecordError> {
     let (mean, _) = check_varying(x, 4)?;
     let count = x.len() as f64;

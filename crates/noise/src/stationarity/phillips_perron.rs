@@ -25,7 +25,8 @@ pub struct PhillipsPerron {
 
 /// The tests on a record, with ⌈12 (n/100)^¼⌉ lags unless told.
 ///
-/// Errors: fewer than 6 samples or than lags, not finite, constant, or an exact line.
+/// # Errors
+/// Fewer than 6 samples or than lags, a sample that is not finite, a constant record or an exact line.
 pub fn phillips_perron(
     x: &[f64],
     deterministic: Deterministic,

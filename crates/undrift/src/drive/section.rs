@@ -89,6 +89,9 @@ impl<'a> Section<'a> {
     }
 
     /// A sub-table; an absent one has no keys.
+    ///
+    /// # Errors
+    /// If the value is no table.
     pub fn section(&self, key: &'a str) -> Result<Section<'a>, ConfigError> {
         let mut section = Section {
             table: None,
@@ -109,6 +112,9 @@ impl<'a> Section<'a> {
     }
 
     /// The tables of a list, `[[key]]`; none where it is absent.
+    ///
+    /// # Errors
+    /// If the value is no list of tables.
     pub fn sections(&self, key: &'a str) -> Result<Vec<Section<'a>>, ConfigError> {
         let wrong = || self.error(key, format!("must be tables: write [[{key}]]"));
         let Some((value, _)) = self.get(key) else {
@@ -170,12 +176,18 @@ impl<'a> Section<'a> {
     }
 
     /// Refuses keys that are none of `known`.
+    ///
+    /// # Errors
+    /// If there is another key; the message names those known.
     pub fn only(&self, known: &[&'a str]) -> Result<(), ConfigError> {
         self.asked.borrow_mut().extend_from_slice(known);
         self.only_known()
     }
 
     /// Refuses keys that were never asked for.
+    ///
+    /// # Errors
+    /// If there is such a key; the message names those known.
     pub fn only_known(&self) -> Result<(), ConfigError> {
         let asked = self.asked.borrow();
         let unknown = self
@@ -196,6 +208,9 @@ impl<'a> Section<'a> {
     }
 
     /// A string.
+    ///
+    /// # Errors
+    /// If the value is no string.
     pub fn text(&self, key: &'a str) -> Result<Option<&'a str>, ConfigError> {
         match self.get(key) {
             None => Ok(None),
@@ -205,6 +220,9 @@ impl<'a> Section<'a> {
     }
 
     /// The name of a file, which must be there.
+    ///
+    /// # Errors
+    /// If the key or its whole table is missing, or the value is no string or empty.
     pub fn file(&self, key: &'a str) -> Result<&'a str, ConfigError> {
         match self.text(key)? {
             Some(name) if !name.is_empty() => Ok(name),
@@ -221,6 +239,9 @@ impl<'a> Section<'a> {
     }
 
     /// One of a few words.
+    ///
+    /// # Errors
+    /// If the value is no string or none of `words`.
     pub fn word<T: Copy>(
         &self,
         key: &'a str,
@@ -248,6 +269,9 @@ impl<'a> Section<'a> {
     }
 
     /// A list of one or more of a few words.
+    ///
+    /// # Errors
+    /// If the value is no list, an empty one, or holds what is none of `words`.
     pub fn words<T: Copy>(
         &self,
         key: &'a str,
@@ -277,6 +301,9 @@ impl<'a> Section<'a> {
     }
 
     /// A noise model: a preset, a file relative to `home`, or a table.
+    ///
+    /// # Errors
+    /// If the value is none of the three, there is no such preset or file, or the model cannot be read.
     pub fn model(&self, key: &'a str, home: &Path) -> Result<Option<ImuModel>, DriveError> {
         match self.get(key) {
             None => Ok(None),
@@ -299,6 +326,9 @@ impl<'a> Section<'a> {
     }
 
     /// A whole number, not negative.
+    ///
+    /// # Errors
+    /// If the value is no whole number, negative or beyond 64 bits.
     pub fn whole(&self, key: &'a str) -> Result<Option<u64>, ConfigError> {
         let number = match self.get(key) {
             None => return Ok(None),
@@ -312,6 +342,9 @@ impl<'a> Section<'a> {
     }
 
     /// A bare positive number.
+    ///
+    /// # Errors
+    /// If the value is no number, not finite or not above zero.
     pub fn factor(&self, key: &'a str) -> Result<Option<f64>, ConfigError> {
         let number = match self.get(key) {
             None => return Ok(None),
@@ -326,6 +359,9 @@ impl<'a> Section<'a> {
     }
 
     /// A column by name or, as a person counts, by number.
+    ///
+    /// # Errors
+    /// If the value is neither a string nor a whole number from 1 on.
     pub fn column(&self, key: &'a str) -> Result<Option<Column>, ConfigError> {
         self.get(key)
             .map(|(value, _)| self.column_of(key, value))
@@ -344,6 +380,9 @@ impl<'a> Section<'a> {
     }
 
     /// Three columns.
+    ///
+    /// # Errors
+    /// If the value is no list of three, or as [`Section::column`] of one of them.
     pub fn columns(&self, key: &'a str) -> Result<Option<[Column; 3]>, ConfigError> {
         let Some((value, _)) = self.get(key) else {
             return Ok(None);
@@ -365,6 +404,9 @@ impl<'a> Section<'a> {
     }
 
     /// A number with its unit.
+    ///
+    /// # Errors
+    /// If the value is no string, or its text no finite number with a unit of `quantity`.
     pub fn quantity(&self, key: &'a str, quantity: Quantity) -> Result<Option<f64>, ConfigError> {
         match self.get(key) {
             None => Ok(None),
@@ -376,6 +418,9 @@ impl<'a> Section<'a> {
     }
 
     /// The factor to SI of a unit without number, `default` where the key is absent.
+    ///
+    /// # Errors
+    /// If the value is no string, or its text no unit of `quantity`.
     pub fn unit(&self, key: &'a str, quantity: Quantity, default: f64) -> Result<f64, ConfigError> {
         match self.text(key)? {
             None => Ok(default),
@@ -385,6 +430,9 @@ impl<'a> Section<'a> {
     }
 
     /// Three numbers with one unit, `"0.1, -0.3, 0 m"`; one number means it for all three.
+    ///
+    /// # Errors
+    /// If the value is no string, or its text neither one nor three finite numbers with a unit of `quantity`.
     pub fn vector(&self, key: &'a str, quantity: Quantity) -> Result<Option<Vector3>, ConfigError> {
         let text = match self.get(key) {
             None => return Ok(None),

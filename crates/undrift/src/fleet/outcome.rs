@@ -70,6 +70,9 @@ impl Outcome {
     }
 
     /// Reads [`Outcome::to_json`]; `file` is for messages.
+    ///
+    /// # Errors
+    /// If the text is not what [`Outcome::to_json`] writes, with the line.
     pub fn from_json(text: &str, file: &str) -> Result<Self, ConfigError> {
         serde_json::from_str(text).map_err(|error| ConfigError {
             file: file.to_owned(),

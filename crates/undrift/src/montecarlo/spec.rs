@@ -47,12 +47,19 @@ pub struct Spec {
 
 impl Spec {
     /// Reads a `SPEC.toml`; model files in it are relative to its own folder.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or as [`Spec::from_toml`].
     pub fn load(path: &Path) -> Result<Self, DriveError> {
         let (text, file) = read_text(path)?;
         Self::from_toml(&text, &file, path.parent().unwrap_or(Path::new("")))
     }
 
     /// Reads the text of a `SPEC.toml`; `file` is what messages call it, `home` where model files lie.
+    ///
+    /// # Errors
+    /// [`DriveError::Config`] where the text is no TOML, or a key is missing, unknown or has a wrong value, with
+    /// its line; [`DriveError::Model`] for a model file.
     pub fn from_toml(text: &str, file: &str, home: &Path) -> Result<Self, DriveError> {
         let table = parse(text, file)?;
         let top = Section::top(table.get_ref(), text, file);

@@ -36,7 +36,7 @@ impl Outputs {
         self.last.get_or_insert(time);
     }
 
-    /// A fix was used.
+    /// A fix at `time` [s] was used.
     pub fn fix(&mut self, time: f64) {
         if let Some(last) = self.last.replace(time)
             && time - last > FRESH

@@ -91,11 +91,11 @@ pub struct Contradiction {
     pub fixes: u64,
     /// How far the first was from the solution [m, m/s].
     pub first: f64,
-    /// How far the last was, at the end or when the solution first gave way.
+    /// How far the last was, at the end or when the solution first gave way [m, m/s].
     pub last: f64,
     /// How fast it grew [m/s, m/s²].
     pub growth: f64,
-    /// How far the furthest was.
+    /// How far the furthest was [m, m/s].
     pub largest: f64,
     /// Whether the receiver repeated itself while the solution moved.
     pub frozen: bool,
@@ -160,7 +160,7 @@ pub struct Summary {
     pub odometer: Innovations,
     /// Barometer updates.
     pub barometer: Innovations,
-    /// Parameters estimated: their last values and standard deviations.
+    /// Parameters estimated: their last values and standard deviations, in the units of [`Parameter`].
     #[serde(serialize_with = "by_name")]
     pub parameters: Vec<(Parameter, Vec<f64>, Vec<f64>)>,
     /// Fixes that were left out, run by run; the first [`MOST_EVENTS`].
