@@ -145,10 +145,8 @@ fn read_back(format: SolutionFormat, log: Format, week: u32, rows: &[SolutionRow
         format.name()
     ));
     std::fs::write(&path, file.into_inner().unwrap().into_inner()).unwrap();
-    let options = GnssLog {
-        position_std: (log == Format::Gpx).then_some([1.0; 3]),
-        ..GnssLog::new(log)
-    };
+    let mut options = GnssLog::new(log);
+    options.fixes.position_std = (log == Format::Gpx).then_some([1.0; 3]);
     let fixes = GnssReader::open_log(&path, &options)
         .unwrap()
         .map(Result::unwrap)

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 /// A file that appears under its name only when it is finished: until then it is beside it under
 /// a temporary name, `.NAME.partPID`. Dropped unfinished, it is removed; a killed process leaves the
-/// temporary one, which goes when the same file is written again (on Linux, where it can be told that
-/// the process is no more).
+/// temporary one, which goes when the same file is written again an hour later or more (on Linux, where
+/// it can be told that the process is no more).
 #[derive(Debug)]
 pub struct PendingFile {
     file: File,
@@ -53,6 +53,11 @@ impl PendingFile {
     }
 }
 
+/// A temporary file that was written to within this may be that of a process on another machine, or in
+/// another container, whose number says nothing here.
+#[cfg(target_os = "linux")]
+const STALE: std::time::Duration = std::time::Duration::from_secs(3600);
+
 /// Removes what killed processes left beside `path` under names of `start` and a process id. Only files
 /// of this user: processes of others may be hidden.
 #[cfg(target_os = "linux")]
@@ -80,9 +85,10 @@ fn remove_stale(path: &Path, start: &OsStr) {
             Ok(false)
         );
         if gone
-            && entry
-                .metadata()
-                .is_ok_and(|file| file.is_file() && file.uid() == own.uid())
+            && entry.metadata().is_ok_and(|file| {
+                let age = file.modified().ok().and_then(|time| time.elapsed().ok());
+                file.is_file() && file.uid() == own.uid() && age.is_some_and(|age| age > STALE)
+            })
         {
             // What cannot be removed harms nobody.
             let _ = fs::remove_file(entry.path());
@@ -167,7 +173,11 @@ mod tests {
         let mut dead = Command::new("true").spawn().unwrap();
         dead.wait().unwrap();
         let mut living = Command::new("sleep").arg("600").spawn().unwrap();
-        let put = |name: String| fs::write(dir.join(name), "half").unwrap();
+        let put = |name: String| {
+            let file = File::create(dir.join(name)).unwrap();
+            file.set_modified(std::time::SystemTime::now() - 2 * STALE)
+                .unwrap();
+        };
         put(format!(".out.csv.part{}", dead.id()));
         let others = [
             format!(".out.csv.part{}", living.id()),
