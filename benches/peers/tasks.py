@@ -64,10 +64,11 @@ def peer_pandit_wu():
 
 def peer_allan(taus="octave"):
     import allantools
+    import numpy as np
 
     def task(record):
         tau, deviation, _, _ = allantools.oadev(record, rate=RATE_HZ, data_type="freq", taus=taus)
-        return [number for pair in zip(tau, deviation) for number in pair]
+        return np.column_stack([tau, deviation]).ravel()
 
     return task
 
@@ -158,11 +159,12 @@ def ours_pandit_wu():
 
 
 def ours_allan(taus="octave", confidence=None):
+    import numpy as np
     import undrift
 
     def task(record):
         found = undrift.allan(record, RATE_HZ, taus=taus, confidence=confidence)
-        return [number for pair in zip(found.tau, found.deviation) for number in pair]
+        return np.column_stack([found.tau, found.deviation]).ravel()
 
     return task
 
