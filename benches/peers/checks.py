@@ -4,19 +4,8 @@ they are not, and returns what to say of the difference."""
 import math
 import sys
 
-from tasks import PANDIT_WU, RATE_HZ
+from tasks import MODELS, PANDIT_WU, RATE_HZ, SIGMA
 
-# φ and θ of the records, and their σ. The (1,1) is the source paper's case; the others have its slow pole
-# and zero, and further ones that do not cancel: poles 0.99995, 0.6 (0.9, ±0.5i), zeros 0.9994 (0.3, −0.4).
-MODELS = {
-    (1, 1): ([0.99995], [0.9994]),
-    (2, 1): ([1.59995, -0.59997], [0.9994]),
-    (4, 3): (
-        [1.89995, -1.149955, 0.4749875, -0.22498875],
-        [0.8994, 0.21994, -0.119928],
-    ),
-}
-SIGMA = 0.006
 # Samples before the first, twenty times the slowest time constant: the record starts stationary.
 BEFORE = 400_000
 

@@ -16,8 +16,6 @@ import tempfile
 
 import navigation
 from checks import (
-    MODELS,
-    SIGMA,
     check_allan,
     check_arma,
     check_correlations,
@@ -26,6 +24,7 @@ from checks import (
     simulate,
 )
 from process import count, in_turns, mebibytes, measure, print_table, python, seconds
+from tasks import MODELS, SIGMA
 
 # Share of the ratio from Rust that must be left through Python.
 SHARE = 0.9
@@ -38,6 +37,9 @@ ROWS = [
     ("ARMA(1,1)", "arma_1_1", (1, 1), SIZES, "statsmodels", 2, 1, check_arma(1, 1)),
     ("ARMA(2,1)", "arma_2_1", (2, 1), SIZES, "statsmodels", 1, 1, check_arma(2, 1)),
     ("ARMA(4,3)", "arma_4_3", (4, 3), SIZES, "statsmodels", 1, 1, check_arma(4, 3)),
+    ("ARMA(1,1), peer's own start", "arma_1_1_own", (1, 1), (100_000, 2 * MILLION), "statsmodels", 2, 1, check_arma(1, 1)),
+    ("ARMA(2,1), peer's own start", "arma_2_1_own", (2, 1), (100_000,), "statsmodels", 1, 1, check_arma(2, 1)),
+    ("ARMA(4,3), peer's own start", "arma_4_3_own", (4, 3), (100_000,), "statsmodels", 1, 1, check_arma(4, 3)),
     ("Pandit-Wu to (4,3), five fits", "pandit_wu", (2, 1), (20_000,), "statsmodels", 1, 1, check_pandit_wu),
     ("Overlapping Allan deviation, octaves", "allan", (1, 1), (2 * MILLION, 20 * MILLION), "allantools", 10, 3, check_allan),
     ("The same with intervals by noise type", "allan_intervals", (1, 1), (2 * MILLION,), "allantools", 20, 3, check_allan),
@@ -64,7 +66,7 @@ def one(row, samples, record, path, options):
     def command(who, repeats):
         return python("tasks.py", who, task, path, repeats)
 
-    ours, fault = in_turns([[options.example, task, path, str(calls)], command("ours", calls)])
+    ours, fault = in_turns([[options.example, task.removesuffix("_own"), path, str(calls)], command("ours", calls)])
     if fault:
         print(f"  ours failed: {fault}")
         return line + ["failed"] + [""] * (len(HEAD) - 5) + [fault], True
