@@ -23,7 +23,7 @@ def simulate(order, samples, seed):
 def log_likelihood(record, phi, theta):
     """Exact Gaussian log-likelihood, sigma at its best: the Kalman filter of the state-space form (Brockwell
     & Davis 1991, section 12.1) with its matrices written out, until the variance of the prediction error is
-    that of the noise to rounding; from there on the recursion of the definition. Slow and plain on
+    that of the noise but for 1e-12; from there on the recursion of the definition. Slow and plain on
     purpose: the referee between two fits."""
     import numpy as np
     from scipy.linalg import solve_discrete_lyapunov
@@ -40,7 +40,7 @@ def log_likelihood(record, phi, theta):
     errors, variances = [], []
     for value in record:
         variance = covariance[0, 0]
-        if abs(variance - 1.0) < 1e-14 and len(errors) >= size:
+        if abs(variance - 1.0) < 1e-12 and len(errors) >= size:
             break
         error = value - state[0]
         gain = transition @ covariance[:, 0] / variance

@@ -110,6 +110,7 @@ def identification(options):
                 if len(records.get(order, [])) < samples:
                     records = {order: simulate(order, samples, options.seed)}
                 line, bad = one(row, samples, records[order][:samples], path, options)
+                print(f"| {' | '.join(line)} |\n", flush=True)
                 table.append(line)
                 wrong += bad
     if table:
