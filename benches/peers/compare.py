@@ -30,6 +30,7 @@ from tasks import MODELS, SIGMA
 SHARE = 0.9
 MILLION = 1_000_000
 SIZES = (100_000, MILLION, 2 * MILLION)
+LONG = (2 * MILLION,)
 # Title, task, order of the record, sizes, peer's package, calls of ours a round, calls of the peer, check.
 # Sizes are what the peer can do: Ljung-Box's autocorrelation and the Allan deviation at all τ take quadratic
 # time there, and one fit after the other takes minutes.
@@ -37,20 +38,23 @@ ROWS = [
     ("ARMA(1,1)", "arma_1_1", (1, 1), SIZES, "statsmodels", 2, 1, check_arma(1, 1)),
     ("ARMA(2,1)", "arma_2_1", (2, 1), SIZES, "statsmodels", 1, 1, check_arma(2, 1)),
     ("ARMA(4,3)", "arma_4_3", (4, 3), SIZES, "statsmodels", 1, 1, check_arma(4, 3)),
-    ("ARMA(1,1), peer's own start", "arma_1_1_own", (1, 1), (100_000, 2 * MILLION), "statsmodels", 2, 1, check_arma(1, 1)),
+    ("ARMA(1,1), peer's own start", "arma_1_1_own", (1, 1),
+     (100_000, *LONG), "statsmodels", 2, 1, check_arma(1, 1)),
     ("ARMA(2,1), peer's own start", "arma_2_1_own", (2, 1), (100_000,), "statsmodels", 1, 1, check_arma(2, 1)),
     ("ARMA(4,3), peer's own start", "arma_4_3_own", (4, 3), (100_000,), "statsmodels", 1, 1, check_arma(4, 3)),
     ("Pandit-Wu to (4,3), five fits", "pandit_wu", (2, 1), (20_000,), "statsmodels", 1, 1, check_pandit_wu),
-    ("Overlapping Allan deviation, octaves", "allan", (1, 1), (2 * MILLION, 20 * MILLION), "allantools", 10, 3, check_allan),
-    ("The same with intervals by noise type", "allan_intervals", (1, 1), (2 * MILLION,), "allantools", 20, 3, check_allan),
+    ("Overlapping Allan deviation, octaves", "allan", (1, 1),
+     (*LONG, 20 * MILLION), "allantools", 10, 3, check_allan),
+    ("The same with intervals by noise type", "allan_intervals", (1, 1),
+     LONG, "allantools", 20, 3, check_allan),
     ("Overlapping Allan deviation, all τ", "allan_all", (1, 1), (100_000,), "allantools", 1, 1, check_allan),
-    ("ADF, constant, 20 lags", "adf", (1, 1), (2 * MILLION,), "statsmodels", 10, 3, check_values),
-    ("KPSS, level, 40 lags", "kpss", (1, 1), (2 * MILLION,), "statsmodels", 10, 3, check_values),
-    ("Phillips-Perron, constant", "phillips_perron", (1, 1), (2 * MILLION,), "arch", 5, 3, check_values),
+    ("ADF, constant, 20 lags", "adf", (1, 1), LONG, "statsmodels", 10, 3, check_values),
+    ("KPSS, level, 40 lags", "kpss", (1, 1), LONG, "statsmodels", 10, 3, check_values),
+    ("Phillips-Perron, constant", "phillips_perron", (1, 1), LONG, "arch", 5, 3, check_values),
     ("Ljung-Box, 20 lags", "ljung_box", (1, 1), (200_000,), "statsmodels", 30, 1, check_values),
-    ("Autocorrelation, 100 lags", "acf", (1, 1), (2 * MILLION,), "statsmodels", 5, 3, check_correlations),
-    ("Jarque-Bera", "jarque_bera", (1, 1), (2 * MILLION,), "scipy", 20, 3, check_values),
-    ("Jarque-Bera and Lilliefors", "normality", (1, 1), (2 * MILLION,), "scipy, statsmodels", 5, 3, check_values),
+    ("Autocorrelation, 100 lags", "acf", (1, 1), LONG, "statsmodels", 5, 3, check_correlations),
+    ("Jarque-Bera", "jarque_bera", (1, 1), LONG, "scipy", 20, 3, check_values),
+    ("Jarque-Bera and Lilliefors", "normality", (1, 1), LONG, "scipy, statsmodels", 5, 3, check_values),
 ]
 HEAD = ["task", "samples", "peer", "CPU, Rust", "CPU, Python", "CPU, peer", "ratio, Rust", "ratio, Python"]
 HEAD += [f"at least {SHARE}", "peak, Rust", "peak, Python", "peak, peer", "difference"]
@@ -66,7 +70,8 @@ def one(row, samples, record, path, options):
     def command(who, repeats):
         return python("tasks.py", who, task, path, repeats)
 
-    ours, fault = in_turns([[options.example, task.removesuffix("_own"), path, str(calls)], command("ours", calls)])
+    rust = [options.example, task.removesuffix("_own"), path, str(calls)]
+    ours, fault = in_turns([rust, command("ours", calls)])
     if fault:
         print(f"  ours failed: {fault}")
         return line + ["failed"] + [""] * (len(HEAD) - 5) + [fault], True
@@ -94,7 +99,8 @@ def one(row, samples, record, path, options):
         verdict, wrong = f"WRONG: {error}", True
     ratios = [f"{peer['cpu_s'] / mine['cpu_s']:.3g}" for mine in ours]
     print(f"  {verdict}; {seconds(peer['cpu_s'])} of the peer, ratio {ratios[0]}", flush=True)
-    return line + [seconds(peer["cpu_s"])] + ratios + [says] + peaks + [mebibytes(peer), verdict], wrong
+    line += [seconds(peer["cpu_s"]), *ratios, says, *peaks, mebibytes(peer), verdict]
+    return line, wrong
 
 
 def identification(options):

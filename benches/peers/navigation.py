@@ -243,8 +243,8 @@ def beside_peers(options):
                 + [f"{value:.3f}" for value in against]
                 + [verdict]
             )
-    head = ["navigation", "CPU", "a sample", "ratio", "peak", "horizontal [m]", "down [m]", "tilt [°]", "yaw [°]"]
-    print_table(head + ["agreement"], rows)
+    head = ["navigation", "CPU", "a sample", "ratio", "peak"]
+    print_table(head + ["horizontal [m]", "down [m]", "tilt [°]", "yaw [°]", "agreement"], rows)
     return wrong
 
 
@@ -255,16 +255,19 @@ def whole_processes(options):
     duration = min(1800.0, max(options.samples / RATE_HZ, 300.0))
     rows, wrong = [], 0
     with tempfile.TemporaryDirectory() as folder:
-        drive = str(undrift.simulate("car", duration, RATE_HZ, "adis16405", seed=options.seed).save(f"{folder}/drive"))
-        rest = undrift.simulate("rest", duration, RATE_HZ, "adis16405", seed=options.seed)
+        drive, rest = (
+            undrift.simulate(kind, duration, RATE_HZ, "adis16405", seed=options.seed)
+            for kind in ("car", "rest")
+        )
+        drive = str(drive.save(f"{folder}/drive"))
         record = str(rest.save(f"{folder}/rest").parent / "imu.csv")
         samples = len(rest.imu.time)
-        output = f"{folder}/nav.csv"
+        navigate = ["navigate", drive, "--bias-model"]
         for title, arguments in [
-            ("navigate, random-walk (15 states)", ["navigate", drive, "--bias-model", "random-walk", "-o", output]),
-            ("navigate, arma (21 states)", ["navigate", drive, "--bias-model", "arma", "-o", output]),
-            ("navigate, arma, no solution written", ["navigate", drive, "--bias-model", "arma"]),
-            ("identify, six axes", ["identify", record, "--rate", f"{RATE_HZ:g}", "-o", f"{folder}/imu.toml"]),
+            ("navigate, random-walk (15 states)", [*navigate, "random-walk", "-o", f"{folder}/nav.csv"]),
+            ("navigate, arma (21 states)", [*navigate, "arma", "-o", f"{folder}/nav.csv"]),
+            ("navigate, arma, no solution written", [*navigate, "arma"]),
+            ("identify, six axes", ["identify", record, "--rate", "100", "-o", f"{folder}/imu.toml"]),
             ("outages, six models, 15 of 10 s", ["outages", drive, "--count", "15", "--length", "10"]),
         ]:
             best = None
