@@ -124,6 +124,14 @@ def identification(options):
     return wrong
 
 
+def versions():
+    for name in ("numpy", "scipy", "statsmodels", "allantools", "arch", "python-ins"):
+        try:
+            yield f"{name} {importlib.metadata.version(name)}"
+        except importlib.metadata.PackageNotFoundError:
+            yield f"no {name}"
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--samples", type=int, default=20 * MILLION, help="at most so many a record")
@@ -135,9 +143,7 @@ def main():
     names = [row[1] for row in ROWS] + navigation.TASKS
     parser.add_argument("--only", nargs="+", metavar="TASK", choices=names, help=f"of {', '.join(names)}")
     options = parser.parse_args()
-    packages = ("numpy", "scipy", "statsmodels", "allantools", "arch", "python-ins")
-    versions = [f"{name} {importlib.metadata.version(name)}" for name in packages]
-    print(", ".join([f"Python {platform.python_version()}", *versions]))
+    print(", ".join([f"Python {platform.python_version()}", *versions()]))
     print(f"records by numpy's PCG64({options.seed}), sigma {SIGMA}: phi, theta {list(MODELS.values())}\n")
     wrong = identification(options)
     wrong += navigation.compare(options)
