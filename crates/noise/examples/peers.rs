@@ -1,8 +1,8 @@
 //! One task on a raw little-endian f64 record, for the comparison with Python packages: prints the
 //! result, the CPU time of the task alone and the peak memory of the process as one line of JSON.
 //!
-//! `cargo run --release -p undrift-noise --example peers TASK FILE [REPEATS]`, TASK one of `arma`,
-//! `allan`, `allan_intervals`, `adf`, `ljung_box`, `jarque_bera`, `normality`, `phillips_perron`. Linux only. `benches/peers/run` drives it.
+//! `cargo run --release -p undrift-noise --example peers TASK FILE [REPEATS]`, TASK an arm of `run`
+//! below. Linux only. `benches/peers/run` drives it.
 
 use std::error::Error;
 use std::fs::{self, File};
@@ -11,8 +11,10 @@ use std::io::{BufReader, Read};
 use std::time::Duration;
 use undrift_noise::allan::{Grid, Kind, deviations, intervals};
 use undrift_noise::arma::{FitOptions, Mean, fit};
+use undrift_noise::correlation::autocorrelation;
 use undrift_noise::normality::{jarque_bera, normality};
-use undrift_noise::stationarity::{Deterministic, Lags, adf, phillips_perron};
+use undrift_noise::pandit_wu::{PanditWuOptions, pandit_wu};
+use undrift_noise::stationarity::{Deterministic, KpssLags, Lags, adf, kpss, phillips_perron};
 use undrift_noise::whiteness::portmanteau;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -40,19 +42,27 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// The numbers that the task answers with, in the order that `compare.py` expects.
 fn run(task: &str, record: &[f64]) -> Result<Vec<f64>, Box<dyn Error>> {
     Ok(match task {
-        "arma" => {
-            let options = FitOptions {
-                mean: Mean::Known(0.0),
-                ..FitOptions::default()
+        "arma_1_1" => arma(record, 1, 1)?,
+        "arma_2_1" => arma(record, 2, 1)?,
+        "arma_4_3" => arma(record, 4, 3)?,
+        "pandit_wu" => {
+            let options = PanditWuOptions {
+                n_max: 2,
+                fit: known_mean(),
+                ..PanditWuOptions::default()
             };
-            let model = fit(record, 1, 1, &options)?;
-            vec![model.ar[0], model.ma[0], model.sigma, model.log_likelihood]
+            let table = pandit_wu(record, &options)?;
+            let orders = [table.by_f, table.by_bic_step_down];
+            let likelihoods = [(1, 0), (1, 1), (2, 1), (3, 2), (4, 3)]
+                .map(|order| table.fit(order).map_or(f64::NAN, |fit| fit.log_likelihood));
+            orders
+                .iter()
+                .flat_map(|&(p, q)| [p as f64, q as f64])
+                .chain(likelihoods)
+                .collect()
         }
-        "allan" => deviations(record, 100.0, Kind::Overlapping, Grid::Octave)?
-            .points
-            .iter()
-            .flat_map(|point| [point.tau_s, point.deviation])
-            .collect(),
+        "allan" => allan(record, Grid::Octave)?,
+        "allan_all" => allan(record, Grid::All)?,
         "allan_intervals" => {
             let curve = deviations(record, 100.0, Kind::Overlapping, Grid::Octave)?;
             black_box(intervals(record, &curve, 0.683)?);
@@ -63,6 +73,11 @@ fn run(task: &str, record: &[f64]) -> Result<Vec<f64>, Box<dyn Error>> {
             let test = adf(record, Deterministic::Constant, Lags::Fixed(20))?;
             vec![test.statistic, test.p_value]
         }
+        "kpss" => {
+            let test = kpss(record, Deterministic::Constant, KpssLags::Fixed(40))?;
+            vec![test.statistic, test.p_value]
+        }
+        "acf" => autocorrelation(record, 100)?,
         "ljung_box" => {
             let test = portmanteau(record, &[20], 0)?[0];
             vec![test.ljung_box, test.ljung_box_p]
@@ -81,6 +96,27 @@ fn run(task: &str, record: &[f64]) -> Result<Vec<f64>, Box<dyn Error>> {
         }
         _ => return Err(format!("no task {task}").into()),
     })
+}
+
+fn known_mean() -> FitOptions {
+    FitOptions {
+        mean: Mean::Known(0.0),
+        ..FitOptions::default()
+    }
+}
+
+/// φ, θ, σ and the log-likelihood.
+fn arma(record: &[f64], p: usize, q: usize) -> Result<Vec<f64>, Box<dyn Error>> {
+    let model = fit(record, p, q, &known_mean())?;
+    let rest = [model.sigma, model.log_likelihood];
+    Ok([model.ar, model.ma, rest.to_vec()].concat())
+}
+
+/// τ and deviation in turns.
+fn allan(record: &[f64], grid: Grid) -> Result<Vec<f64>, Box<dyn Error>> {
+    let curve = deviations(record, 100.0, Kind::Overlapping, grid)?;
+    let points = curve.points.iter();
+    Ok(points.flat_map(|p| [p.tau_s, p.deviation]).collect())
 }
 
 fn read(path: &str) -> Result<Vec<f64>, Box<dyn Error>> {
