@@ -54,6 +54,10 @@ fn round_trip(format: SolutionFormat, log: Format) -> Vec<GnssFix> {
         },
         ..GnssLog::new(log)
     };
+    let mut wrong = options.clone();
+    wrong.fixes.velocity_std_factor = 0.0;
+    let refused = GnssReader::open_log(&path, &wrong).err().unwrap();
+    assert!(refused.to_string().contains("(key gnss.velocity_std)"));
     let fixes = GnssReader::open_log(&path, &options).unwrap();
     let fixes: Vec<GnssFix> = fixes.map(Result::unwrap).collect();
     std::fs::remove_file(&path).unwrap();

@@ -15,6 +15,7 @@ use undrift_nav::shaping::ShapingFilter;
 use undrift_noise::arma::{
     ArmaFit, FitOptions, Mean, ProfileInterval, Root, fit, profile_interval,
 };
+use undrift_noise::order_statistics::median;
 use undrift_noise::synthesis::NoiseGenerator;
 
 const PHI: f64 = 0.99995;
@@ -70,12 +71,6 @@ fn outcome(
     Ok(Outcome { modes, above })
 }
 
-fn median(values: &mut [f64]) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let n = values.len();
-    0.5 * (values[(n - 1) / 2] + values[n / 2])
-}
-
 fn main() {
     let mut arguments = std::env::args().skip(1).map(|text| text.parse::<usize>());
     let mut next = |default| arguments.next().and_then(Result::ok).unwrap_or(default);
@@ -113,7 +108,7 @@ fn main() {
             let held = count(&|o| of(o).contains(truth));
             let below = count(&|o| of(o).high < true_log);
             let above = count(&|o| of(o).low > true_log);
-            let mut errors: Vec<f64> = outcomes.iter().map(|o| of(o).estimate - true_log).collect();
+            let errors: Vec<f64> = outcomes.iter().map(|o| of(o).estimate - true_log).collect();
             let mean = errors.iter().sum::<f64>() / series as f64;
             let spread =
                 errors.iter().map(|e| (e - mean) * (e - mean)).sum::<f64>() / series as f64;
@@ -122,7 +117,7 @@ fn main() {
                  {above}; error of log(1-{symbol}): mean {mean:+.3}, median {:+.3}, rms about the mean {:.3}; \
                  open towards 1: {}",
                 100.0 * held as f64 / series as f64,
-                median(&mut errors),
+                median(&errors),
                 spread.sqrt(),
                 count(&|o| of(o).low == f64::NEG_INFINITY),
             );

@@ -1,7 +1,7 @@
 //! Fits against exact maximum-likelihood values of other packages, and the flags.
 
 mod common;
-use common::{number, numbers, reference, series};
+use common::{CLASSIC, number, numbers, reference, series};
 use undrift_noise::arma::{
     ArmaError, FitOptions, Mean, Warning, burg, fit, order_by_aicc, select, yule_walker,
 };
@@ -102,16 +102,7 @@ fn higher_orders_of_the_gyro_lie_above_every_package() {
 fn classical_fits_are_those_of_r() {
     let Some(reference) = reference() else { return };
     let mut compared = 0;
-    for name in [
-        "lh",
-        "LakeHuron",
-        "sunspot.year",
-        "Nile",
-        "lynx",
-        "SeriesA",
-        "SeriesB",
-        "SeriesF",
-    ] {
+    for name in CLASSIC {
         let x = series(&reference, name);
         for theirs in reference["classic"][name]["fits"].as_array().unwrap() {
             let order = numbers(&theirs["order"]);

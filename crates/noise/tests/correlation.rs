@@ -2,37 +2,16 @@
 
 mod common;
 
-use common::{close, near, number, numbers, reference, series};
-use rand_distr::{Distribution, StandardNormal};
-use rand_xoshiro::Xoshiro256PlusPlus;
-use rand_xoshiro::rand_core::SeedableRng;
+use common::{close, names, near, number, numbers, reference, series, white_noise};
 use undrift_noise::correlation::{
     Partial, autocorrelation, autocovariance, bartlett_bounds, partial_autocorrelation, white_bound,
 };
 use undrift_noise::screening::RecordError;
 use undrift_noise::whiteness::portmanteau;
 
-const NAMES: [&str; 9] = [
-    "z100k",
-    "lh",
-    "LakeHuron",
-    "sunspot.year",
-    "Nile",
-    "lynx",
-    "SeriesA",
-    "SeriesB",
-    "SeriesF",
-];
 const SIMULATED: [&str; 7] = [
     "z100k", "f_arma21", "f_arma43", "f_ar1wn", "f_rw", "f_quant", "f_lap",
 ];
-
-fn noise(seed: u64, count: usize) -> Vec<f64> {
-    let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
-    (0..count)
-        .map(|_| StandardNormal.sample(&mut rng))
-        .collect()
-}
 
 /// 1e-8 relative, and for values that are small by cancellation 1e-14 of the correlation at lag 0.
 fn same(ours: &[f64], expected: &[f64], what: &str) {
@@ -51,7 +30,7 @@ fn same(ours: &[f64], expected: &[f64], what: &str) {
 #[test]
 fn correlations_are_those_of_statsmodels() {
     let Some(reference) = reference() else { return };
-    for name in NAMES {
+    for name in names() {
         let tests = if name == "z100k" {
             &reference["z100k"]["tests"]
         } else {
@@ -112,7 +91,7 @@ fn many_lags_by_fft_equal_the_sums() {
         (5000, 700),
         (70_000, 5000),
     ] {
-        let x: Vec<f64> = noise(3, count)
+        let x: Vec<f64> = white_noise(3, count)
             .iter()
             .scan(5.0, |s, e| {
                 *s = 0.9 * *s + e;
@@ -138,7 +117,7 @@ fn many_lags_by_fft_equal_the_sums() {
 #[test]
 fn portmanteau_tests_are_those_of_statsmodels_and_r() {
     let Some(reference) = reference() else { return };
-    for name in NAMES {
+    for name in names() {
         let tests = if name == "z100k" {
             &reference["z100k"]["tests"]
         } else {
@@ -183,7 +162,7 @@ fn portmanteau_tests_are_those_of_statsmodels_and_r() {
 
 #[test]
 fn fitted_parameters_cost_degrees_of_freedom() {
-    let x = noise(1, 500);
+    let x = white_noise(1, 500);
     let (free, fitted) = (
         portmanteau(&x, &[2, 10], 0).unwrap(),
         portmanteau(&x, &[2, 10], 2).unwrap(),
@@ -201,7 +180,7 @@ fn fitted_parameters_cost_degrees_of_freedom() {
 
 #[test]
 fn bounds_hold_white_noise() {
-    let x = noise(5, 20_000);
+    let x = white_noise(5, 20_000);
     let acf = autocorrelation(&x, 400).unwrap();
     let outside = acf[1..]
         .iter()

@@ -2,37 +2,18 @@
 
 mod common;
 
-use common::{close, columns, near, number, numbers, reference, series};
-use rand_distr::{Distribution, StandardNormal};
-use rand_xoshiro::Xoshiro256PlusPlus;
-use rand_xoshiro::rand_core::SeedableRng;
+use common::{
+    CLASSIC, close, columns, names, near, number, numbers, reference, series, white_noise,
+};
 use undrift_noise::normality::{
     jarque_bera, lilliefors_critical_5, normality, plain_critical_5, plain_p,
 };
 use undrift_noise::screening::RecordError;
 
-const CLASSIC: [&str; 8] = [
-    "lh",
-    "LakeHuron",
-    "sunspot.year",
-    "Nile",
-    "lynx",
-    "SeriesA",
-    "SeriesB",
-    "SeriesF",
-];
-
-fn normal(seed: u64, count: usize) -> Vec<f64> {
-    let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
-    (0..count)
-        .map(|_| StandardNormal.sample(&mut rng))
-        .collect()
-}
-
 #[test]
 fn moments_jarque_bera_and_distance_are_those_of_scipy() {
     let Some(reference) = reference() else { return };
-    for name in CLASSIC.into_iter().chain(["z100k"]) {
+    for name in names() {
         let tests = if name == "z100k" {
             &reference["z100k"]["tests"]
         } else {
@@ -104,7 +85,7 @@ fn sizes_under_the_null_are_nominal() {
     // beyond the plain one.
     let (mut fitted, mut by_p, mut plain, mut half) = (0, 0, 0, 0);
     for seed in 0..2000 {
-        let report = normality(&normal(seed, 200)).unwrap();
+        let report = normality(&white_noise(seed, 200)).unwrap();
         fitted += i32::from(report.distance > report.lilliefors_critical_5);
         by_p += i32::from(report.lilliefors_p < 0.05);
         plain += i32::from(report.distance > report.plain_critical_5);
@@ -155,7 +136,7 @@ fn kolmogorov_tables() {
 
 #[test]
 fn the_quantisation_step_is_found() {
-    let smooth = normal(1, 20_000);
+    let smooth = white_noise(1, 20_000);
     assert_eq!(normality(&smooth).unwrap().quantisation, None);
     for step in [0.05, 1.0 / 300.0, 0.7] {
         for offset in [0.0, 12.3] {
@@ -244,7 +225,7 @@ fn bad_records_are_errors() {
 
 #[test]
 fn jarque_bera_alone_is_the_one_of_the_whole() {
-    let x = normal(9, 5003);
+    let x = white_noise(9, 5003);
     let (alone, whole) = (jarque_bera(&x).unwrap(), normality(&x).unwrap());
     assert_eq!(alone.statistic, whole.jarque_bera);
     assert_eq!(alone.p_value, whole.jarque_bera_p);

@@ -2,21 +2,11 @@
 
 mod common;
 
-use common::{close, columns, data, near};
-use rand_distr::{Distribution, StandardNormal};
-use rand_xoshiro::Xoshiro256PlusPlus;
-use rand_xoshiro::rand_core::SeedableRng;
+use common::{close, columns, data, near, white_noise};
 use undrift_noise::screening::{
     MotionRule, OutlierRule, RecordError, constant_runs, motion, outliers, remove_constant,
     remove_linear, remove_temperature, timing,
 };
-
-fn noise(seed: u64, count: usize) -> Vec<f64> {
-    let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
-    (0..count)
-        .map(|_| StandardNormal.sample(&mut rng))
-        .collect()
-}
 
 #[test]
 fn trends_are_taken_out_exactly() {
@@ -29,7 +19,7 @@ fn trends_are_taken_out_exactly() {
     let temperature: Vec<f64> = (0..1000)
         .map(|k| 25.0 + (0.01 * f64::from(k)).sin())
         .collect();
-    let wander = noise(1, 1000);
+    let wander = white_noise(1, 1000);
     let x: Vec<f64> = temperature
         .iter()
         .zip(&wander)
@@ -75,7 +65,7 @@ fn stamps_are_reported() {
     let gaps: Vec<(usize, usize)> = report.gaps.iter().map(|g| (g.index, g.missing)).collect();
     assert_eq!(gaps, [(100, 1), (499, 7)]);
     near(report.gaps[1].length_s, 0.08, 1e-9, "length");
-    let shaken: Vec<f64> = noise(1, 1000)
+    let shaken: Vec<f64> = white_noise(1, 1000)
         .iter()
         .enumerate()
         .map(|(k, e)| 0.01 * k as f64 + 1e-3 * e.clamp(-2.0, 2.0))
@@ -91,7 +81,7 @@ fn stamps_are_reported() {
 
 #[test]
 fn outliers_are_found_and_noise_is_kept() {
-    let mut x = noise(2, 100_000);
+    let mut x = white_noise(2, 100_000);
     // A slow drift far beyond the threshold must not hide or make outliers.
     x.iter_mut()
         .enumerate()
@@ -108,7 +98,10 @@ fn outliers_are_found_and_noise_is_kept() {
     }
     near(found.outliers[2].sigmas, 12.0, 4.5, "sigmas");
     // Mostly one level: the median deviation is 0.
-    let coarse: Vec<f64> = noise(3, 50_000).iter().map(|v| (0.4 * v).round()).collect();
+    let coarse: Vec<f64> = white_noise(3, 50_000)
+        .iter()
+        .map(|v| (0.4 * v).round())
+        .collect();
     assert!(
         outliers(&coarse, OutlierRule::default())
             .unwrap()
@@ -145,7 +138,7 @@ fn outliers_are_found_and_noise_is_kept() {
     for count in 5..30 {
         for window in 5..40 {
             outliers(
-                &noise(1, count),
+                &white_noise(1, count),
                 OutlierRule {
                     window,
                     sigmas: 3.0,
@@ -194,7 +187,7 @@ fn the_disturbances_of_the_real_record_are_found() {
 
 #[test]
 fn motion_is_told_from_rest() {
-    let white = noise(4, 60_000);
+    let white = white_noise(4, 60_000);
     let rest = motion(&white, MotionRule::default()).unwrap();
     // 599 squares with correlation: 6 %.
     near(rest.ratio, 1.0, 0.25, "white");
@@ -237,7 +230,7 @@ fn motion_is_told_from_rest() {
 
 #[test]
 fn constant_stretches_are_found() {
-    let mut x = noise(5, 1000);
+    let mut x = white_noise(5, 1000);
     x[100..400].fill(0.25);
     assert_eq!(constant_runs(&x, 50), [(100, 300)]);
     assert_eq!(constant_runs(&[1.0; 20], 2), [(0, 20)]);

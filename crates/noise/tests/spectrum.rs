@@ -2,19 +2,9 @@
 
 mod common;
 
-use common::{close, near, number, numbers, reference, series};
-use rand_distr::{Distribution, StandardNormal};
-use rand_xoshiro::Xoshiro256PlusPlus;
-use rand_xoshiro::rand_core::SeedableRng;
+use common::{close, near, number, numbers, reference, series, white_noise};
 use std::f64::consts::TAU;
 use undrift_noise::spectrum::{lines, welch};
-
-fn noise(seed: u64, count: usize) -> Vec<f64> {
-    let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
-    (0..count)
-        .map(|_| StandardNormal.sample(&mut rng))
-        .collect()
-}
 
 #[test]
 fn densities_are_those_of_scipy() {
@@ -65,7 +55,7 @@ fn densities_are_those_of_scipy() {
 
 #[test]
 fn the_density_integrates_to_the_variance() {
-    let x = noise(1, 200_000);
+    let x = white_noise(1, 200_000);
     let density = welch(&x, 100.0, 1000).unwrap();
     let integral: f64 = density.density.iter().sum::<f64>() * density.resolution_hz();
     // Sampling error of the variance is 0.3 %.
@@ -82,7 +72,7 @@ fn the_density_integrates_to_the_variance() {
 #[test]
 fn sines_are_found_with_frequency_and_amplitude() {
     let wanted = [(0.5617, 0.2), (20.03, 0.3), (33.4, 0.15)];
-    let mut x = noise(2, 300_000);
+    let mut x = white_noise(2, 300_000);
     for (k, value) in x.iter_mut().enumerate() {
         for (frequency, amplitude) in wanted {
             *value += amplitude * (TAU * frequency * k as f64 / 100.0 + frequency).sin();
@@ -102,7 +92,13 @@ fn sines_are_found_with_frequency_and_amplitude() {
         );
         close(line.amplitude, amplitude, 0.05, "amplitude");
     }
-    assert!(lines(&welch(&noise(4, 300_000), 100.0, 16_384).unwrap(), 8.0).is_empty());
+    assert!(
+        lines(
+            &welch(&white_noise(4, 300_000), 100.0, 16_384).unwrap(),
+            8.0
+        )
+        .is_empty()
+    );
 }
 
 #[test]
@@ -124,7 +120,7 @@ fn bad_records_are_errors() {
     assert!(welch(&[1.0; 9], -1.0, 4).is_err() && welch(&[f64::NAN; 9], 1.0, 4).is_err());
     for count in 4..40 {
         for segment in 4..50 {
-            let density = welch(&noise(1, count), 1.0, segment).unwrap();
+            let density = welch(&white_noise(1, count), 1.0, segment).unwrap();
             assert!(density.segments >= 1);
             let _ = lines(&density, 1.0);
         }

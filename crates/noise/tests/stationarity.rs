@@ -2,40 +2,18 @@
 
 mod common;
 
-use common::{close, near, number, numbers, reference, series};
-use rand_distr::{Distribution, StandardNormal};
-use rand_xoshiro::Xoshiro256PlusPlus;
-use rand_xoshiro::rand_core::SeedableRng;
+use common::{close, names, near, number, numbers, reference, series, white_noise};
 use undrift_noise::screening::RecordError;
 use undrift_noise::stationarity::mackinnon::{critical_tau, p_tau};
 use undrift_noise::stationarity::{
     Conclusion, Deterministic, KpssLags, Lags, adf, kpss, phillips_perron, verdict,
 };
 
-const NAMES: [&str; 9] = [
-    "z100k",
-    "lh",
-    "LakeHuron",
-    "sunspot.year",
-    "Nile",
-    "lynx",
-    "SeriesA",
-    "SeriesB",
-    "SeriesF",
-];
-
 const KINDS: [(Deterministic, &str); 3] = [
     (Deterministic::None, "n"),
     (Deterministic::Constant, "c"),
     (Deterministic::Trend, "ct"),
 ];
-
-fn noise(seed: u64, count: usize) -> Vec<f64> {
-    let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
-    (0..count)
-        .map(|_| StandardNormal.sample(&mut rng))
-        .collect()
-}
 
 fn tests<'a>(reference: &'a serde_json::Value, name: &str) -> &'a serde_json::Value {
     if name == "z100k" {
@@ -49,7 +27,7 @@ fn tests<'a>(reference: &'a serde_json::Value, name: &str) -> &'a serde_json::Va
 fn dickey_fuller_is_that_of_statsmodels() {
     let Some(reference) = reference() else { return };
     let mut compared = 0;
-    for name in NAMES {
+    for name in names() {
         let x = series(&reference, name);
         for (key, expected) in tests(&reference, name)["statsmodels.adfuller"]
             .as_object()
@@ -155,7 +133,7 @@ fn mackinnon_tables() {
 #[test]
 fn kpss_is_that_of_statsmodels_and_r() {
     let Some(reference) = reference() else { return };
-    for name in NAMES {
+    for name in names() {
         let x = series(&reference, name);
         for (key, expected) in tests(&reference, name)["statsmodels.kpss"]
             .as_object()
@@ -211,7 +189,7 @@ fn kpss_is_that_of_statsmodels_and_r() {
 #[test]
 fn phillips_perron_is_that_of_arch() {
     let Some(reference) = reference() else { return };
-    for name in NAMES {
+    for name in names() {
         let x = series(&reference, name);
         let table = &tests(&reference, name)["arch.PhillipsPerron"];
         for (kind, key) in KINDS {
@@ -244,7 +222,7 @@ fn phillips_perron_is_that_of_arch() {
 fn all_regressions_equal_plain_least_squares() {
     // Normal equations built from shifted products against the regression written out, with a mean
     // 10 000 times the noise.
-    let x: Vec<f64> = noise(1, 400)
+    let x: Vec<f64> = white_noise(1, 400)
         .iter()
         .scan(1e4, |s, e| {
             *s += e;
@@ -294,7 +272,7 @@ fn sizes_under_the_null_are_nominal() {
     // Random walks of 500 steps: 5 % rejected, binomial sigma 0.7 % of 1000.
     let (mut dickey, mut perron, mut level) = (0, 0, 0);
     for seed in 0..1000 {
-        let white = noise(seed, 500);
+        let white = white_noise(seed, 500);
         let walk: Vec<f64> = white
             .iter()
             .scan(0.0, |s, e| {
@@ -330,7 +308,7 @@ fn bad_records_are_errors() {
         Err(RecordError::TooShort { .. })
     ));
     assert_eq!(fixed(&[0.3; 50]), Err(RecordError::Constant));
-    let mut x = noise(1, 50);
+    let mut x = white_noise(1, 50);
     x[7] = f64::NAN;
     assert_eq!(fixed(&x), Err(RecordError::NotFinite { index: 7 }));
     let line: Vec<f64> = (0..50).map(|k| 0.1 * f64::from(k)).collect();
@@ -354,7 +332,7 @@ fn bad_records_are_errors() {
             );
         }
         for count in 0..14 {
-            let x = noise(3, count);
+            let x = white_noise(3, count);
             for lags in 0..count + 3 {
                 let _ = adf(&x, kind, Lags::Fixed(lags));
                 let _ = adf(&x, kind, Lags::Aic(Some(lags)));
@@ -363,13 +341,13 @@ fn bad_records_are_errors() {
                 let _ = phillips_perron(&x, kind, Some(lags));
             }
         }
-        let _ = adf(&noise(3, 20), kind, Lags::Fixed(usize::MAX));
-        let _ = kpss(&noise(3, 20), kind, KpssLags::Fixed(usize::MAX));
-        let _ = phillips_perron(&noise(3, 20), kind, Some(usize::MAX));
+        let _ = adf(&white_noise(3, 20), kind, Lags::Fixed(usize::MAX));
+        let _ = kpss(&white_noise(3, 20), kind, KpssLags::Fixed(usize::MAX));
+        let _ = phillips_perron(&white_noise(3, 20), kind, Some(usize::MAX));
         let huge = [1e200, -1e200, 1e199, 3e200, 1e180, -1e200, 2e200];
         assert!(adf(&huge, kind, Lags::Fixed(0)).is_err());
     }
-    assert!(kpss(&noise(1, 50), Deterministic::None, KpssLags::Auto).is_err());
+    assert!(kpss(&white_noise(1, 50), Deterministic::None, KpssLags::Auto).is_err());
     assert_eq!(
         kpss(&line, Deterministic::Trend, KpssLags::Auto).map(|_| ()),
         Err(RecordError::Constant)
@@ -384,7 +362,7 @@ fn the_verdict_knows_when_the_unit_root_tests_are_worthless() {
         let perron = phillips_perron(x, Deterministic::Constant, None).unwrap();
         verdict(&dickey, &level, &perron, root)
     };
-    let white = noise(11, 20_000);
+    let white = white_noise(11, 20_000);
     let walk: Vec<f64> = white
         .iter()
         .scan(0.0, |s, e| {
@@ -395,14 +373,14 @@ fn the_verdict_knows_when_the_unit_root_tests_are_worthless() {
     assert_eq!(judge(&white, None).conclusion, Conclusion::Stationary);
     assert_eq!(judge(&walk, None).conclusion, Conclusion::UnitRoot);
     // The paper's case with a true unit root: a random walk far below white noise.
-    let bias: Vec<f64> = noise(12, 100_000)
+    let bias: Vec<f64> = white_noise(12, 100_000)
         .iter()
         .scan(0.0, |s, e| {
             *s += 6e-4 * e;
             Some(*s)
         })
         .collect();
-    let gyro: Vec<f64> = noise(13, 100_000)
+    let gyro: Vec<f64> = white_noise(13, 100_000)
         .iter()
         .zip(&bias)
         .map(|(w, b)| w + b)

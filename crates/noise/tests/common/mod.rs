@@ -2,10 +2,38 @@
 #![allow(dead_code)]
 
 use flate2::read::GzDecoder;
+use rand_distr::{Distribution, StandardNormal};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rand_xoshiro::rand_core::SeedableRng;
 use serde_json::Value;
 use std::fs::File;
 use std::io::Read;
 use std::path::PathBuf;
+
+/// The classical series in the reference file.
+pub const CLASSIC: [&str; 8] = [
+    "lh",
+    "LakeHuron",
+    "sunspot.year",
+    "Nile",
+    "lynx",
+    "SeriesA",
+    "SeriesB",
+    "SeriesF",
+];
+
+/// The classical series and a simulated one.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    CLASSIC.into_iter().chain(["z100k"])
+}
+
+/// White noise of unit variance.
+pub fn white_noise(seed: u64, count: usize) -> Vec<f64> {
+    let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
+    (0..count)
+        .map(|_| StandardNormal.sample(&mut rng))
+        .collect()
+}
 
 /// The shared data folder.
 pub fn data() -> PathBuf {

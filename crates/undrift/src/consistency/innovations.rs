@@ -1,0 +1,175 @@
+//! Whether innovations are as large as their covariance says, and white.
+
+use super::average_bounds;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+use std::collections::VecDeque;
+use undrift_nav::{Matrix3, Vector3, aiding::Observation, filter::Filter};
+use undrift_noise::correlation::white_bound;
+
+/// `L⁻¹ ν` with `L Lᵀ = S = H P Hᵀ + R`, the covariance of the innovation ν: white with unit
+/// covariance when the filter is right, its square is the NIS. `None` where S is no covariance.
+pub fn normalised_innovation<const N: usize>(
+    filter: &Filter<N>,
+    observed: &Observation<3, N>,
+    r: &Matrix3,
+) -> Option<Vector3> {
+    let s = observed.h * filter.covariance() * observed.h.transpose() + r + observed.extra;
+    nalgebra::Cholesky::new(s)?
+        .l()
+        .solve_lower_triangular(&observed.innovation)
+}
+
+/// Lags of the autocorrelation of [`InnovationStatistics`].
+pub const LAGS: usize = 10;
+
+/// Whiteness and size of one kind of innovations, streamed: any filter can feed it.
+///
+/// ```
+/// use undrift::consistency::InnovationStatistics;
+/// let mut statistics = InnovationStatistics::new();
+/// for k in 0..100 {
+///     let alternating = if k % 2 == 0 { 1.0 } else { -1.0 };
+///     statistics.add(f64::from(k), &[alternating, 0.5]);
+/// }
+/// assert_eq!((statistics.updates(), statistics.freedom()), (100, 200));
+/// assert!((statistics.autocorrelation(0, 1).unwrap() + 0.99).abs() < 1e-12);
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct InnovationStatistics {
+    updates: u64,
+    freedom: u64,
+    nis: f64,
+    above: u64,
+    /// First and last time [s].
+    span: Option<(f64, f64)>,
+    components: Vec<Lagged>,
+}
+
+/// Products of one component with its past.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Lagged {
+    count: u64,
+    /// At lags 0 … [`LAGS`].
+    products: [f64; LAGS + 1],
+    recent: VecDeque<f64>,
+}
+
+impl InnovationStatistics {
+    /// Nothing yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Takes in the innovation of one update at `time` [s], normalised by the root of its
+    /// covariance ([`normalised_innovation`]): one number per degree of freedom.
+    pub fn add(&mut self, time: f64, normalised: &[f64]) {
+        let nis: f64 = normalised.iter().map(|v| v * v).sum();
+        let freedom = normalised.len();
+        self.updates += 1;
+        self.freedom += freedom as u64;
+        self.nis += nis;
+        self.above += u64::from(nis > chi_squared_95(freedom));
+        self.span = Some((self.span.map_or(time, |(first, _)| first), time));
+        self.components
+            .resize_with(self.components.len().max(freedom), Lagged::default);
+        for (lagged, &value) in self.components.iter_mut().zip(normalised) {
+            lagged.count += 1;
+            lagged.products[0] += value * value;
+            for (product, past) in lagged.products[1..].iter_mut().zip(&lagged.recent) {
+                *product += value * past;
+            }
+            lagged.recent.truncate(LAGS - 1);
+            lagged.recent.push_front(value);
+        }
+    }
+
+    /// Takes in the sums of another run of the same kind of measurement.
+    pub fn merge(&mut self, other: &Self) {
+        self.updates += other.updates;
+        self.freedom += other.freedom;
+        self.nis += other.nis;
+        self.above += other.above;
+        self.span = match (self.span, other.span) {
+            (Some(a), Some(b)) => Some((a.0.min(b.0), a.1.max(b.1))),
+            (a, b) => a.or(b),
+        };
+        let most = self.components.len().max(other.components.len());
+        self.components.resize_with(most, Lagged::default);
+        for (mine, more) in self.components.iter_mut().zip(&other.components) {
+            mine.count += more.count;
+            mine.recent.clear();
+            for (sum, product) in mine.products.iter_mut().zip(more.products) {
+                *sum += product;
+            }
+        }
+    }
+
+    /// Updates.
+    pub fn updates(&self) -> u64 {
+        self.updates
+    }
+
+    /// Sum of the degrees of freedom: what [`InnovationStatistics::nis`] is on average when the
+    /// filter is right.
+    pub fn freedom(&self) -> u64 {
+        self.freedom
+    }
+
+    /// Sum of the normalised innovations squared.
+    pub fn nis(&self) -> f64 {
+        self.nis
+    }
+
+    /// NIS per degree of freedom: 1 when the filter is right. `None` without updates.
+    pub fn per_freedom(&self) -> Option<f64> {
+        (self.freedom > 0).then(|| self.nis / self.freedom as f64)
+    }
+
+    /// Two-sided 95 % bounds of [`InnovationStatistics::per_freedom`]; innovations are independent
+    /// of each other when the filter is right, so they hold along one run too.
+    pub fn bounds(&self) -> (f64, f64) {
+        average_bounds(1, self.freedom as usize)
+    }
+
+    /// Share of the updates whose NIS is above the 95 % point of its chi-squared: 0.05 when right.
+    pub fn share_above_95(&self) -> Option<f64> {
+        (self.updates > 0).then(|| self.above as f64 / self.updates as f64)
+    }
+
+    /// First and last time [s].
+    pub fn span(&self) -> Option<(f64, f64)> {
+        self.span
+    }
+
+    /// Components seen: the most degrees of freedom of an update.
+    pub fn components(&self) -> usize {
+        self.components.len()
+    }
+
+    /// Autocorrelation of a component at a lag of 0 … [`LAGS`] updates, about zero, which the mean
+    /// of an innovation is when the filter is right. `None` where there is none.
+    pub fn autocorrelation(&self, component: usize, lag: usize) -> Option<f64> {
+        let products = &self.components.get(component)?.products;
+        let product = products.get(lag)?;
+        (products[0] > 0.0).then(|| product / products[0])
+    }
+
+    /// 95 % bound of the autocorrelations of a component that is white: ±1.96/√n.
+    pub fn white_bound(&self, component: usize) -> Option<f64> {
+        let lagged = self.components.get(component)?;
+        Some(white_bound(lagged.count as usize))
+    }
+}
+
+/// The 95 % point of chi-squared, computed once for the freedoms of usual measurements.
+fn chi_squared_95(freedom: usize) -> f64 {
+    use std::sync::LazyLock;
+    fn point(freedom: usize) -> f64 {
+        ChiSquared::new(freedom as f64).map_or(f64::INFINITY, |law| law.inverse_cdf(0.95))
+    }
+    static POINTS: LazyLock<[f64; 7]> = LazyLock::new(|| std::array::from_fn(point));
+    POINTS
+        .get(freedom)
+        .copied()
+        .unwrap_or_else(|| point(freedom))
+}
