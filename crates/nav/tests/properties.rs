@@ -7,7 +7,12 @@ use proptest::prelude::*;
 use undrift_nav::{
     Quaternion,
     attitude::{from_rotation_vector, from_rpy, skew, to_rpy},
+    covariance::{AXES, NAV},
     earth::{Geodetic, wrap_pi},
+    filter::{Filter, InitialStd},
+    mechanisation::NavState,
+    parameters::Parameters,
+    sample::Position,
     shaping::{AxisMatrix, MAX_ORDER, ShapingFilter},
     units::{self, Quantity},
 };
@@ -267,6 +272,41 @@ proptest! {
         let turn = a.normalize() * 10f64.powf(small);
         let series = nalgebra::Matrix3::identity() + skew(&turn) + skew(&turn) * skew(&turn) / 2.0;
         prop_assert!((matrix(&from_rotation_vector(&turn)) - series).amax() < turn.norm().powi(3) / 5.0 + 1e-15);
+    }
+}
+
+proptest! {
+    #![proptest_config(seeded())]
+
+    #[test]
+    fn a_lever_arm_turns_with_the_body(
+        lat in -80.0..80.0f64, lon in -180.0..180.0f64, height in -100.0..10_000.0f64,
+        turn in prop::array::uniform3(-3.0..3.0f64), lever in prop::array::uniform3(-30.0..30.0f64),
+    ) {
+        let lever = Vector3::from(lever);
+        let nav = NavState {
+            time: 0.0,
+            position: Geodetic::from_degrees(lat, lon, height),
+            v_n: Vector3::zeros(),
+            q_nb: from_rotation_vector(&Vector3::from(turn)),
+        };
+        let std = InitialStd {
+            position: Vector3::repeat(1.0),
+            velocity: Vector3::repeat(1.0),
+            attitude: Vector3::repeat(0.1),
+        };
+        let white = ShapingFilter::white(1e-3, T).unwrap();
+        let filter = Filter::<NAV>::new(nav, &std, [white; AXES], Parameters::none()).unwrap();
+        let antenna = filter.antenna_position(&lever);
+        // Rounding of a longitude of up to π, 3e-9 m.
+        let offset = nav.position.offset_to(&antenna);
+        prop_assert!((offset - nav.q_nb * lever).norm() < 8e-9, "{offset} {lever}");
+        let fix = Position::Geodetic(antenna);
+        let innovation = filter.observe_position(&fix, &lever).innovation;
+        prop_assert!(innovation.norm() < 8e-9, "{innovation}");
+        // The same fix without the lever arm is off by all of it.
+        let innovation = filter.observe_position(&fix, &Vector3::zeros()).innovation;
+        prop_assert!((innovation.norm() / lever.norm() - 1.0).abs() < 1e-3);
     }
 }
 
