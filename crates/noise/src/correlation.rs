@@ -35,11 +35,7 @@ const BLOCK: usize = 2048;
 /// Fewer than lags + 1 samples (2 at least), a sample that is not finite, a constant record.
 pub fn autocovariance(x: &[f64], lags: usize) -> Result<Vec<f64>, RecordError> {
     let (mean, squares) = check_varying(x, lags.saturating_add(1).max(2))?;
-    let mut products = if lags < FFT_FROM {
-        direct(x, mean, lags)
-    } else {
-        by_fft(x, mean, lags)
-    };
+    let mut products = lagged_products(x, mean, lags);
     products[0] = squares;
     let count = x.len() as f64;
     products.iter_mut().for_each(|v| *v /= count);
@@ -74,7 +70,16 @@ pub fn bartlett_bounds(autocorrelation: &[f64], samples: usize) -> Vec<f64> {
     bounds
 }
 
-/// Σ (x_t − mean)(x_{t−k} − mean), lag by lag on blocks that stay in the cache.
+/// Σ (x_t − mean)(x_{t−k} − mean) for k = 0 … lags, which are fewer than the samples.
+pub(crate) fn lagged_products(x: &[f64], mean: f64, lags: usize) -> Vec<f64> {
+    if lags < FFT_FROM {
+        direct(x, mean, lags)
+    } else {
+        by_fft(x, mean, lags)
+    }
+}
+
+/// Lag by lag on blocks that stay in the cache.
 fn direct(x: &[f64], mean: f64, lags: usize) -> Vec<f64> {
     let mut sums = vec![Compensated::default(); lags + 1];
     let mut block = vec![0.0; BLOCK + lags];

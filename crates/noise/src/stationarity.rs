@@ -20,6 +20,8 @@ pub mod mackinnon;
 pub mod phillips_perron;
 pub mod verdict;
 
+use crate::correlation::lagged_products;
+
 pub use adf::{Adf, Lags, adf};
 pub use kpss::{Kpss, KpssLags, kpss};
 pub use phillips_perron::{PhillipsPerron, phillips_perron};
@@ -66,24 +68,12 @@ pub(crate) fn schwert(samples: usize, factor: f64) -> f64 {
 /// Bartlett-weighted long-run variance `γ₀ + 2 Σ (1 − l/(L+1)) γ_l` of residuals [unit²], γ about 0
 /// with divisor n (Newey & West, Econometrica 55, 1987).
 pub(crate) fn long_run_variance(residuals: &[f64], lags: usize) -> f64 {
-    let count = residuals.len() as f64;
-    let mut variance = lagged_product(residuals, 0) / count;
-    for lag in 1..=lags.min(residuals.len().saturating_sub(1)) {
-        let weight = 1.0 - lag as f64 / (lags as f64 + 1.0);
-        variance += 2.0 * weight * lagged_product(residuals, lag) / count;
+    let products = lagged_products(residuals, 0.0, lags.min(residuals.len().saturating_sub(1)));
+    let mut sum = products[0];
+    for (lag, product) in products.iter().enumerate().skip(1) {
+        sum += 2.0 * (1.0 - lag as f64 / (lags as f64 + 1.0)) * product;
     }
-    variance
-}
-
-/// Σ x_t x_{t−lag}.
-pub(crate) fn lagged_product(x: &[f64], lag: usize) -> f64 {
-    const BLOCK: usize = 1024;
-    let lag = lag.min(x.len());
-    let mut total = crate::screening::record::Compensated::default();
-    for (early, late) in x[..x.len() - lag].chunks(BLOCK).zip(x[lag..].chunks(BLOCK)) {
-        total.add(dot(early, late));
-    }
-    total.value()
+    sum / residuals.len() as f64
 }
 
 /// Dot product in eight lanes, of slices of one length.

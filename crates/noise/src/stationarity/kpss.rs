@@ -1,7 +1,8 @@
 //! KPSS test of stationarity (Kwiatkowski, Phillips, Schmidt & Shin, J. Econometrics 54, 1992), as
 //! Python's statsmodels and R's urca do it.
 
-use super::{Critical, Deterministic, lagged_product, long_run_variance, schwert};
+use super::{Critical, Deterministic, long_run_variance, schwert};
+use crate::correlation::lagged_products;
 use crate::screening::record::{Compensated, RecordError, check_varying, sum_of};
 
 /// Lags of the long-run variance.
@@ -118,11 +119,11 @@ fn interpolate(statistic: f64, table: [f64; 4]) -> (f64, bool) {
 fn automatic(residuals: &[f64]) -> usize {
     let count = residuals.len() as f64;
     let covariances = count.powf(2.0 / 9.0) as usize;
-    let (mut zeroth, mut first) = (lagged_product(residuals, 0) / count, 0.0);
-    for lag in 1..=covariances {
-        let product = 2.0 * lagged_product(residuals, lag) / count;
-        zeroth += product;
-        first += lag as f64 * product;
+    let products = lagged_products(residuals, 0.0, covariances);
+    let (mut zeroth, mut first) = (products[0], 0.0);
+    for (lag, product) in products.iter().enumerate().skip(1) {
+        zeroth += 2.0 * product;
+        first += 2.0 * lag as f64 * product;
     }
     let ratio = first / zeroth;
     let lags = 1.1447 * (ratio * ratio).cbrt() * count.cbrt();
