@@ -196,22 +196,6 @@ fn what_is_not_there_is_said_with_what_there_is() {
     let head = [&b"ULog\x01\x12\x35\x01"[..], &[0; 8], b"\x28\x00B", &flags].concat();
     let message = from_bytes(&head, &imu(Some("vehicle_imu"))).unwrap_err();
     assert!(message.to_string().contains("unknown kind"), "{message}");
-    // A log of nothing, asked for whatever it has.
-    let bare = [&b"ULog\x01\x12\x35\x01"[..], &[0; 8]].concat();
-    for (wanted, topic, key) in [
-        (imu(None), "no vehicle_imu or sensor_combined", "imu.topic"),
-        (
-            fixes(None),
-            "no vehicle_gps_position or sensor_gps",
-            "gnss.topic",
-        ),
-    ] {
-        let message = from_bytes(&bare, &wanted).unwrap_err().to_string();
-        assert!(
-            message.contains(topic) && message.contains(key),
-            "{message}"
-        );
-    }
 }
 
 #[test]
