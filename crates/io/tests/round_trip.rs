@@ -114,6 +114,26 @@ fn mcap() {
 }
 
 #[test]
+fn a_table_is_no_log() {
+    let path = std::env::temp_dir().join(format!("undrift-io-table-{}.csv", std::process::id()));
+    std::fs::write(&path, "t,x\n0,1\n").unwrap();
+    let message = GnssReader::open_log(&path, &GnssLog::new(Format::Csv))
+        .err()
+        .unwrap()
+        .to_string();
+    assert!(
+        message.contains("its columns have to be named"),
+        "{message}"
+    );
+    let message = undrift_io::log::streams(&path, Format::Csv).unwrap_err();
+    std::fs::remove_file(&path).unwrap();
+    assert!(
+        message.to_string().contains("have to be named"),
+        "{message}"
+    );
+}
+
+#[test]
 fn a_file_that_is_not_finished_is_none() {
     let path =
         std::env::temp_dir().join(format!("undrift-io-unfinished-{}.mcap", std::process::id()));

@@ -61,6 +61,27 @@ fn gyro_white() -> f64 {
 const GYRO_DRIVE: f64 = 0.9 * DEG / 3600.0;
 
 #[test]
+fn kalibr_has_the_walk_that_a_record_could_not_show() {
+    let mut model = model();
+    for axis in model.gyro.iter_mut() {
+        (axis.instability, axis.random_walk) = (Vec::new(), None);
+    }
+    let missing = model.export(ModelFormat::Kalibr, Some(200.0)).unwrap_err();
+    assert!(
+        missing.to_string().contains("bias_instability"),
+        "{missing}"
+    );
+    // An hour at 200 Hz: at a tenth of it, K²τ/3 of the walk is N²/τ of the white noise.
+    (model.provenance.samples, model.provenance.rate_hz) = (Some(720_000), Some(200.0));
+    let text = model.export(ModelFormat::Kalibr, Some(200.0)).unwrap();
+    let tau = 360.0;
+    let walk = (3.0 * gyro_white().powi(2) / tau).sqrt() / tau.sqrt();
+    close(&numbers(&text, "gyroscope_random_walk"), &[walk]);
+    close(&numbers(&text, "accelerometer_random_walk"), &[1e-4]);
+    assert!(text.contains("an upper bound"), "{text}");
+}
+
+#[test]
 fn kalibr_has_densities() {
     let text = model().export(ModelFormat::Kalibr, Some(200.0)).unwrap();
     close(&numbers(&text, "gyroscope_noise_density"), &[gyro_white()]);

@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use undrift_nav::shaping::ShapingFilter;
 use undrift_noise::allan::{Grid, Kind, deviations, deviations_at};
 use undrift_noise::arma::{Mean, burg, log_likelihood, yule_walker};
-use undrift_noise::composite::{self, Level, block_average};
+use undrift_noise::composite::{self, CompositeTerms, GaussMarkov, Level, block_average};
 use undrift_noise::correlation::partial::durbin_levinson;
 use undrift_noise::correlation::{Partial, autocovariance, partial_autocorrelation};
 
@@ -175,6 +175,23 @@ proptest! {
             }
             let exact = sum / (m * m) as f64;
             prop_assert!((found[k] - exact).abs() < 1e-12 * gamma[0], "{k}: {} {exact}", found[k]);
+        }
+    }
+
+    #[test]
+    fn scaled_terms_have_the_scaled_autocovariance(
+        white in 0.0..1.0f64, quantisation in 0.0..0.1f64, sigma in 0.0..1.0f64, tau in -2.0..3.0f64,
+        factor in 0.01..100.0f64,
+    ) {
+        let mut terms = CompositeTerms { white, quantisation, ..CompositeTerms::default() };
+        terms.gauss_markov[0] = GaussMarkov { sigma, tau_s: 10f64.powf(tau) };
+        let (one, many) = (terms.to_shaping(0.01).unwrap(), terms.scaled(factor).to_shaping(0.01).unwrap());
+        let (one, many) = (lags(&one, 8), lags(&many, 8));
+        // Lag 1 of the quantisation alone is −Q²/T².
+        let exact = -(quantisation / 0.01).powi(2) + sigma * sigma * (-0.01 / 10f64.powf(tau)).exp();
+        prop_assert!((one[1] - exact).abs() < 1e-12 * one[0].max(1e-12));
+        for (a, b) in one.iter().zip(many) {
+            prop_assert!((a * factor * factor - b).abs() <= 1e-13 * one[0] * factor * factor);
         }
     }
 
