@@ -608,6 +608,9 @@ impl<const N: usize> Filter<N> {
 
     /// Whether the solution is still one: finite, possible, with a covariance that is not negative
     /// on its diagonal.
+    ///
+    /// # Errors
+    /// [`FilterError::Diverged`] if it is not.
     pub fn check(&self) -> Result<(), FilterError> {
         let diagonal_ok = (0..N).all(|i| self.p[(i, i)] >= 0.0 && self.p[(i, i)].is_finite());
         if diagonal_ok && self.nav.is_valid() {
