@@ -6,6 +6,7 @@
 //! unit: a scale of the time column has to make seconds of it. A decimal is scaled. Null is an empty
 //! field.
 
+mod headers;
 #[cfg(test)]
 mod tests;
 
@@ -260,6 +261,11 @@ impl ParquetTable {
             let group = self.reader.get_row_group(self.group)?;
             self.group += 1;
             for wanted in &mut self.columns {
+                let (start, length) = group.metadata().column(wanted.index).byte_range();
+                if !headers::pages_are_sound(&self.path, start, start.saturating_add(length))? {
+                    let problem = "a header of a page is damaged".to_owned();
+                    return Err(ParquetError::General(problem));
+                }
                 wanted.reader = Some(group.get_column_reader(wanted.index)?);
             }
         }
@@ -345,6 +351,11 @@ fn open(path: &Path) -> Result<SerializedFileReader<File>, ReadError> {
     }
     let length = file.metadata().map_or(0, |metadata| metadata.len());
     let unreadable = |error| failed(format!("is no Parquet file that can be read: {error}"));
+    if !headers::footer_is_sound(&mut file).is_ok_and(|sound| sound) {
+        return Err(unreadable(ParquetError::General(
+            "the footer is damaged".into(),
+        )));
+    }
     let reader = guarded(|| SerializedFileReader::new(file)).map_err(unreadable)?;
     let groups = reader.metadata().row_groups().iter();
     let mut chunks = groups.flat_map(|group| group.columns());
