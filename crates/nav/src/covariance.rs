@@ -359,10 +359,11 @@ impl Sensors {
             return;
         };
         let moved = transition.carry(nav, &errors);
-        // Lying down, so that what is done to a state is done to a row.
+        // Lying down, so that what is done to a state is done to a row; row by row, so that no wide read
+        // waits for narrow writes.
         let mut turned = [[0.0; EVEN]; N];
-        for i in 0..NAV {
-            for j in 0..N {
+        for j in 0..N {
+            for i in 0..NAV {
                 turned[j][i] = moved[i][j];
             }
         }
