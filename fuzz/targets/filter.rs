@@ -239,7 +239,8 @@ fn replayed(kind: BiasModel, first: u8, events: &[Event]) {
                 };
                 aiding.push(Measurement::Gnss(GnssFix {
                     time: later(&aiding, time + event.numbers[4].clamp(0.0, 1.0)),
-                    position: (event.kind & 0x08 == 0).then_some((Position::Geodetic(place), noise)),
+                    position: (event.kind & 0x08 == 0)
+                        .then_some((Position::Geodetic(place), noise)),
                     velocity: (event.kind & 0x10 == 0).then_some((v, noise)),
                     quality: FixQuality::Unknown,
                 }));
