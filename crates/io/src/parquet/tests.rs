@@ -190,8 +190,8 @@ fn files_that_break_off_or_are_damaged_do_no_harm() {
 /// The crate alone takes minutes for it: a header with a list of 2³¹ booleans, of no byte each.
 #[test]
 fn a_list_without_end_in_a_header_ends_the_table() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../fuzz/corpus-seeds/parquet/endless-list");
+    let path =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus-seeds/parquet/endless-list");
     let started = std::time::Instant::now();
     for name in column_names(&path).unwrap() {
         let options = options(&[&name], true);
