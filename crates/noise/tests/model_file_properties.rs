@@ -181,7 +181,7 @@ fn a_number_of_sixteen_digits_is_written_again_as_it_was_read() {
 
 #[test]
 fn whole_numbers_in_every_spelling_of_toml_are_read() {
-    let text = "[gyro]\nwhite_noise = \"0.1 deg/sqrt(h)\"\n[provenance]\nsamples = 1_000_000\n[gyro.identification]\na = +5\nb = -1_0\nc = 0xff_ff\nd = 1_0.5e+1\n";
+    let text = "format = \"undrift-imu\"\nversion = 1\n[gyro]\nwhite_noise = \"0.1 deg/sqrt(h)\"\n[provenance]\nsamples = 1_000_000\n[gyro.identification]\na = +5\nb = -1_0\nc = 0xff_ff\nd = 1_0.5e+1\n";
     let read = ImuModel::from_toml(text, "text").unwrap();
     assert_eq!(read.provenance.samples, Some(1_000_000));
     let found = &read.gyro[0].identification;
