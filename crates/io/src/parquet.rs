@@ -260,9 +260,10 @@ impl ParquetTable {
             }
             let group = self.reader.get_row_group(self.group)?;
             self.group += 1;
+            let mut file = File::open(&self.path)?;
             for wanted in &mut self.columns {
                 let (start, length) = group.metadata().column(wanted.index).byte_range();
-                if !headers::pages_are_sound(&self.path, start, start.saturating_add(length))? {
+                if !headers::pages_are_sound(&mut file, start, start.saturating_add(length))? {
                     let problem = "a header of a page is damaged".to_owned();
                     return Err(ParquetError::General(problem));
                 }

@@ -6,9 +6,8 @@
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
-use std::path::Path;
 
-/// Structures within structures.
+/// Structures, lists and maps within each other.
 const DEEPEST: u32 = 32;
 /// A page header is a few dozen bytes long, unless it carries long statistics.
 const USUAL: u64 = 1024;
@@ -34,14 +33,13 @@ pub(super) fn footer_is_sound(file: &mut File) -> io::Result<bool> {
 
 /// Whether all page headers between two places of a file [bytes] are structures that end before the second,
 /// and lead from one to the next.
-pub(super) fn pages_are_sound(path: &Path, start: u64, end: u64) -> io::Result<bool> {
-    let mut file = File::open(path)?;
+pub(super) fn pages_are_sound(file: &mut File, start: u64, end: u64) -> io::Result<bool> {
     let mut at = start;
     while at < end {
         let left = end - at;
-        let mut header = Header::read(&part(&mut file, at, left.min(USUAL))?);
+        let mut header = Header::read(&part(file, at, left.min(USUAL))?);
         if header.is_none() && left > USUAL {
-            header = Header::read(&part(&mut file, at, left)?);
+            header = Header::read(&part(file, at, left)?);
         }
         let Some(page) = header.and_then(Header::with_page) else {
             return Ok(false);
@@ -122,9 +120,6 @@ impl Walk<'_> {
 
     /// A structure, with its third field if that is a number.
     fn structure(&mut self, depth: u32) -> Option<Option<i64>> {
-        if depth > DEEPEST {
-            return None;
-        }
         let (mut field, mut third) = (0i64, None);
         loop {
             let head = self.byte()?;
@@ -147,6 +142,10 @@ impl Walk<'_> {
 
     /// A value that takes a byte at least.
     fn value(&mut self, kind: u8, depth: u32) -> Option<()> {
+        // Before what is inside: a megabyte of heads of lists would be as many calls deep.
+        if depth > DEEPEST {
+            return None;
+        }
         match kind {
             3 => self.skip(1),
             4..=6 => self.varint().map(drop),
@@ -179,7 +178,6 @@ impl Walk<'_> {
             13 => self.skip(16),
             _ => None,
         }
-        .filter(|()| depth <= DEEPEST)
     }
 }
 
@@ -211,9 +209,10 @@ mod tests {
         }
         // Three short numbers and three texts.
         assert!(Header::read(&[0x19, 0x34, 1, 2, 3, 0x19, 0x38, 1, 9, 0, 0, 0]).is_some());
-        // Lists within lists without an end to it.
-        let mut deep = vec![0x19];
-        deep.extend([0x19; 100]);
-        assert!(Header::read(&deep).is_none());
+        // Lists within lists, structures within structures, maps within maps without an end to it; the
+        // stack of a thread ends before they do.
+        for head in [&[0x19][..], &[0x1c], &[0x1b, 1, 0xbb]] {
+            assert!(Header::read(&head.repeat(1_000_000)).is_none(), "{head:?}");
+        }
     }
 }
