@@ -241,16 +241,8 @@ impl Sensors {
         x: &[f64; N],
         coupling: &Coupling,
     ) -> [f64; AXES] {
-        let mut error = [0.0; AXES];
-        for (axis, filter) in self.axes.iter().enumerate() {
-            for i in 0..filter.order {
-                error[axis] += filter.h[i] * x[self.start[axis] + i];
-            }
-            for (index, factor) in coupling.of(axis) {
-                error[axis] += factor * x[*index];
-            }
-        }
-        error
+        let (x, _) = x.as_chunks::<1>();
+        self.error_rows(x, coupling).map(|[error]| error)
     }
 
     /// Standard deviations of the sensor errors `H x` [rad/s, m/s²] under a covariance of the error state.
@@ -269,22 +261,8 @@ impl Sensors {
 
     /// `x ← F x` of the sensor states in `x`, which is a whole error-state vector.
     pub fn step_mean<const N: usize>(&self, x: &mut [f64; N]) {
-        for (axis, filter) in self.axes.iter().enumerate() {
-            let at = self.start[axis];
-            if filter.order == 1 {
-                x[at] *= filter.f[0][0];
-                continue;
-            }
-            let x = &mut x[at..at + filter.order];
-            match filter.order {
-                0 => {}
-                2 => step::<2>(&filter.f, x),
-                3 => step::<3>(&filter.f, x),
-                4 => step::<4>(&filter.f, x),
-                5 => step::<5>(&filter.f, x),
-                _ => step::<MAX_ORDER>(&filter.f, x),
-            }
-        }
+        let (x, _) = x.as_chunks_mut::<1>();
+        self.step_rows(x, 1);
     }
 
     /// The six sensor errors `H x + U p` of the states whose rows these are.
@@ -421,6 +399,7 @@ impl Sensors {
             }
         }
         if states == N {
+            // As a constant: the rows are then copied without a loop.
             self.step_rows(p, N);
         } else {
             self.step_rows(p, states);
@@ -474,21 +453,6 @@ fn four_lanes<T>(step: impl FnOnce() -> T) -> T {
 fn add_row<const W: usize>(to: &mut [f64; W], factor: f64, from: &[f64; W]) {
     for k in 0..W {
         to[k] += factor * from[k];
-    }
-}
-
-/// `x ← F x` of an axis with `K` states; of one with fewer, nothing.
-fn step<const K: usize>(f: &AxisMatrix, x: &mut [f64]) {
-    let Some(x) = x.first_chunk_mut::<K>() else {
-        return;
-    };
-    let before = *x;
-    for i in 0..K {
-        let mut sum = 0.0;
-        for j in 0..K {
-            sum += f[i][j] * before[j];
-        }
-        x[i] = sum;
     }
 }
 
