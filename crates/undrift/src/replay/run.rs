@@ -127,13 +127,14 @@ impl<'a, const N: usize> Run<'a, N> {
         }
         let before = sample.time - sample.dt;
         self.note_long_gap(before, sample.dt);
-        if self.filter.is_some() {
+        if self.filter.take().is_some() {
             self.begin_anew(before, BROKEN_OFF);
-            self.filter = None;
         }
-        self.aligner = match self.summary.restarts.is_empty() {
-            true => Aligner::new(self.settings),
-            false => self.second_aligner(),
+        // Nor does an alignment that was under way, a first one or a second, know anything any more.
+        self.aligner = if self.summary.restarts.is_empty() {
+            Aligner::new(self.settings)
+        } else {
+            self.second_aligner()
         };
         self.previous = None;
         let dt = self.settings.sensors[0].interval;
