@@ -1,4 +1,4 @@
-//! Times one likelihood evaluation per order, screening of the record included, whole fits and a pair
+//! Times one likelihood evaluation per order about a known mean, whole fits and a pair
 //! of profile intervals. `cargo run --release --example arma_speed [samples [likelihood]]`
 //!
 //! At steady state is what the second half of the record takes: there the response to the start is over.

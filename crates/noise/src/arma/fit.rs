@@ -2,7 +2,7 @@
 
 use super::diagnosis::{self, Warning};
 use super::kalman;
-use super::likelihood::{Likelihood, Mean, screen};
+use super::likelihood::{Likelihood, Mean, screen, unbroken};
 use super::polynomial::{is_stable, multiply};
 use super::search::{Ladder, Problem};
 use super::{ArmaError, MAX_FIT_ORDER};
@@ -130,7 +130,6 @@ pub fn log_likelihood(
     if ar.len().max(ma.len()) > MAX_FIT_ORDER {
         return Err(ArmaError::OrderTooHigh);
     }
-    let (centre, present) = screen(samples, 0)?;
     if let Mean::Known(value) = mean
         && !value.is_finite()
     {
@@ -147,6 +146,15 @@ pub fn log_likelihood(
     if !stationary {
         return Err(ArmaError::NotStationary);
     }
+    // About a known mean one pass is enough: a missing or infinite sample leaves no likelihood.
+    if mean != Mean::Estimated && !unit_root && samples.len() >= 3 {
+        let varying = samples.iter().any(|x| *x != samples[0]);
+        let point = [(ar.to_vec(), ma.to_vec())];
+        if varying && let [Some(likelihood)] = unbroken(samples, mean, 0.0, &point)[..] {
+            return Ok(likelihood);
+        }
+    }
+    let (centre, present) = screen(samples, 0)?;
     let problem = Problem {
         samples,
         mean,
