@@ -1,41 +1,38 @@
 //! Navigates the raw logs of `navigation.py` with the crate fusion-nav and leaves `fusion_nav.f64` beside
-//! them; prints CPU time and memory as the other tasks do. Built by `navigation.py` in a throw-away crate.
+//! them. Built by `navigation.py` in a throw-away crate.
+
+mod raw_logs;
 
 use fusion_nav::prelude::*;
-use std::{error::Error, fs, path::Path, time::Duration};
-
-type Failure = Box<dyn Error>;
+use raw_logs::{Failure, Logs};
 
 fn main() -> Result<(), Failure> {
-    let mut arguments = std::env::args().skip(1);
-    let folder = arguments.next().ok_or("give the folder of the logs")?;
-    let repeats: usize = arguments.next().map_or(Ok(1), |text| text.parse())?;
-    let folder = Path::new(&folder);
-    let read = |name: &str| read(&folder.join(name));
-    let (imu, gnss) = (read("imu.f64")?, read("gnss.f64")?);
-    let (start, model) = (read("start.f64")?, read("model.f64")?);
-    let before = peak_kib()?;
-    let mut fastest = f64::INFINITY;
-    let mut solution = Vec::new();
-    for _ in 0..repeats.max(1) {
-        let since = cpu_seconds()?;
-        solution = navigate(&imu, &gnss, &start, &model)?;
-        fastest = fastest.min(cpu_seconds()? - since);
-    }
-    let bytes: Vec<u8> = solution.iter().flat_map(|value| value.to_le_bytes()).collect();
-    fs::write(folder.join("fusion_nav.f64"), bytes)?;
-    println!(
-        "{{\"values\":[{}],\"cpu_s\":{fastest:?},\"peak_kib\":{},\"before_kib\":{before}}}",
-        solution.len() / 10,
-        peak_kib()?
-    );
-    Ok(())
+    raw_logs::run("fusion_nav", navigate)
 }
 
 /// Rows of time, latitude, longitude, height, velocity, roll, pitch, yaw at every sample after the start.
-fn navigate(imu: &[f64], gnss: &[f64], start: &[f64], model: &[f64]) -> Result<Vec<f64>, Failure> {
+fn navigate(logs: &Logs) -> Result<Vec<f64>, Failure> {
+    let Logs {
+        imu,
+        gnss,
+        start,
+        model,
+    } = logs;
     let model: Vec<f32> = model.iter().map(|&value| value as f32).collect();
-    let [gyro, gyro_walk, gyro_turn_on, accel, walk, turn_on, position, velocity, tilt, _, yaw] = model[..] else {
+    let [
+        gyro,
+        gyro_walk,
+        gyro_turn_on,
+        accel,
+        walk,
+        turn_on,
+        position,
+        velocity,
+        tilt,
+        _,
+        yaw,
+    ] = model[..]
+    else {
         return Err("the model has other numbers".into());
     };
     let place = |row: &[f64]| Geodetic::from_radians(row[1], row[2], row[3]);
@@ -88,10 +85,12 @@ fn navigate(imu: &[f64], gnss: &[f64], start: &[f64], model: &[f64]) -> Result<V
         );
         // The first fix, of the start's own time, places the origin.
         while let Some(next) = fix.filter(|next| next[0] < row[0] - 0.005) {
-            let _ = filter.fuse_gnss_geodetic(at(next), place(next), position_noise, Position::zero());
+            let _ =
+                filter.fuse_gnss_geodetic(at(next), place(next), position_noise, Position::zero());
             if next[0] > start[0] {
                 let reported = Velocity::ned(next[4] as f32, next[5] as f32, next[6] as f32);
-                let _ = filter.fuse_gnss_velocity(at(next), reported, velocity_noise, Position::zero());
+                let _ =
+                    filter.fuse_gnss_velocity(at(next), reported, velocity_noise, Position::zero());
             }
             fix = fixes.next();
         }
@@ -99,7 +98,12 @@ fn navigate(imu: &[f64], gnss: &[f64], start: &[f64], model: &[f64]) -> Result<V
         let state = filter.state();
         let here = filter.geodetic_position().ok_or("no position")?;
         let (roll, pitch, yaw) = state.attitude.euler_angles();
-        solution.extend([row[0], here.latitude_rad(), here.longitude_rad(), here.height()]);
+        solution.extend([
+            row[0],
+            here.latitude_rad(),
+            here.longitude_rad(),
+            here.height(),
+        ]);
         solution.extend(state.velocity.to_array().map(f64::from));
         solution.extend([roll, pitch, yaw].map(f64::from));
     }
@@ -117,26 +121,4 @@ fn attitude(rpy: &[f64]) -> Attitude {
         y: cr * sp * cy + sr * cp * sy,
         z: cr * cp * sy - sr * sp * cy,
     })
-}
-
-fn read(path: &Path) -> Result<Vec<f64>, Failure> {
-    let bytes = fs::read(path)?;
-    let (numbers, _) = bytes.as_chunks::<8>();
-    Ok(numbers.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect())
-}
-
-/// CPU time so far [s], brought up to date by the nap.
-fn cpu_seconds() -> Result<f64, Failure> {
-    std::thread::sleep(Duration::from_millis(2));
-    let text = fs::read_to_string("/proc/self/schedstat")?;
-    let first = text.split_whitespace().next();
-    Ok(first.ok_or("/proc has no CPU times")?.parse::<f64>()? * 1e-9)
-}
-
-/// Largest resident memory so far [KiB].
-fn peak_kib() -> Result<u64, Failure> {
-    let status = fs::read_to_string("/proc/self/status")?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-    let size = line.and_then(|rest| rest.split_whitespace().next());
-    Ok(size.ok_or("/proc has no peak memory")?.parse()?)
 }

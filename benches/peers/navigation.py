@@ -177,22 +177,28 @@ def errors(folder, who, other="truth"):
     return [float(np.sqrt(np.mean(part))) for part in rms]
 
 
-def crate(name, version, source):
-    """Builds a throw-away crate under target/ that runs a crate of the registry. Its program, or why not."""
+def crate(name, version, source, system="a library", **others):
+    """Builds a throw-away crate under target/ that runs a crate of the registry, and others that it needs.
+    Its program, or why not: `system` names what a crate that wraps a library of the system looks for."""
     folder = os.path.join("target", "peers-crates", name)
     os.makedirs(os.path.join(folder, "src"), exist_ok=True)
     here = os.path.dirname(os.path.abspath(__file__))
-    shutil.copy(os.path.join(here, source), os.path.join(folder, "src", "main.rs"))
+    for origin, copied in [(source, "main.rs"), ("raw_logs.rs", "raw_logs.rs")]:
+        shutil.copy(os.path.join(here, origin), os.path.join(folder, "src", copied))
+    dependencies = [(name, f"={version}"), *others.items()]
     with open(os.path.join(folder, "Cargo.toml"), "w") as manifest:
         manifest.write(
             f'[workspace]\n[package]\nname = "peer-{name}"\nversion = "0.0.0"\nedition = "2024"\n'
-            f'[dependencies]\n{name} = "={version}"\n'
+            "[dependencies]\n" + "".join(f'{key} = "{value}"\n' for key, value in dependencies)
         )
     built = os.path.join(folder, "target")
     command = ["cargo", "build", "--quiet", "--release", "--manifest-path", os.path.join(folder, "Cargo.toml")]
     done = subprocess.run(command + ["--target-dir", built], capture_output=True, text=True)
     if done.returncode != 0:
         said = [line for line in done.stderr.splitlines() if line.startswith("error")]
+        # Crates that link to libraries of the system end so by custom.
+        if any("custom build command" in line and "-sys v" in line for line in said):
+            return None, f"does not build: needs {system} of the system"
         return None, said[0][:100] if said else "does not build"
     return os.path.join(built, "release", f"peer-{name}"), None
 
@@ -203,6 +209,11 @@ def navigators(folder):
     yield "python-ins", "pyins", python("navigation.py", "pyins", folder, 1), None
     program, fault = crate("fusion-nav", "0.1.0", "fusion_nav.rs")
     yield "fusion-nav 0.1.0, f32", "fusion_nav", [program, folder, "5"], fault
+    program, fault = crate(
+        "strapdown-core", "0.5.0", "strapdown_core.rs",
+        system="libhdf5 and libnetcdf", nalgebra=">=0.33.3, <0.35.0",
+    )
+    yield "strapdown-core 0.5.0", "strapdown_core", [program, folder, "1"], fault
 
 
 def beside_peers(options):
