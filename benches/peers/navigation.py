@@ -1,5 +1,5 @@
-"""Navigation of one simulated drive by undrift, pyins and fusion-nav, and undrift's commands as whole
-processes. `navigation.py WHO FOLDER REPEATS` navigates the logs of a folder and leaves WHO.f64 there."""
+"""Navigation of one simulated drive by undrift, pyins, fusion-nav and strapdown-core, and undrift's commands
+as whole processes. `navigation.py WHO FOLDER REPEATS` navigates a folder's logs and leaves WHO.f64 there."""
 
 import os
 import shutil
@@ -213,7 +213,7 @@ def navigators(folder):
         "strapdown-core", "0.5.0", "strapdown_core.rs",
         system="libhdf5 and libnetcdf", nalgebra=">=0.33.3, <0.35.0",
     )
-    yield "strapdown-core 0.5.0", "strapdown_core", [program, folder, "1"], fault
+    yield "strapdown-core 0.5.0", "strapdown_core", [program, folder, "3"], fault
 
 
 def beside_peers(options):
@@ -242,7 +242,8 @@ def beside_peers(options):
                 apart = errors(folder, who, "ours")
                 share = max(a / b for a, b in zip(apart, ours[1]))
                 verdict = f"apart by {share:.2f} of our error"
-                # Only pyins has the whole model: f32 on a plane without the Earth's rotation need not agree.
+                # Only pyins has the whole model. The others need not agree: f32 on a plane without the Earth's
+                # rotation, and a filter that adds noise of its own at every fix.
                 if share > APART:
                     verdict = f"another answer: {verdict}"
                     wrong += who == "pyins"
