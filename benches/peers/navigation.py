@@ -232,7 +232,13 @@ def beside_peers(options):
                 rows.append([title, fault] + [""] * 8)
                 wrong += who == "ours"
                 continue
-            against = errors(folder, who)
+            try:
+                against = errors(folder, who)
+            except AssertionError as error:
+                print(f"  {title}: {error}")
+                rows.append([title, str(error)] + [""] * 8)
+                wrong += who == "ours"
+                continue
             verdict = "the reference"
             if who == "ours":
                 ours = (found, against)
