@@ -20,11 +20,13 @@
 pub mod confidence;
 mod covariance;
 pub mod deviation;
+mod every_factor;
 pub mod fit;
 pub mod gauss_markov;
 pub mod nnls;
 pub mod noise_type;
 mod octaves;
+mod sliding_products;
 
 pub use confidence::{Interval, intervals};
 pub use deviation::{Curve, Grid, Kind, Point, deviations, deviations_at, factors_of};

@@ -4,7 +4,7 @@
 //! are mean squares of `S_{i+2m} − 2 S_{i+m} + S_i` and its kin. The mean only adds a straight line
 //! to `S`, which none of them sees; without it `S` stays small and keeps its digits.
 
-use super::octaves;
+use super::{every_factor, octaves};
 use crate::screening::record::{RecordError, check, mean, prefix_sums};
 use rayon::prelude::*;
 
@@ -249,6 +249,13 @@ fn energies(rates: &[f64], kind: Kind, factors: &[usize]) -> Result<Vec<f64>, Re
     let sums = prefix_sums(rates, mean(rates));
     let one = |&m: &usize| energy(&sums, rates.len(), kind, m);
     Ok(match kind {
+        // A constant has no second difference, and no digits by which to tell one from rounding.
+        Kind::Overlapping if factors.len() >= SPREAD => {
+            if rates.iter().all(|rate| *rate == rates[0]) {
+                return Ok(vec![0.0; factors.len()]);
+            }
+            every_factor::energies(&sums, factors, |m| one(&m))
+        }
         _ if factors.len() >= SPREAD => factors.par_iter().map(one).collect(),
         Kind::Overlapping | Kind::Hadamard => shared_pass(&sums, rates.len(), kind, factors),
         _ => factors.iter().map(one).collect(),
