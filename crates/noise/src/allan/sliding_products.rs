@@ -11,7 +11,7 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use std::sync::Arc;
 
 /// Longest FFT: longer ones leave the caches.
-const LONGEST: usize = 1 << 19;
+const LONGEST: usize = 1 << 20;
 
 /// Triangles up to this width are summed directly.
 const LEAF: usize = 256;
@@ -139,6 +139,12 @@ impl Plan {
     /// For records of `length`, heads to lag `largest`, products of the whole to twice that, which is
     /// below `length`.
     pub(super) fn new(length: usize, largest: usize) -> Self {
+        Self::with_longest(length, largest, LONGEST)
+    }
+
+    fn with_longest(length: usize, largest: usize, longest: usize) -> Self {
+        // Blocks, a power of two of them, into which a stretch is cut.
+        let pieces = |length: usize| length.div_ceil(longest / 2).next_power_of_two();
         let mut planner = RealFftPlanner::new();
         let lags = (2 * largest + 1).min(length);
         let whole = Transform::new(smooth(lags.div_ceil(pieces(lags))), &mut planner);
@@ -214,11 +220,6 @@ impl Plan {
     }
 }
 
-/// Blocks, a power of two, into which a stretch is cut.
-fn pieces(length: usize) -> usize {
-    length.div_ceil(LONGEST / 2).next_power_of_two()
-}
-
 /// The next length, at most an eighth above and 64 at least, of many twos and few threes and fives.
 fn smooth(length: usize) -> usize {
     let shift = length.max(64).ilog2() - 6;
@@ -241,11 +242,15 @@ mod tests {
             (257, 128),
             (1031, 515),
             (1500, 700),
-            (5000, 77),
+            (4999, 77),
+            (5001, 700),
+            (8000, 4000 - 1),
             (7919, 3959),
         ] {
             let x: Vec<f64> = (0..length).map(|k| (k * 7919 % 23) as f64 - 11.0).collect();
-            let plan = Plan::new(length, largest);
+            // Both as one FFT and as many blocks.
+            let longest = [LONGEST, 256][length % 2];
+            let plan = Plan::with_longest(length, largest, longest);
             let whole = plan.whole(&x);
             let mut heads = Vec::new();
             plan.heads(&x, &mut heads);
