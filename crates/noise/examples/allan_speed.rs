@@ -1,18 +1,17 @@
 //! Time of the overlapping Allan deviation of 2 000 000 samples at octave τ, one thread; or, with a
-//! number of samples, at all τ: CPU time of all threads and peak memory (Linux only). With a second
-//! number at so many of the least τ.
+//! number of samples, at all τ, of the record and of the same with a drift: CPU time of all threads and
+//! peak memory (Linux only).
 //!
-//! `cargo run --release -p undrift-noise --example allan_speed [SAMPLES [FACTORS]]`
+//! `cargo run --release -p undrift-noise --example allan_speed [SAMPLES]`
 
 use std::hint::black_box;
 use std::time::Instant;
-use undrift_noise::allan::{Grid, Kind, deviations, deviations_at, fit_gauss_markov, fit_terms};
+use undrift_noise::allan::{Grid, Kind, deviations, fit_gauss_markov, fit_terms};
 use undrift_noise::synthesis::NoiseGenerator;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mut arguments = std::env::args().skip(1).map(|text| text.parse::<usize>());
-    if let Some(samples) = arguments.next() {
-        return all(samples?, arguments.next().unwrap_or(Ok(usize::MAX))?);
+    if let Some(samples) = std::env::args().nth(1) {
+        return all(samples.parse()?);
     }
     let record = record(2_000_000)?;
     let allan = |kind| deviations(black_box(&record), 100.0, kind, Grid::Octave);
@@ -65,20 +64,23 @@ fn record(samples: usize) -> Result<Vec<f64>, Box<dyn std::error::Error>> {
     Ok(record)
 }
 
-/// All τ, or the least of them.
-fn all(samples: usize, count: usize) -> Result<(), Box<dyn std::error::Error>> {
-    let record = record(samples)?;
-    let largest = Kind::Overlapping.largest_m(samples).min(count);
-    let factors: Vec<usize> = (1..=largest).collect();
-    let (before, start) = (cpu_seconds()?, Instant::now());
-    let curve = deviations_at(black_box(&record), 100.0, Kind::Overlapping, &factors)?;
-    let elapsed = start.elapsed().as_secs_f64();
-    println!(
-        "{samples} samples, {} τ: {:.2} s of CPU, {elapsed:.2} s, peak {:.0} MiB",
-        curve.points.len(),
-        cpu_seconds()? - before,
-        peak_mib()?
-    );
+/// All τ of the record, and with a drift a hundred times its noise.
+fn all(samples: usize) -> Result<(), Box<dyn std::error::Error>> {
+    let mut record = record(samples)?;
+    for drift in [0.0, 1.0] {
+        for (k, rate) in record.iter_mut().enumerate() {
+            *rate += drift * k as f64 / samples as f64;
+        }
+        let (before, start) = (cpu_seconds()?, Instant::now());
+        let curve = deviations(black_box(&record), 100.0, Kind::Overlapping, Grid::All)?;
+        let elapsed = start.elapsed().as_secs_f64();
+        println!(
+            "{samples} samples, drift {drift}: {} τ, {:.2} s of CPU, {elapsed:.2} s, peak {:.0} MiB",
+            curve.points.len(),
+            cpu_seconds()? - before,
+            peak_mib()?
+        );
+    }
     Ok(())
 }
 

@@ -32,7 +32,8 @@ pub enum Grid {
     Decade,
     /// So many a factor of two, rounded to whole samples, without repetition.
     PerOctave(u32),
-    /// Every m from 1 on: O(N²) time, spread over the cores.
+    /// Every m from 1 on, spread over the cores. The overlapping kind takes O(N log² N) time and some
+    /// 80 bytes a sample, deviations within 5e-10 of the definition; the others O(N²).
     All,
 }
 
@@ -66,7 +67,7 @@ pub struct Curve {
 /// stretches that the averaging times share stay in the first cache.
 const STRETCH: usize = 2048;
 
-/// Averaging times from which on the work is spread over the cores.
+/// Averaging times from which on the work is spread over the cores, and FFTs may be faster.
 const SPREAD: usize = 128;
 
 impl Kind {
@@ -249,11 +250,9 @@ fn energies(rates: &[f64], kind: Kind, factors: &[usize]) -> Result<Vec<f64>, Re
     let sums = prefix_sums(rates, mean(rates));
     let one = |&m: &usize| energy(&sums, rates.len(), kind, m);
     Ok(match kind {
-        // A constant has no second difference, and no digits by which to tell one from rounding.
+        // A constant has no second differences, and by FFT only rounding.
+        Kind::Overlapping if rates.iter().all(|rate| *rate == rates[0]) => vec![0.0; factors.len()],
         Kind::Overlapping if factors.len() >= SPREAD => {
-            if rates.iter().all(|rate| *rate == rates[0]) {
-                return Ok(vec![0.0; factors.len()]);
-            }
             every_factor::energies(&sums, factors, |m| one(&m))
         }
         _ if factors.len() >= SPREAD => factors.par_iter().map(one).collect(),
