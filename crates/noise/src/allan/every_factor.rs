@@ -14,7 +14,7 @@
 //!
 //! The terms are as large as Σx², up to N / m times what is left of a random walk and worse with a
 //! drifting rate: the rounding of Σx² is the error. Factors at which its bound is more than
-//! [`TOLERANCE`] are all short, and taken again on blocks of the record a few times as long as they, each
+//! [`TOLERANCE`] are short ones, and taken again on blocks of the record a few times as long as they, each
 //! less a line of its own. The blocks overlap by what the longest of the factors spans, so that the starts n of
 //! the blocks less those of the overlaps are those of the record. Once few are left they are
 //! summed directly. So is what cannot be had otherwise: records that repeat exactly have no second
@@ -28,11 +28,12 @@ use rayon::prelude::*;
 /// chance is at least 1 / √(2N): 10⁵ times as much at 10⁸ samples.
 const TOLERANCE: f64 = 1e-9;
 
-/// Bound of the rounding of an energy, in units of ε log2(length of the FFT) Σx². An FFT's error is in
-/// the mean over its outputs at most 3.4 ε log2(length) of their norm (Higham, Accuracy and Stability
-/// of Numerical Algorithms, 2nd edition, theorem 24.2, with exact twiddles), and three follow one
-/// another; in practice it grows with the root of the logarithm. The largest error of any factor
-/// of the records in the tests below is 2.3 such units: mostly the rounding of sums of squares.
+/// Bound of the rounding of an energy, in units of ε log2(length of the FFT) Σx². An FFT of a power of
+/// two is in the mean over its outputs off by at most 3.4 ε log2(length) of their norm (Higham, Accuracy
+/// and Stability of Numerical Algorithms, 2nd edition, theorem 24.2, with twiddles to the last place),
+/// three follow one another, and what is seen is far less, for errors have either sign. This is 3.4 times
+/// the largest error of any factor of the records in the tests below, mostly that of the sums of squares;
+/// the same records of 8 million samples have a third of that.
 const ROUNDING: f64 = 8.0;
 
 /// Time of the FFTs for a phase and squared octave of the largest factor, in that of a term of a
