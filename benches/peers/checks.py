@@ -107,8 +107,9 @@ def check_allan(ours, peer, _):
     assert not missing, f"averaging factors {missing[:5]} are missing in ours"
     worst = max(relative(mine[m], theirs[m]) for m in theirs)
     # The peer sums the record without taking out its mean: digits lost with the phase's size, some 1e-16
-    # times 1e4 to 1e5.
-    assert worst < 1e-10, f"deviations differ by {worst:.1e}"
+    # times 1e4 to 1e5. Ours at all τ is by FFT where its bound is 5e-10.
+    allowed = 1e-10 if len(theirs) < 100 else 6e-10
+    assert worst < allowed, f"deviations differ by {worst:.1e}"
     return f"{len(theirs)} points, {worst:.0e}"
 
 

@@ -59,7 +59,7 @@ fn allan(c: &mut Criterion) {
     group.bench_function("octaves", |b| {
         b.iter(|| deviations(black_box(&record), 100.0, Kind::Overlapping, Grid::Octave))
     });
-    // Every τ costs a pass: with the square of the length.
+    // By FFT: a little more than with the length.
     let short = &record[..5_000];
     group.throughput(Throughput::Elements(short.len() as u64));
     group.bench_function("every τ of 5 000 samples", |b| {

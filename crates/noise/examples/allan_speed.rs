@@ -1,6 +1,8 @@
-//! Time of the overlapping Allan deviation of 2 000 000 samples at octave τ, one thread.
+//! Time of the overlapping Allan deviation of 2 000 000 samples at octave τ, one thread; or, with a
+//! number of samples, at all τ, of the record and of the same with a drift: CPU time of all threads and
+//! peak memory (Linux only).
 //!
-//! `cargo run --release -p undrift-noise --example allan_speed`
+//! `cargo run --release -p undrift-noise --example allan_speed [SAMPLES]`
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -8,9 +10,10 @@ use undrift_noise::allan::{Grid, Kind, deviations, fit_gauss_markov, fit_terms};
 use undrift_noise::synthesis::NoiseGenerator;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let filter = undrift_nav::shaping::ShapingFilter::arma(&[0.99995], &[0.9994], 0.006, 0.01)?;
-    let mut record = vec![0.0; 2_000_000];
-    NoiseGenerator::new(&filter, 1).fill(&mut record);
+    if let Some(samples) = std::env::args().nth(1) {
+        return all(samples.parse()?);
+    }
+    let record = record(2_000_000)?;
     let allan = |kind| deviations(black_box(&record), 100.0, kind, Grid::Octave);
     let overlapping = || allan(Kind::Overlapping).map(|c| c.points.len());
     // In turns, so that a busy machine slows both alike.
@@ -51,6 +54,52 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         fit.tau_c_s
     );
     Ok(())
+}
+
+/// White noise and a first-order Gauss-Markov process.
+fn record(samples: usize) -> Result<Vec<f64>, Box<dyn std::error::Error>> {
+    let filter = undrift_nav::shaping::ShapingFilter::arma(&[0.99995], &[0.9994], 0.006, 0.01)?;
+    let mut record = vec![0.0; samples];
+    NoiseGenerator::new(&filter, 1).fill(&mut record);
+    Ok(record)
+}
+
+/// All τ of the record, and with a drift a hundred times its noise.
+fn all(samples: usize) -> Result<(), Box<dyn std::error::Error>> {
+    let mut record = record(samples)?;
+    for drift in [0.0, 1.0] {
+        for (k, rate) in record.iter_mut().enumerate() {
+            *rate += drift * k as f64 / samples as f64;
+        }
+        let (before, start) = (cpu_seconds()?, Instant::now());
+        let curve = deviations(black_box(&record), 100.0, Kind::Overlapping, Grid::All)?;
+        let elapsed = start.elapsed().as_secs_f64();
+        println!(
+            "{samples} samples, drift {drift}: {} τ, {:.2} s of CPU, {elapsed:.2} s, peak {:.0} MiB",
+            curve.points.len(),
+            cpu_seconds()? - before,
+            peak_mib()?
+        );
+    }
+    Ok(())
+}
+
+/// CPU time of all threads so far, in steps of 10 ms [s].
+fn cpu_seconds() -> Result<f64, Box<dyn std::error::Error>> {
+    let text = std::fs::read_to_string("/proc/self/stat")?;
+    let after_name = text.rsplit(')').next().unwrap_or_default();
+    let ticks: Result<Vec<f64>, _> = (after_name.split_whitespace().skip(11).take(2))
+        .map(str::parse::<f64>)
+        .collect();
+    Ok(ticks?.iter().sum::<f64>() / 100.0)
+}
+
+/// Largest resident memory of the process so far [MiB].
+fn peak_mib() -> Result<f64, Box<dyn std::error::Error>> {
+    let status = std::fs::read_to_string("/proc/self/status")?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let size = line.and_then(|rest| rest.split_whitespace().next());
+    Ok(size.ok_or("/proc has no peak memory")?.parse::<f64>()? / 1024.0)
 }
 
 /// Time of one call [s].

@@ -298,3 +298,89 @@ fn averaging_times_become_whole_samples() {
         assert!(factors_of(&taus, rate).is_err(), "{taus:?} {rate}");
     }
 }
+
+/// White noise with a drifting bias.
+fn drifting(samples: usize) -> Vec<f64> {
+    let mut state = 1u64;
+    let mut bias = 0.0;
+    (0..samples)
+        .map(|_| {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            let uniform = (state >> 11) as f64 / 2f64.powi(53) - 0.5;
+            bias += 1e-3 * uniform;
+            bias + uniform
+        })
+        .collect()
+}
+
+#[test]
+fn all_factors_have_the_deviations_of_a_few() {
+    // The longest takes several blocks of the longest FFT.
+    for samples in [2, 3, 300, 5000, 5003, 30_011, 1_200_001] {
+        let record = drifting(samples);
+        let all = deviations(&record, 10.0, Kind::Overlapping, Grid::All).unwrap();
+        assert_eq!(all.points.len(), samples / 2);
+        // A few are summed directly.
+        let few: Vec<usize> = (1..=samples / 2).step_by(1 + samples / 200).collect();
+        let direct = deviations_at(&record, 10.0, Kind::Overlapping, &few).unwrap();
+        for point in &direct.points {
+            let other = &all.points[point.m - 1];
+            assert_eq!(
+                (other.m, other.tau_s, other.terms),
+                (point.m, point.tau_s, point.terms)
+            );
+            // Energies are within 1e-9, deviations within half of that.
+            let error = (other.deviation / point.deviation - 1.0).abs();
+            assert!(error <= 5e-10, "{samples}, {}: {error}", point.m);
+        }
+    }
+}
+
+#[test]
+fn all_factors_of_a_constant_are_exact_zeros() {
+    for value in [0.0, 0.1, -1e9] {
+        let record = vec![value; 3001];
+        let curve = deviations(&record, 1.0, Kind::Overlapping, Grid::All).unwrap();
+        assert!(curve.points.iter().all(|point| point.deviation == 0.0));
+    }
+}
+
+#[test]
+fn all_factors_are_the_same_to_the_bit_on_any_number_of_threads() {
+    for samples in [5003, 600_000] {
+        let record = drifting(samples);
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            let all = || deviations(&record, 1.0, Kind::Overlapping, Grid::All);
+            pool.unwrap().install(all).unwrap()
+        };
+        let bits = |curve: &undrift_noise::allan::Curve| -> Vec<u64> {
+            curve.points.iter().map(|p| p.deviation.to_bits()).collect()
+        };
+        let one = bits(&on(1));
+        assert!(one == bits(&on(2)) && one == bits(&on(3)), "{samples}");
+    }
+}
+
+#[test]
+fn long_lists_may_be_in_any_order_and_have_factors_twice() {
+    let record = drifting(4000);
+    let all = deviations(&record, 1.0, Kind::Overlapping, Grid::All).unwrap();
+    let factors: Vec<usize> = (0..2500).map(|k| k * 7919 % 2100).collect();
+    let curve = deviations_at(&record, 1.0, Kind::Overlapping, &factors).unwrap();
+    let kept: Vec<usize> = factors
+        .into_iter()
+        .filter(|m| (1..=2000).contains(m))
+        .collect();
+    assert_eq!(curve.points.iter().map(|p| p.m).collect::<Vec<_>>(), kept);
+    for point in &curve.points {
+        close(
+            point.deviation,
+            all.points[point.m - 1].deviation,
+            1e-9,
+            "any order",
+        );
+    }
+}

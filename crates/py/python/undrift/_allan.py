@@ -217,7 +217,9 @@ def allan(
 
     ``kind``: overlapping, modified (tells white phase noise from flicker phase), hadamard (blind to a
     ramp) or total (better confidence at the longest τ). ``taus``: octave (1, 2, 4, … samples), decade
-    (1, 2, 5, 10, …), all, or averaging times [s], each taken to the nearest whole number of samples.
+    (1, 2, 5, 10, …), all, or averaging times [s], each taken to the nearest whole number of samples. All of
+    the overlapping kind take N log² N time and deviations are within 5e-10 of the definition; all of
+    another kind take N².
     ``confidence``: probability of the two-sided interval of each point, 0.683 for one sigma; None
     leaves intervals and noise types out, which takes half the time or less.
 

@@ -1,0 +1,287 @@
+//! Sums of products of a record with itself at every lag, by FFT.
+//!
+//! The one operation is a correlation of a short stretch with one twice as long: of `2L` circular
+//! outputs the first `L` see no wrap. Longer stretches are cut into blocks whose spectra are added up,
+//! so that no FFT is longer than [`LONGEST`]. The order of every sum is fixed by the lengths alone.
+
+use crate::stationarity::dot;
+use rayon::prelude::*;
+use realfft::num_complex::Complex64;
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use std::sync::Arc;
+
+/// Longest FFT. Half of it is a fifth slower at 20 million samples, twice takes more room.
+const LONGEST: usize = 1 << 20;
+
+/// Triangles up to this width are summed directly.
+const LEAF: usize = 256;
+
+/// Samples below which work is not split between the cores.
+const SHARE: usize = 1 << 14;
+
+const ZERO: Complex64 = Complex64::new(0.0, 0.0);
+
+/// The transforms of one block length.
+struct Transform {
+    block: usize,
+    forward: Arc<dyn RealToComplex<f64>>,
+    inverse: Arc<dyn ComplexToReal<f64>>,
+}
+
+/// Room for one transform.
+struct Room {
+    time: Vec<f64>,
+    scratch: Vec<Complex64>,
+}
+
+impl Transform {
+    fn new(block: usize, planner: &mut RealFftPlanner<f64>) -> Self {
+        Self {
+            block,
+            forward: planner.plan_fft_forward(2 * block),
+            inverse: planner.plan_fft_inverse(2 * block),
+        }
+    }
+
+    fn room(&self) -> Room {
+        let scratch = self.forward.get_scratch_len();
+        Room {
+            time: vec![0.0; 2 * self.block],
+            scratch: vec![ZERO; scratch.max(self.inverse.get_scratch_len())],
+        }
+    }
+
+    fn empty(&self) -> Vec<Complex64> {
+        vec![ZERO; self.block + 1]
+    }
+
+    /// Spectrum of at most two blocks of samples, zeros after them.
+    fn spectrum(&self, part: &[f64], room: &mut Room, spectrum: &mut [Complex64]) {
+        let (filled, rest) = room.time.split_at_mut(part.len());
+        filled.copy_from_slice(part);
+        rest.fill(0.0);
+        // The buffers have the plan's own sizes: this cannot fail.
+        let time = &mut room.time;
+        let _ = (self.forward).process_with_scratch(time, spectrum, &mut room.scratch);
+    }
+
+    /// Adds the first block of a spectrum's samples to `out`.
+    fn add_samples(&self, spectrum: &mut [Complex64], room: &mut Room, out: &mut [f64]) {
+        // Rounding leaves a trace of an imaginary part where there can be none.
+        (spectrum[0].im, spectrum[self.block].im) = (0.0, 0.0);
+        let time = &mut room.time;
+        let _ = (self.inverse).process_with_scratch(spectrum, time, &mut room.scratch);
+        let scale = 0.5 / self.block as f64;
+        for (slot, value) in out.iter_mut().zip(&room.time[..self.block]) {
+            *slot += value * scale;
+        }
+    }
+
+    /// The spectra of so many parts.
+    fn spectra<'a>(
+        &self,
+        count: usize,
+        part: impl Fn(usize) -> &'a [f64] + Sync,
+    ) -> Vec<Vec<Complex64>> {
+        let one = |room: &mut Room, k| {
+            let mut spectrum = self.empty();
+            self.spectrum(part(k), room, &mut spectrum);
+            spectrum
+        };
+        let all = (0..count).into_par_iter();
+        all.map_init(|| self.room(), one).collect()
+    }
+
+    /// `out[j] += Σ_{i<count} x[short + i] x[long + i + j]`, zeros after the end of x; spread over the
+    /// cores.
+    fn slide(&self, x: &[f64], short: usize, count: usize, long: usize, out: &mut [f64]) {
+        let block = self.block;
+        let shorts = self.spectra(count.div_ceil(block), |k| {
+            part(x, short + k * block, block.min(count - k * block))
+        });
+        let reached = x.len().saturating_sub(long).div_ceil(block);
+        let longs = shorts.len() + out.len().div_ceil(block) - 1;
+        let longs = self.spectra(longs.min(reached), |k| part(x, long + k * block, 2 * block));
+        let outs = out.par_chunks_mut(block).enumerate();
+        outs.for_each_init(
+            || (self.room(), self.empty()),
+            |(room, sum), (k, out)| {
+                sum.fill(ZERO);
+                for (short, long) in shorts.iter().zip(longs.iter().skip(k)) {
+                    add_product(sum, short, long);
+                }
+                self.add_samples(sum, room, out);
+            },
+        );
+    }
+}
+
+/// At most `count` samples from `start` on, as far as there are.
+fn part(x: &[f64], start: usize, count: usize) -> &[f64] {
+    let start = start.min(x.len());
+    &x[start..(start + count).min(x.len())]
+}
+
+fn add_product(sum: &mut [Complex64], a: &[Complex64], b: &[Complex64]) {
+    for ((sum, a), b) in sum.iter_mut().zip(a).zip(b) {
+        *sum += a.conj() * b;
+    }
+}
+
+/// The transforms by which records are summed to one lag.
+pub(super) struct Plan {
+    largest: usize,
+    whole: Transform,
+    /// Of the levels of the triangle, the widest nodes first.
+    nodes: Vec<Transform>,
+    /// Width of the whole triangle, a power of two times that of its leaves.
+    width: usize,
+}
+
+impl Plan {
+    /// For records of `length`, heads to lag `largest`, products of the whole to twice that, which is
+    /// below `length`.
+    pub(super) fn new(length: usize, largest: usize) -> Self {
+        Self::with_longest(length, largest, LONGEST)
+    }
+
+    fn with_longest(length: usize, largest: usize, longest: usize) -> Self {
+        // Blocks, a power of two of them, into which a stretch is cut.
+        let pieces = |length: usize| length.div_ceil(longest / 2).next_power_of_two();
+        let mut planner = RealFftPlanner::new();
+        let lags = (2 * largest + 1).min(length);
+        let whole = Transform::new(smooth(lags.div_ceil(pieces(lags))), &mut planner);
+        let width = smooth(largest + 1);
+        let halves = std::iter::successors(Some(width), |w| Some(w / 2));
+        let nodes = halves
+            .take_while(|&w| w > LEAF)
+            .map(|w| Transform::new(w / 2 / pieces(w / 2), &mut planner))
+            .collect();
+        Self {
+            largest,
+            whole,
+            nodes,
+            width,
+        }
+    }
+
+    /// The longest FFT [samples].
+    pub(super) fn longest(&self) -> usize {
+        let nodes = self.nodes.iter().map(|t| t.block).max();
+        2 * self.whole.block.max(nodes.unwrap_or(0))
+    }
+
+    /// `R(k) = Σ_n x[n] x[n + k]`, k = 0 … 2 · largest.
+    pub(super) fn whole(&self, x: &[f64]) -> Vec<f64> {
+        let mut sums = vec![0.0; 2 * self.largest + 1];
+        self.whole.slide(x, 0, x.len(), 0, &mut sums);
+        sums
+    }
+
+    /// Adds `H(m) = Σ_{n<m} x[n] x[n + m]` to `sums[m]`, m = 0 … largest.
+    ///
+    /// The pairs n < m fill a triangle. A node of it, n and m in a … a + 2L, has a square n < a + L ≤ m,
+    /// one correlation, and two nodes of half the width.
+    pub(super) fn heads(&self, x: &[f64], sums: &mut Vec<f64>) {
+        sums.resize(self.width, 0.0);
+        let mut width = self.width;
+        for transform in &self.nodes {
+            let half = width / 2;
+            if half > transform.block {
+                for (a, node) in (0..).step_by(width).zip(sums.chunks_mut(width)) {
+                    if a + half <= self.largest {
+                        transform.slide(x, a, half, 2 * a + half, &mut node[half..]);
+                    }
+                }
+            } else {
+                let room = || (transform.room(), transform.empty(), transform.empty());
+                let nodes = sums.par_chunks_mut(width).enumerate();
+                let nodes = nodes.with_min_len(SHARE.div_ceil(width));
+                nodes.for_each_init(room, |(room, short, long), (k, node)| {
+                    let a = k * width;
+                    if a + half <= self.largest {
+                        transform.spectrum(part(x, a, half), room, short);
+                        transform.spectrum(part(x, 2 * a + half, width), room, long);
+                        for (long, short) in long.iter_mut().zip(&*short) {
+                            *long *= short.conj();
+                        }
+                        transform.add_samples(long, room, &mut node[half..]);
+                    }
+                });
+            }
+            width = half;
+        }
+        let leaf = |(k, leaf): (usize, &mut [f64])| {
+            let a = k * width;
+            let reached = (self.largest + 1).saturating_sub(a);
+            for (i, sum) in leaf.iter_mut().enumerate().take(reached) {
+                *sum += dot(part(x, a, i), part(x, 2 * a + i, i));
+            }
+        };
+        let leaves = sums.par_chunks_mut(width).enumerate();
+        leaves.with_min_len(SHARE / width).for_each(leaf);
+        sums.truncate(self.largest + 1);
+    }
+}
+
+/// The next length, at most an eighth above and 64 at least, of many twos and few threes and fives.
+fn smooth(length: usize) -> usize {
+    let shift = length.max(64).ilog2() - 6;
+    let steps = [64, 72, 80, 90, 96, 108, 120, 128].map(|step| step << shift);
+    let found = steps.into_iter().find(|&step| step >= length);
+    found.unwrap_or(128 << shift)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_lag_of_whole_numbers_is_exact_after_rounding() {
+        for (length, largest) in [
+            (3, 1),
+            (4, 1),
+            (5, 2),
+            (64, 20),
+            (257, 128),
+            (1031, 515),
+            (1500, 700),
+            (4999, 77),
+            (5001, 700),
+            (8000, 4000 - 1),
+            (7919, 3959),
+        ] {
+            let x: Vec<f64> = (0..length).map(|k| (k * 7919 % 23) as f64 - 11.0).collect();
+            // Both as one FFT and as many blocks.
+            let longest = [LONGEST, 256][length % 2];
+            let plan = Plan::with_longest(length, largest, longest);
+            let whole = plan.whole(&x);
+            let mut heads = Vec::new();
+            plan.heads(&x, &mut heads);
+            assert_eq!((whole.len(), heads.len()), (2 * largest + 1, largest + 1));
+            // Sums below 1e6 are off by 1e-9 at most: rounding gives the whole number.
+            for (k, value) in whole.iter().enumerate() {
+                let exact: f64 = x.iter().zip(&x[k..]).map(|(a, b)| a * b).sum();
+                assert!((value - exact).abs() < 1e-7, "{length}, lag {k}");
+            }
+            for (m, value) in heads.iter().enumerate() {
+                let exact: f64 = (0..m).map(|n| x[n] * x[n + m]).sum();
+                assert!(
+                    (value - exact).abs() < 1e-7,
+                    "{length}, head {m}: {value} for {exact}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn lengths_grow_by_an_eighth_at_most() {
+        for length in 1..5000 {
+            let found = smooth(length);
+            assert!(
+                found >= length && (found == 64 || found * 8 <= length * 9 + 8),
+                "{length}"
+            );
+        }
+    }
+}
