@@ -6,9 +6,10 @@
 //! (35th PTTI, 2003) as in NIST SP 1065 section 5.4.1 (Allan, modified, Hadamard); Howe & Greenhall
 //! as in SP 1065 table 8 (total).
 
-use super::deviation::{Curve, Kind};
+use super::deviation::{Curve, Kind, Point};
 use super::noise_type::noise_types;
 use crate::screening::record::RecordError;
+use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Terms of the sum over lags; with more the sum is taken on a coarser grid of lags.
@@ -16,6 +17,9 @@ const LAGS: f64 = 1000.0;
 
 /// Averaging factors from which on a filter of one sample's width is short.
 const CONTINUOUS: f64 = 1000.0;
+
+/// Points whose intervals are found together.
+const SHARE: usize = 256;
 
 /// Averages from which on reflection adds nothing to the confidence of a total deviation.
 const MANY: usize = 32;
@@ -62,8 +66,8 @@ pub fn intervals_of(
             "one noise type is needed for each point",
         ));
     }
-    let bounds = curve.points.iter().zip(alphas).map(|(point, &alpha)| {
-        let edf = edf(curve.kind, alpha, curve.samples, point.m);
+    let bound = |known: &mut Option<LagSums>, (point, &alpha): (&Point, &i32)| {
+        let edf = edf_knowing(known, curve.kind, alpha, curve.samples, point.m);
         let quantile = |p: f64| ChiSquared::new(edf).map_or(f64::NAN, |chi| chi.inverse_cdf(p));
         let scale = |chi: f64| point.deviation * (edf / chi).sqrt();
         Interval {
@@ -72,13 +76,35 @@ pub fn intervals_of(
             lower: scale(quantile(0.5 + 0.5 * level)),
             upper: scale(quantile(0.5 - 0.5 * level)),
         }
-    });
-    Ok(bounds.collect())
+    };
+    let points = curve.points.par_iter().zip(alphas).with_min_len(SHARE);
+    Ok(points.map_init(|| None, bound).collect())
 }
 
 /// Equivalent degrees of freedom of a variance at `m` of `samples` rates under noise type `alpha`
 /// (clamped to −4 … 2, for Allan and total to −2 … 2); at least 1.
 pub fn edf(kind: Kind, alpha: i32, samples: usize, m: usize) -> f64 {
+    edf_knowing(&mut None, kind, alpha, samples, m)
+}
+
+/// Sums over all lags where their grid is the coarse one, which is the same for every long τ.
+struct LagSums {
+    kind: Kind,
+    alpha: i32,
+    /// Σ z² over lags of either sign.
+    squares: f64,
+    /// Σ |lag| z², lags in steps of the grid.
+    weighted: f64,
+}
+
+/// As [`edf`]; `known` are the sums found last.
+fn edf_knowing(
+    known: &mut Option<LagSums>,
+    kind: Kind,
+    alpha: i32,
+    samples: usize,
+    m: usize,
+) -> f64 {
     let m = m.max(1);
     let alpha = alpha.clamp(if kind == Kind::Hadamard { -4 } else { -2 }, 2);
     if kind == Kind::Modified && m == 1 {
@@ -106,10 +132,15 @@ pub fn edf(kind: Kind, alpha: i32, samples: usize, m: usize) -> f64 {
         }
         return (count * centre * centre / sum).max(1.0);
     }
-    let full_lags = count.min((order as f64 + 1.0) * width);
+    let reach = order as f64 + 1.0;
+    let full_lags = count.min(reach * width);
     // Scaling S and M together leaves the sum over lags a Riemann sum of the same integral.
     let coarse = (LAGS / full_lags).min(1.0);
-    let (lags, stride, terms) = ((full_lags * coarse).round(), width * coarse, count * coarse);
+    let lags = (full_lags * coarse).round();
+    // As many lags a τ whatever the τ, so that the sums can be the same to the digit.
+    let same = coarse < 1.0 && full_lags < count;
+    let stride = if same { LAGS / reach } else { width * coarse };
+    let terms = count * coarse;
     // Rates are exact averages, so phases are samples, not short averages, of the integrated noise:
     // no filter at all for α ≤ 0. White and flicker phase need the filter of one sample.
     let fineness = if modified {
@@ -120,15 +151,29 @@ pub fn edf(kind: Kind, alpha: i32, samples: usize, m: usize) -> f64 {
         width
     };
     let z0 = structure(0.0, fineness, alpha, order);
-    let mut sum = z0 * z0;
     let last = structure(lags / stride, fineness, alpha, order);
-    sum += (1.0 - lags / terms).max(0.0) * last * last;
-    for j in 1..lags as usize {
-        let lag = j as f64;
-        let z = structure(lag / stride, fineness, alpha, order);
-        sum += 2.0 * (1.0 - lag / terms).max(0.0) * z * z;
-    }
-    (terms * z0 * z0 / sum).max(1.0)
+    let sums = || {
+        let (mut squares, mut weighted) = (z0 * z0 + last * last, lags * last * last);
+        for j in 1..lags as usize {
+            let lag = j as f64;
+            let z = structure(lag / stride, fineness, alpha, order);
+            squares += 2.0 * z * z;
+            weighted += 2.0 * lag * z * z;
+        }
+        LagSums {
+            kind,
+            alpha,
+            squares,
+            weighted,
+        }
+    };
+    let of_this = |known: &&LagSums| (known.kind, known.alpha) == (kind, alpha);
+    let sums = match &*known {
+        _ if !same || alpha > 0 => &sums(),
+        Some(found) if of_this(&found) => found,
+        _ => known.insert(sums()),
+    };
+    (terms * z0 * z0 / (sums.squares - sums.weighted / terms)).max(1.0)
 }
 
 /// Binomial coefficient, small arguments.
