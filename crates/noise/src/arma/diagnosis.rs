@@ -2,8 +2,7 @@
 //! unit roots.
 
 use super::fit::ArmaFit;
-use super::linear::{inverse, product};
-use super::optimise::{Objective, Point, hessian};
+use super::optimise::Point;
 use super::polynomial::{distance, inverse_roots};
 use super::search::Problem;
 use super::starts::encode;
@@ -108,10 +107,12 @@ pub(super) fn padded_start(
 }
 
 /// Fills in standard errors, flags and warnings.
-/// `lower` is the negative log-likelihood at ARMA(p−1, q−1).
+/// `covariance_z` is the inverse curvature in the search coordinates, where there is one, `lower` the negative
+/// log-likelihood at ARMA(p−1, q−1).
 pub(super) fn examine(
     problem: &Problem,
     best: &Point,
+    covariance_z: Option<Vec<f64>>,
     p: usize,
     lower: Option<f64>,
     fit: &mut ArmaFit,
@@ -127,10 +128,6 @@ pub(super) fn examine(
         .map(|r| 1.0 - r.0.hypot(r.1))
         .fold(f64::INFINITY, f64::min);
     let on_boundary = piled_up < PILED_UP / n;
-    let function = |z: &[Vec<f64>]| problem.objective(z, p);
-    let mut objective = Objective::new(&function);
-    let curvature = hessian(&mut objective, z, best.value);
-    let covariance_z = curvature.as_ref().and_then(|h| scaled_inverse(h, d));
     fit.flat_likelihood = d > 0
         && covariance_z
             .as_ref()
@@ -226,33 +223,6 @@ pub(super) fn examine(
     if n < 10.0 * fit.parameters as f64 {
         fit.warnings.push(Warning::ShortRecord);
     }
-}
-
-/// Inverse of a positive definite matrix scaled to unit diagonal first, `None` where it is
-/// indefinite or singular to 1e-9.
-fn scaled_inverse(h: &[f64], d: usize) -> Option<Vec<f64>> {
-    if d == 0 {
-        return Some(Vec::new());
-    }
-    let scale: Vec<f64> = (0..d).map(|i| h[i * d + i].max(0.0).sqrt()).collect();
-    if scale.iter().any(|s| s.is_nan() || *s <= 1e-4) {
-        return None;
-    }
-    let unit: Vec<f64> = (0..d * d)
-        .map(|k| h[k] / (scale[k / d] * scale[k % d]))
-        .collect();
-    let inverted = inverse(&unit, d)?;
-    let check = product(&unit, &inverted, d);
-    let exact = (0..d * d).all(|k| (check[k] - f64::from(k / d == k % d)).abs() < 1e-6);
-    let large = (0..d).any(|i| inverted[i * d + i] > 1e9);
-    if !exact || large {
-        return None;
-    }
-    Some(
-        (0..d * d)
-            .map(|k| inverted[k] / (scale[k / d] * scale[k % d]))
-            .collect(),
-    )
 }
 
 /// Smallest distance between an AR and an MA inverse root.

@@ -3,8 +3,9 @@
 use super::diagnosis::{self, Warning};
 use super::kalman;
 use super::likelihood::{Likelihood, Mean, screen, unbroken};
+use super::optimise::{Objective, newton};
 use super::polynomial::{is_stable, multiply};
-use super::search::{Ladder, Problem};
+use super::search::{Ladder, Problem, TOLERANCE};
 use super::{ArmaError, MAX_FIT_ORDER};
 
 /// How to fit.
@@ -70,7 +71,7 @@ pub struct ArmaFit {
     pub has_unit_root: bool,
     /// Distinct local optima that the search ended in (at least; a measure of how hard it was).
     pub local_optima: usize,
-    /// The search met its tolerance (1e-6 in log-likelihood to go).
+    /// The search met its tolerance (1e-5 in log-likelihood to go).
     pub converged: bool,
     /// `2 (log L − log L′)` with L′ the best likelihood of ARMA(p−1, q−1): what one pair of roots
     /// brings. `None` where p or q has none to give.
@@ -265,8 +266,10 @@ pub(crate) fn climb_to(
         return Err(ArmaError::BadOption("the effort of the search"));
     }
     let found = ladder.climb(&problem, searched, q, options.effort, &known)?;
-    let best = found.first().ok_or(ArmaError::NoOptimum)?.clone();
+    let mut best = found.first().ok_or(ArmaError::NoOptimum)?.clone();
     let local_optima = found.len();
+    let function = |z: &[Vec<f64>]| problem.objective(z, searched);
+    let covariance_z = newton(&mut Objective::new(&function), &mut best, TOLERANCE);
     let lower = ladder.below(searched, q);
     let (phi, theta) = problem.coefficients(&best.z, searched);
     let at = problem
@@ -314,7 +317,7 @@ pub(crate) fn climb_to(
         unit_root: options.unit_root,
         warnings: Vec::new(),
     };
-    diagnosis::examine(&problem, &best, searched, lower, &mut result);
+    diagnosis::examine(&problem, &best, covariance_z, searched, lower, &mut result);
     Ok(result)
 }
 

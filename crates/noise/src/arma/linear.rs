@@ -89,6 +89,33 @@ pub(super) fn inverse(a: &[f64], n: usize) -> Option<Vec<f64>> {
     Some(out)
 }
 
+/// Inverse of a positive definite matrix scaled to unit diagonal first, `None` where it is
+/// indefinite or singular to 1e-9.
+pub(super) fn scaled_inverse(h: &[f64], d: usize) -> Option<Vec<f64>> {
+    if d == 0 {
+        return Some(Vec::new());
+    }
+    let scale: Vec<f64> = (0..d).map(|i| h[i * d + i].max(0.0).sqrt()).collect();
+    if scale.iter().any(|s| s.is_nan() || *s <= 1e-4) {
+        return None;
+    }
+    let unit: Vec<f64> = (0..d * d)
+        .map(|k| h[k] / (scale[k / d] * scale[k % d]))
+        .collect();
+    let inverted = inverse(&unit, d)?;
+    let check = product(&unit, &inverted, d);
+    let exact = (0..d * d).all(|k| (check[k] - f64::from(k / d == k % d)).abs() < 1e-6);
+    let large = (0..d).any(|i| inverted[i * d + i] > 1e9);
+    if !exact || large {
+        return None;
+    }
+    Some(
+        (0..d * d)
+            .map(|k| inverted[k] / (scale[k / d] * scale[k % d]))
+            .collect(),
+    )
+}
+
 /// `A B`.
 pub(super) fn product(a: &[f64], b: &[f64], n: usize) -> Vec<f64> {
     let mut c = vec![0.0; n * n];

@@ -1,6 +1,7 @@
 //! Minimisation of a smooth function of a few variables: BFGS with numeric gradients, finished by
 //! Nelder-Mead. Nocedal & Wright 2006, chapters 6 and 8; Nelder & Mead 1965.
 
+use super::linear::scaled_inverse;
 use crate::quasi_newton::{backtrack, diagonal, product, update};
 
 /// Difference step. The search coordinates have unit scale (standard errors 1e-3 to 10), so a
@@ -262,9 +263,52 @@ pub(super) fn nelder_mead(
     }
 }
 
+/// Newton's steps from where BFGS has ended, whose estimate of the curvature may miss what is left where
+/// coordinates differ in it by orders of magnitude. Gives the inverse curvature at the end, or `None`
+/// where it is not positive: the edge of the region, a direction that changes nothing.
+pub(super) fn newton(
+    objective: &mut Objective,
+    best: &mut Point,
+    tolerance: f64,
+) -> Option<Vec<f64>> {
+    const STEPS: usize = 5;
+    let n = best.z.len();
+    let mut gradient = vec![0.0; n];
+    for _ in 0..STEPS {
+        let curvature = hessian(objective, &best.z, best.value)?;
+        let inverse = scaled_inverse(&curvature, n)?;
+        objective.gradient(&best.z, best.value, true, &mut gradient);
+        let direction = product(&inverse, &gradient);
+        let slope: f64 = -(direction.iter().zip(&gradient).map(|(d, g)| d * g)).sum::<f64>();
+        if -0.5 * slope < tolerance {
+            best.converged = true;
+            return Some(inverse);
+        }
+        let longest = direction.iter().fold(0.0f64, |m, d| m.max(d.abs()));
+        let mut next = best.z.clone();
+        let at = |t: f64| {
+            for i in 0..n {
+                next[i] = (best.z[i] - t * direction[i]).clamp(-EDGE, EDGE);
+            }
+            objective.at(&next)
+        };
+        let value = backtrack(at, best.value, slope, (LONGEST / longest).min(1.0));
+        let gained = best.value - value;
+        if gained > 0.0 {
+            (best.z, best.value) = (next, value);
+        }
+        // Along a direction that is nearly flat the gradient is rounding: what the values say counts.
+        if gained < tolerance {
+            return Some(inverse);
+        }
+    }
+    best.converged = false;
+    scaled_inverse(&hessian(objective, &best.z, best.value)?, n)
+}
+
 /// Hessian by central second differences with steps that change the function by about `rise`, or
 /// `None` where it is not finite. Returned with the steps used.
-pub(super) fn hessian(objective: &mut Objective, z: &[f64], value: f64) -> Option<Vec<f64>> {
+fn hessian(objective: &mut Objective, z: &[f64], value: f64) -> Option<Vec<f64>> {
     let n = z.len();
     let mut steps = vec![0.0; n];
     for i in 0..n {
@@ -340,6 +384,25 @@ mod tests {
         let mut objective = Objective::new(&rosenbrock);
         let found = bfgs(&mut objective, &start(), 1e-9, 200);
         assert!(found.converged && found.value < 1e-7, "{found:?}");
+    }
+
+    #[test]
+    fn newton_goes_on_where_a_search_only_believes_to_be_done() {
+        let mut objective = Objective::new(&rosenbrock);
+        // In the valley, 0.01 above its bottom, where the gradient is small across it.
+        let mut point = Point::new(vec![0.9, 0.81], 0.01);
+        point.converged = true;
+        let inverse = newton(&mut objective, &mut point, 1e-9).unwrap();
+        assert!(point.converged && point.value < 1e-9, "{point:?}");
+        // [802, -400; -400, 200] inverted; steps that raise the function by 0.1 see its quartic term, 1 %.
+        for (found, exact) in inverse.iter().zip([0.5, 1.0, 1.0, 2.005]) {
+            assert!((found / exact - 1.0).abs() < 0.02, "{inverse:?}");
+        }
+        // No bottom along the second coordinate: nothing is claimed.
+        let flat = |z: &[Vec<f64>]| z.iter().map(|z| z[0] * z[0]).collect();
+        let mut point = Point::new(vec![1e-3, 0.0], 1e-6);
+        assert!(newton(&mut Objective::new(&flat), &mut point, 1e-9).is_none());
+        assert_eq!((point.converged, point.value), (false, 1e-6));
     }
 
     #[test]

@@ -75,7 +75,7 @@ impl Problem<'_> {
 }
 
 /// Decrease of the negative log-likelihood still to be expected where a search stops.
-const TOLERANCE: f64 = 1e-5;
+pub(super) const TOLERANCE: f64 = 1e-5;
 /// Optima this close in log-likelihood count as the same one.
 const SAME: f64 = 1e-4;
 /// Local optima handed to the next order.
