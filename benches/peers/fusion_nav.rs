@@ -18,30 +18,15 @@ fn navigate(logs: &Logs) -> Result<Vec<f64>, Failure> {
         start,
         model,
     } = logs;
-    let model: Vec<f32> = model.iter().map(|&value| value as f32).collect();
-    let [
-        gyro,
-        gyro_walk,
-        gyro_turn_on,
-        accel,
-        walk,
-        turn_on,
-        position,
-        velocity,
-        tilt,
-        _,
-        yaw,
-    ] = model[..]
-    else {
-        return Err("the model has other numbers".into());
-    };
+    let [roll, _, yaw] = model.attitude.map(|std| std as f32);
+    let (position, velocity) = (model.position as f32, model.velocity as f32);
     let place = |row: &[f64]| Geodetic::from_radians(row[1], row[2], row[3]);
     let config = Config {
         imu: ImuNoise {
-            gyro_white: gyro,
-            accel_white: accel,
-            gyro_bias_walk: gyro_walk,
-            accel_bias_walk: walk,
+            gyro_white: model.gyro as f32,
+            accel_white: model.accel as f32,
+            gyro_bias_walk: model.gyro_walk as f32,
+            accel_bias_walk: model.accel_walk as f32,
         },
         correlation: Correlation::WHITE,
         gravity: place(start).normal_gravity(),
@@ -61,9 +46,9 @@ fn navigate(logs: &Logs) -> Result<Vec<f64>, Failure> {
     };
     let mut sigmas = [position; 15];
     sigmas[3..6].fill(0.1);
-    sigmas[6..9].copy_from_slice(&[tilt, tilt, yaw]);
-    sigmas[9..12].fill(turn_on);
-    sigmas[12..15].fill(gyro_turn_on);
+    sigmas[6..9].copy_from_slice(&[roll, roll, yaw]);
+    sigmas[9..12].fill(model.accel_turn_on as f32);
+    sigmas[12..15].fill(model.gyro_turn_on as f32);
     let at = |row: &[f64]| Timestamp::from_secs_f64(row[0]);
     filter
         .initialize_from(state, Covariance::from_sigmas(sigmas), at(start))

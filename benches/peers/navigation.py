@@ -183,7 +183,7 @@ def crate(name, version, source, system="a library", **others):
     folder = os.path.join("target", "peers-crates", name)
     os.makedirs(os.path.join(folder, "src"), exist_ok=True)
     here = os.path.dirname(os.path.abspath(__file__))
-    for origin, copied in [(source, "main.rs"), ("raw_logs.rs", "raw_logs.rs")]:
+    for origin, copied in [(source, "main.rs"), ("raw_logs.rs", "raw_logs.rs"), ("process.rs", "process.rs")]:
         shutil.copy(os.path.join(here, origin), os.path.join(folder, "src", copied))
     dependencies = [(name, f"={version}"), *others.items()]
     with open(os.path.join(folder, "Cargo.toml"), "w") as manifest:

@@ -1,9 +1,12 @@
 //! What the programs that navigate the raw logs of `navigation.py` share: reading the logs, writing the
-//! solution, CPU time and memory. `navigation.py` copies this file beside the `main.rs` of a peer.
+//! solution. `navigation.py` copies this file and `process.rs` beside the `main.rs` of a peer.
 
-use std::{error::Error, fs, path::Path, time::Duration};
+#[path = "process.rs"]
+mod process;
 
-pub type Failure = Box<dyn Error>;
+pub use process::Failure;
+use process::measured;
+use std::{fs, path::Path};
 
 /// Numbers of the files of the same names.
 pub struct Logs {
@@ -13,9 +16,52 @@ pub struct Logs {
     pub gnss: Vec<f64>,
     /// Time [s], latitude, longitude [rad], height [m], velocity [m/s], roll, pitch, yaw [rad].
     pub start: Vec<f64>,
-    /// White noise, random walk, turn-on of gyros and of accelerometers, standard deviations of position and
-    /// velocity, then of roll, pitch, yaw at the start, all SI.
-    pub model: Vec<f64>,
+    pub model: Model,
+}
+
+/// What a filter is told, all SI.
+pub struct Model {
+    /// White noise, random walk and turn-on of gyros and of accelerometers.
+    pub gyro: f64,
+    pub gyro_walk: f64,
+    pub gyro_turn_on: f64,
+    pub accel: f64,
+    pub accel_walk: f64,
+    pub accel_turn_on: f64,
+    /// Standard deviations of fixes.
+    pub position: f64,
+    pub velocity: f64,
+    /// Those of roll, pitch and yaw at the start.
+    pub attitude: [f64; 3],
+}
+
+impl Model {
+    fn new(numbers: &[f64]) -> Option<Self> {
+        let (
+            &[
+                gyro,
+                gyro_walk,
+                gyro_turn_on,
+                accel,
+                accel_walk,
+                accel_turn_on,
+                position,
+                velocity,
+            ],
+            rest,
+        ) = numbers.split_first_chunk()?;
+        Some(Self {
+            gyro,
+            gyro_walk,
+            gyro_turn_on,
+            accel,
+            accel_walk,
+            accel_turn_on,
+            position,
+            velocity,
+            attitude: rest.try_into().ok()?,
+        })
+    }
 }
 
 /// Navigates the logs of the folder that the command line names as often as it says, leaves `WHO.f64` there
@@ -27,32 +73,19 @@ pub fn run(who: &str, navigate: fn(&Logs) -> Result<Vec<f64>, Failure>) -> Resul
     let repeats: usize = arguments.next().map_or(Ok(1), |text| text.parse())?;
     let folder = Path::new(&folder);
     let read = |name: &str| read(&folder.join(name));
-    let (imu, gnss) = (read("imu.f64")?, read("gnss.f64")?);
-    let (start, model) = (read("start.f64")?, read("model.f64")?);
     let logs = Logs {
-        imu,
-        gnss,
-        start,
-        model,
+        imu: read("imu.f64")?,
+        gnss: read("gnss.f64")?,
+        start: read("start.f64")?,
+        model: Model::new(&read("model.f64")?).ok_or("the model has other numbers")?,
     };
-    let before = peak_kib()?;
-    let mut fastest = f64::INFINITY;
-    let mut solution = Vec::new();
-    for _ in 0..repeats.max(1) {
-        let since = cpu_seconds()?;
-        solution = navigate(&logs)?;
-        fastest = fastest.min(cpu_seconds()? - since);
-    }
+    let (solution, taken) = measured(repeats, || navigate(&logs))?;
     let bytes: Vec<u8> = solution
         .iter()
         .flat_map(|value| value.to_le_bytes())
         .collect();
     fs::write(folder.join(format!("{who}.f64")), bytes)?;
-    println!(
-        "{{\"values\":[{}],\"cpu_s\":{fastest:?},\"peak_kib\":{},\"before_kib\":{before}}}",
-        solution.len() / 10,
-        peak_kib()?
-    );
+    println!("{{\"values\":[{}],{taken}}}", solution.len() / 10);
     Ok(())
 }
 
@@ -63,20 +96,4 @@ fn read(path: &Path) -> Result<Vec<f64>, Failure> {
         .iter()
         .map(|bytes| f64::from_le_bytes(*bytes))
         .collect())
-}
-
-/// CPU time so far [s], brought up to date by the nap.
-fn cpu_seconds() -> Result<f64, Failure> {
-    std::thread::sleep(Duration::from_millis(2));
-    let text = fs::read_to_string("/proc/self/schedstat")?;
-    let first = text.split_whitespace().next();
-    Ok(first.ok_or("/proc has no CPU times")?.parse::<f64>()? * 1e-9)
-}
-
-/// Largest resident memory so far [KiB].
-fn peak_kib() -> Result<u64, Failure> {
-    let status = fs::read_to_string("/proc/self/status")?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-    let size = line.and_then(|rest| rest.split_whitespace().next());
-    Ok(size.ok_or("/proc has no peak memory")?.parse()?)
 }

@@ -27,22 +27,7 @@ fn navigate(logs: &Logs) -> Result<Vec<f64>, Failure> {
         start,
         model,
     } = logs;
-    let [
-        gyro,
-        gyro_walk,
-        gyro_turn_on,
-        accel,
-        walk,
-        turn_on,
-        position,
-        velocity,
-        roll,
-        pitch,
-        yaw,
-    ] = model[..]
-    else {
-        return Err("the model has other numbers".into());
-    };
+    let (position, velocity) = (model.position, model.velocity);
     let [alpha, beta, kappa] = SPREAD;
     let degrees = |k: usize| start[k].to_degrees();
     // North-east-down: its altitude grows with the vertical velocity, so that it is minus the height.
@@ -64,12 +49,19 @@ fn navigate(logs: &Logs) -> Result<Vec<f64>, Failure> {
     let sigmas = [
         [radians, radians / start[1].cos(), position],
         [0.1; 3],
-        [roll, pitch, yaw],
-        [turn_on; 3],
-        [gyro_turn_on; 3],
+        model.attitude,
+        [model.accel_turn_on; 3],
+        [model.gyro_turn_on; 3],
     ];
     // What it adds at every step, whatever the step's length: a density times the step.
-    let walks = [0.0, accel, gyro, walk, gyro_walk].map(|density| [density * STEP.sqrt(); 3]);
+    let walks = [
+        0.0,
+        model.accel,
+        model.gyro,
+        model.accel_walk,
+        model.gyro_walk,
+    ]
+    .map(|density| [density * STEP.sqrt(); 3]);
     let squares = |sigmas: [[f64; 3]; 5]| -> Vec<f64> {
         sigmas.iter().flatten().map(|sigma| sigma * sigma).collect()
     };

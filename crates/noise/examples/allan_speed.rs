@@ -4,6 +4,10 @@
 //!
 //! `cargo run --release -p undrift-noise --example allan_speed [SAMPLES]`
 
+#[path = "../../../benches/peers/process.rs"]
+mod process;
+
+use process::measured;
 use std::hint::black_box;
 use std::time::Instant;
 use undrift_noise::allan::{Grid, Kind, deviations, fit_gauss_markov, fit_terms};
@@ -71,35 +75,25 @@ fn all(samples: usize) -> Result<(), Box<dyn std::error::Error>> {
         for (k, rate) in record.iter_mut().enumerate() {
             *rate += drift * k as f64 / samples as f64;
         }
-        let (before, start) = (cpu_seconds()?, Instant::now());
-        let curve = deviations(black_box(&record), 100.0, Kind::Overlapping, Grid::All)?;
-        let elapsed = start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let all = || {
+            Ok(deviations(
+                black_box(&record),
+                100.0,
+                Kind::Overlapping,
+                Grid::All,
+            )?)
+        };
+        let (curve, taken) = measured(1, all)?;
         println!(
-            "{samples} samples, drift {drift}: {} τ, {:.2} s of CPU, {elapsed:.2} s, peak {:.0} MiB",
+            "{samples} samples, drift {drift}: {} τ, {:.2} s of CPU, {:.2} s, peak {} MiB",
             curve.points.len(),
-            cpu_seconds()? - before,
-            peak_mib()?
+            taken.cpu_s,
+            start.elapsed().as_secs_f64(),
+            taken.peak_kib / 1024
         );
     }
     Ok(())
-}
-
-/// CPU time of all threads so far, in steps of 10 ms [s].
-fn cpu_seconds() -> Result<f64, Box<dyn std::error::Error>> {
-    let text = std::fs::read_to_string("/proc/self/stat")?;
-    let after_name = text.rsplit(')').next().unwrap_or_default();
-    let ticks: Result<Vec<f64>, _> = (after_name.split_whitespace().skip(11).take(2))
-        .map(str::parse::<f64>)
-        .collect();
-    Ok(ticks?.iter().sum::<f64>() / 100.0)
-}
-
-/// Largest resident memory of the process so far [MiB].
-fn peak_mib() -> Result<f64, Box<dyn std::error::Error>> {
-    let status = std::fs::read_to_string("/proc/self/status")?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-    let size = line.and_then(|rest| rest.split_whitespace().next());
-    Ok(size.ok_or("/proc has no peak memory")?.parse::<f64>()? / 1024.0)
 }
 
 /// Time of one call [s].

@@ -4,11 +4,14 @@
 //! `cargo run --release -p undrift-noise --example peers TASK FILE [REPEATS]`, TASK an arm of `run`
 //! below. Linux only. `benches/peers/run` drives it.
 
+#[path = "../../../benches/peers/process.rs"]
+mod process;
+
+use process::measured;
 use std::error::Error;
-use std::fs::{self, File};
+use std::fs::File;
 use std::hint::black_box;
 use std::io::{BufReader, Read};
-use std::time::Duration;
 use undrift_noise::allan::{Grid, Kind, deviations, intervals};
 use undrift_noise::arma::{FitOptions, Mean, fit};
 use undrift_noise::correlation::autocorrelation;
@@ -24,18 +27,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let repeats: usize = arguments.next().map_or(Ok(1), |text| text.parse())?;
     let record = read(&path)?;
-    let before = peak_kib()?;
-    let mut fastest = f64::INFINITY;
-    let mut values = Vec::new();
-    for _ in 0..repeats.max(1) {
-        let start = cpu_seconds()?;
-        values = black_box(run(&task, black_box(&record))?);
-        fastest = fastest.min(cpu_seconds()? - start);
-    }
-    println!(
-        "{{\"values\":{values:?},\"cpu_s\":{fastest:?},\"peak_kib\":{},\"before_kib\":{before}}}",
-        peak_kib()?
-    );
+    let (values, taken) = measured(repeats, || Ok(black_box(run(&task, black_box(&record))?)))?;
+    println!("{{\"values\":{values:?},{taken}}}");
     Ok(())
 }
 
@@ -134,25 +127,4 @@ fn read(path: &str) -> Result<Vec<f64>, Box<dyn Error>> {
         record.push(f64::from_le_bytes(bytes));
     }
     Ok(record)
-}
-
-/// CPU time of all threads so far [s]. The kernel brings a thread's count up to date when it leaves
-/// the core: hence the nap.
-fn cpu_seconds() -> Result<f64, Box<dyn Error>> {
-    std::thread::sleep(Duration::from_millis(2));
-    let mut total = 0.0;
-    for thread in fs::read_dir("/proc/self/task")? {
-        let text = fs::read_to_string(thread?.path().join("schedstat"))?;
-        let first = text.split_whitespace().next();
-        total += first.ok_or("/proc has no CPU times")?.parse::<f64>()?;
-    }
-    Ok(total * 1e-9)
-}
-
-/// Largest resident memory of the process so far [KiB].
-fn peak_kib() -> Result<u64, Box<dyn Error>> {
-    let status = fs::read_to_string("/proc/self/status")?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-    let size = line.and_then(|rest| rest.split_whitespace().next());
-    Ok(size.ok_or("/proc has no peak memory")?.parse()?)
 }

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{close, data, numbers, reference, series};
+use common::{close, data, numbers, reference, series, white_noise};
 use undrift_noise::allan::confidence::intervals;
 use undrift_noise::allan::{
     Grid, Kind, deviations, deviations_at, factors_of, fit_gauss_markov, fit_terms,
@@ -301,18 +301,12 @@ fn averaging_times_become_whole_samples() {
 
 /// White noise with a drifting bias.
 fn drifting(samples: usize) -> Vec<f64> {
-    let mut state = 1u64;
     let mut bias = 0.0;
-    (0..samples)
-        .map(|_| {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
-            let uniform = (state >> 11) as f64 / 2f64.powi(53) - 0.5;
-            bias += 1e-3 * uniform;
-            bias + uniform
-        })
-        .collect()
+    let drift = |white: f64| {
+        bias += 1e-3 * white;
+        bias + white
+    };
+    white_noise(1, samples).into_iter().map(drift).collect()
 }
 
 #[test]

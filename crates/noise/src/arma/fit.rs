@@ -2,7 +2,7 @@
 
 use super::diagnosis::{self, Warning};
 use super::kalman;
-use super::likelihood::{Likelihood, Mean, screen, unbroken};
+use super::likelihood::{Likelihood, Mean, screen};
 use super::optimise::{Objective, newton};
 use super::polynomial::{is_stable, multiply};
 use super::search::{Ladder, Problem, TOLERANCE};
@@ -147,22 +147,24 @@ pub fn log_likelihood(
     if !stationary {
         return Err(ArmaError::NotStationary);
     }
-    // About a known mean one pass is enough: a missing or infinite sample leaves no likelihood.
-    if mean != Mean::Estimated && !unit_root && samples.len() >= 3 {
-        let varying = samples.iter().any(|x| *x != samples[0]);
-        let point = [(ar.to_vec(), ma.to_vec())];
-        if varying && let [Some(likelihood)] = unbroken(samples, mean, 0.0, &point)[..] {
-            return Ok(likelihood);
-        }
-    }
-    let (centre, present) = screen(samples, 0)?;
-    let problem = Problem {
+    let about = |centre, gaps| Problem {
         samples,
         mean,
         centre,
-        gaps: unit_root || present < samples.len(),
+        gaps,
         unit_root,
     };
+    // About a known mean one pass is enough: a missing or infinite sample leaves no likelihood.
+    if mean != Mean::Estimated
+        && !unit_root
+        && samples.len() >= 3
+        && samples.iter().any(|x| *x != samples[0])
+        && let Some(likelihood) = about(0.0, false).likelihood(ar, ma)
+    {
+        return Ok(likelihood);
+    }
+    let (centre, present) = screen(samples, 0)?;
+    let problem = about(centre, unit_root || present < samples.len());
     problem.likelihood(ar, ma).ok_or(ArmaError::NotStationary)
 }
 

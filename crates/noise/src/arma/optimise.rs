@@ -1,5 +1,5 @@
-//! Minimisation of a smooth function of a few variables: BFGS with numeric gradients, finished by
-//! Nelder-Mead. Nocedal & Wright 2006, chapters 6 and 8; Nelder & Mead 1965.
+//! Minimisation of a smooth function of a few variables: BFGS with numeric gradients, Nelder-Mead where it
+//! sticks, Newton's steps at the end. Nocedal & Wright 2006, chapters 3, 6 and 8; Nelder & Mead 1965.
 
 use super::linear::scaled_inverse;
 use crate::quasi_newton::{backtrack, diagonal, product, update};
@@ -307,7 +307,7 @@ pub(super) fn newton(
 }
 
 /// Hessian by central second differences with steps that change the function by about `rise`, or
-/// `None` where it is not finite. Returned with the steps used.
+/// `None` where it is not finite.
 fn hessian(objective: &mut Objective, z: &[f64], value: f64) -> Option<Vec<f64>> {
     let n = z.len();
     let mut steps = vec![0.0; n];
