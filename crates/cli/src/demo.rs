@@ -13,10 +13,10 @@ use clap::Args;
 use std::path::{Path, PathBuf};
 use undrift::{
     demo::{self, Demo, Models, Stage},
-    figure,
-    outages::ModelRun,
+    outages::{ModelRun, drift_curve},
     results,
 };
+use undrift_report::figure;
 
 /// Simulate a drive, cut its GNSS 15 times, and compare the noise models.
 ///
@@ -134,7 +134,7 @@ fn write(folder: &Path, demo: &Demo, runs: &[&ModelRun], silent: bool) -> Result
         &tables::trajectory_csv(demo),
     )?;
     print::write_whole(&folder.join("figure5-drift.csv"), &tables::drift_csv(runs))?;
-    let curves: Vec<_> = runs.iter().map(|r| figure::drift_curve(r)).collect();
+    let curves: Vec<_> = runs.iter().map(|r| drift_curve(r)).collect();
     figure::experiment(
         &folder.join("demo.svg"),
         &demo.simulation.truth,

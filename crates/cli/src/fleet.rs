@@ -4,7 +4,7 @@ use crate::{
     output::JsonOutput,
     print,
     progress::Bar,
-    report::Reporting,
+    report::{Reporting, write_page},
     style,
     terminal::{self, detail, say, stage, warn},
 };
@@ -156,6 +156,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let gathered = stage("gathering", || fleet::gather(&done.fingerprints, folder))?;
     let json = results::text(&gathered.json);
+    write_page(&folder.join("fleet.html"), &json)?;
     arguments.reporting.write(&json)?;
     if !arguments.json.write(&json)? {
         say(line)?;

@@ -11,11 +11,11 @@ use anyhow::Result;
 use clap::Args;
 use std::{fmt::Write as _, path::PathBuf};
 use undrift::{
-    figure,
     montecarlo::{self, ModelReport, Report, Spec, Verdict},
     noise::BiasModel,
     results,
 };
+use undrift_report::figure;
 
 /// Simulate a drive many times and compare the filter's errors with its own covariance (NEES, NIS).
 ///

@@ -12,14 +12,14 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use undrift::{
-    figure,
     io::write::{SolutionFile, SolutionFormat, SolutionOptions, solution::SolutionRow},
     nav::sample::TruthSample,
     noise::BiasModel,
-    outages::{Logs, Schedule},
+    outages::{Logs, Schedule, drift_curve},
     replay::{Outage, STAMP_ROUNDING},
     results,
 };
+use undrift_report::figure;
 
 /// Cut GNSS again and again on a drive and measure how far each bias model drifts.
 ///
@@ -140,7 +140,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("cannot make {}", folder.display()))?;
         print::write_whole(&folder.join("outages.json"), &json)?;
-        let curves: Vec<_> = runs.iter().map(|r| figure::drift_curve(r)).collect();
+        let curves: Vec<_> = runs.iter().map(|r| drift_curve(r)).collect();
         figure::experiment(&folder.join("outages.svg"), &logs.track(), &cuts, &curves)
             .map_err(anyhow::Error::msg)?;
     }

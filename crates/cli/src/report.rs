@@ -7,7 +7,7 @@ use crate::{
 use anyhow::{Context, Result};
 use clap::Args;
 use std::path::{Path, PathBuf};
-use undrift::report::{self, figures::Formats};
+use undrift_report::figures::Formats;
 
 /// Make a report of one result, or compare several.
 ///
@@ -36,6 +36,11 @@ pub struct Arguments {
     figures: Option<PathBuf>,
     #[command(flatten)]
     json: JsonOutput,
+}
+
+/// Writes the report of one result.
+pub fn write_page(path: &Path, result: &str) -> Result<()> {
+    write(&[(PathBuf::new(), result.to_owned())], Some(path), None)
 }
 
 /// Where a verb puts the report of its result.
@@ -111,12 +116,12 @@ fn write(
     output: Option<&Path>,
     figures: Option<&Path>,
 ) -> Result<()> {
-    let document = report::of_results(results)?;
+    let document = undrift_report::of_results(results)?;
     if let Some(path) = output {
-        print::write_whole(path, &report::html::render(&document))?;
+        print::write_whole(path, &undrift_report::html::render(&document))?;
     }
     if let Some(folder) = figures {
-        report::figures::write(&document, folder, Formats::default())
+        undrift_report::figures::write(&document, folder, Formats::default())
             .map_err(anyhow::Error::msg)?;
     }
     Ok(())

@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 use undrift::{
-    demo::Demo, figure::drift_curve, identify::Identified, noise::pandit_wu::PAPER_CRITICAL,
-    outages::ModelRun, record::Record,
+    demo::Demo, identify::Identified, noise::pandit_wu::PAPER_CRITICAL, outages::ModelRun,
+    outages::drift_curve, record::Record,
 };
 
 /// Table 2: the tests of stationarity and normality, axis by axis.

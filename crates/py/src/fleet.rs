@@ -1,12 +1,13 @@
 //! Many logs: jobs and outcomes as the JSON that they are elsewhere too.
 
-use crate::error::error;
+use crate::{error::error, model::write};
 use pyo3::prelude::*;
 use std::{collections::HashMap, path::PathBuf};
 use undrift::{
     fleet::{self, Job, Manifest},
     results,
 };
+use undrift_report::{html, of_results};
 
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(fleet_patterns, module)?)?;
@@ -74,9 +75,14 @@ fn fleet_process(py: Python<'_>, job: &str, threads: usize) -> PyResult<String> 
     Ok(outcome.map_err(error)?.to_json())
 }
 
-/// Makes table, summary and report of the outcomes in a folder; the summary as JSON.
+/// Makes table, summary and page of the outcomes in a folder; the summary as JSON.
 #[pyfunction]
 fn fleet_gather(py: Python<'_>, fingerprints: Vec<String>, folder: PathBuf) -> PyResult<String> {
-    let gathered = py.detach(|| fleet::gather(&fingerprints, &folder));
-    Ok(results::text(&gathered.map_err(error)?.json))
+    py.detach(|| {
+        let gathered = fleet::gather(&fingerprints, &folder).map_err(error)?;
+        let json = results::text(&gathered.json);
+        let document = of_results(&[(PathBuf::new(), json.clone())]).map_err(error)?;
+        write(&folder.join("fleet.html"), &html::render(&document))?;
+        Ok(json)
+    })
 }

@@ -3,7 +3,7 @@
 use crate::{error::error, model::write};
 use pyo3::prelude::*;
 use std::path::PathBuf;
-use undrift::report::{self, figures, html};
+use undrift_report::{figures, html, of_results};
 
 /// Makes a report of results: their names, of files or none, and their JSON. It goes into an HTML file
 /// `output`, its figures into a folder, where they are asked for.
@@ -16,7 +16,7 @@ pub fn make(
     folder: Option<PathBuf>,
 ) -> PyResult<()> {
     py.detach(|| {
-        let document = report::of_results(&results).map_err(error)?;
+        let document = of_results(&results).map_err(error)?;
         if let Some(path) = output {
             write(&path, &html::render(&document))?;
         }

@@ -1,6 +1,6 @@
 //! Many logs: each becomes a [`Job`], a plain description of what is to be done; [`process`] makes an
 //! [`Outcome`] of it; [`run`] does so on all cores, keeps every outcome in a file of its own and leaves out
-//! what is up to date; [`gather`] makes one table, one summary and one report of them all.
+//! what is up to date; [`gather`] makes one table and one summary of them all.
 //!
 //! A job has no state beside it, and its outcome depends on nothing but the job and the contents of the
 //! files that it names: no clock, no machine, no order. So whoever runs the jobs, wherever and however

@@ -1,10 +1,12 @@
 //! The experiment: GNSS cut many times on one drive, each bias model run through it, the drift
 //! reported as in the source paper's Table 4.
 
+mod drift;
 mod json;
 mod logs;
 mod schedule;
 
+pub use drift::{DriftCurve, drift_curve};
 pub use json::{Experiment, track};
 pub use logs::Logs;
 pub use schedule::{Schedule, schedule};

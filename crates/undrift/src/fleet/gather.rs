@@ -1,11 +1,8 @@
-//! The outcomes in a folder into one table, one summary and one report.
+//! The outcomes in a folder into one table and one summary.
 
 use super::{FleetError, Outcome, job_path, summary::Summary};
-use crate::{report, results};
-use std::{
-    io,
-    path::{Path, PathBuf},
-};
+use crate::results;
+use std::{io, path::Path};
 use undrift_io::write::write_whole;
 
 /// What was gathered.
@@ -19,7 +16,7 @@ pub struct Gathered {
     pub json: serde_json::Value,
 }
 
-/// Makes `results.parquet`, `fleet.json` and `fleet.html` in a folder of the outcomes that are kept there
+/// Makes `results.parquet` and `fleet.json` in a folder of the outcomes that are kept there
 /// under these fingerprints, in their order. One outcome is in memory at a time.
 ///
 /// # Errors
@@ -46,11 +43,6 @@ pub fn gather(fingerprints: &[String], folder: &Path) -> Result<Gathered, FleetE
     let json = summary.json();
     let text = results::text(&json) + "\n";
     write(&folder.join("fleet.json"), &text)?;
-    let path = folder.join("fleet.html");
-    let document = report::of_results(&[(PathBuf::new(), text)])
-        .map_err(io::Error::other)
-        .map_err(FleetError::file(&path))?;
-    write(&path, &report::html::render(&document))?;
     tidy(folder).map_err(FleetError::file(folder))?;
     Ok(Gathered {
         failed: summary.failed(),

@@ -1,8 +1,7 @@
 //! The experiment as JSON.
 
-use super::{ModelRun, Outcome};
+use super::{ModelRun, Outcome, drift::drift_curve};
 use crate::{
-    figure::drift_curve,
     replay::Outage,
     results::{self, Kind, with_head},
     series::{ROWS, Thinned, to_digits, to_millimetre, to_millisecond},

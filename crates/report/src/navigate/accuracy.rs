@@ -4,13 +4,11 @@ use super::{
     ATTITUDE, POSITION, Run, VELOCITY, figure, panels::component_panel, section, with_gaps,
 };
 use crate::{
-    reference::COMPONENTS,
-    report::{
-        Block, Cell, Section,
-        parts::{Clock, cell, count, get, mark_least, named, short, table, text},
-        read::{Navigate, NavigateSeries},
-    },
+    Block, Cell, Section,
+    parts::{Clock, cell, count, get, mark_least, named, short, table, text},
+    read::{Navigate, NavigateSeries},
 };
+use undrift::reference::COMPONENTS;
 
 /// NEES per degree of freedom along a run, whose samples are correlated, from which the filter is said to
 /// be optimistic, or slightly so.

@@ -1,7 +1,7 @@
 //! What was done and how it went, in words and counts.
 
 use super::{DEGREES, Run};
-use crate::report::{
+use crate::{
     Block, Cell, Section, Table,
     parts::{cell, count, error, named, short, span, table, text, warnings},
     read::{Counts, Navigate, Nis, Number},
@@ -198,7 +198,7 @@ fn parameters(runs: &[Run<'_>]) -> Option<Table> {
     (!estimated.rows.is_empty()).then_some(estimated)
 }
 
-/// A kind of [`undrift_nav::parameters::Parameter`] in words, its unit in the report, and what that is of SI.
+/// A kind of [`undrift::nav::parameters::Parameter`] in words, its unit in the report, and what that is of SI.
 fn constant(kind: &str) -> (&str, &'static str, f64) {
     match kind {
         "GyroScale" => ("gyro scale factors x, y, z", "%", 100.0),

@@ -2,16 +2,14 @@
 
 use super::{Failure, RATE, Run, units};
 use std::path::Path;
-use undrift::{
-    figure::panel::{Axis, Corner, Panel, Series, draw as draw_panels},
-    noise::{
-        BiasModel, ImuModel,
-        allan::gauss_markov::gauss_markov_variance,
-        drift_score,
-        model_file::AxisModel,
-        screening::{OutlierRule, outliers, remove_constant},
-    },
+use undrift::noise::{
+    BiasModel, ImuModel,
+    allan::gauss_markov::gauss_markov_variance,
+    drift_score,
+    model_file::AxisModel,
+    screening::{OutlierRule, outliers, remove_constant},
 };
+use undrift_report::figure::panel::{Axis, Corner, Panel, Series, draw as draw_panels};
 
 /// Colour of each run.
 const COLOURS: [usize; 3] = [5, 7, 4];

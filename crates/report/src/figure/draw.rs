@@ -26,7 +26,7 @@ const FINE: u32 = 8;
 /// A sentence for the user when the file cannot be written.
 pub fn draw(path: &Path, panels: &[Panel], columns: usize, size: (u32, u32)) -> Result<(), String> {
     svg(panels, columns, size)
-        .and_then(|text| undrift_io::write::write_whole(path, text).map_err(|e| e.to_string()))
+        .and_then(|text| undrift::io::write::write_whole(path, text).map_err(|e| e.to_string()))
         .map_err(|e| format!("cannot draw {}: {e}", path.display()))
 }
 

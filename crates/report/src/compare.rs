@@ -5,7 +5,7 @@ use super::{
     read::{Demo, Fleet, Identify, MonteCarlo, Navigate, Outages, Read, read},
 };
 use std::path::PathBuf;
-use undrift_io::ReadError;
+use undrift::io::ReadError;
 
 /// The report of results, each a file's path (empty for a single one without) and its text: JSON as
 /// the verbs write it.

@@ -44,7 +44,7 @@ pub fn write(document: &Document, dir: &Path, formats: Formats) -> Result<Vec<Pa
     let mut names: HashMap<String, usize> = HashMap::new();
     let mut save = |name: String, content: &[u8]| {
         let path = dir.join(name);
-        undrift_io::write::write_whole(&path, content).map_err(|e| at(&path, e.to_string()))?;
+        undrift::io::write::write_whole(&path, content).map_err(|e| at(&path, e.to_string()))?;
         written.push(path);
         Ok::<(), String>(())
     };
@@ -121,7 +121,7 @@ fn png(svg: &str, options: &usvg::Options) -> Result<Vec<u8>, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::{Axis, Panel, Section, Series};
+    use crate::{Axis, Panel, Section, Series};
 
     fn document() -> Document {
         let mut panel = Panel::new("Title", Axis::new("x"), Axis::new("y"));

@@ -9,7 +9,7 @@ use super::{
     read::{ModelErrors, Numbers, Outages},
 };
 use drift::drift;
-use undrift_noise::order_statistics::quantile;
+use undrift::noise::order_statistics::quantile;
 use way::way;
 
 /// Components of Table 4 with the heads of their columns.
@@ -337,7 +337,7 @@ fn table_of(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::read::Number;
+    use crate::read::Number;
 
     #[test]
     fn a_clear_lead_is_rarer_than_chance() {

@@ -4,6 +4,7 @@
 mod compare;
 mod data;
 mod document;
+pub mod figure;
 pub mod figures;
 mod fleet;
 pub mod html;

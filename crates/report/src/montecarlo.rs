@@ -5,7 +5,7 @@ use super::{
     parts::{count, error, model_colour, percent, short, span, table, text, warnings},
     read::{Group, MonteCarlo, MonteCarloModel, Number},
 };
-use crate::{
+use undrift::{
     consistency::{COMPONENT_NAMES, GROUP},
     series::Envelope,
 };

@@ -1,11 +1,11 @@
 //! Drift since the cut, model beside model.
 
 use super::Model;
-use crate::report::{
+use crate::{
     Axis, Block, Corner, Figure, Panel, Section, Series,
     parts::{Clock, axis_for},
 };
-use undrift_noise::order_statistics::quantile;
+use undrift::noise::order_statistics::quantile;
 
 /// Colours of several runs.
 const RUNS: [usize; 6] = [7, 6, 4, 5, 2, 0];

@@ -1,7 +1,7 @@
 //! Where GNSS was cut.
 
 use super::Run;
-use crate::report::{
+use crate::{
     Axis, Block, Figure, Panel, Section, Series,
     parts::{on_the_ground, origin},
     read::Outages,

@@ -10,7 +10,7 @@ use super::{
 };
 use axis::{allan_panel, of_axis, psd};
 use std::f64::consts::PI;
-use undrift_noise::model_file::AXES;
+use undrift::noise::model_file::AXES;
 
 /// A record with its name; the name of a single one is empty.
 pub type Run<'a> = (String, &'a Identify);

@@ -4,8 +4,8 @@ use super::{
     Axis, Block, Cell, Figure, Panel, Series, Table,
     read::{Curve, Number, Numbers, Track},
 };
-use undrift_nav::earth::Geodetic;
-use undrift_noise::order_statistics::quantile;
+use undrift::nav::earth::Geodetic;
+use undrift::noise::order_statistics::quantile;
 
 /// A number with three significant digits; a dash where there is none.
 pub fn short(value: f64) -> String {

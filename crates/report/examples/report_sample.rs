@@ -2,7 +2,7 @@
 //! read them.
 
 use std::{f64::consts::TAU, path::PathBuf};
-use undrift::report::{
+use undrift_report::{
     Axis, Block, Cell, Corner, Document, Figure, Panel, Section, Series, Table,
     figures::{self, Formats},
     html,

@@ -1,13 +1,13 @@
 //! One axis of an identified record in all detail.
 
 use super::{COLOURS, LEVEL, Units, figure, heading, is_seen, term, units};
-use crate::report::{
+use crate::{
     Axis as PlotAxis, Block, Cell, Corner, Panel, Section, Series, Table,
     parts::{Clock, count, error, exact, get, probability, short, table, text, warnings, zip},
     read::{Axis, Number, OrderRow},
 };
 use std::f64::consts::{LN_2, PI, TAU};
-use undrift_noise::order_statistics::quantile;
+use undrift::noise::order_statistics::quantile;
 
 /// One axis in all detail.
 pub(super) fn of_axis(name: &str, axis: &Axis) -> Section {

@@ -1,13 +1,13 @@
 //! Panels over the time of a run.
 
 use super::{BAND, COLOURS, Component};
-use crate::report::{
+use crate::{
     Axis, Panel, Series,
     parts::{Clock, extent, unwrapped},
     read::{Curve, NavigateSeries},
 };
 use std::collections::BTreeMap;
-use undrift_noise::order_statistics::quantile;
+use undrift::noise::order_statistics::quantile;
 
 /// Share of a run at its start whose values may lie beyond the axis, while the filter settles.
 const SETTLING: f64 = 0.05;

@@ -4,46 +4,16 @@ pub(crate) mod draw;
 pub mod panel;
 mod shapes;
 
-use crate::{consistency::GROUP, montecarlo::Report, outages::ModelRun, replay::Outage};
 use panel::{Axis, Panel, Series};
 use plotters::prelude::*;
 use std::path::Path;
-use undrift_nav::{earth::Geodetic, sample::TruthSample};
-
-/// What is drawn of one model.
-pub struct DriftCurve<'a> {
-    /// Name in the legend.
-    pub name: &'a str,
-    /// Root mean square over the outages of the horizontal error [m] at each time since the cut [s].
-    pub points: Vec<(f64, f64)>,
-}
-
-/// The RMS drift over the outages of a model run, at the times its first outage was sampled.
-pub fn drift_curve(run: &ModelRun) -> DriftCurve<'_> {
-    let outages = &run.errors.per_outage;
-    let times: Vec<f64> = outages
-        .first()
-        .map_or(Vec::new(), |o| o.drift.iter().map(|p| p.0).collect());
-    let points = times
-        .iter()
-        .enumerate()
-        .filter_map(|(i, &t)| {
-            let squares: Option<Vec<f64>> = outages
-                .iter()
-                .map(|o| o.drift.get(i).map(|p| p.1 * p.1).filter(|s| s.is_finite()))
-                .collect();
-            let squares = squares?;
-            Some((
-                t,
-                (squares.iter().sum::<f64>() / squares.len() as f64).sqrt(),
-            ))
-        })
-        .collect();
-    DriftCurve {
-        name: &run.name,
-        points,
-    }
-}
+use undrift::{
+    consistency::GROUP,
+    montecarlo::Report,
+    nav::{earth::Geodetic, sample::TruthSample},
+    outages::DriftCurve,
+    replay::Outage,
+};
 
 /// Colours that stay apart in grey and for the colour-blind (Okabe & Ito 2008).
 pub(crate) const COLOURS: [RGBColor; 8] = [

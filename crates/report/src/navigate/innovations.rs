@@ -5,7 +5,7 @@ use super::{
     panels::{panel_over_time, shaded},
     section,
 };
-use crate::report::{
+use crate::{
     Axis, Panel, Section, Series,
     parts::{Clock, broken, extent, level},
     read::NavigateSeries,
@@ -73,7 +73,7 @@ pub(super) fn innovations(
         nis.add(level("", 0, ends, 1.0));
         panels.push(nis);
         let fixes = runs.iter().map(|(_, run)| run.summary.fixes).max();
-        let thinned = fixes.is_some_and(|fixes| fixes > crate::series::BUCKETS as u64);
+        let thinned = fixes.is_some_and(|fixes| fixes > undrift::series::BUCKETS as u64);
         let caption = format!(
             "Innovations of the {part} over their predicted standard deviations, with 95 % bounds (dashed), and NIS per degree of freedom, 1 on average when the model is right{}{}.",
             if thinned {

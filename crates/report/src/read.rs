@@ -10,10 +10,10 @@ pub use fleet::{
 };
 pub use identify::{Axis, Identify, OrderRow, Test};
 
-use crate::results::Kind;
 use serde::{Deserialize, Deserializer, de::DeserializeOwned};
 use std::{collections::BTreeMap, path::Path};
-use undrift_io::ReadError;
+use undrift::io::ReadError;
+use undrift::results::Kind;
 
 /// Numbers by name.
 pub type Numbers = BTreeMap<String, Number>;

@@ -1,14 +1,14 @@
 //! One number of every log, compared.
 
 use super::{ROWS, TOLD, many, shortened};
-use crate::report::{
+use crate::{
     Axis, Block, Cell, Panel, Section, Series, Table,
     parts::{axis_for, cell, count, figure, get, mark_least, model_colour, short, table, text},
     read::{
         Fleet, FleetGroup as Group, FleetLog as Log, FleetMeasure as Measure, FleetPart as Part,
     },
 };
-use undrift_noise::order_statistics::quantile;
+use undrift::noise::order_statistics::quantile;
 
 /// Units that have a name on the axis of a figure.
 const NAMED: usize = 40;
