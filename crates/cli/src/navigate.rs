@@ -18,6 +18,7 @@ use undrift::{
     navigate::{self, Report, Wanted},
     noise::{BiasModel, ImuModel},
     reference::COMPONENTS,
+    remarks,
     replay::Innovations,
     results,
 };
@@ -172,7 +173,11 @@ fn print_report(report: &Report, kind: BiasModel) -> Result<()> {
     if let Some(mounting) = &report.mounting {
         say(format!("mounting estimated: {mounting}"))?;
     }
-    say(format!("bias model {kind}; {}", s.alignment))?;
+    let alignment = s
+        .alignment
+        .as_ref()
+        .map_or(String::new(), remarks::of_alignment);
+    say(format!("bias model {kind}; {alignment}"))?;
     say(format!(
         "navigated {} samples from {started:.3} s to {:.3} s; {} samples and {} fixes before that",
         s.samples, s.ended, s.align_samples, s.fixes_before

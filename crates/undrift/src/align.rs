@@ -9,8 +9,13 @@
 
 mod motion;
 mod rest;
+mod result;
 mod segments;
 mod wahba;
+
+pub use result::{
+    Alignment, AlignmentFailure, AttitudeSource, HeadingSource, MotionFailure, RestFailure,
+};
 
 use crate::replay::{ReplayError, Settings};
 use motion::Motion;
@@ -66,8 +71,8 @@ impl Default for AlignSettings {
 pub struct Aligned<const N: usize> {
     /// At the time of the fix that completed the alignment.
     pub filter: Filter<N>,
-    /// In words.
-    pub how: String,
+    /// How it was found.
+    pub how: Alignment,
 }
 
 /// Speed of the last fix above which nothing counts as rest [m/s].
@@ -229,10 +234,7 @@ impl Aligner {
                 settings.parameters,
             )?;
             filter.set_position_velocity_covariance(position_covariance, &velocity_covariance);
-            return Ok(Some(Aligned {
-                filter,
-                how: "attitude as given".into(),
-            }));
+            return Ok(Some(aligned(filter, AttitudeSource::Given)));
         }
 
         let bias_variance =
@@ -241,16 +243,16 @@ impl Aligner {
         let forward = level * Vector3::x();
         let azimuth = forward.y.atan2(forward.x);
         let heading = match self.settings.heading {
-            Heading::Given(heading, std) => Some((heading, std, "heading as given")),
+            Heading::Given(heading, std) => Some((heading, std, HeadingSource::Given)),
             Heading::Course if speed >= self.settings.min_speed => {
                 let course = velocity.y.atan2(velocity.x);
                 let noise = velocity_covariance.fixed_view::<2, 2>(0, 0).trace() / 2.0;
                 let std = (noise / (speed * speed) + COURSE_FLOOR * COURSE_FLOOR).sqrt();
-                Some((course, std, "heading from the course"))
+                Some((course, std, HeadingSource::Course))
             }
             _ => None,
         };
-        let (Some((level_at_rest, force_at_rest, duration, _)), Some((heading, std, how))) =
+        let (Some((level_at_rest, force_at_rest, duration, _)), Some((heading, std, from))) =
             (self.rested, heading)
         else {
             let at_rest = self.rested.map(|(.., end)| {
@@ -258,16 +260,11 @@ impl Aligner {
                 (self.rest.bias, bias_variance + walked)
             });
             return Ok(self.motion.fix(fix, settings, at_rest).map(|found| {
-                let after = if at_rest.is_some() {
-                    ", gyro bias at rest"
-                } else {
-                    ""
+                let source = AttitudeSource::Motion {
+                    duration: found.duration,
+                    bias_at_rest: at_rest.is_some(),
                 };
-                let how = format!("attitude from {:.0} s of motion{after}", found.duration);
-                Aligned {
-                    how: format!("{how}; {}", certainty(&found.filter)),
-                    filter: found.filter,
-                }
+                aligned(found.filter, source)
             }));
         };
         let turn = heading - azimuth;
@@ -292,60 +289,47 @@ impl Aligner {
         }
         filter.set_nav(start(now));
         filter.set_position_velocity_covariance(position_covariance, &velocity_covariance);
-        let how = format!("level at rest, {how}; {duration:.1} s of rest");
-        Ok(Some(Aligned {
-            how: format!("{how}; {}", certainty(&filter)),
-            filter,
-        }))
+        let source = AttitudeSource::Rest {
+            duration,
+            heading: from,
+        };
+        Ok(Some(aligned(filter, source)))
     }
 
-    /// Why there was no alignment, for the user; so many fixes fell within the inertial log.
-    pub fn why_not(&self, fixes_within: u64) -> String {
-        let reason = if self.fixes == 0 && fixes_within > 0 {
-            "no fix within the inertial log has a usable position".to_string()
-        } else if self.fixes == 0 {
-            "no usable GNSS position fell within the inertial log; compare the two time columns"
-                .to_string()
-        } else if self.settings.attitude.is_some() {
-            "the fixes carry no velocity and no two are close enough to make one; set initial.velocity".to_string()
-        } else {
-            let (rest, remedy) = match self.settings.heading {
-                _ if self.rested.is_none() => (
-                    "there was no rest to level on".to_string(),
-                    "initial.attitude",
-                ),
-                Heading::Course if self.fastest >= self.settings.min_speed => (
-                    format!(
-                        "no fix after a rest was faster than {:.1} m/s, so the course gives no heading",
-                        self.settings.min_speed
-                    ),
-                    "initial.heading or initial.attitude",
-                ),
-                Heading::Course => (
-                    format!(
-                        "the speed never reached {:.1} m/s (fastest {:.1} m/s), so the course gives no heading",
-                        self.settings.min_speed, self.fastest
-                    ),
-                    "initial.min_speed, initial.heading or initial.attitude",
-                ),
-                _ => (
-                    "there was rest, but no heading".to_string(),
-                    "initial.heading or initial.attitude",
-                ),
+    /// Why there was no alignment; so many fixes fell within the inertial log.
+    pub fn failure(&self, fixes_within: u64) -> AlignmentFailure {
+        if self.fixes == 0 {
+            return match fixes_within {
+                0 => AlignmentFailure::NoOverlap,
+                _ => AlignmentFailure::NoPosition,
             };
-            format!("{rest}, and {}; set {remedy}", self.motion.why_not())
+        }
+        if self.settings.attitude.is_some() {
+            return AlignmentFailure::NoVelocity;
+        }
+        let (min_speed, fastest) = (self.settings.min_speed, self.fastest);
+        let rest = match self.settings.heading {
+            _ if self.rested.is_none() => RestFailure::NoRest,
+            Heading::Course if fastest >= min_speed => RestFailure::NoFastFix { min_speed },
+            Heading::Course => RestFailure::TooSlow { min_speed, fastest },
+            _ => RestFailure::NoHeading,
         };
-        format!("the log could not be aligned: {reason}")
+        AlignmentFailure::NoAttitude(rest, self.motion.failure())
     }
 }
 
-/// Attitude and gyro bias with their standard deviations, in words.
-fn certainty<const N: usize>(filter: &Filter<N>) -> String {
+/// A filter with how its attitude was found.
+fn aligned<const N: usize>(filter: Filter<N>, source: AttitudeSource) -> Aligned<N> {
     let (std, bias) = (filter.nav_std(), filter.sensor_error_std());
-    let level = std[6].max(std[7]).to_degrees();
-    let bias = bias[0].max(bias[1]).max(bias[2]).to_degrees();
-    let heading = std[8].to_degrees();
-    format!("level ±{level:.2} deg, heading ±{heading:.1} deg, gyro bias ±{bias:.3} deg/s")
+    Aligned {
+        filter,
+        how: Alignment {
+            source,
+            level_std: std[6].max(std[7]),
+            heading_std: std[8],
+            gyro_bias_std: bias[0].max(bias[1]).max(bias[2]),
+        },
+    }
 }
 
 /// The antenna's place.

@@ -13,7 +13,6 @@ use crate::{
     drive::{Drive, DriveError},
     mounting::{self, Mounting, MountingError},
     reference::{COMPONENTS, Errors, TruthCursor},
-    remarks,
     replay::{Measurement, Observer, ReplayError, Settings, Summary, merge, replay},
     smooth::{self, History, Path as SmoothedPath},
 };
@@ -232,15 +231,12 @@ pub fn navigate_for(
     let replayed = replay(&mut imu, measurements, &settings, &mut recorder);
     let summary = replayed.map_err(|error| match error {
         // What was left out is often why.
-        ReplayError::NotAligned(why) => {
-            let logs = [("IMU", imu.skipped()), ("GNSS", gnss.skipped())];
-            let left_out = remarks::of_skipped(&logs);
-            ReplayError::NotAligned(
-                [&[why], &left_out[..]]
-                    .concat()
-                    .join("; ")
-                    .replace('\n', "; "),
-            )
+        ReplayError::NotAligned(mut why) => {
+            why.skipped = vec![
+                ("IMU", imu.skipped().clone()),
+                ("GNSS", gnss.skipped().clone()),
+            ];
+            ReplayError::NotAligned(why)
         }
         other => other,
     })?;

@@ -1,6 +1,11 @@
 //! What should be said of a log and of how it was navigated, in sentences.
 
-use crate::replay::{Implausible, Innovations, Part, Summary};
+use crate::{
+    align::{
+        Alignment, AlignmentFailure, AttitudeSource, HeadingSource, MotionFailure, RestFailure,
+    },
+    replay::{FixMend, Implausible, Innovations, NotAligned, Part, RestartCause, Summary},
+};
 use undrift_io::{held::Held, imu::GapSummary, skipped::Skipped};
 
 /// What was unusual about the log.
@@ -126,10 +131,147 @@ pub fn of_implausible(finding: &Implausible) -> String {
             axis(forward),
             axis(right)
         ),
-        Implausible::Velocity(why) => format!(
+        Implausible::Velocity(mend) => format!(
             "positions do not move as the velocities say: {}; check gnss.position, gnss.velocity and their units",
-            why.unwrap_or("one of the two is wrong")
+            match mend {
+                None => "one of the two is wrong",
+                Some(FixMend::VelocityEastNorth) => "the velocity is east, north, not north, east",
+                Some(FixMend::PositionSwapped) => "latitude and longitude are swapped",
+                Some(FixMend::EastReversed) =>
+                    "the velocity east (or the longitude) has the wrong sign",
+                Some(FixMend::NorthReversed) =>
+                    "the velocity north (or the latitude) has the wrong sign",
+                Some(FixMend::VelocityReversed) => "the velocity has the wrong signs",
+                Some(FixMend::KilometresPerHour) => "the velocity is in km/h",
+                Some(FixMend::Knots) => "the velocity is in knots",
+                Some(FixMend::FeetPerSecond) => "the velocity is in ft/s",
+                Some(FixMend::CentimetresPerSecond) => "the velocity is in cm/s",
+                Some(FixMend::MillimetresPerSecond) => "the velocity is in mm/s",
+                Some(FixMend::PositionInRadians) => "latitude and longitude are in rad, not deg",
+            }
         ),
+    }
+}
+
+/// How the first attitude was found.
+pub fn of_alignment(alignment: &Alignment) -> String {
+    let how = match alignment.source {
+        AttitudeSource::Given => return "attitude as given".into(),
+        AttitudeSource::Rest { duration, heading } => {
+            let heading = match heading {
+                HeadingSource::Given => "heading as given",
+                HeadingSource::Course => "heading from the course",
+            };
+            format!("level at rest, {heading}; {duration:.1} s of rest")
+        }
+        AttitudeSource::Motion {
+            duration,
+            bias_at_rest,
+        } => {
+            let after = if bias_at_rest {
+                ", gyro bias at rest"
+            } else {
+                ""
+            };
+            format!("attitude from {duration:.0} s of motion{after}")
+        }
+    };
+    let [level, heading, bias] = [
+        alignment.level_std,
+        alignment.heading_std,
+        alignment.gyro_bias_std,
+    ]
+    .map(f64::to_degrees);
+    format!("{how}; level ±{level:.2} deg, heading ±{heading:.1} deg, gyro bias ±{bias:.3} deg/s")
+}
+
+/// Why a log could not be aligned, and how to mend it.
+pub fn of_not_aligned(why: &NotAligned) -> String {
+    let mut text = format!("the log could not be aligned: {}", of_failure(&why.failure));
+    if let Some([imu, end, gnss]) = why.times {
+        text += &format!(
+            "; the samples run from {imu:.3} s to {end:.3} s, the fixes from {gnss:.3} s on"
+        );
+    }
+    for finding in &why.implausible {
+        text += &format!("; {}", of_implausible(finding));
+    }
+    let logs: Vec<_> = why.skipped.iter().map(|(log, s)| (*log, s)).collect();
+    for skipped in of_skipped(&logs) {
+        text += &format!("; {}", skipped.replace('\n', "; "));
+    }
+    text
+}
+
+fn of_failure(failure: &AlignmentFailure) -> String {
+    let (rest, motion) = match failure {
+        AlignmentFailure::NoPosition => {
+            return "no fix within the inertial log has a usable position".into();
+        }
+        AlignmentFailure::NoOverlap => {
+            return "no usable GNSS position fell within the inertial log; compare the two time columns".into();
+        }
+        AlignmentFailure::NoVelocity => {
+            return "the fixes carry no velocity and no two are close enough to make one; set initial.velocity".into();
+        }
+        AlignmentFailure::NoAttitude(rest, motion) => (rest, motion),
+    };
+    let (rest, mend) = match rest {
+        RestFailure::NoRest => (
+            "there was no rest to level on".to_string(),
+            "initial.attitude",
+        ),
+        RestFailure::NoFastFix { min_speed } => (
+            format!(
+                "no fix after a rest was faster than {min_speed:.1} m/s, so the course gives no heading"
+            ),
+            "initial.heading or initial.attitude",
+        ),
+        RestFailure::TooSlow { min_speed, fastest } => (
+            format!(
+                "the speed never reached {min_speed:.1} m/s (fastest {fastest:.1} m/s), so the course gives no heading"
+            ),
+            "initial.min_speed, initial.heading or initial.attitude",
+        ),
+        RestFailure::NoHeading => (
+            "there was rest, but no heading".to_string(),
+            "initial.heading or initial.attitude",
+        ),
+    };
+    let motion = match motion {
+        MotionFailure::NoVelocity => "the fixes carry no velocity, which an alignment in motion needs".into(),
+        MotionFailure::TooFew => "there were never enough fixes with a velocity on end for an alignment in motion".into(),
+        MotionFailure::TooSteady { change, within } => format!(
+            "the velocity changed by {change:.1} m/s at most within {within:.0} s, which says too little of the heading: \
+             an alignment in motion needs speeding up, braking or turning"
+        ),
+        MotionFailure::Ambiguous => "the velocity changes fit more than one attitude: an alignment in motion needs more speeding up, \
+             braking or turning".into(),
+        MotionFailure::Uncertain(std) => format!(
+            "the velocity changes give the attitude to {:.1} deg only: an alignment in motion needs more \
+             speeding up, braking or turning, or the noise model is too modest",
+            std.to_degrees()
+        ),
+        MotionFailure::Settling(std) => format!(
+            "the log ended while the attitude was known to {:.1} deg",
+            std.to_degrees()
+        ),
+        MotionFailure::Misfit(nis) => format!(
+            "samples and fixes do not fit together (squared residuals {nis:.0} times what they should be): compare axes, units, time columns and standard deviations"
+        ),
+    };
+    format!("{rest}, and {motion}; set {mend}")
+}
+
+/// Why a solution was aligned again.
+fn of_cause(cause: RestartCause) -> &'static str {
+    match cause {
+        RestartCause::Impossible => "position, velocity or covariance left the possible range",
+        RestartCause::NoSamples => "no inertial samples came for more than a minute",
+        RestartCause::LargeInnovations => {
+            "the innovations were far beyond their predicted size for half a minute"
+        }
+        RestartCause::GaveWayOften => "it gave way to fixes again and again",
     }
 }
 
@@ -166,7 +308,8 @@ pub fn of_disagreement(summary: &Summary) -> Vec<String> {
         };
         remarks.push(format!(
             "restart at {:.3} s: {}; {then}",
-            restart.time, restart.why
+            restart.time,
+            of_cause(restart.why)
         ));
     }
     remarks.extend(of_contradictions(summary));

@@ -4,6 +4,7 @@
 //! own time. What happens at each sample and fix is told to an [`Observer`].
 
 mod bridge;
+mod events;
 mod gate;
 mod health;
 mod measurement;
@@ -14,23 +15,21 @@ mod rest;
 mod run;
 mod summary;
 
+pub use events::{Contradiction, FixMend, Implausible, Lean, Part, Restart, RestartCause};
 pub use health::CovarianceHealth;
 pub use measurement::{Measurement, Scalar, merge};
-pub use plausible::Implausible;
 pub use quality::QualityStd;
-pub use summary::{
-    Contradiction, Innovations, Lean, MOST_EVENTS, Part, Restart, SUSPECT_NIS, SUSPECT_UPDATES,
-    Summary,
-};
+pub use summary::{Innovations, MOST_EVENTS, SUSPECT_NIS, SUSPECT_UPDATES, Summary};
 
 use crate::{
-    align::AlignSettings,
+    align::{AlignSettings, AlignmentFailure},
     remarks,
     size::{AnySize, sized},
     vehicle::Constraints,
 };
 use measurement::Queue;
 use run::Run;
+use undrift_io::skipped::Skipped;
 use undrift_nav::{
     Vector3,
     covariance::AXES,
@@ -166,11 +165,24 @@ pub enum ReplayError {
     #[error("cannot write the result: {0}")]
     Write(#[from] std::io::Error),
     /// No alignment before the log ended.
-    #[error("{0}")]
-    NotAligned(String),
+    #[error("{}", remarks::of_not_aligned(.0))]
+    NotAligned(Box<NotAligned>),
     /// The filter cannot be built.
     #[error(transparent)]
     Filter(#[from] FilterError),
+}
+
+/// A log without an alignment, and what is known of why.
+#[derive(Clone, Debug)]
+pub struct NotAligned {
+    /// What was missing.
+    pub failure: AlignmentFailure,
+    /// First and last sample and first fix \[s\], where there were both.
+    pub times: Option<[f64; 3]>,
+    /// Units, axes, signs or times that cannot be right.
+    pub implausible: Vec<Implausible>,
+    /// What was left out of each log, by its name.
+    pub skipped: Vec<(&'static str, Skipped)>,
 }
 
 /// Navigates a log. The size of the filter follows the models.
@@ -264,18 +276,15 @@ fn run<const N: usize>(
     }
     run.summary.implausible = run.plausible.findings();
     if run.filter.is_none() && run.summary.restarts.is_empty() {
-        let mut why = run.aligner.why_not(fixes_within);
         let first_fix = first_fix.or_else(|| aiding.next_fix());
-        if let (Some(imu), Some(gnss)) = (imu_start, first_fix) {
-            let end = run.summary.ended;
-            why += &format!(
-                "; the samples run from {imu:.3} s to {end:.3} s, the fixes from {gnss:.3} s on"
-            );
-        }
-        for finding in &run.summary.implausible {
-            why += &format!("; {}", remarks::of_implausible(finding));
-        }
-        return Err(ReplayError::NotAligned(why));
+        return Err(ReplayError::NotAligned(Box::new(NotAligned {
+            failure: run.aligner.failure(fixes_within),
+            times: imu_start
+                .zip(first_fix)
+                .map(|(imu, gnss)| [imu, run.summary.ended, gnss]),
+            implausible: run.summary.implausible,
+            skipped: Vec::new(),
+        })));
     }
     run.node(observer)?;
     if let Some(last) = run.last_fix {

@@ -176,7 +176,7 @@ fn ublox_drives_align_without_being_told_the_mounting() {
         let report = navigate(&drive, BiasModel::Arma, None, false).unwrap();
         let (errors, _) = report.rmse.unwrap();
         println!(
-            "{drive_name}: {:.2} m, {}",
+            "{drive_name}: {:.2} m, {:?}",
             errors.0[HORIZONTAL], report.summary.alignment
         );
         // The reference is the receiver's own fused track, metres off at its start.

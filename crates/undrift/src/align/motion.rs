@@ -5,6 +5,7 @@
 //! more motion. Only the window is kept.
 
 use super::{
+    result::MotionFailure,
     segments::{Segment, segments},
     wahba::{EndCovariance, Guess, Problem},
 };
@@ -52,34 +53,6 @@ const BIAS_FLOOR: (f64, f64) = (1e-4, 1e-2);
 /// What is known of the gyro bias from rest: mean [rad/s] and variance.
 pub(super) type GyroBias = (Vector3, f64);
 
-/// Why a search had no result.
-#[derive(Clone, Copy, Debug, Default)]
-enum Outcome {
-    #[default]
-    NoVelocity,
-    TooFew,
-    TooSteady,
-    Ambiguous,
-    Uncertain(f64),
-    Settling(f64),
-    Misfit(f64),
-}
-
-impl Outcome {
-    /// How far the search came.
-    fn stage(&self) -> u8 {
-        match self {
-            Self::NoVelocity => 0,
-            Self::TooFew => 1,
-            Self::TooSteady => 2,
-            Self::Ambiguous => 3,
-            Self::Uncertain(_) => 4,
-            Self::Settling(_) => 5,
-            Self::Misfit(_) => 6,
-        }
-    }
-}
-
 /// The window and what became of the searches in it.
 #[derive(Default)]
 pub(super) struct Motion {
@@ -91,7 +64,7 @@ pub(super) struct Motion {
     /// The solution so far, at the window's start; the window then grows from there to [`LONGEST`].
     solved: Option<Guess>,
     searched: Option<f64>,
-    outcome: Outcome,
+    failure: MotionFailure,
     /// Largest spread of velocities in a window [m/s].
     spread: f64,
 }
@@ -159,10 +132,10 @@ impl Motion {
         self.searched = Some(fix.time);
         match self.search(settings, rest) {
             Ok(found) => Some(found),
-            Err(outcome) => {
+            Err(failure) => {
                 // The furthest that it ever came says most.
-                if outcome.stage() >= self.outcome.stage() {
-                    self.outcome = outcome;
+                if failure.stage() >= self.failure.stage() {
+                    self.failure = failure;
                 }
                 None
             }
@@ -173,7 +146,7 @@ impl Motion {
         &mut self,
         settings: &Settings,
         rest: Option<GyroBias>,
-    ) -> Result<Found<N>, Outcome> {
+    ) -> Result<Found<N>, MotionFailure> {
         let (low, high) = self.fixes.iter().filter_map(|fix| fix.velocity).fold(
             (
                 Vector3::repeat(f64::INFINITY),
@@ -190,16 +163,19 @@ impl Motion {
         };
         let segments = self.segments(&gyro_prior.0);
         if segments.len() < FEWEST {
-            return Err(Outcome::TooFew);
+            return Err(MotionFailure::TooFew);
         }
         if spread < SPREAD {
-            return Err(Outcome::TooSteady);
+            return Err(MotionFailure::TooSteady {
+                change: self.spread,
+                within: self.longest,
+            });
         }
-        let first = *self.fixes.front().ok_or(Outcome::TooFew)?;
+        let first = *self.fixes.front().ok_or(MotionFailure::TooFew)?;
         let problem = Problem {
             segments: &segments,
             reference: gyro_prior.0,
-            place: super::antenna(&first).ok_or(Outcome::TooFew)?,
+            place: super::antenna(&first).ok_or(MotionFailure::TooFew)?,
             lever_arm: settings.lever_arm,
             gyro: gyro_prior,
             accel: (Vector3::zeros(), bias_variances(accel, BIAS_FLOOR.1)),
@@ -212,10 +188,10 @@ impl Motion {
             Some(guess) => guess,
             None => {
                 let solutions = problem.solve();
-                let best = solutions.first().ok_or(Outcome::Ambiguous)?;
+                let best = solutions.first().ok_or(MotionFailure::Ambiguous)?;
                 let rival = solutions.get(1).map_or(f64::INFINITY, |rival| rival.cost);
                 if rival - best.cost < RIVAL * fit(best.cost) {
-                    return Err(Outcome::Ambiguous);
+                    return Err(MotionFailure::Ambiguous);
                 }
                 best.guess
             }
@@ -228,33 +204,35 @@ impl Motion {
             ..problem
         };
         let solution = problem.refine(&guess);
-        let (q_nb, v_n, covariance) = problem.end(&solution.guess).ok_or(Outcome::Ambiguous)?;
+        let (q_nb, v_n, covariance) = problem
+            .end(&solution.guess)
+            .ok_or(MotionFailure::Ambiguous)?;
         let fit = fit(solution.cost);
         if fit > FIT {
-            return Err(Outcome::Misfit(fit));
+            return Err(MotionFailure::Misfit(fit));
         }
         let c_nb = q_nb.to_rotation_matrix().into_inner();
         let attitude = covariance.fixed_view::<3, 3>(3, 3) * fit;
         let worst = (c_nb * attitude * c_nb.transpose()).diagonal().max().sqrt();
         // A number that is not one is not certain either.
         if worst.is_nan() || worst > CERTAIN {
-            return Err(Outcome::Uncertain(worst));
+            return Err(MotionFailure::Uncertain(worst));
         }
-        let last = *self.fixes.back().ok_or(Outcome::TooFew)?;
+        let last = *self.fixes.back().ok_or(MotionFailure::TooFew)?;
         if worst > GOOD && last.time - first.time < LONGEST {
             self.solved = Some(solution.guess);
-            return Err(Outcome::Settling(worst));
+            return Err(MotionFailure::Settling(worst));
         }
         let end = NavState {
             time: last.time,
             position: super::antenna(&last)
-                .ok_or(Outcome::TooFew)?
+                .ok_or(MotionFailure::TooFew)?
                 .displaced(&-(q_nb * settings.lever_arm)),
             v_n,
             q_nb,
         };
         let filter = filter(&end, &last, &solution.guess, &(covariance * fit), settings)
-            .ok_or(Outcome::Misfit(fit))?;
+            .ok_or(MotionFailure::Misfit(fit))?;
         Ok(Found {
             filter,
             duration: last.time - first.time,
@@ -265,37 +243,15 @@ impl Motion {
         segments(self.samples.iter(), self.fixes.iter(), SPACING, gyro)
     }
 
-    /// Why there is no alignment, in words.
-    pub(super) fn why_not(&self) -> String {
-        match self.outcome {
-            Outcome::NoVelocity | Outcome::TooFew if self.searched.is_none() => {
-                "the fixes carry no velocity, which an alignment in motion needs".into()
-            }
-            Outcome::NoVelocity | Outcome::TooFew => {
-                "there were never enough fixes with a velocity on end for an alignment in motion".into()
-            }
-            Outcome::TooSteady => format!(
-                "the velocity changed by {:.1} m/s at most within {:.0} s, which says too little of the heading: \
-                 an alignment in motion needs speeding up, braking or turning",
-                self.spread, self.longest
-            ),
-            Outcome::Ambiguous => {
-                "the velocity changes fit more than one attitude: an alignment in motion needs more speeding up, \
-                 braking or turning"
-                    .into()
-            }
-            Outcome::Uncertain(std) => format!(
-                "the velocity changes give the attitude to {:.1} deg only: an alignment in motion needs more \
-                 speeding up, braking or turning, or the noise model is too modest",
-                std.to_degrees()
-            ),
-            Outcome::Settling(std) => format!(
-                "the log ended while the attitude was known to {:.1} deg",
-                std.to_degrees()
-            ),
-            Outcome::Misfit(nis) => format!(
-                "samples and fixes do not fit together (squared residuals {nis:.0} times what they should be): compare axes, units, time columns and standard deviations"
-            ),
+    /// Why there is no alignment.
+    pub(super) fn failure(&self) -> MotionFailure {
+        match self.failure {
+            MotionFailure::NoVelocity if self.searched.is_some() => MotionFailure::TooFew,
+            MotionFailure::TooSteady { within, .. } => MotionFailure::TooSteady {
+                change: self.spread,
+                within,
+            },
+            other => other,
         }
     }
 }

@@ -9,7 +9,10 @@
 //! unconfirmed: at its start, after a span without fixes, after it gave way. There a doubtful fix
 //! also waits for a second one that agrees with it, so that an outlier alone never moves the solution.
 
-use super::summary::{Contradiction, Part, Summary};
+use super::{
+    events::{Contradiction, Part},
+    summary::Summary,
+};
 use undrift_nav::{
     Matrix3, Vector3,
     filter::{Gate, Outcome, Update},

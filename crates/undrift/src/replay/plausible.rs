@@ -8,44 +8,15 @@
 mod moves;
 mod turns;
 
-use super::Settings;
+use super::{Settings, events::Implausible};
 use crate::align::Heading;
 use moves::Moves;
-use serde::Serialize;
 use turns::Turns;
 use undrift_nav::{
     Vector3,
     earth::STANDARD_GRAVITY,
     sample::{GnssFix, ImuSample},
 };
-
-/// What cannot be.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Implausible {
-    /// The mean specific force, as a multiple of gravity.
-    Gravity(f64),
-    /// Gravity lies along another axis than body down, which is `[0, 0, 1]` of it.
-    Down([f64; 3]),
-    /// The course turns by this multiple of what the gyros say.
-    TurnScale(f64),
-    /// The course turns as the gyro of this axis says (0 to 2), which is not the vertical one.
-    TurnAxis(usize),
-    /// The gyros do not see the turns of the course.
-    NoTurn,
-    /// The gyros saw the turns so much later than the course's stamps say [s].
-    Late(f64),
-    /// The body axis along which the vehicle accelerates and the one along which it is pushed in turns to
-    /// the right: 1 forward, 2 right, with sign, as far as that is seen.
-    Push {
-        /// When it accelerates: to be 1.
-        forward: Option<i8>,
-        /// In turns to the right: to be 2.
-        right: Option<i8>,
-    },
-    /// Positions move as the velocities say only if something is changed; `None` where nothing simple is.
-    Velocity(Option<&'static str>),
-}
 
 /// Length of the blocks that specific force is averaged over [s], and how many there must be.
 const BLOCK: f64 = 1.0;

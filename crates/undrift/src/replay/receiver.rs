@@ -2,8 +2,9 @@
 
 use super::{
     GnssUse, STAMP_ROUNDING, Settings,
+    events::Part,
     gate::{FixGate, Scale, Verdict},
-    summary::{LeanWatch, Part, Summary},
+    summary::{LeanWatch, Summary},
 };
 use undrift_nav::{
     Matrix3, Vector3,

@@ -3,8 +3,13 @@
 mod constrain;
 
 use super::{
-    GnssUse, Observer, ReplayError, Restart, STAMP_ROUNDING, Settings, Summary, bridge::Bridge,
-    plausible::Plausible, receiver::Receiver, rest::RestDetector, summary::Streak,
+    GnssUse, Observer, ReplayError, STAMP_ROUNDING, Settings, Summary,
+    bridge::Bridge,
+    events::{Restart, RestartCause},
+    plausible::Plausible,
+    receiver::Receiver,
+    rest::RestDetector,
+    summary::Streak,
 };
 use crate::align::{Aligner, Heading};
 use constrain::CONSTRAINT_GATE;
@@ -22,11 +27,6 @@ const GAP_ACCEL: f64 = 2.0;
 const GAP_RATE: f64 = 0.2;
 /// A gap longer than this [s] ends the solution: nothing is left of the attitude by then.
 const LONGEST_GAP: f64 = 60.0;
-/// Why a solution is to begin anew.
-const BROKEN_OFF: &str = "no inertial samples came for more than a minute";
-const SICK: &str = "the innovations were far beyond their predicted size for half a minute";
-const HOPELESS: &str = "it gave way to fixes again and again";
-
 /// The state of a replay between samples.
 pub(super) struct Run<'a, const N: usize> {
     pub(super) filter: Option<Filter<N>>,
@@ -87,22 +87,19 @@ impl<'a, const N: usize> Run<'a, N> {
             self.summary.diverged = Some(time);
             return;
         }
-        self.begin_anew(
-            time,
-            "position, velocity or covariance left the possible range",
-        );
+        self.begin_anew(time, RestartCause::Impossible);
         self.filter = None;
     }
 
     /// Aligns anew beside a solution that does not agree with the fixes; it goes on until that is done.
-    fn begin_anew(&mut self, time: f64, why: &str) {
+    fn begin_anew(&mut self, time: f64, why: RestartCause) {
         if self.anew {
             return;
         }
         self.anew = true;
         self.summary.restarts.push(Restart {
             time,
-            why: why.into(),
+            why,
             resumed: None,
         });
         self.aligner = self.second_aligner();
@@ -128,7 +125,7 @@ impl<'a, const N: usize> Run<'a, N> {
         let before = sample.time - sample.dt;
         self.note_long_gap(before, sample.dt);
         if self.filter.take().is_some() {
-            self.begin_anew(before, BROKEN_OFF);
+            self.begin_anew(before, RestartCause::NoSamples);
         }
         // Nor does an alignment that was under way, a first one or a second, know anything any more.
         self.aligner = if self.summary.restarts.is_empty() {
@@ -236,7 +233,7 @@ impl<'a, const N: usize> Run<'a, N> {
             Some(restart) => restart.resumed = Some(fix.time),
             None => {
                 self.summary.started = Some(fix.time);
-                self.summary.alignment = aligned.how;
+                self.summary.alignment = Some(aligned.how);
             }
         }
         self.anew = false;
@@ -355,9 +352,9 @@ impl<'a, const N: usize> Run<'a, N> {
             self.give_up(fix.time);
         } else if self.settings.gating && self.settings.restart {
             if self.streak.is_sick(fix.time) {
-                self.begin_anew(fix.time, SICK);
+                self.begin_anew(fix.time, RestartCause::LargeInnovations);
             } else if self.receiver.is_hopeless(fix.time) {
-                self.begin_anew(fix.time, HOPELESS);
+                self.begin_anew(fix.time, RestartCause::GaveWayOften);
             }
         }
         self.node(observer)

@@ -1,6 +1,10 @@
 //! What a replay was like.
 
-use super::{CovarianceHealth, Implausible};
+use super::{
+    CovarianceHealth,
+    events::{Contradiction, Implausible, Lean, Part, Restart},
+};
+use crate::{align::Alignment, remarks};
 use serde::{Serialize, Serializer, ser::SerializeMap};
 use undrift_nav::{
     Vector3,
@@ -68,65 +72,6 @@ impl Innovations {
     }
 }
 
-/// Part of a fix.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Part {
-    /// Position.
-    Position,
-    /// Velocity.
-    Velocity,
-}
-
-/// Fixes one after the other that contradicted the solution and were left out.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Contradiction {
-    /// Which part of them.
-    pub part: Part,
-    /// Time of the first [s].
-    pub start: f64,
-    /// Time of the last [s], with those soon after the solution gave way.
-    pub end: f64,
-    /// How many.
-    pub fixes: u64,
-    /// How far the first was from the solution [m, m/s].
-    pub first: f64,
-    /// How far the last was, at the end or when the solution first gave way [m, m/s].
-    pub last: f64,
-    /// How fast it grew [m/s, m/s²].
-    pub growth: f64,
-    /// How far the furthest was [m, m/s].
-    pub largest: f64,
-    /// Whether the receiver repeated itself while the solution moved.
-    pub frozen: bool,
-    /// Whether the solution gave way to them in the end.
-    pub gave_way: bool,
-}
-
-/// The solution was to be aligned anew.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Restart {
-    /// When that was found [s].
-    pub time: f64,
-    /// Why.
-    pub why: String,
-    /// When the new one began [s]; `None` if it never did.
-    pub resumed: Option<f64>,
-}
-
-/// A span in which innovations of a kind leaned to one side far more than is usual in the log.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Lean {
-    /// Of which part of the fixes.
-    pub part: Part,
-    /// Start [s].
-    pub start: f64,
-    /// End [s].
-    pub end: f64,
-    /// Largest mean of the innovations over a block, predicted less measured, north, east, down [m, m/s].
-    pub mean: [f64; 3],
-}
-
 /// What a replay was like.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Summary {
@@ -136,8 +81,9 @@ pub struct Summary {
     pub align_samples: u64,
     /// When navigation began [s].
     pub started: Option<f64>,
-    /// How the heading was found, in words.
-    pub alignment: String,
+    /// How the first attitude was found, where navigation began.
+    #[serde(serialize_with = "in_words")]
+    pub alignment: Option<Alignment>,
     /// Time of the last sample [s].
     pub ended: f64,
     /// Fixes used.
@@ -169,7 +115,7 @@ pub struct Summary {
     pub more_contradictions: u64,
     /// Spans in which innovations leaned to one side; the first [`MOST_EVENTS`].
     pub leans: Vec<Lean>,
-    /// When and why the solution was aligned anew.
+    /// When and why the solution was aligned again.
     pub restarts: Vec<Restart>,
     /// Mean factors on the stated standard deviations of position and velocity, where they were adapted.
     pub adapted: [Option<f64>; 2],
@@ -246,6 +192,17 @@ impl Summary {
             self.more_contradictions += 1;
         }
     }
+}
+
+fn in_words<S: Serializer>(
+    alignment: &Option<Alignment>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(
+        &alignment
+            .as_ref()
+            .map_or(String::new(), remarks::of_alignment),
+    )
 }
 
 fn by_name<S: Serializer>(

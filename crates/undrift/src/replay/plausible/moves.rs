@@ -1,6 +1,6 @@
 //! Whether positions move as velocities say.
 
-use super::Implausible;
+use crate::replay::events::{FixMend, FixMend::*, Implausible};
 use undrift_nav::{
     Vector3,
     earth::Geodetic,
@@ -17,35 +17,20 @@ const LEAST_SANE: f64 = 0.4;
 /// Two displacements agree to this part of the larger one.
 const AGREE: f64 = 0.2;
 
-/// What a velocity may be instead of north, east in m/s, and the matrix that mends it.
-const MENDS: [(&str, [f64; 4]); 12] = [
-    ("", [1.0, 0.0, 0.0, 1.0]),
-    (
-        "the velocity is east, north, not north, east",
-        [0.0, 1.0, 1.0, 0.0],
-    ),
-    ("latitude and longitude are swapped", [0.0, 1.0, 1.0, 0.0]),
-    (
-        "the velocity east (or the longitude) has the wrong sign",
-        [1.0, 0.0, 0.0, -1.0],
-    ),
-    (
-        "the velocity north (or the latitude) has the wrong sign",
-        [-1.0, 0.0, 0.0, 1.0],
-    ),
-    ("the velocity has the wrong signs", [-1.0, 0.0, 0.0, -1.0]),
-    ("the velocity is in km/h", [1.0 / 3.6, 0.0, 0.0, 1.0 / 3.6]),
-    ("the velocity is in knots", [0.514_444, 0.0, 0.0, 0.514_444]),
-    ("the velocity is in ft/s", [0.3048, 0.0, 0.0, 0.3048]),
-    ("the velocity is in cm/s", [0.01, 0.0, 0.0, 0.01]),
-    ("the velocity is in mm/s", [0.001, 0.0, 0.0, 0.001]),
-    (
-        "latitude and longitude are in rad, not deg",
-        [0.017_453_3, 0.0, 0.0, 0.017_453_3],
-    ),
+/// What may be wrong with the fixes, and the matrix on the velocity (north, east) that mends it.
+const MENDS: [(FixMend, [f64; 4]); 11] = [
+    (VelocityEastNorth, [0.0, 1.0, 1.0, 0.0]),
+    (PositionSwapped, [0.0, 1.0, 1.0, 0.0]),
+    (EastReversed, [1.0, 0.0, 0.0, -1.0]),
+    (NorthReversed, [-1.0, 0.0, 0.0, 1.0]),
+    (VelocityReversed, [-1.0, 0.0, 0.0, -1.0]),
+    (KilometresPerHour, [1.0 / 3.6, 0.0, 0.0, 1.0 / 3.6]),
+    (Knots, [0.514_444, 0.0, 0.0, 0.514_444]),
+    (FeetPerSecond, [0.3048, 0.0, 0.0, 0.3048]),
+    (CentimetresPerSecond, [0.01, 0.0, 0.0, 0.01]),
+    (MillimetresPerSecond, [0.001, 0.0, 0.0, 0.001]),
+    (PositionInRadians, [0.017_453_3, 0.0, 0.0, 0.017_453_3]),
 ];
-/// Place of swapped latitude and longitude in [`MENDS`].
-const SWAPPED: usize = 2;
 
 /// A fix with velocity: time [s], velocity and position.
 type Place = (f64, Vector3, Option<(Geodetic, f64)>);
@@ -96,17 +81,18 @@ impl Moves {
             return;
         }
         self.moves += 1;
-        for (k, (_, matrix)) in MENDS.iter().enumerate() {
-            let [nn, mut ne, mut en, ee] = *matrix;
-            if k == SWAPPED {
+        let left = (seen - told).xy().norm();
+        self.sane += u32::from(left < AGREE * size + 3.0 * std);
+        for (unexplained, (mend, matrix)) in self.unexplained.iter_mut().zip(MENDS) {
+            let [nn, mut ne, mut en, ee] = matrix;
+            if mend == PositionSwapped {
                 // The circle of latitude that is meant is that of the longitude given.
                 (ne, en) = (1.0 / position.lon.cos(), position.lat.cos());
             }
             let mended = [nn * told.x + ne * told.y, en * told.x + ee * told.y];
             let size = seen.xy().norm().max(mended[0].hypot(mended[1]));
             let left = (seen.x - mended[0]).hypot(seen.y - mended[1]);
-            self.unexplained[k] += (left / size).min(1.0);
-            self.sane += u32::from(k == 0 && left < AGREE * size + 3.0 * std);
+            *unexplained += (left / size).min(1.0);
         }
     }
 
@@ -116,7 +102,7 @@ impl Moves {
         if self.moves < LEAST_MOVES || f64::from(self.sane) >= LEAST_SANE * moves {
             return None;
         }
-        let best = (1..MENDS.len())
+        let best = (0..MENDS.len())
             .min_by(|a, b| self.unexplained[*a].total_cmp(&self.unexplained[*b]))
             .filter(|k| self.unexplained[*k] < AGREE * moves);
         Some(Implausible::Velocity(best.map(|k| MENDS[k].0)))

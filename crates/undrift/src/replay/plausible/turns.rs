@@ -1,6 +1,6 @@
 //! Turns and accelerations: what the fixes show of them and what the sensors do.
 
-use super::Implausible;
+use crate::replay::events::Implausible;
 use std::collections::VecDeque;
 use undrift_nav::{Vector3, earth::wrap_pi, sample::ImuSample};
 

@@ -1,0 +1,132 @@
+//! What can happen in a replay that is worth telling, as values.
+
+use serde::Serialize;
+
+/// Part of a fix.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Part {
+    /// Position.
+    Position,
+    /// Velocity.
+    Velocity,
+}
+
+/// Consecutive fixes that contradicted the solution and were rejected.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Contradiction {
+    /// Which part of them.
+    pub part: Part,
+    /// Time of the first \[s\].
+    pub start: f64,
+    /// Time of the last \[s\], with those soon after the solution gave way.
+    pub end: f64,
+    /// How many.
+    pub fixes: u64,
+    /// How far the first was from the solution \[m, m/s\].
+    pub first: f64,
+    /// How far the last was, at the end or when the solution first gave way \[m, m/s\].
+    pub last: f64,
+    /// How fast it grew \[m/s, m/s²\].
+    pub growth: f64,
+    /// How far the furthest was \[m, m/s\].
+    pub largest: f64,
+    /// Whether the receiver repeated itself while the solution moved.
+    pub frozen: bool,
+    /// Whether they were accepted in the end.
+    pub gave_way: bool,
+}
+
+/// The solution was to be aligned again.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Restart {
+    /// When that was found \[s\].
+    pub time: f64,
+    /// Why.
+    pub why: RestartCause,
+    /// When the new one began \[s\]; `None` if it never did.
+    pub resumed: Option<f64>,
+}
+
+/// Why a solution was to be aligned again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RestartCause {
+    /// Position, velocity or covariance left the possible range.
+    Impossible,
+    /// No inertial samples came for more than a minute.
+    NoSamples,
+    /// The innovations were far beyond their predicted size for half a minute.
+    LargeInnovations,
+    /// Rejected fixes were accepted in the end again and again.
+    GaveWayOften,
+}
+
+/// A span in which innovations of a kind leaned to one side far more than is usual in the log.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Lean {
+    /// Of which part of the fixes.
+    pub part: Part,
+    /// Start \[s\].
+    pub start: f64,
+    /// End \[s\].
+    pub end: f64,
+    /// Largest mean of the innovations over a block, predicted less measured, north, east, down \[m, m/s\].
+    pub mean: [f64; 3],
+}
+
+/// What cannot be: units, axes, signs or times that are wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Implausible {
+    /// The mean specific force, as a multiple of gravity.
+    Gravity(f64),
+    /// Gravity lies along another axis than body down, which is `[0, 0, 1]` of it.
+    Down([f64; 3]),
+    /// The course turns by this multiple of what the gyros say.
+    TurnScale(f64),
+    /// The course turns as the gyro of this axis says (0 to 2), which is not the vertical one.
+    TurnAxis(usize),
+    /// The gyros do not see the turns of the course.
+    NoTurn,
+    /// The gyros saw the turns so much later than the course's stamps say \[s\].
+    Late(f64),
+    /// The body axis along which the vehicle accelerates and the one along which it is pushed in turns to
+    /// the right: 1 forward, 2 right, with sign, as far as that is seen.
+    Push {
+        /// When it accelerates: to be 1.
+        forward: Option<i8>,
+        /// In turns to the right: to be 2.
+        right: Option<i8>,
+    },
+    /// Positions move as the velocities say only if something is changed; `None` where nothing simple is.
+    Velocity(Option<FixMend>),
+}
+
+/// What makes the positions of the fixes move as their velocities say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FixMend {
+    /// The velocity is east, north, not north, east.
+    VelocityEastNorth,
+    /// Latitude and longitude are swapped.
+    PositionSwapped,
+    /// The velocity east, or the longitude, has the wrong sign.
+    EastReversed,
+    /// The velocity north, or the latitude, has the wrong sign.
+    NorthReversed,
+    /// The velocity has the wrong signs.
+    VelocityReversed,
+    /// The velocity is in km/h.
+    KilometresPerHour,
+    /// The velocity is in knots.
+    Knots,
+    /// The velocity is in ft/s.
+    FeetPerSecond,
+    /// The velocity is in cm/s.
+    CentimetresPerSecond,
+    /// The velocity is in mm/s.
+    MillimetresPerSecond,
+    /// Latitude and longitude are in radians, not in degrees.
+    PositionInRadians,
+}
