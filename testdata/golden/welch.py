@@ -1,4 +1,4 @@
-"""Golden power spectral densities for crates/noise/tests/spectrum.rs, by scipy.signal.welch.
+"""Golden power spectral densities for crates/noise/tests/it/spectrum.rs, by scipy.signal.welch.
 
 python3 -m venv venv && venv/bin/pip install scipy==1.17.1 && venv/bin/python testdata/golden/welch.py
 

@@ -5,9 +5,9 @@
 //!
 //! Series 1, 2, … are drawn by `NoiseGenerator` (xoshiro256++) with that seed. The optimum is compared
 //! with the best of STARTS local searches that share only the likelihood with the crate
-//! (`tests/common/random_starts.rs`), their places drawn with seed 1 000 000 + that of the series.
+//! (`tests/it/common/random_starts.rs`), their places drawn with seed 1 000 000 + that of the series.
 
-#[path = "../tests/common/random_starts.rs"]
+#[path = "../tests/it/common/random_starts.rs"]
 mod random_starts;
 
 use rayon::prelude::*;

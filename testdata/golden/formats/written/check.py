@@ -3,8 +3,8 @@
 
 pip install numpy pyyaml pynmeagps gpxpy lxml fastkml geojson shapely
 
-The files come from the ignored tests `write_golden` of undrift-noise (tests/export.rs) and
-undrift-io (tests/written.rs); other tests hold that the writers still write the same bytes.
+The files come from the tests `equal_to_what_was_checked` of undrift-noise (tests/it/export.rs) and undrift-io
+(tests/it/written.rs) with UNDRIFT_BLESS=1; without it they hold that the writers still write the same bytes.
 """
 
 import math
@@ -23,7 +23,7 @@ def close(ours, expected, relative=6e-9, absolute=0.0):
         assert abs(a - b) <= relative * abs(b) + absolute, (ours, expected)
 
 
-# The model of crates/noise/tests/export.rs, in SI units. Nine digits are written: 6e-9.
+# The model of crates/noise/tests/it/export.rs, in SI units. Nine digits are written: 6e-9.
 WHITE = [0.3 * DEG / 60, 0.3 * DEG / 60, 0.6 * DEG / 60]
 DRIVE = 9 * DEG / 3600 * math.sqrt(2 / 200)
 TURN_ON_Z = 12 * DEG / 3600
@@ -81,7 +81,7 @@ def models():
     print("models: kalibr, kf-gins, ros (PyYAML) and px4 hold what the model says")
 
 
-# The track of crates/io/tests/written.rs: row k of 241, 20 a second, without GNSS from 80 to 160.
+# The track of crates/io/tests/it/written.rs: row k of 241, 20 a second, without GNSS from 80 to 160.
 NAME = 'Harbour <1> & "back"'
 START = 604794.0
 

@@ -1,0 +1,8 @@
+//! The command as a user runs it: what it says, how it ends, what it leaves behind.
+
+mod bad_input;
+mod fleet;
+mod identify;
+mod inspect;
+mod model;
+mod terminal;

@@ -1,0 +1,7 @@
+//! Readers and writers on golden, damaged and public files.
+
+mod hostile;
+mod properties;
+mod public_data;
+mod round_trip;
+mod written;

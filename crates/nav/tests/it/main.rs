@@ -1,0 +1,7 @@
+//! The filter from outside: Jacobians, measurements, smoother, properties.
+
+mod aiding;
+mod jacobians;
+mod properties;
+mod smoother;
+mod start;

@@ -1,0 +1,270 @@
+//! Models in other programs' formats, against closed forms; `testdata/golden/formats/written/check.py`
+//! reads the same texts with PyYAML.
+
+use std::path::PathBuf;
+use undrift_noise::{ImuModel, ModelFormat};
+
+/// Round numbers in the units of the formats, other ones on one axis.
+const MODEL: &str = r#"
+format = "undrift-imu"
+version = 1
+name = "Test: \"IMU\" # 1"
+source = """two
+lines"""
+[gyro]
+white_noise = "0.3 deg/sqrt(h)"
+bias_instability = "9 deg/h"
+correlation_time = "200 s"
+[gyro_z]
+white_noise = "0.6 deg/sqrt(h)"
+turn_on = "12 deg/h"
+[accel]
+white_noise = "0.06 m/s/sqrt(h)"
+random_walk = "1e-4 m/s^2/sqrt(s)"
+"#;
+
+fn model() -> ImuModel {
+    ImuModel::from_toml(MODEL, "test").unwrap()
+}
+
+/// The numbers after a key or name, up to the end of the line or the comment.
+fn numbers(text: &str, key: &str) -> Vec<f64> {
+    let line = text
+        .lines()
+        .map(str::trim_start)
+        .find(|line| !line.starts_with(['#', '%']) && line.contains(key))
+        .unwrap_or_else(|| panic!("no {key} in\n{text}"));
+    let (_, after) = line.split_once(key).unwrap();
+    let after = after.split(['#', '%']).next().unwrap();
+    after
+        .split(|c: char| c.is_whitespace() || "[](),:'".contains(c))
+        .filter_map(|word| word.parse().ok())
+        .collect()
+}
+
+/// Nine digits are written.
+fn close(ours: &[f64], expected: &[f64]) {
+    assert_eq!(ours.len(), expected.len(), "{ours:?} {expected:?}");
+    for (a, b) in ours.iter().zip(expected) {
+        assert!((a - b).abs() <= 6e-9 * b.abs(), "{ours:?} {expected:?}");
+    }
+}
+
+const DEG: f64 = std::f64::consts::PI / 180.0;
+
+/// Root mean square of the gyros' white noise, 0.3, 0.3, 0.6 deg/√h [rad/√s].
+fn gyro_white() -> f64 {
+    0.3 * DEG / 60.0 * 2f64.sqrt()
+}
+
+/// σ √(2/τ) = 9 deg/h √(2/200 s) = 0.9 deg/h/√s.
+const GYRO_DRIVE: f64 = 0.9 * DEG / 3600.0;
+
+#[test]
+fn kalibr_has_the_walk_that_a_record_could_not_show() {
+    let mut model = model();
+    for axis in model.gyro.iter_mut() {
+        (axis.instability, axis.random_walk) = (Vec::new(), None);
+    }
+    let missing = model.export(ModelFormat::Kalibr, Some(200.0)).unwrap_err();
+    assert!(
+        missing.to_string().contains("bias_instability"),
+        "{missing}"
+    );
+    // An hour at 200 Hz: at a tenth of it, K²τ/3 of the walk is N²/τ of the white noise.
+    (model.provenance.samples, model.provenance.rate_hz) = (Some(720_000), Some(200.0));
+    let text = model.export(ModelFormat::Kalibr, Some(200.0)).unwrap();
+    let tau = 360.0;
+    let walk = (3.0 * gyro_white().powi(2) / tau).sqrt() / tau.sqrt();
+    close(&numbers(&text, "gyroscope_random_walk"), &[walk]);
+    close(&numbers(&text, "accelerometer_random_walk"), &[1e-4]);
+    assert!(text.contains("an upper bound"), "{text}");
+}
+
+#[test]
+fn kalibr_has_densities() {
+    let text = model().export(ModelFormat::Kalibr, Some(200.0)).unwrap();
+    close(&numbers(&text, "gyroscope_noise_density"), &[gyro_white()]);
+    close(&numbers(&text, "gyroscope_random_walk"), &[GYRO_DRIVE]);
+    close(&numbers(&text, "accelerometer_noise_density"), &[1e-3]);
+    close(&numbers(&text, "accelerometer_random_walk"), &[1e-4]);
+    close(&numbers(&text, "update_rate"), &[200.0]);
+    assert!(text.contains("root mean square") && text.contains("σ √(2/τ)"));
+    assert!(text.starts_with("# Test: \"IMU\" # 1\n# Source: two lines\n"));
+}
+
+#[test]
+fn kf_gins_has_the_units_of_data_sheets() {
+    let text = model().export(ModelFormat::KfGins, None).unwrap();
+    close(&numbers(&text, "arw:"), &[0.3, 0.3, 0.6]);
+    close(&numbers(&text, "vrw:"), &[0.06; 3]);
+    // One correlation time: the hour of the random walk. The driving noise is kept: σ grows by
+    // √(3600/200).
+    close(&numbers(&text, "corrtime:"), &[1.0]);
+    let gbstd = 9.0 * 18f64.sqrt();
+    close(&numbers(&text, "gbstd:"), &[gbstd; 3]);
+    // K √(τ/2) in units of 1e-5 m/s².
+    close(&numbers(&text, "abstd:"), &[10.0 * 1800f64.sqrt(); 3]);
+    close(
+        &numbers(&text, "initbgstd:"),
+        &[gbstd, gbstd, gbstd.hypot(12.0)],
+    );
+    assert!(!text.contains("initbastd"));
+    // One Gauss-Markov process for all is itself.
+    let preset = ImuModel::preset("adis16488").unwrap();
+    let text = preset.export(ModelFormat::KfGins, None).unwrap();
+    close(&numbers(&text, "gbstd:"), &[6.25; 3]);
+    close(&numbers(&text, "corrtime:"), &[100.0 / 3600.0]);
+}
+
+#[test]
+fn ros_has_variances_of_samples() {
+    let text = model().export(ModelFormat::Ros, Some(100.0)).unwrap();
+    let x = (0.3 * DEG / 60.0).powi(2) * 100.0;
+    let gyro = [x, 0.0, 0.0, 0.0, x, 0.0, 0.0, 0.0, 4.0 * x];
+    close(&numbers(&text, "angular_velocity_covariance"), &gyro);
+    close(&numbers(&text, "linear_acceleration_stdev"), &[0.01]);
+    assert_eq!(numbers(&text, "orientation_covariance")[0], -1.0);
+}
+
+#[test]
+fn px4_has_standard_deviations_of_a_prediction() {
+    let text = model().export(ModelFormat::Px4, None).unwrap();
+    // After name and value comes the type, 9.
+    let value = |name: &str| numbers(&text, &format!("{name}\t"))[..1].to_vec();
+    close(&value("EKF2_GYR_NOISE"), &[gyro_white() * 10.0]);
+    close(&value("EKF2_ACC_NOISE"), &[0.01]);
+    close(&value("EKF2_GYR_B_NOISE"), &[GYRO_DRIVE * 10.0]);
+    close(&value("EKF2_ACC_B_NOISE"), &[1e-3]);
+    let turn_on = 12.0 * DEG / 3600.0 / 3f64.sqrt();
+    close(&value("EKF2_GBIAS_INIT"), &[turn_on]);
+    assert!(!text.contains("ABIAS"));
+    let fast = model().export(ModelFormat::Px4, Some(400.0)).unwrap();
+    close(&numbers(&fast, "EKF2_ACC_NOISE\t")[..1], &[0.02]);
+    // 0.012 m/s/√h is 2e-4 m/s²/√Hz, 2e-3 m/s² a prediction: less than PX4 takes.
+    let quiet = ImuModel::preset("adis16465").unwrap();
+    let text = quiet.export(ModelFormat::Px4, None).unwrap();
+    assert!(text.contains("EKF2_ACC_NOISE [m/s²]: outside of PX4's range, 0.01 to 1.0"));
+}
+
+#[test]
+fn matlab_has_the_process_itself() {
+    let text = model().export(ModelFormat::Matlab, Some(100.0)).unwrap();
+    let x = 0.3 * DEG / 60.0;
+    close(&numbers(&text, "'NoiseDensity',"), &[x, x, 2.0 * x]);
+    close(
+        &numbers(&text, "'BiasInstability',"),
+        &[9.0 * DEG / 3600.0; 3],
+    );
+    // τ = 200 s at 100 Hz: φ = exp(−1/20000), gain √(1 − φ²).
+    let phi = (-5e-5f64).exp();
+    let filter = numbers(&text, "'BiasInstabilityCoefficients',");
+    assert_eq!(filter[1..], [1.0, -phi]);
+    // 1 − φ² loses four digits of sixteen here, not where it is written.
+    assert!((filter[0] / (1.0 - phi * phi).sqrt() - 1.0).abs() < 1e-11);
+    assert_eq!(text.matches("'BiasInstability',").count(), 1);
+    assert!(text.contains("'RandomWalk', [0.0001, 0.0001, 0.0001]);"));
+    assert!(text.contains("'single-sided'"));
+    assert!(text.contains("'SampleRate', 100.0,"));
+}
+
+#[test]
+fn undrift_reads_back() {
+    let text = model().export(ModelFormat::Undrift, None).unwrap();
+    let back = ImuModel::from_toml(&text, "back").unwrap();
+    assert_eq!(back.gyro[0], model().gyro[0]);
+    // deg/h goes out as deg/s: a rounding more.
+    let (ours, theirs) = (back.gyro[2].turn_on, model().gyro[2].turn_on);
+    assert!((ours - theirs).abs() < 1e-15 * theirs);
+}
+
+fn with_arma(ar: &str, ma: &str) -> ImuModel {
+    let text = format!(
+        "format = \"undrift-imu\"\nversion = 1\n[gyro]\narma = {{ rate = \"100 Hz\", ar = {ar}, ma = {ma}, sigma = \"0.02 rad/s\" }}\n[accel]\nwhite_noise = \"0.06 m/s/sqrt(h)\"\nrandom_walk = \"1e-4 m/s^2/sqrt(s)\"\n"
+    );
+    ImuModel::from_toml(&text, "arma").unwrap()
+}
+
+#[test]
+fn an_arma_becomes_the_terms_of_its_spectrum() {
+    let kalibr = |ar, ma| {
+        let text = with_arma(ar, ma).export(ModelFormat::Kalibr, None);
+        let text = text.unwrap();
+        close(&numbers(&text, "update_rate"), &[100.0]);
+        let white = numbers(&text, "gyroscope_noise_density")[0];
+        (white, numbers(&text, "gyroscope_random_walk")[0], text)
+    };
+    // IMA(1,1) is a random walk of (1 − θ)σ a step and white noise of √θ σ, exactly.
+    let (white, walk, text) = kalibr("[1.0]", "[0.81]");
+    close(&[white, walk], &[0.02 * 0.9 / 10.0, 0.02 * 0.19 * 10.0]);
+    assert!(text.contains("gyro_x: the terms that its ARMA(1,1) is the sum of, exactly."));
+    // (1 − B)(1 − 0.5 B) x = (1 − 0.9 B) a: at low frequencies a random walk of σ 0.1/0.5 a step.
+    let (white, walk, text) = kalibr("[1.5, -0.5]", "[0.9]");
+    close(&[white, walk], &[0.02 / 10.0, 0.02 * 0.2 * 10.0]);
+    assert!(text.contains("no sum of such terms"));
+    // AR(1) with φ = 0.8: the predictable part has the variance φ²/(1 − φ²) σ² = 16/9 σ², the
+    // spectrum at zero is 25 σ² T: τ = 24/(2 · 16/9) T, and σ_b² 2/τ = (2 · 16/9)²/24 σ²/T.
+    let (white, walk, _) = kalibr("[0.8]", "[]");
+    let drive = 0.02 * 10.0 * (32.0 / 9.0) / 24f64.sqrt();
+    close(&[white, walk], &[0.02 / 10.0, drive]);
+}
+
+#[test]
+fn what_is_missing_is_named() {
+    let error = |text: &str, format, rate| {
+        let head = "format = \"undrift-imu\"\nversion = 1\n";
+        let model = ImuModel::from_toml(&format!("{head}{text}"), "some.toml").unwrap();
+        model.export(format, rate).unwrap_err().to_string()
+    };
+    let white =
+        "[gyro]\nwhite_noise = \"1 deg/sqrt(h)\"\n[accel]\nwhite_noise = \"1 m/s/sqrt(h)\"\n";
+    let one = "[gyro_x]\nwhite_noise = \"1 deg/sqrt(h)\"\n";
+    let lacking = error(white, ModelFormat::Kalibr, Some(100.0));
+    assert!(
+        lacking.starts_with("gyro_x: the kalibr model needs"),
+        "{lacking}"
+    );
+    assert!(error(one, ModelFormat::KfGins, None).contains("gyro_y"));
+    assert!(error(white, ModelFormat::Ros, None).contains("--rate HZ"));
+    for rate in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(error(white, ModelFormat::Ros, Some(rate)).contains("none"));
+    }
+    // Anti-persistent noise has no bias that moves.
+    let error = with_arma("[]", "[0.5]")
+        .export(ModelFormat::Kalibr, None)
+        .unwrap_err();
+    assert!(error.to_string().contains("gyro_x"));
+    for format in ModelFormat::ALL {
+        assert_eq!(format.name().parse(), Ok(format));
+    }
+    assert!("kalibre".parse::<ModelFormat>().is_err());
+}
+
+fn golden(format: ModelFormat) -> PathBuf {
+    let name = match format {
+        ModelFormat::Kalibr => "imu.kalibr.yaml",
+        ModelFormat::KfGins => "imu.kf-gins.yaml",
+        ModelFormat::Ros => "imu.ros.yaml",
+        ModelFormat::Px4 => "imu.px4.params",
+        ModelFormat::Matlab => "imu.m",
+        ModelFormat::Undrift => "imu.toml",
+    };
+    let folder = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../testdata/golden/formats/written"
+    );
+    PathBuf::from(folder).join(name)
+}
+
+/// The texts that `check.py` has read. `UNDRIFT_BLESS=1` writes them; then run `check.py`.
+#[test]
+fn equal_to_what_was_checked() {
+    for format in ModelFormat::ALL {
+        let text = model().export(format, Some(100.0)).unwrap();
+        if std::env::var_os("UNDRIFT_BLESS").is_some() {
+            std::fs::write(golden(format), &text).unwrap();
+        }
+        let checked = std::fs::read_to_string(golden(format)).unwrap();
+        assert_eq!(text, checked, "{}", format.name());
+    }
+}

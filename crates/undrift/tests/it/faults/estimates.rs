@@ -1,0 +1,174 @@
+//! Wrong times and lever arms, which the filter can estimate.
+
+use super::{Log, drift_from, navigate, rtk_drive};
+use undrift::{
+    nav::{
+        Vector3,
+        parameters::{Parameter, Parameters, Prior},
+        sample::GnssFix,
+        shaping::ShapingFilter,
+    },
+    replay::{GnssUse, Settings, Summary},
+    simulate::{GnssNoise, Trajectory, simulate},
+};
+
+/// A sensor of the class of the real drive's.
+fn sensors(interval: f64) -> [ShapingFilter; 6] {
+    let sensor = |white: f64, walk: f64, turn_on: f64| {
+        ShapingFilter::white(white, interval)
+            .and_then(|f| f.plus(&ShapingFilter::random_walk(walk, interval)?))
+            .and_then(|f| f.plus(&ShapingFilter::constant(turn_on, interval)?))
+            .unwrap()
+    };
+    let gyro = sensor(
+        0.01f64.to_radians(),
+        0.0005f64.to_radians(),
+        0.3f64.to_radians(),
+    );
+    let accel = sensor(1e-3, 1e-4, 0.1);
+    [gyro, gyro, gyro, accel, accel, accel]
+}
+
+/// Ten minutes of a simulated car with an antenna at (0.8, -0.4, -1.2) m.
+fn simulated(seed: u64) -> Log {
+    let lever_arm = Vector3::new(0.8, -0.4, -1.2);
+    let noise = GnssNoise {
+        position_std: [0.01, 0.01, 0.02],
+        velocity_std: [0.05; 3],
+        rate_hz: 5.0,
+        start: 1.037,
+        lever_arm,
+        ..GnssNoise::default()
+    };
+    let car = Trajectory::car(600.0, seed);
+    let log = simulate(&car, 100.0, Some(&sensors(0.01)), &noise, seed).unwrap();
+    let settings = Settings {
+        lever_arm,
+        ..Settings::new(sensors(0.01))
+    };
+    Log {
+        imu: log.imu,
+        gnss: log.gnss,
+        settings,
+    }
+}
+
+fn estimate(summary: &Summary, kind: Parameter) -> (Vec<f64>, Vec<f64>) {
+    let (_, value, std) = summary.parameters.iter().find(|p| p.0 == kind).unwrap();
+    (value.clone(), std.clone())
+}
+
+fn time_offset() -> Parameters {
+    let prior = Prior {
+        std: 0.2,
+        walk: 0.0,
+    };
+    Parameters::none().with(Parameter::TimeOffset, prior)
+}
+
+/// The fixes with their times earlier by `offset` [s].
+fn hastened(gnss: &[GnssFix], offset: f64) -> Vec<GnssFix> {
+    let earlier = |fix: &GnssFix| GnssFix {
+        time: fix.time - offset,
+        ..*fix
+    };
+    gnss.iter().map(earlier).collect()
+}
+
+#[test]
+fn a_time_offset_is_estimated() {
+    for seed in 1..=3 {
+        let mut log = simulated(seed);
+        log.settings.parameters = time_offset();
+        for offset in [-0.2, 0.0, 0.2] {
+            let shown = hastened(&log.gnss, offset);
+            let (_, summary) = navigate(&log, &shown);
+            let (value, std) = estimate(&summary, Parameter::TimeOffset);
+            println!(
+                "seed {seed}, offset {offset}: {:.4} ± {:.4} s; NIS {:.3} {:.3}; left out {} {}",
+                value[0],
+                std[0],
+                summary.position.per_dof().unwrap(),
+                summary.velocity.per_dof().unwrap(),
+                summary.position.rejected,
+                summary.velocity.rejected
+            );
+            assert!((value[0] - offset).abs() < 0.005, "{}", value[0]);
+            let nis = summary.position.per_dof().unwrap();
+            assert!((nis - 1.0).abs() < 0.15, "{nis}");
+        }
+    }
+}
+
+#[test]
+fn a_time_offset_is_estimated_on_the_real_drive() {
+    let Some(mut log) = rtk_drive() else { return };
+    // Its velocities hold 0.15 s before its positions do, so that both together have no one offset.
+    log.settings.gnss_use = GnssUse::Position;
+    log.settings.parameters = time_offset();
+    let mut found = Vec::new();
+    for offset in [-0.2, 0.0, 0.2] {
+        let shown = hastened(&log.gnss, offset);
+        let (_, summary) = navigate(&log, &shown);
+        let (value, std) = estimate(&summary, Parameter::TimeOffset);
+        println!(
+            "offset {offset}: {:.4} ± {:.4} s; NIS {:.3}; left out {}",
+            value[0],
+            std[0],
+            summary.position.per_dof().unwrap(),
+            summary.position.rejected
+        );
+        found.push(value[0] - offset);
+    }
+    // What the log has of its own is in all three.
+    assert!(
+        (found[0] - found[1]).abs() < 0.005 && (found[2] - found[1]).abs() < 0.005,
+        "{found:?}"
+    );
+}
+
+#[test]
+fn a_time_offset_survives_outages() {
+    let mut log = simulated(4);
+    log.settings.parameters = time_offset();
+    let nominal = drift_from(110.0, &log, &log.gnss, &log.settings, &log.gnss);
+    for offset in [-0.2, 0.2] {
+        let shown = hastened(&log.gnss, offset);
+        let drift = drift_from(110.0, &log, &shown, &log.settings, &shown);
+        println!("offset {offset}: drift {drift:.3} m, without offset {nominal:.3} m");
+        assert!((drift / nominal - 1.0).abs() < 0.15, "{drift} {nominal}");
+    }
+}
+
+#[test]
+fn a_wrong_lever_arm_is_estimated() {
+    for (seed, wrong) in [
+        (1, Vector3::new(0.5, 0.0, 0.0)),
+        (2, Vector3::new(0.3, -0.4, 0.0)),
+        (3, Vector3::new(-0.3, 0.3, 0.27)),
+    ] {
+        let mut log = simulated(seed);
+        log.settings.lever_arm += wrong;
+        log.settings.parameters = Parameters::none().with(
+            Parameter::LeverArm,
+            Prior {
+                std: 0.5,
+                walk: 0.0,
+            },
+        );
+        let (_, summary) = navigate(&log, &log.gnss);
+        let (value, std) = estimate(&summary, Parameter::LeverArm);
+        let miss: Vec<f64> = (0..3).map(|i| value[i] + wrong[i]).collect();
+        println!(
+            "seed {seed}, wrong by {:?}: missed by {miss:.3?} ± {std:.3?} m; NIS {:.3}; left out {}",
+            wrong.as_slice(),
+            summary.position.per_dof().unwrap(),
+            summary.position.rejected
+        );
+        assert!(miss[0].abs() < 0.05 && miss[1].abs() < 0.05, "{miss:?}");
+        assert!(
+            miss[2].abs() < 4.0 * std[2] && miss[2].abs() < 0.3,
+            "{miss:?}"
+        );
+    }
+}

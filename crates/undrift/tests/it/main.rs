@@ -1,0 +1,15 @@
+//! The engine on simulated and public drives, and which crate may use which.
+
+mod alignment;
+mod architecture;
+mod epochs;
+mod faults;
+mod mechanisation;
+mod montecarlo;
+mod public_drives;
+mod pull_away;
+mod rest;
+mod shaping_forms;
+mod smoothing;
+mod streams;
+mod vehicle_drives;

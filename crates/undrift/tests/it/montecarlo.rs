@@ -1,0 +1,130 @@
+//! Whether the filter knows its own errors, on a short drive.
+
+use std::path::Path;
+use undrift::montecarlo::{self, Report, Spec, Verdict};
+
+const RUNS: usize = 10;
+
+/// The car of the example for four minutes at half its rate; `more` is appended.
+fn spec(bias_models: &str, more: &str) -> Spec {
+    let text = include_str!("../../../../examples/montecarlo-car.toml")
+        .replace("[\"arma\", \"paper\", \"white\"]", bias_models)
+        .replace("\"600 s\"", "\"240 s\"")
+        .replace("rate = \"200 Hz\"\nseed", "rate = \"100 Hz\"\nseed");
+    Spec::from_toml(&(text + more), "spec.toml", Path::new("")).unwrap()
+}
+
+fn run(spec: &Spec, seed: u64) -> Report {
+    montecarlo::run(spec, RUNS, seed, || {}).unwrap()
+}
+
+#[test]
+fn the_true_model_is_consistent() {
+    let report = run(&spec("[\"arma\"]", ""), 1);
+    let model = &report.models[0];
+    assert_eq!((model.name.as_str(), model.diverged), ("arma", 0));
+    assert_eq!(model.nees.len(), 6);
+    for group in &model.nees {
+        // Ten runs' own averages are independent draws, their mean over its estimated standard
+        // error a Student t of nine degrees of freedom: beyond 4.8 once in a thousand. Six groups,
+        // one seed: once in two hundred seeds a group would fail.
+        let off = (group.mean_per_freedom - 1.0) / group.mean_standard_error;
+        assert!(off.abs() < 4.8, "{} {off}", group.name);
+        // And within a quarter of 1 whatever the scatter: it would hide a wrong model otherwise.
+        assert!((group.mean_per_freedom - 1.0).abs() < 0.25, "{group:?}");
+        // The share's own standard deviation is an estimate of ten runs: three of those.
+        let least = 0.95 - 3.0 * group.share_standard_error;
+        assert!(
+            group.share_inside > least,
+            "{} {}",
+            group.name,
+            group.share_inside
+        );
+        assert!(group.epochs > 100);
+    }
+    for kind in &model.nis {
+        // 3 × 1170 degrees of freedom: standard error √(2/3510) = 2.4 %; 4 of those.
+        assert!((kind.nis_per_freedom - 1.0).abs() < 0.095, "{kind:?}");
+        let beyond = kind.autocorrelation.iter().flatten();
+        let beyond = beyond.filter(|r| r.abs() > kind.autocorrelation_bound);
+        // Of thirty; more than six once in a thousand.
+        assert!(beyond.count() <= 6, "{kind:?}");
+    }
+    for (component, shares) in &model.coverage {
+        // 1170 instants worth 30 at least, as correlated as they are: 2 σ, 95.4 ± 3.8 %.
+        assert!(shares[1].as_f64().unwrap() > 0.80, "{component} {shares}");
+    }
+}
+
+#[test]
+fn a_model_that_promises_too_much_is_found_out() {
+    let three_times_too_small = "\n[filter.model]\npreset = \"adis16405\"\naccel.turn_on = \"10 mg\"\n\
+        gyro.arma = { rate = \"200 Hz\", ar = [1.0], ma = [0.9994], sigma = \"0.157134 deg/s\" }\n\
+        accel.arma = { rate = \"200 Hz\", ar = [1.0], ma = [0.9994], sigma = \"0.0157134 m/s^2\" }\n";
+    let report = run(&spec("[\"arma\"]", three_times_too_small), 1);
+    for group in &report.models[0].nees {
+        if group.name != "position" {
+            assert_eq!(group.verdict, Verdict::Optimistic, "{}", group.name);
+        }
+    }
+    assert_eq!(report.models[0].nis[1].verdict, Verdict::Optimistic);
+}
+
+#[test]
+fn paper_and_white_are_not_consistent() {
+    let report = run(&spec("[\"paper\", \"white\"]", ""), 1);
+    for model in &report.models {
+        for group in &model.nees {
+            // The paper's bias wanders so much that its covariance may hide anything.
+            let bias = group.name.contains("bias");
+            assert!(
+                bias || group.verdict != Verdict::Consistent,
+                "{} {group:?}",
+                model.name
+            );
+        }
+    }
+    let names: Vec<_> = report.models[1].nees.iter().map(|g| g.name).collect();
+    assert_eq!(
+        names,
+        ["position", "velocity", "attitude", "all"],
+        "white has no bias"
+    );
+}
+
+#[test]
+fn the_result_does_not_depend_on_the_number_of_cores() {
+    let short = Spec {
+        settle: 10.0,
+        ..spec("[\"arma\"]", "")
+    };
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let report = pool
+            .unwrap()
+            .install(|| montecarlo::run(&short, 3, 5, || {}).unwrap());
+        serde_json::to_string(&report).unwrap()
+    };
+    let one = with(1);
+    assert_eq!(one, with(3));
+    assert!(!one.contains("null") || one.contains("\"average\":[null"));
+}
+
+#[test]
+fn a_drawn_attitude_starts_the_filter_at_the_first_fix() {
+    let small = spec(
+        "[\"arma\"]",
+        "\n[initial]\ntruth_std = \"0.1, 0.1, 0.5 deg\"\n",
+    );
+    let small = Spec {
+        settle: 0.0,
+        ..small
+    };
+    let report = montecarlo::run(&small, RUNS, 1, || {}).unwrap();
+    let attitude = &report.models[0].nees[2];
+    // The first epoch is at the first fix: three draws in each of ten runs, nothing else yet.
+    let (first, low, high) = (attitude.average[0], attitude.lower[0], attitude.upper[0]);
+    let (first, low, high) = (first.unwrap(), low.unwrap(), high.unwrap());
+    assert_eq!(report.models[0].started_s, 1.0);
+    assert!((low..high).contains(&first), "{low} {first} {high}");
+}
