@@ -186,7 +186,7 @@ fn jobs(arguments: &Arguments) -> Result<Vec<Job>> {
     }
     let mut choice = Choice::default();
     change(&mut choice);
-    fleet::drives(&arguments.logs, &choice).map_err(anyhow::Error::msg)
+    Ok(fleet::drives(&arguments.logs, &choice)?)
 }
 
 /// Whether a text is a manifest rather than a drive file; what is neither is refused as a manifest.

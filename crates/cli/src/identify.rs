@@ -137,7 +137,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         warn(uneven);
     }
     let rate_hz = identify::rate(arguments.rate, record.timing.as_ref())
-        .map_err(anyhow::Error::msg)
         .with_context(|| arguments.record.display().to_string())?;
     let trend = match arguments.detrend {
         Trend::Constant => identify::Trend::Constant,
@@ -207,9 +206,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             .map(|name| ImuModel::resolve(name, std::path::Path::new("")))
             .transpose()?;
         let provenance = identify::provenance(&record, &name, Some(&arguments.record), rate_hz)?;
-        let model = identified
-            .model(base.as_ref(), &name, provenance)
-            .map_err(anyhow::Error::msg)?;
+        let model = identified.model(base.as_ref(), &name, provenance)?;
         print::write_whole(file, &model.to_toml())?;
         terminal::say_beside(shown, format!("model: {}", file.display()))?;
         let unknown: Vec<&str> = model

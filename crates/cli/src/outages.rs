@@ -105,9 +105,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         arguments.start,
     )
     .context("say how many outages: --count N, --every SECONDS, or --at T1,T2,…")?;
-    let cuts = logs
-        .plan(&plan, arguments.length)
-        .map_err(anyhow::Error::msg)?;
+    let cuts = logs.plan(&plan, arguments.length)?;
     let outcomes = stage("navigation", || {
         let total = logs.imu.len() * arguments.bias_models.len();
         let bar = Bar::new("navigated", total as u64, "samples");

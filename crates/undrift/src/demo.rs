@@ -62,9 +62,12 @@ pub enum DemoError {
     /// Nothing was simulated.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
-    /// The outages do not fit the drive, or an axis could not be identified.
-    #[error("{0}")]
-    Plan(String),
+    /// The outages do not fit the drive.
+    #[error(transparent)]
+    Outages(#[from] outages::ScheduleError),
+    /// No axis could be identified.
+    #[error(transparent)]
+    Recording(#[from] identify::RecordingError),
 }
 
 /// Simulates the drive and runs all bias models through its outages.
@@ -146,9 +149,7 @@ pub fn run_told(
             let told = |more| done(Stage::Identification, more, AXES.len() as u64);
             told(0);
             let found = identify::run(&record, &Options::at(RATE_HZ), || told(1));
-            let model = found
-                .model(Some(&preset), PRESET, Provenance::default())
-                .map_err(DemoError::Plan)?;
+            let model = found.model(Some(&preset), PRESET, Provenance::default())?;
             (model, Some((record, found)))
         }
     };
@@ -161,7 +162,7 @@ pub fn run_told(
         every,
         count: Some(count),
     };
-    let outages = outages::schedule(&plan, length, first, last).map_err(DemoError::Plan)?;
+    let outages = outages::schedule(&plan, length, first, last)?;
     let settings = |kind: BiasModel| -> Result<(String, Settings), ModelError> {
         let settings = Settings {
             lever_arm,

@@ -19,7 +19,7 @@ mod table;
 
 pub use fingerprint::{fingerprint, inputs};
 pub use gather::{Gathered, gather};
-pub use manifest::{Choice, Manifest, Pattern, drives};
+pub use manifest::{Choice, Manifest, Pattern, PatternError, drives};
 pub use outcome::{Outcome, Row};
 pub use process::process;
 pub use run::{Done, FleetError, Options, job_path, process_on, run, shard};

@@ -5,7 +5,7 @@ mod series;
 mod settings;
 
 pub use series::RecordSeries;
-pub use settings::{Trend, options, provenance, rate, unevenness};
+pub use settings::{RecordingError, Trend, options, provenance, rate, unevenness};
 
 use crate::record::Record;
 use rayon::prelude::*;
@@ -62,13 +62,13 @@ impl Identified {
     /// constant seen in the record.
     ///
     /// # Errors
-    /// A sentence for the user when no axis is identified.
+    /// When no axis is identified.
     pub fn model(
         &self,
         base: Option<&ImuModel>,
         name: &str,
         provenance: Provenance,
-    ) -> Result<ImuModel, String> {
+    ) -> Result<ImuModel, RecordingError> {
         let mut model = base.cloned().unwrap_or_default();
         model.name = name.to_owned();
         model.source = "identified from a static record".into();
@@ -87,11 +87,7 @@ impl Identified {
             }
             any = true;
         }
-        if any {
-            Ok(model)
-        } else {
-            Err("no axis could be identified".into())
-        }
+        any.then_some(model).ok_or(RecordingError::NoAxis)
     }
 }
 

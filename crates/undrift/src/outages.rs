@@ -9,7 +9,7 @@ mod schedule;
 pub use drift::{DriftCurve, drift_curve};
 pub use json::{Experiment, track};
 pub use logs::Logs;
-pub use schedule::{Schedule, schedule};
+pub use schedule::{Schedule, ScheduleError, schedule};
 
 use crate::smooth::{self, History};
 use crate::{
@@ -330,6 +330,7 @@ mod tests {
             every: 24.0,
             count: Some(15),
         };
+        let error = |plan: &Schedule, last| schedule(plan, 10.0, 0.0, last).unwrap_err();
         let outages = schedule(&every, 10.0, 0.0, 437.2).unwrap();
         assert_eq!(outages.len(), 15);
         assert_eq!(
@@ -350,10 +351,12 @@ mod tests {
             every: 24.0,
             count: Some(17),
         };
-        assert!(
-            schedule(&too_many, 10.0, 0.0, 437.2)
-                .unwrap_err()
-                .contains("only 16")
+        assert_eq!(
+            error(&too_many, 437.2),
+            ScheduleError::TooFew {
+                fits: 16,
+                count: 17
+            }
         );
         assert!(schedule(&Schedule::At(vec![5.0, 8.0]), 10.0, 0.0, 100.0).is_err());
         assert!(schedule(&Schedule::At(vec![95.0]), 10.0, 0.0, 100.0).is_err());
@@ -373,28 +376,28 @@ mod tests {
             every: 1e-300,
             count: None,
         };
-        assert!(
-            schedule(&dense, 10.0, 0.0, 100.0)
-                .unwrap_err()
-                .contains("overlap")
+        assert_eq!(
+            error(&dense, 100.0),
+            ScheduleError::Overlap {
+                count: usize::MAX,
+                length: 10.0
+            }
         );
         let dense = Schedule::Count {
             start: 0.0,
             count: usize::MAX,
         };
-        assert!(
-            schedule(&dense, 10.0, 0.0, 100.0)
-                .unwrap_err()
-                .contains("100000")
-        );
+        assert_eq!(error(&dense, 100.0), ScheduleError::TooMany);
         let dense = Schedule::Count {
             start: 0.0,
             count: 12,
         };
-        assert!(
-            schedule(&dense, 10.0, 0.0, 100.0)
-                .unwrap_err()
-                .contains("overlap")
+        assert_eq!(
+            error(&dense, 100.0),
+            ScheduleError::Overlap {
+                count: 12,
+                length: 10.0
+            }
         );
         let none = Schedule::Every {
             start: 0.0,

@@ -141,7 +141,7 @@ impl Manifest {
     pub fn jobs(
         &self,
         folder: &str,
-        matching: impl Fn(&str, &str) -> Result<Vec<String>, String>,
+        matching: impl Fn(&str, &str) -> Result<Vec<String>, glob::PatternError>,
     ) -> Result<Vec<Job>, ConfigError> {
         let mut jobs = Vec::new();
         for log in &self.logs {
@@ -155,7 +155,8 @@ impl Manifest {
                 jobs.push(log.job(folder, &log.pattern));
                 continue;
             }
-            let mut names = matching(folder, &log.pattern).map_err(wrong)?;
+            let mut names = matching(folder, &log.pattern)
+                .map_err(|error| wrong(format!("\"{}\": {error}", log.pattern)))?;
             if names.is_empty() {
                 return Err(wrong(format!(
                     "\"{}\" matches no file; names are relative to the manifest's folder",
@@ -171,14 +172,14 @@ impl Manifest {
     /// What a pattern stands for on this machine; for [`Manifest::jobs`].
     ///
     /// # Errors
-    /// A pattern that is none.
-    pub fn matching(folder: &str, pattern: &str) -> Result<Vec<String>, String> {
+    /// A malformed pattern.
+    pub fn matching(folder: &str, pattern: &str) -> Result<Vec<String>, glob::PatternError> {
         // The folder's name is no pattern.
         let whole = match folder {
             "" => pattern.to_owned(),
             folder => format!("{}/{pattern}", glob::Pattern::escape(folder)),
         };
-        let found = glob::glob(&whole).map_err(|error| format!("\"{pattern}\": {error}"))?;
+        let found = glob::glob(&whole)?;
         let name = |path: std::path::PathBuf| {
             let name = path.strip_prefix(folder).unwrap_or(&path);
             name.to_string_lossy().replace('\\', "/")
@@ -187,11 +188,22 @@ impl Manifest {
     }
 }
 
+/// Why a pattern of drive files gives no job.
+#[derive(Debug, thiserror::Error)]
+pub enum PatternError {
+    /// It cannot be read.
+    #[error("\"{0}\": {1}")]
+    Malformed(String, glob::PatternError),
+    /// It matches no file.
+    #[error("\"{0}\" matches no file")]
+    NoMatch(String),
+}
+
 /// The jobs of drive files by their names or patterns, without a manifest.
 ///
 /// # Errors
-/// A sentence for the user when one stands for nothing.
-pub fn drives(patterns: &[String], choice: &Choice) -> Result<Vec<Job>, String> {
+/// When one is malformed or matches no file.
+pub fn drives(patterns: &[String], choice: &Choice) -> Result<Vec<Job>, PatternError> {
     let mut jobs = Vec::new();
     for pattern in patterns {
         let log = Pattern {
@@ -201,12 +213,13 @@ pub fn drives(patterns: &[String], choice: &Choice) -> Result<Vec<Job>, String> 
             choice: choice.clone(),
         };
         let names = if log.is_pattern() && !Path::new(pattern).is_file() {
-            Manifest::matching("", pattern)?
+            let matching = Manifest::matching("", pattern);
+            matching.map_err(|error| PatternError::Malformed(pattern.clone(), error))?
         } else {
             vec![pattern.clone()]
         };
         if names.is_empty() {
-            return Err(format!("\"{pattern}\" matches no file"));
+            return Err(PatternError::NoMatch(pattern.clone()));
         }
         jobs.extend(names.iter().map(|name| log.job("", name)));
     }

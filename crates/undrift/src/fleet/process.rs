@@ -9,7 +9,7 @@ use crate::{
     drive::{Drive, read_text},
     identify::{self, Trend},
     navigate::{self, Wanted},
-    outages::Logs,
+    outages::{Logs, ScheduleError},
     record,
     reference::Errors,
 };
@@ -35,7 +35,7 @@ pub fn process(job: &Job) -> Outcome {
     let failed = isolated(|| {
         // Told here: who reads them tells of their neighbours too, which are no part of the job.
         if let Some((_, path)) = inputs(job).iter().find(|(_, path)| !path.is_file()) {
-            return Err(format!("{}: no such file", path.display()));
+            return Err(JobError::NoFile(path.clone()).into());
         }
         match &job.task {
             Task::Navigate {
@@ -50,13 +50,11 @@ pub fn process(job: &Job) -> Outcome {
             Task::Identify(settings) => identify(job, settings, &mut outcome),
         }
     });
-    outcome.failed = failed.err();
+    outcome.failed = failed.err().map(|error| told(&*error));
     if outcome.failed.is_none() && outcome.rows.is_empty() {
         let first = outcome.failed_parts.iter().next();
-        let why = first.map_or("there is nothing to tell".into(), |(part, why)| {
-            format!("{part}: {why}")
-        });
-        outcome.failed = Some(why);
+        let why = first.map(|(part, why)| format!("{part}: {why}"));
+        outcome.failed = Some(why.unwrap_or_else(|| JobError::NoResult.to_string()));
     }
     if outcome.failed.is_some() {
         outcome.rows.clear();
@@ -74,8 +72,24 @@ pub fn process(job: &Job) -> Outcome {
     outcome
 }
 
+/// Why a job has no outcome.
+#[derive(Debug, thiserror::Error)]
+enum JobError {
+    /// A file of it is missing.
+    #[error("{}: no such file", .0.display())]
+    NoFile(PathBuf),
+    /// It has neither a result nor an error.
+    #[error("there is no result")]
+    NoResult,
+    /// A fault in the program: a panic, with its message.
+    #[error("a fault in the program: {0}")]
+    Panic(String),
+}
+
+type Failure = Box<dyn Error + Send + Sync>;
+
 /// Why something has no result, with all causes that the text does not have already.
-fn told(error: impl Error) -> String {
+fn told(error: &dyn Error) -> String {
     let mut text = error.to_string();
     let mut cause = error.source();
     while let Some(error) = cause {
@@ -89,15 +103,13 @@ fn told(error: impl Error) -> String {
 }
 
 /// Does something; a panic is no more than an error.
-fn isolated(work: impl FnOnce() -> Result<(), String>) -> Result<(), String> {
-    let words = |panic: Box<dyn Any + Send>| match panic.downcast::<String>() {
+fn isolated(work: impl FnOnce() -> Result<(), Failure>) -> Result<(), Failure> {
+    let message = |panic: Box<dyn Any + Send>| match panic.downcast::<String>() {
         Ok(text) => *text,
-        Err(other) => other
-            .downcast_ref::<&str>()
-            .map_or_else(|| "without a word".into(), |text| (*text).to_owned()),
+        Err(other) => (*other.downcast_ref::<&str>().unwrap_or(&"")).to_owned(),
     };
     catch_unwind(AssertUnwindSafe(work))
-        .unwrap_or_else(|panic| Err(format!("a fault in the program: {}", words(panic))))
+        .unwrap_or_else(|panic| Err(JobError::Panic(message(panic)).into()))
 }
 
 /// A text in which files go by their names relative to the folders.
@@ -128,17 +140,17 @@ fn without_folders(text: &str, folders: &[PathBuf]) -> String {
 }
 
 /// The drive with the model that the job asks for; the temperature of its inertial log.
-fn load(job: &Job, outcome: &mut Outcome) -> Result<Drive, String> {
+fn load(job: &Job, outcome: &mut Outcome) -> Result<Drive, Failure> {
     let (home, data) = job.folders();
-    let (text, _) = read_text(&job.path()).map_err(told)?;
-    let mut drive = Drive::from_toml(&text, &job.log, &home, &data).map_err(told)?;
+    let (text, _) = read_text(&job.path())?;
+    let mut drive = Drive::from_toml(&text, &job.log, &home, &data)?;
     if let Some(name) = &job.model {
-        let model = ImuModel::resolve(name, Path::new(&job.folder)).map_err(told)?;
+        let model = ImuModel::resolve(name, Path::new(&job.folder))?;
         drive.model = Some(model);
     }
     outcome.sensor = drive.model.as_ref().map(|model| model.name.clone());
     if outcome.temperature_c.is_none() && matches!(drive.imu.1.source, ImuSource::Table { .. }) {
-        outcome.temperature_c = mean_temperature(&drive.imu.0).map_err(told)?;
+        outcome.temperature_c = mean_temperature(&drive.imu.0)?;
     }
     Ok(drive)
 }
@@ -189,12 +201,12 @@ fn outages(
     plan: &Plan,
     smooth: bool,
     outcome: &mut Outcome,
-) -> Result<(), String> {
+) -> Result<(), Failure> {
     let drive = load(job, outcome)?;
-    let logs = Logs::load(&drive).map_err(told)?;
-    let schedule = plan.schedule().ok_or("no outages are asked for")?;
+    let logs = Logs::load(&drive)?;
+    let schedule = plan.schedule().ok_or(ScheduleError::Zero)?;
     let cuts = logs.plan(&schedule, plan.length_s)?;
-    let results = logs.run(kinds, &cuts, smooth, |_| {}).map_err(told)?;
+    let results = logs.run(kinds, &cuts, smooth, |_| {})?;
     outcome.warnings = logs.remarks(&results);
     for (name, run) in &results {
         let run = match run {
@@ -228,7 +240,7 @@ fn navigate(
     kinds: &[BiasModel],
     smooth: bool,
     outcome: &mut Outcome,
-) -> Result<(), String> {
+) -> Result<(), Failure> {
     let drive = load(job, outcome)?;
     for kind in kinds {
         let wanted = Wanted {
@@ -239,7 +251,7 @@ fn navigate(
         let report = match navigate::navigate_for(&drive, *kind, wanted) {
             Ok(report) => report,
             Err(error) => {
-                outcome.failed_parts.insert(name, told(error));
+                outcome.failed_parts.insert(name, told(&error));
                 continue;
             }
         };
@@ -270,7 +282,7 @@ fn navigate(
     Ok(())
 }
 
-fn identify(job: &Job, settings: &RecordSettings, outcome: &mut Outcome) -> Result<(), String> {
+fn identify(job: &Job, settings: &RecordSettings, outcome: &mut Outcome) -> Result<(), Failure> {
     let path = job.path();
     let header = header_names(&path).unwrap_or_default();
     let unit = header.iter().find_map(|name| match meaning(name) {
@@ -278,7 +290,7 @@ fn identify(job: &Job, settings: &RecordSettings, outcome: &mut Outcome) -> Resu
         _ => None,
     });
     let wanted = settings.detrend == Trend::Temperature || unit.is_some();
-    let record = record::read(&path, &settings.format(wanted)).map_err(told)?;
+    let record = record::read(&path, &settings.format(wanted))?;
     if let (None, Some(unit), Some(values)) =
         (outcome.temperature_c, unit, record.temperature.as_ref())
     {
@@ -292,8 +304,7 @@ fn identify(job: &Job, settings: &RecordSettings, outcome: &mut Outcome) -> Resu
     outcome
         .warnings
         .extend(timing.and_then(identify::unevenness));
-    let rate_hz = identify::rate(settings.rate_hz, timing)
-        .map_err(|error| error.replace("--rate", "identify.rate"))?;
+    let rate_hz = identify::rate(settings.rate_hz, timing)?;
     let options = identify::options(&record, rate_hz, settings.n_max, settings.detrend);
     let identified = identify::run(&record, &options, || {});
     for (name, found) in &identified.axes {
@@ -342,13 +353,11 @@ mod tests {
 
     #[test]
     fn a_panic_is_an_error() {
-        let told = isolated(|| panic!("{} is none", 3)).unwrap_err();
-        assert_eq!(told, "a fault in the program: 3 is none");
-        assert_eq!(
-            isolated(|| panic!("plain")).unwrap_err(),
-            "a fault in the program: plain"
-        );
-        assert_eq!(isolated(|| Ok(())), Ok(()));
+        let formatted = isolated(|| panic!("{} is wrong", 3)).unwrap_err();
+        assert_eq!(formatted.to_string(), "a fault in the program: 3 is wrong");
+        let plain = isolated(|| panic!("plain")).unwrap_err();
+        assert_eq!(plain.to_string(), "a fault in the program: plain");
+        assert!(isolated(|| Ok(())).is_ok());
     }
 
     #[test]

@@ -25,24 +25,41 @@ pub enum Trend {
 /// Most that a stated rate may be off the time stamps, relative.
 const RATE_TOLERANCE: f64 = 0.01;
 
-/// The sample rate to go by [Hz]: stated, or from the stamps.
+/// Why a recording makes no model.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum RecordingError {
+    /// Nothing gives the sample rate.
+    #[error(
+        "the recording has no time column; state its sample rate (--rate, or identify.rate of a manifest)"
+    )]
+    NoRate,
+    /// The stated rate is not that of the time stamps.
+    #[error(
+        "the stated rate (--rate) is {stated} Hz, the time stamps say {stamps:.3} Hz; leave it out or mend the stamps"
+    )]
+    WrongRate {
+        /// As stated \[Hz\].
+        stated: f64,
+        /// Of the stamps \[Hz\].
+        stamps: f64,
+    },
+    /// No axis could be identified.
+    #[error("no axis could be identified")]
+    NoAxis,
+}
+
+/// The sample rate to go by \[Hz\]: stated, or from the stamps.
 ///
 /// # Errors
-/// A sentence for the user when there is neither, or the two disagree by more than 1 %.
-pub fn rate(stated: Option<f64>, timing: Option<&Timing>) -> Result<f64, String> {
-    match (stated, timing) {
-        (None, None) => {
-            Err("the record has no time column; state its sample rate with --rate".into())
-        }
-        (Some(rate), Some(timing)) if (rate / timing.rate_hz - 1.0).abs() > RATE_TOLERANCE => {
-            Err(format!(
-                "--rate says {rate} Hz, the time stamps say {:.3} Hz; leave --rate out or mend the stamps",
-                timing.rate_hz
-            ))
-        }
-        (Some(rate), _) => Ok(rate),
-        (None, Some(timing)) => Ok(timing.rate_hz),
+/// When there is neither, or the two disagree by more than 1 %.
+pub fn rate(stated: Option<f64>, timing: Option<&Timing>) -> Result<f64, RecordingError> {
+    let stamps = timing.map(|timing| timing.rate_hz);
+    if let (Some(stated), Some(stamps)) = (stated, stamps)
+        && (stated / stamps - 1.0).abs() > RATE_TOLERANCE
+    {
+        return Err(RecordingError::WrongRate { stated, stamps });
     }
+    stated.or(stamps).ok_or(RecordingError::NoRate)
 }
 
 /// What should be said of stamps that are not evenly spaced.

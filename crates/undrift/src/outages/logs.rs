@@ -1,6 +1,6 @@
 //! A drive's logs in memory, and the experiment on them.
 
-use super::{Experiment, Outcome, Schedule, run_told, schedule, track};
+use super::{Experiment, Outcome, Schedule, ScheduleError, run_told, schedule, track};
 use crate::{
     drive::Drive,
     mounting::{self, Mounting},
@@ -83,22 +83,18 @@ impl Logs {
     /// The outages of `length` [s] that a schedule asks for.
     ///
     /// # Errors
-    /// A sentence for the user when there is no fix, or they do not fit the fixes or the truth.
-    pub fn plan(&self, plan: &Schedule, length: f64) -> Result<Vec<Outage>, String> {
+    /// When there is no fix, or they do not fit the fixes or the truth.
+    pub fn plan(&self, plan: &Schedule, length: f64) -> Result<Vec<Outage>, ScheduleError> {
         let (Some(first), Some(last)) = (self.gnss.first(), self.gnss.last()) else {
-            return Err(format!(
-                "{} holds no usable fix",
-                self.drive.gnss.0.display()
-            ));
+            return Err(ScheduleError::NoFix(self.drive.gnss.0.clone()));
         };
         let cuts = schedule(plan, length, first.time, last.time)?;
         if let (Some(first), Some(last)) = (self.truth.first(), self.truth.last()) {
             let covered = |t: f64| first.time <= t && t <= last.time;
-            if let Some(cut) = cuts.iter().find(|c| !covered(c.start) || !covered(c.end)) {
-                return Err(format!(
-                    "the truth covers {:.3} to {:.3} s, not the outage from {:.3} to {:.3} s; compare the time columns, or leave the truth out to measure against the withheld fixes",
-                    first.time, last.time, cut.start, cut.end
-                ));
+            let is_beyond = |c: &&Outage| !covered(c.start) || !covered(c.end);
+            if let Some(&outage) = cuts.iter().find(is_beyond) {
+                let truth = [first.time, last.time];
+                return Err(ScheduleError::BeyondTruth { truth, outage });
             }
         }
         Ok(cuts)

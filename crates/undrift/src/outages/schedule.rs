@@ -1,6 +1,7 @@
 //! Where the outages lie.
 
 use crate::replay::Outage;
+use std::path::PathBuf;
 
 /// Where the outages lie, from the times of the fixes.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,114 +51,162 @@ impl Schedule {
 /// More outages than this are a mistake.
 const MOST_OUTAGES: usize = 100_000;
 
-/// The outages of `length` [s] a schedule asks for, given the first and last fix [s].
+/// Why outages cannot be laid out.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ScheduleError {
+    /// There is nothing to count the outages from.
+    #[error("{} holds no usable fix", .0.display())]
+    NoFix(PathBuf),
+    /// The length is not above zero.
+    #[error("an outage must last longer than 0 s, not {0} s")]
+    Length(f64),
+    /// The start lies before the first fix.
+    #[error("the outages must start 0 s or more after the first fix, not {0} s")]
+    Start(f64),
+    /// The span from start to start is not above zero.
+    #[error("outages must be more than 0 s apart, not {0} s")]
+    Every(f64),
+    /// None is asked for.
+    #[error("the number of outages must be above 0")]
+    Zero,
+    /// Too many are asked for.
+    #[error("more than {MOST_OUTAGES} outages; make them fewer")]
+    TooMany,
+    /// They do not fit apart from each other.
+    #[error("the outages overlap: {count} of {length} s do not fit apart from each other")]
+    Overlap {
+        /// How many.
+        count: usize,
+        /// Length of each \[s\].
+        length: f64,
+    },
+    /// Not one fits between the start and the last fix.
+    #[error(
+        "no outage of {length} s fits between {start} s after the first fix and the last fix at {end:.1} s"
+    )]
+    NoRoom {
+        /// Length of an outage \[s\].
+        length: f64,
+        /// After the first fix \[s\].
+        start: f64,
+        /// The last fix after the first \[s\].
+        end: f64,
+    },
+    /// Not all fit.
+    #[error("only {fits} of the {count} outages fit before the fixes end")]
+    TooFew {
+        /// How many do.
+        fits: usize,
+        /// How many are asked for.
+        count: usize,
+    },
+    /// An outage reaches beyond the fixes.
+    #[error("an outage of {length} s at {time} does not lie within the fixes, {first} to {last}")]
+    BeyondFixes {
+        /// Length \[s\].
+        length: f64,
+        /// Start \[s\].
+        time: f64,
+        /// First fix \[s\].
+        first: f64,
+        /// Last fix \[s\].
+        last: f64,
+    },
+    /// An outage reaches beyond the truth.
+    #[error(
+        "the truth covers {:.3} to {:.3} s, not the outage from {:.3} to {:.3} s; compare the time columns, or leave the truth out to measure against the withheld fixes",
+        truth[0], truth[1], outage.start, outage.end
+    )]
+    BeyondTruth {
+        /// First and last time of the truth \[s\].
+        truth: [f64; 2],
+        /// The outage.
+        outage: Outage,
+    },
+}
+
+/// The outages of `length` \[s\] a schedule asks for, given the first and last fix \[s\].
 ///
 /// # Errors
-/// A sentence for the user when they do not fit, overlap or are not positive.
+/// When they do not fit, overlap or are not positive.
 pub fn schedule(
     plan: &Schedule,
     length: f64,
     first_fix: f64,
     last_fix: f64,
-) -> Result<Vec<Outage>, String> {
-    if !(length > 0.0 && length.is_finite()) {
-        return Err(format!(
-            "an outage must last longer than 0 s, not {length} s"
-        ));
+) -> Result<Vec<Outage>, ScheduleError> {
+    let positive = |value: f64| value > 0.0 && value.is_finite();
+    if !positive(length) {
+        return Err(ScheduleError::Length(length));
     }
-    if let Schedule::Count { start, .. } | Schedule::Every { start, .. } = plan
-        && !(*start >= 0.0 && start.is_finite())
-    {
-        return Err(format!(
-            "the outages must start 0 s or more after the first fix, not {start} s"
-        ));
-    }
-    let overlap = |count: usize| {
-        format!("the outages overlap: {count} of {length} s do not fit apart from each other")
-    };
-    let too_many = || format!("more than {MOST_OUTAGES} outages; make them fewer");
-    let starts: Vec<f64> = match plan {
-        Schedule::Count { start, count } => {
-            let from = first_fix + start;
-            let room = last_fix - length - from;
-            if *count == 0 || room < 0.0 {
-                return Err(format!(
-                    "no outage of {length} s fits between {start} s after the first fix and the last fix at {:.1} s",
-                    last_fix - first_fix
-                ));
-            }
-            if *count > MOST_OUTAGES {
-                return Err(too_many());
-            }
-            let every = if *count > 1 {
-                room / (*count - 1) as f64
-            } else {
-                0.0
-            };
-            if *count > 1 && every < length {
-                return Err(overlap(*count));
-            }
-            (0..*count).map(|i| from + every * i as f64).collect()
-        }
-        Schedule::Every {
-            start,
-            every,
-            count,
-        } => {
-            if !(*every > 0.0 && every.is_finite()) {
-                return Err(format!(
-                    "outages must be more than 0 s apart, not {every} s"
-                ));
-            }
-            let from = first_fix + start;
-            let fits = ((last_fix - length - from) / every + 1e-9).floor() + 1.0;
-            if fits < 1.0 {
-                return Err(format!(
-                    "no outage of {length} s fits after {start} s: the fixes end {:.1} s after the first",
-                    last_fix - first_fix
-                ));
-            }
-            let fits = fits as usize;
-            if *count == Some(0) {
-                return Err("the number of outages must be above 0".into());
-            }
-            if fits > 1 && *every < length && count.is_none_or(|count| count > 1) {
-                return Err(overlap(count.unwrap_or(fits)));
-            }
-            if let Some(count) = count.filter(|c| *c > fits) {
-                return Err(format!(
-                    "only {fits} of the {count} outages fit before the fixes end"
-                ));
-            }
-            if count.unwrap_or(fits) > MOST_OUTAGES {
-                return Err(too_many());
-            }
-            (0..count.unwrap_or(fits))
-                .map(|i| from + every * i as f64)
-                .collect()
-        }
+    let starts = match plan {
         Schedule::At(times) => {
             let mut times = times.clone();
             times.sort_by(f64::total_cmp);
-            if let Some(time) = times
-                .iter()
-                .find(|t| !t.is_finite() || **t < first_fix || **t + length > last_fix + 1e-6)
-            {
-                return Err(format!(
-                    "an outage of {length} s at {time} does not lie within the fixes, {first_fix} to {last_fix}"
-                ));
+            let is_beyond =
+                |t: &&f64| !t.is_finite() || **t < first_fix || **t + length > last_fix + 1e-6;
+            if let Some(&time) = times.iter().find(is_beyond) {
+                return Err(ScheduleError::BeyondFixes {
+                    length,
+                    time,
+                    first: first_fix,
+                    last: last_fix,
+                });
             }
             times
         }
+        Schedule::Count { start, .. } | Schedule::Every { start, .. } => {
+            if *start < 0.0 || !start.is_finite() {
+                return Err(ScheduleError::Start(*start));
+            }
+            let (count, every) = spread(plan, length, *start, last_fix - first_fix)?;
+            let from = first_fix + start;
+            (0..count).map(|i| from + every * i as f64).collect()
+        }
     };
     if starts.windows(2).any(|w| w[1] < w[0] + length) {
-        return Err(overlap(starts.len()));
+        let count = starts.len();
+        return Err(ScheduleError::Overlap { count, length });
     }
-    Ok(starts
-        .into_iter()
-        .map(|start| Outage {
-            start,
-            end: start + length,
-        })
-        .collect())
+    let outage = |start| Outage {
+        start,
+        end: start + length,
+    };
+    Ok(starts.into_iter().map(outage).collect())
+}
+
+/// How many outages there are and how far apart they begin \[s\], when the first one starts so long after
+/// the first fix and the fixes end so long after it \[s\].
+fn spread(
+    plan: &Schedule,
+    length: f64,
+    start: f64,
+    end: f64,
+) -> Result<(usize, f64), ScheduleError> {
+    let room = end - length - start;
+    let (wanted, every) = match *plan {
+        Schedule::Every { every, .. } if !(every > 0.0 && every.is_finite()) => {
+            return Err(ScheduleError::Every(every));
+        }
+        Schedule::Every { every, count, .. } => (count, every),
+        Schedule::Count { count, .. } if count > 1 => (Some(count), room / (count - 1) as f64),
+        Schedule::Count { count, .. } => (Some(count), f64::INFINITY),
+        Schedule::At(_) => (None, f64::INFINITY),
+    };
+    // The last of them may end with the fixes, but for rounding.
+    let fits = (room / every + 1e-9).floor() + 1.0;
+    if room < 0.0 || fits < 1.0 {
+        return Err(ScheduleError::NoRoom { length, start, end });
+    }
+    let fits = fits as usize;
+    let count = wanted.unwrap_or(fits);
+    let too_many = |count: usize| count > MOST_OUTAGES;
+    match count {
+        0 => Err(ScheduleError::Zero),
+        _ if wanted.is_some_and(too_many) => Err(ScheduleError::TooMany),
+        2.. if fits != 1 && every < length => Err(ScheduleError::Overlap { count, length }),
+        _ if count > fits => Err(ScheduleError::TooFew { fits, count }),
+        _ if too_many(count) => Err(ScheduleError::TooMany),
+        _ => Ok((count, if count > 1 { every } else { 0.0 })),
+    }
 }

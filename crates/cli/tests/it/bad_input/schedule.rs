@@ -44,7 +44,7 @@ fn outages_that_cannot_be_are_refused() {
         ),
         (
             &["--count", "0", "--length", "5"],
-            &["no outage of 5 s fits"],
+            &["number of outages must be above 0"],
         ),
         (
             &["--every", "10", "--count", "0", "--length", "5"],
@@ -66,7 +66,7 @@ fn outages_that_cannot_be_are_refused() {
         ),
         (
             &["--every", "10", "--start", "78", "--length", "5"],
-            &["no outage of 5 s fits", "fixes end 79.0 s"],
+            &["no outage of 5 s fits", "the last fix at 79.0 s"],
         ),
         (
             &["--count", "1", "--start", "nan", "--length", "5"],
