@@ -113,7 +113,7 @@ fn tell(arguments: &Arguments, demo: &Demo) -> Result<()> {
 /// Writes the data of tables and figures.
 fn write(folder: &Path, demo: &Demo, runs: &[&ModelRun], silent: bool) -> Result<()> {
     std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
-    let json = results::text(&demo.experiment().json());
+    let json = results::text(&demo.experiment().result());
     print::write_whole(&folder.join("outages.json"), &json)?;
     if let Some((record, identified)) = &demo.identified {
         print::write_whole(

@@ -125,8 +125,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     })?;
     print::judge(&report.summary);
     if recording {
-        let drive = results::drive(&arguments.drive, &drive);
-        let json = results::text(&report.json(arguments.bias_model, drive));
+        let drive = results::Drive::of(&arguments.drive, &drive);
+        let json = results::text(&report.result(arguments.bias_model, drive));
         arguments.reporting.write(&json)?;
         if arguments.json.write(&json)? {
             return finish(&report);

@@ -117,7 +117,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let [run] = runs.as_slice() {
         print::judge(&run.summary);
     }
-    let json = results::text(&logs.json(&arguments.drive, &cuts, &outcomes, arguments.smooth));
+    let json = results::text(&logs.result(&arguments.drive, &cuts, &outcomes, arguments.smooth));
     arguments.reporting.write(&json)?;
     if !arguments.json.write(&json)? {
         say(format!(

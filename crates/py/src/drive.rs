@@ -66,7 +66,7 @@ impl Drive {
 
     /// What the drive consists of, as JSON.
     fn json(&self) -> String {
-        results::drive(&self.file, &self.drive).to_string()
+        results::text(&results::Drive::of(&self.file, &self.drive))
     }
 }
 

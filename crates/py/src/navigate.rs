@@ -49,8 +49,8 @@ pub fn navigate<'py>(
     let (report, json) = py
         .detach(|| {
             let report = navigation::navigate_for(&drive.drive, kind, wanted)?;
-            let about = results::drive(&drive.file, &drive.drive);
-            let json = results::text(&report.json(kind, about));
+            let about = results::Drive::of(&drive.file, &drive.drive);
+            let json = results::text(&report.result(kind, about));
             Ok::<_, Failure>((report, json))
         })
         .map_err(error)?;
@@ -91,7 +91,7 @@ pub fn outages<'py>(
             let logs = Logs::load(&drive.drive)?;
             let cuts = logs.plan(&plan, length)?;
             let outcomes = logs.run(&kinds, &cuts, smooth, |_| {})?;
-            let json = results::text(&logs.json(&drive.file, &cuts, &outcomes, smooth));
+            let json = results::text(&logs.result(&drive.file, &cuts, &outcomes, smooth));
             Ok::<_, Failure>((outcomes, json))
         })
         .map_err(error)?;

@@ -1,9 +1,9 @@
 //! One drive through the filter and into a file, streamed: memory does not grow with the log.
 
-mod json;
 mod outputs;
 mod recorder;
 mod recording;
+mod result;
 
 pub use recording::Recording;
 

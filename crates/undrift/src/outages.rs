@@ -2,13 +2,13 @@
 //! reported as in the source paper's Table 4.
 
 mod drift;
-mod json;
 mod logs;
+mod result;
 mod schedule;
 
 pub use drift::{DriftCurve, drift_curve};
-pub use json::{Experiment, track};
 pub use logs::Logs;
+pub use result::{Experiment, track};
 pub use schedule::{Schedule, ScheduleError, schedule};
 
 use crate::smooth::{self, History};
@@ -17,7 +17,6 @@ use crate::{
     replay::{Measurement, Observer, ReplayError, Settings, Summary, replay},
 };
 use rayon::prelude::*;
-use serde::Serialize;
 use undrift_nav::{
     filter::Filter,
     sample::{GnssFix, ImuSample, TruthSample},
@@ -25,7 +24,7 @@ use undrift_nav::{
 };
 
 /// What one outage did to one model.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub struct OutageErrors {
     /// Start in the log's time base [s].
     pub start_s: f64,
@@ -34,12 +33,11 @@ pub struct OutageErrors {
     /// Error at its end.
     pub end: Errors,
     /// Horizontal error against time since the cut: pairs of [s] and [m], at most about ten a second.
-    #[serde(skip)]
     pub drift: Vec<(f64, f64)>,
 }
 
 /// What the outages did to one model.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub struct ModelErrors {
     /// Largest magnitude over all samples inside the outages.
     pub max: Errors,
@@ -52,7 +50,6 @@ pub struct ModelErrors {
     /// Outage by outage.
     pub per_outage: Vec<OutageErrors>,
     /// Set when the numbers cannot be trusted, and why.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub warning: Option<String>,
 }
 

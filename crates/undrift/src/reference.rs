@@ -2,8 +2,7 @@
 //!
 //! Error = solution less reference. Angles are wrapped to ±180°.
 
-use serde::Serialize;
-use serde::ser::{SerializeMap, Serializer};
+use crate::results::{Number, Numbers};
 use undrift_nav::{
     Vector3,
     attitude::{from_rpy, to_rpy},
@@ -35,17 +34,15 @@ pub const HORIZONTAL: usize = 3;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Errors(pub [f64; 10]);
 
-impl Serialize for Errors {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(Some(COMPONENTS.len()))?;
-        for (name, value) in COMPONENTS.iter().zip(self.0) {
-            map.serialize_entry(name, &value.is_finite().then_some(value))?;
-        }
-        map.end()
-    }
-}
-
 impl Errors {
+    /// By component.
+    pub fn numbers(&self) -> Numbers {
+        let named = COMPONENTS.iter().zip(self.0);
+        named
+            .map(|(name, value)| ((*name).to_owned(), Number(value)))
+            .collect()
+    }
+
     /// Nothing known.
     pub const UNKNOWN: Self = Self([f64::NAN; 10]);
 

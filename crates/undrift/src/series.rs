@@ -1,6 +1,6 @@
 //! Series for plots, streamed: their size is bounded whatever the length of what they show.
 
-use serde_json::{Map, Value, json};
+use crate::results::{Curve, Number, numbers};
 
 /// Buckets of an [`Envelope`] that fill a plot's width.
 pub const BUCKETS: usize = 1000;
@@ -117,13 +117,11 @@ impl Envelope {
         self.buckets.iter().flat_map(|bucket| bucket.points())
     }
 
-    /// As JSON: `{"time_s": […], "value": […]}`.
-    pub fn json(&self) -> Value {
-        let (times, values): (Vec<_>, Vec<_>) = self
-            .points()
-            .map(|(time, value)| (to_millisecond(time), to_digits(value)))
-            .unzip();
-        json!({"time_s": times, "value": values})
+    /// The points as columns, rounded.
+    pub fn curve(&self) -> Curve {
+        let rounded = |(time, value)| (Number(to_millisecond(time)), Number(to_digits(value)));
+        let (time_s, value) = self.points().map(rounded).unzip();
+        Curve { time_s, value }
     }
 }
 
@@ -132,9 +130,6 @@ impl Default for Envelope {
         Self::new(BUCKETS)
     }
 }
-
-/// A column of a [`Thinned`]: its name and how its values are rounded.
-pub type Column = (&'static str, fn(f64) -> f64);
 
 /// Rows of unknown number thinned evenly: every one, every second, every fourth …
 #[derive(Clone, Debug)]
@@ -176,14 +171,9 @@ impl<const N: usize> Thinned<N> {
         &self.rows
     }
 
-    /// As JSON, column by column under these names, each rounded by its function.
-    pub fn json(&self, columns: [Column; N]) -> Value {
-        let column = |(at, (name, round)): (usize, Column)| {
-            let values: Vec<f64> = self.rows.iter().map(|row| round(row[at])).collect();
-            (name.to_owned(), json!(values))
-        };
-        let columns = columns.into_iter().enumerate().map(column);
-        Value::Object(columns.collect::<Map<_, _>>())
+    /// A column of them, rounded.
+    pub fn column(&self, at: usize, round: fn(f64) -> f64) -> Vec<Number> {
+        numbers(self.rows.iter().map(|row| round(row[at])))
     }
 }
 

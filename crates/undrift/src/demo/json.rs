@@ -3,7 +3,7 @@
 use super::{DURATION, Demo, PRESET, RATE_HZ, WHITE_CALIBRATED};
 use crate::{
     outages::Experiment,
-    results::{Kind, with_head},
+    results::{Drive, Kind, with_head},
 };
 use serde_json::{Value, json};
 
@@ -12,13 +12,21 @@ impl Demo {
     pub fn experiment(&self) -> Experiment<'_> {
         let identified = self.identified.is_some();
         Experiment {
-            drive: json!({
-                "simulated": format!("a car drive of {:.0} min", DURATION / 60.0),
-                "imu": PRESET,
-                "gnss": "RTK-like receiver, 5 Hz",
-                "rate_hz": RATE_HZ,
-                "model": if identified { "the identified one" } else { PRESET },
-            }),
+            drive: Drive {
+                simulated: Some(format!("a car drive of {:.0} min", DURATION / 60.0)),
+                imu: Some(PRESET.into()),
+                gnss: Some("RTK-like receiver, 5 Hz".into()),
+                rate_hz: RATE_HZ.into(),
+                model: Some(
+                    if identified {
+                        "the identified one"
+                    } else {
+                        PRESET
+                    }
+                    .into(),
+                ),
+                ..Drive::default()
+            },
             outages: &self.outages,
             results: &self.runs,
             reference: "truth",
@@ -39,7 +47,7 @@ impl Demo {
             json!({
                 "seed": self.seed,
                 "identification": identification,
-                "outages": self.experiment().json(),
+                "outages": self.experiment().result(),
                 "note": format!("\"{WHITE_CALIBRATED}\" is white on samples whose turn-on constants were removed beforehand."),
             }),
         )

@@ -99,7 +99,7 @@ impl RecordSeries {
             })
             .collect();
         json!({
-            "record": self.record.json(),
+            "record": self.record.curve(),
             "histogram": {
                 "centre": digits(&centre), "density": digits(&self.density), "width": to_digits(self.width),
                 "mean": to_digits(self.mean), "sigma": to_digits(self.deviation),

@@ -5,9 +5,10 @@ use crate::{
     reference::{COMPONENTS, Errors},
     remarks::WITHOUT_GNSS,
     replay::MOST_EVENTS,
-    series::{Column, Envelope, ROWS, Thinned, to_millimetre, to_millisecond},
+    results::{Curve, NavigateSeries, Track},
+    series::{Envelope, ROWS, Thinned, to_millimetre, to_millisecond},
 };
-use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
 use undrift_io::write::solution::SolutionRow;
 use undrift_nav::{
     covariance::{AXES, NAV},
@@ -133,41 +134,39 @@ impl Recording {
         }
     }
 
-    /// All of it as JSON; what nothing was added to is left out.
-    pub fn json(&self) -> Value {
-        let place: [Column; 4] = [
-            ("time_s", to_millisecond),
-            ("lat_deg", to_millimetre),
-            ("lon_deg", to_millimetre),
-            ("height_m", to_millisecond),
-        ];
+    /// All of it; what nothing was added to is missing.
+    pub fn series(&self) -> NavigateSeries {
         let innovations = |part: usize| {
-            let mut value = named(&INNOVATIONS, &self.innovations[part]);
-            if let (Some(map), false) = (value.as_object_mut(), self.left_out[part].is_empty()) {
-                map.insert("left_out_nis".into(), self.left_out[part].json());
+            let mut curves = named(&INNOVATIONS, &self.innovations[part]);
+            if !self.left_out[part].is_empty() {
+                curves.insert("left_out_nis".into(), self.left_out[part].curve());
             }
-            value
+            curves
         };
         let open = self
             .last_used
             .filter(|last| self.ended - last > WITHOUT_GNSS)
             .map(|last| (last, self.ended));
-        let spans: Vec<[f64; 2]> = self
-            .without_gnss
-            .iter()
-            .chain(&open)
-            .map(|(from, to)| [to_millisecond(*from), to_millisecond(*to)])
-            .collect();
-        json!({
-            "track": self.track.json(place),
-            "motion": named(MOTION, &self.motion),
-            "std": named(&DEVIATIONS, &self.deviations),
-            "sensor_error": named(SENSORS, &self.sensors),
-            "sensor_error_std": named(SENSORS, &self.sensor_deviations),
-            "error": named(&COMPONENTS, &self.errors),
-            "innovations": {"position": innovations(0), "velocity": innovations(1)},
-            "without_gnss_s": spans,
-        })
+        let rounded =
+            |(from, to): &(f64, f64)| (to_millisecond(*from).into(), to_millisecond(*to).into());
+        let track = &self.track;
+        NavigateSeries {
+            track: Track {
+                time_s: track.column(0, to_millisecond),
+                lat_deg: track.column(1, to_millimetre),
+                lon_deg: track.column(2, to_millimetre),
+                height_m: track.column(3, to_millisecond),
+            },
+            motion: named(MOTION, &self.motion),
+            std: named(&DEVIATIONS, &self.deviations),
+            sensor_error: named(SENSORS, &self.sensors),
+            sensor_error_std: named(SENSORS, &self.sensor_deviations),
+            error: named(&COMPONENTS, &self.errors),
+            innovations: [("position", 0), ("velocity", 1)]
+                .map(|(name, part)| (name.to_owned(), innovations(part)))
+                .into(),
+            without_gnss_s: self.without_gnss.iter().chain(&open).map(rounded).collect(),
+        }
     }
 }
 
@@ -177,11 +176,10 @@ fn add(series: &mut [Envelope], time: f64, values: impl IntoIterator<Item = f64>
     }
 }
 
-fn named(names: &[&str], series: &[Envelope]) -> Value {
+fn named(names: &[&str], series: &[Envelope]) -> BTreeMap<String, Curve> {
     let named = names.iter().zip(series);
     named
         .filter(|(_, series)| !series.is_empty())
-        .map(|(name, series)| ((*name).to_owned(), series.json()))
-        .collect::<Map<_, _>>()
-        .into()
+        .map(|(name, series)| ((*name).to_owned(), series.curve()))
+        .collect()
 }

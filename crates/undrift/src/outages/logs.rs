@@ -7,9 +7,8 @@ use crate::{
     navigate::{NavigateError, scalars, settings},
     remarks,
     replay::{Measurement, Outage, merge},
-    results,
+    results::{self, Outages},
 };
-use serde_json::Value;
 use std::path::Path;
 use undrift_io::{imu::GapSummary, scalar::ScalarReader, skipped::Skipped};
 use undrift_nav::sample::{GnssFix, ImuSample, TruthSample};
@@ -171,10 +170,16 @@ impl Logs {
         said
     }
 
-    /// The experiment as JSON; `file` is the drive file.
-    pub fn json(&self, file: &Path, cuts: &[Outage], results: &[Outcome], smooth: bool) -> Value {
+    /// The experiment as a result; `file` is the drive file.
+    pub fn result(
+        &self,
+        file: &Path,
+        cuts: &[Outage],
+        results: &[Outcome],
+        smooth: bool,
+    ) -> Outages {
         Experiment {
-            drive: results::drive(file, &self.drive),
+            drive: results::Drive::of(file, &self.drive),
             outages: cuts,
             results,
             reference: self.reference(),
@@ -182,6 +187,6 @@ impl Logs {
             smooth,
             warnings: self.remarks(results),
         }
-        .json()
+        .result()
     }
 }

@@ -1,9 +1,10 @@
 //! What can happen in a replay that is worth telling, as values.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Part of a fix.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Part {
     /// Position.
@@ -13,7 +14,8 @@ pub enum Part {
 }
 
 /// Consecutive fixes that contradicted the solution and were rejected.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Contradiction {
     /// Which part of them.
     pub part: Part,
@@ -38,7 +40,8 @@ pub struct Contradiction {
 }
 
 /// The solution was to be aligned again.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Restart {
     /// When that was found \[s\].
     pub time: f64,
@@ -49,7 +52,8 @@ pub struct Restart {
 }
 
 /// Why a solution was to be aligned again.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum RestartCause {
     /// Position, velocity or covariance left the possible range.
@@ -63,7 +67,8 @@ pub enum RestartCause {
 }
 
 /// A span in which innovations of a kind leaned to one side far more than is usual in the log.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Lean {
     /// Of which part of the fixes.
     pub part: Part,
@@ -76,7 +81,8 @@ pub struct Lean {
 }
 
 /// What cannot be: units, axes, signs or times that are wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Implausible {
     /// The mean specific force, as a multiple of gravity.
@@ -104,7 +110,8 @@ pub enum Implausible {
 }
 
 /// What makes the positions of the fixes move as their velocities say.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum FixMend {
     /// The velocity is east, north, not north, east.

@@ -1,11 +1,12 @@
 //! Whether the covariance of a filter is still one after a long log.
 
 use nalgebra::DMatrix;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use undrift_nav::filter::Filter;
 
 /// What rounding has left of a covariance.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CovarianceHealth {
     /// States with a variance: those of navigation, sensors and parameters.
     pub states: usize,

@@ -4,8 +4,8 @@ use super::{
     CovarianceHealth,
     events::{Contradiction, Implausible, Lean, Part, Restart},
 };
-use crate::{align::Alignment, remarks};
-use serde::{Serialize, Serializer, ser::SerializeMap};
+use crate::align::Alignment;
+use serde::{Deserialize, Serialize};
 use undrift_nav::{
     Vector3,
     filter::{Outcome, Update},
@@ -14,7 +14,9 @@ use undrift_nav::{
 use undrift_noise::order_statistics::upper_median;
 
 /// Sums of the normalised innovations squared of one kind of measurement.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
 pub struct Innovations {
     /// Updates made.
     pub updates: u64,
@@ -73,7 +75,7 @@ impl Innovations {
 }
 
 /// What a replay was like.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Summary {
     /// Samples processed after alignment.
     pub samples: u64,
@@ -82,7 +84,6 @@ pub struct Summary {
     /// When navigation began [s].
     pub started: Option<f64>,
     /// How the first attitude was found, where navigation began.
-    #[serde(serialize_with = "in_words")]
     pub alignment: Option<Alignment>,
     /// Time of the last sample [s].
     pub ended: f64,
@@ -107,7 +108,6 @@ pub struct Summary {
     /// Barometer updates.
     pub barometer: Innovations,
     /// Parameters estimated: their last values and standard deviations, in the units of [`Parameter`].
-    #[serde(serialize_with = "by_name")]
     pub parameters: Vec<(Parameter, Vec<f64>, Vec<f64>)>,
     /// Fixes that were left out, run by run; the first [`MOST_EVENTS`].
     pub contradictions: Vec<Contradiction>,
@@ -121,7 +121,6 @@ pub struct Summary {
     pub adapted: [Option<f64>; 2],
     /// Regression of the innovations of velocity on the measured velocity, component by component:
     /// sums of products and of squares.
-    #[serde(skip)]
     pub(super) against_velocity: [(f64, f64); 3],
     /// Short gaps in the samples that were bridged by interpolation.
     pub bridged: u64,
@@ -192,29 +191,6 @@ impl Summary {
             self.more_contradictions += 1;
         }
     }
-}
-
-fn in_words<S: Serializer>(
-    alignment: &Option<Alignment>,
-    serializer: S,
-) -> Result<S::Ok, S::Error> {
-    serializer.serialize_str(
-        &alignment
-            .as_ref()
-            .map_or(String::new(), remarks::of_alignment),
-    )
-}
-
-fn by_name<S: Serializer>(
-    parameters: &[(Parameter, Vec<f64>, Vec<f64>)],
-    serializer: S,
-) -> Result<S::Ok, S::Error> {
-    let mut map = serializer.serialize_map(Some(parameters.len()))?;
-    for (kind, value, std) in parameters {
-        let both = serde_json::json!({"value": value, "std": std});
-        map.serialize_entry(&format!("{kind:?}"), &both)?;
-    }
-    map.end()
 }
 
 /// A solution that was sound and whose innovations have been far beyond their size for so long [s] begins

@@ -1,0 +1,135 @@
+//! The experiment as its result.
+
+use super::{ModelRun, Outcome, drift::drift_curve};
+use crate::{
+    replay::Outage,
+    results::{
+        Cut, Drift, Drive, ModelErrors, NisOfParts, Number, OutageErrors, OutageSeries, Outages,
+        SCHEMA, Track, VERSION,
+    },
+    series::{ROWS, Thinned, to_digits, to_millimetre, to_millisecond},
+};
+use std::collections::BTreeMap;
+use undrift_nav::sample::{GnssFix, Position, TruthSample};
+
+/// A finished experiment, and what it was made of.
+pub struct Experiment<'a> {
+    /// What was navigated or simulated.
+    pub drive: Drive,
+    /// Where GNSS was cut.
+    pub outages: &'a [Outage],
+    /// Model by model.
+    pub results: &'a [Outcome],
+    /// "truth", or "gnss" where the withheld fixes are the reference.
+    pub reference: &'a str,
+    /// The ground track.
+    pub track: &'a [TruthSample],
+    /// Whether the errors are those of the smoothed solutions.
+    pub smooth: bool,
+    /// What should be said of the logs.
+    pub warnings: Vec<String>,
+}
+
+impl Experiment<'_> {
+    /// Everything as a result.
+    pub fn result(self) -> Outages {
+        let cut = |o: &Outage| Cut {
+            start_s: o.start.into(),
+            length_s: (o.end - o.start).into(),
+        };
+        let mut result = Outages {
+            undrift: VERSION.into(),
+            schema: SCHEMA,
+            drive: self.drive,
+            outages: self.outages.iter().map(cut).collect(),
+            reference: self.reference.into(),
+            smooth: self.smooth,
+            warnings: self.warnings,
+            series: OutageSeries {
+                track: path(self.track),
+                drift: BTreeMap::new(),
+            },
+            ..Outages::default()
+        };
+        for (name, run) in self.results {
+            let run = match run {
+                Ok(run) => run,
+                Err(error) => {
+                    result.failed.insert(name.clone(), error.to_string());
+                    continue;
+                }
+            };
+            result.order.push(name.clone());
+            result.models.insert(name.clone(), (&run.errors).into());
+            let sums = &run.summary;
+            let nis = NisOfParts {
+                position: sums.position.per_dof().into(),
+                velocity: sums.velocity.per_dof().into(),
+            };
+            result.nis_per_dof.insert(name.clone(), nis);
+            result.series.drift.insert(name.clone(), drift(run));
+        }
+        result
+    }
+}
+
+impl From<&super::ModelErrors> for ModelErrors {
+    fn from(errors: &super::ModelErrors) -> Self {
+        let outage = |outage: &super::OutageErrors| OutageErrors {
+            start_s: outage.start_s.into(),
+            max: outage.max.numbers(),
+            end: outage.end.numbers(),
+        };
+        Self {
+            max: errors.max.numbers(),
+            rms: errors.rms.numbers(),
+            median: errors.median.numbers(),
+            end_rms: errors.end_rms.numbers(),
+            per_outage: errors.per_outage.iter().map(outage).collect(),
+            warning: errors.warning.clone(),
+        }
+    }
+}
+
+fn drift(run: &ModelRun) -> Drift {
+    let points = drift_curve(run).points.into_iter();
+    let rounded =
+        points.map(|(time, error)| (Number(to_millisecond(time)), Number(to_digits(error))));
+    let (since_cut_s, horizontal_rms_m) = rounded.unzip();
+    Drift {
+        since_cut_s,
+        horizontal_rms_m,
+    }
+}
+
+fn path(track: &[TruthSample]) -> Track {
+    let mut thinned = Thinned::new(ROWS);
+    for sample in track {
+        let (lat, lon) = (sample.position.lat, sample.position.lon);
+        thinned.add([sample.time, lat.to_degrees(), lon.to_degrees()]);
+    }
+    Track {
+        time_s: thinned.column(0, to_millisecond),
+        lat_deg: thinned.column(1, to_millimetre),
+        lon_deg: thinned.column(2, to_millimetre),
+        height_m: Vec::new(),
+    }
+}
+
+/// What to draw as the way: the truth, or the fixes where there is none.
+pub fn track(truth: &[TruthSample], gnss: &[GnssFix]) -> Vec<TruthSample> {
+    if !truth.is_empty() {
+        return truth.to_vec();
+    }
+    gnss.iter()
+        .filter_map(|fix| match fix.position {
+            Some((Position::Geodetic(position), _)) => Some(TruthSample {
+                time: fix.time,
+                position,
+                v_n: None,
+                rpy: None,
+            }),
+            _ => None,
+        })
+        .collect()
+}

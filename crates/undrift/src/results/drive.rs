@@ -1,0 +1,105 @@
+//! What was navigated, and what results share to draw it.
+
+use super::Number;
+use crate::{drive, replay::GnssUse, series::to_digits};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// A drive, logged or simulated. Files go by their names without folders.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Drive {
+    /// What was simulated, if it is no log.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub simulated: Option<String>,
+    /// The drive file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
+    /// The inertial log, or the model of a simulated IMU.
+    pub imu: Option<String>,
+    /// The log of GNSS fixes, or what a simulated receiver is like.
+    pub gnss: Option<String>,
+    /// The reference trajectory.
+    pub truth: Option<String>,
+    /// The log of wheel speeds.
+    pub odometer: Option<String>,
+    /// The log of heights.
+    pub barometer: Option<String>,
+    /// Inertial samples a second \[Hz\].
+    pub rate_hz: Number,
+    /// Noise model of the IMU.
+    pub model: Option<String>,
+    /// From the IMU to the antenna, body axes \[m\].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lever_arm_m: Option<[Number; 3]>,
+    /// Which parts of the fixes are used.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gnss_use: Option<String>,
+    /// Whether outlying fixes are rejected.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gating: Option<bool>,
+    /// Whether the stated standard deviations of the fixes are adapted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub adapt: Option<bool>,
+}
+
+impl Drive {
+    /// Of a drive file and what it says.
+    pub fn of(file: &Path, drive: &drive::Drive) -> Self {
+        let interval = drive.sample_interval().ok();
+        let gnss_use = match drive.gnss_use {
+            GnssUse::Both => "position and velocity",
+            GnssUse::Position => "position",
+            GnssUse::Velocity => "velocity",
+        };
+        Self {
+            simulated: None,
+            file: Some(name(file)),
+            imu: Some(name(&drive.imu.0)),
+            gnss: Some(name(&drive.gnss.0)),
+            truth: drive.truth.as_ref().map(|(path, _)| name(path)),
+            odometer: drive.odometer.as_ref().map(|(path, _)| name(path)),
+            barometer: drive.barometer.as_ref().map(|(path, _)| name(path)),
+            rate_hz: interval.map(|interval| to_digits(1.0 / interval)).into(),
+            model: drive.model.as_ref().map(|model| model.name.clone()),
+            lever_arm_m: Some(<[f64; 3]>::from(drive.lever_arm).map(Number)),
+            gnss_use: Some(gnss_use.into()),
+            gating: Some(drive.gating),
+            adapt: Some(drive.adapt),
+        }
+    }
+}
+
+/// A file's name without its folders.
+pub fn name(path: &Path) -> String {
+    path.file_name()
+        .map_or(String::new(), |name| name.to_string_lossy().into_owned())
+}
+
+/// Values over time.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Curve {
+    /// Times \[s\].
+    pub time_s: Vec<Number>,
+    /// Values, in the unit that the curve's name says.
+    pub value: Vec<Number>,
+}
+
+/// A ground track.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Track {
+    /// Times \[s\].
+    pub time_s: Vec<Number>,
+    /// Latitudes \[deg\].
+    pub lat_deg: Vec<Number>,
+    /// Longitudes \[deg\].
+    pub lon_deg: Vec<Number>,
+    /// Heights above the ellipsoid \[m\].
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub height_m: Vec<Number>,
+}

@@ -1,0 +1,188 @@
+//! A navigated drive.
+
+use super::{Curve, Drive, Number, Numbers, Track};
+use crate::replay::{Contradiction, CovarianceHealth, Implausible, Innovations, Lean, Restart};
+use serde::{Deserialize, Deserializer, Serialize, de::IgnoredAny};
+use std::collections::BTreeMap;
+
+/// A navigated drive.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, tag = "kind", rename = "navigate")]
+pub struct Navigate {
+    /// Version of the program.
+    pub undrift: String,
+    /// Version of this schema.
+    pub schema: u32,
+    /// What was navigated.
+    pub drive: Drive,
+    /// Name of the bias model.
+    pub bias_model: String,
+    /// Whether the solution is the smoothed one.
+    pub smooth: bool,
+    /// How the IMU sits, where that was estimated.
+    pub mounting: Option<String>,
+    /// Innovations of the positions.
+    pub position: Nis,
+    /// Innovations of the velocities.
+    pub velocity: Nis,
+    /// Factors on the stated standard deviations that would make the innovations plausible.
+    pub std_factors: StdFactors,
+    /// Components of the velocity that seem to have the wrong sign.
+    pub velocity_sign_wrong: Vec<String>,
+    /// Root mean square of the errors against the truth, by component with its unit.
+    pub rms_error: Option<Numbers>,
+    /// Normalised estimation error squared against the truth, per degree of freedom, by group of states.
+    pub nees_per_dof: Numbers,
+    /// Samples compared with the truth.
+    pub compared_samples: Option<u64>,
+    /// Records that were skipped, by log.
+    pub skipped: BTreeMap<String, String>,
+    /// Counts and findings of the replay.
+    pub summary: Summary,
+    /// What should be said with the solution, in sentences.
+    pub warnings: Vec<String>,
+    /// For plots.
+    pub series: Option<NavigateSeries>,
+}
+
+/// Innovations of one kind of measurement.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Nis {
+    /// NIS per degree of freedom, 1 when the model is right.
+    pub nis_per_dof: Number,
+    /// Autocorrelation of the whitened innovations from one update to the next.
+    pub autocorrelation: Number,
+    /// What it stays below 19 times out of 20 when the model is right.
+    pub autocorrelation_bound: Number,
+}
+
+/// Factors on stated standard deviations.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct StdFactors {
+    /// Of the positions.
+    pub position: Option<f64>,
+    /// Of the velocities.
+    pub velocity: Option<f64>,
+}
+
+/// What a replay was like.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Summary {
+    /// Samples processed after alignment.
+    pub samples: u64,
+    /// Samples used up by alignment.
+    pub align_samples: u64,
+    /// When navigation began \[s\].
+    pub started: Number,
+    /// How the heading was found, in words.
+    pub alignment: String,
+    /// Time of the last sample \[s\].
+    pub ended: Number,
+    /// Fixes used.
+    pub fixes: u64,
+    /// Fixes withheld by outages.
+    pub withheld: u64,
+    /// Fixes before the first sample or before alignment could use them.
+    pub fixes_before: u64,
+    /// Fixes that could not be used because their covariance is not one.
+    pub bad_fixes: u64,
+    /// Position updates.
+    pub position: Innovations,
+    /// Velocity updates.
+    pub velocity: Innovations,
+    /// Non-holonomic constraints.
+    pub non_holonomic: Innovations,
+    /// Zero-velocity updates.
+    pub zero_velocity: Innovations,
+    /// Odometer updates.
+    pub odometer: Innovations,
+    /// Barometer updates.
+    pub barometer: Innovations,
+    /// Parameters estimated, by name.
+    pub parameters: BTreeMap<String, Parameter>,
+    /// Runs of rejected fixes, the first 1000.
+    #[serde(deserialize_with = "known")]
+    pub contradictions: Vec<Contradiction>,
+    /// Runs of rejected fixes beyond those.
+    pub more_contradictions: u64,
+    /// Spans in which innovations leaned to one side, the first 1000.
+    #[serde(deserialize_with = "known")]
+    pub leans: Vec<Lean>,
+    /// When and why the solution was re-initialised.
+    #[serde(deserialize_with = "known")]
+    pub restarts: Vec<Restart>,
+    /// Mean factors on the stated standard deviations of position and velocity, where they were adapted.
+    pub adapted: [Option<f64>; 2],
+    /// Short gaps in the samples that were bridged by interpolation.
+    pub bridged: u64,
+    /// Gaps too long for that: their number, the first one's time \[s\], the longest \[s\].
+    pub long_gaps: Option<(u64, Number, Number)>,
+    /// Longest span without a fix, outages aside: start and length \[s\].
+    pub longest_without_gnss: (Number, Number),
+    /// Units, axes, signs or times that cannot be right.
+    #[serde(deserialize_with = "known")]
+    pub implausible: Vec<Implausible>,
+    /// When the solution diverged for good \[s\].
+    pub diverged: Option<f64>,
+    /// The covariance at the end, if there is a solution.
+    pub covariance: Option<CovarianceHealth>,
+    /// Since when the innovations were far beyond their predicted size \[s\].
+    pub suspect: Option<f64>,
+}
+
+/// Those of a list that this version knows: others may have other kinds of them.
+fn known<'de, D: Deserializer<'de>, T: Deserialize<'de>>(list: D) -> Result<Vec<T>, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Event<T> {
+        Known(T),
+        Other(IgnoredAny),
+    }
+    let list = Vec::<Event<T>>::deserialize(list)?;
+    let known = |event| match event {
+        Event::Known(event) => Some(event),
+        Event::Other(_) => None,
+    };
+    Ok(list.into_iter().filter_map(known).collect())
+}
+
+/// An estimated parameter: its last values and their standard deviations \[m, s, rad or no unit\].
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Parameter {
+    /// Values.
+    pub value: Vec<Number>,
+    /// Standard deviations.
+    pub std: Vec<Number>,
+}
+
+/// A run over time; curves by component with its unit.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct NavigateSeries {
+    /// The ground track.
+    pub track: Track,
+    /// Velocity and attitude.
+    pub motion: BTreeMap<String, Curve>,
+    /// Standard deviations of position, velocity and attitude.
+    pub std: BTreeMap<String, Curve>,
+    /// Estimated errors of the six sensor axes.
+    pub sensor_error: BTreeMap<String, Curve>,
+    /// Their standard deviations.
+    pub sensor_error_std: BTreeMap<String, Curve>,
+    /// Errors against the truth.
+    pub error: BTreeMap<String, Curve>,
+    /// Whitened innovations and NIS of position and velocity.
+    pub innovations: BTreeMap<String, BTreeMap<String, Curve>>,
+    /// Spans without a fix used: start and end \[s\].
+    pub without_gnss_s: Vec<(Number, Number)>,
+}

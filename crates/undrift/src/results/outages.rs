@@ -1,0 +1,113 @@
+//! What GNSS outages do.
+
+use super::{Drive, Number, Numbers, Track};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// An experiment with outages.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, tag = "kind", rename = "outages")]
+pub struct Outages {
+    /// Version of the program.
+    pub undrift: String,
+    /// Version of this schema.
+    pub schema: u32,
+    /// What was navigated.
+    pub drive: Drive,
+    /// Where GNSS was cut.
+    pub outages: Vec<Cut>,
+    /// Names of the models that were run, in their order.
+    pub order: Vec<String>,
+    /// What the outages did to each of them.
+    pub models: BTreeMap<String, ModelErrors>,
+    /// The models that could not be run, and why.
+    pub failed: BTreeMap<String, String>,
+    /// "truth", or "gnss" where the withheld fixes are the reference.
+    pub reference: String,
+    /// Whether the errors are those of the smoothed solutions.
+    pub smooth: bool,
+    /// Normalised innovations squared of each model per degree of freedom.
+    pub nis_per_dof: BTreeMap<String, NisOfParts>,
+    /// What should be said of the logs, in sentences.
+    pub warnings: Vec<String>,
+    /// For plots.
+    pub series: OutageSeries,
+}
+
+/// One outage.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Cut {
+    /// Start \[s\].
+    pub start_s: Number,
+    /// Length \[s\].
+    pub length_s: Number,
+}
+
+/// What the outages did to one model; errors by component with their units.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct ModelErrors {
+    /// Largest magnitude over all samples inside the outages.
+    pub max: Numbers,
+    /// Root mean square over the outages of each one's largest error.
+    pub rms: Numbers,
+    /// Median over the outages of each one's largest error.
+    pub median: Numbers,
+    /// Root mean square over the outages of the error at the end.
+    pub end_rms: Numbers,
+    /// Outage by outage.
+    pub per_outage: Vec<OutageErrors>,
+    /// Why the numbers cannot be trusted, if so.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub warning: Option<String>,
+}
+
+/// What one outage did; errors by component with their units.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct OutageErrors {
+    /// Start \[s\].
+    pub start_s: Number,
+    /// Largest magnitude inside the outage.
+    pub max: Numbers,
+    /// Error at its end.
+    pub end: Numbers,
+}
+
+/// NIS per degree of freedom, 1 when the model is right.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct NisOfParts {
+    /// Of positions.
+    pub position: Number,
+    /// Of velocities.
+    pub velocity: Number,
+}
+
+/// For the plots of an experiment.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct OutageSeries {
+    /// The truth, or the fixes where there is none.
+    pub track: Track,
+    /// Drift of each model.
+    pub drift: BTreeMap<String, Drift>,
+}
+
+/// Drift since the cut.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Drift {
+    /// Time since the cut \[s\].
+    pub since_cut_s: Vec<Number>,
+    /// Root mean square over the outages of the horizontal error \[m\].
+    pub horizontal_rms_m: Vec<Number>,
+}
