@@ -20,17 +20,7 @@ use crate::{
 };
 use nalgebra::{SMatrix, SVector};
 
-/// Innovation and observation matrix of a measurement of `M` components.
-#[derive(Clone, Copy, Debug)]
-pub struct Observation<const M: usize, const N: usize> {
-    /// Predicted less measured, in the measurement's own frame and unit ([m], [m/s], [rad] …).
-    pub innovation: SVector<f64, M>,
-    /// Derivative H of the innovation by the error state, a row for each component.
-    pub h: SMatrix<f64, M, N>,
-    /// Covariance that the prediction itself adds to the measurement's (the last sample's white noise),
-    /// in squares of the innovation's unit.
-    pub extra: SMatrix<f64, M, M>,
-}
+pub use crate::observation::Observation;
 
 impl<const N: usize> Filter<N> {
     /// Lever arm `nominal` [m, body axes] with its estimated correction, if it is estimated.

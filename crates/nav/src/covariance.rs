@@ -22,10 +22,10 @@ use crate::{
     shaping::{AxisMatrix, MAX_ORDER, ShapingFilter},
 };
 
+pub use crate::sample::AXES;
+
 /// Navigation errors: position, velocity, misalignment.
 pub const NAV: usize = 9;
-/// Sensor axes: gyro x, y, z, accelerometer x, y, z.
-pub const AXES: usize = 6;
 /// Columns that [`NAV`] are carried as, two at a time.
 const EVEN: usize = NAV + 1;
 

@@ -8,9 +8,9 @@
 
 use crate::{
     Matrix3, Vector3,
-    aiding::Observation,
     covariance::{AXES, NAV, Part, Sensors, Transition},
     mechanisation::{Increments, NavState, RawIncrements},
+    observation::Observation,
     parameters::{Coupling, Parameter, Parameters},
     sample::ImuSample,
     shaping::{MAX_ORDER, ShapingFilter},

@@ -20,6 +20,7 @@ pub mod covariance;
 pub mod earth;
 pub mod filter;
 pub mod mechanisation;
+mod observation;
 pub mod parameters;
 pub mod sample;
 pub mod shaping;

@@ -10,7 +10,7 @@
 //! with u the angular rate or the specific force (Groves 2013, section 4.4.6); all others act through
 //! the measurements only.
 
-use crate::{Vector3, covariance::AXES};
+use crate::{Vector3, sample::AXES};
 
 /// Kinds of parameters, in the order of their states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,6 +2,9 @@
 
 use crate::{Matrix3, Vector3, earth::Geodetic};
 
+/// Sensor axes: gyro x, y, z, accelerometer x, y, z.
+pub const AXES: usize = 6;
+
 /// One inertial sample as increments over the interval `(time − dt, time]`, body axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImuSample {
