@@ -14,6 +14,7 @@ mod navigate;
 mod outages;
 mod parts;
 mod read;
+pub mod say;
 
 pub use crate::figure::panel::{Axis, Corner, Panel, Series};
 pub use compare::of_results;

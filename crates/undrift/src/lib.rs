@@ -10,6 +10,7 @@ pub mod columns;
 pub mod consistency;
 pub mod demo;
 pub mod drive;
+pub mod findings;
 pub mod fleet;
 mod hash;
 pub mod identify;

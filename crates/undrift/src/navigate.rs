@@ -1,5 +1,6 @@
 //! One drive through the filter and into a file, streamed: memory does not grow with the log.
 
+mod findings;
 mod outputs;
 mod recorder;
 mod recording;

@@ -3,10 +3,11 @@
 use super::{Experiment, Outcome, Schedule, ScheduleError, run_told, schedule, track};
 use crate::{
     drive::Drive,
+    findings::{self, Finding, Log},
     mounting::{self, Mounting},
     navigate::{NavigateError, scalars, settings},
     remarks,
-    replay::{Measurement, Outage, merge},
+    replay::{Measurement, Outage, ReplayError, merge},
     results::{self, Outages},
 };
 use std::path::Path;
@@ -168,6 +169,36 @@ impl Logs {
         let logs: Vec<_> = self.skipped.iter().map(|(log, s)| (*log, s)).collect();
         said.extend(remarks::of_skipped(&logs));
         said
+    }
+
+    /// What the logs and the runs show; of several models' runs, what the first one shows of the logs.
+    pub fn findings(&self, results: &[Outcome]) -> Vec<Finding> {
+        let mut found = Vec::new();
+        let mut runs = results.iter().filter_map(|(_, run)| run.as_ref().ok());
+        if let Some(run) = runs.next() {
+            let s = &run.summary;
+            found.extend(findings::of_health(s));
+            // Among several, what one model disagrees with says nothing of the log.
+            if runs.next().is_none() {
+                found.extend(findings::of_disagreement(s));
+            }
+            for (log, health, used) in [
+                (Log::Odometer, &self.odometer, &s.odometer),
+                (Log::Barometer, &self.barometer, &s.barometer),
+            ] {
+                if let Some((skipped, gaps)) = health {
+                    found.extend(findings::of_scalar(log, skipped, gaps, used));
+                }
+            }
+        }
+        let failed = results.iter().find_map(|(_, run)| run.as_ref().err());
+        found.extend(failed.into_iter().flat_map(ReplayError::findings));
+        let logs = [Log::Imu, Log::Gnss, Log::Truth]
+            .into_iter()
+            .zip(&self.skipped);
+        let logs: Vec<_> = logs.map(|(log, (_, skipped))| (log, skipped)).collect();
+        found.extend(findings::of_skipped(&logs));
+        found
     }
 
     /// The experiment as a result; `file` is the drive file.

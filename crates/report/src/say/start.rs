@@ -1,0 +1,57 @@
+//! Sentences of how a solution starts, or why it does not.
+
+use super::say;
+use undrift::{
+    align::{Alignment, AttitudeSource, HeadingSource},
+    mounting::Mounting,
+    navigate::NavigateError,
+};
+
+/// How the first attitude was found.
+pub fn alignment(alignment: &Alignment) -> String {
+    let how = match alignment.source {
+        AttitudeSource::Given => return "attitude as given".into(),
+        AttitudeSource::Rest { duration, heading } => {
+            let heading = match heading {
+                HeadingSource::Given => "heading as given",
+                HeadingSource::Course => "heading from the course",
+            };
+            format!("level at rest, {heading}; {duration:.1} s of rest")
+        }
+        AttitudeSource::Motion {
+            duration,
+            bias_at_rest,
+        } => {
+            let bias = if bias_at_rest {
+                ", gyro bias at rest"
+            } else {
+                ""
+            };
+            format!("attitude from {duration:.0} s of motion{bias}")
+        }
+    };
+    let [level, heading, bias] = [
+        alignment.level_std,
+        alignment.heading_std,
+        alignment.gyro_bias_std,
+    ]
+    .map(f64::to_degrees);
+    format!("{how}; level ±{level:.2} deg, heading ±{heading:.1} deg, gyro bias ±{bias:.3} deg/s")
+}
+
+/// How the IMU sits in the vehicle.
+pub fn mounting(mounting: &Mounting) -> String {
+    let [rpy, std] = [mounting.rpy(), mounting.std].map(|angles| angles.map(f64::to_degrees));
+    format!(
+        "roll {:.2}, pitch {:.2}, yaw {:.2} deg; ±{:.2} about forward, ±{:.2} about right, ±{:.2} deg about down; from {:.0} s of straight driving",
+        rpy.x, rpy.y, rpy.z, std.x, std.y, std.z, mounting.duration
+    )
+}
+
+/// Why a drive has no solution, with what was found out about its logs.
+pub fn unsolved(error: &NavigateError) -> String {
+    let findings = error.findings();
+    let found = findings.iter().map(say);
+    let parts: Vec<String> = std::iter::once(error.to_string()).chain(found).collect();
+    parts.join("; ")
+}

@@ -1,0 +1,255 @@
+//! The exact sentence of each finding.
+
+use super::*;
+use undrift::findings::Severity;
+
+/// Fifteen positions of a jump.
+fn jump() -> Contradiction {
+    Contradiction {
+        part: Part::Position,
+        start: 243_311.0,
+        end: 243_315.0,
+        fixes: 15,
+        first: 2.31,
+        last: 17.02,
+        growth: 3.68,
+        largest: 17.02,
+        frozen: false,
+        gave_way: true,
+    }
+}
+
+#[test]
+fn every_finding_has_its_sentence() {
+    let (start, length) = (12.5, 3.0);
+    let accuracy = |part, factor, adapted, correlated| Finding::WrongAccuracy {
+        part,
+        factor,
+        adapted,
+        correlated,
+    };
+    let held = |axis, saturated| Finding::Held {
+        axis,
+        value: 2.0,
+        start,
+        length,
+        samples: 300,
+        saturated,
+    };
+    for (finding, sentence) in [
+        (
+            Finding::Diverged { time: 61.25 },
+            "the solution diverged at 61.25 s and ends there",
+        ),
+        (
+            Finding::NotCompared {
+                why: NoError::NoOverlap,
+                truth: [0.0, 50.0],
+                started: Some(100.0),
+                ended: 200.5,
+            },
+            "no error against the truth: the truth does not overlap the solution; the truth runs from 0 to 50 s, the solution from 100 to 200.5 s; compare the time columns, truth.time_offset moves one",
+        ),
+        (Finding::Bridged { gaps: 1 }, "bridged 1 short gap between samples"),
+        (
+            Finding::LongGaps {
+                gaps: 2,
+                first: 20.0,
+                longest: 4.5,
+            },
+            "2 long gaps between samples, the first at 20 s, the longest 4.500 s; the covariance grew over each of up to a minute",
+        ),
+        (
+            Finding::WithoutGnss { start, length },
+            "longest span without a usable fix: 3.0 s from 12.5 s",
+        ),
+        (
+            Finding::BadCovariance { fixes: 3 },
+            "rejected 3 fixes whose covariance is not positive definite",
+        ),
+        (
+            Finding::Frozen {
+                start,
+                length,
+                samples: 300,
+            },
+            "all six axes of the IMU repeat their values for 3.00 s from 12.5 s (300 samples): the log or the sensor is frozen",
+        ),
+        (
+            held(2, false),
+            "gyro z reads 2 for 3.00 s from 12.5 s (300 samples), and nothing else: the sensor is frozen, not connected or too coarse",
+        ),
+        (
+            held(4, true),
+            "accelerometer y reads 2 for 3.00 s from 12.5 s (300 samples), its largest or smallest value: the sensor is saturated or too coarse",
+        ),
+        (
+            Finding::WrongGravity { ratio: 0.102 },
+            "the accelerometers measure 0.102 times gravity on average: check imu.accel_unit, the numbers look like g",
+        ),
+        (
+            Finding::NotDown {
+                down: [0.0, 0.0, -1.0],
+            },
+            "gravity points along 0.00, 0.00, -1.00 of the body axes, which should be forward, right, down: check imu.axes and the order and signs of imu.accel; the attitude is that of the axes as given",
+        ),
+        (
+            Finding::WrongTurnRate { ratio: -1.0 },
+            "the GNSS course turns -1.00 times as fast as the gyros measure: check the signs of imu.gyro and imu.axes",
+        ),
+        (
+            Finding::WrongTurnAxis { axis: 0 },
+            "the turns of the GNSS course show in the gyro about body forward, not in the vertical one: check the order of imu.gyro, and imu.axes",
+        ),
+        (
+            Finding::NoTurns,
+            "the gyros do not measure the turns of the GNSS course: check imu.gyro, and the times of both logs (gnss.time_offset)",
+        ),
+        (
+            Finding::Late { delay: -18.0 },
+            "the gyros measure the turns of the GNSS course 18.00 s earlier than its stamps: set gnss.time_offset = \"-18.00 s\" more than it is; GPS time and UTC are mixed",
+        ),
+        (
+            Finding::WrongAxes {
+                forward: Some(-1),
+                right: Some(-2),
+            },
+            "GNSS shows that the IMU faces backwards (yaw 180°): turn imu.axes by that, or set imu.mounting = \"auto\"",
+        ),
+        (
+            Finding::WrongAxes {
+                forward: Some(1),
+                right: None,
+            },
+            "GNSS shows that the IMU's axes are not the vehicle's: it accelerates along body forward instead of forward, and is pushed along body (not seen) instead of right in turns to the right; check imu.axes and the order and signs of imu.accel and imu.gyro",
+        ),
+        (
+            Finding::WrongVelocity {
+                mend: Some(FixMend::Knots),
+            },
+            "positions do not move as the velocities say: the velocity is in knots; check gnss.position, gnss.velocity and their units",
+        ),
+        (
+            Finding::Restart {
+                time: 80.0,
+                why: RestartCause::NoSamples,
+                resumed: Some(95.2),
+            },
+            "gave up the solution at 80 s: no inertial samples for more than a minute; re-initialised at 95.2 s",
+        ),
+        (
+            Finding::Rejected(jump()),
+            "rejected 15 positions, 243311-243315 s (error grew from 2.3 to 17 m, by 3.68 m a second); then accepted them",
+        ),
+        (
+            Finding::Rejected(Contradiction {
+                part: Part::Velocity,
+                fixes: 1,
+                largest: 0.5,
+                gave_way: false,
+                frozen: true,
+                ..jump()
+            }),
+            "rejected 1 velocity, 243311 s (error 0.50 m/s): the receiver repeated itself while the solution moved",
+        ),
+        (
+            Finding::MoreRejected {
+                spans: 7,
+                accepted: 2,
+            },
+            "and 7 more such spans, after 2 of which the fixes were accepted; --json lists them",
+        ),
+        (
+            Finding::OneSided(Lean {
+                part: Part::Position,
+                start,
+                end: 40.0,
+                mean: [1.0, -2.0, 0.5],
+            }),
+            "from 12.5 to 40.0 s the position differs from the solution to one side, on average by up to -1.00, 2.00, -0.50 m north, east, down: a slow drift of the fixes (multipath, spoofing) or of the sensors",
+        ),
+        (
+            Finding::WrongSign { axis: 2 },
+            "the velocity down seems to have the wrong sign: its innovations are minus twice its value; check gnss.velocity and gnss.velocity_axes",
+        ),
+        (
+            Finding::LargeInnovations { start },
+            "the innovations from 12.5 s on are far beyond their predicted size: the solution diverges from the fixes, or the noise model or the stated GNSS accuracy is wrong",
+        ),
+        (
+            accuracy(Part::Position, 2.0, false, true),
+            "the stated standard deviations of the position are about 2.0 times too small for the innovations: set gnss.position_std_factor to 2.00 times what it is, or gnss.adapt = true; but the innovations are correlated from fix to fix, so the noise model, the mounting, the lever arm or the times may be wrong rather than the accuracy",
+        ),
+        (
+            accuracy(Part::Velocity, 0.5, true, false),
+            "the stated standard deviations of the velocity are about 2.0 times too large for the innovations; they were adapted",
+        ),
+        (
+            Finding::Skipped {
+                log: Log::Imu,
+                records: 2,
+                kinds: "1 row with NaN or infinity, at line 20: nan\n1 row with a missing field, at line 9: ".into(),
+            },
+            "IMU log: 1 row with NaN or infinity, at line 20: nan; 1 row with a missing field, at line 9: ",
+        ),
+        (
+            Finding::Gaps {
+                log: Log::Odometer,
+                gaps: 4,
+                start,
+                length,
+            },
+            "odometer log: 4 gaps, the longest 3.000 s from 12.5 s",
+        ),
+        (
+            Finding::Unused {
+                log: Log::Barometer,
+            },
+            "barometer log: nothing of it was used; compare its times with the IMU's, barometer.time_offset moves them",
+        ),
+        (
+            Finding::Outliers {
+                log: Log::Odometer,
+                rejected: 1,
+                weakened: 2,
+            },
+            "odometer: rejected 1 measurement, used 2 with less weight, all far from the prediction",
+        ),
+        (
+            Finding::StartedLate { time: 30.0 },
+            "navigation began at 30.0 s, after the start of the first outage; begin the outages later",
+        ),
+        (
+            Finding::NoReference { outages: 2 },
+            "2 outages without a reference inside",
+        ),
+        (
+            Finding::Uneven {
+                gaps: 1,
+                jitter_rms: 1e-3,
+                interval: 0.01,
+            },
+            "the time stamps are not evenly spaced: 1 gap, jitter 1.00 ms RMS of 10.00 ms; the recording is used as if they were",
+        ),
+    ] {
+        assert_eq!(say(&finding), sentence);
+        let json = serde_json::to_string(&finding).unwrap();
+        assert_eq!(serde_json::from_str::<Finding>(&json).unwrap(), finding);
+    }
+}
+
+#[test]
+fn a_value_says_what_it_is_and_what_it_weighs() {
+    let finding = Finding::Rejected(jump());
+    let value = serde_json::to_value(&finding).unwrap();
+    assert_eq!(
+        (&value["finding"], &value["fixes"]),
+        (&"rejected".into(), &15.into())
+    );
+    assert_eq!(finding.severity(), Severity::Note);
+    assert_eq!(Finding::NoTurns.severity(), Severity::Warning);
+    assert_eq!(
+        Finding::Diverged { time: 1.0 }.severity(),
+        Severity::Unusable
+    );
+}

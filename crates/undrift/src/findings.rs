@@ -1,0 +1,287 @@
+//! What a run finds out about its logs and its solution, as values: numbers in SI units, times in the
+//! log's own time base. Their sentences are made where results are shown.
+
+mod collect;
+
+pub use collect::{of_accuracy, of_disagreement, of_health, of_held, of_scalar, of_skipped};
+
+use crate::replay::{Contradiction, FixMend, Lean, Part, RestartCause};
+use serde::{Deserialize, Serialize};
+
+/// How much a finding weighs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Severity {
+    /// Worth knowing; it leaves the result usable.
+    Note,
+    /// The result must not be trusted before this is looked at.
+    Warning,
+    /// There is no result, or none from some time on.
+    Unusable,
+}
+
+/// A log of a drive, or a static recording.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Log {
+    /// Inertial samples.
+    Imu,
+    /// Fixes.
+    Gnss,
+    /// The reference.
+    Truth,
+    /// Speeds.
+    Odometer,
+    /// Heights.
+    Barometer,
+    /// A static recording.
+    Recording,
+}
+
+/// Why a solution has no error although there is a truth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum NoError {
+    /// The truth covers another time.
+    NoOverlap,
+    /// The truth has no two samples within 2 s of each other during the solution.
+    TooSparse,
+}
+
+/// One thing found.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(tag = "finding", rename_all = "snake_case")]
+pub enum Finding {
+    /// The solution diverged and ends.
+    Diverged {
+        /// When \[s\].
+        time: f64,
+    },
+    /// There is a truth, but no error against it.
+    NotCompared {
+        /// Why.
+        why: NoError,
+        /// First and last time of the truth, as far as it was read \[s\].
+        truth: [f64; 2],
+        /// When the solution began, if it did \[s\].
+        started: Option<f64>,
+        /// When it ended \[s\].
+        ended: f64,
+    },
+    /// Short gaps between samples were bridged by interpolation.
+    Bridged {
+        /// How many.
+        gaps: u64,
+    },
+    /// Gaps between samples were too long for that.
+    LongGaps {
+        /// How many.
+        gaps: u64,
+        /// Start of the first \[s\].
+        first: f64,
+        /// Length of the longest \[s\].
+        longest: f64,
+    },
+    /// A long span has no usable fix.
+    WithoutGnss {
+        /// Start of the longest \[s\].
+        start: f64,
+        /// Its length \[s\].
+        length: f64,
+    },
+    /// Fixes state a covariance that is not positive definite.
+    BadCovariance {
+        /// How many.
+        fixes: u64,
+    },
+    /// All axes of the IMU repeat their values at the same time.
+    Frozen {
+        /// First sample of them \[s\].
+        start: f64,
+        /// Time to the last \[s\].
+        length: f64,
+        /// Samples on end.
+        samples: u64,
+    },
+    /// An axis of the IMU holds a value longer than its noise explains.
+    Held {
+        /// 0 to 2 for the sensor's gyros x, y, z, 3 to 5 for its accelerometers.
+        axis: usize,
+        /// The value as it is in the log.
+        value: f64,
+        /// First sample of it \[s\].
+        start: f64,
+        /// Time to the last \[s\].
+        length: f64,
+        /// Samples on end.
+        samples: u64,
+        /// Whether it is the largest or smallest value of the axis.
+        saturated: bool,
+    },
+    /// The mean specific force is not gravity.
+    WrongGravity {
+        /// Mean specific force over gravity.
+        ratio: f64,
+    },
+    /// Gravity does not point along body down.
+    NotDown {
+        /// Its direction in body axes, forward, right, down.
+        down: [f64; 3],
+    },
+    /// The course turns by a multiple of what the gyros measure.
+    WrongTurnRate {
+        /// Turn of the course over that of the gyros.
+        ratio: f64,
+    },
+    /// The course turns as a gyro measures that is not the vertical one.
+    WrongTurnAxis {
+        /// The gyro, 0 to 2 for body forward, right, down.
+        axis: usize,
+    },
+    /// The gyros do not measure the turns of the course.
+    NoTurns,
+    /// The gyros measure the turns of the course at another time.
+    Late {
+        /// By how much later than the stamps of the fixes \[s\].
+        delay: f64,
+    },
+    /// The IMU's axes are not forward, right, down of the vehicle: 1 forward, −1 backward, 2 right,
+    /// −2 left, as far as it shows.
+    WrongAxes {
+        /// Body axis along which the vehicle accelerates.
+        forward: Option<i8>,
+        /// Body axis along which it is pushed in turns to the right.
+        right: Option<i8>,
+    },
+    /// Positions do not move as the velocities say.
+    WrongVelocity {
+        /// What would make them, where something simple does.
+        mend: Option<FixMend>,
+    },
+    /// The solution was re-initialised.
+    Restart {
+        /// When it was given up \[s\].
+        time: f64,
+        /// Why.
+        why: RestartCause,
+        /// When the new one began, if it did \[s\].
+        resumed: Option<f64>,
+    },
+    /// Consecutive fixes contradicted the solution and were rejected.
+    Rejected(Contradiction),
+    /// Further spans of rejected fixes, beyond those given one by one.
+    MoreRejected {
+        /// How many spans.
+        spans: u64,
+        /// After how many of them the fixes were accepted.
+        accepted: u64,
+    },
+    /// Fixes differ from the solution to one side.
+    OneSided(Lean),
+    /// A component of the measured velocity has the wrong sign.
+    WrongSign {
+        /// 0 to 2 for north, east, down.
+        axis: usize,
+    },
+    /// Innovations are far beyond their predicted size.
+    LargeInnovations {
+        /// From when on \[s\].
+        start: f64,
+    },
+    /// The stated standard deviations of the fixes do not fit the innovations.
+    WrongAccuracy {
+        /// Of which part of the fixes.
+        part: Part,
+        /// What they should be multiplied by.
+        factor: f64,
+        /// Whether they were adapted.
+        adapted: bool,
+        /// Whether innovations are correlated from fix to fix, which no accuracy explains.
+        correlated: bool,
+    },
+    /// Records were skipped while reading.
+    Skipped {
+        /// Of which log.
+        log: Log,
+        /// How many.
+        records: u64,
+        /// How many of each kind, and the first, as the reader reports them.
+        kinds: String,
+    },
+    /// A log of scalars has gaps.
+    Gaps {
+        /// Which log.
+        log: Log,
+        /// How many.
+        gaps: u64,
+        /// Start of the longest \[s\].
+        start: f64,
+        /// Its length \[s\].
+        length: f64,
+    },
+    /// Nothing of a log was used.
+    Unused {
+        /// Which log.
+        log: Log,
+    },
+    /// Measurements of a log were far from what was predicted.
+    Outliers {
+        /// Which log.
+        log: Log,
+        /// How many were rejected.
+        rejected: u64,
+        /// How many were used with less weight.
+        weakened: u64,
+    },
+    /// An outage begins before the solution.
+    StartedLate {
+        /// When navigation began \[s\].
+        time: f64,
+    },
+    /// Outages have no reference inside them.
+    NoReference {
+        /// How many.
+        outages: usize,
+    },
+    /// The stamps of a static recording are not evenly spaced.
+    Uneven {
+        /// Gaps between them.
+        gaps: usize,
+        /// Root mean square of the jitter \[s\].
+        jitter_rms: f64,
+        /// The usual interval \[s\].
+        interval: f64,
+    },
+}
+
+impl Finding {
+    /// How much it weighs.
+    pub fn severity(&self) -> Severity {
+        match self {
+            Self::Diverged { .. } => Severity::Unusable,
+            Self::WrongGravity { .. }
+            | Self::WrongTurnRate { .. }
+            | Self::WrongTurnAxis { .. }
+            | Self::NoTurns
+            | Self::Late { .. }
+            | Self::WrongAxes { .. }
+            | Self::WrongVelocity { .. }
+            | Self::Restart { .. }
+            | Self::WrongSign { .. }
+            | Self::LargeInnovations { .. }
+            | Self::StartedLate { .. }
+            | Self::NoReference { .. } => Severity::Warning,
+            _ => Severity::Note,
+        }
+    }
+}
+
+/// Whether any of them makes a result doubtful or ends it.
+pub fn is_doubtful<'a>(findings: impl IntoIterator<Item = &'a Finding>) -> bool {
+    let severe = |finding: &Finding| finding.severity() > Severity::Note;
+    findings.into_iter().any(severe)
+}

@@ -1,0 +1,84 @@
+//! What a navigated drive shows of its logs and its solution.
+
+use super::{NavigateError, Report};
+use crate::{
+    findings::{self, Finding, Log, NoError},
+    mounting::MountingError,
+    replay::{Part, ReplayError},
+};
+
+impl Report {
+    /// Everything that should be known with the solution, its end first.
+    pub fn findings(&self) -> Vec<Finding> {
+        let s = &self.summary;
+        let mut found = Vec::new();
+        found.extend(s.diverged.map(|time| Finding::Diverged { time }));
+        found.extend(self.not_compared());
+        found.extend(findings::of_health(s));
+        found.extend(findings::of_held(&self.held));
+        found.extend(findings::of_disagreement(s));
+        for (name, skipped, gaps) in &self.scalars {
+            let (log, used) = match *name {
+                "odometer" => (Log::Odometer, &s.odometer),
+                _ => (Log::Barometer, &s.barometer),
+            };
+            found.extend(findings::of_scalar(log, skipped, gaps, used));
+        }
+        // With a wrong unit or axis the innovations say nothing about the accuracy.
+        if s.implausible.is_empty() {
+            let parts = [Part::Position, Part::Velocity].into_iter();
+            let factors = parts.zip(self.std_factors);
+            found.extend(
+                factors.filter_map(|(part, factor)| Some(findings::of_accuracy(part, factor?, s))),
+            );
+        }
+        found.extend(findings::of_skipped(&[
+            (Log::Imu, &self.imu_skipped),
+            (Log::Gnss, &self.gnss_skipped),
+            (Log::Truth, &self.truth_skipped),
+        ]));
+        found
+    }
+
+    /// Why there is no error although there is a truth.
+    fn not_compared(&self) -> Option<Finding> {
+        let (None, Some((from, to))) = (&self.rmse, self.truth_read) else {
+            return None;
+        };
+        let (started, ended) = (self.summary.started, self.summary.ended);
+        let is_apart = started.is_some_and(|start| to < start) || from > ended;
+        Some(Finding::NotCompared {
+            why: if is_apart {
+                NoError::NoOverlap
+            } else {
+                NoError::TooSparse
+            },
+            truth: [from, to],
+            started,
+            ended,
+        })
+    }
+}
+
+impl NavigateError {
+    /// What was found out about the logs before it ended.
+    pub fn findings(&self) -> Vec<Finding> {
+        match self {
+            Self::Replay(error) | Self::Mounting(MountingError::Replay(error)) => error.findings(),
+            _ => Vec::new(),
+        }
+    }
+}
+
+impl ReplayError {
+    /// What was found out about the logs before it ended.
+    pub fn findings(&self) -> Vec<Finding> {
+        let Self::NotAligned(why) = self else {
+            return Vec::new();
+        };
+        let log = |name: &str| if name == "IMU" { Log::Imu } else { Log::Gnss };
+        let logs: Vec<_> = why.skipped.iter().map(|(name, s)| (log(name), s)).collect();
+        let implausible = why.implausible.iter().map(|what| (*what).into());
+        implausible.chain(findings::of_skipped(&logs)).collect()
+    }
+}
