@@ -16,7 +16,7 @@ mod cdr;
 mod definitions;
 
 use std::f64::consts::{FRAC_PI_2, PI, SQRT_2};
-use std::io::{self, BufWriter, Seek, Write};
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use ::mcap::records::MessageHeader;
@@ -73,12 +73,17 @@ impl<W: Write + Seek> McapWriter<W> {
     ///
     /// # Errors
     /// If `out` does not take them, or the start is not finite.
-    pub fn new(out: W, start_unix_s: Option<f64>) -> io::Result<Self> {
+    pub fn new(mut out: W, start_unix_s: Option<f64>) -> io::Result<Self> {
         let start = start_unix_s.unwrap_or(0.0);
         if !start.is_finite() {
             return Err(invalid("the start is not finite".to_owned()));
         }
+        // Into a pipe the chunks are collected in memory, since their heads hold their lengths.
+        let start_again = out
+            .stream_position()
+            .and_then(|now| out.seek(SeekFrom::Start(now)));
         let options = WriteOptions::new()
+            .disable_seeking(start_again.is_err())
             .profile("ros2")
             .library(concat!("undrift ", env!("CARGO_PKG_VERSION")))
             .compression_threads(0);

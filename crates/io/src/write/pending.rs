@@ -1,5 +1,5 @@
 use std::ffi::{OsStr, OsString};
-use std::fs::{self, File};
+use std::fs::{self, File, OpenOptions};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
@@ -7,9 +7,22 @@ use std::path::{Path, PathBuf};
 /// a temporary name, `.NAME.partPID`. Dropped unfinished, it is removed; a killed process leaves the
 /// temporary one, which goes when the same file is written again an hour later or more (on Linux, where
 /// it can be told that the process is no more).
+///
+/// A symbolic link stays and the file that it leads to is replaced; a file that is replaced hands on its
+/// permissions. Devices, pipes and open descriptors (`/dev/null`, `/dev/stdout`, `/dev/fd/3`) are written
+/// into as they are; there [`Seek`] only gives the position.
 #[derive(Debug)]
 pub struct PendingFile {
     file: File,
+    /// Where to; without it the bytes go straight into what is there.
+    replacing: Option<Replacing>,
+    /// Number of bytes written straight into what is there.
+    written: u64,
+}
+
+/// The temporary file and the name that it gets.
+#[derive(Debug)]
+struct Replacing {
     target: PathBuf,
     temporary: PathBuf,
     finished: bool,
@@ -19,9 +32,19 @@ impl PendingFile {
     /// Starts a file; one that is already there stays untouched until [`PendingFile::finish`].
     ///
     /// # Errors
-    /// If the directory cannot be written to, or the path names no file.
+    /// If the directory cannot be written to, the device or pipe cannot be opened, or the path names no
+    /// file.
     pub fn create(path: &Path) -> io::Result<Self> {
-        let Some(name) = path.file_name() else {
+        let (target, descriptor) = followed(path)?;
+        let there = fs::metadata(&target).ok();
+        if descriptor.is_some() || there.as_ref().is_some_and(|it| !it.is_file()) {
+            return Ok(Self {
+                file: open(&target, descriptor)?,
+                replacing: None,
+                written: 0,
+            });
+        }
+        let Some(name) = target.file_name() else {
             return Err(io::Error::new(
                 io::ErrorKind::InvalidInput,
                 format!("{} names no file", path.display()),
@@ -30,15 +53,22 @@ impl PendingFile {
         let mut hidden = OsString::from(".");
         hidden.push(name);
         hidden.push(".part");
-        remove_stale(path, &hidden);
+        remove_stale(&target, &hidden);
         hidden.push(std::process::id().to_string());
-        let temporary = path.with_file_name(hidden);
-        Ok(Self {
+        let temporary = target.with_file_name(hidden);
+        let file = Self {
             file: File::create(&temporary)?,
-            target: path.to_path_buf(),
-            temporary,
-            finished: false,
-        })
+            replacing: Some(Replacing {
+                target,
+                temporary,
+                finished: false,
+            }),
+            written: 0,
+        };
+        if let Some(there) = there {
+            file.file.set_permissions(there.permissions())?;
+        }
+        Ok(file)
     }
 
     /// Gives the file its name, replacing one that is there.
@@ -46,11 +76,58 @@ impl PendingFile {
     /// # Errors
     /// If what was written cannot be brought to the disk or the file cannot be renamed.
     pub fn finish(mut self) -> io::Result<()> {
-        self.file.sync_data()?;
-        fs::rename(&self.temporary, &self.target)?;
-        self.finished = true;
-        Ok(())
+        match &mut self.replacing {
+            None => self.file.flush(),
+            Some(replacing) => {
+                self.file.sync_data()?;
+                fs::rename(&replacing.temporary, &replacing.target)?;
+                replacing.finished = true;
+                Ok(())
+            }
+        }
     }
+}
+
+/// Symbolic links that may lead from one to the next, as in Linux.
+const LINKS: usize = 40;
+
+/// Where symbolic links lead, and the number of the open descriptor if they lead to one
+/// (`/dev/stdout`, `/dev/fd/N`): what is open must not be replaced under the one that opened it.
+fn followed(path: &Path) -> io::Result<(PathBuf, Option<u32>)> {
+    let descriptors = fs::canonicalize("/dev/fd").ok();
+    let mut path = path.to_path_buf();
+    for _ in 0..LINKS {
+        let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
+        if descriptors.is_some() && fs::canonicalize(&folder).ok() == descriptors {
+            let number = path
+                .file_name()
+                .and_then(|name| name.to_str()?.parse().ok());
+            return Ok((path, number));
+        }
+        match fs::read_link(&path) {
+            Ok(next) => path = folder.join(next),
+            Err(_) => return Ok((path, None)),
+        }
+    }
+    let message = format!("{}: too many symbolic links", path.display());
+    Err(io::Error::new(io::ErrorKind::InvalidInput, message))
+}
+
+/// Opens what is no file that could be replaced: the standard streams as they are, at their position.
+fn open(path: &Path, descriptor: Option<u32>) -> io::Result<File> {
+    #[cfg(unix)]
+    {
+        use std::os::fd::AsFd;
+        let copy = |stream: &dyn AsFd| stream.as_fd().try_clone_to_owned().map(File::from);
+        match descriptor {
+            Some(1) => return copy(&io::stdout()),
+            Some(2) => return copy(&io::stderr()),
+            _ => {}
+        }
+    }
+    #[cfg(not(unix))]
+    let _ = descriptor;
+    OpenOptions::new().append(true).open(path)
 }
 
 /// A temporary file that was written to within this may be that of a process on another machine, or in
@@ -112,7 +189,9 @@ pub fn write_whole(path: &Path, content: impl AsRef<[u8]>) -> io::Result<()> {
 
 impl Write for PendingFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.file.write(bytes)
+        let written = self.file.write(bytes)?;
+        self.written += written as u64;
+        Ok(written)
     }
 
     fn flush(&mut self) -> io::Result<()> {
@@ -122,15 +201,21 @@ impl Write for PendingFile {
 
 impl Seek for PendingFile {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
-        self.file.seek(to)
+        match (&self.replacing, to) {
+            (Some(_), to) => self.file.seek(to),
+            (None, SeekFrom::Current(0)) => Ok(self.written),
+            (None, _) => Err(io::ErrorKind::NotSeekable.into()),
+        }
     }
 }
 
 impl Drop for PendingFile {
     fn drop(&mut self) {
-        if !self.finished {
+        if let Some(replacing) = &self.replacing
+            && !replacing.finished
+        {
             // Nothing can be done about a file that cannot be removed.
-            let _ = fs::remove_file(&self.temporary);
+            let _ = fs::remove_file(&replacing.temporary);
         }
     }
 }
@@ -161,6 +246,76 @@ mod tests {
 
         assert!(PendingFile::create(&path).is_err());
         assert!(PendingFile::create(Path::new("/")).is_err());
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn links_stay_and_permissions_are_kept() {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+
+        let dir = std::env::temp_dir().join(format!("undrift-io-links-{}", std::process::id()));
+        fs::create_dir_all(dir.join("deep")).unwrap();
+        let real = dir.join("deep/real.csv");
+        fs::write(&real, "old").unwrap();
+        fs::set_permissions(&real, fs::Permissions::from_mode(0o640)).unwrap();
+        symlink("deep/real.csv", dir.join("first")).unwrap();
+        symlink("first", dir.join("second")).unwrap();
+        symlink("deep/not-yet.csv", dir.join("dangling")).unwrap();
+        symlink("round", dir.join("round")).unwrap();
+
+        write_whole(&dir.join("second"), "new").unwrap();
+        write_whole(&dir.join("dangling"), "made").unwrap();
+        assert!(write_whole(&dir.join("round"), "").is_err());
+        assert_eq!(fs::read_to_string(&real).unwrap(), "new");
+        assert_eq!(
+            fs::metadata(&real).unwrap().permissions().mode() & 0o777,
+            0o640
+        );
+        assert_eq!(
+            fs::read_to_string(dir.join("deep/not-yet.csv")).unwrap(),
+            "made"
+        );
+        for link in ["first", "second", "dangling", "round"] {
+            assert!(dir.join(link).is_symlink(), "{link}");
+        }
+        assert_eq!(fs::read_dir(dir.join("deep")).unwrap().count(), 2);
+        fs::remove_dir_all(&dir).unwrap();
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn devices_and_pipes_are_written_into() {
+        use std::io::Read;
+        use std::os::fd::AsRawFd;
+        use std::os::unix::fs::FileTypeExt;
+
+        write_whole(Path::new("/dev/null"), "nothing").unwrap();
+        let null = fs::metadata("/dev/null").unwrap();
+        assert!(null.file_type().is_char_device());
+
+        let (mut reader, writer) = io::pipe().unwrap();
+        let path = PathBuf::from(format!("/dev/fd/{}", writer.as_raw_fd()));
+        let mut file = PendingFile::create(&path).unwrap();
+        file.write_all(b"through").unwrap();
+        assert_eq!(file.stream_position().unwrap(), 7);
+        assert!(file.seek(SeekFrom::Start(0)).is_err());
+        file.finish().unwrap();
+        drop(writer);
+        let mut text = String::new();
+        reader.read_to_string(&mut text).unwrap();
+        assert_eq!(text, "through");
+
+        // An open file is added to: whoever opened it still holds the same one.
+        let dir = std::env::temp_dir().join(format!("undrift-io-open-{}", std::process::id()));
+        fs::create_dir_all(&dir).unwrap();
+        let mut held = File::create(dir.join("held")).unwrap();
+        held.write_all(b"first, ").unwrap();
+        let path = PathBuf::from(format!("/dev/fd/{}", held.as_raw_fd()));
+        write_whole(&path, "then").unwrap();
+        assert_eq!(fs::read_to_string(dir.join("held")).unwrap(), "first, then");
+        assert_eq!(fs::read_dir(&dir).unwrap().count(), 1);
+        assert!(PendingFile::create(&dir).is_err());
+        fs::remove_dir_all(&dir).unwrap();
     }
 
     #[test]

@@ -360,6 +360,61 @@ fn a_folder_that_cannot_hold_the_result() {
 }
 
 #[test]
+#[cfg(target_os = "linux")]
+fn results_into_devices_pipes_and_links() {
+    use std::os::unix::fs::{FileTypeExt, PermissionsExt, symlink};
+
+    let case = good().write("devices");
+    let shell = |script: &str| {
+        let output = Command::new("sh")
+            .args(["-c", script])
+            .arg(env!("CARGO_BIN_EXE_undrift"))
+            .current_dir(case.path(""))
+            .output()
+            .unwrap();
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{script}: {stderr}");
+        String::from_utf8(output.stdout).unwrap()
+    };
+    shell("\"$0\" navigate drive.toml -q -o nav.csv");
+    let nav = case.read("nav.csv").unwrap();
+    assert!(nav.lines().count() > 100);
+
+    // As root this replaced the device by a file.
+    shell(
+        "\"$0\" navigate drive.toml -q --format csv -o /dev/null --json /dev/null --report /dev/null",
+    );
+    let null = std::fs::metadata("/dev/null").unwrap();
+    assert!(null.file_type().is_char_device());
+
+    shell(
+        "mkfifo fifo; cat fifo > from-fifo.csv & \"$0\" navigate drive.toml -q --format csv -o fifo; wait",
+    );
+    assert_eq!(case.read("from-fifo.csv").as_deref(), Some(&*nav));
+    let csv = shell("\"$0\" navigate drive.toml -q --format csv -o /dev/fd/3 3>&1 >/dev/null");
+    assert_eq!(csv, nav);
+    shell("\"$0\" navigate drive.toml -q --format csv -o /dev/stdout > out.csv");
+    assert!(case.read("out.csv").unwrap().starts_with(&*nav));
+    // MCAP into a pipe, where the lengths at the heads cannot be written afterwards.
+    shell(
+        "\"$0\" navigate drive.toml -q --format mcap -o /dev/fd/3 3>&1 >/dev/null | cat > piped.mcap",
+    );
+    let written = shell("\"$0\" inspect piped.mcap");
+    assert!(written.contains("/undrift/imu"), "{written}");
+
+    std::fs::create_dir(case.path("kept")).unwrap();
+    case.put("kept/nav.csv", b"old");
+    let mode = |mode| std::fs::Permissions::from_mode(mode);
+    std::fs::set_permissions(case.path("kept/nav.csv"), mode(0o640)).unwrap();
+    symlink("kept/nav.csv", case.path("link.csv")).unwrap();
+    shell("\"$0\" navigate drive.toml -q -o link.csv");
+    assert!(case.path("link.csv").is_symlink());
+    assert_eq!(case.read("kept/nav.csv").as_deref(), Some(&*nav));
+    let kept = std::fs::metadata(case.path("kept/nav.csv")).unwrap();
+    assert_eq!(kept.permissions().mode() & 0o777, 0o640);
+}
+
+#[test]
 fn an_outage_longer_than_the_log() {
     let outcome = good()
         .write("long_outage")
