@@ -71,7 +71,8 @@ pub struct Arguments {
     /// What is taken out of every axis before its noise is identified
     #[arg(long, value_name = "TREND", value_enum, default_value_t = Trend::Constant)]
     detrend: Trend,
-    /// Model that gives the axes the record does not have: a preset or a file
+    /// The sensor's data sheet, a preset or a file: how far its constant differs from one turn-on to the
+    /// next, and the axes that the record does not have
     #[arg(long, value_name = "PRESET|FILE")]
     base: Option<String>,
     /// Write the model file; without --base it has the record's axes only
@@ -220,6 +221,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
                 "{} has no {}: a run needs all six axes; give the others with --base PRESET or FILE",
                 file.display(),
                 unknown.join(", ")
+            ));
+        }
+        let bounded = identified.without_turn_on(base.as_ref());
+        if !bounded.is_empty() {
+            warn(format!(
+                "{}: one record bounds the turn-on σ of {} only from below; the file has the largest that the means \
+                 do not contradict (95 %): give the data sheet's with --base PRESET or FILE",
+                file.display(),
+                bounded.join(", ")
             ));
         }
     }

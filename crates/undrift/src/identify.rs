@@ -58,8 +58,9 @@ pub fn run(record: &Record, options: &Options<'_>, done: impl Fn() + Sync) -> Id
 
 impl Identified {
     /// The model file's contents: identified axes over those of `base`; what neither has is left
-    /// out. The standard deviation of the turn-on constant is the base's where it has one, else the
-    /// constant seen in the record.
+    /// out. The standard deviation of the turn-on constant is that of the base, a preset or data sheet, but
+    /// at least the constant seen in the record; for [`Identified::without_turn_on`] the largest that the
+    /// record's constants do not contradict.
     ///
     /// # Errors
     /// When no axis is identified.
@@ -73,25 +74,125 @@ impl Identified {
         model.name = name.to_owned();
         model.source = "identified from a static record".into();
         model.provenance = provenance;
+        let bounded = self.without_turn_on(base);
+        if !bounded.is_empty() {
+            let axes = bounded.join(", ");
+            model.source += &format!(
+                "; no data sheet: turn_on of {axes} is the largest that the record's means do not contradict (95 %)"
+            );
+        }
         let mut any = false;
         for (name, found) in &self.axes {
             let Ok(found) = found else { continue };
             let Some(slot) = axis_of(&mut model, name) else {
                 continue;
             };
-            // One record shows one turn-on; a data sheet knows how they scatter.
             let known = slot.turn_on;
             *slot = found.model();
-            if known > 0.0 {
-                slot.turn_on = known;
-            }
+            slot.turn_on = match bounded.contains(name) {
+                true => self.turn_on_bound(name),
+                false => slot.turn_on.max(known),
+            };
             any = true;
         }
         any.then_some(model).ok_or(RecordingError::NoAxis)
+    }
+
+    /// Identified axes of which `base` has no standard deviation of the turn-on constant.
+    pub fn without_turn_on(&self, base: Option<&ImuModel>) -> Vec<&'static str> {
+        let known = |name: &str| {
+            let mut axes = base.into_iter().flat_map(ImuModel::axes);
+            axes.any(|(axis, model)| axis == name && model.turn_on > 0.0)
+        };
+        let identified = self.axes.iter().filter(|(_, found)| found.is_ok());
+        let names = identified.map(|(name, _)| *name);
+        names.filter(|name| !known(name)).collect()
+    }
+
+    /// The largest standard deviation of the turn-on constants that the record does not contradict (with
+    /// 95 %) [rad/s], [m/s²]. The axes of a sensor are taken as draws of one distribution: one record bounds
+    /// its σ well from below and hardly from above. Too large a σ costs a filter little, too small
+    /// a one holds it to a wrong constant.
+    fn turn_on_bound(&self, axis: &str) -> f64 {
+        /// √(n / q), q the 5 % quantile of χ² with n degrees of freedom, for n = 1, 2, 3.
+        const FACTORS: [f64; 3] = [15.95, 4.415, 2.920];
+        let gyro = axis.starts_with("gyro");
+        let alike = self
+            .axes
+            .iter()
+            .filter(|(name, _)| name.starts_with("gyro") == gyro);
+        let constants = alike.filter_map(|(_, found)| Some(found.as_ref().ok()?.model().turn_on));
+        let (count, squares) = constants.fold((0, 0.0), |(n, sum), c| (n + 1, sum + c * c));
+        if count == 0 {
+            return 0.0;
+        }
+        FACTORS[count.min(3) - 1] * (squares / count as f64).sqrt()
     }
 }
 
 fn axis_of<'a>(model: &'a mut ImuModel, name: &str) -> Option<&'a mut undrift_noise::AxisModel> {
     let index = AXES.iter().position(|axis| *axis == name)?;
     model.gyro.iter_mut().chain(&mut model.accel).nth(index)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, Normal};
+
+    #[test]
+    fn the_turn_on_constant_is_the_data_sheets_or_a_bound_above_the_records() {
+        let mut random = rand_xoshiro::Xoshiro256PlusPlus::seed_from_u64(1);
+        let means = [0.001, -0.002, 0.002, 0.05];
+        let record = Record {
+            axes: vec!["gyro_x", "gyro_y", "gyro_z", "accel_x"],
+            samples: means
+                .iter()
+                .map(|mean| {
+                    let noise = Normal::new(*mean, 1e-3).unwrap();
+                    (0..2000).map(|_| noise.sample(&mut random)).collect()
+                })
+                .collect(),
+            temperature: None,
+            timing: None,
+            skipped: Default::default(),
+        };
+        let found = run(
+            &record,
+            &Options {
+                n_max: 1,
+                ..Options::at(100.0)
+            },
+            || (),
+        );
+
+        // Without one: √(n / χ²) of the root mean square of the three gyros, and of one accelerometer.
+        let model = found.model(None, "test", Provenance::default()).unwrap();
+        for gyro in &model.gyro {
+            assert!(
+                (gyro.turn_on / (2.920 * 1.732e-3) - 1.0).abs() < 0.05,
+                "{}",
+                gyro.turn_on
+            );
+        }
+        assert!((model.accel[0].turn_on / (15.95 * 0.05) - 1.0).abs() < 0.01);
+        assert!(
+            model
+                .source
+                .contains("no data sheet: turn_on of gyro_x, gyro_y, gyro_z, accel_x")
+        );
+
+        let mut sheet = ImuModel::default();
+        sheet.gyro[0].turn_on = 0.02;
+        sheet.gyro[1].turn_on = 1e-4;
+        let model = found
+            .model(Some(&sheet), "test", Provenance::default())
+            .unwrap();
+        assert_eq!(model.gyro[0].turn_on, 0.02);
+        // A data sheet below what is seen is contradicted by it.
+        assert!((model.gyro[1].turn_on / 0.002 - 1.0).abs() < 0.05);
+        assert!(model.gyro[2].turn_on > 0.004);
+        assert_eq!(found.without_turn_on(Some(&sheet)), ["gyro_z", "accel_x"]);
+    }
 }

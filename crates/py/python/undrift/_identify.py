@@ -122,8 +122,9 @@ class Identified(Told):
     def model(self, base: ModelLike | None = None) -> NoiseModel:
         """The noise model: the recommended candidate of each axis.
 
-        ``base`` gives the axes that the record does not have, and the turn-on constants, of which a
-        record shows one draw.
+        ``base``, a preset or data sheet, gives the axes that the record does not have and the standard
+        deviations of the turn-on constants. Without it they are the largest that the record does not
+        contradict (95 %): one record bounds them only from below.
         """
         if self._found is None:
             raise _undrift.UndriftError("a pickled result has no model: save the model itself")
