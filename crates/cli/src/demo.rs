@@ -103,11 +103,16 @@ fn tell(arguments: &Arguments, demo: &Demo) -> Result<()> {
         demo::RATE_HZ,
         arguments.seed
     ))?;
-    say(print::shown(&print::split(&demo.runs).0))?;
-    say(format!(
-        "\"{}\" is white on samples whose turn-on constants were removed beforehand.",
-        demo::WHITE_CALIBRATED
-    ))
+    let (bounds, runs) = bounds_apart(&print::split(&demo.runs).0);
+    say(print::shown(&runs))?;
+    say(format!("{}\n", demo::WHITE_CALIBRATED_NOTE))?;
+    say(print::shown(&bounds))
+}
+
+/// The rows that are bounds, and the models.
+fn bounds_apart<'a>(runs: &[&'a ModelRun]) -> (Vec<&'a ModelRun>, Vec<&'a ModelRun>) {
+    runs.iter()
+        .partition(|run| run.name == demo::WHITE_CALIBRATED)
 }
 
 /// Writes the data of tables and figures.
@@ -134,7 +139,8 @@ fn write(folder: &Path, demo: &Demo, runs: &[&ModelRun], silent: bool) -> Result
         &tables::trajectory_csv(demo),
     )?;
     print::write_whole(&folder.join("figure5-drift.csv"), &tables::drift_csv(runs))?;
-    let curves: Vec<_> = runs.iter().map(|r| drift_curve(r)).collect();
+    let (_, models) = bounds_apart(runs);
+    let curves: Vec<_> = models.iter().map(|r| drift_curve(r)).collect();
     figure::experiment(
         &folder.join("demo.svg"),
         &demo.simulation.truth,

@@ -9,7 +9,10 @@ use super::{
     read::{ModelErrors, Numbers, Outages},
 };
 use drift::drift;
-use undrift::noise::order_statistics::quantile;
+use undrift::{
+    demo::{WHITE_CALIBRATED, WHITE_CALIBRATED_NOTE},
+    noise::order_statistics::quantile,
+};
 use way::way;
 
 /// Components of Table 4 with the heads of their columns.
@@ -43,6 +46,11 @@ struct Model<'a> {
 }
 
 impl Model<'_> {
+    /// Whether it is no model to choose but a bound.
+    fn is_bound(&self) -> bool {
+        self.key == WHITE_CALIBRATED
+    }
+
     /// Largest horizontal error of each outage [m].
     fn largest(&self) -> Vec<f64> {
         let outages = self.errors.per_outage.iter();
@@ -200,6 +208,7 @@ const ALIKE: f64 = 1.01;
 /// Which model drifts least, and how sure that is.
 fn findings(models: &[Model<'_>]) -> Vec<String> {
     let mut ranked: Vec<&Model<'_>> = models.iter().filter(|m| m.rms().is_finite()).collect();
+    ranked.retain(|m| !m.is_bound());
     ranked.sort_by(|a, b| a.rms().total_cmp(&b.rms()));
     let Some(best) = ranked.first().copied() else {
         return vec!["No model has an error inside every outage.".into()];
@@ -290,11 +299,15 @@ fn tables(models: &[Model<'_>]) -> Option<Section> {
             |m| &m.end_rms,
         ),
     ];
-    let blocks: Vec<Block> = kinds
+    let (bounds, models): (Vec<_>, Vec<_>) = models.iter().partition(|m| m.is_bound());
+    let mut blocks: Vec<Block> = kinds
         .into_iter()
-        .filter_map(|(name, caption, pick)| table_of(name, caption, models, pick))
+        .filter_map(|(name, caption, pick)| table_of(name, caption, &models, pick))
         .map(Block::Table)
         .collect();
+    let (_, _, rms) = kinds[0];
+    let bound = table_of("bound", WHITE_CALIBRATED_NOTE, &bounds, rms).map(Block::Table);
+    blocks.extend(bound);
     (!blocks.is_empty()).then(|| Section {
         title: "Errors inside the outages".into(),
         blocks,
@@ -304,7 +317,7 @@ fn tables(models: &[Model<'_>]) -> Option<Section> {
 fn table_of(
     name: &str,
     caption: &str,
-    models: &[Model<'_>],
+    models: &[&Model<'_>],
     pick: fn(&ModelErrors) -> &Numbers,
 ) -> Option<Table> {
     let columns: Vec<&(&str, &str)> = COLUMNS
@@ -318,7 +331,7 @@ fn table_of(
     table
         .head
         .extend(columns.iter().map(|(_, head)| (*head).to_owned()));
-    for model in models {
+    for model in models.iter() {
         let mut row: Vec<Cell> = vec![model.name.clone().into()];
         row.extend(
             columns
@@ -363,8 +376,23 @@ mod tests {
         };
         // Built in place: models borrow their errors.
         let models = [model("a", &a), model("b", &b)];
-        let table = table_of("rms", "", &models, |m| &m.rms).unwrap();
+        let table = table_of("rms", "", &[&models[0], &models[1]], |m| &m.rms).unwrap();
         assert!(!table.rows[0][1].strong && table.rows[1][1].strong);
         assert!(findings(&models)[0].contains("that of b: 1.00 m"));
+
+        // What is a bound is neither best nor in the models' tables.
+        let c = errors(0.1);
+        let bound = Model {
+            key: WHITE_CALIBRATED,
+            ..model("c", &c)
+        };
+        let models = [model("a", &a), model("b", &b), bound];
+        assert!(findings(&models)[0].contains("that of b: 1.00 m"));
+        let blocks = tables(&models).unwrap().blocks;
+        let [Block::Table(rms), Block::Table(bound)] = &blocks[..] else {
+            panic!("{} blocks", blocks.len());
+        };
+        assert_eq!((rms.rows.len(), bound.rows.len()), (2, 1));
+        assert!(bound.rows[0].iter().all(|cell| !cell.strong));
     }
 }

@@ -47,9 +47,9 @@ pub(super) fn drift(models: &[Model<'_>]) -> Option<Section> {
 }
 
 impl Model<'_> {
-    /// A curve of the model: dashed where it is of another run than the first.
+    /// A curve of the model: dashed where it is of another run than the first, or a bound.
     fn line(&self, points: Vec<(f64, f64)>) -> Series {
-        if self.run == 0 {
+        if self.run == 0 && !self.is_bound() {
             Series::line(&self.name, self.colour, points)
         } else {
             Series::dashed(&self.name, self.colour, points)

@@ -1,6 +1,6 @@
 //! The demo as JSON: what was identified, and what the outages did.
 
-use super::{DURATION, Demo, PRESET, RATE_HZ, WHITE_CALIBRATED};
+use super::{DURATION, Demo, PRESET, RATE_HZ, WHITE_CALIBRATED_NOTE};
 use crate::{
     outages::Experiment,
     results::{Drive, Kind, with_head},
@@ -48,7 +48,7 @@ impl Demo {
                 "seed": self.seed,
                 "identification": identification,
                 "outages": self.experiment().result(),
-                "note": format!("\"{WHITE_CALIBRATED}\" is white on samples whose turn-on constants were removed beforehand."),
+                "note": WHITE_CALIBRATED_NOTE,
             }),
         )
     }
