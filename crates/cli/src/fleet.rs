@@ -2,7 +2,6 @@
 
 use crate::{
     output::JsonOutput,
-    print,
     progress::Bar,
     report::{Reporting, write_page},
     style,
@@ -21,6 +20,7 @@ use undrift::{
     noise::BiasModel,
     results,
 };
+use undrift_report::say as sentences;
 
 /// What is done with drives.
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
@@ -122,7 +122,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let failed = AtomicUsize::new(0);
     let done = stage("processing", || {
         let bar = Bar::new("processed", jobs.len() as u64, "logs");
-        fleet::run(&jobs, folder, options, |outcome| {
+        fleet::run(&jobs, folder, options, sentences::outcome, |outcome| {
             bar.add(1);
             let Some(outcome) = outcome else { return };
             if let Some(why) = &outcome.failed {
@@ -239,12 +239,12 @@ fn tell_troubles(gathered: &Gathered) {
             }
         }
         let more = told.len().saturating_sub(TOLD);
-        print::print_remarks(told.into_iter().take(TOLD).map(|(log, parts, why)| {
+        for (log, parts, why) in told.into_iter().take(TOLD) {
             match parts.join(", ").as_str() {
-                "" => format!("{log}: {why}"),
-                parts => format!("{log}, {parts}: {why}"),
+                "" => warn(format!("{log}: {why}")),
+                parts => warn(format!("{log}, {parts}: {why}")),
             }
-        }));
+        }
         if more > 0 {
             warn(format!("and {more} more; fleet.html names them"));
         }

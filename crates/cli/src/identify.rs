@@ -13,6 +13,7 @@ use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use undrift::{
+    findings,
     identify::{self, Identified},
     io::table::Column,
     noise::{
@@ -22,6 +23,7 @@ use undrift::{
     record::{self, RecordFormat},
     results,
 };
+use undrift_report::say as sentences;
 
 /// What is taken out of the record first.
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
@@ -134,9 +136,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             record.skipped
         ));
     }
-    if let Some(uneven) = record.timing.as_ref().and_then(identify::unevenness) {
-        warn(uneven);
-    }
+    let uneven = findings::of_timing(record.timing.as_ref());
+    uneven.iter().map(sentences::say).for_each(warn);
     let rate_hz = identify::rate(arguments.rate, record.timing.as_ref())
         .with_context(|| arguments.record.display().to_string())?;
     let trend = match arguments.detrend {

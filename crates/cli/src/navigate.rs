@@ -6,22 +6,23 @@ use crate::{
     print,
     progress::Bar,
     report::Reporting,
-    terminal::{say, stage},
+    terminal::{say, stage, warn},
 };
-use anyhow::{Result, bail};
+use anyhow::{Result, anyhow, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use undrift::{
     consistency::GROUP,
     drive::Drive,
+    findings::{Finding, Severity},
     io::write::{SolutionFile, SolutionFormat, SolutionOptions},
     navigate::{self, Report, Wanted},
     noise::{BiasModel, ImuModel},
     reference::COMPONENTS,
-    remarks,
     replay::Innovations,
     results,
 };
+use undrift_report::say as sentences;
 
 /// Navigate a drive: IMU and GNSS into position, velocity and attitude.
 ///
@@ -121,18 +122,20 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             recording,
             rows: false,
         };
-        navigate::navigate_for(&drive, arguments.bias_model, wanted).map_err(anyhow::Error::from)
+        navigate::navigate_for(&drive, arguments.bias_model, wanted)
+            .map_err(|error| anyhow!(sentences::unsolved(error)))
     })?;
-    print::judge(&report.summary);
+    let found = report.findings();
+    print::judge(&found);
     if recording {
         let drive = results::Drive::of(&arguments.drive, &drive);
-        let json = results::text(&report.result(arguments.bias_model, drive));
+        let json = results::text(&sentences::navigated(&report, arguments.bias_model, drive));
         arguments.reporting.write(&json)?;
         if arguments.json.write(&json)? {
             return finish(&report);
         }
     }
-    print_report(&report, arguments.bias_model)?;
+    print_report(&report, &found, arguments.bias_model)?;
     for path in &arguments.output {
         say(format!("solution: {}", path.display()))?;
     }
@@ -161,22 +164,23 @@ pub fn stem(path: &Path) -> String {
 }
 
 fn finish(report: &Report) -> Result<()> {
-    match report.divergence() {
-        Some(why) => anyhow::bail!(why),
+    match report.summary.diverged {
+        Some(time) => bail!(sentences::say(&Finding::Diverged { time })),
         None => Ok(()),
     }
 }
 
-fn print_report(report: &Report, kind: BiasModel) -> Result<()> {
+fn print_report(report: &Report, found: &[Finding], kind: BiasModel) -> Result<()> {
     let s = &report.summary;
     let started = s.started.unwrap_or(f64::NAN);
     if let Some(mounting) = &report.mounting {
-        say(format!("mounting estimated: {mounting}"))?;
+        say(format!(
+            "mounting estimated: {}",
+            sentences::mounting(mounting)
+        ))?;
     }
-    let alignment = s
-        .alignment
-        .as_ref()
-        .map_or(String::new(), remarks::of_alignment);
+    let alignment = s.alignment.as_ref();
+    let alignment = alignment.map_or(String::new(), sentences::alignment);
     say(format!("bias model {kind}; {alignment}"))?;
     say(format!(
         "navigated {} samples from {started:.3} s to {:.3} s; {} samples and {} fixes before that",
@@ -229,7 +233,9 @@ fn print_report(report: &Report, kind: BiasModel) -> Result<()> {
             nees.join(", ")
         ))?;
     }
-    print::print_remarks(report.warnings());
+    // How it ends comes last.
+    let found = found.iter().filter(|of| of.severity() < Severity::Unusable);
+    found.map(sentences::say).for_each(warn);
     Ok(())
 }
 

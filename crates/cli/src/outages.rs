@@ -6,9 +6,9 @@ use crate::{
     print,
     progress::Bar,
     report::Reporting,
-    terminal::{note, say, stage},
+    terminal::{note, say, stage, warn},
 };
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use undrift::{
@@ -19,7 +19,7 @@ use undrift::{
     replay::{Outage, STAMP_ROUNDING},
     results,
 };
-use undrift_report::figure;
+use undrift_report::{figure, say as sentences};
 
 /// Cut GNSS again and again on a drive and measure how far each bias model drifts.
 ///
@@ -94,9 +94,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(track) = &arguments.track {
         output::spares_input(track)?;
     }
-    let logs = Logs::load(&drive)?;
+    let logs = Logs::load(&drive).map_err(|error| anyhow!(sentences::unsolved(error)))?;
     if let Some(mounting) = &logs.mounting {
-        note(format!("mounting estimated: {mounting}"));
+        note(format!(
+            "mounting estimated: {}",
+            sentences::mounting(mounting)
+        ));
     }
     let plan = Schedule::asked(
         arguments.at.clone(),
@@ -114,10 +117,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             .map_err(anyhow::Error::from)
     })?;
     let (runs, failed) = print::split(&outcomes);
-    if let [run] = runs.as_slice() {
-        print::judge(&run.summary);
-    }
-    let json = results::text(&logs.result(&arguments.drive, &cuts, &outcomes, arguments.smooth));
+    let result = sentences::cut(logs.result(&arguments.drive, &cuts, &outcomes, arguments.smooth));
+    print::judge(&result.findings);
+    let json = results::text(&result);
     arguments.reporting.write(&json)?;
     if !arguments.json.write(&json)? {
         say(format!(
@@ -133,7 +135,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     print::print_failed(&failed);
     print::print_warnings(&runs);
-    print::print_remarks(logs.remarks(&outcomes));
+    result.warnings.iter().for_each(warn);
     if let Some(folder) = &arguments.out {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("cannot make {}", folder.display()))?;

@@ -4,11 +4,13 @@ use crate::{output, style, terminal, terminal::warn};
 use anyhow::{Context, Result};
 use std::path::Path;
 use undrift::{
+    findings::{self, Finding},
     io::write,
     outages::{ModelRun, Outcome},
-    replay::{Implausible, ReplayError, Summary},
+    replay::ReplayError,
     table::outage_table,
 };
+use undrift_report::say;
 
 /// The runs that ended with a result, and the others' names and errors.
 pub fn split(results: &[Outcome]) -> (Vec<&ModelRun>, Vec<(&str, &ReplayError)>) {
@@ -45,32 +47,20 @@ pub fn print_failed(failed: &[(&str, &ReplayError)]) {
     }
 }
 
-/// Tells which results cannot be trusted.
+/// Warns of results that cannot be trusted.
 pub fn print_warnings(runs: &[&ModelRun]) {
     for run in runs {
-        if let Some(warning) = &run.errors.warning {
+        if let Some(finding) = &run.errors.finding {
             terminal::doubt();
-            warn(format!("{}: {warning}", run.name));
+            warn(format!("{}: {}", run.name, say::say(finding)));
         }
     }
 }
 
-/// Notes whether a solution can be trusted.
-pub fn judge(summary: &Summary) {
-    if summary.diverged.is_some()
-        || summary.suspect.is_some()
-        || !summary.restarts.is_empty()
-        || summary.wrong_signs().next().is_some()
-        || (summary.implausible.iter()).any(|finding| !matches!(finding, Implausible::Down(_)))
-    {
+/// Notes whether a result can be trusted.
+pub fn judge(found: &[Finding]) {
+    if findings::is_doubtful(found) {
         terminal::doubt();
-    }
-}
-
-/// Tells what should be said with a result.
-pub fn print_remarks(remarks: impl IntoIterator<Item = String>) {
-    for remark in remarks {
-        warn(remark);
     }
 }
 

@@ -7,7 +7,7 @@ use undrift::{
     fleet::{self, Job, Manifest},
     results,
 };
-use undrift_report::{html, of_results};
+use undrift_report::{html, of_results, say};
 
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(fleet_patterns, module)?)?;
@@ -72,7 +72,9 @@ fn fleet_fingerprint(py: Python<'_>, job: &str) -> PyResult<String> {
 fn fleet_process(py: Python<'_>, job: &str, threads: usize) -> PyResult<String> {
     let job = parse(job)?;
     let outcome = py.detach(|| fleet::process_on(&job, threads));
-    Ok(outcome.map_err(error)?.to_json())
+    let mut outcome = outcome.map_err(error)?;
+    say::outcome(&mut outcome);
+    Ok(outcome.to_json())
 }
 
 /// Makes table, summary and page of the outcomes in a folder; the summary as JSON.

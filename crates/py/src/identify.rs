@@ -8,12 +8,14 @@ use crate::{
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
 use undrift::{
+    findings,
     identify::{self as identification, Trend},
     io::table::Column,
     noise::Provenance,
     record::{self, Record, RecordFormat},
     results,
 };
+use undrift_report::say;
 
 /// An identified record; `undrift.Identified` wraps it.
 #[pyclass(frozen, module = "undrift._undrift")]
@@ -115,7 +117,11 @@ fn warnings(path: &Path, record: &Record) -> Vec<String> {
     if !record.skipped.is_empty() {
         said.push(format!("{}: {}", path.display(), record.skipped));
     }
-    said.extend(record.timing.as_ref().and_then(identification::unevenness));
+    said.extend(
+        findings::of_timing(record.timing.as_ref())
+            .as_ref()
+            .map(say::say),
+    );
     said
 }
 

@@ -12,6 +12,7 @@ use undrift::{
     results,
     table::outage_table,
 };
+use undrift_report::say;
 
 type Failure = Box<dyn std::error::Error + Send + Sync>;
 
@@ -48,9 +49,10 @@ pub fn navigate<'py>(
     };
     let (report, json) = py
         .detach(|| {
-            let report = navigation::navigate_for(&drive.drive, kind, wanted)?;
+            let report =
+                navigation::navigate_for(&drive.drive, kind, wanted).map_err(say::unsolved)?;
             let about = results::Drive::of(&drive.file, &drive.drive);
-            let json = results::text(&report.result(kind, about));
+            let json = results::text(&say::navigated(&report, kind, about));
             Ok::<_, Failure>((report, json))
         })
         .map_err(error)?;
@@ -88,10 +90,15 @@ pub fn outages<'py>(
         .ok_or_else(|| error("say how many outages: count, every or at"))?;
     let (outcomes, json) = py
         .detach(|| {
-            let logs = Logs::load(&drive.drive)?;
+            let logs = Logs::load(&drive.drive).map_err(say::unsolved)?;
             let cuts = logs.plan(&plan, length)?;
             let outcomes = logs.run(&kinds, &cuts, smooth, |_| {})?;
-            let json = results::text(&logs.result(&drive.file, &cuts, &outcomes, smooth));
+            let json = results::text(&say::cut(logs.result(
+                &drive.file,
+                &cuts,
+                &outcomes,
+                smooth,
+            )));
             Ok::<_, Failure>((outcomes, json))
         })
         .map_err(error)?;

@@ -2,8 +2,10 @@
 //!
 //! A sentence begins with a small letter and has no full stop, so that it can stand after a name.
 
+mod fill;
 mod start;
 
+pub use fill::{all, cut, navigated, outcome};
 pub use start::{alignment, mounting, unsolved};
 
 use crate::parts::{error, short};
@@ -310,9 +312,9 @@ fn accuracy(of: Part, factor: f64, adapted: bool, correlated: bool) -> String {
 /// Where the IMU's axes lie, by the body axes that accelerate and are pushed.
 fn axes(forward: Option<i8>, right: Option<i8>) -> String {
     let yaw = match (forward, right) {
-        (Some(-1), Some(-2)) => Some(("backwards", 180)),
-        (Some(2), Some(-1)) => Some(("to the left", -90)),
-        (Some(-2), Some(1)) => Some(("to the right", 90)),
+        (Some(-1), Some(-2) | None) => Some(("backwards", 180)),
+        (Some(2), Some(-1) | None) => Some(("to the left", -90)),
+        (Some(-2), Some(1) | None) => Some(("to the right", 90)),
         _ => None,
     };
     if let Some((faces, yaw)) = yaw {

@@ -3,7 +3,11 @@
 
 mod collect;
 
-pub use collect::{of_accuracy, of_disagreement, of_health, of_held, of_scalar, of_skipped};
+pub use crate::replay::Log;
+pub use collect::{
+    WITHOUT_GNSS, of_accuracy, of_disagreement, of_health, of_held, of_scalar, of_skipped,
+    of_timing,
+};
 
 use crate::replay::{Contradiction, FixMend, Lean, Part, RestartCause};
 use serde::{Deserialize, Serialize};
@@ -19,25 +23,6 @@ pub enum Severity {
     Warning,
     /// There is no result, or none from some time on.
     Unusable,
-}
-
-/// A log of a drive, or a static recording.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
-pub enum Log {
-    /// Inertial samples.
-    Imu,
-    /// Fixes.
-    Gnss,
-    /// The reference.
-    Truth,
-    /// Speeds.
-    Odometer,
-    /// Heights.
-    Barometer,
-    /// A static recording.
-    Recording,
 }
 
 /// Why a solution has no error although there is a truth.

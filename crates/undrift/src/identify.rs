@@ -5,7 +5,7 @@ mod series;
 mod settings;
 
 pub use series::RecordSeries;
-pub use settings::{RecordingError, Trend, options, provenance, rate, unevenness};
+pub use settings::{RecordingError, Trend, options, provenance, rate};
 
 use crate::record::Record;
 use rayon::prelude::*;

@@ -21,7 +21,6 @@ pub mod navigate;
 pub mod outages;
 pub mod record;
 pub mod reference;
-pub mod remarks;
 pub mod replay;
 pub mod results;
 pub mod series;

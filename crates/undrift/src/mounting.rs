@@ -16,7 +16,6 @@ use crate::{
     replay::{Measurement, Observer, ReplayError, Settings, replay},
     vehicle::Constraints,
 };
-use std::fmt;
 use undrift_io::ReadError;
 use undrift_nav::{
     Matrix3, Quaternion, Vector3,
@@ -63,21 +62,6 @@ impl Mounting {
     /// Rotation matrix C_b^v, sensor to vehicle.
     pub fn matrix(&self) -> Matrix3 {
         self.q_vb.to_rotation_matrix().into_inner()
-    }
-}
-
-impl fmt::Display for Mounting {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (rpy, std) = (
-            self.rpy().map(f64::to_degrees),
-            self.std.map(f64::to_degrees),
-        );
-        write!(
-            f,
-            "roll {:.2}, pitch {:.2}, yaw {:.2} deg; ±{:.2} about forward, ±{:.2} about right, ±{:.2} deg about down; \
-             from {:.0} s of straight driving",
-            rpy.x, rpy.y, rpy.z, std.x, std.y, std.z, self.duration
-        )
     }
 }
 

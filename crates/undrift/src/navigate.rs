@@ -12,6 +12,7 @@ use crate::{
     align::Heading,
     consistency::Consistency,
     drive::{Drive, DriveError},
+    findings::Log,
     mounting::{self, Mounting, MountingError},
     reference::{COMPONENTS, Errors, TruthCursor},
     replay::{Measurement, Observer, ReplayError, Settings, Summary, merge, replay},
@@ -63,7 +64,7 @@ pub struct Report {
     /// What was left out of the GNSS log.
     pub gnss_skipped: Skipped,
     /// What was left out of the odometer's and the barometer's logs, and their gaps, where there are such.
-    pub scalars: Vec<(&'static str, Skipped, GapSummary)>,
+    pub scalars: Vec<(Log, Skipped, GapSummary)>,
     /// What was left out of the truth.
     pub truth_skipped: Skipped,
     /// Gaps of the inertial log.
@@ -234,8 +235,8 @@ pub fn navigate_for(
         // What was left out is often why.
         ReplayError::NotAligned(mut why) => {
             why.skipped = vec![
-                ("IMU", imu.skipped().clone()),
-                ("GNSS", gnss.skipped().clone()),
+                (Log::Imu, imu.skipped().clone()),
+                (Log::Gnss, gnss.skipped().clone()),
             ];
             ReplayError::NotAligned(why)
         }
@@ -292,10 +293,10 @@ pub fn navigate_for(
         truth_skipped,
         gaps: imu.gaps(),
         held: imu.held(),
-        scalars: [("odometer", odometer), ("barometer", barometer)]
+        scalars: [(Log::Odometer, odometer), (Log::Barometer, barometer)]
             .into_iter()
-            .filter_map(|(name, reader)| {
-                reader.map(|reader| (name, reader.skipped().clone(), reader.gaps()))
+            .filter_map(|(log, reader)| {
+                reader.map(|reader| (log, reader.skipped().clone(), reader.gaps()))
             })
             .collect(),
     })

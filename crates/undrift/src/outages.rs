@@ -11,6 +11,7 @@ pub use logs::Logs;
 pub use result::{Experiment, track};
 pub use schedule::{Schedule, ScheduleError, schedule};
 
+use crate::findings::Finding;
 use crate::smooth::{self, History};
 use crate::{
     reference::{self, Errors, HORIZONTAL, TruthCursor},
@@ -50,7 +51,7 @@ pub struct ModelErrors {
     /// Outage by outage.
     pub per_outage: Vec<OutageErrors>,
     /// Set when the numbers cannot be trusted, and why.
-    pub warning: Option<String>,
+    pub finding: Option<Finding>,
 }
 
 /// A model's name, its filter settings, and how its replay went.
@@ -245,21 +246,15 @@ impl<'a> OutageWatch<'a> {
             .iter()
             .filter(|o| o.end.0[HORIZONTAL].is_nan())
             .count();
-        let warning = if let Some(time) = summary.diverged {
-            Some(format!("the solution diverged at {time:.1} s"))
-        } else if empty > 0 {
-            Some(match summary.started {
-                Some(start) if per_outage.iter().any(|o| o.start_s < start) => {
-                    format!(
-                        "navigation began at {start:.1} s, after the start of the first outage; begin the outages later"
-                    )
-                }
-                _ => format!("{empty} of the outages have no reference inside them"),
-            })
-        } else {
-            summary.suspect.map(|time| {
-                format!("the innovations from {time:.1} s on are far beyond their predicted size: the solution diverges from the fixes or the model is wrong")
-            })
+        let finding = match (summary.diverged, summary.started) {
+            (Some(time), _) => Some(Finding::Diverged { time }),
+            (None, Some(time)) if empty > 0 && per_outage.iter().any(|o| o.start_s < time) => {
+                Some(Finding::StartedLate { time })
+            }
+            _ if empty > 0 => Some(Finding::NoReference { outages: empty }),
+            _ => summary
+                .suspect
+                .map(|start| Finding::LargeInnovations { start }),
         };
         ModelErrors {
             max: reference::max(&largest),
@@ -267,7 +262,7 @@ impl<'a> OutageWatch<'a> {
             median: reference::median(&largest),
             end_rms: reference::rms(&ends),
             per_outage,
-            warning,
+            finding,
         }
     }
 }

@@ -15,7 +15,7 @@ mod rest;
 mod run;
 mod summary;
 
-pub use events::{Contradiction, FixMend, Implausible, Lean, Part, Restart, RestartCause};
+pub use events::{Contradiction, FixMend, Implausible, Lean, Log, Part, Restart, RestartCause};
 pub use health::CovarianceHealth;
 pub use measurement::{Measurement, Scalar, merge};
 pub use quality::QualityStd;
@@ -23,7 +23,6 @@ pub use summary::{Innovations, MOST_EVENTS, SUSPECT_NIS, SUSPECT_UPDATES, Summar
 
 use crate::{
     align::{AlignSettings, AlignmentFailure},
-    remarks,
     size::{AnySize, sized},
     vehicle::Constraints,
 };
@@ -165,7 +164,7 @@ pub enum ReplayError {
     #[error("cannot write the result: {0}")]
     Write(#[from] std::io::Error),
     /// No alignment before the log ended.
-    #[error("{}", remarks::of_not_aligned(.0))]
+    #[error(transparent)]
     NotAligned(Box<NotAligned>),
     /// The filter cannot be built.
     #[error(transparent)]
@@ -173,7 +172,8 @@ pub enum ReplayError {
 }
 
 /// A log without an alignment, and what is known of why.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("the log could not be aligned: {failure}{}", span(*.times))]
 pub struct NotAligned {
     /// What was missing.
     pub failure: AlignmentFailure,
@@ -181,8 +181,15 @@ pub struct NotAligned {
     pub times: Option<[f64; 3]>,
     /// Units, axes, signs or times that cannot be right.
     pub implausible: Vec<Implausible>,
-    /// What was left out of each log, by its name.
-    pub skipped: Vec<(&'static str, Skipped)>,
+    /// What was skipped in each log.
+    pub skipped: Vec<(Log, Skipped)>,
+}
+
+/// From when to when there are samples and fixes, for [`NotAligned`].
+fn span(times: Option<[f64; 3]>) -> String {
+    times.map_or(String::new(), |[from, to, fixes]| {
+        format!("; the samples run from {from:.3} s to {to:.3} s, the fixes from {fixes:.3} s on")
+    })
 }
 
 /// Navigates a log. The size of the filter follows the models.

@@ -269,7 +269,7 @@ fn stamps_that_are_not_even_are_said_and_reported() {
     };
     let text = record(HEADER, 3000);
     let (said, json) = found(&stamped(&text, 0.01, 0.4));
-    assert!(said.contains("not evenly stamped"), "{said}");
+    assert!(said.contains("not evenly spaced"), "{said}");
     assert_eq!(json["timing"]["even"], false);
     // 0.4 of the interval, forth and back, in 2 of 7 of them: 0.4 √(2/7) of 10 ms.
     let jitter = json["timing"]["jitter_rms_s"].as_f64().unwrap();

@@ -1,6 +1,7 @@
 //! Sentences of how a solution starts, or why it does not.
 
-use super::say;
+use super::all;
+use std::error::Error;
 use undrift::{
     align::{Alignment, AttitudeSource, HeadingSource},
     mounting::Mounting,
@@ -49,9 +50,9 @@ pub fn mounting(mounting: &Mounting) -> String {
 }
 
 /// Why a drive has no solution, with what was found out about its logs.
-pub fn unsolved(error: &NavigateError) -> String {
-    let findings = error.findings();
-    let found = findings.iter().map(say);
-    let parts: Vec<String> = std::iter::once(error.to_string()).chain(found).collect();
-    parts.join("; ")
+pub fn unsolved(error: NavigateError) -> Box<dyn Error + Send + Sync> {
+    match error.findings().as_slice() {
+        [] => error.into(),
+        found => format!("{error}; {}", all(found).join("; ")).into(),
+    }
 }

@@ -44,24 +44,34 @@ pub enum HeadingSource {
 }
 
 /// Why there was no alignment.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum AlignmentFailure {
     /// No fix within the inertial log has a usable position.
+    #[error("no fix within the inertial log has a usable position")]
     NoPosition,
     /// No fix lies within the inertial log.
+    #[error("no usable GNSS position fell within the inertial log; compare the two time columns")]
     NoOverlap,
     /// The attitude is given, but no fix has a velocity and no two are close enough to make one.
+    #[error(
+        "the fixes carry no velocity and no two are close enough to make one; set initial.velocity"
+    )]
     NoVelocity,
     /// Neither rest nor motion gave the attitude.
+    #[error("{0}, and {1}")]
     NoAttitude(RestFailure, MotionFailure),
 }
 
-/// Why there was no alignment after a rest.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Why there was no alignment after a rest, and what to set instead.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum RestFailure {
     /// There was no rest.
+    #[error("there was no rest to level on (set initial.attitude)")]
     NoRest,
     /// The course is the heading above a speed that was never reached.
+    #[error(
+        "the speed never reached {min_speed:.1} m/s (fastest {fastest:.1} m/s), so the course gives no heading (set initial.min_speed, initial.heading or initial.attitude)"
+    )]
     TooSlow {
         /// That speed \[m/s\].
         min_speed: f64,
@@ -69,23 +79,34 @@ pub enum RestFailure {
         fastest: f64,
     },
     /// The course is the heading above a speed that no fix after the rest had.
+    #[error(
+        "no fix after a rest was faster than {min_speed:.1} m/s, so the course gives no heading (set initial.heading or initial.attitude)"
+    )]
     NoFastFix {
         /// That speed \[m/s\].
         min_speed: f64,
     },
     /// Nothing gives the heading.
+    #[error("there was rest, but no heading (set initial.heading or initial.attitude)")]
     NoHeading,
 }
 
 /// Why there was no alignment in motion, from what says least to what says most.
-#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd, thiserror::Error)]
 pub enum MotionFailure {
     /// The fixes have no velocity.
     #[default]
+    #[error("the fixes carry no velocity, which an alignment in motion needs")]
     NoVelocity,
     /// There were never enough fixes with a velocity one after the other.
+    #[error(
+        "there were never enough fixes with a velocity one after the other for an alignment in motion"
+    )]
     TooFew,
     /// The velocity hardly changed.
+    #[error(
+        "the velocity changed by {change:.1} m/s at most within {within:.0} s, which says too little of the heading: an alignment in motion needs speeding up, braking or turning"
+    )]
     TooSteady {
         /// By how much at most \[m/s\] …
         change: f64,
@@ -93,12 +114,22 @@ pub enum MotionFailure {
         within: f64,
     },
     /// The velocity changes fit more than one attitude.
+    #[error(
+        "the velocity changes fit more than one attitude: an alignment in motion needs more speeding up, braking or turning"
+    )]
     Ambiguous,
     /// They give the attitude with too large a standard deviation \[rad\].
+    #[error(
+        "the velocity changes give the attitude to {:.1} deg only: an alignment in motion needs more speeding up, braking or turning, or the noise model is too modest", .0.to_degrees()
+    )]
     Uncertain(f64),
     /// The log ended while the attitude had this standard deviation \[rad\].
+    #[error("the log ended while the attitude was known to {:.1} deg", .0.to_degrees())]
     Settling(f64),
     /// Samples and fixes do not fit together: the squared residuals over what they should be.
+    #[error(
+        "samples and fixes do not fit together (squared residuals {0:.0} times what they should be): compare axes, units, time columns and standard deviations"
+    )]
     Misfit(f64),
 }
 

@@ -32,7 +32,7 @@ impl Demo {
             reference: "truth",
             track: &self.simulation.truth,
             smooth: false,
-            warnings: Vec::new(),
+            findings: Vec::new(),
         }
     }
 

@@ -3,6 +3,7 @@
 use super::{Finding, Log};
 use crate::replay::{Implausible, Innovations, Part, Summary};
 use undrift_io::{held::Held, imu::GapSummary, skipped::Skipped};
+use undrift_noise::screening::Timing;
 
 /// Spans without a usable fix longer than this are reported \[s\].
 pub const WITHOUT_GNSS: f64 = 5.0;
@@ -149,6 +150,16 @@ pub fn of_skipped(logs: &[(Log, &Skipped)]) -> Vec<Finding> {
         kinds: skipped.to_string(),
     })
     .collect()
+}
+
+/// Stamps of a static recording that are not evenly spaced.
+pub fn of_timing(timing: Option<&Timing>) -> Option<Finding> {
+    let uneven = timing.filter(|timing| !timing.even)?;
+    Some(Finding::Uneven {
+        gaps: uneven.gaps.len(),
+        jitter_rms: uneven.jitter_rms_s,
+        interval: uneven.interval_s,
+    })
 }
 
 /// A stated accuracy of a part of the fixes that is wrong by a factor.

@@ -1,7 +1,7 @@
 //! What came of one log.
 
 use super::Job;
-use crate::{drive::ConfigError, reference::COMPONENTS};
+use crate::{drive::ConfigError, findings::Finding, reference::COMPONENTS};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -24,7 +24,10 @@ pub struct Outcome {
     pub failed: Option<String>,
     /// Bias models or axes that nothing came of, and why.
     pub failed_parts: BTreeMap<String, String>,
-    /// What should be said of the log, in sentences.
+    /// What was found out about the log.
+    #[serde(default)]
+    pub findings: Vec<Finding>,
+    /// The same in sentences, and those of identified axes; who keeps outcomes fills them in.
     pub warnings: Vec<String>,
     /// Names of the numbers of each row.
     pub columns: Vec<String>,
@@ -40,8 +43,11 @@ pub struct Row {
     pub part: String,
     /// Which outage, from 1.
     pub outage: Option<u32>,
-    /// What should be said of it, or the model that was recommended.
+    /// The model that was recommended, or the sentence of `finding`.
     pub note: Option<String>,
+    /// Why the numbers cannot be trusted, if so.
+    #[serde(default)]
+    pub finding: Option<Finding>,
     /// A number for each of [`Outcome::columns`]; `None` where there is none.
     pub values: Vec<Option<f64>>,
 }
@@ -57,6 +63,7 @@ impl Outcome {
             task: job.task.name().into(),
             failed: None,
             failed_parts: BTreeMap::new(),
+            findings: Vec::new(),
             warnings: Vec::new(),
             columns: columns(job.task.name()),
             rows: Vec::new(),

@@ -7,6 +7,7 @@ use super::{
 use crate::{
     columns::{Meaning, meaning},
     drive::{Drive, read_text},
+    findings::{self, Finding, Log},
     identify::{self, Trend},
     navigate::{self, Wanted},
     outages::{Logs, ScheduleError},
@@ -65,7 +66,10 @@ pub fn process(job: &Job) -> Outcome {
         .iter_mut()
         .chain(outcome.failed_parts.values_mut())
         .chain(&mut outcome.warnings)
-        .chain(outcome.rows.iter_mut().filter_map(|row| row.note.as_mut()));
+        .chain(outcome.findings.iter_mut().filter_map(|found| match found {
+            Finding::Skipped { kinds, .. } => Some(kinds),
+            _ => None,
+        }));
     for text in texts {
         *text = without_folders(text, &folders);
     }
@@ -207,7 +211,7 @@ fn outages(
     let schedule = plan.schedule().ok_or(ScheduleError::Zero)?;
     let cuts = logs.plan(&schedule, plan.length_s)?;
     let results = logs.run(kinds, &cuts, smooth, |_| {})?;
-    outcome.warnings = logs.remarks(&results);
+    outcome.findings = logs.findings(&results);
     for (name, run) in &results {
         let run = match run {
             Ok(run) => run,
@@ -223,7 +227,8 @@ fn outages(
                 Row {
                     part: name.clone(),
                     outage: Some(which),
-                    note: run.errors.warning.clone(),
+                    note: None,
+                    finding: run.errors.finding.clone(),
                     values: [number(outage.start_s), number(cut.end - cut.start)]
                         .into_iter()
                         .chain(errors(&outage.max))
@@ -251,13 +256,14 @@ fn navigate(
         let report = match navigate::navigate_for(&drive, *kind, wanted) {
             Ok(report) => report,
             Err(error) => {
+                outcome.findings.extend(error.findings());
                 outcome.failed_parts.insert(name, told(&error));
                 continue;
             }
         };
-        for warning in report.warnings() {
-            if !outcome.warnings.contains(&warning) {
-                outcome.warnings.push(warning);
+        for finding in report.findings() {
+            if !outcome.findings.contains(&finding) {
+                outcome.findings.push(finding);
             }
         }
         let summary = &report.summary;
@@ -267,7 +273,8 @@ fn navigate(
         outcome.rows.push(Row {
             part: name,
             outage: None,
-            note: report.divergence(),
+            note: None,
+            finding: summary.diverged.map(|time| Finding::Diverged { time }),
             values: [
                 summary.started.and_then(number),
                 number(summary.ended),
@@ -297,13 +304,10 @@ fn identify(job: &Job, settings: &RecordSettings, outcome: &mut Outcome) -> Resu
         let count = values.len() as u64;
         outcome.temperature_c = mean_celsius(values.iter().sum(), count, unit.as_deref());
     }
-    if !record.skipped.is_empty() {
-        outcome.warnings.push(record.skipped.to_string());
-    }
+    let skipped = (Log::Recording, &record.skipped);
+    outcome.findings.extend(findings::of_skipped(&[skipped]));
     let timing = record.timing.as_ref();
-    outcome
-        .warnings
-        .extend(timing.and_then(identify::unevenness));
+    outcome.findings.extend(findings::of_timing(timing));
     let rate_hz = identify::rate(settings.rate_hz, timing)?;
     let options = identify::options(&record, rate_hz, settings.n_max, settings.detrend);
     let identified = identify::run(&record, &options, || {});
@@ -332,6 +336,7 @@ fn identify(job: &Job, settings: &RecordSettings, outcome: &mut Outcome) -> Resu
             part: (*name).to_owned(),
             outage: None,
             note: Some(chosen.name.clone()),
+            finding: None,
             values: [
                 number(axis.samples as f64),
                 number(axis.mean),

@@ -103,8 +103,8 @@ pub fn job_path(folder: &Path, fingerprint: &str) -> PathBuf {
 }
 
 /// Works all jobs out that are not up to date, and keeps each outcome in a file of its own under
-/// [`job_path`], which appears whole: whatever ends this, a later run goes on. `told` is called after
-/// each job with its outcome, `None` where it was up to date.
+/// [`job_path`], which appears whole: whatever ends this, a later run goes on. `say` fills in the sentences
+/// of an outcome before it is kept, `told` is called after each job with its outcome, `None` where it was up to date.
 ///
 /// # Errors
 /// If an outcome cannot be kept.
@@ -112,6 +112,7 @@ pub fn run(
     jobs: &[Job],
     folder: &Path,
     options: Options,
+    say: impl Fn(&mut Outcome) + Sync,
     told: impl Fn(Option<&Outcome>) + Sync,
 ) -> Result<Done, FleetError> {
     let outcomes = folder.join("jobs");
@@ -130,7 +131,7 @@ pub fn run(
             let place = next.fetch_add(1, Relaxed);
             jobs.get(place).map(|job| (place, job))
         } {
-            let step = pool.install(|| one(job, folder, options, &seen));
+            let step = pool.install(|| one(job, folder, options, &say, &seen));
             if let Ok(step) = &step {
                 told(step.outcome.as_ref());
             }
@@ -190,6 +191,7 @@ fn one(
     job: &Job,
     folder: &Path,
     options: Options,
+    say: &(impl Fn(&mut Outcome) + Sync),
     seen: &Mutex<HashSet<String>>,
 ) -> Result<Step, FleetError> {
     let fingerprint = fingerprint(job);
@@ -216,7 +218,8 @@ fn one(
     if options.look_only {
         return Ok(step(State::Missing, None));
     }
-    let outcome = process(job);
+    let mut outcome = process(job);
+    say(&mut outcome);
     write_whole(&path, outcome.to_json()).map_err(FleetError::file(&path))?;
     Ok(step(State::Processed, Some(outcome)))
 }

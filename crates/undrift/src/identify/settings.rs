@@ -62,18 +62,6 @@ pub fn rate(stated: Option<f64>, timing: Option<&Timing>) -> Result<f64, Recordi
     stated.or(stamps).ok_or(RecordingError::NoRate)
 }
 
-/// What should be said of stamps that are not evenly spaced.
-pub fn unevenness(timing: &Timing) -> Option<String> {
-    (!timing.even).then(|| {
-        format!(
-            "the record is not evenly stamped: {} gaps, jitter {:.2} ms RMS of {:.2} ms; it is taken as if it were",
-            timing.gaps.len(),
-            timing.jitter_rms_s * 1e3,
-            timing.interval_s * 1e3
-        )
-    })
-}
-
 /// The options for a record at a rate [Hz]; a record without temperatures has none taken out.
 pub fn options(record: &Record, rate_hz: f64, n_max: usize, trend: Trend) -> Options<'_> {
     let detrend = match (trend, &record.temperature) {

@@ -17,12 +17,12 @@ impl Report {
         found.extend(findings::of_health(s));
         found.extend(findings::of_held(&self.held));
         found.extend(findings::of_disagreement(s));
-        for (name, skipped, gaps) in &self.scalars {
-            let (log, used) = match *name {
-                "odometer" => (Log::Odometer, &s.odometer),
-                _ => (Log::Barometer, &s.barometer),
+        for (log, skipped, gaps) in &self.scalars {
+            let used = match log {
+                Log::Odometer => &s.odometer,
+                _ => &s.barometer,
             };
-            found.extend(findings::of_scalar(log, skipped, gaps, used));
+            found.extend(findings::of_scalar(*log, skipped, gaps, used));
         }
         // With a wrong unit or axis the innovations say nothing about the accuracy.
         if s.implausible.is_empty() {
@@ -76,8 +76,7 @@ impl ReplayError {
         let Self::NotAligned(why) = self else {
             return Vec::new();
         };
-        let log = |name: &str| if name == "IMU" { Log::Imu } else { Log::Gnss };
-        let logs: Vec<_> = why.skipped.iter().map(|(name, s)| (log(name), s)).collect();
+        let logs: Vec<_> = why.skipped.iter().map(|(log, s)| (*log, s)).collect();
         let implausible = why.implausible.iter().map(|what| (*what).into());
         implausible.chain(findings::of_skipped(&logs)).collect()
     }

@@ -2,8 +2,8 @@
 
 use crate::{
     consistency::COMPONENT_NAMES,
+    findings::WITHOUT_GNSS,
     reference::{COMPONENTS, Errors},
-    remarks::WITHOUT_GNSS,
     replay::MOST_EVENTS,
     results::{Curve, NavigateSeries, Track},
     series::{Envelope, ROWS, Thinned, to_millimetre, to_millisecond},

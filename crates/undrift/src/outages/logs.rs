@@ -6,7 +6,6 @@ use crate::{
     findings::{self, Finding, Log},
     mounting::{self, Mounting},
     navigate::{NavigateError, scalars, settings},
-    remarks,
     replay::{Measurement, Outage, ReplayError, merge},
     results::{self, Outages},
 };
@@ -32,7 +31,7 @@ pub struct Logs {
     pub aiding: Vec<Measurement>,
     /// The reference; empty if there is none.
     pub truth: Vec<TruthSample>,
-    skipped: Vec<(&'static str, Skipped)>,
+    skipped: Vec<(Log, Skipped)>,
     odometer: Option<(Skipped, GapSummary)>,
     barometer: Option<(Skipped, GapSummary)>,
 }
@@ -58,13 +57,13 @@ impl Logs {
         )
         .collect::<Result<Vec<_>, _>>()?;
         let mut skipped = vec![
-            ("IMU", imu_reader.skipped().clone()),
-            ("GNSS", gnss_reader.skipped().clone()),
+            (Log::Imu, imu_reader.skipped().clone()),
+            (Log::Gnss, gnss_reader.skipped().clone()),
         ];
         let mut truth = Vec::new();
         if let Some(mut reader) = drive.open_truth()? {
             truth = reader.by_ref().collect::<Result<Vec<_>, _>>()?;
-            skipped.push(("truth", reader.skipped().clone()));
+            skipped.push((Log::Truth, reader.skipped().clone()));
         }
         let health = |reader: Option<ScalarReader>| reader.map(|r| (r.skipped().clone(), r.gaps()));
         Ok(Self {
@@ -145,32 +144,6 @@ impl Logs {
         track(&self.truth, &self.gnss)
     }
 
-    /// What should be said of the logs and of the first model's run.
-    pub fn remarks(&self, results: &[Outcome]) -> Vec<String> {
-        let mut said = Vec::new();
-        let mut runs = results.iter().filter_map(|(_, run)| run.as_ref().ok());
-        if let Some(run) = runs.next() {
-            said.extend(remarks::of_health(&run.summary));
-            // Among several, what one model disagrees with says nothing of the log.
-            if runs.next().is_none() {
-                said.extend(remarks::of_disagreement(&run.summary));
-            }
-            for (name, health, used) in [
-                ("odometer", &self.odometer, &run.summary.odometer),
-                ("barometer", &self.barometer, &run.summary.barometer),
-            ] {
-                let health = health.iter();
-                said.extend(
-                    health
-                        .flat_map(|(skipped, gaps)| remarks::of_scalar(name, skipped, gaps, used)),
-                );
-            }
-        }
-        let logs: Vec<_> = self.skipped.iter().map(|(log, s)| (*log, s)).collect();
-        said.extend(remarks::of_skipped(&logs));
-        said
-    }
-
     /// What the logs and the runs show; of several models' runs, what the first one shows of the logs.
     pub fn findings(&self, results: &[Outcome]) -> Vec<Finding> {
         let mut found = Vec::new();
@@ -193,10 +166,7 @@ impl Logs {
         }
         let failed = results.iter().find_map(|(_, run)| run.as_ref().err());
         found.extend(failed.into_iter().flat_map(ReplayError::findings));
-        let logs = [Log::Imu, Log::Gnss, Log::Truth]
-            .into_iter()
-            .zip(&self.skipped);
-        let logs: Vec<_> = logs.map(|(log, (_, skipped))| (log, skipped)).collect();
+        let logs: Vec<_> = self.skipped.iter().map(|(log, s)| (*log, s)).collect();
         found.extend(findings::of_skipped(&logs));
         found
     }
@@ -216,7 +186,7 @@ impl Logs {
             reference: self.reference(),
             track: &self.track(),
             smooth,
-            warnings: self.remarks(results),
+            findings: self.findings(results),
         }
         .result()
     }

@@ -2,6 +2,7 @@
 
 use super::{ModelRun, Outcome, drift::drift_curve};
 use crate::{
+    findings::Finding,
     replay::Outage,
     results::{
         Cut, Drift, Drive, ModelErrors, NisOfParts, Number, OutageErrors, OutageSeries, Outages,
@@ -26,12 +27,12 @@ pub struct Experiment<'a> {
     pub track: &'a [TruthSample],
     /// Whether the errors are those of the smoothed solutions.
     pub smooth: bool,
-    /// What should be said of the logs.
-    pub warnings: Vec<String>,
+    /// What was found out about the logs.
+    pub findings: Vec<Finding>,
 }
 
 impl Experiment<'_> {
-    /// Everything as a result.
+    /// Everything as a result but for its sentences.
     pub fn result(self) -> Outages {
         let cut = |o: &Outage| Cut {
             start_s: o.start.into(),
@@ -44,7 +45,7 @@ impl Experiment<'_> {
             outages: self.outages.iter().map(cut).collect(),
             reference: self.reference.into(),
             smooth: self.smooth,
-            warnings: self.warnings,
+            findings: self.findings,
             series: OutageSeries {
                 track: path(self.track),
                 drift: BTreeMap::new(),
@@ -86,7 +87,8 @@ impl From<&super::ModelErrors> for ModelErrors {
             median: errors.median.numbers(),
             end_rms: errors.end_rms.numbers(),
             per_outage: errors.per_outage.iter().map(outage).collect(),
-            warning: errors.warning.clone(),
+            finding: errors.finding.clone(),
+            warning: None,
         }
     }
 }

@@ -2,6 +2,25 @@
 
 use serde::{Deserialize, Serialize};
 
+/// A log of a drive, or a static recording.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Log {
+    /// Inertial samples.
+    Imu,
+    /// Fixes.
+    Gnss,
+    /// The reference.
+    Truth,
+    /// Speeds.
+    Odometer,
+    /// Heights.
+    Barometer,
+    /// A static recording.
+    Recording,
+}
+
 /// Part of a fix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

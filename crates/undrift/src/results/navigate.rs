@@ -1,6 +1,7 @@
 //! A navigated drive.
 
 use super::{Curve, Drive, Number, Numbers, Track};
+use crate::findings::Finding;
 use crate::replay::{Contradiction, CovarianceHealth, Implausible, Innovations, Lean, Restart};
 use serde::{Deserialize, Deserializer, Serialize, de::IgnoredAny};
 use std::collections::BTreeMap;
@@ -20,7 +21,7 @@ pub struct Navigate {
     pub bias_model: String,
     /// Whether the solution is the smoothed one.
     pub smooth: bool,
-    /// How the IMU sits, where that was estimated.
+    /// How the IMU sits in words, where that was estimated; who shows results fills it in.
     pub mounting: Option<String>,
     /// Innovations of the positions.
     pub position: Nis,
@@ -40,7 +41,10 @@ pub struct Navigate {
     pub skipped: BTreeMap<String, String>,
     /// Counts and findings of the replay.
     pub summary: Summary,
-    /// What should be said with the solution, in sentences.
+    /// What was found out about logs and solution.
+    #[serde(deserialize_with = "known")]
+    pub findings: Vec<Finding>,
+    /// The same in sentences; who shows results fills them in.
     pub warnings: Vec<String>,
     /// For plots.
     pub series: Option<NavigateSeries>,
@@ -81,7 +85,7 @@ pub struct Summary {
     pub align_samples: u64,
     /// When navigation began \[s\].
     pub started: Number,
-    /// How the heading was found, in words.
+    /// How the first attitude was found, in words; who shows results fills it in.
     pub alignment: String,
     /// Time of the last sample \[s\].
     pub ended: Number,
@@ -138,7 +142,9 @@ pub struct Summary {
 }
 
 /// Those of a list that this version knows: others may have other kinds of them.
-fn known<'de, D: Deserializer<'de>, T: Deserialize<'de>>(list: D) -> Result<Vec<T>, D::Error> {
+pub(super) fn known<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+    list: D,
+) -> Result<Vec<T>, D::Error> {
     #[derive(Deserialize)]
     #[serde(untagged)]
     enum Event<T> {

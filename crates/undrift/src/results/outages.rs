@@ -1,6 +1,7 @@
 //! What GNSS outages do.
 
-use super::{Drive, Number, Numbers, Track};
+use super::{Drive, Number, Numbers, Track, navigate::known};
+use crate::findings::Finding;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -29,7 +30,10 @@ pub struct Outages {
     pub smooth: bool,
     /// Normalised innovations squared of each model per degree of freedom.
     pub nis_per_dof: BTreeMap<String, NisOfParts>,
-    /// What should be said of the logs, in sentences.
+    /// What was found out about the logs.
+    #[serde(deserialize_with = "known")]
+    pub findings: Vec<Finding>,
+    /// The same in sentences; who shows results fills them in.
     pub warnings: Vec<String>,
     /// For plots.
     pub series: OutageSeries,
@@ -62,6 +66,9 @@ pub struct ModelErrors {
     /// Outage by outage.
     pub per_outage: Vec<OutageErrors>,
     /// Why the numbers cannot be trusted, if so.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub finding: Option<Finding>,
+    /// The same as a sentence; who shows results fills it in.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub warning: Option<String>,
 }

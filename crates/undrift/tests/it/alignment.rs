@@ -319,7 +319,7 @@ fn the_mounting_of_simulated_cars_is_found() {
             let found = mounting::estimate(imu, gnss, &settings).unwrap();
             let error = (found.q_vb * q_vb.inverse()).scaled_axis();
             println!(
-                "{seed} {cut}: error {:.2?} deg, {found}",
+                "{seed} {cut}: error {:.2?} deg, {found:?}",
                 error.map(f64::to_degrees).as_slice()
             );
             for axis in 0..3 {
@@ -418,7 +418,7 @@ fn ublox_drives_from_any_start() {
             std::fs::remove_file(&output).unwrap();
             let (errors, _) = report.rmse.unwrap();
             println!(
-                "{name} from {cut} s: {:.2} m RMS, heading {heading:.2} deg median; {}\n  {:?}",
+                "{name} from {cut} s: {:.2} m RMS, heading {heading:.2} deg median; {:?}\n  {:?}",
                 errors.0[HORIZONTAL],
                 report.mounting.unwrap(),
                 report.summary.alignment
@@ -446,7 +446,7 @@ fn rtk_drive_mounting_and_starts_in_motion() {
         let found = report.mounting.unwrap();
         let error = (found.q_vb * truth.inverse()).scaled_axis();
         println!(
-            "{start}: {:.2?} deg, {found}; {:?}",
+            "{start}: {:.2?} deg, {found:?}; {:?}",
             error.map(f64::to_degrees).as_slice(),
             report.summary.alignment
         );

@@ -183,7 +183,7 @@ fn a_block_of_zero_bytes() {
         &outcome.stderr,
         &[
             "1 row with text where a number belongs",
-            "long gaps between samples: 1",
+            "1 long gap between samples",
         ],
     );
 }

@@ -241,7 +241,7 @@ fn standard_deviations_beyond_all_measure() {
 fn utc_and_gps_time_mixed() {
     for by in [18.0, -18.0] {
         let warnings = late(by).write(&format!("leap_{by}")).doubted(&[
-            "the gyros see the turns of the GNSS course 18.",
+            "the gyros measure the turns of the GNSS course 18.",
             &format!("gnss.time_offset = \"{:.2} s\"", -by),
             "GPS time and UTC mixed",
         ]);
@@ -260,7 +260,7 @@ fn utc_and_gps_time_mixed() {
 fn a_second_late() {
     late(1.0)
         .write("second_late")
-        .doubted(&["the gyros see the turns of the GNSS course 1.00 s earlier"]);
+        .doubted(&["the gyros measure the turns of the GNSS course 1.00 s earlier"]);
 }
 
 #[test]
@@ -312,7 +312,7 @@ fn a_leap_second_within_the_log() {
             *row = row.at(row.time - 1.0);
         }
     });
-    let warnings = log.write("gnss_leap").doubted(&["jump: "]);
+    let warnings = log.write("gnss_leap").doubted(&["rejected "]);
     says(
         &warnings.join("\n"),
         &["GNSS log: 1 row with a time before that of the last row"],

@@ -1,0 +1,36 @@
+//! Results with their sentences.
+
+use super::{alignment, mounting, say};
+use undrift::{findings::Finding, fleet::Outcome, navigate::Report, noise::BiasModel, results};
+
+/// The sentences of findings.
+pub fn all(findings: &[Finding]) -> Vec<String> {
+    findings.iter().map(say).collect()
+}
+
+/// A navigated drive as a result; `drive` is what was navigated.
+pub fn navigated(report: &Report, kind: BiasModel, drive: results::Drive) -> results::Navigate {
+    let mut result = report.result(kind, drive);
+    result.warnings = all(&result.findings);
+    result.mounting = report.mounting.as_ref().map(mounting);
+    let start = report.summary.alignment.as_ref();
+    result.summary.alignment = start.map_or(String::new(), alignment);
+    result
+}
+
+/// An experiment with outages.
+pub fn cut(mut result: results::Outages) -> results::Outages {
+    result.warnings = all(&result.findings);
+    for errors in result.models.values_mut() {
+        errors.warning = errors.finding.as_ref().map(say);
+    }
+    result
+}
+
+/// The outcome of a log of a fleet.
+pub fn outcome(outcome: &mut Outcome) {
+    outcome.warnings.splice(0..0, all(&outcome.findings));
+    for row in &mut outcome.rows {
+        row.note = row.finding.as_ref().map(say).or(row.note.take());
+    }
+}
