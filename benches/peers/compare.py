@@ -72,7 +72,7 @@ def one(row, samples, record, path, options):
     def command(who, repeats):
         return python("tasks.py", who, task, path, repeats)
 
-    rust = [options.example, task.removesuffix("_own"), path, str(calls)]
+    rust = [options.statistics, task.removesuffix("_own"), path, str(calls)]
     ours, fault = in_turns([rust, command("ours", calls)])
     if fault:
         print(f"  ours failed: {fault}")
@@ -140,7 +140,7 @@ def main():
     parser.add_argument("--minutes", type=float, default=10.0, help="length of the drive beside peers")
     parser.add_argument("--seed", type=int, default=3)
     parser.add_argument("--limit", type=int, default=200, help="CPU time left to a peer [s]")
-    parser.add_argument("--example", required=True, help="the built example `peers`")
+    parser.add_argument("--statistics", required=True, help="the built program `peers` of tools/lab")
     parser.add_argument("--undrift", required=True, help="the built command")
     names = [row[1] for row in ROWS] + navigation.TASKS
     parser.add_argument("--only", nargs="+", metavar="TASK", choices=names, help=f"of {', '.join(names)}")

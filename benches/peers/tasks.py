@@ -1,7 +1,7 @@
 """The tasks of identification, through undrift's Python package and through the peers.
 
 Each function imports what it needs and returns the task, a function of the record: so that a process
-holds what its own task needs, and importing is not timed. Ours return what the example `peers` prints.
+holds what its own task needs, and importing is not timed. Ours return what the program `peers` prints.
 `tasks.py WHO TASK FILE REPEATS` runs one on a file of float64.
 """
 
@@ -96,7 +96,7 @@ def peer_pandit_wu():
 
 
 def allan_points(tau, deviation, taus, record):
-    """τ and deviation in turns; of all τ at most 50 000, by the rule of the example `peers`."""
+    """τ and deviation in turns; of all τ at most 50 000, by the rule of the program `peers`."""
     import numpy as np
 
     stride = max(len(record) // 100_000, 1) if taus == "all" else 1

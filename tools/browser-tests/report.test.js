@@ -1,4 +1,4 @@
-// Sample reports in a real browser. They are written by `cargo run -p undrift-report --example report_sample`.
+// Sample reports in a real browser. They are written by `cargo run -p undrift-lab --bin report_sample`.
 import test, { before, after } from "node:test";
 import assert from "node:assert/strict";
 import { stat } from "node:fs/promises";

@@ -1,5 +1,5 @@
 //! The optimum of the fit against random starts, and the profile intervals, on a few short series of
-//! a case like the source paper's. The full Monte Carlo is `examples/arma_coverage.rs`.
+//! a case like the source paper's. The full Monte Carlo is `tools/lab/src/bin/arma_coverage.rs`.
 
 use crate::common::random_starts;
 use undrift_nav::shaping::ShapingFilter;

@@ -1,7 +1,7 @@
 """Reads an MCAP file of crates/io/examples/solution_mcap.rs by two independent packages and compares it with its inputs.
 
     pip install rosbags==0.11.9 mcap==1.6.0 mcap-ros2-support==0.6.0 numpy
-    cargo run -p undrift-io --example solution_mcap -- /tmp/solution.mcap && python check.py /tmp/solution.mcap
+    cargo run -p undrift-lab --bin solution_mcap -- /tmp/solution.mcap && python check.py /tmp/solution.mcap
 """
 
 import sys

@@ -1,6 +1,6 @@
 //! Times of the tests and statistics at 2 000 000 samples, one thread.
 //!
-//! `cargo run --release -p undrift-noise --example statistics_speed`
+//! `cargo run --release -p undrift-lab --bin statistics_speed`
 
 use std::hint::black_box;
 use std::time::Instant;

@@ -1,7 +1,7 @@
 //! Closing the loop on real noise: models identified from one static record, run through simulated
 //! drives whose sensor errors are stretches of other records of the same sensor.
 //!
-//! `cargo run --release -p undrift --example real_noise -- DATA/adis16405-static [DRIVES]`
+//! `cargo run --release -p undrift-lab --bin real_noise -- DATA/adis16405-static [DRIVES]`
 
 use std::path::Path;
 use undrift::{

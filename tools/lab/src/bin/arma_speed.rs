@@ -1,5 +1,5 @@
 //! Times one likelihood evaluation per order about a known mean, whole fits and a pair
-//! of profile intervals. `cargo run --release --example arma_speed [samples [likelihood]]`
+//! of profile intervals. `cargo run --release -p undrift-lab --bin arma_speed [samples [likelihood]]`
 //!
 //! At steady state is what the second half of the record takes: there the response to the start is over.
 

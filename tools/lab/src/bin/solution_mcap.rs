@@ -1,5 +1,5 @@
 //! Writes a solution of three rows as MCAP, for testdata/golden/formats/mcap/check.py:
-//! `cargo run -p undrift-io --example solution_mcap -- FILE`.
+//! `cargo run -p undrift-lab --bin solution_mcap -- FILE`.
 
 use std::path::Path;
 

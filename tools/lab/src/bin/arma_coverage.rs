@@ -1,13 +1,13 @@
 //! Monte Carlo of the ARMA(1,1) fit on the source paper's case, φ = 0.99995, θ = 0.9994: whether the
 //! optimum is the global one, how often 95 % profile intervals hold the truth, and the bias.
 //!
-//! `cargo run --release -p undrift-noise --example arma_coverage [-- SERIES [SAMPLES [STARTS]]]`
+//! `cargo run --release -p undrift-lab --bin arma_coverage [-- SERIES [SAMPLES [STARTS]]]`
 //!
 //! Series 1, 2, … are drawn by `NoiseGenerator` (xoshiro256++) with that seed. The optimum is compared
 //! with the best of STARTS local searches that share only the likelihood with the crate
-//! (`tests/it/common/random_starts.rs`), their places drawn with seed 1 000 000 + that of the series.
+//! (`crates/noise/tests/it/common/random_starts.rs`), their places drawn with seed 1 000 000 + that of the series.
 
-#[path = "../tests/it/common/random_starts.rs"]
+#[path = "../../../../crates/noise/tests/it/common/random_starts.rs"]
 mod random_starts;
 
 use rayon::prelude::*;

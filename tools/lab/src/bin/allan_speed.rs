@@ -2,9 +2,9 @@
 //! number of samples, at all τ, of the record and of the same with a drift: CPU time of all threads and
 //! peak memory (Linux only).
 //!
-//! `cargo run --release -p undrift-noise --example allan_speed [SAMPLES]`
+//! `cargo run --release -p undrift-lab --bin allan_speed [SAMPLES]`
 
-#[path = "../../../benches/peers/process.rs"]
+#[path = "../../../../benches/peers/process.rs"]
 mod process;
 
 use process::measured;

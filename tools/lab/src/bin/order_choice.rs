@@ -1,7 +1,7 @@
 //! How often Pandit and Wu's F rule, its step down by F and by BIC, AIC and BIC choose the true order,
 //! on simulated series; and what F really exceeds where the extra pairs of roots cancel.
 //!
-//! `cargo run --release -p undrift-noise --example order_choice [-- SERIES [PAPER_SAMPLES [CASE]]]`, CASE one
+//! `cargo run --release -p undrift-lab --bin order_choice [-- SERIES [PAPER_SAMPLES [CASE]]]`, CASE one
 //! of the truths below, or `null` for the last table alone.
 
 use rayon::prelude::*;

@@ -1,6 +1,6 @@
 //! Writes the minute that the microcontroller and the C example navigate: testdata/golden/embedded/minute.bin.
 //!
-//! `cargo run --release -p undrift --example embedded_minute -- FILE`. Integers and floating point
+//! `cargo run --release -p undrift-lab --bin embedded_minute -- FILE`. Integers and floating point
 //! numbers are little-endian:
 //!
 //! | bytes | what |

@@ -1,7 +1,7 @@
 //! Writes a fleet of simulated car drives and its manifest: `DIR/UNIT/NUMBER/drive.toml` and so on, and
 //! `DIR/fleet.toml`.
 //!
-//! `cargo run --release -p undrift --example simulate_fleet -- DIR [DRIVES [SECONDS [RATE_HZ]]]`, by
+//! `cargo run --release -p undrift-lab --bin simulate_fleet -- DIR [DRIVES [SECONDS [RATE_HZ]]]`, by
 //! default 200 drives of 300 s at 100 Hz, ten of each unit. The sensors are adis16405, whose errors
 //! grow by 1 % a kelvin from 25 °C on; those of unit SN0007 are four times as large, and drive 100 has
 //! lost its GNSS log.

@@ -1,7 +1,7 @@
 //! What static records say about a sensor: every axis of run1, run2 and run4 identified, tables on
 //! the standard output, figures beside.
 //!
-//! `cargo run --release -p undrift-report --example real_records -- DATA/adis16405-static docs/figures [SAMPLES]`
+//! `cargo run --release -p undrift-lab --bin real_records -- DATA/adis16405-static docs/figures [SAMPLES]`
 //!
 //! SAMPLES takes that many from the start of each record, for a quick look.
 

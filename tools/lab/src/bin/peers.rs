@@ -1,10 +1,10 @@
 //! One task on a raw little-endian f64 record, for the comparison with Python packages: prints the
 //! result, the CPU time of the task alone and the peak memory of the process as one line of JSON.
 //!
-//! `cargo run --release -p undrift-noise --example peers TASK FILE [REPEATS]`, TASK an arm of `run`
+//! `cargo run --release -p undrift-lab --bin peers TASK FILE [REPEATS]`, TASK an arm of `run`
 //! below. Linux only. `benches/peers/run` drives it.
 
-#[path = "../../../benches/peers/process.rs"]
+#[path = "../../../../benches/peers/process.rs"]
 mod process;
 
 use process::measured;

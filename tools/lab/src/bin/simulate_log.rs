@@ -1,6 +1,6 @@
 //! Writes a simulated car drive as a log: imu.csv, gnss.csv, truth.csv and drive.toml.
 //!
-//! `cargo run --release -p undrift-cli --example simulate_log -- DIR [SECONDS [RATE_HZ [SEED]]]`, by
+//! `cargo run --release -p undrift-lab --bin simulate_log -- DIR [SECONDS [RATE_HZ [SEED]]]`, by
 //! default eight hours at 100 Hz. The sensor is the preset adis16405 with all its terms.
 
 use std::path::Path;
