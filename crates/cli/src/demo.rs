@@ -65,25 +65,25 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             bar.add(more);
         })
     })?;
-    let json = results::text(&demo.json());
+    let mut result = demo.result();
+    result.outages = undrift_report::say::cut(result.outages);
+    let json = results::text(&result);
     let shown = arguments.json.write(&json)?;
     arguments.reporting.write(&json)?;
     if !shown {
-        tell(arguments, &demo)?;
+        tell(arguments, &result)?;
     }
-    let (runs, failed) = print::split(&demo.runs);
-    print::print_failed(&failed);
-    print::print_warnings(&runs);
+    print::print_troubles(&result.outages);
     if let Some(folder) = &arguments.out {
-        write(folder, &demo, &runs, shown)?;
+        write(folder, &demo, &result, shown)?;
     }
     Ok(())
 }
 
 /// Prints the tables.
-fn tell(arguments: &Arguments, demo: &Demo) -> Result<()> {
+fn tell(arguments: &Arguments, result: &results::Demo) -> Result<()> {
     let (count, length, ..) = demo::OUTAGES;
-    if let Some((_, identified)) = &demo.identified {
+    if let Some(identified) = &result.identification {
         say(format!(
             "Simulated static record of {:.0} s, {} at {:.0} Hz, seed {}.\n\n{}",
             demo::STATIC_DURATION,
@@ -103,44 +103,45 @@ fn tell(arguments: &Arguments, demo: &Demo) -> Result<()> {
         demo::RATE_HZ,
         arguments.seed
     ))?;
-    let (bounds, runs) = bounds_apart(&print::split(&demo.runs).0);
-    say(print::shown(&runs))?;
-    say(format!("{}\n", demo::WHITE_CALIBRATED_NOTE))?;
-    say(print::shown(&bounds))
-}
-
-/// The rows that are bounds, and the models.
-fn bounds_apart<'a>(runs: &[&'a ModelRun]) -> (Vec<&'a ModelRun>, Vec<&'a ModelRun>) {
-    runs.iter()
-        .partition(|run| run.name == demo::WHITE_CALIBRATED)
+    let order = result.outages.order.iter();
+    let (bounds, runs): (Vec<_>, Vec<_>) = order.partition(|name| *name == demo::WHITE_CALIBRATED);
+    say(print::shown(&result.outages, &runs))?;
+    say(format!("{}\n", result.note))?;
+    say(print::shown(&result.outages, &bounds))
 }
 
 /// Writes the data of tables and figures.
-fn write(folder: &Path, demo: &Demo, runs: &[&ModelRun], silent: bool) -> Result<()> {
+fn write(folder: &Path, demo: &Demo, result: &results::Demo, silent: bool) -> Result<()> {
     std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
-    let json = results::text(&demo.experiment().result());
+    let json = results::text(&result.outages);
     print::write_whole(&folder.join("outages.json"), &json)?;
-    if let Some((record, identified)) = &demo.identified {
-        print::write_whole(
-            &folder.join("identified.json"),
-            &results::text(&identified.json(demo::PRESET)),
-        )?;
+    if let (Some((record, _)), Some(identified)) = (&demo.identified, &result.identification) {
+        let identified = results::Identify {
+            record: demo::PRESET.into(),
+            ..identified.clone()
+        };
+        print::write_whole(&folder.join("identified.json"), &results::text(&identified))?;
         print::write_whole(
             &folder.join("figure1-record.csv"),
             &tables::record_csv(record, demo::RATE_HZ),
         )?;
         print::write_whole(
             &folder.join("figure3-correlation.csv"),
-            &tables::correlation_csv(identified, "gyro_z"),
+            &tables::correlation_csv(&identified, "gyro_z"),
         )?;
     }
     print::write_whole(
         &folder.join("figure4-trajectory.csv"),
         &tables::trajectory_csv(demo),
     )?;
-    print::write_whole(&folder.join("figure5-drift.csv"), &tables::drift_csv(runs))?;
-    let (_, models) = bounds_apart(runs);
-    let curves: Vec<_> = models.iter().map(|r| drift_curve(r)).collect();
+    let runs: Vec<&ModelRun> = demo
+        .runs
+        .iter()
+        .filter_map(|(_, run)| run.as_ref().ok())
+        .collect();
+    print::write_whole(&folder.join("figure5-drift.csv"), &tables::drift_csv(&runs))?;
+    let models = runs.iter().filter(|run| run.name != demo::WHITE_CALIBRATED);
+    let curves: Vec<_> = models.map(|r| drift_curve(r)).collect();
     figure::experiment(
         &folder.join("demo.svg"),
         &demo.simulation.truth,

@@ -9,16 +9,15 @@ use crate::{
 };
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
-use serde_json::Value;
 use std::{
     fmt::Write as _,
     path::{Path, PathBuf},
     sync::atomic::{AtomicUsize, Ordering::Relaxed},
 };
 use undrift::{
-    fleet::{self, Choice, Gathered, Job, Manifest, Options},
+    fleet::{self, Choice, Job, Manifest, Options},
     noise::BiasModel,
-    results,
+    results::{self, Fleet, Number},
 };
 use undrift_report::say as sentences;
 
@@ -154,20 +153,20 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         }
         return say(format!("shard {which} of {of}: {line}"));
     }
-    let gathered = stage("gathering", || fleet::gather(&done.fingerprints, folder))?;
-    let json = results::text(&gathered.json);
+    let result = stage("gathering", || fleet::gather(&done.fingerprints, folder))?;
+    let json = results::text(&result);
     write_page(&folder.join("fleet.html"), &json)?;
     arguments.reporting.write(&json)?;
     if !arguments.json.write(&json)? {
         say(line)?;
-        say(summary(&gathered.json))?;
+        say(summary(&result))?;
         say(format!(
             "results.parquet, fleet.json and fleet.html: {}",
             folder.display()
         ))?;
     }
-    tell_troubles(&gathered);
-    if gathered.failed == done.fingerprints.len() {
+    tell_troubles(&result);
+    if result.failed.len() == done.fingerprints.len() {
         bail!("no log could be processed");
     }
     Ok(())
@@ -222,20 +221,19 @@ fn override_by(choice: &mut Choice, arguments: &Arguments) {
 /// What is told one by one of a longer list.
 const TOLD: usize = 10;
 
-fn tell_troubles(gathered: &Gathered) {
-    if gathered.failed + gathered.untrusted > 0 {
+fn tell_troubles(result: &Fleet) {
+    if result.failed.len() + result.untrusted.len() > 0 {
         terminal::doubt();
     }
-    for key in ["failed", "untrusted"] {
-        let mut told: Vec<(String, Vec<String>, String)> = Vec::new();
-        for trouble in gathered.json[key].as_array().into_iter().flatten() {
-            let text = |key: &str| trouble[key].as_str().unwrap_or_default().to_owned();
-            let (log, why) = (text("log"), text("why"));
+    for troubles in [&result.failed, &result.untrusted] {
+        let mut told: Vec<(&str, Vec<&str>, &str)> = Vec::new();
+        for trouble in troubles {
+            let part = trouble.part.as_deref().unwrap_or_default();
             match told.last_mut() {
-                Some((last, parts, same)) if *last == log && *same == why => {
-                    parts.push(text("part"))
+                Some((log, parts, why)) if *log == trouble.log && *why == trouble.why => {
+                    parts.push(part)
                 }
-                _ => told.push((log, vec![text("part")], why)),
+                _ => told.push((&trouble.log, vec![part], &trouble.why)),
             }
         }
         let more = told.len().saturating_sub(TOLD);
@@ -252,41 +250,35 @@ fn tell_troubles(gathered: &Gathered) {
 }
 
 /// The measures as tables, and who stands out.
-fn summary(json: &Value) -> String {
-    let list = |value: &Value| value.as_array().cloned().unwrap_or_default();
-    let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+fn summary(result: &Fleet) -> String {
     let mut blocks = Vec::new();
-    for measure in list(&json["measures"]) {
-        let unit = text(&measure["unit"]);
-        let name = text(&measure["name"]).replace('_', " ");
-        let name = if unit.is_empty() {
-            name
-        } else {
-            format!("{name} [{unit}]")
+    for measure in &result.measures {
+        let name = measure.name.replace('_', " ");
+        let name = match measure.unit.as_str() {
+            "" => name,
+            unit => format!("{name} [{unit}]"),
         };
         // Writing into a String cannot fail.
-        let mut table = format!("{}\n", text(&measure["what"]));
+        let mut table = format!("{}\n", measure.what);
         let heading = format!(
             "{name:28} {:>7} {:>10} {:>10} {:>9}",
             "logs", "median", "limit", "above"
         );
         let _ = writeln!(table, "{}", style::heading(&heading));
-        let mut named = Vec::new();
-        for part in list(&measure["parts"]) {
-            let outliers = list(&part["outliers"]);
+        let mut named: Vec<&str> = Vec::new();
+        for part in &measure.parts {
             let _ = writeln!(
                 table,
                 "{:28} {:>7} {:>10} {:>10} {:>9}",
-                text(&part["part"]),
-                part["logs"],
-                short(&part["median"]),
-                short(&part["limit"]),
-                outliers.len()
+                part.part,
+                part.logs,
+                short(part.median),
+                short(part.limit),
+                part.outliers.len()
             );
-            for outlier in outliers {
-                let log = text(&outlier["log"]);
-                if !named.contains(&log) {
-                    named.push(log);
+            for outlier in &part.outliers {
+                if !named.contains(&outlier.log.as_str()) {
+                    named.push(&outlier.log);
                 }
             }
         }
@@ -306,8 +298,8 @@ fn summary(json: &Value) -> String {
 }
 
 /// Three significant digits, or a dash.
-fn short(value: &Value) -> String {
-    match value.as_f64() {
+fn short(value: Number) -> String {
+    match value.get() {
         None => "–".into(),
         Some(v) if (0.001..1e6).contains(&v.abs()) => {
             let digits = (2.0 - v.abs().log10().floor()).clamp(0.0, 6.0) as usize;

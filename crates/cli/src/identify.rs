@@ -13,15 +13,11 @@ use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use undrift::{
-    findings,
-    identify::{self, Identified},
+    findings, identify,
     io::table::Column,
-    noise::{
-        ImuModel,
-        identify::{Axis, GRID_ORDER, Removed},
-    },
+    noise::ImuModel,
     record::{self, RecordFormat},
-    results,
+    results::{self, Axis, Detrend, Identify, Number},
 };
 use undrift_report::say as sentences;
 
@@ -173,32 +169,27 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let bar = Bar::new("identified", record.axes.len() as u64, "axes");
         identify::run(&record, &options, || bar.add(1))
     });
-    let failed = identified
-        .axes
-        .iter()
-        .filter(|(_, found)| found.is_err())
-        .count();
-
     let name = results::name(&arguments.record);
+    let result = identified.result(&name);
     let mut shown = false;
     if arguments.json.is_wanted() || arguments.reporting.is_wanted() {
-        let json = results::text(&identified.json(&name));
+        let json = results::text(&result);
         shown = arguments.json.write(&json)?;
         arguments.reporting.write(&json)?;
     }
     if !shown {
-        say(summary(&identified))?;
+        say(summary(&result))?;
         if arguments.plot {
-            say(plot::allan(&identified))?;
+            say(plot::allan(&result))?;
         }
     }
-    for (name, found) in &identified.axes {
-        if let Err(error) = found {
+    for (name, axis) in result.in_order() {
+        if let Some(error) = &axis.error {
             terminal::doubt();
             warn(format!("{name}: {error}"));
         }
     }
-    if failed == identified.axes.len() {
+    if result.axes.values().all(|axis| axis.error.is_some()) {
         bail!("no axis could be identified");
     }
     if let Some(file) = &arguments.output {
@@ -238,19 +229,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// The candidates of each axis with their drift scores, and the choice.
-fn summary(identified: &Identified) -> String {
-    let texts: Vec<String> = identified
-        .axes
-        .iter()
-        .filter_map(|(name, found)| {
-            let axis = found.as_ref().ok()?;
-            Some(axis_summary(name, axis, identified.rate_hz))
-        })
+fn summary(result: &Identify) -> String {
+    let found = result.in_order().filter(|(_, axis)| axis.error.is_none());
+    let texts: Vec<String> = found
+        .map(|(name, axis)| axis_summary(name, axis, result.rate_hz))
         .collect();
     texts.join("\n")
 }
 
-fn axis_summary(name: &str, axis: &Axis, rate_hz: f64) -> String {
+fn axis_summary(name: &str, axis: &Axis, rate_hz: Number) -> String {
     use std::fmt::Write;
     // Spec-sheet units: deg/√h and deg, m/s/√h and m/s.
     let (scale, level_unit, white_unit, drift_unit) = if name.starts_with("gyro") {
@@ -262,69 +249,85 @@ fn axis_summary(name: &str, axis: &Axis, rate_hz: f64) -> String {
     let mut text = String::new();
     let _ = writeln!(
         text,
-        "{}: {} samples at {rate_hz} Hz",
+        "{}: {} samples at {} Hz",
         style::heading(name),
-        axis.samples
+        axis.samples,
+        rate_hz.0
     );
-    let _ = match axis.removed {
-        Removed::Constant => Ok(()),
-        Removed::Linear {
+    let _ = match axis.detrend {
+        Detrend::Constant => Ok(()),
+        Detrend::Linear {
             slope_per_hour,
             explained,
         } => writeln!(
             text,
             "  Removed: a slope of {:.3e} {level_unit} an hour, {:.2} % of the variance",
-            slope_per_hour * scale,
-            100.0 * explained
+            slope_per_hour.0 * scale,
+            100.0 * explained.0
         ),
-        Removed::Temperature {
+        Detrend::Temperature {
             slope_per_kelvin,
             explained,
         } => writeln!(
             text,
             "  Removed: {:.3e} {level_unit} a kelvin, {:.2} % of the variance",
-            slope_per_kelvin * scale,
-            100.0 * explained
+            slope_per_kelvin.0 * scale,
+            100.0 * explained.0
         ),
     };
-    let _ = writeln!(text, "  {}", axis.stationarity.sentence);
+    let _ = writeln!(text, "  {}", axis.stationarity);
     let _ = writeln!(
         text,
         "  Allan: white noise {:.4} {white_unit}; skewness {:.3}, excess kurtosis {:.3}",
-        axis.allan_terms.white.value * scale * 60.0,
-        axis.normality.skewness,
-        axis.normality.kurtosis_excess
+        axis.allan_terms.white.value.0 * scale * 60.0,
+        axis.skewness.0,
+        axis.kurtosis_excess.0
     );
     if let Some(grid) = &axis.box_jenkins {
-        let order = |index: usize| {
-            let (p, q) = grid.fits[index].order();
-            format!("({p},{q})")
-        };
         let _ = writeln!(
             text,
-            "  Box-Jenkins, p, q ≤ {GRID_ORDER}, first {} samples: ARMA{} by AICc, {} by BIC",
-            grid.fits[grid.by_aicc].n,
-            order(grid.by_aicc),
-            order(grid.by_bic)
+            "  Box-Jenkins, p, q ≤ {}, first {} samples: ARMA{} by AICc, {} by BIC",
+            grid.p_max, grid.samples, grid.by_aicc, grid.by_bic
         );
     }
+    let mut horizons: Vec<(f64, &String)> = axis
+        .chosen
+        .drift_score
+        .keys()
+        .filter_map(|key| Some((key.parse().ok()?, key)))
+        .collect();
+    horizons.sort_by(|a, b| a.0.total_cmp(&b.0));
     let _ = write!(text, "  {:38}", format!("drift after [{drift_unit}]"));
-    for score in &axis.recommended().score {
-        let _ = write!(text, " {:>10}", format!("{:.0} s", score.horizon_s));
+    for (_, key) in &horizons {
+        let _ = write!(text, " {:>10}", format!("{key} s"));
     }
     text.push('\n');
     let mut table = String::new();
-    for index in axis.ranking() {
-        let candidate = &axis.candidates[index];
-        let mark = if index == axis.chosen { "→" } else { " " };
-        let _ = write!(table, "  {mark} {:36}", candidate.name);
-        for score in &candidate.score {
-            let _ = write!(table, " {:>10.3e}", score.rms * scale);
+    for name in &axis.ranking {
+        let mark = if *name == axis.chosen.name {
+            "→"
+        } else {
+            " "
+        };
+        let _ = write!(table, "  {mark} {name:36}");
+        let candidate = axis
+            .candidates
+            .iter()
+            .find(|candidate| candidate.name == *name);
+        for score in horizons
+            .iter()
+            .filter_map(|(_, key)| candidate?.drift_score.get(*key))
+        {
+            let _ = write!(table, " {:>10.3e}", score.0 * scale);
         }
         table.push('\n');
     }
-    text += &style::best(&table, axis.recommended().score.len());
-    let _ = writeln!(text, "  {}", axis.reason);
+    text += &style::best(&table, horizons.len());
+    let _ = writeln!(
+        text,
+        "  {}",
+        axis.chosen.reason.as_deref().unwrap_or_default()
+    );
     for warning in &axis.warnings {
         let _ = writeln!(text, "  Note: {warning}.");
     }

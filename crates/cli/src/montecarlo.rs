@@ -11,9 +11,9 @@ use anyhow::Result;
 use clap::Args;
 use std::{fmt::Write as _, path::PathBuf};
 use undrift::{
-    montecarlo::{self, ModelReport, Report, Spec, Verdict},
+    montecarlo::{self, Spec},
     noise::BiasModel,
-    results,
+    results::{self, MonteCarlo, MonteCarloModel, Verdict},
 };
 use undrift_report::figure;
 
@@ -64,9 +64,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if result.models.iter().any(|model| model.diverged > 0) {
         terminal::doubt();
     }
-    let json = results::text(&result.json(&spec));
+    let json = results::text(&result);
     if !arguments.json.write(&json)? {
-        say(text(&result, &spec))?;
+        say(text(&result))?;
     }
     arguments.reporting.write(&json)?;
     if let Some(path) = &arguments.figure {
@@ -76,17 +76,17 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// The result for a reader.
-fn text(result: &Report, spec: &Spec) -> String {
+fn text(result: &MonteCarlo) -> String {
     let mut text = format!(
         "{} runs of a simulated drive of {:.0} s, IMU at {} Hz, errors drawn as {}, seed {}.\n\
          After the first {:.0} s of navigation, an epoch every {} s:\n\n",
         result.runs,
-        spec.trajectory.duration,
-        spec.rate_hz,
-        spec.bias_model,
+        result.drive.duration_s.0,
+        result.drive.rate_hz.0,
+        result.drive.drawn_as,
         result.seed,
-        result.settle_s,
-        spec.every,
+        result.settle_s.0,
+        result.drive.every_s.0,
     );
     let heading = format!(
         "{:14} {:12} {:>3} {:>17} {:>19} {:>7} {:>7}  verdict",
@@ -101,13 +101,13 @@ fn text(result: &Report, spec: &Spec) -> String {
                 model.name,
                 group.name,
                 group.freedom,
-                short(group.mean_per_freedom),
-                short(group.mean_standard_error),
-                100.0 * group.share_inside,
-                100.0 * group.share_standard_error,
-                100.0 * group.share_above,
-                100.0 * group.share_below,
-                group.verdict
+                short(group.mean_per_freedom.0),
+                short(group.mean_standard_error.0),
+                100.0 * group.share_inside.0,
+                100.0 * group.share_standard_error.0,
+                100.0 * group.share_above.0,
+                100.0 * group.share_below.0,
+                verdict(group.verdict)
             );
         }
     }
@@ -122,20 +122,20 @@ fn text(result: &Report, spec: &Spec) -> String {
                 .autocorrelation
                 .iter()
                 .flatten()
-                .fold(0.0f64, |m, r| m.max(r.abs()));
+                .fold(0.0f64, |m, r| m.max(r.0.abs()));
             let _ = writeln!(
                 text,
                 "{:14} {:9} {:>7} {:>10} {:>8.4} … {:<6.4} {:>9.1} % {:>5.3} / {:<5.3}  {}",
                 model.name,
                 kind.name,
                 kind.updates,
-                short(kind.nis_per_freedom),
-                kind.bounds.0,
-                kind.bounds.1,
-                100.0 * kind.share_above_95,
+                short(kind.nis_per_freedom.0),
+                kind.bounds.0.0,
+                kind.bounds.1.0,
+                100.0 * kind.share_above_95.0,
                 largest,
-                kind.autocorrelation_bound,
-                kind.verdict
+                kind.autocorrelation_bound.0,
+                verdict(kind.verdict)
             );
         }
     }
@@ -146,7 +146,7 @@ fn text(result: &Report, spec: &Spec) -> String {
     let _ = writeln!(text, "\n{}", style::heading(&heading));
     for model in &result.models {
         for (component, shares) in &model.coverage {
-            let share = |i: usize| 100.0 * shares[i].as_f64().unwrap_or(f64::NAN);
+            let share = |i: usize| 100.0 * shares.get(i).copied().unwrap_or_default().0;
             let _ = writeln!(
                 text,
                 "{:14} {component:15} {:>8.1} {:>6.1} {:>6.1}",
@@ -165,24 +165,24 @@ fn text(result: &Report, spec: &Spec) -> String {
     text
 }
 
+fn verdict(verdict: Option<Verdict>) -> String {
+    verdict.map_or(String::new(), |verdict| verdict.to_string())
+}
+
 /// What it comes to, in words.
-fn sentence(model: &ModelReport, runs: usize) -> String {
-    let parts: Vec<String> = [
-        Verdict::Consistent,
-        Verdict::Optimistic,
-        Verdict::Pessimistic,
-    ]
-    .into_iter()
-    .filter_map(|verdict| {
-        let names: Vec<&str> = model
-            .nees
-            .iter()
-            .filter(|group| group.verdict == verdict)
-            .map(|group| group.name)
-            .collect();
-        (!names.is_empty()).then(|| format!("{verdict} in {}", names.join(", ")))
-    })
-    .collect();
+fn sentence(model: &MonteCarloModel, runs: u64) -> String {
+    let parts: Vec<String> = Verdict::ALL
+        .into_iter()
+        .filter_map(|verdict| {
+            let names: Vec<&str> = model
+                .nees
+                .iter()
+                .filter(|group| group.verdict == Some(verdict))
+                .map(|group| group.name.as_str())
+                .collect();
+            (!names.is_empty()).then(|| format!("{verdict} in {}", names.join(", ")))
+        })
+        .collect();
     let mut sentence = format!("{}: {}", model.name, parts.join("; "));
     if model.diverged > 0 {
         let _ = write!(sentence, "; {} of {runs} runs diverged", model.diverged);

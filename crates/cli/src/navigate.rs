@@ -12,15 +12,13 @@ use anyhow::{Result, anyhow, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use undrift::{
-    consistency::GROUP,
     drive::Drive,
     findings::{Finding, Severity},
     io::write::{SolutionFile, SolutionFormat, SolutionOptions},
-    navigate::{self, Report, Wanted},
+    navigate::{self, Wanted},
     noise::{BiasModel, ImuModel},
     reference::COMPONENTS,
-    replay::Innovations,
-    results,
+    results::{self, Innovations, Navigate},
 };
 use undrift_report::say as sentences;
 
@@ -125,21 +123,25 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         navigate::navigate_for(&drive, arguments.bias_model, wanted)
             .map_err(|error| anyhow!(sentences::unsolved(error)))
     })?;
-    let found = report.findings();
-    print::judge(&found);
+    let drive = results::Drive::of(&arguments.drive, &drive);
+    let result = sentences::navigated(&report, arguments.bias_model, drive);
+    print::judge(&result.findings);
+    let mut shown = false;
     if recording {
-        let drive = results::Drive::of(&arguments.drive, &drive);
-        let json = results::text(&sentences::navigated(&report, arguments.bias_model, drive));
+        let json = results::text(&result);
         arguments.reporting.write(&json)?;
-        if arguments.json.write(&json)? {
-            return finish(&report);
+        shown = arguments.json.write(&json)?;
+    }
+    if !shown {
+        print_result(&result)?;
+        for path in &arguments.output {
+            say(format!("solution: {}", path.display()))?;
         }
     }
-    print_report(&report, &found, arguments.bias_model)?;
-    for path in &arguments.output {
-        say(format!("solution: {}", path.display()))?;
+    match result.summary.diverged {
+        Some(time) => bail!(sentences::say(&Finding::Diverged { time })),
+        None => Ok(()),
     }
-    finish(&report)
 }
 
 /// The files that were asked for.
@@ -163,28 +165,15 @@ pub fn stem(path: &Path) -> String {
         .unwrap_or_default()
 }
 
-fn finish(report: &Report) -> Result<()> {
-    match report.summary.diverged {
-        Some(time) => bail!(sentences::say(&Finding::Diverged { time })),
-        None => Ok(()),
+fn print_result(result: &Navigate) -> Result<()> {
+    let s = &result.summary;
+    if let Some(mounting) = &result.mounting {
+        say(format!("mounting estimated: {mounting}"))?;
     }
-}
-
-fn print_report(report: &Report, found: &[Finding], kind: BiasModel) -> Result<()> {
-    let s = &report.summary;
-    let started = s.started.unwrap_or(f64::NAN);
-    if let Some(mounting) = &report.mounting {
-        say(format!(
-            "mounting estimated: {}",
-            sentences::mounting(mounting)
-        ))?;
-    }
-    let alignment = s.alignment.as_ref();
-    let alignment = alignment.map_or(String::new(), sentences::alignment);
-    say(format!("bias model {kind}; {alignment}"))?;
+    say(format!("bias model {}; {}", result.bias_model, s.alignment))?;
     say(format!(
-        "navigated {} samples from {started:.3} s to {:.3} s; {} samples and {} fixes before that",
-        s.samples, s.ended, s.align_samples, s.fixes_before
+        "navigated {} samples from {:.3} s to {:.3} s; {} samples and {} fixes before that",
+        s.samples, s.started.0, s.ended.0, s.align_samples, s.fixes_before
     ))?;
     say(format!("{} fixes used", s.fixes))?;
     for (name, sums) in [("position", &s.position), ("velocity", &s.velocity)] {
@@ -206,26 +195,33 @@ fn print_report(report: &Report, found: &[Finding], kind: BiasModel) -> Result<(
             ))?;
         }
     }
-    for (kind, value, std) in &s.parameters {
-        say(format!("{kind:?} {value:.4?} ± {std:.4?}"))?;
+    for (kind, parameter) in &s.parameters {
+        let [value, std] = [&parameter.value, &parameter.std]
+            .map(|numbers| numbers.iter().map(|n| n.0).collect::<Vec<f64>>());
+        say(format!("{kind} {value:.4?} ± {std:.4?}"))?;
     }
-    if let Some((errors, n)) = &report.rmse {
-        let parts: Vec<String> = COMPONENTS
+    if let (Some(errors), Some(n)) = (&result.rms_error, result.compared_samples) {
+        let known = COMPONENTS
             .iter()
-            .zip(errors.0)
-            .filter(|(_, e)| e.is_finite())
-            .map(|(name, e)| format!("{name} {e:.4}"))
-            .collect();
+            .filter_map(|name| Some((name, errors.get(*name)?.get()?)));
+        let parts: Vec<String> = known.map(|(name, e)| format!("{name} {e:.4}")).collect();
         say(format!(
             "RMS error against the truth at {n} samples: {}",
             parts.join(", ")
         ))?;
     }
-    let nees: Vec<String> = GROUP
+    let groups = [
+        "position",
+        "velocity",
+        "attitude",
+        "gyro_bias",
+        "accel_bias",
+    ];
+    let known = groups
         .iter()
-        .zip(&report.consistency.nees)
-        .filter(|((name, ..), _)| *name != "all")
-        .filter_map(|((name, ..), mean)| Some(format!("{name} {:.2}", mean.per_freedom()?)))
+        .filter_map(|name| Some((name, result.nees_per_dof.get(*name)?.get()?)));
+    let nees: Vec<String> = known
+        .map(|(name, nees)| format!("{} {nees:.2}", name.replace('_', " ")))
         .collect();
     if !nees.is_empty() {
         say(format!(
@@ -234,8 +230,9 @@ fn print_report(report: &Report, found: &[Finding], kind: BiasModel) -> Result<(
         ))?;
     }
     // How it ends comes last.
-    let found = found.iter().filter(|of| of.severity() < Severity::Unusable);
-    found.map(sentences::say).for_each(warn);
+    let findings = result.findings.iter().zip(&result.warnings);
+    let found = findings.filter(|(of, _)| of.severity() < Severity::Unusable);
+    found.for_each(|(_, sentence)| warn(sentence));
     Ok(())
 }
 

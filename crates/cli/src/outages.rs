@@ -116,7 +116,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         logs.run(&arguments.bias_models, &cuts, arguments.smooth, done)
             .map_err(anyhow::Error::from)
     })?;
-    let (runs, failed) = print::split(&outcomes);
     let result = sentences::cut(logs.result(&arguments.drive, &cuts, &outcomes, arguments.smooth));
     print::judge(&result.findings);
     let json = results::text(&result);
@@ -126,21 +125,21 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             "{} outages of {} s, reference: {}. Errors inside the outages:\n",
             cuts.len(),
             arguments.length,
-            match logs.reference() {
+            match result.reference.as_str() {
                 "gnss" => "the withheld fixes",
                 _ => "the truth",
             }
         ))?;
-        say(print::shown(&runs))?;
+        say(print::shown(&result, &result.order))?;
     }
-    print::print_failed(&failed);
-    print::print_warnings(&runs);
+    print::print_troubles(&result);
     result.warnings.iter().for_each(warn);
     if let Some(folder) = &arguments.out {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("cannot make {}", folder.display()))?;
         print::write_whole(&folder.join("outages.json"), &json)?;
-        let curves: Vec<_> = runs.iter().map(|r| drift_curve(r)).collect();
+        let runs = outcomes.iter().filter_map(|(_, run)| run.as_ref().ok());
+        let curves: Vec<_> = runs.map(drift_curve).collect();
         figure::experiment(&folder.join("outages.svg"), &logs.track(), &cuts, &curves)
             .map_err(anyhow::Error::msg)?;
     }
@@ -148,7 +147,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         write_track(path, &logs.track(), &cuts, &arguments.drive)
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
-    if runs.is_empty() {
+    if result.models.is_empty() {
         bail!("no model could be run");
     }
     Ok(())

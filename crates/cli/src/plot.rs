@@ -2,7 +2,7 @@
 
 use crate::{style, terminal};
 use clap::builder::styling::AnsiColor;
-use undrift::identify::Identified;
+use undrift::results::Identify;
 
 /// Dots of a braille character, left and right column from top to bottom.
 const BRAILLE: [[u32; 4]; 2] = [[0x01, 0x02, 0x04, 0x40], [0x08, 0x10, 0x20, 0x80]];
@@ -46,7 +46,7 @@ pub struct Look {
 }
 
 /// The Allan deviations of all axes, gyros in deg/h and accelerometers in mg.
-pub fn allan(identified: &Identified) -> String {
+pub fn allan(identified: &Identify) -> String {
     let unicode = is_utf8();
     let look = Look {
         width: width(),
@@ -62,14 +62,12 @@ pub fn allan(identified: &Identified) -> String {
         ("gyro", "deg/h", 3600f64.to_degrees()),
         ("accel", "mg", 1e3 / undrift::nav::earth::STANDARD_GRAVITY),
     ] {
-        let curves: Vec<Curve> = identified
-            .axes
-            .iter()
-            .filter(|(name, _)| name.starts_with(kind))
-            .filter_map(|(name, found)| {
-                let points = &found.as_ref().ok()?.allan.points;
-                let points = points.iter().map(|p| (p.tau_s, p.deviation * factor));
-                Some(curve(name, points.collect()))
+        let found = identified.in_order();
+        let curves: Vec<Curve> = found
+            .filter(|(name, axis)| name.starts_with(kind) && axis.error.is_none())
+            .map(|(name, axis)| {
+                let points = axis.allan.tau_s.iter().zip(&axis.allan.adev);
+                curve(name, points.map(|(t, d)| (t.0, d.0 * factor)).collect())
             })
             .collect();
         if let Some(plot) = draw(&curves, unit, look) {

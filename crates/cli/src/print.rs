@@ -6,54 +6,26 @@ use std::path::Path;
 use undrift::{
     findings::{self, Finding},
     io::write,
-    outages::{ModelRun, Outcome},
-    replay::ReplayError,
-    table::outage_table,
+    results::Outages,
 };
-use undrift_report::say;
+use undrift_report::outage_table;
 
-/// The runs that ended with a result, and the others' names and errors.
-pub fn split(results: &[Outcome]) -> (Vec<&ModelRun>, Vec<(&str, &ReplayError)>) {
-    let mut runs = Vec::new();
-    let mut failed = Vec::new();
-    for (name, result) in results {
-        match result {
-            Ok(run) => runs.push(run),
-            Err(error) => failed.push((name.as_str(), error)),
-        }
-    }
-    (runs, failed)
-}
-
-/// The table of the runs for the terminal.
-pub fn shown(runs: &[&ModelRun]) -> String {
-    style::tables(&table(runs), ERRORS)
+/// The table of an experiment's models for the terminal.
+pub fn shown(result: &Outages, names: &[impl AsRef<str>]) -> String {
+    style::tables(&outage_table(&result.models, names), ERRORS)
 }
 
 /// Columns of the table.
 const ERRORS: usize = 9;
 
-/// The table of the runs.
-fn table(runs: &[&ModelRun]) -> String {
-    let rows: Vec<_> = runs.iter().map(|r| (r.name.clone(), &r.errors)).collect();
-    outage_table(&rows)
-}
-
-/// Tells which models could not be run.
-pub fn print_failed(failed: &[(&str, &ReplayError)]) {
-    for (name, error) in failed {
+/// Tells which models could not be run, and which results cannot be trusted.
+pub fn print_troubles(result: &Outages) {
+    let names = result.order.iter();
+    let doubtful =
+        names.filter_map(|name| Some((name, result.models.get(name)?.warning.as_ref()?)));
+    for (name, why) in result.failed.iter().chain(doubtful) {
         terminal::doubt();
-        warn(format!("{name}: {error}"));
-    }
-}
-
-/// Warns of results that cannot be trusted.
-pub fn print_warnings(runs: &[&ModelRun]) {
-    for run in runs {
-        if let Some(finding) = &run.errors.finding {
-            terminal::doubt();
-            warn(format!("{}: {}", run.name, say::say(finding)));
-        }
+        warn(format!("{name}: {why}"));
     }
 }
 

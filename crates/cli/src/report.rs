@@ -6,6 +6,7 @@ use crate::{
 };
 use anyhow::{Context, Result};
 use clap::Args;
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 use undrift_report::figures::Formats;
 
@@ -86,6 +87,14 @@ impl Reporting {
     }
 }
 
+/// What was made of what.
+#[derive(Serialize)]
+struct Told<'a> {
+    figures: Option<&'a Path>,
+    report: Option<&'a Path>,
+    results: &'a [PathBuf],
+}
+
 pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.json.ready()?;
     let results = arguments
@@ -103,12 +112,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         arguments.output.as_deref(),
         arguments.figures.as_deref(),
     )?;
-    let told = serde_json::json!({
-        "results": arguments.results,
-        "report": arguments.output,
-        "figures": arguments.figures,
-    });
-    arguments.json.write(&format!("{told:#}")).map(drop)
+    let told = Told {
+        figures: arguments.figures.as_deref(),
+        report: arguments.output.as_deref(),
+        results: &arguments.results,
+    };
+    arguments
+        .json
+        .write(&serde_json::to_string_pretty(&told)?)
+        .map(drop)
 }
 
 fn write(

@@ -5,9 +5,9 @@ use pyo3::prelude::*;
 use std::{collections::HashMap, path::PathBuf};
 use undrift::{
     fleet::{self, Job, Manifest},
-    results,
+    results::{self, Results},
 };
-use undrift_report::{html, of_results, say};
+use undrift_report::{document, html, say};
 
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(fleet_patterns, module)?)?;
@@ -81,10 +81,10 @@ fn fleet_process(py: Python<'_>, job: &str, threads: usize) -> PyResult<String> 
 #[pyfunction]
 fn fleet_gather(py: Python<'_>, fingerprints: Vec<String>, folder: PathBuf) -> PyResult<String> {
     py.detach(|| {
-        let gathered = fleet::gather(&fingerprints, &folder).map_err(error)?;
-        let json = results::text(&gathered.json);
-        let document = of_results(&[(PathBuf::new(), json.clone())]).map_err(error)?;
-        write(&folder.join("fleet.html"), &html::render(&document))?;
+        let fleet = fleet::gather(&fingerprints, &folder).map_err(error)?;
+        let json = results::text(&fleet);
+        let page = document(&[(PathBuf::new(), Results::Fleet(fleet))]);
+        write(&folder.join("fleet.html"), &html::render(&page))?;
         Ok(json)
     })
 }

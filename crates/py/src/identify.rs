@@ -129,7 +129,7 @@ fn warnings(path: &Path, record: &Record) -> Vec<String> {
 impl Identified {
     /// Everything as JSON.
     fn json(&self, py: Python<'_>) -> String {
-        py.detach(|| results::text(&self.found.json(&self.name)))
+        py.detach(|| results::text(&self.found.result(&self.name)))
     }
 
     /// What should be said of the record.

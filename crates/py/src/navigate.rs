@@ -10,9 +10,8 @@ use undrift::{
     navigate::{self as navigation, Wanted},
     outages::{Logs, Schedule},
     results,
-    table::outage_table,
 };
-use undrift_report::say;
+use undrift_report::{outage_table, say};
 
 type Failure = Box<dyn std::error::Error + Send + Sync>;
 
@@ -88,42 +87,25 @@ pub fn outages<'py>(
         .collect::<PyResult<Vec<_>>>()?;
     let plan = Schedule::asked(at, every, count, start)
         .ok_or_else(|| error("say how many outages: count, every or at"))?;
-    let (outcomes, json) = py
+    let (outcomes, result) = py
         .detach(|| {
             let logs = Logs::load(&drive.drive).map_err(say::unsolved)?;
             let cuts = logs.plan(&plan, length)?;
             let outcomes = logs.run(&kinds, &cuts, smooth, |_| {})?;
-            let json = results::text(&say::cut(logs.result(
-                &drive.file,
-                &cuts,
-                &outcomes,
-                smooth,
-            )));
-            Ok::<_, Failure>((outcomes, json))
+            let result = say::cut(logs.result(&drive.file, &cuts, &outcomes, smooth));
+            Ok::<_, Failure>((outcomes, result))
         })
         .map_err(error)?;
-    let (mut runs, mut failed) = (Vec::new(), Vec::new());
-    for (name, outcome) in outcomes {
-        match outcome {
-            Ok(run) => runs.push((name, run.errors)),
-            Err(why) => failed.push(format!("{name}: {why}")),
-        }
+    if result.models.is_empty() {
+        let failed = result.failed.iter();
+        let failed: Vec<String> = failed.map(|(name, why)| format!("{name}: {why}")).collect();
+        let problem = format!("no model could be run: {}", failed.join("; "));
+        return Err(error(problem));
     }
-    if runs.is_empty() {
-        return Err(error(format!(
-            "no model could be run: {}",
-            failed.join("; ")
-        )));
-    }
-    let named: Vec<_> = runs
-        .iter()
-        .map(|(name, errors)| (name.clone(), errors))
-        .collect();
-    let table = outage_table(&named);
+    let runs = outcomes.into_iter().filter_map(|(_, outcome)| outcome.ok());
     let curves = runs
-        .iter()
-        .map(|(name, errors)| {
-            let of_model = errors.per_outage.iter().map(|outage| {
+        .map(|run| {
+            let of_model = run.errors.per_outage.iter().map(|outage| {
                 let (times, drift): (Vec<f64>, Vec<f64>) = outage.drift.iter().copied().unzip();
                 (
                     outage.start_s,
@@ -131,10 +113,14 @@ pub fn outages<'py>(
                     drift.into_pyarray(py),
                 )
             });
-            (name.clone(), of_model.collect())
+            (run.name, of_model.collect())
         })
         .collect();
-    Ok((json, table, curves))
+    Ok((
+        results::text(&result),
+        outage_table(&result.models, &result.order),
+        curves,
+    ))
 }
 
 /// Adds what is in this file to the module.

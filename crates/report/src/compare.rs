@@ -1,26 +1,28 @@
 //! Results into a document: one told, several of a kind compared, several kinds one after the other.
 
-use super::{
-    Block, Document, Section, fleet, identify, montecarlo, navigate, outages,
-    read::{Demo, Fleet, Identify, MonteCarlo, Navigate, Outages, Read, read},
-};
+use super::{Block, Document, Section, fleet, identify, montecarlo, navigate, outages};
 use std::path::PathBuf;
 use undrift::io::ReadError;
+use undrift::results::{Demo, Fleet, Identify, MonteCarlo, Navigate, Outages, Results};
 
 /// The report of results, each a file's path (empty for a single one without) and its text: JSON as
 /// the verbs write it.
 ///
 /// # Errors
-/// A file that is no result; nothing at all.
+/// A file that is no result.
 pub fn of_results(results: &[(PathBuf, String)]) -> Result<Document, ReadError> {
-    let read: Vec<(String, Read)> = results
-        .iter()
-        .map(|(path, text)| read(path, text))
-        .collect::<Result<_, _>>()?;
+    let read = |(path, text): &(PathBuf, String)| Ok((path.clone(), Results::read(path, text)?));
+    Ok(document(
+        &results.iter().map(read).collect::<Result<Vec<_>, _>>()?,
+    ))
+}
+
+/// The report of results, each with its file's path (empty for a single one without).
+pub fn document(results: &[(PathBuf, Results)]) -> Document {
     let names = names(results);
-    let mut versions: Vec<&str> = read.iter().map(|(version, _)| version.as_str()).collect();
+    let mut versions: Vec<&str> = results.iter().map(|(_, result)| result.version()).collect();
     versions.dedup();
-    let all = All::of(&read, &names);
+    let all = All::of(results, &names);
     let mut sections = Vec::new();
     let kinds = all.kinds();
     let several = kinds.len() > 1;
@@ -52,11 +54,11 @@ pub fn of_results(results: &[(PathBuf, String)]) -> Result<Document, ReadError> 
     if !all.simulated.is_empty() {
         add("Monte Carlo", montecarlo::sections(&all.simulated));
     }
-    Ok(Document {
+    Document {
         title: all.title(&kinds),
         subtitle: format!("undrift {}", versions.join(", ")),
         sections,
-    })
+    }
 }
 
 /// Results by kind, each with its name.
@@ -71,17 +73,17 @@ struct All<'a> {
 }
 
 impl<'a> All<'a> {
-    fn of(read: &'a [(String, Read)], names: &[String]) -> Self {
+    fn of(results: &'a [(PathBuf, Results)], names: &[String]) -> Self {
         let mut all = Self::default();
-        for ((_, result), name) in read.iter().zip(names) {
+        for ((_, result), name) in results.iter().zip(names) {
             let name = name.clone();
             match result {
-                Read::Identify(one) => all.identified.push((name, one)),
-                Read::Navigate(one) => all.navigated.push((name, one)),
-                Read::Outages(one) => all.cut.push((name, one)),
-                Read::MonteCarlo(one) => all.simulated.push((name, one)),
-                Read::Demo(one) => all.demos.push((name, one)),
-                Read::Fleet(one) => all.fleets.push((name, one)),
+                Results::Identify(one) => all.identified.push((name, one)),
+                Results::Navigate(one) => all.navigated.push((name, one)),
+                Results::Outages(one) => all.cut.push((name, one)),
+                Results::MonteCarlo(one) => all.simulated.push((name, one)),
+                Results::Demo(one) => all.demos.push((name, one)),
+                Results::Fleet(one) => all.fleets.push((name, one)),
             }
         }
         // One of its kind needs no name.
@@ -185,7 +187,7 @@ fn demo(demos: &[(String, &Demo)]) -> Vec<Section> {
 }
 
 /// Names of the results: those of their files without the ending, with folders where they are the same.
-fn names(results: &[(PathBuf, String)]) -> Vec<String> {
+fn names(results: &[(PathBuf, Results)]) -> Vec<String> {
     let stem = |path: &PathBuf| {
         path.file_stem()
             .map_or(String::new(), |s| s.to_string_lossy().into_owned())

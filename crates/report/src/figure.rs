@@ -9,10 +9,10 @@ use plotters::prelude::*;
 use std::path::Path;
 use undrift::{
     consistency::GROUP,
-    montecarlo::Report,
     nav::{earth::Geodetic, sample::TruthSample},
     outages::DriftCurve,
     replay::Outage,
+    results::{MonteCarlo, Number},
 };
 
 /// Colours that stay apart in grey and for the colour-blind (Okabe & Ito 2008).
@@ -126,11 +126,11 @@ fn draw_drift(area: &Area, curves: &[DriftCurve]) -> Result<(), Box<dyn std::err
 ///
 /// # Errors
 /// A sentence for the user when the file cannot be written.
-pub fn consistency(path: &Path, report: &Report) -> Result<(), String> {
+pub fn consistency(path: &Path, report: &MonteCarlo) -> Result<(), String> {
     draw_consistency(path, report).map_err(|e| format!("cannot draw {}: {e}", path.display()))
 }
 
-fn draw_consistency(path: &Path, report: &Report) -> Result<(), Box<dyn std::error::Error>> {
+fn draw_consistency(path: &Path, report: &MonteCarlo) -> Result<(), Box<dyn std::error::Error>> {
     let root = SVGBackend::new(path, (1160, 980)).into_drawing_area();
     root.fill(&WHITE)?;
     for (group, area) in root.split_evenly((3, 2)).iter().enumerate() {
@@ -143,12 +143,12 @@ fn draw_consistency(path: &Path, report: &Report) -> Result<(), Box<dyn std::err
 /// Panel of one group: NEES per degree of freedom, so that 1 is right in each.
 fn draw_nees(
     area: &Area,
-    report: &Report,
+    report: &MonteCarlo,
     name: &str,
     legend: bool,
 ) -> Result<(), Box<dyn std::error::Error>> {
     const RANGE: (f64, f64) = (0.1, 1000.0);
-    let end = report.time_s.last().copied().unwrap_or(1.0);
+    let end = report.time_s.last().map_or(1.0, |t| t.0);
     let mut chart = ChartBuilder::on(area)
         .margin(10)
         .margin_right(26)
@@ -172,17 +172,17 @@ fn draw_nees(
         .iter()
         .filter_map(|m| Some((m, m.nees.iter().find(|g| g.name == name)?)))
         .collect();
-    let line = |series: &[Option<f64>], freedom: usize| -> Vec<(f64, f64)> {
-        let scaled = series.iter().map(|v| v.map(|v| v / freedom as f64));
+    let line = |series: &[Number], freedom: u64| -> Vec<(f64, f64)> {
+        let scaled = series.iter().map(|v| v.get().map(|v| v / freedom as f64));
         report
             .time_s
             .iter()
             .zip(scaled)
-            .filter_map(|(t, v)| Some((*t, v?.clamp(RANGE.0, RANGE.1))))
+            .filter_map(|(t, v)| Some((t.0, v?.clamp(RANGE.0, RANGE.1))))
             .collect()
     };
     if let Some((model, group)) = groups.first() {
-        let settled = model.started_s + report.settle_s;
+        let settled = model.started_s.0 + report.settle_s.0;
         chart.draw_series([Rectangle::new(
             [(0.0, RANGE.0), (settled.min(end), RANGE.1)],
             RGBColor(244, 244, 244).filled(),

@@ -5,8 +5,8 @@ mod measure;
 use super::{
     Block, Cell, Section,
     parts::{count, table, text, warnings},
-    read::{Fleet, Trouble},
 };
+use undrift::results::{Fleet, Trouble};
 
 /// Rows that a table shows of a longer list.
 const ROWS: usize = 200;

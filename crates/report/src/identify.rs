@@ -6,11 +6,11 @@ mod axis;
 use super::{
     Block, Cell, Panel, Section, Series,
     parts::{cell, count, figure, get, short, span, table, text, warnings, zip},
-    read::{Axis, Identify},
 };
 use axis::{allan_panel, of_axis, psd};
 use std::f64::consts::PI;
 use undrift::noise::model_file::AXES;
+use undrift::results::{Axis, Identify, Term, Test};
 
 /// A record with its name; the name of a single one is empty.
 pub type Run<'a> = (String, &'a Identify);
@@ -113,16 +113,6 @@ pub fn sections(runs: &[Run<'_>]) -> Vec<Section> {
     sections
 }
 
-/// Axes in the order of a sensor.
-fn in_order(run: &Identify) -> impl Iterator<Item = (&str, &Axis)> {
-    let known = AXES.iter().filter_map(|name| {
-        let (name, axis) = run.axes.get_key_value(*name)?;
-        Some((name.as_str(), axis))
-    });
-    let others = run.axes.iter().map(|(name, axis)| (name.as_str(), axis));
-    known.chain(others.filter(|(name, _)| !AXES.contains(name)))
-}
-
 fn summary(runs: &[Run<'_>]) -> Section {
     let mut blocks = Vec::new();
     let label = |run: &str, axis: &str| match run {
@@ -130,7 +120,8 @@ fn summary(runs: &[Run<'_>]) -> Section {
         run => format!("{run}: {}", spoken(axis)),
     };
     for (name, run) in runs {
-        let failed: Vec<String> = in_order(run)
+        let failed: Vec<String> = run
+            .in_order()
             .filter_map(|(axis, found)| {
                 Some(format!("{}: {}", label(name, axis), found.error.as_ref()?))
             })
@@ -167,14 +158,29 @@ fn summary(runs: &[Run<'_>]) -> Section {
         ],
     );
     for (name, run) in runs {
-        for (axis, found_of) in in_order(run).filter(|(_, axis)| axis.error.is_none()) {
+        for (axis, found_of) in run.in_order().filter(|(_, axis)| axis.error.is_none()) {
             let unit = units(axis);
             let (h, long) = (60.0 * unit.scale, unit.instability_scale);
             found.rows.push(vec![
                 label(name, axis).into(),
-                format!("{} {}", short(term(found_of, "white") * h), unit.white).into(),
-                seen(found_of, "bias_instability", long, unit.instability).into(),
-                seen(found_of, "random_walk", unit.walk_scale, unit.walk).into(),
+                format!(
+                    "{} {}",
+                    short(found_of.allan_terms.white.value.0 * h),
+                    unit.white
+                )
+                .into(),
+                seen(
+                    &found_of.allan_terms.bias_instability,
+                    long,
+                    unit.instability,
+                )
+                .into(),
+                seen(
+                    &found_of.allan_terms.random_walk,
+                    unit.walk_scale,
+                    unit.walk,
+                )
+                .into(),
                 found_of.chosen.name.clone().into(),
                 count(found_of.outliers.len() as u64).into(),
             ]);
@@ -235,23 +241,10 @@ fn what_was_done(name: &str, run: &Identify) -> Vec<String> {
     told
 }
 
-/// A term of the Allan deviation, SI.
-fn term(axis: &Axis, name: &str) -> f64 {
-    let value = axis.allan_terms.get(name).and_then(|t| t.get("value"));
-    value
-        .and_then(serde_json::Value::as_f64)
-        .unwrap_or(f64::NAN)
-}
-
-/// Whether the record shows the term.
-fn is_seen(axis: &Axis, name: &str) -> bool {
-    let seen = axis.allan_terms.get(name).and_then(|t| t.get("seen"));
-    seen.and_then(serde_json::Value::as_bool).unwrap_or(false)
-}
-
-fn seen(axis: &Axis, name: &str, scale: f64, unit: &str) -> String {
-    if is_seen(axis, name) {
-        format!("{} {unit}", short(term(axis, name) * scale))
+/// A term of the Allan deviation, if the record shows it.
+fn seen(term: &Term, scale: f64, unit: &str) -> String {
+    if term.seen {
+        format!("{} {unit}", short(term.value.0 * scale))
     } else {
         "not seen".into()
     }
@@ -261,8 +254,8 @@ fn test_row(label: &str, axis: &Axis) -> Vec<Cell> {
     let with = |statistic: f64, critical: f64| -> Cell {
         format!("{} ({})", short(statistic), short(critical)).into()
     };
-    let unit_root = |test: &super::read::Test| with(test.statistic.0, get(&test.critical, "5%"));
-    let plain = |test: &super::read::Test| with(test.statistic.0, test.critical_5.0);
+    let unit_root = |test: &Test| with(test.statistic.0, get(&test.critical, "5%"));
+    let plain = |test: &Test| with(test.statistic.0, test.critical_5.unwrap_or_default().0);
     vec![
         label.into(),
         unit_root(&axis.adf),
@@ -277,7 +270,7 @@ fn test_row(label: &str, axis: &Axis) -> Vec<Cell> {
 
 /// Which axes are not normal, and that quantisation alone may make them so.
 fn normality(run: &Identify) -> String {
-    let known = || in_order(run).filter(|(_, axis)| axis.error.is_none());
+    let known = || run.in_order().filter(|(_, axis)| axis.error.is_none());
     let rejected =
         |axis: &Axis| axis.jarque_bera.p_value.0 < LEVEL || axis.lilliefors.p_value.0 < LEVEL;
     let names: Vec<String> = known()

@@ -13,12 +13,13 @@ mod montecarlo;
 mod navigate;
 mod outages;
 mod parts;
-mod read;
 pub mod say;
+mod table;
 
 pub use crate::figure::panel::{Axis, Corner, Panel, Series};
-pub use compare::of_results;
+pub use compare::{document, of_results};
 pub use document::{Block, Cell, Document, Figure, Section, Table};
+pub use table::outage_table;
 
 /// A name that can be a file's on every system, whatever stood in it.
 fn file_stem(name: &str) -> String {

@@ -3,8 +3,8 @@
 use super::{
     Axis, Block, Cell, Figure, Panel, Section, Series,
     parts::{count, error, model_colour, percent, short, span, table, text, warnings},
-    read::{Group, MonteCarlo, MonteCarloModel, Number},
 };
+use undrift::results::{Group, MonteCarlo, MonteCarloModel, Number, Verdict};
 use undrift::{
     consistency::{COMPONENT_NAMES, GROUP},
     series::Envelope,
@@ -129,7 +129,7 @@ fn summary(runs: &[Run<'_>], models: &[Model<'_>]) -> Section {
                 .into(),
                 percent(group.share_above.0).into(),
                 percent(group.share_below.0).into(),
-                marked(&group.verdict),
+                marked(group.verdict),
             ]);
         }
     }
@@ -143,9 +143,9 @@ fn summary(runs: &[Run<'_>], models: &[Model<'_>]) -> Section {
 }
 
 /// A verdict, standing out where it is a bad one.
-fn marked(verdict: &str) -> Cell {
-    let cell = Cell::from(verdict);
-    if verdict == "consistent" {
+fn marked(verdict: Option<Verdict>) -> Cell {
+    let cell = Cell::from(verdict.map_or(String::new(), |v| v.to_string()));
+    if verdict == Some(Verdict::Consistent) {
         cell
     } else {
         cell.strong()
@@ -154,17 +154,18 @@ fn marked(verdict: &str) -> Cell {
 
 /// A model in a sentence.
 fn verdict(model: &Model<'_>) -> String {
-    let all = model.model.nees.iter().find(|g| g.name == "all");
-    if let Some(all) = all.filter(|all| model.model.nees.iter().all(|g| g.verdict == all.verdict)) {
-        return format!(
-            "{} is {} in every group of states.",
-            model.name, all.verdict
-        );
+    let nees = &model.model.nees;
+    let all = nees
+        .iter()
+        .find(|g| g.name == "all")
+        .and_then(|g| g.verdict);
+    if let Some(verdict) = all.filter(|_| nees.iter().all(|g| g.verdict == all)) {
+        return format!("{} is {verdict} in every group of states.", model.name);
     }
-    let parts: Vec<String> = ["consistent", "optimistic", "pessimistic"]
+    let parts: Vec<String> = Verdict::ALL
         .into_iter()
         .filter_map(|verdict| {
-            let groups = model.model.nees.iter().filter(|g| g.verdict == verdict);
+            let groups = nees.iter().filter(|g| g.verdict == Some(verdict));
             let names: Vec<&str> = groups.map(|g| g.name.as_str()).collect();
             (!names.is_empty()).then(|| format!("{verdict} in {}", names.join(", ")))
         })
@@ -295,7 +296,7 @@ fn innovations(models: &[Model<'_>]) -> Option<Block> {
                 format!("{:.4} … {:.4}", kind.bounds.0.0, kind.bounds.1.0).into(),
                 percent(kind.share_above_95.0).into(),
                 format!("{largest:.3} (±{:.3})", kind.autocorrelation_bound.0).into(),
-                marked(&kind.verdict),
+                marked(kind.verdict),
             ]);
         }
     }

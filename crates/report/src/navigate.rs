@@ -8,12 +8,12 @@ mod summary;
 use super::{
     Axis, Block, Corner, Panel, Section, Series,
     parts::{Clock, figure, on_the_ground, origin},
-    read::{Navigate, NavigateSeries},
 };
 use accuracy::accuracy;
 use innovations::innovations;
 use panels::{component_panel, panel_over_time, sensor_panel, shaded};
 use summary::summary;
+use undrift::results::{Navigate, NavigateSeries};
 
 /// A run with its name; the name of a single one is empty.
 pub type Run<'a> = (String, &'a Navigate);

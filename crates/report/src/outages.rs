@@ -6,12 +6,12 @@ mod way;
 use super::{
     Block, Cell, Section, Table,
     parts::{cell, get, mark_least, model_colour, named, short, table, text, warnings, zip},
-    read::{ModelErrors, Numbers, Outages},
 };
 use drift::drift;
 use undrift::{
     demo::{WHITE_CALIBRATED, WHITE_CALIBRATED_NOTE},
     noise::order_statistics::quantile,
+    results::{ModelErrors, Numbers, Outages},
 };
 use way::way;
 
@@ -350,7 +350,7 @@ fn table_of(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::read::Number;
+    use undrift::results::Number;
 
     #[test]
     fn a_clear_lead_is_rarer_than_chance() {

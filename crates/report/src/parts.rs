@@ -1,11 +1,9 @@
 //! What the reports share: numbers as text, curves as points, tables row by row.
 
-use super::{
-    Axis, Block, Cell, Figure, Panel, Series, Table,
-    read::{Curve, Number, Numbers, Track},
-};
+use super::{Axis, Block, Cell, Figure, Panel, Series, Table};
 use undrift::nav::earth::Geodetic;
 use undrift::noise::order_statistics::quantile;
+use undrift::results::{Curve, Number, Numbers, Track};
 
 /// A number with three significant digits; a dash where there is none.
 pub fn short(value: f64) -> String {

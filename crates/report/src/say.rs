@@ -241,7 +241,7 @@ fn part(part: Part) -> (&'static str, &'static str) {
 fn rejected(fixes: &Contradiction) -> String {
     let (part, unit) = part(fixes.part);
     let size = |value: f64| match value {
-        v if v < 9.95 || v >= 9999.5 => error(v),
+        v if !(9.95..9999.5).contains(&v) => error(v),
         v => format!("{v:.0}"),
     };
     let what = match (fixes.fixes, fixes.part) {

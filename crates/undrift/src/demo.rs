@@ -1,6 +1,6 @@
 //! The source paper's experiment on a simulated drive: nothing but a seed goes in.
 
-mod json;
+mod result;
 
 use crate::record::Record;
 use crate::{

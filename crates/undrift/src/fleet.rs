@@ -18,7 +18,7 @@ mod summary;
 mod table;
 
 pub use fingerprint::{fingerprint, inputs};
-pub use gather::{Gathered, gather};
+pub use gather::gather;
 pub use manifest::{Choice, Manifest, Pattern, PatternError, drives};
 pub use outcome::{Outcome, Row};
 pub use process::process;

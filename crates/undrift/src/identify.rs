@@ -1,6 +1,6 @@
 //! A static record of six axes, or one, into a model file and the reasoning behind it.
 
-mod json;
+mod result;
 mod series;
 mod settings;
 

@@ -27,7 +27,6 @@ pub mod series;
 pub mod simulate;
 pub mod size;
 pub mod smooth;
-pub mod table;
 pub mod vehicle;
 
 pub use undrift_io as io;

@@ -14,13 +14,13 @@
 mod report;
 mod spec;
 
-pub use report::{Group, Kind, ModelReport, Report, Verdict};
 pub use spec::{MAX_RUN_EPOCHS, Spec};
 
 use crate::{
     consistency::{Consistency, ErrorState, GROUPS, InnovationStatistics, normalised_innovation},
     drive::DriveError,
     replay::{Measurement, Observer, ReplayError, STAMP_ROUNDING, Settings, replay},
+    results::{MonteCarlo, MonteCarloDrive, SCHEMA, VERSION, numbers},
     simulate::{GnssFixes, IdealImu, SensorErrors, SimulationError, Stepper},
 };
 use rand::{Rng, SeedableRng};
@@ -93,7 +93,7 @@ pub fn run(
     runs: usize,
     seed: u64,
     done: impl Fn() + Sync,
-) -> Result<Report, MonteCarloError> {
+) -> Result<MonteCarlo, MonteCarloError> {
     let stage = Stage::new(spec)?;
     let most = MAX_RUN_EPOCHS / stage.truth.len().max(1);
     if !(FEWEST_RUNS..=most).contains(&runs) {
@@ -129,12 +129,22 @@ pub fn run(
         }
     }
     let names = stage.models.iter().map(|(name, _)| name.clone());
-    Ok(Report {
-        runs,
+    Ok(MonteCarlo {
+        undrift: VERSION.into(),
+        schema: SCHEMA,
+        runs: runs as u64,
         seed,
-        settle_s: spec.settle,
-        time_s: stage.truth.iter().map(|t| t.time).collect(),
-        fix_time_s: stage.fix_times.clone(),
+        settle_s: spec.settle.into(),
+        drive: MonteCarloDrive {
+            duration_s: spec.trajectory.duration.into(),
+            rate_hz: spec.rate_hz.into(),
+            drawn_as: spec.bias_model.name().into(),
+            model: spec.model.name.clone(),
+            filter_model: spec.filter_model.name.clone(),
+            every_s: spec.every.into(),
+        },
+        time_s: numbers(stage.truth.iter().map(|t| t.time)),
+        fix_time_s: numbers(stage.fix_times.iter().copied()),
         models: names
             .zip(&sums)
             .map(|(name, sums)| sums.report(name, &stage.truth, &stage.fix_times, spec.settle))

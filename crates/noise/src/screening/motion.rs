@@ -2,6 +2,7 @@
 
 use super::record::{RecordError, check, mean_and_squares};
 use crate::order_statistics::upper_median;
+use serde::{Deserialize, Serialize};
 
 /// When a record counts as moving.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +29,8 @@ impl Default for MotionRule {
 }
 
 /// What the window means say.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Motion {
     /// Half the mean square change between the means of neighbouring windows over what white noise of
     /// the windows' median variance allows: about 1 for white noise; a drift hardly adds to it.

@@ -3,6 +3,7 @@
 
 use super::record::{RecordError, check};
 use crate::order_statistics::upper_median;
+use serde::{Deserialize, Serialize};
 
 /// Median absolute deviation of a standard normal distribution, inverted.
 const MAD_TO_SIGMA: f64 = 1.482_602_218_505_602;
@@ -31,7 +32,8 @@ impl Default for OutlierRule {
 }
 
 /// One outlier.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Outlier {
     /// Its position, from 0.
     pub index: usize,

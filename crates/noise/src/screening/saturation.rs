@@ -1,5 +1,7 @@
 //! A sensor driven against its stops.
 
+use serde::{Deserialize, Serialize};
+
 /// Fewest samples at a stop.
 const FEWEST: usize = 10;
 /// A stop holds so many times the samples of the level next to it.
@@ -8,7 +10,8 @@ const PILED_UP: usize = 3;
 const LEVELS: usize = 4;
 
 /// Samples piled up at an end of the range.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Saturation {
     /// The largest or smallest value [unit].
     pub value: f64,

@@ -2,6 +2,7 @@
 
 use super::record::{RecordError, check};
 use crate::order_statistics::upper_median;
+use serde::{Deserialize, Serialize};
 
 /// Intervals longer than so many times the median are gaps.
 const GAP: f64 = 1.5;
@@ -10,7 +11,8 @@ const GAP: f64 = 1.5;
 const EVEN: f64 = 0.05;
 
 /// A gap in a record.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Gap {
     /// Sample before the gap, from 0.
     pub index: usize,
@@ -23,7 +25,8 @@ pub struct Gap {
 }
 
 /// Report on time stamps.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Timing {
     /// Median interval [s].
     pub interval_s: f64,

@@ -4,11 +4,11 @@ use super::{ROWS, TOLD, many, shortened};
 use crate::{
     Axis, Block, Cell, Panel, Section, Series, Table,
     parts::{axis_for, cell, count, figure, get, mark_least, model_colour, short, table, text},
-    read::{
-        Fleet, FleetGroup as Group, FleetLog as Log, FleetMeasure as Measure, FleetPart as Part,
-    },
 };
 use undrift::noise::order_statistics::quantile;
+use undrift::results::{
+    Fleet, FleetGroup as Group, FleetLog as Log, FleetMeasure as Measure, FleetPart as Part,
+};
 
 /// Units that have a name on the axis of a figure.
 const NAMED: usize = 40;

@@ -1,23 +1,23 @@
 //! One axis of an identified record in all detail.
 
-use super::{COLOURS, LEVEL, Units, figure, heading, is_seen, term, units};
+use super::{COLOURS, LEVEL, Units, figure, heading, units};
 use crate::{
     Axis as PlotAxis, Block, Cell, Corner, Panel, Section, Series, Table,
     parts::{Clock, count, error, exact, get, probability, short, table, text, warnings, zip},
-    read::{Axis, Number, OrderRow},
 };
 use std::f64::consts::{LN_2, PI, TAU};
 use undrift::noise::order_statistics::quantile;
+use undrift::results::{Axis, Number, OrderRow, Term};
 
 /// One axis in all detail.
 pub(super) fn of_axis(name: &str, axis: &Axis) -> Section {
     let unit = units(name);
     let mut blocks = Vec::from_iter(warnings(&axis.warnings));
-    let reason = &axis.chosen.reason;
+    let reason = axis.chosen.reason.clone();
     blocks.extend(text(&[
         axis.stationarity.clone(),
         whiteness(axis),
-        reason.clone(),
+        reason.unwrap_or_default(),
     ]));
     blocks.extend(figure(
         &format!("record-{name}"),
@@ -189,20 +189,21 @@ fn allan(axis: &Axis, unit: &Units) -> Option<Panel> {
         .filter(|d| *d > 0.0)
         .fold(f64::INFINITY, f64::min);
     type Shape = fn(f64) -> f64;
-    let shapes: [(&str, &str, Shape); 5] = [
-        ("quantisation", "quantisation", |tau| 3f64.sqrt() / tau),
-        ("white", "white noise", |tau| tau.powf(-0.5)),
-        ("bias_instability", "bias instability", |_| {
+    let terms = &axis.allan_terms;
+    let shapes: [(&Term, &str, Shape); 5] = [
+        (&terms.quantisation, "quantisation", |tau| 3f64.sqrt() / tau),
+        (&terms.white, "white noise", |tau| tau.powf(-0.5)),
+        (&terms.bias_instability, "bias instability", |_| {
             (2.0 * LN_2 / PI).sqrt()
         }),
-        ("random_walk", "random walk", |tau| (tau / 3.0).sqrt()),
-        ("ramp", "ramp", |tau| tau / 2f64.sqrt()),
+        (&terms.random_walk, "random walk", |tau| (tau / 3.0).sqrt()),
+        (&terms.ramp, "ramp", |tau| tau / 2f64.sqrt()),
     ];
     if let Some((first, last)) = ends {
         let (first, last) = (first.0.max(a.fit_from_s.0), last.0);
-        for (at, (key, name, shape)) in shapes.into_iter().enumerate() {
-            let size = term(axis, key);
-            if !is_seen(axis, key) || size.is_nan() || size <= 0.0 {
+        for (at, (term, name, shape)) in shapes.into_iter().enumerate() {
+            let size = term.value.0;
+            if !term.seen || size.is_nan() || size <= 0.0 {
                 continue;
             }
             let points: Vec<(f64, f64)> = (0..=40)

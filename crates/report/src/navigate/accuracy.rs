@@ -6,9 +6,9 @@ use super::{
 use crate::{
     Block, Cell, Section,
     parts::{Clock, cell, count, get, mark_least, named, short, table, text},
-    read::{Navigate, NavigateSeries},
 };
 use undrift::reference::COMPONENTS;
+use undrift::results::{Navigate, NavigateSeries};
 
 /// NEES per degree of freedom along a run, whose samples are correlated, from which the filter is said to
 /// be optimistic, or slightly so.

@@ -8,8 +8,8 @@ use super::{
 use crate::{
     Axis, Panel, Section, Series,
     parts::{Clock, broken, extent, level},
-    read::NavigateSeries,
 };
+use undrift::results::NavigateSeries;
 
 /// Innovations over time, of position and velocity.
 pub(super) fn innovations(

@@ -4,10 +4,10 @@ use super::{BAND, COLOURS, Component};
 use crate::{
     Axis, Panel, Series,
     parts::{Clock, extent, unwrapped},
-    read::{Curve, NavigateSeries},
 };
 use std::collections::BTreeMap;
 use undrift::noise::order_statistics::quantile;
+use undrift::results::{Curve, NavigateSeries};
 
 /// Share of a run at its start whose values may lie beyond the axis, while the filter settles.
 const SETTLING: f64 = 0.05;

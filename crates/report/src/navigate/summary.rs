@@ -4,8 +4,8 @@ use super::{DEGREES, Run};
 use crate::{
     Block, Cell, Section, Table,
     parts::{cell, count, error, named, short, span, table, text, warnings},
-    read::{Counts, Navigate, Nis, Number},
 };
+use undrift::results::{Innovations, Navigate, Nis, Number};
 
 /// NIS per degree of freedom that is told as right.
 const PLAUSIBLE: std::ops::RangeInclusive<f64> = 0.6..=1.6;
@@ -136,7 +136,7 @@ fn verdict(part: &str, nis: &Nis) -> String {
 fn update_rows(name: &str, run: &Navigate) -> Vec<Vec<Cell>> {
     let s = &run.summary;
     let none = Nis::default();
-    let kinds: [(&str, &Counts, &Nis); 6] = [
+    let kinds: [(&str, &Innovations, &Nis); 6] = [
         ("position", &s.position, &run.position),
         ("velocity", &s.velocity, &run.velocity),
         ("non-holonomic", &s.non_holonomic, &none),
@@ -164,7 +164,7 @@ fn update_rows(name: &str, run: &Navigate) -> Vec<Vec<Cell>> {
             vec![
                 measurement.into(),
                 count(counts.updates).into(),
-                cell(counts.nis_sum.0 / counts.dof_sum as f64),
+                cell(counts.per_dof().unwrap_or(f64::NAN)),
                 correlation.into(),
                 count(counts.rejected).into(),
                 count(counts.weakened).into(),

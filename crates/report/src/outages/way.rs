@@ -4,8 +4,8 @@ use super::Run;
 use crate::{
     Axis, Block, Figure, Panel, Section, Series,
     parts::{on_the_ground, origin},
-    read::Outages,
 };
+use undrift::results::Outages;
 
 /// The way driven with its outages, one panel for each drive.
 pub(super) fn way(runs: &[Run<'_>]) -> Option<Section> {

@@ -1,27 +1,16 @@
 //! The outcomes in a folder into one table and one summary.
 
 use super::{FleetError, Outcome, job_path, summary::Summary};
-use crate::results;
+use crate::results::{self, Fleet};
 use std::{io, path::Path};
 use undrift_io::write::write_whole;
-
-/// What was gathered.
-#[derive(Clone, Debug)]
-pub struct Gathered {
-    /// Logs that nothing came of.
-    pub failed: usize,
-    /// Results of bias models that cannot be trusted, or that there are none of.
-    pub untrusted: usize,
-    /// The summary, which is `fleet.json`.
-    pub json: serde_json::Value,
-}
 
 /// Makes `results.parquet` and `fleet.json` in a folder of the outcomes that are kept there
 /// under these fingerprints, in their order. One outcome is in memory at a time.
 ///
 /// # Errors
 /// An outcome that is missing or is none; a file that cannot be written.
-pub fn gather(fingerprints: &[String], folder: &Path) -> Result<Gathered, FleetError> {
+pub fn gather(fingerprints: &[String], folder: &Path) -> Result<Fleet, FleetError> {
     let path = folder.join("results.parquet");
     let mut summary = Summary::default();
     #[cfg(feature = "parquet")]
@@ -40,15 +29,11 @@ pub fn gather(fingerprints: &[String], folder: &Path) -> Result<Gathered, FleetE
     table.finish().map_err(FleetError::file(&path))?;
     #[cfg(not(feature = "parquet"))]
     drop(path);
-    let json = summary.json();
-    let text = results::text(&json) + "\n";
+    let fleet = summary.result();
+    let text = results::text(&fleet) + "\n";
     write(&folder.join("fleet.json"), &text)?;
     tidy(folder).map_err(FleetError::file(folder))?;
-    Ok(Gathered {
-        failed: summary.failed(),
-        untrusted: summary.untrusted(),
-        json,
-    })
+    Ok(fleet)
 }
 
 fn write(path: &Path, text: &str) -> Result<(), FleetError> {

@@ -72,8 +72,7 @@ impl Outcome {
 
     /// As text: JSON with a line for each row.
     pub fn to_json(&self) -> String {
-        let value = serde_json::to_value(self).unwrap_or_default();
-        crate::results::text(&value) + "\n"
+        crate::results::text(self) + "\n"
     }
 
     /// Reads [`Outcome::to_json`]; `file` is for messages.

@@ -7,10 +7,12 @@ use super::{
     },
 };
 use crate::{
-    results::{Kind, with_head},
+    results::{
+        Bin, Fleet, FleetGroup, FleetLog, FleetMeasure, FleetOutlier, FleetPart, Number, Numbers,
+        OutlierRule, SCHEMA, Temperature, Trouble, VERSION, Warned,
+    },
     series::to_digits,
 };
-use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use undrift_nav::earth::STANDARD_GRAVITY;
 use undrift_noise::order_statistics::median;
@@ -134,12 +136,12 @@ struct Log {
 #[derive(Default)]
 pub struct Summary {
     logs: Vec<Log>,
-    tasks: BTreeMap<String, usize>,
+    tasks: BTreeMap<String, u64>,
     /// Bias models and axes in the order in which they came.
     parts: Vec<String>,
-    failed: Vec<Value>,
-    untrusted: Vec<Value>,
-    warned: Vec<Value>,
+    failed: Vec<Trouble>,
+    untrusted: Vec<Trouble>,
+    warned: Vec<Warned>,
 }
 
 impl Summary {
@@ -147,19 +149,25 @@ impl Summary {
     pub fn add(&mut self, outcome: &Outcome) {
         let (log, unit) = (&outcome.log, &outcome.unit);
         *self.tasks.entry(outcome.task.clone()).or_default() += 1;
+        let trouble = |part: Option<&str>, why: &str| Trouble {
+            log: log.clone(),
+            unit: unit.clone(),
+            part: part.map(str::to_owned),
+            why: why.to_owned(),
+        };
         if let Some(why) = &outcome.failed {
-            self.failed
-                .push(json!({"log": log, "unit": unit, "why": why}));
+            self.failed.push(trouble(None, why));
             return;
         }
         let failed = outcome.failed_parts.iter();
-        self.untrusted.extend(
-            failed.map(|(part, why)| json!({"log": log, "unit": unit, "part": part, "why": why})),
-        );
+        self.untrusted
+            .extend(failed.map(|(part, why)| trouble(Some(part), why)));
         if !outcome.warnings.is_empty() {
-            let warnings = &outcome.warnings;
-            self.warned
-                .push(json!({"log": log, "unit": unit, "warnings": warnings}));
+            self.warned.push(Warned {
+                log: log.clone(),
+                unit: unit.clone(),
+                warnings: outcome.warnings.clone(),
+            });
         }
         let mut values = BTreeMap::new();
         let mut rows: Vec<(&str, Vec<&Row>)> = Vec::new();
@@ -175,8 +183,7 @@ impl Summary {
             }
             let note = rows.iter().find_map(|row| row.note.as_ref());
             if let (Some(why), false) = (note, outcome.task == "identify") {
-                let one = json!({"log": log, "unit": unit, "part": part, "why": why});
-                self.untrusted.push(one);
+                self.untrusted.push(trouble(Some(part), why));
             }
             for (place, measure) in MEASURES.iter().enumerate() {
                 let fits = measure.task == outcome.task && part.starts_with(measure.parts);
@@ -195,37 +202,24 @@ impl Summary {
         });
     }
 
-    /// How many logs nothing came of.
-    pub fn failed(&self) -> usize {
-        self.failed.len()
-    }
-
-    /// How many results cannot be trusted.
-    pub fn untrusted(&self) -> usize {
-        self.untrusted.len()
-    }
-
-    /// Everything as JSON, the result of the verb.
-    pub fn json(&self) -> Value {
-        let measures: Vec<Value> = (0..MEASURES.len())
-            .filter_map(|place| self.measure(place))
-            .collect();
-        with_head(
-            Kind::Fleet,
-            json!({
-                "tasks": self.tasks,
-                "failed": self.failed,
-                "untrusted": self.untrusted,
-                "warned": self.warned,
-                "outlier_rule": {
-                    "deviations": OUTLIER_DEVIATIONS,
-                    "share": OUTLIER_SHARE,
-                    "least": OUTLIER_LEAST,
-                },
-                "measures": measures,
-                "logs": self.logs.iter().map(log_json).collect::<Vec<_>>(),
-            }),
-        )
+    /// Everything, the result of the verb.
+    pub fn result(self) -> Fleet {
+        let measures = 0..MEASURES.len();
+        Fleet {
+            undrift: VERSION.into(),
+            schema: SCHEMA,
+            measures: measures.filter_map(|place| self.measure(place)).collect(),
+            logs: self.logs.iter().map(log).collect(),
+            tasks: self.tasks,
+            failed: self.failed,
+            untrusted: self.untrusted,
+            warned: self.warned,
+            outlier_rule: OutlierRule {
+                deviations: OUTLIER_DEVIATIONS.into(),
+                share: OUTLIER_SHARE.into(),
+                least: OUTLIER_LEAST as u64,
+            },
+        }
     }
 
     /// The logs that have a part of a measure, with its value.
@@ -235,7 +229,7 @@ impl Summary {
         self.logs.iter().filter_map(value)
     }
 
-    fn measure(&self, place: usize) -> Option<Value> {
+    fn measure(&self, place: usize) -> Option<FleetMeasure> {
         let measure = MEASURES.get(place)?;
         let parts: Vec<&str> = self
             .parts
@@ -246,20 +240,19 @@ impl Summary {
         if parts.is_empty() {
             return None;
         }
-        let told: Vec<Value> = parts.iter().map(|part| self.part(place, part)).collect();
-        Some(json!({
-            "name": measure.name,
-            "what": measure.what,
-            "unit": measure.unit,
-            "parts": told,
-            "best": self.best(place, &parts),
-            "by_unit": self.groups(place, &parts, |log| log.unit.as_deref()),
-            "by_sensor": self.groups(place, &parts, |log| log.sensor.as_deref()),
-        }))
+        Some(FleetMeasure {
+            name: measure.name.into(),
+            what: measure.what.into(),
+            unit: measure.unit.into(),
+            parts: parts.iter().map(|part| self.part(place, part)).collect(),
+            best: self.best(place, &parts),
+            by_unit: self.groups(place, &parts, |log| log.unit.as_deref()),
+            by_sensor: self.groups(place, &parts, |log| log.sensor.as_deref()),
+        })
     }
 
     /// A bias model or axis over all logs.
-    fn part(&self, place: usize, part: &str) -> Value {
+    fn part(&self, place: usize, part: &str) -> FleetPart {
         let values: Vec<f64> = self.of(place, part).map(|(_, value)| value).collect();
         let middle = median(&values);
         let limit = outlier_limit(&values);
@@ -269,40 +262,35 @@ impl Summary {
             .filter(|(_, value)| beyond(*value))
             .collect();
         outliers.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let outliers: Vec<Value> = outliers
-            .into_iter()
-            .map(|(log, value)| {
-                json!({
-                    "log": log.name,
-                    "unit": log.unit,
-                    "temperature_c": log.temperature_c,
-                    "value": to_digits(value),
-                    "times_median": to_digits(value / middle),
-                })
-            })
-            .collect();
+        let outlier = |(log, value): (&Log, f64)| FleetOutlier {
+            log: log.name.clone(),
+            unit: log.unit.clone(),
+            temperature_c: log.temperature_c.into(),
+            value: to_digits(value).into(),
+            times_median: to_digits(value / middle).into(),
+        };
         let known = self.of(place, part);
         let pairs: Vec<(f64, f64)> = known
             .filter_map(|(log, value)| Some((log.temperature_c?, value)))
             .collect();
         let correlation = rank_correlation(&pairs);
-        json!({
-            "part": part,
-            "logs": values.len(),
-            "median": to_digits(middle),
-            "limit": limit.map(to_digits),
-            "outliers": outliers,
-            "temperature": {
-                "correlation": correlation.map(|c| to_digits(c.0)),
-                "bound": correlation.map(|c| to_digits(c.1)),
-                "bins": bins(&pairs),
+        FleetPart {
+            part: part.to_owned(),
+            logs: values.len() as u64,
+            median: to_digits(middle).into(),
+            limit: limit.map(to_digits).into(),
+            outliers: outliers.into_iter().map(outlier).collect(),
+            temperature: Temperature {
+                correlation: correlation.map(|c| to_digits(c.0)).into(),
+                bound: correlation.map(|c| to_digits(c.1)).into(),
+                bins: bins(&pairs),
             },
-        })
+        }
     }
 
     /// On how many of the logs that have all parts each one is the least.
-    fn best(&self, place: usize, parts: &[&str]) -> Map<String, Value> {
-        let mut best = vec![0usize; parts.len()];
+    fn best(&self, place: usize, parts: &[&str]) -> BTreeMap<String, u64> {
+        let mut best = vec![0; parts.len()];
         for log in &self.logs {
             let value = |part: &&str| log.values.get(&(place, (*part).to_owned())).copied();
             let values: Option<Vec<f64>> = parts.iter().map(value).collect();
@@ -315,9 +303,7 @@ impl Summary {
             }
         }
         let counts = parts.iter().zip(best);
-        counts
-            .map(|(part, n)| ((*part).to_owned(), n.into()))
-            .collect()
+        counts.map(|(part, n)| ((*part).to_owned(), n)).collect()
     }
 
     /// The medians of the logs of each group, the largest of the last part first.
@@ -326,7 +312,7 @@ impl Summary {
         place: usize,
         parts: &[&str],
         group: impl Fn(&Log) -> Option<&str>,
-    ) -> Vec<Value> {
+    ) -> Vec<FleetGroup> {
         let mut groups: BTreeMap<&str, Vec<&Log>> = BTreeMap::new();
         for log in &self.logs {
             let any = parts
@@ -353,49 +339,54 @@ impl Summary {
             .enumerate()
             .map(|(at, (name, logs))| {
                 let of = |k: usize| medians.get(k).and_then(|m| m.get(at)).copied();
-                let mut medians = Map::new();
+                let mut median = Numbers::new();
                 let mut outlying = Vec::new();
                 for (k, part) in parts.iter().enumerate() {
                     let Some(value) = of(k).filter(|v| v.is_finite()) else {
                         continue;
                     };
-                    medians.insert((*part).to_owned(), to_digits(value).into());
+                    median.insert((*part).to_owned(), to_digits(value).into());
                     if limits
                         .get(k)
                         .is_some_and(|l| l.is_some_and(|limit| value > limit))
                     {
-                        outlying.push(*part);
+                        outlying.push((*part).to_owned());
                     }
                 }
-                json!({"name": name, "logs": logs.len(), "median": medians, "outlying": outlying})
+                FleetGroup {
+                    name: (*name).to_owned(),
+                    logs: logs.len() as u64,
+                    median,
+                    outlying,
+                }
             })
             .collect()
     }
 }
 
-fn log_json(log: &Log) -> Value {
-    let mut values: Map<String, Value> = Map::new();
+fn log(log: &Log) -> FleetLog {
+    let mut values: BTreeMap<String, Numbers> = BTreeMap::new();
     for ((place, part), value) in &log.values {
         let Some(measure) = MEASURES.get(*place) else {
             continue;
         };
-        let parts = values.entry(measure.name).or_insert_with(|| json!({}));
-        parts[part] = to_digits(*value).into();
+        let parts = values.entry(measure.name.to_owned()).or_default();
+        parts.insert(part.clone(), Number(to_digits(*value)));
     }
-    json!({
-        "log": log.name,
-        "unit": log.unit,
-        "sensor": log.sensor,
-        "temperature_c": log.temperature_c.map(to_digits),
-        "values": values,
-    })
+    FleetLog {
+        log: log.name.clone(),
+        unit: log.unit.clone(),
+        sensor: log.sensor.clone(),
+        temperature_c: log.temperature_c.map(to_digits).into(),
+        values,
+    }
 }
 
 /// Width of a bin of temperatures [K].
 const BIN: f64 = 10.0;
 
 /// Medians of the values in bins of temperature [°C].
-fn bins(pairs: &[(f64, f64)]) -> Vec<Value> {
+fn bins(pairs: &[(f64, f64)]) -> Vec<Bin> {
     let mut bins: BTreeMap<i64, Vec<f64>> = BTreeMap::new();
     for (temperature, value) in pairs {
         let bin = (temperature / BIN).floor() as i64;
@@ -404,12 +395,12 @@ fn bins(pairs: &[(f64, f64)]) -> Vec<Value> {
     bins.into_iter()
         .map(|(bin, values)| {
             let from = bin as f64 * BIN;
-            json!({
-                "from_c": from,
-                "to_c": from + BIN,
-                "logs": values.len(),
-                "median": to_digits(median(&values)),
-            })
+            Bin {
+                from_c: from.into(),
+                to_c: (from + BIN).into(),
+                logs: values.len() as u64,
+                median: to_digits(median(&values)).into(),
+            }
         })
         .collect()
 }

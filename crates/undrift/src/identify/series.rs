@@ -1,7 +1,9 @@
 //! What an axis is drawn from: its record over time and over value, its spectrum, its correlations.
 
-use crate::series::{Envelope, to_digits};
-use serde_json::{Value, json};
+use crate::{
+    results::{AxisSeries, Histogram, Number, Psd, Residuals},
+    series::{Envelope, to_digits},
+};
 use undrift_noise::{correlation::white_bound, identify::Axis, spectrum::Density};
 
 /// Buckets of the record.
@@ -83,47 +85,46 @@ impl RecordSeries {
     }
 
     /// With what was found of the axis.
-    pub(super) fn json(&self, axis: &Axis) -> Value {
-        let digits = |values: &[f64]| values.iter().copied().map(to_digits).collect::<Vec<_>>();
-        let centre: Vec<f64> = (0..self.density.len())
-            .map(|bar| self.first + bar as f64 * self.width)
-            .collect();
-        let residuals: Vec<Value> = axis
-            .residuals
-            .iter()
-            .map(|r| {
-                json!({
-                    "model": r.model, "samples": r.samples,
-                    "acf": digits(&r.acf), "pacf": digits(&r.pacf), "bound": to_digits(white_bound(r.samples)),
-                })
-            })
-            .collect();
-        json!({
-            "record": self.record.curve(),
-            "histogram": {
-                "centre": digits(&centre), "density": digits(&self.density), "width": to_digits(self.width),
-                "mean": to_digits(self.mean), "sigma": to_digits(self.deviation),
+    pub(super) fn result(&self, axis: &Axis) -> AxisSeries {
+        let centres = (0..self.density.len()).map(|bar| self.first + bar as f64 * self.width);
+        let residuals = axis.residuals.iter().map(|r| Residuals {
+            model: r.model.clone(),
+            samples: r.samples as u64,
+            acf: digits(r.acf.iter().copied()),
+            pacf: digits(r.pacf.iter().copied()),
+            bound: to_digits(white_bound(r.samples)).into(),
+        });
+        AxisSeries {
+            record: self.record.curve(),
+            histogram: Histogram {
+                centre: digits(centres),
+                density: digits(self.density.iter().copied()),
+                width: to_digits(self.width).into(),
+                mean: to_digits(self.mean).into(),
+                sigma: to_digits(self.deviation).into(),
             },
-            "psd": psd(&axis.psd),
-            "correlation_bound": to_digits(white_bound(axis.samples)),
-            "residuals": residuals,
-        })
+            psd: psd(&axis.psd),
+            correlation_bound: to_digits(white_bound(axis.samples)).into(),
+            residuals: residuals.collect(),
+        }
     }
+}
+
+fn digits(values: impl Iterator<Item = f64>) -> Vec<Number> {
+    values.map(|value| to_digits(value).into()).collect()
 }
 
 /// The smallest and largest density of each band. Half the sample rate is left out: there the
 /// one-sided density is half of what it is beside.
-fn psd(density: &Density) -> Value {
+fn psd(density: &Density) -> Option<Psd> {
     let end = density.frequency_hz.len().saturating_sub(1);
     let points = || {
         let all = density.frequency_hz.iter().zip(&density.density).take(end);
         all.map(|(f, d)| (*f, *d)).filter(|(f, _)| *f > 0.0)
     };
-    let (Some((first, _)), Some((last, _))) = (points().next(), points().next_back()) else {
-        return Value::Null;
-    };
+    let ((first, _), (last, _)) = (points().next()?, points().next_back()?);
     let band = |f: f64| ((f / first).ln() / (last / first).ln() * BANDS as f64) as usize;
-    let (mut frequencies, mut densities) = (Vec::new(), Vec::new());
+    let mut psd = Psd::default();
     let mut rest = points().peekable();
     while let Some(one) = rest.next() {
         let (mut least, mut most) = (one, one);
@@ -139,9 +140,9 @@ fn psd(density: &Density) -> Value {
         ends.sort_by(|a, b| a.0.total_cmp(&b.0));
         ends.dedup_by(|a, b| a.0 == b.0);
         for (f, d) in ends {
-            frequencies.push(to_digits(f));
-            densities.push(to_digits(d));
+            psd.frequency_hz.push(to_digits(f).into());
+            psd.density.push(to_digits(d).into());
         }
     }
-    json!({"frequency_hz": frequencies, "density": densities})
+    Some(psd)
 }

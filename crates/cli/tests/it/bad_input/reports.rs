@@ -273,7 +273,7 @@ fn a_file_that_is_no_result_is_refused() {
             text(&case, "imu.csv"),
             "not a result of undrift",
         ),
-        ("wrong.json", pretty(&wrong), "(key samples)"),
+        ("wrong.json", pretty(&wrong), "(key summary.samples)"),
         (
             "unknown.json",
             pretty(&unknown),

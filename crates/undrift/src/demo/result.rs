@@ -1,15 +1,14 @@
-//! The demo as JSON: what was identified, and what the outages did.
+//! The demo as its result: what was identified, and what the outages did.
 
 use super::{DURATION, Demo, PRESET, RATE_HZ, WHITE_CALIBRATED_NOTE};
 use crate::{
     outages::Experiment,
-    results::{Drive, Kind, with_head},
+    results::{self, Drive, SCHEMA, VERSION},
 };
-use serde_json::{Value, json};
 
 impl Demo {
-    /// The outages.
-    pub fn experiment(&self) -> Experiment<'_> {
+    /// What the outages did.
+    pub fn outages(&self) -> results::Outages {
         let identified = self.identified.is_some();
         Experiment {
             drive: Drive {
@@ -34,22 +33,20 @@ impl Demo {
             smooth: false,
             findings: Vec::new(),
         }
+        .result()
     }
 
-    /// Everything as JSON.
-    pub fn json(&self) -> Value {
-        let identification = self
-            .identified
-            .as_ref()
-            .map(|(_, found)| found.json(&format!("Simulated static record of {PRESET}")));
-        with_head(
-            Kind::Demo,
-            json!({
-                "seed": self.seed,
-                "identification": identification,
-                "outages": self.experiment().result(),
-                "note": WHITE_CALIBRATED_NOTE,
-            }),
-        )
+    /// Everything as a result.
+    pub fn result(&self) -> results::Demo {
+        let record = format!("Simulated static record of {PRESET}");
+        let identified = self.identified.as_ref();
+        results::Demo {
+            undrift: VERSION.into(),
+            schema: SCHEMA,
+            seed: self.seed,
+            identification: identified.map(|(_, found)| found.result(&record)),
+            outages: self.outages(),
+            note: WHITE_CALIBRATED_NOTE.into(),
+        }
     }
 }

@@ -1,0 +1,284 @@
+//! An identified static record. Of an axis "unit" is rad/s or m/s².
+
+mod fits;
+
+pub use fits::{
+    Allan, AllanTerms, ArmaOrigin, BoxJenkins, Candidate, CompositeOrigin, GridFit, Lifted, Order,
+    OrderRow, Origin, PanditWuOrders, Process, ScaleFit, ScaleOrigin, Scales, Term, Terms,
+    WaveletMoments,
+};
+
+use super::{Curve, Number, Numbers};
+use serde::{Deserialize, Serialize, Serializer};
+use std::collections::BTreeMap;
+use undrift_noise::{
+    model_file::AXES,
+    screening::{Motion, Outlier, Saturation, Timing},
+};
+
+/// An identified record.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, tag = "kind", rename = "identify")]
+pub struct Identify {
+    /// Version of the program.
+    pub undrift: String,
+    /// Version of this schema.
+    pub schema: u32,
+    /// What the record is called.
+    pub record: String,
+    /// Sample rate \[Hz\].
+    pub rate_hz: Number,
+    /// What the time stamps say, where there are any.
+    pub timing: Option<Timing>,
+    /// Rows of the record that were skipped.
+    pub skipped_rows: u64,
+    /// Each axis by name: `gyro_x` … `accel_z`.
+    #[serde(serialize_with = "axes")]
+    pub axes: BTreeMap<String, Axis>,
+}
+
+impl Identify {
+    /// The axes in the order of a sensor.
+    pub fn in_order(&self) -> impl Iterator<Item = (&str, &Axis)> {
+        let known = AXES
+            .iter()
+            .filter_map(|name| self.axes.get_key_value(*name));
+        let others = self
+            .axes
+            .iter()
+            .filter(|(name, _)| !AXES.contains(&name.as_str()));
+        known
+            .chain(others)
+            .map(|(name, axis)| (name.as_str(), axis))
+    }
+}
+
+/// Of an axis that has an error there is nothing else.
+fn axes<S: Serializer>(axes: &BTreeMap<String, Axis>, serializer: S) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    #[serde(untagged)]
+    enum Found<'a> {
+        Failed { error: &'a String },
+        Axis(&'a Axis),
+    }
+    serializer.collect_map(axes.iter().map(|(name, axis)| match &axis.error {
+        Some(error) => (name, Found::Failed { error }),
+        None => (name, Found::Axis(axis)),
+    }))
+}
+
+/// One axis.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Axis {
+    /// Why nothing was found of it, if so.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error: Option<String>,
+    /// Samples.
+    pub samples: u64,
+    /// Their mean \[unit\].
+    pub mean: Number,
+    /// "rad/s" or "m/s^2".
+    pub unit: String,
+    /// What was taken out beside the mean.
+    pub detrend: Detrend,
+    /// Samples that were taken for outliers \[unit\].
+    pub outliers: Vec<Outlier>,
+    /// Whether the sensor moved.
+    pub moving: Option<bool>,
+    /// Where it moved.
+    pub motion: Option<Motion>,
+    /// Values at which the sensor is saturated \[unit\].
+    pub saturation: Vec<Saturation>,
+    /// Where the sensor repeats a value.
+    pub hanging: Vec<Hanging>,
+    /// Augmented Dickey-Fuller test at fixed lags, and by rules that choose them.
+    pub adf: Test,
+    /// Kwiatkowski-Phillips-Schmidt-Shin test.
+    pub kpss: Test,
+    /// Phillips-Perron test.
+    pub phillips_perron: Test,
+    /// What these three say together, as a sentence.
+    pub stationarity: String,
+    /// Jarque-Bera test of normality.
+    pub jarque_bera: Test,
+    /// Kolmogorov-Smirnov test of normality.
+    pub ks: Test,
+    /// Lilliefors' test of normality.
+    pub lilliefors: Test,
+    /// Skewness, 0 of a normal distribution.
+    pub skewness: Number,
+    /// Kurtosis beyond that of a normal distribution.
+    pub kurtosis_excess: Number,
+    /// Step of the grid that the samples lie on \[unit\].
+    pub quantisation_step: Number,
+    /// Autocorrelation at lags 0, 1, …
+    pub acf: Vec<Number>,
+    /// Partial autocorrelation at lags 0, 1, …
+    pub pacf: Vec<Number>,
+    /// Ljung and Box's test of whiteness.
+    pub ljung_box: Test,
+    /// Lines of the spectrum.
+    pub lines: Vec<Line>,
+    /// Allan deviation.
+    pub allan: Allan,
+    /// The terms fitted to it.
+    pub allan_terms: AllanTerms,
+    /// Pandit and Wu's table of ARMA(2n, 2n−1).
+    pub pandit_wu: Vec<OrderRow>,
+    /// The orders that it chooses.
+    pub pandit_wu_orders: Option<PanditWuOrders>,
+    /// The grid of orders of Box and Jenkins.
+    pub box_jenkins: Option<BoxJenkins>,
+    /// Fits to block averages.
+    pub scales: Option<Scales>,
+    /// Models of the axis.
+    pub candidates: Vec<Candidate>,
+    /// Their names, the least drift first.
+    pub ranking: Vec<String>,
+    /// The recommended one.
+    pub chosen: Candidate,
+    /// What should be said of the axis, in sentences.
+    pub warnings: Vec<String>,
+    /// For plots.
+    pub series: AxisSeries,
+}
+
+/// What was taken out beside the mean.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(tag = "kind", rename_all = "lowercase")]
+pub enum Detrend {
+    /// Nothing.
+    #[default]
+    Constant,
+    /// A straight line.
+    Linear {
+        /// Its slope \[unit/h\].
+        slope_per_hour: Number,
+        /// Share of the variance that it explains.
+        explained: Number,
+    },
+    /// A multiple of the temperature.
+    Temperature {
+        /// The multiple \[unit/K\].
+        slope_per_kelvin: Number,
+        /// Share of the variance that it explains.
+        explained: Number,
+    },
+}
+
+/// Samples on end that repeat a value.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Hanging {
+    /// The first.
+    pub index: u64,
+    /// How many.
+    pub samples: u64,
+}
+
+/// A statistical test.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Test {
+    /// Its statistic.
+    pub statistic: Number,
+    /// Probability of a larger (or smaller) one under the null hypothesis.
+    pub p_value: Number,
+    /// Whether that is a bound only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub p_is_bound: Option<bool>,
+    /// Lags.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lags: Option<u64>,
+    /// Critical values at "1%", "5%" and "10%".
+    #[serde(skip_serializing_if = "Numbers::is_empty")]
+    pub critical: Numbers,
+    /// Critical value at 5 %.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub critical_5: Option<Number>,
+    /// Value of the criterion that chose the lags.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub criterion: Option<Number>,
+    /// The same test by the rule that chooses the lags.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub by_rule: Option<BTreeMap<String, Test>>,
+}
+
+/// A line of the spectrum.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Line {
+    /// Frequency \[Hz\].
+    pub frequency_hz: Number,
+    /// Amplitude \[unit\].
+    pub amplitude: Number,
+}
+
+/// For the plots of an axis.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct AxisSeries {
+    /// The record over time \[unit\].
+    pub record: Curve,
+    /// Its distribution.
+    pub histogram: Histogram,
+    /// Its power spectral density.
+    pub psd: Option<Psd>,
+    /// 95 % bound of the correlations of white noise.
+    pub correlation_bound: Number,
+    /// What the models leave.
+    pub residuals: Vec<Residuals>,
+}
+
+/// A histogram and the normal distribution beside it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Histogram {
+    /// Centres of the bars \[unit\].
+    pub centre: Vec<Number>,
+    /// Densities \[1/unit\].
+    pub density: Vec<Number>,
+    /// Width of a bar \[unit\].
+    pub width: Number,
+    /// Mean of the normal distribution \[unit\].
+    pub mean: Number,
+    /// Its standard deviation \[unit\].
+    pub sigma: Number,
+}
+
+/// A one-sided power spectral density.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Psd {
+    /// Frequencies \[Hz\].
+    pub frequency_hz: Vec<Number>,
+    /// Densities \[unit²/Hz\].
+    pub density: Vec<Number>,
+}
+
+/// What a model leaves.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Residuals {
+    /// Name of the model.
+    pub model: String,
+    /// Samples.
+    pub samples: u64,
+    /// Autocorrelation at lags 0, 1, …
+    pub acf: Vec<Number>,
+    /// Partial autocorrelation at lags 0, 1, …
+    pub pacf: Vec<Number>,
+    /// 95 % bound of both where the model is right.
+    pub bound: Number,
+}

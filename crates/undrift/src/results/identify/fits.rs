@@ -1,0 +1,380 @@
+//! What was fitted to an axis.
+
+use crate::results::{Number, Numbers};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// An Allan deviation with its 68 % interval and what the terms make of it \[unit\].
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Allan {
+    /// Averaging times \[s\].
+    pub tau_s: Vec<Number>,
+    /// Overlapping Allan deviation.
+    pub adev: Vec<Number>,
+    /// Lower end of its interval.
+    pub lower: Vec<Number>,
+    /// Upper end of its interval.
+    pub upper: Vec<Number>,
+    /// Deviation of the terms fitted.
+    pub fit: Vec<Number>,
+    /// From where on they were fitted \[s\].
+    pub fit_from_s: Number,
+}
+
+/// Terms fitted to an Allan deviation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct AllanTerms {
+    /// Quantisation noise \[unit·s\].
+    pub quantisation: Term,
+    /// White noise \[unit/√Hz\].
+    pub white: Term,
+    /// Bias instability \[unit\].
+    pub bias_instability: Term,
+    /// Random walk \[unit/√s\].
+    pub random_walk: Term,
+    /// Ramp \[unit/s\].
+    pub ramp: Term,
+    /// Variance of the white noise at the rate of the record \[unit²\].
+    pub white_variance: Number,
+}
+
+/// One of these terms.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Term {
+    /// Its value.
+    pub value: Number,
+    /// Standard error of it.
+    pub standard_error: Number,
+    /// Upper end of its one-sided 95 % interval.
+    pub upper_95: Number,
+    /// Whether the record shows it.
+    pub seen: bool,
+}
+
+/// A row of Pandit and Wu's table.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct OrderRow {
+    /// Autoregressive order.
+    pub p: u64,
+    /// Order of the moving average.
+    pub q: u64,
+    /// Residual sum of squares \[unit²\].
+    pub rss: Number,
+    /// Akaike's criterion.
+    pub aic: Number,
+    /// Bayesian criterion.
+    pub bic: Number,
+    /// Autoregressive coefficients.
+    pub ar: Vec<Number>,
+    /// Coefficients of the moving average.
+    pub ma: Vec<Number>,
+    /// F of the step to this row.
+    pub f: Number,
+    /// Its critical value at 5 %.
+    pub f_critical: Number,
+    /// What the source paper compares it with.
+    pub f_paper: Number,
+}
+
+/// Orders of an ARMA model.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Order {
+    /// Autoregressive order.
+    pub p: u64,
+    /// Order of the moving average.
+    pub q: u64,
+}
+
+impl From<(usize, usize)> for Order {
+    fn from((p, q): (usize, usize)) -> Self {
+        Self {
+            p: p as u64,
+            q: q as u64,
+        }
+    }
+}
+
+impl fmt::Display for Order {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "({},{})", self.p, self.q)
+    }
+}
+
+/// The orders that Pandit and Wu's table chooses.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct PanditWuOrders {
+    /// By F, stepping down.
+    pub by_f: Order,
+    /// By Akaike's criterion.
+    pub by_aic: Order,
+    /// By the Bayesian criterion.
+    pub by_bic: Order,
+}
+
+/// Criteria over a grid of orders.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct BoxJenkins {
+    /// Samples fitted.
+    pub samples: u64,
+    /// Largest autoregressive order.
+    pub p_max: u64,
+    /// Largest order of the moving average.
+    pub q_max: u64,
+    /// The order that Akaike's criterion chooses.
+    pub by_aic: Order,
+    /// The order that its correction for few samples chooses.
+    pub by_aicc: Order,
+    /// The order that the Bayesian criterion chooses.
+    pub by_bic: Order,
+    /// All orders.
+    pub grid: Vec<GridFit>,
+}
+
+/// Criteria of one order.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct GridFit {
+    /// Autoregressive order.
+    pub p: u64,
+    /// Order of the moving average.
+    pub q: u64,
+    /// Logarithm of the likelihood.
+    pub log_likelihood: Number,
+    /// Akaike's criterion.
+    pub aic: Number,
+    /// Its correction for few samples.
+    pub aicc: Number,
+    /// Bayesian criterion.
+    pub bic: Number,
+}
+
+/// ARMA(1,1) fitted to block averages.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Scales {
+    /// By growing block length.
+    pub fits: Vec<ScaleFit>,
+    /// Block length of the chosen one \[samples\].
+    pub chosen_block: Option<u64>,
+    /// How many agree with the chosen one, itself included.
+    pub agreeing: u64,
+}
+
+/// The fit at one block length.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct ScaleFit {
+    /// Block length \[samples\].
+    pub block: u64,
+    /// Blocks.
+    pub points: u64,
+    /// Autoregressive coefficient.
+    pub phi: Number,
+    /// Coefficient of the moving average.
+    pub theta: Number,
+    /// Standard deviation of the innovations \[unit\].
+    pub sigma: Number,
+    /// Lifted to the full rate, where that is possible.
+    pub lifted: Option<Lifted>,
+    /// Relative standard errors of that.
+    pub relative_errors: Lifted,
+    /// Whether the scale sees a slow part.
+    pub seen: bool,
+}
+
+/// White noise and a Gauss-Markov process at the full rate.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Lifted {
+    /// White noise \[unit/√Hz\].
+    pub white: Number,
+    /// Standard deviation of the process \[unit\].
+    pub sigma: Number,
+    /// Its correlation time \[s\].
+    pub tau_s: Number,
+    /// Its driving noise \[unit/√s\].
+    pub drive: Number,
+}
+
+/// A candidate model; by horizon: keys in whole seconds.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Candidate {
+    /// Name, such as "ARMA(1,1)".
+    pub name: String,
+    /// States of its shaping filter, the turn-on constant's included.
+    pub states: u64,
+    /// Parameters fitted.
+    pub parameters: u64,
+    /// Ljung and Box's p-value of its residuals.
+    pub ljung_box_p: Number,
+    /// Drift of the integral on the second half of the record by horizon, root mean square \[unit·s\].
+    pub drift_score: Numbers,
+    /// Standard error of it \[unit·s\].
+    pub drift_score_error: Numbers,
+    /// What the model predicts \[unit·s\].
+    pub drift_predicted: Numbers,
+    /// What should be said of the fit, in sentences.
+    pub warnings: Vec<String>,
+    /// Autoregressive order, if it is an ARMA model.
+    pub p: Option<u64>,
+    /// Order of the moving average.
+    pub q: Option<u64>,
+    /// Autoregressive coefficients.
+    pub ar: Option<Vec<Number>>,
+    /// Coefficients of the moving average.
+    pub ma: Option<Vec<Number>>,
+    /// Standard deviation of the innovations \[unit\].
+    pub sigma: Number,
+    /// White noise \[unit/√Hz\].
+    pub white: Number,
+    /// Quantisation noise \[unit·s\].
+    pub quantisation: Number,
+    /// Random walk \[unit/√s\].
+    pub random_walk: Number,
+    /// Gauss-Markov processes.
+    pub gauss_markov: Vec<Process>,
+    /// Standard deviation of the turn-on constant \[unit\].
+    pub turn_on: Number,
+    /// What the fit says of itself.
+    #[serde(flatten)]
+    pub origin: Option<Origin>,
+    /// Why it is recommended, if it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+}
+
+/// A Gauss-Markov process.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Process {
+    /// Standard deviation \[unit\].
+    pub sigma: Number,
+    /// Correlation time \[s\].
+    pub tau_s: Number,
+}
+
+/// What a fit says of itself, by its method.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(untagged)]
+pub enum Origin {
+    /// Maximum likelihood of an ARMA model.
+    Arma(ArmaOrigin),
+    /// Maximum likelihood of a composite model.
+    Composite(CompositeOrigin),
+    /// ARMA(1,1) of block averages.
+    Scale(ScaleOrigin),
+    /// Of a method that says no more.
+    Plain {
+        /// "allan" or "burg".
+        method: String,
+    },
+}
+
+/// The fit of an ARMA model.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ArmaOrigin {
+    /// "maximum likelihood".
+    pub method: String,
+    /// Logarithm of the likelihood.
+    pub log_likelihood: Number,
+    /// Akaike's criterion.
+    pub aic: Number,
+    /// Bayesian criterion.
+    pub bic: Number,
+    /// Standard errors of the coefficients.
+    pub standard_errors: Option<Vec<Number>>,
+    /// Whether a pole and a zero nearly cancel.
+    pub near_cancelling: bool,
+    /// Whether the likelihood is flat about its maximum.
+    pub flat_likelihood: bool,
+    /// Whether a pole is on the unit circle.
+    pub unit_root: bool,
+}
+
+/// The fit of a composite model; its likelihood is that of block means, not comparable to an ARMA's.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct CompositeOrigin {
+    /// "maximum likelihood".
+    pub method: String,
+    /// Block length \[samples\].
+    pub block: u64,
+    /// Logarithm of the likelihood.
+    pub log_likelihood: Number,
+    /// Akaike's criterion.
+    pub aic: Number,
+    /// Bayesian criterion.
+    pub bic: Number,
+    /// Relative standard errors of the terms.
+    pub relative_errors: Option<Terms>,
+    /// The fit to wavelet variances that it began with.
+    pub wavelet_moments: WaveletMoments,
+}
+
+/// A fit to wavelet variances.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct WaveletMoments {
+    /// The terms.
+    pub terms: Terms,
+    /// Their relative standard errors.
+    pub relative_errors: Option<Terms>,
+    /// How far the variances are from the model's.
+    pub deviance: Number,
+    /// Degrees of freedom of that.
+    pub degrees_of_freedom: u64,
+}
+
+/// Terms of a composite model, or their relative errors.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Terms {
+    /// White noise \[unit/√Hz\].
+    pub white: Number,
+    /// Quantisation noise \[unit·s\].
+    pub quantisation: Number,
+    /// Random walk \[unit/√s\].
+    pub random_walk: Number,
+    /// Gauss-Markov processes.
+    pub gauss_markov: Vec<Process>,
+}
+
+/// The fit to block averages.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ScaleOrigin {
+    /// "block averages".
+    pub method: String,
+    /// Block length \[samples\].
+    pub block: u64,
+    /// Autoregressive coefficient.
+    pub phi: Number,
+    /// Coefficient of the moving average.
+    pub theta: Number,
+    /// Relative standard errors of "white", "sigma" and "tau_s".
+    pub relative_errors: Numbers,
+}
