@@ -3,7 +3,22 @@
 //!
 //! A log's way through this crate: [`drive`] names files and columns, [`align`] finds the first
 //! attitude, [`replay`] merges samples and fixes through the filter of `undrift-nav`, and
-//! [`navigate`] or [`outages`] collect what comes out. [`simulate`] makes logs with a known truth.
+//! [`mod@navigate`] or [`outages`] collect what comes out. [`mod@simulate`] makes logs with a known truth.
+//!
+//! A first program:
+//!
+//! ```no_run
+//! use undrift::{BiasModel, Drive, navigate};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let drive = Drive::load("drive.toml".as_ref(), None)?;
+//! let report = navigate(&drive, BiasModel::Arma, Some("nav.csv".as_ref()), false)?;
+//! println!("{} fixes used", report.summary.fixes);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! `examples/` has three of some fifty lines: `navigate`, `outages` and `identify`.
 
 pub mod align;
 pub mod columns;
@@ -32,3 +47,11 @@ pub mod vehicle;
 pub use undrift_io as io;
 pub use undrift_nav as nav;
 pub use undrift_noise as noise;
+
+pub use drive::Drive;
+pub use identify::Identified;
+pub use navigate::navigate;
+pub use outages::{Logs, Schedule};
+pub use record::Record;
+pub use simulate::{Trajectory, simulate};
+pub use undrift_noise::{BiasModel, ImuModel};

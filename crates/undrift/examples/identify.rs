@@ -1,0 +1,55 @@
+//! A static recording to a model file:
+//! `cargo run --release -p undrift --example identify -- RECORD RATE_HZ [DATA_SHEET] > imu.toml`
+//!
+//! Columns and units are those of the header (`gx_dps`, `ax_g`, …); a column named `t_s` gives the rate too,
+//! and contradicts a wrong one. DATA_SHEET is a preset or a model file.
+
+use std::error::Error;
+use std::path::Path;
+use undrift::identify::{self, Trend};
+use undrift::record::{self, RecordFormat};
+use undrift::{Identified, ImuModel};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [file, rate_hz, data_sheet @ ..] = &arguments[..] else {
+        return Err("usage: identify RECORD RATE_HZ [DATA_SHEET]".into());
+    };
+    let file = Path::new(file);
+
+    // SI units from here on: rad/s and m/s².
+    let record = record::read(file, &RecordFormat::default())?;
+    let rate_hz = identify::rate(Some(rate_hz.parse()?), record.timing.as_ref())?;
+
+    // Each axis is tested for rest, outliers, stationarity and whiteness; candidates are fitted on its first half.
+    let options = identify::options(&record, rate_hz, 2, Trend::Constant);
+    let found: Identified = identify::run(&record, &options, || ());
+
+    for (name, axis) in &found.axes {
+        match axis {
+            // The drift that each candidate leaves on the second half decides, not a likelihood.
+            Ok(axis) => {
+                eprintln!("{name}: {}. {}", axis.recommended().name, axis.reason);
+                for score in &axis.recommended().score {
+                    eprintln!("  after {} s: {:.3e}", score.horizon_s, score.rms);
+                }
+            }
+            Err(why) => eprintln!("{name}: {why}"),
+        }
+    }
+
+    // One record shows one turn-on constant; how it scatters is the data sheet's to say.
+    let base = match data_sheet {
+        [name, ..] => Some(ImuModel::resolve(name, Path::new(""))?),
+        [] => None,
+    };
+    for axis in found.without_turn_on(base.as_ref()) {
+        eprintln!(
+            "{axis}: no data sheet for the turn-on constant, taken as large as the record allows"
+        );
+    }
+    let provenance = identify::provenance(&record, "example", Some(file), rate_hz)?;
+    let model = found.model(base.as_ref(), "example", provenance)?;
+    print!("{}", model.to_toml());
+    Ok(())
+}
