@@ -57,7 +57,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     };
     let demo = stage("simulation, identification and navigation", || {
         let bar = Bar::new("simulated", 0, "samples");
-        demo::run_told(arguments.seed, models, |stage, more, total| {
+        demo::run(arguments.seed, models, |stage, more, total| {
             match stage {
                 Stage::Identification => bar.stage("identified", total, "axes"),
                 Stage::Navigation => bar.stage("navigated", total, "samples"),

@@ -120,7 +120,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             recording,
             rows: false,
         };
-        navigate::navigate_for(&drive, arguments.bias_model, wanted)
+        navigate::navigate(&drive, arguments.bias_model, wanted)
             .map_err(|error| anyhow!(sentences::unsolved(error)))
     })?;
     let drive = results::Drive::of(&arguments.drive, &drive);

@@ -113,7 +113,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let total = logs.imu.len() * arguments.bias_models.len();
         let bar = Bar::new("navigated", total as u64, "samples");
         let done = |more| bar.add(more);
-        logs.run(&arguments.bias_models, &cuts, arguments.smooth, done)
+        logs.run(&arguments.bias_models, &cuts, arguments.smooth, &done)
             .map_err(anyhow::Error::from)
     })?;
     let result = sentences::cut(logs.result(&arguments.drive, &cuts, &outcomes, arguments.smooth));

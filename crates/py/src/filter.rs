@@ -1,23 +1,22 @@
 //! The filter, step by step.
 
-mod steps;
-
 use crate::{columns, error::error, model::NoiseModel};
 use numpy::{PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use steps::{Build, Done, Measured, Steps};
 use undrift::{
+    estimator::{self, Aiding, Estimator},
+    io::write::solution::SolutionRow,
     nav::{
         Matrix3, Vector3,
         attitude::from_rpy,
         earth::Geodetic,
-        filter::{Gate, InitialStd, Outcome},
+        filter::{Gate, InitialStd, Outcome, Update},
         mechanisation::NavState,
         parameters::{Parameter, Parameters, Prior},
         sample::{ImuSample, Position},
     },
-    size::sized,
+    navigate::solution_row,
 };
 
 /// The parameters that can be estimated, by their names.
@@ -36,7 +35,12 @@ const PARAMETERS: [(&str, Parameter); 10] = [
 
 /// The filter; `undrift.Filter` wraps it.
 #[pyclass(module = "undrift._undrift")]
-pub struct Filter(Box<dyn Steps>);
+pub struct Filter(Box<dyn Estimator>);
+
+fn row(filter: &dyn Estimator) -> SolutionRow {
+    let (error, std) = (filter.sensor_error(), filter.sensor_error_std());
+    solution_row(filter.nav(), filter.nav_std(), error, std)
+}
 
 /// The start of a filter.
 #[derive(FromPyObject)]
@@ -114,27 +118,22 @@ impl Filter {
             }
             asked = asked.with(*kind, Prior { std, walk });
         }
-        let states: usize = sensors.iter().map(|axis| axis.order).sum();
-        let build = Build {
-            nav: NavState {
-                time: start.time,
-                position: geodetic(start.position),
-                v_n: Vector3::from(start.velocity),
-                q_nb: from_rpy(&Vector3::from(start.rpy)),
-            },
-            std: InitialStd {
-                position: Vector3::repeat(1.0),
-                velocity: Vector3::repeat(1.0),
-                attitude: Vector3::from(start.attitude_std),
-            },
-            covariances: Some((
-                columns::matrix(start.position_cov),
-                columns::matrix(start.velocity_cov),
-            )),
-            sensors,
-            parameters: asked,
+        let nav = NavState {
+            time: start.time,
+            position: geodetic(start.position),
+            v_n: Vector3::from(start.velocity),
+            q_nb: from_rpy(&Vector3::from(start.rpy)),
         };
-        let filter = sized(states + asked.states(), build).map_err(error)?;
+        let std = InitialStd {
+            position: Vector3::repeat(1.0),
+            velocity: Vector3::repeat(1.0),
+            attitude: Vector3::from(start.attitude_std),
+        };
+        let mut filter = estimator::build(nav, &std, &sensors, asked).map_err(error)?;
+        filter.set_position_velocity_covariance(
+            &columns::matrix(start.position_cov),
+            &columns::matrix(start.velocity_cov),
+        );
         filter.check().map_err(error)?;
         Ok(Self(filter))
     }
@@ -185,7 +184,7 @@ impl Filter {
             for (k, (rate, force)) in gyro.rows().into_iter().zip(accel.rows()).enumerate() {
                 let time = match times {
                     Some(times) => times[k],
-                    None => filter.row().time + dt,
+                    None => filter.nav().time + dt,
                 };
                 if let (Some(before), Some(_)) = (before, times) {
                     dt = time - before;
@@ -194,7 +193,7 @@ impl Filter {
                 let [rate, force] = [rate, force].map(|of| [of[0], of[1], of[2]]);
                 filter.begin(&sample(time, dt, rate, force, increments)?);
                 filter.advance(None);
-                rows.push(filter.row());
+                rows.push(row(&**filter));
             }
             filter.check().map_err(error)?;
             Ok::<_, PyErr>(rows)
@@ -221,40 +220,60 @@ impl Filter {
         {
             return Err(error(format!("{kind}: a number is not finite")));
         }
-        let lever = Vector3::from(lever_arm);
-        let r = covariance.map_or_else(|| Matrix3::identity() * (std * std), columns::matrix);
-        let measured = match kind {
-            "position" => Measured::Position(Position::Geodetic(geodetic(value)), lever, r),
-            "velocity" => Measured::Velocity(Vector3::from(value), lever, r),
-            "zero velocity" => Measured::ZeroVelocity(std),
-            "earth rate" => Measured::EarthRate(Vector3::from(value), std),
-            "level" => Measured::Level(Vector3::from(value), std),
-            "non-holonomic" => Measured::NonHolonomic(lever, value[0], value[1]),
-            "odometer" => Measured::Odometer(value[0], lever, std),
-            "barometer" => Measured::Barometer(value[0], std),
-            "course" => Measured::Course(value[0], std),
+        let (lever_arm, due) = (Vector3::from(lever_arm), self.0.nav().time);
+        let mut noise =
+            covariance.map_or_else(|| Matrix3::identity() * (std * std), columns::matrix);
+        let aiding = match kind {
+            "position" => Aiding::Position {
+                position: Position::Geodetic(geodetic(value)),
+                lever_arm,
+                due,
+            },
+            "velocity" => Aiding::Velocity {
+                v_n: Vector3::from(value),
+                lever_arm,
+                due,
+            },
+            "zero velocity" => Aiding::ZeroVelocity,
+            "earth rate" => Aiding::EarthRate(Vector3::from(value)),
+            "level" => Aiding::Level(Vector3::from(value)),
+            "non-holonomic" => {
+                let [right, down, _] = value;
+                noise = Matrix3::from_diagonal(&Vector3::new(right * right, down * down, 0.0));
+                Aiding::NonHolonomic(lever_arm)
+            }
+            "odometer" => Aiding::Odometer {
+                speed: value[0],
+                lever_arm,
+            },
+            "barometer" => Aiding::Barometer(value[0]),
+            "course" => Aiding::Course(value[0]),
             other => return Err(error(format!("unknown measurement \"{other}\""))),
         };
         let gate = gate.map_or(Gate::OPEN, |(weaken, reject)| Gate { weaken, reject });
-        let done = self.0.update(&measured, &gate).map_err(error)?;
+        let innovation = self.0.innovation(&aiding);
+        let update = self.0.update(&aiding, &noise, &gate).map_err(error)?;
         self.0.check().map_err(error)?;
-        Ok(done.map(told))
+        Ok(innovation
+            .zip(update)
+            .map(|(innovation, update)| told(&innovation, update)))
     }
 
     /// The state by the names of `undrift.Solution`, each an array of one row.
     fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        columns::solution(py, &[self.0.row()])
+        columns::solution(py, &[row(&*self.0)])
     }
 
     /// Time that the filter has reached [s].
     #[getter]
     fn time(&self) -> f64 {
-        self.0.row().time
+        self.0.nav().time
     }
 
     /// Covariance of the error state.
     fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let (n, numbers) = self.0.covariance();
+        let (n, p) = (self.0.states(), self.0.covariance());
+        let numbers = (0..n * n).map(|k| p[(k / n, k % n)]).collect();
         columns::table(py, numbers, n)
     }
 
@@ -263,7 +282,8 @@ impl Filter {
         let all = PARAMETERS.iter();
         all.filter_map(|(name, kind)| {
             let (value, std) = self.0.parameter(*kind)?;
-            Some((*name, value, std))
+            let n = kind.width();
+            Some((*name, value[..n].to_vec(), std[..n].to_vec()))
         })
         .collect()
     }
@@ -272,14 +292,14 @@ impl Filter {
 /// As [`Filter::update`] gives it.
 type Told = (Vec<f64>, f64, usize, Vec<f64>, &'static str, f64);
 
-fn told(done: Done) -> Told {
-    let Done { innovation, update } = done;
+fn told(innovation: &Vector3, update: Update) -> Told {
     let (outcome, factor) = match update.outcome {
         Outcome::Used => ("used", 1.0),
         Outcome::Weakened(factor) => ("weakened", factor),
         Outcome::Rejected => ("rejected", f64::INFINITY),
     };
-    let whitened = update.whitened.iter().take(update.dof).copied().collect();
+    let seen = |of: &[f64]| of[..update.dof].to_vec();
+    let (innovation, whitened) = (seen(innovation.as_slice()), seen(&update.whitened));
     (
         innovation, update.nis, update.dof, whitened, outcome, factor,
     )

@@ -48,8 +48,7 @@ pub fn navigate<'py>(
     };
     let (report, json) = py
         .detach(|| {
-            let report =
-                navigation::navigate_for(&drive.drive, kind, wanted).map_err(say::unsolved)?;
+            let report = navigation::navigate(&drive.drive, kind, wanted).map_err(say::unsolved)?;
             let about = results::Drive::of(&drive.file, &drive.drive);
             let json = results::text(&say::navigated(&report, kind, about));
             Ok::<_, Failure>((report, json))
@@ -91,7 +90,7 @@ pub fn outages<'py>(
         .detach(|| {
             let logs = Logs::load(&drive.drive).map_err(say::unsolved)?;
             let cuts = logs.plan(&plan, length)?;
-            let outcomes = logs.run(&kinds, &cuts, smooth, |_| {})?;
+            let outcomes = logs.run(&kinds, &cuts, smooth, &|_| {})?;
             let result = say::cut(logs.result(&drive.file, &cuts, &outcomes, smooth));
             Ok::<_, Failure>((outcomes, result))
         })

@@ -4,26 +4,13 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::time::Duration;
 use undrift::{
-    nav::{
-        filter::Filter,
-        sample::{GnssFix, ImuSample},
-    },
+    nav::sample::{GnssFix, ImuSample},
     noise::{BiasModel, ImuModel},
-    replay::{Measurement, Observer, ReplayError, Settings, replay},
+    replay::{Measurement, Settings, replay},
     simulate::{GnssFixes, GnssNoise, IdealImu, SensorErrors, Trajectory},
 };
 
 const RATE_HZ: f64 = 100.0;
-
-struct Nobody;
-
-impl Observer for Nobody {
-    fn sample<const N: usize>(&mut self, _: &Filter<N>) -> Result<(), ReplayError> {
-        Ok(())
-    }
-
-    fn fix<const N: usize>(&mut self, _: &Filter<N>, _: &GnssFix, _: bool) {}
-}
 
 fn drive(c: &mut Criterion) {
     let car = Trajectory::car(300.0, 1);
@@ -50,9 +37,9 @@ fn drive(c: &mut Criterion) {
         };
         group.bench_function(kind.name(), |b| {
             b.iter(|| {
-                let samples = imu.iter().map(|sample| Ok(*sample));
-                let aiding = fixes.iter().map(|fix| Ok(Measurement::Gnss(*fix)));
-                replay(samples, aiding, &settings, &mut Nobody)
+                let mut samples = imu.iter().map(|sample| Ok(*sample));
+                let mut aiding = fixes.iter().map(|fix| Ok(Measurement::Gnss(*fix)));
+                replay(&mut samples, &mut aiding, &settings, &mut ())
             })
         });
     }

@@ -11,13 +11,18 @@ mod motion;
 mod rest;
 mod result;
 mod segments;
+mod settings;
 mod wahba;
 
 pub use result::{
     Alignment, AlignmentFailure, AttitudeSource, HeadingSource, MotionFailure, RestFailure,
 };
+pub use settings::{AlignSettings, Heading};
 
-use crate::replay::{ReplayError, Settings};
+use crate::{
+    estimator::{self, Aiding, Estimator},
+    replay::Settings,
+};
 use motion::Motion;
 use rest::Rest;
 use undrift_nav::{
@@ -25,52 +30,16 @@ use undrift_nav::{
     attitude::{from_rotation_vector, from_rpy},
     covariance::AXES,
     earth::Geodetic,
-    filter::{Filter, InitialStd},
+    filter::{FilterError, Gate, InitialStd},
     mechanisation::NavState,
     sample::{GnssFix, ImuSample, Position},
     shaping::ShapingFilter,
 };
 
-/// Where the heading comes from.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Heading {
-    /// Known [rad] with a standard deviation [rad].
-    Given(f64, f64),
-    /// The GNSS course, once the speed is above `min_speed` after a rest, for body axes that are the
-    /// vehicle's; or as `Auto` where that comes first.
-    Course,
-    /// Velocity changes alone, for body axes of any mounting.
-    Auto,
-}
-
-/// What is told about the start.
-#[derive(Clone, Debug, PartialEq)]
-pub struct AlignSettings {
-    /// Roll, pitch, yaw at the first fix used, with standard deviations [rad].
-    pub attitude: Option<(Vector3, Vector3)>,
-    /// Velocity at the first fix used, north-east-down, with standard deviations [m/s].
-    pub velocity: Option<(Vector3, Vector3)>,
-    /// Where the heading comes from when the attitude is not given.
-    pub heading: Heading,
-    /// Speed above which the course is the heading [m/s].
-    pub min_speed: f64,
-}
-
-impl Default for AlignSettings {
-    fn default() -> Self {
-        Self {
-            attitude: None,
-            velocity: None,
-            heading: Heading::Course,
-            min_speed: 3.0,
-        }
-    }
-}
-
 /// A filter ready to run, and how it was aligned.
-pub struct Aligned<const N: usize> {
+pub struct Aligned {
     /// At the time of the fix that completed the alignment.
-    pub filter: Filter<N>,
+    pub filter: Box<dyn Estimator>,
     /// How it was found.
     pub how: Alignment,
 }
@@ -171,12 +140,12 @@ impl Aligner {
     /// Takes a fix; the filter, if it completes the alignment.
     ///
     /// # Errors
-    /// [`ReplayError::Filter`] where the alignment is complete and the filter cannot be built.
-    pub fn fix<const N: usize>(
+    /// Where the alignment is complete and the filter cannot be built.
+    pub fn fix(
         &mut self,
         fix: &GnssFix,
         settings: &Settings,
-    ) -> Result<Option<Aligned<N>>, ReplayError> {
+    ) -> Result<Option<Aligned>, FilterError> {
         let (Some((_, position_covariance)), Some(antenna)) = (&fix.position, antenna(fix)) else {
             return Ok(None);
         };
@@ -227,12 +196,8 @@ impl Aligner {
                 velocity: Vector3::repeat(1.0),
                 attitude: std,
             };
-            let mut filter = Filter::new(
-                start(from_rpy(&rpy)),
-                &std,
-                settings.sensors,
-                settings.parameters,
-            )?;
+            let start = start(from_rpy(&rpy));
+            let mut filter = estimator::build(start, &std, &settings.sensors, settings.parameters)?;
             filter.set_position_velocity_covariance(position_covariance, &velocity_covariance);
             return Ok(Some(aligned(filter, AttitudeSource::Given)));
         }
@@ -279,13 +244,14 @@ impl Aligner {
         };
         let mut at_rest = start(now);
         at_rest.q_nb = rest_attitude;
-        let mut filter = Filter::new(at_rest, &wide, settings.sensors, settings.parameters)?;
-        let observed = filter.observe_level(&force_at_rest);
+        let mut filter = estimator::build(at_rest, &wide, &settings.sensors, settings.parameters)?;
         let variance = noise_of_mean(&settings.sensors[3..], duration) + LEVEL_FLOOR * LEVEL_FLOOR;
-        filter.update(&observed, &(nalgebra::Matrix2::identity() * variance))?;
+        let level = Aiding::Level(force_at_rest);
+        filter.update(&level, &(Matrix3::identity() * variance), &Gate::OPEN)?;
         if settings.sensors[..3].iter().all(|s| s.order > 0) {
-            let observed = filter.observe_earth_rate(&self.rest.bias);
-            filter.update(&observed, &(Matrix3::identity() * bias_variance))?;
+            let rate = Aiding::EarthRate(self.rest.bias);
+            let noise = Matrix3::identity() * bias_variance;
+            filter.update(&rate, &noise, &Gate::OPEN)?;
         }
         filter.set_nav(start(now));
         filter.set_position_velocity_covariance(position_covariance, &velocity_covariance);
@@ -319,7 +285,7 @@ impl Aligner {
 }
 
 /// A filter with how its attitude was found.
-fn aligned<const N: usize>(filter: Filter<N>, source: AttitudeSource) -> Aligned<N> {
+fn aligned(filter: Box<dyn Estimator>, source: AttitudeSource) -> Aligned {
     let (std, bias) = (filter.nav_std(), filter.sensor_error_std());
     Aligned {
         filter,

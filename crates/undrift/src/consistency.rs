@@ -12,14 +12,15 @@
 
 mod innovations;
 
-pub use innovations::{InnovationStatistics, LAGS, normalised_innovation};
+pub use innovations::{InnovationStatistics, LAGS};
 
+use crate::estimator::Estimator;
+use nalgebra::{Const, Dyn, OMatrix};
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use undrift_nav::{
     Matrix3, Vector3,
     covariance::{AXES, NAV},
-    filter::Filter,
     sample::TruthSample,
 };
 
@@ -76,11 +77,7 @@ pub struct ErrorState {
 impl ErrorState {
     /// Of `filter` against the truth at its time; `bias` is what can be predicted of the next
     /// sensor errors, gyros [rad/s] and accelerometers [m/s²], where that is known.
-    pub fn new<const N: usize>(
-        filter: &Filter<N>,
-        truth: &TruthSample,
-        bias: Option<&[f64; AXES]>,
-    ) -> Self {
+    pub fn new(filter: &dyn Estimator, truth: &TruthSample, bias: Option<&[f64; AXES]>) -> Self {
         let (nav, p, sensors) = (filter.nav(), filter.covariance(), filter.sensors());
         let mut error = Vector::zeros();
         let mut known = [false; COMPONENTS];
@@ -110,7 +107,7 @@ impl ErrorState {
         }
 
         // T P Tᵀ: T keeps the navigation errors and forms H x of each axis.
-        let mut rows = nalgebra::SMatrix::<f64, COMPONENTS, N>::zeros();
+        let mut rows = OMatrix::<f64, Const<COMPONENTS>, Dyn>::zeros(p.ncols());
         rows.fixed_rows_mut::<NAV>(0)
             .copy_from(&p.fixed_rows::<NAV>(0));
         for axis in 0..AXES {

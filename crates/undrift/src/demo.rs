@@ -71,15 +71,6 @@ pub enum DemoError {
     Recording(#[from] identify::RecordingError),
 }
 
-/// Simulates the drive and runs all bias models through its outages.
-///
-/// # Errors
-/// [`DemoError`]: the sensors' model makes no filter, nothing could be simulated, or an axis could not be
-/// identified.
-pub fn run(seed: u64, models: Models) -> Result<Demo, DemoError> {
-    run_told(seed, models, |_, _, _| {})
-}
-
 /// What takes time in a demo.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
@@ -89,11 +80,13 @@ pub enum Stage {
     Navigation,
 }
 
-/// As [`run`]; `done` is told the stage, how much more of it is done, and how much it is in all.
+/// Simulates the drive and runs all bias models through its outages; `done` is called with the stage,
+/// how much more of it is done, and how much it is in all.
 ///
 /// # Errors
-/// As [`run`].
-pub fn run_told(
+/// [`DemoError`]: the sensors' model makes no filter, nothing could be simulated, or an axis could not be
+/// identified.
+pub fn run(
     seed: u64,
     models: Models,
     done: impl Fn(Stage, u64, u64) + Sync,
@@ -179,22 +172,17 @@ pub fn run_told(
     // One more, on the calibrated samples.
     let total = ((models.len() + 1) * simulation.imu.len()) as u64;
     let told = |more| done(Stage::Navigation, more, total);
-    let fixes: Vec<_> = simulation
-        .gnss
-        .iter()
-        .copied()
-        .map(Measurement::Gnss)
-        .collect();
+    let fixes = Measurement::of_fixes(&simulation.gnss);
     told(0);
-    let mut runs = outages::run_told(&simulation.imu, &fixes, &simulation.truth, &models, told);
+    let mut runs = outages::run(&simulation.imu, &fixes, &simulation.truth, &models, &told);
     let (_, white) = settings(BiasModel::White)?;
     let white = [(WHITE_CALIBRATED.to_owned(), white)];
-    runs.extend(outages::run_told(
+    runs.extend(outages::run(
         &calibrated,
         &fixes,
         &simulation.truth,
         &white,
-        told,
+        &told,
     ));
     Ok(Demo {
         seed,

@@ -25,6 +25,7 @@ pub mod columns;
 pub mod consistency;
 pub mod demo;
 pub mod drive;
+pub mod estimator;
 pub mod findings;
 pub mod fleet;
 mod hash;
@@ -40,7 +41,6 @@ pub mod replay;
 pub mod results;
 pub mod series;
 pub mod simulate;
-pub mod size;
 pub mod smooth;
 pub mod vehicle;
 

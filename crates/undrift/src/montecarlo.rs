@@ -17,8 +17,9 @@ mod spec;
 pub use spec::{MAX_RUN_EPOCHS, Spec};
 
 use crate::{
-    consistency::{Consistency, ErrorState, GROUPS, InnovationStatistics, normalised_innovation},
+    consistency::{Consistency, ErrorState, GROUPS, InnovationStatistics},
     drive::DriveError,
+    estimator::{Aiding, Estimator},
     replay::{Measurement, Observer, ReplayError, STAMP_ROUNDING, Settings, replay},
     results::{MonteCarlo, MonteCarloDrive, SCHEMA, VERSION, numbers},
     simulate::{GnssFixes, IdealImu, SensorErrors, SimulationError, Stepper},
@@ -29,10 +30,10 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 use std::cell::Cell;
 use undrift_nav::{
-    Quaternion, Vector3,
+    Quaternion,
     attitude::{from_rotation_vector, to_rpy},
     covariance::AXES,
-    filter::Filter,
+    filter::Gate,
     sample::{GnssFix, ImuSample, TruthSample},
 };
 use undrift_noise::ModelError;
@@ -217,7 +218,7 @@ impl<'a> Stage<'a> {
             // The true bias is where the samples come from, and is looked at where they go.
             let now = Cell::new((0, [0.0; AXES]));
             let mut errors = SensorErrors::new(&sensors, spec.rate_hz, seed)?;
-            let samples = self.ideal.iter().enumerate().map(|(k, ideal)| {
+            let mut samples = self.ideal.iter().enumerate().map(|(k, ideal)| {
                 let sample = errors.apply(ideal);
                 let bias = if (k + 1) % self.stride == 0 {
                     errors.bias()
@@ -238,14 +239,15 @@ impl<'a> Stage<'a> {
                     ..Outcome::default()
                 },
             };
-            let fixes = gnss.iter().copied().map(Measurement::Gnss).map(Ok);
-            let summary = replay(samples, fixes, &settings, &mut watch).map_err(|error| {
-                MonteCarloError::Replay {
-                    model: name.clone(),
-                    run: 0,
-                    error: Box::new(error),
-                }
-            })?;
+            let mut fixes = gnss.iter().copied().map(Measurement::Gnss).map(Ok);
+            let summary =
+                replay(&mut samples, &mut fixes, &settings, &mut watch).map_err(|error| {
+                    MonteCarloError::Replay {
+                        model: name.clone(),
+                        run: 0,
+                        error: Box::new(error),
+                    }
+                })?;
             let mut outcome = watch.outcome;
             outcome.diverged = summary.diverged.is_some();
             Ok(outcome)
@@ -291,7 +293,7 @@ impl Watch<'_> {
 }
 
 impl Observer for Watch<'_> {
-    fn sample<const N: usize>(&mut self, filter: &Filter<N>) -> Result<(), ReplayError> {
+    fn sample(&mut self, filter: &dyn Estimator) -> Result<(), ReplayError> {
         let settled = self.settled(filter.nav().time);
         let (samples, bias) = self.now.get();
         if samples % self.stage.stride != 0 {
@@ -317,32 +319,44 @@ impl Observer for Watch<'_> {
         Ok(())
     }
 
-    fn fix<const N: usize>(&mut self, filter: &Filter<N>, fix: &GnssFix, _: bool) {
+    fn fix(&mut self, filter: &dyn Estimator, fix: &GnssFix, _: bool) {
         let settled = self.settled(fix.time);
         let times = &self.stage.fix_times;
         while self.next_fix < times.len() && times[self.next_fix] < fix.time - STAMP_ROUNDING {
             self.next_fix += 1;
         }
         // The velocity's innovation follows the position's update: on a copy.
-        let mut filter = filter.clone();
-        let lever = &self.settings.lever_arm;
-        let mut note = |kind: usize, normalised: Option<Vector3>| {
-            if let (Some(v), Some(nis)) = (normalised, self.outcome.nis.get_mut(self.next_fix)) {
-                nis[kind] = v.norm_squared();
+        let mut filter = filter.boxed();
+        let (lever_arm, due) = (self.settings.lever_arm, filter.nav().time);
+        let parts = [
+            fix.position.map(|(position, r)| {
+                let aiding = Aiding::Position {
+                    position,
+                    lever_arm,
+                    due,
+                };
+                (aiding, r)
+            }),
+            fix.velocity.map(|(v_n, r)| {
+                let aiding = Aiding::Velocity {
+                    v_n,
+                    lever_arm,
+                    due,
+                };
+                (aiding, r)
+            }),
+        ];
+        for (kind, part) in parts.into_iter().enumerate() {
+            // The replay itself does the same and reports a failure.
+            if let Some((aiding, r)) = part
+                && let Ok(Some(update)) = filter.update(&aiding, &r, &Gate::OPEN)
+                && let Some(nis) = self.outcome.nis.get_mut(self.next_fix)
+            {
+                nis[kind] = update.nis;
                 if settled {
-                    self.outcome.innovations[kind].add(fix.time, v.as_slice());
+                    self.outcome.innovations[kind].add(fix.time, &update.whitened);
                 }
             }
-        };
-        if let Some((position, covariance)) = &fix.position {
-            let observed = filter.observe_position(position, lever);
-            note(0, normalised_innovation(&filter, &observed, covariance));
-            // The replay itself does the same and tells of a failure.
-            let _ = filter.update(&observed, covariance);
-        }
-        if let Some((velocity, covariance)) = &fix.velocity {
-            let observed = filter.observe_velocity(velocity, lever);
-            note(1, normalised_innovation(&filter, &observed, covariance));
         }
     }
 }

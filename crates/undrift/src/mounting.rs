@@ -12,18 +12,12 @@
 use crate::{
     align::{AlignSettings, Heading},
     drive::Drive,
+    estimator::Estimator,
     navigate::{NavigateError, settings},
-    replay::{Measurement, Observer, ReplayError, Settings, replay},
+    replay::{Measurement, Measurements, Observer, ReplayError, Samples, Settings, replay},
     vehicle::Constraints,
 };
-use undrift_io::ReadError;
-use undrift_nav::{
-    Matrix3, Quaternion, Vector3,
-    attitude::to_rpy,
-    filter::Filter,
-    parameters::Parameters,
-    sample::{GnssFix, ImuSample},
-};
+use undrift_nav::{Matrix3, Quaternion, Vector3, attitude::to_rpy, parameters::Parameters};
 use undrift_noise::BiasModel;
 
 /// Speed above which the direction of motion counts [m/s].
@@ -217,8 +211,8 @@ impl MountingEstimator {
 /// # Errors
 /// Where the log cannot be navigated, or holds too little straight driving.
 pub fn estimate(
-    imu: impl Iterator<Item = Result<ImuSample, ReadError>>,
-    gnss: impl Iterator<Item = Result<GnssFix, ReadError>>,
+    imu: &mut Samples,
+    gnss: &mut Measurements,
     settings: &Settings,
 ) -> Result<Mounting, MountingError> {
     let mut watch = Watch {
@@ -226,16 +220,11 @@ pub fn estimate(
         last: None,
     };
     let mut end = None;
-    let imu = imu.take_while(|sample| match sample {
+    let mut imu = imu.take_while(|sample| match sample {
         Ok(sample) => sample.time <= *end.get_or_insert(sample.time + LONGEST_PASS),
         Err(_) => true,
     });
-    replay(
-        imu,
-        gnss.map(|fix| fix.map(Measurement::Gnss)),
-        settings,
-        &mut watch,
-    )?;
+    replay(&mut imu, gnss, settings, &mut watch)?;
     watch.estimator.estimate()
 }
 
@@ -245,7 +234,7 @@ struct Watch {
 }
 
 impl Observer for Watch {
-    fn sample<const N: usize>(&mut self, filter: &Filter<N>) -> Result<(), ReplayError> {
+    fn sample(&mut self, filter: &dyn Estimator) -> Result<(), ReplayError> {
         let nav = filter.nav();
         let std = filter.nav_std();
         if let Some(last) = self.last.replace(nav.time) {
@@ -256,8 +245,6 @@ impl Observer for Watch {
         }
         Ok(())
     }
-
-    fn fix<const N: usize>(&mut self, _: &Filter<N>, _: &GnssFix, _: bool) {}
 }
 
 /// The drive with its mounting estimated where it asks for that: from then on its body axes are the
@@ -286,9 +273,8 @@ pub fn resolve(drive: &Drive) -> Result<(Drive, Option<Mounting>), NavigateError
         settings.parameters = Parameters::none();
         settings.constraints = Constraints::default();
         settings.lever_arm = found.map_or(Vector3::zeros(), |m| m.q_vb.inverse() * drive.lever_arm);
-        let mut imu = drive.open_imu()?;
-        let mut gnss = drive.open_gnss()?;
-        found = Some(estimate(&mut imu, &mut gnss, &settings)?);
+        let mut fixes = drive.open_gnss()?.map(|fix| fix.map(Measurement::Gnss));
+        found = Some(estimate(&mut drive.open_imu()?, &mut fixes, &settings)?);
     }
     resolved.estimate_mounting = false;
     if let Some(mounting) = &found {

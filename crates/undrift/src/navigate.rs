@@ -6,6 +6,7 @@ mod recorder;
 mod recording;
 mod result;
 
+pub use recorder::{Wanted, solution_row};
 pub use recording::Recording;
 
 use crate::{
@@ -14,30 +15,16 @@ use crate::{
     drive::{Drive, DriveError},
     findings::Log,
     mounting::{self, Mounting, MountingError},
-    reference::{COMPONENTS, Errors, TruthCursor},
-    replay::{Measurement, Observer, ReplayError, Settings, Summary, merge, replay},
-    smooth::{self, History, Path as SmoothedPath},
+    reference::Errors,
+    replay::{Measurement, ReplayError, Settings, Summary, merge, replay},
+    smooth,
 };
-use outputs::Outputs;
-use recorder::{Readable, Recorder};
-use std::path::Path;
+use recorder::Recorder;
 use undrift_io::{
-    ReadError,
-    gnss::GnssReader,
-    held::Held,
-    imu::GapSummary,
-    scalar::ScalarReader,
-    skipped::Skipped,
-    write::{SolutionFile, SolutionFormat, SolutionOptions, solution::SolutionRow},
+    ReadError, gnss::GnssReader, held::Held, imu::GapSummary, scalar::ScalarReader,
+    skipped::Skipped, write::solution::SolutionRow,
 };
-use undrift_nav::{
-    Vector3,
-    attitude::to_rpy,
-    covariance::{AXES, NAV},
-    filter::Filter,
-    mechanisation::NavState,
-    sample::{GnssFix, Scalar},
-};
+use undrift_nav::sample::Scalar;
 use undrift_noise::BiasModel;
 
 /// What came of it.
@@ -135,43 +122,6 @@ pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateErro
     })
 }
 
-/// What a drive is navigated for.
-#[derive(Default)]
-pub struct Wanted {
-    /// Where the solution goes.
-    pub files: Vec<SolutionFile>,
-    /// The smoothed solution instead of the filter's.
-    pub smooth: bool,
-    /// The run over time in [`Report::recording`].
-    pub recording: bool,
-    /// The solution at every sample in [`Report::rows`]: 31 numbers each.
-    pub rows: bool,
-}
-
-/// Navigates a drive; the solution at every sample goes to `output` as CSV, if there is one.
-///
-/// As [`navigate_for`], without a recording.
-///
-/// # Errors
-/// As [`navigate_for`], or if `output` cannot be written.
-pub fn navigate(
-    drive: &Drive,
-    kind: BiasModel,
-    output: Option<&Path>,
-    smooth: bool,
-) -> Result<Report, NavigateError> {
-    let create = |path| {
-        SolutionFile::create(path, SolutionFormat::Csv, &SolutionOptions::default())
-            .map_err(ReplayError::Write)
-    };
-    let wanted = Wanted {
-        files: output.map(create).transpose()?.into_iter().collect(),
-        smooth,
-        ..Wanted::default()
-    };
-    navigate_for(drive, kind, wanted)
-}
-
 /// Navigates a drive for what is wanted of it. The files get their names if all went well.
 ///
 /// With `smooth`, the solution written and compared is the smoothed one: the filter's nodes go to a
@@ -180,161 +130,91 @@ pub fn navigate(
 /// # Errors
 /// As [`settings`]; a log that cannot be read or ends before the alignment; a mounting that cannot be
 /// estimated; a file that cannot be written; a filter that cannot be built.
-pub fn navigate_for(
-    drive: &Drive,
-    kind: BiasModel,
-    wanted: Wanted,
-) -> Result<Report, NavigateError> {
-    let Wanted {
-        files,
-        smooth,
-        recording,
-        rows,
-    } = wanted;
+pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report, NavigateError> {
     let (drive, mounting) = mounting::resolve(drive)?;
+    let smooth = wanted.smooth;
     let mut settings = settings(&drive, kind)?;
     settings.nodes = smooth.then_some(NODE_SPAN);
     if smooth {
         settings.start = smooth::better_start(
-            drive.open_imu()?,
-            aiding(
-                &mut drive.open_gnss()?,
-                &mut drive.open_odometer()?,
-                &mut drive.open_barometer()?,
-            ),
+            &mut drive.open_imu()?,
+            &mut Aids::open(&drive)?.measurements(),
             &settings,
         )?;
     }
     let mut imu = drive.open_imu()?;
-    let mut gnss = drive.open_gnss()?;
-    let mut odometer = drive.open_odometer()?;
-    let mut barometer = drive.open_barometer()?;
-    let mut recorder = Recorder {
-        outputs: Outputs::new(files),
-        truth: drive.open_truth()?.map(|reader| {
-            TruthCursor::new(Readable {
-                reader,
-                error: None,
-                read: None,
-            })
-        }),
-        squares: [0.0; COMPONENTS.len()],
-        compared: 0,
-        history: smooth
-            .then(History::new)
-            .transpose()
-            .map_err(ReplayError::Write)?,
-        consistency: Consistency::default(),
-        next_nees: f64::NEG_INFINITY,
-        recording: recording.then(Box::default),
-        rows: rows.then(Vec::new),
-    };
-    let measurements = aiding(&mut gnss, &mut odometer, &mut barometer);
-    let replayed = replay(&mut imu, measurements, &settings, &mut recorder);
+    let mut aids = Aids::open(&drive)?;
+    let mut recorder = Recorder::new(wanted, drive.open_truth()?)?;
+    let replayed = replay(&mut imu, &mut aids.measurements(), &settings, &mut recorder);
     let summary = replayed.map_err(|error| match error {
         // What was left out is often why.
         ReplayError::NotAligned(mut why) => {
             why.skipped = vec![
                 (Log::Imu, imu.skipped().clone()),
-                (Log::Gnss, gnss.skipped().clone()),
+                (Log::Gnss, aids.gnss.skipped().clone()),
             ];
             ReplayError::NotAligned(why)
         }
         other => other,
     })?;
-    recorder.outputs.fixes_end();
-    if let Some(smoothed) = recorder
-        .history
-        .take()
-        .map(History::smooth)
-        .transpose()
-        .map_err(ReplayError::Write)?
-        .flatten()
-        && let Some(mut path) = SmoothedPath::new(&smoothed)
-    {
-        for sample in drive.open_imu()? {
-            path.add(&sample?, |node| {
-                let (error, std) = (node.sensor_error, node.sensor_error_std);
-                recorder
-                    .record(&node.nav, node.nav_std, error, std)
-                    .map(drop)
-            })?;
-        }
-    }
-    let mut truth_skipped = Skipped::default();
-    let mut truth_read = None;
-    if let Some(cursor) = recorder.truth {
-        let Readable {
-            reader,
-            error,
-            read,
-        } = cursor.into_inner();
-        if let Some(error) = error {
-            return Err(error.into());
-        }
-        truth_skipped = reader.skipped().clone();
-        truth_read = read;
-    }
-    // Last: with an error there is no file.
-    recorder.outputs.finish().map_err(ReplayError::Write)?;
-    let n = recorder.compared;
+    recorder.smooth(&drive)?;
+    let seen = recorder.finish()?;
     Ok(Report {
         std_factors: std_factors(&drive, &settings, &summary)?,
         summary,
         smooth,
         mounting,
-        rmse: (n > 0).then(|| (Errors(recorder.squares.map(|s| (s / n as f64).sqrt())), n)),
-        consistency: recorder.consistency,
-        recording: recorder.recording,
-        rows: recorder.rows.unwrap_or_default(),
-        truth_read,
+        rmse: seen.rmse,
+        consistency: seen.consistency,
+        recording: seen.recording,
+        rows: seen.rows,
+        truth_read: seen.truth_read,
         imu_skipped: imu.skipped().clone(),
-        gnss_skipped: gnss.skipped().clone(),
-        truth_skipped,
+        gnss_skipped: aids.gnss.skipped().clone(),
+        truth_skipped: seen.truth_skipped,
         gaps: imu.gaps(),
         held: imu.held(),
-        scalars: [(Log::Odometer, odometer), (Log::Barometer, barometer)]
-            .into_iter()
-            .filter_map(|(log, reader)| {
-                reader.map(|reader| (log, reader.skipped().clone(), reader.gaps()))
-            })
-            .collect(),
+        scalars: aids.scalars(),
     })
 }
 
-/// The solution at an instant: state, standard deviations as of [`Filter::nav_std`], and sensor errors,
-/// [`Filter::sensor_error`], with theirs.
-pub fn solution_row(
-    nav: &NavState,
-    nav_std: [f64; NAV],
-    e: [f64; AXES],
-    error_std: [f64; AXES],
-) -> SolutionRow {
-    SolutionRow {
-        time: nav.time,
-        position: nav.position,
-        v_n: nav.v_n,
-        rpy: to_rpy(&nav.q_nb),
-        nav_std,
-        gyro_error: Vector3::new(e[0], e[1], e[2]),
-        accel_error: Vector3::new(e[3], e[4], e[5]),
-        error_std,
-    }
+/// The logs that aid a drive.
+struct Aids {
+    gnss: GnssReader,
+    odometer: Option<ScalarReader>,
+    barometer: Option<ScalarReader>,
 }
 
-/// Fixes, wheel speeds and heights in order of time.
-fn aiding(
-    gnss: &mut GnssReader,
-    odometer: &mut Option<ScalarReader>,
-    barometer: &mut Option<ScalarReader>,
-) -> impl Iterator<Item = Result<Measurement, ReadError>> {
-    merge(
-        gnss.map(|fix| fix.map(Measurement::Gnss)),
+impl Aids {
+    fn open(drive: &Drive) -> Result<Self, ReadError> {
+        Ok(Self {
+            gnss: drive.open_gnss()?,
+            odometer: drive.open_odometer()?,
+            barometer: drive.open_barometer()?,
+        })
+    }
+
+    /// Fixes, wheel speeds and heights in order of time.
+    fn measurements(&mut self) -> impl Iterator<Item = Result<Measurement, ReadError>> {
         merge(
-            scalars(odometer, Measurement::Odometer),
-            scalars(barometer, Measurement::Barometer),
-        ),
-    )
+            self.gnss.by_ref().map(|fix| fix.map(Measurement::Gnss)),
+            merge(
+                scalars(&mut self.odometer, Measurement::Odometer),
+                scalars(&mut self.barometer, Measurement::Barometer),
+            ),
+        )
+    }
+
+    /// Records that were skipped and gaps of the logs of one number.
+    fn scalars(&self) -> Vec<(Log, Skipped, GapSummary)> {
+        [(Log::Odometer, &self.odometer), (Log::Barometer, &self.barometer)]
+            .into_iter()
+            .filter_map(|(log, reader)| {
+                let reader = reader.as_ref()?;
+                Some((log, reader.skipped().clone(), reader.gaps()))
+            })
+            .collect()
+    }
 }
 
 /// The measurements of a log that may not be there.
@@ -371,24 +251,9 @@ fn std_factors(
             adapt: true,
             ..settings.clone()
         };
-        let (mut gnss, mut odometer, mut barometer) = (
-            drive.open_gnss()?,
-            drive.open_odometer()?,
-            drive.open_barometer()?,
-        );
-        let measurements = aiding(&mut gnss, &mut odometer, &mut barometer);
-        replay(drive.open_imu()?, measurements, &settings, &mut Nobody)?.adapted
+        let mut aids = Aids::open(drive)?;
+        let (imu, aiding) = (&mut drive.open_imu()?, &mut aids.measurements());
+        replay(imu, aiding, &settings, &mut ())?.adapted
     };
     Ok(adapted.map(|factor| factor.filter(|f| !WORTH_A_WORD.contains(f))))
-}
-
-/// Watches nothing.
-struct Nobody;
-
-impl Observer for Nobody {
-    fn sample<const N: usize>(&mut self, _: &Filter<N>) -> Result<(), ReplayError> {
-        Ok(())
-    }
-
-    fn fix<const N: usize>(&mut self, _: &Filter<N>, _: &GnssFix, _: bool) {}
 }

@@ -11,18 +11,15 @@ pub use logs::Logs;
 pub use result::{Experiment, track};
 pub use schedule::{Schedule, ScheduleError, schedule};
 
-use crate::findings::Finding;
-use crate::smooth::{self, History};
 use crate::{
+    estimator::{Adjoint, Estimator, STAMP_ROUNDING},
+    findings::Finding,
     reference::{self, Errors, HORIZONTAL, TruthCursor},
     replay::{Measurement, Observer, ReplayError, Settings, Summary, replay},
+    smooth::{self, History},
 };
 use rayon::prelude::*;
-use undrift_nav::{
-    filter::Filter,
-    sample::{GnssFix, ImuSample, TruthSample},
-    tape::Tape,
-};
+use undrift_nav::sample::{GnssFix, ImuSample, TruthSample};
 
 /// What one outage did to one model.
 #[derive(Clone, Debug)]
@@ -67,83 +64,62 @@ pub struct ModelRun {
 /// A model's name with what came of it.
 pub type Outcome = (String, Result<ModelRun, ReplayError>);
 
-/// Runs every model through the outages of its settings, on all cores. `truth` empty: the withheld
-/// fixes are the reference.
+/// Samples from one report of progress to the next.
+const PROGRESS_EVERY: usize = 4096;
+
+/// Runs every model through the outages of its settings, on all cores; outages withhold the fixes
+/// only. `truth` empty: the withheld fixes are the reference. `done` is called with how many more
+/// samples a model has taken, of `imu` times `models`.
 pub fn run(
     imu: &[ImuSample],
-    gnss: &[GnssFix],
-    truth: &[TruthSample],
-    models: &[(String, Settings)],
-) -> Vec<Outcome> {
-    let fixes: Vec<_> = gnss.iter().copied().map(Measurement::Gnss).collect();
-    run_aided(imu, &fixes, truth, models)
-}
-
-/// As [`run`], with other measurements merged between the fixes: outages withhold the fixes only.
-pub fn run_aided(
-    imu: &[ImuSample],
     aiding: &[Measurement],
     truth: &[TruthSample],
     models: &[(String, Settings)],
+    done: &(dyn Fn(u64) + Sync),
 ) -> Vec<Outcome> {
-    run_told(imu, aiding, truth, models, |_| {})
-}
-
-/// Samples from one word on how far it is to the next.
-const TOLD_EVERY: usize = 4096;
-
-/// As [`run_aided`]; `done` is told how many more samples a model has taken, of `imu` times `models`.
-pub fn run_told(
-    imu: &[ImuSample],
-    aiding: &[Measurement],
-    truth: &[TruthSample],
-    models: &[(String, Settings)],
-    done: impl Fn(u64) + Sync,
-) -> Vec<Outcome> {
-    let done = &done;
     models
         .par_iter()
         .map(|(name, settings)| {
-            // What a model does is to be seen, not mended.
-            let mut settings = Settings {
-                restart: false,
-                ..settings.clone()
-            };
-            let samples = imu.iter().copied().map(Ok);
-            let measurements = aiding.iter().copied().map(Ok);
-            match smooth::better_start(samples, measurements, &settings) {
-                Ok(start) => settings.start = start,
-                Err(error) => return (name.clone(), Err(error)),
-            }
-            let settings = &settings;
-            let mut watch = OutageWatch::new(settings, truth);
-            if settings.nodes.is_some() {
-                watch.history = Some(match History::new() {
-                    Ok(history) => history,
-                    Err(error) => return (name.clone(), Err(error.into())),
-                });
-            }
-            let samples = imu.chunks(TOLD_EVERY).flat_map(|chunk| {
-                done(chunk.len() as u64);
-                chunk.iter().copied().map(Ok)
+            let run = run_model(imu, aiding, truth, settings, done);
+            let run = run.map(|(errors, summary)| ModelRun {
+                name: name.clone(),
+                errors,
+                summary,
             });
-            let result = replay(
-                samples,
-                aiding.iter().copied().map(Ok),
-                settings,
-                &mut watch,
-            )
-            .and_then(|summary| {
-                watch.smooth()?;
-                Ok(ModelRun {
-                    name: name.clone(),
-                    errors: watch.finish(&summary),
-                    summary,
-                })
-            });
-            (name.clone(), result)
+            (name.clone(), run)
         })
         .collect()
+}
+
+fn run_model(
+    imu: &[ImuSample],
+    aiding: &[Measurement],
+    truth: &[TruthSample],
+    settings: &Settings,
+    done: &(dyn Fn(u64) + Sync),
+) -> Result<(ModelErrors, Summary), ReplayError> {
+    // What a model does is to be seen, not mended.
+    let mut settings = Settings {
+        restart: false,
+        ..settings.clone()
+    };
+    settings.start = smooth::better_start(
+        &mut imu.iter().copied().map(Ok),
+        &mut aiding.iter().copied().map(Ok),
+        &settings,
+    )?;
+    let mut watch = OutageWatch::new(&settings, truth);
+    if settings.nodes.is_some() {
+        watch.history = Some(History::new()?);
+    }
+    let mut samples = imu.chunks(PROGRESS_EVERY).flat_map(|chunk| {
+        done(chunk.len() as u64);
+        chunk.iter().copied().map(Ok)
+    });
+    let mut measurements = aiding.iter().copied().map(Ok);
+    let summary = replay(&mut samples, &mut measurements, &settings, &mut watch)?;
+    watch.smooth()?;
+    Ok((watch.finish(&summary), summary))
 }
 
 /// Collects the errors inside the outages.
@@ -187,9 +163,7 @@ impl<'a> OutageWatch<'a> {
     /// The outage that `time` lies in; asked in order of time.
     fn outage_at(&mut self, time: f64) -> Option<usize> {
         let all = &self.settings.outages;
-        while self.present < all.len()
-            && time > all[self.present].end + crate::replay::STAMP_ROUNDING
-        {
+        while self.present < all.len() && time > all[self.present].end + STAMP_ROUNDING {
             self.present += 1;
         }
         (self.present < all.len() && all[self.present].contains(time)).then_some(self.present)
@@ -268,7 +242,7 @@ impl<'a> OutageWatch<'a> {
 }
 
 impl Observer for OutageWatch<'_> {
-    fn sample<const N: usize>(&mut self, filter: &Filter<N>) -> Result<(), ReplayError> {
+    fn sample(&mut self, filter: &dyn Estimator) -> Result<(), ReplayError> {
         let time = filter.nav().time;
         if self.history.is_none()
             && self.truth.is_some()
@@ -280,7 +254,7 @@ impl Observer for OutageWatch<'_> {
         Ok(())
     }
 
-    fn fix<const N: usize>(&mut self, filter: &Filter<N>, fix: &GnssFix, withheld: bool) {
+    fn fix(&mut self, filter: &dyn Estimator, fix: &GnssFix, withheld: bool) {
         self.withheld = (withheld && fix.position.is_some()).then_some(*fix);
         if self.history.is_none()
             && self.truth.is_none()
@@ -292,11 +266,7 @@ impl Observer for OutageWatch<'_> {
         }
     }
 
-    fn node<const N: usize>(
-        &mut self,
-        filter: &Filter<N>,
-        since: Option<&Tape<N>>,
-    ) -> Result<(), ReplayError> {
+    fn node(&mut self, filter: &dyn Estimator, since: Option<&Adjoint>) -> Result<(), ReplayError> {
         let withheld = self.withheld.take();
         let time = withheld.map_or(filter.nav().time, |fix| fix.time);
         let outage = self.outage_at(time);

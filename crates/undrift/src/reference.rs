@@ -2,12 +2,14 @@
 //!
 //! Error = solution less reference. Angles are wrapped to ±180°.
 
-use crate::results::{Number, Numbers};
+use crate::{
+    estimator::{Estimator, STAMP_ROUNDING},
+    results::{Number, Numbers},
+};
 use undrift_nav::{
     Vector3,
     attitude::{from_rpy, to_rpy},
     earth::{Geodetic, wrap_pi},
-    filter::Filter,
     mechanisation::NavState,
     sample::{GnssFix, Position, TruthSample},
 };
@@ -73,11 +75,7 @@ impl Errors {
     }
 
     /// Of the predicted antenna against a fix; the attitude stays unknown.
-    pub fn against_fix<const N: usize>(
-        filter: &Filter<N>,
-        fix: &GnssFix,
-        lever_b: &Vector3,
-    ) -> Self {
+    pub fn against_fix(filter: &dyn Estimator, fix: &GnssFix, lever_b: &Vector3) -> Self {
         let antenna = filter.antenna_position(lever_b);
         Self::of_antenna(&antenna, &filter.antenna_velocity(lever_b), fix)
     }
@@ -204,13 +202,12 @@ impl<I: Iterator<Item = TruthSample>> TruthCursor<I> {
     /// The truth at `time` [s]; `None` outside the samples or where they are more than 2 s apart.
     pub fn at(&mut self, time: f64) -> Option<TruthSample> {
         const LONGEST: f64 = 2.0;
-        let rounding = crate::replay::STAMP_ROUNDING;
-        while let Some(after) = self.after.filter(|s| s.time <= time + rounding) {
+        while let Some(after) = self.after.filter(|s| s.time <= time + STAMP_ROUNDING) {
             self.before = Some(after);
             self.after = self.samples.next();
         }
         let before = self.before?;
-        if (before.time - time).abs() <= rounding {
+        if (before.time - time).abs() <= STAMP_ROUNDING {
             return Some(TruthSample { time, ..before });
         }
         let after = self.after?;

@@ -10,22 +10,22 @@
 //! [`Path`] fills in the samples between two nodes: it integrates the log from the smoothed node, with
 //! its sensor errors, and spreads the small difference at the next node over the span.
 
-use crate::replay::{Measurement, Observer, ReplayError, Settings, replay};
+use crate::{
+    estimator::{Adjoint, Estimator},
+    replay::{Measurements, Observer, ReplayError, Samples, Settings, replay},
+};
 use nalgebra::{DMatrix, DVector};
 use std::{
     fs::File,
     io::{self, BufWriter, Read, Seek, SeekFrom, Write},
 };
-use undrift_io::ReadError;
 use undrift_nav::{
     Quaternion, Vector3,
     covariance::{AXES, NAV, Sensors},
     earth::Geodetic,
-    filter::Filter,
     mechanisation::{Increments, NavState, RawIncrements},
     parameters::{Coupling, Parameter, Parameters},
-    sample::{GnssFix, ImuSample},
-    tape::Tape,
+    sample::ImuSample,
 };
 
 /// The smoothed solution at one instant.
@@ -147,11 +147,7 @@ impl History {
     ///
     /// # Errors
     /// If the temporary file cannot be written.
-    pub fn push<const N: usize>(
-        &mut self,
-        filter: &Filter<N>,
-        since: Option<&Tape<N>>,
-    ) -> io::Result<()> {
+    pub fn push(&mut self, filter: &dyn Estimator, since: Option<&Adjoint>) -> io::Result<()> {
         self.states = filter.states();
         self.sensors = Some((*filter.sensors(), *filter.parameters()));
         let n = self.states;
@@ -181,9 +177,8 @@ impl History {
         }
         match since {
             Some(tape) => {
-                let t = tape.transition();
                 for j in 0..n {
-                    put(&t.column(j).as_slice()[..n]);
+                    put(&tape.transition.column(j).as_slice()[..n]);
                 }
                 put(&tape.gradient.as_slice()[..n]);
                 for j in 0..n {
@@ -331,20 +326,20 @@ const START_SPAN: f64 = 300.0;
 /// # Errors
 /// As [`replay`].
 pub fn better_start(
-    imu: impl Iterator<Item = Result<ImuSample, ReadError>>,
-    aiding: impl Iterator<Item = Result<Measurement, ReadError>>,
+    imu: &mut Samples,
+    aiding: &mut Measurements,
     settings: &Settings,
 ) -> Result<Option<Vec<f64>>, ReplayError> {
     if settings.nodes.is_none() {
         return Ok(None);
     }
     let mut until = None;
-    let first = imu.take_while(|sample| match sample {
+    let mut first = imu.take_while(|sample| match sample {
         Ok(sample) => sample.time < *until.get_or_insert(sample.time + START_SPAN),
         Err(_) => true,
     });
     let mut history = History::new()?;
-    match replay(first, aiding, settings, &mut history) {
+    match replay(&mut first, aiding, settings, &mut history) {
         Ok(_) => Ok(history.smooth()?.map(|smoothed| smoothed.start)),
         Err(ReplayError::NotAligned(_)) => Ok(None),
         Err(error) => Err(error),
@@ -353,17 +348,7 @@ pub fn better_start(
 
 /// Keeps the nodes of a replay and nothing else.
 impl Observer for History {
-    fn sample<const N: usize>(&mut self, _: &Filter<N>) -> Result<(), ReplayError> {
-        Ok(())
-    }
-
-    fn fix<const N: usize>(&mut self, _: &Filter<N>, _: &GnssFix, _: bool) {}
-
-    fn node<const N: usize>(
-        &mut self,
-        filter: &Filter<N>,
-        since: Option<&Tape<N>>,
-    ) -> Result<(), ReplayError> {
+    fn node(&mut self, filter: &dyn Estimator, since: Option<&Adjoint>) -> Result<(), ReplayError> {
         Ok(self.push(filter, since)?)
     }
 }

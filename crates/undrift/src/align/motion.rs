@@ -9,14 +9,15 @@ use super::{
     segments::{Segment, segments},
     wahba::{EndCovariance, Guess, Problem},
 };
-use crate::replay::Settings;
-use nalgebra::{SMatrix, SVector};
+use crate::{
+    estimator::{self, Estimator},
+    replay::Settings,
+};
 use std::collections::VecDeque;
 use undrift_nav::{
     Matrix3, Vector3,
-    aiding::Observation,
     covariance::AXES,
-    filter::{Filter, InitialStd},
+    filter::InitialStd,
     mechanisation::NavState,
     sample::{GnssFix, ImuSample},
     shaping::ShapingFilter,
@@ -70,8 +71,8 @@ pub(super) struct Motion {
 }
 
 /// A result: the filter at the last fix of the window.
-pub(super) struct Found<const N: usize> {
-    pub(super) filter: Filter<N>,
+pub(super) struct Found {
+    pub(super) filter: Box<dyn Estimator>,
     /// Length of the window [s].
     pub(super) duration: f64,
 }
@@ -116,12 +117,12 @@ impl Motion {
     }
 
     /// Takes a fix inside the last sample; the filter, if that makes an alignment.
-    pub(super) fn fix<const N: usize>(
+    pub(super) fn fix(
         &mut self,
         fix: &GnssFix,
         settings: &Settings,
         rest: Option<GyroBias>,
-    ) -> Option<Found<N>> {
+    ) -> Option<Found> {
         if fix.position.is_none() || fix.velocity.is_none() || self.samples.is_empty() {
             return None;
         }
@@ -142,11 +143,11 @@ impl Motion {
         }
     }
 
-    fn search<const N: usize>(
+    fn search(
         &mut self,
         settings: &Settings,
         rest: Option<GyroBias>,
-    ) -> Result<Found<N>, MotionFailure> {
+    ) -> Result<Found, MotionFailure> {
         let (low, high) = self.fixes.iter().filter_map(|fix| fix.velocity).fold(
             (
                 Vector3::repeat(f64::INFINITY),
@@ -257,20 +258,20 @@ impl Motion {
 }
 
 /// The filter with what the window says: covariance of velocity, attitude and biases, truth less estimate.
-fn filter<const N: usize>(
+fn filter(
     end: &NavState,
     fix: &GnssFix,
     guess: &Guess,
     covariance: &EndCovariance,
     settings: &Settings,
-) -> Option<Filter<N>> {
+) -> Option<Box<dyn Estimator>> {
     let (_, position) = fix.position?;
     let std = InitialStd {
         position: Vector3::repeat(1.0),
         velocity: Vector3::repeat(WIDE),
         attitude: Vector3::repeat(WIDE),
     };
-    let mut filter = Filter::<N>::new(*end, &std, settings.sensors, settings.parameters).ok()?;
+    let mut filter = estimator::build(*end, &std, &settings.sensors, settings.parameters).ok()?;
     filter.set_position_velocity_covariance(&position, &(Matrix3::identity() * (WIDE * WIDE)));
     let (g, a) = (guess.gyro, guess.accel);
     filter.set_sensor_error(&[g.x, g.y, g.z, a.x, a.y, a.z]);
@@ -290,28 +291,7 @@ fn filter<const N: usize>(
         let root = eigen.eigenvalues[i].max(0.0).sqrt();
         rows.row_mut(i).scale_mut(root);
     }
-    // From the filter's errors to those of the window.
-    let mut map = SMatrix::<f64, 12, N>::zeros();
-    let c_bn = end.q_nb.to_rotation_matrix().transpose();
-    map.fixed_view_mut::<3, 3>(0, 3)
-        .copy_from(&-Matrix3::identity());
-    map.fixed_view_mut::<3, 3>(3, 6).copy_from(c_bn.matrix());
-    for axis in 0..AXES {
-        let (sensor, at) = (filter.sensors().axis(axis), filter.sensors().start(axis));
-        for i in 0..sensor.order {
-            map[(6 + axis, at + i)] = sensor.h[i];
-        }
-    }
-    filter
-        .update(
-            &Observation {
-                innovation: SVector::zeros(),
-                h: rows * map,
-                extra: SMatrix::zeros(),
-            },
-            &SMatrix::identity(),
-        )
-        .ok()?;
+    filter.update_window(&rows).ok()?;
     filter.check().ok()?;
     Some(filter)
 }

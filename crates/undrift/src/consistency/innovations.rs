@@ -3,21 +3,7 @@
 use super::average_bounds;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::collections::VecDeque;
-use undrift_nav::{Matrix3, Vector3, aiding::Observation, filter::Filter};
 use undrift_noise::correlation::white_bound;
-
-/// `L⁻¹ ν` with `L Lᵀ = S = H P Hᵀ + R`, the covariance of the innovation ν: white with unit
-/// covariance when the filter is right, its square is the NIS. `None` where S is no covariance.
-pub fn normalised_innovation<const N: usize>(
-    filter: &Filter<N>,
-    observed: &Observation<3, N>,
-    r: &Matrix3,
-) -> Option<Vector3> {
-    let s = observed.h * filter.covariance() * observed.h.transpose() + r + observed.extra;
-    nalgebra::Cholesky::new(s)?
-        .l()
-        .solve_lower_triangular(&observed.innovation)
-}
 
 /// Lags of the autocorrelation of [`InnovationStatistics`].
 pub const LAGS: usize = 10;
@@ -61,7 +47,7 @@ impl InnovationStatistics {
     }
 
     /// Takes in the innovation of one update at `time` [s], normalised by the root of its
-    /// covariance ([`normalised_innovation`]): one number per degree of freedom.
+    /// covariance ([`undrift_nav::filter::Update::whitened`]): one number per degree of freedom.
     pub fn add(&mut self, time: f64, normalised: &[f64]) {
         let nis: f64 = normalised.iter().map(|v| v * v).sum();
         let freedom = normalised.len();

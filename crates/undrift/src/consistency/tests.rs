@@ -1,4 +1,5 @@
 use super::*;
+use crate::estimator::Aiding;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -6,7 +7,7 @@ use undrift_nav::{
     Quaternion,
     attitude::{from_rotation_vector, from_rpy, to_rpy},
     earth::Geodetic,
-    filter::InitialStd,
+    filter::{FilterError, Gate, InitialStd},
     mechanisation::NavState,
     sample::Position,
     shaping::ShapingFilter,
@@ -109,7 +110,7 @@ fn what_is_not_known_counts_nowhere() {
 }
 
 /// A filter with two states in each gyro, one in each accelerometer but the last, which has none.
-fn filter() -> Filter<18> {
+fn filter() -> Box<dyn Estimator> {
     let nav = NavState {
         time: 10.0,
         position: Geodetic::from_degrees(47.0, 8.0, 400.0),
@@ -127,13 +128,8 @@ fn filter() -> Filter<18> {
         .and_then(|f| f.plus(&constant))
         .unwrap();
     let sensors = [gyro, gyro, gyro, constant, constant, white];
-    Filter::new(
-        nav,
-        &std,
-        sensors,
-        undrift_nav::parameters::Parameters::none(),
-    )
-    .unwrap()
+    let none = undrift_nav::parameters::Parameters::none();
+    crate::estimator::build(nav, &std, &sensors, none).unwrap()
 }
 
 #[test]
@@ -149,7 +145,7 @@ fn errors_of_a_filter_have_the_signs_of_the_conventions() {
         rpy: Some(to_rpy(&(from_rotation_vector(&psi) * nav.q_nb))),
     };
     let bias = [0.5, -0.5, 1.0, 0.3, -0.6, 7.0];
-    let state = ErrorState::new(&filter, &truth, Some(&bias));
+    let state = ErrorState::new(&*filter, &truth, Some(&bias));
     let expected = [
         2.0, 1.0, -1.0, 1.0, -1.0, 2.0, 1.0, -2.0, 3.0, 1.0, -1.0, 2.0, 1.0, -2.0,
     ];
@@ -176,7 +172,7 @@ fn errors_of_a_filter_have_the_signs_of_the_conventions() {
     }
     // A log's truth: no biases, maybe no attitude.
     let poorer = TruthSample { rpy: None, ..truth };
-    let state = ErrorState::new(&filter, &poorer, None);
+    let state = ErrorState::new(&*filter, &poorer, None);
     assert_eq!(state.nees(2), None);
     assert_eq!(state.nees(5).unwrap().1, 6);
 }
@@ -189,13 +185,18 @@ fn normalised_innovation_squared_is_the_nis() {
         .nav()
         .position
         .displaced(&Vector3::new(1.0, -3.0, 5.0));
-    let observed = filter.observe_position(&Position::Geodetic(measured), &lever);
-    let r = Matrix3::from_diagonal(&Vector3::new(1.0, 4.0, 9.0));
-    let normalised = normalised_innovation(&filter, &observed, &r).unwrap();
-    let update = filter.update(&observed, &r).unwrap();
+    let aiding = Aiding::Position {
+        position: Position::Geodetic(measured),
+        lever_arm: lever,
+        due: filter.nav().time,
+    };
+    let impossible = undrift_nav::Matrix3::from_diagonal_element(-1e9);
+    let refused = filter.update(&aiding, &impossible, &Gate::OPEN);
+    assert_eq!(refused, Err(FilterError::BadMeasurement));
+    let r = undrift_nav::Matrix3::from_diagonal(&Vector3::new(1.0, 4.0, 9.0));
+    let update = filter.update(&aiding, &r, &Gate::OPEN).unwrap().unwrap();
+    let normalised = Vector3::from(update.whitened);
     assert!((normalised.norm_squared() / update.nis - 1.0).abs() < 1e-12);
-    let impossible = Matrix3::from_diagonal_element(-1e9);
-    assert_eq!(normalised_innovation(&filter, &observed, &impossible), None);
     assert_eq!(
         filter.nav().q_nb.inverse() * filter.nav().q_nb,
         Quaternion::identity()

@@ -210,7 +210,7 @@ fn outages(
     let logs = Logs::load(&drive)?;
     let schedule = plan.schedule().ok_or(ScheduleError::Zero)?;
     let cuts = logs.plan(&schedule, plan.length_s)?;
-    let results = logs.run(kinds, &cuts, smooth, |_| {})?;
+    let results = logs.run(kinds, &cuts, smooth, &|_| {})?;
     outcome.findings = logs.findings(&results);
     for (name, run) in &results {
         let run = match run {
@@ -253,7 +253,7 @@ fn navigate(
             ..Wanted::default()
         };
         let name = kind.name().to_owned();
-        let report = match navigate::navigate_for(&drive, *kind, wanted) {
+        let report = match navigate::navigate(&drive, *kind, wanted) {
             Ok(report) => report,
             Err(error) => {
                 outcome.findings.extend(error.findings());

@@ -1,30 +1,38 @@
 //! What is kept of a run while it goes: files, errors against the truth, curves.
 
-use super::{Outputs, Recording, solution_row};
+use super::{outputs::Outputs, recording::Recording};
 use crate::{
     consistency::{Consistency, ErrorState},
+    drive::Drive,
+    estimator::{Adjoint, Estimator},
     reference::{COMPONENTS, Errors, TruthCursor},
     replay::{Observer, ReplayError},
-    smooth::History,
+    smooth::{History, Path},
 };
-use undrift_io::{ReadError, truth::TruthReader, write::solution::SolutionRow};
+use undrift_io::{
+    ReadError,
+    skipped::Skipped,
+    truth::TruthReader,
+    write::{SolutionFile, solution::SolutionRow},
+};
 use undrift_nav::{
+    Vector3,
+    attitude::to_rpy,
     covariance::{AXES, NAV},
-    filter::{Filter, Update},
+    filter::Update,
     mechanisation::NavState,
-    sample::{GnssFix, TruthSample},
-    tape::Tape,
+    sample::TruthSample,
 };
 
 /// From one NEES to the next [s].
 const NEES_SPAN: f64 = 1.0;
 
 /// A truth reader that ends at its first error and keeps it.
-pub(super) struct Readable {
-    pub(super) reader: TruthReader,
-    pub(super) error: Option<ReadError>,
+struct Readable {
+    reader: TruthReader,
+    error: Option<ReadError>,
     /// First and last time [s].
-    pub(super) read: Option<(f64, f64)>,
+    read: Option<(f64, f64)>,
 }
 
 impl Iterator for Readable {
@@ -45,23 +53,110 @@ impl Iterator for Readable {
     }
 }
 
+/// What a drive is navigated for.
+#[derive(Default)]
+pub struct Wanted {
+    /// Where the solution goes.
+    pub files: Vec<SolutionFile>,
+    /// The smoothed solution instead of the filter's.
+    pub smooth: bool,
+    /// The run over time in [`super::Report::recording`].
+    pub recording: bool,
+    /// The solution at every sample in [`super::Report::rows`]: 31 numbers each.
+    pub rows: bool,
+}
+
+/// Keeps what is wanted of a run.
 pub(super) struct Recorder {
-    pub(super) outputs: Outputs,
-    pub(super) truth: Option<TruthCursor<Readable>>,
-    pub(super) squares: [f64; COMPONENTS.len()],
-    pub(super) compared: u64,
+    outputs: Outputs,
+    truth: Option<TruthCursor<Readable>>,
+    squares: [f64; COMPONENTS.len()],
+    compared: u64,
     /// While the filter runs for a smoother.
-    pub(super) history: Option<History>,
-    /// Of the filter's errors against its covariance, and when next [s].
-    pub(super) consistency: Consistency,
-    pub(super) next_nees: f64,
+    history: Option<History>,
+    /// Of the filter's errors against its covariance, and when next \[s\].
+    consistency: Consistency,
+    next_nees: f64,
     /// Where they are asked for.
+    recording: Option<Box<Recording>>,
+    rows: Option<Vec<SolutionRow>>,
+}
+
+/// What a [`Recorder`] has kept at the end.
+pub(super) struct Seen {
+    pub(super) rmse: Option<(Errors, u64)>,
+    pub(super) consistency: Consistency,
     pub(super) recording: Option<Box<Recording>>,
-    pub(super) rows: Option<Vec<SolutionRow>>,
+    pub(super) rows: Vec<SolutionRow>,
+    pub(super) truth_read: Option<(f64, f64)>,
+    pub(super) truth_skipped: Skipped,
 }
 
 impl Recorder {
-    pub(super) fn record(
+    pub(super) fn new(wanted: Wanted, truth: Option<TruthReader>) -> Result<Self, ReplayError> {
+        Ok(Self {
+            outputs: Outputs::new(wanted.files),
+            truth: truth.map(|reader| {
+                TruthCursor::new(Readable {
+                    reader,
+                    error: None,
+                    read: None,
+                })
+            }),
+            squares: [0.0; COMPONENTS.len()],
+            compared: 0,
+            history: wanted.smooth.then(History::new).transpose()?,
+            consistency: Consistency::default(),
+            next_nees: f64::NEG_INFINITY,
+            recording: wanted.recording.then(Box::default),
+            rows: wanted.rows.then(Vec::new),
+        })
+    }
+
+    /// After the replay: goes back through the nodes, if there are some, and over the samples again.
+    pub(super) fn smooth(&mut self, drive: &Drive) -> Result<(), ReplayError> {
+        self.outputs.fixes_end();
+        let Some(smoothed) = self.history.take().map(History::smooth).transpose()? else {
+            return Ok(());
+        };
+        if let Some(smoothed) = smoothed
+            && let Some(mut path) = Path::new(&smoothed)
+        {
+            for sample in drive.open_imu()? {
+                path.add(&sample?, |node| {
+                    let (error, std) = (node.sensor_error, node.sensor_error_std);
+                    self.record(&node.nav, node.nav_std, error, std).map(drop)
+                })?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Gives the files their names, if the truth could be read.
+    pub(super) fn finish(self) -> Result<Seen, ReplayError> {
+        let (mut truth_skipped, mut truth_read) = (Skipped::default(), None);
+        if let Some(cursor) = self.truth {
+            let truth = cursor.into_inner();
+            if let Some(error) = truth.error {
+                return Err(error.into());
+            }
+            truth_skipped = truth.reader.skipped().clone();
+            truth_read = truth.read;
+        }
+        // Last: with an error there is no file.
+        self.outputs.finish()?;
+        let n = self.compared;
+        Ok(Seen {
+            rmse: (n > 0).then(|| (Errors(self.squares.map(|s| (s / n as f64).sqrt())), n)),
+            consistency: self.consistency,
+            recording: self.recording,
+            rows: self.rows.unwrap_or_default(),
+            truth_read,
+            truth_skipped,
+        })
+    }
+
+    fn record(
         &mut self,
         nav: &NavState,
         nav_std: [f64; NAV],
@@ -94,7 +189,7 @@ impl Recorder {
 }
 
 impl Observer for Recorder {
-    fn sample<const N: usize>(&mut self, filter: &Filter<N>) -> Result<(), ReplayError> {
+    fn sample(&mut self, filter: &dyn Estimator) -> Result<(), ReplayError> {
         if self.history.is_some() {
             self.outputs.begin(filter.nav().time);
             return Ok(());
@@ -116,22 +211,36 @@ impl Observer for Recorder {
         self.outputs.fix(time);
     }
 
-    fn node<const N: usize>(
-        &mut self,
-        filter: &Filter<N>,
-        since: Option<&Tape<N>>,
-    ) -> Result<(), ReplayError> {
+    fn node(&mut self, filter: &dyn Estimator, since: Option<&Adjoint>) -> Result<(), ReplayError> {
         if let Some(history) = &mut self.history {
             history.push(filter, since)?;
         }
         Ok(())
     }
 
-    fn fix<const N: usize>(&mut self, _: &Filter<N>, _: &GnssFix, _: bool) {}
-
     fn updated(&mut self, time: f64, updates: [Option<Update>; 2]) {
         if let Some(recording) = &mut self.recording {
             recording.fix(time, updates);
         }
+    }
+}
+
+/// The solution at an instant: state, standard deviations as of [`Estimator::nav_std`], and sensor errors,
+/// [`Estimator::sensor_error`], with theirs.
+pub fn solution_row(
+    nav: &NavState,
+    nav_std: [f64; NAV],
+    e: [f64; AXES],
+    error_std: [f64; AXES],
+) -> SolutionRow {
+    SolutionRow {
+        time: nav.time,
+        position: nav.position,
+        v_n: nav.v_n,
+        rpy: to_rpy(&nav.q_nb),
+        nav_std,
+        gyro_error: Vector3::new(e[0], e[1], e[2]),
+        accel_error: Vector3::new(e[3], e[4], e[5]),
+        error_std,
     }
 }

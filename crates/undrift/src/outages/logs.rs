@@ -1,6 +1,6 @@
 //! A drive's logs in memory, and the experiment on them.
 
-use super::{Experiment, Outcome, Schedule, ScheduleError, run_told, schedule, track};
+use super::{Experiment, Outcome, Schedule, ScheduleError, run, schedule, track};
 use crate::{
     drive::Drive,
     findings::{self, Finding, Log},
@@ -100,8 +100,8 @@ impl Logs {
     }
 
     /// Runs every bias model through the outages, on all cores; with `smooth`, the errors are those
-    /// that are left when the fixes after an outage are known too. `done` is told how many more
-    /// samples a model has taken, of [`Logs::imu`] times the models.
+    /// that are left when the fixes after an outage are known too. `done` is called with how many
+    /// more samples a model has taken, of [`Logs::imu`] times the models.
     ///
     /// # Errors
     /// A drive without a model, or with one that is none at the log's rate.
@@ -110,7 +110,7 @@ impl Logs {
         kinds: &[BiasModel],
         cuts: &[Outage],
         smooth: bool,
-        done: impl Fn(u64) + Sync,
+        done: &(dyn Fn(u64) + Sync),
     ) -> Result<Vec<Outcome>, NavigateError> {
         let models = kinds
             .iter()
@@ -121,13 +121,7 @@ impl Logs {
                 Ok((kind.name().to_owned(), settings))
             })
             .collect::<Result<Vec<_>, NavigateError>>()?;
-        Ok(run_told(
-            &self.imu,
-            &self.aiding,
-            &self.truth,
-            &models,
-            done,
-        ))
+        Ok(run(&self.imu, &self.aiding, &self.truth, &models, done))
     }
 
     /// What the errors are measured against: "truth", or "gnss" for the withheld fixes.

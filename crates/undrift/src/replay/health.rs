@@ -1,8 +1,8 @@
 //! Whether the covariance of a filter is still one after a long log.
 
+use crate::estimator::Estimator;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
-use undrift_nav::filter::Filter;
 
 /// What rounding has left of a covariance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -19,9 +19,9 @@ pub struct CovarianceHealth {
 
 impl CovarianceHealth {
     /// Of a filter as it stands.
-    pub fn of<const N: usize>(filter: &Filter<N>) -> Self {
+    pub fn of(filter: &dyn Estimator) -> Self {
         let p = filter.covariance();
-        let kept: Vec<usize> = (0..N).filter(|i| p[(*i, *i)] > 0.0).collect();
+        let kept: Vec<usize> = (0..filter.states()).filter(|i| p[(*i, *i)] > 0.0).collect();
         let scaled = DMatrix::from_fn(kept.len(), kept.len(), |i, j| {
             let (i, j) = (kept[i], kept[j]);
             p[(i, j)] / (p[(i, i)].sqrt() * p[(j, j)].sqrt())

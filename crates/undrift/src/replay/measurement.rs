@@ -23,6 +23,11 @@ pub enum Measurement {
 }
 
 impl Measurement {
+    /// Fixes as measurements.
+    pub fn of_fixes(fixes: &[GnssFix]) -> Vec<Self> {
+        fixes.iter().copied().map(Self::Gnss).collect()
+    }
+
     /// Time as stamped [s].
     pub fn time(&self) -> f64 {
         match self {

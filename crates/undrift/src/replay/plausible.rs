@@ -8,7 +8,7 @@
 mod moves;
 mod turns;
 
-use super::{Settings, events::Implausible};
+use super::{events::Implausible, settings::Settings};
 use crate::align::Heading;
 use moves::Moves;
 use turns::Turns;

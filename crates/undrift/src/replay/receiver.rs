@@ -1,18 +1,18 @@
 //! A fix into the filter: gated, scaled, watched.
 
 use super::{
-    GnssUse, STAMP_ROUNDING, Settings,
     events::Part,
     gate::{FixGate, Scale, Verdict},
-    summary::{LeanWatch, Summary},
+    settings::{GnssUse, Settings},
+    summary::Summary,
+    watch::LeanWatch,
 };
+use crate::estimator::{Aiding, Estimator};
 use undrift_nav::{
     Matrix3, Vector3,
-    aiding::Observation,
     earth::STANDARD_GRAVITY,
-    filter::{Filter, FilterError, Gate, Update},
+    filter::{FilterError, Gate, Update},
     sample::{GnssFix, Position},
-    tape::Tape,
 };
 
 /// A receiver that repeats a position while the solution moves on by more than this many of its
@@ -113,92 +113,79 @@ impl Receiver {
 
     /// Updates the filter, which stands at or after the time `due` [s] at which the fix holds, with its
     /// position and velocity.
-    pub(super) fn update<const N: usize>(
+    pub(super) fn update(
         &mut self,
-        filter: &mut Filter<N>,
+        filter: &mut dyn Estimator,
         fix: &GnssFix,
         due: f64,
         settings: &Settings,
-        mut tape: Option<&mut Tape<N>>,
         summary: &mut Summary,
     ) -> [Option<Result<Update, FilterError>>; 2] {
-        let lever = &settings.lever_arm;
+        let lever_arm = settings.lever_arm;
         let with_velocity = fix.velocity.is_some() && settings.gnss_use != GnssUse::Position;
         let mut updates = [None, None];
         let open = !settings.gating
             || self.position.gate.is_senseless()
             || self.velocity.gate.is_senseless();
-        let frozen = settings.gating && self.is_frozen(filter, fix, lever);
+        let frozen = settings.gating && self.is_frozen(filter, fix, &lever_arm);
         if self.frozen && !frozen {
             self.position.gate.unconfirm();
             self.velocity.gate.unconfirm();
         }
         self.frozen = frozen;
-        if let Some((position, r)) = &fix.position
+        if let Some((position, r)) = fix.position
             && settings.gnss_use != GnssUse::Velocity
         {
-            let observe = |filter: &Filter<N>| {
-                let mut observed = filter.observe_position(position, lever);
-                let late = filter.nav().time - due;
-                if late > STAMP_ROUNDING {
-                    let c_mn = observed.h.fixed_view::<3, 3>(0, 0);
-                    let moved = filter.antenna_velocity(lever) * late
-                        - filter.acceleration() * (0.5 * late * late);
-                    observed.innovation -= c_mn * moved;
-                }
-                observed
+            let offer = Offer {
+                aiding: Aiding::Position {
+                    position,
+                    lever_arm,
+                    due,
+                },
+                stated: r,
+                time: fix.time,
+                open,
+                frozen,
+                patience: match (frozen, with_velocity) {
+                    (true, _) => PATIENCE_FROZEN,
+                    (_, false) => PATIENCE_NO_VELOCITY,
+                    _ if self.velocity.gate.is_in_doubt() => PATIENCE,
+                    _ => PATIENCE_POSITION_ALONE,
+                },
+                speed_doubted: !with_velocity,
             };
-            let doubt = |size: f64, duration: f64| {
-                let speed = if with_velocity { 0.0 } else { size / duration };
-                (size, speed)
-            };
-            let tape = tape.as_deref_mut();
-            let patience = match (frozen, with_velocity) {
-                (true, _) => PATIENCE_FROZEN,
-                (_, false) => PATIENCE_NO_VELOCITY,
-                _ if self.velocity.gate.is_in_doubt() => PATIENCE,
-                _ => PATIENCE_POSITION_ALONE,
-            };
-            let channel = &mut self.position;
-            updates[0] = Some(channel.update(
-                filter, observe, r, fix.time, open, frozen, patience, doubt, settings, tape,
-                summary,
-            ));
+            updates[0] = Some(self.position.update(filter, &offer, settings, summary));
         }
-        if let Some((v_n, r)) = &fix.velocity
+        if let Some((v_n, r)) = fix.velocity
             && with_velocity
         {
-            let observe = |filter: &Filter<N>| {
-                let mut observed = filter.observe_velocity(v_n, lever);
-                let late = filter.nav().time - due;
-                if late > STAMP_ROUNDING {
-                    observed.innovation -= filter.acceleration() * late;
-                }
-                observed
+            let aiding = Aiding::Velocity {
+                v_n,
+                lever_arm,
+                due,
             };
-            let innovation = observe(filter).innovation;
-            summary.regress(&innovation, v_n, &r.diagonal());
-            let doubt = |size: f64, _| (0.0, size);
+            if let Some(innovation) = filter.innovation(&aiding) {
+                summary.regress(&innovation, &v_n, &r.diagonal());
+            }
             // One that goes on while the position is held is of use.
-            let held = self.same.is_some_and(|(.., held)| held == Some(*v_n));
+            let held = self.same.is_some_and(|(.., held)| held == Some(v_n));
             let frozen = frozen && (held || v_n.norm() < 0.5 * filter.nav().v_n.norm());
-            let patience = if frozen { PATIENCE_FROZEN } else { PATIENCE };
-            let channel = &mut self.velocity;
-            updates[1] = Some(channel.update(
-                filter, observe, r, fix.time, open, frozen, patience, doubt, settings, tape,
-                summary,
-            ));
+            let offer = Offer {
+                aiding,
+                stated: r,
+                time: fix.time,
+                open,
+                frozen,
+                patience: if frozen { PATIENCE_FROZEN } else { PATIENCE },
+                speed_doubted: true,
+            };
+            updates[1] = Some(self.velocity.update(filter, &offer, settings, summary));
         }
         updates
     }
 
     /// Whether the fix repeats a position that the solution has left.
-    fn is_frozen<const N: usize>(
-        &mut self,
-        filter: &Filter<N>,
-        fix: &GnssFix,
-        lever: &Vector3,
-    ) -> bool {
+    fn is_frozen(&mut self, filter: &dyn Estimator, fix: &GnssFix, lever: &Vector3) -> bool {
         let Some((position, r)) = &fix.position else {
             return false;
         };
@@ -240,53 +227,69 @@ impl Receiver {
     }
 }
 
+/// A part of a fix, and how it is to be judged.
+struct Offer {
+    aiding: Aiding,
+    /// Its covariance as stated.
+    stated: Matrix3,
+    time: f64,
+    /// Whether it passes in any case.
+    open: bool,
+    /// Whether the receiver repeats itself.
+    frozen: bool,
+    /// For how long fixes that agree with each other are rejected \[s\].
+    patience: f64,
+    /// Whether a contradiction stands for an error of the velocity, too.
+    speed_doubted: bool,
+}
+
 impl Channel {
-    #[allow(clippy::too_many_arguments)]
-    fn update<const N: usize>(
+    fn update(
         &mut self,
-        filter: &mut Filter<N>,
-        observe: impl Fn(&Filter<N>) -> Observation<3, N>,
-        stated: &Matrix3,
-        time: f64,
-        open: bool,
-        frozen: bool,
-        patience: f64,
-        doubt: impl Fn(f64, f64) -> (f64, f64),
+        filter: &mut dyn Estimator,
+        offer: &Offer,
         settings: &Settings,
-        tape: Option<&mut Tape<N>>,
         summary: &mut Summary,
     ) -> Result<Update, FilterError> {
         let r = if settings.adapt {
-            stated * self.scale.factor()
+            offer.stated * self.scale.factor()
         } else {
-            *stated
+            offer.stated
         };
-        let mut observed = observe(filter);
+        let time = offer.time;
+        let innovation = filter
+            .innovation(&offer.aiding)
+            .ok_or(FilterError::BadMeasurement)?;
         let mut limits = Gate::OPEN;
         if settings.gating {
-            match self.gate.judge(time, &observed.innovation, &r, patience) {
-                Verdict::Limits(_) if open => {}
-                Verdict::Limits(_) if frozen => limits = SHUT,
+            match self.gate.judge(time, &innovation, &r, offer.patience) {
+                Verdict::Limits(_) if offer.open => {}
+                Verdict::Limits(_) if offer.frozen => limits = SHUT,
                 Verdict::Limits(gate) => limits = gate,
                 Verdict::GiveWay(duration) => {
-                    let size = observed.innovation.norm();
-                    let (position, velocity) = doubt(size, duration);
+                    let size = innovation.norm();
+                    let (position, velocity) = match (self.part, offer.speed_doubted) {
+                        (Part::Velocity, _) => (0.0, size),
+                        (Part::Position, true) => (size, size / duration),
+                        (Part::Position, false) => (size, 0.0),
+                    };
                     let tilt = (velocity / (STANDARD_GRAVITY * duration)).min(MOST_TILT);
                     filter.doubt(position, velocity, tilt);
-                    self.gate.give_way(time, &observed.innovation, summary);
-                    observed = observe(filter);
+                    self.gate.give_way(time, &innovation, summary);
                 }
             }
         }
-        let update = filter.update_recorded(&observed, &r, &limits, tape)?;
+        let update = filter
+            .update(&offer.aiding, &r, &limits)?
+            .ok_or(FilterError::BadMeasurement)?;
         if settings.gating {
-            let innovation = &observed.innovation;
-            self.gate.note(time, innovation, &update, frozen, summary);
+            self.gate
+                .note(time, &innovation, &update, offer.frozen, summary);
         }
         if settings.adapt {
             self.scale.learn(&update);
         }
-        self.lean.add(time, &observed.innovation, &update, summary);
+        self.lean.add(time, &innovation, &update, summary);
         match self.part {
             Part::Position => summary.position.add(update),
             Part::Velocity => summary.velocity.add(update),

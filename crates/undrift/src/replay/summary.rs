@@ -2,7 +2,7 @@
 
 use super::{
     CovarianceHealth,
-    events::{Contradiction, Implausible, Lean, Part, Restart},
+    events::{Contradiction, Implausible, Lean, Restart},
 };
 use crate::align::Alignment;
 use serde::{Deserialize, Serialize};
@@ -11,7 +11,6 @@ use undrift_nav::{
     filter::{Outcome, Update},
     parameters::Parameter,
 };
-use undrift_noise::order_statistics::upper_median;
 
 /// Sums of the normalised innovations squared of one kind of measurement.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -135,7 +134,7 @@ pub struct Summary {
     pub diverged: Option<f64>,
     /// The covariance at the end, if there is a solution.
     pub covariance: Option<CovarianceHealth>,
-    /// Start of the first [`SUSPECT_UPDATES`] updates on end, or fewer at the end of the log, whose
+    /// Start of the first [`super::SUSPECT_UPDATES`] updates on end, or fewer at the end of the log, whose
     /// innovations were far beyond their predicted size [s].
     pub suspect: Option<f64>,
 }
@@ -144,10 +143,6 @@ pub struct Summary {
 const GOES_ON: f64 = 3.0;
 /// Events of a kind that are kept one by one.
 pub const MOST_EVENTS: usize = 1000;
-/// NIS per degree of freedom over this many updates …
-pub const SUSPECT_UPDATES: u32 = 20;
-/// … and above this value makes a solution suspect of divergence.
-pub const SUSPECT_NIS: f64 = 25.0;
 /// A component of the velocity has the wrong sign where its innovations are this part of it, on the
 /// average: −2 if the solution ignores it, closer to 0 the more it follows …
 const WRONG_SIGN: f64 = -0.6;
@@ -161,6 +156,19 @@ impl Summary {
             let (products, squares) = self.against_velocity[*i];
             squares > MOTION && products < WRONG_SIGN * squares
         })
+    }
+
+    /// Notes a gap of `length` [s] too long to interpolate over.
+    pub(super) fn long_gap(&mut self, start: f64, length: f64) {
+        let (count, first, longest) = self.long_gaps.unwrap_or((0, start, 0.0));
+        self.long_gaps = Some((count + 1, first, longest.max(length)));
+    }
+
+    /// Notes a span without a fix.
+    pub(super) fn without_gnss(&mut self, from: f64, to: f64) {
+        if to - from > self.longest_without_gnss.1 {
+            self.longest_without_gnss = (from, to - from);
+        }
     }
 
     /// Takes in the innovation (predicted less measured) of a measured velocity and the variances of its
@@ -193,145 +201,4 @@ impl Summary {
     }
 }
 
-/// A solution that was sound and whose innovations have been far beyond their size for so long [s] begins
-/// anew.
-const SICK: f64 = 30.0;
-/// NIS per degree of freedom of a sound solution.
-const SOUND_NIS: f64 = 4.0;
-
-/// Updates, their NIS and degrees of freedom since the count began, and when that was [s].
-#[derive(Default)]
-pub(super) struct Streak {
-    updates: u32,
-    nis: f64,
-    dof: u32,
-    start: f64,
-    /// Whether the solution was ever sound, and since when it is not [s].
-    sound: bool,
-    sick_since: Option<f64>,
-}
-
-impl Streak {
-    /// Watches for innovations far beyond their covariance, block by block.
-    pub(super) fn watch(&mut self, update: Update, time: f64, summary: &mut Summary) {
-        if self.updates == 0 {
-            self.start = time;
-        }
-        self.updates += 1;
-        self.nis += update.nis;
-        self.dof += update.dof as u32;
-        if self.updates == SUSPECT_UPDATES {
-            self.judge(summary);
-        }
-    }
-
-    /// Whether a solution that was sound has been beyond its size for long [`SICK`].
-    pub(super) fn is_sick(&self, time: f64) -> bool {
-        self.sick_since.is_some_and(|since| time - since > SICK)
-    }
-
-    pub(super) fn judge(&mut self, summary: &mut Summary) {
-        if self.dof == 0 {
-            return;
-        }
-        let nis = self.nis / f64::from(self.dof);
-        if nis > SUSPECT_NIS {
-            if summary.suspect.is_none() {
-                summary.suspect = Some(self.start);
-            }
-            if self.sound {
-                self.sick_since.get_or_insert(self.start);
-            }
-        } else {
-            self.sick_since = None;
-            self.sound |= nis < SOUND_NIS;
-        }
-        (self.updates, self.nis, self.dof) = (0, 0.0, 0);
-    }
-}
-
-/// Fixes in a block of [`LeanWatch`].
-const BLOCK: usize = 40;
-/// The mean over a block leans when it is this many times the usual and the expected size, squared.
-const LEANS: f64 = 60.0;
-/// Blocks that the usual size is taken from, and how many there must be.
-const BLOCKS: usize = 20;
-const LEAST_BLOCKS: usize = 5;
-/// Whitened innovations count up to this size: an outlier alone does not make a lean.
-const CLIP: f64 = 4.0;
-
-/// Watches the means of whitened innovations for a slow drift of fixes that each pass the gate.
-pub(super) struct LeanWatch {
-    part: Part,
-    start: f64,
-    updates: usize,
-    white: Vector3,
-    innovation: Vector3,
-    usual: [f64; BLOCKS],
-    count: usize,
-    open: Option<Lean>,
-}
-
-impl LeanWatch {
-    pub(super) fn new(part: Part) -> Self {
-        Self {
-            part,
-            start: 0.0,
-            updates: 0,
-            white: Vector3::zeros(),
-            innovation: Vector3::zeros(),
-            usual: [0.0; BLOCKS],
-            count: 0,
-            open: None,
-        }
-    }
-
-    pub(super) fn add(
-        &mut self,
-        time: f64,
-        innovation: &Vector3,
-        update: &Update,
-        summary: &mut Summary,
-    ) {
-        if self.updates == 0 {
-            self.start = time;
-        }
-        self.updates += 1;
-        self.white += Vector3::from(update.whitened).map(|w| w.clamp(-CLIP, CLIP));
-        self.innovation += innovation;
-        if self.updates < BLOCK {
-            return;
-        }
-        // χ²(3)/3 for white innovations.
-        let size = self.white.norm_squared() / (3.0 * BLOCK as f64);
-        let mean: [f64; 3] = (self.innovation / BLOCK as f64).into();
-        (self.updates, self.white, self.innovation) = (0, Vector3::zeros(), Vector3::zeros());
-        let mut known = self.usual;
-        let usual = upper_median(&mut known[..self.count.min(BLOCKS)]);
-        if self.count >= LEAST_BLOCKS && size > LEANS * usual.max(1.0) {
-            let length = |m: &[f64; 3]| Vector3::from(*m).norm();
-            let open = self.open.get_or_insert(Lean {
-                part: self.part,
-                start: self.start,
-                end: time,
-                mean,
-            });
-            open.end = time;
-            if length(&mean) > length(&open.mean) {
-                open.mean = mean;
-            }
-        } else {
-            self.usual[self.count % BLOCKS] = size;
-            self.count += 1;
-            self.close(summary);
-        }
-    }
-
-    pub(super) fn close(&mut self, summary: &mut Summary) {
-        if let Some(lean) = self.open.take()
-            && summary.leans.len() < MOST_EVENTS
-        {
-            summary.leans.push(lean);
-        }
-    }
 }

@@ -5,15 +5,18 @@ use std::path::{Path, PathBuf};
 use undrift::{
     align::{AlignSettings, AttitudeSource, Heading},
     drive::Drive,
-    io::table::{Column, Table, TableOptions},
+    estimator::Estimator,
+    io::{
+        table::{Column, Table, TableOptions},
+        write::{SolutionFile, SolutionFormat, SolutionOptions},
+    },
     mounting,
     nav::{
         Quaternion, Vector3,
         attitude::{from_rotation_vector, from_rpy},
-        filter::Filter,
         sample::{GnssFix, ImuSample, TruthSample},
     },
-    navigate::navigate,
+    navigate::{Wanted, navigate},
     noise::{BiasModel, ImuModel},
     reference::HORIZONTAL,
     replay::{Measurement, Observer, ReplayError, Settings, Summary, replay},
@@ -80,7 +83,7 @@ struct Watch<'a> {
 }
 
 impl Observer for Watch<'_> {
-    fn sample<const N: usize>(&mut self, filter: &Filter<N>) -> Result<(), ReplayError> {
+    fn sample(&mut self, filter: &dyn Estimator) -> Result<(), ReplayError> {
         let time = filter.nav().time;
         let k = self.truth.partition_point(|t| t.time < time - 1e-6);
         let Some(truth) = self.truth.get(k) else {
@@ -107,8 +110,6 @@ impl Observer for Watch<'_> {
         }
         Ok(())
     }
-
-    fn fix<const N: usize>(&mut self, _: &Filter<N>, _: &GnssFix, _: bool) {}
 }
 
 /// The log from `cut` [s] on.
@@ -130,17 +131,17 @@ fn run<'a>(
         last: 0.0,
     };
     let end = cut + 200.0;
-    let imu = log
+    let mut imu = log
         .imu
         .iter()
         .filter(|s| s.time > cut && s.time < end)
         .map(|s| Ok(mounted(s, q_vb)));
-    let gnss = log
+    let mut gnss = log
         .gnss
         .iter()
         .filter(|f| f.time > cut && f.time < end)
         .map(|f| Ok(Measurement::Gnss(*f)));
-    let result = replay(imu, gnss, settings, &mut watch);
+    let result = replay(&mut imu, &mut gnss, settings, &mut watch);
     (result, watch)
 }
 
@@ -238,16 +239,9 @@ fn without_noise_the_attitude_is_exact() {
 }
 
 fn why_not(imu: &[ImuSample], gnss: &[GnssFix], heading: Heading) -> String {
-    let imu = imu.iter().map(|s| Ok(*s));
-    let gnss = gnss.iter().map(|f| Ok(Measurement::Gnss(*f)));
-    struct Nothing;
-    impl Observer for Nothing {
-        fn sample<const N: usize>(&mut self, _: &Filter<N>) -> Result<(), ReplayError> {
-            Ok(())
-        }
-        fn fix<const N: usize>(&mut self, _: &Filter<N>, _: &GnssFix, _: bool) {}
-    }
-    let message = replay(imu, gnss, &settings(heading), &mut Nothing)
+    let mut imu = imu.iter().map(|s| Ok(*s));
+    let mut gnss = gnss.iter().map(|f| Ok(Measurement::Gnss(*f)));
+    let message = replay(&mut imu, &mut gnss, &settings(heading), &mut ())
         .unwrap_err()
         .to_string();
     println!("{message}");
@@ -315,8 +309,12 @@ fn the_mounting_of_simulated_cars_is_found() {
                 .iter()
                 .filter(|s| s.time > cut)
                 .map(|s| Ok(mounted(s, &q_vb)));
-            let gnss = log.gnss.iter().filter(|f| f.time > cut).map(|f| Ok(*f));
-            let found = mounting::estimate(imu, gnss, &settings).unwrap();
+            let gnss = log
+                .gnss
+                .iter()
+                .filter(|f| f.time > cut)
+                .map(|f| Ok(Measurement::Gnss(*f)));
+            let found = mounting::estimate(&mut { imu }, &mut { gnss }, &settings).unwrap();
             let error = (found.q_vb * q_vb.inverse()).scaled_axis();
             println!(
                 "{seed} {cut}: error {:.2?} deg, {found:?}",
@@ -335,8 +333,8 @@ fn mounting_without_driving_is_refused() {
     let settings = settings(Heading::Auto);
     let log = simulate(&Trajectory::car(600.0, 1), RATE, None, &receiver(), 1).unwrap();
     let imu = log.imu.iter().filter(|s| s.time < 115.0).map(|s| Ok(*s));
-    let gnss = log.gnss.iter().map(|f| Ok(*f));
-    let error = mounting::estimate(imu, gnss, &settings)
+    let gnss = log.gnss.iter().map(|f| Ok(Measurement::Gnss(*f)));
+    let error = mounting::estimate(&mut { imu }, &mut { gnss }, &settings)
         .unwrap_err()
         .to_string();
     assert!(
@@ -412,7 +410,13 @@ fn ublox_drives_from_any_start() {
                 return;
             };
             let output = std::env::temp_dir().join(format!("undrift-alignment-{name}-{cut}.csv"));
-            let report = navigate(&drive, BiasModel::Arma, Some(&output), false).unwrap();
+            let csv = SolutionFormat::Csv;
+            let file = SolutionFile::create(&output, csv, &SolutionOptions::default());
+            let wanted = Wanted {
+                files: vec![file.unwrap()],
+                ..Wanted::default()
+            };
+            let report = navigate(&drive, BiasModel::Arma, wanted).unwrap();
             let reference = drive.imu.0.with_file_name("reference_attitude.csv.gz");
             let heading = heading_error(&output, &reference, usable);
             std::fs::remove_file(&output).unwrap();
@@ -442,7 +446,7 @@ fn rtk_drive_mounting_and_starts_in_motion() {
         let Some(drive) = example("rtk-drive.toml", "rtk-drive", cut, &[auto]) else {
             return;
         };
-        let report = navigate(&drive, BiasModel::Arma, None, false).unwrap();
+        let report = navigate(&drive, BiasModel::Arma, Wanted::default()).unwrap();
         let found = report.mounting.unwrap();
         let error = (found.q_vb * truth.inverse()).scaled_axis();
         println!(
@@ -466,7 +470,7 @@ fn uav_flight_started_in_the_air() {
         let Some(drive) = example("uav-flight.toml", "uav-flight", cut, &[]) else {
             return;
         };
-        let report = navigate(&drive, BiasModel::Arma, None, false).unwrap();
+        let report = navigate(&drive, BiasModel::Arma, Wanted::default()).unwrap();
         let (errors, _) = report.rmse.unwrap();
         println!("{cut}: {errors:?}, {:?}", report.summary.alignment);
         let source = report.summary.alignment.map(|alignment| alignment.source);

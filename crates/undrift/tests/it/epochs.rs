@@ -2,9 +2,10 @@
 
 use undrift::{
     align::AlignSettings,
-    nav::{Vector3, filter::Filter, sample::GnssFix, shaping::ShapingFilter},
+    estimator::Estimator,
+    nav::{Vector3, sample::GnssFix, shaping::ShapingFilter},
     reference::Errors,
-    replay::{GnssUse, Measurement, Observer, ReplayError, Settings, Summary, replay},
+    replay::{GnssUse, Measurement, Observer, Settings, Summary, replay},
     simulate::{GnssNoise, Simulation, Trajectory, simulate},
 };
 
@@ -17,11 +18,7 @@ struct Innovations {
 }
 
 impl Observer for Innovations {
-    fn sample<const N: usize>(&mut self, _: &Filter<N>) -> Result<(), ReplayError> {
-        Ok(())
-    }
-
-    fn fix<const N: usize>(&mut self, filter: &Filter<N>, fix: &GnssFix, _: bool) {
+    fn fix(&mut self, filter: &dyn Estimator, fix: &GnssFix, _: bool) {
         let e = Errors::against_fix(filter, fix, &self.lever).0;
         self.position = self.position.max(e[3]);
         self.velocity = self.velocity.max(e[4].abs().max(e[5].abs()));
@@ -72,14 +69,14 @@ fn run(simulation: &Simulation, lever_arm: Vector3, gnss_use: GnssUse) -> (Innov
         lever: lever_arm,
         ..Innovations::default()
     };
-    let imu = simulation.imu.iter().copied().map(Ok);
-    let gnss = simulation
+    let mut imu = simulation.imu.iter().copied().map(Ok);
+    let mut gnss = simulation
         .gnss
         .iter()
         .copied()
         .map(Measurement::Gnss)
         .map(Ok);
-    let summary = replay(imu, gnss, &settings, &mut seen).unwrap();
+    let summary = replay(&mut imu, &mut gnss, &settings, &mut seen).unwrap();
     (seen, summary)
 }
 

@@ -12,10 +12,10 @@ mod sensors;
 use std::path::{Path, PathBuf};
 use undrift::{
     drive::Drive,
+    estimator::Estimator,
     io::ReadError,
     nav::{
         Vector3,
-        filter::Filter,
         mechanisation::NavState,
         sample::{GnssFix, ImuSample, Position},
     },
@@ -58,12 +58,10 @@ fn rtk_drive() -> Option<Log> {
 struct Track(Vec<NavState>);
 
 impl Observer for Track {
-    fn sample<const N: usize>(&mut self, filter: &Filter<N>) -> Result<(), ReplayError> {
+    fn sample(&mut self, filter: &dyn Estimator) -> Result<(), ReplayError> {
         self.0.push(*filter.nav());
         Ok(())
     }
-
-    fn fix<const N: usize>(&mut self, _: &Filter<N>, _: &GnssFix, _: bool) {}
 }
 
 fn navigate(log: &Log, gnss: &[GnssFix]) -> (Vec<NavState>, Summary) {
@@ -72,9 +70,9 @@ fn navigate(log: &Log, gnss: &[GnssFix]) -> (Vec<NavState>, Summary) {
 
 fn navigate_with(log: &Log, gnss: &[GnssFix], settings: &Settings) -> (Vec<NavState>, Summary) {
     let mut track = Track::default();
-    let imu = log.imu.iter().copied().map(Ok);
-    let aiding = gnss.iter().copied().map(Measurement::Gnss).map(Ok);
-    let summary = replay(imu, aiding, settings, &mut track).unwrap();
+    let mut imu = log.imu.iter().copied().map(Ok);
+    let mut aiding = gnss.iter().copied().map(Measurement::Gnss).map(Ok);
+    let summary = replay(&mut imu, &mut aiding, settings, &mut track).unwrap();
     (track.0, summary)
 }
 
@@ -107,7 +105,13 @@ fn drift_from(
         outages: cuts,
         ..settings.clone()
     };
-    let results = outages::run(&log.imu, &shown, &[], &[("arma".into(), settings)]);
+    let results = outages::run(
+        &log.imu,
+        &Measurement::of_fixes(&shown),
+        &[],
+        &[("arma".into(), settings)],
+        &|_| {},
+    );
     results[0].1.as_ref().unwrap().errors.rms.0[HORIZONTAL]
 }
 

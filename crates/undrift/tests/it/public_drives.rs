@@ -6,10 +6,11 @@ use undrift::{
     drive::Drive,
     io::ReadError,
     mounting,
-    navigate::{navigate, settings},
+    navigate::{Wanted, navigate, settings},
     noise::BiasModel,
     outages::{self, ModelErrors, Schedule},
     reference::HORIZONTAL,
+    replay::Measurement,
 };
 
 fn root() -> PathBuf {
@@ -49,10 +50,16 @@ fn cut(drive: &Drive, models: &[BiasModel], plan: &Schedule, length: f64) -> Vec
             (kind.name().to_owned(), settings)
         })
         .collect();
-    outages::run(&imu.unwrap(), &gnss, &truth, &models)
-        .into_iter()
-        .map(|(_, run)| run.unwrap().errors)
-        .collect()
+    outages::run(
+        &imu.unwrap(),
+        &Measurement::of_fixes(&gnss),
+        &truth,
+        &models,
+        &|_| {},
+    )
+    .into_iter()
+    .map(|(_, run)| run.unwrap().errors)
+    .collect()
 }
 
 /// Outages as in docs/results.md: 15 of 10 s from 60 s, every 24 s.
@@ -109,7 +116,7 @@ fn navego_whole_run() {
     let Some(drive) = example("navego-adis16405.toml", &data("navego-adis16405")) else {
         return;
     };
-    let report = navigate(&drive, BiasModel::Arma, None, false).unwrap();
+    let report = navigate(&drive, BiasModel::Arma, Wanted::default()).unwrap();
     let (errors, _) = report.rmse.unwrap();
     println!("{errors:?}");
     assert!(errors.0[9] < 1.5, "yaw {} deg", errors.0[9]);
@@ -150,7 +157,7 @@ fn uav_flight_aligns_and_stays_with_the_aircrafts_own_filter() {
     let Some(drive) = example("uav-flight.toml", &data("uav-flight")) else {
         return;
     };
-    let report = navigate(&drive, BiasModel::Arma, None, false).unwrap();
+    let report = navigate(&drive, BiasModel::Arma, Wanted::default()).unwrap();
     let (errors, _) = report.rmse.unwrap();
     println!("{errors:?}");
     // The reference is a filter of its own on the same sensors, its attitude a sample late: at
@@ -173,7 +180,7 @@ fn ublox_drives_align_without_being_told_the_mounting() {
         let Some(drive) = example("ublox-drives.toml", &folder) else {
             return;
         };
-        let report = navigate(&drive, BiasModel::Arma, None, false).unwrap();
+        let report = navigate(&drive, BiasModel::Arma, Wanted::default()).unwrap();
         let (errors, _) = report.rmse.unwrap();
         println!(
             "{drive_name}: {:.2} m, {:?}",
@@ -224,7 +231,7 @@ fn simulated_half_hour_without_noise() {
     let Some(drive) = example("drive30-noise-free.toml", &drive30("noise-free")) else {
         return;
     };
-    let report = navigate(&drive, BiasModel::GaussMarkov, None, false).unwrap();
+    let report = navigate(&drive, BiasModel::GaussMarkov, Wanted::default()).unwrap();
     let (errors, _) = report.rmse.unwrap();
     println!("{errors:?}");
     assert!(errors.0[..3].iter().all(|e| *e < 1e-3), "{errors:?}");

@@ -1,7 +1,8 @@
 //! What alignment takes for rest.
 
 use undrift::{
-    nav::{attitude::to_rpy, filter::Filter, sample::GnssFix},
+    estimator::Estimator,
+    nav::attitude::to_rpy,
     noise::{BiasModel, ImuModel},
     replay::{Measurement, Observer, ReplayError, Settings, replay},
     simulate::{GnssNoise, Trajectory, simulate},
@@ -11,12 +12,11 @@ use undrift::{
 struct First(Option<(f64, undrift::nav::Vector3)>);
 
 impl Observer for First {
-    fn sample<const N: usize>(&mut self, filter: &Filter<N>) -> Result<(), ReplayError> {
+    fn sample(&mut self, filter: &dyn Estimator) -> Result<(), ReplayError> {
         let nav = filter.nav();
         self.0.get_or_insert((nav.time, to_rpy(&nav.q_nb)));
         Ok(())
     }
-    fn fix<const N: usize>(&mut self, _: &Filter<N>, _: &GnssFix, _: bool) {}
 }
 
 #[test]
@@ -37,10 +37,9 @@ fn a_steady_pull_away_is_not_rest() {
         let car = Trajectory::car(150.0, seed);
         let log = simulate(&car, rate_hz, None, &exact, seed).unwrap();
         let mut first = First(None);
-        let samples = log.imu.iter().copied().map(Ok);
         replay(
-            samples,
-            log.gnss.iter().copied().map(Measurement::Gnss).map(Ok),
+            &mut log.imu.iter().copied().map(Ok),
+            &mut log.gnss.iter().copied().map(Measurement::Gnss).map(Ok),
             &settings,
             &mut first,
         )

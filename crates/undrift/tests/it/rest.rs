@@ -6,14 +6,14 @@ use std::path::Path;
 use undrift::{
     align::Heading,
     drive::Drive,
+    estimator::Estimator,
     nav::{
-        filter::Filter,
         sample::{GnssFix, ImuSample},
         shaping::ShapingFilter,
     },
     navigate::settings,
     noise::BiasModel,
-    replay::{Measurement, Observer, Outage, ReplayError, Settings, replay},
+    replay::{Measurement, Observer, Outage, Settings, replay},
     simulate::{GnssNoise, Trajectory, simulate},
     vehicle::Profile,
 };
@@ -56,12 +56,7 @@ struct Watch<'a> {
 }
 
 impl Observer for Watch<'_> {
-    fn sample<const N: usize>(&mut self, _: &Filter<N>) -> Result<(), ReplayError> {
-        Ok(())
-    }
-    fn fix<const N: usize>(&mut self, _: &Filter<N>, _: &GnssFix, _: bool) {}
-
-    fn judged<const N: usize>(&mut self, filter: &Filter<N>, rest: bool) {
+    fn judged(&mut self, filter: &dyn Estimator, rest: bool) {
         let end = filter.nav().time;
         // Known only from fixes that are not far apart, from before the block to after it.
         while self.at + 1 < self.speeds.len() && self.speeds[self.at + 1].0 <= end - 0.5 {
@@ -125,8 +120,8 @@ fn judge(name: &str, imu: &[ImuSample], gnss: &[GnssFix], settings: &Settings) -
             at: 0,
             seen: Verdicts::default(),
         };
-        let fixes = gnss.iter().copied().map(Measurement::Gnss).map(Ok);
-        replay(imu.iter().copied().map(Ok), fixes, &settings, &mut watch).unwrap();
+        let mut fixes = gnss.iter().copied().map(Measurement::Gnss).map(Ok);
+        replay(&mut imu.iter().copied().map(Ok), &mut fixes, &settings, &mut watch).unwrap();
         for (what, counts) in [("GNSS", &watch.seen.gnss), ("cut", &watch.seen.cut)] {
             if counts.moving + counts.standing > 0 {
                 println!(

@@ -3,7 +3,8 @@
 
 use undrift::{
     align::AlignSettings,
-    nav::{Vector3, attitude::to_rpy, filter::Filter, sample::GnssFix, shaping::ShapingFilter},
+    estimator::Estimator,
+    nav::{Vector3, attitude::to_rpy, shaping::ShapingFilter},
     replay::{Measurement, Observer, Outage, ReplayError, Settings, replay},
     simulate::{GnssNoise, Simulation, Trajectory, simulate},
 };
@@ -15,7 +16,7 @@ const RATE: f64 = 100.0;
 struct Record(Vec<([f64; 9], [f64; 9])>);
 
 impl Observer for Record {
-    fn sample<const N: usize>(&mut self, filter: &Filter<N>) -> Result<(), ReplayError> {
+    fn sample(&mut self, filter: &dyn Estimator) -> Result<(), ReplayError> {
         let nav = filter.nav();
         let origin = undrift::simulate::Trajectory::rest(1.0).start;
         let (r, rpy) = (origin.offset_to(&nav.position), to_rpy(&nav.q_nb));
@@ -26,8 +27,6 @@ impl Observer for Record {
         ));
         Ok(())
     }
-
-    fn fix<const N: usize>(&mut self, _: &Filter<N>, _: &GnssFix, _: bool) {}
 }
 
 /// Innovations form and decomposition of the same ARMA(1,1). docs/theory.md: driving variance S σ², white
@@ -59,8 +58,8 @@ fn navigate(simulation: &Simulation, gyro: ShapingFilter, accel: ShapingFilter) 
     };
     let mut record = Record::default();
     replay(
-        simulation.imu.iter().copied().map(Ok),
-        simulation
+        &mut simulation.imu.iter().copied().map(Ok),
+        &mut simulation
             .gnss
             .iter()
             .copied()

@@ -44,8 +44,8 @@ fn settings(nodes: f64) -> Settings {
 fn smoothed(simulation: &Simulation, settings: &Settings) -> Smoothed {
     let mut nodes = History::new().unwrap();
     replay(
-        simulation.imu.iter().copied().map(Ok),
-        simulation
+        &mut simulation.imu.iter().copied().map(Ok),
+        &mut simulation
             .gnss
             .iter()
             .copied()

@@ -9,7 +9,7 @@ use undrift::{
         sample::{GnssFix, Scalar},
         shaping::ShapingFilter,
     },
-    outages::{ModelRun, run_aided},
+    outages::{self, ModelRun},
     reference::HORIZONTAL,
     replay::{Innovations, Measurement, Outage, Settings, merge},
     simulate::{Barometer, GnssNoise, Odometer, Simulation, Trajectory, simulate},
@@ -96,7 +96,13 @@ fn run(drive: &Drive, starts: &[f64], odometer: bool, barometer: bool) -> ModelR
     )
     .collect();
     let models = [("test".to_owned(), settings)];
-    let runs = run_aided(&drive.log.imu, &aiding.unwrap(), &drive.log.truth, &models);
+    let runs = outages::run(
+        &drive.log.imu,
+        &aiding.unwrap(),
+        &drive.log.truth,
+        &models,
+        &|_| {},
+    );
     runs.into_iter().next().unwrap().1.unwrap()
 }
 

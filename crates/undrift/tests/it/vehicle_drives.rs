@@ -10,6 +10,7 @@ use undrift::{
     noise::BiasModel,
     outages::{self, ModelErrors, Schedule},
     reference::HORIZONTAL,
+    replay::Measurement,
 };
 
 fn root() -> PathBuf {
@@ -41,7 +42,13 @@ fn cut(drive: &Drive, start: f64, length: f64, every: f64, nodes: Option<f64>) -
     let mut settings = settings(drive, BiasModel::Arma).unwrap();
     settings.outages = outages::schedule(&plan, length, first, last - 30.0).unwrap();
     settings.nodes = nodes;
-    let run = outages::run(&imu.unwrap(), &gnss, &[], &[("arma".to_owned(), settings)]);
+    let run = outages::run(
+        &imu.unwrap(),
+        &Measurement::of_fixes(&gnss),
+        &[],
+        &[("arma".to_owned(), settings)],
+        &|_| {},
+    );
     run.into_iter().next().unwrap().1.unwrap().errors
 }
 

@@ -14,7 +14,7 @@ use undrift::{
     outages::{self, Schedule},
     record::{self, Record, RecordFormat},
     reference::{HORIZONTAL, rms},
-    replay::Settings,
+    replay::{Measurement, Settings},
     simulate::{GnssNoise, RecordedErrors, Trajectory, simulate},
 };
 
@@ -184,10 +184,9 @@ fn ride(
                     Ok(((*name).to_owned(), settings))
                 })
                 .collect::<Result<_, Failure>>()?;
-            for (row, (_, result)) in outages::run(&imu, &simulation.gnss, &simulation.truth, &runs)
-                .into_iter()
-                .enumerate()
-            {
+            let fixes = Measurement::of_fixes(&simulation.gnss);
+            let outcomes = outages::run(&imu, &fixes, &simulation.truth, &runs, &|_| {});
+            for (row, (_, result)) in outcomes.into_iter().enumerate() {
                 sums[row][column].extend(result?.errors.per_outage.iter().map(|o| o.max));
             }
         }

@@ -1,0 +1,424 @@
+//! A filter of any size behind one set of calls, so that what drives it is compiled once.
+//!
+//! [`build`] picks the smallest size that holds the models' states. Replays, observers and Python use
+//! [`Estimator`] only; nothing but this file knows the sizes.
+
+use nalgebra::{DMatrix, DMatrixView, DVector, SMatrix, SVector};
+use undrift_nav::{
+    Matrix3, Vector3,
+    aiding::Observation,
+    covariance::{AXES, NAV, Sensors},
+    earth::Geodetic,
+    filter::{Filter, FilterError, Gate, InitialStd, Update},
+    mechanisation::NavState,
+    parameters::{Parameter, Parameters},
+    sample::{ImuSample, Position},
+    shaping::ShapingFilter,
+    tape::Tape,
+};
+
+/// Stamps closer than this \[s\] are the same instant.
+pub const STAMP_ROUNDING: f64 = 1e-6;
+
+/// A measurement that a filter is updated with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Aiding {
+    /// GNSS position.
+    Position {
+        /// As measured.
+        position: Position,
+        /// IMU → antenna, body axes \[m\].
+        lever_arm: Vector3,
+        /// When it holds \[s\]: the filter stands there or after it.
+        due: f64,
+    },
+    /// GNSS velocity.
+    Velocity {
+        /// North-east-down \[m/s\].
+        v_n: Vector3,
+        /// IMU → antenna, body axes \[m\].
+        lever_arm: Vector3,
+        /// When it holds \[s\]: the filter stands there or after it.
+        due: f64,
+    },
+    /// Heading by the course over ground \[rad\].
+    Course(f64),
+    /// The vehicle stands.
+    ZeroVelocity,
+    /// The body turns with the Earth: angular rate as read \[rad/s\].
+    EarthRate(Vector3),
+    /// The body stands: specific force as read \[m/s²\].
+    Level(Vector3),
+    /// No velocity across the vehicle at this point, IMU → axle, body axes \[m\].
+    NonHolonomic(Vector3),
+    /// Speed of a wheel.
+    Odometer {
+        /// Forward positive \[m/s\].
+        speed: f64,
+        /// IMU → wheel, body axes \[m\].
+        lever_arm: Vector3,
+    },
+    /// Height by a barometer \[m\].
+    Barometer(f64),
+}
+
+/// What a smoother needs of a span of filtering ([`undrift_nav::tape`]).
+pub struct Adjoint {
+    /// T, from an error at the start of the span to what is left of it at the end.
+    pub transition: DMatrix<f64>,
+    /// The part of λ that the span's measurements bring.
+    pub gradient: DVector<f64>,
+    /// The part of Λ that the span's measurements bring; symmetric.
+    pub information: DMatrix<f64>,
+}
+
+/// An error-state filter; its methods are those of [`Filter`] where nothing else is said.
+pub trait Estimator: Send + Sync {
+    /// Position, velocity and attitude of the IMU.
+    fn nav(&self) -> &NavState;
+    /// Size of the error state in use.
+    fn states(&self) -> usize;
+    /// Covariance of the error state; rows beyond [`Estimator::states`] are zero.
+    fn covariance(&self) -> DMatrixView<'_, f64>;
+    /// Estimated sensor states and parameters at their place in the error state.
+    fn estimates(&self) -> &[f64];
+    /// The sensors' shaping filters and their places in the error state.
+    fn sensors(&self) -> &Sensors;
+    /// The parameters that are estimated.
+    fn parameters(&self) -> &Parameters;
+    /// Estimate of a parameter and its standard deviations.
+    fn parameter(&self, kind: Parameter) -> Option<([f64; 6], [f64; 6])>;
+    /// Standard deviations of position \[m\], velocity \[m/s\] and misalignment \[rad\].
+    fn nav_std(&self) -> [f64; NAV];
+    /// Estimated sensor errors \[rad/s, m/s²\].
+    fn sensor_error(&self) -> [f64; AXES];
+    /// Their standard deviations \[rad/s, m/s²\].
+    fn sensor_error_std(&self) -> [f64; AXES];
+    /// Angular rate of the body against the navigation frame \[rad/s\].
+    fn omega_nb_b(&self) -> Vector3;
+    /// Antenna position.
+    fn antenna_position(&self, lever_b: &Vector3) -> Geodetic;
+    /// Antenna velocity, north-east-down \[m/s\].
+    fn antenna_velocity(&self, lever_b: &Vector3) -> Vector3;
+    /// Velocity of a point of the body, vehicle axes \[m/s\].
+    fn vehicle_velocity(&self, lever_b: &Vector3) -> Vector3;
+    /// Whether the solution is still one.
+    ///
+    /// # Errors
+    /// [`FilterError::Diverged`] if it is not.
+    fn check(&self) -> Result<(), FilterError>;
+
+    /// Takes up a sample without moving yet.
+    fn begin(&mut self, sample: &ImuSample);
+    /// Moves to `time` \[s\] within the sample taken up, to its end without one.
+    fn advance(&mut self, time: Option<f64>);
+    /// Adds uncertainty for `duration` \[s\] without samples, one sigma of turn rate and acceleration.
+    fn grow(&mut self, duration: f64, rate: f64, accel: f64);
+    /// Adds uncertainty to position \[m\], velocity \[m/s\] and tilt \[rad\], one sigma.
+    fn doubt(&mut self, position: f64, velocity: f64, tilt: f64);
+    /// Innovation of a measurement, predicted less measured, zeros behind its components; `None`
+    /// where it says nothing: a course of a vehicle that points up or down.
+    fn innovation(&self, aiding: &Aiding) -> Option<Vector3>;
+    /// Updates with a measurement whose covariance is the leading block of `noise`, past a gate;
+    /// `None` where it says nothing.
+    ///
+    /// # Errors
+    /// A covariance of the innovation that is not positive; the filter is then as it was.
+    fn update(
+        &mut self,
+        aiding: &Aiding,
+        noise: &Matrix3,
+        gate: &Gate,
+    ) -> Result<Option<Update>, FilterError>;
+    /// Updates with what a window of motion says: `rows` times the errors of velocity, attitude about
+    /// body axes, gyro and accelerometer bias is noise of unit covariance.
+    ///
+    /// # Errors
+    /// As [`Estimator::update`].
+    fn update_window(&mut self, rows: &SMatrix<f64, 12, 12>) -> Result<(), FilterError>;
+    /// Takes an estimated error out; states that `error` does not reach are taken as right.
+    fn take_out(&mut self, error: &[f64]);
+    /// Puts the navigation state elsewhere.
+    fn set_nav(&mut self, nav: NavState);
+    /// Sets the estimated sensor errors \[rad/s, m/s²\].
+    fn set_sensor_error(&mut self, error: &[f64; AXES]);
+    /// Sets the covariance of position and velocity \[m², (m/s)²\].
+    fn set_position_velocity_covariance(&mut self, position: &Matrix3, velocity: &Matrix3);
+
+    /// From now on what happens is recorded for [`Estimator::adjoint`].
+    fn record(&mut self);
+    /// What happened since [`Estimator::record`], if it was called.
+    fn adjoint(&self) -> Option<Adjoint>;
+    /// A copy, which records nothing.
+    fn boxed(&self) -> Box<dyn Estimator>;
+}
+
+/// A filter of the smallest size that holds the states of `sensors` and `parameters`, as
+/// [`Filter::new`].
+///
+/// # Errors
+/// As [`Filter::new`].
+pub fn build(
+    nav: NavState,
+    std: &InitialStd,
+    sensors: &[ShapingFilter; AXES],
+    parameters: Parameters,
+) -> Result<Box<dyn Estimator>, FilterError> {
+    let behind: usize = sensors.iter().map(|axis| axis.order).sum();
+    let build = match NAV + behind + parameters.states() {
+        ..=9 => sized::<9>,
+        10..=15 => sized::<15>,
+        16..=21 => sized::<21>,
+        22..=27 => sized::<27>,
+        28..=33 => sized::<33>,
+        34..=45 => sized::<45>,
+        _ => sized::<73>,
+    };
+    build(nav, std, sensors, parameters)
+}
+
+fn sized<const N: usize>(
+    nav: NavState,
+    std: &InitialStd,
+    sensors: &[ShapingFilter; AXES],
+    parameters: Parameters,
+) -> Result<Box<dyn Estimator>, FilterError> {
+    let filter = Filter::<N>::new(nav, std, *sensors, parameters)?;
+    Ok(Box::new(Sized { filter, tape: None }))
+}
+
+struct Sized<const N: usize> {
+    filter: Filter<N>,
+    /// Since the last call of `record`.
+    tape: Option<Box<Tape<N>>>,
+}
+
+/// A measurement as the filter takes it, by the number of its components.
+enum Observed<const N: usize> {
+    One(Observation<1, N>),
+    Two(Observation<2, N>),
+    Three(Observation<3, N>),
+}
+
+impl<const N: usize> Sized<N> {
+    fn observe(&self, aiding: &Aiding) -> Option<Observed<N>> {
+        let filter = &self.filter;
+        Some(match aiding {
+            Aiding::Position {
+                position,
+                lever_arm,
+                due,
+            } => {
+                let mut observed = filter.observe_position(position, lever_arm);
+                let late = filter.nav().time - due;
+                if late > STAMP_ROUNDING {
+                    let c_mn = observed.h.fixed_view::<3, 3>(0, 0);
+                    let moved = filter.antenna_velocity(lever_arm) * late
+                        - filter.acceleration() * (0.5 * late * late);
+                    observed.innovation -= c_mn * moved;
+                }
+                Observed::Three(observed)
+            }
+            Aiding::Velocity {
+                v_n,
+                lever_arm,
+                due,
+            } => {
+                let mut observed = filter.observe_velocity(v_n, lever_arm);
+                let late = filter.nav().time - due;
+                if late > STAMP_ROUNDING {
+                    observed.innovation -= filter.acceleration() * late;
+                }
+                Observed::Three(observed)
+            }
+            Aiding::Course(course) => Observed::One(filter.observe_course(*course)?),
+            Aiding::ZeroVelocity => Observed::Three(filter.observe_zero_velocity()),
+            Aiding::EarthRate(rate) => Observed::Three(filter.observe_earth_rate(rate)),
+            Aiding::Level(force) => Observed::Two(filter.observe_level(force)),
+            Aiding::NonHolonomic(axle) => Observed::Two(filter.observe_non_holonomic(axle)),
+            Aiding::Odometer { speed, lever_arm } => {
+                Observed::One(filter.observe_odometer(*speed, lever_arm))
+            }
+            Aiding::Barometer(height) => Observed::One(filter.observe_barometer(*height)),
+        })
+    }
+
+    fn take_in<const M: usize>(
+        &mut self,
+        observed: &Observation<M, N>,
+        noise: &Matrix3,
+        gate: &Gate,
+    ) -> Result<Option<Update>, FilterError> {
+        let r = noise.fixed_view::<M, M>(0, 0).into_owned();
+        let tape = self.tape.as_deref_mut();
+        self.filter
+            .update_recorded(observed, &r, gate, tape)
+            .map(Some)
+    }
+}
+
+impl<const N: usize> Estimator for Sized<N> {
+    fn nav(&self) -> &NavState {
+        self.filter.nav()
+    }
+
+    fn states(&self) -> usize {
+        self.filter.states()
+    }
+
+    fn covariance(&self) -> DMatrixView<'_, f64> {
+        DMatrixView::from_slice(self.filter.covariance().as_slice(), N, N)
+    }
+
+    fn estimates(&self) -> &[f64] {
+        self.filter.estimates()
+    }
+
+    fn sensors(&self) -> &Sensors {
+        self.filter.sensors()
+    }
+
+    fn parameters(&self) -> &Parameters {
+        self.filter.parameters()
+    }
+
+    fn parameter(&self, kind: Parameter) -> Option<([f64; 6], [f64; 6])> {
+        self.filter.parameter(kind)
+    }
+
+    fn nav_std(&self) -> [f64; NAV] {
+        self.filter.nav_std()
+    }
+
+    fn sensor_error(&self) -> [f64; AXES] {
+        self.filter.sensor_error()
+    }
+
+    fn sensor_error_std(&self) -> [f64; AXES] {
+        self.filter.sensor_error_std()
+    }
+
+    fn omega_nb_b(&self) -> Vector3 {
+        self.filter.omega_nb_b()
+    }
+
+    fn antenna_position(&self, lever_b: &Vector3) -> Geodetic {
+        self.filter.antenna_position(lever_b)
+    }
+
+    fn antenna_velocity(&self, lever_b: &Vector3) -> Vector3 {
+        self.filter.antenna_velocity(lever_b)
+    }
+
+    fn vehicle_velocity(&self, lever_b: &Vector3) -> Vector3 {
+        self.filter.vehicle_velocity(lever_b)
+    }
+
+    fn check(&self) -> Result<(), FilterError> {
+        self.filter.check()
+    }
+
+    fn begin(&mut self, sample: &ImuSample) {
+        self.filter.begin(sample);
+    }
+
+    fn advance(&mut self, time: Option<f64>) {
+        let tape = self.tape.as_deref_mut();
+        match time {
+            Some(time) => self.filter.advance_to_recorded(time, STAMP_ROUNDING, tape),
+            None => self.filter.advance_recorded(1.0, tape),
+        }
+    }
+
+    fn grow(&mut self, duration: f64, rate: f64, accel: f64) {
+        self.filter.grow(duration, rate, accel);
+    }
+
+    fn doubt(&mut self, position: f64, velocity: f64, tilt: f64) {
+        self.filter.doubt(position, velocity, tilt);
+    }
+
+    fn innovation(&self, aiding: &Aiding) -> Option<Vector3> {
+        Some(match self.observe(aiding)? {
+            Observed::One(observed) => Vector3::new(observed.innovation[0], 0.0, 0.0),
+            Observed::Two(observed) => observed.innovation.push(0.0),
+            Observed::Three(observed) => observed.innovation,
+        })
+    }
+
+    fn update(
+        &mut self,
+        aiding: &Aiding,
+        noise: &Matrix3,
+        gate: &Gate,
+    ) -> Result<Option<Update>, FilterError> {
+        match self.observe(aiding) {
+            None => Ok(None),
+            Some(Observed::One(observed)) => self.take_in(&observed, noise, gate),
+            Some(Observed::Two(observed)) => self.take_in(&observed, noise, gate),
+            Some(Observed::Three(observed)) => self.take_in(&observed, noise, gate),
+        }
+    }
+
+    fn update_window(&mut self, rows: &SMatrix<f64, 12, 12>) -> Result<(), FilterError> {
+        // From the filter's errors to those of the window.
+        let mut map = SMatrix::<f64, 12, N>::zeros();
+        let c_bn = self.nav().q_nb.to_rotation_matrix().transpose();
+        map.fixed_view_mut::<3, 3>(0, 3)
+            .copy_from(&-Matrix3::identity());
+        map.fixed_view_mut::<3, 3>(3, 6).copy_from(c_bn.matrix());
+        for axis in 0..AXES {
+            let (sensor, at) = (self.sensors().axis(axis), self.sensors().start(axis));
+            for i in 0..sensor.order {
+                map[(6 + axis, at + i)] = sensor.h[i];
+            }
+        }
+        let observed = Observation {
+            innovation: SVector::zeros(),
+            h: rows * map,
+            extra: SMatrix::zeros(),
+        };
+        self.filter
+            .update(&observed, &SMatrix::identity())
+            .map(drop)
+    }
+
+    fn take_out(&mut self, error: &[f64]) {
+        let error = |i: usize, _| error.get(i).copied().unwrap_or(0.0);
+        self.filter.take_out(&SVector::from_fn(error));
+    }
+
+    fn set_nav(&mut self, nav: NavState) {
+        self.filter.set_nav(nav);
+    }
+
+    fn set_sensor_error(&mut self, error: &[f64; AXES]) {
+        self.filter.set_sensor_error(error);
+    }
+
+    fn set_position_velocity_covariance(&mut self, position: &Matrix3, velocity: &Matrix3) {
+        self.filter
+            .set_position_velocity_covariance(position, velocity);
+    }
+
+    fn record(&mut self) {
+        self.tape = Some(Box::default());
+    }
+
+    fn adjoint(&self) -> Option<Adjoint> {
+        let tape = self.tape.as_deref()?;
+        let dynamic = |m: &SMatrix<f64, N, N>| DMatrix::from_column_slice(N, N, m.as_slice());
+        Some(Adjoint {
+            transition: dynamic(&tape.transition()),
+            gradient: DVector::from_column_slice(tape.gradient.as_slice()),
+            information: dynamic(&tape.information),
+        })
+    }
+
+    fn boxed(&self) -> Box<dyn Estimator> {
+        Box::new(Self {
+            filter: self.filter.clone(),
+            tape: None,
+        })
+    }
+}

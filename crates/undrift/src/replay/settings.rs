@@ -1,0 +1,87 @@
+//! How a log is navigated.
+
+use super::quality::QualityStd;
+use crate::{align::AlignSettings, estimator::STAMP_ROUNDING, vehicle::Constraints};
+use undrift_nav::{Vector3, covariance::AXES, parameters::Parameters, shaping::ShapingFilter};
+
+/// Half-open span of time without GNSS: fixes after `start` up to and including `end` are withheld.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outage {
+    /// Last instant with GNSS [s], in the log's time base.
+    pub start: f64,
+    /// End [s].
+    pub end: f64,
+}
+
+impl Outage {
+    /// Whether `time` [s] lies in `(start, end]`. A microsecond of slack absorbs the rounding of stamps.
+    pub fn contains(&self, time: f64) -> bool {
+        time > self.start + STAMP_ROUNDING && time <= self.end + STAMP_ROUNDING
+    }
+}
+
+/// How a log is navigated.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Noise models of gyro x, y, z and accelerometer x, y, z at the log's sample interval.
+    pub sensors: [ShapingFilter; AXES],
+    /// IMU → antenna, body axes [m].
+    pub lever_arm: Vector3,
+    /// Which parts of a fix are used. Alignment takes the position in any case.
+    pub gnss_use: GnssUse,
+    /// How the first position, velocity and attitude are found.
+    pub align: AlignSettings,
+    /// Spans without GNSS, in order.
+    pub outages: Vec<Outage>,
+    /// Constants that are estimated beside the sensors' errors.
+    pub parameters: Parameters,
+    /// What is known of the vehicle.
+    pub constraints: Constraints,
+    /// Whether fixes pass a gate, and a solution that is none any more begins anew.
+    pub gating: bool,
+    /// Whether a solution that does not agree with the fixes begins anew, too.
+    pub restart: bool,
+    /// Whether the stated standard deviations of the fixes are corrected by the innovations.
+    pub adapt: bool,
+    /// How the kind of solution bears on the standard deviation of a position.
+    pub quality: QualityStd,
+    /// Longest span between two nodes that a smoother is told of [s]; without it, none.
+    pub nodes: Option<f64>,
+    /// What the first attitude, sensor states and parameters after alignment are off by, as a smoother
+    /// has found in a run before: taken out before navigation begins.
+    pub start: Option<Vec<f64>>,
+}
+
+impl Settings {
+    /// For sensors of these models: antenna at the IMU, alignment by itself, no outages, no
+    /// parameters, no vehicle, fixes gated.
+    pub fn new(sensors: [ShapingFilter; AXES]) -> Self {
+        Self {
+            sensors,
+            lever_arm: Vector3::zeros(),
+            gnss_use: GnssUse::Both,
+            align: AlignSettings::default(),
+            outages: Vec::new(),
+            parameters: Parameters::none(),
+            constraints: Constraints::default(),
+            gating: true,
+            restart: true,
+            adapt: false,
+            quality: QualityStd::AsStated,
+            nodes: None,
+            start: None,
+        }
+    }
+}
+
+/// Which parts of a fix are used.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum GnssUse {
+    /// Position and velocity, whichever it has.
+    #[default]
+    Both,
+    /// Position only.
+    Position,
+    /// Velocity only, once aligned.
+    Velocity,
+}

@@ -1,0 +1,118 @@
+//! The navigation state: a filter, and how far it has come within the present sample.
+
+use super::{
+    bridge::Bridge,
+    observer::{Observer, ReplayError},
+    summary::Summary,
+};
+use crate::estimator::{Estimator, STAMP_ROUNDING};
+use undrift_nav::{parameters::Parameter, sample::ImuSample};
+
+/// A gap longer than this many sample intervals is not one late sample …
+const GAP_INTERVALS: f64 = 1.5;
+/// What a vehicle may do unseen in a long gap: acceleration [m/s²] and turn rate [rad/s], one sigma.
+const GAP_ACCEL: f64 = 2.0;
+const GAP_RATE: f64 = 0.2;
+
+pub(super) struct Solution {
+    pub(super) filter: Box<dyn Estimator>,
+    /// While a gap is being bridged.
+    bridge: Option<Bridge>,
+    /// Time of the last node of a smoother \[s\].
+    last_node: f64,
+}
+
+impl Solution {
+    pub(super) fn new(filter: Box<dyn Estimator>) -> Self {
+        Self {
+            filter,
+            bridge: None,
+            last_node: f64::NEG_INFINITY,
+        }
+    }
+
+    /// By how much fixes hold later than their stamps, as estimated \[s\].
+    pub(super) fn fix_offset(&self) -> f64 {
+        let offset = self.filter.parameter(Parameter::TimeOffset);
+        offset.map_or(0.0, |(value, _)| value[0])
+    }
+
+    /// Takes up a sample, bridged where samples are missing before it; `interval` is the usual one \[s\].
+    pub(super) fn begin(
+        &mut self,
+        sample: &ImuSample,
+        previous: Option<&ImuSample>,
+        interval: f64,
+        summary: &mut Summary,
+    ) {
+        if sample.dt <= GAP_INTERVALS * interval {
+            self.filter.begin(sample);
+            return;
+        }
+        let mut bridge = Bridge::new(sample, previous.filter(|p| p.dt > 0.0), interval);
+        match bridge.unknown_since {
+            Some(start) => summary.long_gap(start, sample.dt),
+            None => summary.bridged += 1,
+        }
+        if let Some(first) = bridge.next() {
+            self.filter.begin(&first);
+        }
+        self.bridge = Some(bridge);
+    }
+
+    /// Moves the filter to `time` \[s\] within the present sample.
+    pub(super) fn advance_to(&mut self, time: f64) {
+        if let Some(bridge) = &mut self.bridge {
+            while bridge.reached() < time - STAMP_ROUNDING
+                && let Some(next) = bridge.next()
+            {
+                self.filter.advance(None);
+                self.filter.begin(&next);
+            }
+        }
+        self.filter.advance(Some(time));
+    }
+
+    /// Grows the covariance for the part of a long gap up to `time` \[s\] that it has not grown for.
+    pub(super) fn grow_to(&mut self, time: f64) {
+        if let Some(bridge) = &mut self.bridge
+            && let Some(since) = bridge.unknown_since
+        {
+            self.filter
+                .grow((time - since).max(0.0), GAP_RATE, GAP_ACCEL);
+            bridge.unknown_since = Some(time);
+        }
+    }
+
+    /// Whether the present sample ends a gap too long to say how the vehicle moved in it.
+    pub(super) fn in_long_gap(&self) -> bool {
+        let bridge = self.bridge.as_ref();
+        bridge.is_some_and(|bridge| bridge.unknown_since.is_some())
+    }
+
+    /// The present sample ends.
+    pub(super) fn end_sample(&mut self, time: f64) {
+        self.advance_to(time);
+        self.grow_to(time);
+        self.bridge = None;
+    }
+
+    /// Tells the observer of a node, if there is a smoother: `span` is the longest one between two \[s\].
+    pub(super) fn node(
+        &mut self,
+        span: Option<f64>,
+        observer: &mut dyn Observer,
+    ) -> Result<(), ReplayError> {
+        if span.is_some() {
+            observer.node(&*self.filter, self.filter.adjoint().as_ref())?;
+            self.filter.record();
+            self.last_node = self.filter.nav().time;
+        }
+        Ok(())
+    }
+
+    /// Whether a node is due at `time` \[s\].
+    pub(super) fn node_is_due(&self, span: Option<f64>, time: f64) -> bool {
+        span.is_some_and(|span| time - self.last_node >= span - STAMP_ROUNDING)
+    }
+}

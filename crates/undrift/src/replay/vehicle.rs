@@ -1,0 +1,190 @@
+//! Wheel speeds, heights, and what the vehicle cannot do.
+
+use super::{
+    measurement::Scalar,
+    observer::Observer,
+    rest::{Block, RestDetector},
+    settings::Settings,
+    solution::Solution,
+    summary::Summary,
+};
+use crate::{
+    estimator::{Aiding, Estimator},
+    vehicle::NonHolonomic,
+};
+use undrift_nav::{
+    Matrix3, Vector3,
+    filter::{Gate, Outcome, Update},
+    sample::{GnssFix, ImuSample},
+};
+
+/// Constraints are left out where they contradict the solution far beyond both.
+const CONSTRAINT_GATE: Gate = Gate {
+    weaken: 9.0,
+    reject: 100.0,
+};
+/// The speed of a fix holds for so long [s].
+const SPEED_HOLDS: f64 = 1.5;
+
+/// What is known of the vehicle's motion beside the solution.
+pub(super) struct Vehicle {
+    rest: RestDetector,
+    /// Time of the last fix, and the least and greatest speed over ground that it leaves possible.
+    last_speed: Option<(f64, (f64, f64))>,
+    last_constraint: f64,
+}
+
+/// Noise of one standard deviation.
+fn isotropic(std: f64) -> Matrix3 {
+    Matrix3::identity() * (std * std)
+}
+
+/// Updates with something that is known of the vehicle.
+fn constrain(filter: &mut dyn Estimator, aiding: &Aiding, noise: &Matrix3) -> Option<Update> {
+    filter.update(aiding, noise, &CONSTRAINT_GATE).ok()?
+}
+
+impl Vehicle {
+    pub(super) fn new(settings: &Settings) -> Self {
+        Self {
+            rest: RestDetector::new(&settings.sensors),
+            last_speed: None,
+            last_constraint: f64::NEG_INFINITY,
+        }
+    }
+
+    /// A wheel speed within the present sample.
+    pub(super) fn odometer(
+        solution: &mut Solution,
+        speed: &Scalar,
+        settings: &Settings,
+        summary: &mut Summary,
+    ) {
+        let aiding = Aiding::Odometer {
+            speed: speed.value,
+            lever_arm: settings.constraints.odometer_lever,
+        };
+        if let Some(update) = scalar(solution, speed, &aiding) {
+            summary.odometer.add(update);
+        }
+    }
+
+    /// A barometric height within the present sample.
+    pub(super) fn barometer(solution: &mut Solution, height: &Scalar, summary: &mut Summary) {
+        if let Some(update) = scalar(solution, height, &Aiding::Barometer(height.value)) {
+            summary.barometer.add(update);
+        }
+    }
+
+    /// A fix that was shown to the filter: its speed, and its course where that is the heading.
+    pub(super) fn fix(&mut self, filter: &mut dyn Estimator, fix: &GnssFix, settings: &Settings) {
+        let Some((v_n, covariance)) = &fix.velocity else {
+            return;
+        };
+        let error = covariance.fixed_view::<2, 2>(0, 0).trace().sqrt();
+        let speed = v_n.xy().norm();
+        self.last_speed = Some((fix.time, ((speed - error).max(0.0), speed + error)));
+        if let Some((std, min_speed)) = settings.constraints.course
+            && speed > min_speed
+        {
+            let noise = 0.5 * error * error / (speed * speed) + std * std;
+            let course = Aiding::Course(v_n.y.atan2(v_n.x));
+            let _ = constrain(filter, &course, &(Matrix3::identity() * noise));
+        }
+    }
+
+    /// What the vehicle cannot do, at the end of a sample; `last_fix` is the time of the last fix used \[s\].
+    pub(super) fn end_sample(
+        &mut self,
+        filter: &mut dyn Estimator,
+        sample: &ImuSample,
+        last_fix: Option<f64>,
+        settings: &Settings,
+        summary: &mut Summary,
+        observer: &mut dyn Observer,
+    ) {
+        let constraints = &settings.constraints;
+        if constraints.zero_velocity.is_some() || constraints.zero_angular_rate.is_some() {
+            let speed = self
+                .last_speed
+                .filter(|(time, _)| sample.time - time < SPEED_HOLDS && last_fix == Some(*time));
+            let block = self.rest.add(
+                sample,
+                &readings_at_rest(filter),
+                speed.map(|(_, speed)| speed),
+            );
+            if let Some(block) = block {
+                let rest = stand_still(filter, &block, settings, summary);
+                observer.judged(filter, rest);
+            }
+        }
+        if let Some(rule) = &constraints.non_holonomic
+            && sample.time - self.last_constraint >= rule.interval - 0.5 * sample.dt
+            && filter.vehicle_velocity(&rule.lever).x.abs() > rule.min_speed
+        {
+            self.last_constraint = sample.time;
+            if let Some(update) = stay_on_track(filter, rule) {
+                summary.non_holonomic.add(update);
+            }
+        }
+    }
+}
+
+/// Updates with a measurement of one number; not in a long gap, where the attitude is not known.
+fn scalar(solution: &mut Solution, measured: &Scalar, aiding: &Aiding) -> Option<Update> {
+    let unknown = solution.in_long_gap();
+    solution.advance_to(measured.time);
+    if unknown {
+        return None;
+    }
+    constrain(&mut *solution.filter, aiding, &isotropic(measured.std))
+}
+
+/// What the sensors should read at rest: rate \[rad/s\] and specific force \[m/s²\].
+fn readings_at_rest(filter: &dyn Estimator) -> (Vector3, Vector3) {
+    let error = filter.sensor_error();
+    let [gyro, accel] = [0, 3].map(|i| Vector3::new(error[i], error[i + 1], error[i + 2]));
+    let place = &filter.nav().position;
+    let earth_rate = undrift_nav::earth::earth_rate_n(place.lat);
+    let up = -undrift_nav::earth::gravity(place.lat, place.height) * Vector3::z();
+    let c_nb = filter.nav().q_nb.to_rotation_matrix().into_inner();
+    (gyro + c_nb.tr_mul(&earth_rate), accel + c_nb.tr_mul(&up))
+}
+
+/// Updates at the end of a block; whether the vehicle stood.
+fn stand_still(
+    filter: &mut dyn Estimator,
+    block: &Block,
+    settings: &Settings,
+    summary: &mut Summary,
+) -> bool {
+    let mut rest = block.rest;
+    if let Some(std) = settings.constraints.zero_velocity.filter(|_| rest)
+        && let Some(done) = constrain(filter, &Aiding::ZeroVelocity, &isotropic(std))
+    {
+        // A solution that is sure to move is believed.
+        rest = done.outcome != Outcome::Rejected;
+        summary.zero_velocity.add(done);
+    }
+    if let Some(std) = settings.constraints.zero_angular_rate.filter(|_| rest) {
+        let noise = Vector3::from_fn(|i, _| {
+            let axis = &settings.sensors[i];
+            axis.r * axis.interval / block.duration + std * std
+        });
+        let _ = constrain(
+            filter,
+            &Aiding::EarthRate(block.rate),
+            &Matrix3::from_diagonal(&noise),
+        );
+    }
+    rest
+}
+
+/// Updates with what wheels do not do.
+fn stay_on_track(filter: &mut dyn Estimator, rule: &NonHolonomic) -> Option<Update> {
+    let lateral = (filter.vehicle_velocity(&rule.lever).x * filter.omega_nb_b().z).abs();
+    let right = rule.right + rule.slip * lateral;
+    let noise = Vector3::new(right * right, rule.down * rule.down, 0.0);
+    let aiding = Aiding::NonHolonomic(rule.lever);
+    constrain(filter, &aiding, &Matrix3::from_diagonal(&noise))
+}
