@@ -7,6 +7,7 @@
 //! the changes of velocity that accelerometers, gyros and GNSS saw. `docs/alignment.md`. Streamed: sums
 //! and a bounded window are kept.
 
+mod basis;
 mod motion;
 mod rest;
 mod result;
@@ -22,18 +23,18 @@ pub use settings::{AlignSettings, Heading};
 use crate::{
     estimator::{self, Aiding, Estimator},
     replay::Settings,
+    settings::AlignmentSettings,
 };
+use basis::{antenna, noise_of_mean, walk};
 use motion::Motion;
 use rest::Rest;
 use undrift_nav::{
     Matrix3, Quaternion, Vector3,
     attitude::{from_rotation_vector, from_rpy},
-    covariance::AXES,
     earth::Geodetic,
     filter::{FilterError, Gate, InitialStd},
     mechanisation::NavState,
-    sample::{GnssFix, ImuSample, Position},
-    shaping::ShapingFilter,
+    sample::{GnssFix, ImuSample},
 };
 
 /// A filter ready to run, and how it was aligned.
@@ -44,24 +45,10 @@ pub struct Aligned {
     pub how: Alignment,
 }
 
-/// Speed of the last fix above which nothing counts as rest [m/s].
-const REST_SPEED: f64 = 0.5;
-/// A first fix that is faster than a vehicle accelerates to since the rest [m/s, m/s²] unmakes it.
-const START_SPEED: f64 = 2.0;
-const START_ACCELERATION: f64 = 5.0;
-/// What disturbs the mean specific force and rate of a vehicle at rest (engine, wind, people) [m/s², rad/s].
-const LEVEL_FLOOR: f64 = 0.02;
-const RATE_FLOOR: f64 = 1e-4;
-/// Tilt before levelling [rad].
-const TILT_BEFORE: f64 = 0.5;
-/// Side slip of a vehicle and error of a course [rad].
-const COURSE_FLOOR: f64 = 0.035;
-/// Fixes further apart than this [s] are not a pair.
-const PAIR_SPAN: f64 = 2.5;
-
 /// The state of an alignment.
 pub struct Aligner {
     settings: AlignSettings,
+    set: AlignmentSettings,
     time: Option<f64>,
     rest: Rest,
     /// Attitude against a frame of arbitrary azimuth, level once there was rest.
@@ -86,8 +73,9 @@ impl Aligner {
         let (gyro, accel) = settings.sensors.split_at(3);
         Self {
             settings: settings.align.clone(),
+            set: settings.engine.alignment,
             time: None,
-            rest: Rest::new(gyro, accel),
+            rest: Rest::new(gyro, accel, settings.engine.alignment_rest),
             level: Quaternion::identity(),
             rested: None,
             stood: false,
@@ -121,7 +109,9 @@ impl Aligner {
             return;
         }
         let stands = match self.last_fix {
-            Some((fixed, _)) if until - fixed <= PAIR_SPAN => Some(self.speed < REST_SPEED),
+            Some((fixed, _)) if until - fixed <= self.set.pair_span => {
+                Some(self.speed < self.set.rest_speed)
+            }
             _ => None,
         };
         if self.rest.holds(stands) {
@@ -151,7 +141,8 @@ impl Aligner {
         };
         self.fixes += 1;
         let before = self.last_fix.replace((fix.time, antenna));
-        let before = before.filter(|(time, _)| fix.time - time <= PAIR_SPAN && fix.time > *time);
+        let before =
+            before.filter(|(time, _)| fix.time - time <= self.set.pair_span && fix.time > *time);
 
         // Velocity: told, measured, or from two positions.
         let told = self.settings.velocity.map(|(v, std)| (v, diagonal(&std)));
@@ -168,13 +159,13 @@ impl Aligner {
         let speed = velocity.xy().norm();
         self.speed = speed;
         self.fastest = self.fastest.max(speed);
-        if speed >= REST_SPEED {
+        if speed >= self.set.rest_speed {
             // Steady braking has steady readings too: rest begins after it.
             self.rest.interrupt();
         }
         if let Some((.., end)) = self.rested
             && !self.stood
-            && speed > START_SPEED + START_ACCELERATION * (fix.time - end)
+            && speed > self.set.start_speed + self.set.start_acceleration * (fix.time - end)
         {
             // Steady motion that looked like rest while there was no fix.
             self.rested = None;
@@ -202,8 +193,8 @@ impl Aligner {
             return Ok(Some(aligned(filter, AttitudeSource::Given)));
         }
 
-        let bias_variance =
-            noise_of_mean(&settings.sensors[..3], self.rest.bias_span()) + RATE_FLOOR * RATE_FLOOR;
+        let bias_variance = noise_of_mean(&settings.sensors[..3], self.rest.bias_span())
+            + self.set.rate_floor * self.set.rate_floor;
         let level = self.level;
         let forward = level * Vector3::x();
         let azimuth = forward.y.atan2(forward.x);
@@ -212,7 +203,8 @@ impl Aligner {
             Heading::Course if speed >= self.settings.min_speed => {
                 let course = velocity.y.atan2(velocity.x);
                 let noise = velocity_covariance.fixed_view::<2, 2>(0, 0).trace() / 2.0;
-                let std = (noise / (speed * speed) + COURSE_FLOOR * COURSE_FLOOR).sqrt();
+                let std = (noise / (speed * speed) + self.set.course_floor * self.set.course_floor)
+                    .sqrt();
                 Some((course, std, HeadingSource::Course))
             }
             _ => None,
@@ -240,12 +232,13 @@ impl Aligner {
         let wide = InitialStd {
             position: Vector3::repeat(1.0),
             velocity: Vector3::repeat(1.0),
-            attitude: Vector3::new(TILT_BEFORE, TILT_BEFORE, std),
+            attitude: Vector3::new(self.set.tilt_before, self.set.tilt_before, std),
         };
         let mut at_rest = start(now);
         at_rest.q_nb = rest_attitude;
         let mut filter = estimator::build(at_rest, &wide, &settings.sensors, settings.parameters)?;
-        let variance = noise_of_mean(&settings.sensors[3..], duration) + LEVEL_FLOOR * LEVEL_FLOOR;
+        let variance = noise_of_mean(&settings.sensors[3..], duration)
+            + self.set.level_floor * self.set.level_floor;
         let level = Aiding::Level(force_at_rest);
         filter.update(&level, &(Matrix3::identity() * variance), &Gate::OPEN)?;
         if settings.sensors[..3].iter().all(|s| s.order > 0) {
@@ -296,36 +289,6 @@ fn aligned(filter: Box<dyn Estimator>, source: AttitudeSource) -> Aligned {
             gyro_bias_std: bias[0].max(bias[1]).max(bias[2]),
         },
     }
-}
-
-/// The antenna's place.
-fn antenna(fix: &GnssFix) -> Option<Geodetic> {
-    match &fix.position.as_ref()?.0 {
-        Position::Geodetic(geodetic) => Some(*geodetic),
-        Position::Baseline { base, ned } => Some(Geodetic::from_ecef(
-            &(base.to_ecef() + base.ned_from_ecef().transpose() * ned),
-        )),
-    }
-}
-
-/// Variance of the mean of white noise over `duration` [s], the largest of the axes.
-fn noise_of_mean(axes: &[ShapingFilter], duration: f64) -> f64 {
-    debug_assert!(axes.len() <= AXES);
-    axes.iter().map(|a| a.r * a.interval).fold(0.0, f64::max) / duration
-}
-
-/// Variance that the biases gather in `duration` [s] at most, the largest of the axes.
-fn walk(axes: &[ShapingFilter], duration: f64) -> f64 {
-    let step = |a: &ShapingFilter| {
-        let mut q = 0.0;
-        for i in 0..a.order {
-            for j in 0..a.order {
-                q += a.h[i] * a.q[i][j] * a.h[j];
-            }
-        }
-        q / a.interval
-    };
-    axes.iter().map(step).fold(0.0, f64::max) * duration.max(0.0)
 }
 
 fn diagonal(std: &Vector3) -> Matrix3 {

@@ -12,12 +12,11 @@
 
 mod innovations;
 
-pub use innovations::{InnovationStatistics, LAGS};
+pub use innovations::{InnovationStatistics, LAGS, average_bounds};
 
 use crate::estimator::Estimator;
 use nalgebra::{Const, Dyn, OMatrix};
 use serde::Serialize;
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 use undrift_nav::{
     Matrix3, Vector3,
     covariance::{AXES, NAV},
@@ -178,15 +177,6 @@ impl ErrorState {
         self.known[component]
             .then(|| self.error[component] / self.covariance[(component, component)].sqrt())
     }
-}
-
-/// Two-sided 95 % bounds of the average of `count` independent chi-squared values of `freedom` each.
-/// NaN without any.
-pub fn average_bounds(freedom: usize, count: usize) -> (f64, f64) {
-    let n = count as f64;
-    ChiSquared::new(freedom as f64 * n).map_or((f64::NAN, f64::NAN), |law| {
-        (law.inverse_cdf(0.025) / n, law.inverse_cdf(0.975) / n)
-    })
 }
 
 /// Mean of one group's NEES over the time of a run.

@@ -40,6 +40,7 @@ pub mod reference;
 pub mod replay;
 pub mod results;
 pub mod series;
+pub mod settings;
 pub mod simulate;
 pub mod smooth;
 pub mod vehicle;

@@ -14,10 +14,11 @@
 mod report;
 mod spec;
 
+use report::RunOutcome;
 pub use spec::{MAX_RUN_EPOCHS, Spec};
 
 use crate::{
-    consistency::{Consistency, ErrorState, GROUPS, InnovationStatistics},
+    consistency::{ErrorState, GROUPS},
     drive::DriveError,
     estimator::{Aiding, Estimator},
     replay::{Measurement, Observer, ReplayError, STAMP_ROUNDING, Settings, replay},
@@ -51,8 +52,13 @@ pub enum MonteCarloError {
     #[error(transparent)]
     Model(#[from] ModelError),
     /// Too few or too many runs.
-    #[error("{0}")]
-    Runs(String),
+    #[error("{runs} runs of this drive: there must be {FEWEST_RUNS} to {most}")]
+    Runs {
+        /// How many were asked for.
+        runs: usize,
+        /// How many there may be.
+        most: usize,
+    },
     /// A run ended without a solution.
     #[error("{model}, run {run}: {error}")]
     Replay {
@@ -98,9 +104,7 @@ pub fn run(
     let stage = Stage::new(spec)?;
     let most = MAX_RUN_EPOCHS / stage.truth.len().max(1);
     if !(FEWEST_RUNS..=most).contains(&runs) {
-        return Err(MonteCarloError::Runs(format!(
-            "{runs} runs of this drive: there must be {FEWEST_RUNS} to {most}"
-        )));
+        return Err(MonteCarloError::Runs { runs, most });
     }
     // Two draws a run, whatever is asked of it: sensors and receiver, first attitude.
     let mut master = Xoshiro256PlusPlus::seed_from_u64(seed);
@@ -196,7 +200,7 @@ impl<'a> Stage<'a> {
     }
 
     /// Every model over one draw.
-    fn one_run(&self, [seed, start_seed]: [u64; 2]) -> Result<Vec<Outcome>, MonteCarloError> {
+    fn one_run(&self, [seed, start_seed]: [u64; 2]) -> Result<Vec<RunOutcome>, MonteCarloError> {
         let spec = self.spec;
         let sensors = spec.sensors()?;
         let gnss: Vec<GnssFix> = GnssFixes::new(&spec.trajectory, &spec.gnss, seed)?.collect();
@@ -233,10 +237,10 @@ impl<'a> Stage<'a> {
                 settings: &settings,
                 now: &now,
                 next_fix: 0,
-                outcome: Outcome {
+                outcome: RunOutcome {
                     nees: vec![[f64::NAN; GROUPS]; self.truth.len()],
                     nis: vec![[f64::NAN; 2]; self.fix_times.len()],
-                    ..Outcome::default()
+                    ..RunOutcome::default()
                 },
             };
             let mut fixes = gnss.iter().copied().map(Measurement::Gnss).map(Ok);
@@ -256,24 +260,6 @@ impl<'a> Stage<'a> {
     }
 }
 
-/// What one run of one model leaves behind.
-#[derive(Default)]
-struct Outcome {
-    /// When navigation began [s]; `None` until then.
-    started: Option<f64>,
-    diverged: bool,
-    /// NEES at every epoch, NaN where there is none.
-    nees: Vec<[f64; GROUPS]>,
-    /// Degrees of freedom of it.
-    freedom: [usize; GROUPS],
-    /// After the settling.
-    settled: Consistency,
-    /// NIS of position and velocity at every fix, NaN where there is none.
-    nis: Vec<[f64; 2]>,
-    /// Innovations of position and velocity after the settling.
-    innovations: [InnovationStatistics; 2],
-}
-
 /// Looks at a run.
 struct Watch<'a> {
     stage: &'a Stage<'a>,
@@ -281,7 +267,7 @@ struct Watch<'a> {
     /// Samples so far and, at epochs, the true bias after the last.
     now: &'a Cell<(usize, [f64; AXES])>,
     next_fix: usize,
-    outcome: Outcome,
+    outcome: RunOutcome,
 }
 
 impl Watch<'_> {

@@ -10,15 +10,10 @@
 //! to the other and is what `imu.mounting` states as roll, pitch, yaw (`docs/drive-file.md`).
 
 use crate::{
-    align::{AlignSettings, Heading},
-    drive::Drive,
     estimator::Estimator,
-    navigate::{NavigateError, settings},
-    replay::{Measurement, Measurements, Observer, ReplayError, Samples, Settings, replay},
-    vehicle::Constraints,
+    replay::{Measurements, Observer, ReplayError, Samples, Settings, replay},
 };
-use undrift_nav::{Matrix3, Quaternion, Vector3, attitude::to_rpy, parameters::Parameters};
-use undrift_noise::BiasModel;
+use undrift_nav::{Matrix3, Quaternion, Vector3, attitude::to_rpy};
 
 /// Speed above which the direction of motion counts [m/s].
 const MIN_SPEED: f64 = 5.0;
@@ -206,7 +201,7 @@ impl MountingEstimator {
 }
 
 /// Estimates the mounting from the first [`LONGEST_PASS`] of a log in sensor axes; `settings` must not
-/// take the axes for a vehicle's ([`Heading::Auto`]).
+/// take the axes for a vehicle's ([`crate::align::Heading::Auto`]).
 ///
 /// # Errors
 /// Where the log cannot be navigated, or holds too little straight driving.
@@ -245,42 +240,6 @@ impl Observer for Watch {
         }
         Ok(())
     }
-}
-
-/// The drive with its mounting estimated where it asks for that: from then on its body axes are the
-/// vehicle's.
-///
-/// # Errors
-/// As [`estimate`], or where the drive cannot be set up.
-pub fn resolve(drive: &Drive) -> Result<(Drive, Option<Mounting>), NavigateError> {
-    let mut resolved = drive.clone();
-    if !drive.estimate_mounting {
-        return Ok((resolved, None));
-    }
-    let mut found: Option<Mounting> = None;
-    // The lever arm is known in vehicle axes only: without it first, then with it.
-    let passes = if drive.lever_arm == Vector3::zeros() {
-        1
-    } else {
-        2
-    };
-    for _ in 0..passes {
-        let mut settings = settings(drive, BiasModel::Arma)?;
-        settings.align = AlignSettings {
-            heading: Heading::Auto,
-            ..AlignSettings::default()
-        };
-        settings.parameters = Parameters::none();
-        settings.constraints = Constraints::default();
-        settings.lever_arm = found.map_or(Vector3::zeros(), |m| m.q_vb.inverse() * drive.lever_arm);
-        let mut fixes = drive.open_gnss()?.map(|fix| fix.map(Measurement::Gnss));
-        found = Some(estimate(&mut drive.open_imu()?, &mut fixes, &settings)?);
-    }
-    resolved.estimate_mounting = false;
-    if let Some(mounting) = &found {
-        resolved.imu.1.rotation = mounting.matrix();
-    }
-    Ok((resolved, found))
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ pub use recorder::{Wanted, solution_row};
 pub use recording::Recording;
 
 use crate::{
-    align::Heading,
+    align::{AlignSettings, Heading},
     consistency::Consistency,
     drive::{Drive, DriveError},
     findings::Log,
@@ -18,13 +18,14 @@ use crate::{
     reference::Errors,
     replay::{Measurement, ReplayError, Settings, Summary, merge, replay},
     smooth,
+    vehicle::Constraints,
 };
 use recorder::Recorder;
 use undrift_io::{
     ReadError, gnss::GnssReader, held::Held, imu::GapSummary, scalar::ScalarReader,
     skipped::Skipped, write::solution::SolutionRow,
 };
-use undrift_nav::sample::Scalar;
+use undrift_nav::{Vector3, parameters::Parameters, sample::Scalar};
 use undrift_noise::BiasModel;
 
 /// What came of it.
@@ -97,7 +98,7 @@ impl From<undrift_noise::ModelError> for NavigateError {
 pub const NODE_SPAN: f64 = 1.0;
 
 /// The filter's settings for a drive under one bias model of its IMU; for a drive whose mounting is
-/// to be estimated, [`mounting::resolve`] comes first, else the axes are the sensor's.
+/// to be estimated, [`resolve_mounting`] comes first, else the axes are the sensor's.
 ///
 /// # Errors
 /// [`NavigateError::NoModel`] for a drive without a model; a model that makes no filter of this kind; an
@@ -122,6 +123,46 @@ pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateErro
     })
 }
 
+/// The drive with its mounting estimated where it asks for that: from then on its body axes are the
+/// vehicle's.
+///
+/// # Errors
+/// As [`mounting::estimate`], or where the drive cannot be set up.
+pub fn resolve_mounting(drive: &Drive) -> Result<(Drive, Option<Mounting>), NavigateError> {
+    let mut resolved = drive.clone();
+    if !drive.estimate_mounting {
+        return Ok((resolved, None));
+    }
+    let mut found: Option<Mounting> = None;
+    // The lever arm is known in vehicle axes only: without it first, then with it.
+    let passes = if drive.lever_arm == Vector3::zeros() {
+        1
+    } else {
+        2
+    };
+    for _ in 0..passes {
+        let mut settings = settings(drive, BiasModel::Arma)?;
+        settings.align = AlignSettings {
+            heading: Heading::Auto,
+            ..AlignSettings::default()
+        };
+        settings.parameters = Parameters::none();
+        settings.constraints = Constraints::default();
+        settings.lever_arm = found.map_or(Vector3::zeros(), |m| m.q_vb.inverse() * drive.lever_arm);
+        let mut fixes = drive.open_gnss()?.map(|fix| fix.map(Measurement::Gnss));
+        found = Some(mounting::estimate(
+            &mut drive.open_imu()?,
+            &mut fixes,
+            &settings,
+        )?);
+    }
+    resolved.estimate_mounting = false;
+    if let Some(mounting) = &found {
+        resolved.imu.1.rotation = mounting.matrix();
+    }
+    Ok((resolved, found))
+}
+
 /// Navigates a drive for what is wanted of it. The files get their names if all went well.
 ///
 /// With `smooth`, the solution written and compared is the smoothed one: the filter's nodes go to a
@@ -131,7 +172,7 @@ pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateErro
 /// As [`settings`]; a log that cannot be read or ends before the alignment; a mounting that cannot be
 /// estimated; a file that cannot be written; a filter that cannot be built.
 pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report, NavigateError> {
-    let (drive, mounting) = mounting::resolve(drive)?;
+    let (drive, mounting) = resolve_mounting(drive)?;
     let smooth = wanted.smooth;
     let mut settings = settings(&drive, kind)?;
     settings.nodes = smooth.then_some(NODE_SPAN);
@@ -207,13 +248,16 @@ impl Aids {
 
     /// Records that were skipped and gaps of the logs of one number.
     fn scalars(&self) -> Vec<(Log, Skipped, GapSummary)> {
-        [(Log::Odometer, &self.odometer), (Log::Barometer, &self.barometer)]
-            .into_iter()
-            .filter_map(|(log, reader)| {
-                let reader = reader.as_ref()?;
-                Some((log, reader.skipped().clone(), reader.gaps()))
-            })
-            .collect()
+        [
+            (Log::Odometer, &self.odometer),
+            (Log::Barometer, &self.barometer),
+        ]
+        .into_iter()
+        .filter_map(|(log, reader)| {
+            let reader = reader.as_ref()?;
+            Some((log, reader.skipped().clone(), reader.gaps()))
+        })
+        .collect()
     }
 }
 

@@ -99,45 +99,33 @@ impl Errors {
     }
 }
 
-/// Root mean square of each component over the values given; unknown where any is.
-pub fn rms(values: &[Errors]) -> Errors {
-    if values.is_empty() {
-        return Errors::UNKNOWN;
-    }
-    Errors(std::array::from_fn(|i| {
-        (values.iter().map(|e| e.0[i] * e.0[i]).sum::<f64>() / values.len() as f64).sqrt()
-    }))
-}
-
-/// Median of the magnitudes of each component; unknown where any is.
-pub fn median(values: &[Errors]) -> Errors {
-    if values.is_empty() {
-        return Errors::UNKNOWN;
-    }
+/// A statistic of the magnitudes of each component; unknown where any is.
+fn by_component(values: &[Errors], statistic: fn(&[f64]) -> f64) -> Errors {
     Errors(std::array::from_fn(|i| {
         let sizes: Vec<f64> = values.iter().map(|e| e.0[i].abs()).collect();
-        if sizes.iter().all(|size| size.is_finite()) {
-            order_statistics::median(&sizes)
+        if !sizes.is_empty() && sizes.iter().all(|size| size.is_finite()) {
+            statistic(&sizes)
         } else {
             f64::NAN
         }
     }))
 }
 
+/// Root mean square of each component; unknown where any value is.
+pub fn rms(values: &[Errors]) -> Errors {
+    by_component(values, |sizes| {
+        (sizes.iter().map(|e| e * e).sum::<f64>() / sizes.len() as f64).sqrt()
+    })
+}
+
+/// Median of the magnitudes of each component; unknown where any is.
+pub fn median(values: &[Errors]) -> Errors {
+    by_component(values, order_statistics::median)
+}
+
 /// Largest magnitude of each component; unknown where any is.
 pub fn max(values: &[Errors]) -> Errors {
-    if values.is_empty() {
-        return Errors::UNKNOWN;
-    }
-    Errors(std::array::from_fn(|i| {
-        values.iter().fold(0.0, |largest: f64, e| {
-            if e.0[i].is_nan() || largest.is_nan() {
-                f64::NAN
-            } else {
-                largest.max(e.0[i].abs())
-            }
-        })
-    }))
+    by_component(values, |sizes| sizes.iter().copied().fold(0.0, f64::max))
 }
 
 /// The truth between two of its samples: position by the cubic through positions and velocities

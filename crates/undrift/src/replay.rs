@@ -28,7 +28,6 @@ pub use observer::{Measurements, NotAligned, Observer, ReplayError, Samples};
 pub use quality::QualityStd;
 pub use settings::{GnssUse, Outage, Settings};
 pub use summary::{Innovations, MOST_EVENTS, Summary};
-pub use watch::{SUSPECT_NIS, SUSPECT_UPDATES};
 
 /// Navigates a log. The size of the filter follows the models.
 ///

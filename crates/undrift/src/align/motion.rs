@@ -5,6 +5,7 @@
 //! more motion. Only the window is kept.
 
 use super::{
+    basis::{antenna, bias_variances, noise_of_mean},
     result::MotionFailure,
     segments::{Segment, segments},
     wahba::{EndCovariance, Guess, Problem},
@@ -12,6 +13,7 @@ use super::{
 use crate::{
     estimator::{self, Estimator},
     replay::Settings,
+    settings::AlignmentMotionSettings,
 };
 use std::collections::VecDeque;
 use undrift_nav::{
@@ -20,36 +22,7 @@ use undrift_nav::{
     filter::InitialStd,
     mechanisation::NavState,
     sample::{GnssFix, ImuSample},
-    shaping::ShapingFilter,
 };
-
-/// The window is no longer than this [s] …
-const LONGEST: f64 = 60.0;
-/// … nor than a gyro bias of one standard deviation needs for this angle [rad] …
-const BIAS_TURN: f64 = 1.2;
-/// … and no shorter than this [s].
-const SHORTEST: f64 = 20.0;
-/// Fixes in the search are at least this far apart [s]; a sample longer than this ends the window.
-const SPACING: f64 = 0.45;
-const LONGEST_SAMPLE: f64 = 0.2;
-/// Between two searches [s].
-const EVERY: f64 = 1.0;
-/// Velocities needed, and how far apart they must be [m/s] for a search to be worth it.
-const FEWEST: usize = 6;
-const SPREAD: f64 = 1.0;
-/// A second minimum is out of the question when the best one's squared residuals are less by this much.
-const RIVAL: f64 = 25.0;
-/// Attitude's standard deviation about any axis with which a solution is one [rad] …
-const CERTAIN: f64 = 0.05;
-/// … and with which it need not be awaited what a longer window makes of it: the filter, unlike the
-/// window, cannot undo what it took from an attitude that was some degrees off.
-const GOOD: f64 = 0.017;
-/// Squared residuals for each degree of freedom, at most.
-const FIT: f64 = 10.0;
-/// Standard deviation of the filter's velocity and attitude before the window says what they are [m/s, rad].
-const WIDE: f64 = 100.0;
-/// Standard deviation of what no model says of a bias [rad/s], [m/s²]: nothing is known exactly.
-const BIAS_FLOOR: (f64, f64) = (1e-4, 1e-2);
 
 /// What is known of the gyro bias from rest: mean [rad/s] and variance.
 pub(super) type GyroBias = (Vector3, f64);
@@ -57,12 +30,13 @@ pub(super) type GyroBias = (Vector3, f64);
 /// The window and what became of the searches in it.
 #[derive(Default)]
 pub(super) struct Motion {
+    set: AlignmentMotionSettings,
     /// Samples of the window, whole; the last one may reach beyond the last fix.
     samples: VecDeque<ImuSample>,
     fixes: VecDeque<GnssFix>,
     /// Length of the window while there is no solution [s].
     longest: f64,
-    /// The solution so far, at the window's start; the window then grows from there to [`LONGEST`].
+    /// The solution so far, at the window's start; the window then grows from there to [`AlignmentMotionSettings::longest`].
     solved: Option<Guess>,
     searched: Option<f64>,
     failure: MotionFailure,
@@ -79,18 +53,20 @@ pub(super) struct Found {
 
 impl Motion {
     pub(super) fn new(settings: &Settings) -> Self {
-        let turn_on = bias_variances(&settings.sensors[..3], BIAS_FLOOR.0)
+        let set = settings.engine.alignment_motion;
+        let turn_on = bias_variances(&settings.sensors[..3], set.gyro_floor)
             .max()
             .sqrt();
         Self {
-            longest: (BIAS_TURN / turn_on).clamp(SHORTEST, LONGEST),
+            set,
+            longest: (set.bias_turn / turn_on).clamp(set.shortest, set.longest),
             ..Self::default()
         }
     }
 
     /// Takes up a sample; once for each.
     pub(super) fn sample(&mut self, sample: &ImuSample) {
-        if sample.dt > LONGEST_SAMPLE {
+        if sample.dt > self.set.longest_sample {
             self.samples.clear();
             self.fixes.clear();
             self.solved = None;
@@ -98,8 +74,8 @@ impl Motion {
         }
         self.samples.push_back(*sample);
         let longest = match self.solved {
-            // Its start must stay; it ends at the first fix beyond `LONGEST`.
-            Some(_) => 2.0 * LONGEST,
+            // Its start must stay; it ends at the first fix beyond that.
+            Some(_) => 2.0 * self.set.longest,
             None => self.longest,
         };
         let start = sample.time - longest;
@@ -127,7 +103,10 @@ impl Motion {
             return None;
         }
         self.fixes.push_back(*fix);
-        if self.searched.is_some_and(|at| fix.time < at + EVERY) {
+        if self
+            .searched
+            .is_some_and(|at| fix.time < at + self.set.every)
+        {
             return None;
         }
         self.searched = Some(fix.time);
@@ -160,13 +139,13 @@ impl Motion {
         let (gyro, accel) = settings.sensors.split_at(3);
         let gyro_prior = match rest {
             Some((mean, variance)) => (mean, Vector3::repeat(variance)),
-            None => (Vector3::zeros(), bias_variances(gyro, BIAS_FLOOR.0)),
+            None => (Vector3::zeros(), bias_variances(gyro, self.set.gyro_floor)),
         };
         let segments = self.segments(&gyro_prior.0);
-        if segments.len() < FEWEST {
+        if segments.len() < self.set.fewest {
             return Err(MotionFailure::TooFew);
         }
-        if spread < SPREAD {
+        if spread < self.set.spread {
             return Err(MotionFailure::TooSteady {
                 change: self.spread,
                 within: self.longest,
@@ -174,14 +153,18 @@ impl Motion {
         }
         let first = *self.fixes.front().ok_or(MotionFailure::TooFew)?;
         let problem = Problem {
+            set: &self.set,
             segments: &segments,
             reference: gyro_prior.0,
-            place: super::antenna(&first).ok_or(MotionFailure::TooFew)?,
+            place: antenna(&first).ok_or(MotionFailure::TooFew)?,
             lever_arm: settings.lever_arm,
             gyro: gyro_prior,
-            accel: (Vector3::zeros(), bias_variances(accel, BIAS_FLOOR.1)),
-            gyro_noise: super::noise_of_mean(gyro, 1.0),
-            accel_noise: super::noise_of_mean(accel, 1.0),
+            accel: (
+                Vector3::zeros(),
+                bias_variances(accel, self.set.accel_floor),
+            ),
+            gyro_noise: noise_of_mean(gyro, 1.0),
+            accel_noise: noise_of_mean(accel, 1.0),
         };
         // Noise larger than stated makes residuals and covariance larger, and a difference mean less.
         let fit = |cost: f64| (cost / (3 * (segments.len() - 1)) as f64).max(1.0);
@@ -191,7 +174,7 @@ impl Motion {
                 let solutions = problem.solve();
                 let best = solutions.first().ok_or(MotionFailure::Ambiguous)?;
                 let rival = solutions.get(1).map_or(f64::INFINITY, |rival| rival.cost);
-                if rival - best.cost < RIVAL * fit(best.cost) {
+                if rival - best.cost < self.set.rival * fit(best.cost) {
                     return Err(MotionFailure::Ambiguous);
                 }
                 best.guess
@@ -209,24 +192,24 @@ impl Motion {
             .end(&solution.guess)
             .ok_or(MotionFailure::Ambiguous)?;
         let fit = fit(solution.cost);
-        if fit > FIT {
+        if fit > self.set.fit {
             return Err(MotionFailure::Misfit(fit));
         }
         let c_nb = q_nb.to_rotation_matrix().into_inner();
         let attitude = covariance.fixed_view::<3, 3>(3, 3) * fit;
         let worst = (c_nb * attitude * c_nb.transpose()).diagonal().max().sqrt();
         // A number that is not one is not certain either.
-        if worst.is_nan() || worst > CERTAIN {
+        if worst.is_nan() || worst > self.set.certain {
             return Err(MotionFailure::Uncertain(worst));
         }
         let last = *self.fixes.back().ok_or(MotionFailure::TooFew)?;
-        if worst > GOOD && last.time - first.time < LONGEST {
+        if worst > self.set.good && last.time - first.time < self.set.longest {
             self.solved = Some(solution.guess);
             return Err(MotionFailure::Settling(worst));
         }
         let end = NavState {
             time: last.time,
-            position: super::antenna(&last)
+            position: antenna(&last)
                 .ok_or(MotionFailure::TooFew)?
                 .displaced(&-(q_nb * settings.lever_arm)),
             v_n,
@@ -241,7 +224,12 @@ impl Motion {
     }
 
     fn segments(&self, gyro: &Vector3) -> Vec<Segment> {
-        segments(self.samples.iter(), self.fixes.iter(), SPACING, gyro)
+        segments(
+            self.samples.iter(),
+            self.fixes.iter(),
+            self.set.spacing,
+            gyro,
+        )
     }
 
     /// Why there is no alignment.
@@ -266,13 +254,14 @@ fn filter(
     settings: &Settings,
 ) -> Option<Box<dyn Estimator>> {
     let (_, position) = fix.position?;
+    let wide = settings.engine.alignment_motion.wide;
     let std = InitialStd {
         position: Vector3::repeat(1.0),
-        velocity: Vector3::repeat(WIDE),
-        attitude: Vector3::repeat(WIDE),
+        velocity: Vector3::repeat(wide),
+        attitude: Vector3::repeat(wide),
     };
     let mut filter = estimator::build(*end, &std, &settings.sensors, settings.parameters).ok()?;
-    filter.set_position_velocity_covariance(&position, &(Matrix3::identity() * (WIDE * WIDE)));
+    filter.set_position_velocity_covariance(&position, &(Matrix3::identity() * (wide * wide)));
     let (g, a) = (guess.gyro, guess.accel);
     filter.set_sensor_error(&[g.x, g.y, g.z, a.x, a.y, a.z]);
 
@@ -294,18 +283,4 @@ fn filter(
     filter.update_window(&rows).ok()?;
     filter.check().ok()?;
     Some(filter)
-}
-
-/// Variances of the biases before the first sample [unit²], no less than a floor [unit].
-fn bias_variances(axes: &[ShapingFilter], floor: f64) -> Vector3 {
-    Vector3::from_fn(|axis, _| {
-        let filter = &axes[axis];
-        let mut variance = floor * floor;
-        for i in 0..filter.order {
-            for j in 0..filter.order {
-                variance += filter.h[i] * filter.p0[i][j] * filter.h[j];
-            }
-        }
-        variance
-    })
 }

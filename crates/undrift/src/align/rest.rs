@@ -1,29 +1,12 @@
 //! Rest, told by block means that agree, and the level and gyro bias that it gives.
 
-use super::noise_of_mean;
+use super::basis::noise_of_mean;
+use crate::settings::AlignmentRestSettings;
 use undrift_nav::{Vector3, shaping::ShapingFilter};
-
-/// Length of the blocks that are compared [s].
-pub(super) const BLOCK: f64 = 0.5;
-/// Blocks on end that agree before they count as rest, or more where the noise asks for more.
-const FEWEST_BLOCKS: u32 = 2;
-/// Blocks on end without word from GNSS that the vehicle stands: a steady turn has steady readings too.
-const BLOCKS_UNSEEN: u32 = 6;
-/// Blocks on end, GNSS at rest, before they count as rest with another gyro bias than before.
-const NEW_BIAS_BLOCKS: u32 = 10;
-/// White noise of mean specific force and mean rate that is small enough [m/s², rad/s]: 0.3 deg of
-/// level and 0.05 deg/s. Noisier sensors need more blocks, up to so many.
-const FORCE_NOISE: f64 = 0.05;
-const RATE_NOISE: f64 = 1e-3;
-const MOST_BLOCKS: u32 = 20;
-/// A block belongs to the rest while its means are this many standard deviations of their white
-/// noise from the rest's, and this far beyond [rad/s, m/s²].
-const SIGMAS: f64 = 5.0;
-const RATE: f64 = 0.003;
-const FORCE: f64 = 0.05;
 
 /// Tells rest by comparing block means, and keeps what it says.
 pub(super) struct Rest {
+    set: AlignmentRestSettings,
     /// Tolerances of a block's means [rad/s, m/s²].
     rate_tolerance: f64,
     force_tolerance: f64,
@@ -46,15 +29,20 @@ pub(super) struct Rest {
 
 impl Rest {
     /// For gyros and accelerometers of the given noise.
-    pub(super) fn new(gyro: &[ShapingFilter], accel: &[ShapingFilter]) -> Self {
-        let blocks = |axes, wanted: f64| noise_of_mean(axes, BLOCK) / (wanted * wanted);
-        let needed = blocks(gyro, RATE_NOISE)
-            .max(blocks(accel, FORCE_NOISE))
+    pub(super) fn new(
+        gyro: &[ShapingFilter],
+        accel: &[ShapingFilter],
+        set: AlignmentRestSettings,
+    ) -> Self {
+        let blocks = |axes, wanted: f64| noise_of_mean(axes, set.block) / (wanted * wanted);
+        let needed = blocks(gyro, set.rate_noise)
+            .max(blocks(accel, set.force_noise))
             .ceil();
         Self {
-            rate_tolerance: RATE + SIGMAS * noise_of_mean(gyro, BLOCK).sqrt(),
-            force_tolerance: FORCE + SIGMAS * noise_of_mean(accel, BLOCK).sqrt(),
-            needed: (needed as u32).clamp(FEWEST_BLOCKS, MOST_BLOCKS),
+            set,
+            rate_tolerance: set.rate + set.sigmas * noise_of_mean(gyro, set.block).sqrt(),
+            force_tolerance: set.force + set.sigmas * noise_of_mean(accel, set.block).sqrt(),
+            needed: (needed as u32).clamp(set.fewest_blocks, set.most_blocks),
             duration: 0.0,
             dtheta: Vector3::zeros(),
             dvel: Vector3::zeros(),
@@ -72,7 +60,7 @@ impl Rest {
         self.duration += span;
         self.dtheta += dtheta;
         self.dvel += dvel;
-        if self.duration < BLOCK - 1e-9 {
+        if self.duration < self.set.block - 1e-9 {
             return false;
         }
         let (rate, force) = (self.dtheta / self.duration, self.dvel / self.duration);
@@ -100,8 +88,8 @@ impl Rest {
         let needed = match (stands, steady) {
             (Some(false), _) | (None, false) => return false,
             (Some(true), true) => self.needed,
-            (None, true) => self.needed.max(BLOCKS_UNSEEN),
-            (Some(true), false) => self.needed.max(NEW_BIAS_BLOCKS),
+            (None, true) => self.needed.max(self.set.blocks_unseen),
+            (Some(true), false) => self.needed.max(self.set.new_bias_blocks),
         };
         self.blocks >= needed
     }
@@ -157,11 +145,11 @@ impl Rest {
 
     /// Length of the present span [s].
     pub(super) fn span(&self) -> f64 {
-        f64::from(self.blocks) * BLOCK
+        f64::from(self.blocks) * self.set.block
     }
 
     /// Length of all rest [s].
     pub(super) fn bias_span(&self) -> f64 {
-        f64::from(self.bias_blocks.max(1)) * BLOCK
+        f64::from(self.bias_blocks.max(1)) * self.set.block
     }
 }

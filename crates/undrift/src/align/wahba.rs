@@ -14,6 +14,7 @@
 //! with a wide heading.
 
 use super::segments::Segment;
+use crate::settings::AlignmentMotionSettings;
 use nalgebra::{SMatrix, SVector};
 use undrift_nav::{
     Quaternion, Vector3,
@@ -44,6 +45,7 @@ pub(super) struct Solution {
 
 /// Everything but the guess.
 pub(super) struct Problem<'a> {
+    pub(super) set: &'a AlignmentMotionSettings,
     /// In order of time; the first one is the start.
     pub(super) segments: &'a [Segment],
     /// Gyro bias about which they are linear [rad/s].
@@ -82,9 +84,6 @@ struct Linear {
     effect: Effect,
     wander: Wander,
 }
-
-/// Iterations of one solution, at most.
-const ITERATIONS: usize = 20;
 
 impl Problem<'_> {
     /// The guess put through the first `count` segments; `gyro` is the mean of the gyro prior.
@@ -194,7 +193,7 @@ impl Problem<'_> {
         let mut best = *guess;
         let mut linear = self.linearise(&best, count, gyro);
         let mut damping = 1e-3;
-        for _ in 0..ITERATIONS {
+        for _ in 0..self.set.iterations {
             let mut matrix = linear.information;
             for i in 0..9 {
                 matrix[(i, i)] *= 1.0 + damping;
@@ -278,8 +277,8 @@ impl Problem<'_> {
             &[0.0]
         };
         let mut found: Vec<Solution> = Vec::new();
-        for heading in 0..HEADINGS {
-            let angle = std::f64::consts::TAU * heading as f64 / HEADINGS as f64;
+        for heading in 0..self.set.headings {
+            let angle = std::f64::consts::TAU * heading as f64 / self.set.headings as f64;
             let q_nb = from_rotation_vector(&(up * angle)) * level;
             for drift in drifts {
                 let mut guess = Guess {
@@ -298,7 +297,10 @@ impl Problem<'_> {
                 if !solution.cost.is_finite() {
                     continue;
                 }
-                match found.iter_mut().find(|other| other.is_near(&solution)) {
+                match found
+                    .iter_mut()
+                    .find(|other| other.is_near(&solution, self.set.same))
+                {
                     Some(same) if same.cost <= solution.cost => {}
                     Some(same) => *same = solution,
                     None => found.push(solution),
@@ -310,14 +312,9 @@ impl Problem<'_> {
     }
 }
 
-/// Headings that the search starts from.
-const HEADINGS: usize = 12;
-/// Attitudes within this angle [rad] are the same minimum.
-const SAME: f64 = 0.15;
-
 impl Solution {
     /// Whether another one is the same minimum, at the start and at the end of the window.
-    fn is_near(&self, other: &Self) -> bool {
-        self.guess.q_nb.angle_to(&other.guess.q_nb) < SAME && self.end.angle_to(&other.end) < SAME
+    fn is_near(&self, other: &Self, same: f64) -> bool {
+        self.guess.q_nb.angle_to(&other.guess.q_nb) < same && self.end.angle_to(&other.end) < same
     }
 }

@@ -1,6 +1,5 @@
 //! Whether innovations are as large as their covariance says, and white.
 
-use super::average_bounds;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::collections::VecDeque;
 use undrift_noise::correlation::white_bound;
@@ -158,4 +157,13 @@ fn chi_squared_95(freedom: usize) -> f64 {
         .get(freedom)
         .copied()
         .unwrap_or_else(|| point(freedom))
+}
+
+/// Two-sided 95 % bounds of the average of `count` independent chi-squared values of `freedom` each.
+/// NaN without any.
+pub fn average_bounds(freedom: usize, count: usize) -> (f64, f64) {
+    let n = count as f64;
+    ChiSquared::new(freedom as f64 * n).map_or((f64::NAN, f64::NAN), |law| {
+        (law.inverse_cdf(0.025) / n, law.inverse_cdf(0.975) / n)
+    })
 }

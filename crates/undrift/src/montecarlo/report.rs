@@ -1,6 +1,5 @@
 //! Sums over runs, and what they say.
 
-use super::Outcome;
 use crate::{
     consistency::{
         COMPONENT_NAMES, COMPONENTS, Consistency, GROUP, GROUPS, InnovationStatistics, LAGS,
@@ -10,6 +9,24 @@ use crate::{
     results::{Group, MonteCarloModel, NisKind, Number, Verdict, numbers},
 };
 use undrift_nav::sample::TruthSample;
+
+/// What one run of one model leaves behind.
+#[derive(Default)]
+pub(super) struct RunOutcome {
+    /// When navigation began [s]; `None` until then.
+    pub(super) started: Option<f64>,
+    pub(super) diverged: bool,
+    /// NEES at every epoch, NaN where there is none.
+    pub(super) nees: Vec<[f64; GROUPS]>,
+    /// Degrees of freedom of it.
+    pub(super) freedom: [usize; GROUPS],
+    /// After the settling.
+    pub(super) settled: Consistency,
+    /// NIS of position and velocity at every fix, NaN where there is none.
+    pub(super) nis: Vec<[f64; 2]>,
+    /// Innovations of position and velocity after the settling.
+    pub(super) innovations: [InnovationStatistics; 2],
+}
 
 /// Running sums over the runs.
 pub(super) struct Sums {
@@ -69,7 +86,7 @@ impl Sums {
         }
     }
 
-    pub(super) fn add(&mut self, run: &Outcome) {
+    pub(super) fn add(&mut self, run: &RunOutcome) {
         self.diverged += usize::from(run.diverged);
         self.started = self.started.max(run.started.unwrap_or(0.0));
         for (epoch, values) in self.epochs.iter_mut().zip(&run.nees) {

@@ -3,13 +3,12 @@
 use crate::{
     align::AlignSettings,
     drive::{ConfigError, DriveError, Section, parse, read_initial, read_text},
-    montecarlo::MonteCarloError,
     replay::Settings,
     simulate::{GnssNoise, REST_BEFORE, Trajectory},
 };
 use std::path::Path;
 use undrift_nav::{Vector3, shaping::ShapingFilter, units::Quantity};
-use undrift_noise::{BiasModel, ImuModel};
+use undrift_noise::{BiasModel, ImuModel, ModelError};
 
 /// Most samples of a drive: all runs share its noise-free samples, 64 bytes each.
 const MAX_SAMPLES: f64 = 20e6;
@@ -147,12 +146,12 @@ impl Spec {
     }
 
     /// The shaping filters that the sensors' errors are drawn from.
-    pub(super) fn sensors(&self) -> Result<[ShapingFilter; 6], MonteCarloError> {
-        Ok(self.model.shaping(self.bias_model, 1.0 / self.rate_hz)?)
+    pub(super) fn sensors(&self) -> Result<[ShapingFilter; 6], ModelError> {
+        self.model.shaping(self.bias_model, 1.0 / self.rate_hz)
     }
 
     /// The filter's settings under each bias model, by name.
-    pub(super) fn settings(&self) -> Result<Vec<(String, Settings)>, MonteCarloError> {
+    pub(super) fn settings(&self) -> Result<Vec<(String, Settings)>, ModelError> {
         let settings = |kind: &BiasModel| {
             let settings = Settings {
                 lever_arm: self.gnss.lever_arm,

@@ -4,8 +4,8 @@ use super::{Experiment, Outcome, Schedule, ScheduleError, run, schedule, track};
 use crate::{
     drive::Drive,
     findings::{self, Finding, Log},
-    mounting::{self, Mounting},
-    navigate::{NavigateError, scalars, settings},
+    mounting::Mounting,
+    navigate::{NavigateError, resolve_mounting, scalars, settings},
     replay::{Measurement, Outage, ReplayError, merge},
     results::{self, Outages},
 };
@@ -42,7 +42,7 @@ impl Logs {
     /// # Errors
     /// A log that cannot be read; a mounting that cannot be estimated.
     pub fn load(drive: &Drive) -> Result<Self, NavigateError> {
-        let (drive, mounting) = mounting::resolve(drive)?;
+        let (drive, mounting) = resolve_mounting(drive)?;
         let mut imu_reader = drive.open_imu()?;
         let imu = imu_reader.by_ref().collect::<Result<Vec<_>, _>>()?;
         let mut gnss_reader = drive.open_gnss()?;

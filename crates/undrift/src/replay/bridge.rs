@@ -2,9 +2,6 @@
 
 use undrift_nav::{Vector3, sample::ImuSample};
 
-/// A gap longer than this [s] is too long to interpolate over.
-const LONGEST_BRIDGE: f64 = 0.2;
-
 /// The samples missing before one, made one by one: rates on a line from the last sample's to this one's.
 pub(super) struct Bridge {
     /// End of the gap [s].
@@ -21,8 +18,14 @@ pub(super) struct Bridge {
 }
 
 impl Bridge {
-    /// Over the interval of `sample`, after the sample `before`.
-    pub(super) fn new(sample: &ImuSample, before: Option<&ImuSample>, interval: f64) -> Self {
+    /// Over the interval of `sample`, after the sample `before`; a gap longer than `longest` [s] is not
+    /// interpolated over.
+    pub(super) fn new(
+        sample: &ImuSample,
+        before: Option<&ImuSample>,
+        interval: f64,
+        longest: f64,
+    ) -> Self {
         let steps = (sample.dt / interval).round().clamp(2.0, 1e6);
         let rate = |s: &ImuSample| (s.dtheta / s.dt, s.dvel / s.dt);
         let to = rate(sample);
@@ -33,7 +36,7 @@ impl Bridge {
             made: 0,
             from: before.map_or(to, rate),
             to,
-            unknown_since: (sample.dt > LONGEST_BRIDGE).then_some(sample.time - sample.dt),
+            unknown_since: (sample.dt > longest).then_some(sample.time - sample.dt),
         }
     }
 

@@ -13,6 +13,7 @@ use super::{
     events::{Contradiction, Part},
     summary::Summary,
 };
+use crate::settings::{AdaptSettings, GateSettings};
 use undrift_nav::{
     Matrix3, Vector3,
     filter::{Gate, Outcome, Update},
@@ -21,24 +22,6 @@ use undrift_noise::order_statistics::upper_median;
 
 /// Innovations that the usual size is taken from.
 const WINDOW: usize = 40;
-/// Until there are so many …
-const LEAST: usize = 10;
-/// … NIS per degree of freedom may usually be this: standard deviations five times too small.
-const FIRST_USUAL: f64 = 30.0;
-/// Usual NIS per degree of freedom above which everything passes: twenty times the standard deviation.
-const SENSELESS: f64 = 400.0;
-/// NIS per degree of freedom, relative to the usual, from which a fix is weakened …
-const WEAKEN: f64 = 5.0;
-/// … and left out.
-const REJECT: f64 = 30.0;
-/// The solution is unconfirmed after so long without a fix [s] …
-const GAP: f64 = 3.0;
-/// … until it has accepted so many.
-const CONFIRM: u32 = 3;
-/// Innovations agree when they differ by less than this part of their size, or by this many
-/// standard deviations of two fixes.
-const AGREE: f64 = 0.3;
-const AGREE_SIGMAS: f64 = 2.0;
 /// Median of χ²(3)/3.
 const MEDIAN: f64 = 0.789;
 
@@ -54,6 +37,7 @@ pub(super) enum Verdict {
 /// The gate of one kind of measurement.
 pub(super) struct FixGate {
     part: Part,
+    set: GateSettings,
     recent: [f64; WINDOW],
     count: usize,
     /// Time of the last fix of this kind, and of the last one accepted [s].
@@ -70,9 +54,10 @@ pub(super) struct FixGate {
 }
 
 impl FixGate {
-    pub(super) fn new(part: Part, time: f64) -> Self {
+    pub(super) fn new(part: Part, time: f64, set: GateSettings) -> Self {
         Self {
             part,
+            set,
             recent: [0.0; WINDOW],
             count: 0,
             seen: time,
@@ -92,7 +77,7 @@ impl FixGate {
 
     /// Whether fixes are being left out, or the solution is unconfirmed.
     pub(super) fn is_in_doubt(&self) -> bool {
-        self.agreeing.is_some() || self.confirmed < CONFIRM
+        self.agreeing.is_some() || self.confirmed < self.set.confirm
     }
 
     /// What to do with a fix of this innovation and covariance; `patience` is for how long fixes that
@@ -104,14 +89,14 @@ impl FixGate {
         r: &Matrix3,
         patience: f64,
     ) -> Verdict {
-        if time - self.seen > GAP {
+        if time - self.seen > self.set.gap {
             self.unconfirm();
         }
         self.seen = time;
-        let unconfirmed = self.confirmed < CONFIRM;
+        let unconfirmed = self.confirmed < self.set.confirm;
         if let Some((since, last)) = self.agreeing {
-            let noise = AGREE_SIGMAS * (2.0 * r.trace()).sqrt();
-            if (innovation - last).norm() > noise.max(AGREE * innovation.norm()) {
+            let noise = self.set.agree_sigmas * (2.0 * r.trace()).sqrt();
+            if (innovation - last).norm() > noise.max(self.set.agree * innovation.norm()) {
                 self.agreeing = None;
             } else {
                 if unconfirmed || time - since >= patience {
@@ -120,8 +105,12 @@ impl FixGate {
             }
         }
         let unit = self.usual().max(1.0) * 3.0;
-        let weaken = WEAKEN * unit;
-        let reject = if unconfirmed { weaken } else { REJECT * unit };
+        let weaken = self.set.weaken * unit;
+        let reject = if unconfirmed {
+            weaken
+        } else {
+            self.set.reject * unit
+        };
         Verdict::Limits(Gate { weaken, reject })
     }
 
@@ -145,7 +134,7 @@ impl FixGate {
         }
         if self.agreeing.is_none() && self.open.is_some() {
             // Noise of a new size and not a jump: the usual size is to follow.
-            self.learn(nis.min(REJECT * self.usual().max(1.0)));
+            self.learn(nis.min(self.set.reject * self.usual().max(1.0)));
         }
         let since = self.agreeing.map_or(time, |(since, _)| since);
         self.agreeing = Some((since, *innovation));
@@ -206,35 +195,25 @@ impl FixGate {
     /// Whether innovations are usually so large that there is nothing to judge a fix by: the solution
     /// does not predict the fixes.
     pub(super) fn is_senseless(&self) -> bool {
-        self.usual() > SENSELESS
+        self.usual() > self.set.senseless
     }
 
     /// Usual NIS per degree of freedom: 1 when the stated accuracy is right.
     fn usual(&self) -> f64 {
-        if self.count < LEAST {
-            return FIRST_USUAL;
+        if self.count < self.set.least {
+            return self.set.first_usual;
         }
         let mut recent = self.recent;
         upper_median(&mut recent[..self.count.min(WINDOW)]) / MEDIAN
     }
 }
 
-/// What the fixes are told to be worth before there is a log to tell it: the information of a standard
-/// deviation of a factor of ten in the variance.
-const PRIOR: f64 = 0.2;
-/// Information that the factor remembers; its logarithm's standard deviation is this to the power −½.
-const MEMORY: f64 = 300.0;
-/// Largest change of the factor's logarithm by one fix, and largest logarithm.
-const STEP: f64 = 0.5;
-const RANGE: f64 = 9.2;
-/// Updates before the factor's mean is taken.
-const SETTLE: u64 = 40;
-
 /// The factor between stated and actual covariance of one kind of measurement, by recursive maximum
 /// likelihood of the innovations (Ljung & Söderström 1983, section 3.6): a step along the score over
 /// the information.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scale {
+    set: AdaptSettings,
     log: f64,
     information: f64,
     updates: u64,
@@ -244,10 +223,11 @@ pub(super) struct Scale {
 }
 
 impl Scale {
-    pub(super) fn new() -> Self {
+    pub(super) fn new(set: AdaptSettings) -> Self {
         Self {
+            set,
             log: 0.0,
-            information: PRIOR,
+            information: set.prior,
             updates: 0,
             sum: 0.0,
             weight: 0.0,
@@ -261,7 +241,7 @@ impl Scale {
 
     /// Mean factor on the standard deviation, once it has settled.
     pub(super) fn mean(&self) -> Option<f64> {
-        (self.updates > 2 * SETTLE).then(|| (0.5 * self.sum / self.weight).exp())
+        (self.updates > 2 * self.set.settle).then(|| (0.5 * self.sum / self.weight).exp())
     }
 
     /// Learns from an update with the covariance as scaled.
@@ -269,13 +249,13 @@ impl Scale {
         if update.outcome == Outcome::Rejected {
             return;
         }
-        self.information = (self.information + update.information).min(MEMORY);
+        self.information = (self.information + update.information).min(self.set.memory);
         let score = update.score.min(4.0 * update.information.sqrt());
-        self.log += (score / self.information).clamp(-STEP, STEP);
-        self.log = self.log.clamp(-RANGE, RANGE);
+        self.log += (score / self.information).clamp(-self.set.step, self.set.step);
+        self.log = self.log.clamp(-self.set.range, self.set.range);
         self.updates += 1;
-        if self.updates > SETTLE {
-            let weight = (self.updates - SETTLE) as f64;
+        if self.updates > self.set.settle {
+            let weight = (self.updates - self.set.settle) as f64;
             self.sum += weight * self.log;
             self.weight += weight;
         }
@@ -331,7 +311,7 @@ mod tests {
     }
 
     fn settled(summary: &mut Summary) -> FixGate {
-        let mut gate = FixGate::new(Part::Position, 0.0);
+        let mut gate = FixGate::new(Part::Position, 0.0, GateSettings::default());
         assert_eq!(show(&mut gate, 0.0, &[0.15; 40], summary), ".".repeat(40));
         gate
     }
@@ -385,7 +365,7 @@ mod tests {
     #[test]
     fn the_scale_finds_the_variance() {
         // Scalar innovations of variance 1 + 4·R, R stated 1.
-        let mut scale = Scale::new();
+        let mut scale = Scale::new(AdaptSettings::default());
         for i in 0..2000 {
             // Quantiles of the uniform distribution with the right variance, out of order.
             let u = f64::from((i * 617) % 2000) / 1999.0 * 2.0 - 1.0;

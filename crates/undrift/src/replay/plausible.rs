@@ -9,7 +9,10 @@ mod moves;
 mod turns;
 
 use super::{events::Implausible, settings::Settings};
-use crate::align::Heading;
+use crate::{
+    align::Heading,
+    settings::{PlausibilitySettings, within},
+};
 use moves::Moves;
 use turns::Turns;
 use undrift_nav::{
@@ -18,17 +21,9 @@ use undrift_nav::{
     sample::{GnssFix, ImuSample},
 };
 
-/// Length of the blocks that specific force is averaged over [s], and how many there must be.
-const BLOCK: f64 = 1.0;
-const LEAST_BLOCKS: u32 = 10;
-/// Multiples of gravity that a block of a vehicle may have, and the least share of such blocks.
-const GRAVITY: std::ops::Range<f64> = 0.7..1.4;
-const LEAST_SHARE: f64 = 0.1;
-/// Cosine of the angle between gravity and body down below which axes are not forward, right, down.
-const DOWN: f64 = 0.5;
-
 /// What is known so far.
 pub(super) struct Plausible {
+    set: PlausibilitySettings,
     /// Whether body axes are promised to be forward, right, down.
     level: bool,
     /// Specific force of the present block [m/s], its length [s].
@@ -45,15 +40,17 @@ pub(super) struct Plausible {
 
 impl Plausible {
     pub(super) fn new(settings: &Settings) -> Self {
+        let set = settings.engine.plausibility;
         Self {
+            set,
             level: settings.align.attitude.is_none() && settings.align.heading == Heading::Course,
             block: (Vector3::zeros(), 0.0),
             direction: Vector3::zeros(),
             logarithms: 0.0,
             blocks: 0,
             sound: 0,
-            turns: Turns::new(),
-            moves: Moves::default(),
+            turns: Turns::new(set),
+            moves: Moves::new(set),
         }
     }
 
@@ -61,12 +58,12 @@ impl Plausible {
     pub(super) fn sample(&mut self, sample: &ImuSample) {
         self.block.0 += sample.dvel;
         self.block.1 += sample.dt;
-        if self.block.1 >= BLOCK {
+        if self.block.1 >= self.set.block {
             let (sum, length) = std::mem::replace(&mut self.block, (Vector3::zeros(), 0.0));
             let ratio = sum.norm() / length / STANDARD_GRAVITY;
             if ratio.is_finite() {
                 self.blocks += 1;
-                self.sound += u32::from(GRAVITY.contains(&ratio));
+                self.sound += u32::from(within(self.set.gravity, ratio));
                 self.logarithms += ratio.max(1e-9).ln();
                 self.direction += sum.try_normalize(1e-9).unwrap_or_else(Vector3::zeros);
             }
@@ -90,11 +87,11 @@ impl Plausible {
         let mut found = Vec::new();
         let blocks = f64::from(self.blocks);
         let down = self.direction.try_normalize(0.5 * blocks).map(|up| -up);
-        if self.blocks >= LEAST_BLOCKS {
-            if f64::from(self.sound) < LEAST_SHARE * blocks {
+        if self.blocks >= self.set.least_blocks {
+            if f64::from(self.sound) < self.set.least_share * blocks {
                 found.push(Implausible::Gravity((self.logarithms / blocks).exp()));
             }
-            if let Some(down) = down.filter(|down| self.level && down.z < DOWN) {
+            if let Some(down) = down.filter(|down| self.level && down.z < self.set.down) {
                 found.push(Implausible::Down(down.into()));
             }
         }
@@ -103,7 +100,7 @@ impl Plausible {
             found.push(wrong);
         } else if let Some(down) = down {
             found.extend(self.turns.turns(&down));
-            if self.level && down.z > DOWN {
+            if self.level && down.z > self.set.down {
                 found.extend(self.turns.pushes());
             }
         }

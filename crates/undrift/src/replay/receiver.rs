@@ -7,7 +7,10 @@ use super::{
     summary::Summary,
     watch::LeanWatch,
 };
-use crate::estimator::{Aiding, Estimator};
+use crate::{
+    estimator::{Aiding, Estimator},
+    settings::EngineSettings,
+};
 use undrift_nav::{
     Matrix3, Vector3,
     earth::STANDARD_GRAVITY,
@@ -15,34 +18,11 @@ use undrift_nav::{
     sample::{GnssFix, Position},
 };
 
-/// A receiver that repeats a position while the solution moves on by more than this many of its
-/// standard deviations, and faster than this [m/s], is frozen.
-const FROZEN_SIGMAS: f64 = 3.0;
-const FROZEN_SPEED: f64 = 1.0;
-/// Fixes further apart than this [s] are not compared before the alignment; closer ones may differ by
-/// so much [m/s, m/s²], and so many standard deviations.
-const GAP: f64 = 2.5;
-const ODD_SPEED: f64 = 1.0;
-const ODD_ACCEL: f64 = 5.0;
-const ODD_SIGMAS: f64 = 5.0;
-/// For how long fixes that agree with each other are left out before a confirmed solution gives way [s].
-/// A receiver finds position and velocity in different ways: where both contradict the solution, or
-/// velocity does, it is more likely the solution that is wrong; where position alone does, the position.
-const PATIENCE: f64 = 3.0;
-const PATIENCE_POSITION_ALONE: f64 = 15.0;
-/// The same where there is no velocity to tell, and where the receiver repeats itself.
-const PATIENCE_NO_VELOCITY: f64 = 5.0;
-const PATIENCE_FROZEN: f64 = 60.0;
 /// Lets nothing through.
 const SHUT: Gate = Gate {
     weaken: -1.0,
     reject: -1.0,
 };
-/// Tilt that a contradiction is taken to stand for, at most [rad].
-const MOST_TILT: f64 = 0.1;
-/// Position and velocity both gave way three times within so long [s]: the solution is no longer one.
-const THREE_TIMES: f64 = 90.0;
-
 /// One part of the fixes.
 struct Channel {
     part: Part,
@@ -52,7 +32,8 @@ struct Channel {
 }
 
 /// What is known of the receiver so far.
-pub(super) struct Receiver {
+pub(super) struct Receiver<'a> {
+    settings: &'a EngineSettings,
     position: Channel,
     velocity: Channel,
     /// The last position, since when it has been the same [s], and the velocity then.
@@ -63,15 +44,16 @@ pub(super) struct Receiver {
     before: Option<GnssFix>,
 }
 
-impl Receiver {
-    pub(super) fn new(time: f64) -> Self {
+impl<'a> Receiver<'a> {
+    pub(super) fn new(time: f64, settings: &'a EngineSettings) -> Self {
         let channel = |part| Channel {
             part,
-            gate: FixGate::new(part, time),
-            scale: Scale::new(),
-            lean: LeanWatch::new(part),
+            gate: FixGate::new(part, time, settings.gate),
+            scale: Scale::new(settings.adapt),
+            lean: LeanWatch::new(part, settings.watch),
         };
         Self {
+            settings,
             position: channel(Part::Position),
             velocity: channel(Part::Velocity),
             same: None,
@@ -84,13 +66,14 @@ impl Receiver {
     pub(super) fn forget_solution(&mut self, time: f64, summary: &mut Summary) {
         let scales = (self.position.scale, self.velocity.scale);
         self.close(summary);
-        *self = Self::new(time);
+        *self = Self::new(time, self.settings);
         (self.position.scale, self.velocity.scale) = scales;
     }
 
     /// Whether a fix may serve to align: its velocity and its way from the fix before are the same to
     /// what their standard deviations and a vehicle's acceleration allow.
     pub(super) fn is_consistent(&mut self, fix: &GnssFix) -> bool {
+        let set = &self.settings.receiver;
         let before = self.before.replace(*fix);
         let (Some((to, r)), Some((v, r_v))) = (&fix.position, &fix.velocity) else {
             return true;
@@ -104,11 +87,11 @@ impl Receiver {
             (Position::Baseline { ned: from, .. }, Position::Baseline { ned: to, .. }) => to - from,
             _ => return true,
         };
-        if !(0.0..GAP).contains(&span) {
+        if !(0.0..set.odd_gap).contains(&span) {
             return true;
         }
         let sigmas = (2.0 * r.trace()).sqrt() / span + r_v.trace().sqrt();
-        (way / span - v).norm() < ODD_SPEED + ODD_ACCEL * span + ODD_SIGMAS * sigmas
+        (way / span - v).norm() < set.odd_speed + set.odd_accel * span + set.odd_sigmas * sigmas
     }
 
     /// Updates the filter, which stands at or after the time `due` [s] at which the fix holds, with its
@@ -121,6 +104,7 @@ impl Receiver {
         settings: &Settings,
         summary: &mut Summary,
     ) -> [Option<Result<Update, FilterError>>; 2] {
+        let set = &self.settings.receiver;
         let lever_arm = settings.lever_arm;
         let with_velocity = fix.velocity.is_some() && settings.gnss_use != GnssUse::Position;
         let mut updates = [None, None];
@@ -147,10 +131,10 @@ impl Receiver {
                 open,
                 frozen,
                 patience: match (frozen, with_velocity) {
-                    (true, _) => PATIENCE_FROZEN,
-                    (_, false) => PATIENCE_NO_VELOCITY,
-                    _ if self.velocity.gate.is_in_doubt() => PATIENCE,
-                    _ => PATIENCE_POSITION_ALONE,
+                    (true, _) => set.patience_frozen,
+                    (_, false) => set.patience_no_velocity,
+                    _ if self.velocity.gate.is_in_doubt() => set.patience,
+                    _ => set.patience_position_alone,
                 },
                 speed_doubted: !with_velocity,
             };
@@ -176,7 +160,11 @@ impl Receiver {
                 time: fix.time,
                 open,
                 frozen,
-                patience: if frozen { PATIENCE_FROZEN } else { PATIENCE },
+                patience: if frozen {
+                    set.patience_frozen
+                } else {
+                    set.patience
+                },
                 speed_doubted: true,
             };
             updates[1] = Some(self.velocity.update(filter, &offer, settings, summary));
@@ -196,12 +184,13 @@ impl Receiver {
                 return false;
             }
         };
+        let set = &self.settings.receiver;
         let velocity = filter.antenna_velocity(lever).xy();
         let std = filter.nav_std();
         let unsure = std[3].max(std[4]);
         let moved = velocity.norm() * (fix.time - since);
-        velocity.norm() > FROZEN_SPEED + FROZEN_SIGMAS * unsure
-            && moved > FROZEN_SIGMAS * r.fixed_view::<2, 2>(0, 0).trace().sqrt()
+        velocity.norm() > set.frozen_speed + set.frozen_sigmas * unsure
+            && moved > set.frozen_sigmas * r.fixed_view::<2, 2>(0, 0).trace().sqrt()
     }
 
     /// Whether position and velocity have both given way to fixes again and again.
@@ -211,7 +200,7 @@ impl Receiver {
             .gate
             .third_last()
             .min(self.velocity.gate.third_last());
-        time - both < THREE_TIMES
+        time - both < self.settings.receiver.three_times
     }
 
     /// Writes down what goes on at the end.
@@ -273,7 +262,8 @@ impl Channel {
                         (Part::Position, true) => (size, size / duration),
                         (Part::Position, false) => (size, 0.0),
                     };
-                    let tilt = (velocity / (STANDARD_GRAVITY * duration)).min(MOST_TILT);
+                    let tilt = (velocity / (STANDARD_GRAVITY * duration))
+                        .min(settings.engine.receiver.most_tilt);
                     filter.doubt(position, velocity, tilt);
                     self.gate.give_way(time, &innovation, summary);
                 }

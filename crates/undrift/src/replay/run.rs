@@ -22,9 +22,6 @@ use undrift_nav::{
     sample::{GnssFix, ImuSample},
 };
 
-/// A gap longer than this [s] ends the solution: nothing is left of the attitude by then.
-const LONGEST_GAP: f64 = 60.0;
-
 /// The state of a replay between samples.
 pub(super) struct Run<'a> {
     settings: &'a Settings,
@@ -33,7 +30,7 @@ pub(super) struct Run<'a> {
     alignment: Alignment,
     log: Log,
     /// Watch over solution and fixes.
-    receiver: Receiver,
+    receiver: Receiver<'a>,
     streak: Streak,
     plausible: Plausible,
     vehicle: Vehicle,
@@ -70,8 +67,8 @@ impl<'a> Run<'a> {
                 again: false,
             },
             log: Log::default(),
-            receiver: Receiver::new(f64::NEG_INFINITY),
-            streak: Streak::default(),
+            receiver: Receiver::new(f64::NEG_INFINITY, &settings.engine),
+            streak: Streak::new(settings.engine.watch),
             plausible: Plausible::new(settings),
             vehicle: Vehicle::new(settings),
         }
@@ -118,7 +115,7 @@ impl<'a> Run<'a> {
                 }
                 Measurement::Barometer(height) => {
                     if let Some(solution) = &mut self.solution {
-                        Vehicle::barometer(solution, &height, &mut self.summary);
+                        Vehicle::barometer(solution, &height, self.settings, &mut self.summary);
                     }
                 }
             }
@@ -217,7 +214,7 @@ impl<'a> Run<'a> {
     /// The sample as it is, or after a gap too long for anything to be known behind it the last interval
     /// of it alone, with which the log begins as if there was nothing before.
     fn after_gap(&mut self, sample: ImuSample) -> (ImuSample, bool) {
-        if sample.dt <= LONGEST_GAP {
+        if sample.dt <= self.settings.engine.gaps.longest {
             return (sample, false);
         }
         let before = sample.time - sample.dt;
@@ -277,9 +274,11 @@ impl<'a> Run<'a> {
         self.alignment.again = false;
         self.log.last_fix = Some(fix.time);
         observer.used(fix.time);
-        self.streak = Streak::default();
+        self.streak = Streak::new(self.settings.engine.watch);
         self.receiver.forget_solution(fix.time, &mut self.summary);
-        let solution = self.solution.insert(Solution::new(aligned.filter));
+        let solution = self
+            .solution
+            .insert(Solution::new(aligned.filter, self.settings.engine.gaps));
         solution.node(self.settings.nodes, observer)?;
         // The rest of this sample's interval.
         let rest = sample.time - fix.time;
@@ -297,7 +296,10 @@ impl<'a> Run<'a> {
         observer: &mut dyn Observer,
     ) -> Result<(), ReplayError> {
         let withheld = self.settings.outages.iter().any(|o| o.contains(fix.time));
-        let fix = &self.settings.quality.apply(fix);
+        let fix = &self
+            .settings
+            .quality
+            .apply(fix, &self.settings.engine.quality);
         if self.solution.is_none() && withheld {
             self.summary.withheld += 1;
             return Ok(());

@@ -1,7 +1,9 @@
 //! How a log is navigated.
 
 use super::quality::QualityStd;
-use crate::{align::AlignSettings, estimator::STAMP_ROUNDING, vehicle::Constraints};
+use crate::{
+    align::AlignSettings, estimator::STAMP_ROUNDING, settings::EngineSettings, vehicle::Constraints,
+};
 use undrift_nav::{Vector3, covariance::AXES, parameters::Parameters, shaping::ShapingFilter};
 
 /// Half-open span of time without GNSS: fixes after `start` up to and including `end` are withheld.
@@ -50,6 +52,8 @@ pub struct Settings {
     /// What the first attitude, sensor states and parameters after alignment are off by, as a smoother
     /// has found in a run before: taken out before navigation begins.
     pub start: Option<Vec<f64>>,
+    /// Limits and time constants of alignment and replay.
+    pub engine: EngineSettings,
 }
 
 impl Settings {
@@ -70,6 +74,7 @@ impl Settings {
             quality: QualityStd::AsStated,
             nodes: None,
             start: None,
+            engine: EngineSettings::default(),
         }
     }
 }

@@ -5,17 +5,15 @@ use super::{
     observer::{Observer, ReplayError},
     summary::Summary,
 };
-use crate::estimator::{Estimator, STAMP_ROUNDING};
+use crate::{
+    estimator::{Estimator, STAMP_ROUNDING},
+    settings::GapSettings,
+};
 use undrift_nav::{parameters::Parameter, sample::ImuSample};
-
-/// A gap longer than this many sample intervals is not one late sample …
-const GAP_INTERVALS: f64 = 1.5;
-/// What a vehicle may do unseen in a long gap: acceleration [m/s²] and turn rate [rad/s], one sigma.
-const GAP_ACCEL: f64 = 2.0;
-const GAP_RATE: f64 = 0.2;
 
 pub(super) struct Solution {
     pub(super) filter: Box<dyn Estimator>,
+    set: GapSettings,
     /// While a gap is being bridged.
     bridge: Option<Bridge>,
     /// Time of the last node of a smoother \[s\].
@@ -23,9 +21,10 @@ pub(super) struct Solution {
 }
 
 impl Solution {
-    pub(super) fn new(filter: Box<dyn Estimator>) -> Self {
+    pub(super) fn new(filter: Box<dyn Estimator>, set: GapSettings) -> Self {
         Self {
             filter,
+            set,
             bridge: None,
             last_node: f64::NEG_INFINITY,
         }
@@ -45,11 +44,16 @@ impl Solution {
         interval: f64,
         summary: &mut Summary,
     ) {
-        if sample.dt <= GAP_INTERVALS * interval {
+        if sample.dt <= self.set.intervals * interval {
             self.filter.begin(sample);
             return;
         }
-        let mut bridge = Bridge::new(sample, previous.filter(|p| p.dt > 0.0), interval);
+        let mut bridge = Bridge::new(
+            sample,
+            previous.filter(|p| p.dt > 0.0),
+            interval,
+            self.set.longest_bridge,
+        );
         match bridge.unknown_since {
             Some(start) => summary.long_gap(start, sample.dt),
             None => summary.bridged += 1,
@@ -79,7 +83,7 @@ impl Solution {
             && let Some(since) = bridge.unknown_since
         {
             self.filter
-                .grow((time - since).max(0.0), GAP_RATE, GAP_ACCEL);
+                .grow((time - since).max(0.0), self.set.rate, self.set.accel);
             bridge.unknown_since = Some(time);
         }
     }

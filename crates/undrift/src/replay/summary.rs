@@ -134,7 +134,7 @@ pub struct Summary {
     pub diverged: Option<f64>,
     /// The covariance at the end, if there is a solution.
     pub covariance: Option<CovarianceHealth>,
-    /// Start of the first [`super::SUSPECT_UPDATES`] updates on end, or fewer at the end of the log, whose
+    /// Start of the first `WatchSettings::suspect_updates` updates on end, or fewer at the end of the log, whose
     /// innovations were far beyond their predicted size [s].
     pub suspect: Option<f64>,
 }
@@ -199,6 +199,4 @@ impl Summary {
             self.more_contradictions += 1;
         }
     }
-}
-
 }

@@ -10,6 +10,7 @@ use super::{
 };
 use crate::{
     estimator::{Aiding, Estimator},
+    settings::ConstraintSettings,
     vehicle::NonHolonomic,
 };
 use undrift_nav::{
@@ -17,14 +18,6 @@ use undrift_nav::{
     filter::{Gate, Outcome, Update},
     sample::{GnssFix, ImuSample},
 };
-
-/// Constraints are left out where they contradict the solution far beyond both.
-const CONSTRAINT_GATE: Gate = Gate {
-    weaken: 9.0,
-    reject: 100.0,
-};
-/// The speed of a fix holds for so long [s].
-const SPEED_HOLDS: f64 = 1.5;
 
 /// What is known of the vehicle's motion beside the solution.
 pub(super) struct Vehicle {
@@ -40,14 +33,21 @@ fn isotropic(std: f64) -> Matrix3 {
 }
 
 /// Updates with something that is known of the vehicle.
-fn constrain(filter: &mut dyn Estimator, aiding: &Aiding, noise: &Matrix3) -> Option<Update> {
-    filter.update(aiding, noise, &CONSTRAINT_GATE).ok()?
+fn constrain(
+    filter: &mut dyn Estimator,
+    aiding: &Aiding,
+    noise: &Matrix3,
+    settings: &Settings,
+) -> Option<Update> {
+    let ConstraintSettings { weaken, reject, .. } = settings.engine.constraints;
+    let gate = Gate { weaken, reject };
+    filter.update(aiding, noise, &gate).ok()?
 }
 
 impl Vehicle {
     pub(super) fn new(settings: &Settings) -> Self {
         Self {
-            rest: RestDetector::new(&settings.sensors),
+            rest: RestDetector::new(&settings.sensors, settings.engine.rest),
             last_speed: None,
             last_constraint: f64::NEG_INFINITY,
         }
@@ -64,14 +64,19 @@ impl Vehicle {
             speed: speed.value,
             lever_arm: settings.constraints.odometer_lever,
         };
-        if let Some(update) = scalar(solution, speed, &aiding) {
+        if let Some(update) = scalar(solution, speed, &aiding, settings) {
             summary.odometer.add(update);
         }
     }
 
     /// A barometric height within the present sample.
-    pub(super) fn barometer(solution: &mut Solution, height: &Scalar, summary: &mut Summary) {
-        if let Some(update) = scalar(solution, height, &Aiding::Barometer(height.value)) {
+    pub(super) fn barometer(
+        solution: &mut Solution,
+        height: &Scalar,
+        settings: &Settings,
+        summary: &mut Summary,
+    ) {
+        if let Some(update) = scalar(solution, height, &Aiding::Barometer(height.value), settings) {
             summary.barometer.add(update);
         }
     }
@@ -89,7 +94,7 @@ impl Vehicle {
         {
             let noise = 0.5 * error * error / (speed * speed) + std * std;
             let course = Aiding::Course(v_n.y.atan2(v_n.x));
-            let _ = constrain(filter, &course, &(Matrix3::identity() * noise));
+            let _ = constrain(filter, &course, &(Matrix3::identity() * noise), settings);
         }
     }
 
@@ -105,9 +110,10 @@ impl Vehicle {
     ) {
         let constraints = &settings.constraints;
         if constraints.zero_velocity.is_some() || constraints.zero_angular_rate.is_some() {
-            let speed = self
-                .last_speed
-                .filter(|(time, _)| sample.time - time < SPEED_HOLDS && last_fix == Some(*time));
+            let speed = self.last_speed.filter(|(time, _)| {
+                sample.time - time < settings.engine.constraints.speed_holds
+                    && last_fix == Some(*time)
+            });
             let block = self.rest.add(
                 sample,
                 &readings_at_rest(filter),
@@ -123,7 +129,7 @@ impl Vehicle {
             && filter.vehicle_velocity(&rule.lever).x.abs() > rule.min_speed
         {
             self.last_constraint = sample.time;
-            if let Some(update) = stay_on_track(filter, rule) {
+            if let Some(update) = stay_on_track(filter, rule, settings) {
                 summary.non_holonomic.add(update);
             }
         }
@@ -131,13 +137,23 @@ impl Vehicle {
 }
 
 /// Updates with a measurement of one number; not in a long gap, where the attitude is not known.
-fn scalar(solution: &mut Solution, measured: &Scalar, aiding: &Aiding) -> Option<Update> {
+fn scalar(
+    solution: &mut Solution,
+    measured: &Scalar,
+    aiding: &Aiding,
+    settings: &Settings,
+) -> Option<Update> {
     let unknown = solution.in_long_gap();
     solution.advance_to(measured.time);
     if unknown {
         return None;
     }
-    constrain(&mut *solution.filter, aiding, &isotropic(measured.std))
+    constrain(
+        &mut *solution.filter,
+        aiding,
+        &isotropic(measured.std),
+        settings,
+    )
 }
 
 /// What the sensors should read at rest: rate \[rad/s\] and specific force \[m/s²\].
@@ -160,7 +176,7 @@ fn stand_still(
 ) -> bool {
     let mut rest = block.rest;
     if let Some(std) = settings.constraints.zero_velocity.filter(|_| rest)
-        && let Some(done) = constrain(filter, &Aiding::ZeroVelocity, &isotropic(std))
+        && let Some(done) = constrain(filter, &Aiding::ZeroVelocity, &isotropic(std), settings)
     {
         // A solution that is sure to move is believed.
         rest = done.outcome != Outcome::Rejected;
@@ -175,16 +191,21 @@ fn stand_still(
             filter,
             &Aiding::EarthRate(block.rate),
             &Matrix3::from_diagonal(&noise),
+            settings,
         );
     }
     rest
 }
 
 /// Updates with what wheels do not do.
-fn stay_on_track(filter: &mut dyn Estimator, rule: &NonHolonomic) -> Option<Update> {
+fn stay_on_track(
+    filter: &mut dyn Estimator,
+    rule: &NonHolonomic,
+    settings: &Settings,
+) -> Option<Update> {
     let lateral = (filter.vehicle_velocity(&rule.lever).x * filter.omega_nb_b().z).abs();
     let right = rule.right + rule.slip * lateral;
     let noise = Vector3::new(right * right, rule.down * rule.down, 0.0);
     let aiding = Aiding::NonHolonomic(rule.lever);
-    constrain(filter, &aiding, &Matrix3::from_diagonal(&noise))
+    constrain(filter, &aiding, &Matrix3::from_diagonal(&noise), settings)
 }

@@ -4,22 +4,13 @@ use super::{
     events::{Lean, Part},
     summary::{MOST_EVENTS, Summary},
 };
+use crate::settings::WatchSettings;
 use undrift_nav::{Vector3, filter::Update};
 use undrift_noise::order_statistics::upper_median;
 
-/// NIS per degree of freedom over this many updates …
-pub const SUSPECT_UPDATES: u32 = 20;
-/// … and above this value makes a solution suspect of divergence.
-pub const SUSPECT_NIS: f64 = 25.0;
-/// A solution that was sound and whose innovations have been far beyond their size for so long [s] begins
-/// anew.
-const SICK: f64 = 30.0;
-/// NIS per degree of freedom of a sound solution.
-const SOUND_NIS: f64 = 4.0;
-
 /// Updates, their NIS and degrees of freedom since the count began, and when that was [s].
-#[derive(Default)]
 pub(super) struct Streak {
+    set: WatchSettings,
     updates: u32,
     nis: f64,
     dof: u32,
@@ -30,6 +21,18 @@ pub(super) struct Streak {
 }
 
 impl Streak {
+    pub(super) fn new(set: WatchSettings) -> Self {
+        Self {
+            set,
+            updates: 0,
+            nis: 0.0,
+            dof: 0,
+            start: 0.0,
+            sound: false,
+            sick_since: None,
+        }
+    }
+
     /// Watches for innovations far beyond their covariance, block by block.
     pub(super) fn watch(&mut self, update: Update, time: f64, summary: &mut Summary) {
         if self.updates == 0 {
@@ -38,14 +41,15 @@ impl Streak {
         self.updates += 1;
         self.nis += update.nis;
         self.dof += update.dof as u32;
-        if self.updates == SUSPECT_UPDATES {
+        if self.updates == self.set.suspect_updates {
             self.judge(summary);
         }
     }
 
-    /// Whether a solution that was sound has been beyond its size for long [`SICK`].
+    /// Whether a solution that was sound has been beyond its size for long [`WatchSettings::sick`].
     pub(super) fn is_sick(&self, time: f64) -> bool {
-        self.sick_since.is_some_and(|since| time - since > SICK)
+        self.sick_since
+            .is_some_and(|since| time - since > self.set.sick)
     }
 
     pub(super) fn judge(&mut self, summary: &mut Summary) {
@@ -53,7 +57,7 @@ impl Streak {
             return;
         }
         let nis = self.nis / f64::from(self.dof);
-        if nis > SUSPECT_NIS {
+        if nis > self.set.suspect_nis {
             if summary.suspect.is_none() {
                 summary.suspect = Some(self.start);
             }
@@ -62,25 +66,19 @@ impl Streak {
             }
         } else {
             self.sick_since = None;
-            self.sound |= nis < SOUND_NIS;
+            self.sound |= nis < self.set.sound_nis;
         }
         (self.updates, self.nis, self.dof) = (0, 0.0, 0);
     }
 }
 
-/// Fixes in a block of [`LeanWatch`].
-const BLOCK: usize = 40;
-/// The mean over a block leans when it is this many times the usual and the expected size, squared.
-const LEANS: f64 = 60.0;
 /// Blocks that the usual size is taken from, and how many there must be.
 const BLOCKS: usize = 20;
-const LEAST_BLOCKS: usize = 5;
-/// Whitened innovations count up to this size: an outlier alone does not make a lean.
-const CLIP: f64 = 4.0;
 
 /// Watches the means of whitened innovations for a slow drift of fixes that each pass the gate.
 pub(super) struct LeanWatch {
     part: Part,
+    set: WatchSettings,
     start: f64,
     updates: usize,
     white: Vector3,
@@ -91,9 +89,10 @@ pub(super) struct LeanWatch {
 }
 
 impl LeanWatch {
-    pub(super) fn new(part: Part) -> Self {
+    pub(super) fn new(part: Part, set: WatchSettings) -> Self {
         Self {
             part,
+            set,
             start: 0.0,
             updates: 0,
             white: Vector3::zeros(),
@@ -115,18 +114,19 @@ impl LeanWatch {
             self.start = time;
         }
         self.updates += 1;
-        self.white += Vector3::from(update.whitened).map(|w| w.clamp(-CLIP, CLIP));
+        self.white +=
+            Vector3::from(update.whitened).map(|w| w.clamp(-self.set.clip, self.set.clip));
         self.innovation += innovation;
-        if self.updates < BLOCK {
+        if self.updates < self.set.lean_block {
             return;
         }
         // χ²(3)/3 for white innovations.
-        let size = self.white.norm_squared() / (3.0 * BLOCK as f64);
-        let mean: [f64; 3] = (self.innovation / BLOCK as f64).into();
+        let size = self.white.norm_squared() / (3.0 * self.set.lean_block as f64);
+        let mean: [f64; 3] = (self.innovation / self.set.lean_block as f64).into();
         (self.updates, self.white, self.innovation) = (0, Vector3::zeros(), Vector3::zeros());
         let mut known = self.usual;
         let usual = upper_median(&mut known[..self.count.min(BLOCKS)]);
-        if self.count >= LEAST_BLOCKS && size > LEANS * usual.max(1.0) {
+        if self.count >= self.set.least_blocks && size > self.set.leans * usual.max(1.0) {
             let length = |m: &[f64; 3]| Vector3::from(*m).norm();
             let open = self.open.get_or_insert(Lean {
                 part: self.part,

@@ -9,6 +9,7 @@ mod montecarlo;
 mod public_drives;
 mod pull_away;
 mod rest;
+mod settings;
 mod shaping_forms;
 mod smoothing;
 mod streams;

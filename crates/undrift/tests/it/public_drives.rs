@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 use undrift::{
     drive::Drive,
     io::ReadError,
-    mounting,
-    navigate::{Wanted, navigate, settings},
+    navigate::{Wanted, navigate, resolve_mounting, settings},
     noise::BiasModel,
     outages::{self, ModelErrors, Schedule},
     reference::HORIZONTAL,
@@ -32,7 +31,7 @@ fn data(folder: &str) -> PathBuf {
 }
 
 fn cut(drive: &Drive, models: &[BiasModel], plan: &Schedule, length: f64) -> Vec<ModelErrors> {
-    let drive = &mounting::resolve(drive).unwrap().0;
+    let drive = &resolve_mounting(drive).unwrap().0;
     let imu: Result<Vec<_>, ReadError> = drive.open_imu().unwrap().collect();
     let gnss: Result<Vec<_>, ReadError> = drive.open_gnss().unwrap().collect();
     let gnss = gnss.unwrap();

@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 use undrift::{
     drive::Drive,
     io::ReadError,
-    mounting,
-    navigate::settings,
+    navigate::{resolve_mounting, settings},
     noise::BiasModel,
     outages::{self, ModelErrors, Schedule},
     reference::HORIZONTAL,
@@ -24,7 +23,7 @@ fn example(name: &str, folder: &str) -> Option<Drive> {
         return None;
     }
     let drive = Drive::load(&root().join("examples").join(name), Some(&folder));
-    let (drive, _) = mounting::resolve(&drive.unwrap()).unwrap();
+    let (drive, _) = resolve_mounting(&drive.unwrap()).unwrap();
     Some(drive)
 }
 

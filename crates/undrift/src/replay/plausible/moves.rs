@@ -1,21 +1,14 @@
 //! Whether positions move as velocities say.
 
-use crate::replay::events::{FixMend, FixMend::*, Implausible};
+use crate::{
+    replay::events::{FixMend, FixMend::*, Implausible},
+    settings::PlausibilitySettings,
+};
 use undrift_nav::{
     Vector3,
     earth::Geodetic,
     sample::{GnssFix, Position},
 };
-
-/// Length of the windows over which position and velocity are compared [s], and how many there must be.
-const MOVE_WINDOW: f64 = 2.0;
-const LEAST_MOVES: u32 = 8;
-/// Fixes further apart than this do not belong together [s].
-const APART: f64 = 2.5;
-/// Least share of windows of motion that are as they should be.
-const LEAST_SANE: f64 = 0.4;
-/// Two displacements agree to this part of the larger one.
-const AGREE: f64 = 0.2;
 
 /// What may be wrong with the fixes, and the matrix on the velocity (north, east) that mends it.
 const MENDS: [(FixMend, [f64; 4]); 11] = [
@@ -36,8 +29,8 @@ const MENDS: [(FixMend, [f64; 4]); 11] = [
 type Place = (f64, Vector3, Option<(Geodetic, f64)>);
 
 /// What is known so far.
-#[derive(Default)]
 pub(super) struct Moves {
+    set: PlausibilitySettings,
     /// The last fix, where the present window of motion began, and how far velocity went since [m].
     last: Option<Place>,
     began: Option<(f64, Geodetic)>,
@@ -50,6 +43,18 @@ pub(super) struct Moves {
 }
 
 impl Moves {
+    pub(super) fn new(set: PlausibilitySettings) -> Self {
+        Self {
+            set,
+            last: None,
+            began: None,
+            moved: Vector3::zeros(),
+            moves: 0,
+            sane: 0,
+            unexplained: [0.0; MENDS.len()],
+        }
+    }
+
     /// Takes in a fix of this velocity.
     pub(super) fn fix(&mut self, fix: &GnssFix, velocity: &Vector3) {
         let (time, velocity) = (fix.time, *velocity);
@@ -69,11 +74,11 @@ impl Moves {
             return;
         };
         self.moved += (velocity + before) * (0.5 * (time - last));
-        if time - last <= APART && time - start < MOVE_WINDOW {
+        if time - last <= self.set.apart && time - start < self.set.move_window {
             return;
         }
         let (seen, told) = (origin.offset_to(&position), self.moved);
-        let together = time - last <= APART;
+        let together = time - last <= self.set.apart;
         (self.began, self.moved) = (Some((time, position)), Vector3::zeros());
         let size = seen.xy().norm().max(told.xy().norm());
         // Noise of two positions is to be small against the way.
@@ -82,7 +87,7 @@ impl Moves {
         }
         self.moves += 1;
         let left = (seen - told).xy().norm();
-        self.sane += u32::from(left < AGREE * size + 3.0 * std);
+        self.sane += u32::from(left < self.set.agree * size + 3.0 * std);
         for (unexplained, (mend, matrix)) in self.unexplained.iter_mut().zip(MENDS) {
             let [nn, mut ne, mut en, ee] = matrix;
             if mend == PositionSwapped {
@@ -99,12 +104,13 @@ impl Moves {
     /// What the moves show.
     pub(super) fn finding(&self) -> Option<Implausible> {
         let moves = f64::from(self.moves);
-        if self.moves < LEAST_MOVES || f64::from(self.sane) >= LEAST_SANE * moves {
+        if self.moves < self.set.least_moves || f64::from(self.sane) >= self.set.least_sane * moves
+        {
             return None;
         }
         let best = (0..MENDS.len())
             .min_by(|a, b| self.unexplained[*a].total_cmp(&self.unexplained[*b]))
-            .filter(|k| self.unexplained[*k] < AGREE * moves);
+            .filter(|k| self.unexplained[*k] < self.set.agree * moves);
         Some(Implausible::Velocity(best.map(|k| MENDS[k].0)))
     }
 }

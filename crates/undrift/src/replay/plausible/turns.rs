@@ -1,29 +1,14 @@
 //! Turns and accelerations: what the fixes show of them and what the sensors do.
 
-use crate::replay::events::Implausible;
+use crate::{
+    replay::events::Implausible,
+    settings::{PlausibilitySettings, within},
+};
 use std::collections::VecDeque;
 use undrift_nav::{Vector3, earth::wrap_pi, sample::ImuSample};
 
-/// Speed below which there is no course [m/s], and its largest standard deviation [rad].
-const COURSE_SPEED: f64 = 3.0;
-const COURSE_STD: f64 = 0.1;
-/// Length of a turn's window [s]; what turns further in it is an outlier [rad].
-const TURN_WINDOW: std::ops::Range<f64> = 0.9..2.5;
-const MOST_TURN: f64 = 1.0;
-/// Sum of squares of the turns that is enough to judge by [rad²]: one right-angle bend.
-const ENOUGH_TURN: f64 = 0.25;
 /// Lags at which turns are compared: so many steps of so many seconds to each side.
 const LAGS: usize = 120;
-const LAG: f64 = 0.25;
-/// Windows that have to be compared before a lag is believed.
-const LAG_WINDOWS: f64 = 20.0;
-/// From one entry of the history of turns to the next [s].
-const HISTORY_STEP: f64 = 0.1;
-/// Multiples of the gyros' turns that the course may turn by: a bank makes 1/cos of it.
-const TURN_SCALE: std::ops::Range<f64> = 0.6..1.7;
-
-/// Sum of squares of the accelerations that is enough to judge by [m²/s⁴]: some ten seconds of 0.5 m/s².
-const ENOUGH_PUSH: f64 = 2.5;
 
 /// Sums of a regression of y on x with means.
 #[derive(Clone, Copy, Default)]
@@ -86,6 +71,7 @@ struct Turn {
 
 /// What is known so far.
 pub(super) struct Turns {
+    set: PlausibilitySettings,
     /// What was gathered since the start, now and at the last times in order.
     sums: Sums,
     history: VecDeque<(f64, Sums)>,
@@ -103,8 +89,9 @@ pub(super) struct Turns {
 }
 
 impl Turns {
-    pub(super) fn new() -> Self {
+    pub(super) fn new(set: PlausibilitySettings) -> Self {
         Self {
+            set,
             sums: Sums::default(),
             history: VecDeque::new(),
             course: None,
@@ -124,18 +111,18 @@ impl Turns {
         self.sums.angle += sample.dtheta;
         self.sums.velocity += sample.dvel;
         let last = self.history.back();
-        if last.is_some_and(|(last, _)| sample.time - last < HISTORY_STEP) {
+        if last.is_some_and(|(last, _)| sample.time - last < self.set.history_step) {
             return;
         }
         self.history.push_back((sample.time, self.sums));
-        let keep = 2.0 * LAGS as f64 * LAG + 2.0 * TURN_WINDOW.end;
+        let keep = 2.0 * LAGS as f64 * self.set.lag + 2.0 * self.set.turn_window[1];
         while let Some((first, _)) = self.history.front()
             && sample.time - first > keep
         {
             self.history.pop_front();
         }
         while let Some(window) = self.waiting.front().copied()
-            && window.end + LAGS as f64 * LAG + HISTORY_STEP <= sample.time
+            && window.end + LAGS as f64 * self.set.lag + self.set.history_step <= sample.time
         {
             self.waiting.pop_front();
             self.compare(&window);
@@ -153,7 +140,7 @@ impl Turns {
     pub(super) fn velocity(&mut self, time: f64, velocity: &Vector3, variance: f64) {
         let speed = velocity.xy().norm();
         let noise = variance / (speed * speed);
-        if speed < COURSE_SPEED || noise > COURSE_STD * COURSE_STD {
+        if speed < self.set.course_speed || noise > self.set.course_std * self.set.course_std {
             self.course = None;
             return;
         }
@@ -162,12 +149,12 @@ impl Turns {
             self.course = Some((time, course, speed));
             return;
         };
-        if time - start < TURN_WINDOW.start {
+        if time - start < self.set.turn_window[0] {
             return;
         }
         self.course = Some((time, course, speed));
         let turn = wrap_pi(course - before);
-        if time - start <= TURN_WINDOW.end && turn.abs() < MOST_TURN {
+        if time - start <= self.set.turn_window[1] && turn.abs() < self.set.most_turn {
             self.noise += 2.0 * noise;
             self.waiting.push_back(Turn {
                 start,
@@ -197,7 +184,7 @@ impl Turns {
     /// Compares what a vehicle did over ground with what its sensors saw, turns at every lag.
     fn compare(&mut self, window: &Turn) {
         for k in 0..self.lags.len() {
-            let late = (k as f64 - LAGS as f64) * LAG;
+            let late = (k as f64 - LAGS as f64) * self.set.lag;
             let (start, end) = (window.start + late, window.end + late);
             let (Some(a), Some(b)) = (self.sums_at(start), self.sums_at(end)) else {
                 continue;
@@ -224,7 +211,7 @@ impl Turns {
     pub(super) fn pushes(&self) -> Option<Implausible> {
         let along = |of: usize| -> Option<i8> {
             let [x, y] = [&self.pushes[of][0], &self.pushes[of][1]];
-            if x.power() < ENOUGH_PUSH {
+            if x.power() < self.set.enough_push {
                 return None;
             }
             let ((x, of_x), (y, of_y)) = (x.fit(), y.fit());
@@ -245,13 +232,13 @@ impl Turns {
     pub(super) fn turns(&self, down: &Vector3) -> Vec<Implausible> {
         let now = &self.lags[LAGS];
         let signal = now.power() - self.noise;
-        if signal < ENOUGH_TURN || signal < 2.0 * self.noise {
+        if signal < self.set.enough_turn || signal < 2.0 * self.noise {
             return Vec::new();
         }
         let (mut scale, mut r2) = now.fit();
         let mut found = Vec::new();
         let fits = self.lags.iter().map(|lag| match lag {
-            lag if lag.n >= LAG_WINDOWS && lag.power() > 0.5 * now.power() => lag.fit(),
+            lag if lag.n >= self.set.lag_windows && lag.power() > 0.5 * now.power() => lag.fit(),
             _ => (0.0, 0.0),
         });
         let best = fits.enumerate().max_by(|a, b| a.1.1.total_cmp(&b.1.1));
@@ -259,7 +246,7 @@ impl Turns {
             && best > 0.8
             && 1.0 - r2 > 4.0 * (1.0 - best) + 0.05
         {
-            found.push(Implausible::Late((k as f64 - LAGS as f64) * LAG));
+            found.push(Implausible::Late((k as f64 - LAGS as f64) * self.set.lag));
             (scale, r2) = (there, best);
         }
         let of_axis = self.axes.iter().map(Regression::fit).enumerate();
@@ -269,11 +256,11 @@ impl Turns {
                 if best > 0.9
                     && best > r2
                     && down[axis].abs() < 0.3
-                    && TURN_SCALE.contains(&of.abs()) =>
+                    && within(self.set.turn_scale, of.abs()) =>
             {
                 found.push(Implausible::TurnAxis(axis));
             }
-            _ if r2 > 0.7 && !TURN_SCALE.contains(&scale) => {
+            _ if r2 > 0.7 && !within(self.set.turn_scale, scale) => {
                 found.push(Implausible::TurnScale(scale));
             }
             _ if r2 < 0.1 => found.push(Implausible::NoTurn),

@@ -1,0 +1,332 @@
+//! The limits and time constants of alignment and replay, each with its unit and reason.
+//!
+//! [`EngineSettings::default`] holds the values that everything in docs/ was measured with;
+//! `docs/settings.md` lists them. What a user sets for a drive is in [`crate::replay::Settings`].
+
+/// Makes the structs, their defaults and the list of all fields from one line a field.
+macro_rules! settings {
+    ($($(#[doc = $about:literal])+ $name:ident {
+        $($(#[doc = $doc:literal])+ $field:ident: $type:ty = $value:expr,)+
+    })+) => {
+        $($(#[doc = $about])+
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct $name {
+            $($(#[doc = $doc])+ pub $field: $type,)+
+        }
+
+        impl Default for $name {
+            fn default() -> Self {
+                Self { $($field: $value,)+ }
+            }
+        }
+        )+
+
+        /// Every field: its struct, its name, its default and what it is.
+        pub const ALL: &[[&str; 4]] = &[$($(
+            [stringify!($name), stringify!($field), stringify!($value), concat!($($doc),+)],
+        )+)+];
+    };
+}
+
+/// Whether a value lies between two limits, the upper one excluded.
+pub(crate) fn within([low, high]: [f64; 2], value: f64) -> bool {
+    low <= value && value < high
+}
+
+settings! {
+    /// All limits of the engine.
+    EngineSettings {
+        /// Alignment in general and after a rest.
+        alignment: AlignmentSettings = AlignmentSettings::default(),
+        /// How an alignment recognises rest.
+        alignment_rest: AlignmentRestSettings = AlignmentRestSettings::default(),
+        /// Alignment in motion.
+        alignment_motion: AlignmentMotionSettings = AlignmentMotionSettings::default(),
+        /// Gaps in the samples.
+        gaps: GapSettings = GapSettings::default(),
+        /// Which fixes are accepted.
+        gate: GateSettings = GateSettings::default(),
+        /// How the accuracy of the fixes is adapted.
+        adapt: AdaptSettings = AdaptSettings::default(),
+        /// What a receiver does wrong, and for how long it is not believed.
+        receiver: ReceiverSettings = ReceiverSettings::default(),
+        /// Standard deviations by the kind of solution.
+        quality: QualitySettings = QualitySettings::default(),
+        /// When a solution is no longer one.
+        watch: WatchSettings = WatchSettings::default(),
+        /// How rest is recognised while navigating.
+        rest: RestSettings = RestSettings::default(),
+        /// Measurements beside the fixes.
+        constraints: ConstraintSettings = ConstraintSettings::default(),
+        /// Units, axes, signs and times that cannot be right.
+        plausibility: PlausibilitySettings = PlausibilitySettings::default(),
+    }
+
+    /// Alignment in general and after a rest.
+    AlignmentSettings {
+        /// Speed of the last fix above which nothing counts as rest \[m/s\].
+        rest_speed: f64 = 0.5,
+        /// A first fix that is faster than this after a rest \[m/s\] …
+        start_speed: f64 = 2.0,
+        /// … and what the vehicle may have gained since then at this acceleration \[m/s²\] shows that it was no rest.
+        start_acceleration: f64 = 5.0,
+        /// What disturbs the mean specific force of a vehicle at rest (engine, wind, people) \[m/s²\].
+        level_floor: f64 = 0.02,
+        /// What disturbs its mean rate \[rad/s\].
+        rate_floor: f64 = 1e-4,
+        /// Tilt before levelling, one standard deviation \[rad\].
+        tilt_before: f64 = 0.5,
+        /// Side slip of a vehicle and error of a course, one standard deviation \[rad\].
+        course_floor: f64 = 0.035,
+        /// Fixes further apart than this are not a pair \[s\].
+        pair_span: f64 = 2.5,
+    }
+
+    /// How an alignment recognises rest: means over blocks that agree.
+    AlignmentRestSettings {
+        /// Length of the blocks that are compared \[s\].
+        block: f64 = 0.5,
+        /// Consecutive blocks that agree before they count as rest, or more where the noise asks for more.
+        fewest_blocks: u32 = 2,
+        /// The same while GNSS does not say that the vehicle stands: a steady turn has steady readings too.
+        blocks_unseen: u32 = 6,
+        /// The same for rest with another gyro bias than before, GNSS at rest.
+        new_bias_blocks: u32 = 10,
+        /// Blocks that noisy sensors need, at most.
+        most_blocks: u32 = 20,
+        /// White noise of the mean specific force that is small enough \[m/s²\]: 0.3 deg of level.
+        force_noise: f64 = 0.05,
+        /// White noise of the mean rate that is small enough \[rad/s\]: 0.05 deg/s.
+        rate_noise: f64 = 1e-3,
+        /// A block belongs to the rest while its means are this many standard deviations of their white noise from the rest's …
+        sigmas: f64 = 5.0,
+        /// … and this far beyond \[rad/s\] …
+        rate: f64 = 0.003,
+        /// … and this far beyond \[m/s²\].
+        force: f64 = 0.05,
+    }
+
+    /// Alignment in motion: a least-squares search over a window.
+    AlignmentMotionSettings {
+        /// The window is no longer than this \[s\] …
+        longest: f64 = 60.0,
+        /// … nor than a gyro bias of one standard deviation needs for this angle \[rad\] …
+        bias_turn: f64 = 1.2,
+        /// … and no shorter than this \[s\].
+        shortest: f64 = 20.0,
+        /// Fixes in the search are at least this far apart \[s\].
+        spacing: f64 = 0.45,
+        /// A sample longer than this ends the window \[s\].
+        longest_sample: f64 = 0.2,
+        /// Between two searches \[s\].
+        every: f64 = 1.0,
+        /// Velocities needed for a search to be worth it.
+        fewest: usize = 6,
+        /// How far apart they must be \[m/s\].
+        spread: f64 = 1.0,
+        /// A second minimum is out of the question when the best one's squared residuals are less by this much.
+        rival: f64 = 25.0,
+        /// Standard deviation of the attitude about any axis with which a solution is one \[rad\] …
+        certain: f64 = 0.05,
+        /// … and with which it need not be awaited what a longer window makes of it \[rad\]: the filter, unlike the window, cannot undo what it took from an attitude that was some degrees off.
+        good: f64 = 0.017,
+        /// Squared residuals for each degree of freedom, at most.
+        fit: f64 = 10.0,
+        /// Standard deviation of the filter's velocity and attitude before the window says what they are \[m/s, rad\].
+        wide: f64 = 100.0,
+        /// Standard deviation of what no model says of a gyro bias \[rad/s\]: nothing is known exactly.
+        gyro_floor: f64 = 1e-4,
+        /// Standard deviation of what no model says of an accelerometer bias \[m/s²\].
+        accel_floor: f64 = 1e-2,
+        /// Iterations of one solution, at most.
+        iterations: usize = 20,
+        /// Headings that the search starts from.
+        headings: usize = 12,
+        /// Attitudes within this angle are the same minimum \[rad\].
+        same: f64 = 0.15,
+    }
+
+    /// Gaps in the samples.
+    GapSettings {
+        /// A sample of more than so many intervals is not just late.
+        intervals: f64 = 1.5,
+        /// A gap longer than this is too long to interpolate over \[s\].
+        longest_bridge: f64 = 0.2,
+        /// What a vehicle may do unseen in a longer one: acceleration, one standard deviation \[m/s²\] …
+        accel: f64 = 2.0,
+        /// … and turn rate \[rad/s\].
+        rate: f64 = 0.2,
+        /// A gap longer than this ends the solution: nothing is left of the attitude by then \[s\].
+        longest: f64 = 60.0,
+    }
+
+    /// Which fixes are accepted. NIS is per degree of freedom.
+    GateSettings {
+        /// Innovations after which their usual size is known.
+        least: usize = 10,
+        /// Usual NIS until then: standard deviations five times too small.
+        first_usual: f64 = 30.0,
+        /// Usual NIS above which everything passes: twenty times the standard deviation.
+        senseless: f64 = 400.0,
+        /// NIS relative to the usual from which a fix is weakened …
+        weaken: f64 = 5.0,
+        /// … and rejected.
+        reject: f64 = 30.0,
+        /// The solution is unconfirmed after so long without a fix \[s\] …
+        gap: f64 = 3.0,
+        /// … until it has accepted so many.
+        confirm: u32 = 3,
+        /// Innovations agree when they differ by less than this part of their size …
+        agree: f64 = 0.3,
+        /// … or by this many standard deviations of two fixes.
+        agree_sigmas: f64 = 2.0,
+    }
+
+    /// How the factor on the stated covariance of the fixes is learned.
+    AdaptSettings {
+        /// Information of the factor's logarithm at first: a standard deviation of a factor of ten in the variance.
+        prior: f64 = 0.2,
+        /// Information that is remembered; the logarithm's standard deviation is this to the power −½.
+        memory: f64 = 300.0,
+        /// Largest change of the logarithm by one fix.
+        step: f64 = 0.5,
+        /// Largest logarithm.
+        range: f64 = 9.2,
+        /// Updates before the mean is taken.
+        settle: u64 = 40,
+    }
+
+    /// What a receiver does wrong, and for how long it is not believed.
+    ReceiverSettings {
+        /// A receiver that repeats a position while the solution moves by more than so many of its standard deviations is frozen …
+        frozen_sigmas: f64 = 3.0,
+        /// … if the solution is faster than this \[m/s\].
+        frozen_speed: f64 = 1.0,
+        /// Fixes further apart than this are not compared before the alignment \[s\].
+        odd_gap: f64 = 2.5,
+        /// Position and velocity of closer ones may differ by this \[m/s\] …
+        odd_speed: f64 = 1.0,
+        /// … and this acceleration \[m/s²\] …
+        odd_accel: f64 = 5.0,
+        /// … and so many standard deviations.
+        odd_sigmas: f64 = 5.0,
+        /// For how long fixes that agree with each other are rejected before a confirmed solution follows them \[s\]: a receiver finds position and velocity in different ways, so where velocity or both contradict the solution, the solution is more likely to be wrong.
+        patience: f64 = 3.0,
+        /// The same where position alone contradicts: then the position is more likely to be wrong \[s\].
+        patience_position_alone: f64 = 15.0,
+        /// The same where there is no velocity \[s\].
+        patience_no_velocity: f64 = 5.0,
+        /// The same where the receiver repeats itself \[s\].
+        patience_frozen: f64 = 60.0,
+        /// Tilt that a contradiction is taken to stand for, at most \[rad\].
+        most_tilt: f64 = 0.1,
+        /// A solution that followed contradicting positions and velocities three times within so long is no longer one \[s\].
+        three_times: f64 = 90.0,
+    }
+
+    /// Standard deviations by the kind of solution.
+    QualitySettings {
+        /// Typical horizontal standard deviations of fixed, float, differential and single solutions under an open sky \[m\] (Teunissen & Montenbruck 2017, chapters 21 and 26).
+        typical: [f64; 4] = [0.0, 0.3, 0.7, 2.5],
+        /// Vertical ones are so many times as large.
+        vertical: f64 = 1.5,
+    }
+
+    /// When a solution is no longer one. NIS is per degree of freedom.
+    WatchSettings {
+        /// NIS over so many updates …
+        suspect_updates: u32 = 20,
+        /// … and above this makes a solution suspect of divergence.
+        suspect_nis: f64 = 25.0,
+        /// NIS of a sound solution.
+        sound_nis: f64 = 4.0,
+        /// A solution that was sound and has been suspect for so long is re-initialised \[s\].
+        sick: f64 = 30.0,
+        /// Fixes in a block over which innovations are averaged for a lean to one side.
+        lean_block: usize = 40,
+        /// The mean over a block leans when it is so many times the usual and the expected size, squared.
+        leans: f64 = 60.0,
+        /// Blocks after which their usual size is known.
+        least_blocks: usize = 5,
+        /// Whitened innovations count up to this size: an outlier alone does not make a lean.
+        clip: f64 = 4.0,
+    }
+
+    /// How rest is recognised while navigating.
+    RestSettings {
+        /// Length of the blocks that are judged \[s\].
+        block: f64 = 0.5,
+        /// Rest while the scatter of a block is below this many times that of rest, on the average of the axes …
+        limit: f64 = 3.0,
+        /// … or, until rest has been seen, that of the sensor's own noise.
+        noise_limit: f64 = 2.0,
+        /// The mean rate at rest is known to this much beyond the noise of the mean \[rad/s\].
+        rate: f64 = 0.004,
+        /// Means of the specific force in the two halves of a block agree to this much at rest \[m/s²\].
+        force: f64 = 0.06,
+        /// The mean specific force is the solution's gravity to this much at rest \[m/s²\]: 3° of wrong level, while a car that pulls away smoothly has twice that.
+        level: f64 = 0.5,
+        /// Both may be off by so many times more where GNSS says that the vehicle stands.
+        unsure: f64 = 5.0,
+        /// Speed that GNSS calls standing, where its accuracy leaves no doubt \[m/s\].
+        stands: f64 = 0.1,
+        /// Speed that it calls moving \[m/s\].
+        moves: f64 = 0.5,
+        /// Weight of a block in the learned level.
+        learn: f64 = 0.1,
+    }
+
+    /// Measurements beside the fixes.
+    ConstraintSettings {
+        /// NIS from which a constraint, wheel speed or height is weakened …
+        weaken: f64 = 9.0,
+        /// … and rejected: it contradicts the solution far beyond both.
+        reject: f64 = 100.0,
+        /// The speed of a fix holds for so long \[s\].
+        speed_holds: f64 = 1.5,
+    }
+
+    /// Units, axes, signs and times that cannot be right.
+    PlausibilitySettings {
+        /// Length of the blocks that specific force is averaged over \[s\].
+        block: f64 = 1.0,
+        /// How many there must be.
+        least_blocks: u32 = 10,
+        /// Least and largest multiple of gravity that a block of a vehicle has …
+        gravity: [f64; 2] = [0.7, 1.4],
+        /// … and the least share of such blocks.
+        least_share: f64 = 0.1,
+        /// Cosine of the angle between gravity and body down below which axes are not forward, right, down.
+        down: f64 = 0.5,
+        /// Length of the windows over which position and velocity are compared \[s\].
+        move_window: f64 = 2.0,
+        /// How many there must be.
+        least_moves: u32 = 8,
+        /// Fixes further apart than this do not belong together \[s\].
+        apart: f64 = 2.5,
+        /// Least share of windows of motion that are as they should be.
+        least_sane: f64 = 0.4,
+        /// Two displacements agree to this part of the larger one.
+        agree: f64 = 0.2,
+        /// Speed below which there is no course \[m/s\].
+        course_speed: f64 = 3.0,
+        /// Largest standard deviation of a course \[rad\].
+        course_std: f64 = 0.1,
+        /// Shortest and longest window of a turn \[s\].
+        turn_window: [f64; 2] = [0.9, 2.5],
+        /// What turns further in it is an outlier \[rad\].
+        most_turn: f64 = 1.0,
+        /// Sum of squares of the turns that is enough to judge by \[rad²\]: one right-angle bend.
+        enough_turn: f64 = 0.25,
+        /// Step between the lags at which turns are compared \[s\].
+        lag: f64 = 0.25,
+        /// Windows that have to be compared before a lag is believed.
+        lag_windows: f64 = 20.0,
+        /// From one entry of the history of turns to the next \[s\].
+        history_step: f64 = 0.1,
+        /// Least and largest multiple of the gyros' turns that the course may turn by: a bank makes 1/cos of it.
+        turn_scale: [f64; 2] = [0.6, 1.7],
+        /// Sum of squares of the accelerations that is enough to judge by \[m²/s⁴\]: some ten seconds of 0.5 m/s².
+        enough_push: f64 = 2.5,
+    }
+}
