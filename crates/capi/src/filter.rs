@@ -262,8 +262,8 @@ pub unsafe extern "C" fn undrift_sample_begin(
     status(take_up())
 }
 
-/// Moves to `time` [s] within the sample taken up, not back; a time beyond its end is its end, one within
-/// `rounding` [s] of it too.
+/// Moves to `time` \[s\] within the sample taken up, not back; a time beyond its end is its end, one within
+/// `rounding` \[s\] of it too.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn undrift_sample_advance(
     filter: *mut Filter,

@@ -50,7 +50,7 @@ pub unsafe extern "C" fn undrift_get_state(filter: *const Filter, state: *mut St
 }
 
 /// The covariance of the error state, undrift_states() rows of as many numbers, into an array of `count`
-/// numbers: position [m], velocity [m/s], misalignment [rad], each north, east, down, then the sensors'
+/// numbers: position \[m\], velocity [m/s], misalignment \[rad\], each north, east, down, then the sensors'
 /// states, then the parameters.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn undrift_get_covariance(

@@ -133,7 +133,7 @@ pub unsafe extern "C" fn undrift_sensor_random_walk(
 }
 
 /// A first-order Gauss-Markov process of standard deviation `sigma` [unit] and correlation time `tau`
-/// [s], as a bias instability is commonly modelled; one state.
+/// \[s\], as a bias instability is commonly modelled; one state.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn undrift_sensor_gauss_markov(
     sigma: f64,
@@ -198,7 +198,7 @@ pub unsafe extern "C" fn undrift_sensor_add(
     status(sum())
 }
 
-/// The same noise at another sample interval [s]: for coefficients found at another rate than the
+/// The same noise at another sample interval \[s\]: for coefficients found at another rate than the
 /// filter's; `out` may be `sensor`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn undrift_sensor_at_interval(

@@ -15,7 +15,7 @@ pub const UNDRIFT_PARAMETERS: usize = 10;
 pub struct Sensor {
     /// Number of states, 0 to UNDRIFT_MAX_ORDER.
     pub order: u32,
-    /// Sample interval [s].
+    /// Sample interval \[s\].
     pub interval: f64,
     /// Transition F.
     pub f: [[f64; UNDRIFT_MAX_ORDER]; UNDRIFT_MAX_ORDER],
@@ -35,23 +35,23 @@ pub struct Sensor {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Start {
-    /// Time [s], where the first sample begins.
+    /// Time \[s\], where the first sample begins.
     pub time: f64,
-    /// Latitude [rad].
+    /// Latitude \[rad\].
     pub latitude: f64,
-    /// Longitude [rad].
+    /// Longitude \[rad\].
     pub longitude: f64,
-    /// Height above the ellipsoid [m].
+    /// Height above the ellipsoid \[m\].
     pub height: f64,
     /// Velocity over ground north, east, down [m/s].
     pub velocity: [f64; 3],
-    /// Roll, pitch, yaw [rad].
+    /// Roll, pitch, yaw \[rad\].
     pub roll_pitch_yaw: [f64; 3],
-    /// Standard deviation of the position north, east, down [m].
+    /// Standard deviation of the position north, east, down \[m\].
     pub position_std: [f64; 3],
     /// Standard deviation of the velocity north, east, down [m/s].
     pub velocity_std: [f64; 3],
-    /// Standard deviation of the attitude about north, east, down [rad].
+    /// Standard deviation of the attitude about north, east, down \[rad\].
     pub attitude_std: [f64; 3],
 }
 
@@ -64,21 +64,21 @@ pub enum Parameter {
     GyroScale = 0,
     /// Scale factor errors of accelerometer x, y, z.
     AccelScale = 1,
-    /// Misalignment of the gyro axes xy, xz, yx, yz, zx, zy [rad].
+    /// Misalignment of the gyro axes xy, xz, yx, yz, zx, zy \[rad\].
     GyroMisalignment = 2,
-    /// Misalignment of the accelerometer axes, in the same order [rad].
+    /// Misalignment of the accelerometer axes, in the same order \[rad\].
     AccelMisalignment = 3,
-    /// Lever arm from IMU to antenna, body axes [m]; three states.
+    /// Lever arm from IMU to antenna, body axes \[m\]; three states.
     LeverArm = 4,
-    /// By how much a fix is later than its time says [s].
+    /// By how much a fix is later than its time says \[s\].
     TimeOffset = 5,
-    /// Turn of the vehicle's axes against the body axes, about pitch and yaw [rad].
+    /// Turn of the vehicle's axes against the body axes, about pitch and yaw \[rad\].
     Mounting = 6,
-    /// Distance from IMU to the axle that does not steer, beyond the one given [m].
+    /// Distance from IMU to the axle that does not steer, beyond the one given \[m\].
     Axle = 7,
     /// Scale factor error of the odometer.
     OdometerScale = 8,
-    /// Error of the barometric height [m].
+    /// Error of the barometric height \[m\].
     BarometerBias = 9,
 }
 
@@ -96,11 +96,11 @@ pub struct Prior {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {
-    /// End of the interval [s].
+    /// End of the interval \[s\].
     pub time: f64,
-    /// Length of the interval [s].
+    /// Length of the interval \[s\].
     pub dt: f64,
-    /// Integrated angular rate [rad]: rate times dt for a sensor that gives rates.
+    /// Integrated angular rate \[rad\]: rate times dt for a sensor that gives rates.
     pub dtheta: [f64; 3],
     /// Integrated specific force [m/s].
     pub dvel: [f64; 3],
@@ -110,11 +110,11 @@ pub struct Sample {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Position {
-    /// Latitude [rad].
+    /// Latitude \[rad\].
     pub latitude: f64,
-    /// Longitude [rad].
+    /// Longitude \[rad\].
     pub longitude: f64,
-    /// Height above the ellipsoid [m].
+    /// Height above the ellipsoid \[m\].
     pub height: f64,
     /// Covariance, north-east-down [m^2].
     pub covariance: [[f64; 3]; 3],
@@ -171,19 +171,19 @@ pub struct Update {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct State {
-    /// Time [s].
+    /// Time \[s\].
     pub time: f64,
-    /// Latitude of the IMU [rad].
+    /// Latitude of the IMU \[rad\].
     pub latitude: f64,
-    /// Longitude [rad].
+    /// Longitude \[rad\].
     pub longitude: f64,
-    /// Height above the ellipsoid [m].
+    /// Height above the ellipsoid \[m\].
     pub height: f64,
     /// Velocity over ground north, east, down [m/s].
     pub velocity: [f64; 3],
     /// Attitude, body to north-east-down: w, x, y, z.
     pub quaternion: [f64; 4],
-    /// The same as roll, pitch, yaw [rad].
+    /// The same as roll, pitch, yaw \[rad\].
     pub roll_pitch_yaw: [f64; 3],
     /// Estimated errors of the gyros [rad/s]: what is taken off the next sample.
     pub gyro_error: [f64; 3],
@@ -191,11 +191,11 @@ pub struct State {
     pub accel_error: [f64; 3],
     /// Angular rate of the body against the navigation frame, body axes, from the last sample [rad/s].
     pub angular_rate: [f64; 3],
-    /// Standard deviation of the position north, east, down [m].
+    /// Standard deviation of the position north, east, down \[m\].
     pub position_std: [f64; 3],
     /// Standard deviation of the velocity north, east, down [m/s].
     pub velocity_std: [f64; 3],
-    /// Standard deviation of the attitude about north, east, down [rad].
+    /// Standard deviation of the attitude about north, east, down \[rad\].
     pub attitude_std: [f64; 3],
     /// Standard deviation of the gyros' errors [rad/s].
     pub gyro_error_std: [f64; 3],

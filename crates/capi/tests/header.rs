@@ -19,7 +19,9 @@ fn the_header_is_made_from_the_source() {
     }
     let mut made = Vec::new();
     builder.generate().unwrap().write(&mut made);
+    // Rustdoc needs the brackets of units escaped, C does not.
     let made = String::from_utf8(made).unwrap();
+    let made = made.replace(r"\[", "[").replace(r"\]", "]");
     let path = root.join("include/undrift.h");
     if std::env::var_os("UNDRIFT_BLESS").is_some() {
         std::fs::write(&path, &made).unwrap();

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::ReadError;
 use crate::skipped::{SkipKind, Skipped};
 
-/// Times beyond this are no times of a log [s]: 30 000 years.
+/// Times beyond this are no times of a log \[s\]: 30 000 years.
 const MAX_TIME: f64 = 1e12;
 
 /// Keeps the time of the last accepted record and what came out of order after it.
@@ -21,7 +21,7 @@ pub(crate) struct Clock {
 
 /// A record's place in time.
 pub(crate) enum Tick {
-    /// Accepted; the time since the last accepted record [s], `None` for the first.
+    /// Accepted; the time since the last accepted record \[s\], `None` for the first.
     Forward(Option<f64>),
     /// Left out and counted.
     Skip,
@@ -40,7 +40,7 @@ impl Clock {
         }
     }
 
-    /// Judges the time [s] of the record on `line`.
+    /// Judges the time \[s\] of the record on `line`.
     ///
     /// # Errors
     /// When the clock has stayed behind for as many records as its patience.
@@ -104,13 +104,13 @@ impl Clock {
     }
 }
 
-/// Whether a time is inside an optional span [s], borders included.
+/// Whether a time is inside an optional span \[s\], borders included.
 #[inline]
 pub(crate) fn within(span: Option<(f64, f64)>, time: f64) -> bool {
     span.is_none_or(|(from, to)| time >= from && time <= to)
 }
 
-/// Whether a time is past an optional span [s], so that reading can stop.
+/// Whether a time is past an optional span \[s\], so that reading can stop.
 #[inline]
 pub(crate) fn past(span: Option<(f64, f64)>, time: f64) -> bool {
     span.is_some_and(|(_, to)| time > to)

@@ -115,7 +115,7 @@ fn detect_table(start: &[u8]) -> Format {
     }
 }
 
-/// Whether a row, `step` [s] before the next, can be one of the three texts of KF-GINS.
+/// Whether a row, `step` \[s\] before the next, can be one of the three texts of KF-GINS.
 fn kf_gins(row: &[f64], step: f64) -> bool {
     let place = |row: &[f64]| row[0].abs() <= 90.0 && row[1].abs() <= 180.0 && row[2].abs() < 1e5;
     let stds = |row: &[f64]| row[..3].iter().all(|std| *std > 0.0 && *std < 1e3);

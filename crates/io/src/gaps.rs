@@ -3,9 +3,9 @@
 /// A longer interval than the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gap {
-    /// Time of the last record before it [s].
+    /// Time of the last record before it \[s\].
     pub start: f64,
-    /// Time to the next record [s].
+    /// Time to the next record \[s\].
     pub length: f64,
     /// Line of the first record after it, counted from 1.
     pub line: u64,
@@ -14,7 +14,7 @@ pub struct Gap {
 /// The usual interval of a log, and the gaps: intervals of more than 1.5 usual ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GapSummary {
-    /// Running median of the intervals [s]; 0 while there is none.
+    /// Running median of the intervals \[s\]; 0 while there is none.
     pub nominal_interval: f64,
     /// Number of gaps.
     pub count: u64,
@@ -60,7 +60,7 @@ impl GapWatch {
         }
     }
 
-    /// The usual interval so far [s]. Of few intervals the lower median: gaps only lengthen.
+    /// The usual interval so far \[s\]. Of few intervals the lower median: gaps only lengthen.
     pub(crate) fn nominal(&self) -> Option<f64> {
         if self.start.len() == START {
             return Some(self.summary.nominal_interval);

@@ -7,9 +7,9 @@ pub struct Held {
     pub axis: usize,
     /// The value, as it is in the log.
     pub value: f64,
-    /// Time of the first sample of it [s].
+    /// Time of the first sample of it \[s\].
     pub start: f64,
-    /// Time to the last sample of it [s].
+    /// Time to the last sample of it \[s\].
     pub length: f64,
     /// How many samples had it, one after the other.
     pub samples: u64,
@@ -17,7 +17,7 @@ pub struct Held {
     pub saturated: bool,
 }
 
-/// A frozen axis holds a value for so many samples, so long [s] …
+/// A frozen axis holds a value for so many samples, so long \[s\] …
 const FROZEN: (u64, f64) = (20, 1.0);
 /// … and for so many times the usual number of samples: rounded values of a quiet sensor repeat too.
 const FROZEN_TIMES: f64 = 20.0;
@@ -116,7 +116,7 @@ impl Axis {
 pub struct HeldWatch([Axis; 6]);
 
 impl HeldWatch {
-    /// Takes in the next sample at `time` [s], gyros before accelerometers, in any units.
+    /// Takes in the next sample at `time` \[s\], gyros before accelerometers, in any units.
     #[inline]
     pub fn add(&mut self, time: f64, values: [f64; 6]) {
         for (axis, value) in self.0.iter_mut().zip(values) {

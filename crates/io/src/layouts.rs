@@ -9,7 +9,7 @@ fn three(from: usize) -> [Column; 3] {
     [from, from + 1, from + 2].map(Column::Number)
 }
 
-/// KF-GINS inertial text: time [s], angle increments [rad], velocity increments [m/s], axes forward,
+/// KF-GINS inertial text: time \[s\], angle increments \[rad\], velocity increments [m/s], axes forward,
 /// right, down.
 pub fn kf_gins_imu() -> ImuFormat {
     ImuFormat {
@@ -21,7 +21,7 @@ pub fn kf_gins_imu() -> ImuFormat {
 /// Columns of a KF-GINS GNSS text with velocities; without them it has 7.
 pub const KF_GINS_WITH_VELOCITY: usize = 13;
 
-/// KF-GINS GNSS text: time [s], latitude, longitude [deg], height [m], with `columns` =
+/// KF-GINS GNSS text: time \[s\], latitude, longitude \[deg\], height \[m\], with `columns` =
 /// [`KF_GINS_WITH_VELOCITY`] then velocity [m/s], then the standard deviations of each, north, east, down.
 pub fn kf_gins_gnss(columns: usize) -> GnssFormat {
     let with_velocity = columns >= KF_GINS_WITH_VELOCITY;
@@ -52,8 +52,8 @@ pub fn kf_gins_gnss(columns: usize) -> GnssFormat {
     }
 }
 
-/// KF-GINS solution: week, second of week, latitude, longitude [deg], height [m], velocity [m/s]
-/// north, east, down, roll, pitch, yaw [deg].
+/// KF-GINS solution: week, second of week, latitude, longitude \[deg\], height \[m\], velocity [m/s]
+/// north, east, down, roll, pitch, yaw \[deg\].
 pub fn kf_gins_truth() -> TruthFormat {
     TruthFormat {
         week: Some(Column::Number(1)),
@@ -63,7 +63,7 @@ pub fn kf_gins_truth() -> TruthFormat {
     }
 }
 
-/// EuRoC inertial CSV: time [ns], angular rates [rad/s], specific forces [m/s²], sensor axes.
+/// EuRoC inertial CSV: time \[ns\], angular rates [rad/s], specific forces [m/s²], sensor axes.
 pub fn euroc_imu() -> ImuFormat {
     ImuFormat {
         time_scale: 1e-9,

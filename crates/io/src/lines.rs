@@ -7,9 +7,9 @@ use memchr::memchr;
 
 use crate::source::Source;
 
-/// Longest line that is handed out [bytes]; longer ones are passed over without being held.
+/// Longest line that is handed out \[bytes\]; longer ones are passed over without being held.
 pub(crate) const MAX_LINE: usize = 64 * 1024;
-/// The buffer [bytes]: several reads of the source and any line fit.
+/// The buffer \[bytes\]: several reads of the source and any line fit.
 const BUFFER: usize = 512 * 1024;
 
 pub(crate) struct Lines {

@@ -77,7 +77,7 @@ impl What {
 /// Rates over the interval since the sample before, sensor axes as in the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImuReading {
-    /// End of the interval [s].
+    /// End of the interval \[s\].
     pub time: f64,
     /// Mean angular rate [rad/s].
     pub gyro: Vector3,
@@ -88,9 +88,9 @@ pub struct ImuReading {
 /// A fix whose uncertainty the log may not tell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fix {
-    /// Time of validity [s].
+    /// Time of validity \[s\].
     pub time: f64,
-    /// Position, and its covariance north-east-down [m²].
+    /// Position, and its covariance north-east-down \[m²\].
     pub position: Option<(Position, Option<Matrix3>)>,
     /// Velocity north-east-down [m/s], and its covariance [(m/s)²].
     pub velocity: Option<(Vector3, Option<Matrix3>)>,

@@ -6,7 +6,7 @@ use std::path::Path;
 const MOST: usize = 10_000;
 /// Names that are told.
 const TOLD: usize = 3;
-/// Longest name that is compared [characters].
+/// Longest name that is compared \[characters\].
 const LONGEST: usize = 255;
 
 /// "did you mean imu.csv.gz?", from the folder of a file that is not there; `None` without a near name.

@@ -17,7 +17,7 @@ use crate::table::{Column, Table, TableOptions, TableSource};
 
 /// Rows in a row that must be earlier than the last accepted one to count as a clock set back.
 const PATIENCE: u32 = 100;
-/// A running count says nothing of the rate in the middle of an interval longer than this [s].
+/// A running count says nothing of the rate in the middle of an interval longer than this \[s\].
 const LONGEST_COUNT: f64 = 1.0;
 
 /// Where the columns of a log are and what they mean.
@@ -29,7 +29,7 @@ pub struct ScalarFormat {
     pub time: Column,
     /// Factor from the time column to seconds.
     pub time_scale: f64,
-    /// Added to the time after scaling [s].
+    /// Added to the time after scaling \[s\].
     pub time_offset: f64,
     /// The key that asks for the number, and its column.
     pub value: (&'static str, Column),
@@ -41,7 +41,7 @@ pub struct ScalarFormat {
     pub range: (f64, f64),
     /// The byte between fields; `None` finds out.
     pub delimiter: Option<u8>,
-    /// First and last time [s] to give out, after the offset.
+    /// First and last time \[s\] to give out, after the offset.
     pub span: Option<(f64, f64)>,
 }
 
@@ -50,8 +50,8 @@ pub struct ScalarFormat {
 pub enum Reading {
     /// The column times this factor.
     Scaled(f64),
-    /// The column times this factor is a pressure [Pa]; the number is its height in the standard
-    /// atmosphere [m].
+    /// The column times this factor is a pressure \[Pa\]; the number is its height in the standard
+    /// atmosphere \[m\].
     Pressure(f64),
     /// The column times this factor is a running sum; the number is its mean rate between two rows
     /// [1/s], stamped in their middle. Its standard deviation grows by that of the rounding to whole

@@ -13,11 +13,11 @@ use crate::{ReadError, nearby};
 /// A byte stream to read from.
 pub type Source = Box<dyn BufRead + Send>;
 
-/// Size of the read buffers [bytes].
+/// Size of the read buffers \[bytes\].
 const BUFFER: usize = 256 * 1024;
 const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 
-/// How much of a file was read [bytes], as it lies there: clones count together, so that another
+/// How much of a file was read \[bytes\], as it lies there: clones count together, so that another
 /// thread can look on.
 #[derive(Clone, Debug, Default)]
 pub struct BytesRead(Arc<AtomicU64>);

@@ -4,7 +4,7 @@
 use crate::number;
 
 const DAY: f64 = 86_400.0;
-/// [s]
+/// \[s\]
 pub(crate) const WEEK: f64 = 604_800.0;
 
 /// Time system of a file.
@@ -37,7 +37,7 @@ pub(crate) struct WeekClock {
 /// Days from the Unix to the GPS epoch.
 const EPOCHS: i64 = 3657;
 
-/// Unix time of the beginning of a GPS week, not rolled over [s].
+/// Unix time of the beginning of a GPS week, not rolled over \[s\].
 pub(crate) fn unix_of_week(week: u32) -> f64 {
     let day = i64::from(week) * 7;
     (day + EPOCHS) as f64 * DAY - leap_seconds(day)
@@ -76,7 +76,7 @@ impl WeekClock {
         (day - start) as f64 * DAY + seconds
     }
 
-    /// Seconds of a UTC date and time of day [s]; `None` if that is no date.
+    /// Seconds of a UTC date and time of day \[s\]; `None` if that is no date.
     pub(crate) fn utc(&mut self, year: i64, month: i64, day: i64, seconds: f64) -> Option<f64> {
         let (day, seconds) = to_gps(day_of(year, month, day)?, seconds, TimeSystem::Utc);
         Some(self.gps(day, seconds))
@@ -243,7 +243,7 @@ fn days_of_civil(year: i64, month: i64, day: i64) -> i64 {
     365 * y + y / 4 - y / 100 + y / 400 + (153 * m + 2) / 5 + day - 1
 }
 
-/// GPS time minus UTC [s] on a UTC day counted from the GPS epoch (IERS Bulletin C).
+/// GPS time minus UTC \[s\] on a UTC day counted from the GPS epoch (IERS Bulletin C).
 fn leap_seconds(day: i64) -> f64 {
     /// Year and month on whose first day the difference grew by one second.
     const STEPS: [(i64, i64); 18] = [

@@ -25,11 +25,11 @@ pub struct TruthFormat {
     pub time: Column,
     /// Factor from the time column to seconds.
     pub time_scale: f64,
-    /// Added to the time after scaling [s].
+    /// Added to the time after scaling \[s\].
     pub time_offset: f64,
     /// GPS week, where the time is the second of it: times count on from the week of the first row.
     pub week: Option<Column>,
-    /// Latitude, longitude, and height above the ellipsoid [m].
+    /// Latitude, longitude, and height above the ellipsoid \[m\].
     pub position: [Column; 3],
     /// Factor from the columns of latitude and longitude to radians.
     pub angle_scale: f64,
@@ -43,7 +43,7 @@ pub struct TruthFormat {
     pub attitude_scale: f64,
     /// The byte between fields; `None` finds out.
     pub delimiter: Option<u8>,
-    /// First and last time [s] to give out, after the offset.
+    /// First and last time \[s\] to give out, after the offset.
     pub span: Option<(f64, f64)>,
 }
 
@@ -75,9 +75,9 @@ pub struct TruthLog {
     pub format: Format,
     /// Its stream; `None` for the only one.
     pub stream: Option<String>,
-    /// Added to the times [s].
+    /// Added to the times \[s\].
     pub time_offset: f64,
-    /// First and last time [s] to give out, after the offset.
+    /// First and last time \[s\] to give out, after the offset.
     pub span: Option<(f64, f64)>,
 }
 

@@ -33,11 +33,11 @@ const EVEN: usize = NAV + 1;
 #[derive(Clone, Copy, Debug)]
 pub struct Transition {
     half_dt: f64,
-    /// C_b^n dt at the middle of the step [s].
+    /// C_b^n dt at the middle of the step \[s\].
     c_dt: Matrix3,
     /// Specific force integrated over the step, navigation frame [m/s].
     dvel_n: Vector3,
-    /// Rotation of the navigation frame over the step [rad].
+    /// Rotation of the navigation frame over the step \[rad\].
     frame_turn: Vector3,
     /// dt times the partial derivatives of the error model.
     rr: Matrix3,

@@ -5,13 +5,13 @@
 use crate::{Matrix3, Vector3};
 use libm::{atan2, cos, sin, sqrt};
 
-/// Semi-major axis a [m].
+/// Semi-major axis a \[m\].
 pub const SEMI_MAJOR: f64 = 6_378_137.0;
 /// Flattening f.
 pub const FLATTENING: f64 = 1.0 / 298.257_223_563;
 /// First eccentricity squared e².
 pub const ECCENTRICITY_SQ: f64 = FLATTENING * (2.0 - FLATTENING);
-/// Semi-minor axis b [m].
+/// Semi-minor axis b \[m\].
 pub const SEMI_MINOR: f64 = SEMI_MAJOR * (1.0 - FLATTENING);
 /// Earth rotation rate ω_ie [rad/s].
 pub const EARTH_RATE: f64 = 7.292_115_146_7e-5;
@@ -24,7 +24,7 @@ pub const GRAVITY_POLE: f64 = 9.832_184_937_8;
 /// Standard gravity, the `g` of data sheets [m/s²].
 pub const STANDARD_GRAVITY: f64 = 9.806_65;
 
-/// Height above mean sea level [m] at which the standard atmosphere has this `pressure` [Pa], below
+/// Height above mean sea level \[m\] at which the standard atmosphere has this `pressure` \[Pa\], below
 /// 11 km; not a number for a pressure below zero. U.S. Standard Atmosphere 1976, eq. 33a and 18:
 /// geopotential height from 288.15 K, 101 325 Pa and 6.5 K/km, then geometric.
 pub fn standard_height(pressure: f64) -> f64 {
@@ -38,15 +38,15 @@ pub fn standard_height(pressure: f64) -> f64 {
 /// A point by geodetic latitude, longitude and ellipsoidal height.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Geodetic {
-    /// Latitude [rad], north positive.
+    /// Latitude \[rad\], north positive.
     pub lat: f64,
-    /// Longitude [rad], east positive.
+    /// Longitude \[rad\], east positive.
     pub lon: f64,
-    /// Height above the ellipsoid [m].
+    /// Height above the ellipsoid \[m\].
     pub height: f64,
 }
 
-/// Radii of curvature: meridian `rm` and transverse (prime vertical) `rn` [m]. Groves eq. 2.105-2.106.
+/// Radii of curvature: meridian `rm` and transverse (prime vertical) `rn` \[m\]. Groves eq. 2.105-2.106.
 pub fn radii(lat: f64) -> (f64, f64) {
     let s = sin(lat);
     radii_of_sin(s)
@@ -58,7 +58,7 @@ fn radii_of_sin(s: f64) -> (f64, f64) {
     (rn * (1.0 - ECCENTRICITY_SQ) / w2, rn)
 }
 
-/// Normal gravity at latitude [rad] and height [m], along down [m/s²]: Somigliana with the
+/// Normal gravity at latitude \[rad\] and height \[m\], along down [m/s²]: Somigliana with the
 /// second-order height term, NIMA TR8350.2 eq. 4-1 and 4-3.
 pub fn gravity(lat: f64, height: f64) -> f64 {
     let s = sin(lat);
@@ -82,9 +82,9 @@ pub fn earth_rate_n(lat: f64) -> Vector3 {
 /// Everything local that one navigation step needs, from one sine and cosine of the latitude.
 #[derive(Clone, Copy, Debug)]
 pub struct LocalEarth {
-    /// Meridian radius plus height [m].
+    /// Meridian radius plus height \[m\].
     pub rm_h: f64,
-    /// Transverse radius plus height [m].
+    /// Transverse radius plus height \[m\].
     pub rn_h: f64,
     /// Normal gravity, down [m/s²].
     pub gravity: f64,
@@ -130,7 +130,7 @@ impl Geodetic {
         }
     }
 
-    /// Earth-centred Earth-fixed coordinates [m]. Groves eq. 2.112.
+    /// Earth-centred Earth-fixed coordinates \[m\]. Groves eq. 2.112.
     pub fn to_ecef(&self) -> Vector3 {
         let (_, rn) = radii(self.lat);
         let horizontal = (rn + self.height) * cos(self.lat);
@@ -141,7 +141,7 @@ impl Geodetic {
         )
     }
 
-    /// From Earth-centred Earth-fixed coordinates [m]: Bowring's start and Newton steps on the
+    /// From Earth-centred Earth-fixed coordinates \[m\]: Bowring's start and Newton steps on the
     /// reduced latitude, good to rounding from the Earth's core up. Groves section 2.4.3.
     pub fn from_ecef(ecef: &Vector3) -> Self {
         let p = sqrt(ecef.x * ecef.x + ecef.y * ecef.y);
@@ -181,12 +181,12 @@ impl Geodetic {
         )
     }
 
-    /// Vector from `self` to `other` in the north-east-down frame at `self` [m], exact.
+    /// Vector from `self` to `other` in the north-east-down frame at `self` \[m\], exact.
     pub fn ned_to(&self, other: &Geodetic) -> Vector3 {
         self.ned_from_ecef() * (other.to_ecef() - self.to_ecef())
     }
 
-    /// The point at a small north-east-down offset [m] along the local radii: what an error state
+    /// The point at a small north-east-down offset \[m\] along the local radii: what an error state
     /// of metres means. For offsets of kilometres use ECEF.
     pub fn displaced(&self, ned: &Vector3) -> Self {
         let (rm, rn) = radii(self.lat);
@@ -197,7 +197,7 @@ impl Geodetic {
         }
     }
 
-    /// The small north-east-down offset [m] along the local radii from `self` to `other`; the
+    /// The small north-east-down offset \[m\] along the local radii from `self` to `other`; the
     /// inverse of [`Geodetic::displaced`]. Longitudes are compared the short way round.
     pub fn offset_to(&self, other: &Geodetic) -> Vector3 {
         let (rm, rn) = radii(self.lat);
@@ -217,7 +217,7 @@ impl Geodetic {
     }
 }
 
-/// An angle [rad] wrapped to (−π, π].
+/// An angle \[rad\] wrapped to (−π, π].
 pub fn wrap_pi(angle: f64) -> f64 {
     use core::f64::consts::{PI, TAU};
     let wrapped = angle - TAU * libm::floor((angle + PI) / TAU);

@@ -22,11 +22,11 @@ use nalgebra::{SMatrix, SVector};
 /// One standard deviation of the navigation state before the first sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InitialStd {
-    /// Position north, east, down [m].
+    /// Position north, east, down \[m\].
     pub position: Vector3,
     /// Velocity north, east, down [m/s].
     pub velocity: Vector3,
-    /// Misalignment about north, east, down [rad].
+    /// Misalignment about north, east, down \[rad\].
     pub attitude: Vector3,
 }
 
@@ -133,7 +133,7 @@ pub struct Filter<const N: usize> {
     previous: Option<RawIncrements>,
     /// The present sample, its predicted error removed, and how much of it is done.
     current: Option<(Increments, f64)>,
-    /// Where the present sample ends [s].
+    /// Where the present sample ends \[s\].
     end: f64,
     /// Angular rate ω_ib^b of the present sample, its predicted error removed [rad/s].
     omega_ib_b: Vector3,
@@ -371,7 +371,7 @@ impl<const N: usize> Filter<N> {
         }
     }
 
-    /// Moves to `time` [s] within the sample taken up; a time within `rounding` [s] of its end is
+    /// Moves to `time` \[s\] within the sample taken up; a time within `rounding` \[s\] of its end is
     /// the end.
     pub fn advance_to(&mut self, time: f64, rounding: f64) {
         self.advance_to_recorded(time, rounding, None);
@@ -458,7 +458,7 @@ impl<const N: usize> Filter<N> {
         }
     }
 
-    /// Adds uncertainty to position [m], velocity [m/s] and tilt [rad], one standard deviation each axis:
+    /// Adds uncertainty to position \[m\], velocity [m/s] and tilt \[rad\], one standard deviation each axis:
     /// for a solution that fixes have contradicted for a while.
     pub fn doubt(&mut self, position: f64, velocity: f64, tilt: f64) {
         for i in 0..3 {

@@ -13,7 +13,7 @@ use crate::{
 /// Position, velocity and attitude of the IMU at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NavState {
-    /// Time [s], in the log's time base.
+    /// Time \[s\], in the log's time base.
     pub time: f64,
     /// Position.
     pub position: Geodetic,
@@ -27,16 +27,16 @@ pub struct NavState {
 /// that a part of the interval is that part of each increment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Increments {
-    /// Length of the interval [s].
+    /// Length of the interval \[s\].
     pub dt: f64,
-    /// Rotation vector, coning included [rad], body axes.
+    /// Rotation vector, coning included \[rad\], body axes.
     pub rotation: Vector3,
     /// Velocity increment, sculling included but not the rotation within the interval [m/s], body axes.
     pub dvel: Vector3,
 }
 
 impl Increments {
-    /// From the raw increments of this interval, `dt` [s], `dtheta` [rad] and `dvel` [m/s] in body axes, and
+    /// From the raw increments of this interval, `dt` \[s\], `dtheta` \[rad\] and `dvel` [m/s] in body axes, and
     /// those of the one before (`None` at the start: no coning and sculling).
     ///
     /// With angular rate and specific force linear in time over both intervals, lengths t₁ and t₂,
@@ -76,9 +76,9 @@ impl Increments {
 /// Increments of one interval as the sensor gives them, its predicted error removed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RawIncrements {
-    /// Length of the interval [s].
+    /// Length of the interval \[s\].
     pub dt: f64,
-    /// Integrated angular rate [rad], body axes.
+    /// Integrated angular rate \[rad\], body axes.
     pub dtheta: Vector3,
     /// Integrated specific force [m/s], body axes.
     pub dvel: Vector3,
@@ -87,7 +87,7 @@ pub struct RawIncrements {
 /// What a step leaves behind for the covariance: the local quantities it used.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
-    /// Length of the step [s].
+    /// Length of the step \[s\].
     pub dt: f64,
     /// Earth's shape and gravity at the start of the step.
     pub earth: LocalEarth,
@@ -168,7 +168,7 @@ impl NavState {
     }
 }
 
-/// Latitude [rad] beyond which a north-east-down frame is refused: 89.9°.
+/// Latitude \[rad\] beyond which a north-east-down frame is refused: 89.9°.
 pub const MAX_LATITUDE: f64 = 89.9 * core::f64::consts::PI / 180.0;
 /// Speed [m/s] beyond which a solution is refused.
 pub const MAX_SPEED: f64 = 10_000.0;

@@ -6,7 +6,7 @@ use nalgebra::{SMatrix, SVector};
 /// Innovation and observation matrix of a measurement of `M` components.
 #[derive(Clone, Copy, Debug)]
 pub struct Observation<const M: usize, const N: usize> {
-    /// Predicted less measured, in the measurement's own frame and unit ([m], [m/s], [rad] …).
+    /// Predicted less measured, in the measurement's own frame and unit (\[m\], [m/s], \[rad\] …).
     pub innovation: SVector<f64, M>,
     /// Derivative H of the innovation by the error state, a row for each component.
     pub h: SMatrix<f64, M, N>,

@@ -19,21 +19,21 @@ pub enum Parameter {
     GyroScale,
     /// Scale factor errors of accelerometer x, y, z [–].
     AccelScale,
-    /// Misalignment of the gyro axes, m_xy, m_xz, m_yx, m_yz, m_zx, m_zy [rad].
+    /// Misalignment of the gyro axes, m_xy, m_xz, m_yx, m_yz, m_zx, m_zy \[rad\].
     GyroMisalignment,
-    /// Misalignment of the accelerometer axes, in the same order [rad].
+    /// Misalignment of the accelerometer axes, in the same order \[rad\].
     AccelMisalignment,
-    /// Lever arm IMU → antenna, body axes [m].
+    /// Lever arm IMU → antenna, body axes \[m\].
     LeverArm,
-    /// By how much a fix is later than its stamp says [s].
+    /// By how much a fix is later than its stamp says \[s\].
     TimeOffset,
-    /// Small turn of the vehicle's axes against the body axes, about pitch and yaw [rad].
+    /// Small turn of the vehicle's axes against the body axes, about pitch and yaw \[rad\].
     Mounting,
-    /// Distance IMU → axle that does not steer along the body's forward axis, beyond the configured [m].
+    /// Distance IMU → axle that does not steer along the body's forward axis, beyond the configured \[m\].
     Axle,
     /// Scale factor error of the odometer [–].
     OdometerScale,
-    /// Error of the barometric height [m].
+    /// Error of the barometric height \[m\].
     BarometerBias,
 }
 

@@ -8,11 +8,11 @@ pub const AXES: usize = 6;
 /// One inertial sample as increments over the interval `(time − dt, time]`, body axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImuSample {
-    /// End of the interval [s], in the log's time base.
+    /// End of the interval \[s\], in the log's time base.
     pub time: f64,
-    /// Length of the interval [s].
+    /// Length of the interval \[s\].
     pub dt: f64,
-    /// Integrated angular rate ∫ω_ib^b dt [rad].
+    /// Integrated angular rate ∫ω_ib^b dt \[rad\].
     pub dtheta: Vector3,
     /// Integrated specific force ∫f^b dt [m/s].
     pub dvel: Vector3,
@@ -23,11 +23,11 @@ pub struct ImuSample {
 pub enum Position {
     /// Antenna position on the ellipsoid.
     Geodetic(Geodetic),
-    /// Antenna relative to a base station, in the base's own north-east-down frame [m].
+    /// Antenna relative to a base station, in the base's own north-east-down frame \[m\].
     Baseline {
         /// The base station.
         base: Geodetic,
-        /// Baseline base → antenna [m], north-east-down of the base.
+        /// Baseline base → antenna \[m\], north-east-down of the base.
         ned: Vector3,
     },
 }
@@ -35,9 +35,9 @@ pub enum Position {
 /// One GNSS epoch of the antenna: position, velocity, or both.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GnssFix {
-    /// Time of validity [s], in the same base as the inertial samples.
+    /// Time of validity \[s\], in the same base as the inertial samples.
     pub time: f64,
-    /// Position with its covariance [m²]: north-east-down at the antenna, or of the base for a baseline.
+    /// Position with its covariance \[m²\]: north-east-down at the antenna, or of the base for a baseline.
     pub position: Option<(Position, Matrix3)>,
     /// Velocity over ground north-east-down [m/s] with its covariance [(m/s)²].
     pub velocity: Option<(Vector3, Matrix3)>,
@@ -64,9 +64,9 @@ pub enum FixQuality {
 /// A measurement of one number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scalar {
-    /// Time [s], in the same base as the inertial samples.
+    /// Time \[s\], in the same base as the inertial samples.
     pub time: f64,
-    /// The number: speed [m/s] of an odometer, height [m] of a barometer.
+    /// The number: speed [m/s] of an odometer, height \[m\] of a barometer.
     pub value: f64,
     /// Its standard deviation, in the same unit.
     pub std: f64,
@@ -75,12 +75,12 @@ pub struct Scalar {
 /// A reference solution at one instant, at the IMU.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TruthSample {
-    /// Time [s], in the same base as the inertial samples.
+    /// Time \[s\], in the same base as the inertial samples.
     pub time: f64,
     /// Position of the IMU.
     pub position: Geodetic,
     /// Velocity over ground north-east-down [m/s]; absent where the file has none.
     pub v_n: Option<Vector3>,
-    /// Roll, pitch, yaw [rad]; absent where the file has none.
+    /// Roll, pitch, yaw \[rad\]; absent where the file has none.
     pub rpy: Option<Vector3>,
 }

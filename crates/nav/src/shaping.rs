@@ -44,7 +44,7 @@ pub type AxisVector = [f64; MAX_ORDER];
 pub struct ShapingFilter {
     /// Number of states.
     pub order: usize,
-    /// Sample interval T [s] of one step.
+    /// Sample interval T \[s\] of one step.
     pub interval: f64,
     /// Transition F.
     pub f: AxisMatrix,
@@ -54,7 +54,7 @@ pub struct ShapingFilter {
     pub q: AxisMatrix,
     /// Cross-covariance `G Dᵀ`.
     pub s: AxisVector,
-    /// Direct variance `D Dᵀ` [unit²] of one sample.
+    /// Direct variance `D Dᵀ` \[unit²\] of one sample.
     pub r: f64,
     /// Covariance of the state before the first sample.
     pub p0: AxisMatrix,
@@ -113,7 +113,7 @@ fn not_negative(value: f64, what: &'static str) -> Result<f64, ShapingError> {
 }
 
 impl ShapingFilter {
-    /// No error at all: order 0, no noise. `interval` T [s].
+    /// No error at all: order 0, no noise. `interval` T \[s\].
     ///
     /// # Errors
     /// [`ShapingError::BadParameter`] for an interval that is not positive and finite.
@@ -147,7 +147,7 @@ impl ShapingFilter {
     /// random walk N: variance N²/T a sample, no state. IEEE Std 952, annex C.
     ///
     /// # Errors
-    /// [`ShapingError::BadParameter`] for a density that is negative or not finite, or such an interval [s].
+    /// [`ShapingError::BadParameter`] for a density that is negative or not finite, or such an interval \[s\].
     pub fn white(density: f64, interval: f64) -> Result<Self, ShapingError> {
         let mut filter = Self::none(interval)?;
         let density = not_negative(density, "the white noise density")?;
@@ -174,7 +174,7 @@ impl ShapingFilter {
     }
 
     /// First-order Gauss-Markov process with standard deviation `sigma` [unit] and correlation time
-    /// `tau` [s], stationary. Groves section 14.2.6.
+    /// `tau` \[s\], stationary. Groves section 14.2.6.
     ///
     /// # Errors
     /// As [`ShapingFilter::white`], of `sigma`; for a `tau` that is not positive and finite too.
@@ -352,7 +352,7 @@ impl ShapingFilter {
         })
     }
 
-    /// Autocovariance of ε at lags 0, 1, … [unit²] into `out`, started from `p0` as if it were stationary.
+    /// Autocovariance of ε at lags 0, 1, … \[unit²\] into `out`, started from `p0` as if it were stationary.
     pub fn autocovariance(&self, out: &mut [f64]) {
         let n = self.order;
         // N = F P Hᵀ + S is the covariance of x_{k+1} with ε_k.

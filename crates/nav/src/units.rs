@@ -27,13 +27,13 @@ pub enum Quantity {
     AngularRate,
     /// Acceleration or specific force [m/s²].
     Acceleration,
-    /// Angle or angle increment [rad].
+    /// Angle or angle increment \[rad\].
     Angle,
-    /// Length [m].
+    /// Length \[m\].
     Length,
-    /// Time [s].
+    /// Time \[s\].
     Time,
-    /// Frequency or sample rate [Hz].
+    /// Frequency or sample rate \[Hz\].
     Frequency,
     /// Velocity or velocity increment [m/s].
     Velocity,

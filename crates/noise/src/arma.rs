@@ -4,7 +4,7 @@
 //! `a_t ~ N(0, σ²)`, x about its mean; "unit" is the record's. A record is a slice; NaN marks a
 //! missing sample. Gardner, Harvey & Phillips 1980; Box, Jenkins & Reinsel chapter 7.
 //!
-//! [`log_likelihood`] evaluates, [`fit`] searches the global optimum, [`select`] compares a grid of
+//! [`log_likelihood`] evaluates, [`fit()`] searches the global optimum, [`select`] compares a grid of
 //! orders, [`profile_interval`] says what the record leaves open about an ARMA(1,1), [`burg`] and
 //! [`yule_walker`] fit AR(p) without a search.
 //!

@@ -31,7 +31,7 @@ use undrift_nav::shaping::{MAX_ORDER, ShapingError, ShapingFilter};
 /// Order p of the `ar` model.
 pub const AR_ORDER: usize = 2;
 
-/// Correlation time [s] that stands for a unit root in the `ar` model: what an hour-long record
+/// Correlation time \[s\] that stands for a unit root in the `ar` model: what an hour-long record
 /// shows of a random walk.
 pub const UNIT_ROOT_TAU: f64 = 3600.0;
 
@@ -115,7 +115,7 @@ impl From<ShapingError> for Failure {
 
 impl ImuModel {
     /// The shaping filters of the six axes, gyro x, y, z [rad/s] and accelerometer x, y, z [m/s²],
-    /// at the sample interval [s].
+    /// at the sample interval \[s\].
     ///
     /// # Errors
     /// An axis of which nothing is known, or of which the bias model cannot be made.
@@ -176,7 +176,7 @@ impl Slow {
 }
 
 impl AxisModel {
-    /// The shaping filter of this axis [rad/s or m/s²] at the sample interval [s].
+    /// The shaping filter of this axis [rad/s or m/s²] at the sample interval \[s\].
     ///
     /// # Errors
     /// [`ModelError::Missing`] where the axis lacks what `model` is made of, [`ModelError::Shaping`] where
@@ -373,7 +373,7 @@ impl Arma {
         (interval * self.rate_hz - 1.0).abs() < SAME_RATE
     }
 
-    /// As a shaping filter at an interval [s]; rates closer than 0.1 % are taken as the same.
+    /// As a shaping filter at an interval \[s\]; rates closer than 0.1 % are taken as the same.
     fn at(&self, interval: f64) -> Result<ShapingFilter, ShapingError> {
         if self.is_at(interval) {
             return ShapingFilter::arma(&self.ar, &self.ma, self.sigma, interval);

@@ -4,7 +4,7 @@
 //! The parameters are those of the continuous terms (IEEE Std 952-1997 annex C: Q, N, K; Groves 2013
 //! section 14.2.6 for σ and τ), so one set of terms serves every sample rate;
 //! [`CompositeTerms::to_shaping`] gives the shaping filter of a rate. [`log_likelihood`] is that of
-//! any shaping filter, NaN a missing sample; [`fit`] maximises it from starts given by
+//! any shaping filter, NaN a missing sample; [`fit()`] maximises it from starts given by
 //! [`crate::wavelet`] moments; [`block_average`] is the exact model of block averages.
 //! "unit" is the record's, [rad/s] or [m/s²].
 //!
@@ -77,7 +77,7 @@ pub enum CompositeError {
 pub struct GaussMarkov {
     /// Standard deviation σ [unit]; 0 where there is none.
     pub sigma: f64,
-    /// Correlation time τ [s].
+    /// Correlation time τ \[s\].
     pub tau_s: f64,
 }
 
@@ -106,7 +106,7 @@ pub struct CompositeTerms {
     pub gauss_markov: [GaussMarkov; MAX_GAUSS_MARKOV],
 }
 
-/// The shaping filter of quantisation Q [unit·s] at a sample interval [s], see
+/// The shaping filter of quantisation Q [unit·s] at a sample interval \[s\], see
 /// [`CompositeTerms::quantisation`].
 pub(crate) fn quantisation(q: f64, interval: f64) -> Result<ShapingFilter, ShapingError> {
     if !(q >= 0.0 && q.is_finite()) {
@@ -124,7 +124,7 @@ pub(crate) fn quantisation(q: f64, interval: f64) -> Result<ShapingFilter, Shapi
 }
 
 impl CompositeTerms {
-    /// The shaping filter of the sum at a sample interval [s]: states in the order Gauss-Markov,
+    /// The shaping filter of the sum at a sample interval \[s\]: states in the order Gauss-Markov,
     /// random walk (starting at zero), quantisation. At another rate build it anew from the terms:
     /// the quantisation's pole at 0 keeps `ShapingFilter::at_interval` from it.
     ///

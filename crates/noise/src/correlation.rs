@@ -29,7 +29,7 @@ const FFT_FROM: usize = 48;
 /// Samples summed before the sums are added up with compensation.
 const BLOCK: usize = 2048;
 
-/// Autocovariances γ_0 … γ_lags [unit²], about the mean, divisor n.
+/// Autocovariances γ_0 … γ_lags \[unit²\], about the mean, divisor n.
 ///
 /// # Errors
 /// Fewer than lags + 1 samples (2 at least), a sample that is not finite, a constant record.

@@ -2,7 +2,7 @@
 //!
 //! A model identified on the first part of a static record is scored on the rest: at every sample
 //! there the model's Kalman filter, which has seen all before it, predicts the integral of the next h
-//! seconds, `T H (I + F + … + F^{k−1}) x̂`, k = h/T; the score is the RMS of its error, an angle [rad]
+//! seconds, `T H (I + F + … + F^{k−1}) x̂`, k = h/T; the score is the RMS of its error, an angle \[rad\]
 //! or a velocity [m/s] (the record's unit times seconds). That is what an outage of h seconds leaves.
 //!
 //! The constant is the mean of the first part, subtracted from all: the model's turn-on. The filter
@@ -21,7 +21,7 @@ pub use recommend::{Recommendation, Scored, recommend};
 use crate::composite::{CompositeError, present_mean};
 use undrift_nav::shaping::ShapingFilter;
 
-/// Horizons of docs/theory.md, section 6 [s].
+/// Horizons of docs/theory.md, section 6 \[s\].
 pub const HORIZONS_S: [f64; 3] = [1.0, 10.0, 60.0];
 
 /// Most batches that the origins are divided into for the sampling error.
@@ -33,9 +33,9 @@ pub enum DriftError {
     /// The part to be scored holds fewer than two windows of the longest horizon.
     #[error("{seconds} s are too short to score a horizon of {horizon_s} s")]
     TooShort {
-        /// Length of the scored part [s].
+        /// Length of the scored part \[s\].
         seconds: f64,
-        /// The horizon [s].
+        /// The horizon \[s\].
         horizon_s: f64,
     },
     /// A horizon is shorter than a sample, or not finite; or there is none.
@@ -52,7 +52,7 @@ pub enum DriftError {
 /// The score at one horizon.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HorizonScore {
-    /// Horizon h [s], rounded to whole samples.
+    /// Horizon h \[s\], rounded to whole samples.
     pub horizon_s: f64,
     /// RMS of the prediction error of the integral over h [unit·s: rad or m/s].
     pub rms: f64,
@@ -72,7 +72,7 @@ pub struct HorizonScore {
 }
 
 /// Scores a shaping filter on `record[first_part..]`, the filter identified on `record[..first_part]`,
-/// at horizons [s] in growing order or any other. NaN is a missing sample; a window counts where at
+/// at horizons \[s\] in growing order or any other. NaN is a missing sample; a window counts where at
 /// most a hundredth of it is missing, with the mean of the rest in its place.
 ///
 /// # Errors
@@ -138,7 +138,7 @@ pub fn score(
         .collect()
 }
 
-/// The filter with `variance` [unit²] added to the start of every state that is a random walk or a
+/// The filter with `variance` \[unit²\] added to the start of every state that is a random walk or a
 /// constant of its own.
 fn free_start(filter: &ShapingFilter, variance: f64) -> ShapingFilter {
     let mut started = *filter;

@@ -84,7 +84,7 @@ impl std::str::FromStr for ModelFormat {
 }
 
 impl ImuModel {
-    /// The text of this model in a format. `rate_hz` is the rate of the samples [Hz], of PX4's
+    /// The text of this model in a format. `rate_hz` is the rate of the samples \[Hz\], of PX4's
     /// prediction for [`ModelFormat::Px4`] (100 Hz if not given); without it the rate of the record
     /// that the model was identified from is taken.
     ///
@@ -113,7 +113,7 @@ impl ImuModel {
         })
     }
 
-    /// Rate of the record or of an ARMA [Hz].
+    /// Rate of the record or of an ARMA \[Hz\].
     fn known_rate(&self) -> Option<f64> {
         let of_arma =
             |(_, axis): (_, &crate::AxisModel)| axis.arma.as_ref().map(|arma| arma.rate_hz);

@@ -31,7 +31,7 @@ pub const LAGS: usize = 100;
 pub const SEARCH_SAMPLES: usize = 50_000;
 /// Longest record that orders above (1,1) are fitted to: their short memory needs no more.
 pub const HIGH_ORDER_SAMPLES: usize = 200_000;
-/// Shortest record that is identified [samples].
+/// Shortest record that is identified \[samples\].
 pub const SHORTEST: usize = 1000;
 /// Largest p and q of the grid of orders in [`Axis::box_jenkins`].
 pub const GRID_ORDER: usize = 3;
@@ -81,7 +81,7 @@ pub enum Removed {
 /// What is identified, and how much is tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options<'a> {
-    /// Sample rate [Hz].
+    /// Sample rate \[Hz\].
     pub rate_hz: f64,
     /// Largest n of ARMA(2n, 2n−1) in the Pandit-Wu table.
     pub n_max: usize,
@@ -90,7 +90,7 @@ pub struct Options<'a> {
 }
 
 impl Options<'_> {
-    /// At a sample rate [Hz]: n up to 2, the mean taken out.
+    /// At a sample rate \[Hz\]: n up to 2, the mean taken out.
     pub fn at(rate_hz: f64) -> Self {
         Self {
             rate_hz,
@@ -112,9 +112,9 @@ pub enum IdentifyError {
     /// No horizon fits into the half that is scored.
     #[error("{seconds:.1} s are too short to see a drift: record at least {needed:.0} s")]
     TooBrief {
-        /// Length of the record [s].
+        /// Length of the record \[s\].
         seconds: f64,
-        /// Length needed [s].
+        /// Length needed \[s\].
         needed: f64,
     },
     /// No candidate could be fitted.
@@ -161,7 +161,7 @@ fn detrended(record: &[f64], options: &Options<'_>) -> Result<(Detrended, Remove
     })
 }
 
-/// Horizons that fit four times into half a record of so many samples [s].
+/// Horizons that fit four times into half a record of so many samples \[s\].
 fn horizons(samples: usize, rate_hz: f64) -> Result<Vec<f64>, IdentifyError> {
     let half = (samples / 2) as f64 / rate_hz;
     let (sample, shortest) = (1.0 / rate_hz, HORIZONS_S[0]);

@@ -70,7 +70,7 @@ pub struct ImuModel {
 pub struct Provenance {
     /// Name of the static record.
     pub record: Option<String>,
-    /// Its sample rate [Hz].
+    /// Its sample rate \[Hz\].
     pub rate_hz: Option<f64>,
     /// Its length in samples.
     pub samples: Option<u64>,
@@ -108,7 +108,7 @@ pub struct AxisModel {
 pub struct Instability {
     /// Standard deviation [unit].
     pub sigma: f64,
-    /// Correlation time [s].
+    /// Correlation time \[s\].
     pub tau: f64,
 }
 
@@ -121,7 +121,7 @@ pub struct Arma {
     pub ma: Vec<f64>,
     /// Standard deviation of the innovations [unit].
     pub sigma: f64,
-    /// Sample rate it holds at [Hz].
+    /// Sample rate it holds at \[Hz\].
     pub rate_hz: f64,
 }
 

@@ -72,9 +72,9 @@ pub struct OrderTest {
     pub smaller: (usize, usize),
     /// The larger one.
     pub larger: (usize, usize),
-    /// A0, sum of squares of the smaller model [unit²].
+    /// A0, sum of squares of the smaller model \[unit²\].
     pub sum_smaller: f64,
-    /// A1, sum of squares of the larger model [unit²].
+    /// A1, sum of squares of the larger model \[unit²\].
     pub sum_larger: f64,
     /// F statistic.
     pub f: f64,

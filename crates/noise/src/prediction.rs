@@ -8,12 +8,12 @@ use crate::stationarity::dot;
 pub(crate) struct Predictor {
     /// φ1 … φp.
     pub(crate) phi: Vec<f64>,
-    /// Variance of the prediction's error [unit²].
+    /// Variance of the prediction's error \[unit²\].
     pub(crate) variance: f64,
 }
 
 impl Predictor {
-    /// Order 0, for a series of this variance [unit²].
+    /// Order 0, for a series of this variance \[unit²\].
     pub(crate) fn new(variance: f64) -> Self {
         Self {
             phi: Vec::new(),

@@ -119,7 +119,7 @@ pub struct Scales {
     pub agreeing: usize,
 }
 
-/// Fits a record sampled every `interval` [s] at block lengths `blocks` (as [`BLOCKS`]); `effort` is
+/// Fits a record sampled every `interval` \[s\] at block lengths `blocks` (as [`BLOCKS`]); `effort` is
 /// that of each ARMA search ([`FitOptions`]; 0.1 is enough). NaN is a missing sample.
 ///
 /// # Errors

@@ -65,7 +65,7 @@ pub(crate) fn schwert(samples: usize, factor: f64) -> f64 {
     factor * (samples as f64 / 100.0).powf(0.25)
 }
 
-/// Bartlett-weighted long-run variance `γ₀ + 2 Σ (1 − l/(L+1)) γ_l` of residuals [unit²], γ about 0
+/// Bartlett-weighted long-run variance `γ₀ + 2 Σ (1 − l/(L+1)) γ_l` of residuals \[unit²\], γ about 0
 /// with divisor n (Newey & West, Econometrica 55, 1987).
 pub(crate) fn long_run_variance(residuals: &[f64], lags: usize) -> f64 {
     let products = lagged_products(residuals, 0.0, lags.min(residuals.len().saturating_sub(1)));

@@ -33,9 +33,9 @@ use crate::composite::{CompositeError, CompositeTerms, GaussMarkov};
 pub struct WaveletPoint {
     /// Samples to a mean.
     pub m: usize,
-    /// Scale m T [s].
+    /// Scale m T \[s\].
     pub scale_s: f64,
-    /// Wavelet variance ν² [unit²], half the Allan variance at τ = `scale_s`.
+    /// Wavelet variance ν² \[unit²\], half the Allan variance at τ = `scale_s`.
     pub variance: f64,
     /// Equivalent degrees of freedom, for the noise type that the slope at this scale shows.
     pub edf: f64,
@@ -47,7 +47,7 @@ pub struct WaveletPoint {
 /// Wavelet variance over scale.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WaveletVariance {
-    /// Sample interval T [s].
+    /// Sample interval T \[s\].
     pub interval: f64,
     /// Samples in the record, missing ones counted.
     pub samples: usize,
@@ -55,7 +55,7 @@ pub struct WaveletVariance {
     pub points: Vec<WaveletPoint>,
 }
 
-/// Haar wavelet variance of a record at a sample interval [s] at octave scales, in one pass with
+/// Haar wavelet variance of a record at a sample interval \[s\] at octave scales, in one pass with
 /// 2 kB of memory a scale. NaN is a missing sample: a coefficient is used where at most a tenth of
 /// its 2m samples is missing, these counting with the mean of the last 32.
 ///
@@ -110,30 +110,30 @@ pub fn wavelet_variance(record: &[f64], interval: f64) -> Result<WaveletVariance
     })
 }
 
-/// Wavelet variance [unit²] of white noise of density `density` [unit·√s] at scale `scale_s` [s]: N²/(2τ).
+/// Wavelet variance \[unit²\] of white noise of density `density` [unit·√s] at scale `scale_s` \[s\]: N²/(2τ).
 pub fn white_variance(density: f64, scale_s: f64) -> f64 {
     density * density / (2.0 * scale_s)
 }
 
-/// Wavelet variance [unit²] of quantisation `q` [unit·s] at scale `scale_s` [s]: 3Q²/(2τ²).
+/// Wavelet variance \[unit²\] of quantisation `q` [unit·s] at scale `scale_s` \[s\]: 3Q²/(2τ²).
 pub fn quantisation_variance(q: f64, scale_s: f64) -> f64 {
     1.5 * (q / scale_s) * (q / scale_s)
 }
 
-/// Wavelet variance [unit²] of a random walk `k` [unit/√s] sampled every `interval` [s] at a scale
+/// Wavelet variance \[unit²\] of a random walk `k` [unit/√s] sampled every `interval` \[s\] at a scale
 /// of `m` samples: `K² T (2m² + 1)/(12m)`, K²τ/6 for large m.
 pub fn random_walk_variance(k: f64, m: usize, interval: f64) -> f64 {
     let width = m.max(1) as f64;
     k * k * interval * (2.0 * width * width + 1.0) / (12.0 * width)
 }
 
-/// Mean square [unit²] of the wavelet coefficients of a drift `rate` [unit/s] at scale `scale_s`
-/// [s]: R²τ²/4.
+/// Mean square \[unit²\] of the wavelet coefficients of a drift `rate` [unit/s] at scale `scale_s`
+/// \[s\]: R²τ²/4.
 pub fn drift_variance(rate: f64, scale_s: f64) -> f64 {
     0.25 * (rate * scale_s) * (rate * scale_s)
 }
 
-/// Wavelet variance [unit²] of a Gauss-Markov process sampled every `interval` [s] at a scale of `m`
+/// Wavelet variance \[unit²\] of a Gauss-Markov process sampled every `interval` \[s\] at a scale of `m`
 /// samples: closed form, a series where m T is below half of τ; exact at any ratio.
 pub fn gauss_markov_variance(process: &GaussMarkov, m: usize, interval: f64) -> f64 {
     if process.sigma == 0.0 {
@@ -142,7 +142,7 @@ pub fn gauss_markov_variance(process: &GaussMarkov, m: usize, interval: f64) -> 
     0.5 * ar1_variance(m, process.sigma, interval / process.tau_s)
 }
 
-/// Wavelet variance [unit²] of composite terms at a scale of `m` samples of `interval` [s].
+/// Wavelet variance \[unit²\] of composite terms at a scale of `m` samples of `interval` \[s\].
 pub fn model_variance(terms: &CompositeTerms, m: usize, interval: f64) -> f64 {
     let scale_s = m.max(1) as f64 * interval;
     let processes = terms.gauss_markov.iter();

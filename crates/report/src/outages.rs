@@ -51,7 +51,7 @@ impl Model<'_> {
         self.key == WHITE_CALIBRATED
     }
 
-    /// Largest horizontal error of each outage [m].
+    /// Largest horizontal error of each outage \[m\].
     fn largest(&self) -> Vec<f64> {
         let outages = self.errors.per_outage.iter();
         outages.map(|o| get(&o.max, HORIZONTAL)).collect()

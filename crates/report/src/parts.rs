@@ -48,7 +48,7 @@ pub fn percent(share: f64) -> String {
     }
 }
 
-/// A span of time [s] in the unit that suits it.
+/// A span of time \[s\] in the unit that suits it.
 pub fn span(seconds: f64) -> String {
     match seconds {
         s if !s.is_finite() => "–".into(),
@@ -209,13 +209,13 @@ pub fn mark_least(table: &mut Table, column: usize, values: &[f64]) {
     }
 }
 
-/// The time that plots count from [s]: 0, or the whole second before the start where a log's own
+/// The time that plots count from \[s\]: 0, or the whole second before the start where a log's own
 /// times are large.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock(f64);
 
 impl Clock {
-    /// For a log that starts at a time [s].
+    /// For a log that starts at a time \[s\].
     pub fn starting(start: f64) -> Self {
         Self(if start.is_finite() && start.abs() >= 1000.0 {
             start.floor()
@@ -264,7 +264,7 @@ pub fn unwrapped(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     broken
 }
 
-/// A way in metres east and north of an origin, with its times [s].
+/// A way in metres east and north of an origin, with its times \[s\].
 pub fn on_the_ground(track: &Track, origin: Option<&Geodetic>) -> Vec<(f64, (f64, f64))> {
     let places = track.time_s.iter().zip(&track.lat_deg).zip(&track.lon_deg);
     let Some(origin) = origin else {

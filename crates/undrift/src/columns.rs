@@ -259,13 +259,13 @@ fn spelled(unit: &str) -> String {
     }
 }
 
-/// Longest ordinary step of an inertial log [s].
+/// Longest ordinary step of an inertial log \[s\].
 pub const IMU_STEP: f64 = 0.25;
-/// Longest ordinary step of a log of fixes [s].
+/// Longest ordinary step of a log of fixes \[s\].
 pub const FIX_STEP: f64 = 30.0;
 
 /// The unit of time stamps, and its factor to seconds: the longest one that makes their ordinary
-/// step no longer than `longest` [s]; `None` if there are too few stamps or none fits.
+/// step no longer than `longest` \[s\]; `None` if there are too few stamps or none fits.
 pub fn time_unit(stamps: &[f64], longest: f64) -> Option<(&'static str, f64)> {
     let step = ordinary_step(stamps)?;
     [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)]

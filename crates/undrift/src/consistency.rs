@@ -63,7 +63,7 @@ type Matrix = nalgebra::SMatrix<f64, COMPONENTS, COMPONENTS>;
 
 /// The error of a filter at one instant and the covariance that the filter gives it.
 ///
-/// Signs as in `docs/conventions.md`: position [m], velocity [m/s] and misalignment [rad] estimate
+/// Signs as in `docs/conventions.md`: position \[m\], velocity [m/s] and misalignment \[rad\] estimate
 /// less truth, north-east-down; biases [rad/s, m/s²] truth less estimate, body axes. A component
 /// that is not known (no truth for it, or no state in the filter) counts in no group.
 #[derive(Clone, Debug, PartialEq)]

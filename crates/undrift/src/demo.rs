@@ -20,15 +20,15 @@ use undrift_noise::{
 
 /// IMU of the demo.
 pub const PRESET: &str = "adis16405";
-/// Sample rate of the simulated IMU [Hz].
+/// Sample rate of the simulated IMU \[Hz\].
 pub const RATE_HZ: f64 = 200.0;
-/// Length of the simulated drive [s].
+/// Length of the simulated drive \[s\].
 pub const DURATION: f64 = 600.0;
-/// Outages: number, length and spacing [s], the first this long after the first fix [s]: by then the turns
+/// Outages: number, length and spacing \[s\], the first this long after the first fix \[s\]: by then the turns
 /// of the drive have separated the accelerometers' constants from tilt in every model.
 pub const OUTAGES: (usize, f64, f64, f64) = (15, 10.0, 29.0, 180.0);
 
-/// Length of the simulated static record [s].
+/// Length of the simulated static record \[s\].
 pub const STATIC_DURATION: f64 = 1000.0;
 
 /// Where the models of the demo come from.

@@ -72,7 +72,7 @@ pub struct Drive {
     pub gnss_use: GnssUse,
     /// Reference solution, if there is one.
     pub truth: Option<(PathBuf, TruthSource)>,
-    /// IMU → antenna, body axes [m].
+    /// IMU → antenna, body axes \[m\].
     pub lever_arm: Vector3,
     /// How to start.
     pub align: AlignSettings,
@@ -291,7 +291,7 @@ impl Drive {
             .transpose()
     }
 
-    /// The log's sample interval [s]: stated by `imu.rate`, else the mean over its first samples,
+    /// The log's sample interval \[s\]: stated by `imu.rate`, else the mean over its first samples,
     /// gaps left out.
     ///
     /// # Errors
@@ -372,10 +372,10 @@ fn open_scalar(
         .transpose()
 }
 
-/// Longest lever arm [m]: the largest ships are 400 m long.
+/// Longest lever arm \[m\]: the largest ships are 400 m long.
 const MOST_LEVER_ARM: f64 = 500.0;
 
-/// Sample intervals that a log of an IMU may have [s].
+/// Sample intervals that a log of an IMU may have \[s\].
 const INTERVALS: std::ops::RangeInclusive<f64> = 2e-5..=1.0;
 
 /// Samples looked at for the rate.

@@ -1,6 +1,6 @@
-//! Many logs: each becomes a [`Job`], a plain description of what is to be done; [`process`] makes an
-//! [`Outcome`] of it; [`run`] does so on all cores, keeps every outcome in a file of its own and leaves out
-//! what is up to date; [`gather`] makes one table and one summary of them all.
+//! Many logs: each becomes a [`Job`], a plain description of what is to be done; [`process()`] makes an
+//! [`Outcome`] of it; [`run()`] does so on all cores, keeps every outcome in a file of its own and leaves out
+//! what is up to date; [`gather()`] makes one table and one summary of them all.
 //!
 //! A job has no state beside it, and its outcome depends on nothing but the job and the contents of the
 //! files that it names: no clock, no machine, no order. So whoever runs the jobs, wherever and however
@@ -87,18 +87,18 @@ impl Task {
     }
 }
 
-/// From outage to outage where nothing is said [s].
+/// From outage to outage where nothing is said \[s\].
 const EVERY: f64 = 30.0;
 
 /// Outages, the same in every drive.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Plan {
-    /// Length of an outage [s].
+    /// Length of an outage \[s\].
     pub length_s: f64,
-    /// From the first fix to the start of the first outage [s].
+    /// From the first fix to the start of the first outage \[s\].
     pub start_s: f64,
-    /// From start to start [s]; without it they are evenly spread.
+    /// From start to start \[s\]; without it they are evenly spread.
     pub every_s: Option<f64>,
     /// How many; without it as many as fit.
     pub count: Option<usize>,
@@ -138,7 +138,7 @@ impl Plan {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecordSettings {
-    /// Sample rate [Hz]; from the time stamps if absent.
+    /// Sample rate \[Hz\]; from the time stamps if absent.
     pub rate_hz: Option<f64>,
     /// Six columns by name or number; by the header if empty.
     pub columns: Vec<String>,

@@ -18,7 +18,7 @@ use undrift_noise::{
 
 /// The axes of a record, identified.
 pub struct Identified {
-    /// Sample rate [Hz].
+    /// Sample rate \[Hz\].
     pub rate_hz: f64,
     /// What the time stamps say, where there are any.
     pub timing: Option<Timing>,

@@ -66,15 +66,15 @@ pub struct Line {
 pub struct Measured {
     /// Samples, fixes or reference solutions.
     pub records: u64,
-    /// First time [s].
+    /// First time \[s\].
     pub first_s: f64,
-    /// Last time [s].
+    /// Last time \[s\].
     pub last_s: f64,
-    /// 1 / the ordinary interval [Hz].
+    /// 1 / the ordinary interval \[Hz\].
     pub rate_hz: f64,
     /// Intervals of more than 1.5 ordinary ones.
     pub gaps: u64,
-    /// Start and length of the longest [s].
+    /// Start and length of the longest \[s\].
     pub longest_gap_s: Option<(f64, f64)>,
     /// What was left out, a line each.
     pub skipped: String,

@@ -19,16 +19,16 @@ use undrift_nav::{Matrix3, Quaternion, Vector3, attitude::to_rpy};
 const MIN_SPEED: f64 = 5.0;
 /// Turn rate up to which driving is straight [rad/s].
 const STRAIGHT: f64 = 0.05;
-/// Heading this uncertain [rad] or more says nothing of the forward axis.
+/// Heading this uncertain \[rad\] or more says nothing of the forward axis.
 const HEADING_STD: f64 = 0.05;
-/// Driving that makes one value: errors of the attitude, bends and bumps live for about that long [s].
+/// Driving that makes one value: errors of the attitude, bends and bumps live for about that long \[s\].
 const BLOCK: f64 = 5.0;
 /// Values needed.
 const MIN_BLOCKS: u32 = 6;
-/// What averages do not remove, one standard deviation [rad]: crown of the road and an uneven load
+/// What averages do not remove, one standard deviation \[rad\]: crown of the road and an uneven load
 /// in roll; squat at speed in pitch; side slip of one-sided bends in yaw.
 const FLOOR: [f64; 3] = [0.012, 0.004, 0.003];
-/// The part of the log that [`estimate`] looks at, from its first sample [s].
+/// The part of the log that [`estimate`] looks at, from its first sample \[s\].
 pub const LONGEST_PASS: f64 = 900.0;
 
 /// How the IMU sits in the vehicle.
@@ -36,14 +36,14 @@ pub const LONGEST_PASS: f64 = 900.0;
 pub struct Mounting {
     /// Takes sensor axes `b` to vehicle axes `v`, forward, right, down.
     pub q_vb: Quaternion,
-    /// Standard deviations of the error angles about the vehicle's forward, right and down [rad].
+    /// Standard deviations of the error angles about the vehicle's forward, right and down \[rad\].
     pub std: Vector3,
-    /// Straight driving that it rests on [s].
+    /// Straight driving that it rests on \[s\].
     pub duration: f64,
 }
 
 impl Mounting {
-    /// Roll, pitch, yaw of the sensor in the vehicle [rad], as `imu.mounting` takes them.
+    /// Roll, pitch, yaw of the sensor in the vehicle \[rad\], as `imu.mounting` takes them.
     pub fn rpy(&self) -> Vector3 {
         to_rpy(&self.q_vb)
     }
@@ -64,7 +64,7 @@ pub enum MountingError {
         f64::from(MIN_BLOCKS) * BLOCK
     )]
     TooLittle {
-        /// What there was [s].
+        /// What there was \[s\].
         found: f64,
     },
     /// The vehicle does not move along one of the sensor's directions.
@@ -73,7 +73,7 @@ pub enum MountingError {
          so this is no wheeled vehicle, or its IMU is not fixed to it", wander.to_degrees()
     )]
     Wanders {
-        /// Standard deviation of its direction [rad].
+        /// Standard deviation of its direction \[rad\].
         wander: f64,
     },
     /// The log could not be navigated in sensor axes.
@@ -81,13 +81,13 @@ pub enum MountingError {
     Replay(#[from] ReplayError),
 }
 
-/// Direction of motion beyond this standard deviation is no axis [rad].
+/// Direction of motion beyond this standard deviation is no axis \[rad\].
 const WANDER: f64 = 0.2;
 
 /// Gathers the directions of motion and of down. Streamed: only sums are kept.
 #[derive(Clone, Debug, Default)]
 pub struct MountingEstimator {
-    /// Of the present block: its length [s], the sums of the directions, of the attitude's variance.
+    /// Of the present block: its length \[s\], the sums of the directions, of the attitude's variance.
     span: f64,
     forward: Vector3,
     down: Vector3,
@@ -99,13 +99,13 @@ pub struct MountingEstimator {
     down_sum: Vector3,
     down_square: Matrix3,
     variance_sum: f64,
-    /// Time moving with the sum of the directions less time against it [s].
+    /// Time moving with the sum of the directions less time against it \[s\].
     ahead: f64,
 }
 
 impl MountingEstimator {
-    /// Adds `dt` [s] of motion: attitude, velocity [m/s], angular rate ω_nb^b [rad/s], and the standard
-    /// deviations of the misalignment about north, east, down [rad].
+    /// Adds `dt` \[s\] of motion: attitude, velocity [m/s], angular rate ω_nb^b [rad/s], and the standard
+    /// deviations of the misalignment about north, east, down \[rad\].
     pub fn add(
         &mut self,
         dt: f64,
@@ -146,7 +146,7 @@ impl MountingEstimator {
         (self.forward, self.down) = (Vector3::zeros(), Vector3::zeros());
     }
 
-    /// Straight driving so far [s].
+    /// Straight driving so far \[s\].
     pub fn duration(&self) -> f64 {
         f64::from(self.blocks) * BLOCK
     }

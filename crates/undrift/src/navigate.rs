@@ -45,7 +45,7 @@ pub struct Report {
     /// The filter's errors against its covariance once a second, where there is a truth; not for the
     /// smoothed solution.
     pub consistency: Consistency,
-    /// First and last time of the truth as far as it was read [s], if there is a truth.
+    /// First and last time of the truth as far as it was read \[s\], if there is a truth.
     pub truth_read: Option<(f64, f64)>,
     /// What was left out of the inertial log.
     pub imu_skipped: Skipped,
@@ -94,7 +94,7 @@ impl From<undrift_noise::ModelError> for NavigateError {
     }
 }
 
-/// Longest span between two nodes of the smoother [s].
+/// Longest span between two nodes of the smoother \[s\].
 pub const NODE_SPAN: f64 = 1.0;
 
 /// The filter's settings for a drive under one bias model of its IMU; for a drive whose mounting is

@@ -24,13 +24,13 @@ use undrift_nav::sample::{GnssFix, ImuSample, TruthSample};
 /// What one outage did to one model.
 #[derive(Clone, Debug)]
 pub struct OutageErrors {
-    /// Start in the log's time base [s].
+    /// Start in the log's time base \[s\].
     pub start_s: f64,
     /// Largest magnitude inside the outage.
     pub max: Errors,
     /// Error at its end.
     pub end: Errors,
-    /// Horizontal error against time since the cut: pairs of [s] and [m], at most about ten a second.
+    /// Horizontal error against time since the cut: pairs of \[s\] and \[m\], at most about ten a second.
     pub drift: Vec<(f64, f64)>,
 }
 
@@ -134,7 +134,7 @@ struct OutageWatch<'a> {
     withheld: Option<GnssFix>,
 }
 
-/// Points of the drift curve are at least this far apart [s].
+/// Points of the drift curve are at least this far apart \[s\].
 const DRIFT_STEP: f64 = 0.1;
 
 impl<'a> OutageWatch<'a> {

@@ -187,7 +187,7 @@ impl<I: Iterator<Item = TruthSample>> TruthCursor<I> {
         }
     }
 
-    /// The truth at `time` [s]; `None` outside the samples or where they are more than 2 s apart.
+    /// The truth at `time` \[s\]; `None` outside the samples or where they are more than 2 s apart.
     pub fn at(&mut self, time: f64) -> Option<TruthSample> {
         const LONGEST: f64 = 2.0;
         while let Some(after) = self.after.filter(|s| s.time <= time + STAMP_ROUNDING) {

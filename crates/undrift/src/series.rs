@@ -7,7 +7,7 @@ pub const BUCKETS: usize = 1000;
 /// Rows of a [`Thinned`] that make a smooth path.
 pub const ROWS: usize = 4000;
 
-/// A time [s] and a value.
+/// A time \[s\] and a value.
 pub type Point = (f64, f64);
 
 /// Smallest and largest value of a bucket with their times.
@@ -74,7 +74,7 @@ impl Envelope {
         }
     }
 
-    /// Adds a value at a time [s] not before the last one's. What is not finite is left out.
+    /// Adds a value at a time \[s\] not before the last one's. What is not finite is left out.
     pub fn add(&mut self, time: f64, value: f64) {
         if !(time.is_finite() && value.is_finite()) {
             return;
@@ -182,7 +182,7 @@ pub fn to_digits(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }
 
-/// Rounded to a thousandth: times [s], heights [m].
+/// Rounded to a thousandth: times \[s\], heights \[m\].
 pub fn to_millisecond(value: f64) -> f64 {
     (value * 1e3).round() / 1e3
 }

@@ -1,6 +1,6 @@
 //! A vehicle, its sensors and its GNSS receiver, with the truth beside them.
 //!
-//! The motion is analytic ([`trajectory`]), so the IMU's increments are exact ([`increments`]);
+//! The motion is analytic ([`trajectory`]), so the IMU's increments are exact ([`ideal_imu`]);
 //! sensor errors are any six shaping filters ([`sensors`]), GNSS noise is white ([`gnss`]), and there
 //! may be an odometer and a barometer ([`scalars`]).
 //! Time runs from 0 at the trajectory's start. The same seed gives the same bytes.

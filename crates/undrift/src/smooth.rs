@@ -67,7 +67,7 @@ pub struct Smoothed {
 impl Smoothed {
     /// Antenna position and velocity [m/s] at a node that was made for a fix, when the fix holds by
     /// the smoothed time offset: the filter put the node where it then believed the fix to be.
-    /// `lever_b` IMU → antenna as configured, body axes [m].
+    /// `lever_b` IMU → antenna as configured, body axes \[m\].
     pub fn antenna(&self, node: &Node, lever_b: &Vector3) -> (Geodetic, Vector3) {
         let mut lever = *lever_b;
         if let Some(at) = self.parameters.start(Parameter::LeverArm) {
@@ -317,7 +317,7 @@ fn node(
     }
 }
 
-/// Longest part of a log that [`better_start`] looks at [s].
+/// Longest part of a log that [`better_start`] looks at \[s\].
 const START_SPAN: f64 = 300.0;
 
 /// The start that a smoother finds in the first minutes of a log, for [`Settings::start`]; `None`
@@ -353,7 +353,7 @@ impl Observer for History {
     }
 }
 
-/// Times closer than this [s] are the same.
+/// Times closer than this \[s\] are the same.
 const SAME: f64 = 1e-6;
 
 /// The smoothed solution at every sample, from the nodes and a second pass over the log.

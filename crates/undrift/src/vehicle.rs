@@ -25,10 +25,10 @@ pub struct Constraints {
     pub zero_velocity: Option<f64>,
     /// Standard deviation of the angular rate at rest beyond the gyros' noise [rad/s].
     pub zero_angular_rate: Option<f64>,
-    /// Standard deviation of the heading against the course over ground [rad], and the speed above
+    /// Standard deviation of the heading against the course over ground \[rad\], and the speed above
     /// which it holds [m/s].
     pub course: Option<(f64, f64)>,
-    /// IMU → wheel that turns the odometer, body axes [m].
+    /// IMU → wheel that turns the odometer, body axes \[m\].
     pub odometer_lever: Vector3,
 }
 
@@ -41,9 +41,9 @@ pub struct NonHolonomic {
     pub down: f64,
     /// Side slip: added to `right` for every m/s² of lateral acceleration [m/s per m/s²].
     pub slip: f64,
-    /// From update to update [s].
+    /// From update to update \[s\].
     pub interval: f64,
-    /// IMU → the middle of the axle that does not steer, body axes [m].
+    /// IMU → the middle of the axle that does not steer, body axes \[m\].
     pub lever: Vector3,
     /// Speed below which it is not applied [m/s].
     pub min_speed: f64,

@@ -18,7 +18,7 @@ pub struct GnssFormat {
     pub time: Column,
     /// Factor from the time column to seconds.
     pub time_scale: f64,
-    /// Added to the time after scaling [s].
+    /// Added to the time after scaling \[s\].
     pub time_offset: f64,
     /// Position, if it is to be read.
     pub position: Option<PositionFormat>,
@@ -28,7 +28,7 @@ pub struct GnssFormat {
     pub quality: Option<Column>,
     /// The byte between fields; `None` finds out.
     pub delimiter: Option<u8>,
-    /// First and last time [s] to give out, after the offset.
+    /// First and last time \[s\] to give out, after the offset.
     pub span: Option<(f64, f64)>,
 }
 
@@ -37,7 +37,7 @@ pub struct GnssFormat {
 pub struct PositionFormat {
     /// The columns of the place.
     pub place: Place,
-    /// Standard deviations north, east, down [m].
+    /// Standard deviations north, east, down \[m\].
     pub std: Std,
     /// Factor on the standard deviations, for receivers that are too sure or too modest.
     pub std_factor: f64,
@@ -46,18 +46,18 @@ pub struct PositionFormat {
 /// How a position is written.
 #[derive(Clone, Debug)]
 pub enum Place {
-    /// Latitude, longitude, and height above the ellipsoid [m].
+    /// Latitude, longitude, and height above the ellipsoid \[m\].
     Geodetic {
         /// Latitude, north positive.
         lat: Column,
         /// Longitude, east positive.
         lon: Column,
-        /// Height [m].
+        /// Height \[m\].
         height: Column,
         /// Factor from the columns of latitude and longitude to radians.
         angle_scale: f64,
     },
-    /// Relative to a base station, north-east-down of the base [m].
+    /// Relative to a base station, north-east-down of the base \[m\].
     Baseline {
         /// Columns of north, east, down.
         ned: [Column; 3],

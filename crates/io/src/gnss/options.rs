@@ -5,9 +5,9 @@ use crate::ReadError;
 /// How certain the fixes of a file are, and which of them are given out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FixOptions {
-    /// Added to the file's times [s].
+    /// Added to the file's times \[s\].
     pub time_offset: f64,
-    /// Standard deviations north, east, down [m] instead of the file's; needed where it has none.
+    /// Standard deviations north, east, down \[m\] instead of the file's; needed where it has none.
     pub position_std: Option<[f64; 3]>,
     /// Standard deviations north, east, down [m/s] instead of the file's; needed where it has velocities
     /// without any.
@@ -16,7 +16,7 @@ pub struct FixOptions {
     pub position_std_factor: f64,
     /// Factor on the standard deviations of velocity.
     pub velocity_std_factor: f64,
-    /// First and last time [s] to give out, after the offset.
+    /// First and last time \[s\] to give out, after the offset.
     pub span: Option<(f64, f64)>,
 }
 

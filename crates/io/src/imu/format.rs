@@ -39,11 +39,11 @@ pub struct ImuFormat {
     pub accel_scale: f64,
     /// The columns are increments over the interval rather than rates.
     pub increments: bool,
-    /// Sampling rate [Hz]: makes the times where there is no time column, the interval of the first
+    /// Sampling rate \[Hz\]: makes the times where there is no time column, the interval of the first
     /// sample, which is otherwise taken from the second one, and the interval that a row of
     /// increments covers.
     pub rate_hz: Option<f64>,
-    /// Added to the time after scaling [s].
+    /// Added to the time after scaling \[s\].
     pub time_offset: f64,
     /// Rotation from sensor axes to body axes.
     pub rotation: Matrix3,
@@ -51,7 +51,7 @@ pub struct ImuFormat {
     pub gyro_offset: Vector3,
     /// Known constant of the accelerometers, body axes [m/s²], subtracted.
     pub accel_offset: Vector3,
-    /// First and last time [s] to give out, after the offset; the samples outside are passed over.
+    /// First and last time \[s\] to give out, after the offset; the samples outside are passed over.
     pub span: Option<(f64, f64)>,
 }
 

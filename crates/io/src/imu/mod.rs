@@ -49,7 +49,7 @@ pub struct ImuReader {
     held_values: HeldWatch,
     /// The second sample, read for the interval of the first.
     held: Option<Raw>,
-    /// First and last time of the file up to here [s].
+    /// First and last time of the file up to here \[s\].
     covered: Option<(f64, f64)>,
     given: u64,
     gaps_in_a_row: u32,
@@ -200,7 +200,7 @@ impl ImuReader {
         }
     }
 
-    /// The next row with its interval [s].
+    /// The next row with its interval \[s\].
     fn next_with_interval(&mut self) -> Result<Option<(Raw, f64)>, ReadError> {
         let raw = match self.held.take() {
             Some(held) => held,
@@ -276,7 +276,7 @@ impl ImuReader {
         }
     }
 
-    /// The part of the interval `dt` [s] that the increments of a row were collected in [s]: the
+    /// The part of the interval `dt` \[s\] that the increments of a row were collected in \[s\]: the
     /// nominal interval after a gap, else all of it.
     ///
     /// # Errors
@@ -307,7 +307,7 @@ impl ImuReader {
             .mend("correct the rate, or split the file where the rate changes"))
     }
 
-    /// The sample of a row whose increments, if it has increments, were collected in `covered` [s].
+    /// The sample of a row whose increments, if it has increments, were collected in `covered` \[s\].
     fn sample(&self, raw: &Raw, dt: f64, covered: f64) -> ImuSample {
         let format = &self.format;
         let length = if format.increments { dt / covered } else { dt };

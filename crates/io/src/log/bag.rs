@@ -19,7 +19,7 @@ mod op {
 }
 
 const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
-/// Headers have tens of bytes; those of connections have the definition of a message [bytes].
+/// Headers have tens of bytes; those of connections have the definition of a message \[bytes\].
 const LONGEST_HEADER: u32 = 1 << 20;
 
 /// Whether a file that starts like this is a bag, of whatever version.
@@ -44,7 +44,7 @@ struct Header {
     time: (i64, u32),
     topic: String,
     compression: String,
-    /// Of a chunk, decompressed [bytes].
+    /// Of a chunk, decompressed \[bytes\].
     size: u32,
     /// Where the index begins; 0 while recording.
     index_pos: u64,

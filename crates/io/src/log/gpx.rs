@@ -27,7 +27,7 @@ use text::Text;
 const STREAM: &str = "track";
 /// Elements inside of one another; more is no track.
 const MAX_DEPTH: usize = 64;
-/// Longest text of a number or a time that is believed [bytes].
+/// Longest text of a number or a time that is believed \[bytes\].
 const MAX_TEXT: usize = 64;
 
 /// Whether the first bytes of a file are GPX: XML whose root is `gpx`.

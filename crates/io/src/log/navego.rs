@@ -3,13 +3,13 @@
 //!
 //! Streams are variables. What one holds is told by its fields, vectors of one length:
 //!
-//! * `t` [s], `fb` [m/s²], `wb` [rad/s]: inertial samples, forward-right-down; `fb` is the specific
+//! * `t` \[s\], `fb` [m/s²], `wb` [rad/s]: inertial samples, forward-right-down; `fb` is the specific
 //!   force, −9.8 m/s² down at rest.
-//! * `t`, `lat`, `lon` [rad], `h` [m]: fixes, with `vel` north-east-down [m/s] if it is there, and the
-//!   standard deviations `stdm` north-east-down [m] and `stdv` [m/s], one row for all or one each; what
-//!   is missing, zero or not finite is unknown. `larm`, the antenna's place in the body [m], is shown
+//! * `t`, `lat`, `lon` \[rad\], `h` \[m\]: fixes, with `vel` north-east-down [m/s] if it is there, and the
+//!   standard deviations `stdm` north-east-down \[m\] and `stdv` [m/s], one row for all or one each; what
+//!   is missing, zero or not finite is unknown. `larm`, the antenna's place in the body \[m\], is shown
 //!   with the stream and has to be configured.
-//! * The same with `roll`, `pitch`, `yaw` [rad], or else `DCMnb_m`: a reference solution.
+//! * The same with `roll`, `pitch`, `yaw` \[rad\], or else `DCMnb_m`: a reference solution.
 //! * `t` and `vel` alone: velocities, which are not read by themselves.
 //!
 //! Matrices may have the vectors as rows or as columns. `DCMnb_m` holds in each row the matrix from

@@ -31,7 +31,7 @@ pub(super) fn footer_is_sound(file: &mut File) -> io::Result<bool> {
     Ok(Header::read(&footer).is_some())
 }
 
-/// Whether all page headers between two places of a file [bytes] are structures that end before the second,
+/// Whether all page headers between two places of a file \[bytes\] are structures that end before the second,
 /// and lead from one to the next.
 pub(super) fn pages_are_sound(file: &mut File, start: u64, end: u64) -> io::Result<bool> {
     let mut at = start;
@@ -58,9 +58,9 @@ fn part(file: &mut File, start: u64, length: u64) -> io::Result<Vec<u8>> {
 
 /// What is asked of a structure.
 struct Header {
-    /// Its length [bytes].
+    /// Its length \[bytes\].
     length: u64,
-    /// Its third field, of a page header the size of the page that follows [bytes].
+    /// Its third field, of a page header the size of the page that follows \[bytes\].
     third: Option<u64>,
 }
 
@@ -75,7 +75,7 @@ impl Header {
         })
     }
 
-    /// Length of header and page [bytes].
+    /// Length of header and page \[bytes\].
     fn with_page(self) -> Option<u64> {
         self.length.checked_add(self.third?)
     }

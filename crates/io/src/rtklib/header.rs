@@ -5,13 +5,13 @@ use crate::time::TimeSystem;
 /// What the position columns are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Axes {
-    /// Latitude and longitude [deg], height [m]; the rest north, east, up.
+    /// Latitude and longitude \[deg\], height \[m\]; the rest north, east, up.
     Geodetic,
     /// The same in degrees, minutes, seconds.
     GeodeticDms,
-    /// Earth-centred Earth-fixed x, y, z [m].
+    /// Earth-centred Earth-fixed x, y, z \[m\].
     Ecef,
-    /// East, north, up of the base station [m].
+    /// East, north, up of the base station \[m\].
     Baseline,
 }
 

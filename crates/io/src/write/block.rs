@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-/// Text is collected up to this size before it is written [bytes].
+/// Text is collected up to this size before it is written \[bytes\].
 const SIZE: usize = 64 * 1024;
 
 /// What is to be written next, and where to.

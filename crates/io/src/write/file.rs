@@ -72,7 +72,7 @@ impl SolutionFormat {
         matches!(self, Self::Kml | Self::GeoJson | Self::Gpx)
     }
 
-    /// From one row to the next [s] unless asked otherwise: all rows, but ten a second on maps and
+    /// From one row to the next \[s\] unless asked otherwise: all rows, but ten a second on maps and
     /// in sentences.
     pub fn usual_every(self) -> f64 {
         if self.is_map() || self == Self::Nmea {
@@ -108,7 +108,7 @@ pub struct SolutionOptions {
     pub week: Option<u32>,
     /// What the track is called.
     pub name: String,
-    /// Least time from one row to the next [s]; 0 for every row, without it
+    /// Least time from one row to the next \[s\]; 0 for every row, without it
     /// [`SolutionFormat::usual_every`].
     pub every: Option<f64>,
 }

@@ -15,7 +15,7 @@ use super::write_fixed;
 pub struct GeoJsonWriter<W: Write> {
     block: Block<W>,
     spans: Spans,
-    /// Time at which the line began [s].
+    /// Time at which the line began \[s\].
     start: f64,
     /// Before the next feature.
     separator: &'static str,

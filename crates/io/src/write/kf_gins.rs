@@ -1,6 +1,6 @@
 //! The solution as KF-GINS writes it, `writeNavResult` of its `src/kf_gins.cpp`: week, second of the
-//! week [s], latitude, longitude [deg], height [m], velocity north, east, down [m/s], roll, pitch, yaw
-//! [deg], between spaces, no header.
+//! week \[s\], latitude, longitude \[deg\], height \[m\], velocity north, east, down [m/s], roll, pitch, yaw
+//! \[deg\], between spaces, no header.
 
 use std::io::{self, Write};
 

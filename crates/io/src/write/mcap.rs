@@ -40,7 +40,7 @@ pub struct McapWriter<W: Write + Seek> {
     /// Absent only while the writer is being finished.
     out: Option<Writer<BufWriter<W>>>,
     topics: [u16; 3],
-    /// Unix time of time zero [s].
+    /// Unix time of time zero \[s\].
     start: f64,
     /// Position of the first row.
     origin: Option<Geodetic>,
@@ -50,7 +50,7 @@ pub struct McapWriter<W: Write + Seek> {
 
 impl McapWriter<PendingFile> {
     /// Starts a file that appears under its name at [`McapWriter::finish`]. `start_unix_s` is the
-    /// Unix time [s] at which the rows' time is zero; without it that is 1970.
+    /// Unix time \[s\] at which the rows' time is zero; without it that is 1970.
     ///
     /// # Errors
     /// If the file cannot be created.
@@ -69,7 +69,7 @@ impl McapWriter<PendingFile> {
 
 impl<W: Write + Seek> McapWriter<W> {
     /// Starts with the definitions. The messages are buffered here; `out` needs no buffer. `start_unix_s` is
-    /// the Unix time [s] of the rows' time zero; without it the stamps are the rows' own times.
+    /// the Unix time \[s\] of the rows' time zero; without it the stamps are the rows' own times.
     ///
     /// # Errors
     /// If `out` does not take them, or the start is not finite.
@@ -267,7 +267,7 @@ fn covariance(turn: &Quaternion, variances: Option<Vector3>) -> Matrix3 {
     turn * Matrix3::from_diagonal(&variances) * turn.inverse()
 }
 
-/// Covariance of the attitude as small turns about north, east, down [rad²] from the standard
+/// Covariance of the attitude as small turns about north, east, down \[rad²\] from the standard
 /// deviations of roll, pitch and yaw, by the axes about which these turn.
 fn attitude_covariance(row: &SolutionRow) -> Matrix3 {
     let [.., roll, pitch, yaw] = row.nav_std;

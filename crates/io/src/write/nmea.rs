@@ -144,7 +144,7 @@ impl<'a> Place<'a> {
     }
 }
 
-/// Degrees, minutes and ten-millionths of a minute of an angle [rad], and whether it is negative.
+/// Degrees, minutes and ten-millionths of a minute of an angle \[rad\], and whether it is negative.
 fn arc(angle: f64) -> ([u64; 3], bool) {
     let units = (angle.abs().to_degrees() * UNITS as f64).round() as u64;
     let (degrees, rest) = (units / UNITS, units % UNITS);

@@ -52,16 +52,16 @@ pub(super) const YAW: usize = 9;
 /// One instant of the solution, in SI units and radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolutionRow {
-    /// Time [s].
+    /// Time \[s\].
     pub time: f64,
     /// Position.
     pub position: Geodetic,
     /// Velocity north, east, down [m/s].
     pub v_n: Vector3,
-    /// Roll, pitch, yaw [rad]; yaw of any turn.
+    /// Roll, pitch, yaw \[rad\]; yaw of any turn.
     pub rpy: Vector3,
-    /// Standard deviations: position north, east, down [m], velocity north, east, down [m/s],
-    /// roll, pitch, yaw [rad].
+    /// Standard deviations: position north, east, down \[m\], velocity north, east, down [m/s],
+    /// roll, pitch, yaw \[rad\].
     pub nav_std: [f64; 9],
     /// Estimated slow gyro error, body axes [rad/s].
     pub gyro_error: Vector3,
@@ -72,7 +72,7 @@ pub struct SolutionRow {
 }
 
 impl SolutionRow {
-    /// A row of which nothing is known but time [s] and place.
+    /// A row of which nothing is known but time \[s\] and place.
     pub fn at(time: f64, position: Geodetic) -> Self {
         let unknown = Vector3::repeat(f64::NAN);
         Self {

@@ -13,12 +13,12 @@ pub(super) struct Thinning {
 }
 
 impl Thinning {
-    /// `every` [s]; 0 lets all through.
+    /// `every` \[s\]; 0 lets all through.
     pub fn new(every: f64) -> Self {
         Self { every, last: None }
     }
 
-    /// Whether the row at `time` [s] is the first of its cell.
+    /// Whether the row at `time` \[s\] is the first of its cell.
     pub fn takes(&mut self, time: f64) -> bool {
         // A millionth of a cell: stamps on the grid stay in their cell when divided.
         let cell = (time / self.every + 1e-6).floor() as i64;

@@ -7,7 +7,7 @@ use super::write_fixed;
 /// Decimals of degrees on maps: a tenth of a millimetre.
 const DEGREE_DECIMALS: usize = 9;
 
-/// Appends an angle [deg] in [0, 360): just below a full turn rounds to zero.
+/// Appends an angle \[deg\] in [0, 360): just below a full turn rounds to zero.
 pub(super) fn write_turn(buf: &mut Vec<u8>, degrees: f64, decimals: usize) {
     let from = buf.len();
     write_fixed(buf, degrees.rem_euclid(360.0), decimals);
@@ -17,7 +17,7 @@ pub(super) fn write_turn(buf: &mut Vec<u8>, degrees: f64, decimals: usize) {
     }
 }
 
-/// Latitude and longitude [deg] as a map takes them, longitude in [−180, 180).
+/// Latitude and longitude \[deg\] as a map takes them, longitude in [−180, 180).
 pub(super) fn map_degrees(position: &Geodetic) -> [f64; 2] {
     let lon = (position.lon.to_degrees() * 1e9).round() / 1e9;
     let lon = if (-180.0..180.0).contains(&lon) {

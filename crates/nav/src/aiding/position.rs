@@ -8,7 +8,7 @@ use crate::{
 use nalgebra::SMatrix;
 
 impl<const N: usize> Filter<N> {
-    /// Antenna position; `lever_b` from IMU to antenna as configured, body axes [m].
+    /// Antenna position; `lever_b` from IMU to antenna as configured, body axes \[m\].
     pub fn antenna_position(&self, lever_b: &Vector3) -> Geodetic {
         let lever_n = self.c_nb() * self.lever_arm(lever_b);
         self.nav().position.displaced(&lever_n)

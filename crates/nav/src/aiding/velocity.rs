@@ -6,7 +6,7 @@ use nalgebra::SMatrix;
 
 impl<const N: usize> Filter<N> {
     /// Antenna velocity over ground, north-east-down [m/s]; `lever_b` from IMU to antenna as
-    /// configured, body axes [m].
+    /// configured, body axes \[m\].
     pub fn antenna_velocity(&self, lever_b: &Vector3) -> Vector3 {
         self.nav().v_n + self.c_nb() * self.omega_nb_b().cross(&self.lever_arm(lever_b))
     }

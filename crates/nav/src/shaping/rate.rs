@@ -26,7 +26,7 @@ type PairMatrix = nalgebra::SMatrix<f64, PAIRS, PAIRS>;
 type PairVector = nalgebra::SVector<f64, PAIRS>;
 
 impl ShapingFilter {
-    /// The same noise sampled every `interval` [s]: white noise keeps its density, the coloured
+    /// The same noise sampled every `interval` \[s\]: white noise keeps its density, the coloured
     /// part its continuous-time process. Where the result has no joint covariance of its noises it
     /// is returned in innovations form, with the same autocovariance.
     ///

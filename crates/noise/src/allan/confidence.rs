@@ -164,7 +164,7 @@ fn binomial(n: usize, k: usize) -> f64 {
     (0..k).fold(1.0, |product, i| product * (n - i) as f64 / (i + 1) as f64)
 }
 
-/// Generalised autocovariance of the d-th difference at lag `t` [τ]: `s_z` of Greenhall & Riley.
+/// Generalised autocovariance of the d-th difference at lag `t` \[τ\]: `s_z` of Greenhall & Riley.
 fn structure(t: f64, fineness: f64, alpha: i32, order: usize) -> f64 {
     let mut sum = binomial(2 * order, order) * smoothed(t, fineness, alpha);
     for lag in 1..=order {

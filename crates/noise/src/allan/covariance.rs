@@ -43,7 +43,7 @@ pub(super) struct Covariance {
 }
 
 impl Covariance {
-    /// Of a record of `samples` at `rate_hz` [Hz].
+    /// Of a record of `samples` at `rate_hz` \[Hz\].
     pub(super) fn new(points: &[Point], samples: usize, rate_hz: f64) -> Self {
         let row = |i: usize| points[i..].iter().map(move |far| (&points[i], far));
         let pairs = (0..points.len())

@@ -42,7 +42,7 @@ pub enum Grid {
 pub struct Point {
     /// Samples averaged.
     pub m: usize,
-    /// Averaging time τ = m / rate [s].
+    /// Averaging time τ = m / rate \[s\].
     pub tau_s: f64,
     /// Deviation [unit of the samples].
     pub deviation: f64,
@@ -55,7 +55,7 @@ pub struct Point {
 pub struct Curve {
     /// Which deviation.
     pub kind: Kind,
-    /// Sample rate [Hz].
+    /// Sample rate \[Hz\].
     pub rate_hz: f64,
     /// Samples in the record.
     pub samples: usize,
@@ -132,7 +132,7 @@ impl Grid {
     }
 }
 
-/// The averaging factors nearest to averaging times [s] at a sample rate [Hz], growing, each once.
+/// The averaging factors nearest to averaging times \[s\] at a sample rate \[Hz\], growing, each once.
 ///
 /// # Errors
 /// A time that is not positive, a rate that is not positive.
@@ -161,7 +161,7 @@ fn check_rate(rate_hz: f64) -> Result<(), RecordError> {
     ))
 }
 
-/// The deviation of `rates` sampled at `rate_hz` [Hz] at a grid of averaging times.
+/// The deviation of `rates` sampled at `rate_hz` \[Hz\] at a grid of averaging times.
 ///
 /// # Errors
 /// Too short for m = 1 (2 samples, 3 for Hadamard), a sample that is not finite,

@@ -7,7 +7,7 @@
 //!     = Q(0, P − 2m) + 4 Q(m, P − m) + Q(2m, P) + 2 R(2m) − 8 R(m) + 4 (H(m) + T(m)),
 //! ```
 //!
-//! `Q(a, b)` the sum of squares of x[a] … x[b − 1], `R(k) = Σ_n x[n] x[n + k]` over all pairs,
+//! `Q(a, b)` the sum of squares of x\[a\] … x[b − 1], `R(k) = Σ_n x[n] x[n + k]` over all pairs,
 //! `H(m) = Σ_{n < m} x[n] x[n + m]` the pairs at lag m that are no difference's last two phases, and `T`
 //! those that are no difference's first two: `H` of the record reversed. R is one correlation, H of
 //! all m a triangle of pairs that is halved.

@@ -58,15 +58,15 @@ pub struct Terms {
     pub quantisation: Term,
     /// White noise N [u·√s, that is u/√Hz]: angle or velocity random walk.
     pub white: Term,
-    /// Bias instability B [u]; the flat of the deviation is 0.664 B.
+    /// Bias instability B \[u\]; the flat of the deviation is 0.664 B.
     pub bias_instability: Term,
     /// Rate random walk K [u/√s].
     pub random_walk: Term,
     /// Rate ramp R [u/s].
     pub ramp: Term,
-    /// Shortest τ that was fitted [s].
+    /// Shortest τ that was fitted \[s\].
     pub from_s: f64,
-    /// White variance of a sample σ² = N²·rate [u²].
+    /// White variance of a sample σ² = N²·rate \[u²\].
     pub white_variance: f64,
     /// Squared residuals in units of their covariance, over the degrees of freedom; about 1 where
     /// the terms describe the curve.
@@ -74,7 +74,7 @@ pub struct Terms {
 }
 
 impl Terms {
-    /// The fitted Allan variance at `tau_s` [s], [u²].
+    /// The fitted Allan variance at `tau_s` \[s\], \[u²\].
     pub fn variance(&self, tau_s: f64) -> f64 {
         let terms = [
             self.quantisation,
@@ -90,7 +90,7 @@ impl Terms {
     }
 }
 
-/// Allan variance over τ [s] of a term of unit size.
+/// Allan variance over τ \[s\] of a term of unit size.
 type Shape = fn(f64) -> f64;
 
 /// Noise type α and shape of each term.
@@ -114,7 +114,7 @@ pub fn fit_terms(curve: &Curve) -> Result<Terms, RecordError> {
     })
 }
 
-/// As [`fit_terms`], from `shortest_s` [s] on. Quantisation shows at the shortest τ of a curve: where
+/// As [`fit_terms`], from `shortest_s` \[s\] on. Quantisation shows at the shortest τ of a curve: where
 /// that is left out, so is the term.
 ///
 /// # Errors
@@ -165,7 +165,7 @@ pub fn fit_terms_from(curve: &Curve, shortest_s: f64) -> Result<Terms, RecordErr
 
 /// The fit from the shortest τ on that leaves a reduced χ² below [`DESCRIBES`], else the one that
 /// leaves the least; among those that see white noise, without which there is no model of a sensor.
-/// `fit` is from a τ [s] on and gives its χ², whether it sees white noise, and itself.
+/// `fit` is from a τ \[s\] on and gives its χ², whether it sees white noise, and itself.
 pub(crate) fn described<T>(
     curve: &Curve,
     mut fit: impl FnMut(f64) -> Result<(f64, bool, T), RecordError>,
@@ -248,7 +248,7 @@ impl Problem {
         problem
     }
 
-    /// Puts other shapes in place: variance over τ [s] of unit terms.
+    /// Puts other shapes in place: variance over τ \[s\] of unit terms.
     pub(crate) fn set_shapes(&mut self, columns: &[&dyn Fn(f64) -> f64]) {
         self.shapes = DMatrix::from_fn(self.tau.len(), columns.len(), |i, j| {
             columns[j](self.tau[i])

@@ -165,7 +165,7 @@ impl Plan {
         }
     }
 
-    /// The longest FFT [samples].
+    /// The longest FFT \[samples\].
     pub(super) fn longest(&self) -> usize {
         let nodes = self.nodes.iter().map(|t| t.block).max();
         2 * self.whole.block.max(nodes.unwrap_or(0))

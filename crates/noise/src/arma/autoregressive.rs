@@ -1,5 +1,5 @@
 //! AR(p) without a search: Burg's method and Yule-Walker by the Levinson recursion. (By likelihood:
-//! [`super::fit`] with q = 0.)
+//! [`super::fit()`] with q = 0.)
 
 use super::ArmaError;
 use super::likelihood::screen;
@@ -10,13 +10,13 @@ use crate::prediction::{self, Predictor};
 pub struct ArFit {
     /// φ1 … φp; stationary.
     pub ar: Vec<f64>,
-    /// Variance of a [unit²].
+    /// Variance of a \[unit²\].
     pub variance: f64,
     /// Sample mean that was removed [unit].
     pub mean: f64,
     /// Partial autocorrelations at lags 1 … p (reflection coefficients).
     pub partial_autocorrelations: Vec<f64>,
-    /// Variance of a at orders 0 … p [unit²].
+    /// Variance of a at orders 0 … p \[unit²\].
     pub variance_by_order: Vec<f64>,
 }
 

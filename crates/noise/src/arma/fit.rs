@@ -41,7 +41,7 @@ pub struct ArmaFit {
     pub ma: Vec<f64>,
     /// Standard deviation of a [unit of the record].
     pub sigma: f64,
-    /// Its square, `Σ v²/V / N` [unit²].
+    /// Its square, `Σ v²/V / N` \[unit²\].
     pub variance: f64,
     /// Mean of the record, or the starting level with a unit root [unit].
     pub mean: f64,
@@ -49,7 +49,7 @@ pub struct ArmaFit {
     pub mean_standard_error: f64,
     /// Exact Gaussian log-likelihood, constants included; with a unit root, the diffuse one.
     pub log_likelihood: f64,
-    /// Sum of squares of the one-step prediction errors over their relative variances, `Σ v²/V` [unit²].
+    /// Sum of squares of the one-step prediction errors over their relative variances, `Σ v²/V` \[unit²\].
     pub residual_sum_of_squares: f64,
     /// Parameters counted by the criteria: φ (without the unit root), θ, σ², an estimated mean.
     pub parameters: usize,

@@ -33,9 +33,9 @@ pub enum Mean {
 pub struct Likelihood {
     /// Exact Gaussian log-likelihood, constants included. A density: it depends on the unit.
     pub log_likelihood: f64,
-    /// Sum of squares of the standardised one-step prediction errors, `Σ v²/V` [unit²].
+    /// Sum of squares of the standardised one-step prediction errors, `Σ v²/V` \[unit²\].
     pub sum_of_squares: f64,
-    /// σ² = sum of squares over the number of samples [unit²].
+    /// σ² = sum of squares over the number of samples \[unit²\].
     pub variance: f64,
     /// The mean, given or estimated [unit].
     pub mean: f64,

@@ -55,7 +55,7 @@ const SHARE: f64 = 1e-3;
 ///
 /// # Errors
 /// A fit that is not an ARMA(1,1) without unit root; a level outside (0, 1); `samples` that are not
-/// those of the fit in number, or as [`super::fit`].
+/// those of the fit in number, or as [`super::fit()`].
 pub fn profile_interval(
     samples: &[f64],
     fit: &ArmaFit,

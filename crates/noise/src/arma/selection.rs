@@ -22,7 +22,7 @@ pub struct Selection {
 /// the likelihood never falls with the order. Box, Jenkins & Reinsel section 6.2; Hurvich & Tsai 1989.
 ///
 /// # Errors
-/// As [`super::fit`] where no order at all can be fitted.
+/// As [`super::fit()`] where no order at all can be fitted.
 pub fn select(
     samples: &[f64],
     p_max: usize,

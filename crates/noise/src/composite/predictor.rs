@@ -28,11 +28,11 @@ pub(crate) struct Predictor<const N: usize> {
     freed: Option<Freed<N>>,
     /// Predicted state.
     pub(crate) x: [f64; N],
-    /// Its covariance [unit²].
+    /// Its covariance \[unit²\].
     pub(crate) p: [[f64; N]; N],
     /// Gain of the next sample.
     pub(crate) gain: [f64; N],
-    /// Variance V of the next sample [unit²].
+    /// Variance V of the next sample \[unit²\].
     pub(crate) variance: f64,
     /// `F − K H`, kept when settled.
     pub(crate) closed: [[f64; N]; N],

@@ -180,7 +180,7 @@ impl<const N: usize> Horizon<N> {
 }
 
 impl Sums {
-    /// The score, times the interval [s]; none without a complete window.
+    /// The score, times the interval \[s\]; none without a complete window.
     pub(super) fn finish(self, interval: f64) -> Option<HorizonScore> {
         let origins = self.origins as f64;
         let squares: f64 = self.batches.iter().map(|b| b.squares).sum();

@@ -90,7 +90,7 @@ impl Equivalent {
     }
 }
 
-/// Length of the record that a model was identified from [s].
+/// Length of the record that a model was identified from \[s\].
 fn length(model: &ImuModel) -> Option<f64> {
     let (samples, rate) = (model.provenance.samples?, model.provenance.rate_hz?);
     let length = samples as f64 / rate;
@@ -98,7 +98,7 @@ fn length(model: &ImuModel) -> Option<f64> {
 }
 
 /// The random walk [unit/√s] whose Allan variance K²τ/3 reaches that of the white noise, N²/τ, at
-/// a tenth of the record's length [s] (IEEE Std 952-1997, C.1.1 and C.1.4): the longest averaging
+/// a tenth of the record's length \[s\] (IEEE Std 952-1997, C.1.1 and C.1.4): the longest averaging
 /// time with the ten means that such a doubling of the variance takes to be seen.
 fn unseen_walk(white: f64, length: f64) -> f64 {
     3f64.sqrt() * white / (0.1 * length)
@@ -187,7 +187,7 @@ pub(super) fn rms(axes: &[Axis; 3], of: impl Fn(&Axis) -> f64) -> f64 {
     (axes.iter().map(|axis| of(axis).powi(2)).sum::<f64>() / 3.0).sqrt()
 }
 
-/// One correlation time [s] for several axes: the longest, a random walk counting as one hour.
+/// One correlation time \[s\] for several axes: the longest, a random walk counting as one hour.
 /// `None` where nothing moves.
 pub(super) fn common_tau<'a>(axes: impl Iterator<Item = &'a Axis>) -> Option<f64> {
     axes.filter_map(|axis| match (axis.slow.slowest(), axis.slow.walk) {
@@ -198,7 +198,7 @@ pub(super) fn common_tau<'a>(axes: impl Iterator<Item = &'a Axis>) -> Option<f64
     .max_by(f64::total_cmp)
 }
 
-/// Standard deviation [unit] of the Gauss-Markov process of correlation time `tau` [s] that a random
+/// Standard deviation [unit] of the Gauss-Markov process of correlation time `tau` \[s\] that a random
 /// walk of density `drive` [unit/√s] drives: σ = K √(τ/2).
 pub(super) fn driven(drive: f64, tau: f64) -> f64 {
     drive * (0.5 * tau).sqrt()

@@ -3,7 +3,7 @@
 use super::equivalent::{Axis, Equivalent, common_tau, driven, rms};
 use crate::model_file::Instability;
 
-/// EKF2's prediction, EKF2_PREDICT_US = 10000 unless changed [Hz].
+/// EKF2's prediction, EKF2_PREDICT_US = 10000 unless changed \[Hz\].
 pub(super) const PX4_RATE: f64 = 100.0;
 /// 1 mGal [m/s²].
 const MILLIGAL: f64 = 1e-5;

@@ -81,9 +81,9 @@ pub struct Axis {
     pub stationarity: Verdict,
     /// Moments, Jarque-Bera, Kolmogorov-Smirnov, Lilliefors, quantisation step.
     pub normality: Normality,
-    /// Autocorrelation at lags 0…[`LAGS`].
+    /// Autocorrelation at lags 0…[`super::LAGS`].
     pub acf: Vec<f64>,
-    /// Partial autocorrelation at lags 0…[`LAGS`].
+    /// Partial autocorrelation at lags 0…[`super::LAGS`].
     pub pacf: Vec<f64>,
     /// Ljung-Box of the record at 20 lags.
     pub whiteness: Portmanteau,
@@ -99,10 +99,10 @@ pub struct Axis {
     pub allan_terms: Terms,
     /// White noise and Gauss-Markov process fitted to it.
     pub allan_gauss_markov: Option<GaussMarkovFit>,
-    /// The paper's procedure on at most [`SEARCH_SAMPLES`] samples, the search at reduced effort.
+    /// The paper's procedure on at most [`super::SEARCH_SAMPLES`] samples, the search at reduced effort.
     pub pandit_wu: Option<PanditWu>,
-    /// A grid of orders by information criteria, p, q ≤ [`GRID_ORDER`], on at most
-    /// [`SEARCH_SAMPLES`] samples, at low effort.
+    /// A grid of orders by information criteria, p, q ≤ [`super::GRID_ORDER`], on at most
+    /// [`super::SEARCH_SAMPLES`] samples, at low effort.
     pub box_jenkins: Option<Selection>,
     /// What is left by the model that the paper's procedure chose, and by the recommended one where
     /// that is another ARMA.

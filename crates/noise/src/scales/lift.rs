@@ -14,7 +14,7 @@ pub struct Lifted {
     pub white: f64,
     /// Standard deviation of the slow process [unit]; infinite for a random walk.
     pub sigma: f64,
-    /// Correlation time [s]; infinite for a random walk.
+    /// Correlation time \[s\]; infinite for a random walk.
     pub tau_s: f64,
     /// Drive σ √(2/τ), for a random walk K [unit/√s].
     pub drive: f64,
@@ -48,7 +48,7 @@ impl Lifted {
     }
 }
 
-/// The AR(1) or random walk and white noise at a sample interval [s] whose averages over `block`
+/// The AR(1) or random walk and white noise at a sample interval \[s\] whose averages over `block`
 /// samples are the ARMA(1,1) `x_t − φ x_{t−1} = a_t − θ a_{t−1}`, a of standard deviation `sigma`
 /// [unit]: exact, by moments. White noise that would be negative is 0. None where the slow part
 /// would be negative, or φ is.

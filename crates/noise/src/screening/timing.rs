@@ -16,9 +16,9 @@ const EVEN: f64 = 0.05;
 pub struct Gap {
     /// Sample before the gap, from 0.
     pub index: usize,
-    /// Stamp of that sample [s].
+    /// Stamp of that sample \[s\].
     pub start_s: f64,
-    /// Length from that sample to the next [s].
+    /// Length from that sample to the next \[s\].
     pub length_s: f64,
     /// Samples missing, by the median interval.
     pub missing: usize,
@@ -28,14 +28,14 @@ pub struct Gap {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Timing {
-    /// Median interval [s].
+    /// Median interval \[s\].
     pub interval_s: f64,
-    /// Mean rate outside the gaps [Hz]: the one to use. The median interval of rounded stamps is not
+    /// Mean rate outside the gaps \[Hz\]: the one to use. The median interval of rounded stamps is not
     /// as exact.
     pub rate_hz: f64,
-    /// RMS of the intervals outside the gaps about their mean [s].
+    /// RMS of the intervals outside the gaps about their mean \[s\].
     pub jitter_rms_s: f64,
-    /// Largest deviation of such an interval from their mean [s].
+    /// Largest deviation of such an interval from their mean \[s\].
     pub jitter_max_s: f64,
     /// Intervals longer than 1.5 times the median.
     pub gaps: Vec<Gap>,
@@ -46,7 +46,7 @@ pub struct Timing {
     pub even: bool,
 }
 
-/// Report on the stamps of a record [s].
+/// Report on the stamps of a record \[s\].
 ///
 /// # Errors
 /// Fewer than 3 stamps, one that is not finite, or [`RecordError::Argument`] where they do not increase.

@@ -12,7 +12,7 @@ const LOBE: usize = 2;
 /// A narrow line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
-    /// Frequency [Hz], the power-weighted mean over the peak.
+    /// Frequency \[Hz\], the power-weighted mean over the peak.
     pub frequency_hz: f64,
     /// Amplitude of a sine with the peak's power [unit].
     pub amplitude: f64,

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 /// One-sided power spectral density.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Density {
-    /// Frequencies from 0 on, evenly spaced [Hz].
+    /// Frequencies from 0 on, evenly spaced \[Hz\].
     pub frequency_hz: Vec<f64>,
     /// Density [unit²/Hz]; its integral over frequency is the variance. That of white noise N
     /// [unit/√Hz, two-sided as in the Allan variance] is 2 N².
@@ -17,7 +17,7 @@ pub struct Density {
 }
 
 impl Density {
-    /// Spacing of the frequencies [Hz].
+    /// Spacing of the frequencies \[Hz\].
     pub fn resolution_hz(&self) -> f64 {
         self.frequency_hz.get(1).copied().unwrap_or(0.0)
     }
@@ -28,7 +28,7 @@ pub fn default_segment(samples: usize) -> usize {
     (samples / 8).clamp(256, 8192)
 }
 
-/// Density of `x` sampled at `rate_hz` [Hz] from segments of `segment` samples (cut to the record),
+/// Density of `x` sampled at `rate_hz` \[Hz\] from segments of `segment` samples (cut to the record),
 /// periodic Hann window, half overlapped, the mean of each segment taken out: `scipy.signal.welch`
 /// with its defaults. Samples at the end that fill no segment are left out. O(N log segment).
 ///

@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 /// Points an octave of frequency.
 const POINTS: usize = 64;
 
-/// Spectrum [unit²] at sin²(πf), f in cycles a sample; its mean over −½…½ is the variance.
+/// Spectrum \[unit²\] at sin²(πf), f in cycles a sample; its mean over −½…½ is the variance.
 fn spectrum(terms: &CompositeTerms, sine2: f64, interval: f64) -> f64 {
     let mut sum = terms.white * terms.white / interval;
     sum += 4.0 * sine2 * (terms.quantisation / interval).powi(2);
@@ -28,7 +28,7 @@ fn spectrum(terms: &CompositeTerms, sine2: f64, interval: f64) -> f64 {
     sum
 }
 
-/// Covariance of the wavelet variances at `points` of a record of `samples` under the terms [unit⁴].
+/// Covariance of the wavelet variances at `points` of a record of `samples` under the terms \[unit⁴\].
 pub(super) fn covariance(
     points: &[WaveletPoint],
     terms: &CompositeTerms,

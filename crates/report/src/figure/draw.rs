@@ -20,7 +20,7 @@ type Element<'a> = DynElement<'static, SVGBackend<'a>, (f64, f64)>;
 /// The drawing library knows whole units only: so many to a pixel keep curves smooth.
 const FINE: u32 = 8;
 
-/// Draws panels side by side, `columns` to a row, each of a size [pixel].
+/// Draws panels side by side, `columns` to a row, each of a size \[pixel\].
 ///
 /// # Errors
 /// A sentence for the user when the file cannot be written.
@@ -30,7 +30,7 @@ pub fn draw(path: &Path, panels: &[Panel], columns: usize, size: (u32, u32)) -> 
         .map_err(|e| format!("cannot draw {}: {e}", path.display()))
 }
 
-/// The text of an SVG file with panels side by side, `columns` to a row, each of a size [pixel].
+/// The text of an SVG file with panels side by side, `columns` to a row, each of a size \[pixel\].
 ///
 /// # Errors
 /// What the drawing library says.
@@ -67,7 +67,7 @@ struct Frame<'a> {
     upright_names: bool,
 }
 
-/// Room for the numbers of the y axis [pixel].
+/// Room for the numbers of the y axis \[pixel\].
 const LABEL_WIDTH: u32 = 72;
 
 /// Letters of a name below the axis.

@@ -123,7 +123,7 @@ impl Panel {
         (y.end - y.start) / (x.end - x.start)
     }
 
-    /// The part to show in a plot of a size [pixel].
+    /// The part to show in a plot of a size \[pixel\].
     pub(super) fn window(&self, width: f64, height: f64) -> Window {
         let (mut x, mut y) = self.extents();
         if self.to_scale {

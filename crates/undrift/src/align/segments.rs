@@ -12,15 +12,15 @@ use undrift_nav::{
 /// accelerometer `a` [m/s²], both what the sensor reads too much.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Segment {
-    /// Length [s].
+    /// Length \[s\].
     pub(super) dt: f64,
     /// Attitude at the end against that at the start, end to start.
     pub(super) turn: Quaternion,
-    /// Derivative of the turn, as a rotation vector at the end, by the gyro bias [s].
+    /// Derivative of the turn, as a rotation vector at the end, by the gyro bias \[s\].
     pub(super) turn_by_g: Matrix3,
     /// Specific force integrated in the axes of the start [m/s].
     pub(super) dvel: Vector3,
-    /// Its derivatives by the gyro bias [m] and the accelerometer bias [s].
+    /// Its derivatives by the gyro bias \[m\] and the accelerometer bias \[s\].
     pub(super) dvel_by_g: Matrix3,
     pub(super) dvel_by_a: Matrix3,
     /// Angular rate at the end [rad/s].
@@ -45,7 +45,7 @@ impl Segment {
         }
     }
 
-    /// Adds `dt` [s] of a sample, whose gyros read too much by `gyro`.
+    /// Adds `dt` \[s\] of a sample, whose gyros read too much by `gyro`.
     fn add(&mut self, sample: &ImuSample, dt: f64, gyro: &Vector3) {
         let part = dt / sample.dt;
         let (dtheta, dvel) = (sample.dtheta * part - gyro * dt, sample.dvel * part);
@@ -64,7 +64,7 @@ impl Segment {
     }
 }
 
-/// The segments between the fixes that have a velocity and are at least `spacing` [s] apart, the last one in any case; the
+/// The segments between the fixes that have a velocity and are at least `spacing` \[s\] apart, the last one in any case; the
 /// first one has no length and holds the velocity of the start. `gyro` is the gyro bias about which it is
 /// linear [rad/s].
 pub(super) fn segments<'a>(

@@ -19,13 +19,13 @@ const SPEED_STD: f64 = 0.1;
 const SCALE_STD: f64 = 0.03;
 /// Speeds that a wheel can have [m/s].
 const SPEEDS: (f64, f64) = (-150.0, 150.0);
-/// Standard deviation of a barometric height [m]: gusts, doors, ventilation.
+/// Standard deviation of a barometric height \[m\]: gusts, doors, ventilation.
 const HEIGHT_STD: f64 = 1.0;
-/// Weather and the geoid's height make an error of this size [m] …
+/// Weather and the geoid's height make an error of this size \[m\] …
 const BIAS_STD: f64 = 100.0;
 /// … and weather and the air's temperature on slopes change it by this [m/√s].
 const BIAS_WALK: f64 = 0.1;
-/// Heights of the standard atmosphere's lowest layer [m].
+/// Heights of the standard atmosphere's lowest layer \[m\].
 const HEIGHTS: (f64, f64) = (-1000.0, 11_000.0);
 
 /// A log of one number: its file and layout.

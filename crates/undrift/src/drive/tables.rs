@@ -197,13 +197,13 @@ pub(super) fn read_std<'a>(
     }
 }
 
-/// How well a vehicle's axes are known from a mounting given by hand [rad], and the place of the axle
-/// along it [m], given and not.
+/// How well a vehicle's axes are known from a mounting given by hand \[rad\], and the place of the axle
+/// along it \[m\], given and not.
 const MOUNTING_STD: f64 = 0.05;
 const AXLE_STD_GIVEN: f64 = 0.3;
 const AXLE_STD: f64 = 2.0;
 
-/// How far the clocks of GNSS and IMU may be apart in a car's log [s].
+/// How far the clocks of GNSS and IMU may be apart in a car's log \[s\].
 const TIME_OFFSET_STD: f64 = 0.1;
 
 /// The constraints, and the parameters that they ask for.

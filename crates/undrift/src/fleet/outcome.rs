@@ -95,7 +95,7 @@ impl Outcome {
     }
 }
 
-/// Horizons of the drift scores of an identified axis [s].
+/// Horizons of the drift scores of an identified axis \[s\].
 pub(super) const HORIZONS: [(&str, f64); 3] =
     [("drift_1s", 1.0), ("drift_10s", 10.0), ("drift_60s", 60.0)];
 

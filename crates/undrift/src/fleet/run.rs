@@ -88,7 +88,7 @@ pub fn shard(jobs: Vec<Job>, which: usize, of: usize) -> Vec<Job> {
         .collect()
 }
 
-/// As [`process`], on so many threads; 0 for as many as there are cores.
+/// As [`process()`], on so many threads; 0 for as many as there are cores.
 ///
 /// # Errors
 /// If there are no threads to be had.

@@ -382,7 +382,7 @@ fn log(log: &Log) -> FleetLog {
     }
 }
 
-/// Width of a bin of temperatures [K].
+/// Width of a bin of temperatures \[K\].
 const BIN: f64 = 10.0;
 
 /// Medians of the values in bins of temperature [°C].

@@ -27,7 +27,7 @@ pub struct RecordSeries {
 }
 
 impl RecordSeries {
-    /// Of samples at a rate [Hz] that lie on a grid of `step`, if they do.
+    /// Of samples at a rate \[Hz\] that lie on a grid of `step`, if they do.
     pub(super) fn of(samples: &[f64], rate_hz: f64, step: Option<f64>) -> Self {
         let mut record = Envelope::new(RECORD);
         for (k, value) in samples.iter().enumerate() {

@@ -62,7 +62,7 @@ pub fn rate(stated: Option<f64>, timing: Option<&Timing>) -> Result<f64, Recordi
     stated.or(stamps).ok_or(RecordingError::NoRate)
 }
 
-/// The options for a record at a rate [Hz]; a record without temperatures has none taken out.
+/// The options for a record at a rate \[Hz\]; a record without temperatures has none taken out.
 pub fn options(record: &Record, rate_hz: f64, n_max: usize, trend: Trend) -> Options<'_> {
     let detrend = match (trend, &record.temperature) {
         (Trend::Linear, _) => Detrend::Linear,
@@ -76,7 +76,7 @@ pub fn options(record: &Record, rate_hz: f64, n_max: usize, trend: Trend) -> Opt
     }
 }
 
-/// Where a model comes from: a record called `name` at a rate [Hz], with the hash of its file.
+/// Where a model comes from: a record called `name` at a rate \[Hz\], with the hash of its file.
 ///
 /// # Errors
 /// If the file cannot be read.

@@ -215,7 +215,7 @@ impl Columns {
         self.table.rows.iter().filter_map(value).collect()
     }
 
-    /// The lines of the time, and the ordinary interval [s].
+    /// The lines of the time, and the ordinary interval \[s\].
     fn time(&self, longest: f64) -> (Vec<Line>, Option<f64>) {
         let Some(place) = self.found.time else {
             return (Vec::new(), None);

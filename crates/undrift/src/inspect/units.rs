@@ -16,7 +16,7 @@ pub(super) enum Force {
     Unknown(String),
 }
 
-/// The unit of accelerometer samples by their median magnitude, which gravity makes; `interval` [s] is
+/// The unit of accelerometer samples by their median magnitude, which gravity makes; `interval` \[s\] is
 /// between samples.
 pub(super) fn force(samples: &[[f64; 3]], interval: Option<f64>) -> Force {
     let mut sizes: Vec<f64> = samples.iter().map(size).filter(|s| s.is_finite()).collect();

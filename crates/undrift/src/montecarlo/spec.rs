@@ -21,7 +21,7 @@ pub const MAX_RUN_EPOCHS: usize = 50_000_000;
 pub struct Spec {
     /// The motion, the same in every run.
     pub trajectory: Trajectory,
-    /// Rate of the inertial samples [Hz].
+    /// Rate of the inertial samples \[Hz\].
     pub rate_hz: f64,
     /// The sensors' true model.
     pub model: ImuModel,
@@ -36,11 +36,11 @@ pub struct Spec {
     /// How the filter starts.
     pub align: AlignSettings,
     /// Instead: at the first fix, at the true attitude turned by a draw of these standard
-    /// deviations about north, east, down [rad], which the filter is told.
+    /// deviations about north, east, down \[rad\], which the filter is told.
     pub truth_std: Option<Vector3>,
-    /// Spacing of the epochs at which the errors are looked at [s].
+    /// Spacing of the epochs at which the errors are looked at \[s\].
     pub every: f64,
-    /// Beginning of the navigation left out of averages and shares [s].
+    /// Beginning of the navigation left out of averages and shares \[s\].
     pub settle: f64,
 }
 

@@ -3,16 +3,16 @@
 use std::io;
 use undrift_io::write::{SolutionFile, solution::SolutionRow};
 
-/// A solution is without GNSS when the last fix that was used is older than this [s].
+/// A solution is without GNSS when the last fix that was used is older than this \[s\].
 const FRESH: f64 = 2.0;
 
 /// The files of a solution. While the fixes come, a span without GNSS is known [`FRESH`] after it began;
 /// once they have ended, for a smoothed solution, from its beginning.
 pub(super) struct Outputs {
     files: Vec<SolutionFile>,
-    /// The last fix used [s], or where the solution began.
+    /// The last fix used \[s\], or where the solution began.
     last: Option<f64>,
-    /// Spans without GNSS [s], in order; each is longer than [`FRESH`].
+    /// Spans without GNSS \[s\], in order; each is longer than [`FRESH`].
     spans: Vec<(f64, f64)>,
     ended: bool,
 }
@@ -31,12 +31,12 @@ impl Outputs {
         self.files.is_empty()
     }
 
-    /// The solution has reached `time` [s].
+    /// The solution has reached `time` \[s\].
     pub fn begin(&mut self, time: f64) {
         self.last.get_or_insert(time);
     }
 
-    /// A fix at `time` [s] was used.
+    /// A fix at `time` \[s\] was used.
     pub fn fix(&mut self, time: f64) {
         if let Some(last) = self.last.replace(time)
             && time - last > FRESH

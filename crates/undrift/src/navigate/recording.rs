@@ -36,7 +36,7 @@ const INNOVATIONS: [&str; 4] = ["north", "east", "down", "nis"];
 /// The solution, its standard deviations, the innovations and the errors over time, of bounded size.
 #[derive(Clone, Debug)]
 pub struct Recording {
-    /// Time [s], latitude, longitude [deg], height [m].
+    /// Time \[s\], latitude, longitude \[deg\], height \[m\].
     track: Thinned<4>,
     motion: [Envelope; MOTION.len()],
     deviations: [Envelope; NAV],
@@ -47,10 +47,10 @@ pub struct Recording {
     /// over the same of what was left out.
     innovations: [[Envelope; INNOVATIONS.len()]; 2],
     left_out: [Envelope; 2],
-    /// Spans without a fix used: start and end [s].
+    /// Spans without a fix used: start and end \[s\].
     without_gnss: Vec<(f64, f64)>,
     last_used: Option<f64>,
-    /// Times of the last sample [s].
+    /// Times of the last sample \[s\].
     ended: f64,
 }
 

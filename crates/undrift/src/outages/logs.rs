@@ -14,7 +14,7 @@ use undrift_io::{imu::GapSummary, scalar::ScalarReader, skipped::Skipped};
 use undrift_nav::sample::{GnssFix, ImuSample, TruthSample};
 use undrift_noise::BiasModel;
 
-/// Longest span between two nodes of the smoother [s]: the errors are taken at nodes.
+/// Longest span between two nodes of the smoother \[s\]: the errors are taken at nodes.
 const NODE_SPAN: f64 = 0.2;
 
 /// A drive and all that its logs hold. Every model is run on the same.
@@ -79,7 +79,7 @@ impl Logs {
         })
     }
 
-    /// The outages of `length` [s] that a schedule asks for.
+    /// The outages of `length` \[s\] that a schedule asks for.
     ///
     /// # Errors
     /// When there is no fix, or they do not fit the fixes or the truth.

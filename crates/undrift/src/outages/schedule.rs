@@ -8,27 +8,27 @@ use std::path::PathBuf;
 pub enum Schedule {
     /// `count` of them, evenly from `start` [s after the first fix] to the end of the fixes.
     Count {
-        /// After the first fix [s].
+        /// After the first fix \[s\].
         start: f64,
         /// How many.
         count: usize,
     },
-    /// From `start` [s after the first fix] on, one every `every` [s], at most `count`.
+    /// From `start` [s after the first fix] on, one every `every` \[s\], at most `count`.
     Every {
-        /// After the first fix [s].
+        /// After the first fix \[s\].
         start: f64,
-        /// From start to start [s].
+        /// From start to start \[s\].
         every: f64,
         /// At most so many, as many as fit if `None`.
         count: Option<usize>,
     },
-    /// At these times in the log's own time base [s].
+    /// At these times in the log's own time base \[s\].
     At(Vec<f64>),
 }
 
 impl Schedule {
     /// The schedule that is asked for by times, or by the span between starts, or by a number; `None`
-    /// if by none of them. `start` [s] is counted from the first fix.
+    /// if by none of them. `start` \[s\] is counted from the first fix.
     pub fn asked(
         at: Option<Vec<f64>>,
         every: Option<f64>,

@@ -13,7 +13,7 @@ use undrift_nav::{sample::Position, shaping::ShapingFilter};
 pub struct SimulatedLog<'a> {
     /// The motion.
     pub trajectory: &'a Trajectory,
-    /// Rate of the inertial samples [Hz].
+    /// Rate of the inertial samples \[Hz\].
     pub rate_hz: f64,
     /// Errors of gyros and accelerometers.
     pub filters: &'a [ShapingFilter; 6],

@@ -15,20 +15,20 @@ use undrift_nav::{
 /// What the receiver reports, when, and how well.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GnssNoise {
-    /// Standard deviation of the position, north, east, down [m].
+    /// Standard deviation of the position, north, east, down \[m\].
     pub position_std: [f64; 3],
     /// Standard deviation of the velocity, north, east, down [m/s].
     pub velocity_std: [f64; 3],
     /// Factor on the noise that is drawn, not on the covariance that is reported: 1 is honest, 0
     /// gives exact fixes that still say their standard deviations.
     pub noise_scale: f64,
-    /// Fixes per second [Hz].
+    /// Fixes per second \[Hz\].
     pub rate_hz: f64,
-    /// Time of the first fix [s], before `time_offset`.
+    /// Time of the first fix \[s\], before `time_offset`.
     pub start: f64,
-    /// Offset of every epoch from `start + k/rate_hz` [s]; epochs before 0 are left out.
+    /// Offset of every epoch from `start + k/rate_hz` \[s\]; epochs before 0 are left out.
     pub time_offset: f64,
-    /// Lever arm IMU → antenna in body axes [m].
+    /// Lever arm IMU → antenna in body axes \[m\].
     pub lever_arm: Vector3,
     /// Whether fixes have a position.
     pub with_position: bool,

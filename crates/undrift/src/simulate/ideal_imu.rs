@@ -13,7 +13,7 @@ use undrift_nav::{
     sample::{ImuSample, TruthSample},
 };
 
-/// Longest and shortest panel [s]; the shortest bounds the work that a silly wave can cause.
+/// Longest and shortest panel \[s\]; the shortest bounds the work that a silly wave can cause.
 const PANEL: (f64, f64) = (1e-4, 0.01);
 
 /// Four Gauss-Legendre nodes on [0, 1].
@@ -48,7 +48,7 @@ impl Gauss {
 /// The vehicle at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State {
-    /// Time [s] from the trajectory's start.
+    /// Time \[s\] from the trajectory's start.
     pub time: f64,
     /// Position of the IMU.
     pub position: Geodetic,
@@ -135,7 +135,7 @@ impl<'a> Stepper<'a> {
         }
     }
 
-    /// Walks to `time` [s], at most to [`MAX_DURATION`]; an earlier time or a NaN does nothing.
+    /// Walks to `time` \[s\], at most to [`MAX_DURATION`]; an earlier time or a NaN does nothing.
     /// The position does not depend on the steps it was reached by, up to rounding.
     pub fn advance_to(&mut self, time: f64) {
         if time > self.time && self.time < MAX_DURATION {
@@ -147,7 +147,7 @@ impl<'a> Stepper<'a> {
         }
     }
 
-    /// Walks on by `length` [s] and returns the increments ∫ω_ib^b dt [rad] and ∫f^b dt [m/s] over it.
+    /// Walks on by `length` \[s\] and returns the increments ∫ω_ib^b dt \[rad\] and ∫f^b dt [m/s] over it.
     pub fn increments(&mut self, length: f64) -> (Vector3, Vector3) {
         let (mut dtheta, mut dvel) = (Vector3::zeros(), Vector3::zeros());
         if length > 0.0 && self.time + length <= 2.0 * MAX_DURATION {
@@ -266,7 +266,7 @@ impl<'a> IdealImu<'a> {
     }
 }
 
-/// Whole intervals 1/rate that fit in a duration [s].
+/// Whole intervals 1/rate that fit in a duration \[s\].
 pub(super) fn epochs(duration: f64, rate_hz: f64) -> u64 {
     let duration = Trajectory::sane(duration);
     if rate_hz > 0.0 && rate_hz.is_finite() {

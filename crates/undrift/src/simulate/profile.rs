@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 
 const DEGREE: usize = 7;
 
-/// Shortest piece [s].
+/// Shortest piece \[s\].
 const SHORTEST: f64 = 1e-3;
 
 /// S(u) = 35u⁴ − 84u⁵ + 70u⁶ − 20u⁷, the step from 0 to 1 with three zero derivatives at each end.
@@ -45,7 +45,7 @@ pub struct ProfileValue {
     pub integral: f64,
 }
 
-/// A piecewise polynomial function of time [s], three times continuously differentiable.
+/// A piecewise polynomial function of time \[s\], three times continuously differentiable.
 ///
 /// ```
 /// use undrift::simulate::profile::Profile;
@@ -71,8 +71,8 @@ impl Profile {
         }
     }
 
-    /// From the last value, a step of degree seven to `value` over `start … start + length` [s];
-    /// its steepest slope is 2.1875 times the mean. Returns where it ends [s].
+    /// From the last value, a step of degree seven to `value` over `start … start + length` \[s\];
+    /// its steepest slope is 2.1875 times the mean. Returns where it ends \[s\].
     ///
     /// A start before the end of what is already there is moved to that end, a length below 1 ms
     /// is made 1 ms, and a number that is not finite leaves the profile as it is.
@@ -88,7 +88,7 @@ impl Profile {
     }
 
     /// From the last value to `value` at the constant slope `slope` [unit/s, its sign is ignored],
-    /// the two corners rounded over `rounding` [s] each. Returns where it ends [s]: after
+    /// the two corners rounded over `rounding` \[s\] each. Returns where it ends \[s\]: after
     /// `|Δ|/slope + rounding`, or twice the rounding where the change is too small to reach the slope.
     ///
     /// Starts, short lengths and odd numbers are treated as in [`Profile::step_to`]; a slope of zero
@@ -125,7 +125,7 @@ impl Profile {
         self.push(end, rounding, coefficients, value)
     }
 
-    /// Appends a piece that starts at or after the end of the last; returns its end [s].
+    /// Appends a piece that starts at or after the end of the last; returns its end \[s\].
     fn push(
         &mut self,
         start: f64,
@@ -144,7 +144,7 @@ impl Profile {
         start + length
     }
 
-    /// End of the last piece [s]; 0 for a constant.
+    /// End of the last piece \[s\]; 0 for a constant.
     pub fn end(&self) -> f64 {
         self.pieces.last().map_or(0.0, |p| p.start + p.length)
     }
@@ -154,14 +154,14 @@ impl Profile {
         self.pieces.last().map_or(self.initial, |p| p.end_value)
     }
 
-    /// The times [s] where the third derivative may jump: ends of pieces, unsorted.
+    /// The times \[s\] where the third derivative may jump: ends of pieces, unsorted.
     pub fn knots(&self) -> impl Iterator<Item = f64> + '_ {
         self.pieces
             .iter()
             .flat_map(|p| [p.start, p.start + p.length])
     }
 
-    /// Value, derivatives and integral at `time` [s].
+    /// Value, derivatives and integral at `time` \[s\].
     pub fn at(&self, time: f64) -> ProfileValue {
         let next = self.pieces.partition_point(|p| p.start <= time);
         let Some(piece) = next.checked_sub(1).and_then(|i| self.pieces.get(i)) else {
@@ -203,23 +203,23 @@ impl Profile {
 pub struct Wave {
     /// Amplitude [unit of the channel].
     pub amplitude: f64,
-    /// Period [s].
+    /// Period \[s\].
     pub period: f64,
-    /// Phase at time 0 [rad].
+    /// Phase at time 0 \[rad\].
     pub phase: f64,
 }
 
-/// An angle as a function of time [rad]: a profile, plus waves that a gate fades in and out.
+/// An angle as a function of time \[rad\]: a profile, plus waves that a gate fades in and out.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Channel {
-    /// The part that is there always [rad].
+    /// The part that is there always \[rad\].
     pub profile: Profile,
-    /// The part that is multiplied by the gate [rad].
+    /// The part that is multiplied by the gate \[rad\].
     pub waves: Vec<Wave>,
 }
 
 impl Channel {
-    /// A constant angle [rad] without waves.
+    /// A constant angle \[rad\] without waves.
     pub fn hold(angle: f64) -> Self {
         Self {
             profile: Profile::hold(angle),
@@ -227,7 +227,7 @@ impl Channel {
         }
     }
 
-    /// Angle [rad] and its rate [rad/s] at `time` [s], with the gate's value (0…1) and rate [1/s].
+    /// Angle \[rad\] and its rate [rad/s] at `time` \[s\], with the gate's value (0…1) and rate [1/s].
     pub fn at(&self, time: f64, gate: f64, gate_rate: f64) -> (f64, f64) {
         let base = self.profile.at(time);
         let (mut sum, mut sum_rate) = (0.0, 0.0);

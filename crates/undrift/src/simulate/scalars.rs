@@ -12,13 +12,13 @@ use undrift_nav::{Vector3, sample::Scalar};
 /// A wheel that measures its speed along the body's forward axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Odometer {
-    /// Measurements per second [Hz], the first after one interval.
+    /// Measurements per second \[Hz\], the first after one interval.
     pub rate_hz: f64,
     /// Standard deviation of the white noise, drawn and reported [m/s].
     pub std: f64,
     /// Scale factor error s: it reads `(1 + s)` times the speed [–].
     pub scale_error: f64,
-    /// IMU → wheel, body axes [m].
+    /// IMU → wheel, body axes \[m\].
     pub lever_arm: Vector3,
 }
 
@@ -37,11 +37,11 @@ impl Default for Odometer {
 /// A barometer that measures height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Barometer {
-    /// Measurements per second [Hz], the first after one interval.
+    /// Measurements per second \[Hz\], the first after one interval.
     pub rate_hz: f64,
-    /// Standard deviation of the white noise, drawn and reported [m].
+    /// Standard deviation of the white noise, drawn and reported \[m\].
     pub std: f64,
-    /// Error at time 0 [m].
+    /// Error at time 0 \[m\].
     pub bias: f64,
     /// Random walk of the error [m/√s].
     pub bias_walk: f64,

@@ -10,12 +10,12 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use std::f64::consts::TAU;
 use undrift_nav::earth::STANDARD_GRAVITY;
 
-/// Time at rest before the first motion of a drive or flight [s].
+/// Time at rest before the first motion of a drive or flight \[s\].
 pub const REST_BEFORE: f64 = 60.0;
 
-/// Rounding of the car's turns: from straight to full turn rate [s].
+/// Rounding of the car's turns: from straight to full turn rate \[s\].
 const TURN_ROUNDING: f64 = 1.2;
-/// Rounding of the car's accelerations [s].
+/// Rounding of the car's accelerations \[s\].
 const PEDAL_ROUNDING: f64 = 1.5;
 
 struct Dice(Xoshiro256PlusPlus);
@@ -38,7 +38,7 @@ impl Dice {
         if self.chance(0.5) { 1.0 } else { -1.0 }
     }
 
-    /// One wave per period [s], each of 0.5 to 1 times the amplitude [deg], at random phases.
+    /// One wave per period \[s\], each of 0.5 to 1 times the amplitude \[deg\], at random phases.
     fn waves(&mut self, amplitude_deg: f64, periods: &[f64]) -> Vec<Wave> {
         periods
             .iter()
@@ -51,8 +51,8 @@ impl Dice {
     }
 }
 
-/// A turn by `angle` [rad] from `start` [s] at the rate `rate` [rad/s, magnitude], entered and left
-/// over `rounding` [s]; a turn too small to reach the rate is made slower. Returns its end [s].
+/// A turn by `angle` \[rad\] from `start` \[s\] at the rate `rate` [rad/s, magnitude], entered and left
+/// over `rounding` \[s\]; a turn too small to reach the rate is made slower. Returns its end \[s\].
 fn turn(profile: &mut Profile, start: f64, angle: f64, rate: f64, rounding: f64) -> f64 {
     let rate = rate.min(angle.abs() / rounding);
     let hold = angle.abs() / rate - rounding;
@@ -61,7 +61,7 @@ fn turn(profile: &mut Profile, start: f64, angle: f64, rate: f64, rounding: f64)
 }
 
 impl Trajectory {
-    /// A car drive in town: 60 s at rest, then segments until `duration` [s], at rest for the last
+    /// A car drive in town: 60 s at rest, then segments until `duration` \[s\], at rest for the last
     /// 5 s. A segment accelerates at 0.8–1.8 m/s², cruises at 7–17 m/s with gentle bends, brakes to
     /// 4–6.5 m/s for a turn of 70–100° in 5–7 s, and may stop at a light.
     ///
@@ -133,7 +133,7 @@ impl Trajectory {
     }
 
     /// A flight of a small aeroplane: 60 s at rest, a take-off run to 40–60 m/s, a climb at 4–7° to
-    /// 250–500 m, then until `duration` [s] level segments, coordinated turns of 60–270° at 20–45° of
+    /// 250–500 m, then until `duration` \[s\] level segments, coordinated turns of 60–270° at 20–45° of
     /// bank, changes of speed and height. It ends in the air, level.
     ///
     /// Gusts move roll, pitch, yaw and the path by up to a degree with periods of seconds; a motor

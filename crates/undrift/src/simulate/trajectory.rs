@@ -2,12 +2,12 @@
 //!
 //! The path is speed v, climb angle γ and course χ: `v_n = v [cosγ cosχ, cosγ sinχ, −sinγ]`. The
 //! body's roll, pitch and yaw are those of the path (0, γ, χ) plus what the vehicle does on top.
-//! Only the position has to be integrated; that is [`super::increments`].
+//! Only the position has to be integrated; that is [`super::ideal_imu`].
 
 use super::profile::{Channel, Profile};
 use undrift_nav::{Quaternion, Vector3, attitude, earth::Geodetic, earth::STANDARD_GRAVITY};
 
-/// Longest trajectory [s], ten days; a longer duration is cut to it.
+/// Longest trajectory \[s\], ten days; a longer duration is cut to it.
 pub const MAX_DURATION: f64 = 864_000.0;
 
 /// A motion as smooth functions of time from 0 to `duration`. Angles in radians, right-handed about
@@ -16,21 +16,21 @@ pub const MAX_DURATION: f64 = 864_000.0;
 pub struct Trajectory {
     /// Where the IMU is at time 0.
     pub start: Geodetic,
-    /// Length in time [s].
+    /// Length in time \[s\].
     pub duration: f64,
     /// Speed v along the path over ground [m/s].
     pub speed: Profile,
-    /// Course χ at time 0 [rad], clockwise from north.
+    /// Course χ at time 0 \[rad\], clockwise from north.
     pub course: f64,
     /// Rate of the course [rad/s]; its exact integral is the course.
     pub turn_rate: Profile,
-    /// Climb angle γ of the path [rad], up positive.
+    /// Climb angle γ of the path \[rad\], up positive.
     pub climb: Channel,
-    /// Roll of the body [rad], beside the couplings below.
+    /// Roll of the body \[rad\], beside the couplings below.
     pub roll: Channel,
-    /// Pitch of the body beyond the climb angle [rad].
+    /// Pitch of the body beyond the climb angle \[rad\].
     pub pitch: Channel,
-    /// Yaw of the body beyond the course [rad]; a crab angle.
+    /// Yaw of the body beyond the course \[rad\]; a crab angle.
     pub yaw: Channel,
     /// Roll of the body per lateral acceleration v·χ̇ [rad/(m/s²)]; a car leans outwards: negative.
     pub roll_per_lateral: f64,
@@ -69,7 +69,7 @@ struct PathPoint {
 }
 
 impl Trajectory {
-    /// At rest, level, heading north, at 30.44° N, 114.47° E, 20 m. `duration` [s] outside 0 to
+    /// At rest, level, heading north, at 30.44° N, 114.47° E, 20 m. `duration` \[s\] outside 0 to
     /// [`MAX_DURATION`] is cut to it.
     pub fn rest(duration: f64) -> Self {
         Self {
@@ -89,7 +89,7 @@ impl Trajectory {
         }
     }
 
-    /// Constant `speed` [m/s] and `course` [rad], level; a loxodrome, already moving at time 0.
+    /// Constant `speed` [m/s] and `course` \[rad\], level; a loxodrome, already moving at time 0.
     pub fn straight(speed: f64, course: f64, duration: f64) -> Self {
         Self {
             speed: Profile::hold(speed),
@@ -128,7 +128,7 @@ impl Trajectory {
         ]
     }
 
-    /// The times [s], sorted and each once, where some third derivative jumps.
+    /// The times \[s\], sorted and each once, where some third derivative jumps.
     pub fn knots(&self) -> Vec<f64> {
         let mut knots: Vec<f64> = self
             .profiles()
@@ -140,7 +140,7 @@ impl Trajectory {
         knots
     }
 
-    /// Period of the fastest wave [s]; infinite where there is none.
+    /// Period of the fastest wave \[s\]; infinite where there is none.
     pub fn shortest_period(&self) -> f64 {
         [&self.climb, &self.roll, &self.pitch, &self.yaw]
             .iter()
@@ -177,12 +177,12 @@ impl Trajectory {
         }
     }
 
-    /// Velocity over ground north-east-down [m/s] at `time` [s].
+    /// Velocity over ground north-east-down [m/s] at `time` \[s\].
     pub fn velocity(&self, time: f64) -> Vector3 {
         self.path(time).velocity()
     }
 
-    /// Velocity, attitude and their derivatives at `time` [s].
+    /// Velocity, attitude and their derivatives at `time` \[s\].
     pub fn motion(&self, time: f64) -> Motion {
         let path = self.path(time);
         let (v, turn) = (path.speed, path.turn_rate);

@@ -6,7 +6,7 @@ use memchr::memchr_iter;
 
 use crate::source::Source;
 
-/// Longest tag, comment or text that is read [bytes]: the XML reader holds them whole.
+/// Longest tag, comment or text that is read \[bytes\]: the XML reader holds them whole.
 const MAX_EVENT: usize = 1 << 20;
 const BUFFER: usize = 64 * 1024;
 

@@ -14,7 +14,7 @@ pub(super) const LEVEL_5: &[u8] = b"MATLAB 5.0 MAT-file";
 /// Start of a file of version 7.3, which is HDF5.
 pub(super) const HDF5: &[u8] = b"MATLAB 7.3 MAT-file";
 const HEADER: usize = 128;
-/// Largest variable that is read, uncompressed [bytes].
+/// Largest variable that is read, uncompressed \[bytes\].
 const MAX_VARIABLE: u64 = 1 << 29;
 /// Fields of a structure at most.
 const MAX_FIELDS: usize = 1000;
@@ -74,7 +74,7 @@ impl Numbers {
     }
 }
 
-/// Size of a number by its type [bytes].
+/// Size of a number by its type \[bytes\].
 fn size_of(kind: u32) -> Option<usize> {
     match kind {
         1 | 2 => Some(1),

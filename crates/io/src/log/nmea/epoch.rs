@@ -18,9 +18,9 @@ const MAX_HELD: usize = 3600;
 struct Place {
     lat_deg: f64,
     lon_deg: f64,
-    /// Above sea level [m].
+    /// Above sea level \[m\].
     altitude: f64,
-    /// Of the sea above the ellipsoid [m].
+    /// Of the sea above the ellipsoid \[m\].
     separation: Option<f64>,
     quality: FixQuality,
 }
@@ -29,7 +29,7 @@ struct Place {
 pub(super) struct Epoch {
     /// Line of the first.
     at: u64,
-    /// UTC [s].
+    /// UTC \[s\].
     pub(super) time_of_day: f64,
     place: Option<Place>,
     covariance: Option<Matrix3>,
@@ -161,7 +161,7 @@ impl Epoch {
     }
 }
 
-/// North-east-down [m/s] by the fields of speed [kn] and true course [°]; the vertical speed is
+/// North-east-down [m/s] by the fields of speed \[kn\] and true course [°]; the vertical speed is
 /// unknown and given as 0.
 fn velocity(sentence: &Sentence, speed: usize, course: usize) -> Option<Vector3> {
     /// The international knot [m/s].
@@ -173,7 +173,7 @@ fn velocity(sentence: &Sentence, speed: usize, course: usize) -> Option<Vector3>
     Some(Vector3::new(speed * north, speed * east, 0.0))
 }
 
-/// North-east-down [m²] by GST: standard deviations of latitude, longitude and altitude, or
+/// North-east-down \[m²\] by GST: standard deviations of latitude, longitude and altitude, or
 /// semi-axes and the direction of the major one [°] from north with that of altitude.
 fn covariance(gst: &Sentence) -> Option<Matrix3> {
     let std = |field: usize| {
@@ -222,7 +222,7 @@ impl Heights {
 #[derive(Default)]
 pub(super) struct Times {
     weeks: WeekClock,
-    /// The last time of day [s].
+    /// The last time of day \[s\].
     last: Option<f64>,
     /// The last date that was told.
     date: Option<(i64, i64, i64)>,

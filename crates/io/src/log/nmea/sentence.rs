@@ -5,7 +5,7 @@ use crate::number;
 use crate::table::shown;
 use crate::time::whole;
 
-/// Longest sentence that is believed [bytes]: the standard has 82, receivers go beyond it.
+/// Longest sentence that is believed \[bytes\]: the standard has 82, receivers go beyond it.
 const LONGEST: usize = 256;
 
 /// A sentence whose checksum is right: what stands between `$` and `*`.

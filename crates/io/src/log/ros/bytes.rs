@@ -5,7 +5,7 @@ use std::io::{self, BufRead, Read};
 
 use crate::source::Source;
 
-/// No chunk or message is larger than this [bytes]: recorders make chunks of about a megabyte, and
+/// No chunk or message is larger than this \[bytes\]: recorders make chunks of about a megabyte, and
 /// clouds of points have tens of them.
 pub(super) const MOST: u64 = 256 << 20;
 
@@ -82,7 +82,7 @@ pub(in crate::log) struct Fields<'a> {
     bytes: &'a [u8],
     at: usize,
     big_endian: bool,
-    /// Numbers begin at a multiple of their size, which is at most this [bytes].
+    /// Numbers begin at a multiple of their size, which is at most this \[bytes\].
     alignment: usize,
 }
 

@@ -101,7 +101,7 @@ pub(super) fn imu(fields: &mut Fields) -> Result<(Vector3, Vector3), Unfit> {
     Ok((finite(vector(&rate))?, finite(vector(&force))?))
 }
 
-/// Position, its covariance north-east-down [m²] and the quality of sensor_msgs/NavSatFix.
+/// Position, its covariance north-east-down \[m²\] and the quality of sensor_msgs/NavSatFix.
 ///
 /// Status 0 is a fix without, 1 one with satellite-based corrections. Status 2, ground-based
 /// corrections, stands for everything from differential code to resolved ambiguities, so it says

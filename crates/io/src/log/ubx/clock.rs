@@ -21,18 +21,18 @@ use std::collections::VecDeque;
 
 use super::imu::Reading;
 
-/// Ties over less time do not show the rate [s].
+/// Ties over less time do not show the rate \[s\].
 const SPAN: f64 = 10.0;
-/// Ties older than this are dropped [s].
+/// Ties older than this are dropped \[s\].
 const WINDOW: f64 = 60.0;
 /// The most ties in a window: those of 20 Hz.
 const MAX_TIES: usize = 1200;
 /// The most samples that are held back: 10 minutes at 100 Hz.
 const MAX_HELD: usize = 60_000;
-/// A tie that is off by more is one of a counter that started again [s].
+/// A tie that is off by more is one of a counter that started again \[s\].
 const BROKEN: f64 = 0.5;
 
-/// Counter [s at its nominal rate] → GPS time [s].
+/// Counter [s at its nominal rate] → GPS time \[s\].
 #[derive(Clone, Copy)]
 struct Line {
     /// A point of it: counter and time.
@@ -49,7 +49,7 @@ impl Line {
 /// Makes times of tags.
 #[derive(Default)]
 pub(super) struct SensorClock {
-    /// Counter [s] and GPS time [s].
+    /// Counter \[s\] and GPS time \[s\].
     ties: VecDeque<(f64, f64)>,
     line: Option<Line>,
     held: VecDeque<(f64, Reading)>,
@@ -63,7 +63,7 @@ pub(super) struct SensorClock {
 pub(super) struct TooLate;
 
 impl SensorClock {
-    /// A sample at a counter [s]; `give` gets what has a time.
+    /// A sample at a counter \[s\]; `give` gets what has a time.
     pub(super) fn sample(
         &mut self,
         counter: f64,
@@ -82,7 +82,7 @@ impl SensorClock {
         }
     }
 
-    /// A GPS time [s] at a counter [s], `exact` if by NAV-STATUS.
+    /// A GPS time \[s\] at a counter \[s\], `exact` if by NAV-STATUS.
     pub(super) fn tie(
         &mut self,
         counter: f64,

@@ -31,10 +31,10 @@ pub(super) const POSITIONS: [&str; 3] = ["NAV-HPPOSLLH", "NAV-PVT", "NAV-POSLLH"
 pub(super) const VELOCITIES: [&str; 2] = ["NAV-PVT", "NAV-VELNED"];
 
 const WEEK: f64 = 604_800.0;
-/// The time of week of a message is rounded to 1 ms; what NAV-PVT adds may not be more [s].
+/// The time of week of a message is rounded to 1 ms; what NAV-PVT adds may not be more \[s\].
 const ROUNDED: f64 = 1e-3;
 
-/// Time of week [ms] of a navigation message, by which an epoch's messages are found.
+/// Time of week \[ms\] of a navigation message, by which an epoch's messages are found.
 pub(super) fn time_of_week(kind: [u8; 2], payload: &[u8]) -> Option<u32> {
     match kind {
         HPPOSLLH => u4(payload, 4),
@@ -64,7 +64,7 @@ impl Weeks {
     }
 }
 
-/// A position and its standard deviations north, east, down [m].
+/// A position and its standard deviations north, east, down \[m\].
 type Place = (Geodetic, Vector3);
 
 /// What the messages of one epoch say.
@@ -72,13 +72,13 @@ type Place = (Geodetic, Vector3);
 pub(super) struct Epoch {
     /// Number of its first message.
     pub(super) at: u64,
-    /// Time of week [ms].
+    /// Time of week \[ms\].
     pub(super) time_of_week: u32,
-    /// The sensors' counter when its first message came [s].
+    /// The sensors' counter when its first message came \[s\].
     pub(super) counter: Option<f64>,
-    /// The sensors' counter at its time [s], where the messages tell that.
+    /// The sensors' counter at its time \[s\], where the messages tell that.
     pub(super) exact: Option<f64>,
-    /// What NAV-PVT's fraction of the second adds to it [s].
+    /// What NAV-PVT's fraction of the second adds to it \[s\].
     fraction: f64,
     /// Whether there is a fix by satellites, and of what quality; `None` where no message says so.
     fix: Option<(bool, FixQuality)>,
@@ -156,7 +156,7 @@ impl Epoch {
         something && !matches!(self.fix, Some((false, _)))
     }
 
-    /// Time of week [s], as exact as the messages are.
+    /// Time of week \[s\], as exact as the messages are.
     pub(super) fn seconds(&self) -> f64 {
         f64::from(self.time_of_week) * 1e-3 + self.fraction
     }
@@ -246,7 +246,7 @@ fn quality(flags: u8, carrier: u8) -> FixQuality {
     }
 }
 
-/// What a fraction of the second [ns] adds to a time of week [ms] that is rounded [s].
+/// What a fraction of the second \[ns\] adds to a time of week \[ms\] that is rounded \[s\].
 fn fraction(time_of_week: u32, nanoseconds: i32) -> f64 {
     let rounded = f64::from(time_of_week % 1000) * 1e-3;
     let more = f64::from(nanoseconds) * 1e-9 - rounded;
@@ -254,7 +254,7 @@ fn fraction(time_of_week: u32, nanoseconds: i32) -> f64 {
     if more.abs() <= ROUNDED { more } else { 0.0 }
 }
 
-/// Longitude, latitude, height, and the accuracies horizontal and vertical in their unit [m].
+/// Longitude, latitude, height, and the accuracies horizontal and vertical in their unit \[m\].
 fn place(payload: &[u8], from: usize, accuracies: [usize; 2], unit: f64) -> Option<Place> {
     let degrees = |at: usize| i4(payload, at).map(|value| f64::from(value) * 1e-7);
     let height = f64::from(i4(payload, from + 8)?) * 1e-3;

@@ -13,10 +13,10 @@ use crate::source::Source;
 
 /// Bytes before the payload.
 const HEAD: usize = 6;
-/// Longest payload that is believed [bytes]: twice that of the longest message, raw measurements of
+/// Longest payload that is believed \[bytes\]: twice that of the longest message, raw measurements of
 /// 128 signals. A length beyond it is a damaged one.
 const MAX_PAYLOAD: usize = 8 * 1024;
-/// The buffer [bytes]: the longest message and several reads fit.
+/// The buffer \[bytes\]: the longest message and several reads fit.
 const BUFFER: usize = 256 * 1024;
 const SYNC: [u8; 2] = [0xb5, 0x62];
 

@@ -13,11 +13,11 @@ use super::bytes::{u2, u4};
 pub(super) const RAW: [u8; 2] = [0x10, 0x03];
 pub(super) const MEAS: [u8; 2] = [0x10, 0x02];
 
-/// What a tag of ESF-RAW counts [s], nominally.
+/// What a tag of ESF-RAW counts \[s\], nominally.
 const RAW_TICK: f64 = 39.0625e-6;
-/// What a tag of ESF-MEAS counts [s].
+/// What a tag of ESF-MEAS counts \[s\].
 const MEAS_TICK: f64 = 1e-3;
-/// Rates and specific forces of one sample may be tagged this far apart [s]: in ESF-MEAS they come
+/// Rates and specific forces of one sample may be tagged this far apart \[s\]: in ESF-MEAS they come
 /// in two messages, some 5 ms apart at 10 Hz.
 const APART: f64 = 10e-3;
 
@@ -32,7 +32,7 @@ pub(super) struct Reading {
     pub(super) accel: Vector3,
 }
 
-/// The parts of a triad that have come, and their counter [s].
+/// The parts of a triad that have come, and their counter \[s\].
 #[derive(Default)]
 struct Triad {
     counter: f64,
@@ -74,12 +74,12 @@ pub(super) struct Sensors {
     counter: Option<f64>,
     /// Whether the tags are the receiver's milliseconds since startup.
     calibrated: bool,
-    /// Of the last ESF-RAW: the counter of its first measurement [s], and the word before that.
+    /// Of the last ESF-RAW: the counter of its first measurement \[s\], and the word before that.
     begun: Option<(f64, u32)>,
 }
 
 impl Sensors {
-    /// The counter [s] at a time since startup [ms] of about the last message, where the messages
+    /// The counter \[s\] at a time since startup \[ms\] of about the last message, where the messages
     /// tell.
     pub(super) fn at_startup(&self, startup: u32) -> Option<f64> {
         if self.calibrated {
@@ -103,12 +103,12 @@ impl Sensors {
         changes
     }
 
-    /// The last counter that came [s].
+    /// The last counter that came \[s\].
     pub(super) fn counter(&self) -> Option<f64> {
         self.counter
     }
 
-    /// Takes in a message: `give` gets samples and their counters [s]; the number of incomplete
+    /// Takes in a message: `give` gets samples and their counters \[s\]; the number of incomplete
     /// samples that were dropped.
     pub(super) fn message(
         &mut self,

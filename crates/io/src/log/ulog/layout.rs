@@ -8,7 +8,7 @@ use undrift_nav::Vector3;
 const MAX_FORMATS: usize = 4096;
 /// Formats within formats at most.
 const MAX_DEPTH: usize = 16;
-/// No message is longer [bytes].
+/// No message is longer \[bytes\].
 const MAX_SIZE: usize = 65_535;
 
 /// A number of the format.
@@ -185,7 +185,7 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// Whether a message can have this length [bytes].
+    /// Whether a message can have this length \[bytes\].
     pub(super) fn fits(&self, length: usize) -> bool {
         (self.least..=self.size).contains(&length)
     }

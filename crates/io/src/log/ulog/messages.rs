@@ -8,7 +8,7 @@ use crate::source::Source;
 
 /// Start of every ULog file: "ULog", 0x01, 0x12, 0x35.
 pub(super) const MAGIC: [u8; 7] = *b"ULog\x01\x12\x35";
-/// Header of the file [bytes]: magic, version, time of the start.
+/// Header of the file \[bytes\]: magic, version, time of the start.
 const HEADER: usize = 16;
 /// A whole synchronisation message: its length, its type and its fixed content.
 const SYNC: [u8; 11] = *b"\x08\x00S\x2f\x73\x13\x20\x25\x0c\xbb\x12";

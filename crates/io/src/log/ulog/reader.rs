@@ -27,7 +27,7 @@ struct Spacing {
 }
 
 impl Spacing {
-    /// Takes in a sample's time and the length of its interval [s].
+    /// Takes in a sample's time and the length of its interval \[s\].
     fn add(&mut self, time: f64, span: f64) {
         if let Some(last) = self.last.replace(time)
             && self.pairs < JUDGED

@@ -91,7 +91,7 @@ impl Time {
         })
     }
 
-    /// [s]
+    /// \[s\]
     fn read(&self, message: &[u8]) -> f64 {
         let sampled = self.sample.map(|place| place.read(message));
         let micros = sampled.filter(|time| *time > 0.0);
@@ -145,7 +145,7 @@ impl Imu {
         })
     }
 
-    /// The sample, and the length of the gyro's interval [s] where the topic tells it.
+    /// The sample, and the length of the gyro's interval \[s\] where the topic tells it.
     pub(super) fn read(&self, message: &[u8]) -> (What, Option<(f64, f64)>) {
         let time = self.time.read(message);
         let (mut gyro, mut accel) = (self.gyro.vector(message), self.accel.vector(message));
@@ -302,7 +302,7 @@ impl Velocity {
         })
     }
 
-    /// Time [s] and velocity north-east-down [m/s].
+    /// Time \[s\] and velocity north-east-down [m/s].
     pub(super) fn read(&self, message: &[u8]) -> (f64, Vector3) {
         let velocity = self.velocity.map(|place| place.read(message));
         (self.time.read(message), Vector3::from(velocity))

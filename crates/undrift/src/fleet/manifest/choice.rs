@@ -154,7 +154,7 @@ fn read_record(section: &Section, record: &mut RecordSettings) -> Result<(), Con
     section.only_known()
 }
 
-/// Zero of the Celsius scale [K].
+/// Zero of the Celsius scale \[K\].
 pub(in crate::fleet) const ZERO_CELSIUS: f64 = 273.15;
 
 /// A temperature with its unit [°C].
