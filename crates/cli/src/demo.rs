@@ -1,14 +1,14 @@
 //! `undrift demo`: the paper's experiment on a simulated drive.
 
 use crate::{
-    output::JsonOutput,
+    output::{self, Files},
     print,
     progress::Bar,
-    report::Reporting,
+    report::ResultOutput,
     style, tables,
     terminal::{say, stage},
 };
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use undrift::{
@@ -38,17 +38,13 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
     #[command(flatten)]
-    json: JsonOutput,
-    #[command(flatten)]
-    reporting: Reporting,
+    result: ResultOutput,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    arguments.json.ready()?;
-    arguments.reporting.ready()?;
+    let files = Files::claim([], arguments.result.files())?;
     if let Some(folder) = &arguments.out {
-        std::fs::create_dir_all(folder)
-            .with_context(|| format!("cannot make {}", folder.display()))?;
+        output::make_folder(folder)?;
     }
     let models = if arguments.true_models {
         Models::Truth
@@ -68,14 +64,19 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut result = demo.result();
     result.outages = undrift_report::say::cut(result.outages);
     let json = results::text(&result);
-    let shown = arguments.json.write(&json)?;
-    arguments.reporting.write(&json)?;
+    let shown = arguments.result.write(&files, &json)?;
     if !shown {
         tell(arguments, &result)?;
     }
     print::print_troubles(&result.outages);
     if let Some(folder) = &arguments.out {
-        write(folder, &demo, &result, shown)?;
+        write(&files, folder, &demo, &result)?;
+        if !shown {
+            say(format!(
+                "\nWritten to {}: outages.json, demo.svg and the data of the figures",
+                folder.display()
+            ))?;
+        }
     }
     Ok(())
 }
@@ -111,35 +112,31 @@ fn tell(arguments: &Arguments, result: &results::Demo) -> Result<()> {
 }
 
 /// Writes the data of tables and figures.
-fn write(folder: &Path, demo: &Demo, result: &results::Demo, silent: bool) -> Result<()> {
-    std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
-    let json = results::text(&result.outages);
-    print::write_whole(&folder.join("outages.json"), &json)?;
+fn write(files: &Files, folder: &Path, demo: &Demo, result: &results::Demo) -> Result<()> {
+    let put = |name: &str, text: &str| files.write(&folder.join(name), text);
+    put("outages.json", &results::text(&result.outages))?;
     if let (Some((record, _)), Some(identified)) = (&demo.identified, &result.identification) {
         let identified = results::Identify {
             record: demo::PRESET.into(),
             ..identified.clone()
         };
-        print::write_whole(&folder.join("identified.json"), &results::text(&identified))?;
-        print::write_whole(
-            &folder.join("figure1-record.csv"),
+        put("identified.json", &results::text(&identified))?;
+        put(
+            "figure1-record.csv",
             &tables::record_csv(record, demo::RATE_HZ),
         )?;
-        print::write_whole(
-            &folder.join("figure3-correlation.csv"),
+        put(
+            "figure3-correlation.csv",
             &tables::correlation_csv(&identified, "gyro_z"),
         )?;
     }
-    print::write_whole(
-        &folder.join("figure4-trajectory.csv"),
-        &tables::trajectory_csv(demo),
-    )?;
+    put("figure4-trajectory.csv", &tables::trajectory_csv(demo))?;
     let runs: Vec<&ModelRun> = demo
         .runs
         .iter()
         .filter_map(|(_, run)| run.as_ref().ok())
         .collect();
-    print::write_whole(&folder.join("figure5-drift.csv"), &tables::drift_csv(&runs))?;
+    put("figure5-drift.csv", &tables::drift_csv(&runs))?;
     let models = runs.iter().filter(|run| run.name != demo::WHITE_CALIBRATED);
     let curves: Vec<_> = models.map(|r| drift_curve(r)).collect();
     figure::experiment(
@@ -148,12 +145,5 @@ fn write(folder: &Path, demo: &Demo, result: &results::Demo, silent: bool) -> Re
         &demo.outages,
         &curves,
     )
-    .map_err(anyhow::Error::msg)?;
-    if silent {
-        return Ok(());
-    }
-    say(format!(
-        "\nWritten to {}: outages.json, demo.svg and the data of the figures",
-        folder.display()
-    ))
+    .map_err(anyhow::Error::msg)
 }

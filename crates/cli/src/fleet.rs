@@ -1,13 +1,13 @@
 //! `undrift fleet`: many logs, on all cores.
 
 use crate::{
-    output::JsonOutput,
+    output::{self, Files},
     progress::Bar,
-    report::{Reporting, write_page},
+    report::{ResultOutput, write_page},
     style,
     terminal::{self, detail, say, stage, warn},
 };
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::{
     fmt::Write as _,
@@ -88,9 +88,7 @@ pub struct Arguments {
     #[arg(long, value_name = "S", help_heading = "Outages")]
     start: Option<f64>,
     #[command(flatten)]
-    json: JsonOutput,
-    #[command(flatten)]
-    reporting: Reporting,
+    result: ResultOutput,
 }
 
 /// Which one of how many.
@@ -104,10 +102,10 @@ fn shard(text: &str) -> Result<(usize, usize), String> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    arguments.json.ready()?;
-    arguments.reporting.ready()?;
+    let inputs = arguments.logs.iter().map(Path::new);
+    let files = Files::claim(inputs, arguments.result.files())?;
     let folder = &arguments.output;
-    std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
+    output::make_folder(folder)?;
     let mut jobs = jobs(arguments)?;
     let all = jobs.len();
     if let Some((which, of)) = arguments.shard {
@@ -155,9 +153,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let result = stage("gathering", || fleet::gather(&done.fingerprints, folder))?;
     let json = results::text(&result);
-    write_page(&folder.join("fleet.html"), &json)?;
-    arguments.reporting.write(&json)?;
-    if !arguments.json.write(&json)? {
+    write_page(&files, &folder.join("fleet.html"), &json)?;
+    if !arguments.result.write(&files, &json)? {
         say(line)?;
         say(summary(&result))?;
         say(format!(

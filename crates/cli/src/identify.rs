@@ -2,10 +2,10 @@
 
 use crate::{
     details,
-    output::{self, JsonOutput},
-    plot, print,
+    output::Files,
+    plot,
     progress::Bar,
-    report::Reporting,
+    report::ResultOutput,
     style,
     terminal::{self, detail, say, stage, warn},
 };
@@ -80,21 +80,12 @@ pub struct Arguments {
     #[arg(long, help_heading = "Output")]
     plot: bool,
     #[command(flatten)]
-    json: JsonOutput,
-    #[command(flatten)]
-    reporting: Reporting,
+    result: ResultOutput,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    output::ready(arguments.output.as_deref())?;
-    arguments.json.ready()?;
-    arguments.reporting.ready()?;
-    output::reads(&arguments.record);
-    arguments.json.spares_input()?;
-    arguments.reporting.spares_input()?;
-    if let Some(file) = &arguments.output {
-        output::spares_input(file)?;
-    }
+    let outputs = arguments.result.files().chain(arguments.output.as_deref());
+    let files = Files::claim([arguments.record.as_path()], outputs)?;
     let units = match arguments
         .units
         .as_deref()
@@ -171,12 +162,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     });
     let name = results::name(&arguments.record);
     let result = identified.result(&name);
-    let mut shown = false;
-    if arguments.json.is_wanted() || arguments.reporting.is_wanted() {
-        let json = results::text(&result);
-        shown = arguments.json.write(&json)?;
-        arguments.reporting.write(&json)?;
-    }
+    let shown =
+        arguments.result.is_wanted() && arguments.result.write(&files, &results::text(&result))?;
     if !shown {
         say(summary(&result))?;
         if arguments.plot {
@@ -200,7 +187,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             .transpose()?;
         let provenance = identify::provenance(&record, &name, Some(&arguments.record), rate_hz)?;
         let model = identified.model(base.as_ref(), &name, provenance)?;
-        print::write_whole(file, &model.to_toml())?;
+        files.write(file, &model.to_toml())?;
         terminal::say_beside(shown, format!("model: {}", file.display()))?;
         let unknown: Vec<&str> = model
             .axes()

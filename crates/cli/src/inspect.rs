@@ -1,8 +1,8 @@
 //! `undrift inspect`: what a file is, and a first drive file for it.
 
 use crate::{
-    output::{self, JsonOutput},
-    print, terminal,
+    output::{Files, JsonOutput},
+    terminal,
 };
 use anyhow::{Result, bail};
 use clap::Args;
@@ -28,11 +28,14 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    output::ready(arguments.output.as_deref())?;
-    arguments.json.ready()?;
+    let outputs = arguments
+        .json
+        .file()
+        .into_iter()
+        .chain(arguments.output.as_deref());
+    let files = Files::claim(arguments.files.iter().map(PathBuf::as_path), outputs)?;
     let mut inspections = Vec::new();
     for file in &arguments.files {
-        output::reads(file);
         match inspect::inspect(file) {
             Ok(inspection) => inspections.push(inspection),
             Err(error) => terminal::error(&error.into()),
@@ -42,7 +45,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         bail!("no file could be read");
     }
     let json = serde_json::to_string_pretty(&inspections)?;
-    let shown = arguments.json.write(&json)?;
+    let shown = arguments.json.write(&files, &json)?;
     if !shown {
         for inspection in &inspections {
             terminal::say(text(inspection).trim_end())?;
@@ -50,7 +53,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     if let Some(file) = &arguments.output {
         let home = file.parent().unwrap_or(std::path::Path::new(""));
-        print::write_whole(file, &inspect::drive_file(&inspections, home))?;
+        files.write(file, &inspect::drive_file(&inspections, home))?;
         terminal::say_beside(shown, format!("drive file: {}", file.display()))?;
     }
     if inspections.len() < arguments.files.len() {

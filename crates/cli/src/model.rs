@@ -1,8 +1,8 @@
 //! `undrift model`: a noise model as other programs read it.
 
 use crate::{
-    output::{self, JsonOutput},
-    print, terminal,
+    output::{Files, JsonOutput},
+    terminal,
 };
 use anyhow::Result;
 use clap::Args;
@@ -33,22 +33,25 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    output::ready(arguments.output.as_deref())?;
-    arguments.json.ready()?;
-    output::reads(Path::new(&arguments.model));
+    let outputs = arguments
+        .json
+        .file()
+        .into_iter()
+        .chain(arguments.output.as_deref());
+    let files = Files::claim([Path::new(&arguments.model)], outputs)?;
     let model = ImuModel::resolve(&arguments.model, Path::new(""))?;
     if arguments.json.is_wanted() {
         // The model file's own keys and values.
         let keys: toml::Table = toml::from_str(&model.to_toml())?;
         let json = serde_json::to_string_pretty(&keys)?;
-        arguments.json.write(&json)?;
+        arguments.json.write(&files, &json)?;
     }
     let Some(format) = arguments.to else {
         return Ok(());
     };
     let text = model.export(format, arguments.rate)?;
     match &arguments.output {
-        Some(file) => print::write_whole(file, &text),
+        Some(file) => files.write(file, &text),
         None => terminal::result(text.trim_end()),
     }
 }

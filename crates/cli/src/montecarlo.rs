@@ -1,9 +1,9 @@
 //! `undrift montecarlo`: does the filter know its own errors?
 
 use crate::{
-    output::{self, JsonOutput},
+    output::Files,
     progress::Bar,
-    report::Reporting,
+    report::ResultOutput,
     style,
     terminal::{self, detail, say, stage},
 };
@@ -38,20 +38,16 @@ pub struct Arguments {
     /// Bias models to run, instead of the SPEC's
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     bias_models: Vec<BiasModel>,
-    #[command(flatten)]
-    json: JsonOutput,
     /// Draw the average NEES over time with its bounds
     #[arg(long, value_name = "FILE.svg", help_heading = "Output")]
     figure: Option<PathBuf>,
     #[command(flatten)]
-    reporting: Reporting,
+    result: ResultOutput,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    output::ready(arguments.figure.as_deref())?;
-    arguments.json.ready()?;
-    arguments.reporting.ready()?;
-    output::reads(&arguments.spec);
+    let outputs = arguments.result.files().chain(arguments.figure.as_deref());
+    let files = Files::claim([arguments.spec.as_path()], outputs)?;
     let mut spec = Spec::load(&arguments.spec)?;
     if !arguments.bias_models.is_empty() {
         spec.bias_models.clone_from(&arguments.bias_models);
@@ -65,10 +61,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         terminal::doubt();
     }
     let json = results::text(&result);
-    if !arguments.json.write(&json)? {
+    if !arguments.result.write(&files, &json)? {
         say(text(&result))?;
     }
-    arguments.reporting.write(&json)?;
     if let Some(path) = &arguments.figure {
         figure::consistency(path, &result).map_err(anyhow::Error::msg)?;
     }

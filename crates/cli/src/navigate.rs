@@ -2,10 +2,10 @@
 
 use crate::{
     details,
-    output::{self, JsonOutput},
+    output::Files,
     print,
     progress::Bar,
-    report::Reporting,
+    report::ResultOutput,
     terminal::{say, stage, warn},
 };
 use anyhow::{Result, anyhow, bail};
@@ -61,9 +61,7 @@ pub struct Arguments {
     #[arg(long)]
     smooth: bool,
     #[command(flatten)]
-    json: JsonOutput,
-    #[command(flatten)]
-    reporting: Reporting,
+    result: ResultOutput,
 }
 
 /// What every verb on a drive takes.
@@ -77,36 +75,28 @@ pub struct Common {
     model: Option<String>,
 }
 
-/// The drive with the model that the command line asks for.
-pub fn load(drive: &std::path::Path, common: &Common) -> Result<Drive> {
+/// The drive with the model that the command line asks for, and the files of the run.
+pub fn load<'a>(
+    drive: &Path,
+    common: &Common,
+    outputs: impl IntoIterator<Item = &'a Path>,
+) -> Result<(Drive, Files)> {
     let mut loaded = Drive::load(drive, common.data.as_deref())?;
     if let Some(name) = &common.model {
         loaded.model = Some(ImuModel::resolve(name, std::path::Path::new(""))?);
     }
-    [drive]
-        .into_iter()
-        .chain(loaded.logs())
-        .for_each(output::reads);
-    if let Some(name) = &common.model {
-        output::reads(Path::new(name));
-    }
+    let model = common.model.as_deref().map(Path::new);
+    let inputs = [drive].into_iter().chain(loaded.logs()).chain(model);
+    let files = Files::claim(inputs, outputs)?;
     details::drive(drive, &loaded);
-    Ok(loaded)
+    Ok((loaded, files))
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    for file in &arguments.output {
-        output::ready(Some(file))?;
-    }
-    arguments.json.ready()?;
-    arguments.reporting.ready()?;
-    let drive = load(&arguments.drive, &arguments.common)?;
-    for file in &arguments.output {
-        output::spares_input(file)?;
-    }
-    arguments.json.spares_input()?;
-    arguments.reporting.spares_input()?;
-    let recording = arguments.json.is_wanted() || arguments.reporting.is_wanted();
+    let solutions = arguments.output.iter().map(PathBuf::as_path);
+    let written = arguments.result.files().chain(solutions);
+    let (drive, files) = load(&arguments.drive, &arguments.common, written)?;
+    let recording = arguments.result.is_wanted();
     let report = stage("navigation", || {
         let _bar = Bar::watching(
             drive.imu_read.bytes(),
@@ -126,12 +116,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let drive = results::Drive::of(&arguments.drive, &drive);
     let result = sentences::navigated(&report, arguments.bias_model, drive);
     print::judge(&result.findings);
-    let mut shown = false;
-    if recording {
-        let json = results::text(&result);
-        arguments.reporting.write(&json)?;
-        shown = arguments.json.write(&json)?;
-    }
+    let shown = recording && arguments.result.write(&files, &results::text(&result))?;
     if !shown {
         print_result(&result)?;
         for path in &arguments.output {

@@ -1,11 +1,9 @@
 //! `undrift outages`: cut the GNSS of a drive and compare bias models.
 
 use crate::{
-    navigate,
-    output::{self, JsonOutput},
-    print,
+    navigate, output, print,
     progress::Bar,
-    report::Reporting,
+    report::ResultOutput,
     terminal::{note, say, stage, warn},
 };
 use anyhow::{Context, Result, anyhow, bail};
@@ -70,8 +68,6 @@ pub struct Arguments {
     /// Smooth: measure the errors that are left when the fixes after an outage are known too
     #[arg(long)]
     smooth: bool,
-    #[command(flatten)]
-    json: JsonOutput,
     /// Write outages.json and outages.svg into this folder
     #[arg(short, long, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
@@ -79,21 +75,15 @@ pub struct Arguments {
     #[arg(long, value_name = "track.kml")]
     track: Option<PathBuf>,
     #[command(flatten)]
-    reporting: Reporting,
+    result: ResultOutput,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    arguments.json.ready()?;
-    arguments.reporting.ready()?;
     if let Some(path) = &arguments.track {
         track_format(path)?;
     }
-    let drive = navigate::load(&arguments.drive, &arguments.common)?;
-    arguments.json.spares_input()?;
-    arguments.reporting.spares_input()?;
-    if let Some(track) = &arguments.track {
-        output::spares_input(track)?;
-    }
+    let outputs = arguments.result.files().chain(arguments.track.as_deref());
+    let (drive, files) = navigate::load(&arguments.drive, &arguments.common, outputs)?;
     let logs = Logs::load(&drive).map_err(|error| anyhow!(sentences::unsolved(error)))?;
     if let Some(mounting) = &logs.mounting {
         note(format!(
@@ -119,8 +109,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let result = sentences::cut(logs.result(&arguments.drive, &cuts, &outcomes, arguments.smooth));
     print::judge(&result.findings);
     let json = results::text(&result);
-    arguments.reporting.write(&json)?;
-    if !arguments.json.write(&json)? {
+    if !arguments.result.write(&files, &json)? {
         say(format!(
             "{} outages of {} s, reference: {}. Errors inside the outages:\n",
             cuts.len(),
@@ -135,9 +124,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     print::print_troubles(&result);
     result.warnings.iter().for_each(warn);
     if let Some(folder) = &arguments.out {
-        std::fs::create_dir_all(folder)
-            .with_context(|| format!("cannot make {}", folder.display()))?;
-        print::write_whole(&folder.join("outages.json"), &json)?;
+        output::make_folder(folder)?;
+        files.write(&folder.join("outages.json"), &json)?;
         let runs = outcomes.iter().filter_map(|(_, run)| run.as_ref().ok());
         let curves: Vec<_> = runs.map(drift_curve).collect();
         figure::experiment(&folder.join("outages.svg"), &logs.track(), &cuts, &curves)

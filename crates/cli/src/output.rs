@@ -1,49 +1,64 @@
 //! Where results go.
 
-use crate::{print, terminal};
-use anyhow::{Result, bail};
+use crate::terminal;
+use anyhow::{Context, Result, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use undrift::io::write;
 
-/// The files that this run reads, as the system calls them.
-static READ: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+/// The files of a run, claimed before its work: what is read, and what is written.
+pub struct Files {
+    /// Regular files that are read, as the system calls them.
+    inputs: Vec<PathBuf>,
+}
 
-/// Notes a file that this run reads: nothing is written over it.
-pub fn reads(file: &Path) {
-    if let (Ok(file), Ok(mut read)) = (file.canonicalize(), READ.lock()) {
-        read.push(file);
+impl Files {
+    /// # Errors
+    /// If a result has no folder to be in, or would replace a file that it is made from.
+    pub fn claim<'a, 'b>(
+        inputs: impl IntoIterator<Item = &'a Path>,
+        outputs: impl IntoIterator<Item = &'b Path>,
+    ) -> Result<Self> {
+        let inputs = inputs.into_iter().filter_map(real).collect();
+        let files = Self { inputs };
+        for file in outputs {
+            match file.parent() {
+                Some(folder) if folder != Path::new("") && !folder.is_dir() => bail!(
+                    "cannot write {}: there is no folder {}",
+                    file.display(),
+                    folder.display()
+                ),
+                _ => files.spare_inputs(file)?,
+            }
+        }
+        Ok(files)
+    }
+
+    fn spare_inputs(&self, file: &Path) -> Result<()> {
+        if real(file).is_some_and(|real| self.inputs.contains(&real)) {
+            bail!(
+                "cannot write {}: it is read in this run; give the result another name",
+                file.display()
+            );
+        }
+        Ok(())
+    }
+
+    /// Writes a file whole or not at all.
+    pub fn write(&self, file: &Path, text: &str) -> Result<()> {
+        self.spare_inputs(file)?;
+        write::write_whole(file, text).with_context(|| format!("cannot write {}", file.display()))
     }
 }
 
-/// That a result would not replace a file that it is made from.
-///
-/// # Errors
-/// If it would.
-pub fn spares_input(file: &Path) -> Result<()> {
-    let Ok(real) = file.canonicalize() else {
-        return Ok(());
-    };
-    if READ.lock().is_ok_and(|read| read.contains(&real)) {
-        bail!(
-            "cannot write {}: it is read in this run; give the result another name",
-            file.display()
-        );
-    }
-    Ok(())
+/// A regular file as the system calls it; devices and pipes may be read and written.
+fn real(file: &Path) -> Option<PathBuf> {
+    file.canonicalize().ok().filter(|real| real.is_file())
 }
 
-/// Says before the work rather than after it that a file has no folder to be in; "-" is none.
-pub fn ready(file: Option<&Path>) -> Result<()> {
-    let folder = file.and_then(Path::parent);
-    match (file, folder) {
-        (Some(file), Some(folder)) if !folder.as_os_str().is_empty() && !folder.is_dir() => bail!(
-            "cannot write {}: there is no folder {}",
-            file.display(),
-            folder.display()
-        ),
-        _ => Ok(()),
-    }
+/// Makes a folder for results.
+pub fn make_folder(folder: &Path) -> Result<()> {
+    std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))
 }
 
 /// Where a verb puts its result as JSON.
@@ -60,24 +75,16 @@ impl JsonOutput {
         self.json.is_some()
     }
 
-    /// As [`ready`].
-    pub fn ready(&self) -> Result<()> {
-        ready(self.json.as_deref())
-    }
-
-    /// That the file is none that this run reads.
-    ///
-    /// # Errors
-    /// As [`spares_input`].
-    pub fn spares_input(&self) -> Result<()> {
-        self.json.as_deref().map_or(Ok(()), spares_input)
+    /// The file, if it is one.
+    pub fn file(&self) -> Option<&Path> {
+        self.json.as_deref().filter(|path| path.as_os_str() != "-")
     }
 
     /// Writes the result if it is wanted; whether it went to standard output.
-    pub fn write(&self, json: &str) -> Result<bool> {
-        match &self.json {
-            Some(path) if path.as_os_str() == "-" => terminal::result(json).map(|()| true),
-            Some(path) => print::write_whole(path, json).map(|()| false),
+    pub fn write(&self, files: &Files, json: &str) -> Result<bool> {
+        match self.file() {
+            Some(path) => files.write(path, json).map(|()| false),
+            None if self.is_wanted() => terminal::result(json).map(|()| true),
             None => Ok(false),
         }
     }

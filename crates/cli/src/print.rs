@@ -1,11 +1,8 @@
 //! What the verbs share in telling their results.
 
-use crate::{output, style, terminal, terminal::warn};
-use anyhow::{Context, Result};
-use std::path::Path;
+use crate::{style, terminal, terminal::warn};
 use undrift::{
     findings::{self, Finding},
-    io::write,
     results::Outages,
 };
 use undrift_report::outage_table;
@@ -34,10 +31,4 @@ pub fn judge(found: &[Finding]) {
     if findings::is_doubtful(found) {
         terminal::doubt();
     }
-}
-
-/// Writes a file whole or not at all.
-pub fn write_whole(path: &Path, text: &str) -> Result<()> {
-    output::spares_input(path)?;
-    write::write_whole(path, text).with_context(|| format!("cannot write {}", path.display()))
 }

@@ -1,9 +1,6 @@
 //! `undrift report`: results that were written as JSON, for reading.
 
-use crate::{
-    output::{self, JsonOutput},
-    print,
-};
+use crate::output::{Files, JsonOutput};
 use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
@@ -39,14 +36,11 @@ pub struct Arguments {
     json: JsonOutput,
 }
 
-/// Writes the report of one result.
-pub fn write_page(path: &Path, result: &str) -> Result<()> {
-    write(&[(PathBuf::new(), result.to_owned())], Some(path), None)
-}
-
-/// Where a verb puts the report of its result.
+/// Where a verb puts its result beside the terminal: as JSON, as a report, as figures.
 #[derive(Args)]
-pub struct Reporting {
+pub struct ResultOutput {
+    #[command(flatten)]
+    json: JsonOutput,
     /// Write a report with tables and figures, one HTML file that needs nothing else
     #[arg(long, value_name = "FILE.html", help_heading = "Output")]
     report: Option<PathBuf>,
@@ -55,36 +49,41 @@ pub struct Reporting {
     figures: Option<PathBuf>,
 }
 
-impl Reporting {
-    /// As [`output::ready`].
-    pub fn ready(&self) -> Result<()> {
-        output::ready(self.report.as_deref())
-    }
-
-    /// That the report is none of the files that this run reads.
-    ///
-    /// # Errors
-    /// As [`output::spares_input`].
-    pub fn spares_input(&self) -> Result<()> {
-        self.report.as_deref().map_or(Ok(()), output::spares_input)
-    }
-
-    /// Whether there is to be one.
+impl ResultOutput {
+    /// Whether it goes anywhere.
     pub fn is_wanted(&self) -> bool {
-        self.report.is_some() || self.figures.is_some()
+        self.json.is_wanted() || self.report.is_some() || self.figures.is_some()
     }
 
-    /// Makes it of a result's JSON.
-    pub fn write(&self, result: &str) -> Result<()> {
-        if !self.is_wanted() {
-            return Ok(());
-        }
-        write(
-            &[(PathBuf::new(), result.to_owned())],
-            self.report.as_deref(),
-            self.figures.as_deref(),
-        )
+    /// The files, to be claimed.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.json.file().into_iter().chain(self.report.as_deref())
     }
+
+    /// Writes what is wanted; whether the JSON went to standard output.
+    pub fn write(&self, files: &Files, json: &str) -> Result<bool> {
+        let shown = self.json.write(files, json)?;
+        if self.report.is_some() || self.figures.is_some() {
+            let result = [(PathBuf::new(), json.to_owned())];
+            write(
+                files,
+                &result,
+                self.report.as_deref(),
+                self.figures.as_deref(),
+            )?;
+        }
+        Ok(shown)
+    }
+}
+
+/// Writes the report of one result.
+pub fn write_page(files: &Files, path: &Path, json: &str) -> Result<()> {
+    write(
+        files,
+        &[(PathBuf::new(), json.to_owned())],
+        Some(path),
+        None,
+    )
 }
 
 /// What was made of what.
@@ -96,18 +95,20 @@ struct Told<'a> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    arguments.json.ready()?;
+    let inputs = arguments.results.iter().map(PathBuf::as_path);
+    let outputs = arguments.output.as_deref().into_iter();
+    let files = Files::claim(inputs, outputs.chain(arguments.json.file()))?;
     let results = arguments
         .results
         .iter()
         .map(|path| {
-            output::reads(path);
             let text = std::fs::read_to_string(path)
                 .with_context(|| format!("cannot read {}", path.display()))?;
             Ok((path.clone(), text))
         })
         .collect::<Result<Vec<_>>>()?;
     write(
+        &files,
         &results,
         arguments.output.as_deref(),
         arguments.figures.as_deref(),
@@ -119,18 +120,19 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     };
     arguments
         .json
-        .write(&serde_json::to_string_pretty(&told)?)
+        .write(&files, &serde_json::to_string_pretty(&told)?)
         .map(drop)
 }
 
 fn write(
+    files: &Files,
     results: &[(PathBuf, String)],
     output: Option<&Path>,
     figures: Option<&Path>,
 ) -> Result<()> {
     let document = undrift_report::of_results(results)?;
     if let Some(path) = output {
-        print::write_whole(path, &undrift_report::html::render(&document))?;
+        files.write(path, &undrift_report::html::render(&document))?;
     }
     if let Some(folder) = figures {
         undrift_report::figures::write(&document, folder, Formats::default())

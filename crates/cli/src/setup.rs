@@ -1,6 +1,9 @@
 //! `undrift completions` and `undrift man`: what a shell and a reader of manuals get of the command.
 
-use crate::{print, terminal};
+use crate::{
+    output::{self, Files},
+    terminal,
+};
 use anyhow::{Context, Result};
 use clap::{Args, Command};
 use clap_complete::Shell;
@@ -42,11 +45,12 @@ pub fn man(arguments: &Man, mut command: Command) -> Result<()> {
     let Some(folder) = &arguments.output else {
         return terminal::result(page(&command)?.trim_end());
     };
-    std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
+    output::make_folder(folder)?;
+    let files = Files::claim([], [])?;
     let verbs = command.get_subcommands().filter(|verb| !verb.is_hide_set());
     for command in [&command].into_iter().chain(verbs) {
         let name = command.get_display_name().unwrap_or(command.get_name());
-        print::write_whole(&folder.join(format!("{name}.1")), &page(command)?)?;
+        files.write(&folder.join(format!("{name}.1")), &page(command)?)?;
     }
     Ok(())
 }
