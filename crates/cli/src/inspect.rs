@@ -1,4 +1,4 @@
-//! `undrift inspect`: what a file is, and a first drive file for it.
+//! `undrift inspect`: what a file is, and a starter drive file for it.
 
 use crate::{
     output::{Files, JsonOutput},
@@ -8,10 +8,11 @@ use anyhow::{Result, bail};
 use clap::Args;
 use std::{fmt::Write as _, path::PathBuf};
 use undrift::inspect::{self, Inspection, Part};
+use undrift_report::inspect as report;
 
-/// Tell what files are, and write a first drive file for them.
+/// Describe log files and write a starter drive file.
 ///
-/// Told are format, streams, rate, gaps, units, and how they are known.
+/// Shown are format, streams, rate, gaps, units, and how they are known.
 #[derive(Args)]
 #[command(after_help = "Examples:
   undrift inspect imu.csv gnss.pos -o drive.toml
@@ -37,7 +38,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut inspections = Vec::new();
     for file in &arguments.files {
         match inspect::inspect(file) {
-            Ok(inspection) => inspections.push(inspection),
+            Ok(mut inspection) => {
+                report::fill(&mut inspection);
+                inspections.push(inspection);
+            }
             Err(error) => terminal::error(&error.into()),
         }
     }
@@ -53,7 +57,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     if let Some(file) = &arguments.output {
         let home = file.parent().unwrap_or(std::path::Path::new(""));
-        files.write(file, &inspect::drive_file(&inspections, home))?;
+        files.write(file, &report::drive_file(&inspections, home))?;
         terminal::say_beside(shown, format!("drive file: {}", file.display()))?;
     }
     if inspections.len() < arguments.files.len() {

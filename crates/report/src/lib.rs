@@ -9,6 +9,7 @@ pub mod figures;
 mod fleet;
 pub mod html;
 mod identify;
+pub mod inspect;
 mod montecarlo;
 mod navigate;
 mod outages;

@@ -1,11 +1,12 @@
 //! What a file is, what it holds, in which units by which signs, and a first `DRIVE.toml` for it.
 
 mod columns;
-mod drive_file;
+mod known;
 mod measure;
 mod units;
 
-pub use drive_file::drive_file;
+pub use known::{Content, Known, Note};
+pub use measure::about_gravity;
 
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -30,7 +31,9 @@ pub struct Inspection {
     pub streams: Vec<(String, u64, String)>,
     /// What of it can be read.
     pub parts: Vec<Part>,
-    /// What the user should know.
+    /// What is worth knowing.
+    pub found: Vec<Note>,
+    /// The same in sentences; who shows it fills them in.
     pub notes: Vec<String>,
 }
 
@@ -47,7 +50,7 @@ pub struct Part {
     pub problem: Option<String>,
     /// The streams that a key may name, the first of each the likeliest.
     #[serde(skip)]
-    choices: Vec<(&'static str, Vec<String>)>,
+    pub choices: Vec<(&'static str, Vec<String>)>,
 }
 
 /// A key of a drive file.
@@ -57,7 +60,9 @@ pub struct Line {
     pub key: &'static str,
     /// Its value, as TOML writes it.
     pub value: String,
-    /// How it is known; empty where nothing need be said.
+    /// How it is known.
+    pub known: Known,
+    /// The same in words, empty where it is certain; who shows it fills them in.
     pub why: String,
 }
 
@@ -80,27 +85,30 @@ pub struct Measured {
     pub skipped: String,
     /// Velocities left out because the log does not tell how certain they are.
     pub untold_velocities: u64,
-    /// What else there is to say.
+    /// What else it holds.
+    pub content: Option<Content>,
+    /// The same in sentences; who shows it fills them in.
     pub remarks: Vec<String>,
 }
 
 impl Line {
-    fn new(key: &'static str, value: String, why: impl Into<String>) -> Self {
+    fn new(key: &'static str, value: String, known: Known) -> Self {
         Self {
             key,
             value,
-            why: why.into(),
+            known,
+            why: String::new(),
         }
     }
 
     /// A text value.
-    fn text(key: &'static str, value: &str, why: impl Into<String>) -> Self {
-        Self::new(key, quoted(value), why)
+    fn text(key: &'static str, value: &str, known: Known) -> Self {
+        Self::new(key, quoted(value), known)
     }
 }
 
 /// A text as TOML writes it.
-fn quoted(text: &str) -> String {
+pub fn quoted(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()
 }
 
@@ -116,10 +124,11 @@ pub fn inspect(path: &Path) -> Result<Inspection, ReadError> {
         description: format.describe(),
         streams: Vec::new(),
         parts: Vec::new(),
+        found: Vec::new(),
         notes: Vec::new(),
     };
     inspection.parts = match format {
-        Format::Csv | Format::Parquet => columns::parts(path, &mut inspection.notes)?,
+        Format::Csv | Format::Parquet => columns::parts(path, &mut inspection.found)?,
         Format::Rtklib => vec![Part::new("gnss", Vec::new())],
         Format::Euroc => vec![Part::new("imu", Vec::new())],
         Format::KfGins => vec![Part::new(kf_gins(path)?, Vec::new())],
@@ -137,9 +146,7 @@ pub fn inspect(path: &Path) -> Result<Inspection, ReadError> {
         measure::measure(path, format, part);
     }
     if inspection.parts.is_empty() {
-        let note =
-            "nothing in it is read here: no angular rates with specific forces, no positions";
-        inspection.notes.push(note.into());
+        inspection.found.push(Note::Nothing);
     }
     Ok(inspection)
 }
@@ -153,7 +160,8 @@ pub fn by_names(names: &[String]) -> Vec<Part> {
     };
     let mut parts = columns::parts_of(table, &mut Vec::new());
     for part in &mut parts {
-        part.lines.retain(|line| line.why.starts_with("by "));
+        part.lines
+            .retain(|line| matches!(line.known, Known::Name { .. }));
     }
     parts
 }

@@ -1,7 +1,9 @@
 //! What the columns of a table are: by their names, and where they have none by their numbers.
 
 use super::{
-    Line, Part, quoted,
+    Line, Part,
+    known::{Known, Note},
+    quoted,
     units::{self, Force},
 };
 use crate::columns::{FIX_STEP, IMU_STEP, Meaning, meaning, ordinary_step, time_unit};
@@ -10,6 +12,9 @@ use undrift_io::{
     ReadError,
     table::{Preview, preview},
 };
+
+/// By the names of several columns.
+const NAMES: Known = Known::Name { several: true };
 
 /// Rows that are looked at.
 const ROWS: usize = 4000;
@@ -27,16 +32,16 @@ struct Found {
     velocity_std: [Option<usize>; 3],
     attitude: [Option<usize>; 3],
     /// How they were found.
-    why: &'static str,
+    known: Known,
 }
 
 /// The tables of a drive file that columns can serve.
-pub(super) fn parts(path: &Path, notes: &mut Vec<String>) -> Result<Vec<Part>, ReadError> {
+pub(super) fn parts(path: &Path, notes: &mut Vec<Note>) -> Result<Vec<Part>, ReadError> {
     Ok(parts_of(preview(path, ROWS)?, notes))
 }
 
 /// The same of a table's beginning.
-pub(super) fn parts_of(table: Preview, notes: &mut Vec<String>) -> Vec<Part> {
+pub(super) fn parts_of(table: Preview, notes: &mut Vec<Note>) -> Vec<Part> {
     let mut found = by_names(&table);
     if all(&found.gyro).is_none() && all(&found.place).is_none() {
         let by_numbers = by_numbers(&table);
@@ -59,11 +64,11 @@ pub(super) fn parts_of(table: Preview, notes: &mut Vec<String>) -> Vec<Part> {
     let names = &columns.table.names;
     if parts.is_empty() {
         notes.push(match names.len() {
-            0 => "no header names the columns, and their numbers do not tell them".into(),
-            _ => format!("the columns are: {}", names.join(", ")),
+            0 => Note::UnknownColumns,
+            _ => Note::Columns(names.clone()),
         });
     } else if columns.found.time.is_none() {
-        notes.push("no column of times was found".into());
+        notes.push(Note::NoTimes);
     }
     parts
 }
@@ -77,7 +82,7 @@ fn all(three: &[Option<usize>; 3]) -> Option<[usize; 3]> {
 
 fn by_names(table: &Preview) -> Found {
     let mut found = Found {
-        why: "by its name",
+        known: Known::Name { several: false },
         ..Found::default()
     };
     for (place, name) in table.names.iter().enumerate() {
@@ -108,7 +113,7 @@ fn by_names(table: &Preview) -> Found {
 /// constant magnitude, gyros beside them, and places by their range.
 fn by_numbers(table: &Preview) -> Found {
     let mut found = Found {
-        why: "guessed by its numbers",
+        known: Known::Numbers { several: false },
         ..Found::default()
     };
     let width = table.rows.first().map_or(0, Vec::len);
@@ -194,12 +199,11 @@ impl Columns {
 
     fn three(&self, key: &'static str, places: [usize; 3]) -> Line {
         let names = places.map(|place| self.name(place)).join(", ");
-        let why = self
-            .found
-            .why
-            .replace("its", "their")
-            .replace("name", "names");
-        Line::new(key, format!("[{names}]"), why)
+        let known = match self.found.known {
+            Known::Name { .. } => NAMES,
+            _ => Known::Numbers { several: true },
+        };
+        Line::new(key, format!("[{names}]"), known)
     }
 
     /// The unit that the name of a column tells.
@@ -220,33 +224,35 @@ impl Columns {
         let Some(place) = self.found.time else {
             return (Vec::new(), None);
         };
-        let mut lines = vec![Line::new("time", self.name(place), self.found.why)];
+        let mut lines = vec![Line::new(
+            "time",
+            self.name(place),
+            self.found.known.clone(),
+        )];
         let stamps = self.stamps(place);
         let guess = time_unit(&stamps, longest);
-        let (unit, why) = match (self.unit(place), guess) {
-            (Some(unit), _) => (unit, "by its name"),
-            (None, Some((unit, _))) => (unit.to_owned(), "guessed by the step of the stamps"),
-            (None, None) => ("s".to_owned(), "guessed"),
+        let (unit, known) = match (self.unit(place), guess) {
+            (Some(unit), _) => (unit, Known::Name { several: false }),
+            (None, Some((unit, _))) => (unit.to_owned(), Known::StampStep),
+            (None, None) => ("s".to_owned(), Known::Guessed),
         };
         let factor = undrift_nav::units::unit_factor(&unit, undrift_nav::units::Quantity::Time)
             .unwrap_or(1.0);
         if unit != "s" {
-            lines.push(Line::text("time_unit", &unit, why));
+            lines.push(Line::text("time_unit", &unit, known));
         }
         let step = ordinary_step(&stamps).map(|step| step * factor);
         (lines, step)
     }
 
-    fn imu(&self, gyro: [usize; 3], accel: [usize; 3], notes: &mut Vec<String>) -> Vec<Line> {
+    fn imu(&self, gyro: [usize; 3], accel: [usize; 3], notes: &mut Vec<Note>) -> Vec<Line> {
         let (mut lines, interval) = self.time(IMU_STEP);
         if lines.is_empty() {
-            let why = "guessed: there is no column of times; write the real rate";
-            lines.push(Line::text("rate", "100 Hz", why));
+            lines.push(Line::text("rate", "100 Hz", Known::NoTimes));
         }
         let forces = three_of(&self.table.rows, accel);
         let turns = three_of(&self.table.rows, gyro);
         let force = units::force(&forces, interval);
-        let named = "by their names";
         let ((gyro_unit, gyro_why), (accel_unit, accel_why), increments) = match &force {
             Force::Increments((unit, why)) if self.unit(accel[0]).is_none() => {
                 let interval = interval.unwrap_or(1.0);
@@ -261,21 +267,22 @@ impl Columns {
             }
             _ => {
                 let gyro = match self.unit(gyro[0]) {
-                    Some(unit) => (unit, named.to_owned()),
+                    Some(unit) => (unit, NAMES),
                     None => {
                         let (unit, why) = units::rate(&turns);
                         (unit.to_owned(), why)
                     }
                 };
                 let accel = match (self.unit(accel[0]), &force) {
-                    (Some(unit), Force::Rates((size, why))) if unit != *size => {
-                        notes.push(format!(
-                            "the names say that accelerations are in {unit}, but {}, as in {size}",
-                            why.trim_start_matches("guessed: ")
-                        ));
-                        (unit, named.to_owned())
+                    (Some(unit), Force::Rates((size, Known::Gravity(median)))) if unit != *size => {
+                        notes.push(Note::UnitBySize {
+                            named: unit.clone(),
+                            size,
+                            median: *median,
+                        });
+                        (unit, NAMES)
                     }
-                    (Some(unit), _) => (unit, named.to_owned()),
+                    (Some(unit), _) => (unit, NAMES),
                     (None, Force::Rates((unit, why))) => ((*unit).to_owned(), why.clone()),
                     (None, Force::Unknown(why) | Force::Increments((_, why))) => {
                         ("m/s^2".to_owned(), why.clone())
@@ -285,8 +292,7 @@ impl Columns {
             }
         };
         if increments {
-            let why = "guessed: the accelerometers' magnitude is gravity times the interval";
-            lines.push(Line::text("data", "increments", why));
+            lines.push(Line::text("data", "increments", Known::Increments));
         }
         lines.push(self.three("gyro", gyro));
         lines.push(Line::text("gyro_unit", &gyro_unit, gyro_why));
@@ -304,10 +310,9 @@ impl Columns {
         });
         match self.unit(place[0]) {
             Some(unit) if unit == "deg" => {}
-            Some(unit) => lines.push(Line::text("position_unit", &unit, "by their names")),
+            Some(unit) => lines.push(Line::text("position_unit", &unit, NAMES)),
             None if small && !angles.is_empty() => {
-                let why = "guessed: no latitude is beyond pi/2 and no longitude beyond pi";
-                lines.push(Line::text("position_unit", "rad", why));
+                lines.push(Line::text("position_unit", "rad", Known::SmallPlaces));
             }
             None => {}
         }
@@ -320,11 +325,7 @@ impl Columns {
         };
         let mut lines = vec![self.three("velocity", velocity)];
         if self.found.up {
-            lines.push(Line::text(
-                "velocity_axes",
-                "north,east,up",
-                "by their names",
-            ));
+            lines.push(Line::text("velocity_axes", "north,east,up", NAMES));
         }
         lines
     }
@@ -332,17 +333,16 @@ impl Columns {
     fn gnss(&self, place: [usize; 3]) -> Vec<Line> {
         let (mut lines, _) = self.time(FIX_STEP);
         lines.extend(self.place(place));
-        let why = "guessed: no columns tell it; set what fits the receiver";
         lines.push(match all(&self.found.position_std) {
             Some(std) => self.three("position_std_columns", std),
-            None => Line::text("position_std", "3, 3, 6 m", why),
+            None => Line::text("position_std", "3, 3, 6 m", Known::NoColumns),
         });
         let velocity = self.velocity();
         if !velocity.is_empty() {
             lines.extend(velocity);
             lines.push(match all(&self.found.velocity_std) {
                 Some(std) => self.three("velocity_std_columns", std),
-                None => Line::text("velocity_std", "0.2, 0.2, 0.4 m/s", why),
+                None => Line::text("velocity_std", "0.2, 0.2, 0.4 m/s", Known::NoColumns),
             });
         }
         lines
@@ -355,13 +355,12 @@ impl Columns {
         lines.push(self.three("attitude", attitude));
         match self.unit(attitude[0]) {
             Some(unit) if unit == "deg" => {}
-            Some(unit) => lines.push(Line::text("attitude_unit", &unit, "by their names")),
+            Some(unit) => lines.push(Line::text("attitude_unit", &unit, NAMES)),
             None => {
                 let angles = three_of(&self.table.rows, attitude);
                 let turn = 2.0 * std::f64::consts::PI;
                 if angles.iter().flatten().all(|angle| angle.abs() <= turn) {
-                    let why = "guessed: no angle is beyond two pi";
-                    lines.push(Line::text("attitude_unit", "rad", why));
+                    lines.push(Line::text("attitude_unit", "rad", Known::SmallAngles));
                 }
             }
         }

@@ -1,6 +1,10 @@
 //! Reads a part of a file with the keys found for it, as a drive would.
 
-use super::{Line, Measured, Part, quoted};
+use super::{
+    Line, Measured, Part,
+    known::{Content, Known},
+    quoted,
+};
 use crate::drive::{DriveError, Memory, Section, gnss, imu, parse, tables};
 use std::path::Path;
 use undrift_io::{
@@ -55,19 +59,18 @@ fn missing(
     if part.lines.iter().any(|line| line.key == key) {
         return None;
     }
-    let why = "guessed: the log does not tell; set what fits the receiver";
     match key {
-        "position_std" => Some(Line::text("position_std", POSITION_STD, why)),
-        "velocity_std" if format == Format::Nmea => {
-            let why = "guessed: NMEA does not tell; large for the vertical speed, which it lacks";
-            Some(Line::text("velocity_std", NMEA_VELOCITY_STD, why))
-        }
-        "velocity_std" => Some(Line::text("velocity_std", VELOCITY_STD, why)),
+        "position_std" => Some(Line::text("position_std", POSITION_STD, Known::NotInLog)),
+        "velocity_std" if format == Format::Nmea => Some(Line::text(
+            "velocity_std",
+            NMEA_VELOCITY_STD,
+            Known::NotInNmea,
+        )),
+        "velocity_std" => Some(Line::text("velocity_std", VELOCITY_STD, Known::NotInLog)),
         _ => {
             let (key, names) = part.choices.iter().find(|(choice, _)| *choice == key)?;
             let (first, others) = names.split_first()?;
-            let why = format!("the first of several; the others: {}", others.join(", "));
-            Some(Line::text(key, first, why))
+            Some(Line::text(key, first, Known::FirstOf(others.to_vec())))
         }
     }
 }
@@ -103,13 +106,16 @@ fn read(path: &Path, part: &Part) -> Result<(Measured, Option<Line>), DriveError
 
 /// Whether the mean specific force that was measured is about gravity.
 pub(super) fn is_gravity(part: &Part) -> bool {
-    let suspicious = |measured: &Measured| measured.remarks.iter().any(|r| r.contains(NOT_GRAVITY));
-    part.measured
-        .as_ref()
-        .is_some_and(|measured| !suspicious(measured))
+    part.measured.as_ref().is_some_and(|of| match of.content {
+        Some(Content::Force(force)) => about_gravity(force),
+        _ => true,
+    })
 }
 
-const NOT_GRAVITY: &str = "which is not gravity's";
+/// Whether a mean specific force \[m/s²\] is about gravity, as it is of an ordinary drive.
+pub fn about_gravity(force: [f64; 3]) -> bool {
+    (Vector3::from(force).norm() / STANDARD_GRAVITY - 1.0).abs() <= 0.15
+}
 
 /// Counts, and how the sensor sits by where gravity points.
 fn samples(mut reader: ImuReader) -> Result<(Measured, Option<Line>), ReadError> {
@@ -121,77 +127,44 @@ fn samples(mut reader: ImuReader) -> Result<(Measured, Option<Line>), ReadError>
         force += sample.dvel / sample.dt;
     }
     let force = force / span.records.max(1) as f64;
-    let size = force.norm();
-    let mut remarks = Vec::new();
     let mut axes = None;
-    let shown = format!(
-        "mean specific force {:.2}, {:.2}, {:.2} m/s^2",
-        force.x, force.y, force.z
-    );
-    if (size / STANDARD_GRAVITY - 1.0).abs() > 0.15 {
-        remarks.push(format!("{shown}: of magnitude {size:.3} m/s^2, {NOT_GRAVITY}: is the unit wrong, or was it no ordinary drive?"));
-    } else {
+    if about_gravity(force.into()) {
         // Specific force at rest points up.
-        let up = force / size;
-        let (value, why) = if up.z < -0.8 {
-            (
-                "x,y,z",
-                "the z axis points down; x forward and y right are assumed",
-            )
-        } else if up.z > 0.8 {
-            (
-                "x,-y,-z",
-                "the z axis points up; x forward and y left are assumed; with y forward, \"y,x,-z\"",
-            )
+        let up = force.z / force.norm();
+        axes = Some(if up < -0.8 {
+            Line::text("axes", "x,y,z", Known::PointsDown)
+        } else if up > 0.8 {
+            Line::text("axes", "x,-y,-z", Known::PointsUp)
         } else {
-            (
-                "",
-                "the z axis is not vertical; or give axes, such as \"z,y,-x\"",
-            )
-        };
-        axes = Some(match value {
-            "" => Line::text("mounting", "auto", why),
-            axes => Line::text("axes", axes, why),
+            Line::text("mounting", "auto", Known::Tilted)
         });
-        remarks.push(shown);
     }
     let mut measured = span.measured(reader.skipped());
-    measured.remarks = remarks;
+    measured.content = Some(Content::Force(force.into()));
     Ok((measured, axes))
 }
 
 fn fixes(mut reader: GnssReader) -> Result<Measured, ReadError> {
     let mut span = Span::default();
-    let kinds = [
-        (FixQuality::Fixed, "fixed"),
-        (FixQuality::Float, "float"),
-        (FixQuality::Differential, "differential"),
-        (FixQuality::Single, "single"),
-        (FixQuality::Unknown, "of unknown kind"),
+    const KINDS: [FixQuality; 5] = [
+        FixQuality::Fixed,
+        FixQuality::Float,
+        FixQuality::Differential,
+        FixQuality::Single,
+        FixQuality::Unknown,
     ];
-    let mut counts = [0u64; 5];
+    let mut kinds = [0u64; 5];
     let mut velocities = 0u64;
     for fix in reader.by_ref() {
         let fix = fix?;
         span.add(fix.time);
         velocities += u64::from(fix.velocity.is_some());
-        for (count, (kind, _)) in counts.iter_mut().zip(kinds) {
+        for (count, kind) in kinds.iter_mut().zip(KINDS) {
             *count += u64::from(fix.quality == kind);
         }
     }
-    let mut remarks: Vec<String> = Vec::new();
-    let shares: Vec<String> = counts
-        .iter()
-        .zip(kinds)
-        .filter(|(count, _)| **count > 0)
-        .map(|(count, (_, name))| format!("{count} {name}"))
-        .collect();
-    remarks.push(format!(
-        "fixes: {}; {velocities} with a velocity",
-        shares.join(", ")
-    ));
     let mut measured = span.measured(reader.skipped());
-    measured.remarks = remarks;
+    measured.content = Some(Content::Fixes { kinds, velocities });
     measured.untold_velocities = reader.untold_velocities();
     Ok(measured)
 }
@@ -206,9 +179,10 @@ fn poses(mut reader: TruthReader) -> Result<Measured, ReadError> {
         attitudes += u64::from(sample.rpy.is_some());
     }
     let mut measured = span.measured(reader.skipped());
-    measured.remarks = vec![format!(
-        "{velocities} with a velocity, {attitudes} with an attitude"
-    )];
+    measured.content = Some(Content::Poses {
+        velocities,
+        attitudes,
+    });
     Ok(measured)
 }
 
@@ -250,6 +224,7 @@ impl Span {
             longest_gap_s: gaps.longest.map(|gap| (gap.start, gap.length)),
             skipped: skipped.to_string(),
             untold_velocities: 0,
+            content: None,
             remarks: Vec::new(),
         }
     }

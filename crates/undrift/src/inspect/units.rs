@@ -1,10 +1,11 @@
 //! Units by the size of the numbers.
 
+use super::known::Known;
 use undrift_nav::earth::STANDARD_GRAVITY;
 use undrift_noise::order_statistics::upper_median;
 
 /// A unit and why.
-pub(super) type Guess = (&'static str, String);
+pub(super) type Guess = (&'static str, Known);
 
 /// What the accelerometers' numbers are.
 pub(super) enum Force {
@@ -13,7 +14,7 @@ pub(super) enum Force {
     /// Velocity increments.
     Increments(Guess),
     /// Neither.
-    Unknown(String),
+    Unknown(Known),
 }
 
 /// The unit of accelerometer samples by their median magnitude, which gravity makes; `interval` \[s\] is
@@ -21,21 +22,19 @@ pub(super) enum Force {
 pub(super) fn force(samples: &[[f64; 3]], interval: Option<f64>) -> Force {
     let mut sizes: Vec<f64> = samples.iter().map(size).filter(|s| s.is_finite()).collect();
     if sizes.is_empty() {
-        return Force::Unknown("no number in the first rows".into());
+        return Force::Unknown(Known::NoNumbers);
     }
     let median = upper_median(&mut sizes);
     let near = |value: f64| (0.8..1.25).contains(&(median / value));
-    let why = format!("guessed: the median magnitude is {median:.4}");
+    let known = Known::Gravity(median);
     for (unit, gravity) in [("m/s^2", STANDARD_GRAVITY), ("g", 1.0), ("mg", 1000.0)] {
         if near(gravity) {
-            return Force::Rates((unit, why));
+            return Force::Rates((unit, known));
         }
     }
     match interval {
-        Some(interval) if near(STANDARD_GRAVITY * interval) => Force::Increments(("m/s", why)),
-        _ => Force::Unknown(format!(
-            "NOT KNOWN: the median magnitude is {median:.4}, which is gravity in none of m/s^2, g, mg"
-        )),
+        Some(interval) if near(STANDARD_GRAVITY * interval) => Force::Increments(("m/s", known)),
+        _ => Force::Unknown(Known::NotGravity(median)),
     }
 }
 
@@ -59,21 +58,14 @@ pub(super) fn rate(samples: &[[f64; 3]]) -> Guess {
     let largest = samples.iter().map(size).fold(0.0, f64::max);
     // Faster than any such sensor measures.
     if largest > 80.0 {
-        return ("deg/s", format!("guessed: rates reach {largest:.1}"));
+        return ("deg/s", Known::LargestRate(largest));
     }
-    if quietest > BETWEEN && quietest.is_finite() {
-        let why = format!(
-            "guessed: the quietest scatter is {quietest:.2e}, in rad/s it would be {:.1} deg/s",
-            quietest.to_degrees()
-        );
-        ("deg/s", why)
-    } else if quietest.is_finite() {
-        let why = format!(
-            "guessed: the quietest scatter is {quietest:.2e}, in deg/s it would be less than such sensors have"
-        );
-        ("rad/s", why)
+    if !quietest.is_finite() {
+        ("rad/s", Known::TooFew)
+    } else if quietest > BETWEEN {
+        ("deg/s", Known::LargeScatter(quietest))
     } else {
-        ("rad/s", "NOT KNOWN: too few samples to tell".into())
+        ("rad/s", Known::SmallScatter(quietest))
     }
 }
 
@@ -119,6 +111,6 @@ mod tests {
         assert_eq!(rate(&samples(0.05)).0, "deg/s");
         assert_eq!(rate(&samples(0.0005)).0, "rad/s");
         assert_eq!(rate(&[[120.0, 0.0, 0.0]; 3]).0, "deg/s");
-        assert!(rate(&[[0.0; 3]; 100]).1.starts_with("NOT KNOWN"));
+        assert_eq!(rate(&[[0.0; 3]; 100]).1, Known::TooFew);
     }
 }

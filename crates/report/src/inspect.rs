@@ -1,0 +1,240 @@
+//! What files are, in words, and a starter `DRIVE.toml` for them.
+
+use std::{fmt::Write as _, path::Path};
+use undrift::inspect::{Content, Inspection, Known, Note, Part, about_gravity, quoted};
+
+/// Fills in the sentences of an inspection.
+pub fn fill(inspection: &mut Inspection) {
+    inspection.notes = inspection.found.iter().map(note).collect();
+    for part in &mut inspection.parts {
+        for line in &mut part.lines {
+            line.why = known(&line.known);
+        }
+        if let Some(measured) = &mut part.measured {
+            measured.remarks = measured.content.iter().map(content).collect();
+        }
+    }
+}
+
+/// How a value is known.
+fn known(known: &Known) -> String {
+    match known {
+        Known::Certain => "",
+        Known::Name { several: false } => "by its name",
+        Known::Name { several: true } => "by their names",
+        Known::Numbers { several: false } => "guessed by its numbers",
+        Known::Numbers { several: true } => "guessed by their numbers",
+        Known::Guessed => "guessed",
+        Known::StampStep => "guessed by the step of the time stamps",
+        Known::NoTimes => "guessed: there is no column of times; write the real rate",
+        Known::NoNumbers => "NOT KNOWN: no number in the first rows",
+        Known::Gravity(median) => return format!("guessed: the median magnitude is {median:.4}"),
+        Known::NotGravity(median) => {
+            return format!(
+                "NOT KNOWN: the median magnitude is {median:.4}, which is gravity in none of m/s^2, g, mg"
+            );
+        }
+        Known::Increments => "guessed: the accelerometers' magnitude is gravity times the interval",
+        Known::LargestRate(largest) => return format!("guessed: rates reach {largest:.1}"),
+        Known::LargeScatter(scatter) => {
+            return format!(
+                "guessed: the quietest scatter is {scatter:.2e}, in rad/s it would be {:.1} deg/s",
+                scatter.to_degrees()
+            );
+        }
+        Known::SmallScatter(scatter) => {
+            return format!(
+                "guessed: the quietest scatter is {scatter:.2e}, in deg/s it would be less than such sensors have"
+            );
+        }
+        Known::TooFew => "NOT KNOWN: too few samples",
+        Known::SmallPlaces => "guessed: no latitude is beyond pi/2 and no longitude beyond pi",
+        Known::SmallAngles => "guessed: no angle is beyond two pi",
+        Known::NoColumns => "guessed: no columns hold it; set what fits the receiver",
+        Known::NotInLog => "guessed: the log does not hold it; set what fits the receiver",
+        Known::NotInNmea => {
+            "guessed: NMEA does not hold it; large for the vertical speed, which it lacks"
+        }
+        Known::FirstOf(others) => {
+            return format!("the first of several; the others: {}", others.join(", "));
+        }
+        Known::PointsDown => "the z axis points down; x forward and y right are assumed",
+        Known::PointsUp => {
+            "the z axis points up; x forward and y left are assumed; with y forward, \"y,x,-z\""
+        }
+        Known::Tilted => "the z axis is not vertical; or give axes, such as \"z,y,-x\"",
+    }
+    .into()
+}
+
+fn note(note: &Note) -> String {
+    match note {
+        Note::UnknownColumns => {
+            "no header names the columns, and their numbers do not show what they are".into()
+        }
+        Note::Columns(names) => format!("the columns are: {}", names.join(", ")),
+        Note::NoTimes => "no column of times was found".into(),
+        Note::UnitBySize {
+            named,
+            size,
+            median,
+        } => format!(
+            "the names say that accelerations are in {named}, but the median magnitude is {median:.4}, as in {size}"
+        ),
+        Note::Nothing => {
+            "nothing in it is read here: no angular rates with specific forces, no positions".into()
+        }
+    }
+}
+
+fn content(content: &Content) -> String {
+    match content {
+        Content::Force(force) => {
+            let [x, y, z] = *force;
+            let shown = format!("mean specific force {x:.2}, {y:.2}, {z:.2} m/s^2");
+            if about_gravity(*force) {
+                return shown;
+            }
+            let size = (x * x + y * y + z * z).sqrt();
+            format!(
+                "{shown}: of magnitude {size:.3} m/s^2, which is not gravity's: is the unit wrong, or was it no ordinary drive?"
+            )
+        }
+        Content::Fixes { kinds, velocities } => {
+            let names = [
+                "fixed",
+                "float",
+                "differential",
+                "single",
+                "of unknown kind",
+            ];
+            let shares = kinds.iter().zip(names).filter(|(count, _)| **count > 0);
+            let shares: Vec<String> = shares.map(|(n, name)| format!("{n} {name}")).collect();
+            format!("fixes: {}; {velocities} with a velocity", shares.join(", "))
+        }
+        Content::Poses {
+            velocities,
+            attitudes,
+        } => format!("{velocities} with a velocity, {attitudes} with an attitude"),
+    }
+}
+
+/// The drive file, from filled inspections, that reads the first IMU, the first fixes and the first reference of the files.
+/// `home` is the folder where it will lie: files below it are named relative to it.
+pub fn drive_file(inspections: &[Inspection], home: &Path) -> String {
+    let first = |table: &str| {
+        inspections.iter().find_map(|file| {
+            let part = file.parts.iter().find(|part| part.table == table)?;
+            Some((file, part))
+        })
+    };
+    let mut text = String::from(
+        "# A starter drive file. What is marked \"guessed\" should be checked.\n\
+         # All keys: docs/drive-file.md\n\n\
+         # Noise model of the IMU: a preset, or better the file that `undrift identify` writes\n\
+         # from a static recording of the sensor.\n\
+         model = \"mpu6050\"\n",
+    );
+    for (table, needed) in [("imu", true), ("gnss", true), ("truth", false)] {
+        match first(table) {
+            Some((file, part)) => write_part(&mut text, file, part, home),
+            None if needed => {
+                let _ = write!(
+                    text,
+                    "\n# Missing: a file with the {table} data.\n# [{table}]\n# file = \"\"\n"
+                );
+            }
+            None => {}
+        }
+    }
+    text
+}
+
+fn write_part(text: &mut String, inspection: &Inspection, part: &Part, home: &Path) {
+    let _ = write!(
+        text,
+        "\n[{}]\nfile = {} # {}\n",
+        part.table,
+        quoted(&relative(&inspection.file, home)),
+        inspection.description
+    );
+    for line in &part.lines {
+        let _ = write!(text, "{} = {}", line.key, line.value);
+        if !line.why.is_empty() {
+            let _ = write!(text, " # {}", comment(&line.why));
+        }
+        text.push('\n');
+    }
+    if part.table == "gnss" {
+        text.push_str("lever_arm = \"0, 0, 0 m\" # from the IMU to the antenna: forward, right, down; measure it\n");
+    }
+    if let Some(problem) = &part.problem {
+        for line in problem.lines() {
+            let _ = writeln!(text, "# {}", comment(line));
+        }
+    }
+}
+
+/// A text as the comment of one line, whatever a column or stream is called.
+fn comment(text: &str) -> String {
+    let one = |c: char| if c.is_control() { ' ' } else { c };
+    text.chars().map(one).collect()
+}
+
+/// The file as seen from the folder: relative if it is below it, else whole.
+fn relative(file: &Path, home: &Path) -> String {
+    let whole = |path: &Path| std::fs::canonicalize(path);
+    let home = if home.as_os_str().is_empty() {
+        Path::new(".")
+    } else {
+        home
+    };
+    let found = match (whole(file), whole(home)) {
+        (Ok(file), Ok(home)) => file
+            .strip_prefix(&home)
+            .map_or(file.clone(), Path::to_path_buf),
+        _ => file.to_path_buf(),
+    };
+    found.to_string_lossy().into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use undrift::inspect::Line;
+
+    #[test]
+    fn names_and_problems_with_control_characters_stay_toml() {
+        let odd = "gps\u{7f}\u{1b}\r_\"0\"";
+        let topic = Line {
+            key: "topic",
+            value: quoted(odd),
+            known: Known::FirstOf(vec![odd.into()]),
+            why: String::new(),
+        };
+        let mut inspection = Inspection {
+            file: odd.into(),
+            format: "ulog",
+            description: "PX4 ULog",
+            streams: Vec::new(),
+            parts: vec![Part {
+                table: "imu",
+                lines: vec![topic],
+                measured: None,
+                problem: Some(format!("the log has: {odd}\nand {odd}")),
+                choices: Vec::new(),
+            }],
+            found: Vec::new(),
+            notes: Vec::new(),
+        };
+        fill(&mut inspection);
+        let text = drive_file(&[inspection], Path::new(""));
+        assert!(
+            text.contains("# the first of several; the others: gps"),
+            "{text}"
+        );
+        let table: toml::Table = text.parse().unwrap();
+        let keys = |key: &str| table["imu"].get(key).and_then(|value| value.as_str());
+        assert_eq!((keys("file"), keys("topic")), (Some(odd), Some(odd)));
+    }
+}

@@ -1,0 +1,107 @@
+//! How an inspection knows what it says, and what it noticed; the sentences are made where it is shown.
+
+use serde::Serialize;
+
+/// How the value of a key is known.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Known {
+    /// It follows from the file.
+    #[default]
+    Certain,
+    /// By the name of its column, or of its columns.
+    Name {
+        /// Several columns.
+        several: bool,
+    },
+    /// Guessed by the numbers of its column, or of its columns.
+    Numbers {
+        /// Several columns.
+        several: bool,
+    },
+    /// Guessed.
+    Guessed,
+    /// Guessed by the step of the time stamps.
+    StampStep,
+    /// Guessed, as there is no column of times.
+    NoTimes,
+    /// There is no number in the first rows.
+    NoNumbers,
+    /// Guessed by the median magnitude, which gravity makes.
+    Gravity(f64),
+    /// Not known: the median magnitude is gravity in no unit.
+    NotGravity(f64),
+    /// Guessed: the magnitude is gravity times the interval.
+    Increments,
+    /// Guessed by the largest rate.
+    LargestRate(f64),
+    /// Guessed: in rad/s the scatter of the quietest stretch would be too much.
+    LargeScatter(f64),
+    /// Guessed: in deg/s it would be less than such sensors have.
+    SmallScatter(f64),
+    /// Not known: there are too few samples.
+    TooFew,
+    /// Guessed: no latitude is beyond π/2 and no longitude beyond π.
+    SmallPlaces,
+    /// Guessed: no angle is beyond 2π.
+    SmallAngles,
+    /// Guessed, as no column says it: to be set as fits the receiver.
+    NoColumns,
+    /// Guessed, as the log does not say it: to be set as fits the receiver.
+    NotInLog,
+    /// Guessed, as NMEA does not say it and has no vertical speed.
+    NotInNmea,
+    /// The first of several streams; the others.
+    FirstOf(Vec<String>),
+    /// The z axis points down; x forward and y right are assumed.
+    PointsDown,
+    /// The z axis points up; x forward and y left are assumed.
+    PointsUp,
+    /// The z axis is not vertical.
+    Tilted,
+}
+
+/// Something worth knowing about a file.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Note {
+    /// No header names the columns, and their numbers do not show what they are.
+    UnknownColumns,
+    /// The header names other columns.
+    Columns(Vec<String>),
+    /// There is no column of times.
+    NoTimes,
+    /// The names state another unit of accelerations than their size.
+    UnitBySize {
+        /// By the names.
+        named: String,
+        /// By the size.
+        size: &'static str,
+        /// Median magnitude.
+        median: f64,
+    },
+    /// Neither inertial samples nor positions.
+    Nothing,
+}
+
+/// What a part of a file holds.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Content {
+    /// The mean specific force \[m/s²\].
+    Force([f64; 3]),
+    /// Fixes.
+    Fixes {
+        /// Fixed, float, differential, single, of unknown kind.
+        kinds: [u64; 5],
+        /// Those with a velocity.
+        velocities: u64,
+    },
+    /// Reference solutions.
+    Poses {
+        /// Those with a velocity.
+        velocities: u64,
+        /// Those with an attitude.
+        attitudes: u64,
+    },
+}
