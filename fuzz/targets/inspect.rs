@@ -2,18 +2,20 @@
 
 use std::path::Path;
 
-use undrift::inspect::{Inspection, drive_file, inspect};
+use undrift::inspect::{Inspection, inspect};
 use undrift_fuzz::with_file;
+use undrift_report::inspect::{drive_file, fill};
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     with_file(data, |path| {
-        if let Ok(inspection) = undrift_fuzz::opened(inspect(path)) {
+        if let Ok(mut inspection) = undrift_fuzz::opened(inspect(path)) {
+            fill(&mut inspection);
             check(&inspection);
         }
     });
 });
 
-/// The numbers are finite, and the first drive file is TOML whatever the columns are called.
+/// The numbers are finite, and the starter drive file is TOML whatever the columns are called.
 fn check(inspection: &Inspection) {
     for measured in inspection
         .parts

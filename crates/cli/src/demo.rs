@@ -61,8 +61,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             bar.add(more);
         })
     })?;
-    let mut result = demo.result();
-    result.outages = undrift_report::say::cut(result.outages);
+    let result = undrift_report::say::demo(&demo);
     let json = results::text(&result);
     let shown = arguments.result.write(&files, &json)?;
     if !shown {

@@ -7,9 +7,10 @@ use super::{
     Block, Cell, Section, Table,
     parts::{cell, get, mark_least, model_colour, named, short, table, text, warnings, zip},
 };
+use crate::say;
 use drift::drift;
 use undrift::{
-    demo::{WHITE_CALIBRATED, WHITE_CALIBRATED_NOTE},
+    demo::WHITE_CALIBRATED,
     noise::order_statistics::quantile,
     results::{ModelErrors, Numbers, Outages},
 };
@@ -306,7 +307,7 @@ fn tables(models: &[Model<'_>]) -> Option<Section> {
         .map(Block::Table)
         .collect();
     let (_, _, rms) = kinds[0];
-    let bound = table_of("bound", WHITE_CALIBRATED_NOTE, &bounds, rms).map(Block::Table);
+    let bound = table_of("bound", say::WHITE_CALIBRATED, &bounds, rms).map(Block::Table);
     blocks.extend(bound);
     (!blocks.is_empty()).then(|| Section {
         title: "Errors inside the outages".into(),

@@ -5,7 +5,7 @@
 mod fill;
 mod start;
 
-pub use fill::{all, cut, navigated, outcome};
+pub use fill::{WHITE_CALIBRATED, all, cut, demo, navigated, outcome};
 pub use start::{alignment, mounting, unsolved};
 
 use crate::parts::{error, short};

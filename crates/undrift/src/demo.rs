@@ -228,7 +228,3 @@ fn static_record(
 /// Name of the row for `white` on samples without their turn-on constants, as a laboratory
 /// calibration of this very run would leave them.
 pub const WHITE_CALIBRATED: &str = "white, no constants";
-
-/// What that row is.
-pub const WHITE_CALIBRATED_NOTE: &str = "\"white, no constants\" is no model to choose but a bound: white on \
-    samples whose turn-on constants were removed beforehand, which nobody knows of a real drive.";

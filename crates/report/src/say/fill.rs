@@ -1,7 +1,18 @@
 //! Results with their sentences.
 
 use super::{alignment, mounting, say};
-use undrift::{findings::Finding, fleet::Outcome, navigate::Report, noise::BiasModel, results};
+use undrift::{
+    demo::{self, Demo},
+    findings::Finding,
+    fleet::Outcome,
+    navigate::Report,
+    noise::BiasModel,
+    results,
+};
+
+/// What [`demo::WHITE_CALIBRATED`] is.
+pub const WHITE_CALIBRATED: &str = "\"white, no constants\" is no model to choose but a bound: white on \
+    samples whose turn-on constants were removed beforehand, which nobody knows of a real drive.";
 
 /// The sentences of findings.
 pub fn all(findings: &[Finding]) -> Vec<String> {
@@ -23,6 +34,21 @@ pub fn cut(mut result: results::Outages) -> results::Outages {
     result.warnings = all(&result.findings);
     for errors in result.models.values_mut() {
         errors.warning = errors.finding.as_ref().map(say);
+    }
+    result
+}
+
+/// The demo as a result.
+pub fn demo(demo: &Demo) -> results::Demo {
+    let mut result = demo.result();
+    result.outages = cut(result.outages);
+    result.note = WHITE_CALIBRATED.into();
+    let drive = &mut result.outages.drive;
+    drive.simulated = Some(format!("a car drive of {:.0} min", demo::DURATION / 60.0));
+    drive.gnss = Some("RTK-like receiver, 5 Hz".into());
+    drive.model.get_or_insert("the identified one".into());
+    if let Some(identified) = &mut result.identification {
+        identified.record = format!("Simulated static recording of {}", demo::PRESET);
     }
     result
 }

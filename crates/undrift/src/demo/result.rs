@@ -1,6 +1,6 @@
 //! The demo as its result: what was identified, and what the outages did.
 
-use super::{DURATION, Demo, PRESET, RATE_HZ, WHITE_CALIBRATED_NOTE};
+use super::{Demo, PRESET, RATE_HZ};
 use crate::{
     outages::Experiment,
     results::{self, Drive, SCHEMA, VERSION},
@@ -12,18 +12,9 @@ impl Demo {
         let identified = self.identified.is_some();
         Experiment {
             drive: Drive {
-                simulated: Some(format!("a car drive of {:.0} min", DURATION / 60.0)),
                 imu: Some(PRESET.into()),
-                gnss: Some("RTK-like receiver, 5 Hz".into()),
                 rate_hz: RATE_HZ.into(),
-                model: Some(
-                    if identified {
-                        "the identified one"
-                    } else {
-                        PRESET
-                    }
-                    .into(),
-                ),
+                model: (!identified).then(|| PRESET.into()),
                 ..Drive::default()
             },
             outages: &self.outages,
@@ -36,17 +27,16 @@ impl Demo {
         .result()
     }
 
-    /// Everything as a result.
+    /// Everything as a result but for its sentences.
     pub fn result(&self) -> results::Demo {
-        let record = format!("Simulated static record of {PRESET}");
         let identified = self.identified.as_ref();
         results::Demo {
             undrift: VERSION.into(),
             schema: SCHEMA,
             seed: self.seed,
-            identification: identified.map(|(_, found)| found.result(&record)),
+            identification: identified.map(|(_, found)| found.result(PRESET)),
             outages: self.outages(),
-            note: WHITE_CALIBRATED_NOTE.into(),
+            note: String::new(),
         }
     }
 }
