@@ -84,8 +84,8 @@ fn read(path: &Path, part: &Part) -> Result<(Measured, Option<Line>), DriveError
     for line in &part.lines {
         text += &format!("{} = {}\n", line.key, line.value);
     }
-    let parsed = parse(&text, "the guessed keys")?;
-    let top = Section::top(parsed.get_ref(), &text, "the guessed keys");
+    let parsed = parse(&text, "guessed keys")?;
+    let top = Section::top(parsed.get_ref(), &text, "guessed keys");
     let section = top.section(part.table)?;
     let here = Path::new("");
     match part.table {
@@ -99,7 +99,7 @@ fn read(path: &Path, part: &Part) -> Result<(Measured, Option<Line>), DriveError
         }
         _ => match tables::read_truth(&section, here)? {
             Some((path, source)) => Ok((poses(source.open(&path, &Memory::new())?)?, None)),
-            None => Err(section.error("file", "is not there").into()),
+            None => Err(section.error("file", "missing").into()),
         },
     }
 }

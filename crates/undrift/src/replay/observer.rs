@@ -73,7 +73,12 @@ pub enum ReplayError {
 
 /// A log without an alignment, and what is known of why.
 #[derive(Clone, Debug, thiserror::Error)]
-#[error("the log could not be aligned: {failure}{}", span(*.times))]
+#[error(
+    "the log could not be aligned: {failure}{}",
+    .times.map_or(String::new(), |[from, to, fixes]| format!(
+        "; the samples run from {from:.3} s to {to:.3} s, the fixes from {fixes:.3} s on"
+    ))
+)]
 pub struct NotAligned {
     /// What was missing.
     pub failure: AlignmentFailure,
@@ -83,11 +88,4 @@ pub struct NotAligned {
     pub implausible: Vec<Implausible>,
     /// What was skipped in each log.
     pub skipped: Vec<(Log, Skipped)>,
-}
-
-/// From when to when there are samples and fixes, for [`NotAligned`].
-fn span(times: Option<[f64; 3]>) -> String {
-    times.map_or(String::new(), |[from, to, fixes]| {
-        format!("; the samples run from {from:.3} s to {to:.3} s, the fixes from {fixes:.3} s on")
-    })
 }

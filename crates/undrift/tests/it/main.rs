@@ -6,6 +6,7 @@ mod epochs;
 mod faults;
 mod mechanisation;
 mod montecarlo;
+mod prose;
 mod public_drives;
 mod pull_away;
 mod rest;

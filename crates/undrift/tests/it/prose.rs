@@ -1,0 +1,156 @@
+//! Sentences for users are made above the engine: its sources hold none outside of errors.
+
+use std::{fs, path::Path};
+
+/// Files that may hold sentences, with the reason.
+const ALLOWED: [(&str, &str); 11] = [
+    ("demo.rs", "the name of a model"),
+    ("drive", "messages of ConfigError, with file, line and key"),
+    (
+        "fleet/manifest",
+        "messages of ConfigError, with file, line and key",
+    ),
+    (
+        "fleet/outcome.rs",
+        "messages of ConfigError, with file, line and key",
+    ),
+    (
+        "fleet/summary.rs",
+        "what each measure is, stored in fleet.json",
+    ),
+    (
+        "identify.rs",
+        "where a model comes from, stored in the model file",
+    ),
+    (
+        "montecarlo/spec.rs",
+        "messages of ConfigError, with file, line and key",
+    ),
+    ("record.rs", "messages of ReadError, with file and option"),
+    ("results/drive.rs", "a value of gnss_use"),
+    (
+        "results/read.rs",
+        "messages of ReadError, with file, line and key",
+    ),
+    ("simulate/gnss.rs", "messages of SimulationError"),
+];
+
+/// Literals of this many words are a sentence.
+const WORDS: usize = 3;
+
+/// What stands before a literal that no user reads, or that an error says.
+const BEFORE: [&str; 4] = [".expect(", "panic!(", "unreachable!(", "debug_assert!("];
+
+/// The string literals of a source with their lines, without those of attributes, comments and tests.
+fn literals(source: &str) -> Vec<(usize, String)> {
+    let source = source.split("#[cfg(test)]").next().unwrap_or_default();
+    let bytes = source.as_bytes();
+    let mut found = Vec::new();
+    let (mut at, mut attribute) = (0, 0usize);
+    while at < bytes.len() {
+        let rest = &source.as_bytes()[at..];
+        match rest {
+            [b'/', b'/', ..] => at += rest.iter().position(|b| *b == b'\n').unwrap_or(rest.len()),
+            [b'\'', b'\\', _, ..] => {
+                at += 3 + rest[3..].iter().position(|b| *b == b'\'').unwrap() + 1
+            }
+            [b'\'', _, b'\'', ..] => at += 3,
+            [b'#', b'[', ..] if attribute == 0 => (at, attribute) = (at + 2, 1),
+            [b'[', ..] if attribute > 0 => (at, attribute) = (at + 1, attribute + 1),
+            [b']', ..] if attribute > 0 => (at, attribute) = (at + 1, attribute - 1),
+            [b'"', ..] => {
+                let mut end = at + 1;
+                while bytes[end] != b'"' {
+                    end += if bytes[end] == b'\\' { 2 } else { 1 };
+                }
+                let before = source[..at].trim_end();
+                if attribute == 0 && !BEFORE.iter().any(|word| before.ends_with(word)) {
+                    let line = source[..at].matches('\n').count() + 1;
+                    found.push((line, source[at + 1..end].to_owned()));
+                }
+                at = end + 1;
+            }
+            _ => at += 1,
+        }
+    }
+    found
+}
+
+/// How many words of plain letters it has, placeholders aside.
+fn words(literal: &str) -> usize {
+    let mut text = String::new();
+    let mut depth = 0;
+    for c in literal.chars() {
+        match c {
+            '{' => depth += 1,
+            '}' => depth -= 1,
+            _ if depth == 0 => text.push(c),
+            _ => {}
+        }
+    }
+    let is_word = |word: &&str| {
+        let word = word.trim_matches(|c: char| c.is_ascii_punctuation());
+        word.len() > 1 && word.chars().all(|c| c.is_alphabetic() || c == '\'')
+    };
+    text.split_whitespace().filter(is_word).count()
+}
+
+/// Whether a file is this one, or belongs to the module of this name.
+fn is_in(file: &str, allowed: &str) -> bool {
+    let rest = file.strip_prefix(allowed);
+    rest.is_some_and(|rest| rest.is_empty() || rest == ".rs" || rest.starts_with('/'))
+}
+
+fn visit(folder: &Path, root: &Path, found: &mut Vec<String>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path
+            .strip_prefix(root)
+            .unwrap()
+            .to_string_lossy()
+            .into_owned();
+        if path.is_dir() {
+            visit(&path, root, found);
+        } else if name.ends_with(".rs")
+            && !name.ends_with("tests.rs")
+            && !ALLOWED.iter().any(|(allowed, _)| is_in(&name, allowed))
+        {
+            for (line, literal) in literals(&fs::read_to_string(&path).unwrap()) {
+                if words(&literal) >= WORDS {
+                    found.push(format!("{name}:{line}: {literal}"));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_engine_holds_no_prose_for_users() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut found = Vec::new();
+    visit(&root, &root, &mut found);
+    found.sort();
+    for (file, reason) in ALLOWED {
+        let path = root.join(file);
+        let is_there = path.exists() || path.with_extension("rs").exists();
+        assert!(
+            is_there && !reason.is_empty(),
+            "{file} is allowed and not there"
+        );
+    }
+    assert!(
+        found.is_empty(),
+        "sentences belong to undrift-report (`say`) or to an error's `#[error(…)]`:\n{}",
+        found.join("\n")
+    );
+}
+
+#[test]
+fn what_counts_as_a_sentence() {
+    let source = "#[error(\"not this one here\")] // \"nor this one here\"\nx.expect(\"nor this one here\"); 'a' '\"' f(\"but {this one} is a sentence\") \"not a_b c.d\"\n#[cfg(test)] \"nor this one here\"";
+    let found: Vec<_> = literals(source)
+        .into_iter()
+        .filter(|(_, l)| words(l) >= WORDS)
+        .collect();
+    assert_eq!(found, [(2, "but {this one} is a sentence".to_owned())]);
+}
