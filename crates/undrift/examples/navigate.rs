@@ -5,6 +5,7 @@
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
+use undrift::io::write::{SolutionFile, SolutionFormat, SolutionOptions};
 use undrift::nav::Vector3;
 use undrift::simulate::{GnssNoise, SimulatedLog};
 use undrift::{BiasModel, Drive, ImuModel, Trajectory, navigate};
@@ -44,7 +45,12 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // Every model is a shaping filter per axis; `Arma` runs whatever the model file describes.
     let solution = file.with_file_name("nav.csv");
-    let report = navigate(&drive, BiasModel::Arma, Some(&solution), false)?;
+    let csv = SolutionFile::create(&solution, SolutionFormat::Csv, &SolutionOptions::default())?;
+    let wanted = navigate::Wanted {
+        files: vec![csv],
+        ..Default::default()
+    };
+    let report = navigate(&drive, BiasModel::Arma, wanted)?;
 
     let summary = &report.summary;
     println!(
