@@ -4,6 +4,7 @@ use crate::common::{columns, data, number, reference};
 use undrift_noise::arma::{FitOptions, fit};
 
 #[test]
+#[ignore = "slow: fits on a recording of hours"]
 fn the_real_gyro_at_several_scales() {
     let Some(reference) = reference() else { return };
     let file = "adis16405-static/run1.csv.gz";

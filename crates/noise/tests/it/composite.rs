@@ -255,6 +255,7 @@ fn likelihood_and_moments_find_the_truth() {
 }
 
 #[test]
+#[ignore = "slow: 32 fits on 50 000 samples"]
 fn standard_errors_are_those_of_repeated_fits() {
     // 250 correlation times: with 25 the likelihood is skewed and σ comes out 0.6 errors low.
     let truth = CompositeTerms {

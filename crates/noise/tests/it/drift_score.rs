@@ -69,6 +69,7 @@ fn score_is_the_error_of_the_conditional_mean() {
 }
 
 #[test]
+#[ignore = "slow: fits and scores on 400 000 samples"]
 fn the_true_model_drifts_as_it_says_and_no_wrong_one_less() {
     let truth_of = [
         (
@@ -342,6 +343,7 @@ fn scales_lift_back_to_the_truth() {
 }
 
 #[test]
+#[ignore = "slow: fits on a recording of hours"]
 fn the_slow_bias_of_a_real_gyro() {
     if !common::data().join("adis16405-static/run2.csv.gz").exists() {
         println!("skipped: no shared data (adis16405-static)");

@@ -78,6 +78,7 @@ fn lilliefors_is_that_of_nortest() {
 }
 
 #[test]
+#[ignore = "slow: 2000 samples"]
 fn sizes_under_the_null_are_nominal() {
     // 2000 normal samples of 200: 5 % beyond Lilliefors' critical value (sigma 0.5 %), next to none
     // beyond the plain one.

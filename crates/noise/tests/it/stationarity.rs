@@ -266,6 +266,7 @@ fn extra_columns(kind: Deterministic) -> usize {
 }
 
 #[test]
+#[ignore = "slow: 1000 random walks"]
 fn sizes_under_the_null_are_nominal() {
     // Random walks of 500 steps: 5 % rejected, binomial sigma 0.7 % of 1000.
     let (mut dickey, mut perron, mut level) = (0, 0, 0);

@@ -208,12 +208,14 @@ fn started_in_the_middle(name: &str, make: fn(f64, u64) -> Trajectory, gnss: &Gn
 }
 
 #[test]
+#[ignore = "slow: 32 starts in 10-minute drives"]
 fn cars_started_in_the_middle() {
     started_in_the_middle("car 5 Hz", Trajectory::car, &receiver());
     started_in_the_middle("car 1 Hz", Trajectory::car, &slow_receiver());
 }
 
 #[test]
+#[ignore = "slow: 32 starts in 10-minute flights"]
 fn flights_started_in_the_air() {
     started_in_the_middle("flight 5 Hz", Trajectory::flight, &receiver());
     started_in_the_middle("flight 1 Hz", Trajectory::flight, &slow_receiver());
@@ -290,6 +292,7 @@ fn a_log_that_cannot_be_aligned_says_why() {
 }
 
 #[test]
+#[ignore = "slow: four 10-minute drives"]
 fn the_mounting_of_simulated_cars_is_found() {
     let settings = settings(Heading::Auto);
     for seed in 0..4 {

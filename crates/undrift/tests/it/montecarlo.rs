@@ -22,6 +22,7 @@ fn run(spec: &Spec, seed: u64) -> MonteCarlo {
 }
 
 #[test]
+#[ignore = "slow: Monte Carlo"]
 fn the_true_model_is_consistent() {
     let report = run(&spec("[\"arma\"]", ""), 1);
     let model = &report.models[0];
@@ -60,6 +61,7 @@ fn the_true_model_is_consistent() {
 }
 
 #[test]
+#[ignore = "slow: Monte Carlo"]
 fn a_model_that_promises_too_much_is_found_out() {
     let three_times_too_small = "\n[filter.model]\npreset = \"adis16405\"\naccel.turn_on = \"10 mg\"\n\
         gyro.arma = { rate = \"200 Hz\", ar = [1.0], ma = [0.9994], sigma = \"0.157134 deg/s\" }\n\
@@ -74,6 +76,7 @@ fn a_model_that_promises_too_much_is_found_out() {
 }
 
 #[test]
+#[ignore = "slow: Monte Carlo"]
 fn paper_and_white_are_not_consistent() {
     let report = run(&spec("[\"paper\", \"white\"]", ""), 1);
     for model in &report.models {

@@ -87,6 +87,7 @@ fn how_dense_the_nodes_are_does_not_matter() {
 }
 
 #[test]
+#[ignore = "slow: 12 drives smoothed"]
 fn smoothed_errors_are_as_large_as_stated_and_smaller_than_the_filters() {
     // Outages of 30 s inside; the middle of each is where the smoother gains most.
     let mut scaled = Vec::new();

@@ -119,6 +119,7 @@ fn honest(what: &str, sums: &[Innovations]) {
 }
 
 #[test]
+#[ignore = "slow: 18 drives of 500 s"]
 fn odometer_and_barometer_hold_a_drive_through_outages() {
     let (mut odometer, mut barometer) = (Vec::new(), Vec::new());
     let (mut alone, mut aided) = ([0.0; 2], [0.0; 2]);

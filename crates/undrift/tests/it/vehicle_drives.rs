@@ -52,6 +52,7 @@ fn cut(drive: &Drive, start: f64, length: f64, every: f64, nodes: Option<f64>) -
 }
 
 #[test]
+#[ignore = "slow: a public drive six times"]
 fn rtk_drive_through_outages() {
     let Some(drive) = example("rtk-drive-car.toml", "rtk-drive") else {
         return;
@@ -71,6 +72,7 @@ fn rtk_drive_through_outages() {
 }
 
 #[test]
+#[ignore = "slow: public drives"]
 fn ublox_drives_through_outages() {
     let mut ten = Vec::new();
     for folder in [

@@ -45,6 +45,7 @@ fn peak_kib(process: u32) -> Option<u64> {
 }
 
 #[test]
+#[ignore = "slow: an hour of samples"]
 fn an_hour_takes_the_memory_of_minutes() {
     let (_, few) = navigated("long_few", 400.0);
     let (case, many) = navigated("long_many", 3600.0);
