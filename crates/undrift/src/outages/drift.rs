@@ -1,6 +1,6 @@
 //! How far the models drift since the cut.
 
-use super::ModelRun;
+use super::errors::ModelRun;
 
 /// How far one model drifts.
 pub struct DriftCurve<'a> {

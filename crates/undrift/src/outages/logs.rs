@@ -1,6 +1,11 @@
 //! A drive's logs in memory, and the experiment on them.
 
-use super::{Experiment, Outcome, Schedule, ScheduleError, run, schedule, track};
+use super::{
+    errors::Outcome,
+    result::{Experiment, track},
+    run::run,
+    schedule::{Schedule, ScheduleError, schedule},
+};
 use crate::{
     drive::Drive,
     findings::{self, Finding, Log},

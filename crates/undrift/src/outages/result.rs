@@ -1,6 +1,9 @@
 //! The experiment as its result.
 
-use super::{ModelRun, Outcome, drift::drift_curve};
+use super::{
+    drift::drift_curve,
+    errors::{self, ModelRun, Outcome},
+};
 use crate::{
     findings::Finding,
     replay::Outage,
@@ -74,9 +77,9 @@ impl Experiment<'_> {
     }
 }
 
-impl From<&super::ModelErrors> for ModelErrors {
-    fn from(errors: &super::ModelErrors) -> Self {
-        let outage = |outage: &super::OutageErrors| OutageErrors {
+impl From<&errors::ModelErrors> for ModelErrors {
+    fn from(errors: &errors::ModelErrors) -> Self {
+        let outage = |outage: &errors::OutageErrors| OutageErrors {
             start_s: outage.start_s.into(),
             max: outage.max.numbers(),
             end: outage.end.numbers(),

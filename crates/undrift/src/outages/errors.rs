@@ -1,0 +1,50 @@
+//! What the outages did to the models.
+
+use crate::{
+    findings::Finding,
+    reference::Errors,
+    replay::{ReplayError, Summary},
+};
+
+/// What one outage did to one model.
+#[derive(Clone, Debug)]
+pub struct OutageErrors {
+    /// Start in the log's time base \[s\].
+    pub start_s: f64,
+    /// Largest magnitude inside the outage.
+    pub max: Errors,
+    /// Error at its end.
+    pub end: Errors,
+    /// Horizontal error against time since the cut: pairs of \[s\] and \[m\], at most about ten a second.
+    pub drift: Vec<(f64, f64)>,
+}
+
+/// What the outages did to one model.
+#[derive(Clone, Debug)]
+pub struct ModelErrors {
+    /// Largest magnitude over all samples inside the outages.
+    pub max: Errors,
+    /// Root mean square over the outages of each one's largest error.
+    pub rms: Errors,
+    /// Median over the outages of each one's largest error.
+    pub median: Errors,
+    /// Root mean square over the outages of the error at the end.
+    pub end_rms: Errors,
+    /// Outage by outage.
+    pub per_outage: Vec<OutageErrors>,
+    /// Set when the numbers cannot be trusted, and why.
+    pub finding: Option<Finding>,
+}
+
+/// A model's name, its filter settings, and how its replay went.
+pub struct ModelRun {
+    /// Name of the bias model.
+    pub name: String,
+    /// The outcome.
+    pub errors: ModelErrors,
+    /// Counts and innovations of the replay.
+    pub summary: Summary,
+}
+
+/// A model's name with what came of it.
+pub type Outcome = (String, Result<ModelRun, ReplayError>);

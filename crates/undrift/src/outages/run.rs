@@ -1,0 +1,228 @@
+//! Each model through the outages.
+
+use super::errors::{ModelErrors, ModelRun, OutageErrors, Outcome};
+use crate::{
+    estimator::{Adjoint, Estimator, STAMP_ROUNDING},
+    findings::Finding,
+    reference::{self, Errors, HORIZONTAL, TruthCursor},
+    replay::{Measurement, Observer, ReplayError, Settings, Summary, replay},
+    smooth::{self, History},
+};
+use rayon::prelude::*;
+use undrift_nav::sample::{GnssFix, ImuSample, TruthSample};
+
+/// Samples from one report of progress to the next.
+const PROGRESS_EVERY: usize = 4096;
+
+/// Runs every model through the outages of its settings, on all cores; outages withhold the fixes
+/// only. `truth` empty: the withheld fixes are the reference. `done` is called with how many more
+/// samples a model has taken, of `imu` times `models`.
+pub fn run(
+    imu: &[ImuSample],
+    aiding: &[Measurement],
+    truth: &[TruthSample],
+    models: &[(String, Settings)],
+    done: &(dyn Fn(u64) + Sync),
+) -> Vec<Outcome> {
+    models
+        .par_iter()
+        .map(|(name, settings)| {
+            let run = run_model(imu, aiding, truth, settings, done);
+            let run = run.map(|(errors, summary)| ModelRun {
+                name: name.clone(),
+                errors,
+                summary,
+            });
+            (name.clone(), run)
+        })
+        .collect()
+}
+
+fn run_model(
+    imu: &[ImuSample],
+    aiding: &[Measurement],
+    truth: &[TruthSample],
+    settings: &Settings,
+    done: &(dyn Fn(u64) + Sync),
+) -> Result<(ModelErrors, Summary), ReplayError> {
+    // What a model does is to be seen, not mended.
+    let mut settings = Settings {
+        restart: false,
+        ..settings.clone()
+    };
+    settings.start = smooth::better_start(
+        &mut imu.iter().copied().map(Ok),
+        &mut aiding.iter().copied().map(Ok),
+        &settings,
+    )?;
+    let mut watch = OutageWatch::new(&settings, truth);
+    if settings.nodes.is_some() {
+        watch.history = Some(History::new()?);
+    }
+    let mut samples = imu.chunks(PROGRESS_EVERY).flat_map(|chunk| {
+        done(chunk.len() as u64);
+        chunk.iter().copied().map(Ok)
+    });
+    let mut measurements = aiding.iter().copied().map(Ok);
+    let summary = replay(&mut samples, &mut measurements, &settings, &mut watch)?;
+    watch.smooth()?;
+    Ok((watch.finish(&summary), summary))
+}
+
+/// Collects the errors inside the outages.
+struct OutageWatch<'a> {
+    settings: &'a Settings,
+    truth: Option<TruthCursor<std::iter::Copied<std::slice::Iter<'a, TruthSample>>>>,
+    present: usize,
+    outages: Vec<OutageErrors>,
+    /// With smoothing: the nodes, and which of them lie in an outage, with the fix withheld there.
+    history: Option<History>,
+    inside: Vec<(usize, usize, Option<GnssFix>)>,
+    withheld: Option<GnssFix>,
+}
+
+/// Points of the drift curve are at least this far apart \[s\].
+const DRIFT_STEP: f64 = 0.1;
+
+impl<'a> OutageWatch<'a> {
+    fn new(settings: &'a Settings, truth: &'a [TruthSample]) -> Self {
+        let outages = settings
+            .outages
+            .iter()
+            .map(|o| OutageErrors {
+                start_s: o.start,
+                max: Errors::UNKNOWN,
+                end: Errors::UNKNOWN,
+                drift: Vec::new(),
+            })
+            .collect();
+        Self {
+            settings,
+            truth: (!truth.is_empty()).then(|| TruthCursor::new(truth.iter().copied())),
+            present: 0,
+            outages,
+            history: None,
+            inside: Vec::new(),
+            withheld: None,
+        }
+    }
+
+    /// The outage that `time` lies in; asked in order of time.
+    fn outage_at(&mut self, time: f64) -> Option<usize> {
+        let all = &self.settings.outages;
+        while self.present < all.len() && time > all[self.present].end + STAMP_ROUNDING {
+            self.present += 1;
+        }
+        (self.present < all.len() && all[self.present].contains(time)).then_some(self.present)
+    }
+
+    fn note(&mut self, outage: usize, time: f64, errors: Errors) {
+        let o = &mut self.outages[outage];
+        o.max = o.max.max_abs(errors);
+        o.end = errors;
+        let since = time - o.start_s;
+        if o.drift
+            .last()
+            .is_none_or(|(last, _)| since - last >= DRIFT_STEP - 1e-6)
+        {
+            o.drift.push((since, errors.0[HORIZONTAL]));
+        }
+    }
+
+    /// Errors of the smoothed solution at the nodes inside the outages, if there are nodes.
+    fn smooth(&mut self) -> Result<(), ReplayError> {
+        let Some(smoothed) = self
+            .history
+            .take()
+            .map(History::smooth)
+            .transpose()?
+            .flatten()
+        else {
+            return Ok(());
+        };
+        for (index, outage, fix) in std::mem::take(&mut self.inside) {
+            let node = &smoothed.nodes[index];
+            let time = node.nav.time;
+            let errors = match (&mut self.truth, fix) {
+                (Some(truth), _) => truth.at(time).map(|t| Errors::against_truth(&node.nav, &t)),
+                (None, Some(fix)) => {
+                    let (position, velocity) = smoothed.antenna(node, &self.settings.lever_arm);
+                    Some(Errors::of_antenna(&position, &velocity, &fix))
+                }
+                _ => None,
+            };
+            if let Some(errors) = errors {
+                self.note(outage, time, errors);
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(self, summary: &Summary) -> ModelErrors {
+        // A solution that ended early has no error to show for the outages after its end.
+        let per_outage = self.outages;
+        let largest: Vec<Errors> = per_outage.iter().map(|o| o.max).collect();
+        let ends: Vec<Errors> = per_outage.iter().map(|o| o.end).collect();
+        let empty = per_outage
+            .iter()
+            .filter(|o| o.end.0[HORIZONTAL].is_nan())
+            .count();
+        let finding = match (summary.diverged, summary.started) {
+            (Some(time), _) => Some(Finding::Diverged { time }),
+            (None, Some(time)) if empty > 0 && per_outage.iter().any(|o| o.start_s < time) => {
+                Some(Finding::StartedLate { time })
+            }
+            _ if empty > 0 => Some(Finding::NoReference { outages: empty }),
+            _ => summary
+                .suspect
+                .map(|start| Finding::LargeInnovations { start }),
+        };
+        ModelErrors {
+            max: reference::max(&largest),
+            rms: reference::rms(&largest),
+            median: reference::median(&largest),
+            end_rms: reference::rms(&ends),
+            per_outage,
+            finding,
+        }
+    }
+}
+
+impl Observer for OutageWatch<'_> {
+    fn sample(&mut self, filter: &dyn Estimator) -> Result<(), ReplayError> {
+        let time = filter.nav().time;
+        if self.history.is_none()
+            && self.truth.is_some()
+            && let Some(outage) = self.outage_at(time)
+            && let Some(truth) = self.truth.as_mut().and_then(|t| t.at(time))
+        {
+            self.note(outage, time, Errors::against_truth(filter.nav(), &truth));
+        }
+        Ok(())
+    }
+
+    fn fix(&mut self, filter: &dyn Estimator, fix: &GnssFix, withheld: bool) {
+        self.withheld = (withheld && fix.position.is_some()).then_some(*fix);
+        if self.history.is_none()
+            && self.truth.is_none()
+            && self.withheld.is_some()
+            && let Some(outage) = self.outage_at(fix.time)
+        {
+            let errors = Errors::against_fix(filter, fix, &self.settings.lever_arm);
+            self.note(outage, fix.time, errors);
+        }
+    }
+
+    fn node(&mut self, filter: &dyn Estimator, since: Option<&Adjoint>) -> Result<(), ReplayError> {
+        let withheld = self.withheld.take();
+        let time = withheld.map_or(filter.nav().time, |fix| fix.time);
+        let outage = self.outage_at(time);
+        if let Some(history) = &mut self.history {
+            if let Some(outage) = outage {
+                self.inside.push((history.len(), outage, withheld));
+            }
+            history.push(filter, since)?;
+        }
+        Ok(())
+    }
+}
