@@ -53,12 +53,12 @@ pub struct Aligner {
     rest: Rest,
     /// Attitude against a frame of arbitrary azimuth, level once there was rest.
     level: Quaternion,
-    /// The last rest: attitude in that frame, mean specific force [m/s²], length and end [s].
+    /// The last rest: attitude in that frame, mean specific force [m/s²], length and end \[s\].
     rested: Option<(Quaternion, Vector3, f64, f64)>,
     /// Whether GNSS ever agreed that the vehicle stood.
     stood: bool,
     motion: Motion,
-    /// Stamp of the sample that `motion` had last [s].
+    /// Stamp of the sample that `motion` had last \[s\].
     given: Option<f64>,
     omega_b: Vector3,
     last_fix: Option<(f64, Geodetic)>,
@@ -89,7 +89,7 @@ impl Aligner {
         }
     }
 
-    /// Moves to `until` [s] within `sample`.
+    /// Moves to `until` \[s\] within `sample`.
     pub fn advance(&mut self, sample: &ImuSample, until: f64) {
         if self.settings.attitude.is_none() && self.given != Some(sample.time) {
             self.given = Some(sample.time);

@@ -271,7 +271,7 @@ struct Watch<'a> {
 }
 
 impl Watch<'_> {
-    /// Whether the navigation has settled at `time` [s]; the first time asked is its beginning.
+    /// Whether the navigation has settled at `time` \[s\]; the first time asked is its beginning.
     fn settled(&mut self, time: f64) -> bool {
         let started = *self.outcome.started.get_or_insert(time);
         time >= started + self.stage.spec.settle - STAMP_ROUNDING

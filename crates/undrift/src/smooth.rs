@@ -1,7 +1,7 @@
 //! Fixed-interval smoothing: at every node the best estimate given the whole log.
 //!
 //! While the filter runs forward, [`History`] writes down at each node its state, its covariance and
-//! the [`Tape`] of the span since the node before, in a temporary file: memory does not grow with the
+//! the [`Tape`](undrift_nav::tape::Tape) of the span since the node before, in a temporary file: memory does not grow with the
 //! log but for the result. [`History::smooth`] then goes through the nodes from the last to the first
 //! and carries the adjoint λ, Λ along; the smoothed error at a node is `P λ`, its covariance
 //! `P − P Λ P` (see [`undrift_nav::tape`]). Exact for the linearised filter at the nodes, whatever

@@ -34,7 +34,7 @@ pub(super) struct Motion {
     /// Samples of the window, whole; the last one may reach beyond the last fix.
     samples: VecDeque<ImuSample>,
     fixes: VecDeque<GnssFix>,
-    /// Length of the window while there is no solution [s].
+    /// Length of the window while there is no solution \[s\].
     longest: f64,
     /// The solution so far, at the window's start; the window then grows from there to [`AlignmentMotionSettings::longest`].
     solved: Option<Guess>,
@@ -47,7 +47,7 @@ pub(super) struct Motion {
 /// A result: the filter at the last fix of the window.
 pub(super) struct Found {
     pub(super) filter: Box<dyn Estimator>,
-    /// Length of the window [s].
+    /// Length of the window \[s\].
     pub(super) duration: f64,
 }
 

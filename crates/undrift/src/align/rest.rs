@@ -143,12 +143,12 @@ impl Rest {
         self.blocks <= self.needed
     }
 
-    /// Length of the present span [s].
+    /// Length of the present span \[s\].
     pub(super) fn span(&self) -> f64 {
         f64::from(self.blocks) * self.set.block
     }
 
-    /// Length of all rest [s].
+    /// Length of all rest \[s\].
     pub(super) fn bias_span(&self) -> f64 {
         f64::from(self.bias_blocks.max(1)) * self.set.block
     }

@@ -5,7 +5,7 @@ use undrift_nav::Vector3;
 /// Where the heading comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Heading {
-    /// Known [rad] with a standard deviation [rad].
+    /// Known \[rad\] with a standard deviation \[rad\].
     Given(f64, f64),
     /// The GNSS course, once the speed is above `min_speed` after a rest, for body axes that are the
     /// vehicle's; or as `Auto` where that comes first.
@@ -17,7 +17,7 @@ pub enum Heading {
 /// What is told about the start.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AlignSettings {
-    /// Roll, pitch, yaw at the first fix used, with standard deviations [rad].
+    /// Roll, pitch, yaw at the first fix used, with standard deviations \[rad\].
     pub attitude: Option<(Vector3, Vector3)>,
     /// Velocity at the first fix used, north-east-down, with standard deviations [m/s].
     pub velocity: Option<(Vector3, Vector3)>,

@@ -52,7 +52,7 @@ pub(super) struct Problem<'a> {
     pub(super) reference: Vector3,
     /// About where.
     pub(super) place: Geodetic,
-    /// IMU → antenna, body axes [m].
+    /// IMU → antenna, body axes \[m\].
     pub(super) lever_arm: Vector3,
     /// Prior means and variances of gyro and accelerometer bias.
     pub(super) gyro: (Vector3, Vector3),
@@ -69,7 +69,7 @@ type Information = SMatrix<f64, 9, 9>;
 type Effect = SMatrix<f64, 6, 9>;
 type Wander = SMatrix<f64, 6, 6>;
 
-/// Truth less estimate of velocity in `n` [m/s], attitude in body axes [rad], gyro bias [rad/s] and
+/// Truth less estimate of velocity in `n` [m/s], attitude in body axes \[rad\], gyro bias [rad/s] and
 /// accelerometer bias [m/s²] at the end of the window: its covariance.
 pub(super) type EndCovariance = SMatrix<f64, 12, 12>;
 

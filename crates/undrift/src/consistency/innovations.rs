@@ -25,7 +25,7 @@ pub struct InnovationStatistics {
     freedom: u64,
     nis: f64,
     above: u64,
-    /// First and last time [s].
+    /// First and last time \[s\].
     span: Option<(f64, f64)>,
     components: Vec<Lagged>,
 }
@@ -45,7 +45,7 @@ impl InnovationStatistics {
         Self::default()
     }
 
-    /// Takes in the innovation of one update at `time` [s], normalised by the root of its
+    /// Takes in the innovation of one update at `time` \[s\], normalised by the root of its
     /// covariance ([`undrift_nav::filter::Update::whitened`]): one number per degree of freedom.
     pub fn add(&mut self, time: f64, normalised: &[f64]) {
         let nis: f64 = normalised.iter().map(|v| v * v).sum();
@@ -121,7 +121,7 @@ impl InnovationStatistics {
         (self.updates > 0).then(|| self.above as f64 / self.updates as f64)
     }
 
-    /// First and last time [s].
+    /// First and last time \[s\].
     pub fn span(&self) -> Option<(f64, f64)> {
         self.span
     }

@@ -13,7 +13,7 @@ use undrift_nav::sample::TruthSample;
 /// What one run of one model leaves behind.
 #[derive(Default)]
 pub(super) struct RunOutcome {
-    /// When navigation began [s]; `None` until then.
+    /// When navigation began \[s\]; `None` until then.
     pub(super) started: Option<f64>,
     pub(super) diverged: bool,
     /// NEES at every epoch, NaN where there is none.

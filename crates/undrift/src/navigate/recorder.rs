@@ -24,14 +24,14 @@ use undrift_nav::{
     sample::TruthSample,
 };
 
-/// From one NEES to the next [s].
+/// From one NEES to the next \[s\].
 const NEES_SPAN: f64 = 1.0;
 
 /// A truth reader that ends at its first error and keeps it.
 struct Readable {
     reader: TruthReader,
     error: Option<ReadError>,
-    /// First and last time [s].
+    /// First and last time \[s\].
     read: Option<(f64, f64)>,
 }
 

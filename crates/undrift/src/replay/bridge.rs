@@ -4,21 +4,21 @@ use undrift_nav::{Vector3, sample::ImuSample};
 
 /// The samples missing before one, made one by one: rates on a line from the last sample's to this one's.
 pub(super) struct Bridge {
-    /// End of the gap [s].
+    /// End of the gap \[s\].
     end: f64,
-    /// Interval of the samples made [s].
+    /// Interval of the samples made \[s\].
     dt: f64,
     steps: u64,
     made: u64,
     /// Angular rate [rad/s] and specific force [m/s²] before and after the gap.
     from: (Vector3, Vector3),
     to: (Vector3, Vector3),
-    /// In a gap too long to interpolate over: since when the covariance has yet to grow [s].
+    /// In a gap too long to interpolate over: since when the covariance has yet to grow \[s\].
     pub(super) unknown_since: Option<f64>,
 }
 
 impl Bridge {
-    /// Over the interval of `sample`, after the sample `before`; a gap longer than `longest` [s] is not
+    /// Over the interval of `sample`, after the sample `before`; a gap longer than `longest` \[s\] is not
     /// interpolated over.
     pub(super) fn new(
         sample: &ImuSample,
@@ -40,7 +40,7 @@ impl Bridge {
         }
     }
 
-    /// End of the last sample made [s].
+    /// End of the last sample made \[s\].
     pub(super) fn reached(&self) -> f64 {
         self.end - (self.steps - self.made) as f64 * self.dt
     }

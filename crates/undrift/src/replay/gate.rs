@@ -30,7 +30,7 @@ const MEDIAN: f64 = 0.789;
 pub(super) enum Verdict {
     /// Past these limits.
     Limits(Gate),
-    /// The solution has to give way to it; the fixes have contradicted it for so long [s].
+    /// The solution has to give way to it; the fixes have contradicted it for so long \[s\].
     GiveWay(f64),
 }
 
@@ -40,16 +40,16 @@ pub(super) struct FixGate {
     set: GateSettings,
     recent: [f64; WINDOW],
     count: usize,
-    /// Time of the last fix of this kind, and of the last one accepted [s].
+    /// Time of the last fix of this kind, and of the last one accepted \[s\].
     seen: f64,
     accepted: f64,
     /// Accepted one after the other since the solution was last in doubt.
     confirmed: u32,
-    /// Since when the fixes left out agree with each other [s], and the last one's innovation.
+    /// Since when the fixes left out agree with each other \[s\], and the last one's innovation.
     agreeing: Option<(f64, Vector3)>,
     /// What is being left out.
     open: Option<Contradiction>,
-    /// When the solution last gave way [s], the latest first.
+    /// When the solution last gave way \[s\], the latest first.
     gave_way: [f64; 3],
 }
 
@@ -81,7 +81,7 @@ impl FixGate {
     }
 
     /// What to do with a fix of this innovation and covariance; `patience` is for how long fixes that
-    /// agree with each other are left out [s].
+    /// agree with each other are left out \[s\].
     pub(super) fn judge(
         &mut self,
         time: f64,
@@ -182,7 +182,7 @@ impl FixGate {
         }
     }
 
-    /// Since when the solution has given way three times [s].
+    /// Since when the solution has given way three times \[s\].
     pub(super) fn third_last(&self) -> f64 {
         self.gave_way[2]
     }

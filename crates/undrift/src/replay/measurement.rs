@@ -18,7 +18,7 @@ pub enum Measurement {
     Gnss(GnssFix),
     /// Speed of a wheel, forward positive [m/s].
     Odometer(Scalar),
-    /// Height by the barometer [m].
+    /// Height by the barometer \[m\].
     Barometer(Scalar),
 }
 
@@ -28,7 +28,7 @@ impl Measurement {
         fixes.iter().copied().map(Self::Gnss).collect()
     }
 
-    /// Time as stamped [s].
+    /// Time as stamped \[s\].
     pub fn time(&self) -> f64 {
         match self {
             Self::Gnss(fix) => fix.time,
@@ -67,7 +67,7 @@ impl<E, I: Iterator<Item = Result<Measurement, E>>> Queue<I> {
         }
     }
 
-    /// The next measurement that holds at `time` [s] or before, where fixes hold `offset` [s] after
+    /// The next measurement that holds at `time` \[s\] or before, where fixes hold `offset` \[s\] after
     /// their stamps.
     pub(super) fn next_until(&mut self, time: f64, offset: f64) -> Option<Result<Measurement, E>> {
         let ahead = time - offset.min(0.0);
@@ -93,7 +93,7 @@ impl<E, I: Iterator<Item = Result<Measurement, E>>> Queue<I> {
         }
     }
 
-    /// Time of the next fix, whenever it comes [s].
+    /// Time of the next fix, whenever it comes \[s\].
     pub(super) fn next_fix(&mut self) -> Option<f64> {
         let held = self.fixes.front().map(|fix| fix.time);
         held.or_else(|| {

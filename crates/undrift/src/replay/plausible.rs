@@ -26,7 +26,7 @@ pub(super) struct Plausible {
     set: PlausibilitySettings,
     /// Whether body axes are promised to be forward, right, down.
     level: bool,
-    /// Specific force of the present block [m/s], its length [s].
+    /// Specific force of the present block [m/s], its length \[s\].
     block: (Vector3, f64),
     /// Sum of the directions of the blocks' specific force, of the logarithms of its size over gravity,
     /// their number, and that of those of a vehicle.

@@ -36,7 +36,7 @@ pub(super) struct Receiver<'a> {
     settings: &'a EngineSettings,
     position: Channel,
     velocity: Channel,
-    /// The last position, since when it has been the same [s], and the velocity then.
+    /// The last position, since when it has been the same \[s\], and the velocity then.
     same: Option<(Position, f64, Option<Vector3>)>,
     /// Whether the last fix was frozen.
     frozen: bool,
@@ -94,7 +94,7 @@ impl<'a> Receiver<'a> {
         (way / span - v).norm() < set.odd_speed + set.odd_accel * span + set.odd_sigmas * sigmas
     }
 
-    /// Updates the filter, which stands at or after the time `due` [s] at which the fix holds, with its
+    /// Updates the filter, which stands at or after the time `due` \[s\] at which the fix holds, with its
     /// position and velocity.
     pub(super) fn update(
         &mut self,

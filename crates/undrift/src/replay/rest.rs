@@ -10,7 +10,7 @@ pub(super) struct Block {
     pub(super) rest: bool,
     /// Mean angular rate as read [rad/s].
     pub(super) rate: Vector3,
-    /// Length [s].
+    /// Length \[s\].
     pub(super) duration: f64,
 }
 

@@ -9,14 +9,14 @@ use undrift_nav::{Vector3, covariance::AXES, parameters::Parameters, shaping::Sh
 /// Half-open span of time without GNSS: fixes after `start` up to and including `end` are withheld.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outage {
-    /// Last instant with GNSS [s], in the log's time base.
+    /// Last instant with GNSS \[s\], in the log's time base.
     pub start: f64,
-    /// End [s].
+    /// End \[s\].
     pub end: f64,
 }
 
 impl Outage {
-    /// Whether `time` [s] lies in `(start, end]`. A microsecond of slack absorbs the rounding of stamps.
+    /// Whether `time` \[s\] lies in `(start, end]`. A microsecond of slack absorbs the rounding of stamps.
     pub fn contains(&self, time: f64) -> bool {
         time > self.start + STAMP_ROUNDING && time <= self.end + STAMP_ROUNDING
     }
@@ -27,7 +27,7 @@ impl Outage {
 pub struct Settings {
     /// Noise models of gyro x, y, z and accelerometer x, y, z at the log's sample interval.
     pub sensors: [ShapingFilter; AXES],
-    /// IMU → antenna, body axes [m].
+    /// IMU → antenna, body axes \[m\].
     pub lever_arm: Vector3,
     /// Which parts of a fix are used. Alignment takes the position in any case.
     pub gnss_use: GnssUse,
@@ -47,7 +47,7 @@ pub struct Settings {
     pub adapt: bool,
     /// How the kind of solution bears on the standard deviation of a position.
     pub quality: QualityStd,
-    /// Longest span between two nodes that a smoother is told of [s]; without it, none.
+    /// Longest span between two nodes that a smoother is told of \[s\]; without it, none.
     pub nodes: Option<f64>,
     /// What the first attitude, sensor states and parameters after alignment are off by, as a smoother
     /// has found in a run before: taken out before navigation begins.

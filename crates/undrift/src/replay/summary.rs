@@ -80,11 +80,11 @@ pub struct Summary {
     pub samples: u64,
     /// Samples used up by alignment.
     pub align_samples: u64,
-    /// When navigation began [s].
+    /// When navigation began \[s\].
     pub started: Option<f64>,
     /// How the first attitude was found, where navigation began.
     pub alignment: Option<Alignment>,
-    /// Time of the last sample [s].
+    /// Time of the last sample \[s\].
     pub ended: f64,
     /// Fixes used.
     pub fixes: u64,
@@ -123,23 +123,23 @@ pub struct Summary {
     pub(super) against_velocity: [(f64, f64); 3],
     /// Short gaps in the samples that were bridged by interpolation.
     pub bridged: u64,
-    /// Gaps too long for that: their number, the first one's time [s], the longest [s]. The covariance was
+    /// Gaps too long for that: their number, the first one's time \[s\], the longest \[s\]. The covariance was
     /// grown over each of up to a minute; a longer one ended the solution, and is among `restarts`.
     pub long_gaps: Option<(u64, f64, f64)>,
-    /// Longest span without a fix, outages aside: start and length [s].
+    /// Longest span without a fix, outages aside: start and length \[s\].
     pub longest_without_gnss: (f64, f64),
     /// Units, axes, signs or times that cannot be right.
     pub implausible: Vec<Implausible>,
-    /// When the solution stopped being one, if it did and did not begin anew [s].
+    /// When the solution stopped being one, if it did and did not begin anew \[s\].
     pub diverged: Option<f64>,
     /// The covariance at the end, if there is a solution.
     pub covariance: Option<CovarianceHealth>,
     /// Start of the first `WatchSettings::suspect_updates` updates on end, or fewer at the end of the log, whose
-    /// innovations were far beyond their predicted size [s].
+    /// innovations were far beyond their predicted size \[s\].
     pub suspect: Option<f64>,
 }
 
-/// Fixes left out within so long after the solution gave way belong to what went before [s].
+/// Fixes left out within so long after the solution gave way belong to what went before \[s\].
 const GOES_ON: f64 = 3.0;
 /// Events of a kind that are kept one by one.
 pub const MOST_EVENTS: usize = 1000;
@@ -158,7 +158,7 @@ impl Summary {
         })
     }
 
-    /// Notes a gap of `length` [s] too long to interpolate over.
+    /// Notes a gap of `length` \[s\] too long to interpolate over.
     pub(super) fn long_gap(&mut self, start: f64, length: f64) {
         let (count, first, longest) = self.long_gaps.unwrap_or((0, start, 0.0));
         self.long_gaps = Some((count + 1, first, longest.max(length)));

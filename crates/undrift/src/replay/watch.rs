@@ -8,14 +8,14 @@ use crate::settings::WatchSettings;
 use undrift_nav::{Vector3, filter::Update};
 use undrift_noise::order_statistics::upper_median;
 
-/// Updates, their NIS and degrees of freedom since the count began, and when that was [s].
+/// Updates, their NIS and degrees of freedom since the count began, and when that was \[s\].
 pub(super) struct Streak {
     set: WatchSettings,
     updates: u32,
     nis: f64,
     dof: u32,
     start: f64,
-    /// Whether the solution was ever sound, and since when it is not [s].
+    /// Whether the solution was ever sound, and since when it is not \[s\].
     sound: bool,
     sick_since: Option<f64>,
 }

@@ -25,13 +25,13 @@ const MENDS: [(FixMend, [f64; 4]); 11] = [
     (PositionInRadians, [0.017_453_3, 0.0, 0.0, 0.017_453_3]),
 ];
 
-/// A fix with velocity: time [s], velocity and position.
+/// A fix with velocity: time \[s\], velocity and position.
 type Place = (f64, Vector3, Option<(Geodetic, f64)>);
 
 /// What is known so far.
 pub(super) struct Moves {
     set: PlausibilitySettings,
-    /// The last fix, where the present window of motion began, and how far velocity went since [m].
+    /// The last fix, where the present window of motion began, and how far velocity went since \[m\].
     last: Option<Place>,
     began: Option<(f64, Geodetic)>,
     moved: Vector3,

@@ -49,7 +49,7 @@ impl Regression {
     }
 }
 
-/// Angles about the vertical and about the body axes [rad], and specific force over time [m/s], body axes.
+/// Angles about the vertical and about the body axes \[rad\], and specific force over time [m/s], body axes.
 #[derive(Clone, Copy, Default)]
 struct Sums {
     yaw: f64,
@@ -57,12 +57,12 @@ struct Sums {
     velocity: Vector3,
 }
 
-/// What a vehicle did over ground from `start` to `end` [s].
+/// What a vehicle did over ground from `start` to `end` \[s\].
 #[derive(Clone, Copy)]
 struct Turn {
     start: f64,
     end: f64,
-    /// Of the course [rad].
+    /// Of the course \[rad\].
     turn: f64,
     /// On the average, and by how much it grew [m/s].
     speed: f64,
@@ -75,7 +75,7 @@ pub(super) struct Turns {
     /// What was gathered since the start, now and at the last times in order.
     sums: Sums,
     history: VecDeque<(f64, Sums)>,
-    /// Where the present window of turning began: time [s], course [rad] and speed [m/s].
+    /// Where the present window of turning began: time \[s\], course \[rad\] and speed [m/s].
     course: Option<(f64, f64, f64)>,
     /// Windows whose later samples are still to come.
     waiting: VecDeque<Turn>,
@@ -84,7 +84,7 @@ pub(super) struct Turns {
     axes: [Regression; 3],
     /// Of the accelerations along the course and to its right on the forces along forward and right.
     pushes: [[Regression; 2]; 2],
-    /// Sum of the variances of the turns that noise makes [rad²].
+    /// Sum of the variances of the turns that noise makes \[rad²\].
     noise: f64,
 }
 
@@ -136,7 +136,7 @@ impl Turns {
         }
     }
 
-    /// Takes in a velocity over ground at `time` [s] and its horizontal variance [m²/s²].
+    /// Takes in a velocity over ground at `time` \[s\] and its horizontal variance [m²/s²].
     pub(super) fn velocity(&mut self, time: f64, velocity: &Vector3, variance: f64) {
         let speed = velocity.xy().norm();
         let noise = variance / (speed * speed);
@@ -166,7 +166,7 @@ impl Turns {
         }
     }
 
-    /// What was gathered until `time` [s], if that is in the history.
+    /// What was gathered until `time` \[s\], if that is in the history.
     fn sums_at(&self, time: f64) -> Option<Sums> {
         let after = self.history.partition_point(|entry| entry.0 < time);
         let (a, b) = (
