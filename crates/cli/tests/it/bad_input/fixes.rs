@@ -243,7 +243,7 @@ fn utc_and_gps_time_mixed() {
         let warnings = late(by).write(&format!("leap_{by}")).doubted(&[
             "the gyros measure the turns of the GNSS course 18.",
             &format!("gnss.time_offset = \"{:.2} s\"", -by),
-            "GPS time and UTC mixed",
+            "GPS time and UTC are mixed",
         ]);
         assert!(
             !warnings.iter().any(|w| w.contains("std_factor")),
@@ -270,7 +270,7 @@ fn a_tenth_of_a_second_late() {
     says(
         &outcome.stderr,
         &[
-            "the innovations go on from fix to fix",
+            "the innovations are correlated from fix to fix",
             "the times may be wrong",
         ],
     );

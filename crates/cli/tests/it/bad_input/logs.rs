@@ -194,7 +194,7 @@ fn a_long_gap_is_reported_and_grows_the_covariance() {
     says(
         &outcome.stderr,
         &[
-            "1 long gap between samples, the first at 49.980 s, the longest 5.020 s; the covariance was grown",
+            "1 long gap between samples, the first at 49.98 s, the longest 5.020 s; the covariance grew",
         ],
     );
     for (column, least) in [
