@@ -28,6 +28,7 @@ pub use identify::{
     WaveletMoments,
 };
 pub use montecarlo::{Group, MonteCarlo, MonteCarloDrive, MonteCarloModel, NisKind, Verdict};
+pub(crate) use navigate::known;
 pub use navigate::{Navigate, NavigateSeries, Nis, Parameter, StdFactors, Summary};
 pub(crate) use number::numbers;
 pub use number::{Number, Numbers};

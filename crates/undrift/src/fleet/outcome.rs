@@ -1,7 +1,7 @@
 //! What came of one log.
 
 use super::Job;
-use crate::{drive::ConfigError, findings::Finding, reference::COMPONENTS};
+use crate::{drive::ConfigError, findings::Finding, reference::COMPONENTS, results::known};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -25,7 +25,7 @@ pub struct Outcome {
     /// Bias models or axes that nothing came of, and why.
     pub failed_parts: BTreeMap<String, String>,
     /// What was found out about the log.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "known")]
     pub findings: Vec<Finding>,
     /// The same in sentences, and those of identified axes; who keeps outcomes fills them in.
     pub warnings: Vec<String>,

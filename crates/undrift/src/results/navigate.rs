@@ -142,7 +142,7 @@ pub struct Summary {
 }
 
 /// Those of a list that this version knows: others may have other kinds of them.
-pub(super) fn known<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+pub(crate) fn known<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     list: D,
 ) -> Result<Vec<T>, D::Error> {
     #[derive(Deserialize)]
