@@ -45,6 +45,16 @@ pub struct Aligned {
     pub how: Alignment,
 }
 
+/// A rest: attitude against a frame of arbitrary azimuth, mean specific force \[m/s²\], length and end \[s\].
+type Rested = (Quaternion, Vector3, f64, f64);
+
+/// A fix as an alignment takes it, each part with its covariance.
+struct Seen {
+    time: f64,
+    position: (Geodetic, Matrix3),
+    velocity: (Vector3, Matrix3),
+}
+
 /// The state of an alignment.
 pub struct Aligner {
     settings: AlignSettings,
@@ -53,8 +63,8 @@ pub struct Aligner {
     rest: Rest,
     /// Attitude against a frame of arbitrary azimuth, level once there was rest.
     level: Quaternion,
-    /// The last rest: attitude in that frame, mean specific force [m/s²], length and end \[s\].
-    rested: Option<(Quaternion, Vector3, f64, f64)>,
+    /// The last rest.
+    rested: Option<Rested>,
     /// Whether GNSS ever agreed that the vehicle stood.
     stood: bool,
     motion: Motion,
@@ -136,27 +146,67 @@ impl Aligner {
         fix: &GnssFix,
         settings: &Settings,
     ) -> Result<Option<Aligned>, FilterError> {
-        let (Some((_, position_covariance)), Some(antenna)) = (&fix.position, antenna(fix)) else {
+        let Some(seen) = self.see(fix) else {
             return Ok(None);
         };
+        self.note_speed(&seen);
+        if let Some((rpy, std)) = self.settings.attitude {
+            let std = InitialStd {
+                position: Vector3::repeat(1.0),
+                velocity: Vector3::repeat(1.0),
+                attitude: std,
+            };
+            let start = self.start(&seen, from_rpy(&rpy), settings);
+            let mut filter = estimator::build(start, &std, &settings.sensors, settings.parameters)?;
+            filter.set_position_velocity_covariance(&seen.position.1, &seen.velocity.1);
+            return Ok(Some(aligned(filter, AttitudeSource::Given)));
+        }
+        let bias_variance = noise_of_mean(&settings.sensors[..3], self.rest.bias_span())
+            + self.set.rate_floor * self.set.rate_floor;
+        if let (Some(rested), Some(heading)) = (self.rested, self.heading(&seen)) {
+            let aligned = self.after_rest(&seen, rested, heading, bias_variance, settings);
+            return aligned.map(Some);
+        }
+        let at_rest = self.rested.map(|(.., end)| {
+            let walked = walk(&settings.sensors[..3], fix.time - end);
+            (self.rest.bias, bias_variance + walked)
+        });
+        let found = self.motion.fix(fix, settings, at_rest);
+        Ok(found.map(|found| {
+            let source = AttitudeSource::Motion {
+                duration: found.duration,
+                bias_at_rest: at_rest.is_some(),
+            };
+            aligned(found.filter, source)
+        }))
+    }
+
+    /// Position and velocity by a fix: the velocity given, measured, or from two positions.
+    fn see(&mut self, fix: &GnssFix) -> Option<Seen> {
+        let (antenna, (_, covariance)) = (antenna(fix)?, fix.position?);
         self.fixes += 1;
         let before = self.last_fix.replace((fix.time, antenna));
         let before =
             before.filter(|(time, _)| fix.time - time <= self.set.pair_span && fix.time > *time);
-
-        // Velocity: told, measured, or from two positions.
-        let told = self.settings.velocity.map(|(v, std)| (v, diagonal(&std)));
-        let Some((velocity, velocity_covariance)) = told.or(fix.velocity).or_else(|| {
+        let given = self.settings.velocity.map(|(v, std)| (v, diagonal(&std)));
+        let velocity = given.or(fix.velocity).or_else(|| {
             let (time, place) = before?;
             let span = fix.time - time;
             let v = place.offset_to(&antenna) / span;
             // Two positions' errors, and half the span at a vehicle's acceleration.
-            let covariance = position_covariance * (2.0 / (span * span));
+            let covariance = covariance * (2.0 / (span * span));
             Some((v, covariance + Matrix3::identity() * span * span))
-        }) else {
-            return Ok(None);
-        };
-        let speed = velocity.xy().norm();
+        })?;
+        Some(Seen {
+            time: fix.time,
+            position: (antenna, covariance),
+            velocity,
+        })
+    }
+
+    /// What the speed says of the rest.
+    fn note_speed(&mut self, seen: &Seen) {
+        let speed = seen.velocity.0.xy().norm();
         self.speed = speed;
         self.fastest = self.fastest.max(speed);
         if speed >= self.set.rest_speed {
@@ -165,77 +215,64 @@ impl Aligner {
         }
         if let Some((.., end)) = self.rested
             && !self.stood
-            && speed > self.set.start_speed + self.set.start_acceleration * (fix.time - end)
+            && speed > self.set.start_speed + self.set.start_acceleration * (seen.time - end)
         {
             // Steady motion that looked like rest while there was no fix.
             self.rested = None;
             self.rest.forget();
         }
+    }
 
-        let start = |q_nb: Quaternion| {
-            let lever_n = q_nb * settings.lever_arm;
-            NavState {
-                time: fix.time,
-                position: antenna.displaced(&-lever_n),
-                v_n: velocity - q_nb * self.omega_b.cross(&settings.lever_arm),
-                q_nb,
-            }
-        };
-        if let Some((rpy, std)) = self.settings.attitude {
-            let std = InitialStd {
-                position: Vector3::repeat(1.0),
-                velocity: Vector3::repeat(1.0),
-                attitude: std,
-            };
-            let start = start(from_rpy(&rpy));
-            let mut filter = estimator::build(start, &std, &settings.sensors, settings.parameters)?;
-            filter.set_position_velocity_covariance(position_covariance, &velocity_covariance);
-            return Ok(Some(aligned(filter, AttitudeSource::Given)));
+    /// The navigation state at a fix with an attitude.
+    fn start(&self, seen: &Seen, q_nb: Quaternion, settings: &Settings) -> NavState {
+        let lever_n = q_nb * settings.lever_arm;
+        NavState {
+            time: seen.time,
+            position: seen.position.0.displaced(&-lever_n),
+            v_n: seen.velocity.0 - q_nb * self.omega_b.cross(&settings.lever_arm),
+            q_nb,
         }
+    }
 
-        let bias_variance = noise_of_mean(&settings.sensors[..3], self.rest.bias_span())
-            + self.set.rate_floor * self.set.rate_floor;
-        let level = self.level;
-        let forward = level * Vector3::x();
-        let azimuth = forward.y.atan2(forward.x);
-        let heading = match self.settings.heading {
+    /// The heading with its standard deviation \[rad\], where it is given or the course says it.
+    fn heading(&self, seen: &Seen) -> Option<(f64, f64, HeadingSource)> {
+        let (velocity, covariance) = &seen.velocity;
+        let speed = self.speed;
+        match self.settings.heading {
             Heading::Given(heading, std) => Some((heading, std, HeadingSource::Given)),
             Heading::Course if speed >= self.settings.min_speed => {
                 let course = velocity.y.atan2(velocity.x);
-                let noise = velocity_covariance.fixed_view::<2, 2>(0, 0).trace() / 2.0;
-                let std = (noise / (speed * speed) + self.set.course_floor * self.set.course_floor)
-                    .sqrt();
+                let noise = covariance.fixed_view::<2, 2>(0, 0).trace() / 2.0;
+                let floor = self.set.course_floor;
+                let std = (noise / (speed * speed) + floor * floor).sqrt();
                 Some((course, std, HeadingSource::Course))
             }
             _ => None,
-        };
-        let (Some((level_at_rest, force_at_rest, duration, _)), Some((heading, std, from))) =
-            (self.rested, heading)
-        else {
-            let at_rest = self.rested.map(|(.., end)| {
-                let walked = walk(&settings.sensors[..3], fix.time - end);
-                (self.rest.bias, bias_variance + walked)
-            });
-            return Ok(self.motion.fix(fix, settings, at_rest).map(|found| {
-                let source = AttitudeSource::Motion {
-                    duration: found.duration,
-                    bias_at_rest: at_rest.is_some(),
-                };
-                aligned(found.filter, source)
-            }));
-        };
-        let turn = heading - azimuth;
+        }
+    }
 
-        // What rest says of level and bias, at the attitude it had.
+    /// The filter with what the last rest says of level and bias, at the attitude that it had.
+    fn after_rest(
+        &self,
+        seen: &Seen,
+        (level_at_rest, force_at_rest, duration, _): Rested,
+        (heading, std, from): (f64, f64, HeadingSource),
+        bias_variance: f64,
+        settings: &Settings,
+    ) -> Result<Aligned, FilterError> {
+        let forward = self.level * Vector3::x();
+        let turn = heading - forward.y.atan2(forward.x);
         let spin = from_rotation_vector(&Vector3::new(0.0, 0.0, turn));
-        let (rest_attitude, now) = (spin * level_at_rest, spin * level);
+        let now = self.start(seen, spin * self.level, settings);
         let wide = InitialStd {
             position: Vector3::repeat(1.0),
             velocity: Vector3::repeat(1.0),
             attitude: Vector3::new(self.set.tilt_before, self.set.tilt_before, std),
         };
-        let mut at_rest = start(now);
-        at_rest.q_nb = rest_attitude;
+        let at_rest = NavState {
+            q_nb: spin * level_at_rest,
+            ..now
+        };
         let mut filter = estimator::build(at_rest, &wide, &settings.sensors, settings.parameters)?;
         let variance = noise_of_mean(&settings.sensors[3..], duration)
             + self.set.level_floor * self.set.level_floor;
@@ -246,13 +283,13 @@ impl Aligner {
             let noise = Matrix3::identity() * bias_variance;
             filter.update(&rate, &noise, &Gate::OPEN)?;
         }
-        filter.set_nav(start(now));
-        filter.set_position_velocity_covariance(position_covariance, &velocity_covariance);
+        filter.set_nav(now);
+        filter.set_position_velocity_covariance(&seen.position.1, &seen.velocity.1);
         let source = AttitudeSource::Rest {
             duration,
             heading: from,
         };
-        Ok(Some(aligned(filter, source)))
+        Ok(aligned(filter, source))
     }
 
     /// Why there was no alignment; so many fixes fell within the inertial log.

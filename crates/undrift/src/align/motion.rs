@@ -127,14 +127,7 @@ impl Motion {
         settings: &Settings,
         rest: Option<GyroBias>,
     ) -> Result<Found, MotionFailure> {
-        let (low, high) = self.fixes.iter().filter_map(|fix| fix.velocity).fold(
-            (
-                Vector3::repeat(f64::INFINITY),
-                Vector3::repeat(f64::NEG_INFINITY),
-            ),
-            |(low, high), (v, _)| (low.inf(&v), high.sup(&v)),
-        );
-        let spread = (high - low).xy().norm();
+        let spread = self.spread_now();
         self.spread = self.spread.max(spread);
         let (gyro, accel) = settings.sensors.split_at(3);
         let gyro_prior = match rest {
@@ -221,6 +214,18 @@ impl Motion {
             filter,
             duration: last.time - first.time,
         })
+    }
+
+    /// How far apart the velocities of the window are \[m/s\].
+    fn spread_now(&self) -> f64 {
+        let (low, high) = self.fixes.iter().filter_map(|fix| fix.velocity).fold(
+            (
+                Vector3::repeat(f64::INFINITY),
+                Vector3::repeat(f64::NEG_INFINITY),
+            ),
+            |(low, high), (v, _)| (low.inf(&v), high.sup(&v)),
+        );
+        (high - low).xy().norm()
     }
 
     fn segments(&self, gyro: &Vector3) -> Vec<Segment> {
