@@ -11,7 +11,7 @@ mod schedule;
 pub use drift::{DriftCurve, drift_curve};
 pub use errors::{ModelErrors, ModelRun, OutageErrors, Outcome};
 pub use logs::Logs;
-pub use result::{Experiment, track};
+pub use result::{result, track};
 pub use run::run;
 pub use schedule::{Schedule, ScheduleError, schedule};
 

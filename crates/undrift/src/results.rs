@@ -4,6 +4,7 @@
 //!
 //! What is missing in a file that is read stays empty; a number that is null is NaN.
 
+mod curve;
 mod demo;
 mod drive;
 mod fleet;
@@ -15,8 +16,9 @@ mod outages;
 mod read;
 mod text;
 
+pub use curve::{Curve, Track};
 pub use demo::Demo;
-pub use drive::{Curve, Drive, Track, name};
+pub use drive::{Drive, name};
 pub use fleet::{
     Bin, Fleet, FleetGroup, FleetLog, FleetMeasure, FleetOutlier, FleetPart, OutlierRule,
     Temperature, Trouble, Warned,

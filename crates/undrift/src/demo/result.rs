@@ -2,29 +2,23 @@
 
 use super::{Demo, PRESET, RATE_HZ};
 use crate::{
-    outages::Experiment,
+    outages,
     results::{self, Drive, SCHEMA, VERSION},
 };
 
 impl Demo {
     /// What the outages did.
     pub fn outages(&self) -> results::Outages {
-        let identified = self.identified.is_some();
-        Experiment {
+        results::Outages {
             drive: Drive {
                 imu: Some(PRESET.into()),
                 rate_hz: RATE_HZ.into(),
-                model: (!identified).then(|| PRESET.into()),
+                model: self.identified.is_none().then(|| PRESET.into()),
                 ..Drive::default()
             },
-            outages: &self.outages,
-            results: &self.runs,
-            reference: "truth",
-            track: &self.simulation.truth,
-            smooth: false,
-            findings: Vec::new(),
+            reference: "truth".into(),
+            ..outages::result(&self.outages, &self.runs, &self.simulation.truth)
         }
-        .result()
     }
 
     /// Everything as a result but for its sentences.

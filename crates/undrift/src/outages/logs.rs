@@ -2,7 +2,7 @@
 
 use super::{
     errors::Outcome,
-    result::{Experiment, track},
+    result::{result, track},
     run::run,
     schedule::{Schedule, ScheduleError, schedule},
 };
@@ -178,15 +178,12 @@ impl Logs {
         results: &[Outcome],
         smooth: bool,
     ) -> Outages {
-        Experiment {
+        Outages {
             drive: results::Drive::of(file, &self.drive),
-            outages: cuts,
-            results,
-            reference: self.reference(),
-            track: &self.track(),
+            reference: self.reference().into(),
             smooth,
             findings: self.findings(results),
+            ..result(cuts, results, &self.track())
         }
-        .result()
     }
 }

@@ -5,76 +5,46 @@ use super::{
     errors::{self, ModelRun, Outcome},
 };
 use crate::{
-    findings::Finding,
     replay::Outage,
     results::{
-        Cut, Drift, Drive, ModelErrors, NisOfParts, Number, OutageErrors, OutageSeries, Outages,
-        SCHEMA, Track, VERSION,
+        Cut, Drift, ModelErrors, NisOfParts, Number, OutageErrors, Outages, SCHEMA, Track, VERSION,
     },
     series::{ROWS, Thinned, to_digits, to_millimetre, to_millisecond},
 };
-use std::collections::BTreeMap;
 use undrift_nav::sample::{GnssFix, Position, TruthSample};
 
-/// A finished experiment, and what it was made of.
-pub struct Experiment<'a> {
-    /// What was navigated or simulated.
-    pub drive: Drive,
-    /// Where GNSS was cut.
-    pub outages: &'a [Outage],
-    /// Model by model.
-    pub results: &'a [Outcome],
-    /// "truth", or "gnss" where the withheld fixes are the reference.
-    pub reference: &'a str,
-    /// The ground track.
-    pub track: &'a [TruthSample],
-    /// Whether the errors are those of the smoothed solutions.
-    pub smooth: bool,
-    /// What was found out about the logs.
-    pub findings: Vec<Finding>,
-}
-
-impl Experiment<'_> {
-    /// Everything as a result but for its sentences.
-    pub fn result(self) -> Outages {
-        let cut = |o: &Outage| Cut {
-            start_s: o.start.into(),
-            length_s: (o.end - o.start).into(),
+/// What outages did, model by model, on the way of `track`.
+pub fn result(outages: &[Outage], results: &[Outcome], track: &[TruthSample]) -> Outages {
+    let cut = |o: &Outage| Cut {
+        start_s: o.start.into(),
+        length_s: (o.end - o.start).into(),
+    };
+    let mut result = Outages {
+        undrift: VERSION.into(),
+        schema: SCHEMA,
+        outages: outages.iter().map(cut).collect(),
+        ..Outages::default()
+    };
+    result.series.track = path(track);
+    for (name, run) in results {
+        let run = match run {
+            Ok(run) => run,
+            Err(error) => {
+                result.failed.insert(name.clone(), error.to_string());
+                continue;
+            }
         };
-        let mut result = Outages {
-            undrift: VERSION.into(),
-            schema: SCHEMA,
-            drive: self.drive,
-            outages: self.outages.iter().map(cut).collect(),
-            reference: self.reference.into(),
-            smooth: self.smooth,
-            findings: self.findings,
-            series: OutageSeries {
-                track: path(self.track),
-                drift: BTreeMap::new(),
-            },
-            ..Outages::default()
+        result.order.push(name.clone());
+        result.models.insert(name.clone(), (&run.errors).into());
+        let sums = &run.summary;
+        let nis = NisOfParts {
+            position: sums.position.per_dof().into(),
+            velocity: sums.velocity.per_dof().into(),
         };
-        for (name, run) in self.results {
-            let run = match run {
-                Ok(run) => run,
-                Err(error) => {
-                    result.failed.insert(name.clone(), error.to_string());
-                    continue;
-                }
-            };
-            result.order.push(name.clone());
-            result.models.insert(name.clone(), (&run.errors).into());
-            let sums = &run.summary;
-            let nis = NisOfParts {
-                position: sums.position.per_dof().into(),
-                velocity: sums.velocity.per_dof().into(),
-            };
-            result.nis_per_dof.insert(name.clone(), nis);
-            result.series.drift.insert(name.clone(), drift(run));
-        }
-        result
+        result.nis_per_dof.insert(name.clone(), nis);
+        result.series.drift.insert(name.clone(), drift(run));
     }
+    result
 }
 
 impl From<&errors::ModelErrors> for ModelErrors {

@@ -1,4 +1,4 @@
-//! What was navigated, and what results share to draw it.
+//! What was navigated.
 
 use super::Number;
 use crate::{drive, replay::GnssUse, series::to_digits};
@@ -75,31 +75,4 @@ impl Drive {
 pub fn name(path: &Path) -> String {
     path.file_name()
         .map_or(String::new(), |name| name.to_string_lossy().into_owned())
-}
-
-/// Values over time.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default)]
-pub struct Curve {
-    /// Times \[s\].
-    pub time_s: Vec<Number>,
-    /// Values, in the unit that the curve's name says.
-    pub value: Vec<Number>,
-}
-
-/// A ground track.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default)]
-pub struct Track {
-    /// Times \[s\].
-    pub time_s: Vec<Number>,
-    /// Latitudes \[deg\].
-    pub lat_deg: Vec<Number>,
-    /// Longitudes \[deg\].
-    pub lon_deg: Vec<Number>,
-    /// Heights above the ellipsoid \[m\].
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub height_m: Vec<Number>,
 }

@@ -1,6 +1,9 @@
 //! Which crate may depend on which: the walls of the house.
 
-use std::process::Command;
+use std::{
+    path::{Path, PathBuf},
+    process::Command,
+};
 
 /// Every crate of the workspace with the crates of it that it may use.
 const ALLOWED: [(&str, &[&str]); 9] = [
@@ -70,4 +73,53 @@ fn the_filter_neither_allocates_nor_needs_std() {
     let source = include_str!("../../../nav/src/lib.rs");
     assert!(source.contains("#![no_std]"));
     assert!(!source.contains("extern crate alloc"));
+}
+
+/// Text of a source file without its tests and comments.
+fn product(source: &str) -> String {
+    let without_tests = source.split("#[cfg(test)]\nmod tests {").next();
+    let lines = without_tests.unwrap_or_default().lines();
+    let code = lines.filter(|line| !line.trim_start().starts_with("//"));
+    code.collect::<Vec<_>>().join("\n")
+}
+
+fn sources(folder: &Path, all: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            sources(&path, all);
+        } else if path.extension().is_some_and(|ending| ending == "rs")
+            && !path.ends_with("tests.rs")
+        {
+            all.push(path);
+        }
+    }
+}
+
+/// A result is a struct of `undrift::results`: what is assembled as a tree of JSON, or taken apart by keys, is another
+/// shape of it that nothing keeps in step.
+#[test]
+fn no_result_is_serialised_by_hand() {
+    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let mut files = Vec::new();
+    for name in ["undrift", "report", "cli", "py"] {
+        sources(&crates.join(name).join("src"), &mut files);
+    }
+    // The one place where text is made of a result.
+    // And what a page draws with, which is no result.
+    files.retain(|path| {
+        !path.ends_with("undrift/src/results/text.rs") && !path.ends_with("report/src/data.rs")
+    });
+    for path in files {
+        let source = std::fs::read_to_string(&path).unwrap();
+        let code = product(&source);
+        for by_hand in [
+            "json!",
+            "serde_json::Value",
+            "serde_json::Map",
+            "serde_json::{",
+        ] {
+            assert!(!code.contains(by_hand), "{}: {by_hand}", path.display());
+        }
+    }
 }

@@ -1,0 +1,37 @@
+//! Writes docs/schema: JSON Schemas of what is written and read, for editors and other programs.
+
+use schemars::{Schema, generate::SchemaSettings};
+use std::path::PathBuf;
+use undrift::results::Results;
+
+/// The schemas by their files.
+fn schemas() -> Vec<(PathBuf, String)> {
+    let written = SchemaSettings::draft2020_12().for_serialize();
+    let results: Schema = written.into_generator().into_root_schema_for::<Results>();
+    [("results", results)]
+        .into_iter()
+        .map(|(name, schema)| {
+            let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/schema"));
+            let text = format!("{:#}\n", schema.as_value());
+            (folder.join(format!("{name}.schema.json")), text)
+        })
+        .collect()
+}
+
+fn main() -> std::io::Result<()> {
+    schemas()
+        .into_iter()
+        .try_for_each(|(path, text)| std::fs::write(path, text))
+}
+
+#[test]
+fn what_is_published_is_up_to_date() {
+    for (path, text) in schemas() {
+        let published = std::fs::read_to_string(&path).unwrap_or_default();
+        let path = path.display();
+        assert!(
+            published == text,
+            "{path}: run cargo run -p undrift-lab --bin schemas"
+        );
+    }
+}
