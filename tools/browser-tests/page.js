@@ -4,18 +4,21 @@ import { readFile } from "node:fs/promises";
 // The plot of a panel with a title, as an expression in the page.
 export const plotOf = title => `report.plots.find(plot => plot.panel.title === ${JSON.stringify(title)})`;
 
+// A colour of the style as pixels have it.
+const RGB = `(hex => "rgb(" + [1, 3, 5].map(i => parseInt(hex.slice(i, i + 2), 16)).join(", ") + ")")`;
+
 // Pixels inside the plot area of every plot: of how many colours, and how many of a given one.
-export const coloured = page => page.evaluate(() => report.plots.map(plot => {
+export const coloured = page => page.evaluate(`report.plots.map(plot => {
   const { ctx, bbox } = plot.u;
   const { data } = ctx.getImageData(bbox.left, bbox.top, bbox.width, bbox.height);
-  const grounds = ["grid", "shade"].map(name => plot.palette[name]);
+  const grounds = ["grid", "shade"].map(name => ${RGB}(plot.palette[name]));
   let count = 0;
   for (let i = 0; i < data.length; i += 4) {
-    const opaque = data[i + 3] === 255, colour = `rgb(${data[i]}, ${data[i + 1]}, ${data[i + 2]})`;
+    const opaque = data[i + 3] === 255, colour = "rgb(" + [data[i], data[i + 1], data[i + 2]].join(", ") + ")";
     if (data[i + 3] > 0 && !(opaque && grounds.includes(colour))) count++;
   }
   return { title: plot.panel.title, count };
-}));
+})`);
 
 export const hash = (page, title) => page.evaluate(`(() => {
   const { ctx } = ${plotOf(title)}.u;
@@ -27,7 +30,7 @@ export const hash = (page, title) => page.evaluate(`(() => {
 
 // Pixels of a plot in exactly the colour of a series.
 export const ofColour = (page, title, name) => page.evaluate(`(plot => {
-  const { ctx, bbox } = plot.u, colour = plot.palette[plot.panel.series.find(s => s.name === ${JSON.stringify(name)}).colour];
+  const { ctx, bbox } = plot.u, colour = ${RGB}(plot.palette[plot.panel.series.find(s => s.name === ${JSON.stringify(name)}).colour]);
   const { data } = ctx.getImageData(bbox.left, bbox.top, bbox.width, bbox.height);
   let count = 0;
   for (let i = 0; i < data.length; i += 4) if (colour === "rgb(" + data[i] + ", " + data[i + 1] + ", " + data[i + 2] + ")") count++;

@@ -127,7 +127,7 @@ for (const name of NAMES) {
     const { page, close } = await open(browser, name, { ...from, colorScheme: "dark" });
     await page.emulateMedia({ media: "print" });
     await page.evaluate(() => dispatchEvent(new Event("beforeprint")));
-    assert.equal(await page.locator(".print > svg:visible").count(), await page.evaluate(() => report.plots.length));
+    assert.equal(await page.locator(".paper:visible").count(), await page.evaluate(() => report.plots.length));
     assert.equal(await page.locator("button:visible, canvas:visible").count(), 0);
     await close();
   });
@@ -136,7 +136,7 @@ for (const name of NAMES) {
 test("hostile names of files, columns and models are text", async () => {
   for (const name of ["navigate", "outages", "compare"]) {
     const { page, troubles, close } = await open(browser, name, from);
-    assert.equal(await page.locator("main img, main svg[onload], header img, header svg").count(), 0);
+    assert.equal(await page.locator("main img, main svg[onload], main image, header img, header svg").count(), 0);
     assert.equal(await page.locator("script").count(), 2);
     const text = await page.evaluate(() => document.body.textContent);
     assert.ok(text.includes(GNSS) && text.includes(MODEL), name);
@@ -153,7 +153,7 @@ test("an outlier and a gap are seen", async () => {
     left: report.plots.some(plot => plot.panel.series.some(s => s.name === "left out" && s.x.length > 3)),
     // No line through the 40 s without fixes.
     bridged: report.plots.filter(plot => /σ\]$/.test(plot.panel.y.label) && / (north|east|down) \[/.test(plot.panel.y.label))
-      .flatMap(plot => plot.panel.series.filter(s => s.style === "line"))
+      .flatMap(plot => plot.panel.series.filter(s => ["thin", "line", "thick"].includes(s.style)))
       .filter(s => Array.from(s.x).some((x, i) => i && x - s.x[i - 1] > 35 && s.y[0][i] != null && s.y[0][i - 1] != null)).length,
     shades: report.plots[0].panel.shades,
   }));

@@ -1,7 +1,7 @@
 // Sample reports in a real browser. They are written by `cargo run -p undrift-lab --bin report_sample`.
 import test, { before, after } from "node:test";
 import assert from "node:assert/strict";
-import { stat } from "node:fs/promises";
+import { readFile, stat } from "node:fs/promises";
 import path from "node:path";
 import { launch, open, samples } from "./browser.js";
 import { area, coloured, download, drag, hash, ofColour, parseCsv, plotOf, scales, settled, tool } from "./page.js";
@@ -216,12 +216,39 @@ test("the SVG of a figure is what is seen", async () => {
   const all = await parse((await download(page, () => tool(page, "figure-1", "SVG").click())).text);
   assert.equal(all.error, undefined);
   assert.equal(all.curves, 7);
-  assert.equal(all.ground, "rgb(255, 255, 255)");
+  assert.equal(all.ground, "#ffffff");
   for (const text of ["Drift", "AR(3), 10–90 %", "horizontal error [m]", "60"]) assert.ok(all.texts.includes(text), text);
   await page.locator(".legend button", { hasText: "Random walk" }).click();
   const fewer = await parse((await download(page, () => tool(page, "figure-1", "SVG").click())).text);
   assert.equal(fewer.curves, 6);
   assert.ok(!fewer.texts.includes("Random walk"));
+  // Zoomed: other numbers below the axis, the same names.
+  await drag(page, await area(page, "Drift"), [0.1, 0.5], [0.2, 0.6]);
+  const part = await parse((await download(page, () => tool(page, "figure-1", "SVG").click())).text);
+  assert.equal(part.error, undefined);
+  assert.equal(part.curves, 6);
+  assert.ok(!part.texts.includes("60") && part.texts.includes("horizontal error [m]"));
+  await close();
+});
+
+test("the PNG of a figure has its colours, in twice as many pixels", async () => {
+  const { page, troubles, close } = await open(browser, "kinds", { colorScheme: "dark" });
+  const [file] = await Promise.all([page.waitForEvent("download"), tool(page, "figure-1", "PNG").click()]);
+  assert.match(file.suggestedFilename(), /\.png$/);
+  const bytes = (await readFile(await file.path())).toString("base64");
+  const { size, paper, colours } = await page.evaluate(async bytes => {
+    const image = new Image();
+    image.src = "data:image/png;base64," + bytes;
+    await image.decode();
+    const canvas = Object.assign(document.createElement("canvas"), { width: image.width, height: image.height }), ctx = canvas.getContext("2d");
+    ctx.drawImage(image, 0, 0);
+    const { data } = ctx.getImageData(0, 0, image.width, image.height), counts = {};
+    for (let i = 0; i < data.length; i += 4) { const colour = data.slice(i, i + 3).join(); counts[colour] = (counts[colour] || 0) + 1; }
+    return { size: image.width, paper: counts["255,255,255"] / (image.width * image.height), colours: ["0,114,178", "213,94,0"].map(colour => counts[colour] || 0) };
+  }, bytes);
+  assert.ok(size >= 1680 && paper > 0.5, `${size}, ${paper}`);
+  assert.ok(colours.every(count => count > 100), String(colours));
+  assert.deepEqual(troubles, []);
   await close();
 });
 
@@ -249,7 +276,7 @@ test("on paper: light, every panel as lines, no buttons", async () => {
   await page.emulateMedia({ media: "print" });
   await page.evaluate(() => dispatchEvent(new Event("beforeprint")));
   assert.equal(await page.evaluate(() => getComputedStyle(document.documentElement).backgroundColor), "rgb(255, 255, 255)");
-  assert.equal(await page.locator(".print > svg:visible").count(), 9);
+  assert.equal(await page.locator(".paper:visible").count(), 9);
   assert.equal(await page.locator("button:visible, canvas:visible, nav:visible").count(), 0);
   assert.equal(await page.locator("h2:visible").count(), 3);
   await page.evaluate(() => dispatchEvent(new Event("afterprint")));
@@ -257,15 +284,17 @@ test("on paper: light, every panel as lines, no buttons", async () => {
   // The browser's own printing asks for the lines as well: pages full of pixels would be larger.
   const pdf = await page.pdf({ format: "A4" });
   assert.ok(pdf.length > 30e3 && pdf.length < 1e6, String(pdf.length));
-  assert.equal(await page.locator(".print > svg").count(), 0);
+  assert.equal(await page.locator(".paper:visible").count(), 0);
   await close();
 });
 
-test("without scripts text and tables can be read", async () => {
+test("without scripts text, tables and figures can be read", async () => {
   const { page, close } = await open(browser, "kinds", { javaScriptEnabled: false });
   assert.match(await page.locator("main p").first().textContent(), /^Among four models/);
   assert.equal(await page.locator("td:visible").count(), 15 + 24);
-  assert.equal(await page.locator("noscript p:visible").count(), 4);
+  assert.equal(await page.locator(".paper:visible").count(), 9);
+  assert.ok(await page.locator(".paper .curves path").count() > 20);
+  assert.ok((await page.locator(".paper text").allTextContents()).includes("horizontal error [m]"));
   assert.equal(await page.locator("button").count(), 0);
   await close();
 });

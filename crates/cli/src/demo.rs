@@ -4,7 +4,7 @@ use crate::{
     output::{self, Files},
     print,
     progress::Bar,
-    report::ResultOutput,
+    report::{ResultOutput, write_picture},
     style, tables,
     terminal::{say, stage},
 };
@@ -13,10 +13,10 @@ use clap::Args;
 use std::path::{Path, PathBuf};
 use undrift::{
     demo::{self, Demo, Models, Stage},
-    outages::{ModelRun, drift_curve},
+    outages::ModelRun,
     results,
 };
-use undrift_report::figure;
+use undrift_report::figures;
 
 /// Simulate a drive, cut its GNSS 15 times, and compare the noise models.
 ///
@@ -113,7 +113,8 @@ fn tell(arguments: &Arguments, result: &results::Demo) -> Result<()> {
 /// Writes the data of tables and figures.
 fn write(files: &Files, folder: &Path, demo: &Demo, result: &results::Demo) -> Result<()> {
     let put = |name: &str, text: &str| files.write(&folder.join(name), text);
-    put("outages.json", &results::text(&result.outages))?;
+    let outages = results::text(&result.outages);
+    put("outages.json", &outages)?;
     if let (Some((record, _)), Some(identified)) = (&demo.identified, &result.identification) {
         let identified = results::Identify {
             record: demo::PRESET.into(),
@@ -136,13 +137,10 @@ fn write(files: &Files, folder: &Path, demo: &Demo, result: &results::Demo) -> R
         .filter_map(|(_, run)| run.as_ref().ok())
         .collect();
     put("figure5-drift.csv", &tables::drift_csv(&runs))?;
-    let models = runs.iter().filter(|run| run.name != demo::WHITE_CALIBRATED);
-    let curves: Vec<_> = models.map(|r| drift_curve(r)).collect();
-    figure::experiment(
+    write_picture(
+        files,
         &folder.join("demo.svg"),
-        &demo.simulation.truth,
-        &demo.outages,
-        &curves,
+        &outages,
+        figures::experiment,
     )
-    .map_err(anyhow::Error::msg)
 }

@@ -3,7 +3,7 @@
 use crate::{
     output::Files,
     progress::Bar,
-    report::ResultOutput,
+    report::{ResultOutput, svg_only, write_picture},
     style,
     terminal::{self, detail, say, stage},
 };
@@ -15,7 +15,7 @@ use undrift::{
     noise::BiasModel,
     results::{self, MonteCarlo, MonteCarloModel, Verdict},
 };
-use undrift_report::figure;
+use undrift_report::figures;
 
 /// Simulate a drive many times and compare the filter's errors with its own covariance (NEES, NIS).
 ///
@@ -46,6 +46,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
+    svg_only(arguments.figure.as_deref())?;
     let outputs = arguments.result.files().chain(arguments.figure.as_deref());
     let files = Files::claim([arguments.spec.as_path()], outputs)?;
     let mut spec = Spec::load(&arguments.spec)?;
@@ -65,7 +66,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         say(text(&result))?;
     }
     if let Some(path) = &arguments.figure {
-        figure::consistency(path, &result).map_err(anyhow::Error::msg)?;
+        write_picture(&files, path, &json, figures::consistency)?;
     }
     Ok(())
 }

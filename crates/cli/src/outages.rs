@@ -3,7 +3,7 @@
 use crate::{
     navigate, output, print,
     progress::Bar,
-    report::ResultOutput,
+    report::{ResultOutput, write_picture},
     terminal::{note, say, stage, warn},
 };
 use anyhow::{Context, Result, anyhow, bail};
@@ -13,11 +13,11 @@ use undrift::{
     io::write::{SolutionFile, SolutionFormat, SolutionOptions, solution::SolutionRow},
     nav::sample::TruthSample,
     noise::BiasModel,
-    outages::{Logs, Schedule, drift_curve},
+    outages::{Logs, Schedule},
     replay::{Outage, STAMP_ROUNDING},
     results,
 };
-use undrift_report::{figure, say as sentences};
+use undrift_report::{figures, say as sentences};
 
 /// Cut GNSS again and again on a drive and measure how far each bias model drifts.
 ///
@@ -126,10 +126,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(folder) = &arguments.out {
         output::make_folder(folder)?;
         files.write(&folder.join("outages.json"), &json)?;
-        let runs = outcomes.iter().filter_map(|(_, run)| run.as_ref().ok());
-        let curves: Vec<_> = runs.map(drift_curve).collect();
-        figure::experiment(&folder.join("outages.svg"), &logs.track(), &cuts, &curves)
-            .map_err(anyhow::Error::msg)?;
+        write_picture(
+            &files,
+            &folder.join("outages.svg"),
+            &json,
+            figures::experiment,
+        )?;
     }
     if let Some(path) = &arguments.track {
         write_track(path, &logs.track(), &cuts, &arguments.drive)

@@ -5,7 +5,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use undrift_report::figures::Formats;
+use undrift_report::{Document, figures};
 
 /// Make a report of one result, or compare several.
 ///
@@ -29,11 +29,38 @@ pub struct Arguments {
         required_unless_present = "figures"
     )]
     output: Option<PathBuf>,
-    /// Write its figures into this folder, each as SVG and PNG
+    /// Write its figures into this folder, each as SVG; the report's page saves PNG
     #[arg(long, value_name = "DIR")]
     figures: Option<PathBuf>,
     #[command(flatten)]
     json: JsonOutput,
+}
+
+/// Writes a picture of one result, drawn by `draw`.
+pub fn write_picture(
+    files: &Files,
+    path: &Path,
+    json: &str,
+    draw: fn(&Document) -> String,
+) -> Result<()> {
+    let document = undrift_report::of_results(&[(PathBuf::new(), json.to_owned())])?;
+    files.write(path, &draw(&document))
+}
+
+/// Figures are written as SVG: another name is refused before the work begins.
+pub fn svg_only(path: Option<&Path>) -> Result<()> {
+    let Some(path) = path else { return Ok(()) };
+    let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    match ending.as_deref() {
+        Some(ending @ ("png" | "jpg" | "jpeg" | "pdf" | "eps")) => anyhow::bail!(
+            "cannot write {}: figures are written as SVG, not {}; name it {}, or use --report FILE.html \
+             and save the figure as PNG from the page",
+            path.display(),
+            ending.to_uppercase(),
+            path.with_extension("svg").display()
+        ),
+        _ => Ok(()),
+    }
 }
 
 /// Where a verb puts its result beside the terminal: as JSON, as a report, as figures.
@@ -44,7 +71,7 @@ pub struct ResultOutput {
     /// Write a report with tables and figures, one HTML file that needs nothing else
     #[arg(long, value_name = "FILE.html", help_heading = "Output")]
     report: Option<PathBuf>,
-    /// Write the report's figures into this folder, each as SVG and PNG
+    /// Write the report's figures into this folder, each as SVG; the report's page saves PNG
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     figures: Option<PathBuf>,
 }
@@ -135,8 +162,7 @@ fn write(
         files.write(path, &undrift_report::html::render(&document))?;
     }
     if let Some(folder) = figures {
-        undrift_report::figures::write(&document, folder, Formats::default())
-            .map_err(anyhow::Error::msg)?;
+        figures::write(&document, folder).map_err(anyhow::Error::msg)?;
     }
     Ok(())
 }

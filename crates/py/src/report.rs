@@ -21,7 +21,7 @@ pub fn make(
             write(&path, &html::render(&document))?;
         }
         if let Some(folder) = folder {
-            figures::write(&document, &folder, figures::Formats::default()).map_err(error)?;
+            figures::write(&document, &folder).map_err(error)?;
         }
         Ok(())
     })

@@ -1,11 +1,10 @@
 //! The numbers of figures as JSON, in few bytes.
 
-use super::{Axis, Figure, Panel, Series, file_stem};
-use crate::figure::panel::Style;
+use super::{Axis, Figure, Panel, Series, figure::style, names::file_stem};
 use serde_json::{Value, json};
-use std::collections::HashMap;
+use std::{collections::HashMap, ops::Range};
 
-/// The figures for the script: `x`, the lists of x that series refer to by their place, and
+/// The figures for the script: `style`, what it draws in the manner of; `x`, the lists of x that series refer to by their place, and
 /// `figures`. It can stand in a script element.
 pub(super) fn json(figures: &[&Figure]) -> String {
     let mut lists = Lists::default();
@@ -21,44 +20,37 @@ pub(super) fn json(figures: &[&Figure]) -> String {
         })
         .collect();
     // Only strings hold this character, and there it may be written so.
-    json!({ "x": lists.lists, "figures": figures })
+    let style: Value = serde_json::from_str(style::SOURCE).unwrap_or_default();
+    json!({ "style": style, "x": lists.lists, "figures": figures })
         .to_string()
         .replace('<', "\\u003c")
 }
 
 fn panel(panel: &Panel, lists: &mut Lists) -> Value {
     let series = panel.series.iter().map(|s| self::series(s, lists));
+    let (x, y) = panel.extents();
     json!({
         "title": panel.title,
-        "x": axis(&panel.x),
-        "y": axis(&panel.y),
+        "x": axis(&panel.x, x),
+        "y": axis(&panel.y, y),
         "scale": panel.to_scale,
         "shades": panel.shades,
         "series": series.collect::<Vec<_>>(),
     })
 }
 
-fn axis(axis: &Axis) -> Value {
-    let range = axis.range.as_ref().map(|r| [r.start, r.end]);
+/// An axis: from where to where it goes at first, and whether it does so whatever is hidden.
+fn axis(axis: &Axis, seen: Range<f64>) -> Value {
     json!({
         "label": axis.label,
         "log": axis.logarithmic,
-        "range": range,
+        "range": [seen.start, seen.end],
+        "fixed": axis.range.is_some(),
         "names": axis.names,
     })
 }
 
 fn series(series: &Series, lists: &mut Lists) -> Value {
-    let (style, width) = match series.style {
-        Style::Line(1) => ("line", 1.0),
-        Style::Line(2) => ("line", 1.6),
-        Style::Line(_) => ("line", 2.8),
-        Style::Dashed => ("dashed", 1.6),
-        Style::Dots => ("dots", 0.0),
-        Style::Band => ("band", 0.0),
-        Style::Bars => ("bars", 0.0),
-        Style::Boxes => ("boxes", 0.0),
-    };
     let columns = series.y.iter().map(|column| {
         let values = column.iter().map(|v| number(*v, significant(*v)));
         values.collect::<Vec<_>>()
@@ -66,8 +58,7 @@ fn series(series: &Series, lists: &mut Lists) -> Value {
     json!({
         "name": series.name,
         "colour": series.colour,
-        "style": style,
-        "width": width,
+        "style": series.kind.name(),
         "x": lists.place(&series.x),
         "y": columns.collect::<Vec<_>>(),
     })

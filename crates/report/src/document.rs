@@ -13,6 +13,17 @@ pub struct Document {
     pub sections: Vec<Section>,
 }
 
+impl Document {
+    /// The figures in their order.
+    pub fn figures(&self) -> impl Iterator<Item = &Figure> {
+        let blocks = self.sections.iter().flat_map(|section| &section.blocks);
+        blocks.filter_map(|block| match block {
+            Block::Figure(figure) => Some(figure),
+            _ => None,
+        })
+    }
+}
+
 /// A section of a report.
 #[derive(Clone, Debug, Default)]
 pub struct Section {

@@ -1,10 +1,13 @@
 //! A report as one HTML file that needs nothing else: no network, no other file.
 //!
-//! Text and tables are plain HTML; figures are drawn by the script in the file from their numbers,
-//! with [uPlot](https://github.com/leeoniya/uPlot) 1.6.32. A content security policy allows that
-//! script and style alone, by their hashes.
+//! Text and tables are plain HTML, figures SVG that needs no script. The script in the file draws them again from
+//! their numbers, to zoom, with [uPlot](https://github.com/leeoniya/uPlot) 1.6.32. A content security policy
+//! allows that script and style alone, by their hashes.
 
-use super::{Block, Cell, Document, Figure, Section, Table, data, file_stem};
+use super::{
+    Block, Cell, Document, Figure, Section, Table, data, figure::style::style, figures,
+    markup::escape, names::file_stem,
+};
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
 
@@ -24,22 +27,13 @@ const NOTICE: &str = include_str!("assets/uPlot-LICENSE.txt");
 
 /// The document as one self-contained HTML file.
 pub fn render(document: &Document) -> String {
-    let (style, script) = (STYLES.concat(), SCRIPTS.join("\n"));
+    let (style, script) = (style().css() + &STYLES.concat(), SCRIPTS.join("\n"));
     let policy = format!(
         "default-src 'none'; style-src 'sha256-{}'; script-src 'sha256-{}'; img-src data: blob:; \
          base-uri 'none'; form-action 'none'",
         hash(&style),
         hash(&script)
     );
-    let figures: Vec<&Figure> = document
-        .sections
-        .iter()
-        .flat_map(|section| &section.blocks)
-        .filter_map(|block| match block {
-            Block::Figure(figure) => Some(figure),
-            _ => None,
-        })
-        .collect();
     let title = escape(&document.title);
     let mut contents = String::new();
     let mut main = String::new();
@@ -87,7 +81,7 @@ pub fn render(document: &Document) -> String {
 </body>
 </html>
 ",
-        data::json(&figures)
+        data::json(&Vec::from_iter(document.figures()))
     )
 }
 
@@ -200,13 +194,18 @@ fn render_figure(out: &mut String, figure: &Figure, number: usize) {
         2 => "panels two",
         _ => "panels three",
     };
+    let drawing = figures::of(figure, &format!("figure-{number}"));
+    let panels: Vec<String> = drawing
+        .inline()
+        .map(|panel| format!("<div class=\"panel\">{panel}</div>\n"))
+        .collect();
     push(
         out,
         format_args!(
-            "<figure id=\"figure-{number}\">\n<div class=\"{class}\"></div>\n\
-             <noscript><p>This figure is drawn by the script in this file.</p></noscript>\n\
+            "<figure id=\"figure-{number}\">\n<div class=\"{class}\">\n{}</div>\n\
              <figcaption class=\"caption\"><span><b>Figure {number}.</b>{}</span></figcaption>\n\
              </figure>\n",
+            panels.concat(),
             escape(&figure.caption)
         ),
     );
@@ -215,23 +214,6 @@ fn render_figure(out: &mut String, figure: &Figure, number: usize) {
 fn push(out: &mut String, text: std::fmt::Arguments) {
     // Writing into a string does not fail.
     let _ = out.write_fmt(text);
-}
-
-/// Text as HTML, within an element or a quoted attribute.
-fn escape(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&#39;"),
-            '\0' => out.push('\u{fffd}'),
-            c => out.push(c),
-        }
-    }
-    out
 }
 
 /// The SHA-256 of a script or style as policies write it.
@@ -353,17 +335,6 @@ mod tests {
         }
         for text in ["ARMA(1,1)", "consistent", "3D", "5-state", "inf"] {
             assert!(!is_numeric(&of(text), 1), "{text}");
-        }
-    }
-
-    #[test]
-    fn the_page_has_the_colours_of_the_files() {
-        for (i, colour) in crate::figure::COLOURS.iter().enumerate() {
-            let value = format!(
-                "--c{i}: light-dark(#{:02x}{:02x}{:02x},",
-                colour.0, colour.1, colour.2
-            );
-            assert!(STYLES[1].contains(&value), "{value}");
         }
     }
 }

@@ -1,5 +1,5 @@
 //! Reports of results: their JSON and nothing else becomes a [`Document`] as data, one self-contained
-//! [`html`] file of it, and its [`figures`] as SVG and PNG.
+//! [`html`] file of it, and its [`figures`] as SVG.
 
 mod compare;
 mod data;
@@ -10,32 +10,16 @@ mod fleet;
 pub mod html;
 mod identify;
 pub mod inspect;
+mod markup;
 mod montecarlo;
+mod names;
 mod navigate;
 mod outages;
 mod parts;
 pub mod say;
 mod table;
 
-pub use crate::figure::panel::{Axis, Corner, Panel, Series};
+pub use crate::figure::panel::{Axis, Panel, Series};
 pub use compare::{document, of_results};
 pub use document::{Block, Cell, Document, Figure, Section, Table};
 pub use table::outage_table;
-
-/// A name that can be a file's on every system, whatever stood in it.
-fn file_stem(name: &str) -> String {
-    let plain = |c: char| {
-        if c.is_alphanumeric() || "-_".contains(c) {
-            c
-        } else {
-            '-'
-        }
-    };
-    let stem: String = name.chars().take(100).map(plain).collect();
-    let stem = stem.trim_matches('-');
-    if stem.is_empty() {
-        "unnamed".to_owned()
-    } else {
-        stem.to_owned()
-    }
-}

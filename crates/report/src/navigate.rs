@@ -6,7 +6,7 @@ mod panels;
 mod summary;
 
 use super::{
-    Axis, Block, Corner, Panel, Section, Series,
+    Axis, Block, Panel, Section, Series,
     parts::{Clock, figure, on_the_ground, origin},
 };
 use accuracy::accuracy;
@@ -173,7 +173,7 @@ fn deviations(series: &[(&str, &NavigateSeries)], clock: Clock) -> Option<Sectio
     .into_iter()
     .filter_map(|(label, components)| {
         let y = Axis::logarithmic(&format!("σ of {label}"));
-        let panel = Panel::new("", Axis::new(&clock.label()), y).legend(Corner::UpperRight);
+        let panel = Panel::new("", Axis::new(&clock.label()), y);
         let mut panel = shaded(panel, clock, series);
         let mut any = false;
         for (at, (run, s)) in series.iter().enumerate() {

@@ -8,18 +8,13 @@ function textWidth(text, font = FONT) {
   return ruler.measureText(text).width;
 }
 
-const INKS = ["paper", "ink", "soft", "rule", "grid", "shade"];
-
-// The colours of the page, or those on paper.
-function readPalette(scheme = "") {
-  const probe = document.body.appendChild(document.createElement("i"));
-  probe.style.colorScheme = scheme;
-  const read = name => { probe.style.color = `var(--${name})`; return getComputedStyle(probe).color; };
-  const palette = Object.fromEntries(INKS.map(name => [name, read(name)]));
-  for (let i = 0; i < 8; i++) palette[i] = read("c" + i);
-  probe.remove();
-  return palette;
+// The colours on a light ground or a dark one.
+function palette(dark) {
+  const side = pair => pair[dark ? 1 : 0];
+  return Object.assign(STYLE.colours.map(side), Object.fromEntries(Object.entries(STYLE.inks).map(([name, pair]) => [name, side(pair)])));
 }
+const system = matchMedia("(prefers-color-scheme: dark)"), root = document.documentElement;
+const isDark = () => root.classList.contains("dark") || system.matches && !root.classList.contains("light");
 
 // Text as long as there is room.
 function fit(text, room) {
@@ -50,7 +45,8 @@ function axisTicks(axis, along, min, max, length) {
     return { ticks, labels: ticks.map(i => wrapName(axis.names[i], room)) };
   }
   const at = mapper(min, max, axis.log, 0, length);
-  let most = along === "x" ? Math.min(10, Math.floor(length / 46)) : Math.min(8, Math.floor(length / 28));
+  const room = STYLE.ticks[along];
+  let most = Math.max(1, Math.min(room.most, Math.floor(length / room.pixels)));
   for (;; most--) {
     const ticks = axis.log ? logTicks(min, max, most) : linearTicks(min, max, most);
     const labels = tickLabels(ticks);
@@ -82,18 +78,15 @@ function nearestIndex(x, value) {
   return Math.abs(x[low] - value) <= Math.abs(x[high] - value) ? low : high;
 }
 
-const PALETTE_VARS = Array.from({ length: 8 }, (_, i) => `var(--c${i})`);
-
 const lengthOf = (u, along) => (along === "x" ? u.bbox.width : u.bbox.height) / devicePixelRatio;
 const heightOf = (panel, width) => Math.round(Math.max(240, Math.min(panel.ratio ? 560 : 360, width * (panel.ratio || 0.5) + 50)));
 
 class Plot {
   constructor(panel, holder, key) {
-    Object.assign(this, { panel, holder, kin: [this], zoom: null });
-    this.palette = readPalette();
+    Object.assign(this, { panel, holder, kin: [this], zoom: null, first: holder.querySelector(".paper"), palette: palette(isDark()) });
+    this.paper = this.first;
     this.buildLegend();
     this.box = holder.appendChild(make("div", "plot screen"));
-    this.paper = holder.appendChild(make("div", "print"));
     const { width, height } = this.size();
     const axis = along => ({
       scale: along, side: along === "x" ? 2 : 3, label: panel[along].label ? u => fit(panel[along].label, lengthOf(u, along)) : undefined, labelSize: panel[along].label ? 22 : 0,
@@ -165,8 +158,9 @@ class Plot {
   // What is seen: the part zoomed into or all, y as high as the curves there.
   ranges(width, height) {
     const { panel, zoom } = this;
-    let x = zoom ? zoom.x : extent(panel, "x", -Infinity, Infinity);
-    let y = zoom && zoom.y || extent(panel, "y", x[0], x[1], !!zoom);
+    let x = zoom ? zoom.x : panel.x.range;
+    const other = zoom || !panel.y.fixed && panel.series.some(s => s.hidden);
+    let y = zoom && zoom.y || (other ? heights(panel, x) : panel.y.range);
     if (panel.scale) {
       const pixel = 1.04 * Math.max((x[1] - x[0]) / width, (y[1] - y[0]) / height);
       const around = ([a, b], n) => [(a + b - pixel * n) / 2, (a + b + pixel * n) / 2];
@@ -241,7 +235,7 @@ class Plot {
       if (event.key === "0" || event.key === "Escape") this.setZoom(null);
       else if (factor && (factor < 1 || this.zoom)) {
         event.preventDefault();
-        const all = this.all || (this.all = extent(panel, "x", -Infinity, Infinity));
+        const all = panel.x.range;
         const part = along => {
           const { log } = panel[along], to = v => log ? Math.log(v) : v, back = v => log ? Math.exp(v) : v;
           const { min, max } = u.scales[along], [a, b] = [to(min), to(max)];
@@ -290,10 +284,11 @@ class Plot {
       ctx.lineJoin = "round";
       for (const series of this.panel.series) {
         if (series.hidden) continue;
-        for (const { d, fill, stroke, width, dash, alpha } of shapes(this.panel, series, at)) {
+        for (const { d, fill, stroke, width, dash, cap, alpha } of shapes(this.panel, series, at)) {
           const path = new Path2D(d);
           ctx.globalAlpha = alpha || 1;
           ctx.setLineDash(dash || []);
+          ctx.lineCap = cap || "butt";
           if (fill !== undefined) { ctx.fillStyle = this.palette[fill]; ctx.fill(path); }
           else { ctx.strokeStyle = this.palette[stroke]; ctx.lineWidth = width; ctx.stroke(path); }
         }
@@ -303,7 +298,7 @@ class Plot {
   }
 
   repaint() {
-    this.palette = readPalette();
+    this.palette = palette(isDark());
     this.u.redraw(false, false);
   }
 
@@ -311,13 +306,18 @@ class Plot {
     const { panel, holder } = this;
     if (panel.title) holder.appendChild(make("h3", "screen", panel.title));
     this.legend = holder.appendChild(make("ul", "legend screen"));
-    this.outputs = panel.series.map(series => {
+    this.outputs = panel.series.map((series, i) => {
       if (!series.name) return null;
       const button = make("button");
       button.type = "button";
       button.setAttribute("aria-pressed", "true");
       button.title = "Show or hide";
-      button.innerHTML = `<svg width="18" height="12" aria-hidden="true">${keyShapes(series).map(s => svgPath(s, PALETTE_VARS)).join("")}</svg>`;
+      // The sample of the first view, in the colours of the page.
+      button.innerHTML = `<svg width="18" height="12" aria-hidden="true"></svg>`;
+      for (const part of this.first.querySelectorAll(`[data-series="${i}"] path`)) {
+        const sample = button.firstChild.appendChild(part.cloneNode());
+        for (const paint of ["fill", "stroke"]) if (sample.hasAttribute(paint) && sample.getAttribute(paint) !== "none") sample.setAttribute(paint, `var(--c${series.colour})`);
+      }
       button.appendChild(make("span", "", series.name));
       const output = button.appendChild(make("output"));
       button.onclick = () => this.toggle(series, button);
@@ -335,6 +335,40 @@ class Plot {
     button.setAttribute("aria-pressed", String(!series.hidden));
     this.refresh();
     this.u.redraw(false, false);
+  }
+
+  // The panel on paper: the first view as it came, or with those parts drawn again that are seen otherwise.
+  onPaper() {
+    const { panel, first } = this;
+    if (!this.zoom && !panel.series.some(s => s.hidden)) return first;
+    const view = first.cloneNode(true), colours = palette(false);
+    const [width, height] = view.querySelector("[data-size]").dataset.size.split(" ").map(Number);
+    const [x, y] = this.ranges(width, height), at = frameOf(panel, x, y, width, height);
+    const line = (d, colour) => `<path d="${d}" stroke="${colours[colour]}"/>`;
+    const text = (left, top, content, anchor) => `<text x="${px(left)}" y="${px(top)}" text-anchor="${anchor}">${escapeXml(content)}</text>`;
+    let ground = spans(panel, at).map(([l, r]) => `<path d="M${px(l)} 0H${px(r)}V${height}H${px(l)}Z" fill="${colours.shade}"/>`).join(""), marks = "";
+    const down = axisTicks(panel.y, "y", ...y, height), across = axisTicks(panel.x, "x", ...x, width);
+    down.ticks.forEach((tick, i) => {
+      const top = px(at.y(tick));
+      ground += line(`M0 ${top}H${width}`, "grid");
+      marks += line(`M-4 ${top}H0`, "soft") + text(-8, top + 4.5, down.labels[i], "end");
+    });
+    if (!panel.x.names.length) across.ticks.forEach((tick, i) => {
+      const left = px(at.x(tick));
+      ground += line(`M${left} 0V${height}`, "grid");
+      marks += line(`M${left} ${height}v4`, "soft") + text(left, height + 17, across.labels[i], "middle");
+    });
+    view.querySelector(".ground").innerHTML = ground;
+    view.querySelector(".ticks").innerHTML = marks;
+    view.querySelector(".curves").innerHTML = panel.series.filter(s => !s.hidden).flatMap(s => shapes(panel, s, at)).map(s => svgPath(s, colours)).join("");
+    for (const key of view.querySelectorAll("[data-series]")) if (panel.series[key.dataset.series].hidden) key.remove();
+    return view;
+  }
+
+  // Puts on paper what is seen.
+  print(view = this.onPaper()) {
+    this.paper.replaceWith(view);
+    this.paper = view;
   }
 
   // The point of a series nearest to the cursor: along x, or on a map anywhere.

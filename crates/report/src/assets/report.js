@@ -1,74 +1,36 @@
 // The page: figures from the data, files to save, themes, paper.
 "use strict";
 
-// The panel as an SVG group as it is seen, its legend above it; and its size.
-function panelSvg(plot, palette, width = plot.u.width) {
-  const { panel } = plot, { x, y } = plot.u.scales;
-  const height = heightOf(panel, width);
-  const yTicks = axisTicks(panel.y, "y", y.min, y.max, height - 60);
-  const left = (panel.y.label ? 26 : 6) + 8 + Math.max(12, ...yTicks.labels.map(l => textWidth(l)));
-  const inner = { width: width - left - 16 };
-  const xTicks = axisTicks(panel.x, "x", x.min, x.max, inner.width);
-  const lines = Math.max(1, ...xTicks.labels.map(l => l.split("\n").length));
-  const below = 10 + 15 * lines + (panel.x.label ? 20 : 4);
-  let top = panel.title ? 26 : 8;
-  let legend = "", across = left;
-  const text = (l, t, content, more = "") => `<text x="${px(l)}" y="${px(t)}" ${more}>${escapeXml(content)}</text>`;
-  const named = panel.series.filter(s => s.name && !s.hidden);
-  for (const series of named) {
-    const wide = 26 + textWidth(series.name) + 16;
-    if (across > left && across + wide > width) { across = left; top += 18; }
-    legend += keyShapes(series).map(s => svgPath(s, palette, ` transform="translate(${px(across)} ${px(top)})"`)).join("");
-    legend += text(across + 24, top + 10, series.name, `fill="${palette.ink}"`);
-    across += wide;
-  }
-  if (named.length) top += 24;
-  // As high as on the screen, and on a map of the same shape.
-  const screen = plot.inner();
-  inner.height = panel.scale ? inner.width * screen.height / screen.width : height - below - 8;
-  const at = frameOf(panel, [x.min, x.max], [y.min, y.max], inner.width, inner.height);
-  const clip = `clip${panelSvg.count = (panelSvg.count || 0) + 1}`;
-  let ground = spans(panel, at).map(([l, r]) => `<rect x="${px(l)}" width="${px(r - l)}" height="${px(inner.height)}" fill="${palette.shade}"/>`).join("");
-  let labels = "";
-  yTicks.ticks.forEach((tick, i) => {
-    const t = px(at.y(tick));
-    ground += `<path d="M0 ${t}H${px(inner.width)}" stroke="${palette.grid}"/>`;
-    labels += `<path d="M-4 ${t}H0" stroke="${palette.soft}"/>` + text(-8, t + 4, yTicks.labels[i], `text-anchor="end"`);
+// Figures are SVG until this runs, and on paper.
+root.classList.add("live");
+
+// All panels of a figure in its columns, as an SVG file.
+function figureSvg(plots, columns) {
+  const GAP = 14, element = name => document.createElementNS("http://www.w3.org/2000/svg", name);
+  const { width, height } = plots[0].first.viewBox.baseVal, across = Math.min(columns, plots.length), down = Math.ceil(plots.length / across);
+  const file = plots[0].first.cloneNode(), size = [across * (width + GAP) - GAP, down * (height + GAP) - GAP];
+  file.removeAttribute("class");
+  ["width", "height"].forEach((name, i) => file.setAttribute(name, size[i]));
+  file.setAttribute("viewBox", "0 0 " + size.join(" "));
+  const paper = file.appendChild(element("rect"));
+  for (const [name, value] of [["width", "100%"], ["height", "100%"], ["fill", STYLE.inks.paper[0]]]) paper.setAttribute(name, value);
+  plots.forEach((plot, i) => {
+    const group = file.appendChild(element("g"));
+    group.setAttribute("transform", `translate(${i % across * (width + GAP)} ${Math.floor(i / across) * (height + GAP)})`);
+    group.append(...plot.onPaper().cloneNode(true).childNodes);
   });
-  xTicks.ticks.forEach((tick, i) => {
-    const l = px(at.x(tick));
-    if (!panel.x.names.length) ground += `<path d="M${l} 0V${px(inner.height)}" stroke="${palette.grid}"/>`;
-    labels += `<path d="M${l} ${px(inner.height)}v4" stroke="${palette.soft}"/>`;
-    xTicks.labels[i].split("\n").forEach((line, k) => { labels += text(l, inner.height + 18 + 15 * k, line, `text-anchor="middle"`); });
-  });
-  const curves = panel.series.filter(s => !s.hidden).flatMap(s => shapes(panel, s, at)).map(s => svgPath(s, palette)).join("");
-  const total = top + inner.height + below;
-  const axisLabels = text(inner.width / 2, inner.height + below - 6, fit(panel.x.label, inner.width), `text-anchor="middle"`)
-    + text(-inner.height / 2, 14 - left, fit(panel.y.label, inner.height), `text-anchor="middle" transform="rotate(-90)"`);
-  const body = (panel.title ? text(left, 17, panel.title, `font-weight="600" font-size="14" fill="${palette.ink}"`) : "") + legend
-    + `<g transform="translate(${px(left)} ${px(top)})" fill="${palette.soft}">`
-    + `<clipPath id="${clip}"><rect width="${px(inner.width)}" height="${px(inner.height)}"/></clipPath>`
-    + ground + `<g clip-path="url(#${clip})">${curves}</g>`
-    + `<path d="M0 0V${px(inner.height)}H${px(inner.width)}" fill="none" stroke="${palette.soft}"/>${labels}${axisLabels}</g>`;
-  return { body, width, height: Math.ceil(total) };
+  return { text: new XMLSerializer().serializeToString(file), size };
 }
 
-const svgFile = (body, width, height, ground) =>
-  `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 ${width} ${height}" width="${width}" height="${height}" font-family="system-ui, sans-serif" font-size="12">`
-  + (ground ? `<rect width="100%" height="100%" fill="${ground}"/>` : "") + body + "</svg>";
-
-// All panels of a figure, in the columns in which they stand on paper.
-function figureSvg(plots, columns, palette) {
-  let body = "", left = 0, top = 0, row = 0, width = 0;
-  plots.forEach((plot, i) => {
-    if (i && i % columns === 0) { left = 0; top += row + 12; row = 0; }
-    const panel = panelSvg(plot, palette);
-    body += `<g transform="translate(${left} ${top})">${panel.body}</g>`;
-    left += panel.width + 12;
-    row = Math.max(row, panel.height);
-    width = Math.max(width, left - 12);
-  });
-  return svgFile(body, width, top + row, palette.paper);
+// The same as a picture of twice as many pixels.
+async function savePng(name, { text, size: [width, height] }) {
+  const image = new Image(), canvas = make("canvas");
+  image.src = URL.createObjectURL(new Blob([text], { type: "image/svg+xml" }));
+  await image.decode();
+  Object.assign(canvas, { width: 2 * width, height: 2 * height });
+  canvas.getContext("2d").drawImage(image, 0, 0, canvas.width, canvas.height);
+  URL.revokeObjectURL(image.src);
+  canvas.toBlob(blob => save(name, "image/png", blob));
 }
 
 // Text as spreadsheets take it: numbers with a plain minus and without gaps between their thousands, and
@@ -153,36 +115,31 @@ function tools(holder, actions) {
 const values = stored => Array.isArray(stored) ? stored : Array.from({ length: stored.count }, (_, i) => +(stored.start + i * stored.step).toPrecision(12));
 
 function mountFigure(element, figure, plots) {
-  const holder = element.querySelector(".panels");
+  const holders = element.querySelectorAll(".panel");
   // Panels beside a map are as high as the map.
-  const shape = panel => {
-    const [x, y] = ["x", "y"].map(along => extent(panel, along, -Infinity, Infinity));
-    return Math.max(0.5, Math.min(1, (y[1] - y[0]) / (x[1] - x[0])));
-  };
+  const shape = ({ x: { range: x }, y: { range: y } }) => Math.max(0.5, Math.min(1, (y[1] - y[0]) / (x[1] - x[0])));
   const ratio = Math.max(0, ...figure.panels.filter(p => p.scale).map(shape));
-  const own = figure.panels.map(panel => {
+  const own = figure.panels.map((panel, i) => {
     panel.ratio = ratio;
     const link = p => !p.scale && !p.x.names.length ? `${p.x.label} ${p.x.log}` : null;
     const kin = figure.panels.filter(p => link(p) !== null && link(p) === link(panel));
     const key = kin.length > 1 ? `${element.id} ${figure.panels.indexOf(kin[0])}` : null;
-    const plot = new Plot(panel, holder.appendChild(make("div", "panel")), key);
-    Object.assign(plot, { key, columns: figure.columns });
-    return plot;
+    return Object.assign(new Plot(panel, holders[i], key), { key });
   });
   for (const plot of own) if (plot.key) plot.kin = own.filter(p => p.key === plot.key);
   plots.push(...own);
   if (own.length) tools(element.querySelector(".caption"), [
-    ["SVG", "Save the figure as it is shown", () => save(figure.name + ".svg", "image/svg+xml", figureSvg(own, figure.columns, readPalette("light")))],
+    ["SVG", "Save the figure as it is shown", () => save(figure.name + ".svg", "image/svg+xml", figureSvg(own, figure.columns).text)],
+    ["PNG", "Save the figure as it is shown, as pixels", () => savePng(figure.name + ".png", figureSvg(own, figure.columns))],
     ["CSV", "Save the numbers", () => save(figure.name + ".csv", "text/csv", figureCsv(figure))],
   ]);
 }
 
 function start() {
-  const data = JSON.parse(document.getElementById("data").textContent);
-  const xs = data.x.map(values);
+  const xs = DATA.x.map(values);
   const sorted = xs.map(x => x.every((v, i) => v != null && (i === 0 || v >= x[i - 1])));
   const plots = [];
-  data.figures.forEach((figure, i) => {
+  DATA.figures.forEach((figure, i) => {
     for (const panel of figure.panels) for (const series of panel.series) {
       series.sorted = sorted[series.x];
       series.x = xs[series.x];
@@ -198,34 +155,25 @@ function start() {
     ]);
   }
 
-  const system = matchMedia("(prefers-color-scheme: dark)"), root = document.documentElement;
-  const dark = () => root.classList.contains("dark") || system.matches && !root.classList.contains("light");
   const button = document.body.appendChild(make("button"));
   button.id = "theme";
   button.type = "button";
   const themed = () => {
-    button.textContent = dark() ? "Light" : "Dark";
-    button.title = dark() ? "Dark on light" : "Light on dark";
+    button.textContent = isDark() ? "Light" : "Dark";
+    button.title = isDark() ? "Dark on light" : "Light on dark";
     for (const plot of plots) plot.repaint();
   };
   button.onclick = () => {
-    const next = dark() ? "light" : "dark";
+    const next = isDark() ? "light" : "dark";
     root.classList.remove("light", "dark");
     root.classList.add(next);
     themed();
   };
   system.addEventListener("change", themed);
-  button.textContent = dark() ? "Light" : "Dark";
+  button.textContent = isDark() ? "Light" : "Dark";
 
-  // On paper every panel is lines and text, not pixels.
-  addEventListener("beforeprint", () => {
-    const palette = readPalette("light");
-    for (const plot of plots) {
-      const { body, width, height } = panelSvg(plot, palette, 820 / Math.min(3, plot.columns));
-      plot.paper.innerHTML = svgFile(body, width, height);
-    }
-  });
-  addEventListener("afterprint", () => { for (const plot of plots) plot.paper.textContent = ""; });
+  addEventListener("beforeprint", () => { for (const plot of plots) plot.print(); });
+  addEventListener("afterprint", () => { for (const plot of plots) plot.print(plot.first); });
 
   // For scripts that look at the page.
   window.report = { plots, ready: performance.now() };

@@ -1,342 +1,356 @@
-//! Panels drawn as SVG.
+//! Panels as SVG: title, legend, axes, curves.
 
 use super::{
-    COLOURS,
-    panel::{Corner, Panel, Series, Style},
-    shapes::{Scale, Window, bar_slot, runs},
+    panel::Panel,
+    paths::{key, paths},
+    scale::{Window, px, text_width},
+    style::style,
 };
-use plotters::{
-    coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged},
-    element::{DashedPathElement, DynElement},
-    prelude::*,
-    style::text_anchor::{HPos, Pos, VPos},
-};
-use std::{ops::Range, path::Path};
+use crate::markup::escape;
+use std::path::Path;
 
-type Failure = Box<dyn std::error::Error>;
-pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
-type Element<'a> = DynElement<'static, SVGBackend<'a>, (f64, f64)>;
+/// Between panels \[pixel\].
+const GAP: f64 = 14.0;
+/// Between lines of text \[pixel\].
+const LINE: f64 = 17.0;
+/// Right of the plot: half of the last number below it.
+const RIGHT: f64 = 22.0;
+/// Letters of a name below the axis.
+const LONGEST_NAME: usize = 24;
 
-/// The drawing library knows whole units only: so many to a pixel keep curves smooth.
-const FINE: u32 = 8;
+/// Panels side by side.
+pub(crate) struct Drawing {
+    /// The elements of each panel.
+    panels: Vec<String>,
+    columns: usize,
+    /// Of each panel \[pixel\].
+    size: (f64, f64),
+}
 
-/// Draws panels side by side, `columns` to a row, each of a size \[pixel\].
+/// Draws panels, `columns` side by side, each of a size \[pixel\]; `id` tells the drawings of one page apart.
+pub(crate) fn drawing(panels: &[Panel], columns: usize, size: (f64, f64), id: &str) -> Drawing {
+    // Plots begin at one height and one distance from the left, so that their axes are in line.
+    let most = |of: &dyn Fn(&Panel) -> f64| panels.iter().map(of).fold(0.0, f64::max);
+    let title = most(&|panel| if panel.title.is_empty() { 8.0 } else { 28.0 });
+    let left = most(&|panel| {
+        let window = panel.window(size.0 - 80.0, size.1 - title - 60.0);
+        let ticks = window.y.ticks();
+        let numbers = ticks.iter().map(|tick| text_width(&tick.1));
+        let label = if panel.y.label.is_empty() { 14.0 } else { 34.0 };
+        (label + numbers.fold(12.0, f64::max)).min(0.4 * size.0)
+    });
+    let legends: Vec<(String, f64)> = panels
+        .iter()
+        .map(|panel| legend(panel, left, size.0))
+        .collect();
+    let below = legends.iter().map(|legend| legend.1).fold(0.0, f64::max);
+    // A long legend takes nothing from the plot.
+    let size = (size.0, size.1 + (below - 3.0 * LINE).max(0.0));
+    let frame = Frame {
+        left,
+        title,
+        top: title + below,
+        size,
+    };
+    let panels = panels.iter().zip(&legends).enumerate();
+    Drawing {
+        panels: panels
+            .map(|(i, (panel, (legend, _)))| frame.panel(panel, legend, &format!("{id}-{i}")))
+            .collect(),
+        columns: columns.max(1),
+        size,
+    }
+}
+
+impl Drawing {
+    /// Each panel as an element of its own in a page.
+    pub fn inline(&self) -> impl Iterator<Item = String> + '_ {
+        let one = |panel: &String| svg("class=\"paper\"", panel, self.size);
+        self.panels.iter().map(one)
+    }
+
+    /// All of them as the text of a file.
+    pub fn file(&self) -> String {
+        let columns = self.columns.min(self.panels.len()).max(1);
+        let (width, height) = (self.size.0 + GAP, self.size.1 + GAP);
+        let mut body = format!(
+            "<rect width=\"100%\" height=\"100%\" fill=\"{}\"/>",
+            style().ink("paper")
+        );
+        for (i, panel) in self.panels.iter().enumerate() {
+            let (left, top) = ((i % columns) as f64 * width, (i / columns) as f64 * height);
+            body += &format!("<g transform=\"translate({left} {top})\">{panel}</g>");
+        }
+        let rows = self.panels.len().div_ceil(columns) as f64;
+        let size = (columns as f64 * width - GAP, (rows * height - GAP).max(1.0));
+        svg("xmlns=\"http://www.w3.org/2000/svg\"", &body, size) + "\n"
+    }
+}
+
+fn svg(attributes: &str, body: &str, (width, height): (f64, f64)) -> String {
+    format!(
+        "<svg {attributes} viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" \
+         font-family=\"sans-serif\" font-size=\"13\">{body}</svg>"
+    )
+}
+
+/// Draws panels side by side into a file, `columns` to a row, each of a size \[pixel\].
 ///
 /// # Errors
 /// A sentence for the user when the file cannot be written.
 pub fn draw(path: &Path, panels: &[Panel], columns: usize, size: (u32, u32)) -> Result<(), String> {
-    svg(panels, columns, size)
-        .and_then(|text| undrift::io::write::write_whole(path, text).map_err(|e| e.to_string()))
-        .map_err(|e| format!("cannot draw {}: {e}", path.display()))
+    let size = (f64::from(size.0), f64::from(size.1));
+    undrift::io::write::write_whole(path, drawing(panels, columns, size, "panel").file())
+        .map_err(|e| format!("cannot write {}: {e}", path.display()))
 }
 
-/// The text of an SVG file with panels side by side, `columns` to a row, each of a size \[pixel\].
-///
-/// # Errors
-/// What the drawing library says.
-pub(crate) fn svg(
-    panels: &[Panel],
-    columns: usize,
-    (width, height): (u32, u32),
-) -> Result<String, String> {
-    let columns = columns.clamp(1, panels.len().max(1));
-    let rows = panels.len().div_ceil(columns).max(1);
-    let size = (width * columns as u32, height * rows as u32);
-    let fine = (size.0 * FINE, size.1 * FINE);
-    let mut text = String::new();
-    let figure = |text: &mut String| -> Result<(), Failure> {
-        let root = SVGBackend::with_string(text, fine).into_drawing_area();
-        root.fill(&WHITE)?;
-        for (area, panel) in root.split_evenly((rows, columns)).iter().zip(panels) {
-            panel.draw(area, FINE)?;
+/// Where the parts of a panel are \[pixel\].
+struct Frame {
+    /// Left of the plot.
+    left: f64,
+    /// Above the legend.
+    title: f64,
+    /// Above the plot.
+    top: f64,
+    size: (f64, f64),
+}
+
+impl Frame {
+    /// A panel. What the page's script draws again of a part of it has a class, and the plot its size.
+    fn panel(&self, panel: &Panel, legend: &str, id: &str) -> String {
+        let width = self.size.0 - self.left - RIGHT;
+        let names = names(panel, width);
+        let label = if panel.x.label.is_empty() { 4.0 } else { 22.0 };
+        let below = 8.0 + names.as_ref().map_or(LINE, |names| names.1) + label;
+        let height = (self.size.1 - self.top - below).max(40.0);
+        let window = panel.window(width, height);
+        let (ink, soft) = (style().ink("ink"), style().ink("soft"));
+        let mut out = String::new();
+        if !panel.title.is_empty() {
+            out += &text(
+                (self.left, 18.0),
+                &fit(&panel.title, 0.85 * width),
+                &format!("font-size=\"15\" font-weight=\"600\" fill=\"{ink}\""),
+            );
         }
-        root.present()?;
-        Ok(())
-    };
-    figure(&mut text).map_err(|e| e.to_string())?;
-    let measures = |(width, height)| format!("<svg width=\"{width}\" height=\"{height}\"");
-    Ok(text.replacen(&measures(fine), &measures(size), 1))
-}
-
-/// What is left of an area below its title and inside its margin.
-struct Frame<'a> {
-    area: Area<'a>,
-    /// Units of the area to a pixel.
-    unit: u32,
-    label_height: u32,
-    upright_names: bool,
-}
-
-/// Room for the numbers of the y axis \[pixel\].
-const LABEL_WIDTH: u32 = 72;
-
-/// Letters of a name below the axis.
-const LONGEST_NAME: usize = 24;
-
-impl Panel {
-    /// Draws the panel into a part of a figure with so many units to a pixel.
-    pub(super) fn draw(&self, area: &Area, unit: u32) -> Result<(), Failure> {
-        let frame = self.frame(area, unit)?;
-        let (width, height) = frame.area.dim_in_pixel();
-        let window = self.window(
-            f64::from(width.saturating_sub(LABEL_WIDTH * unit).max(1)),
-            f64::from(height.saturating_sub(frame.label_height).max(1)),
+        out += &format!("<g transform=\"translate(0 {})\">{legend}</g>", self.title);
+        let (ground, ticks) = axes(panel, &window);
+        let curves = (0..panel.series.len()).map(|i| paths(panel, i, &window));
+        let curves: String = curves.collect();
+        out += &format!(
+            "<g transform=\"translate({left} {top})\" data-size=\"{width} {height}\" fill=\"{soft}\">\
+             <clipPath id=\"{id}\"><rect width=\"{width}\" height=\"{height}\"/></clipPath>\
+             <g class=\"ground\">{ground}</g>\
+             <g class=\"curves\" clip-path=\"url(#{id})\">{curves}</g>\
+             <path d=\"M0 0V{height}H{width}\" fill=\"none\" stroke=\"{soft}\"/>\
+             <g class=\"ticks\">{ticks}</g>\
+             <g transform=\"translate(0 {height})\">{}</g>",
+            names.map_or(String::new(), |names| names.0),
+            left = px(self.left),
+            top = px(self.top),
+            width = px(width),
+            height = px(height),
         );
-        self.draw_over(&frame, &window)
+        let middle = "text-anchor=\"middle\"";
+        out += &text(
+            (0.5 * width, height + below - 6.0),
+            &fit(&panel.x.label, width),
+            middle,
+        );
+        let upright = format!("{middle} transform=\"rotate(-90)\"");
+        out += &text(
+            (-0.5 * height, 14.0 - self.left),
+            &fit(&panel.y.label, height),
+            &upright,
+        );
+        out + "</g>"
     }
+}
 
-    /// Writes the title; names below the axis stand upright where they are too long side by side.
-    fn frame<'a>(&self, area: &Area<'a>, unit: u32) -> Result<Frame<'a>, Failure> {
-        const LETTER: usize = 8;
-        let area = area.margin(14 * unit, 14 * unit, 14 * unit, 22 * unit);
-        let area = if self.title.is_empty() {
-            area
-        } else {
-            area.titled(&self.title, ("sans-serif", 18 * unit))?
-        };
-        let names = &self.x.names;
-        let longest = names.iter().map(|n| n.chars().count()).max().unwrap_or(0) * LETTER;
-        let room = (area.dim_in_pixel().0 / unit).saturating_sub(LABEL_WIDTH) as usize;
-        let upright_names = longest * names.len() > room;
-        let label_height = match (names.is_empty(), upright_names) {
-            (true, _) => 38,
-            (false, false) => 26,
-            (false, true) => longest.min((LONGEST_NAME + 1) * LETTER) as u32 + 16,
-        };
-        Ok(Frame {
-            area,
-            unit,
-            label_height: label_height * unit,
-            upright_names,
-        })
+/// Shades and grid behind the curves; marks and numbers beside the axes.
+fn axes(panel: &Panel, window: &Window) -> (String, String) {
+    let (grid, soft, shade) = (
+        style().ink("grid"),
+        style().ink("soft"),
+        style().ink("shade"),
+    );
+    let (width, height) = (px(window.x.length), px(window.y.length));
+    let (mut ground, mut marks) = (String::new(), String::new());
+    for (from, to) in &panel.shades {
+        let side = |v: f64| Some(window.x.pixel(v)?.clamp(0.0, width));
+        if let (Some(from), Some(to)) = (side(*from), side(*to))
+            && from < to
+        {
+            ground += &format!("<path d=\"M{from} 0H{to}V{height}H{from}Z\" fill=\"{shade}\"/>");
+        }
     }
+    for (top, label) in window.y.ticks() {
+        ground += &format!("<path d=\"M0 {top}H{width}\" stroke=\"{grid}\"/>");
+        marks += &format!("<path d=\"M-4 {top}H0\" stroke=\"{soft}\"/>");
+        marks += &text((-8.0, top + 4.5), &label, "text-anchor=\"end\"");
+    }
+    if panel.x.names.is_empty() {
+        for (left, label) in window.x.ticks() {
+            ground += &format!("<path d=\"M{left} 0V{height}\" stroke=\"{grid}\"/>");
+            marks += &format!("<path d=\"M{left} {height}v4\" stroke=\"{soft}\"/>");
+            marks += &text((left, height + LINE), &label, "text-anchor=\"middle\"");
+        }
+    }
+    (ground, marks)
+}
 
-    fn draw_over(&self, frame: &Frame, window: &Window) -> Result<(), Failure> {
-        let unit = frame.unit;
-        let font = ("sans-serif", 13 * unit);
-        let mut chart = ChartBuilder::on(&frame.area)
-            .x_label_area_size(frame.label_height)
-            .y_label_area_size(LABEL_WIDTH * unit)
-            .build_cartesian_2d(window.x.clone(), window.y.clone())?;
-        for &(from, to) in &self.shades {
-            let (from, to) = (window.x.clamp(from), window.x.clamp(to));
-            if from < to {
-                chart.draw_series([Rectangle::new(
-                    [(from, window.y.range.start), (to, window.y.range.end)],
-                    RGBColor(240, 240, 240).filled(),
-                )])?;
+/// The names of the series with their samples, in rows, and how high they are; what the script hides
+/// goes by its place.
+fn legend(panel: &Panel, left: f64, width: f64) -> (String, f64) {
+    let (mut out, mut across, mut top) = (String::new(), left, 0.0);
+    for (i, series) in panel.series.iter().enumerate() {
+        if series.name.is_empty() {
+            continue;
+        }
+        let wide = 38.0 + text_width(&series.name);
+        if across > left && across + wide > width {
+            (across, top) = (left, top + LINE + 2.0);
+        }
+        let name = text(
+            (24.0, 10.5),
+            &fit(&series.name, width - left - 30.0),
+            &format!("fill=\"{}\"", style().ink("ink")),
+        );
+        out += &format!(
+            "<g data-series=\"{i}\" transform=\"translate({} {top})\">{}{name}</g>",
+            px(across),
+            key(series)
+        );
+        across += wide;
+    }
+    let height = if out.is_empty() {
+        0.0
+    } else {
+        top + LINE + 6.0
+    };
+    (out, height)
+}
+
+/// The names below an axis of names and how high they are: in up to three lines, upright where that
+/// is not enough.
+fn names(panel: &Panel, width: f64) -> Option<(String, f64)> {
+    let names = &panel.x.names;
+    if names.is_empty() {
+        return None;
+    }
+    let window = panel.window(width, 1.0);
+    let room = window.x.pixel(1.0)? - window.x.pixel(0.0)? - 8.0;
+    let broken: Vec<Vec<String>> = names.iter().map(|name| lines(name, room)).collect();
+    let fits =
+        |lines: &Vec<String>| lines.len() <= 3 && lines.iter().all(|line| text_width(line) <= room);
+    let (mut out, mut height) = (String::new(), LINE);
+    if broken.iter().all(fits) {
+        for (i, lines) in broken.iter().enumerate() {
+            let left = window.x.pixel(i as f64)?;
+            for (k, line) in lines.iter().enumerate() {
+                let top = LINE * (k + 1) as f64;
+                out += &text((left, top), line, "text-anchor=\"middle\"");
+                height = height.max(top);
             }
         }
-        let named = !self.x.names.is_empty();
-        let x_label = |v: &f64| {
-            if named {
-                String::new()
-            } else {
-                window.x.label(*v)
-            }
-        };
-        let y_label = |v: &f64| window.y.label(*v);
-        let mut mesh = chart.configure_mesh();
-        mesh.x_desc(&self.x.label)
-            .y_desc(&self.y.label)
-            .light_line_style(TRANSPARENT)
-            .bold_line_style(RGBColor(225, 225, 225).stroke_width(unit))
-            .axis_style(BLACK.stroke_width(unit))
-            .set_all_tick_mark_size(5 * unit)
-            .label_style(font)
-            .axis_desc_style(font)
-            .x_label_formatter(&x_label)
-            .y_label_formatter(&y_label);
-        if named {
-            mesh.disable_x_mesh();
-        }
-        mesh.draw()?;
-        self.draw_names(frame, &window.x)?;
-        for (i, series) in self.series.iter().enumerate() {
-            let drawn = chart.draw_series(self.elements(i, series, window, unit))?;
-            if !series.name.is_empty() {
-                let (colour, style) = (COLOURS[series.colour % COLOURS.len()], series.style);
-                drawn
-                    .label(&series.name)
-                    .legend(move |at| key(at, colour, style, unit));
-            }
-        }
-        if self.series.iter().any(|s| !s.name.is_empty()) {
-            chart
-                .configure_series_labels()
-                .position(match self.legend_corner(window) {
-                    Corner::UpperLeft => SeriesLabelPosition::UpperLeft,
-                    Corner::UpperRight => SeriesLabelPosition::UpperRight,
-                    Corner::LowerLeft => SeriesLabelPosition::LowerLeft,
-                    Corner::LowerRight => SeriesLabelPosition::LowerRight,
-                })
-                .background_style(WHITE.mix(0.85))
-                .border_style(RGBColor(200, 200, 200).stroke_width(unit))
-                .margin(10 * unit)
-                .legend_area_size(30 * unit)
-                .label_font(font)
-                .draw()?;
-        }
-        Ok(())
-    }
-
-    /// Writes the names below the axis.
-    fn draw_names(&self, frame: &Frame, scale: &Scale) -> Result<(), Failure> {
-        let (width, height) = frame.area.dim_in_pixel();
-        let unit = frame.unit;
-        let (left, right) = ((LABEL_WIDTH * unit) as i32, width as i32);
-        let top = height as i32 - frame.label_height as i32 + 9 * unit as i32;
-        let font = ("sans-serif", 13 * unit).into_font();
-        let (font, across, below) = if frame.upright_names {
-            let upright = font.transform(FontTransform::Rotate270);
-            (upright, HPos::Right, VPos::Center)
-        } else {
-            (font, HPos::Center, VPos::Top)
-        };
-        let style = TextStyle::from(font).pos(Pos::new(across, below));
-        for (i, name) in self.x.names.iter().enumerate() {
-            let at = (scale.map(&(i as f64), (left, right)), top);
+    } else {
+        for (i, name) in names.iter().enumerate() {
+            let left = window.x.pixel(i as f64)? + 4.5;
             let shown = match name.char_indices().nth(LONGEST_NAME) {
                 Some((end, _)) => format!("{}…", &name[..end]),
                 None => name.clone(),
             };
-            frame.area.draw(&Text::new(shown, at, style.clone()))?;
-        }
-        Ok(())
-    }
-
-    /// What a series looks like inside the window.
-    fn elements<'a>(
-        &self,
-        index: usize,
-        series: &Series,
-        window: &Window,
-        unit: u32,
-    ) -> Vec<Element<'a>> {
-        let colour = COLOURS[series.colour % COLOURS.len()];
-        let column = |i: usize| series.y.get(i).map_or(&[][..], Vec::as_slice);
-        match series.style {
-            Style::Line(width) => runs(&series.x, column(0), window)
-                .into_iter()
-                .map(|run| PathElement::new(run, colour.stroke_width(width * unit)).into_dyn())
-                .collect(),
-            Style::Dashed => runs(&series.x, column(0), window)
-                .into_iter()
-                .map(|run| {
-                    DashedPathElement::new(run, 6 * unit, 4 * unit, colour.stroke_width(2 * unit))
-                        .into_dyn()
-                })
-                .collect(),
-            Style::Dots => series
-                .points()
-                .filter(|&(x, y)| window.holds(x, y))
-                .map(|point| Circle::new(point, 3 * unit, colour.filled()).into_dyn())
-                .collect(),
-            Style::Band => {
-                // What is beyond the window goes along its edge, so that both bounds have the same runs.
-                let edged = |bound: &[f64]| -> Vec<f64> {
-                    bound.iter().map(|y| window.y.clamp(*y)).collect()
-                };
-                let lower = runs(&series.x, &edged(column(0)), window);
-                let upper = runs(&series.x, &edged(column(1)), window);
-                lower
-                    .into_iter()
-                    .zip(upper)
-                    .map(|(low, high)| {
-                        let outline: Vec<_> =
-                            low.into_iter().chain(high.into_iter().rev()).collect();
-                        Polygon::new(outline, colour.mix(0.2)).into_dyn()
-                    })
-                    .collect()
-            }
-            Style::Bars => {
-                let slot = bar_slot(self, index);
-                let base = window.y.clamp(0.0);
-                series
-                    .points()
-                    .filter(|&(x, y)| window.holds(x, window.y.clamp(y)))
-                    .map(|(x, y)| {
-                        let [left, right] = slot.map(|s| window.x.clamp(x + s));
-                        let corners = [(left, base), (right, window.y.clamp(y))];
-                        Rectangle::new(corners, colour.filled()).into_dyn()
-                    })
-                    .collect()
-            }
-            Style::Boxes => {
-                let slot = bar_slot(self, index);
-                let one = |i: usize, x: f64| -> Vec<Element<'a>> {
-                    let at = |k: usize| column(k).get(i).copied().unwrap_or(f64::NAN);
-                    let level = std::array::from_fn::<f64, 5, _>(at);
-                    if !level.iter().all(|v| self.y.takes(*v))
-                        || !window.holds(x, window.y.range.start)
-                    {
-                        return Vec::new();
-                    }
-                    let [low, q1, median, q3, high] = level.map(|v| window.y.clamp(v));
-                    let [left, right] = slot.map(|s| window.x.clamp(x + s));
-                    let middle = f64::midpoint(left, right);
-                    let path = |points: Vec<(f64, f64)>, width: u32| {
-                        PathElement::new(points, colour.stroke_width(width * unit)).into_dyn()
-                    };
-                    let frame = [(left, q1), (right, q1), (right, q3), (left, q3), (left, q1)];
-                    vec![
-                        Rectangle::new([(left, q1), (right, q3)], colour.mix(0.2).filled())
-                            .into_dyn(),
-                        path(frame.to_vec(), 1),
-                        path(vec![(middle, low), (middle, q1)], 1),
-                        path(vec![(middle, q3), (middle, high)], 1),
-                        path(vec![(left, median), (right, median)], 3),
-                    ]
-                };
-                let boxes = series.x.iter().enumerate();
-                boxes.flat_map(|(i, &x)| one(i, x)).collect()
-            }
+            height = height.max(text_width(&shown));
+            out += &text(
+                (-8.0, left),
+                &shown,
+                "text-anchor=\"end\" transform=\"rotate(-90)\"",
+            );
         }
     }
+    Some((out, height))
 }
 
-impl Ranged for Scale {
-    type FormatOption = DefaultFormatting;
-    type ValueType = f64;
-
-    fn map(&self, value: &f64, (first, last): (i32, i32)) -> i32 {
-        let place = self.place(*value).clamp(0.0, 1.0);
-        first + (place * f64::from(last - first)).round() as i32
+/// A name broken after spaces and dashes into lines that have room.
+fn lines(name: &str, room: f64) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in name.split_inclusive([' ', '-', '–', '/']) {
+        match lines.last_mut() {
+            Some(last) if text_width(last) + text_width(word.trim_end()) <= room => *last += word,
+            _ => lines.push(word.to_owned()),
+        }
     }
-
-    fn key_points<Hint: KeyPointHint>(&self, _: Hint) -> Vec<f64> {
-        self.ticks.clone()
-    }
-
-    fn range(&self) -> Range<f64> {
-        self.range.clone()
-    }
+    lines
 }
 
-/// The sample of a series beside its name.
-fn key<'a>(
-    (x, y): (i32, i32),
-    colour: RGBColor,
-    style: Style,
-    unit: u32,
-) -> DynElement<'static, SVGBackend<'a>, (i32, i32)> {
-    let px = |n: i32| n * unit as i32;
-    let line = |to: i32, width: u32| {
-        PathElement::new(
-            vec![(x, y), (x + px(to), y)],
-            colour.stroke_width(width * unit),
+/// A text, as much of it as has room.
+fn fit(content: &str, room: f64) -> String {
+    let mut width = 0.0;
+    let long = content.char_indices().find(|(at, c)| {
+        width += text_width(c.encode_utf8(&mut [0; 4]));
+        // Widths are rather too large.
+        *at > 0 && width > 1.1 * room
+    });
+    long.map_or(content.to_owned(), |(end, _)| {
+        format!("{}…", &content[..end])
+    })
+}
+
+fn text((left, top): (f64, f64), content: &str, attributes: &str) -> String {
+    if content.is_empty() {
+        return String::new();
+    }
+    let (left, top, content) = (px(left), px(top), escape(content));
+    format!("<text x=\"{left}\" y=\"{top}\" {attributes}>{content}</text>")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figure::panel::{Axis, Series};
+
+    fn panel(names: &[&str]) -> Panel {
+        let x = if names.is_empty() {
+            Axis::new("time [s]")
+        } else {
+            Axis::categories(names.iter().copied())
+        };
+        let mut panel = Panel::new("Title", x, Axis::new("error [m]"));
+        panel.add(Series::line("<a & b>", 7, vec![(0.0, 0.0), (1.0, 1.0)]));
+        panel
+    }
+
+    #[test]
+    fn a_file_holds_its_panels() {
+        let file = drawing(
+            &[panel(&[]), panel(&[]), panel(&[])],
+            2,
+            (400.0, 300.0),
+            "a",
         )
-        .into_dyn()
-    };
-    let patch = |share: f64| {
-        let corners = [(x, y - px(5)), (x + px(18), y + px(5))];
-        Rectangle::new(corners, colour.mix(share).filled()).into_dyn()
-    };
-    match style {
-        Style::Line(width) => line(18, width),
-        Style::Dashed => line(7, 2),
-        Style::Dots => Circle::new((x + px(9), y), 3 * unit, colour.filled()).into_dyn(),
-        Style::Band | Style::Boxes => patch(0.2),
-        Style::Bars => patch(1.0),
+        .file();
+        assert!(file.contains("viewBox=\"0 0 814 614\""), "{file}");
+        assert_eq!(file.matches("&lt;a &amp; b&gt;").count(), 3);
+        assert_eq!(file.matches("<clipPath id=\"a-").count(), 3);
+        assert_eq!(file.matches("stroke=\"#0072b2\"").count(), 6);
+        assert_eq!(file.matches("<g").count(), file.matches("</g>").count());
+        assert!(!file.contains("NaN") && !file.contains("inf"));
+        assert!(drawing(&[], 0, (400.0, 300.0), "a").file().contains("<svg"));
+    }
+
+    #[test]
+    fn names_are_broken_or_stand_upright() {
+        let of = |names: &[&str]| {
+            let (drawn, _) = super::names(&panel(names), 300.0).unwrap();
+            drawn.matches("rotate").count()
+        };
+        assert_eq!(
+            lines("white, no constants", 60.0),
+            ["white, ", "no ", "constants"]
+        );
+        assert_eq!(of(&["white, no constants", "b", "c"]), 0);
+        assert_eq!(of(&["unbreakable_and_far_too_long", "b", "c"]), 3);
+        assert_eq!(fit("horizontal error [m]", 300.0), "horizontal error [m]");
+        assert!(fit("horizontal error [m]", 60.0).ends_with('…'));
     }
 }

@@ -1,7 +1,5 @@
 //! Panels of curves over two axes, linear or logarithmic: what is to be drawn.
 
-use super::COLOURS;
-pub use super::draw::draw;
 use std::ops::Range;
 
 /// One axis of a panel.
@@ -89,20 +87,22 @@ impl Axis {
         } else {
             1e-3 * low.abs()
         };
-        let (low, high) = (low - margin, high + margin);
+        // The ends and what lies between them stay finite, whatever the values.
         if self.logarithmic {
-            10f64.powf(low)..10f64.powf(high)
+            10f64.powf((low - margin).max(-307.0))..10f64.powf((high + margin).min(307.0))
         } else {
-            low..high
+            const MOST: f64 = 0.4 * f64::MAX;
+            (low - margin).max(-MOST)..(high + margin).min(MOST)
         }
     }
 }
 
 /// How a series is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Style {
-    /// A line so many pixels wide.
-    Line(u32),
+pub(crate) enum Kind {
+    Thin,
+    Line,
+    Thick,
     Dashed,
     Dots,
     /// Between two curves.
@@ -113,12 +113,28 @@ pub(crate) enum Style {
     Boxes,
 }
 
+impl Kind {
+    /// Its name in the data of a page; of lines also in `style.json`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Thin => "thin",
+            Self::Line => "line",
+            Self::Thick => "thick",
+            Self::Dashed => "dashed",
+            Self::Dots => "dots",
+            Self::Band => "band",
+            Self::Bars => "bars",
+            Self::Boxes => "boxes",
+        }
+    }
+}
+
 /// One curve of a panel.
 #[derive(Clone, Debug)]
 pub struct Series {
     pub(crate) name: String,
     pub(crate) colour: usize,
-    pub(crate) style: Style,
+    pub(crate) kind: Kind,
     pub(crate) x: Vec<f64>,
     /// Values at each x: one column; of a band its lower and upper bound; of boxes the minimum,
     /// first quartile, median, third quartile and maximum.
@@ -126,16 +142,16 @@ pub struct Series {
 }
 
 impl Series {
-    fn new(name: &str, colour: usize, style: Style, points: Vec<(f64, f64)>) -> Self {
+    fn new(name: &str, colour: usize, kind: Kind, points: Vec<(f64, f64)>) -> Self {
         let (x, y) = points.into_iter().unzip();
-        Self::of_columns(name, colour, style, x, vec![y])
+        Self::of_columns(name, colour, kind, x, vec![y])
     }
 
-    fn of_columns(name: &str, colour: usize, style: Style, x: Vec<f64>, y: Vec<Vec<f64>>) -> Self {
+    fn of_columns(name: &str, colour: usize, kind: Kind, x: Vec<f64>, y: Vec<Vec<f64>>) -> Self {
         Self {
             name: name.to_owned(),
-            colour: colour % COLOURS.len(),
-            style,
+            colour,
+            kind,
             x,
             y,
         }
@@ -144,32 +160,32 @@ impl Series {
     /// A line in one of eight colours, broken where y is not a number. Without a name it is not in
     /// the legend.
     pub fn line(name: &str, colour: usize, points: Vec<(f64, f64)>) -> Self {
-        Self::new(name, colour, Style::Line(2), points)
+        Self::new(name, colour, Kind::Line, points)
     }
 
     /// A thin line, for a noisy curve.
     pub fn thin(name: &str, colour: usize, points: Vec<(f64, f64)>) -> Self {
-        Self::new(name, colour, Style::Line(1), points)
+        Self::new(name, colour, Kind::Thin, points)
     }
 
     /// A thick line, for the curve that matters.
     pub fn thick(name: &str, colour: usize, points: Vec<(f64, f64)>) -> Self {
-        Self::new(name, colour, Style::Line(4), points)
+        Self::new(name, colour, Kind::Thick, points)
     }
 
     /// A dashed line.
     pub fn dashed(name: &str, colour: usize, points: Vec<(f64, f64)>) -> Self {
-        Self::new(name, colour, Style::Dashed, points)
+        Self::new(name, colour, Kind::Dashed, points)
     }
 
     /// Single points.
     pub fn dots(name: &str, colour: usize, points: Vec<(f64, f64)>) -> Self {
-        Self::new(name, colour, Style::Dots, points)
+        Self::new(name, colour, Kind::Dots, points)
     }
 
     /// Bars from zero to y; of several series with bars at the same x they stand side by side.
     pub fn bars(name: &str, colour: usize, points: Vec<(f64, f64)>) -> Self {
-        Self::new(name, colour, Style::Bars, points)
+        Self::new(name, colour, Kind::Bars, points)
     }
 
     /// A light band between a lower and an upper curve: x, lower, upper.
@@ -177,7 +193,7 @@ impl Series {
         let x = bounds.iter().map(|b| b.0).collect();
         let lower = bounds.iter().map(|b| b.1).collect();
         let upper = bounds.iter().map(|b| b.2).collect();
-        Self::of_columns(name, colour, Style::Band, x, vec![lower, upper])
+        Self::of_columns(name, colour, Kind::Band, x, vec![lower, upper])
     }
 
     /// Boxes with whiskers: x, and there the minimum, first quartile, median, third quartile and
@@ -185,7 +201,7 @@ impl Series {
     pub fn boxes(name: &str, colour: usize, boxes: Vec<(f64, [f64; 5])>) -> Self {
         let y = (0..5).map(|i| boxes.iter().map(|b| b.1[i]).collect());
         let x = boxes.iter().map(|b| b.0).collect();
-        Self::of_columns(name, colour, Style::Boxes, x, y.collect())
+        Self::of_columns(name, colour, Kind::Boxes, x, y.collect())
     }
 
     /// All points that the series passes through: x and y.
@@ -196,19 +212,6 @@ impl Series {
     }
 }
 
-/// Where the legend of a panel stands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Corner {
-    /// Top left.
-    UpperLeft,
-    /// Top right.
-    UpperRight,
-    /// Bottom left.
-    LowerLeft,
-    /// Bottom right.
-    LowerRight,
-}
-
 /// Curves over two axes.
 #[derive(Clone, Debug)]
 pub struct Panel {
@@ -216,8 +219,6 @@ pub struct Panel {
     pub(crate) x: Axis,
     pub(crate) y: Axis,
     pub(crate) series: Vec<Series>,
-    /// Where the legend stands; where there is most room if nobody said.
-    pub(crate) legend: Option<Corner>,
     /// Spans of x on a shaded ground.
     pub(crate) shades: Vec<(f64, f64)>,
     /// Whether a unit of x is as long as one of y.
@@ -225,23 +226,22 @@ pub struct Panel {
 }
 
 impl Panel {
-    /// An empty panel, its legend in the corner with most room.
+    /// An empty panel.
     pub fn new(title: &str, x: Axis, y: Axis) -> Self {
         Self {
             title: title.to_owned(),
             x,
             y,
             series: Vec::new(),
-            legend: None,
             shades: Vec::new(),
             to_scale: false,
         }
     }
 
-    /// Puts the legend into a corner.
-    pub fn legend(self, legend: Corner) -> Self {
+    /// The panel under another title.
+    pub fn titled(self, title: &str) -> Self {
         Self {
-            legend: Some(legend),
+            title: title.to_owned(),
             ..self
         }
     }

@@ -2,7 +2,7 @@
 
 use super::{COLOURS, LEVEL, Units, figure, heading, units};
 use crate::{
-    Axis as PlotAxis, Block, Cell, Corner, Panel, Section, Series, Table,
+    Axis as PlotAxis, Block, Cell, Panel, Section, Series, Table,
     parts::{Clock, count, error, exact, get, probability, short, table, text, warnings, zip},
 };
 use std::f64::consts::{LN_2, PI, TAU};
@@ -231,7 +231,6 @@ pub(super) fn allan_panel(unit: &Units) -> Panel {
         PlotAxis::logarithmic("averaging time τ [s]"),
         PlotAxis::logarithmic(&y),
     )
-    .legend(Corner::LowerLeft)
 }
 
 pub(super) fn psd(axis: &Axis, unit: &Units) -> Option<Panel> {

@@ -2,7 +2,7 @@
 
 use super::Model;
 use crate::{
-    Axis, Block, Corner, Figure, Panel, Section, Series,
+    Axis, Block, Figure, Panel, Section, Series,
     parts::{Clock, axis_for},
 };
 use undrift::noise::order_statistics::quantile;
@@ -130,7 +130,7 @@ fn outage_by_outage(models: &[&Model<'_>]) -> Option<Block> {
         return None;
     }
     let y = axis_for(&all, "largest horizontal error [m]");
-    let mut panel = Panel::new("", Axis::new(&clock.label()), y).legend(Corner::UpperRight);
+    let mut panel = Panel::new("", Axis::new(&clock.label()), y);
     for model in models {
         let outages = model.errors.per_outage.iter().zip(model.largest());
         let points: Vec<(f64, f64)> = outages.map(|(o, e)| (clock.at(o.start_s.0), e)).collect();

@@ -3,9 +3,7 @@
 
 use std::{f64::consts::TAU, path::PathBuf};
 use undrift_report::{
-    Axis, Block, Cell, Corner, Document, Figure, Panel, Section, Series, Table,
-    figures::{self, Formats},
-    html,
+    Axis, Block, Cell, Document, Figure, Panel, Section, Series, Table, figures, html,
 };
 
 const HOSTILE: &str = "</script><img src=x onerror=alert(1)><!--<script>\"'&";
@@ -27,8 +25,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             html::render(document),
         )?;
     }
-    figures::write(&kinds, &dir.join("figures"), Formats::default())?;
-    figures::write(&hostile(), &dir.join("figures-hostile"), Formats::default())?;
+    figures::write(&kinds, &dir.join("figures"))?;
+    figures::write(&hostile(), &dir.join("figures-hostile"))?;
     Ok(())
 }
 
@@ -142,8 +140,7 @@ fn drift() -> Panel {
         "Drift",
         Axis::new("time since the cut [s]"),
         Axis::logarithmic("horizontal error [m]"),
-    )
-    .legend(Corner::LowerRight);
+    );
     let curve = |a: f64, b: f64| {
         (0..=240)
             .map(|i| i as f64 * 0.25)
@@ -228,8 +225,7 @@ fn allan() -> Panel {
         "",
         Axis::logarithmic("averaging time [s]"),
         Axis::logarithmic("Allan deviation [deg/h]"),
-    )
-    .legend(Corner::UpperRight);
+    );
     for (axis, (name, colour)) in [("gyro x", 7), ("gyro y", 6), ("gyro z", 4)]
         .into_iter()
         .enumerate()
@@ -271,8 +267,7 @@ fn acf() -> Panel {
         "Autocorrelation",
         Axis::new("lag"),
         Axis::new("correlation").within(-0.4..1.05),
-    )
-    .legend(Corner::UpperRight);
+    );
     let mut eps = noise(3);
     panel.add(Series::band(
         "95 %",
@@ -305,8 +300,7 @@ fn boxes() -> Panel {
         "Error at the end",
         Axis::categories(MODELS),
         Axis::logarithmic("horizontal error [m]"),
-    )
-    .legend(Corner::UpperRight);
+    );
     let of = |k: f64| {
         [42.0, 24.0, 18.0, 12.0]
             .iter()
@@ -320,8 +314,7 @@ fn boxes() -> Panel {
 }
 
 fn bars() -> Panel {
-    let mut panel = Panel::new("RMS", Axis::categories(MODELS), Axis::new("RMS [m]"))
-        .legend(Corner::UpperRight);
+    let mut panel = Panel::new("RMS", Axis::categories(MODELS), Axis::new("RMS [m]"));
     for (name, colour, k) in [("30 s", 3, 0.3), ("60 s", 7, 1.0), ("120 s", 6, 2.7)] {
         panel.add(Series::bars(
             name,

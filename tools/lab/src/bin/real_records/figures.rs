@@ -9,7 +9,7 @@ use undrift::noise::{
     model_file::AxisModel,
     screening::{OutlierRule, outliers, remove_constant},
 };
-use undrift_report::figure::panel::{Axis, Corner, Panel, Series, draw as draw_panels};
+use undrift_report::{Axis, Panel, Series, figure::draw::draw as draw_panels};
 
 /// Colour of each run.
 const COLOURS: [usize; 3] = [5, 7, 4];
@@ -56,8 +56,7 @@ fn allan(runs: &[Run], index: usize, sheet: &AxisModel) -> Panel {
         AXES[index],
         Axis::logarithmic("averaging time [s]"),
         Axis::logarithmic(&format!("Allan deviation [{}]", u.rate)),
-    )
-    .legend(Corner::LowerLeft);
+    );
     let found = |run: &'_ Run| run.axis(index).cloned();
     let mut taus = Vec::new();
     for (run, colour) in runs.iter().zip(COLOURS) {
@@ -109,12 +108,7 @@ fn density(runs: &[Run], index: usize) -> Panel {
         AXES[index],
         Axis::logarithmic("frequency [Hz]"),
         Axis::logarithmic(&format!("amplitude density [{}/√Hz]", u.rate)),
-    )
-    .legend(if index == 2 {
-        Corner::UpperLeft
-    } else {
-        Corner::LowerLeft
-    });
+    );
     for (run, colour) in runs.iter().zip(COLOURS) {
         let Some(axis) = run.axis(index) else {
             continue;
@@ -205,8 +199,7 @@ fn wander(runs: &[Run], index: usize) -> Panel {
         AXES[index],
         Axis::new("time [h]"),
         Axis::new(&format!("mean of a minute [{}]", u.rate)),
-    )
-    .legend(Corner::UpperRight);
+    );
     for (run, colour) in runs.iter().zip(COLOURS) {
         let mean = run.axis(index).map_or(0.0, |a| a.mean);
         let points = run.record.samples[index].chunks_exact(BLOCK).enumerate();

@@ -1,0 +1,229 @@
+//! The curves of a panel as SVG paths, in pixels of the plot.
+
+use super::{
+    panel::{Kind, Panel, Series},
+    scale::{Scale, Window, bar_slot, px},
+    style::style,
+};
+
+/// The paths of a series.
+pub(super) fn paths(panel: &Panel, index: usize, window: &Window) -> String {
+    let series = &panel.series[index];
+    let column = |i: usize| series.y.get(i).map_or(&[][..], Vec::as_slice);
+    match series.kind {
+        Kind::Thin | Kind::Line | Kind::Thick | Kind::Dashed => {
+            path(series, &line(&series.x, column(0), window))
+        }
+        Kind::Dots => path(series, &dots(&series.x, column(0), window)),
+        Kind::Band => path(series, &band(&series.x, [column(0), column(1)], window)),
+        Kind::Bars => {
+            let bars = series.points().filter_map(|(x, y)| {
+                let [left, right] = sides(x, bar_slot(panel, index), &window.x)?;
+                Some(rectangle(left, window.y.base(), right, window.y.pixel(y)?))
+            });
+            path(series, &bars.collect::<String>())
+        }
+        Kind::Boxes => {
+            let slot = bar_slot(panel, index);
+            let boxes = series.x.iter().enumerate().filter_map(|(i, &x)| {
+                let mut levels = [0.0; 5];
+                for (level, column) in levels.iter_mut().zip(&series.y) {
+                    *level = window.y.pixel(*column.get(i)?)?;
+                }
+                Some((sides(x, slot, &window.x)?, levels))
+            });
+            let (mut areas, mut lines, mut medians) = (String::new(), String::new(), String::new());
+            for ([left, right], [low, q1, median, q3, high]) in boxes {
+                let (middle, area) = (
+                    px(f64::midpoint(left, right)),
+                    rectangle(left, q3, right, q1),
+                );
+                areas += &area;
+                lines += &format!("{area}M{middle} {q1}V{low}M{middle} {q3}V{high}");
+                medians += &format!("M{left} {median}H{right}");
+            }
+            let colour = style().colour(series.colour);
+            fill(&areas, colour, style().tint)
+                + &stroke(&lines, colour, style().width("thin"))
+                + &stroke(&medians, colour, style().width("thick"))
+        }
+    }
+}
+
+/// The sample of a series beside its name, on 18 by 12 pixels.
+pub(super) fn key(series: &Series) -> String {
+    path(
+        series,
+        match series.kind {
+            Kind::Thin | Kind::Line | Kind::Thick | Kind::Dashed => "M0 6H18",
+            Kind::Dots => "M9 6h.01",
+            Kind::Band => "M0 1H18V11H0Z",
+            Kind::Bars | Kind::Boxes => "M3 1H15V11H3Z",
+        },
+    )
+}
+
+/// A path in the manner of a series.
+fn path(series: &Series, d: &str) -> String {
+    let style = style();
+    let colour = style.colour(series.colour);
+    let name = series.kind.name();
+    match series.kind {
+        Kind::Band | Kind::Boxes => fill(d, colour, style.tint),
+        Kind::Bars => fill(d, colour, 1.0),
+        Kind::Dashed => stroke(d, colour, style.width(name))
+            .replace("/>", &format!(" stroke-dasharray=\"{}\"/>", style.dash)),
+        Kind::Dots => stroke(d, colour, style.dot).replace("/>", " stroke-linecap=\"round\"/>"),
+        Kind::Thin | Kind::Line | Kind::Thick => stroke(d, colour, style.width(name)),
+    }
+}
+
+fn fill(d: &str, colour: &str, opacity: f64) -> String {
+    format!("<path d=\"{d}\" fill=\"{colour}\" opacity=\"{opacity}\"/>")
+}
+
+fn stroke(d: &str, colour: &str, width: f64) -> String {
+    format!(
+        "<path d=\"{d}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\" stroke-linejoin=\"round\"/>"
+    )
+}
+
+/// Left and right side of a bar.
+fn sides(x: f64, slot: [f64; 2], scale: &Scale) -> Option<[f64; 2]> {
+    Some([scale.pixel(x + slot[0])?, scale.pixel(x + slot[1])?])
+}
+
+fn rectangle(left: f64, top: f64, right: f64, bottom: f64) -> String {
+    format!("M{left} {top}H{right}V{bottom}H{left}Z")
+}
+
+/// A line, broken where it has no place. What would only go over a column of pixels that is drawn
+/// already is left out.
+fn line(x: &[f64], y: &[f64], window: &Window) -> String {
+    let mut d = String::new();
+    // Where the pen is, and from where to where its column of pixels is drawn.
+    let mut pen: Option<([f64; 2], f64, f64)> = None;
+    // Where a piece begins that has but one point so far.
+    let mut begun = 0;
+    for (&x, &y) in x.iter().zip(y) {
+        let (Some(left), Some(top)) = (window.x.pixel(x), window.y.pixel(y)) else {
+            pen = None;
+            continue;
+        };
+        let (mut low, mut high) = (top, top);
+        match pen {
+            None => {
+                d += &format!("M{left} {top}");
+                begun = d.len();
+            }
+            Some(([_, _], least, most))
+                if here(pen) == left.round() && least <= top && top <= most =>
+            {
+                continue;
+            }
+            Some((from, least, most)) => {
+                if here(pen) == left.round() {
+                    (low, high) = (least.min(top), most.max(top));
+                }
+                if d.len() == begun {
+                    d.push('l');
+                }
+                step(&mut d, left - from[0]);
+                step(&mut d, top - from[1]);
+            }
+        }
+        pen = Some(([left, top], low, high));
+    }
+    d
+}
+
+/// The column of pixels where a pen is.
+fn here(pen: Option<([f64; 2], f64, f64)>) -> f64 {
+    pen.map_or(f64::NAN, |(at, ..)| at[0].round())
+}
+
+/// A number of a path relative to the one before, in few letters.
+fn step(d: &mut String, by: f64) {
+    let number = px(by)
+        .to_string()
+        .replacen("0.", ".", usize::from(by.abs() < 1.0));
+    if !d.ends_with('l') && !number.starts_with('-') {
+        d.push(' ');
+    }
+    d.push_str(&number);
+}
+
+/// Points as lines without length, whose round ends are drawn.
+fn dots(x: &[f64], y: &[f64], window: &Window) -> String {
+    let points = x.iter().zip(y);
+    let pixels = points.filter_map(|(x, y)| Some((window.x.pixel(*x)?, window.y.pixel(*y)?)));
+    let mut pixels: Vec<(f64, f64)> = pixels.collect();
+    pixels.dedup();
+    pixels
+        .into_iter()
+        .map(|(left, top)| format!("M{left} {top}h.01"))
+        .collect()
+}
+
+/// The ground between two curves, a piece for each run without gaps.
+fn band(x: &[f64], bounds: [&[f64]; 2], window: &Window) -> String {
+    let mut d = String::new();
+    let (mut upper, mut lower) = (Vec::new(), Vec::new());
+    let mut flush = |upper: &mut Vec<String>, lower: &mut Vec<String>| {
+        if upper.len() > 1 {
+            lower.reverse();
+            d += &format!("M{}L{}Z", upper.join("L"), lower.join("L"));
+        }
+        upper.clear();
+        lower.clear();
+    };
+    for ((&x, &low), &high) in x.iter().zip(bounds[0]).zip(bounds[1]) {
+        let place = || {
+            Some((
+                window.x.pixel(x)?,
+                window.y.pixel(low)?,
+                window.y.pixel(high)?,
+            ))
+        };
+        match place() {
+            Some((left, bottom, top)) => {
+                upper.push(format!("{left} {top}"));
+                lower.push(format!("{left} {bottom}"));
+            }
+            None => flush(&mut upper, &mut lower),
+        }
+    }
+    flush(&mut upper, &mut lower);
+    d
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figure::panel::Axis;
+
+    fn window() -> Window {
+        let axis = || Axis::new("").within(0.0..10.0);
+        Panel::new("", axis(), axis()).window(100.0, 100.0)
+    }
+
+    #[test]
+    fn lines_break_where_a_value_is_missing() {
+        let x = [0.0, 4.0, 6.0, 7.0, 8.0, 9.0];
+        let y = [0.0, 5.0, 0.0, f64::NAN, 5.0, 5.0];
+        assert_eq!(line(&x, &y, &window()), "M0 100l40-50 20 50M80 50l10 0");
+        let both = band(&x, [&y, &y.map(|y| y + 1.0)], &window());
+        assert_eq!(both.matches('M').count(), 2);
+        assert_eq!(dots(&x, &y, &window()).matches('M').count(), 5);
+    }
+
+    #[test]
+    fn a_dense_line_keeps_its_extremes_and_few_points() {
+        let x: Vec<f64> = (0..100_000).map(|i| f64::from(i) * 1e-4).collect();
+        let mut y: Vec<f64> = x.iter().map(|x| 5.0 + (1e3 * x).sin()).collect();
+        y[31_415] = 9.5;
+        let d = line(&x, &y, &window());
+        assert!(d.contains(".9-35"), "the extreme is missing");
+        assert!(d.len() < 40_000, "{}", d.len());
+    }
+}

@@ -1,0 +1,100 @@
+//! Colours, widths of lines and steps of ticks. `assets/style.json` is their one source: the page's
+//! script reads it too.
+
+use serde::Deserialize;
+use std::{collections::BTreeMap, fmt::Write, sync::LazyLock};
+
+/// The source, as it stands in a page.
+pub(crate) const SOURCE: &str = include_str!("../assets/style.json");
+
+/// On a light ground, on a dark one: `#rrggbb`.
+type Colour = [String; 2];
+
+/// What both drawers agree on.
+#[derive(Deserialize)]
+pub(crate) struct Style {
+    inks: BTreeMap<String, Colour>,
+    colours: Vec<Colour>,
+    widths: BTreeMap<String, f64>,
+    /// Pixels drawn and left free of a dashed line.
+    pub dash: String,
+    /// Diameter \[pixel\].
+    pub dot: f64,
+    /// How much of its colour a band has.
+    pub tint: f64,
+    pub ticks: Ticks,
+}
+
+/// Where axes have ticks; the source says the rule.
+#[derive(Deserialize)]
+pub(crate) struct Ticks {
+    pub x: Room,
+    pub y: Room,
+    pub linear: Vec<f64>,
+    pub logarithmic: Vec<Steps>,
+}
+
+/// How many ticks an axis takes.
+#[derive(Deserialize)]
+pub(crate) struct Room {
+    pub most: usize,
+    pub pixels: f64,
+}
+
+/// Steps within a decade.
+#[derive(Deserialize)]
+pub(crate) struct Steps {
+    pub decades: f64,
+    pub at: Vec<f64>,
+}
+
+/// The style.
+pub(crate) fn style() -> &'static Style {
+    static STYLE: LazyLock<Style> =
+        LazyLock::new(|| serde_json::from_str(SOURCE).expect("style.json is checked by a test"));
+    &STYLE
+}
+
+impl Style {
+    /// A colour of series on paper.
+    pub fn colour(&self, index: usize) -> &str {
+        &self.colours[index % self.colours.len()][0]
+    }
+
+    /// A colour of what is around them on paper.
+    pub fn ink(&self, name: &str) -> &str {
+        self.inks.get(name).map_or("#000000", |ink| &ink[0])
+    }
+
+    /// Width of a kind of line \[pixel\].
+    pub fn width(&self, name: &str) -> f64 {
+        self.widths.get(name).copied().unwrap_or(1.0)
+    }
+
+    /// The colours as variables of a style sheet: `--paper`, `--c0` …
+    pub fn css(&self) -> String {
+        let mut css = String::from(":root {\n");
+        let series = self.colours.iter().enumerate();
+        let series = series.map(|(i, colour)| (format!("c{i}"), colour));
+        for (name, [light, dark]) in self.inks.iter().map(|(n, c)| (n.clone(), c)).chain(series) {
+            // Writing into a string does not fail.
+            let _ = writeln!(css, "  --{name}: light-dark({light}, {dark});");
+        }
+        css + "}\n"
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_style_is_whole() {
+        let style = style();
+        assert_eq!(style.colours.len(), 8);
+        let hex = |colour: &String| colour.len() == 7 && colour.starts_with('#');
+        assert!(style.inks.values().chain(&style.colours).flatten().all(hex));
+        assert!(style.width("thick") > style.width("line"));
+        assert!(style.css().contains("--c7: light-dark(#0072b2, #4b9fe0);"));
+    }
+}
