@@ -128,7 +128,11 @@ pub fn say(finding: &Finding) -> String {
                 ""
             }
         ),
-        WrongAxes { forward, right } => axes(*forward, *right),
+        WrongAxes {
+            forward,
+            right,
+            axes,
+        } => wrong_axes(*forward, *right, axes.as_deref()),
         WrongVelocity { mend } => format!(
             "positions do not move as the velocities say: {}; check gnss.position, gnss.velocity and their units",
             mend.map_or("one of the two is wrong", fix_mend)
@@ -310,7 +314,7 @@ fn accuracy(of: Part, factor: f64, adapted: bool, correlated: bool) -> String {
 }
 
 /// Where the IMU's axes lie, by the body axes that accelerate and are pushed.
-fn axes(forward: Option<i8>, right: Option<i8>) -> String {
+fn wrong_axes(forward: Option<i8>, right: Option<i8>, axes: Option<&str>) -> String {
     let yaw = match (forward, right) {
         (Some(-1), Some(-2) | None) => Some(("backwards", 180)),
         (Some(2), Some(-1) | None) => Some(("to the left", -90)),
@@ -318,8 +322,11 @@ fn axes(forward: Option<i8>, right: Option<i8>) -> String {
         _ => None,
     };
     if let Some((faces, yaw)) = yaw {
+        let mend = axes.map_or("turn imu.axes by that".into(), |axes| {
+            format!("set imu.axes = \"{axes}\"")
+        });
         return format!(
-            "GNSS shows that the IMU faces {faces} (yaw {yaw}°): turn imu.axes by that, or set imu.mounting = \"auto\""
+            "GNSS shows that the IMU faces {faces} (yaw {yaw}°): {mend} or imu.mounting = \"auto\""
         );
     }
     let axis = |number| match number {

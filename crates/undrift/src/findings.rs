@@ -6,7 +6,7 @@ mod collect;
 pub use crate::replay::Log;
 pub use collect::{
     WITHOUT_GNSS, of_accuracy, of_disagreement, of_health, of_held, of_scalar, of_skipped,
-    of_timing,
+    of_timing, with_axes,
 };
 
 use crate::replay::{Contradiction, FixMend, Lean, Part, RestartCause};
@@ -141,6 +141,8 @@ pub enum Finding {
         forward: Option<i8>,
         /// Body axis along which it is pushed in turns to the right.
         right: Option<i8>,
+        /// The value of `imu.axes` that mends it, where one does.
+        axes: Option<String>,
     },
     /// Positions do not move as the velocities say.
     WrongVelocity {

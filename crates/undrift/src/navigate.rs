@@ -25,7 +25,7 @@ use undrift_io::{
     ReadError, gnss::GnssReader, held::Held, imu::GapSummary, scalar::ScalarReader,
     skipped::Skipped, write::solution::SolutionRow,
 };
-use undrift_nav::{Vector3, parameters::Parameters, sample::Scalar};
+use undrift_nav::{Matrix3, Vector3, parameters::Parameters, sample::Scalar};
 use undrift_noise::BiasModel;
 
 /// What came of it.
@@ -40,6 +40,8 @@ pub struct Report {
     pub smooth: bool,
     /// The mounting, where the drive asks for an estimate: the solution is that of the vehicle's axes.
     pub mounting: Option<Mounting>,
+    /// Rotation from the sensor's axes to the body's.
+    pub rotation: Matrix3,
     /// Root-mean-square error over all samples that have a truth, and their number.
     pub rmse: Option<(Errors, u64)>,
     /// The filter's errors against its covariance once a second, where there is a truth; not for the
@@ -205,6 +207,7 @@ pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report
         summary,
         smooth,
         mounting,
+        rotation: drive.imu.1.rotation,
         rmse: seen.rmse,
         consistency: seen.consistency,
         recording: seen.recording,

@@ -113,13 +113,15 @@ fn every_finding_has_its_sentence() {
             Finding::WrongAxes {
                 forward: Some(-1),
                 right: Some(-2),
+                axes: Some("-x,y,-z".into()),
             },
-            "GNSS shows that the IMU faces backwards (yaw 180°): turn imu.axes by that, or set imu.mounting = \"auto\"",
+            "GNSS shows that the IMU faces backwards (yaw 180°): set imu.axes = \"-x,y,-z\" or imu.mounting = \"auto\"",
         ),
         (
             Finding::WrongAxes {
                 forward: Some(1),
                 right: None,
+                axes: None,
             },
             "GNSS shows that the IMU's axes are not the vehicle's: it accelerates along body forward instead of forward, and is pushed along body (not seen) instead of right in turns to the right; check imu.axes and the order and signs of imu.accel and imu.gyro",
         ),

@@ -3,6 +3,7 @@
 use super::{Finding, Log};
 use crate::replay::{Implausible, Innovations, Part, Summary};
 use undrift_io::{held::Held, imu::GapSummary, skipped::Skipped};
+use undrift_nav::{Matrix3, Vector3};
 use undrift_noise::screening::Timing;
 
 /// Spans without a usable fix longer than this are reported \[s\].
@@ -74,10 +75,56 @@ impl From<Implausible> for Finding {
             Implausible::TurnAxis(axis) => Self::WrongTurnAxis { axis },
             Implausible::NoTurn => Self::NoTurns,
             Implausible::Late(delay) => Self::Late { delay },
-            Implausible::Push { forward, right } => Self::WrongAxes { forward, right },
+            Implausible::Push { forward, right } => Self::WrongAxes {
+                forward,
+                right,
+                axes: None,
+            },
             Implausible::Velocity(mend) => Self::WrongVelocity { mend },
         }
     }
+}
+
+/// The findings with what mends wrong axes, where `rotation` is from the sensor's axes to the body's.
+pub fn with_axes(mut found: Vec<Finding>, rotation: &Matrix3) -> Vec<Finding> {
+    for one in &mut found {
+        if let Finding::WrongAxes {
+            forward,
+            right,
+            axes,
+        } = one
+        {
+            *axes = mended_axes(rotation, *forward, *right);
+        }
+    }
+    found
+}
+
+/// The value of `imu.axes` whose forward and right are these axes of the present body, 1 forward, 2 right,
+/// with sign; `None` where the present axes are none of the sensor's own, or gravity forbids it.
+fn mended_axes(rotation: &Matrix3, forward: Option<i8>, right: Option<i8>) -> Option<String> {
+    let forward = forward?;
+    let right = right.unwrap_or(match forward {
+        1 => 2,
+        -1 => -2,
+        2 => -1,
+        _ => 1,
+    });
+    let axis = |number: i8| {
+        let row = rotation.row(usize::from(number.unsigned_abs()) - 1);
+        row.transpose() * f64::from(number.signum())
+    };
+    let (forward, right) = (axis(forward), axis(right));
+    let down = forward.cross(&right);
+    if down != rotation.row(2).transpose() {
+        return None;
+    }
+    let name = |axis: Vector3| {
+        let of = axis.iter().position(|x| x.abs() == 1.0)?;
+        let sign = if axis[of] < 0.0 { "-" } else { "" };
+        Some(format!("{sign}{}", ["x", "y", "z"][of]))
+    };
+    Some([name(forward)?, name(right)?, name(down)?].join(","))
 }
 
 /// Where the solution and the fixes disagreed: the receiver's fault or the model's.
@@ -172,5 +219,27 @@ pub fn of_accuracy(part: Part, factor: f64, summary: &Summary) -> Finding {
         factor,
         adapted: summary.adapted.iter().any(Option::is_some),
         correlated,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn axes_that_mend_a_turned_sensor() {
+        // x forward, y left, z up.
+        let present = Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, -1.0));
+        let mend = |forward, right| mended_axes(&present, forward, right);
+        assert_eq!(mend(Some(-1), Some(-2)).as_deref(), Some("-x,y,-z"));
+        assert_eq!(mend(Some(-1), None).as_deref(), Some("-x,y,-z"));
+        assert_eq!(mend(Some(2), Some(-1)).as_deref(), Some("-y,-x,-z"));
+        assert_eq!(mend(Some(-2), None).as_deref(), Some("y,x,-z"));
+        // Left-handed, not seen, or at an angle.
+        assert_eq!(mend(Some(2), Some(1)), None);
+        assert_eq!(mend(None, Some(1)), None);
+        let (sin, cos) = 0.3_f64.sin_cos();
+        let turned = Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0);
+        assert_eq!(mended_axes(&turned, Some(-1), None), None);
     }
 }

@@ -16,7 +16,8 @@ impl Report {
         found.extend(self.not_compared());
         found.extend(findings::of_health(s));
         found.extend(findings::of_held(&self.held));
-        found.extend(findings::of_disagreement(s));
+        let disagreements = findings::of_disagreement(s);
+        found.extend(findings::with_axes(disagreements, &self.rotation));
         for (log, skipped, gaps) in &self.scalars {
             let used = match log {
                 Log::Odometer => &s.odometer,

@@ -152,7 +152,8 @@ impl Logs {
             found.extend(findings::of_health(s));
             // Among several, what one model disagrees with says nothing of the log.
             if runs.next().is_none() {
-                found.extend(findings::of_disagreement(s));
+                let rotation = &self.drive.imu.1.rotation;
+                found.extend(findings::with_axes(findings::of_disagreement(s), rotation));
             }
             for (log, health, used) in [
                 (Log::Odometer, &self.odometer, &s.odometer),
