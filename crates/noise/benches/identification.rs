@@ -5,7 +5,7 @@ use std::hint::black_box;
 use std::time::Duration;
 use undrift_nav::shaping::ShapingFilter;
 use undrift_noise::{
-    allan::{Grid, Kind, deviations},
+    allan::{DeviationKind, Grid, deviations},
     arma::{FitOptions, Mean, fit, log_likelihood},
     correlation::autocorrelation,
     stationarity::{Deterministic, KpssLags, Lags, adf, kpss},
@@ -57,13 +57,27 @@ fn allan(c: &mut Criterion) {
     let mut group = c.benchmark_group("overlapping Allan deviation");
     group.throughput(Throughput::Elements(SAMPLES as u64));
     group.bench_function("octaves", |b| {
-        b.iter(|| deviations(black_box(&record), 100.0, Kind::Overlapping, Grid::Octave))
+        b.iter(|| {
+            deviations(
+                black_box(&record),
+                100.0,
+                DeviationKind::Overlapping,
+                Grid::Octave,
+            )
+        })
     });
     // By FFT: a little more than with the length.
     let short = &record[..5_000];
     group.throughput(Throughput::Elements(short.len() as u64));
     group.bench_function("every τ of 5 000 samples", |b| {
-        b.iter(|| deviations(black_box(short), 100.0, Kind::Overlapping, Grid::All))
+        b.iter(|| {
+            deviations(
+                black_box(short),
+                100.0,
+                DeviationKind::Overlapping,
+                Grid::All,
+            )
+        })
     });
 }
 

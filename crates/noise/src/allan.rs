@@ -11,9 +11,9 @@
 //! all τ of the other kinds O(N²).
 //!
 //! ```
-//! use undrift_noise::allan::{self, Grid, Kind};
+//! use undrift_noise::allan::{self, Grid, DeviationKind};
 //! let rates: Vec<f64> = (0..1000).map(|k| f64::from(k * 7919 % 101)).collect();
-//! let curve = allan::deviations(&rates, 100.0, Kind::Overlapping, Grid::Octave)?;
+//! let curve = allan::deviations(&rates, 100.0, DeviationKind::Overlapping, Grid::Octave)?;
 //! assert_eq!(curve.points[1].tau_s, 0.02);
 //! # Ok::<(), undrift_noise::screening::RecordError>(())
 //! ```
@@ -30,7 +30,7 @@ mod octaves;
 mod sliding_products;
 
 pub use confidence::{Interval, intervals};
-pub use deviation::{Curve, Grid, Kind, Point, deviations, deviations_at, factors_of};
+pub use deviation::{Curve, DeviationKind, Grid, Point, deviations, deviations_at, factors_of};
 pub use fit::{Term, Terms, fit_terms, fit_terms_from};
 pub use gauss_markov::{GaussMarkovFit, fit_gauss_markov, fit_gauss_markov_from};
 pub use noise_type::noise_types;

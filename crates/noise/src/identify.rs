@@ -13,7 +13,7 @@ pub use axis::{Axis, Candidate, Origin};
 pub use residuals::Residuals;
 
 use crate::{
-    allan::{self, Grid, Kind},
+    allan::{self, DeviationKind, Grid},
     correlation::{self, Partial},
     drift_score::{self, HORIZONS_S, Scored},
     normality,
@@ -244,7 +244,7 @@ pub fn identify(
     let segment = spectrum::default_segment(record.len());
     let psd = spectrum::welch(&bridged, rate, segment)?;
     let lines = spectrum::lines(&psd, LINE_FACTOR);
-    let curve = allan::deviations(&bridged, rate, Kind::Overlapping, Grid::Octave)?;
+    let curve = allan::deviations(&bridged, rate, DeviationKind::Overlapping, Grid::Octave)?;
     let allan_intervals = allan::intervals(&bridged, &curve, 0.683)?;
     let allan_terms = allan::fit_terms(&curve)?;
     let allan_gauss_markov = allan::fit_gauss_markov(&curve).ok();

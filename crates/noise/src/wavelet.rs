@@ -23,7 +23,7 @@ mod scatter;
 
 pub use moments::{MomentFit, fit_moments};
 
-use crate::allan::Kind;
+use crate::allan::DeviationKind;
 use crate::allan::confidence::edf;
 use crate::allan::gauss_markov::ar1_variance;
 use crate::composite::{CompositeError, CompositeTerms, GaussMarkov};
@@ -101,7 +101,7 @@ pub fn wavelet_variance(record: &[f64], interval: f64) -> Result<WaveletVariance
         } else {
             0
         };
-        points[i].edf = edf(Kind::Overlapping, alpha, present, points[i].m);
+        points[i].edf = edf(DeviationKind::Overlapping, alpha, present, points[i].m);
     }
     Ok(WaveletVariance {
         interval,
@@ -237,7 +237,8 @@ mod tests {
             .collect();
         let curve = wavelet_variance(&record, 0.5).unwrap();
         let grid = crate::allan::Grid::Octave;
-        let allan = crate::allan::deviations(&record, 2.0, Kind::Overlapping, grid).unwrap();
+        let allan =
+            crate::allan::deviations(&record, 2.0, DeviationKind::Overlapping, grid).unwrap();
         assert_eq!(curve.points.len(), 11); // up to 1024 of 5000
         for (ours, point) in curve.points.iter().zip(&allan.points) {
             assert_eq!((ours.m, ours.scale_s == point.tau_s), (point.m, true));

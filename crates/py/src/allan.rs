@@ -5,7 +5,7 @@ use crate::error::error;
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use undrift::noise::allan::{
-    self, Curve, GaussMarkovFit, Grid, Interval, Kind, Point, Term, Terms,
+    self, Curve, DeviationKind, GaussMarkovFit, Grid, Interval, Point, Term, Terms,
 };
 use undrift::noise::screening::RecordError;
 use undrift::noise::wavelet;
@@ -38,12 +38,12 @@ struct Deviations {
     upper: Option<Array<f64>>,
 }
 
-fn kind_of(name: &str) -> PyResult<Kind> {
+fn kind_of(name: &str) -> PyResult<DeviationKind> {
     match name {
-        "overlapping" => Ok(Kind::Overlapping),
-        "modified" => Ok(Kind::Modified),
-        "hadamard" => Ok(Kind::Hadamard),
-        "total" => Ok(Kind::Total),
+        "overlapping" => Ok(DeviationKind::Overlapping),
+        "modified" => Ok(DeviationKind::Modified),
+        "hadamard" => Ok(DeviationKind::Hadamard),
+        "total" => Ok(DeviationKind::Total),
         _ => Err(error(format!(
             "no deviation is called {name:?}: overlapping, modified, hadamard or total"
         ))),

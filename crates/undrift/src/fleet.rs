@@ -1,5 +1,5 @@
 //! Many logs: each becomes a [`Job`], a plain description of what is to be done; [`process()`] makes an
-//! [`Outcome`] of it; [`run()`] does so on all cores, keeps every outcome in a file of its own and leaves out
+//! [`FleetOutcome`] of it; [`run()`] does so on all cores, keeps every outcome in a file of its own and leaves out
 //! what is up to date; [`gather()`] makes one table and one summary of them all.
 //!
 //! A job has no state beside it, and its outcome depends on nothing but the job and the contents of the
@@ -20,7 +20,7 @@ mod table;
 pub use fingerprint::{fingerprint, inputs};
 pub use gather::gather;
 pub use manifest::{Choice, Manifest, Pattern, PatternError, drives};
-pub use outcome::{Outcome, Row};
+pub use outcome::{FleetOutcome, Row};
 pub use process::process;
 pub use run::{Done, FleetError, Options, job_path, process_on, run, shard};
 

@@ -8,11 +8,11 @@
 //! A first program:
 //!
 //! ```no_run
-//! use undrift::{BiasModel, Drive, navigate};
+//! use undrift::{BiasModel, Drive, navigate, navigate::Wanted};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let drive = Drive::load("drive.toml".as_ref(), None)?;
-//! let report = navigate(&drive, BiasModel::Arma, Some("nav.csv".as_ref()), false)?;
+//! let report = navigate(&drive, BiasModel::Arma, Wanted::default())?;
 //! println!("{} fixes used", report.summary.fixes);
 //! # Ok(())
 //! # }

@@ -9,7 +9,7 @@ mod run;
 mod schedule;
 
 pub use drift::{DriftCurve, drift_curve};
-pub use errors::{ModelErrors, ModelRun, OutageErrors, Outcome};
+pub use errors::{ModelErrors, ModelOutcome, ModelRun, OutageErrors};
 pub use logs::Logs;
 pub use result::{result, track};
 pub use run::run;

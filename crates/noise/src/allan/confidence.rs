@@ -6,7 +6,7 @@
 //! (35th PTTI, 2003) as in NIST SP 1065 section 5.4.1 (Allan, modified, Hadamard); Howe & Greenhall
 //! as in SP 1065 table 8 (total).
 
-use super::deviation::{Curve, Kind, Point};
+use super::deviation::{Curve, DeviationKind, Point};
 use super::noise_type::noise_types;
 use crate::screening::record::RecordError;
 use rayon::prelude::*;
@@ -93,21 +93,32 @@ pub fn intervals_of(
 
 /// Equivalent degrees of freedom of a variance at `m` of `samples` rates under noise type `alpha`
 /// (clamped to −4 … 2, for Allan and total to −2 … 2); at least 1.
-pub fn edf(kind: Kind, alpha: i32, samples: usize, m: usize) -> f64 {
+pub fn edf(kind: DeviationKind, alpha: i32, samples: usize, m: usize) -> f64 {
     let m = m.max(1);
-    let alpha = alpha.clamp(if kind == Kind::Hadamard { -4 } else { -2 }, 2);
-    if kind == Kind::Modified && m == 1 {
-        return edf(Kind::Overlapping, alpha, samples, m);
+    let alpha = alpha.clamp(
+        if kind == DeviationKind::Hadamard {
+            -4
+        } else {
+            -2
+        },
+        2,
+    );
+    if kind == DeviationKind::Modified && m == 1 {
+        return edf(DeviationKind::Overlapping, alpha, samples, m);
     }
-    if kind == Kind::Total && alpha <= 0 && samples / m < MANY {
+    if kind == DeviationKind::Total && alpha <= 0 && samples / m < MANY {
         // Fitted by its authors for τ up to half of the record; with many averages the overlapping
         // estimate is as good, and right for the shortest τ as well.
         let (slope, offset) = [(1.5, 0.0), (1.17, 0.22), (0.93, 0.36)][(-alpha) as usize];
         return (slope * samples as f64 / m as f64 - offset).max(1.0);
     }
-    let order: usize = if kind == Kind::Hadamard { 3 } else { 2 };
+    let order: usize = if kind == DeviationKind::Hadamard {
+        3
+    } else {
+        2
+    };
     let width = m as f64;
-    let modified = kind == Kind::Modified;
+    let modified = kind == DeviationKind::Modified;
     let span = if modified { width } else { 1.0 } + width * order as f64;
     // Overlapped: a difference at every sample, S = m.
     let count = (samples as f64 + 1.0 - span).floor().max(0.0) + 1.0;
@@ -211,9 +222,13 @@ mod tests {
     use super::*;
 
     /// By the sum over every lag.
-    fn plainly(kind: Kind, alpha: i32, samples: usize, m: usize) -> f64 {
-        let order: usize = if kind == Kind::Hadamard { 3 } else { 2 };
-        let modified = kind == Kind::Modified;
+    fn plainly(kind: DeviationKind, alpha: i32, samples: usize, m: usize) -> f64 {
+        let order: usize = if kind == DeviationKind::Hadamard {
+            3
+        } else {
+            2
+        };
+        let modified = kind == DeviationKind::Modified;
         let span = if modified { m } else { 1 } + order * m;
         let count = samples + 2 - span;
         let fineness = if modified { 1.0 } else { f64::INFINITY };
@@ -227,9 +242,9 @@ mod tests {
     #[test]
     fn many_lags_are_their_integral() {
         for (kind, alphas) in [
-            (Kind::Overlapping, -2..=0),
-            (Kind::Modified, -2..=2),
-            (Kind::Hadamard, -4..=0),
+            (DeviationKind::Overlapping, -2..=0),
+            (DeviationKind::Modified, -2..=2),
+            (DeviationKind::Hadamard, -4..=0),
         ] {
             for alpha in alphas {
                 for m in [600, 5000, 13_000, 20_000] {

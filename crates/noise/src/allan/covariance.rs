@@ -141,13 +141,13 @@ impl Pair {
 #[cfg(test)]
 mod tests {
     use super::super::confidence::edf;
-    use super::super::deviation::{Grid, Kind, deviations};
+    use super::super::deviation::{DeviationKind, Grid, deviations};
     use super::*;
 
     #[test]
     fn the_diagonal_has_the_degrees_of_freedom_of_a_pure_noise() {
         let zeros: Vec<f64> = (0..4096).map(|k| f64::from(k % 2)).collect();
-        let curve = deviations(&zeros, 10.0, Kind::Overlapping, Grid::Octave).unwrap();
+        let curve = deviations(&zeros, 10.0, DeviationKind::Overlapping, Grid::Octave).unwrap();
         let covariance = Covariance::new(&curve.points, 4096, 10.0);
         let variance = |noise: usize, tau: f64| match noise {
             1 => 1.0 / tau,
@@ -161,7 +161,7 @@ mod tests {
             for (i, point) in curve.points.iter().enumerate().skip(2) {
                 let mean = 2.0 * variance(noise, point.tau_s);
                 let ours = 2.0 * mean * mean / matrix[(i, i)];
-                let theirs = edf(Kind::Overlapping, alpha, 4096, point.m);
+                let theirs = edf(DeviationKind::Overlapping, alpha, 4096, point.m);
                 // Below m = 4 the other sum is one of the continuous noise.
                 assert!(
                     (ours / theirs - 1.0).abs() < 0.03,

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 /// Which deviation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum DeviationKind {
     /// Fully overlapping Allan deviation, NIST SP 1065 section 5.2.4, equation 11.
     Overlapping,
     /// Modified Allan deviation, section 5.2.5, equation 14: tells white phase noise (quantisation)
@@ -54,7 +54,7 @@ pub struct Point {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
     /// Which deviation.
-    pub kind: Kind,
+    pub kind: DeviationKind,
     /// Sample rate \[Hz\].
     pub rate_hz: f64,
     /// Samples in the record.
@@ -70,7 +70,7 @@ const STRETCH: usize = 2048;
 /// Averaging times from which on the work is spread over the cores, and FFTs may be faster.
 const SPREAD: usize = 128;
 
-impl Kind {
+impl DeviationKind {
     /// Largest m of a record of `samples` rates.
     pub fn largest_m(self, samples: usize) -> usize {
         match self {
@@ -169,7 +169,7 @@ fn check_rate(rate_hz: f64) -> Result<(), RecordError> {
 pub fn deviations(
     rates: &[f64],
     rate_hz: f64,
-    kind: Kind,
+    kind: DeviationKind,
     grid: Grid,
 ) -> Result<Curve, RecordError> {
     deviations_at(
@@ -188,10 +188,14 @@ pub fn deviations(
 pub fn deviations_at(
     rates: &[f64],
     rate_hz: f64,
-    kind: Kind,
+    kind: DeviationKind,
     factors: &[usize],
 ) -> Result<Curve, RecordError> {
-    let needed = if kind == Kind::Hadamard { 3 } else { 2 };
+    let needed = if kind == DeviationKind::Hadamard {
+        3
+    } else {
+        2
+    };
     if rates.len() < needed {
         return Err(RecordError::TooShort {
             needed,
@@ -212,9 +216,9 @@ pub fn deviations_at(
         let terms = kind.terms(samples, m);
         let width = m as f64;
         let divisor = match kind {
-            Kind::Overlapping | Kind::Total => 2.0 * width * width,
-            Kind::Modified => 2.0 * width.powi(4),
-            Kind::Hadamard => 6.0 * width * width,
+            DeviationKind::Overlapping | DeviationKind::Total => 2.0 * width * width,
+            DeviationKind::Modified => 2.0 * width.powi(4),
+            DeviationKind::Hadamard => 6.0 * width * width,
         };
         let variance = energy / (divisor * terms as f64);
         points.push(Point {
@@ -236,8 +240,12 @@ pub fn deviations_at(
 ///
 /// # Errors
 /// A sample that is not finite.
-fn energies(rates: &[f64], kind: Kind, factors: &[usize]) -> Result<Vec<f64>, RecordError> {
-    if kind == Kind::Overlapping && factors.iter().all(|m| m.is_power_of_two()) {
+fn energies(
+    rates: &[f64],
+    kind: DeviationKind,
+    factors: &[usize],
+) -> Result<Vec<f64>, RecordError> {
+    if kind == DeviationKind::Overlapping && factors.iter().all(|m| m.is_power_of_two()) {
         let octave = |m: usize| m.trailing_zeros() as usize;
         let octaves = factors.iter().map(|&m| octave(m) + 1).max().unwrap_or(1);
         let energies = octaves::energies(rates, octaves);
@@ -251,18 +259,22 @@ fn energies(rates: &[f64], kind: Kind, factors: &[usize]) -> Result<Vec<f64>, Re
     let one = |&m: &usize| energy(&sums, rates.len(), kind, m);
     Ok(match kind {
         // A constant has no second differences, and by FFT only rounding.
-        Kind::Overlapping if rates.iter().all(|rate| *rate == rates[0]) => vec![0.0; factors.len()],
-        Kind::Overlapping if factors.len() >= SPREAD => {
+        DeviationKind::Overlapping if rates.iter().all(|rate| *rate == rates[0]) => {
+            vec![0.0; factors.len()]
+        }
+        DeviationKind::Overlapping if factors.len() >= SPREAD => {
             every_factor::energies(&sums, factors, |m| one(&m))
         }
         _ if factors.len() >= SPREAD => factors.par_iter().map(one).collect(),
-        Kind::Overlapping | Kind::Hadamard => shared_pass(&sums, rates.len(), kind, factors),
+        DeviationKind::Overlapping | DeviationKind::Hadamard => {
+            shared_pass(&sums, rates.len(), kind, factors)
+        }
         _ => factors.iter().map(one).collect(),
     })
 }
 
 /// Sums of squared differences of all factors, one stretch of the record after the other.
-fn shared_pass(sums: &[f64], samples: usize, kind: Kind, factors: &[usize]) -> Vec<f64> {
+fn shared_pass(sums: &[f64], samples: usize, kind: DeviationKind, factors: &[usize]) -> Vec<f64> {
     let mut energies = vec![0.0; factors.len()];
     for start in (0..=samples).step_by(STRETCH) {
         for (&m, energy) in factors.iter().zip(&mut energies) {
@@ -276,24 +288,24 @@ fn shared_pass(sums: &[f64], samples: usize, kind: Kind, factors: &[usize]) -> V
 }
 
 /// Sum of squared differences of one factor.
-fn energy(sums: &[f64], samples: usize, kind: Kind, m: usize) -> f64 {
+fn energy(sums: &[f64], samples: usize, kind: DeviationKind, m: usize) -> f64 {
     match kind {
-        Kind::Overlapping | Kind::Hadamard => {
+        DeviationKind::Overlapping | DeviationKind::Hadamard => {
             let terms = kind.terms(samples, m);
             let starts = (0..terms).step_by(STRETCH);
             starts
                 .map(|start| stretch_energy(sums, kind, m, start, terms.min(start + STRETCH)))
                 .sum()
         }
-        Kind::Modified => modified_energy(sums, m),
-        Kind::Total => total_energy(sums, m),
+        DeviationKind::Modified => modified_energy(sums, m),
+        DeviationKind::Total => total_energy(sums, m),
     }
 }
 
 /// Sum of squared second (Allan) or third (Hadamard) differences that start in `start..end`.
-fn stretch_energy(sums: &[f64], kind: Kind, m: usize, start: usize, end: usize) -> f64 {
+fn stretch_energy(sums: &[f64], kind: DeviationKind, m: usize, start: usize, end: usize) -> f64 {
     let at = |shift: usize| &sums[start + shift * m..end + shift * m];
-    if kind == Kind::Hadamard {
+    if kind == DeviationKind::Hadamard {
         return third_energy(at(0), at(1), at(2), at(3));
     }
     second_energy(at(0), at(1), at(2))
@@ -390,7 +402,7 @@ fn total_energy(sums: &[f64], m: usize) -> f64 {
         .map(|start| {
             stretch_energy(
                 sums,
-                Kind::Overlapping,
+                DeviationKind::Overlapping,
                 m,
                 start,
                 inner_end.min(start + STRETCH),

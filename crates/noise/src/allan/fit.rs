@@ -9,7 +9,7 @@
 
 use super::confidence::edf;
 use super::covariance::Covariance;
-use super::deviation::{Curve, Kind, Point};
+use super::deviation::{Curve, DeviationKind, Point};
 use super::nnls;
 use crate::screening::record::RecordError;
 use nalgebra::{DMatrix, DVector};
@@ -106,7 +106,7 @@ const SHAPES: [(i32, Shape); 5] = [
 /// it: below, a sensor's filter or resonance may add what none of the terms is.
 ///
 /// # Errors
-/// A curve that is not [`Kind::Overlapping`], or fewer than 3 points with a positive deviation.
+/// A curve that is not [`DeviationKind::Overlapping`], or fewer than 3 points with a positive deviation.
 pub fn fit_terms(curve: &Curve) -> Result<Terms, RecordError> {
     described(curve, |from| {
         let terms = fit_terms_from(curve, from)?;
@@ -187,7 +187,7 @@ pub(crate) fn described<T>(
 
 /// The points of an overlapping Allan deviation that a fit uses: positive, one an octave.
 pub(crate) fn points_for_fit(curve: &Curve) -> Result<Vec<Point>, RecordError> {
-    if curve.kind != Kind::Overlapping {
+    if curve.kind != DeviationKind::Overlapping {
         return Err(RecordError::Argument(
             "the fit needs an overlapping Allan deviation",
         ));

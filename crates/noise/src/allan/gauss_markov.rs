@@ -1,7 +1,7 @@
 //! Allan variance of a first-order Gauss-Markov process, closed form and series, and its fit beside
 //! white noise and quantisation.
 
-use super::deviation::{Curve, Kind};
+use super::deviation::{Curve, DeviationKind};
 use super::fit::{Problem, described, points_for_fit};
 use crate::screening::record::RecordError;
 
@@ -85,7 +85,7 @@ pub struct GaussMarkovFit {
 /// curve: below, a sensor's filter or resonance may add what neither term is.
 ///
 /// # Errors
-/// A curve that is not [`Kind::Overlapping`], or fewer than 5 usable points.
+/// A curve that is not [`DeviationKind::Overlapping`], or fewer than 5 usable points.
 pub fn fit_gauss_markov(curve: &Curve) -> Result<GaussMarkovFit, RecordError> {
     described(curve, |from| {
         let fit = fit_gauss_markov_from(curve, from)?;
@@ -103,7 +103,7 @@ pub fn fit_gauss_markov_from(
 ) -> Result<GaussMarkovFit, RecordError> {
     let mut points = points_for_fit(curve)?;
     points.retain(|p| p.tau_s >= shortest_s * (1.0 - 1e-9));
-    if curve.kind != Kind::Overlapping || points.len() < 5 {
+    if curve.kind != DeviationKind::Overlapping || points.len() < 5 {
         return Err(RecordError::TooShort {
             needed: 5,
             got: points.len(),

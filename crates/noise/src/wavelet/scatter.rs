@@ -105,7 +105,12 @@ mod tests {
         );
         // A long scale: relative variance 2/edf with edf = 3/2 · n/(2·m)… to a few per cent.
         let relative = found[(3, 3)] / (0.25f64 / 128.0 / 1.0).powi(2);
-        let edf = crate::allan::confidence::edf(crate::allan::Kind::Overlapping, 0, 1_000_000, 256);
+        let edf = crate::allan::confidence::edf(
+            crate::allan::DeviationKind::Overlapping,
+            0,
+            1_000_000,
+            256,
+        );
         assert!(
             (relative * edf / 2.0 - 1.0).abs() < 0.02,
             "{}",

@@ -3,15 +3,15 @@
 use crate::common::{self, close, data, numbers, reference, series, white_noise};
 use undrift_noise::allan::confidence::intervals;
 use undrift_noise::allan::{
-    Grid, Kind, deviations, deviations_at, factors_of, fit_gauss_markov, fit_terms,
+    DeviationKind, Grid, deviations, deviations_at, factors_of, fit_gauss_markov, fit_terms,
 };
 use undrift_noise::screening::RecordError;
 
-const KINDS: [(Kind, &str); 4] = [
-    (Kind::Overlapping, "oadev"),
-    (Kind::Modified, "mdev"),
-    (Kind::Hadamard, "ohdev"),
-    (Kind::Total, "totdev"),
+const KINDS: [(DeviationKind, &str); 4] = [
+    (DeviationKind::Overlapping, "oadev"),
+    (DeviationKind::Modified, "mdev"),
+    (DeviationKind::Hadamard, "ohdev"),
+    (DeviationKind::Total, "totdev"),
 ];
 
 /// Riley's 1000-point set (NIST SP 1065 section 12.4): a linear congruential generator.
@@ -43,22 +43,22 @@ fn published_sets_to_all_their_digits() {
     // Riley, NIST SP 1065, tables 31 and 32: seven digits.
     let published = [
         (
-            Kind::Overlapping,
+            DeviationKind::Overlapping,
             [91.22945, 85.95287],
             [0.2922319, 0.09159953, 0.03241343],
         ),
         (
-            Kind::Modified,
+            DeviationKind::Modified,
             [91.22945, 74.78849],
             [0.2922319, 0.06172376, 0.02170921],
         ),
         (
-            Kind::Hadamard,
+            DeviationKind::Hadamard,
             [70.80607, 85.61487],
             [0.2943883, 0.09581083, 0.03237638],
         ),
         (
-            Kind::Total,
+            DeviationKind::Total,
             [91.22945, 93.90379],
             [0.2922319, 0.09134743, 0.0340653],
         ),
@@ -180,7 +180,7 @@ fn real_record_against_an_independent_package() {
             .iter()
             .map(|row| (row[0] * 100.0).round() as usize)
             .collect();
-        let curve = deviations_at(&rates, 100.0, Kind::Overlapping, &factors).unwrap();
+        let curve = deviations_at(&rates, 100.0, DeviationKind::Overlapping, &factors).unwrap();
         assert_eq!(curve.points.len(), 18);
         for (point, row) in curve.points.iter().zip(&rows) {
             // 1e-4 is asked for; the package leaves out one difference of each τ.
@@ -210,14 +210,16 @@ fn deviations_follow_their_definition_at_every_tau() {
                 i => phase[i as usize],
             };
             let squares: Vec<f64> = match kind {
-                Kind::Overlapping => (0..61 - 2 * m).map(|i| second(i).powi(2) / 2.0).collect(),
-                Kind::Modified => (0..62 - 3 * m)
+                DeviationKind::Overlapping => {
+                    (0..61 - 2 * m).map(|i| second(i).powi(2) / 2.0).collect()
+                }
+                DeviationKind::Modified => (0..62 - 3 * m)
                     .map(|j| ((j..j + m).map(second).sum::<f64>() / m as f64).powi(2) / 2.0)
                     .collect(),
-                Kind::Hadamard => (0..61 - 3 * m)
+                DeviationKind::Hadamard => (0..61 - 3 * m)
                     .map(|i| (second(i + m) - second(i)).powi(2) / 6.0)
                     .collect(),
-                Kind::Total => (1..60isize)
+                DeviationKind::Total => (1..60isize)
                     .map(|i| {
                         (reflected(i - m as isize) - 2.0 * reflected(i) + reflected(i + m as isize))
                             .powi(2)
@@ -253,7 +255,7 @@ fn a_large_constant_costs_no_digits() {
 
 #[test]
 fn bad_records_are_errors() {
-    let of = |x: &[f64], rate| deviations(x, rate, Kind::Overlapping, Grid::Octave);
+    let of = |x: &[f64], rate| deviations(x, rate, DeviationKind::Overlapping, Grid::Octave);
     assert_eq!(
         of(&[1.0], 1.0),
         Err(RecordError::TooShort { needed: 2, got: 1 })
@@ -266,7 +268,8 @@ fn bad_records_are_errors() {
     let constant = of(&[0.1; 100], 1.0).unwrap();
     assert!(constant.points.iter().all(|p| p.deviation < 1e-15));
     assert!(
-        fit_terms(&deviations(&[0.5; 100], 1.0, Kind::Overlapping, Grid::Octave).unwrap()).is_err()
+        fit_terms(&deviations(&[0.5; 100], 1.0, DeviationKind::Overlapping, Grid::Octave).unwrap())
+            .is_err()
     );
     assert!(intervals(&[0.5; 100], &constant, 1.5).is_err());
     for n in 2..12 {
@@ -283,7 +286,7 @@ fn bad_records_are_errors() {
     }
     // Magnitudes at the end of the range must not panic.
     let huge = [1e308, -1e308, 1e308, -1e308, 1e308];
-    let _ = deviations(&huge, 1.0, Kind::Overlapping, Grid::All)
+    let _ = deviations(&huge, 1.0, DeviationKind::Overlapping, Grid::All)
         .map(|c| (fit_terms(&c), fit_gauss_markov(&c)));
 }
 
@@ -312,11 +315,11 @@ fn all_factors_have_the_deviations_of_a_few() {
     // The longest takes several blocks of the longest FFT.
     for samples in [2, 3, 300, 5000, 5003, 30_011, 1_200_001] {
         let record = drifting(samples);
-        let all = deviations(&record, 10.0, Kind::Overlapping, Grid::All).unwrap();
+        let all = deviations(&record, 10.0, DeviationKind::Overlapping, Grid::All).unwrap();
         assert_eq!(all.points.len(), samples / 2);
         // A few are summed directly.
         let few: Vec<usize> = (1..=samples / 2).step_by(1 + samples / 200).collect();
-        let direct = deviations_at(&record, 10.0, Kind::Overlapping, &few).unwrap();
+        let direct = deviations_at(&record, 10.0, DeviationKind::Overlapping, &few).unwrap();
         for point in &direct.points {
             let other = &all.points[point.m - 1];
             assert_eq!(
@@ -334,7 +337,7 @@ fn all_factors_have_the_deviations_of_a_few() {
 fn all_factors_of_a_constant_are_exact_zeros() {
     for value in [0.0, 0.1, -1e9] {
         let record = vec![value; 3001];
-        let curve = deviations(&record, 1.0, Kind::Overlapping, Grid::All).unwrap();
+        let curve = deviations(&record, 1.0, DeviationKind::Overlapping, Grid::All).unwrap();
         assert!(curve.points.iter().all(|point| point.deviation == 0.0));
     }
 }
@@ -345,7 +348,7 @@ fn all_factors_are_the_same_to_the_bit_on_any_number_of_threads() {
         let record = drifting(samples);
         let on = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            let all = || deviations(&record, 1.0, Kind::Overlapping, Grid::All);
+            let all = || deviations(&record, 1.0, DeviationKind::Overlapping, Grid::All);
             pool.unwrap().install(all).unwrap()
         };
         let bits = |curve: &undrift_noise::allan::Curve| -> Vec<u64> {
@@ -359,9 +362,9 @@ fn all_factors_are_the_same_to_the_bit_on_any_number_of_threads() {
 #[test]
 fn long_lists_may_be_in_any_order_and_have_factors_twice() {
     let record = drifting(4000);
-    let all = deviations(&record, 1.0, Kind::Overlapping, Grid::All).unwrap();
+    let all = deviations(&record, 1.0, DeviationKind::Overlapping, Grid::All).unwrap();
     let factors: Vec<usize> = (0..2500).map(|k| k * 7919 % 2100).collect();
-    let curve = deviations_at(&record, 1.0, Kind::Overlapping, &factors).unwrap();
+    let curve = deviations_at(&record, 1.0, DeviationKind::Overlapping, &factors).unwrap();
     let kept: Vec<usize> = factors
         .into_iter()
         .filter(|m| (1..=2000).contains(m))

@@ -8,7 +8,7 @@ use undrift_noise::allan::confidence::{edf, intervals, intervals_of};
 use undrift_noise::allan::gauss_markov::gauss_markov_variance;
 use undrift_noise::allan::noise_types;
 use undrift_noise::allan::{
-    Curve, Grid, Kind, deviations, deviations_at, fit_gauss_markov, fit_gauss_markov_from,
+    Curve, DeviationKind, Grid, deviations, deviations_at, fit_gauss_markov, fit_gauss_markov_from,
     fit_terms,
 };
 use undrift_noise::order_statistics::median;
@@ -35,7 +35,7 @@ fn degrees_of_freedom_of_white_noise_are_those_of_theory_and_simulation() {
             (1.5 * (phases - 1.0) / width - 2.0 * (phases - 2.0) / phases) * 4.0 * width * width
                 / (4.0 * width * width + 5.0);
         close(
-            edf(Kind::Overlapping, 0, 1024, m),
+            edf(DeviationKind::Overlapping, 0, 1024, m),
             published,
             0.03,
             &format!("m {m}"),
@@ -45,7 +45,7 @@ fn degrees_of_freedom_of_white_noise_are_those_of_theory_and_simulation() {
     // 1/ν = 1/M (1 + 2 (1 − 1/M)/4), M = N − 1.
     let terms = 999.0;
     close(
-        edf(Kind::Overlapping, 0, 1000, 1),
+        edf(DeviationKind::Overlapping, 0, 1000, 1),
         terms / (1.0 + 0.5 * (1.0 - 1.0 / terms)),
         1e-12,
         "m 1",
@@ -57,10 +57,10 @@ fn degrees_of_freedom_of_white_noise_are_those_of_theory_and_simulation() {
 fn intervals_cover_what_they_say() {
     // White noise, 400 records of 1024: true deviation 1/√m. 90 % intervals; binomial sigma 1.5 %.
     for kind in [
-        Kind::Overlapping,
-        Kind::Modified,
-        Kind::Hadamard,
-        Kind::Total,
+        DeviationKind::Overlapping,
+        DeviationKind::Modified,
+        DeviationKind::Hadamard,
+        DeviationKind::Total,
     ] {
         let factors = [1usize, 8, 64, 256];
         let mut inside = [0; 4];
@@ -70,7 +70,7 @@ fn intervals_cover_what_they_say() {
             let bounds = intervals_of(&curve, &[0; 4], 0.9).unwrap();
             for (k, bound) in bounds.iter().enumerate() {
                 let mut truth = 1.0 / (factors[k] as f64).sqrt();
-                if kind == Kind::Modified && factors[k] > 1 {
+                if kind == DeviationKind::Modified && factors[k] > 1 {
                     // Mod σ² / σ² of white rates: (m² + 1) / (2 m²).
                     truth *= (0.5 + 0.5 / (factors[k] * factors[k]) as f64).sqrt();
                 }
@@ -80,7 +80,11 @@ fn intervals_cover_what_they_say() {
         for (k, count) in inside.iter().enumerate() {
             let share = f64::from(*count) / 400.0;
             // Total deviation is biased low by a few per cent at long τ: one-sided misses.
-            let slack = if kind == Kind::Total { 0.09 } else { 0.06 };
+            let slack = if kind == DeviationKind::Total {
+                0.09
+            } else {
+                0.06
+            };
             assert!(
                 (share - 0.9).abs() < slack,
                 "{kind:?} m {}: {share}",
@@ -94,7 +98,7 @@ fn intervals_cover_what_they_say() {
 fn bounds_are_quantiles_of_chi_squared() {
     // Held against draws from the distribution.
     let rates = white_and_walk(1, 4096, 1.0, 1.0, 0.0);
-    let curve = deviations_at(&rates, 1.0, Kind::Overlapping, &[1, 1024]).unwrap();
+    let curve = deviations_at(&rates, 1.0, DeviationKind::Overlapping, &[1, 1024]).unwrap();
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(2);
     for (point, bound) in curve
         .points
@@ -135,7 +139,13 @@ fn noise_types_are_recognised() {
 fn exact(variance: impl Fn(f64) -> f64) -> Curve {
     let samples = 1 << 20;
     let zeros: Vec<f64> = (0..samples).map(|k| f64::from(k % 2)).collect();
-    let mut curve = deviations(&zeros, 100.0, Kind::Overlapping, Grid::PerOctave(4)).unwrap();
+    let mut curve = deviations(
+        &zeros,
+        100.0,
+        DeviationKind::Overlapping,
+        Grid::PerOctave(4),
+    )
+    .unwrap();
     for point in &mut curve.points {
         point.deviation = variance(point.tau_s).sqrt();
     }
@@ -197,7 +207,7 @@ fn white_noise_and_random_walk_are_recovered_without_bias() {
         (vec![], vec![], vec![], vec![], 0);
     for seed in 0..100 {
         let rates = white_and_walk(100 + seed, 200_000, rate, n, k);
-        let curve = deviations(&rates, rate, Kind::Overlapping, Grid::Octave).unwrap();
+        let curve = deviations(&rates, rate, DeviationKind::Overlapping, Grid::Octave).unwrap();
         let terms = fit_terms(&curve).unwrap();
         white.push(terms.white.value / n);
         walk.push(terms.random_walk.value / k);
@@ -235,7 +245,7 @@ fn white_noise_and_random_walk_are_recovered_without_bias() {
 fn the_paper_s_case_is_in_the_simulated_record() {
     let Some(reference) = reference() else { return };
     let z = series(&reference, "z100k");
-    let curve = deviations(&z, 100.0, Kind::Overlapping, Grid::PerOctave(4)).unwrap();
+    let curve = deviations(&z, 100.0, DeviationKind::Overlapping, Grid::PerOctave(4)).unwrap();
     let terms = fit_terms(&curve).unwrap();
     // φ = 0.99995, θ = 0.9994, σ = 0.006: white variance θσ²/φ, by docs/theory.md, section 1. 1 % is two
     // standard errors of 100 000 samples.
@@ -247,7 +257,7 @@ fn the_paper_s_case_is_in_the_simulated_record() {
 fn the_slow_bias_of_the_real_gyro_is_found_beyond_its_resonance() {
     let Some(reference) = reference() else { return };
     let z = &common::columns("adis16405-static/run1.csv.gz")[2];
-    let curve = deviations(z, 100.0, Kind::Overlapping, Grid::PerOctave(2)).unwrap();
+    let curve = deviations(z, 100.0, DeviationKind::Overlapping, Grid::PerOctave(2)).unwrap();
     let fit = fit_gauss_markov_from(&curve, 0.64).unwrap();
     // Exact likelihood on averages of 50 and 100 samples; its standard errors of σ and τc are a fifth.
     for block in ["block50", "block100"] {
@@ -270,7 +280,7 @@ fn a_short_memory_is_left_out_of_the_fit() {
     // A filter tap of 0.3: at low frequency everything is 1.3 times larger, at one sample it is not.
     let filtered: Vec<f64> = plain.windows(2).map(|w| w[1] + 0.3 * w[0]).collect();
     let fits = [&plain, &filtered].map(|rates| {
-        let curve = deviations(rates, rate, Kind::Overlapping, Grid::Octave).unwrap();
+        let curve = deviations(rates, rate, DeviationKind::Overlapping, Grid::Octave).unwrap();
         let process = fit_gauss_markov(&curve).unwrap();
         (fit_terms(&curve).unwrap(), process)
     });

@@ -4,17 +4,17 @@ use crate::common::generators::{partials, polynomial, record, reversed, seeded, 
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use undrift_nav::shaping::ShapingFilter;
-use undrift_noise::allan::{Grid, Kind, deviations, deviations_at};
+use undrift_noise::allan::{DeviationKind, Grid, deviations, deviations_at};
 use undrift_noise::arma::{Mean, burg, log_likelihood, yule_walker};
 use undrift_noise::composite::{self, CompositeTerms, GaussMarkov, Level, block_average};
 use undrift_noise::correlation::partial::durbin_levinson;
 use undrift_noise::correlation::{Partial, autocovariance, partial_autocorrelation};
 
-const KINDS: [Kind; 4] = [
-    Kind::Overlapping,
-    Kind::Modified,
-    Kind::Hadamard,
-    Kind::Total,
+const KINDS: [DeviationKind; 4] = [
+    DeviationKind::Overlapping,
+    DeviationKind::Modified,
+    DeviationKind::Hadamard,
+    DeviationKind::Total,
 ];
 
 /// Log-likelihood of an ARMA about a known mean of zero.
@@ -220,12 +220,12 @@ proptest! {
     fn a_ramp_adds_to_the_allan_and_not_to_the_hadamard_deviation(x in record(6..200), slope in -1.0..1.0f64) {
         let ramped: Vec<f64> = x.iter().enumerate().map(|(k, v)| v + slope * k as f64).collect();
         let of = |x: &[f64], kind| deviations(x, 1.0, kind, Grid::Octave).unwrap().points;
-        for (a, b) in of(&x, Kind::Hadamard).iter().zip(of(&ramped, Kind::Hadamard)) {
+        for (a, b) in of(&x, DeviationKind::Hadamard).iter().zip(of(&ramped, DeviationKind::Hadamard)) {
             // Sums of a ramp of up to 200 over 200 samples.
             prop_assert!((a.deviation - b.deviation).abs() < 1e-10, "{a:?} {b:?}");
         }
         let pure: Vec<f64> = (0..x.len()).map(|k| slope * k as f64).collect();
-        for point in of(&pure, Kind::Overlapping) {
+        for point in of(&pure, DeviationKind::Overlapping) {
             let exact = slope.abs() * point.tau_s / 2f64.sqrt();
             prop_assert!((point.deviation - exact).abs() < 1e-10, "{point:?} {exact}");
         }
@@ -233,7 +233,7 @@ proptest! {
 
     #[test]
     fn overlapping_deviations_are_differences_of_means_on_every_grid(x in record(2..200)) {
-        let octaves = deviations(&x, 50.0, Kind::Overlapping, Grid::Octave).unwrap();
+        let octaves = deviations(&x, 50.0, DeviationKind::Overlapping, Grid::Octave).unwrap();
         for point in &octaves.points {
             let m = point.m;
             let mean = |from: usize| x[from..from + m].iter().sum::<f64>() / m as f64;
@@ -243,7 +243,7 @@ proptest! {
             let exact = (squares.iter().sum::<f64>() / (2.0 * squares.len() as f64)).sqrt();
             prop_assert!((point.deviation - exact).abs() < 1e-13, "{point:?} {exact}");
             // 3 and 5 are no octaves: the other way through the record.
-            let other = deviations_at(&x, 50.0, Kind::Overlapping, &[m, 3, 5]).unwrap();
+            let other = deviations_at(&x, 50.0, DeviationKind::Overlapping, &[m, 3, 5]).unwrap();
             prop_assert!((other.points[0].deviation - point.deviation).abs() < 1e-13);
         }
     }

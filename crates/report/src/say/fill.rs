@@ -4,7 +4,7 @@ use super::{alignment, mounting, say};
 use undrift::{
     demo::{self, Demo},
     findings::Finding,
-    fleet::Outcome,
+    fleet::FleetOutcome,
     navigate::Report,
     noise::BiasModel,
     results,
@@ -54,7 +54,7 @@ pub fn demo(demo: &Demo) -> results::Demo {
 }
 
 /// The outcome of a log of a fleet.
-pub fn outcome(outcome: &mut Outcome) {
+pub fn outcome(outcome: &mut FleetOutcome) {
     outcome.warnings.splice(0..0, all(&outcome.findings));
     for row in &mut outcome.rows {
         row.note = row.finding.as_ref().map(say).or(row.note.take());

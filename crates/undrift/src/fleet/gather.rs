@@ -1,6 +1,6 @@
 //! The outcomes in a folder into one table and one summary.
 
-use super::{FleetError, Outcome, job_path, summary::Summary};
+use super::{FleetError, FleetOutcome, job_path, summary::Summary};
 use crate::results::{self, Fleet};
 use std::{io, path::Path};
 use undrift_io::write::write_whole;
@@ -18,7 +18,7 @@ pub fn gather(fingerprints: &[String], folder: &Path) -> Result<Fleet, FleetErro
     for fingerprint in fingerprints {
         let kept = job_path(folder, fingerprint);
         let text = std::fs::read_to_string(&kept).map_err(FleetError::file(&kept))?;
-        let outcome = Outcome::from_json(&text, &kept.display().to_string())?;
+        let outcome = FleetOutcome::from_json(&text, &kept.display().to_string())?;
         #[cfg(feature = "parquet")]
         table
             .write(&outcome, fingerprint)

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 /// worked out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Outcome {
+pub struct FleetOutcome {
     /// The log, as the job calls it.
     pub log: String,
     /// Serial number of the IMU.
@@ -48,11 +48,11 @@ pub struct Row {
     /// Why the numbers cannot be trusted, if so.
     #[serde(default)]
     pub finding: Option<Finding>,
-    /// A number for each of [`Outcome::columns`]; `None` where there is none.
+    /// A number for each of [`FleetOutcome::columns`]; `None` where there is none.
     pub values: Vec<Option<f64>>,
 }
 
-impl Outcome {
+impl FleetOutcome {
     /// Of a job, before anything came of it.
     pub(super) fn of(job: &Job) -> Self {
         Self {
@@ -75,10 +75,10 @@ impl Outcome {
         crate::results::text(self) + "\n"
     }
 
-    /// Reads [`Outcome::to_json`]; `file` is for messages.
+    /// Reads [`FleetOutcome::to_json`]; `file` is for messages.
     ///
     /// # Errors
-    /// If the text is not what [`Outcome::to_json`] writes, with the line.
+    /// If the text is not what [`FleetOutcome::to_json`] writes, with the line.
     pub fn from_json(text: &str, file: &str) -> Result<Self, ConfigError> {
         serde_json::from_str(text).map_err(|error| ConfigError {
             file: file.to_owned(),

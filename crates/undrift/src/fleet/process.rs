@@ -1,7 +1,7 @@
 //! One log into its outcome.
 
 use super::{
-    Job, Outcome, Plan, RecordSettings, Row, Task, inputs, manifest::ZERO_CELSIUS,
+    FleetOutcome, Job, Plan, RecordSettings, Row, Task, inputs, manifest::ZERO_CELSIUS,
     outcome::HORIZONS,
 };
 use crate::{
@@ -28,9 +28,9 @@ use undrift_io::{
 use undrift_noise::{BiasModel, ImuModel};
 
 /// Works a job out. Nothing but the job and the files that it names bears on the outcome; whatever goes
-/// wrong is told in [`Outcome::failed`]. On all cores of the pool that it is called in.
-pub fn process(job: &Job) -> Outcome {
-    let mut outcome = Outcome::of(job);
+/// wrong is told in [`FleetOutcome::failed`]. On all cores of the pool that it is called in.
+pub fn process(job: &Job) -> FleetOutcome {
+    let mut outcome = FleetOutcome::of(job);
     let (home, data) = job.folders();
     let folders = [data, home, PathBuf::from(&job.folder)];
     let failed = isolated(|| {
@@ -144,7 +144,7 @@ fn without_folders(text: &str, folders: &[PathBuf]) -> String {
 }
 
 /// The drive with the model that the job asks for; the temperature of its inertial log.
-fn load(job: &Job, outcome: &mut Outcome) -> Result<Drive, Failure> {
+fn load(job: &Job, outcome: &mut FleetOutcome) -> Result<Drive, Failure> {
     let (home, data) = job.folders();
     let (text, _) = read_text(&job.path())?;
     let mut drive = Drive::from_toml(&text, &job.log, &home, &data)?;
@@ -204,7 +204,7 @@ fn outages(
     kinds: &[BiasModel],
     plan: &Plan,
     smooth: bool,
-    outcome: &mut Outcome,
+    outcome: &mut FleetOutcome,
 ) -> Result<(), Failure> {
     let drive = load(job, outcome)?;
     let logs = Logs::load(&drive)?;
@@ -244,7 +244,7 @@ fn navigate(
     job: &Job,
     kinds: &[BiasModel],
     smooth: bool,
-    outcome: &mut Outcome,
+    outcome: &mut FleetOutcome,
 ) -> Result<(), Failure> {
     let drive = load(job, outcome)?;
     for kind in kinds {
@@ -289,7 +289,11 @@ fn navigate(
     Ok(())
 }
 
-fn identify(job: &Job, settings: &RecordSettings, outcome: &mut Outcome) -> Result<(), Failure> {
+fn identify(
+    job: &Job,
+    settings: &RecordSettings,
+    outcome: &mut FleetOutcome,
+) -> Result<(), Failure> {
     let path = job.path();
     let header = header_names(&path).unwrap_or_default();
     let unit = header.iter().find_map(|name| match meaning(name) {

@@ -1,6 +1,6 @@
 //! Many jobs on the cores of one machine, their outcomes in a folder.
 
-use super::{Job, Outcome, fingerprint, process};
+use super::{FleetOutcome, Job, fingerprint, process};
 use crate::drive::ConfigError;
 use rayon::{ThreadPoolBuildError, ThreadPoolBuilder};
 use std::{
@@ -92,7 +92,7 @@ pub fn shard(jobs: Vec<Job>, which: usize, of: usize) -> Vec<Job> {
 ///
 /// # Errors
 /// If there are no threads to be had.
-pub fn process_on(job: &Job, threads: usize) -> Result<Outcome, FleetError> {
+pub fn process_on(job: &Job, threads: usize) -> Result<FleetOutcome, FleetError> {
     let pool = ThreadPoolBuilder::new().num_threads(threads).build()?;
     Ok(pool.install(|| process(job)))
 }
@@ -112,8 +112,8 @@ pub fn run(
     jobs: &[Job],
     folder: &Path,
     options: Options,
-    say: impl Fn(&mut Outcome) + Sync,
-    told: impl Fn(Option<&Outcome>) + Sync,
+    say: impl Fn(&mut FleetOutcome) + Sync,
+    told: impl Fn(Option<&FleetOutcome>) + Sync,
 ) -> Result<Done, FleetError> {
     let outcomes = folder.join("jobs");
     std::fs::create_dir_all(&outcomes).map_err(FleetError::file(&outcomes))?;
@@ -184,14 +184,14 @@ enum State {
 struct Step {
     fingerprint: String,
     state: State,
-    outcome: Option<Outcome>,
+    outcome: Option<FleetOutcome>,
 }
 
 fn one(
     job: &Job,
     folder: &Path,
     options: Options,
-    say: &(impl Fn(&mut Outcome) + Sync),
+    say: &(impl Fn(&mut FleetOutcome) + Sync),
     seen: &Mutex<HashSet<String>>,
 ) -> Result<Step, FleetError> {
     let fingerprint = fingerprint(job);
@@ -209,7 +209,7 @@ fn one(
     let path = job_path(folder, &fingerprint);
     let again = || {
         let known = std::fs::read_to_string(&path).ok();
-        let known = known.and_then(|text| Outcome::from_json(&text, "").ok());
+        let known = known.and_then(|text| FleetOutcome::from_json(&text, "").ok());
         known.is_none_or(|outcome| outcome.failed.is_some())
     };
     if path.is_file() && !(options.retry_failed && again()) {

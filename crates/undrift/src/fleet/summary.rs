@@ -1,7 +1,7 @@
 //! All outcomes in one: how far logs drift by bias model, unit, sensor and temperature, and which stand out.
 
 use super::{
-    Outcome, Row,
+    FleetOutcome, Row,
     statistics::{
         OUTLIER_DEVIATIONS, OUTLIER_LEAST, OUTLIER_SHARE, outlier_limit, rank_correlation,
     },
@@ -27,17 +27,17 @@ struct Measure {
     task: &'static str,
     parts: &'static str,
     /// From the rows of one part, in `unit`.
-    of: fn(&Outcome, &[&Row]) -> Option<f64>,
+    of: fn(&FleetOutcome, &[&Row]) -> Option<f64>,
 }
 
 /// A number of the only row.
-fn only(outcome: &Outcome, rows: &[&Row], column: &str, factor: f64) -> Option<f64> {
+fn only(outcome: &FleetOutcome, rows: &[&Row], column: &str, factor: f64) -> Option<f64> {
     let value = outcome.value(rows.first()?, column)?;
     (value > 0.0).then_some(value * factor)
 }
 
 /// Root mean square of a column over the rows, if every row has it.
-fn rms(outcome: &Outcome, rows: &[&Row], column: &str) -> Option<f64> {
+fn rms(outcome: &FleetOutcome, rows: &[&Row], column: &str) -> Option<f64> {
     let square = |row: &&Row| outcome.value(row, column).map(|v| v * v);
     let squares: Vec<f64> = rows.iter().map(square).collect::<Option<_>>()?;
     (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
@@ -146,7 +146,7 @@ pub struct Summary {
 
 impl Summary {
     /// Adds an outcome.
-    pub fn add(&mut self, outcome: &Outcome) {
+    pub fn add(&mut self, outcome: &FleetOutcome) {
         let (log, unit) = (&outcome.log, &outcome.unit);
         *self.tasks.entry(outcome.task.clone()).or_default() += 1;
         let trouble = |part: Option<&str>, why: &str| Trouble {

@@ -1,6 +1,6 @@
 //! All outcomes as one table: a row for each outage, bias model or axis of each log, or for what failed.
 
-use super::{Outcome, outcome::columns};
+use super::{FleetOutcome, outcome::columns};
 use std::{io, path::Path};
 use undrift_io::write::parquet_table::{ParquetTableWriter, Value, Values};
 
@@ -41,7 +41,7 @@ impl Table {
     }
 
     /// Writes the rows of an outcome; one that failed has a row too, as has each part that failed.
-    pub fn write(&mut self, outcome: &Outcome, fingerprint: &str) -> io::Result<()> {
+    pub fn write(&mut self, outcome: &FleetOutcome, fingerprint: &str) -> io::Result<()> {
         let places: Vec<Option<usize>> = self
             .numbers
             .iter()

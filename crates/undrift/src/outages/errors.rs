@@ -47,4 +47,4 @@ pub struct ModelRun {
 }
 
 /// A model's name with what came of it.
-pub type Outcome = (String, Result<ModelRun, ReplayError>);
+pub type ModelOutcome = (String, Result<ModelRun, ReplayError>);

@@ -1,7 +1,7 @@
 //! A drive's logs in memory, and the experiment on them.
 
 use super::{
-    errors::Outcome,
+    errors::ModelOutcome,
     result::{result, track},
     run::run,
     schedule::{Schedule, ScheduleError, schedule},
@@ -116,7 +116,7 @@ impl Logs {
         cuts: &[Outage],
         smooth: bool,
         done: &(dyn Fn(u64) + Sync),
-    ) -> Result<Vec<Outcome>, NavigateError> {
+    ) -> Result<Vec<ModelOutcome>, NavigateError> {
         let models = kinds
             .iter()
             .map(|kind| {
@@ -144,7 +144,7 @@ impl Logs {
     }
 
     /// What the logs and the runs show; of several models' runs, what the first one shows of the logs.
-    pub fn findings(&self, results: &[Outcome]) -> Vec<Finding> {
+    pub fn findings(&self, results: &[ModelOutcome]) -> Vec<Finding> {
         let mut found = Vec::new();
         let mut runs = results.iter().filter_map(|(_, run)| run.as_ref().ok());
         if let Some(run) = runs.next() {
@@ -176,7 +176,7 @@ impl Logs {
         &self,
         file: &Path,
         cuts: &[Outage],
-        results: &[Outcome],
+        results: &[ModelOutcome],
         smooth: bool,
     ) -> Outages {
         Outages {

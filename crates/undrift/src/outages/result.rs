@@ -2,7 +2,7 @@
 
 use super::{
     drift::drift_curve,
-    errors::{self, ModelRun, Outcome},
+    errors::{self, ModelOutcome, ModelRun},
 };
 use crate::{
     replay::Outage,
@@ -14,7 +14,7 @@ use crate::{
 use undrift_nav::sample::{GnssFix, Position, TruthSample};
 
 /// What outages did, model by model, on the way of `track`.
-pub fn result(outages: &[Outage], results: &[Outcome], track: &[TruthSample]) -> Outages {
+pub fn result(outages: &[Outage], results: &[ModelOutcome], track: &[TruthSample]) -> Outages {
     let cut = |o: &Outage| Cut {
         start_s: o.start.into(),
         length_s: (o.end - o.start).into(),

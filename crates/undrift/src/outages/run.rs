@@ -1,6 +1,6 @@
 //! Each model through the outages.
 
-use super::errors::{ModelErrors, ModelRun, OutageErrors, Outcome};
+use super::errors::{ModelErrors, ModelOutcome, ModelRun, OutageErrors};
 use crate::{
     estimator::{Adjoint, Estimator, STAMP_ROUNDING},
     findings::Finding,
@@ -23,7 +23,7 @@ pub fn run(
     truth: &[TruthSample],
     models: &[(String, Settings)],
     done: &(dyn Fn(u64) + Sync),
-) -> Vec<Outcome> {
+) -> Vec<ModelOutcome> {
     models
         .par_iter()
         .map(|(name, settings)| {

@@ -10,7 +10,7 @@ mod process;
 use process::measured;
 use std::hint::black_box;
 use std::time::Instant;
-use undrift_noise::allan::{Grid, Kind, deviations, fit_gauss_markov, fit_terms};
+use undrift_noise::allan::{DeviationKind, Grid, deviations, fit_gauss_markov, fit_terms};
 use undrift_noise::synthesis::NoiseGenerator;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     let record = record(2_000_000)?;
     let allan = |kind| deviations(black_box(&record), 100.0, kind, Grid::Octave);
-    let overlapping = || allan(Kind::Overlapping).map(|c| c.points.len());
+    let overlapping = || allan(DeviationKind::Overlapping).map(|c| c.points.len());
     // In turns, so that a busy machine slows both alike.
     let (mut fastest, mut plain) = (f64::INFINITY, f64::INFINITY);
     for _ in 0..20 {
@@ -32,14 +32,23 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         fastest / plain,
         1e3 * plain
     );
-    for kind in [Kind::Hadamard, Kind::Modified, Kind::Total] {
+    for kind in [
+        DeviationKind::Hadamard,
+        DeviationKind::Modified,
+        DeviationKind::Total,
+    ] {
         let times = (0..5).map(|_| seconds(|| allan(kind)));
         println!(
             "{kind:?}: {:.1} ms",
             1e3 * times.fold(f64::INFINITY, f64::min)
         );
     }
-    let curve = deviations(&record, 100.0, Kind::Overlapping, Grid::PerOctave(4))?;
+    let curve = deviations(
+        &record,
+        100.0,
+        DeviationKind::Overlapping,
+        Grid::PerOctave(4),
+    )?;
     let start = Instant::now();
     let terms = fit_terms(&curve)?;
     println!(
@@ -80,7 +89,7 @@ fn all(samples: usize) -> Result<(), Box<dyn std::error::Error>> {
             Ok(deviations(
                 black_box(&record),
                 100.0,
-                Kind::Overlapping,
+                DeviationKind::Overlapping,
                 Grid::All,
             )?)
         };

@@ -12,7 +12,7 @@ use std::error::Error;
 use std::fs::File;
 use std::hint::black_box;
 use std::io::{BufReader, Read};
-use undrift_noise::allan::{Grid, Kind, deviations, intervals};
+use undrift_noise::allan::{DeviationKind, Grid, deviations, intervals};
 use undrift_noise::arma::{FitOptions, Mean, fit};
 use undrift_noise::correlation::autocorrelation;
 use undrift_noise::normality::{jarque_bera, normality};
@@ -57,7 +57,7 @@ fn run(task: &str, record: &[f64]) -> Result<Vec<f64>, Box<dyn Error>> {
         "allan" => allan(record, Grid::Octave)?,
         "allan_all" => allan(record, Grid::All)?,
         "allan_intervals" => {
-            let curve = deviations(record, 100.0, Kind::Overlapping, Grid::Octave)?;
+            let curve = deviations(record, 100.0, DeviationKind::Overlapping, Grid::Octave)?;
             black_box(intervals(record, &curve, 0.683)?);
             let points = curve.points.iter();
             points.flat_map(|p| [p.tau_s, p.deviation]).collect()
@@ -107,7 +107,7 @@ fn arma(record: &[f64], p: usize, q: usize) -> Result<Vec<f64>, Box<dyn Error>> 
 
 /// τ and deviation in turns; of all τ at most 50 000.
 fn allan(record: &[f64], grid: Grid) -> Result<Vec<f64>, Box<dyn Error>> {
-    let curve = deviations(record, 100.0, Kind::Overlapping, grid)?;
+    let curve = deviations(record, 100.0, DeviationKind::Overlapping, grid)?;
     let stride = match grid {
         Grid::All => (record.len() / 100_000).max(1),
         _ => 1,

@@ -3,7 +3,7 @@
 use std::hint::black_box;
 use undrift::nav::shaping::ShapingFilter;
 use undrift::noise::{
-    allan::{Grid, Kind, deviations},
+    allan::{DeviationKind, Grid, deviations},
     arma::{Mean, log_likelihood},
     correlation::autocorrelation,
     stationarity::{Deterministic, KpssLags, Lags, adf, kpss},
@@ -36,7 +36,7 @@ pub fn run(task: &str, samples: u32) -> Result<(), Box<dyn std::error::Error>> {
         "allan-octave" => drop(black_box(deviations(
             x,
             100.0,
-            Kind::Overlapping,
+            DeviationKind::Overlapping,
             Grid::Octave,
         )?)),
         "adf-20" => drop(black_box(adf(x, constant, Lags::Fixed(20))?)),

@@ -13,7 +13,7 @@ use undrift::{
     identify::{self, Identified},
     noise::{
         ImuModel,
-        allan::{self, Grid, Kind},
+        allan::{self, DeviationKind, Grid},
         identify::{Axis, Options},
         spectrum::{self, Density},
     },
@@ -169,7 +169,8 @@ impl Run {
     /// fitted over the same averaging times.
     fn as_recorded(&self, index: usize) -> Option<(f64, f64)> {
         let (samples, axis) = (&self.record.samples[index], self.axis(index)?);
-        let curve = allan::deviations(samples, RATE, Kind::Overlapping, Grid::Octave).ok()?;
+        let curve =
+            allan::deviations(samples, RATE, DeviationKind::Overlapping, Grid::Octave).ok()?;
         let terms = allan::fit_terms_from(&curve, axis.allan_terms.from_s).ok()?;
         let deviation = root_mean_square(samples.iter().map(|x| x - axis.mean));
         Some((terms.white.value, deviation))
