@@ -12,7 +12,9 @@ fn schemas() -> Vec<(PathBuf, String)> {
         .into_iter()
         .map(|(name, schema)| {
             let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/schema"));
+            // Rustdoc needs the brackets of units escaped, a schema's reader does not.
             let text = format!("{:#}\n", schema.as_value());
+            let text = text.replace(r"\\[", "[").replace(r"\\]", "]");
             (folder.join(format!("{name}.schema.json")), text)
         })
         .collect()
