@@ -9,7 +9,7 @@ pub use fits::{
 };
 
 use super::{Curve, Number, Numbers};
-use serde::{Deserialize, Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::collections::BTreeMap;
 use undrift_noise::{
     model_file::AXES,
@@ -203,11 +203,16 @@ pub struct Test {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub critical_5: Option<Number>,
     /// Value of the criterion that chose the lags.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "present")]
     pub criterion: Option<Number>,
     /// The same test by the rule that chooses the lags.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub by_rule: Option<BTreeMap<String, Test>>,
+}
+
+/// A number that is there, be it null.
+fn present<'de, D: Deserializer<'de>>(number: D) -> Result<Option<Number>, D::Error> {
+    Number::deserialize(number).map(Some)
 }
 
 /// A line of the spectrum.
