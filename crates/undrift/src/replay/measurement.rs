@@ -6,8 +6,6 @@ use std::collections::VecDeque;
 use undrift_nav::sample::GnssFix;
 
 /// One measurement.
-// Nearly all are fixes, and few are held at once.
-#[allow(clippy::large_enum_variant)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[expect(
     clippy::large_enum_variant,
