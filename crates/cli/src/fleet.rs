@@ -17,9 +17,9 @@ use std::{
 use undrift::{
     fleet::{self, Choice, Job, Manifest, Options},
     noise::BiasModel,
-    results::{self, Fleet, Number},
+    results::{self, Fleet},
 };
-use undrift_report::say as sentences;
+use undrift_report::{say as sentences, short};
 
 /// What is done with drives.
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
@@ -269,8 +269,8 @@ fn summary(result: &Fleet) -> String {
                 "{:28} {:>7} {:>10} {:>10} {:>9}",
                 part.part,
                 part.logs,
-                short(part.median),
-                short(part.limit),
+                short(part.median.0),
+                short(part.limit.0),
                 part.outliers.len()
             );
             for outlier in &part.outliers {
@@ -292,16 +292,4 @@ fn summary(result: &Fleet) -> String {
         blocks.push(table);
     }
     blocks.join("\n")
-}
-
-/// Three significant digits, or a dash.
-fn short(value: Number) -> String {
-    match value.get() {
-        None => "–".into(),
-        Some(v) if (0.001..1e6).contains(&v.abs()) => {
-            let digits = (2.0 - v.abs().log10().floor()).clamp(0.0, 6.0) as usize;
-            format!("{v:.digits$}")
-        }
-        Some(v) => format!("{v:.2e}"),
-    }
 }

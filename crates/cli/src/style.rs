@@ -92,7 +92,7 @@ fn numbers(line: &str, columns: usize) -> Vec<(Range<usize>, f64)> {
         let word = rest.get(start..).unwrap_or_default();
         let value = match word {
             "–" => f64::INFINITY,
-            number => match number.parse() {
+            number => match number.replace('\u{202f}', "").parse() {
                 Ok(value) => value,
                 Err(_) => return Vec::new(),
             },

@@ -22,4 +22,5 @@ mod table;
 pub use crate::figure::panel::{Axis, Panel, Series};
 pub use compare::{document, of_results};
 pub use document::{Block, Cell, Document, Figure, Section, Table};
+pub use parts::short;
 pub use table::outage_table;

@@ -1,6 +1,6 @@
 //! The outage table in the form of the source paper's Table 4, as text.
 
-use crate::parts::get;
+use crate::parts::{get, short};
 use std::{collections::BTreeMap, fmt::Write as _};
 use undrift::results::{ModelErrors, Numbers};
 
@@ -41,7 +41,7 @@ pub fn outage_table(models: &BTreeMap<String, ModelErrors>, names: &[impl AsRef<
         for (name, errors) in models() {
             let _ = write!(text, "{name:width$}");
             for (component, _) in COLUMNS {
-                let _ = write!(text, " {:>8}", cell(get(pick(errors), component)));
+                let _ = write!(text, " {:>8}", short(get(pick(errors), component)));
             }
             text.push('\n');
         }
@@ -49,17 +49,4 @@ pub fn outage_table(models: &BTreeMap<String, ModelErrors>, names: &[impl AsRef<
     }
     text.pop();
     text
-}
-
-/// Three significant digits, or a dash for what is not known.
-fn cell(value: f64) -> String {
-    match value.abs() {
-        v if !v.is_finite() => "–".into(),
-        v if v < 0.001 => format!("{value:.1e}"),
-        v if v < 0.995 => format!("{value:.3}"),
-        v if v < 9.95 => format!("{value:.2}"),
-        v if v < 99.5 => format!("{value:.1}"),
-        v if v < 1e6 => format!("{value:.0}"),
-        _ => format!("{value:.1e}"),
-    }
 }
