@@ -10,10 +10,14 @@ use crate::{
     terminal::{self, detail, say, stage, warn},
 };
 use anyhow::{Context, Result, bail};
-use clap::{Args, ValueEnum};
+use clap::{
+    Args,
+    builder::{PossibleValue, PossibleValuesParser, TypedValueParser},
+};
 use std::path::PathBuf;
 use undrift::{
-    findings, identify,
+    findings,
+    identify::{self, Trend},
     io::table::Column,
     noise::ImuModel,
     record::{self, RecordFormat},
@@ -21,15 +25,18 @@ use undrift::{
 };
 use undrift_report::say as sentences;
 
-/// What is taken out of the record first.
-#[derive(Clone, Copy, PartialEq, ValueEnum)]
-enum Trend {
-    /// The mean
-    Constant,
-    /// A straight line
-    Linear,
-    /// The mean and a multiple of the temperature, a column named temp, temperature or *_C
-    Temperature,
+/// The trends by their names.
+fn trends() -> impl TypedValueParser<Value = Trend> {
+    let helps = [
+        "The mean",
+        "A straight line",
+        "The mean and a multiple of the temperature, a column named temp, temperature or *_C",
+    ];
+    let names = Trend::ALL.iter().zip(helps);
+    PossibleValuesParser::new(
+        names.map(|(trend, help)| PossibleValue::new(trend.name()).help(help)),
+    )
+    .map(|name| Trend::named(&name).unwrap_or_default())
 }
 
 /// Identify how a sensor errs from a record of it at rest, and write the model file.
@@ -67,7 +74,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 2)]
     n_max: usize,
     /// What is taken out of every axis before its noise is identified
-    #[arg(long, value_name = "TREND", value_enum, default_value_t = Trend::Constant)]
+    #[arg(long, value_name = "TREND", value_parser = trends(), default_value = "constant")]
     detrend: Trend,
     /// The sensor's data sheet, a preset or a file: how far its constant differs from one turn-on to the
     /// next, and the axes that the record does not have
@@ -127,12 +134,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     uneven.iter().map(sentences::say).for_each(warn);
     let rate_hz = identify::rate(arguments.rate, record.timing.as_ref())
         .with_context(|| arguments.record.display().to_string())?;
-    let trend = match arguments.detrend {
-        Trend::Constant => identify::Trend::Constant,
-        Trend::Linear => identify::Trend::Linear,
-        Trend::Temperature => identify::Trend::Temperature,
-    };
-    let options = identify::options(&record, rate_hz, arguments.n_max, trend);
+    let options = identify::options(&record, rate_hz, arguments.n_max, arguments.detrend);
     detail(1, || {
         format!(
             "record: {} axes of {} samples at {rate_hz} Hz ({}), {}",

@@ -36,6 +36,7 @@ pub use fit::{CompositeFit, FitOptions, Flag, Term, fit};
 pub(crate) use likelihood::present_mean;
 pub use likelihood::{Level, RecordLikelihood, log_likelihood};
 
+use nalgebra::DMatrix;
 use undrift_nav::shaping::{MAX_ORDER, ShapingError, ShapingFilter};
 
 /// Most Gauss-Markov processes in one model.
@@ -248,10 +249,9 @@ impl TermSet {
     }
 
     /// Standard errors of the logarithms of the terms' own parameters from the covariance of the
-    /// search coordinates, row-major: `ln σ = ln drive + ½ ln τ − ½ ln 2`.
-    pub(crate) fn relative_errors(&self, covariance: &[f64]) -> CompositeTerms {
-        let n = self.parameters();
-        let at = |i: usize, j: usize| covariance[i * n + j];
+    /// search coordinates: `ln σ = ln drive + ½ ln τ − ½ ln 2`.
+    pub(crate) fn relative_errors(&self, covariance: &DMatrix<f64>) -> CompositeTerms {
+        let at = |i: usize, j: usize| covariance[(i, j)];
         let mut index = 0;
         let mut next = |wanted: bool| {
             if !wanted {

@@ -15,8 +15,7 @@ pub mod partial;
 
 pub use partial::{Partial, partial_autocorrelation};
 
-use crate::screening::record::{Compensated, RecordError, check_varying};
-use crate::stationarity::dot;
+use crate::screening::record::{Compensated, RecordError, check_varying, dot};
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
 

@@ -17,7 +17,7 @@ use crate::{
     correlation::{self, Partial},
     drift_score::{self, HORIZONS_S, Scored},
     normality,
-    screening::{self, Detrended, MotionRule, OutlierRule, RecordError},
+    screening::{self, Detrended, MotionRule, OutlierRule, RecordError, Trend},
     spectrum,
     stationarity::{self, Deterministic, KpssLags, Lags},
     whiteness,
@@ -45,37 +45,15 @@ const COARSE: f64 = 0.25;
 /// A spectral line stands out of its neighbourhood's median by this factor.
 const LINE_FACTOR: f64 = 10.0;
 
-/// What is taken out of a record before its noise is identified.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Detrend<'a> {
-    /// The mean.
-    #[default]
-    Constant,
-    /// A straight line.
-    Linear,
-    /// The mean and a multiple of the temperature [°C or K], one a sample.
-    Temperature(&'a [f64]),
-}
-
-/// What was taken out beside the mean, by least squares over the whole record.
+/// What was taken out, by least squares over the whole record.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Removed {
-    /// Nothing.
-    Constant,
-    /// A slope in time.
-    Linear {
-        /// [unit/h].
-        slope_per_hour: f64,
-        /// Share of the variance it explains.
-        explained: f64,
-    },
-    /// A slope over temperature.
-    Temperature {
-        /// [unit/K].
-        slope_per_kelvin: f64,
-        /// Share of the variance it explains.
-        explained: f64,
-    },
+pub struct Removed {
+    /// The mean, or what else beside it.
+    pub trend: Trend,
+    /// Slope: \[unit/h\] in time, \[unit/K\] over temperature, 0 of a constant.
+    pub slope: f64,
+    /// Share of the variance that it explains.
+    pub explained: f64,
 }
 
 /// What is identified, and how much is tried.
@@ -86,7 +64,9 @@ pub struct Options<'a> {
     /// Largest n of ARMA(2n, 2n−1) in the Pandit-Wu table.
     pub n_max: usize,
     /// What is taken out first.
-    pub detrend: Detrend<'a>,
+    pub trend: Trend,
+    /// Temperature \[°C or K\], one a sample; without it [`Trend::Temperature`] takes the mean out alone.
+    pub temperature: Option<&'a [f64]>,
 }
 
 impl Options<'_> {
@@ -95,7 +75,8 @@ impl Options<'_> {
         Self {
             rate_hz,
             n_max: 2,
-            detrend: Detrend::Constant,
+            trend: Trend::Constant,
+            temperature: None,
         }
     }
 }
@@ -139,26 +120,24 @@ fn turn_on_of(mean: f64, accelerometer: bool) -> f64 {
 fn detrended(record: &[f64], options: &Options<'_>) -> Result<(Detrended, Removed), IdentifyError> {
     // What is constant has no trend: an error of its own.
     screening::record::check_varying(record, SHORTEST)?;
-    Ok(match options.detrend {
-        Detrend::Constant => (screening::remove_constant(record)?, Removed::Constant),
-        Detrend::Linear => {
-            let plain = screening::remove_linear(record)?;
-            let removed = Removed::Linear {
-                slope_per_hour: plain.slope * options.rate_hz * 3600.0,
-                explained: plain.explained,
-            };
-            (plain, removed)
+    let (trend, plain, scale) = match (options.trend, options.temperature) {
+        (Trend::Linear, _) => {
+            let hour = options.rate_hz * 3600.0;
+            (Trend::Linear, screening::remove_linear(record)?, hour)
         }
-        Detrend::Temperature(temperature) => {
-            let plain = screening::remove_temperature(record, temperature)
-                .map_err(IdentifyError::Temperature)?;
-            let removed = Removed::Temperature {
-                slope_per_kelvin: plain.slope,
-                explained: plain.explained,
-            };
-            (plain, removed)
+        (Trend::Temperature, Some(temperature)) => {
+            let plain = screening::remove_temperature(record, temperature);
+            let plain = plain.map_err(IdentifyError::Temperature)?;
+            (Trend::Temperature, plain, 1.0)
         }
-    })
+        _ => (Trend::Constant, screening::remove_constant(record)?, 0.0),
+    };
+    let removed = Removed {
+        trend,
+        slope: plain.slope * scale,
+        explained: plain.explained,
+    };
+    Ok((plain, removed))
 }
 
 /// Horizons that fit four times into half a record of so many samples \[s\].

@@ -1,6 +1,6 @@
 //! Linear prediction order by order: the Levinson-Durbin recursion and Burg's reflections.
 
-use crate::stationarity::dot;
+use crate::screening::record::dot;
 
 /// The best linear predictor `x_t ≈ φ1 x_{t−1} + … + φp x_{t−p}`, grown one order at a time. Box,
 /// Jenkins & Reinsel, appendix A3.2; Brockwell & Davis 1991, proposition 5.2.1.

@@ -1,6 +1,277 @@
-//! The pieces of a BFGS minimiser. Nocedal & Wright 2006, chapters 3 and 6. What metric it starts from
-//! and which differences make its gradients is for each search to know: [`crate::arma`] evaluates
-//! many points at once, [`crate::composite`] gets curvatures for nothing.
+//! Minimisation of a smooth function of a few variables by BFGS with numeric gradients. Nocedal & Wright
+//! 2006, chapters 3 and 6. What differs between the searches of [`crate::arma`] and of
+//! [`crate::composite`] is in [`Scales`].
+
+use nalgebra::{DMatrix, DVector};
+
+/// How a search measures and moves.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scales {
+    /// Difference step.
+    pub(crate) step: f64,
+    /// Longest move of one iteration, per coordinate.
+    pub(crate) longest: f64,
+    /// Coordinates are kept within this.
+    pub(crate) edge: f64,
+    /// Gradients are central from the start, and the second differences that these give for nothing make the
+    /// first metric. Otherwise they are forward until the search is nearly done, and it starts from the unit
+    /// metric with short steps.
+    pub(crate) curved: bool,
+}
+
+/// Longest move while nothing is known of the curvature.
+const FIRST: f64 = 0.3;
+/// Least curvature of the first metric.
+const LEAST_CURVATURE: f64 = 0.1;
+/// Decrease of one iteration below which gradients are central.
+const NEAR: f64 = 1e-2;
+
+/// A point and its value.
+#[derive(Clone, Debug)]
+pub(crate) struct Point {
+    pub(crate) z: Vec<f64>,
+    pub(crate) value: f64,
+    /// The predicted remaining decrease was below the tolerance.
+    pub(crate) converged: bool,
+    /// Estimate of the inverse Hessian to go on with.
+    pub(crate) inverse: Option<DMatrix<f64>>,
+}
+
+impl Point {
+    /// A point nothing is known about but its value.
+    pub(crate) fn new(z: Vec<f64>, value: f64) -> Self {
+        Self {
+            z,
+            value,
+            converged: false,
+            inverse: None,
+        }
+    }
+}
+
+/// A function of several points at once, which may be cheaper than one after the other. Counts
+/// evaluations and turns NaN into +∞.
+pub(crate) struct Objective<'a> {
+    function: &'a dyn Fn(&[Vec<f64>]) -> Vec<f64>,
+    scales: Scales,
+    /// Evaluations so far.
+    pub(crate) evaluations: usize,
+}
+
+impl<'a> Objective<'a> {
+    pub(crate) fn new(function: &'a dyn Fn(&[Vec<f64>]) -> Vec<f64>, scales: Scales) -> Self {
+        Self {
+            function,
+            scales,
+            evaluations: 0,
+        }
+    }
+
+    pub(crate) fn at_all(&mut self, z: &[Vec<f64>]) -> Vec<f64> {
+        self.evaluations += z.len();
+        let mut values = (self.function)(z);
+        for value in values.iter_mut().filter(|value| value.is_nan()) {
+            *value = f64::INFINITY;
+        }
+        values
+    }
+
+    pub(crate) fn at(&mut self, z: &[f64]) -> f64 {
+        self.at_all(&[z.to_vec()])[0]
+    }
+
+    /// Points with their values.
+    pub(crate) fn points(&mut self, z: Vec<Vec<f64>>) -> Vec<Point> {
+        let values = self.at_all(&z);
+        let pairs = z.into_iter().zip(values);
+        pairs.map(|(z, value)| Point::new(z, value)).collect()
+    }
+
+    /// Gradient by forward differences, or central ones (twice the cost), and the metric to start from. A
+    /// direction into an invalid region counts as flat.
+    pub(crate) fn differences(
+        &mut self,
+        z: &[f64],
+        value: f64,
+        central: bool,
+    ) -> (DVector<f64>, DMatrix<f64>) {
+        let n = z.len();
+        let Scales { step, curved, .. } = self.scales;
+        let mut around: Vec<_> = (0..n).map(|i| moved(z, i, step)).collect();
+        if central {
+            around.extend((0..n).map(|i| moved(z, i, -step)));
+        }
+        let values = self.at_all(&around);
+        let finite = |v: f64| if v.is_finite() { v } else { 0.0 };
+        let gradient = DVector::from_fn(n, |i, _| {
+            finite(if central {
+                (values[i] - values[n + i]) / (2.0 * step)
+            } else {
+                (values[i] - value) / step
+            })
+        });
+        if !curved {
+            return (gradient, DMatrix::identity(n, n));
+        }
+        let curvature =
+            |i: usize| finite((values[i] + values[n + i] - 2.0 * value) / (step * step));
+        let metric = DVector::from_fn(n, |i, _| 1.0 / curvature(i).abs().max(LEAST_CURVATURE));
+        (gradient, DMatrix::from_diagonal(&metric))
+    }
+
+    /// Hessian by central second differences with a step for each coordinate, or `None` where it is not
+    /// finite.
+    pub(crate) fn second_differences(&mut self, z: &[f64], steps: &[f64]) -> Option<DMatrix<f64>> {
+        let n = z.len();
+        // For each pair the points (+, +), (+, −), (−, +), (−, −); both moves add up where i = j.
+        const SIGNS: [(f64, f64); 4] = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
+        let pairs: Vec<_> = (0..n).flat_map(|i| (0..=i).map(move |j| (i, j))).collect();
+        let corners: Vec<_> = pairs
+            .iter()
+            .flat_map(|&(i, j)| {
+                SIGNS.map(move |(a, b)| {
+                    let mut moved = z.to_vec();
+                    // (±1, ±1) on the diagonal: h and −h, and twice the point itself.
+                    let half = if i == j { 0.5 } else { 1.0 };
+                    moved[i] += half * a * steps[i];
+                    moved[j] += half * b * steps[j];
+                    moved
+                })
+            })
+            .collect();
+        let mut out = DMatrix::zeros(n, n);
+        for (&(i, j), v) in pairs.iter().zip(self.at_all(&corners).chunks(4)) {
+            let scale = if i == j { 1.0 } else { 4.0 };
+            let curvature = (v[0] - v[1] - v[2] + v[3]) / (scale * steps[i] * steps[j]);
+            if !curvature.is_finite() {
+                return None;
+            }
+            out[(i, j)] = curvature;
+            out[(j, i)] = curvature;
+        }
+        Some(out)
+    }
+
+    /// Goes from `here` along `direction`, of `slope` below zero, by at most `share` of it.
+    pub(crate) fn line(
+        &mut self,
+        here: &Point,
+        direction: &DVector<f64>,
+        slope: f64,
+        share: f64,
+    ) -> (Vec<f64>, f64) {
+        let edge = self.scales.edge;
+        let mut next = here.z.clone();
+        let at = |t: f64| {
+            for (i, next) in next.iter_mut().enumerate() {
+                *next = (here.z[i] + t * direction[i]).clamp(-edge, edge);
+            }
+            self.at(&next)
+        };
+        let value = backtrack(at, here.value, slope, share);
+        (next, value)
+    }
+
+    /// The share of a step that is no longer in any coordinate than what the scales allow.
+    pub(crate) fn share(&self, direction: &DVector<f64>) -> f64 {
+        (self.scales.longest / direction.amax()).min(1.0)
+    }
+}
+
+/// The best end of the searches from the `count` best of the starts, if any has a finite value.
+pub(crate) fn best_of(
+    objective: &mut Objective,
+    starts: Vec<Vec<f64>>,
+    count: usize,
+    tolerance: f64,
+    iterations: usize,
+) -> Option<Point> {
+    let mut starts = objective.points(starts);
+    starts.retain(|start| start.value.is_finite());
+    starts.sort_by(|a, b| a.value.total_cmp(&b.value));
+    let ends = starts.iter().take(count);
+    ends.map(|start| bfgs(objective, start, tolerance, iterations))
+        .min_by(|a, b| a.value.total_cmp(&b.value))
+}
+
+/// A point moved along one coordinate.
+pub(crate) fn moved(z: &[f64], coordinate: usize, by: f64) -> Vec<f64> {
+    let mut moved = z.to_vec();
+    moved[coordinate] += by;
+    moved
+}
+
+/// BFGS from `start` until the predicted decrease is below `tolerance` or `iterations` are spent.
+pub(crate) fn bfgs(
+    objective: &mut Objective,
+    start: &Point,
+    tolerance: f64,
+    iterations: usize,
+) -> Point {
+    let n = start.z.len();
+    let mut here = Point::new(start.z.clone(), start.value);
+    if n == 0 || !here.value.is_finite() {
+        here.converged = n == 0;
+        return here;
+    }
+    let curved = objective.scales.curved;
+    let mut central = curved;
+    let (mut gradient, metric) = objective.differences(&here.z, here.value, central);
+    let known = start.inverse.as_ref().filter(|known| known.nrows() == n);
+    let mut fresh = known.is_none();
+    let mut inverse = known.cloned().unwrap_or(metric);
+    let mut refused = 0;
+    for _ in 0..iterations {
+        let mut direction = -(&inverse * &gradient);
+        let mut slope = direction.dot(&gradient);
+        if !curved && (slope.is_nan() || slope >= 0.0) {
+            (inverse, fresh) = (DMatrix::identity(n, n), true);
+            direction = -&gradient;
+            slope = -gradient.norm_squared();
+        }
+        // Before anything is known of the curvature, a short first step.
+        let share = if fresh && !curved {
+            (FIRST / direction.amax()).min(1.0)
+        } else {
+            objective.share(&direction)
+        };
+        let predicted = -0.5 * slope * if curved { share } else { 1.0 };
+        if predicted < tolerance && (curved || !fresh) {
+            if central {
+                (here.converged, here.inverse) = (true, Some(inverse));
+                return here;
+            }
+            central = true;
+            gradient = objective.differences(&here.z, here.value, central).0;
+            continue;
+        }
+        let (next, value) = objective.line(&here, &direction, slope, share);
+        if value >= here.value {
+            refused += 1;
+            if if curved { fresh } else { refused > 2 } {
+                here.converged = !curved && predicted < 10.0 * tolerance;
+                return here;
+            }
+            // Start again from the first metric with the better gradient.
+            (central, fresh) = (true, true);
+            (gradient, inverse) = objective.differences(&here.z, here.value, central);
+            continue;
+        }
+        central |= here.value - value < NEAR;
+        let (next_gradient, _) = objective.differences(&next, value, central);
+        let s = DVector::from_fn(n, |i, _| next[i] - here.z[i]);
+        update(
+            &mut inverse,
+            &s,
+            &(&next_gradient - &gradient),
+            fresh && !curved,
+        );
+        (here.z, here.value) = (next, value);
+        (gradient, fresh) = (next_gradient, false);
+    }
+    here.inverse = (!fresh).then_some(inverse);
+    here
+}
 
 /// Longest backtracking.
 const TRIES: usize = 25;
@@ -10,12 +281,7 @@ const SUFFICIENT: f64 = 1e-4;
 /// Shortens the step along a direction of `slope` below zero until the function is sufficiently below
 /// `value`, by quadratic interpolation kept within a tenth and a half; gives the last value tried.
 /// `at` moves to a fraction of the direction and evaluates.
-pub(crate) fn backtrack(
-    mut at: impl FnMut(f64) -> f64,
-    value: f64,
-    slope: f64,
-    longest: f64,
-) -> f64 {
+fn backtrack(mut at: impl FnMut(f64) -> f64, value: f64, slope: f64, longest: f64) -> f64 {
     let mut t = longest;
     let mut next = f64::INFINITY;
     for _ in 0..TRIES {
@@ -33,46 +299,22 @@ pub(crate) fn backtrack(
     next
 }
 
-/// BFGS update of an inverse Hessian, n × n, for a step `s` along which the gradient changed by `y`;
-/// left out where the curvature is not positive. With `scale`, what is known so far is first scaled to
-/// the curvature along the step (Nocedal & Wright, equation 6.20).
-pub(crate) fn update(inverse: &mut [f64], s: &[f64], y: &[f64], scale: bool) {
-    let n = s.len();
-    let sy: f64 = s.iter().zip(y).map(|(a, b)| a * b).sum();
-    let yy: f64 = y.iter().map(|v| v * v).sum();
-    let ss: f64 = s.iter().map(|v| v * v).sum();
+/// BFGS update of an inverse Hessian for a step `s` along which the gradient changed by `y`; left out
+/// where the curvature is not positive. With `scale`, what is known so far is first scaled to the
+/// curvature along the step (Nocedal & Wright, equation 6.20).
+fn update(inverse: &mut DMatrix<f64>, s: &DVector<f64>, y: &DVector<f64>, scale: bool) {
+    let (sy, yy, ss) = (s.dot(y), y.norm_squared(), s.norm_squared());
     if sy.is_nan() || sy <= 1e-10 * (ss * yy).sqrt() {
         return;
     }
     if scale {
-        inverse.iter_mut().for_each(|v| *v *= sy / yy);
+        *inverse *= sy / yy;
     }
-    let hy = product(inverse, y);
-    let yhy: f64 = y.iter().zip(&hy).map(|(a, b)| a * b).sum();
-    for i in 0..n {
-        for j in 0..n {
-            inverse[i * n + j] +=
-                (1.0 + yhy / sy) * s[i] * s[j] / sy - (hy[i] * s[j] + s[i] * hy[j]) / sy;
-        }
-    }
-}
-
-/// An n × n matrix times a vector.
-pub(crate) fn product(matrix: &[f64], vector: &[f64]) -> Vec<f64> {
-    matrix
-        .chunks(vector.len().max(1))
-        .map(|row| row.iter().zip(vector).map(|(a, b)| a * b).sum())
-        .collect()
-}
-
-/// A diagonal n × n matrix.
-pub(crate) fn diagonal(values: &[f64]) -> Vec<f64> {
-    let n = values.len();
-    let mut matrix = vec![0.0; n * n];
-    for (k, value) in values.iter().enumerate() {
-        matrix[k * n + k] = *value;
-    }
-    matrix
+    let hy = &*inverse * y;
+    let along = (1.0 + y.dot(&hy) / sy) / sy;
+    inverse.ger(along, s, s, 1.0);
+    inverse.ger(-1.0 / sy, &hy, s, 1.0);
+    inverse.ger(-1.0 / sy, s, &hy, 1.0);
 }
 
 #[cfg(test)]
@@ -81,20 +323,18 @@ mod tests {
     use proptest::prelude::*;
     use proptest::test_runner::RngSeed;
 
-    fn dot(a: &[f64], b: &[f64]) -> f64 {
-        a.iter().zip(b).map(|(a, b)| a * b).sum()
-    }
-
     /// A Hessian with eigenvalues from 0.2, and a gradient at zero.
-    fn quadratic() -> impl Strategy<Value = (Vec<f64>, Vec<f64>)> {
+    fn quadratic() -> impl Strategy<Value = (DMatrix<f64>, DVector<f64>)> {
         (1usize..6).prop_flat_map(|n| {
             let number = || -1.0..1.0f64;
             let hessian = prop::collection::vec(number(), n * n).prop_map(move |root| {
-                let row = |i: usize| &root[i * n..(i + 1) * n];
-                let entry = |i, j| dot(row(i), row(j)) + 0.2 * f64::from(u8::from(i == j));
-                (0..n * n).map(|k| entry(k / n, k % n)).collect()
+                let root = DMatrix::from_row_slice(n, n, &root);
+                &root * root.transpose() + 0.2 * DMatrix::identity(n, n)
             });
-            (hessian, prop::collection::vec(number(), n))
+            (
+                hessian,
+                prop::collection::vec(number(), n).prop_map(DVector::from_vec),
+            )
         })
     }
 
@@ -108,41 +348,32 @@ mod tests {
         #[test]
         fn a_quadratic_is_done_in_as_many_steps_as_it_has_variables((hessian, start) in quadratic()) {
             let n = start.len();
-            let mut inverse = diagonal(&vec![1.0; n]);
+            let mut inverse = DMatrix::identity(n, n);
             let mut gradient = start.clone();
             let mut steps = 0;
-            while dot(&gradient, &gradient).sqrt() > 1e-10 && steps < n {
-                let direction: Vec<f64> = product(&inverse, &gradient).iter().map(|v| -v).collect();
-                let turned = product(&hessian, &direction);
-                let slope = dot(&gradient, &direction);
+            while gradient.norm() > 1e-10 && steps < n {
+                let direction = -(&inverse * &gradient);
+                let turned = &hessian * &direction;
+                let slope = gradient.dot(&direction);
                 prop_assert!(slope < 0.0);
-                let t = -slope / dot(&direction, &turned);
-                let s: Vec<f64> = direction.iter().map(|v| t * v).collect();
-                let y: Vec<f64> = turned.iter().map(|v| t * v).collect();
+                let t = -slope / direction.dot(&turned);
+                let (s, y) = (t * direction, t * turned);
                 update(&mut inverse, &s, &y, false);
                 // The secant condition.
-                for (a, b) in product(&inverse, &y).iter().zip(&s) {
-                    prop_assert!((a - b).abs() < 1e-9 * dot(&s, &s).sqrt().max(1e-3), "{a} {b}");
-                }
-                gradient.iter_mut().zip(&y).for_each(|(g, y)| *g += y);
+                prop_assert!((&inverse * &y - &s).amax() < 1e-9 * s.norm().max(1e-3), "{inverse}");
+                gradient += y;
                 steps += 1;
             }
             // Rounding over the least eigenvalue, a few steps long.
-            prop_assert!(dot(&gradient, &gradient).sqrt() < 1e-8, "{gradient:?}");
+            prop_assert!(gradient.norm() < 1e-8, "{gradient}");
             if steps == n {
-                for i in 0..n {
-                    let column: Vec<f64> = (0..n).map(|k| hessian[k * n + i]).collect();
-                    for (j, value) in product(&inverse, &column).iter().enumerate() {
-                        prop_assert!((value - f64::from(u8::from(i == j))).abs() < 1e-6, "{inverse:?}");
-                    }
-                }
+                prop_assert!((&inverse * &hessian - DMatrix::identity(n, n)).amax() < 1e-6, "{inverse}");
             }
         }
 
         #[test]
         fn backtracking_ends_lower((hessian, start) in quadratic(), longest in 0.1..100.0f64) {
-            let direction: Vec<f64> = start.iter().map(|v| -v).collect();
-            let (slope, turned) = (-dot(&start, &start), dot(&direction, &product(&hessian, &direction)));
+            let (slope, turned) = (-start.norm_squared(), start.dot(&(&hessian * &start)));
             prop_assume!(slope < -1e-12);
             let mut last = 0.0;
             let found = backtrack(

@@ -26,4 +26,4 @@ pub use outlier::{Outlier, OutlierRule, Outliers, outliers};
 pub use record::RecordError;
 pub use saturation::{Saturation, saturation};
 pub use timing::{Gap, Timing, timing};
-pub use trend::{Detrended, remove_constant, remove_linear, remove_temperature};
+pub use trend::{Detrended, Trend, remove_constant, remove_linear, remove_temperature};

@@ -75,15 +75,3 @@ pub(crate) fn long_run_variance(residuals: &[f64], lags: usize) -> f64 {
     }
     sum / residuals.len() as f64
 }
-
-/// Dot product in eight lanes, of slices of one length.
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let ((a8, a_tail), (b8, b_tail)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
-    let mut lanes = [0.0; 8];
-    for (a, b) in a8.iter().zip(b8) {
-        for i in 0..8 {
-            lanes[i] += a[i] * b[i];
-        }
-    }
-    lanes.iter().sum::<f64>() + a_tail.iter().zip(b_tail).map(|(a, b)| a * b).sum::<f64>()
-}

@@ -51,16 +51,11 @@ pub fn identify(
     n_max: usize,
     detrend: &str,
 ) -> PyResult<Identified> {
-    let trend = match detrend {
-        "constant" => Trend::Constant,
-        "linear" => Trend::Linear,
-        "temperature" => Trend::Temperature,
-        other => {
-            let problem =
-                format!("unknown detrend \"{other}\"; there are constant, linear, temperature");
-            return Err(error(problem));
-        }
-    };
+    let trend = Trend::named(detrend).ok_or_else(|| {
+        error(format!(
+            "unknown detrend \"{detrend}\"; there are constant, linear, temperature"
+        ))
+    })?;
     let format = RecordFormat {
         columns: columns
             .into_iter()

@@ -5,7 +5,8 @@ mod series;
 mod settings;
 
 pub use series::RecordSeries;
-pub use settings::{RecordingError, Trend, options, provenance, rate};
+pub use settings::{RecordingError, options, provenance, rate};
+pub use undrift_noise::screening::Trend;
 
 use crate::record::Record;
 use rayon::prelude::*;

@@ -4,7 +4,7 @@
 //! outputs the first `L` see no wrap. Longer stretches are cut into blocks whose spectra are added up,
 //! so that no FFT is longer than [`LONGEST`]. The order of every sum is fixed by the lengths alone.
 
-use crate::stationarity::dot;
+use crate::screening::record::dot;
 use rayon::prelude::*;
 use realfft::num_complex::Complex64;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};

@@ -3,6 +3,7 @@
 
 use super::ArmaError;
 use super::likelihood::screen;
+use crate::correlation::lagged_products;
 use crate::prediction::{self, Predictor};
 
 /// An autoregression `x_t − φ1 x_{t−1} − … − φp x_{t−p} = a_t` about a mean.
@@ -81,15 +82,10 @@ pub fn burg(samples: &[f64], p: usize) -> Result<ArFit, ArmaError> {
 /// A record too short, constant, infinite or with missing samples.
 pub fn yule_walker(samples: &[f64], p: usize) -> Result<ArFit, ArmaError> {
     let mean = checked(samples, p)?;
-    let n = samples.len();
-    let gamma: Vec<f64> = (0..=p)
-        .map(|lag| {
-            let sum: f64 = (lag..n)
-                .map(|t| (samples[t] - mean) * (samples[t - lag] - mean))
-                .sum();
-            sum / n as f64
-        })
-        .collect();
+    let mut gamma = lagged_products(samples, mean, p);
+    gamma
+        .iter_mut()
+        .for_each(|sum| *sum /= samples.len() as f64);
     Ok(ArFit::grown(mean, gamma[0], p, |so_far| {
         if so_far.variance > 0.0 {
             so_far.reflection(&gamma)

@@ -1,12 +1,14 @@
 //! Fitting ARMA(p, q) by exact maximum likelihood, and what the optimum is worth.
 
-use super::diagnosis::{self, Warning};
+use super::diagnosis;
 use super::kalman;
 use super::likelihood::{Likelihood, Mean, screen};
-use super::optimise::{Objective, newton};
+use super::model::ArmaFit;
+use super::optimise::{SCALES, newton};
 use super::polynomial::{is_stable, multiply};
 use super::search::{Ladder, Problem, TOLERANCE};
 use super::{ArmaError, MAX_FIT_ORDER};
+use crate::quasi_newton::Objective;
 
 /// How to fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,86 +31,6 @@ impl Default for FitOptions {
             unit_root: false,
             effort: 1.0,
         }
-    }
-}
-
-/// An ARMA model `x_t − φ1 x_{t−1} − … = a_t − θ1 a_{t−1} − …` fitted to a record.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ArmaFit {
-    /// φ1 … φp. With a unit root, the factor (1 − B) is multiplied in.
-    pub ar: Vec<f64>,
-    /// θ1 … θq, subtracted (the sign of docs/theory.md).
-    pub ma: Vec<f64>,
-    /// Standard deviation of a [unit of the record].
-    pub sigma: f64,
-    /// Its square, `Σ v²/V / N` \[unit²\].
-    pub variance: f64,
-    /// Mean of the record, or the starting level with a unit root [unit].
-    pub mean: f64,
-    /// Standard error of an estimated mean [unit]; 0 for a known one.
-    pub mean_standard_error: f64,
-    /// Exact Gaussian log-likelihood, constants included; with a unit root, the diffuse one.
-    pub log_likelihood: f64,
-    /// Sum of squares of the one-step prediction errors over their relative variances, `Σ v²/V` \[unit²\].
-    pub residual_sum_of_squares: f64,
-    /// Parameters counted by the criteria: φ (without the unit root), θ, σ², an estimated mean.
-    pub parameters: usize,
-    /// Akaike's criterion, `−2 log L + 2k`.
-    pub aic: f64,
-    /// AIC with the small-sample term `2k(k+1)/(n−k−1)`; infinite where n ≤ k + 1.
-    pub aicc: f64,
-    /// Bayes' criterion, `−2 log L + k ln n`.
-    pub bic: f64,
-    /// Standard errors of φ1…φp, θ1…θq from the curvature of the likelihood at the optimum; `None`
-    /// where it is singular there or the optimum lies on the edge of the invertible region. With a
-    /// unit root those of φ hold the root fixed.
-    pub standard_errors: Option<Vec<f64>>,
-    /// Covariance of φ1…φp, θ1…θq, row-major, where the standard errors exist.
-    pub covariance: Option<Vec<f64>>,
-    /// Samples present, less one with a unit root.
-    pub n: usize,
-    /// One AR root was fixed at exactly 1.
-    pub has_unit_root: bool,
-    /// Distinct local optima that the search ended in (at least; a measure of how hard it was).
-    pub local_optima: usize,
-    /// The search met its tolerance (1e-5 in log-likelihood to go).
-    pub converged: bool,
-    /// `2 (log L − log L′)` with L′ the best likelihood of ARMA(p−1, q−1): what one pair of roots
-    /// brings. `None` where p or q has none to give.
-    pub pair_likelihood_ratio: Option<f64>,
-    /// An AR and an MA root are not distinguishable: closer than two standard errors of their
-    /// distance, or worth less than 5.99, the 5 % point of χ²(2), in `pair_likelihood_ratio`.
-    pub near_cancelling: bool,
-    /// Some direction of the parameters is hardly determined: the log-likelihood falls by less
-    /// than ½ when a root's distance to the unit circle changes seven-fold along it.
-    pub flat_likelihood: bool,
-    /// An AR root is 1, or so close that the record is shorter than ten of its correlation times.
-    pub unit_root: bool,
-    /// All that should be said with the result.
-    pub warnings: Vec<Warning>,
-}
-
-impl ArmaFit {
-    /// Number of AR and of MA coefficients.
-    pub fn order(&self) -> (usize, usize) {
-        (self.ar.len(), self.ma.len())
-    }
-
-    /// Exact one-step prediction errors of `samples` under this model over their standard
-    /// deviations: independent N(0, 1) when it is right; NaN where a sample is missing.
-    ///
-    /// # Errors
-    /// φ not stationary to working precision.
-    pub fn residuals(&self, samples: &[f64]) -> Result<Vec<f64>, ArmaError> {
-        kalman::standardised(
-            samples,
-            self.mean,
-            &self.ar,
-            &self.ma,
-            self.sigma,
-            self.has_unit_root,
-        )
-        .ok_or(ArmaError::NotStationary)
     }
 }
 
@@ -271,7 +193,7 @@ pub(crate) fn climb_to(
     let mut best = found.first().ok_or(ArmaError::NoOptimum)?.clone();
     let local_optima = found.len();
     let function = |z: &[Vec<f64>]| problem.objective(z, searched);
-    let covariance_z = newton(&mut Objective::new(&function), &mut best, TOLERANCE);
+    let covariance_z = newton(&mut Objective::new(&function, SCALES), &mut best, TOLERANCE);
     let lower = ladder.below(searched, q);
     let (phi, theta) = problem.coefficients(&best.z, searched);
     let at = problem

@@ -12,18 +12,22 @@
 //! the rest stationary; for an unbroken record that is the likelihood of its differences.
 
 use super::likelihood::{Likelihood, Mean, concentrated};
-use super::linear::{companion, initial_covariance};
+use super::linear::{initial_covariance, padded};
 
 /// Trace of P below which the filter has settled: P adds to V = 1 + P₁₁, and what follows sums to
 /// at most P/(1−θ²), rounding even for a moving-average root 1e-6 away from 1.
 const SETTLED: f64 = 1e-20;
 
 /// The filter's covariance side, shared by the record and the record of ones.
+///
+/// Plain loops: they run at every sample, and M P Mᵀ of a companion matrix M is r² operations instead of r³.
 struct Filter {
     r: usize,
-    f: Vec<f64>,
-    a: Vec<f64>,
+    /// First columns of the companion matrices of φ and θ.
+    phi: Vec<f64>,
+    theta: Vec<f64>,
     g: Vec<f64>,
+    /// P, row by row.
     p: Vec<f64>,
     settled: bool,
 }
@@ -31,17 +35,23 @@ struct Filter {
 impl Filter {
     fn new(phi: &[f64], theta: &[f64], unit_root: bool) -> Option<Self> {
         let r = phi.len().max(theta.len());
-        let at = |of: &[f64], i: usize| of.get(i).copied().unwrap_or(0.0);
+        let p = match r {
+            0 => Vec::new(),
+            _ => initial_covariance(phi, theta, unit_root)?
+                .as_slice()
+                .to_vec(),
+        };
+        let (phi, theta) = (padded(phi, r), padded(theta, r));
         Some(Self {
             r,
-            f: companion(phi, r),
-            a: companion(theta, r),
-            g: (0..r).map(|i| at(phi, i) - at(theta, i)).collect(),
-            p: if r == 0 {
-                Vec::new()
-            } else {
-                initial_covariance(phi, theta, unit_root)?
-            },
+            g: phi
+                .iter()
+                .zip(&theta)
+                .map(|(phi, theta)| phi - theta)
+                .collect(),
+            phi,
+            theta,
+            p,
             settled: r == 0,
         })
     }
@@ -65,8 +75,8 @@ impl Filter {
         let v = 1.0 + self.excess();
         let column: Vec<f64> = (0..r).map(|i| self.p[i * r]).collect();
         for i in 0..r {
-            let ap: f64 = (0..r).map(|k| self.a[i * r + k] * column[k]).sum();
-            gain[i] += ap / v;
+            let above = column.get(i + 1).copied().unwrap_or(0.0);
+            gain[i] += (self.theta[i] * column[0] + above) / v;
             for j in 0..r {
                 self.p[i * r + j] -= column[i] * column[j] / v;
             }
@@ -78,7 +88,7 @@ impl Filter {
                 self.p[i] = column[i] / v;
             }
         }
-        self.p = sandwich(&self.a, &self.p, r);
+        self.p = sandwich(&self.theta, &self.p, r);
         let trace: f64 = (0..r).map(|i| self.p[i * r + i]).sum();
         if trace < SETTLED {
             self.settled = true;
@@ -92,7 +102,7 @@ impl Filter {
         if r == 0 {
             return;
         }
-        self.p = sandwich(&self.f, &self.p, r);
+        self.p = sandwich(&self.phi, &self.p, r);
         for i in 0..r {
             for j in 0..r {
                 self.p[i * r + j] += self.g[i] * self.g[j];
@@ -102,20 +112,20 @@ impl Filter {
     }
 }
 
-/// `M P Mᵀ` with M a companion matrix (first column, ones above the diagonal).
+/// `M P Mᵀ` with M a companion matrix of first column `m`, ones above the diagonal.
 fn sandwich(m: &[f64], p: &[f64], r: usize) -> Vec<f64> {
     let mut half = vec![0.0; r * r];
     for i in 0..r {
         for j in 0..r {
             let above = if i + 1 < r { p[(i + 1) * r + j] } else { 0.0 };
-            half[i * r + j] = m[i * r] * p[j] + above;
+            half[i * r + j] = m[i] * p[j] + above;
         }
     }
     let mut out = vec![0.0; r * r];
     for i in 0..r {
         for j in 0..r {
             let right = if j + 1 < r { half[i * r + j + 1] } else { 0.0 };
-            out[i * r + j] = half[i * r] * m[j * r] + right;
+            out[i * r + j] = half[i * r] * m[j] + right;
         }
     }
     out

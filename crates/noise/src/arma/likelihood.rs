@@ -17,7 +17,8 @@
 
 use super::ArmaError;
 use super::kernel::{Accumulated, Coefficients, accumulate, sums_about};
-use super::linear::{cholesky, forward_solve, initial_covariance, semidefinite_cholesky};
+use super::linear::{initial_covariance, semidefinite_cholesky};
+use nalgebra::{DMatrix, DVector};
 
 /// What is known of the record's mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,51 +83,29 @@ fn integrate(
     let mut ones_cross = sums.ones_cross;
     let mut log_determinant = 0.0;
     if r > 0 {
-        let p = initial_covariance(phi, theta, false)?;
-        let l = semidefinite_cholesky(&p, r)?;
+        let l = semidefinite_cholesky(&initial_covariance(phi, theta, false)?)?;
         // M from its first row: each step down the diagonal loses the newest product.
-        let mut m = vec![0.0; r * r];
+        let mut m = DMatrix::zeros(r, r);
         for lag in 0..r {
             let mut value = sums.state_lags[lag];
             for i in 0..r - lag {
                 let j = i + lag;
-                m[i * r + j] = value;
-                m[j * r + i] = value;
+                (m[(i, j)], m[(j, i)]) = (value, value);
                 value -= sums.last_impulse[i] * sums.last_impulse[j];
             }
         }
-        let mut w = vec![0.0; r * r];
-        let mut ml = vec![0.0; r * r];
-        for i in 0..r {
-            for j in 0..r {
-                ml[i * r + j] = (j..r).map(|k| m[i * r + k] * l[k * r + j]).sum();
-            }
-        }
-        for i in 0..r {
-            for j in 0..=i {
-                let value: f64 = (i..r).map(|k| l[k * r + i] * ml[k * r + j]).sum();
-                w[i * r + j] = value + f64::from(i == j);
-                w[j * r + i] = w[i * r + j];
-            }
-        }
-        let factor = cholesky(&w, r)?;
-        let project = |b: &[f64]| {
-            let mut y: Vec<f64> = (0..r)
-                .map(|i| (i..r).map(|k| l[k * r + i] * b[k]).sum())
-                .collect();
-            forward_solve(&factor, r, &mut y);
-            y
-        };
-        let record = project(&sums.state_cross);
-        squares -= record.iter().map(|v| v * v).sum::<f64>();
+        let w = DMatrix::identity(r, r) + l.tr_mul(&(m * &l));
+        let factor = w.cholesky()?.unpack();
+        let project =
+            |b: &[f64]| factor.solve_lower_triangular(&l.tr_mul(&DVector::from_column_slice(b)));
+        let record = project(&sums.state_cross)?;
+        squares -= record.norm_squared();
         if estimated {
-            let ones = project(&sums.ones_state);
-            ones_squares -= ones.iter().map(|v| v * v).sum::<f64>();
-            ones_cross -= ones.iter().zip(&record).map(|(a, b)| a * b).sum::<f64>();
+            let ones = project(&sums.ones_state)?;
+            ones_squares -= ones.norm_squared();
+            ones_cross -= ones.dot(&record);
         }
-        for i in 0..r {
-            log_determinant += 2.0 * factor[i * r + i].ln();
-        }
+        log_determinant = 2.0 * factor.diagonal().map(f64::ln).sum();
     }
     let mut value = centre;
     let mut information = 0.0;

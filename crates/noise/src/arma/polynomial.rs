@@ -4,6 +4,8 @@
 //! autocorrelations in (−1, 1): Barndorff-Nielsen & Schou 1973; Monahan 1984. They are searched as
 //! `z = artanh κ = ½ log((1+κ)/(1−κ))`, which near ±1 is the logarithm of the distance to it.
 
+use realfft::num_complex::Complex64;
+
 /// Largest |z| of the search: |κ| stays below 1 − 1e-12.
 const Z_LIMIT: f64 = 14.16;
 
@@ -78,69 +80,41 @@ pub(super) fn multiply(a: &[f64], b: &[f64]) -> Vec<f64> {
     c
 }
 
-/// A complex number, real and imaginary part.
-pub(super) type Complex = (f64, f64);
-
-pub(super) fn distance(a: Complex, b: Complex) -> f64 {
-    (a.0 - b.0).hypot(a.1 - b.1)
-}
-
-fn times(a: Complex, b: Complex) -> Complex {
-    (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0)
-}
-
-fn over(a: Complex, b: Complex) -> Complex {
-    let norm = b.0 * b.0 + b.1 * b.1;
-    (
-        (a.0 * b.0 + a.1 * b.1) / norm,
-        (a.1 * b.0 - a.0 * b.1) / norm,
-    )
-}
-
 /// Inverse roots ρ of the polynomial, `∏(1 − ρ_i B)`: all inside the unit circle when it is stable.
 /// Aberth's simultaneous iteration; zeros for trailing zero coefficients.
-pub(super) fn inverse_roots(c: &[f64]) -> Vec<Complex> {
+pub(super) fn inverse_roots(c: &[f64]) -> Vec<Complex64> {
     let degree = c.iter().rposition(|v| *v != 0.0).map_or(0, |k| k + 1);
-    let mut roots: Vec<Complex> = (0..degree)
-        .map(|k| {
-            let angle = 2.4 * (k as f64) + 0.4;
-            (0.8 * angle.cos(), 0.8 * angle.sin())
-        })
-        .collect();
+    let start = |k: usize| Complex64::from_polar(0.8, 2.4 * k as f64 + 0.4);
+    let mut roots: Vec<Complex64> = (0..degree).map(start).collect();
     for _ in 0..200 {
         let mut change = 0.0f64;
         for k in 0..degree {
             let z = roots[k];
-            let (mut value, mut slope) = ((1.0, 0.0), (0.0, 0.0));
+            let (mut value, mut slope) = (Complex64::ONE, Complex64::ZERO);
             for coefficient in &c[..degree] {
-                slope = times(slope, z);
-                slope = (slope.0 + value.0, slope.1 + value.1);
-                value = times(value, z);
-                value.0 -= coefficient;
+                slope = slope * z + value;
+                value = value * z - coefficient;
             }
-            if value == (0.0, 0.0) {
+            if value == Complex64::ZERO {
                 continue;
             }
-            let newton = over(value, slope);
-            let mut repulsion = (0.0, 0.0);
-            for (j, other) in roots.iter().enumerate() {
-                if j != k && *other != z {
-                    let term = over((1.0, 0.0), (z.0 - other.0, z.1 - other.1));
-                    repulsion = (repulsion.0 + term.0, repulsion.1 + term.1);
-                }
-            }
-            let product = times(newton, repulsion);
-            let step = over(newton, (1.0 - product.0, -product.1));
-            if step.0.is_finite() && step.1.is_finite() {
-                roots[k] = (z.0 - step.0, z.1 - step.1);
-                change = change.max(step.0.hypot(step.1));
+            let newton = value / slope;
+            let others = roots
+                .iter()
+                .enumerate()
+                .filter(|(j, other)| *j != k && **other != z);
+            let repulsion: Complex64 = others.map(|(_, other)| (z - other).inv()).sum();
+            let step = newton / (1.0 - newton * repulsion);
+            if step.is_finite() {
+                roots[k] = z - step;
+                change = change.max(step.norm());
             }
         }
         if change < 1e-15 {
             break;
         }
     }
-    roots.resize(c.len(), (0.0, 0.0));
+    roots.resize(c.len(), Complex64::ZERO);
     roots
 }
 
@@ -172,27 +146,30 @@ mod tests {
     fn roots_are_those_multiplied_in() {
         let c = multiply(&[0.9999], &multiply(&[1.2, -0.72], &[-0.3]));
         let mut roots = inverse_roots(&c);
-        roots.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        roots.sort_by(|a, b| a.re.total_cmp(&b.re).then(a.im.total_cmp(&b.im)));
         for (root, exact) in roots
             .iter()
             .zip([(-0.3, 0.0), (0.6, -0.6), (0.6, 0.6), (0.9999, 0.0)])
         {
-            assert!(distance(*root, exact) < 1e-12, "{root:?}");
+            assert!(
+                (root - Complex64::new(exact.0, exact.1)).norm() < 1e-12,
+                "{root:?}"
+            );
         }
-        assert_eq!(inverse_roots(&[0.0, 0.0]), [(0.0, 0.0); 2]);
+        assert_eq!(inverse_roots(&[0.0, 0.0]), [Complex64::ZERO; 2]);
     }
 
     /// `∏(1 − ρ_i B)`, which is real for roots in conjugate pairs.
-    fn from_roots(roots: &[Complex]) -> Vec<f64> {
-        let mut product = vec![(1.0, 0.0)];
+    fn from_roots(roots: &[Complex64]) -> Vec<f64> {
+        let mut product = vec![Complex64::ONE];
         for root in roots {
-            product.push((0.0, 0.0));
+            product.push(Complex64::ZERO);
             for k in (1..product.len()).rev() {
-                let term = times(product[k - 1], *root);
-                product[k] = (product[k].0 - term.0, product[k].1 - term.1);
+                let term = product[k - 1] * root;
+                product[k] -= term;
             }
         }
-        product[1..].iter().map(|c| -c.0).collect()
+        product[1..].iter().map(|c| -c.re).collect()
     }
 
     proptest::proptest! {
@@ -226,7 +203,7 @@ mod tests {
                 // Roots of up to 2.5, six of them multiplied.
                 prop_assert!((made - c).abs() < 1e-9 * size, "{made} {c} {roots:?}");
             }
-            let largest = roots.iter().map(|r| r.0.hypot(r.1)).fold(0.0, f64::max);
+            let largest = roots.iter().map(|r| r.norm()).fold(0.0, f64::max);
             // On the circle itself, rounding decides.
             proptest::prop_assume!((largest - 1.0).abs() > 1e-6);
             prop_assert_eq!(is_stable(&c), largest < 1.0, "{:?}", roots);

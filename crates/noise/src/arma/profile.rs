@@ -7,10 +7,11 @@
 //! correlation time) and may be lopsided. Venzon & Moolgavkar 1988; Pawitan 2001, section 3.4.
 
 use super::ArmaError;
-use super::fit::ArmaFit;
 use super::likelihood::{Mean, screen};
-use super::optimise::{EDGE, Objective, Point, bfgs};
+use super::model::ArmaFit;
+use super::optimise::{EDGE, SCALES};
 use super::search::Problem;
+use crate::quasi_newton::{Objective, Point, bfgs};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// Which coefficient of an ARMA(1,1).
@@ -144,7 +145,7 @@ impl Profile<'_> {
             let points: Vec<_> = others.iter().map(point).collect();
             self.problem.objective(&points, 1)
         };
-        let mut objective = Objective::new(&function);
+        let mut objective = Objective::new(&function, SCALES);
         // Where it was, moved along the ridge φ ≈ θ, and everywhere in steps of a factor seven.
         let mut starts = vec![vec![near.z[0]], vec![near.z[0] + moved]];
         starts.extend((-1..=8).map(|k| vec![f64::from(k)]));

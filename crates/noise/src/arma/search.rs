@@ -4,9 +4,10 @@ use super::ArmaError;
 use super::kalman;
 use super::kernel::Coefficients;
 use super::likelihood::{self, Likelihood, Mean};
-use super::optimise::{Objective, Point, bfgs, nelder_mead};
+use super::optimise::{SCALES, nelder_mead};
 use super::polynomial::{from_search, multiply};
 use super::starts;
+use crate::quasi_newton::{Objective, Point, bfgs};
 
 /// The record and what is asked of it. With a unit root `p` counts the other AR roots only, and an
 /// unbroken record is held as its differences, whose likelihood that is.
@@ -145,7 +146,7 @@ fn optima(
     two_below: &[Point],
 ) -> Result<Vec<Point>, ArmaError> {
     let function = |z: &[Vec<f64>]| problem.objective(z, p);
-    let mut objective = Objective::new(&function);
+    let mut objective = Objective::new(&function, SCALES);
     let dimension = p + q;
     let budget = problem.budget(dimension, effort);
     let mut candidates: Vec<Vec<f64>> = vec![vec![0.0; dimension]];
@@ -236,7 +237,7 @@ fn glance(problem: &Problem, candidates: Vec<Vec<f64>>, p: usize, budget: f64) -
         ..*problem
     };
     let function = |z: &[Vec<f64>]| part.objective(z, p);
-    let mut objective = Objective::new(&function);
+    let mut objective = Objective::new(&function, SCALES);
     let mut points = distinct(objective.points(candidates));
     points.truncate((budget / 20.0) as usize);
     points.into_iter().map(|point| point.z).collect()

@@ -1,6 +1,7 @@
 //! Choice of the order over a grid, after Box and Jenkins.
 
-use super::fit::{ArmaFit, FitOptions, climb_to};
+use super::fit::{FitOptions, climb_to};
+use super::model::ArmaFit;
 use super::search::Ladder;
 use super::{ArmaError, MAX_FIT_ORDER};
 

@@ -3,8 +3,8 @@
 //! a start at zero or from a long autoregression never sees.
 
 use super::autoregressive;
-use super::linear::{backward_solve, cholesky, forward_solve};
 use super::polynomial::{from_search, multiply, to_search};
+use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -49,9 +49,9 @@ pub(super) fn hannan_rissanen(
     if n < first + 2 * k + 2 {
         return None;
     }
-    let mut normal = vec![0.0; k * k];
-    let mut right = vec![0.0; k];
-    let mut row = vec![0.0; k];
+    let mut normal = DMatrix::zeros(k, k);
+    let mut right = DVector::zeros(k);
+    let mut row = DVector::zeros(k);
     for t in first..n {
         for i in 0..p {
             row[i] = x[t - 1 - i];
@@ -59,23 +59,16 @@ pub(super) fn hannan_rissanen(
         for i in 0..q {
             row[p + i] = -a[t - 1 - i];
         }
-        for i in 0..k {
-            right[i] += row[i] * x[t];
-            for j in 0..=i {
-                normal[i * k + j] += row[i] * row[j];
-            }
-        }
+        right.axpy(x[t], &row, 1.0);
+        normal.syger(1.0, &row, &row, 1.0);
     }
+    // The lower triangle is all that the factorisation reads.
     for i in 0..k {
-        normal[i * k + i] *= 1.0 + 1e-9;
-        for j in 0..i {
-            normal[j * k + i] = normal[i * k + j];
-        }
+        normal[(i, i)] *= 1.0 + 1e-9;
     }
-    let l = cholesky(&normal, k)?;
-    forward_solve(&l, k, &mut right);
-    backward_solve(&l, k, &mut right);
-    Some(encode(&right[..p], &right[p..], MARGIN))
+    let found = normal.cholesky()?.solve(&right);
+    let (phi, theta) = found.as_slice().split_at(p);
+    Some(encode(phi, theta, MARGIN))
 }
 
 /// (φ, θ) of a slow AR(1) under white noise, from the autocovariances of block means at scales m = 4,

@@ -1,11 +1,12 @@
 //! Composite terms by maximum likelihood.
 
 use super::blocks::{average_in_blocks, block_average};
-use super::likelihood::{Level, log_likelihood};
-use super::search::{Minimum, covariance, minimise};
+use super::likelihood::{Level, RecordLikelihood, log_likelihood};
+use super::search::{SCALES, covariance};
 use super::{
     CompositeError, CompositeTerms, GaussMarkov, MAX_GAUSS_MARKOV, TermSet, sort_processes,
 };
+use crate::quasi_newton::{Objective, Point, best_of};
 use crate::wavelet::{MomentFit, WaveletVariance, fit_moments, model_variance, wavelet_variance};
 use undrift_nav::shaping::{ShapingError, ShapingFilter};
 
@@ -141,46 +142,13 @@ pub fn fit(
         Ok(found) => found,
         Err(_) => full?,
     };
-    let averages = average_in_blocks(record, block)?;
+    let averages = Averages {
+        values: average_in_blocks(record, block)?,
+        block,
+        interval,
+    };
     let length_s = record.len() as f64 * interval;
-
-    let count = set.parameters();
-    let first_tau = set.amplitudes();
-    let tau_range = (0.05 * interval).ln()..(1e3 * length_s).ln();
-    let centre = set.coordinates(&moments.terms);
-    let allowed = |z: &[f64]| {
-        let near = z.iter().zip(&centre).all(|(a, b)| (a - b).abs() < 25.0);
-        near && z[first_tau..].iter().all(|t| tau_range.contains(t))
-    };
-    let at = |terms: &CompositeTerms| {
-        let filter = block_average(&terms.to_shaping(interval)?, block)?;
-        log_likelihood(&averages, &filter, Level::Estimated)
-    };
-    let negative = |z: &[f64]| -> f64 {
-        if !allowed(z) {
-            return f64::INFINITY;
-        }
-        at(&set.terms(z)).map_or(f64::INFINITY, |l| -l.log_likelihood)
-    };
-    let mut objective = |z: &[f64]| negative(z);
-    // All scales' moments too: a short memory pulls them, but only they see a fast process.
-    let other = full.ok().map(|m| set.coordinates(&m.terms));
-    let mut starts: Vec<(Vec<f64>, f64)> = variants(&centre, set, length_s)
-        .into_iter()
-        .chain(other)
-        .map(|z| {
-            let value = objective(&z);
-            (z, value)
-        })
-        .collect();
-    starts.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let best = starts
-        .iter()
-        .take(2)
-        .map(|(z, _)| minimise(&mut objective, z, 1e-5, 100))
-        .min_by(|a: &Minimum, b| a.value.total_cmp(&b.value))
-        .filter(|least| least.value.is_finite())
-        .ok_or(CompositeError::NoOptimum)?;
+    let best = search(&averages, set, &moments, full.ok(), length_s)?;
 
     let mut flags = Vec::new();
     if !best.converged {
@@ -188,32 +156,13 @@ pub fn fit(
     }
     let mut terms = set.terms(&best.z);
     sort_processes(&mut terms, None);
-    let found = at(&terms)?;
-    let fall = |terms: &CompositeTerms| {
-        at(terms).map_or(f64::INFINITY, |l| found.log_likelihood - l.log_likelihood)
-    };
-    for term in TERMS {
-        let without = less(&terms, term);
-        if without != terms && fall(&without) < VANISHED {
-            terms = without;
-            flags.push(Flag::Vanished(term));
-        }
-    }
-    sort_processes(&mut terms, None);
-    for term in TERMS {
-        let without = less(&terms, term);
-        if without != terms && fall(&without) < NEEDED {
-            flags.push(Flag::NotNeeded(term));
-        }
-    }
+    let found = averages.likelihood(&terms)?;
+    terms = without_useless(terms, found.log_likelihood, &averages, &mut flags);
     let left = terms.set();
-    let top = Minimum {
-        z: left.coordinates(&terms),
-        value: -found.log_likelihood,
-        converged: true,
-    };
-    let mut around = |z: &[f64]| at(&left.terms(z)).map_or(f64::INFINITY, |l| -l.log_likelihood);
-    let relative_errors = covariance(&mut around, &top).map(|all| left.relative_errors(&all));
+    let top = Point::new(left.coordinates(&terms), -found.log_likelihood);
+    let costs = |z: &[Vec<f64>]| z.iter().map(|z| averages.cost(&left.terms(z))).collect();
+    let relative_errors = covariance(&mut Objective::new(&costs, SCALES), &top)
+        .map(|covariance| left.relative_errors(&covariance));
     if relative_errors.is_none() {
         flags.push(Flag::Undetermined);
     }
@@ -236,7 +185,7 @@ pub fn fit(
             terms.white = white_full_rate;
         }
     }
-    let parameters = count + 1;
+    let parameters = set.parameters() + 1;
     let (k, n) = (parameters as f64, found.observations as f64);
     Ok(CompositeFit {
         white_full_rate,
@@ -252,6 +201,78 @@ pub fn fit(
         moments,
         flags,
     })
+}
+
+/// A record as the likelihood sees it: averages over blocks of samples `interval` \[s\] apart.
+struct Averages {
+    values: Vec<f64>,
+    block: usize,
+    interval: f64,
+}
+
+impl Averages {
+    fn likelihood(&self, terms: &CompositeTerms) -> Result<RecordLikelihood, CompositeError> {
+        let filter = block_average(&terms.to_shaping(self.interval)?, self.block)?;
+        log_likelihood(&self.values, &filter, Level::Estimated)
+    }
+
+    /// The negative log-likelihood, +∞ where there is none.
+    fn cost(&self, terms: &CompositeTerms) -> f64 {
+        self.likelihood(terms)
+            .map_or(f64::INFINITY, |l| -l.log_likelihood)
+    }
+}
+
+/// The most likely terms, from starts about the moments of the blocks' scales and, since only they see a
+/// fast process though a short memory pulls them, the moments of all scales.
+fn search(
+    averages: &Averages,
+    set: TermSet,
+    moments: &MomentFit,
+    full: Option<MomentFit>,
+    length_s: f64,
+) -> Result<Point, CompositeError> {
+    let first_tau = set.amplitudes();
+    let tau_range = (0.05 * averages.interval).ln()..(1e3 * length_s).ln();
+    let centre = set.coordinates(&moments.terms);
+    let cost = |z: &Vec<f64>| {
+        let near = z.iter().zip(&centre).all(|(a, b)| (a - b).abs() < 25.0);
+        if near && z[first_tau..].iter().all(|t| tau_range.contains(t)) {
+            averages.cost(&set.terms(z))
+        } else {
+            f64::INFINITY
+        }
+    };
+    let costs = |z: &[Vec<f64>]| z.iter().map(cost).collect();
+    let mut starts = variants(&centre, set, length_s);
+    starts.extend(full.map(|m| set.coordinates(&m.terms)));
+    best_of(&mut Objective::new(&costs, SCALES), starts, 2, 1e-5, 100)
+        .ok_or(CompositeError::NoOptimum)
+}
+
+/// The terms less those that the likelihood does not want; flags them, and those it hardly needs.
+fn without_useless(
+    mut terms: CompositeTerms,
+    log_likelihood: f64,
+    averages: &Averages,
+    flags: &mut Vec<Flag>,
+) -> CompositeTerms {
+    let fall = |terms: &CompositeTerms| log_likelihood + averages.cost(terms);
+    for term in TERMS {
+        let without = less(&terms, term);
+        if without != terms && fall(&without) < VANISHED {
+            terms = without;
+            flags.push(Flag::Vanished(term));
+        }
+    }
+    sort_processes(&mut terms, None);
+    for term in TERMS {
+        let without = less(&terms, term);
+        if without != terms && fall(&without) < NEEDED {
+            flags.push(Flag::NotNeeded(term));
+        }
+    }
+    terms
 }
 
 /// The scales of `block` samples and more.
@@ -299,26 +320,30 @@ fn fast_terms(
     terms: &CompositeTerms,
     options: &FitOptions,
 ) -> (f64, f64) {
-    let head = &record[..record.len().min(2 * options.max_points.max(100))];
+    let head = Averages {
+        values: record[..record.len().min(2 * options.max_points.max(100))].to_vec(),
+        block: 1,
+        interval,
+    };
     let with = |z: &[f64]| CompositeTerms {
         white: z[0].exp(),
         quantisation: z[1].exp(),
         ..*terms
     };
-    let start = [terms.white.ln(), terms.quantisation.ln()];
-    let mut objective = |z: &[f64]| {
-        if z.iter().zip(&start).any(|(a, b)| (a - b).abs() > 15.0) {
-            return f64::INFINITY;
-        }
-        with(z)
-            .to_shaping(interval)
-            .map_err(CompositeError::from)
-            .and_then(|filter| log_likelihood(head, &filter, Level::Estimated))
-            .map_or(f64::INFINITY, |l| -l.log_likelihood)
+    let start = vec![terms.white.ln(), terms.quantisation.ln()];
+    let cost = |z: &Vec<f64>| match z.iter().zip(&start).any(|(a, b)| (a - b).abs() > 15.0) {
+        true => f64::INFINITY,
+        false => head.cost(&with(z)),
     };
-    let best = minimise(&mut objective, &start, 1e-4, 60);
-    let found = with(&best.z);
-    (found.white, found.quantisation)
+    let costs = |z: &[Vec<f64>]| z.iter().map(cost).collect();
+    let starts = vec![start.clone()];
+    best_of(&mut Objective::new(&costs, SCALES), starts, 1, 1e-4, 60).map_or(
+        (terms.white, terms.quantisation),
+        |best| {
+            let found = with(&best.z);
+            (found.white, found.quantisation)
+        },
+    )
 }
 
 fn full_rate_ratio(curve: &WaveletVariance, terms: &CompositeTerms) -> f64 {

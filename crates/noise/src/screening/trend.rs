@@ -1,6 +1,39 @@
 //! Constant, linear and temperature trend.
 
 use super::record::{Compensated, RecordError, check, mean, mean_and_squares};
+use serde::{Deserialize, Serialize};
+
+/// What is taken out of a record: the mean, and perhaps a slope.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Trend {
+    /// The mean alone.
+    #[default]
+    Constant,
+    /// A straight line.
+    Linear,
+    /// The mean and a multiple of the temperature.
+    Temperature,
+}
+
+impl Trend {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Constant, Self::Linear, Self::Temperature];
+
+    /// Its name in files and arguments.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Constant => "constant",
+            Self::Linear => "linear",
+            Self::Temperature => "temperature",
+        }
+    }
+
+    /// The trend of a name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|trend| trend.name() == name)
+    }
+}
 
 /// A record less its trend.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,8 +69,13 @@ pub fn remove_constant(x: &[f64]) -> Result<Detrended, RecordError> {
 /// Fewer than 3 samples, a sample that is not finite.
 pub fn remove_linear(x: &[f64]) -> Result<Detrended, RecordError> {
     check(x, 3)?;
+    Ok(linear(x))
+}
+
+/// [`remove_linear`] of a record that has been checked.
+pub(crate) fn linear(x: &[f64]) -> Detrended {
     let middle = 0.5 * (x.len() - 1) as f64;
-    Ok(regress(x, |k| k as f64 - middle))
+    regress(x, |k| k as f64 - middle)
 }
 
 /// Takes the mean and a multiple of the temperature (`temperature_c` [°C or K], one a sample) out, by

@@ -6,8 +6,9 @@
 //! record, the others follow by adding what enters and subtracting what leaves at the ends.
 
 use super::mackinnon::{critical_tau, p_tau};
-use super::{Critical, Deterministic, dot, schwert};
-use crate::screening::record::{Compensated, RecordError, check_varying};
+use super::{Critical, Deterministic, schwert};
+use crate::screening::record::{Compensated, RecordError, check_varying, dot};
+use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
 
 /// How many lagged differences the regression has.
@@ -279,36 +280,26 @@ impl Products {
         if !total.is_normal() || scale.iter().any(|s| !s.is_normal()) {
             return degenerate;
         }
-        let mut factor = vec![0.0; size * size];
-        let (mut solved, mut residuals, mut residual) = (vec![0.0; size], vec![0.0; size], 1.0);
-        for i in 0..size {
-            for j in 0..=i {
-                let product = self.product(order[i], order[j]) / scale[i] / scale[j];
-                let rest = product
-                    - dot(
-                        &factor[i * size..i * size + j],
-                        &factor[j * size..j * size + j],
-                    );
-                if i != j {
-                    factor[i * size + j] = rest / factor[j * size + j];
-                } else if rest > 1e-13 {
-                    factor[i * size + i] = rest.sqrt();
-                } else {
-                    return degenerate;
-                }
-            }
-            let product = self.product(order[i], Column::Difference(0)) / scale[i] / total.sqrt();
-            solved[i] = (product - dot(&factor[i * size..i * size + i], &solved[..i]))
-                / factor[i * size + i];
-            residual -= solved[i] * solved[i];
-            if residual.is_nan() || residual <= 1e-14 {
+        let scaled = |a, b| self.product(order[a], order[b]) / scale[a] / scale[b];
+        let Some(factor) = DMatrix::from_fn(size, size, scaled).cholesky() else {
+            return degenerate;
+        };
+        let factor = factor.unpack();
+        let left =
+            |i: usize, _| self.product(order[i], Column::Difference(0)) / scale[i] / total.sqrt();
+        let left = DVector::from_fn(size, left);
+        let Some(mut solved) = factor.solve_lower_triangular(&left) else {
+            return degenerate;
+        };
+        let (mut residuals, mut residual) = (Vec::with_capacity(size), 1.0);
+        for (pivot, value) in factor.diagonal().iter().zip(&solved) {
+            residual -= value * value;
+            if pivot * pivot <= 1e-13 || residual.is_nan() || residual <= 1e-14 {
                 return degenerate;
             }
-            residuals[i] = residual * total;
+            residuals.push(residual * total);
         }
-        for value in &mut solved {
-            *value *= total.sqrt();
-        }
-        Ok((solved, residuals))
+        solved *= total.sqrt();
+        Ok((solved.as_slice().to_vec(), residuals))
     }
 }

@@ -4,6 +4,7 @@
 use super::{Critical, Deterministic, long_run_variance, schwert};
 use crate::correlation::lagged_products;
 use crate::screening::record::{Compensated, RecordError, check_varying, sum_of};
+use crate::screening::trend::linear;
 
 /// Lags of the long-run variance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,30 +44,17 @@ pub struct Kpss {
 pub fn kpss(x: &[f64], deterministic: Deterministic, lags: KpssLags) -> Result<Kpss, RecordError> {
     let (mean, _) = check_varying(x, 4)?;
     let count = x.len() as f64;
-    let middle = 0.5 * (count - 1.0);
     // Critical values by falling p: 10, 5, 2.5, 1 %.
-    let (slope, table) = match deterministic {
+    let (residuals, table) = match deterministic {
         Deterministic::None => {
             return Err(RecordError::Argument("KPSS needs a constant or a trend"));
         }
-        Deterministic::Constant => (0.0, [0.347, 0.463, 0.574, 0.739]),
-        Deterministic::Trend => {
-            let mut products = Compensated::default();
-            for (k, &value) in x.iter().enumerate() {
-                products.add((k as f64 - middle) * (value - mean));
-            }
-            // Σ (k − middle)² = n (n² − 1) / 12.
-            (
-                products.value() * 12.0 / (count * (count * count - 1.0)),
-                [0.119, 0.146, 0.176, 0.216],
-            )
-        }
+        Deterministic::Constant => (
+            x.iter().map(|value| value - mean).collect(),
+            [0.347, 0.463, 0.574, 0.739],
+        ),
+        Deterministic::Trend => (linear(x).residuals, [0.119, 0.146, 0.176, 0.216]),
     };
-    let residuals: Vec<f64> = x
-        .iter()
-        .enumerate()
-        .map(|(k, value)| value - mean - slope * (k as f64 - middle))
-        .collect();
     let largest = x.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
     if sum_of(&residuals, |r| r * r) <= count * (16.0 * f64::EPSILON * largest).powi(2) {
         return Err(RecordError::Constant);

@@ -4,7 +4,8 @@
 
 use super::mackinnon::{critical_tau, p_tau};
 use super::{Critical, Deterministic, long_run_variance, schwert};
-use crate::screening::record::{RecordError, check_varying, mean, sum_of};
+use crate::screening::record::{RecordError, check_varying, dot, mean, sum_of};
+use crate::screening::trend::linear;
 
 /// Result of the Phillips-Perron tests. Small (very negative) rejects the unit root.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,14 +45,14 @@ pub fn phillips_perron(
     // Regress Δx on x_{t−1} less what the deterministic part explains of either.
     let level = residual_of(x[..rows].to_vec(), deterministic);
     let change = residual_of(x.windows(2).map(|w| w[1] - w[0]).collect(), deterministic);
-    let level_level = super::dot(&level, &level);
+    let level_level = dot(&level, &level);
     let total = sum_of(&change, |v| v * v);
     let largest = x.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
     let rounding = rows as f64 * (16.0 * f64::EPSILON * largest).powi(2);
     if level_level <= rounding || total <= rounding {
         return Err(RecordError::Constant);
     }
-    let gamma = super::dot(&level, &change) / level_level;
+    let gamma = dot(&level, &change) / level_level;
     let residuals: Vec<f64> = change
         .iter()
         .zip(&level)
@@ -83,23 +84,13 @@ pub fn phillips_perron(
 }
 
 /// What a constant or a trend leaves of a column.
-fn residual_of(mut column: Vec<f64>, deterministic: Deterministic) -> Vec<f64> {
-    if deterministic == Deterministic::None {
-        return column;
-    }
-    let centre = mean(&column);
-    column.iter_mut().for_each(|v| *v -= centre);
-    if deterministic == Deterministic::Trend {
-        let count = column.len() as f64;
-        let middle = 0.5 * (count - 1.0);
-        let mut sum = crate::screening::record::Compensated::default();
-        for (k, value) in column.iter().enumerate() {
-            sum.add((k as f64 - middle) * value);
+fn residual_of(column: Vec<f64>, deterministic: Deterministic) -> Vec<f64> {
+    match deterministic {
+        Deterministic::None => column,
+        Deterministic::Constant => {
+            let centre = mean(&column);
+            column.iter().map(|value| value - centre).collect()
         }
-        let slope = sum.value() * 12.0 / (count * (count * count - 1.0));
-        for (k, value) in column.iter_mut().enumerate() {
-            *value -= slope * (k as f64 - middle);
-        }
+        Deterministic::Trend => linear(&column).residuals,
     }
-    column
 }

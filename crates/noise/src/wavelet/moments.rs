@@ -10,8 +10,9 @@
 use super::scatter;
 use super::{WaveletPoint, WaveletVariance, drift_variance, model_variance};
 use crate::allan::nnls;
-use crate::composite::search::{Minimum, minimise};
+use crate::composite::search::SCALES;
 use crate::composite::{CompositeError, CompositeTerms, GaussMarkov, TermSet, sort_processes};
+use crate::quasi_newton::{Objective, best_of};
 use nalgebra::{DMatrix, DVector};
 
 /// Ratio of neighbouring correlation times on the grid of starts.
@@ -62,46 +63,30 @@ pub fn fit_moments(
     let longest = 1e3 * curve.samples as f64 * interval;
     let tau_range = (0.05 * interval).ln()..longest.ln();
     let count = set.parameters();
-    let mut objective = |z: &[f64]| {
-        let taus = &z[set.amplitudes()..count];
-        if taus.iter().any(|t| !tau_range.contains(t)) || z.iter().any(|v| v.abs() > 300.0) {
-            return f64::INFINITY;
-        }
-        let terms = set.terms(&z[..count]);
-        let rate = if drift { z[count].exp() } else { 0.0 };
-        0.5 * deviance(&used, &terms, rate, interval)
-    };
-    let mut starts: Vec<(Vec<f64>, f64)> = grid(&used, set, drift, interval)
-        .into_iter()
-        .map(|z| {
-            let value = objective(&z);
-            (z, value)
-        })
-        .filter(|(_, value)| value.is_finite())
-        .collect();
-    starts.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let best = starts
-        .iter()
-        .take(FINISHED)
-        .map(|(z, _)| minimise(&mut objective, z, 1e-7, 200))
-        .min_by(|a: &Minimum, b| a.value.total_cmp(&b.value))
-        .ok_or(CompositeError::NoOptimum)?;
     let found = |z: &[f64]| {
         let rate = if drift { z[count].exp() } else { 0.0 };
         (set.terms(&z[..count]), rate)
     };
-    // The drift is last: its row and column fall off.
-    let mut relative = sandwich(&used, &best.z, found, curve).map(|all| {
-        let inner: Vec<f64> = (0..count * count)
-            .map(|k| all[(k / count, k % count)])
-            .collect();
-        set.relative_errors(&inner)
-    });
+    let cost = |z: &Vec<f64>| {
+        let taus = &z[set.amplitudes()..count];
+        if taus.iter().any(|t| !tau_range.contains(t)) || z.iter().any(|v| v.abs() > 300.0) {
+            return f64::INFINITY;
+        }
+        let (terms, rate) = found(z);
+        0.5 * deviance(&used, &terms, rate, interval)
+    };
+    let costs = |z: &[Vec<f64>]| z.iter().map(cost).collect();
+    let mut objective = Objective::new(&costs, SCALES);
+    let starts = grid(&used, set, drift, interval);
+    let best =
+        best_of(&mut objective, starts, FINISHED, 1e-7, 200).ok_or(CompositeError::NoOptimum)?;
+    // The drift is last: its row and column are passed over.
+    let mut relative = sandwich(&used, &best.z, found, curve).map(|all| set.relative_errors(&all));
     let mut terms = set.terms(&best.z[..count]);
     sort_processes(&mut terms, relative.as_mut());
     Ok(MomentFit {
         terms,
-        drift: if drift { best.z[count].exp() } else { 0.0 },
+        drift: found(&best.z).1,
         relative_errors: relative,
         deviance: 2.0 * best.value,
         degrees_of_freedom: used.len() - parameters,

@@ -5,8 +5,8 @@ use undrift_nav::shaping::ShapingFilter;
 use undrift_noise::{
     BiasModel, ImuModel,
     composite::{CompositeTerms, GaussMarkov},
-    identify::{Axis, Detrend, IdentifyError, Options, Removed, SHORTEST, identify},
-    screening::RecordError,
+    identify::{Axis, IdentifyError, Options, SHORTEST, identify},
+    screening::{RecordError, Trend},
     synthesis::NoiseGenerator,
 };
 
@@ -14,7 +14,8 @@ const RATE: f64 = 100.0;
 const OPTIONS: Options = Options {
     rate_hz: RATE,
     n_max: 1,
-    detrend: Detrend::Constant,
+    trend: Trend::Constant,
+    temperature: None,
 };
 
 fn simulated(white: f64, walk: f64, samples: usize, seed: u64) -> Vec<f64> {
@@ -138,17 +139,18 @@ fn a_trend_is_removed_where_it_is_asked_for() {
         .enumerate()
         .map(|(k, x)| x + slope * k as f64 / RATE)
         .collect();
-    fn with(record: &[f64], detrend: Detrend<'_>) -> Result<Axis, IdentifyError> {
-        identify(record, false, &Options { detrend, ..OPTIONS })
+    fn with(record: &[f64], trend: Trend, temperature: &[f64]) -> Result<Axis, IdentifyError> {
+        let temperature = Some(temperature);
+        let options = Options {
+            trend,
+            temperature,
+            ..OPTIONS
+        };
+        identify(record, false, &options)
     }
-    let axis = with(&linear, Detrend::Linear).unwrap();
-    let Removed::Linear {
-        slope_per_hour,
-        explained,
-    } = axis.removed
-    else {
-        panic!("{:?}", axis.removed)
-    };
+    let removed = with(&linear, Trend::Linear, &[]).unwrap().removed;
+    let (slope_per_hour, explained) = (removed.slope, removed.explained);
+    assert_eq!(removed.trend, Trend::Linear);
     // White noise of 0.01 a sample leaves the slope a standard error of 1.2e-6 unit/s.
     assert!(
         (slope_per_hour / 3600.0 - slope).abs() < 5e-6 && explained < 0.05,
@@ -159,25 +161,19 @@ fn a_trend_is_removed_where_it_is_asked_for() {
         .zip(&temperature)
         .map(|(x, t)| x + 0.02 * (t - 25.0))
         .collect();
-    let axis = with(&thermal, Detrend::Temperature(&temperature)).unwrap();
-    let Removed::Temperature {
-        slope_per_kelvin,
-        explained,
-    } = axis.removed
-    else {
-        panic!("{:?}", axis.removed)
-    };
+    let found = with(&thermal, Trend::Temperature, &temperature);
+    let removed = found.unwrap().removed;
+    let (slope_per_kelvin, explained) = (removed.slope, removed.explained);
+    assert_eq!(removed.trend, Trend::Temperature);
     assert!(
         (slope_per_kelvin - 0.02).abs() < 2e-4 && explained > 0.9,
         "{slope_per_kelvin} {explained}"
     );
-    assert_eq!(
-        with(&noise, Detrend::Constant).unwrap().removed,
-        Removed::Constant
-    );
+    let removed = with(&noise, Trend::Constant, &[]).unwrap().removed;
+    assert_eq!((removed.trend, removed.slope), (Trend::Constant, 0.0));
     // A temperature that stands still, or is no number, is not the record's fault.
     for bad in [vec![25.0; 20_000], vec![f64::NAN; 20_000], vec![25.0; 3]] {
-        let error = with(&noise, Detrend::Temperature(&bad)).unwrap_err();
+        let error = with(&noise, Trend::Temperature, &bad).unwrap_err();
         assert!(
             error
                 .to_string()

@@ -15,6 +15,7 @@ use undrift_noise::{
     normality::JARQUE_BERA_CRITICAL_5,
     pandit_wu::PAPER_CRITICAL,
     scales,
+    screening::Trend,
     stationarity::{Adf, Critical},
 };
 
@@ -187,21 +188,16 @@ fn named<const N: usize>(numbers: [(&str, f64); N]) -> Numbers {
 }
 
 fn detrend(removed: &Removed) -> Detrend {
-    match *removed {
-        Removed::Constant => Detrend::Constant,
-        Removed::Linear {
-            slope_per_hour,
+    let (slope, explained) = (removed.slope.into(), removed.explained.into());
+    match removed.trend {
+        Trend::Constant => Detrend::Constant,
+        Trend::Linear => Detrend::Linear {
+            slope_per_hour: slope,
             explained,
-        } => Detrend::Linear {
-            slope_per_hour: slope_per_hour.into(),
-            explained: explained.into(),
         },
-        Removed::Temperature {
-            slope_per_kelvin,
+        Trend::Temperature => Detrend::Temperature {
+            slope_per_kelvin: slope,
             explained,
-        } => Detrend::Temperature {
-            slope_per_kelvin: slope_per_kelvin.into(),
-            explained: explained.into(),
         },
     }
 }

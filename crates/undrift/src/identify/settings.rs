@@ -1,26 +1,12 @@
 //! What a record is identified with.
 
 use crate::{hash, record::Record};
-use serde::{Deserialize, Serialize};
 use std::path::Path;
 use undrift_noise::{
     Provenance,
-    identify::{Detrend, Options},
-    screening::Timing,
+    identify::Options,
+    screening::{Timing, Trend},
 };
-
-/// What is taken out of every axis first.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Trend {
-    /// The mean.
-    #[default]
-    Constant,
-    /// A straight line.
-    Linear,
-    /// The mean and a multiple of the record's temperature.
-    Temperature,
-}
 
 /// Most that a stated rate may be off the time stamps, relative.
 const RATE_TOLERANCE: f64 = 0.01;
@@ -64,14 +50,10 @@ pub fn rate(stated: Option<f64>, timing: Option<&Timing>) -> Result<f64, Recordi
 
 /// The options for a record at a rate \[Hz\]; a record without temperatures has none taken out.
 pub fn options(record: &Record, rate_hz: f64, n_max: usize, trend: Trend) -> Options<'_> {
-    let detrend = match (trend, &record.temperature) {
-        (Trend::Linear, _) => Detrend::Linear,
-        (Trend::Temperature, Some(temperature)) => Detrend::Temperature(temperature),
-        _ => Detrend::Constant,
-    };
     Options {
         n_max,
-        detrend,
+        trend,
+        temperature: record.temperature.as_deref(),
         ..Options::at(rate_hz)
     }
 }

@@ -140,11 +140,7 @@ fn read_record(section: &Section, record: &mut RecordSettings) -> Result<(), Con
     if let Some(topic) = section.text("topic")? {
         record.topic = Some(topic.to_owned());
     }
-    let trends = [
-        ("constant", Trend::Constant),
-        ("linear", Trend::Linear),
-        ("temperature", Trend::Temperature),
-    ];
+    let trends = Trend::ALL.map(|trend| (trend.name(), trend));
     if let Some(trend) = section.word("detrend", &trends)? {
         record.detrend = trend;
     }

@@ -1,0 +1,149 @@
+//! A fitted ARMA model and what should be said with it.
+
+use super::{ArmaError, kalman};
+use std::fmt;
+
+/// An ARMA model `x_t − φ1 x_{t−1} − … = a_t − θ1 a_{t−1} − …` fitted to a record.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ArmaFit {
+    /// φ1 … φp. With a unit root, the factor (1 − B) is multiplied in.
+    pub ar: Vec<f64>,
+    /// θ1 … θq, subtracted (the sign of docs/theory.md).
+    pub ma: Vec<f64>,
+    /// Standard deviation of a \[unit of the record\].
+    pub sigma: f64,
+    /// Its square, `Σ v²/V / N` \[unit²\].
+    pub variance: f64,
+    /// Mean of the record, or the starting level with a unit root \[unit\].
+    pub mean: f64,
+    /// Standard error of an estimated mean \[unit\]; 0 for a known one.
+    pub mean_standard_error: f64,
+    /// Exact Gaussian log-likelihood, constants included; with a unit root, the diffuse one.
+    pub log_likelihood: f64,
+    /// Sum of squares of the one-step prediction errors over their relative variances, `Σ v²/V` \[unit²\].
+    pub residual_sum_of_squares: f64,
+    /// Parameters counted by the criteria: φ (without the unit root), θ, σ², an estimated mean.
+    pub parameters: usize,
+    /// Akaike's criterion, `−2 log L + 2k`.
+    pub aic: f64,
+    /// AIC with the small-sample term `2k(k+1)/(n−k−1)`; infinite where n ≤ k + 1.
+    pub aicc: f64,
+    /// Bayes' criterion, `−2 log L + k ln n`.
+    pub bic: f64,
+    /// Standard errors of φ1…φp, θ1…θq from the curvature of the likelihood at the optimum; `None`
+    /// where it is singular there or the optimum lies on the edge of the invertible region. With a
+    /// unit root those of φ hold the root fixed.
+    pub standard_errors: Option<Vec<f64>>,
+    /// Covariance of φ1…φp, θ1…θq, row-major, where the standard errors exist.
+    pub covariance: Option<Vec<f64>>,
+    /// Samples present, less one with a unit root.
+    pub n: usize,
+    /// One AR root was fixed at exactly 1.
+    pub has_unit_root: bool,
+    /// Distinct local optima that the search ended in (at least; a measure of how hard it was).
+    pub local_optima: usize,
+    /// The search met its tolerance (1e-5 in log-likelihood to go).
+    pub converged: bool,
+    /// `2 (log L − log L′)` with L′ the best likelihood of ARMA(p−1, q−1): what one pair of roots
+    /// brings. `None` where p or q has none to give.
+    pub pair_likelihood_ratio: Option<f64>,
+    /// An AR and an MA root are not distinguishable: closer than two standard errors of their
+    /// distance, or worth less than 5.99, the 5 % point of χ²(2), in `pair_likelihood_ratio`.
+    pub near_cancelling: bool,
+    /// Some direction of the parameters is hardly determined: the log-likelihood falls by less
+    /// than ½ when a root's distance to the unit circle changes seven-fold along it.
+    pub flat_likelihood: bool,
+    /// An AR root is 1, or so close that the record is shorter than ten of its correlation times.
+    pub unit_root: bool,
+    /// All that should be said with the result.
+    pub warnings: Vec<Warning>,
+}
+
+impl ArmaFit {
+    /// Number of AR and of MA coefficients.
+    pub fn order(&self) -> (usize, usize) {
+        (self.ar.len(), self.ma.len())
+    }
+
+    /// Exact one-step prediction errors of `samples` under this model over their standard
+    /// deviations: independent N(0, 1) when it is right; NaN where a sample is missing.
+    ///
+    /// # Errors
+    /// φ not stationary to working precision.
+    pub fn residuals(&self, samples: &[f64]) -> Result<Vec<f64>, ArmaError> {
+        kalman::standardised(
+            samples,
+            self.mean,
+            &self.ar,
+            &self.ma,
+            self.sigma,
+            self.has_unit_root,
+        )
+        .ok_or(ArmaError::NotStationary)
+    }
+}
+
+/// What should be said with a fitted model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Warning {
+    /// An AR root and an MA root cannot be told apart.
+    NearCancelling {
+        /// Distance of the two inverse roots.
+        distance: f64,
+        /// Its standard error, where the curvature gives one.
+        standard_error: Option<f64>,
+    },
+    /// The likelihood hardly depends on some combination of the parameters.
+    FlatLikelihood,
+    /// An AR root is within ten correlation times a record of 1; standard errors of φ are then not normal.
+    UnitRoot {
+        /// `1 − |ρ|` of the inverse root nearest to 1.
+        distance: f64,
+    },
+    /// An MA root is on the unit circle to the record's precision: over-differenced, or a piling-up
+    /// of the likelihood at the boundary.
+    MovingAverageUnitRoot {
+        /// `1 − |ρ|` of that inverse root.
+        distance: f64,
+    },
+    /// No standard errors: the curvature at the optimum is singular or the optimum on the boundary.
+    NoStandardErrors,
+    /// The search stopped before it met its tolerance.
+    NotConverged,
+    /// Fewer than ten samples a parameter.
+    ShortRecord,
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NearCancelling {
+                distance,
+                standard_error: Some(error),
+            } => write!(
+                f,
+                "an autoregressive and a moving-average root nearly cancel: {distance:.2e} apart with a standard error of {error:.1e}"
+            ),
+            Self::NearCancelling { distance, .. } => write!(
+                f,
+                "an autoregressive and a moving-average root nearly cancel: {distance:.2e} apart"
+            ),
+            Self::FlatLikelihood => f.write_str(
+                "the likelihood is flat in some direction: the coefficients are not well determined, what they predict is",
+            ),
+            Self::UnitRoot { distance } => write!(
+                f,
+                "an autoregressive root is 1 as far as the record can tell ({distance:.1e} from it): a random walk in effect"
+            ),
+            Self::MovingAverageUnitRoot { distance } => write!(
+                f,
+                "a moving-average root is on the unit circle as far as the record can tell ({distance:.1e} from it)"
+            ),
+            Self::NoStandardErrors => {
+                f.write_str("no standard errors: the likelihood is singular at its best")
+            }
+            Self::NotConverged => f.write_str("the search stopped before it met its tolerance"),
+            Self::ShortRecord => f.write_str("fewer than ten samples a parameter"),
+        }
+    }
+}
