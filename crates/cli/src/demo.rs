@@ -16,7 +16,7 @@ use undrift::{
     outages::ModelRun,
     results,
 };
-use undrift_report::figures;
+use undrift_report::{figures, text};
 
 /// Simulate a drive, cut its GNSS 15 times, and compare the noise models.
 ///
@@ -90,10 +90,10 @@ fn tell(arguments: &Arguments, result: &results::Demo) -> Result<()> {
             demo::PRESET,
             demo::RATE_HZ,
             arguments.seed,
-            style::headed(&tables::normality(identified))
+            style::headed(&text::normality(identified))
         ))?;
-        say(style::headed(&tables::pandit_wu(identified, "gyro_z")))?;
-        say(style::headed(&tables::recommended(identified)))?;
+        say(style::headed(&text::pandit_wu(identified, "gyro_z")))?;
+        say(style::headed(&text::recommended(identified)))?;
     }
     say(format!(
         "Simulated car drive of {:.0} min, {} at {:.0} Hz, RTK-like GNSS at 5 Hz, seed {};\n\
@@ -127,7 +127,7 @@ fn write(files: &Files, folder: &Path, demo: &Demo, result: &results::Demo) -> R
         )?;
         put(
             "figure3-correlation.csv",
-            &tables::correlation_csv(&identified, "gyro_z"),
+            &text::correlation_csv(&identified, "gyro_z"),
         )?;
     }
     put("figure4-trajectory.csv", &tables::trajectory_csv(demo))?;

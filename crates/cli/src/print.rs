@@ -5,7 +5,7 @@ use undrift::{
     findings::{self, Finding},
     results::Outages,
 };
-use undrift_report::outage_table;
+use undrift_report::text::outage_table;
 
 /// The table of an experiment's models for the terminal.
 pub fn shown(result: &Outages, names: &[impl AsRef<str>]) -> String {

@@ -11,7 +11,7 @@ use undrift::{
     outages::{Logs, Schedule},
     results,
 };
-use undrift_report::{outage_table, say};
+use undrift_report::{say, text::outage_table};
 
 type Failure = Box<dyn std::error::Error + Send + Sync>;
 

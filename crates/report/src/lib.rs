@@ -17,10 +17,9 @@ mod navigate;
 mod outages;
 mod parts;
 pub mod say;
-mod table;
+pub mod text;
 
 pub use crate::figure::panel::{Axis, Panel, Series};
 pub use compare::{document, of_results};
 pub use document::{Block, Cell, Document, Figure, Section, Table};
 pub use parts::short;
-pub use table::outage_table;

@@ -33,6 +33,22 @@ fn a_monte_carlo_is_carried_out() {
         &outcome.stdout,
         &["3 runs of a simulated drive of 150 s", "arma: ", "white: "],
     );
+    // One panel for each group of states, each in its bounds.
+    let drawn = std::fs::read_to_string(case.path("nees.svg")).unwrap();
+    assert!(drawn.matches("average NEES / dof").count() >= 4 && !drawn.contains("NaN"));
+    let outcome = case.run(&[
+        "montecarlo",
+        "spec.toml",
+        "--runs",
+        "2",
+        "--figure",
+        "nees.png",
+    ]);
+    assert!(!outcome.succeeded());
+    says(
+        &outcome.stderr,
+        &["figures are written as SVG", "nees.svg", "from the page"],
+    );
     let outcome = case.run(&[
         "montecarlo",
         "spec.toml",
