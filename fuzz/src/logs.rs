@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
+use undrift::io::Opened;
 use undrift::io::format::Format;
 use undrift::io::gnss::{FixOptions, GnssLog, GnssReader};
 use undrift::io::imu::{ImuFormat, ImuReader};
-use undrift::io::log::{self, StreamKind};
+use undrift::io::log::StreamKind;
 use undrift::io::truth::{TruthLog, TruthReader};
 
 use crate::{exhaust, fix, imu, opened, told, truth_sample, with_file};
@@ -16,7 +17,7 @@ const STREAMS: usize = 4;
 /// Reads everything of a log of the format.
 pub fn log(format: Format, data: &[u8]) {
     with_file(data, |path| {
-        let streams = opened(log::streams(path, format)).unwrap_or_default();
+        let streams = opened(Opened::open(path).and_then(|log| log.streams(format))).unwrap_or_default();
         imu(ImuReader::open(path, &ImuFormat::log(format, None)));
         fixes(path, &GnssLog::new(format));
         fixes(path, &with_stds(GnssLog::new(format)));
@@ -58,7 +59,7 @@ fn with_stds(log: GnssLog) -> GnssLog {
 }
 
 fn fixes(path: &Path, log: &GnssLog) {
-    gnss(GnssReader::open_log(path, log));
+    gnss(GnssReader::open(path, &log.clone().into()));
 }
 
 /// All fixes of a log, if it can be opened.
@@ -76,7 +77,7 @@ fn truth(path: &Path, format: Format, stream: Option<String>) {
         time_offset: 0.0,
         span: None,
     };
-    poses(TruthReader::open_log(path, &log));
+    poses(TruthReader::open(path, &log.into()));
 }
 
 /// All samples of a reference, if it can be opened.

@@ -52,7 +52,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     ];
     with_file(data, |path| {
         for format in &formats {
-            gnss(GnssReader::open_csv(path, format));
+            gnss(GnssReader::open(path, &format.clone().into()));
         }
     });
 });

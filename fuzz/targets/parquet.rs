@@ -1,8 +1,8 @@
 #![no_main]
 
 use undrift::io::imu::{ImuFormat, ImuReader};
-use undrift::io::parquet::{ParquetTable, column_names};
-use undrift::io::table::{Column, TableOptions};
+use undrift::io::Opened;
+use undrift::io::table::{Column, Table, TableOptions};
 use undrift_fuzz::{imu, with_file};
 
 libfuzzer_sys::fuzz_target!(
@@ -16,21 +16,19 @@ libfuzzer_sys::fuzz_target!(
             let three = |from: usize| [from, from + 1, from + 2].map(Column::Number);
             let format = ImuFormat::new(Some(Column::Number(1)), three(2), three(2));
             imu(ImuReader::open(path, &format));
-            let Ok(names) = column_names(path) else {
-                return;
-            };
-            for name in names {
+            let preview = Opened::open(path).and_then(|mut opened| opened.preview(0));
+            for name in preview.unwrap_or_default().names {
                 let options = TableOptions {
                     columns: vec![("key".to_owned(), Column::Name(name))],
                     ..TableOptions::default()
                 };
-                read(ParquetTable::open(path, &options));
+                read(Opened::open(path).and_then(|opened| opened.table(&options)));
             }
         });
     }
 );
 
-fn read(table: Result<ParquetTable, undrift::io::ReadError>) {
+fn read(table: Result<Table, undrift::io::ReadError>) {
     let mut row = [f64::NAN];
     if let Ok(mut table) = table {
         while let Ok(Some(_)) = table.next_row(&mut row) {

@@ -18,7 +18,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     };
     with_file(data, |path| {
         for format in [layouts::kf_gins_truth(), named] {
-            poses(TruthReader::open(path, &format));
+            poses(TruthReader::open(path, &format.into()));
         }
     });
 });

@@ -3,8 +3,8 @@
 use crate::terminal::detail;
 use std::path::Path;
 use undrift::{
-    drive::{Drive, GnssSource, TruthSource},
-    io::{format, imu::ImuSource},
+    drive::Drive,
+    io::{Opened, gnss::GnssSource, imu::ImuSource, source::BytesRead, truth::TruthSource},
 };
 
 /// Size of a file [bytes]; 0 where it has none.
@@ -12,13 +12,11 @@ pub fn size(path: &Path) -> u64 {
     std::fs::metadata(path).map_or(0, |about| about.len())
 }
 
-/// Tells of a file: its size, and the format by its content.
-pub fn file(what: &str, path: &Path) {
+/// Tells of a log that is open: its size, and the format by its content.
+pub fn opened(what: &str, log: &Opened) {
     detail(1, || {
-        let format = format::detect(path).map_or("unreadable".into(), |format| {
-            format!("{} by its content", format.describe())
-        });
-        described(what, path, &format)
+        let format = format!("{} by its content", log.format().describe());
+        described(what, log.name(), &format)
     });
 }
 
@@ -31,11 +29,13 @@ fn described(what: &str, path: &Path, format: &str) -> String {
 pub fn drive(file: &Path, drive: &Drive) {
     detail(1, || format!("drive: {}", file.display()));
     log(
+        drive,
         "IMU",
         &drive.imu.0,
         matches!(drive.imu.1.source, ImuSource::Table { .. }),
     );
     log(
+        drive,
         "GNSS",
         &drive.gnss.0,
         matches!(drive.gnss.1, GnssSource::Csv(_)),
@@ -45,11 +45,16 @@ pub fn drive(file: &Path, drive: &Drive) {
         ("barometer", &drive.barometer),
     ] {
         if let Some((path, _)) = scalar {
-            log(what, path, true);
+            log(drive, what, path, true);
         }
     }
     if let Some((path, source)) = &drive.truth {
-        log("truth", path, matches!(source, TruthSource::Table(_)));
+        log(
+            drive,
+            "truth",
+            path,
+            matches!(source, TruthSource::Table(_)),
+        );
     }
     detail(1, || {
         let model = drive.model.as_ref().map_or("none", |model| &model.name);
@@ -77,7 +82,7 @@ pub fn drive(file: &Path, drive: &Drive) {
 }
 
 /// A table is one because its columns are named; anything else tells itself what it is.
-fn log(what: &str, path: &Path, is_table: bool) {
+fn log(drive: &Drive, what: &str, path: &Path, is_table: bool) {
     if is_table {
         detail(1, || {
             described(
@@ -86,7 +91,7 @@ fn log(what: &str, path: &Path, is_table: bool) {
                 "a table by the columns that the drive file names",
             )
         });
-    } else {
-        self::file(what, path);
+    } else if let Ok(log) = drive.logs.open(path, &BytesRead::default()) {
+        opened(what, &log);
     }
 }

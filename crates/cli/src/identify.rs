@@ -18,7 +18,7 @@ use std::path::PathBuf;
 use undrift::{
     findings,
     identify::{self, Trend},
-    io::table::Column,
+    io::{Opened, table::Column},
     noise::ImuModel,
     record::{self, RecordFormat},
     results::{self, Axis, Detrend, Identify, Number},
@@ -121,19 +121,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         temperature: arguments.detrend == Trend::Temperature,
         topic: arguments.topic.clone(),
     };
-    details::file("record", &arguments.record);
-    let record = stage("reading", || record::read(&arguments.record, &format))?;
+    let opened = Opened::open(&arguments.record)?;
+    details::opened("record", &opened);
+    let record = stage("reading", || record::read(opened, &format))?;
     if !record.skipped.is_empty() {
-        warn(format!(
-            "{}: {}",
-            arguments.record.display(),
-            record.skipped
-        ));
+        warn(format!("{}: {}", record.name.display(), record.skipped));
     }
     let uneven = findings::of_timing(record.timing.as_ref());
     uneven.iter().map(sentences::say).for_each(warn);
     let rate_hz = identify::rate(arguments.rate, record.timing.as_ref())
-        .with_context(|| arguments.record.display().to_string())?;
+        .with_context(|| record.name.display().to_string())?;
     let options = identify::options(&record, rate_hz, arguments.n_max, arguments.detrend);
     detail(1, || {
         format!(
@@ -162,7 +159,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let bar = Bar::new("identified", record.axes.len() as u64, "axes");
         identify::run(&record, &options, || bar.add(1))
     });
-    let name = results::name(&arguments.record);
+    let name = results::name(&record.name);
     let result = identified.result(&name);
     let shown =
         arguments.result.is_wanted() && arguments.result.write(&files, &results::text(&result))?;
@@ -187,7 +184,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             .as_ref()
             .map(|name| ImuModel::resolve(name, std::path::Path::new("")))
             .transpose()?;
-        let provenance = identify::provenance(&record, &name, Some(&arguments.record), rate_hz)?;
+        let provenance = identify::provenance(&record, &name, rate_hz)?;
         let model = identified.model(base.as_ref(), &name, provenance)?;
         files.write(file, &model.to_toml())?;
         terminal::say_beside(shown, format!("model: {}", file.display()))?;

@@ -3,9 +3,9 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::{fmt::Write as _, io::Cursor, path::Path, time::Duration};
 use undrift_io::{
-    ReadError,
+    Opened, ReadError,
     imu::{ImuFormat, ImuReader},
-    table::{Column, Table, TableOptions},
+    table::{Column, TableOptions},
     write::solution::{SolutionRow, SolutionWriter},
 };
 use undrift_nav::{Vector3, earth::Geodetic};
@@ -45,7 +45,7 @@ fn read(c: &mut Criterion) {
         group.throughput(Throughput::Bytes(text.len() as u64));
         group.bench_function(format!("table, {numbers} numbers"), |b| {
             b.iter(|| -> Result<u64, ReadError> {
-                let mut table = Table::from_source(Path::new("imu.csv"), source(), &columns)?;
+                let mut table = Opened::stream(Path::new("imu.csv"), source())?.table(&columns)?;
                 let mut row = [0.0; 7];
                 while table.next_row(&mut row)?.is_some() {}
                 Ok(table.rows_seen())
@@ -53,7 +53,8 @@ fn read(c: &mut Criterion) {
         });
         group.bench_function(format!("inertial samples, {numbers} numbers"), |b| {
             b.iter(|| {
-                let reader = ImuReader::from_source(Path::new("imu.csv"), source(), &format);
+                let opened = Opened::stream(Path::new("imu.csv"), source())?;
+                let reader = ImuReader::new(opened, &format);
                 reader.map(|samples| samples.filter(Result::is_ok).count())
             })
         });

@@ -1,7 +1,5 @@
 //! Whether the times of a log go forward.
 
-use std::path::{Path, PathBuf};
-
 use crate::ReadError;
 use crate::skipped::{SkipKind, Skipped};
 
@@ -10,7 +8,6 @@ const MAX_TIME: f64 = 1e12;
 
 /// Keeps the time of the last accepted record and what came out of order after it.
 pub(crate) struct Clock {
-    path: PathBuf,
     last: Option<f64>,
     /// Records in a row earlier than `last` that mean the clock was set back for good.
     patience: u32,
@@ -28,10 +25,9 @@ pub(crate) enum Tick {
 }
 
 impl Clock {
-    /// For the file that messages name.
-    pub(crate) fn new(path: &Path, patience: u32) -> Self {
+    /// A clock that is patient for so many records.
+    pub(crate) fn new(patience: u32) -> Self {
         Self {
-            path: path.to_path_buf(),
             last: None,
             patience,
             behind: 0,
@@ -92,41 +88,13 @@ impl Clock {
         } else {
             "split the file there, or remove the rows with a wrong time before it"
         };
-        ReadError::new(
-            &self.path,
-            format!(
-                "time jumps back by {:.3} s, from {last} s to {} s, and stays behind",
-                -jump, self.jump_to
-            ),
-        )
+        ReadError::nameless(format!(
+            "time jumps back by {:.3} s, from {last} s to {} s, and stays behind",
+            -jump, self.jump_to
+        ))
         .at(self.jump_line)
         .mend(mend)
     }
-}
-
-/// Whether a time is inside an optional span \[s\], borders included.
-#[inline]
-pub(crate) fn within(span: Option<(f64, f64)>, time: f64) -> bool {
-    span.is_none_or(|(from, to)| time >= from && time <= to)
-}
-
-/// Whether a time is past an optional span \[s\], so that reading can stop.
-#[inline]
-pub(crate) fn past(span: Option<(f64, f64)>, time: f64) -> bool {
-    span.is_some_and(|(_, to)| time > to)
-}
-
-/// The error of a file that has records, but none in the span.
-pub(crate) fn none_in_span(
-    path: &Path,
-    span: (f64, f64),
-    covered: Option<(f64, f64)>,
-) -> ReadError {
-    let problem = format!("no record between {} s and {} s", span.0, span.1);
-    let mend = covered.map_or(String::new(), |(a, b)| {
-        format!("what was read of the file covers {a} s to {b} s")
-    });
-    ReadError::new(path, problem).mend(mend)
 }
 
 #[cfg(test)]
@@ -134,10 +102,7 @@ mod tests {
     use super::*;
 
     fn run(times: &[f64], patience: u32) -> (Vec<f64>, Skipped, Option<ReadError>) {
-        let (mut clock, mut skipped) = (
-            Clock::new(Path::new("imu.csv"), patience),
-            Skipped::default(),
-        );
+        let (mut clock, mut skipped) = (Clock::new(patience), Skipped::default());
         let mut accepted = Vec::new();
         for (k, &time) in times.iter().enumerate() {
             match clock.tick(time, k as u64 + 1, &mut skipped) {

@@ -34,6 +34,19 @@ impl ReadError {
         }
     }
 
+    /// A problem of a log whose name the caller knows and gives by [`ReadError::of`].
+    pub(crate) fn nameless(problem: impl Into<String>) -> Self {
+        Self::new(Path::new(""), problem)
+    }
+
+    /// Of the log with this name, where it has none yet.
+    pub(crate) fn of(mut self, name: &Path) -> Self {
+        if self.path.as_os_str().is_empty() {
+            self.path = name.to_path_buf();
+        }
+        self
+    }
+
     /// At a line of the file, the first is 1.
     pub fn at(mut self, line: u64) -> Self {
         self.line = Some(line);

@@ -16,9 +16,7 @@ pub mod layouts;
 pub mod log;
 pub mod nearby;
 pub mod number;
-#[cfg(feature = "parquet")]
-pub mod parquet;
-pub mod rtklib;
+pub mod reader;
 pub mod scalar;
 pub mod skipped;
 pub mod source;
@@ -27,8 +25,13 @@ pub mod truth;
 pub mod write;
 
 mod clock;
+mod detect;
+mod entry;
 mod error;
+mod fix;
 mod lines;
+mod opened;
 mod time;
 
 pub use error::ReadError;
+pub use opened::{Memory, Opened};

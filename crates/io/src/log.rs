@@ -13,187 +13,123 @@ mod navego;
 mod nmea;
 mod receiver;
 mod ros;
+mod rtklib;
 mod ubx;
 mod ulog;
 
-use std::path::{Path, PathBuf};
-
-use undrift_nav::sample::{FixQuality, Position, TruthSample};
-use undrift_nav::{Matrix3, Vector3};
-
 use crate::ReadError;
+use crate::entry::Entries;
+pub use crate::entry::{Entry, Fix, ImuReading, Stream, StreamKind, Wanted, What};
 use crate::format::Format;
 use crate::skipped::{SkipKind, Skipped};
-use crate::source::{self, Source};
+use crate::source::{Again, Source};
 
-/// One thing that a log says.
-#[derive(Clone, Debug)]
-pub struct Entry {
-    /// Where: the line in a text, the message's number in anything else, the first is 1.
-    pub at: u64,
-    /// What.
-    pub what: What,
+/// A format: how it is known, and its readers.
+struct Reading {
+    format: Format,
+    detect: fn(&[u8]) -> bool,
+    entries: fn(Source, Again, &Wanted) -> Result<Entries, ReadError>,
+    streams: fn(Source) -> Result<Vec<Stream>, ReadError>,
 }
 
-/// What an entry holds.
-#[derive(Clone, Debug)]
-pub enum What {
-    /// An inertial sample.
-    Imu(ImuReading),
-    /// A fix.
-    Fix(Fix),
-    /// A reference solution.
-    Pose(TruthSample),
-    /// Something that cannot be used, and why: it is counted.
-    Skipped(SkipKind, String),
-}
-
-impl What {
-    /// Whether all its numbers are.
-    fn is_finite(&self) -> bool {
-        let three = |v: &Vector3| v.iter().all(|x| x.is_finite());
-        match self {
-            Self::Imu(reading) => {
-                reading.time.is_finite() && three(&reading.gyro) && three(&reading.accel)
-            }
-            Self::Fix(fix) => {
-                let place = match &fix.position {
-                    Some((Position::Geodetic(place), _)) => place.height.is_finite(),
-                    Some((Position::Baseline { ned, .. }, _)) => three(ned),
-                    None => true,
-                };
-                fix.time.is_finite() && place && fix.velocity.is_none_or(|(v, _)| three(&v))
-            }
-            Self::Pose(pose) => {
-                pose.time.is_finite()
-                    && pose.v_n.is_none_or(|v| three(&v))
-                    && pose.rpy.is_none_or(|rpy| three(&rpy))
-            }
-            Self::Skipped(..) => true,
-        }
-    }
-}
-
-/// Rates over the interval since the sample before, sensor axes as in the file.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ImuReading {
-    /// End of the interval \[s\].
-    pub time: f64,
-    /// Mean angular rate [rad/s].
-    pub gyro: Vector3,
-    /// Mean specific force [m/s²].
-    pub accel: Vector3,
-}
-
-/// A fix whose uncertainty the log may not tell.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fix {
-    /// Time of validity \[s\].
-    pub time: f64,
-    /// Position, and its covariance north-east-down \[m²\].
-    pub position: Option<(Position, Option<Matrix3>)>,
-    /// Velocity north-east-down [m/s], and its covariance [(m/s)²].
-    pub velocity: Option<(Vector3, Option<Matrix3>)>,
-    /// What kind of solution the receiver calls it.
-    pub quality: FixQuality,
-}
-
-/// What is wanted from a log. A stream is named as [`streams`] does; without a name, the only one of
-/// its kind is meant, and more than one is an error that lists them.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Wanted {
-    /// Inertial samples of a stream.
-    Imu(Option<String>),
-    /// Fixes.
-    Fixes {
-        /// Stream of positions, or of positions with velocities.
-        position: Option<String>,
-        /// Stream of velocities, where they are apart.
-        velocity: Option<String>,
+/// In the order in which they are looked for: those with a mark at their beginning first, then text that
+/// may hold stray bytes of others.
+const FORMATS: [Reading; 8] = [
+    Reading {
+        format: Format::RosBag,
+        detect: bag::detect,
+        entries: |source, _, wanted| bag::entries(source, wanted),
+        streams: bag::streams,
     },
-    /// Reference solutions of a stream.
-    Poses(Option<String>),
+    Reading {
+        format: Format::Mcap,
+        detect: mcap::detect,
+        entries: |source, _, wanted| mcap::entries(source, wanted),
+        streams: mcap::streams,
+    },
+    Reading {
+        format: Format::ULog,
+        detect: ulog::detect,
+        entries: ulog::entries,
+        streams: ulog::streams,
+    },
+    Reading {
+        format: Format::NaveGo,
+        detect: navego::detect,
+        entries: |source, _, wanted| navego::entries(source, wanted),
+        streams: navego::streams,
+    },
+    Reading {
+        format: Format::Gpx,
+        detect: gpx::detect,
+        entries: |source, _, wanted| gpx::entries(source, wanted),
+        streams: gpx::streams,
+    },
+    Reading {
+        format: Format::Nmea,
+        detect: |start| nmea::detect(start) && !ubx::has_data(start),
+        entries: |source, _, wanted| nmea::entries(source, wanted),
+        streams: nmea::streams,
+    },
+    Reading {
+        format: Format::Ubx,
+        detect: ubx::detect,
+        entries: |source, _, wanted| ubx::entries(source, wanted),
+        streams: ubx::streams,
+    },
+    Reading {
+        format: Format::Rtklib,
+        detect: rtklib::detect,
+        entries: |source, _, wanted| rtklib::entries(source, wanted),
+        streams: rtklib::streams,
+    },
+];
+
+/// The format of a log that begins so.
+pub(crate) fn detect(start: &[u8]) -> Option<Format> {
+    let found = FORMATS.iter().find(|reading| (reading.detect)(start));
+    found.map(|reading| reading.format)
 }
 
-impl Format {
-    /// Whether files of the format say themselves what they hold.
-    pub fn is_log(self) -> bool {
-        matches!(
-            self,
-            Self::Nmea
-                | Self::Ubx
-                | Self::RosBag
-                | Self::Mcap
-                | Self::ULog
-                | Self::NaveGo
-                | Self::Gpx
-        )
-    }
+fn reading(format: Format) -> Result<&'static Reading, ReadError> {
+    let found = FORMATS.iter().find(|reading| reading.format == format);
+    found.ok_or_else(|| {
+        let what = format.describe();
+        ReadError::nameless(format!("{what} is a table: its columns have to be named"))
+    })
 }
 
-/// What a stream holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StreamKind {
-    /// Inertial samples.
-    Imu,
-    /// Fixes with position, velocity or both.
-    Fixes,
-    /// Velocities alone.
-    Velocity,
-    /// A reference solution.
-    Poses,
-    /// Nothing that is read here.
-    Other,
+/// Whether a log has to be read once more before: a ULog tells at its end only which streams it has.
+pub(crate) fn reads_twice(format: Format) -> bool {
+    format == Format::ULog
 }
 
-/// One stream of a log: a topic, a kind of message.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Stream {
-    /// Its name in the file, such as `/imu/data` or `NAV-PVT`.
-    pub name: String,
-    /// What it holds.
-    pub kind: StreamKind,
-    /// Its type and frame in a few words, such as `sensor_msgs/Imu, frame imu_link`.
-    pub about: String,
-    /// Number of messages.
-    pub messages: u64,
+/// The streams of a log.
+pub(crate) fn streams(source: Source, format: Format) -> Result<Vec<Stream>, ReadError> {
+    (reading(format)?.streams)(source)
 }
-
-/// The entries of a log in the order of the file. An error ends them.
-pub(crate) type Entries = Box<dyn Iterator<Item = Result<Entry, ReadError>> + Send>;
 
 /// A log being read for one purpose.
 pub(crate) struct Log {
-    path: PathBuf,
     entries: Entries,
     skipped: Skipped,
 }
 
 impl Log {
-    /// Opens a log, plain or gzip.
-    pub(crate) fn open(path: &Path, format: Format, wanted: &Wanted) -> Result<Self, ReadError> {
-        Self::from_source(path, source::open(path)?, format, wanted)
-    }
-
-    /// Reads a log from an open stream; `path` is what messages call it.
-    pub(crate) fn from_source(
-        path: &Path,
+    /// Reads a log for what is wanted of it.
+    pub(crate) fn new(
         source: Source,
+        again: Again,
         format: Format,
         wanted: &Wanted,
     ) -> Result<Self, ReadError> {
         Ok(Self {
-            path: path.to_path_buf(),
-            entries: entries(path, source, format, wanted)?,
+            entries: (reading(format)?.entries)(source, again, wanted)?,
             skipped: match format {
-                Format::Nmea | Format::Gpx => Skipped::default(),
+                Format::Nmea | Format::Gpx | Format::Rtklib => Skipped::default(),
                 _ => Skipped::of_messages(),
             },
         })
-    }
-
-    pub(crate) fn path(&self) -> &Path {
-        &self.path
     }
 
     pub(crate) fn skipped(&self) -> &Skipped {
@@ -219,66 +155,4 @@ impl Log {
         }
         Ok(None)
     }
-}
-
-/// The format of a log by the start of its content: those with a mark at their beginning first, then
-/// text that may hold stray bytes of others.
-pub(crate) fn detect(start: &[u8]) -> Option<Format> {
-    let formats = [
-        (Format::RosBag, bag::detect(start)),
-        (Format::Mcap, mcap::detect(start)),
-        (Format::ULog, ulog::detect(start)),
-        (Format::NaveGo, navego::detect(start)),
-        (Format::Gpx, gpx::detect(start)),
-        (Format::Nmea, nmea::detect(start)),
-        (Format::Ubx, ubx::detect(start)),
-    ];
-    let found = formats.into_iter().find(|(_, is)| *is);
-    found.map(|(format, _)| format)
-}
-
-fn entries(
-    path: &Path,
-    source: Source,
-    format: Format,
-    wanted: &Wanted,
-) -> Result<Entries, ReadError> {
-    match format {
-        Format::Nmea => nmea::entries(path, source, wanted),
-        Format::Ubx => ubx::entries(path, source, wanted),
-        Format::RosBag => bag::entries(path, source, wanted),
-        Format::Mcap => mcap::entries(path, source, wanted),
-        Format::ULog => ulog::entries(path, source, wanted),
-        Format::NaveGo => navego::entries(path, source, wanted),
-        Format::Gpx => gpx::entries(path, source, wanted),
-        _ => Err(not_a_log(path, format)),
-    }
-}
-
-/// The streams of a log.
-///
-/// # Errors
-/// If the file cannot be opened, is no log of the format, or is one whose columns have to be named.
-pub fn streams(path: &Path, format: Format) -> Result<Vec<Stream>, ReadError> {
-    let source = source::open(path)?;
-    match format {
-        Format::Nmea => nmea::streams(path, source),
-        Format::Ubx => ubx::streams(path, source),
-        Format::RosBag => bag::streams(path, source),
-        Format::Mcap => mcap::streams(path, source),
-        Format::ULog => ulog::streams(path, source),
-        Format::NaveGo => navego::streams(path, source),
-        Format::Gpx => gpx::streams(path, source),
-        _ => Err(not_a_log(path, format)),
-    }
-}
-
-fn not_a_log(path: &Path, format: Format) -> ReadError {
-    ReadError::new(
-        path,
-        format!(
-            "{} is a table: its columns have to be named",
-            format.describe()
-        ),
-    )
 }

@@ -3,20 +3,16 @@
 //! A row is a time, a number and, where the file has one, its standard deviation. Read one by one;
 //! rows that cannot be used are skipped and counted, and gaps are noted, as for the other logs.
 
-use std::path::Path;
-
 use undrift_nav::earth::standard_height;
 use undrift_nav::sample::Scalar;
 
 use crate::ReadError;
-use crate::clock::{self, Clock, Tick};
+use crate::entry::Entry;
 use crate::gaps::{Gap, GapSummary, GapWatch};
+use crate::reader::{Kind, Plan, Reader, Row, Source};
 use crate::skipped::{SkipKind, Skipped};
-use crate::source;
-use crate::table::{Column, Table, TableOptions, TableSource};
+use crate::table::{Column, TableOptions};
 
-/// Rows in a row that must be earlier than the last accepted one to count as a clock set back.
-const PATIENCE: u32 = 100;
 /// A running count says nothing of the rate in the middle of an interval longer than this \[s\].
 const LONGEST_COUNT: f64 = 1.0;
 
@@ -68,39 +64,32 @@ pub enum ScalarStd {
     Column(Column, f64),
 }
 
-/// Reads numbers one by one; after an error or the end it gives `None`.
-pub struct ScalarReader {
-    table: Table,
+/// Reads numbers.
+pub type ScalarReader = Reader<Scalars>;
+
+/// Numbers as a kind of record.
+pub struct Scalars {
     format: ScalarFormat,
-    /// Time, number, and its standard deviation where the file has one.
-    row: [f64; 3],
-    clock: Clock,
     gaps: GapWatch,
     /// The running sum before.
     count: Option<f64>,
-    covered: Option<(f64, f64)>,
-    given: u64,
-    finished: bool,
 }
 
-impl ScalarReader {
-    /// Opens a log, plain or gzip.
-    ///
-    /// # Errors
-    /// If the file cannot be opened, a column is missing, or a factor or standard deviation is not positive.
-    pub fn open(path: &Path, format: &ScalarFormat) -> Result<Self, ReadError> {
-        Self::from_source(path, source::open(path)?, format)
+impl Reader<Scalars> {
+    /// The usual interval and the gaps of the rows met so far.
+    pub fn gaps(&self) -> GapSummary {
+        self.kind().gaps.summary()
     }
+}
 
-    /// Reads a log from any stream; `path` is what messages call it.
-    ///
-    /// # Errors
-    /// If a column is missing, or a factor or standard deviation is not positive.
-    pub fn from_source(
-        path: &Path,
-        source: impl Into<TableSource>,
-        format: &ScalarFormat,
-    ) -> Result<Self, ReadError> {
+impl Kind for Scalars {
+    type Options = ScalarFormat;
+    /// The number and, where the file has one, its standard deviation.
+    type Values = (f64, f64);
+    type Record = Scalar;
+    const PATIENCE: u32 = 100;
+
+    fn plan(format: &ScalarFormat) -> Result<Plan<Self>, ReadError> {
         let key = |name: &str| format!("{}.{name}", format.table);
         let (Reading::Scaled(factor) | Reading::Pressure(factor) | Reading::Count(factor)) =
             format.reading;
@@ -112,7 +101,7 @@ impl ScalarReader {
         ] {
             if !(number.is_finite() && number > 0.0) {
                 let problem = format!("{number} where a number above zero is needed");
-                return Err(ReadError::new(path, problem).key(&key(name)));
+                return Err(ReadError::nameless(problem).key(&key(name)));
             }
         }
         let mut columns = vec![
@@ -127,95 +116,81 @@ impl ScalarReader {
             delimiter: format.delimiter,
             keep_not_finite: false,
         };
-        Ok(Self {
-            table: Table::from_source(path, source, &options)?,
+        let kind = Self {
             format: format.clone(),
-            row: [0.0; 3],
-            clock: Clock::new(path, PATIENCE),
             gaps: GapWatch::default(),
             count: None,
-            covered: None,
-            given: 0,
-            finished: false,
+        };
+        Ok(Plan {
+            kind,
+            source: Source::Table(options),
+            span: format.span,
         })
     }
 
-    /// What was left out so far.
-    pub fn skipped(&self) -> &Skipped {
-        self.table.skipped()
+    fn of_row(
+        &mut self,
+        row: &[f64],
+        _: u64,
+        _: u64,
+        _: &mut Skipped,
+    ) -> Option<(f64, (f64, f64))> {
+        let (&[stamp, read], std) = row.split_first_chunk()?;
+        let time = stamp * self.format.time_scale + self.format.time_offset;
+        Some((time, (read, std.first().copied().unwrap_or(f64::NAN))))
     }
 
-    /// The usual interval and the gaps of the rows met so far.
-    pub fn gaps(&self) -> GapSummary {
-        self.gaps.summary()
+    fn of_entry(&mut self, _: Entry, _: &mut Skipped) -> Option<(f64, (f64, f64))> {
+        None
     }
 
-    fn next_scalar(&mut self) -> Result<Option<Scalar>, ReadError> {
-        let width = 2 + usize::from(matches!(self.format.std.1, ScalarStd::Column(..)));
-        while let Some(line) = self.table.next_row(&mut self.row[..width])? {
-            let time = self.row[0] * self.format.time_scale + self.format.time_offset;
-            let Tick::Forward(dt) = self.clock.tick(time, line, self.table.skipped_mut())? else {
-                continue;
-            };
-            let start = self.covered.map_or(time, |(start, _)| start);
-            self.covered = Some((start, time));
-            if clock::past(self.format.span, time) {
-                break;
-            }
-            if !clock::within(self.format.span, time) {
-                continue;
-            }
-            if let Some(length) = dt {
-                self.gaps.add(Gap {
-                    start: time - length,
-                    length,
-                    line,
-                });
-            }
-            if let Some(scalar) = self.scalar(time, dt, line) {
-                self.given += 1;
-                return Ok(Some(scalar));
-            }
+    fn record(
+        &mut self,
+        row: &Row<(f64, f64)>,
+        skipped: &mut Skipped,
+    ) -> Result<Option<Scalar>, ReadError> {
+        if let Some(length) = row.dt {
+            self.gaps.add(Gap {
+                start: row.time - length,
+                length,
+                line: row.line,
+            });
         }
-        if self.given > 0 {
-            return Ok(None);
-        }
-        match (self.format.span, self.covered) {
-            (Some(span), Some(covered)) if covered.1 < span.0 || covered.0 > span.1 => {
-                Err(clock::none_in_span(self.table.path(), span, self.covered))
-            }
-            _ => Err(ReadError::new(self.table.path(), "no usable value")
-                .mend(self.skipped().to_string().replace('\n', "; "))),
-        }
+        Ok(self.scalar(row, skipped))
     }
 
-    /// The number of the row read; counted where it cannot be used.
-    fn scalar(&mut self, time: f64, dt: Option<f64>, line: u64) -> Option<Scalar> {
-        let [_, read, read_std] = self.row;
+    fn nothing(&self, _: &Skipped) -> ReadError {
+        ReadError::nameless("no usable value")
+    }
+}
+
+impl Scalars {
+    /// The number of a row; counted where it cannot be used.
+    fn scalar(&mut self, row: &Row<(f64, f64)>, skipped: &mut Skipped) -> Option<Scalar> {
+        let (read, read_std) = row.values;
         let mut std = match &self.format.std.1 {
             ScalarStd::Constant(std) => *std,
             ScalarStd::Column(_, factor) => read_std * factor,
         };
-        let mut at = time;
+        let mut at = row.time;
         let value = match self.format.reading {
             Reading::Scaled(factor) => read * factor,
             Reading::Pressure(factor) => standard_height(read * factor),
             Reading::Count(factor) => {
                 let before = self.count.replace(read)?;
-                let dt = dt.filter(|dt| *dt <= LONGEST_COUNT)?;
+                let dt = row.dt.filter(|dt| *dt <= LONGEST_COUNT)?;
                 at -= 0.5 * dt;
                 std = std.hypot(factor / (6f64.sqrt() * dt));
                 (read - before) * factor / dt
             }
         };
         let (least, greatest) = self.format.range;
-        let skipped = self.table.skipped_mut();
         if !(least..=greatest).contains(&value) {
-            skipped.add(SkipKind::OutOfRange, line, read);
+            skipped.add(SkipKind::OutOfRange, row.line, read);
             return None;
         }
         if !(std.is_finite() && std > 0.0 && (std * std).is_normal()) {
-            skipped.add(SkipKind::Uncertainty, line, std);
+            skipped.add(SkipKind::Uncertainty, row.line, std);
             return None;
         }
         Some(Scalar {
@@ -226,23 +201,12 @@ impl ScalarReader {
     }
 }
 
-impl Iterator for ScalarReader {
-    type Item = Result<Scalar, ReadError>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        if self.finished {
-            return None;
-        }
-        let item = self.next_scalar().transpose();
-        self.finished = !matches!(item, Some(Ok(_)));
-        item
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Opened;
     use std::io::Cursor;
+    use std::path::Path;
 
     fn speed() -> ScalarFormat {
         ScalarFormat {
@@ -261,7 +225,7 @@ mod tests {
 
     fn open(text: &str, format: &ScalarFormat) -> Result<ScalarReader, ReadError> {
         let source = Box::new(Cursor::new(text.as_bytes().to_vec()));
-        ScalarReader::from_source(Path::new("wheel.csv"), source, format)
+        ScalarReader::new(Opened::stream(Path::new("wheel.csv"), source)?, format)
     }
 
     fn all(text: &str, format: &ScalarFormat) -> (Vec<Scalar>, Skipped, GapSummary) {

@@ -169,6 +169,14 @@ impl fmt::Display for Skipped {
     }
 }
 
+/// A field as messages show it: quoted, control characters escaped, cut at 40 bytes.
+pub(crate) fn shown(field: &[u8]) -> String {
+    let cut = &field[..field.len().min(40)];
+    let text = String::from_utf8_lossy(cut);
+    let more = if cut.len() < field.len() { "…" } else { "" };
+    format!("\"{}{more}\"", text.escape_debug())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -13,12 +13,14 @@ use crate::{ReadError, nearby};
 /// A byte stream to read from.
 pub type Source = Box<dyn BufRead + Send>;
 
+/// Opens a log once more, from its start: for formats that tell only at their end what they hold.
+pub(crate) type Again<'a> = &'a dyn Fn() -> Result<Source, ReadError>;
+
 /// Size of the read buffers \[bytes\].
 const BUFFER: usize = 256 * 1024;
 const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 
-/// How much of a file was read \[bytes\], as it lies there: clones count together, so that another
-/// thread can look on.
+/// Bytes read of a log, as it is stored, for progress bars: clones count together.
 #[derive(Clone, Debug, Default)]
 pub struct BytesRead(Arc<AtomicU64>);
 
@@ -29,49 +31,61 @@ impl BytesRead {
     }
 }
 
-struct Counted {
-    file: File,
+struct Counted<R> {
+    inner: R,
     read: Arc<AtomicU64>,
 }
 
-impl Read for Counted {
+impl<R: Read> Read for Counted<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let length = self.file.read(buffer)?;
+        let length = self.inner.read(buffer)?;
         self.read.fetch_add(length as u64, Relaxed);
         Ok(length)
     }
 }
 
-/// Opens a file; one that starts with the gzip magic is decompressed (all its members), whatever
-/// its name.
+/// Opens a file.
 ///
 /// # Errors
-/// If the file is missing, is a directory or cannot be read.
-pub fn open(path: &Path) -> Result<Source, ReadError> {
-    open_counted(path, &BytesRead::default())
+/// If it is missing or may not be read.
+pub(crate) fn file(path: &Path) -> Result<File, ReadError> {
+    File::open(path).map_err(|error| cannot_open(path, error))
 }
 
-/// As [`open`]; `read` counts from 0.
+/// Reads a stream; one that starts with the gzip magic is decompressed (all its members), which the
+/// second value tells. `read` counts from 0.
 ///
 /// # Errors
-/// As [`open`].
-pub fn open_counted(path: &Path, read: &BytesRead) -> Result<Source, ReadError> {
-    let file = Counted {
-        file: File::open(path).map_err(|e| cannot_open(path, e))?,
-        read: read.0.clone(),
-    };
+/// If it cannot be read.
+pub(crate) fn decompressed(
+    name: &Path,
+    stream: impl Read + Send + 'static,
+    read: &BytesRead,
+) -> Result<(Source, bool), ReadError> {
     read.0.store(0, Relaxed);
-    let mut reader = BufReader::with_capacity(BUFFER, file);
-    let start = reader.fill_buf().map_err(|e| cannot_open(path, e))?;
+    let counted = Counted {
+        inner: stream,
+        read: read.bytes(),
+    };
+    let mut reader = BufReader::with_capacity(BUFFER, counted);
+    let start = reader.fill_buf().map_err(|e| cannot_open(name, e))?;
     if start.starts_with(&GZIP_MAGIC) {
         let inflated = MultiGzDecoder::new(reader);
-        Ok(Box::new(BufReader::with_capacity(BUFFER, inflated)))
+        Ok((Box::new(BufReader::with_capacity(BUFFER, inflated)), true))
     } else {
-        Ok(Box::new(reader))
+        Ok((Box::new(reader), false))
     }
 }
 
-fn cannot_open(path: &Path, error: io::Error) -> ReadError {
+/// Opens a file, plain or gzip.
+///
+/// # Errors
+/// If it is missing, is a directory or cannot be read.
+pub(crate) fn open(path: &Path) -> Result<Source, ReadError> {
+    Ok(decompressed(path, file(path)?, &BytesRead::default())?.0)
+}
+
+pub(crate) fn cannot_open(path: &Path, error: io::Error) -> ReadError {
     // What is said in full needs no cause after it.
     let problem = match error.kind() {
         io::ErrorKind::NotFound => return missing(path),
@@ -131,7 +145,9 @@ mod tests {
         // The second time from 0 again.
         for _ in 0..2 {
             let mut text = String::new();
-            let mut source = open_counted(&path, &read).unwrap();
+            let (mut source, compressed) =
+                decompressed(&path, file(&path).unwrap(), &read).unwrap();
+            assert!(compressed);
             source.read_to_string(&mut text).unwrap();
             assert_eq!(text.len(), 15_000);
             assert_eq!(read.bytes().load(Relaxed), bytes.len() as u64);

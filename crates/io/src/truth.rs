@@ -1,22 +1,16 @@
 //! Reference trajectories from delimited text, or from logs that say themselves what they hold.
 
-use std::path::Path;
-
 use undrift_nav::Vector3;
 use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::TruthSample;
 
 use crate::ReadError;
-use crate::clock::{self, Clock, Tick};
+use crate::entry::{Entry, Wanted, What};
+use crate::fix::{is_a_fix, shown};
 use crate::format::Format;
-use crate::gnss::is_a_fix;
-use crate::log::{Log, Wanted, What};
+use crate::reader::{Kind, Plan, Reader, Row, Source};
 use crate::skipped::{SkipKind, Skipped};
-use crate::source;
-use crate::table::{Column, Table, TableOptions, TableSource};
-
-/// Samples in a row that must be earlier than the last accepted one to count as a clock set back.
-const PATIENCE: u32 = 100;
+use crate::table::{Column, TableOptions};
 
 /// Where the columns of a reference trajectory are and what they mean.
 #[derive(Clone, Debug)]
@@ -81,231 +75,166 @@ pub struct TruthLog {
     pub span: Option<(f64, f64)>,
 }
 
-/// Reads reference samples one by one; after an error or the end it gives `None`.
-pub struct TruthReader {
-    rows: Rows,
-    span: Option<(f64, f64)>,
-    clock: Clock,
-    covered: Option<(f64, f64)>,
-    given: u64,
-    finished: bool,
+/// Layout of a reference.
+#[derive(Clone, Debug)]
+pub enum TruthSource {
+    /// Delimited text, Parquet or columns in memory.
+    Table(Box<TruthFormat>),
+    /// Log that says itself what it holds.
+    Log(TruthLog),
 }
 
-enum Rows {
-    Table(Box<TableRows>),
-    Log(Log, f64),
+impl From<TruthFormat> for TruthSource {
+    fn from(format: TruthFormat) -> Self {
+        Self::Table(Box::new(format))
+    }
 }
 
-struct TableRows {
-    table: Table,
-    format: TruthFormat,
-    /// Time, position, then velocity, attitude and week where asked for.
-    row: Vec<f64>,
+impl From<TruthLog> for TruthSource {
+    fn from(log: TruthLog) -> Self {
+        Self::Log(log)
+    }
+}
+
+/// Reads reference samples.
+pub type TruthReader = Reader<Truth>;
+
+/// Reference samples as a kind of record.
+pub struct Truth {
+    source: TruthSource,
     /// Of the first row.
     week: Option<f64>,
 }
 
-impl Rows {
-    fn path(&self) -> &Path {
-        match self {
-            Self::Table(rows) => rows.table.path(),
-            Self::Log(log, _) => log.path(),
-        }
-    }
+impl Kind for Truth {
+    type Options = TruthSource;
+    type Values = TruthSample;
+    type Record = TruthSample;
+    const PATIENCE: u32 = 100;
 
-    fn skipped(&self) -> &Skipped {
-        match self {
-            Self::Table(rows) => rows.table.skipped(),
-            Self::Log(log, _) => log.skipped(),
-        }
-    }
-
-    fn skipped_mut(&mut self) -> &mut Skipped {
-        match self {
-            Self::Table(rows) => rows.table.skipped_mut(),
-            Self::Log(log, _) => log.skipped_mut(),
-        }
-    }
-
-    fn next(&mut self) -> Result<Option<(u64, TruthSample)>, ReadError> {
-        match self {
-            Self::Table(rows) => {
-                let line = rows.table.next_row(&mut rows.row)?;
-                Ok(line.map(|line| (line, rows.sample())))
+    fn plan(options: &TruthSource) -> Result<Plan<Self>, ReadError> {
+        let (source, span) = match options {
+            TruthSource::Log(log) => {
+                let wanted = Wanted::Poses(log.stream.clone());
+                (Source::Log(log.format, wanted), log.span)
             }
-            Self::Log(log, offset) => {
-                while let Some(entry) = log.next()? {
-                    if let What::Pose(mut pose) = entry.what {
-                        pose.time += *offset;
-                        return Ok(Some((entry.at, pose)));
-                    }
-                }
-                Ok(None)
-            }
-        }
+            TruthSource::Table(format) => (Source::Table(format.columns()?), format.span),
+        };
+        let kind = Self {
+            source: options.clone(),
+            week: None,
+        };
+        Ok(Plan { kind, source, span })
+    }
+
+    fn of_row(
+        &mut self,
+        row: &[f64],
+        _: u64,
+        line: u64,
+        skipped: &mut Skipped,
+    ) -> Option<(f64, TruthSample)> {
+        let TruthSource::Table(format) = &self.source else {
+            return None;
+        };
+        let week = format.week.as_ref().and(row.last().copied());
+        let first = *self.week.get_or_insert(week.unwrap_or(0.0));
+        let weeks = 604_800.0 * (week.unwrap_or(first) - first);
+        on_earth(format.sample(row, weeks), line, skipped)
+    }
+
+    fn of_entry(&mut self, entry: Entry, skipped: &mut Skipped) -> Option<(f64, TruthSample)> {
+        let (What::Pose(mut pose), TruthSource::Log(log)) = (entry.what, &self.source) else {
+            return None;
+        };
+        pose.time += log.time_offset;
+        on_earth(pose, entry.at, skipped)
+    }
+
+    fn record(
+        &mut self,
+        row: &Row<TruthSample>,
+        _: &mut Skipped,
+    ) -> Result<Option<TruthSample>, ReadError> {
+        Ok(Some(row.values))
+    }
+
+    fn nothing(&self, _: &Skipped) -> ReadError {
+        ReadError::nameless("no usable sample")
     }
 }
 
-impl TruthReader {
-    /// Opens a log, plain or gzip.
-    ///
-    /// # Errors
-    /// If the file cannot be opened, is no log of its format, or lacks the stream.
-    pub fn open_log(path: &Path, log: &TruthLog) -> Result<Self, ReadError> {
-        let wanted = Wanted::Poses(log.stream.clone());
-        let rows = Rows::Log(Log::open(path, log.format, &wanted)?, log.time_offset);
-        Ok(Self::new(path, rows, log.span))
+/// A sample whose place can be one; counted where not.
+fn on_earth(sample: TruthSample, line: u64, skipped: &mut Skipped) -> Option<(f64, TruthSample)> {
+    if is_a_fix(&sample.position) {
+        return Some((sample.time, sample));
     }
+    skipped.add(SkipKind::OutOfRange, line, shown(&sample.position));
+    None
+}
 
-    /// Opens a reference trajectory, plain or gzip.
-    ///
-    /// # Errors
-    /// If the file cannot be opened, a column is missing or the time scale is not positive.
-    pub fn open(path: &Path, format: &TruthFormat) -> Result<Self, ReadError> {
-        Self::from_source(path, source::open(path)?, format)
-    }
-
-    /// Reads a reference trajectory from any stream or from columns in memory; `path` is what messages
-    /// call it.
-    ///
-    /// # Errors
-    /// If a column is missing or the time scale is not positive.
-    pub fn from_source(
-        path: &Path,
-        source: impl Into<TableSource>,
-        format: &TruthFormat,
-    ) -> Result<Self, ReadError> {
-        if !(format.time_scale.is_finite() && format.time_scale > 0.0) {
-            let problem = format!("a time scale of {} makes no times", format.time_scale);
-            return Err(ReadError::new(path, problem).key("truth.time"));
+impl TruthFormat {
+    /// Time, position, then velocity, attitude and week where asked for.
+    fn columns(&self) -> Result<TableOptions, ReadError> {
+        if !(self.time_scale.is_finite() && self.time_scale > 0.0) {
+            let problem = format!("a time scale of {} makes no times", self.time_scale);
+            return Err(ReadError::nameless(problem).key("truth.time"));
         }
-        let mut columns = vec![("truth.time".to_owned(), format.time.clone())];
+        let mut columns = vec![("truth.time".to_owned(), self.time.clone())];
         let groups = [
-            ("truth.position", Some(&format.position)),
-            ("truth.velocity", format.velocity.as_ref()),
-            ("truth.attitude", format.attitude.as_ref()),
+            ("truth.position", Some(&self.position)),
+            ("truth.velocity", self.velocity.as_ref()),
+            ("truth.attitude", self.attitude.as_ref()),
         ];
         for (key, group) in groups {
             for column in group.into_iter().flatten() {
                 columns.push((key.to_owned(), column.clone()));
             }
         }
-        if let Some(week) = &format.week {
+        if let Some(week) = &self.week {
             columns.push(("truth.week".to_owned(), week.clone()));
         }
-        let options = TableOptions {
+        Ok(TableOptions {
             columns,
-            delimiter: format.delimiter,
+            delimiter: self.delimiter,
             keep_not_finite: false,
-        };
-        let rows = Rows::Table(Box::new(TableRows {
-            row: vec![0.0; options.columns.len()],
-            table: Table::from_source(path, source, &options)?,
-            format: format.clone(),
-            week: None,
-        }));
-        Ok(Self::new(path, rows, format.span))
+        })
     }
 
-    fn new(path: &Path, rows: Rows, span: Option<(f64, f64)>) -> Self {
-        Self {
-            rows,
-            span,
-            clock: Clock::new(path, PATIENCE),
-            covered: None,
-            given: 0,
-            finished: false,
-        }
-    }
-
-    /// What was left out so far.
-    pub fn skipped(&self) -> &Skipped {
-        self.rows.skipped()
-    }
-
-    fn next_sample(&mut self) -> Result<Option<TruthSample>, ReadError> {
-        while let Some((line, sample)) = self.rows.next()? {
-            let skipped = self.rows.skipped_mut();
-            if !is_a_fix(&sample.position) {
-                let place = sample.position;
-                let (lat_deg, lon_deg) = (place.lat.to_degrees(), place.lon.to_degrees());
-                let detail = format_args!("{lat_deg}°, {lon_deg}°, {} m", place.height);
-                skipped.add(SkipKind::OutOfRange, line, detail);
-                continue;
-            }
-            if let Tick::Skip = self.clock.tick(sample.time, line, skipped)? {
-                continue;
-            }
-            let start = self.covered.map_or(sample.time, |(start, _)| start);
-            self.covered = Some((start, sample.time));
-            if clock::past(self.span, sample.time) {
-                break;
-            }
-            if clock::within(self.span, sample.time) {
-                self.given += 1;
-                return Ok(Some(sample));
-            }
-        }
-        if self.given > 0 {
-            return Ok(None);
-        }
-        match (self.span, self.covered) {
-            (Some(span), Some(_)) => Err(clock::none_in_span(self.rows.path(), span, self.covered)),
-            _ => Err(ReadError::new(self.rows.path(), "no usable sample")
-                .mend(self.skipped().to_string().replace('\n', "; "))),
-        }
-    }
-}
-
-impl TableRows {
-    fn sample(&mut self) -> TruthSample {
-        let week = self.format.week.as_ref().and(self.row.last().copied());
-        let first = *self.week.get_or_insert(week.unwrap_or(0.0));
-        let weeks = 604_800.0 * (week.unwrap_or(first) - first);
-        let format = &self.format;
+    /// The sample of a row, `weeks` \[s\] after the week of the first.
+    fn sample(&self, row: &[f64], weeks: f64) -> TruthSample {
         let three = |from: usize| {
-            let get = |k: usize| self.row.get(from + k).copied().unwrap_or(f64::NAN);
+            let get = |k: usize| row.get(from + k).copied().unwrap_or(f64::NAN);
             Vector3::new(get(0), get(1), get(2))
         };
         let position = three(1);
-        let v_n = format.velocity.as_ref().map(|_| {
+        let v_n = self.velocity.as_ref().map(|_| {
             let v = three(4);
-            Vector3::new(v.x, v.y, if format.velocity_up { -v.z } else { v.z })
+            Vector3::new(v.x, v.y, if self.velocity_up { -v.z } else { v.z })
         });
         let attitude_at = if v_n.is_some() { 7 } else { 4 };
         TruthSample {
-            time: three(0).x * format.time_scale + weeks + format.time_offset,
+            time: three(0).x * self.time_scale + weeks + self.time_offset,
             position: Geodetic {
-                lat: position.x * format.angle_scale,
-                lon: position.y * format.angle_scale,
+                lat: position.x * self.angle_scale,
+                lon: position.y * self.angle_scale,
                 height: position.z,
             },
             v_n,
-            rpy: format
+            rpy: self
                 .attitude
                 .as_ref()
-                .map(|_| three(attitude_at) * format.attitude_scale),
+                .map(|_| three(attitude_at) * self.attitude_scale),
         }
-    }
-}
-
-impl Iterator for TruthReader {
-    type Item = Result<TruthSample, ReadError>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        if self.finished {
-            return None;
-        }
-        let item = self.next_sample().transpose();
-        self.finished = !matches!(item, Some(Ok(_)));
-        item
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Opened;
     use std::io::Cursor;
+    use std::path::Path;
 
     fn group(from: usize) -> [Column; 3] {
         [0, 1, 2].map(|k| Column::Number(from + k))
@@ -313,7 +242,8 @@ mod tests {
 
     fn all(text: &str, format: &TruthFormat) -> (Vec<TruthSample>, Skipped) {
         let source = Box::new(Cursor::new(text.as_bytes().to_vec()));
-        let mut reader = TruthReader::from_source(Path::new("truth.csv"), source, format).unwrap();
+        let opened = Opened::stream(Path::new("truth.csv"), source).unwrap();
+        let mut reader = TruthReader::new(opened, &format.clone().into()).unwrap();
         let samples = reader.by_ref().map(Result::unwrap).collect();
         (samples, reader.skipped().clone())
     }

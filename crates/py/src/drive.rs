@@ -7,7 +7,7 @@ use crate::{
 };
 use pyo3::prelude::*;
 use std::path::PathBuf;
-use undrift::{drive, inspect, results};
+use undrift::{drive, inspect, io::Memory, results};
 
 /// A drive, ready to be read; `undrift.Drive` wraps it.
 #[pyclass(frozen, module = "undrift._undrift")]
@@ -36,7 +36,7 @@ impl Drive {
         let mut drive = drive::Drive::from_toml(text, &name, &here, &here).map_err(error)?;
         for (path, named) in memory {
             let columns = columns::columns(&path, named)?;
-            drive.memory.insert(path, columns);
+            drive.logs.memory.insert(path, Memory::Columns(columns));
         }
         Ok(Self { drive, file })
     }

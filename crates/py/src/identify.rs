@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use undrift::{
     findings,
     identify::{self as identification, Trend},
-    io::table::Column,
+    io::{Memory, Opened, source::BytesRead, table::Column},
     noise::Provenance,
     record::{self, Record, RecordFormat},
     results,
@@ -74,10 +74,13 @@ pub fn identify(
         .transpose()?;
     let name = results::name(&path);
     let work = || -> Result<Identified, Box<dyn std::error::Error + Send + Sync>> {
-        let record = match &memory {
-            Some(columns) => record::read_columns(&path, columns, &format)?,
-            None => record::read(&path, &format)?,
+        let opened = match memory {
+            Some(columns) => {
+                Opened::memory(&path, Memory::Columns(columns), &BytesRead::default())?
+            }
+            None => Opened::open(&path)?,
         };
+        let record = record::read(opened, &format)?;
         let warnings = warnings(&path, &record);
         let rate = identification::rate(rate, record.timing.as_ref())
             .map_err(|problem| format!("{}: {problem}", path.display()))?;
@@ -94,8 +97,7 @@ pub fn identify(
             )
             .into());
         }
-        let file = memory.is_none().then_some(path.as_path());
-        let provenance = identification::provenance(&record, &name, file, rate)?;
+        let provenance = identification::provenance(&record, &name, rate)?;
         Ok(Identified {
             found,
             name: name.clone(),

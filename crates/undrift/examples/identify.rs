@@ -7,6 +7,7 @@
 use std::error::Error;
 use std::path::Path;
 use undrift::identify::{self, Trend};
+use undrift::io::Opened;
 use undrift::record::{self, RecordFormat};
 use undrift::{Identified, ImuModel};
 
@@ -15,10 +16,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let [file, rate_hz, data_sheet @ ..] = &arguments[..] else {
         return Err("usage: identify RECORD RATE_HZ [DATA_SHEET]".into());
     };
-    let file = Path::new(file);
 
     // SI units from here on: rad/s and m/s².
-    let record = record::read(file, &RecordFormat::default())?;
+    let record = record::read(Opened::open(Path::new(file))?, &RecordFormat::default())?;
     let rate_hz = identify::rate(Some(rate_hz.parse()?), record.timing.as_ref())?;
 
     // Each axis is tested for rest, outliers, stationarity and whiteness; candidates are fitted on its first half.
@@ -48,7 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             "{axis}: no data sheet for the turn-on constant, taken as large as the record allows"
         );
     }
-    let provenance = identify::provenance(&record, "example", Some(file), rate_hz)?;
+    let provenance = identify::provenance(&record, "example", rate_hz)?;
     let model = found.model(base.as_ref(), "example", provenance)?;
     print!("{}", model.to_toml());
     Ok(())

@@ -219,9 +219,7 @@ fn static_record(
     Record {
         axes: AXES.to_vec(),
         samples: (0..6).map(series).collect(),
-        temperature: None,
-        timing: None,
-        skipped: Default::default(),
+        ..Record::default()
     }
 }
 

@@ -20,13 +20,17 @@
 //!
 //! All keys are in `docs/drive-file.md`.
 
+mod error;
 pub(crate) mod gnss;
 pub(crate) mod imu;
+mod logs;
 mod scalars;
 mod section;
 pub(crate) mod tables;
 
-pub use section::{ConfigError, Section};
+pub use error::{ConfigError, DriveError};
+pub use logs::Logs;
+pub use section::Section;
 pub(crate) use section::{parse, read_text};
 pub(crate) use tables::{read_initial, read_switch};
 
@@ -35,29 +39,25 @@ use crate::{
     replay::{GnssUse, QualityStd},
     vehicle::Constraints,
 };
-use std::{
-    collections::BTreeMap,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 use undrift_io::{
     ReadError,
-    gnss::{GnssFormat, GnssLog, GnssReader},
+    gnss::{GnssReader, GnssSource},
     imu::{ImuFormat, ImuReader},
-    rtklib::RtklibOptions,
+    reader::{Kind, Reader},
     scalar::{ScalarFormat, ScalarReader},
     source::BytesRead,
-    table::Columns,
-    truth::{TruthFormat, TruthLog, TruthReader},
+    truth::{TruthReader, TruthSource},
 };
 use undrift_nav::{Vector3, parameters::Parameters, sample::ImuSample, units::Quantity};
-use undrift_noise::{ImuModel, ModelError};
+use undrift_noise::ImuModel;
 
 /// A drive, ready to be read.
 #[derive(Clone, Debug)]
 pub struct Drive {
     /// Inertial log.
     pub imu: (PathBuf, ImuFormat),
-    /// How much of the inertial log was read since it was opened last, for who looks on.
+    /// Bytes read of the inertial log since it was opened last, for progress bars.
     pub imu_read: BytesRead,
     /// Whether the IMU's mounting is to be estimated from the log ([`crate::mounting`]): until then
     /// body axes are the sensor's own.
@@ -88,72 +88,8 @@ pub struct Drive {
     pub quality: QualityStd,
     /// Noise model of the IMU, if the file names one.
     pub model: Option<ImuModel>,
-    /// Logs that are columns in memory, by the names that stand in the place of their files.
-    pub memory: Memory,
-}
-
-/// Columns in memory by the names that stand in the place of files.
-pub type Memory = BTreeMap<PathBuf, Columns>;
-
-/// Layout of the GNSS log.
-#[derive(Clone, Debug)]
-pub enum GnssSource {
-    /// Delimited text.
-    Csv(Box<GnssFormat>),
-    /// RTKLIB solution file.
-    Rtklib(RtklibOptions),
-    /// Log that says itself what it holds.
-    Log(GnssLog),
-}
-
-impl GnssSource {
-    /// Opens a log of this layout.
-    pub(crate) fn open(&self, path: &Path, memory: &Memory) -> Result<GnssReader, ReadError> {
-        match self {
-            Self::Csv(format) => match memory.get(path) {
-                Some(columns) => GnssReader::from_source(path, columns.clone(), format),
-                None => GnssReader::open_csv(path, format),
-            },
-            Self::Rtklib(options) => GnssReader::open_rtklib(path, options),
-            Self::Log(log) => GnssReader::open_log(path, log),
-        }
-    }
-}
-
-/// Layout of the reference.
-#[derive(Clone, Debug)]
-pub enum TruthSource {
-    /// Delimited text.
-    Table(Box<TruthFormat>),
-    /// Log that says itself what it holds.
-    Log(TruthLog),
-}
-
-impl TruthSource {
-    /// Opens a reference of this layout.
-    pub(crate) fn open(&self, path: &Path, memory: &Memory) -> Result<TruthReader, ReadError> {
-        match self {
-            Self::Table(format) => match memory.get(path) {
-                Some(columns) => TruthReader::from_source(path, columns.clone(), format),
-                None => TruthReader::open(path, format),
-            },
-            Self::Log(log) => TruthReader::open_log(path, log),
-        }
-    }
-}
-
-/// Why a drive cannot be set up.
-#[derive(Debug, thiserror::Error)]
-pub enum DriveError {
-    /// `DRIVE.toml` says something it cannot.
-    #[error(transparent)]
-    Config(#[from] ConfigError),
-    /// A log cannot be read.
-    #[error(transparent)]
-    Read(#[from] ReadError),
-    /// The model cannot be read.
-    #[error(transparent)]
-    Model(#[from] ModelError),
+    /// Where its logs are.
+    pub logs: Logs,
 }
 
 impl Drive {
@@ -190,7 +126,11 @@ impl Drive {
             "vehicle",
             "states",
         ])?;
-        let span = tables::read_span(&top.section("span")?)?;
+        let mut logs = Logs {
+            folder: data.to_path_buf(),
+            span: tables::read_span(&top.section("span")?)?,
+            ..Logs::default()
+        };
         let gnss = top.section("gnss")?;
         let gnss_use = gnss::read_use(&gnss)?;
         let lever_arm = gnss
@@ -204,12 +144,12 @@ impl Drive {
             return Err(gnss.error("lever_arm", message).into());
         }
         let (constraints, parameters) = tables::read_vehicle(&top.section("vehicle")?)?;
-        let (imu, estimate_mounting) = imu::read_imu(&top.section("imu")?, data, span)?;
+        let (imu, estimate_mounting) = imu::read_imu(&top.section("imu")?, &mut logs)?;
         let parameters = tables::read_states(&top.section("states")?, parameters)?;
         let (odometer, parameters) =
-            scalars::read_odometer(&top.section("odometer")?, data, span, parameters)?;
+            scalars::read_odometer(&top.section("odometer")?, &mut logs, parameters)?;
         let (barometer, parameters) =
-            scalars::read_barometer(&top.section("barometer")?, data, span, parameters)?;
+            scalars::read_barometer(&top.section("barometer")?, &mut logs, parameters)?;
         let drive = Self {
             parameters,
             odometer,
@@ -221,13 +161,13 @@ impl Drive {
             estimate_mounting,
             adapt: tables::read_switch(&gnss, "adapt")?.unwrap_or(false),
             quality: gnss::read_quality(&gnss)?,
-            gnss: gnss::read_gnss(&gnss, data, span)?,
-            truth: tables::read_truth(&top.section("truth")?, data)?,
+            gnss: gnss::read_gnss(&gnss, &mut logs)?,
+            truth: tables::read_truth(&top.section("truth")?, &mut logs)?,
             gnss_use,
             lever_arm,
             align: tables::read_initial(&top.section("initial")?)?,
             model: top.model("model", home)?,
-            memory: Memory::new(),
+            logs,
         };
         Ok(drive)
     }
@@ -250,10 +190,7 @@ impl Drive {
     /// If the file cannot be opened, is none of its format or lacks a column or stream.
     pub fn open_imu(&self) -> Result<ImuReader, ReadError> {
         let (path, format) = &self.imu;
-        match self.memory.get(path) {
-            Some(columns) => ImuReader::from_source(path, columns.clone(), format),
-            None => ImuReader::open_counted(path, format, &self.imu_read),
-        }
+        ImuReader::new(self.logs.open(path, &self.imu_read)?, format)
     }
 
     /// Opens the GNSS log from its start.
@@ -261,7 +198,7 @@ impl Drive {
     /// # Errors
     /// As [`Drive::open_imu`].
     pub fn open_gnss(&self) -> Result<GnssReader, ReadError> {
-        self.gnss.1.open(&self.gnss.0, &self.memory)
+        self.logs.read(&self.gnss.0, &self.gnss.1)
     }
 
     /// Opens the log of the wheel's speed from its start, if there is one.
@@ -269,7 +206,7 @@ impl Drive {
     /// # Errors
     /// As [`Drive::open_imu`].
     pub fn open_odometer(&self) -> Result<Option<ScalarReader>, ReadError> {
-        open_scalar(&self.odometer, &self.memory)
+        self.open_optional(&self.odometer)
     }
 
     /// Opens the log of barometric heights from its start, if there is one.
@@ -277,7 +214,7 @@ impl Drive {
     /// # Errors
     /// As [`Drive::open_imu`].
     pub fn open_barometer(&self) -> Result<Option<ScalarReader>, ReadError> {
-        open_scalar(&self.barometer, &self.memory)
+        self.open_optional(&self.barometer)
     }
 
     /// Opens the reference from its start, if there is one.
@@ -285,9 +222,15 @@ impl Drive {
     /// # Errors
     /// As [`Drive::open_imu`].
     pub fn open_truth(&self) -> Result<Option<TruthReader>, ReadError> {
-        self.truth
-            .as_ref()
-            .map(|(path, source)| source.open(path, &self.memory))
+        self.open_optional(&self.truth)
+    }
+
+    fn open_optional<K: Kind>(
+        &self,
+        log: &Option<(PathBuf, K::Options)>,
+    ) -> Result<Option<Reader<K>>, ReadError> {
+        let log = log.as_ref();
+        log.map(|(path, options)| self.logs.read(path, options))
             .transpose()
     }
 
@@ -358,18 +301,6 @@ pub fn files_named(text: &str) -> Vec<(&'static str, String)> {
     let model = top.text("model").ok().flatten();
     named.extend(model.map(|name| ("model", name.to_owned())));
     named
-}
-
-fn open_scalar(
-    log: &Option<(PathBuf, ScalarFormat)>,
-    memory: &Memory,
-) -> Result<Option<ScalarReader>, ReadError> {
-    log.as_ref()
-        .map(|(path, format)| match memory.get(path) {
-            Some(columns) => ScalarReader::from_source(path, columns.clone(), format),
-            None => ScalarReader::open(path, format),
-        })
-        .transpose()
 }
 
 /// Longest lever arm \[m\]: the largest ships are 400 m long.

@@ -155,9 +155,7 @@ mod tests {
                     (0..2000).map(|_| noise.sample(&mut random)).collect()
                 })
                 .collect(),
-            temperature: None,
-            timing: None,
-            skipped: Default::default(),
+            ..Record::default()
         };
         let found = run(
             &record,

@@ -3,121 +3,35 @@
 mod columns;
 mod known;
 mod measure;
+mod parts;
 mod units;
 
 pub use known::{Content, Known, Note};
 pub use measure::about_gravity;
+pub use parts::{Inspection, Line, Measured, Part, quoted};
 
-use serde::Serialize;
-use std::path::{Path, PathBuf};
+use crate::drive::Logs;
+use std::path::Path;
 use undrift_io::{
-    ReadError,
-    format::{self, Format},
+    Opened, ReadError,
+    format::Format,
     layouts::KF_GINS_WITH_VELOCITY,
-    log::{self, StreamKind},
+    log::{Stream, StreamKind},
+    source::BytesRead,
     table::Preview,
 };
-
-/// What a file is.
-#[derive(Clone, Debug, Serialize)]
-pub struct Inspection {
-    /// The file, as it was given.
-    pub file: PathBuf,
-    /// Name of its format in a drive file.
-    pub format: &'static str,
-    /// What the format is called.
-    pub description: &'static str,
-    /// The streams of a log: name, messages, and what they are.
-    pub streams: Vec<(String, u64, String)>,
-    /// What of it can be read.
-    pub parts: Vec<Part>,
-    /// What is worth knowing.
-    pub found: Vec<Note>,
-    /// The same in sentences; who shows it fills them in.
-    pub notes: Vec<String>,
-}
-
-/// A table of `DRIVE.toml` that reads something of the file.
-#[derive(Clone, Debug, Serialize)]
-pub struct Part {
-    /// `imu`, `gnss` or `truth`.
-    pub table: &'static str,
-    /// Its keys beside `file`.
-    pub lines: Vec<Line>,
-    /// What was read with them.
-    pub measured: Option<Measured>,
-    /// Why nothing was.
-    pub problem: Option<String>,
-    /// The streams that a key may name, the first of each the likeliest.
-    #[serde(skip)]
-    pub choices: Vec<(&'static str, Vec<String>)>,
-}
-
-/// A key of a drive file.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Line {
-    /// The key.
-    pub key: &'static str,
-    /// Its value, as TOML writes it.
-    pub value: String,
-    /// How it is known.
-    pub known: Known,
-    /// The same in words, empty where it is certain; who shows it fills them in.
-    pub why: String,
-}
-
-/// What a part holds.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Measured {
-    /// Samples, fixes or reference solutions.
-    pub records: u64,
-    /// First time \[s\].
-    pub first_s: f64,
-    /// Last time \[s\].
-    pub last_s: f64,
-    /// 1 / the ordinary interval \[Hz\].
-    pub rate_hz: f64,
-    /// Intervals of more than 1.5 ordinary ones.
-    pub gaps: u64,
-    /// Start and length of the longest \[s\].
-    pub longest_gap_s: Option<(f64, f64)>,
-    /// What was left out, a line each.
-    pub skipped: String,
-    /// Velocities left out because the log does not tell how certain they are.
-    pub untold_velocities: u64,
-    /// What else it holds.
-    pub content: Option<Content>,
-    /// The same in sentences; who shows it fills them in.
-    pub remarks: Vec<String>,
-}
-
-impl Line {
-    fn new(key: &'static str, value: String, known: Known) -> Self {
-        Self {
-            key,
-            value,
-            known,
-            why: String::new(),
-        }
-    }
-
-    /// A text value.
-    fn text(key: &'static str, value: &str, known: Known) -> Self {
-        Self::new(key, quoted(value), known)
-    }
-}
-
-/// A text as TOML writes it.
-pub fn quoted(text: &str) -> String {
-    toml::Value::String(text.to_owned()).to_string()
-}
 
 /// Tells what a file is.
 ///
 /// # Errors
 /// If the file cannot be opened or is no log. What cannot be read of it is told in the parts.
 pub fn inspect(path: &Path) -> Result<Inspection, ReadError> {
-    let format = format::detect(path)?;
+    let mut logs = Logs::default();
+    if let Some(held) = Opened::hold(path)? {
+        logs.memory.insert(path.to_path_buf(), held);
+    }
+    let opened = logs.open(path, &BytesRead::default())?;
+    let format = opened.format();
     let mut inspection = Inspection {
         file: path.to_path_buf(),
         format: format.name(),
@@ -128,12 +42,15 @@ pub fn inspect(path: &Path) -> Result<Inspection, ReadError> {
         notes: Vec::new(),
     };
     inspection.parts = match format {
-        Format::Csv | Format::Parquet => columns::parts(path, &mut inspection.found)?,
+        Format::Csv | Format::Parquet => columns::parts(opened, &mut inspection.found)?,
         Format::Rtklib => vec![Part::new("gnss", Vec::new())],
         Format::Euroc => vec![Part::new("imu", Vec::new())],
-        Format::KfGins => vec![Part::new(kf_gins(path)?, Vec::new())],
+        Format::KfGins => vec![Part::new(
+            kf_gins(path, opened.width(), &mut logs),
+            Vec::new(),
+        )],
         log => {
-            let streams = log::streams(path, log)?;
+            let streams = opened.streams(log)?;
             let parts = of_streams(&streams);
             inspection.streams = streams
                 .into_iter()
@@ -143,7 +60,7 @@ pub fn inspect(path: &Path) -> Result<Inspection, ReadError> {
         }
     };
     for part in &mut inspection.parts {
-        measure::measure(path, format, part);
+        measure::measure(path, &mut logs, format, part);
     }
     if inspection.parts.is_empty() {
         inspection.found.push(Note::Nothing);
@@ -156,7 +73,7 @@ pub fn inspect(path: &Path) -> Result<Inspection, ReadError> {
 pub fn by_names(names: &[String]) -> Vec<Part> {
     let table = Preview {
         names: names.to_vec(),
-        rows: Vec::new(),
+        ..Preview::default()
     };
     let mut parts = columns::parts_of(table, &mut Vec::new());
     for part in &mut parts {
@@ -166,38 +83,25 @@ pub fn by_names(names: &[String]) -> Vec<Part> {
     parts
 }
 
-impl Part {
-    fn new(table: &'static str, lines: Vec<Line>) -> Self {
-        Self {
-            table,
-            lines,
-            measured: None,
-            problem: None,
-            choices: Vec::new(),
-        }
-    }
-}
-
 /// Which of its three texts a file of KF-GINS is.
-fn kf_gins(path: &Path) -> Result<&'static str, ReadError> {
-    let columns = format::columns(path)?;
-    Ok(match columns {
+fn kf_gins(path: &Path, columns: usize, logs: &mut Logs) -> &'static str {
+    match columns {
         11 => "truth",
         KF_GINS_WITH_VELOCITY => "gnss",
         _ => {
             let mut imu = Part::new("imu", Vec::new());
-            measure::measure(path, Format::KfGins, &mut imu);
+            measure::measure(path, logs, Format::KfGins, &mut imu);
             if imu.problem.is_none() && measure::is_gravity(&imu) {
                 "imu"
             } else {
                 "gnss"
             }
         }
-    })
+    }
 }
 
 /// A part for each kind of streams that there is.
-fn of_streams(streams: &[log::Stream]) -> Vec<Part> {
+fn of_streams(streams: &[Stream]) -> Vec<Part> {
     let of = |kind: StreamKind| -> Vec<String> {
         let those = streams.iter().filter(|stream| stream.kind == kind);
         those.map(|stream| stream.name.clone()).collect()

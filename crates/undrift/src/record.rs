@@ -1,14 +1,14 @@
 //! Static records: six axes, or one, from a table, or six from a log that says itself what it holds.
 
 use crate::columns::{IMU_STEP, Meaning, meaning, time_unit};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use undrift_io::{
-    ReadError,
-    format::{self, Format},
+    Opened, ReadError,
+    format::Format,
     imu::{ImuFormat, ImuReader},
     layouts,
     skipped::Skipped,
-    table::{self, Column, Columns, Table, TableOptions},
+    table::{Column, Preview, TableOptions},
 };
 use undrift_nav::units::{Quantity, unit_factor};
 use undrift_noise::{
@@ -33,8 +33,12 @@ pub struct RecordFormat {
 }
 
 /// A record in SI units.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Record {
+    /// What messages call it.
+    pub name: PathBuf,
+    /// The regular file that it is read from; `None` of pipes and columns in memory.
+    pub file: Option<PathBuf>,
     /// Names of the axes, of [`AXES`].
     pub axes: Vec<&'static str>,
     /// Samples of each axis [rad/s] or [m/s²].
@@ -63,12 +67,17 @@ fn named_axis(column: &str) -> Option<(usize, Option<String>)> {
 /// Rows that the unit of the time is guessed from.
 const BEGINNING: usize = 200;
 
-/// Reads a record.
+/// Reads a record in one pass.
 ///
 /// # Errors
 /// A file that cannot be read; columns or units that neither the format nor the header tells.
-pub fn read(path: &Path, format: &RecordFormat) -> Result<Record, ReadError> {
-    let known = match format::detect(path)? {
+pub fn read(opened: Opened, format: &RecordFormat) -> Result<Record, ReadError> {
+    let record = Record {
+        name: opened.name().to_path_buf(),
+        file: opened.file().map(Path::to_path_buf),
+        ..Record::default()
+    };
+    let known = match opened.format() {
         _ if !format.columns.is_empty() => None,
         Format::KfGins => Some(layouts::kf_gins_imu()),
         Format::Euroc => Some(layouts::euroc_imu()),
@@ -77,221 +86,205 @@ pub fn read(path: &Path, format: &RecordFormat) -> Result<Record, ReadError> {
     };
     match known {
         Some(_) if format.temperature => Err(ReadError::new(
-            path,
+            &record.name,
             "the temperature is read of tables only: name the columns",
         )),
-        Some(imu) => read_known(path, &imu),
-        None => read_table(path, None, format),
+        Some(imu) => read_samples(opened, &imu, record),
+        None => read_table(opened, format, record),
     }
 }
 
-/// Reads a record of columns in memory; `name` is what messages call it.
-///
-/// # Errors
-/// Columns or units that neither the format nor the names tell.
-pub fn read_columns(
-    name: &Path,
-    columns: &Columns,
-    format: &RecordFormat,
-) -> Result<Record, ReadError> {
-    read_table(name, Some(columns), format)
-}
-
 /// Reads a record whose columns and units are known.
-fn read_known(path: &Path, format: &ImuFormat) -> Result<Record, ReadError> {
-    let mut reader = ImuReader::open(path, format)?;
-    let mut samples = vec![Vec::new(); AXES.len()];
+fn read_samples(
+    opened: Opened,
+    format: &ImuFormat,
+    mut record: Record,
+) -> Result<Record, ReadError> {
+    let mut reader = ImuReader::new(opened, format)?;
+    record.axes = AXES.to_vec();
+    record.samples = vec![Vec::new(); AXES.len()];
     let mut stamps = Vec::new();
     for sample in reader.by_ref() {
         let sample = sample?;
         let (gyro, accel) = (sample.dtheta / sample.dt, sample.dvel / sample.dt);
-        for (axis, value) in samples.iter_mut().zip(gyro.iter().chain(&accel)) {
+        for (axis, value) in record.samples.iter_mut().zip(gyro.iter().chain(&accel)) {
             axis.push(*value);
         }
         stamps.push(sample.time);
     }
-    Ok(Record {
-        axes: AXES.to_vec(),
-        samples,
-        temperature: None,
-        timing: timing(&stamps).ok(),
-        skipped: reader.skipped().clone(),
-    })
+    record.timing = timing(&stamps).ok();
+    record.skipped = reader.skipped().clone();
+    Ok(record)
 }
 
-/// Reads the columns in `memory`, or else the file.
+/// Reads a record from a table's columns.
 fn read_table(
-    path: &Path,
-    memory: Option<&Columns>,
+    mut opened: Opened,
     format: &RecordFormat,
+    mut record: Record,
 ) -> Result<Record, ReadError> {
-    let header = match memory {
-        Some(columns) => columns.names().to_vec(),
-        None => table::header_names(path)?,
-    };
-    let wrong = |message: String| ReadError::new(path, message);
-    let mut units: [Option<String>; 6] = Default::default();
-    let columns: Vec<(usize, Column)> = match (format.columns.as_slice(), &format.axis) {
-        ([], _) => {
-            let found: Vec<(usize, Column)> = header
-                .iter()
-                .enumerate()
-                .filter_map(|(place, name)| {
-                    let (axis, unit) = named_axis(name)?;
-                    units[axis] = unit;
-                    Some((axis, Column::Number(place + 1)))
-                })
-                .collect();
-            let mut seen: Vec<usize> = found.iter().map(|f| f.0).collect();
-            seen.sort_unstable();
-            seen.dedup();
-            if found.is_empty() || seen.len() != found.len() {
-                let there = if header.is_empty() {
-                    "it has no header".to_owned()
-                } else {
-                    format!("it has: {}", header.join(", "))
-                };
-                return Err(wrong(format!(
-                    "the columns of the six axes cannot be told from the header ({there}); name them with --columns gx,gy,gz,ax,ay,az"
-                )));
-            }
-            found
+    let beginning = opened.preview(BEGINNING)?;
+    let found = find(&beginning, format);
+    let Found { axes, time, wanted } =
+        found.map_err(|problem| ReadError::new(&record.name, problem))?;
+    let mut row = vec![0.0; wanted.columns.len()];
+    let mut table = opened.table(&wanted)?;
+    let mut temperature = format.temperature.then(Vec::new);
+    let mut stamps = Vec::new();
+    record.samples = vec![Vec::new(); axes.len()];
+    while table.next_row(&mut row)?.is_some() {
+        for ((column, value), axis) in record.samples.iter_mut().zip(&row).zip(&axes) {
+            column.push(value * axis.scale);
         }
-        ([one], axis) => {
-            let named = match one {
-                Column::Name(name) => named_axis(name),
-                Column::Number(n) => header
-                    .get(n.wrapping_sub(1))
-                    .and_then(|name| named_axis(name)),
-            };
-            let axis = match axis {
-                Some(name) => AXES.iter().position(|a| a == name).ok_or_else(|| {
-                    wrong(format!(
-                        "\"{name}\" is no axis; axes are {}",
-                        AXES.join(", ")
-                    ))
-                })?,
-                None => named.as_ref().map(|n| n.0).ok_or_else(|| {
-                    wrong(format!(
-                        "say which axis column {one} is with --axis, one of {}",
-                        AXES.join(", ")
-                    ))
-                })?,
-            };
-            units[axis] = named.and_then(|n| n.1);
-            vec![(axis, one.clone())]
+        if let Some(column) = &mut temperature {
+            column.push(row[axes.len()]);
         }
-        (six, _) if six.len() == 6 => six
-            .iter()
-            .enumerate()
-            .map(|(axis, column)| {
-                let name = match column {
-                    Column::Name(name) => Some(name),
-                    Column::Number(n) => header.get(n.wrapping_sub(1)),
-                };
-                units[axis] = name.and_then(|n| named_axis(n)).and_then(|n| n.1);
-                (axis, column.clone())
-            })
-            .collect(),
-        (other, _) => {
-            return Err(wrong(format!(
-                "{} columns named where six (gyro x, y, z, accelerometer x, y, z) or one are expected",
-                other.len()
-            )));
+        if let (Some(scale), Some(time)) = (time, row.last()) {
+            stamps.push(*time * scale);
         }
-    };
-    let mut scales = Vec::new();
-    for (axis, column) in &columns {
-        let quantity = if *axis < 3 {
-            Quantity::AngularRate
-        } else {
-            Quantity::Acceleration
-        };
-        let stated = format.units.as_ref().map(|(gyro, accel)| {
-            if *axis < 3 {
-                gyro.as_str()
-            } else {
-                accel.as_str()
-            }
-        });
-        let unit = stated.or(units[*axis].as_deref()).ok_or_else(|| {
-            wrong(format!(
-                "the unit of column {column} is not known; give --units, for instance \"deg/s,g\" (undrift inspect guesses it by the numbers)"
-            ))
-        })?;
-        scales.push(
-            unit_factor(unit, quantity).map_err(|e| wrong(format!("--units \"{unit}\": {e}")))?,
-        );
     }
-    let found = header
+    record.axes = axes.iter().map(|axis| AXES[axis.index]).collect();
+    record.temperature = temperature;
+    record.timing = timing(&stamps).ok();
+    record.skipped = table.skipped().clone();
+    Ok(record)
+}
+
+/// A column of a record.
+struct Axis {
+    /// Its place in [`AXES`].
+    index: usize,
+    column: Column,
+    /// The unit that its name tells.
+    unit: Option<String>,
+    /// From its unit to SI.
+    scale: f64,
+}
+
+/// Where a table has what of a record.
+struct Found {
+    axes: Vec<Axis>,
+    /// Factor from the time column, the last that is wanted, to seconds.
+    time: Option<f64>,
+    /// The axes, the temperature, the time.
+    wanted: TableOptions,
+}
+
+/// Finds the columns; `Err` says what is missing.
+fn find(beginning: &Preview, format: &RecordFormat) -> Result<Found, String> {
+    let header = &beginning.header;
+    let mut axes = find_axes(header, format)?;
+    for axis in &mut axes {
+        axis.scale = scale(axis, format)?;
+    }
+    let time = header
         .iter()
         .enumerate()
-        .find_map(|(place, name)| match meaning(name) {
-            Some((Meaning::Time, unit)) => Some((place, unit)),
+        .find_map(|(k, name)| match meaning(name) {
+            Some((Meaning::Time, unit)) => Some((k, unit)),
             _ => None,
         });
-    let stamped = found.is_some();
-    let time_scale = match &found {
-        Some((_, Some(unit))) => unit_factor(unit, Quantity::Time).unwrap_or(1.0),
-        Some((place, None)) => {
-            let beginning = match memory {
-                Some(columns) => columns.preview(BEGINNING),
-                None => table::preview(path, BEGINNING)?,
-            };
-            let stamps: Vec<f64> = beginning
-                .rows
-                .iter()
-                .filter_map(|row| row.get(*place).copied())
-                .collect();
-            time_unit(&stamps, IMU_STEP).map_or(1.0, |(_, factor)| factor)
-        }
-        None => 1.0,
-    };
-    let time = found.map(|(place, _)| ("time".to_owned(), Column::Number(place + 1)));
     let temperature = match header.iter().position(|name| is_temperature(name)) {
         _ if !format.temperature => None,
-        Some(place) => Some(("temperature".to_owned(), Column::Number(place + 1))),
-        None => {
-            return Err(wrong(
-                "no column is the temperature: the header must name one \"temp\", \"temperature\" or with the ending \"_C\"".into(),
-            ));
-        }
+        None => return Err("no column is the temperature: the header must name one \"temp\", \"temperature\" or with the ending \"_C\"".into()),
+        found => found,
     };
-    let options = TableOptions {
-        columns: columns
-            .iter()
-            .map(|(axis, column)| (AXES[*axis].to_owned(), column.clone()))
-            .chain(temperature)
-            .chain(time)
+    let numbered = |name: &str, place: usize| (name.to_owned(), Column::Number(place + 1));
+    let keyed = axes
+        .iter()
+        .map(|axis| (AXES[axis.index].to_owned(), axis.column.clone()));
+    let wanted = TableOptions {
+        columns: keyed
+            .chain(temperature.map(|place| numbered("temperature", place)))
+            .chain(time.as_ref().map(|(place, _)| numbered("time", *place)))
             .collect(),
         ..TableOptions::default()
     };
-    let mut table = match memory {
-        Some(columns) => Table::from_source(path, columns.clone(), &options)?,
-        None => Table::open(path, &options)?,
+    let time = time.map(|(place, unit)| match unit {
+        Some(unit) => unit_factor(&unit, Quantity::Time).unwrap_or(1.0),
+        None => {
+            let stamps = beginning
+                .rows
+                .iter()
+                .filter_map(|row| row.get(place).copied());
+            let stamps: Vec<f64> = stamps.collect();
+            time_unit(&stamps, IMU_STEP).map_or(1.0, |(_, factor)| factor)
+        }
+    });
+    Ok(Found { axes, time, wanted })
+}
+
+/// The columns of the axes: as stated, else by the names in the header.
+fn find_axes(header: &[String], format: &RecordFormat) -> Result<Vec<Axis>, String> {
+    let named = |column: &Column| match column {
+        Column::Name(name) => named_axis(name),
+        Column::Number(n) => named_axis(header.get(n.wrapping_sub(1))?),
     };
-    let mut row = vec![0.0; options.columns.len()];
-    let mut temperature = format.temperature.then(Vec::new);
-    let mut stamps = Vec::new();
-    let mut samples = vec![Vec::new(); columns.len()];
-    while table.next_row(&mut row)?.is_some() {
-        for ((column, value), scale) in samples.iter_mut().zip(&row).zip(&scales) {
-            column.push(value * scale);
+    let axis = |index, column: &Column, unit| Axis {
+        index,
+        column: column.clone(),
+        unit,
+        scale: 1.0,
+    };
+    match format.columns.as_slice() {
+        [] => {
+            let columns = (1..=header.len()).map(Column::Number);
+            let found: Vec<Axis> = columns
+                .filter_map(|column| named(&column).map(|(index, unit)| axis(index, &column, unit)))
+                .collect();
+            let twice = (0..AXES.len()).any(|k| found.iter().filter(|a| a.index == k).count() > 1);
+            if !found.is_empty() && !twice {
+                return Ok(found);
+            }
+            let there = match header {
+                [] => "it has no header".to_owned(),
+                names => format!("it has: {}", names.join(", ")),
+            };
+            Err(format!(
+                "the columns of the six axes cannot be told from the header ({there}); name them with --columns gx,gy,gz,ax,ay,az"
+            ))
         }
-        if let Some(column) = &mut temperature {
-            column.push(row[columns.len()]);
+        [one] => {
+            let known = named(one);
+            let index = match &format.axis {
+                Some(name) => AXES.iter().position(|a| a == name).ok_or_else(|| {
+                    format!("\"{name}\" is no axis; axes are {}", AXES.join(", "))
+                })?,
+                None => known.as_ref().map(|n| n.0).ok_or_else(|| {
+                    let axes = AXES.join(", ");
+                    format!("say which axis column {one} is with --axis, one of {axes}")
+                })?,
+            };
+            Ok(vec![axis(index, one, known.and_then(|n| n.1))])
         }
-        if stamped && let Some(time) = row.last() {
-            stamps.push(*time * time_scale);
+        six if six.len() == AXES.len() => {
+            let axes = six.iter().enumerate();
+            let axes = axes.map(|(k, column)| axis(k, column, named(column).and_then(|n| n.1)));
+            Ok(axes.collect())
         }
+        other => Err(format!(
+            "{} columns named where six (gyro x, y, z, accelerometer x, y, z) or one are expected",
+            other.len()
+        )),
     }
-    Ok(Record {
-        axes: columns.iter().map(|(axis, _)| AXES[*axis]).collect(),
-        samples,
-        temperature,
-        timing: timing(&stamps).ok(),
-        skipped: table.skipped().clone(),
-    })
+}
+
+/// The factor from an axis's unit, stated or told by its name, to SI.
+fn scale(axis: &Axis, format: &RecordFormat) -> Result<f64, String> {
+    let (quantity, stated) = match (axis.index < 3, &format.units) {
+        (true, units) => (Quantity::AngularRate, units.as_ref().map(|(gyro, _)| gyro)),
+        (false, units) => (
+            Quantity::Acceleration,
+            units.as_ref().map(|(_, accel)| accel),
+        ),
+    };
+    let unit = stated.or(axis.unit.as_ref()).ok_or_else(|| {
+        let column = &axis.column;
+        format!(
+            "the unit of column {column} is not known; give --units, for instance \"deg/s,g\" (undrift inspect guesses it by the numbers)"
+        )
+    })?;
+    unit_factor(unit, quantity).map_err(|e| format!("--units \"{unit}\": {e}"))
 }
 
 #[cfg(test)]

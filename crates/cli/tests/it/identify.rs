@@ -55,6 +55,43 @@ fn record(header: &str, samples: usize) -> String {
 const HEADER: &str = "gx_dps,gy_dps,gz_dps,ax_g,ay_g,az_g";
 
 #[test]
+fn standard_input_and_pipes_are_read_like_the_file() {
+    let folder = folder("pipe");
+    let arguments = ["--rate", "100", "--n-max", "1", "--json"];
+    let text = record(HEADER, 3000);
+    let file = identify(&folder, &text, &[&arguments[..], &["file.json"]].concat());
+    assert!(file.status.success(), "{file:?}");
+    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    std::io::Write::write_all(&mut encoder, text.as_bytes()).unwrap();
+    std::fs::write(folder.join("record.csv.gz"), encoder.finish().unwrap()).unwrap();
+    let program = env!("CARGO_BIN_EXE_undrift");
+    let json = |name: &str| -> serde_json::Value {
+        let text = std::fs::read_to_string(folder.join(name)).unwrap();
+        serde_json::from_str(&text).unwrap()
+    };
+    for (k, line) in [
+        "cat record.csv | $0 identify - $@",
+        "cat record.csv.gz | $0 identify - $@",
+        "$0 identify <(cat record.csv) $@",
+        "$0 identify /dev/stdin $@ < <(cat record.csv)",
+    ]
+    .iter()
+    .enumerate()
+    {
+        let name = format!("{k}.json");
+        let output = Command::new("bash")
+            .current_dir(&folder)
+            .args(["-c", line, program])
+            .args(arguments)
+            .arg(&name)
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{line}: {output:?}");
+        assert_eq!(json(&name)["axes"], json("file.json")["axes"], "{line}");
+    }
+}
+
+#[test]
 fn a_record_becomes_a_model_that_makes_filters() {
     let folder = folder("model");
     let arguments = [

@@ -1,14 +1,14 @@
 //! Fixes of a log that says itself what it holds.
 
-use std::path::Path;
-
+use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::{GnssFix, Position};
 use undrift_nav::{Matrix3, Vector3};
 
-use super::{FixOptions, is_a_fix};
+use super::options::FixOptions;
 use crate::ReadError;
+use crate::entry::Fix;
+use crate::fix::is_a_fix;
 use crate::format::Format;
-use crate::log::{Fix, Log, Wanted, What};
 use crate::skipped::{SkipKind, Skipped};
 
 /// Which fixes of a log, and how certain they are.
@@ -20,6 +20,8 @@ pub struct GnssLog {
     pub position: Option<String>,
     /// Stream of velocities, where they are apart; `None` for the only one.
     pub velocity: Option<String>,
+    /// The base station of baselines.
+    pub base: Option<Geodetic>,
     /// How certain they are, and which are given out; a velocity of which nobody tells is left out.
     pub fixes: FixOptions,
 }
@@ -31,14 +33,15 @@ impl GnssLog {
             format,
             position: None,
             velocity: None,
+            base: None,
             fixes: FixOptions::default(),
         }
     }
 }
 
-pub(super) struct LogRows {
-    log: Log,
-    options: GnssLog,
+/// What is made of the fixes of a log.
+pub(super) struct LogFixes {
+    options: FixOptions,
     positions: u64,
     /// Where the first position stands of which nobody says how certain it is.
     unknown: Option<u64>,
@@ -46,68 +49,39 @@ pub(super) struct LogRows {
     pub(super) untold_velocities: u64,
 }
 
-impl LogRows {
-    pub(super) fn new(path: &Path, options: &GnssLog) -> Result<Self, ReadError> {
-        options.fixes.check(path)?;
-        let wanted = Wanted::Fixes {
-            position: options.position.clone(),
-            velocity: options.velocity.clone(),
-        };
-        Ok(Self {
-            log: Log::open(path, options.format, &wanted)?,
-            options: options.clone(),
+impl LogFixes {
+    pub(super) fn new(log: &GnssLog) -> Self {
+        Self {
+            options: log.fixes.clone(),
             positions: 0,
             unknown: None,
             untold_velocities: 0,
-        })
-    }
-
-    pub(super) fn skipped(&self) -> &Skipped {
-        self.log.skipped()
-    }
-
-    pub(super) fn skipped_mut(&mut self) -> &mut Skipped {
-        self.log.skipped_mut()
-    }
-
-    pub(super) fn path(&self) -> &Path {
-        self.log.path()
-    }
-
-    /// The next fix of which something can be used, and where it stands.
-    pub(super) fn next_row(&mut self) -> Result<Option<(u64, GnssFix)>, ReadError> {
-        while let Some(entry) = self.log.next()? {
-            let What::Fix(fix) = entry.what else {
-                continue;
-            };
-            let usable = self.fix(entry.at, &fix);
-            self.positions += u64::from(usable.position.is_some());
-            if usable.position.is_some() || usable.velocity.is_some() {
-                return Ok(Some((entry.at, usable)));
-            }
         }
+    }
+
+    /// Whether the positions of a log could be used.
+    pub(super) fn end(&self) -> Result<(), ReadError> {
         match self.unknown {
-            Some(at) if self.positions == 0 => Err(ReadError::new(
-                self.log.path(),
+            Some(at) if self.positions == 0 => Err(ReadError::nameless(
                 "the log does not tell how certain its positions are",
             )
             .at(at)
             .key("gnss.position_std")
             .mend("give it: position_std = \"1, 1, 2 m\"")),
-            _ => Ok(None),
+            _ => Ok(()),
         }
     }
 
-    fn fix(&mut self, at: u64, fix: &Fix) -> GnssFix {
+    pub(super) fn fix(&mut self, at: u64, fix: &Fix, skipped: &mut Skipped) -> GnssFix {
         let place = fix.position.filter(|(position, _)| match position {
             Position::Geodetic(place) => is_a_fix(place),
             Position::Baseline { .. } => true,
         });
         if place.is_none() && fix.position.is_some() {
             let detail = format!("{:?}", fix.position);
-            self.log.skipped_mut().add(SkipKind::OutOfRange, at, detail);
+            skipped.add(SkipKind::OutOfRange, at, detail);
         }
-        let options = &self.options.fixes;
+        let options = &self.options;
         let position = place.and_then(|(position, own)| {
             let factor = options.position_std_factor;
             Some((position, certain(own, options.position_std, factor)?))
@@ -116,7 +90,6 @@ impl LogRows {
             let factor = options.velocity_std_factor;
             Some((velocity, certain(own, options.velocity_std, factor)?))
         });
-        let skipped = self.log.skipped_mut();
         for (told, used, key) in [
             (place.is_some(), position.is_some(), "gnss.position_std"),
             (
@@ -133,9 +106,11 @@ impl LogRows {
         if place.is_some() && position.is_none() {
             self.unknown.get_or_insert(at);
         }
+        let position = position.filter(|(_, p)| sound(p, at, skipped));
+        self.positions += u64::from(position.is_some());
         GnssFix {
             time: fix.time + options.time_offset,
-            position: position.filter(|(_, p)| sound(p, at, skipped)),
+            position,
             velocity: velocity.filter(|(_, p)| sound(p, at, skipped)),
             quality: fix.quality,
         }

@@ -1,5 +1,3 @@
-use std::path::Path;
-
 use crate::ReadError;
 
 /// How certain the fixes of a file are, and which of them are given out.
@@ -35,7 +33,7 @@ impl Default for FixOptions {
 
 impl FixOptions {
     /// Whether all standard deviations and factors can be such.
-    pub(crate) fn check(&self, path: &Path) -> Result<(), ReadError> {
+    pub(crate) fn check(&self) -> Result<(), ReadError> {
         let positive = |value: &f64| value.is_finite() && *value > 0.0;
         for (key, constants, factor) in [
             (
@@ -52,7 +50,7 @@ impl FixOptions {
             let mut all = constants.into_iter().flatten().chain([factor]);
             if let Some(bad) = all.find(|value| !positive(value)) {
                 let problem = format!("{bad} cannot be a standard deviation or a factor on one");
-                return Err(ReadError::new(path, problem).key(key));
+                return Err(ReadError::nameless(problem).key(key));
             }
         }
         Ok(())

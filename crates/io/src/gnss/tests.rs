@@ -1,16 +1,19 @@
 use std::io::Cursor;
 
 use undrift_nav::earth::Geodetic;
-use undrift_nav::sample::Position;
+use undrift_nav::sample::{FixQuality, Position};
 
 use super::*;
+use crate::Opened;
 use crate::table::Column;
+use std::path::Path;
+use undrift_nav::Vector3;
 
 fn group(from: usize) -> [Column; 3] {
     [0, 1, 2].map(|k| Column::Number(from + k))
 }
 
-/// Time, latitude and longitude [deg], height, velocity with up, stds of position and velocity, quality.
+/// Time, latitude and longitude \[deg\], height, velocity with up, stds of position and velocity, quality.
 fn format() -> GnssFormat {
     let [lat, lon, height] = group(2);
     GnssFormat {
@@ -42,12 +45,7 @@ fn format() -> GnssFormat {
 fn reader(text: &str, format: &GnssFormat) -> Result<GnssReader, ReadError> {
     let path = Path::new("gnss.csv");
     let source = Box::new(Cursor::new(text.as_bytes().to_vec()));
-    let rows = CsvRows::new(path, source, format)?;
-    Ok(GnssReader::new(
-        path,
-        Rows::Csv(Box::new(rows)),
-        format.span,
-    ))
+    GnssReader::new(Opened::stream(path, source)?, &format.clone().into())
 }
 
 fn all(text: &str, format: &GnssFormat) -> (Vec<GnssFix>, Skipped) {

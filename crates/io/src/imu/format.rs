@@ -1,7 +1,5 @@
 //! Where the samples of an inertial log are and what they mean.
 
-use std::path::Path;
-
 use undrift_nav::{Matrix3, Vector3};
 
 use crate::ReadError;
@@ -100,22 +98,22 @@ impl ImuFormat {
         !matches!(self.source, ImuSource::Table { time: None, .. })
     }
 
-    pub(super) fn check(&self, path: &Path) -> Result<(), ReadError> {
+    pub(super) fn check(&self) -> Result<(), ReadError> {
         if let Some(rate) = self.rate_hz {
             if !(rate.is_normal() && rate > 0.0) {
                 let problem = format!("a rate of {rate} Hz makes no times");
-                return Err(ReadError::new(path, problem).key("imu.rate"));
+                return Err(ReadError::nameless(problem).key("imu.rate"));
             }
         } else if !self.has_times() {
             return Err(
-                ReadError::new(path, "neither a time column nor a rate is given")
+                ReadError::nameless("neither a time column nor a rate is given")
                     .key("imu.time")
                     .mend("give imu.time or imu.rate"),
             );
         }
         if !(self.time_scale.is_finite() && self.time_scale > 0.0) {
             let problem = format!("a time scale of {} makes no times", self.time_scale);
-            return Err(ReadError::new(path, problem).key("imu.time"));
+            return Err(ReadError::nameless(problem).key("imu.time"));
         }
         Ok(())
     }

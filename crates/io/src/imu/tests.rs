@@ -1,7 +1,9 @@
 use super::*;
+use crate::Opened;
 use crate::skipped::SkipKind;
 use crate::table::Column;
 use std::io::Cursor;
+use std::path::Path;
 use undrift_nav::Matrix3;
 
 fn format() -> ImuFormat {
@@ -15,7 +17,11 @@ fn format() -> ImuFormat {
 
 fn reader(text: &str, format: &ImuFormat) -> ImuReader {
     let source = Box::new(Cursor::new(text.as_bytes().to_vec()));
-    ImuReader::from_source(Path::new("imu.csv"), source, format).unwrap()
+    ImuReader::new(
+        Opened::stream(Path::new("imu.csv"), source).unwrap(),
+        format,
+    )
+    .unwrap()
 }
 
 fn all(text: &str, format: &ImuFormat) -> Vec<ImuSample> {
@@ -147,7 +153,8 @@ fn formats_that_make_no_times() {
         },
     ] {
         let source = Box::new(Cursor::new(b"1,1,1,1,1,1,1\n".to_vec()));
-        assert!(ImuReader::from_source(Path::new("x"), source, &bad).is_err());
+        let opened = Opened::stream(Path::new("x"), source).unwrap();
+        assert!(ImuReader::new(opened, &bad).is_err());
     }
 }
 

@@ -2,11 +2,10 @@
 //! may be compressed. ROS wiki, Bags/Format/2.0.
 
 use std::ops::Range;
-use std::path::Path;
 
 use super::ros::{self, Container, Encoding, Event, Fields, File, Layout, Packed, Stop};
-use super::{Entries, Stream, Wanted};
 use crate::ReadError;
+use crate::entry::{Entries, Stream, Wanted};
 use crate::source::Source;
 
 /// Kinds of record.
@@ -27,12 +26,12 @@ pub(crate) fn detect(start: &[u8]) -> bool {
     start.starts_with(b"#ROSBAG V")
 }
 
-pub(super) fn entries(path: &Path, source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
-    ros::entries(path, open(path, source)?, wanted)
+pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
+    ros::entries(open(source)?, wanted)
 }
 
-pub(super) fn streams(path: &Path, source: Source) -> Result<Vec<Stream>, ReadError> {
-    ros::streams(open(path, source)?)
+pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
+    ros::streams(open(source)?)
 }
 
 /// The fields of a record's header that are of interest.
@@ -97,12 +96,12 @@ struct Bag {
     index: Option<u32>,
 }
 
-fn open(path: &Path, source: Source) -> Result<Container, ReadError> {
-    let bag = Container::open(path, source, MAGIC, Bag::default());
+fn open(source: Source) -> Result<Container, ReadError> {
+    let bag = Container::open(source, MAGIC, Bag::default());
     bag.map_err(|start| match detect(&start) {
-        true => ReadError::new(path, "a bag of a version other than 2.0")
+        true => ReadError::nameless("a bag of a version other than 2.0")
             .mend("convert it by: rosbag fix"),
-        false => ReadError::new(path, "not a ROS bag: it does not start with #ROSBAG V2.0"),
+        false => ReadError::nameless("not a ROS bag: it does not start with #ROSBAG V2.0"),
     })
 }
 

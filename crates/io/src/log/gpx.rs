@@ -9,15 +9,13 @@
 
 mod text;
 
-use std::path::{Path, PathBuf};
-
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
 use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::{FixQuality, Position};
 
 use super::receiver::{Ready, by_steps, check};
-use super::{Entries, Fix, Stream, StreamKind, Wanted};
+use crate::entry::{Entries, Fix, Stream, StreamKind, Wanted};
 use crate::skipped::SkipKind;
 use crate::source::Source;
 use crate::time::{WeekClock, time_of_day, whole};
@@ -32,10 +30,7 @@ const MAX_TEXT: usize = 64;
 
 /// Whether the first bytes of a file are GPX: XML whose root is `gpx`.
 pub(crate) fn detect(start: &[u8]) -> bool {
-    let mut points = Points::new(
-        Path::new(""),
-        Box::new(std::io::Cursor::new(start.to_vec())),
-    );
+    let mut points = Points::new(Box::new(std::io::Cursor::new(start.to_vec())));
     loop {
         match points.next() {
             Ok(Next::Inside) if points.depth > 0 => return true,
@@ -45,10 +40,10 @@ pub(crate) fn detect(start: &[u8]) -> bool {
     }
 }
 
-pub(super) fn entries(path: &Path, source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
-    check(path, wanted, "GPX", [&[], &[STREAM], &[]])?;
+pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
+    check(wanted, "GPX", [&[], &[STREAM], &[]])?;
     let poses = matches!(wanted, Wanted::Poses(_));
-    let mut points = Points::new(path, source);
+    let mut points = Points::new(source);
     let mut weeks = WeekClock::default();
     Ok(by_steps(move |ready| {
         match points.next()? {
@@ -64,8 +59,8 @@ pub(super) fn entries(path: &Path, source: Source, wanted: &Wanted) -> Result<En
     }))
 }
 
-pub(super) fn streams(path: &Path, source: Source) -> Result<Vec<Stream>, ReadError> {
-    let mut points = Points::new(path, source);
+pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
+    let mut points = Points::new(source);
     let (mut messages, mut timed) = (0, 0u64);
     loop {
         match points.next()? {
@@ -144,7 +139,6 @@ enum Next {
 }
 
 struct Points {
-    path: PathBuf,
     xml: Reader<Text>,
     buffer: Vec<u8>,
     depth: usize,
@@ -156,9 +150,8 @@ struct Points {
 }
 
 impl Points {
-    fn new(path: &Path, source: Source) -> Self {
+    fn new(source: Source) -> Self {
         Self {
-            path: path.to_path_buf(),
             xml: Reader::from_reader(Text::new(source)),
             buffer: Vec::new(),
             depth: 0,
@@ -179,14 +172,14 @@ impl Points {
         let event = match self.xml.read_event_into(&mut self.buffer) {
             Ok(event) => event,
             Err(error) if self.seen_root => return Ok(Next::EndsEarly(error.to_string())),
-            Err(_) => return Err(self.not_gpx()),
+            Err(_) => return Err(Self::not_gpx()),
         };
         match event {
             Event::Start(start) => {
                 let name = start.local_name();
                 let name: &str = name.as_ref();
                 if !self.seen_root && name != "gpx" {
-                    return Err(self.not_gpx());
+                    return Err(Self::not_gpx());
                 }
                 self.seen_root = true;
                 self.depth += 1;
@@ -232,7 +225,7 @@ impl Points {
                     self.text.trim().clone_into(place);
                 }
             }
-            Event::Eof if !self.seen_root => return Err(self.not_gpx()),
+            Event::Eof if !self.seen_root => return Err(Self::not_gpx()),
             Event::Eof if self.depth > 0 => {
                 return Ok(Next::EndsEarly("inside of an element".to_owned()));
             }
@@ -245,8 +238,8 @@ impl Points {
         Ok(Next::Inside)
     }
 
-    fn not_gpx(&self) -> ReadError {
-        ReadError::new(&self.path, "is not GPX: no XML with the root <gpx>")
+    fn not_gpx() -> ReadError {
+        ReadError::nameless("is not GPX: no XML with the root <gpx>")
     }
 }
 

@@ -3,11 +3,10 @@
 
 use std::collections::HashMap;
 use std::ops::Range;
-use std::path::Path;
 
 use super::ros::{self, Container, Encoding, Event, Fields, File, Layout, Packed, Stop};
-use super::{Entries, Stream, Wanted};
 use crate::ReadError;
+use crate::entry::{Entries, Stream, Wanted};
 use crate::skipped::SkipKind;
 use crate::source::Source;
 
@@ -25,12 +24,12 @@ pub(crate) fn detect(start: &[u8]) -> bool {
     start.starts_with(b"\x89MCAP")
 }
 
-pub(super) fn entries(path: &Path, source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
-    ros::entries(path, open(path, source)?, wanted)
+pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
+    ros::entries(open(source)?, wanted)
 }
 
-pub(super) fn streams(path: &Path, source: Source) -> Result<Vec<Stream>, ReadError> {
-    ros::streams(open(path, source)?)
+pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
+    ros::streams(open(source)?)
 }
 
 #[derive(Default)]
@@ -39,14 +38,14 @@ struct Mcap {
     schemas: HashMap<u16, String>,
 }
 
-fn open(path: &Path, source: Source) -> Result<Container, ReadError> {
-    let mcap = Container::open(path, source, ::mcap::MAGIC, Mcap::default());
+fn open(source: Source) -> Result<Container, ReadError> {
+    let mcap = Container::open(source, ::mcap::MAGIC, Mcap::default());
     mcap.map_err(|start| {
         let problem = match detect(&start) {
             true => "MCAP of a version other than 0",
             false => "not an MCAP file: it does not start with its magic bytes",
         };
-        ReadError::new(path, problem)
+        ReadError::nameless(problem)
     })
 }
 

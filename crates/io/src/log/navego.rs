@@ -20,12 +20,10 @@ mod rows;
 #[cfg(test)]
 mod tests;
 
-use std::path::Path;
-
 use self::mat::{Variable, Variables};
 use self::rows::Rows;
-use super::{Entries, Entry, Stream, StreamKind, Wanted, What};
 use crate::ReadError;
+use crate::entry::{Entries, Entry, Stream, StreamKind, Wanted, What};
 use crate::skipped::SkipKind;
 use crate::source::Source;
 
@@ -37,13 +35,15 @@ pub(crate) fn detect(start: &[u8]) -> bool {
     start.starts_with(mat::LEVEL_5) || start.starts_with(mat::HDF5)
 }
 
-pub(super) fn entries(path: &Path, source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
+pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
     let (name, kind, key) = match wanted {
         Wanted::Imu(name) => (name, StreamKind::Imu, "imu.topic"),
-        Wanted::Fixes { position, velocity } => {
+        Wanted::Fixes {
+            position, velocity, ..
+        } => {
             if velocity.is_some() && velocity != position {
                 return Err(
-                    ReadError::new(path, "velocities are read with their positions")
+                    ReadError::nameless("velocities are read with their positions")
                         .key("gnss.velocity_topic")
                         .mend("leave it out"),
                 );
@@ -52,8 +52,8 @@ pub(super) fn entries(path: &Path, source: Source, wanted: &Wanted) -> Result<En
         }
         Wanted::Poses(name) => (name, StreamKind::Poses, "truth.topic"),
     };
-    let error = |problem: String| ReadError::new(path, problem).key(key);
-    let mut variables = Variables::open(path, source)?;
+    let error = |problem: String| ReadError::nameless(problem).key(key);
+    let mut variables = Variables::open(source)?;
     let mut there = Vec::new();
     let mut found: Option<(String, Rows)> = None;
     // What is damaged behind the variable that is wanted does not matter.
@@ -112,8 +112,8 @@ pub(super) fn entries(path: &Path, source: Source, wanted: &Wanted) -> Result<En
     Ok(Box::new(rows.chain(early).map(Ok)))
 }
 
-pub(super) fn streams(path: &Path, source: Source) -> Result<Vec<Stream>, ReadError> {
-    let mut variables = Variables::open(path, source)?;
+pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
+    let mut variables = Variables::open(source)?;
     let mut streams = Vec::new();
     while let Ok(Some(variable)) = variables.next() {
         let kind = kind_of(&variable);
@@ -125,7 +125,7 @@ pub(super) fn streams(path: &Path, source: Source) -> Result<Vec<Stream>, ReadEr
         });
     }
     if streams.is_empty() {
-        return Err(ReadError::new(path, "has no variable that can be read"));
+        return Err(ReadError::nameless("has no variable that can be read"));
     }
     Ok(streams)
 }

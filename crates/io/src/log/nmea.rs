@@ -16,11 +16,9 @@
 mod epoch;
 mod sentence;
 
-use std::path::Path;
-
 use super::receiver::{Ready, by_steps, check};
-use super::{Entries, Stream, StreamKind, Wanted};
 use crate::ReadError;
+use crate::entry::{Entries, Stream, StreamKind, Wanted};
 use crate::lines::{Lines, Step};
 use crate::skipped::SkipKind;
 use crate::source::Source;
@@ -29,8 +27,8 @@ use sentence::{Found, Sentence, sentences};
 
 const STREAM: &str = "NMEA";
 
-/// Whether the first bytes of a file are NMEA: two whole sentences, and no UBX message with
-/// positions or inertial samples, which has more to say.
+/// Whether the first bytes of a file hold two whole sentences of NMEA; UBX messages with positions or
+/// inertial samples between them have more to say: ask for these too.
 pub(crate) fn detect(start: &[u8]) -> bool {
     let whole = |line: &[u8]| {
         let found = sentences(line).filter(|found| matches!(found, Found::Sentence(_)));
@@ -41,11 +39,11 @@ pub(crate) fn detect(start: &[u8]) -> bool {
         let count = count + whole(line);
         if count < 2 { Ok(count) } else { Err(()) }
     });
-    enough.is_err() && !super::ubx::has_data(start)
+    enough.is_err()
 }
 
-pub(super) fn entries(path: &Path, source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
-    check(path, wanted, "NMEA", [&[], &[STREAM], &[]])?;
+pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
+    check(wanted, "NMEA", [&[], &[STREAM], &[]])?;
     let mut reader = Reader {
         lines: Lines::new(source),
         epoch: None,
@@ -56,7 +54,7 @@ pub(super) fn entries(path: &Path, source: Source, wanted: &Wanted) -> Result<En
     Ok(by_steps(move |ready| Ok(reader.step(ready))))
 }
 
-pub(super) fn streams(_path: &Path, source: Source) -> Result<Vec<Stream>, ReadError> {
+pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
     const KINDS: [&[u8]; 5] = [b"GGA", b"GST", b"RMC", b"VTG", b"ZDA"];
     let mut lines = Lines::new(source);
     let (mut counts, mut messages) = ([0u64; KINDS.len()], 0);

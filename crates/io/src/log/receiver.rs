@@ -1,14 +1,13 @@
 //! What the readers of receivers' logs have in common.
 
 use std::collections::VecDeque;
-use std::path::Path;
 
 use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::{Position, TruthSample};
 
-use super::{Entries, Entry, Fix, Wanted, What};
 use crate::ReadError;
-use crate::gnss::is_a_fix;
+use crate::entry::{Entries, Entry, Fix, Wanted, What};
+use crate::fix::{is_a_fix, shown};
 use crate::skipped::SkipKind;
 
 /// Entries that are ready to be given out.
@@ -45,9 +44,7 @@ impl Ready {
     pub(super) fn is_a_place(&mut self, at: u64, place: &Geodetic) -> bool {
         let is_one = is_a_fix(place);
         if !is_one {
-            let (lat_deg, lon_deg) = (place.lat.to_degrees(), place.lon.to_degrees());
-            let detail = format!("{lat_deg}°, {lon_deg}°, {} m", place.height);
-            self.skip(at, SkipKind::OutOfRange, detail);
+            self.skip(at, SkipKind::OutOfRange, shown(place));
         }
         is_one
     }
@@ -77,7 +74,6 @@ pub(super) fn by_steps(
 /// Refuses names of streams that a format does not have; `imu`, `position` and `velocity` are those
 /// that it has.
 pub(super) fn check(
-    path: &Path,
     wanted: &Wanted,
     format: &str,
     [imu, position, velocity]: [&[&str]; 3],
@@ -90,19 +86,19 @@ pub(super) fn check(
             } else {
                 format!("read are: {}", known.join(", "))
             };
-            Err(ReadError::new(path, problem).mend(offer))
+            Err(ReadError::nameless(problem).mend(offer))
         }
         _ => Ok(()),
     };
     match wanted {
-        Wanted::Imu(None) if imu.is_empty() => Err(ReadError::new(
-            path,
-            format!("{format} has no inertial samples"),
-        )),
+        Wanted::Imu(None) if imu.is_empty() => Err(ReadError::nameless(format!(
+            "{format} has no inertial samples"
+        ))),
         Wanted::Imu(name) => one(name, imu, "stream of inertial samples"),
         Wanted::Fixes {
             position: asked,
             velocity: apart,
+            ..
         } => {
             one(asked, position, "stream of positions")?;
             one(apart, velocity, "stream of velocities")

@@ -15,12 +15,11 @@ mod topics;
 
 use std::collections::VecDeque;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
 
 use undrift_nav::sample::{FixQuality, Position};
 
-use super::{Entries, Entry, Fix, ImuReading, Stream, StreamKind, Wanted, What};
 use crate::ReadError;
+use crate::entry::{Entries, Entry, Fix, ImuReading, Stream, StreamKind, Wanted, What};
 use crate::skipped::SkipKind;
 use crate::time::WeekClock;
 
@@ -61,28 +60,25 @@ fn note_frame(topic: &mut Topic, encoding: Encoding, bytes: &[u8]) {
 }
 
 /// The entries of a container.
-pub(super) fn entries(
-    path: &Path,
-    container: Container,
-    wanted: &Wanted,
-) -> Result<Entries, ReadError> {
+pub(super) fn entries(container: Container, wanted: &Wanted) -> Result<Entries, ReadError> {
     let wanted = match wanted {
         Wanted::Imu(topic) => Choices::Imu(Choice::new("imu.topic", StreamKind::Imu, topic)),
-        Wanted::Fixes { position, velocity } => Choices::Fixes {
+        Wanted::Fixes {
+            position, velocity, ..
+        } => Choices::Fixes {
             position: Choice::new("gnss.topic", StreamKind::Fixes, position),
             velocity: Choice::new("gnss.velocity_topic", StreamKind::Velocity, velocity),
             frame: None,
         },
         Wanted::Poses(_) => {
             return Err(
-                ReadError::new(path, "recordings of ROS have no reference solution")
+                ReadError::nameless("recordings of ROS have no reference solution")
                     .key("truth.file")
                     .mend("nav_msgs/Odometry is in a local frame whose place is not told"),
             );
         }
     };
     Ok(Box::new(Recording {
-        path: path.to_path_buf(),
         container,
         wanted,
         topics: Topics::default(),
@@ -136,14 +132,14 @@ impl Choices {
         }
     }
 
-    fn verdict(&self, path: &Path, topics: &Topics) -> Result<(), ReadError> {
+    fn verdict(&self, topics: &Topics) -> Result<(), ReadError> {
         match self {
-            Self::Imu(choice) => choice.verdict(path, topics, true),
+            Self::Imu(choice) => choice.verdict(topics, true),
             Self::Fixes {
                 position, velocity, ..
             } => {
-                position.verdict(path, topics, true)?;
-                velocity.verdict(path, topics, false)
+                position.verdict(topics, true)?;
+                velocity.verdict(topics, false)
             }
         }
     }
@@ -151,7 +147,6 @@ impl Choices {
 
 /// A recording being read.
 struct Recording {
-    path: PathBuf,
     container: Container,
     wanted: Choices,
     topics: Topics,
@@ -177,7 +172,7 @@ impl Recording {
                 Some(event) => self.take(event),
                 None => {
                     self.finished = true;
-                    self.wanted.verdict(&self.path, &self.topics)?;
+                    self.wanted.verdict(&self.topics)?;
                     while let Some((at, fix)) = self.waiting.next() {
                         self.give(at, What::Fix(fix));
                     }

@@ -13,11 +13,10 @@ mod imu;
 
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
 
 use super::receiver::{Ready, by_steps, check};
-use super::{Entries, ImuReading, Stream, StreamKind, Wanted, What};
 use crate::ReadError;
+use crate::entry::{Entries, ImuReading, Stream, StreamKind, Wanted, What};
 use crate::skipped::SkipKind;
 use crate::source::Source;
 use clock::SensorClock;
@@ -71,8 +70,8 @@ pub(super) fn has_data(start: &[u8]) -> bool {
     })
 }
 
-pub(super) fn entries(path: &Path, source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
-    check(path, wanted, "UBX", [&INERTIAL, &POSITIONS, &VELOCITIES])?;
+pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
+    check(wanted, "UBX", [&INERTIAL, &POSITIONS, &VELOCITIES])?;
     let purpose = match wanted.clone() {
         Wanted::Imu(name) => Purpose::Imu(Box::new(Imu {
             stream: INERTIAL
@@ -82,11 +81,12 @@ pub(super) fn entries(path: &Path, source: Source, wanted: &Wanted) -> Result<En
             sensors: Sensors::default(),
             clock: SensorClock::default(),
         })),
-        Wanted::Fixes { position, velocity } => Purpose::Fixes([position, velocity], false),
+        Wanted::Fixes {
+            position, velocity, ..
+        } => Purpose::Fixes([position, velocity], false),
         Wanted::Poses(name) => Purpose::Fixes([name, None], true),
     };
     let mut reader = Reader {
-        path: path.to_path_buf(),
         frames: Frames::new(source),
         weeks: Weeks::default(),
         epoch: None,
@@ -95,7 +95,7 @@ pub(super) fn entries(path: &Path, source: Source, wanted: &Wanted) -> Result<En
     Ok(by_steps(move |ready| reader.step(ready)))
 }
 
-pub(super) fn streams(_path: &Path, source: Source) -> Result<Vec<Stream>, ReadError> {
+pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
     let mut frames = Frames::new(source);
     let mut counts = BTreeMap::<[u8; 2], u64>::new();
     loop {
@@ -147,7 +147,6 @@ fn name(kind: [u8; 2]) -> String {
 }
 
 struct Reader {
-    path: PathBuf,
     frames: Frames,
     weeks: Weeks,
     epoch: Option<Epoch>,
@@ -209,7 +208,7 @@ impl Reader {
             Purpose::Fixes(..) => None,
         };
         if let (Some(stream), Some(imu)) = (imu_stream(kind), imu) {
-            return imu.message(at, stream, kind, payload, &self.path, ready);
+            return imu.message(at, stream, kind, payload, ready);
         }
         let Some(tow) = tow else { return Ok(()) };
         let epoch = self.epoch.get_or_insert_with(|| Epoch::new(at, tow));
@@ -238,7 +237,7 @@ impl Reader {
         };
         let time = epoch.has_fix().then(|| self.weeks.seconds(epoch.seconds()));
         match (&mut self.purpose, time) {
-            (Purpose::Imu(imu), Some(time)) => imu.tie(&epoch, time, &self.path, ready)?,
+            (Purpose::Imu(imu), Some(time)) => imu.tie(&epoch, time, ready)?,
             (Purpose::Fixes(names, poses), Some(time)) => {
                 if let Some(fix) = epoch.fix(time, names, ready) {
                     ready.fix(epoch.at, fix, *poses);
@@ -258,7 +257,6 @@ impl Imu {
         stream: &'static str,
         kind: [u8; 2],
         payload: &[u8],
-        path: &Path,
         ready: &mut Ready,
     ) -> Result<(), ReadError> {
         if !imu::has_inertial(kind, payload) {
@@ -270,7 +268,7 @@ impl Imu {
                 return Ok(());
             }
             let problem = format!("two streams of inertial samples: {}", INERTIAL.join(", "));
-            return Err(ReadError::new(path, problem).mend("name the one that is meant"));
+            return Err(ReadError::nameless(problem).mend("name the one that is meant"));
         }
         if self.sensors.changes(kind, payload) {
             for _ in 0..self.clock.restart() {
@@ -288,25 +286,16 @@ impl Imu {
         Ok(())
     }
 
-    fn tie(
-        &mut self,
-        epoch: &Epoch,
-        time: f64,
-        path: &Path,
-        ready: &mut Ready,
-    ) -> Result<(), ReadError> {
+    fn tie(&mut self, epoch: &Epoch, time: f64, ready: &mut Ready) -> Result<(), ReadError> {
         let exact = epoch.exact.is_some();
         let Some(counter) = epoch.exact.or(epoch.counter) else {
             return Ok(());
         };
         let tied = self.clock.tie(counter, time, exact, &mut give(ready));
         tied.map_err(|clock::TooLate| {
-            ReadError::new(
-                path,
-                "the first fix comes after ten minutes of inertial samples",
-            )
-            .at(epoch.at)
-            .mend("cut off what is before it: nothing tells its time")
+            ReadError::nameless("the first fix comes after ten minutes of inertial samples")
+                .at(epoch.at)
+                .mend("cut off what is before it: nothing tells its time")
         })
     }
 }

@@ -27,35 +27,35 @@
 mod layout;
 mod messages;
 mod reader;
+mod subscriptions;
 #[cfg(test)]
 mod tests;
 mod topics;
 
 use std::collections::HashMap;
-use std::path::Path;
 
 use self::messages::{MAGIC, Messages, Step};
 use self::reader::Reader;
-use super::{Entries, Stream, StreamKind, Wanted};
+use self::subscriptions::{appended, data, listing, named, subscription, topic_of};
 use crate::ReadError;
-use crate::source::{self, Source};
-
-/// Names that a message lists at most.
-const NAMES_SHOWN: usize = 60;
+use crate::entry::{Entries, Stream, StreamKind, Wanted};
+use crate::source::{Again, Source};
 
 /// Whether a file that starts so is a ULog.
 pub(crate) fn detect(start: &[u8]) -> bool {
     start.starts_with(&MAGIC)
 }
 
-pub(super) fn entries(path: &Path, source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
+pub(super) fn entries(source: Source, again: Again, wanted: &Wanted) -> Result<Entries, ReadError> {
     let (name, kind, key) = match wanted {
         Wanted::Imu(name) => (name, StreamKind::Imu, "imu.topic"),
-        Wanted::Fixes { position, velocity } => {
+        Wanted::Fixes {
+            position, velocity, ..
+        } => {
             let mut both = position.iter().zip(velocity.iter());
             if both.any(|(position, velocity)| named(position) != named(velocity)) {
                 return Err(
-                    ReadError::new(path, "positions and velocities are one topic")
+                    ReadError::nameless("positions and velocities are one topic")
                         .key("gnss.velocity_topic")
                         .mend("leave the velocity's out"),
                 );
@@ -75,23 +75,23 @@ pub(super) fn entries(path: &Path, source: Source, wanted: &Wanted) -> Result<En
     let wanted = match name {
         Some(name) => named(name),
         None => {
-            let there = streams(path, source::open(path)?)?;
-            choose(&there, kind).ok_or_else(|| nothing(path, key, &there))?
+            let there = streams(again()?)?;
+            choose(&there, kind).ok_or_else(|| nothing(key, &there))?
         }
     };
     let topic = topic_of(&wanted);
     if topics::kind_of(topic).0 != kind {
         let problem = format!("{wanted} is {}", topics::about(topic));
-        let there = streams(path, source::open(path)?)?;
-        return Err(ReadError::new(path, problem).key(key).mend(listing(&there)));
+        let there = streams(again()?)?;
+        return Err(ReadError::nameless(problem).key(key).mend(listing(&there)));
     }
-    let messages = Messages::open(path, source)?;
+    let messages = Messages::open(source)?;
     let poses = kind == StreamKind::Poses;
-    Ok(Box::new(Reader::new(path, messages, wanted, key, poses)))
+    Ok(Box::new(Reader::new(messages, wanted, key, poses)))
 }
 
-pub(super) fn streams(path: &Path, source: Source) -> Result<Vec<Stream>, ReadError> {
-    let mut messages = Messages::open(path, source)?;
+pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
+    let mut messages = Messages::open(source)?;
     let mut topics: Vec<(String, u64)> = Vec::new();
     let mut ids: HashMap<u16, usize> = HashMap::new();
     loop {
@@ -114,7 +114,7 @@ pub(super) fn streams(path: &Path, source: Source) -> Result<Vec<Stream>, ReadEr
                 ids.insert(id, index);
             }
             (b'B', body) => {
-                let offsets = appended(path, body)?;
+                let offsets = appended(body)?;
                 messages.set_appended(offsets.into_iter());
             }
             (_, body) => {
@@ -134,18 +134,6 @@ pub(super) fn streams(path: &Path, source: Source) -> Result<Vec<Stream>, ReadEr
     Ok(topics.into_iter().map(stream).collect())
 }
 
-/// The name of a stream with its instance.
-fn named(name: &str) -> String {
-    match name.rsplit_once('.') {
-        Some((_, instance)) if instance.parse::<u8>().is_ok() => name.to_owned(),
-        _ => format!("{name}.0"),
-    }
-}
-
-fn topic_of(stream: &str) -> &str {
-    stream.rsplit_once('.').map_or(stream, |(topic, _)| topic)
-}
-
 /// The stream that is meant where none is named.
 fn choose(there: &[Stream], kind: StreamKind) -> Option<String> {
     let of_kind = || there.iter().filter(|s| s.kind == kind && s.messages > 0);
@@ -156,53 +144,13 @@ fn choose(there: &[Stream], kind: StreamKind) -> Option<String> {
         .map(|stream| stream.name.clone())
 }
 
-fn listing(there: &[Stream]) -> String {
-    let names: Vec<&str> = there.iter().map(|stream| stream.name.as_str()).collect();
-    let shown = names.get(..NAMES_SHOWN).unwrap_or(&names).join(", ");
-    let more = if names.len() > NAMES_SHOWN {
-        ", …"
-    } else {
-        ""
-    };
-    format!("the log has: {shown}{more}")
-}
-
-fn nothing(path: &Path, key: &str, there: &[Stream]) -> ReadError {
+fn nothing(key: &str, there: &[Stream]) -> ReadError {
     let topics = match key {
         "imu.topic" => "vehicle_imu or sensor_combined",
         "gnss.topic" => "vehicle_gps_position or sensor_gps",
         _ => "vehicle_global_position",
     };
-    ReadError::new(path, format!("no {topics}"))
+    ReadError::nameless(format!("no {topics}"))
         .key(key)
         .mend(listing(there))
-}
-
-/// Number and stream of a subscription: instance, number, topic.
-fn subscription(body: &[u8]) -> Option<(u16, String)> {
-    let (&[instance, low, high], topic) = body.split_first_chunk()?;
-    let topic = std::str::from_utf8(topic).ok()?;
-    let id = u16::from_le_bytes([low, high]);
-    Some((id, format!("{topic}.{instance}")))
-}
-
-/// Number of the subscription and content of a data message.
-fn data(body: &[u8]) -> Option<(u16, &[u8])> {
-    let (id, content) = body.split_first_chunk()?;
-    Some((u16::from_le_bytes(*id), content))
-}
-
-/// Where data was appended. Flags that a reader has to know and that are not known are an error.
-fn appended(path: &Path, flags: &[u8]) -> Result<Vec<u64>, ReadError> {
-    let incompatible = flags.get(8..16).unwrap_or_default();
-    let [first, rest @ ..] = incompatible else {
-        return Ok(Vec::new());
-    };
-    if first & !1 != 0 || rest.iter().any(|byte| *byte != 0) {
-        return Err(ReadError::new(path, "uses a ULog of an unknown kind")
-            .mend("its flags ask for a later reader"));
-    }
-    let offsets = flags.get(16..40).unwrap_or_default().chunks_exact(8);
-    let offset = |bytes: &[u8]| bytes.first_chunk().map(|b| u64::from_le_bytes(*b));
-    Ok(offsets.filter_map(offset).collect())
 }

@@ -1,11 +1,12 @@
 //! Columns that are in memory, read as a table is.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
-use super::{Defect, Preview, TableOptions, no_rows, places};
+use super::fields::Defect;
+use super::header::places;
+use super::wanted::{Preview, Step, TableOptions};
 use crate::ReadError;
-use crate::skipped::Skipped;
 
 /// Columns of equal length in memory, each under its name; clones share them.
 #[derive(Clone, Debug)]
@@ -19,11 +20,11 @@ struct Inner {
 }
 
 impl Columns {
-    /// Of these names and values; `path` is what messages call the table.
+    /// Of these names and values; `table` is what messages call it.
     ///
     /// # Errors
     /// If the columns have different lengths.
-    pub fn new(path: &Path, columns: Vec<(String, Vec<f64>)>) -> Result<Self, ReadError> {
+    pub fn new(table: &Path, columns: Vec<(String, Vec<f64>)>) -> Result<Self, ReadError> {
         let (names, columns): (Vec<String>, Vec<Vec<f64>>) = columns.into_iter().unzip();
         let rows = columns.first().map_or(0, Vec::len);
         let other = names.iter().zip(&columns).find(|(_, c)| c.len() != rows);
@@ -32,7 +33,7 @@ impl Columns {
                 "column \"{name}\" has {} rows, column \"{first}\" has {rows}",
                 column.len()
             );
-            return Err(ReadError::new(path, problem));
+            return Err(ReadError::new(table, problem));
         }
         let inner = Inner {
             names,
@@ -47,11 +48,12 @@ impl Columns {
         &self.0.names
     }
 
-    /// The names of the columns and up to `rows` rows of them, as [`super::preview`] gives of a file.
+    /// The names of the columns and up to `rows` rows of them, as of a file.
     pub fn preview(&self, rows: usize) -> Preview {
         let columns = &self.0.columns;
         let row = |k: usize| columns.iter().filter_map(|c| c.get(k).copied()).collect();
         Preview {
+            header: self.0.names.clone(),
             names: self.0.names.clone(),
             rows: (0..rows.min(self.0.rows)).map(row).collect(),
         }
@@ -60,74 +62,41 @@ impl Columns {
 
 /// Reads the wanted ones of columns in memory row by row.
 pub(super) struct MemoryTable {
-    path: PathBuf,
     columns: Columns,
     /// Wanted columns: (index of the column, index in the row read).
     wanted: Vec<(usize, usize)>,
-    pub(super) width: usize,
-    keep_not_finite: bool,
-    rows_read: u64,
-    rows_seen: usize,
-    skipped: Skipped,
+    seen: usize,
 }
 
 impl MemoryTable {
-    /// Finds the wanted columns; `path` is what messages call the table.
+    /// Finds the wanted columns.
     ///
     /// # Errors
     /// If a wanted column is missing.
-    pub(super) fn new(
-        path: &Path,
-        columns: Columns,
-        options: &TableOptions,
-    ) -> Result<Self, ReadError> {
+    pub(super) fn new(columns: Columns, options: &TableOptions) -> Result<Self, ReadError> {
         Ok(Self {
-            path: path.to_path_buf(),
-            wanted: places(path, columns.names(), options)?,
+            wanted: places(columns.names(), options)?,
             columns,
-            width: options.columns.len(),
-            keep_not_finite: options.keep_not_finite,
-            rows_read: 0,
-            rows_seen: 0,
-            skipped: Skipped::default(),
+            seen: 0,
         })
     }
 
-    /// Reads the next usable row into `out`, in the order of the wanted columns, and gives its
-    /// number, the first is 1; `None` at the end.
-    ///
-    /// # Errors
-    /// If there is no usable row, or `out` has another length than there are wanted columns.
-    pub(super) fn next_row(&mut self, out: &mut [f64]) -> Result<Option<u64>, ReadError> {
-        if out.len() != self.width {
-            let problem = format!("{} places for {} columns", out.len(), self.width);
-            return Err(ReadError::new(&self.path, problem));
+    /// Reads the next row into `out`, in the order of the wanted columns; its number, the first is 1.
+    pub(super) fn step(&mut self, keep: bool, out: &mut [f64]) -> Step {
+        let row = self.seen;
+        if row >= self.columns.0.rows {
+            return Step::End(None);
         }
-        while self.rows_seen < self.columns.0.rows {
-            let row = self.rows_seen;
-            self.rows_seen += 1;
-            match self.read(row, out) {
-                Ok(()) => {
-                    self.rows_read += 1;
-                    return Ok(Some(self.rows_seen as u64));
-                }
-                Err(defect) => self
-                    .skipped
-                    .add(defect.kind(), self.rows_seen as u64, &defect),
-            }
-        }
-        match self.rows_read {
-            0 => Err(no_rows(&self.path, self.rows_seen(), &self.skipped)),
-            _ => Ok(None),
-        }
+        self.seen += 1;
+        Step::Row(self.seen as u64, self.read(row, keep, out))
     }
 
-    fn read(&self, row: usize, out: &mut [f64]) -> Result<(), Defect> {
+    fn read(&self, row: usize, keep: bool, out: &mut [f64]) -> Result<(), Defect> {
         for &(index, slot) in &self.wanted {
             let column = self.columns.0.columns.get(index);
             let value = column.and_then(|c| c.get(row)).copied();
             let value = value.unwrap_or(f64::NAN);
-            if !(value.is_finite() || self.keep_not_finite) {
+            if !(value.is_finite() || keep) {
                 return Err(Defect::NotFinite(value));
             }
             if let Some(place) = out.get_mut(slot) {
@@ -136,28 +105,14 @@ impl MemoryTable {
         }
         Ok(())
     }
-
-    pub(super) fn skipped(&self) -> &Skipped {
-        &self.skipped
-    }
-
-    pub(super) fn path(&self) -> &Path {
-        &self.path
-    }
-
-    pub(super) fn rows_seen(&self) -> u64 {
-        self.rows_seen as u64
-    }
-
-    pub(super) fn skipped_mut(&mut self) -> &mut Skipped {
-        &mut self.skipped
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::source::BytesRead;
     use crate::table::{Column, Table};
+    use crate::{Memory, Opened};
 
     fn options(keep_not_finite: bool) -> TableOptions {
         TableOptions {
@@ -170,6 +125,11 @@ mod tests {
         }
     }
 
+    fn open(path: &Path, columns: Columns, options: &TableOptions) -> Result<Table, ReadError> {
+        let read = BytesRead::default();
+        Opened::memory(path, Memory::Columns(columns), &read)?.table(options)
+    }
+
     fn columns() -> Columns {
         let gyro = vec![0.1, f64::NAN, 0.3];
         let columns = vec![("t".into(), vec![1.0, 2.0, 3.0]), ("g".into(), gyro)];
@@ -179,7 +139,7 @@ mod tests {
     #[test]
     fn rows_and_what_is_skipped_are_as_of_a_file() {
         let path = Path::new("<imu>");
-        let mut table = Table::from_source(path, columns(), &options(false)).unwrap();
+        let mut table = open(path, columns(), &options(false)).unwrap();
         let mut row = [0.0; 2];
         assert_eq!(table.next_row(&mut row).unwrap(), Some(1));
         assert_eq!(row, [0.1, 1.0]);
@@ -189,7 +149,7 @@ mod tests {
             table.skipped().to_string(),
             "1 row with NaN or infinity, at line 2: NaN"
         );
-        let mut table = Table::from_source(path, columns(), &options(true)).unwrap();
+        let mut table = open(path, columns(), &options(true)).unwrap();
         table.next_row(&mut row).unwrap();
         table.next_row(&mut row).unwrap();
         assert!(row[0].is_nan() && row[1] == 2.0);
@@ -200,7 +160,7 @@ mod tests {
         let path = Path::new("<imu>");
         let mut wrong = options(false);
         wrong.columns[0].1 = Column::Name("gx".into());
-        let error = Table::from_source(path, columns(), &wrong).err().unwrap();
+        let error = open(path, columns(), &wrong).err().unwrap();
         assert_eq!(
             error.to_string(),
             "<imu>: no column \"gx\" (key imu.gyro); the file has: t, g"
@@ -209,7 +169,7 @@ mod tests {
         let error = Columns::new(path, uneven).unwrap_err().to_string();
         assert_eq!(error, "<imu>: column \"g\" has 0 rows, column \"t\" has 1");
         let empty = Columns::new(path, vec![("t".into(), vec![]), ("g".into(), vec![])]).unwrap();
-        let mut table = Table::from_source(path, empty, &options(false)).unwrap();
+        let mut table = open(path, empty, &options(false)).unwrap();
         let error = table.next_row(&mut [0.0; 2]).unwrap_err();
         assert_eq!(error.problem, "no row of data");
     }

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::number;
-use crate::skipped::SkipKind;
+use crate::skipped::{SkipKind, shown};
 
 /// What stands between fields.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,14 +76,6 @@ impl fmt::Display for Defect {
             Self::NotFinite(value) => write!(f, "{value}"),
         }
     }
-}
-
-/// A field as messages show it: quoted, control characters escaped, cut at 40 bytes.
-pub(crate) fn shown(field: &[u8]) -> String {
-    let cut = &field[..field.len().min(40)];
-    let text = String::from_utf8_lossy(cut);
-    let more = if cut.len() < field.len() { "…" } else { "" };
-    format!("\"{}{more}\"", text.escape_debug())
 }
 
 /// Walks along the fields of a line.

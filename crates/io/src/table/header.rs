@@ -1,13 +1,12 @@
 //! Finds the header of a table and the places of the wanted columns.
 
-use std::path::Path;
-
-use super::fields::{Delimiter, Fields, shown};
-use super::{Column, Preview, TableOptions, starts_a_row};
+use super::fields::{self, Delimiter, Fields};
+use super::wanted::{Column, Preview, TableOptions, starts_a_row};
+use crate::ReadError;
 use crate::lines::{Lines, MAX_LINE, Step};
 use crate::number;
-use crate::skipped::{SkipKind, Skipped};
-use crate::{ReadError, table::fields};
+use crate::skipped::{SkipKind, Skipped, shown};
+use crate::source::Source;
 
 /// Names listed in a message at most.
 const NAMES_SHOWN: usize = 60;
@@ -30,12 +29,11 @@ struct Header {
 }
 
 pub(super) fn find(
-    path: &Path,
     lines: &mut Lines,
     options: &TableOptions,
     skipped: &mut Skipped,
 ) -> Result<Layout, ReadError> {
-    let (first, comment) = first_line(path, lines, skipped)?;
+    let (first, comment) = first_line(lines, skipped)?;
     let delimiter = options
         .delimiter
         .map_or_else(|| Delimiter::detect(&first), Delimiter::of);
@@ -56,11 +54,11 @@ pub(super) fn find(
     match (&own, &above) {
         // Data with text in some column, under a comment that names the columns.
         (Some(own), Some(above)) if missing(own, options) && !missing(above, options) => {
-            let wanted = above.places(path, options)?;
+            let wanted = above.places(options)?;
             layout(delimiter, wanted, first_row())
         }
         (Some(own), _) => {
-            let wanted = own.places(path, options)?;
+            let wanted = own.places(options)?;
             // A line with a number wherever one is wanted by number is a row, not a header.
             let is_row = !named && reads_as_row(&first, delimiter, &wanted);
             let layout = layout(delimiter, wanted, first_row().filter(|_| is_row))?;
@@ -70,12 +68,12 @@ pub(super) fn find(
             })
         }
         (None, Some(above)) => {
-            let wanted = above.places(path, options)?;
+            let wanted = above.places(options)?;
             layout(delimiter, wanted, first_row())
         }
-        (None, None) if named => Err(no_header(path, lines.number(), options)),
+        (None, None) if named => Err(no_header(lines.number(), options)),
         (None, None) => {
-            let wanted = numbered(path, options)?;
+            let wanted = numbered(options)?;
             layout(delimiter, wanted, first_row())
         }
     }
@@ -98,11 +96,7 @@ fn layout(
 /// The first line that is neither blank nor comment, and the comment directly before it.
 type FirstLine = (Vec<u8>, Option<(u64, Vec<u8>)>);
 
-fn first_line(
-    path: &Path,
-    lines: &mut Lines,
-    skipped: &mut Skipped,
-) -> Result<FirstLine, ReadError> {
+fn first_line(lines: &mut Lines, skipped: &mut Skipped) -> Result<FirstLine, ReadError> {
     let mut comment = None;
     loop {
         match lines.step() {
@@ -111,7 +105,7 @@ fn first_line(
                 let mut line = lines.bytes(range);
                 if number == 1 {
                     if line.starts_with(&[0xff, 0xfe]) || line.starts_with(&[0xfe, 0xff]) {
-                        return Err(ReadError::new(path, "is UTF-16 text").mend("save it as UTF-8"));
+                        return Err(ReadError::nameless("is UTF-16 text").mend("save it as UTF-8"));
                     }
                     line = line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(line);
                 }
@@ -132,7 +126,7 @@ fn first_line(
                     None if skipped.is_empty() => "no row of data".to_owned(),
                     None => format!("no row of data; {skipped}"),
                 };
-                return Err(ReadError::new(path, problem));
+                return Err(ReadError::nameless(problem));
             }
         }
     }
@@ -174,26 +168,21 @@ fn missing(header: &Header, options: &TableOptions) -> bool {
 }
 
 impl Header {
-    fn places(
-        &self,
-        path: &Path,
-        options: &TableOptions,
-    ) -> Result<Vec<(usize, usize)>, ReadError> {
-        places(path, &self.names, options).map_err(|error| error.at(self.line))
+    fn places(&self, options: &TableOptions) -> Result<Vec<(usize, usize)>, ReadError> {
+        places(&self.names, options).map_err(|error| error.at(self.line))
     }
 }
 
 /// Every wanted column, in the order they are wanted: (index of the column, index in the row read).
 pub(crate) fn places(
-    path: &Path,
     names: &[String],
     options: &TableOptions,
 ) -> Result<Vec<(usize, usize)>, ReadError> {
     let place = |(slot, (key, column)): (usize, &(String, Column))| {
-        let error = |problem: String| ReadError::new(path, problem).key(key).mend(listing(names));
+        let error = |problem: String| ReadError::nameless(problem).key(key).mend(listing(names));
         let index = match column {
             Column::Number(number) => {
-                let index = index_of(path, key, *number)?;
+                let index = index_of(key, *number)?;
                 if index >= names.len() {
                     let has = names.len();
                     return Err(error(format!("no column {number}, there are {has}")));
@@ -222,25 +211,25 @@ pub(crate) fn places(
 }
 
 /// Wanted columns that are all given by number.
-fn numbered(path: &Path, options: &TableOptions) -> Result<Vec<(usize, usize)>, ReadError> {
+fn numbered(options: &TableOptions) -> Result<Vec<(usize, usize)>, ReadError> {
     let mut wanted = Vec::with_capacity(options.columns.len());
     for (slot, (key, column)) in options.columns.iter().enumerate() {
         if let Column::Number(number) = column {
-            wanted.push((index_of(path, key, *number)?, slot));
+            wanted.push((index_of(key, *number)?, slot));
         }
     }
     Ok(wanted)
 }
 
-fn index_of(path: &Path, key: &str, number: usize) -> Result<usize, ReadError> {
+fn index_of(key: &str, number: usize) -> Result<usize, ReadError> {
     number.checked_sub(1).ok_or_else(|| {
-        ReadError::new(path, "column 0 is asked for")
+        ReadError::nameless("column 0 is asked for")
             .key(key)
             .mend("the first column is 1")
     })
 }
 
-fn no_header(path: &Path, line: u64, options: &TableOptions) -> ReadError {
+fn no_header(line: u64, options: &TableOptions) -> ReadError {
     let named = options
         .columns
         .iter()
@@ -248,7 +237,7 @@ fn no_header(path: &Path, line: u64, options: &TableOptions) -> ReadError {
             Column::Name(_) => Some((key, column)),
             Column::Number(_) => None,
         });
-    let error = ReadError::new(path, "").at(line);
+    let error = ReadError::nameless("").at(line);
     match named {
         Some((key, column)) => ReadError {
             problem: format!("no header that could name the column {column}"),
@@ -275,36 +264,21 @@ fn listing(names: &[String]) -> String {
     format!("the file has: {}", list.join(", "))
 }
 
-/// Names of the columns of a table, from its header line or, where that is data, the comment
-/// directly before it; empty where neither names them.
-///
-/// # Errors
-/// If the file cannot be opened or has no line.
-pub(super) fn header_names(path: &Path) -> Result<Vec<String>, ReadError> {
-    let mut lines = Lines::new(crate::source::open(path)?);
-    let (first, comment) = first_line(path, &mut lines, &mut Skipped::default())?;
-    let delimiter = Delimiter::detect(&first);
-    if Fields::new(&first, delimiter).any(is_text) {
-        return Ok(names_of(&first, delimiter));
-    }
-    Ok(comment.map_or(Vec::new(), |(_, text)| comment_names(&text, None)))
-}
-
 /// The names of the columns and up to `rows` rows of all of them.
 ///
 /// # Errors
-/// If the file cannot be opened or has no line.
-pub(super) fn preview(path: &Path, rows: usize) -> Result<Preview, ReadError> {
-    let mut lines = Lines::new(crate::source::open(path)?);
-    let (first, comment) = first_line(path, &mut lines, &mut Skipped::default())?;
+/// If there is no line.
+pub(super) fn preview(source: Source, rows: usize) -> Result<Preview, ReadError> {
+    let mut lines = Lines::new(source);
+    let (first, comment) = first_line(&mut lines, &mut Skipped::default())?;
     let delimiter = Delimiter::detect(&first);
+    let own = names_of(&first, delimiter);
+    let above = comment.map_or(Vec::new(), |(_, text)| comment_names(&text, None));
     let is_header = Fields::new(&first, delimiter).all(|field| number::parse(field).is_none());
+    let has_text = Fields::new(&first, delimiter).any(is_text);
     let mut preview = Preview {
-        names: match comment {
-            _ if is_header => names_of(&first, delimiter),
-            Some((_, text)) => comment_names(&text, None),
-            None => Vec::new(),
-        },
+        header: if has_text { &own } else { &above }.clone(),
+        names: if is_header { own } else { above },
         rows: Vec::new(),
     };
     let numbers = |line: &[u8]| -> Vec<f64> {

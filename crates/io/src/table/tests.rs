@@ -1,6 +1,7 @@
 use std::io::{Cursor, Read, Write};
 
 use super::*;
+use crate::Opened;
 use crate::skipped::SkipKind;
 
 fn options(columns: &[Column]) -> TableOptions {
@@ -23,30 +24,15 @@ fn numbered(numbers: &[usize]) -> TableOptions {
     options(&columns)
 }
 
-impl Table {
-    fn width(&self) -> usize {
-        match &self.rows {
-            super::Rows::Text(table) => table.width,
-            super::Rows::Memory(table) => table.width,
-            #[cfg(feature = "parquet")]
-            super::Rows::Parquet(_) => 0,
-        }
-    }
-}
-
 fn from(bytes: &[u8], options: &TableOptions) -> Result<Table, ReadError> {
-    Table::from_source(
-        Path::new("imu.csv"),
-        Box::new(Cursor::new(bytes.to_vec())),
-        options,
-    )
+    Opened::stream(Path::new("imu.csv"), Cursor::new(bytes.to_vec()))?.table(options)
 }
 
 type Rows = Vec<(u64, Vec<f64>)>;
 
 fn drain(table: &mut Table) -> Result<Rows, ReadError> {
     let mut rows = Vec::new();
-    let mut row = vec![0.0; table.width()];
+    let mut row = vec![0.0; table.width];
     while let Some(line) = table.next_row(&mut row)? {
         rows.push((line, row.clone()));
     }
@@ -188,8 +174,8 @@ impl Read for Failing {
 #[test]
 fn what_was_read_before_an_input_error_is_kept() {
     let failing = |text: &str| {
-        let stream = std::io::BufReader::new(Failing(Cursor::new(text.as_bytes().to_vec())));
-        Table::from_source(Path::new("imu.csv"), Box::new(stream), &numbered(&[1]))
+        let stream = Failing(Cursor::new(text.as_bytes().to_vec()));
+        Opened::stream(Path::new("imu.csv"), stream)?.table(&numbered(&[1]))
     };
     // The 12 may be the beginning of 123: not used.
     let mut table = failing("10\n11\n12").unwrap();
@@ -212,7 +198,10 @@ fn a_cut_gzip_file_ends_early() {
     bytes.truncate(bytes.len() / 2);
     let path = std::env::temp_dir().join(format!("undrift-io-cut-{}.csv.gz", std::process::id()));
     std::fs::write(&path, bytes).unwrap();
-    let mut table = Table::open(&path, &named(&["t", "a"])).unwrap();
+    let mut table = Opened::open(&path)
+        .unwrap()
+        .table(&named(&["t", "a"]))
+        .unwrap();
     let rows = drain(&mut table).unwrap();
     std::fs::remove_file(&path).unwrap();
     assert!((10_000..40_000).contains(&rows.len()), "{}", rows.len());

@@ -13,7 +13,7 @@ use super::nmea::NmeaWriter;
 #[cfg(feature = "parquet")]
 use super::parquet::ParquetSolutionWriter;
 use super::solution::{SolutionRow, SolutionWriter};
-use super::spans::Thinning;
+use super::thinning::Thinning;
 use crate::time;
 
 /// A format of the navigation solution.

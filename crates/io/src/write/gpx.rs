@@ -5,8 +5,8 @@ use std::io::{self, Write};
 
 use super::block::Block;
 use super::solution::SolutionRow;
-use super::spans::Thinning;
 use super::text::{map_degrees, xml};
+use super::thinning::Thinning;
 use super::{SolutionOptions, write_fixed};
 use crate::time;
 

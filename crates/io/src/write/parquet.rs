@@ -141,7 +141,7 @@ mod tests {
     use undrift_nav::earth::Geodetic;
 
     use super::*;
-    use crate::parquet::{ParquetTable, column_names};
+    use crate::Opened;
     use crate::table::{Column, TableOptions};
 
     fn row(time: f64) -> SolutionRow {
@@ -164,7 +164,7 @@ mod tests {
             delimiter: None,
             keep_not_finite: true,
         };
-        let mut table = ParquetTable::open(path, &options).unwrap();
+        let mut table = Opened::open(path).unwrap().table(&options).unwrap();
         let (mut rows, mut row) = (Vec::new(), [0.0; 31]);
         while table.next_row(&mut row).unwrap().is_some() {
             rows.push(row);
@@ -188,7 +188,7 @@ mod tests {
         }
         assert!(!path.exists());
         writer.finish().unwrap();
-        let names = column_names(&path).unwrap();
+        let names = Opened::open(&path).unwrap().preview(0).unwrap().names;
         assert_eq!(names, COLUMNS.map(|(name, _)| name));
         let rows = read(&path);
         std::fs::remove_file(&path).unwrap();
@@ -229,7 +229,10 @@ mod tests {
             .unwrap()
             .finish()
             .unwrap();
-        assert_eq!(column_names(&path).unwrap().len(), COLUMNS.len());
+        assert_eq!(
+            Opened::open(&path).unwrap().preview(0).unwrap().names.len(),
+            COLUMNS.len()
+        );
         std::fs::remove_file(&path).unwrap();
         // Dropped unfinished, there is no file.
         drop(ParquetSolutionWriter::create(&path).unwrap());

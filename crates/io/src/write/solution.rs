@@ -7,8 +7,8 @@ use undrift_nav::Vector3;
 use undrift_nav::earth::Geodetic;
 
 use super::block::Block;
-use super::spans::Thinning;
 use super::text::write_turn;
+use super::thinning::Thinning;
 use super::{PendingFile, write_fixed};
 
 /// Columns and their decimals: a latitude of 1e-11° is a micrometre; of sensor errors there are

@@ -4,27 +4,7 @@ use std::io;
 
 use super::solution::SolutionRow;
 use super::text::map_degrees;
-
-/// Lets rows through so many seconds apart, on a grid.
-#[derive(Debug)]
-pub(super) struct Thinning {
-    every: f64,
-    last: Option<i64>,
-}
-
-impl Thinning {
-    /// `every` \[s\]; 0 lets all through.
-    pub fn new(every: f64) -> Self {
-        Self { every, last: None }
-    }
-
-    /// Whether the row at `time` \[s\] is the first of its cell.
-    pub fn takes(&mut self, time: f64) -> bool {
-        // A millionth of a cell: stamps on the grid stay in their cell when divided.
-        let cell = (time / self.every + 1e-6).floor() as i64;
-        self.every == 0.0 || self.last.replace(cell) != Some(cell)
-    }
-}
+use super::thinning::Thinning;
 
 /// What a format of lines is told.
 pub(super) enum Step<'a> {

@@ -3,11 +3,11 @@
 use std::io::Cursor;
 use std::path::PathBuf;
 
-use undrift_io::gnss::GnssReader;
+use undrift_io::Opened;
+use undrift_io::format::Format;
+use undrift_io::gnss::{GnssLog, GnssReader};
 use undrift_io::imu::{ImuFormat, ImuReader};
-use undrift_io::rtklib::{self, RtklibOptions};
-use undrift_io::source;
-use undrift_io::table::{Column, Table, TableOptions};
+use undrift_io::table::{Column, TableOptions};
 use undrift_nav::earth::Geodetic;
 
 const CASES: usize = 3000;
@@ -104,7 +104,10 @@ fn tables_of_arbitrary_bytes() {
             keep_not_finite: case % 2 == 0,
         };
         let source = Box::new(Cursor::new(bytes));
-        let Ok(mut table) = Table::from_source("x".as_ref(), source, &options) else {
+        let Ok(mut table) = Opened::stream("x".as_ref(), source)
+            .unwrap()
+            .table(&options)
+        else {
             continue;
         };
         let mut row = vec![0.0; wanted.len()];
@@ -133,7 +136,7 @@ fn inertial_logs_of_arbitrary_bytes() {
             )
         };
         let source = Box::new(Cursor::new(random.bytes()));
-        if let Ok(reader) = ImuReader::from_source("x".as_ref(), source, &format) {
+        if let Ok(reader) = ImuReader::new(Opened::stream("x".as_ref(), source).unwrap(), &format) {
             let mut last = f64::NEG_INFINITY;
             for sample in reader.flatten() {
                 assert!(sample.time > last && sample.dt > 0.0);
@@ -147,9 +150,9 @@ fn inertial_logs_of_arbitrary_bytes() {
 fn solution_files_of_arbitrary_bytes() {
     let mut random = Random(3);
     let path = temporary("gnss.pos");
-    let options = RtklibOptions {
+    let options = GnssLog {
         base: Some(Geodetic::default()),
-        ..RtklibOptions::default()
+        ..GnssLog::new(Format::Rtklib)
     };
     let mut fixes = 0u64;
     for case in 0..CASES {
@@ -166,8 +169,9 @@ fn solution_files_of_arbitrary_bytes() {
         }
         bytes.extend(random.bytes());
         std::fs::write(&path, &bytes).unwrap();
-        let _ = rtklib::detect(&path);
-        if let Ok(reader) = GnssReader::open_rtklib(&path, &options) {
+        let opened = Opened::open(&path).unwrap();
+        let _ = opened.format();
+        if let Ok(reader) = GnssReader::new(opened, &options.clone().into()) {
             for fix in reader.flatten() {
                 fixes += 1;
                 if let Some((_, covariance)) = fix.position {
@@ -200,10 +204,10 @@ fn damaged_gzip() {
         let at = random.below(bytes.len());
         bytes[at] ^= 1 << random.below(8);
         std::fs::write(&path, &bytes).unwrap();
-        let Ok(source) = source::open(&path) else {
+        let Ok(opened) = Opened::open(&path) else {
             continue;
         };
-        let Ok(mut table) = Table::from_source(&path, source, &options) else {
+        let Ok(mut table) = opened.table(&options) else {
             continue;
         };
         let mut row = [0.0];

@@ -4,10 +4,11 @@ use std::io::Cursor;
 use std::path::Path;
 
 use proptest::prelude::*;
+use undrift_io::Opened;
 use undrift_io::format::Format;
 use undrift_io::gnss::{GnssLog, GnssReader};
 use undrift_io::number;
-use undrift_io::table::{Column, Table, TableOptions};
+use undrift_io::table::{Column, TableOptions};
 use undrift_io::write::solution::SolutionRow;
 use undrift_io::write::{SolutionFile, SolutionFormat, SolutionOptions};
 use undrift_nav::Vector3;
@@ -83,7 +84,8 @@ proptest! {
             columns: order.iter().map(|number| ("key".into(), column(*number))).collect(),
             ..TableOptions::default()
         };
-        let mut table = Table::from_source(Path::new("text"), Cursor::new(text.clone()), &options)
+        let mut table = Opened::stream(Path::new("text"), Cursor::new(text.clone()))
+            .and_then(|opened| opened.table(&options))
             .map_err(|e| TestCaseError::fail(format!("{e}\n{text}")))?;
         let mut found = [0.0; 4];
         let finite = |row: &&Vec<String>| order.iter().all(|n| row[n - 1].parse::<f64>().unwrap().is_finite());
@@ -147,7 +149,7 @@ fn read_back(format: SolutionFormat, log: Format, week: u32, rows: &[SolutionRow
     std::fs::write(&path, file.into_inner().unwrap().into_inner()).unwrap();
     let mut options = GnssLog::new(log);
     options.fixes.position_std = (log == Format::Gpx).then_some([1.0; 3]);
-    let fixes = GnssReader::open_log(&path, &options)
+    let fixes = GnssReader::open(&path, &options.into())
         .unwrap()
         .map(Result::unwrap)
         .collect();

@@ -2,9 +2,12 @@
 
 use std::path::PathBuf;
 
-use undrift_io::gnss::{GnssFormat, GnssReader, Place, PositionFormat, Std, VelocityFormat};
+use undrift_io::Opened;
+use undrift_io::format::Format;
+use undrift_io::gnss::{
+    GnssFormat, GnssLog, GnssReader, Place, PositionFormat, Std, VelocityFormat,
+};
 use undrift_io::imu::{ImuFormat, ImuReader};
-use undrift_io::rtklib::{self, RtklibOptions};
 use undrift_io::skipped::SkipKind;
 use undrift_io::table::Column;
 use undrift_io::truth::{TruthFormat, TruthReader};
@@ -110,8 +113,8 @@ fn navego() {
         Std::Constant([0.05; 3]),
     );
     let path = data("navego-adis16405/gnss.csv.gz").unwrap();
-    assert!(!rtklib::detect(&path).unwrap());
-    let fixes = gnss(GnssReader::open_csv(&path, &constant).unwrap());
+    assert_ne!(Opened::open(&path).unwrap().format(), Format::Rtklib);
+    let fixes = gnss(GnssReader::open(&path, &constant.clone().into()).unwrap());
     assert_eq!(fixes.len(), 2187);
     let expected = Geodetic::from_degrees(-32.830_785_312_1, -68.792_863_784_2, 707.421);
     assert_eq!(place(&fixes[0]), expected);
@@ -126,7 +129,9 @@ fn navego() {
         ..TruthFormat::degrees(name("t_s"), names(["lat_deg", "lon_deg", "height_m"]))
     };
     let path = data("navego-adis16405/truth.csv.gz").unwrap();
-    let truth: Result<Vec<TruthSample>, _> = TruthReader::open(&path, &format).unwrap().collect();
+    let truth: Result<Vec<TruthSample>, _> = TruthReader::open(&path, &format.clone().into())
+        .unwrap()
+        .collect();
     let truth = truth.unwrap();
     assert_eq!(truth.len(), 87_450);
     assert!(near(truth[0].rpy.unwrap().z, -15.0 * degrees()));
@@ -160,8 +165,8 @@ fn rtk_drive() {
     assert!(near(last.dtheta.z, 0.221 * degrees() * last.dt));
 
     let path = data("rtk-drive/gnss.pos").unwrap();
-    assert!(rtklib::detect(&path).unwrap());
-    let fixes = gnss(GnssReader::open_rtklib(&path, &RtklibOptions::default()).unwrap());
+    assert_eq!(Opened::open(&path).unwrap().format(), Format::Rtklib);
+    let fixes = gnss(GnssReader::open(&path, &GnssLog::new(Format::Rtklib).into()).unwrap());
     assert_eq!(fixes.len(), 2197);
     // Tuesday 19:34:18.499; the rounding of a time of 2.4e5 s is 3e-11 s.
     assert!((fixes[0].time - 243_258.499).abs() < 1e-10);
@@ -200,7 +205,7 @@ fn uav_flight() {
     ));
     let constant = gnss_format("alt_m", Std::Constant([3.0; 3]), Std::Constant([0.5; 3]));
     let path = data("uav-flight/gnss.csv.gz").unwrap();
-    let fixes = gnss(GnssReader::open_csv(&path, &constant).unwrap());
+    let fixes = gnss(GnssReader::open(&path, &constant.clone().into()).unwrap());
     assert_eq!((fixes.len(), fixes[0].time), (674, 22.041));
     let expected = Geodetic::from_degrees(45.328_828_935, -93.230_936_428, 247.396);
     assert_eq!(place(&fixes[673]), expected);
@@ -208,7 +213,7 @@ fn uav_flight() {
     // The aircraft's own solution is 0°, 0° until its first fix.
     let format = TruthFormat::degrees(name("t_s"), names(["lat_deg", "lon_deg", "alt_m"]));
     let path = data("uav-flight/onboard.csv.gz").unwrap();
-    let mut reader = TruthReader::open(&path, &format).unwrap();
+    let mut reader = TruthReader::open(&path, &format.clone().into()).unwrap();
     let count = reader.by_ref().map(Result::unwrap).count() as u64;
     assert_eq!(count, 34_812 - 1239);
     assert_eq!(reader.skipped().count(SkipKind::OutOfRange), 1239);
@@ -247,7 +252,7 @@ fn ublox_drives() {
         };
         assert_eq!(samples.len(), rows, "{drive}");
         let path = data(&format!("ublox-drives/{drive}/gnss.csv.gz")).unwrap();
-        let fixes = gnss(GnssReader::open_csv(&path, &in_file).unwrap());
+        let fixes = gnss(GnssReader::open(&path, &in_file.clone().into()).unwrap());
         assert_eq!(
             (fixes.len(), fixes[fix_rows - 1].time),
             (fix_rows, last_fix)

@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use undrift_io::format::{Format, detect};
+use undrift_io::Opened;
+use undrift_io::format::Format;
 use undrift_io::gnss::{FixOptions, GnssLog, GnssReader};
 use undrift_io::write::solution::SolutionRow;
 use undrift_io::write::{SolutionFile, SolutionFormat, SolutionOptions};
@@ -46,7 +47,7 @@ fn round_trip(format: SolutionFormat, log: Format) -> Vec<GnssFix> {
         file.write(&row(k), false).unwrap();
     }
     file.finish().unwrap();
-    assert_eq!(detect(&path).unwrap(), log);
+    assert_eq!(Opened::open(&path).unwrap().format(), log);
     let options = GnssLog {
         fixes: FixOptions {
             position_std: (log == Format::Gpx).then_some([1.0; 3]),
@@ -56,9 +57,9 @@ fn round_trip(format: SolutionFormat, log: Format) -> Vec<GnssFix> {
     };
     let mut wrong = options.clone();
     wrong.fixes.velocity_std_factor = 0.0;
-    let refused = GnssReader::open_log(&path, &wrong).err().unwrap();
+    let refused = GnssReader::open(&path, &wrong.into()).err().unwrap();
     assert!(refused.to_string().contains("(key gnss.velocity_std)"));
-    let fixes = GnssReader::open_log(&path, &options).unwrap();
+    let fixes = GnssReader::open(&path, &options.into()).unwrap();
     let fixes: Vec<GnssFix> = fixes.map(Result::unwrap).collect();
     std::fs::remove_file(&path).unwrap();
     assert_eq!(fixes.len(), 60);
@@ -117,7 +118,7 @@ fn mcap() {
 fn a_table_is_no_log() {
     let path = std::env::temp_dir().join(format!("undrift-io-table-{}.csv", std::process::id()));
     std::fs::write(&path, "t,x\n0,1\n").unwrap();
-    let message = GnssReader::open_log(&path, &GnssLog::new(Format::Csv))
+    let message = GnssReader::open(&path, &GnssLog::new(Format::Csv).into())
         .err()
         .unwrap()
         .to_string();
@@ -125,7 +126,10 @@ fn a_table_is_no_log() {
         message.contains("its columns have to be named"),
         "{message}"
     );
-    let message = undrift_io::log::streams(&path, Format::Csv).unwrap_err();
+    let message = Opened::open(&path)
+        .unwrap()
+        .streams(Format::Csv)
+        .unwrap_err();
     std::fs::remove_file(&path).unwrap();
     assert!(
         message.to_string().contains("have to be named"),

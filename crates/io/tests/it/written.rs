@@ -5,6 +5,7 @@ use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use quick_xml::events::Event;
+use undrift_io::Opened;
 use undrift_io::table::Column;
 use undrift_io::truth::{TruthFormat, TruthReader};
 use undrift_io::write::solution::SolutionRow;
@@ -110,7 +111,8 @@ fn kf_gins_reads_back() {
         ..TruthFormat::degrees(Column::Number(2), group(3))
     };
     let source = Box::new(Cursor::new(text.into_bytes()));
-    let reader = TruthReader::from_source(Path::new("track.nav"), source, &format).unwrap();
+    let opened = Opened::stream(Path::new("track.nav"), source).unwrap();
+    let reader = TruthReader::new(opened, &format.into()).unwrap();
     let samples: Vec<_> = reader.map(Result::unwrap).collect();
     assert_eq!(samples.len(), ROWS as usize);
     for (sample, k) in samples.iter().zip(0..) {

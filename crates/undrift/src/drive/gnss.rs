@@ -1,16 +1,19 @@
 //! The table `[gnss]` of `DRIVE.toml`.
 
 use super::{
-    ConfigError, GnssSource, Section,
-    tables::{VELOCITY_AXES, read_delimiter, read_format},
+    error::{ConfigError, DriveError},
+    logs::Logs,
+    section::Section,
+    tables::{VELOCITY_AXES, read_delimiter},
 };
 use crate::replay::{GnssUse, QualityStd};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use undrift_io::{
-    format::{self, Format},
-    gnss::{FixOptions, GnssFormat, GnssLog, Place, PositionFormat, Std, VelocityFormat},
+    format::Format,
+    gnss::{
+        FixOptions, GnssFormat, GnssLog, GnssSource, Place, PositionFormat, Std, VelocityFormat,
+    },
     layouts,
-    rtklib::RtklibOptions,
 };
 use undrift_nav::{
     earth::Geodetic,
@@ -29,11 +32,11 @@ pub(super) fn read_use(section: &Section) -> Result<GnssUse, ConfigError> {
 
 pub(crate) fn read_gnss(
     section: &Section,
-    data: &Path,
-    span: Option<(f64, f64)>,
-) -> Result<(PathBuf, GnssSource), ConfigError> {
-    let path = data.join(section.file("file")?);
-    let format = read_format(section, &path, "time")?;
+    logs: &mut Logs,
+) -> Result<(PathBuf, GnssSource), DriveError> {
+    let path = logs.named(section)?;
+    let span = logs.span;
+    let (format, width) = logs.format(section, &path, "time")?;
     let time_offset = section
         .quantity("time_offset", Quantity::Time)?
         .unwrap_or(0.0);
@@ -51,18 +54,15 @@ pub(crate) fn read_gnss(
         })
     };
     let source = match format {
-        Format::Rtklib => GnssSource::Rtklib(RtklibOptions {
-            fixes: fixes()?,
-            base: read_base(section)?,
-        }),
         log if log.is_log() => GnssSource::Log(GnssLog {
             position: section.text("topic")?.map(str::to_owned),
             velocity: section.text("velocity_topic")?.map(str::to_owned),
+            base: read_base(section)?,
             fixes: fixes()?,
             ..GnssLog::new(log)
         }),
         Format::KfGins => {
-            let mut format = layouts::kf_gins_gnss(format::columns(&path).unwrap_or(0));
+            let mut format = layouts::kf_gins_gnss(width);
             format.time_offset = time_offset;
             format.span = span;
             if let Some(position) = &mut format.position {
@@ -80,7 +80,9 @@ pub(crate) fn read_gnss(
             GnssSource::Csv(Box::new(format))
         }
         Format::Euroc => {
-            return Err(section.error("file", "an EuRoC inertial log has no fixes"));
+            return Err(section
+                .error("file", "an EuRoC inertial log has no fixes")
+                .into());
         }
         _ => GnssSource::Csv(Box::new(GnssFormat {
             time_offset,
@@ -91,13 +93,15 @@ pub(crate) fn read_gnss(
     let asked = read_use(section)?;
     if let GnssSource::Csv(format) = &source {
         if format.position.is_none() {
-            return Err(section.error("position", "missing: the columns latitude, longitude, height, or baseline; a solution starts at a position"));
+            return Err(section.error("position", "missing: the columns latitude, longitude, height, or baseline; a solution starts at a position").into());
         }
         if asked == GnssUse::Velocity && format.velocity.is_none() {
-            return Err(section.error(
-                "use",
-                "\"velocity\" needs the velocity's columns: give gnss.velocity",
-            ));
+            return Err(section
+                .error(
+                    "use",
+                    "\"velocity\" needs the velocity's columns: give gnss.velocity",
+                )
+                .into());
         }
     }
     section.only_known()?;

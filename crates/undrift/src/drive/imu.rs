@@ -1,38 +1,38 @@
 //! The table `[imu]` of `DRIVE.toml`.
 
 use super::{
-    ConfigError, Section,
-    tables::{read_delimiter, read_format},
+    error::{ConfigError, DriveError},
+    logs::Logs,
+    section::Section,
+    tables::read_delimiter,
 };
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use toml::de::DeValue;
 use undrift_io::{format::Format, imu::ImuFormat, layouts};
 use undrift_nav::{Matrix3, Vector3, attitude::from_rpy, units::Quantity};
 
 pub(crate) fn read_imu(
     section: &Section,
-    data: &Path,
-    span: Option<(f64, f64)>,
-) -> Result<((PathBuf, ImuFormat), bool), ConfigError> {
-    let path = data.join(section.file("file")?);
-    let mut format = match read_format(section, &path, "gyro")? {
+    logs: &mut Logs,
+) -> Result<((PathBuf, ImuFormat), bool), DriveError> {
+    let path = logs.named(section)?;
+    let mut format = match logs.format(section, &path, "gyro")?.0 {
         Format::KfGins => layouts::kf_gins_imu(),
         Format::Euroc => layouts::euroc_imu(),
         log if log.is_log() => ImuFormat::log(log, section.text("topic")?.map(str::to_owned)),
-        Format::Rtklib => {
-            return Err(section.error("file", "an RTKLIB solution has no inertial samples"));
-        }
         _ => read_columns(section)?,
     };
     format.rate_hz = section.quantity("rate", Quantity::Frequency)?;
     if format.rate_hz.is_some_and(|r| r <= 0.0) {
-        return Err(section.error("rate", "must be above 0 Hz"));
+        return Err(section.error("rate", "must be above 0 Hz").into());
     }
     if !format.has_times() && format.rate_hz.is_none() {
-        return Err(section.error(
-            "time",
-            "missing: give the time column, or rate where there is none",
-        ));
+        return Err(section
+            .error(
+                "time",
+                "missing: give the time column, or rate where there is none",
+            )
+            .into());
     }
     format.time_offset = section
         .quantity("time_offset", Quantity::Time)?
@@ -50,13 +50,15 @@ pub(crate) fn read_imu(
             if section.get(key).is_some() {
                 let message = "is along body axes, which are not known before the mounting is: \
                                leave it out, or give imu.mounting as angles";
-                return Err(section.error(key, message));
+                return Err(section.error(key, message).into());
             }
         }
     }
     format.rotation = match (section.text("axes")?, mounting) {
         (Some(_), Some(_)) => {
-            return Err(section.error("mounting", "give axes or mounting, not both"));
+            return Err(section
+                .error("mounting", "give axes or mounting, not both")
+                .into());
         }
         (Some(axes), None) => rotation_of_axes(axes).map_err(|m| section.error("axes", m))?,
         (None, Some(rpy)) => from_rpy(&rpy).to_rotation_matrix().into_inner(),
@@ -68,7 +70,7 @@ pub(crate) fn read_imu(
     format.accel_offset = section
         .vector("accel_offset", Quantity::Acceleration)?
         .unwrap_or_else(Vector3::zeros);
-    format.span = span;
+    format.span = logs.span;
     section.only_known()?;
     Ok(((path, format), estimate_mounting))
 }

@@ -1,10 +1,12 @@
 //! The tables of sensors that measure one number: `[odometer]` and `[barometer]`.
 
 use super::{
-    ConfigError, Section,
+    error::{ConfigError, DriveError},
+    logs::Logs,
+    section::Section,
     tables::{read_delimiter, read_std},
 };
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use undrift_io::{
     scalar::{Reading, ScalarFormat, ScalarStd},
     table::Column,
@@ -34,30 +36,31 @@ pub(super) type Log = (PathBuf, ScalarFormat);
 /// `[odometer]`, and the parameters with the one that it asks for.
 pub(super) fn read_odometer(
     section: &Section,
-    data: &Path,
-    span: Option<(f64, f64)>,
+    logs: &mut Logs,
     mut parameters: Parameters,
-) -> Result<(Option<Log>, Parameters), ConfigError> {
+) -> Result<(Option<Log>, Parameters), DriveError> {
     if !section.exists() {
         return Ok((None, parameters));
     }
-    let path = data.join(section.file("file")?);
+    let path = logs.named(section)?;
     let per_metre = section.factor("ticks_per_metre")?;
     let unit = section.unit("speed_unit", Quantity::Velocity, 1.0)?;
     let (value, reading, std_unit) = match (section.column("speed")?, section.column("ticks")?) {
         (Some(_), Some(_)) => {
-            return Err(section.error("ticks", "give speed or ticks, not both"));
+            return Err(section
+                .error("ticks", "give speed or ticks, not both")
+                .into());
         }
         (None, None) => {
             let what =
                 "missing: the column of the wheel's speed, or ticks, that of a running count";
-            return Err(section.error("speed", what));
+            return Err(section.error("speed", what).into());
         }
         (Some(speed), None) => {
             if section.get("speed_unit").is_none() {
                 let examples = Quantity::Velocity.examples();
                 let what = format!("missing: the unit of the column, {examples}");
-                return Err(section.error("speed_unit", what));
+                return Err(section.error("speed_unit", what).into());
             }
             (("speed", speed), Reading::Scaled(unit), unit)
         }
@@ -70,7 +73,7 @@ pub(super) fn read_odometer(
     };
     let keys = ("speed_std", "speed_std_column");
     let std = read_scalar_std(section, keys, Quantity::Velocity, SPEED_STD, std_unit)?;
-    let format = read_format(section, "odometer", value, reading, std, SPEEDS, span)?;
+    let format = read_format(section, "odometer", value, reading, std, SPEEDS, logs.span)?;
     let scale = read_std(
         section,
         "scale_std",
@@ -87,25 +90,26 @@ pub(super) fn read_odometer(
 /// `[barometer]`, and the parameters with the one that it asks for.
 pub(super) fn read_barometer(
     section: &Section,
-    data: &Path,
-    span: Option<(f64, f64)>,
+    logs: &mut Logs,
     mut parameters: Parameters,
-) -> Result<(Option<Log>, Parameters), ConfigError> {
+) -> Result<(Option<Log>, Parameters), DriveError> {
     if !section.exists() {
         return Ok((None, parameters));
     }
-    let path = data.join(section.file("file")?);
+    let path = logs.named(section)?;
     let units = [("hPa", 100.0), ("mbar", 100.0), ("kPa", 1e3), ("Pa", 1.0)];
     let pressure_unit = section.word("pressure_unit", &units)?.unwrap_or(100.0);
     let height_unit = section.unit("height_unit", Quantity::Length, 1.0)?;
     let (value, reading, std_unit) = match (section.column("height")?, section.column("pressure")?)
     {
         (Some(_), Some(_)) => {
-            return Err(section.error("pressure", "give height or pressure, not both"));
+            return Err(section
+                .error("pressure", "give height or pressure, not both")
+                .into());
         }
         (None, None) => {
             let what = "missing: the column of the height, or pressure, that of the air's pressure";
-            return Err(section.error("height", what));
+            return Err(section.error("height", what).into());
         }
         (Some(height), None) => (
             ("height", height),
@@ -120,7 +124,15 @@ pub(super) fn read_barometer(
     };
     let keys = ("std", "std_column");
     let std = read_scalar_std(section, keys, Quantity::Length, HEIGHT_STD, std_unit)?;
-    let format = read_format(section, "barometer", value, reading, std, HEIGHTS, span)?;
+    let format = read_format(
+        section,
+        "barometer",
+        value,
+        reading,
+        std,
+        HEIGHTS,
+        logs.span,
+    )?;
     let bias = read_std(section, "bias_std", Quantity::Length, Some(BIAS_STD))?;
     let walk = read_std(
         section,
@@ -132,7 +144,9 @@ pub(super) fn read_barometer(
         let walk = walk.unwrap_or(0.0);
         parameters = parameters.with(Parameter::BarometerBias, Prior { std, walk });
     } else if section.get("bias_walk").is_some() {
-        return Err(section.error("bias_walk", "has no effect while bias_std is \"off\""));
+        return Err(section
+            .error("bias_walk", "has no effect while bias_std is \"off\"")
+            .into());
     }
     section.only_known()?;
     Ok((Some((path, format)), parameters))

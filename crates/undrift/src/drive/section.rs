@@ -1,6 +1,6 @@
 //! Access to one table of a TOML file, with errors that name file, line, key and what was expected.
 
-use super::DriveError;
+use super::error::{ConfigError, DriveError};
 use std::{cell::RefCell, path::Path};
 use toml::{
     Spanned,
@@ -12,20 +12,6 @@ use undrift_nav::{
     units::{self, Quantity},
 };
 use undrift_noise::{ImuModel, ModelError};
-
-/// What is wrong with a configuration file, and where.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{file}{}{}: {message}", line.map_or(String::new(), |l| format!(" line {l}")), if key.is_empty() { String::new() } else { format!(", {key}") })]
-pub struct ConfigError {
-    /// The file as it was given.
-    pub file: String,
-    /// Line from 1, where it is known.
-    pub line: Option<usize>,
-    /// Dotted key.
-    pub key: String,
-    /// What is wrong and what was expected.
-    pub message: String,
-}
 
 /// One table of a file; remembers which keys were asked for, so that the others can be refused.
 pub struct Section<'a> {

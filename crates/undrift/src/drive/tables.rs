@@ -1,15 +1,19 @@
 //! The tables of `DRIVE.toml`, one function each.
 
-use super::{ConfigError, Section, TruthSource};
+use super::{
+    error::{ConfigError, DriveError},
+    logs::Logs,
+    section::Section,
+};
 use crate::{
     align::{AlignSettings, Heading},
     vehicle::{Constraints, NonHolonomic, Profile},
 };
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use undrift_io::{
-    format::{self, FORMATS, Format},
+    format::Format,
     layouts,
-    truth::{TruthFormat, TruthLog},
+    truth::{TruthFormat, TruthLog, TruthSource},
 };
 use undrift_nav::{
     Vector3,
@@ -38,20 +42,6 @@ pub(super) fn read_span(section: &Section) -> Result<Option<(f64, f64)>, ConfigE
     Ok(Some(span))
 }
 
-/// The format of a table's file: stated; a table of named columns where `column` is there; else by its content.
-pub(super) fn read_format<'a>(
-    section: &Section<'a>,
-    path: &Path,
-    column: &'a str,
-) -> Result<Format, ConfigError> {
-    let words = FORMATS.map(|(name, format, _)| (name, format));
-    match section.word("format", &words)? {
-        Some(stated) => Ok(stated),
-        None if section.get(column).is_some() => Ok(Format::Csv),
-        None => format::detect(path).map_err(|error| section.error("file", error.to_string())),
-    }
-}
-
 pub(super) fn read_delimiter(section: &Section) -> Result<Option<u8>, ConfigError> {
     match section.text("delimiter")? {
         None => Ok(None),
@@ -62,16 +52,16 @@ pub(super) fn read_delimiter(section: &Section) -> Result<Option<u8>, ConfigErro
 
 pub(crate) fn read_truth(
     section: &Section,
-    data: &Path,
-) -> Result<Option<(PathBuf, TruthSource)>, ConfigError> {
+    logs: &mut Logs,
+) -> Result<Option<(PathBuf, TruthSource)>, DriveError> {
     if !section.exists() {
         return Ok(None);
     }
-    let path = data.join(section.file("file")?);
+    let path = logs.named(section)?;
     let time_offset = section
         .quantity("time_offset", Quantity::Time)?
         .unwrap_or(0.0);
-    let source = match read_format(section, &path, "time")? {
+    let source = match logs.format(section, &path, "time")?.0 {
         log if log.is_log() => TruthSource::Log(TruthLog {
             format: log,
             stream: section.text("topic")?.map(str::to_owned),

@@ -21,9 +21,9 @@ use std::{
     path::{Path, PathBuf},
 };
 use undrift_io::{
-    ReadError,
+    Opened, ReadError,
     imu::ImuSource,
-    table::{Column, Table, TableOptions, header_names},
+    table::{Column, TableOptions},
 };
 use undrift_noise::{BiasModel, ImuModel};
 
@@ -161,7 +161,8 @@ fn load(job: &Job, outcome: &mut FleetOutcome) -> Result<Drive, Failure> {
 
 /// Mean of a table's column of temperatures [°C], if its header names one.
 fn mean_temperature(path: &Path) -> Result<Option<f64>, ReadError> {
-    let header = header_names(path)?;
+    let mut opened = Opened::open(path)?;
+    let header = opened.preview(0)?.header;
     let found = header
         .iter()
         .enumerate()
@@ -176,7 +177,7 @@ fn mean_temperature(path: &Path) -> Result<Option<f64>, ReadError> {
         columns: vec![("temperature".into(), Column::Number(place + 1))],
         ..TableOptions::default()
     };
-    let mut table = Table::open(path, &options)?;
+    let mut table = opened.table(&options)?;
     let (mut sum, mut count, mut row) = (0.0, 0u64, [0.0]);
     while table.next_row(&mut row)?.is_some() {
         sum += row[0];
@@ -295,13 +296,14 @@ fn identify(
     outcome: &mut FleetOutcome,
 ) -> Result<(), Failure> {
     let path = job.path();
-    let header = header_names(&path).unwrap_or_default();
+    let mut opened = Opened::open(&path)?;
+    let header = opened.preview(0).unwrap_or_default().header;
     let unit = header.iter().find_map(|name| match meaning(name) {
         Some((Meaning::Temperature, unit)) => Some(unit),
         _ => None,
     });
     let wanted = settings.detrend == Trend::Temperature || unit.is_some();
-    let record = record::read(&path, &settings.format(wanted))?;
+    let record = record::read(opened, &settings.format(wanted))?;
     if let (None, Some(unit), Some(values)) =
         (outcome.temperature_c, unit, record.temperature.as_ref())
     {

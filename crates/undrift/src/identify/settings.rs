@@ -1,7 +1,6 @@
 //! What a record is identified with.
 
 use crate::{hash, record::Record};
-use std::path::Path;
 use undrift_noise::{
     Provenance,
     identify::Options,
@@ -58,21 +57,16 @@ pub fn options(record: &Record, rate_hz: f64, n_max: usize, trend: Trend) -> Opt
     }
 }
 
-/// Where a model comes from: a record called `name` at a rate \[Hz\], with the hash of its file.
+/// Where a model comes from: a record called `name` at a rate \[Hz\], with the hash of its file, if it is one.
 ///
 /// # Errors
 /// If the file cannot be read.
-pub fn provenance(
-    record: &Record,
-    name: &str,
-    file: Option<&Path>,
-    rate_hz: f64,
-) -> std::io::Result<Provenance> {
+pub fn provenance(record: &Record, name: &str, rate_hz: f64) -> std::io::Result<Provenance> {
     Ok(Provenance {
         record: Some(name.to_owned()),
         rate_hz: Some(rate_hz),
         samples: record.samples.first().map(|s| s.len() as u64),
-        sha256: file.map(hash::of_file).transpose()?,
+        sha256: record.file.as_deref().map(hash::of_file).transpose()?,
         program: Some(format!("undrift {}", env!("CARGO_PKG_VERSION"))),
     })
 }

@@ -1,17 +1,12 @@
 //! What the columns of a table are: by their names, and where they have none by their numbers.
 
 use super::{
-    Line, Part,
     known::{Known, Note},
-    quoted,
+    parts::{Line, Part, quoted},
     units::{self, Force},
 };
 use crate::columns::{FIX_STEP, IMU_STEP, Meaning, meaning, ordinary_step, time_unit};
-use std::path::Path;
-use undrift_io::{
-    ReadError,
-    table::{Preview, preview},
-};
+use undrift_io::{Opened, ReadError, table::Preview};
 
 /// By the names of several columns.
 const NAMES: Known = Known::Name { several: true };
@@ -36,8 +31,8 @@ struct Found {
 }
 
 /// The tables of a drive file that columns can serve.
-pub(super) fn parts(path: &Path, notes: &mut Vec<Note>) -> Result<Vec<Part>, ReadError> {
-    Ok(parts_of(preview(path, ROWS)?, notes))
+pub(super) fn parts(mut opened: Opened, notes: &mut Vec<Note>) -> Result<Vec<Part>, ReadError> {
+    Ok(parts_of(opened.preview(ROWS)?, notes))
 }
 
 /// The same of a table's beginning.

@@ -1,11 +1,10 @@
 //! Reads a part of a file with the keys found for it, as a drive would.
 
 use super::{
-    Line, Measured, Part,
     known::{Content, Known},
-    quoted,
+    parts::{Line, Measured, Part, quoted},
 };
-use crate::drive::{DriveError, Memory, Section, gnss, imu, parse, tables};
+use crate::drive::{DriveError, Logs, Section, gnss, imu, parse, tables};
 use std::path::Path;
 use undrift_io::{
     ReadError,
@@ -27,9 +26,9 @@ const NMEA_VELOCITY_STD: &str = "0.2, 0.2, 20 m/s";
 
 /// Reads the part; what was found, or why not, goes into it. What has to be said is said: the stream
 /// where there are several, the uncertainty that a log does not tell.
-pub(super) fn measure(path: &Path, format: Format, part: &mut Part) {
+pub(super) fn measure(path: &Path, logs: &mut Logs, format: Format, part: &mut Part) {
     loop {
-        let result = read(path, part);
+        let result = read(path, logs, part);
         if let Some(line) = missing(&result, format, part) {
             part.lines.push(line);
             continue;
@@ -75,7 +74,7 @@ fn missing(
     }
 }
 
-fn read(path: &Path, part: &Part) -> Result<(Measured, Option<Line>), DriveError> {
+fn read(path: &Path, logs: &mut Logs, part: &Part) -> Result<(Measured, Option<Line>), DriveError> {
     let mut text = format!(
         "[{}]\nfile = {}\n",
         part.table,
@@ -87,18 +86,17 @@ fn read(path: &Path, part: &Part) -> Result<(Measured, Option<Line>), DriveError
     let parsed = parse(&text, "guessed keys")?;
     let top = Section::top(parsed.get_ref(), &text, "guessed keys");
     let section = top.section(part.table)?;
-    let here = Path::new("");
     match part.table {
         "imu" => {
-            let ((path, format), _) = imu::read_imu(&section, here, None)?;
-            Ok(samples(ImuReader::open(&path, &format)?)?)
+            let ((path, format), _) = imu::read_imu(&section, logs)?;
+            Ok(samples(logs.read(&path, &format)?)?)
         }
         "gnss" => {
-            let (path, source) = gnss::read_gnss(&section, here, None)?;
-            Ok((fixes(source.open(&path, &Memory::new())?)?, None))
+            let (path, source) = gnss::read_gnss(&section, logs)?;
+            Ok((fixes(logs.read(&path, &source)?)?, None))
         }
-        _ => match tables::read_truth(&section, here)? {
-            Some((path, source)) => Ok((poses(source.open(&path, &Memory::new())?)?, None)),
+        _ => match tables::read_truth(&section, logs)? {
+            Some((path, source)) => Ok((poses(logs.read(&path, &source)?)?, None)),
             None => Err(section.error("file", "missing").into()),
         },
     }

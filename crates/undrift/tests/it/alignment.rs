@@ -7,7 +7,8 @@ use undrift::{
     drive::Drive,
     estimator::Estimator,
     io::{
-        table::{Column, Table, TableOptions},
+        Opened,
+        table::{Column, TableOptions},
         write::{SolutionFile, SolutionFormat, SolutionOptions},
     },
     mounting,
@@ -377,7 +378,7 @@ fn heading_error(solution: &Path, reference: &Path, after: f64) -> f64 {
             ],
             ..TableOptions::default()
         };
-        let mut table = Table::open(path, &options).unwrap();
+        let mut table = Opened::open(path).unwrap().table(&options).unwrap();
         let mut rows = Vec::new();
         let mut row = [0.0; 2];
         while table.next_row(&mut row).unwrap().is_some() {

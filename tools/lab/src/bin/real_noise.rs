@@ -6,6 +6,7 @@
 use std::path::Path;
 use undrift::{
     identify,
+    io::Opened,
     nav::sample::ImuSample,
     noise::{
         AxisModel, BiasModel, ImuModel, Instability,
@@ -30,10 +31,8 @@ fn main() -> Result<(), Failure> {
         .ok_or("usage: real_noise FOLDER [DRIVES]")?;
     let drives: usize = arguments.next().map_or(Ok(20), |n| n.parse())?;
     let read = |run: &str| {
-        record::read(
-            &Path::new(&folder).join(format!("{run}.csv.gz")),
-            &RecordFormat::default(),
-        )
+        let path = Path::new(&folder).join(format!("{run}.csv.gz"));
+        record::read(Opened::open(&path)?, &RecordFormat::default())
     };
     let models = models(&read("run2")?)?;
     for run in ["run1", "run4"] {

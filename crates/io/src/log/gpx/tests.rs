@@ -1,18 +1,16 @@
-use std::path::Path;
-
 use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::Position;
 
 use super::{detect, entries, streams};
+use crate::entry::{Fix, Wanted, What};
 use crate::log::receiver::testing::{
     all, cut_at_every_byte, fixes, golden, source_of, table, try_all, whatever_the_source,
 };
-use crate::log::{Fix, Wanted, What};
 use crate::skipped::SkipKind;
 
 /// Some roundings of degrees, metres and seconds of a week.
 const ROUNDING: f64 = 1e-10;
-/// Beginning of GPS week 2374 [s] after the GPS epoch.
+/// Beginning of GPS week 2374 \[s\] after the GPS epoch.
 const WEEK_2374: f64 = 2374.0 * 604_800.0;
 
 fn place(fix: &Fix) -> Geodetic {
@@ -60,7 +58,7 @@ fn points_of_tracks_are_those_that_gpxpy_reads() {
             (fixes[7].time, place(&fixes[7]))
         );
         assert!(pose.v_n.is_none() && pose.rpy.is_none());
-        let found = streams(Path::new("x"), source_of(&golden(file))).unwrap();
+        let found = streams(source_of(&golden(file))).unwrap();
         assert_eq!((found[0].name.as_str(), found[0].messages), ("track", 60));
         assert_eq!(found[0].about, "points of tracks, 56 with a time");
     }

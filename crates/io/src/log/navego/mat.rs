@@ -2,7 +2,6 @@
 //! numbers. After "MAT-File Format", The MathWorks, chapter 1.
 
 use std::io::Read;
-use std::path::Path;
 
 use flate2::read::ZlibDecoder;
 
@@ -116,13 +115,13 @@ pub(super) struct Variables {
 }
 
 impl Variables {
-    pub(super) fn open(path: &Path, mut source: Source) -> Result<Self, ReadError> {
+    pub(super) fn open(mut source: Source) -> Result<Self, ReadError> {
         let mut header = Vec::new();
         let read = source.by_ref().take(HEADER as u64).read_to_end(&mut header);
-        read.map_err(|error| ReadError::new(path, format!("cannot be read: {error}")))?;
-        let resave = |problem| Err(ReadError::new(path, problem).mend("save it with -v7"));
+        read.map_err(|error| ReadError::nameless(format!("cannot be read: {error}")))?;
+        let resave = |problem| Err(ReadError::nameless(problem).mend("save it with -v7"));
         if header.is_empty() {
-            return Err(ReadError::new(path, "is empty"));
+            return Err(ReadError::nameless("is empty"));
         }
         if header.starts_with(HDF5) {
             return resave("is a MATLAB file of version 7.3");

@@ -5,8 +5,8 @@ use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::{FixQuality, Position, TruthSample};
 
 use super::mat::{Numbers, Variable};
-use crate::gnss::{independent, is_a_fix};
-use crate::log::{Entry, Fix, ImuReading, StreamKind, What};
+use crate::entry::{Entry, Fix, ImuReading, StreamKind, What};
+use crate::fix::{independent, is_a_fix, shown};
 use crate::skipped::SkipKind;
 
 impl Numbers {
@@ -237,8 +237,7 @@ fn place_of(place: &[Numbers; 3], index: usize) -> Result<Geodetic, String> {
     if is_a_fix(&place) {
         return Ok(place);
     }
-    let (lat, lon) = (lat.to_degrees(), lon.to_degrees());
-    Err(format!("{lat}°, {lon}°, {height} m"))
+    Err(shown(&place))
 }
 
 /// Roll, pitch and yaw of a matrix from navigation to body axes, column by column.

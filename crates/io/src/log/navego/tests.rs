@@ -1,5 +1,5 @@
 use std::io::{BufReader, Cursor, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 use undrift_nav::sample::Position;
@@ -37,17 +37,18 @@ fn fixes(name: Option<&str>) -> Wanted {
     Wanted::Fixes {
         position: name.map(str::to_owned),
         velocity: None,
+        base: None,
     }
 }
 
 fn all_of(file: &str, wanted: &Wanted) -> Result<Vec<Entry>, ReadError> {
     let path = golden(file);
-    entries(&path, source::open(&path)?, wanted)?.collect()
+    entries(source::open(&path)?, wanted)?.collect()
 }
 
 fn from_bytes(bytes: &[u8], wanted: &Wanted) -> Result<Vec<Entry>, ReadError> {
     let source = Box::new(BufReader::new(Cursor::new(bytes.to_vec())));
-    entries(Path::new("x.mat"), source, wanted)?.collect()
+    entries(source, wanted)?.collect()
 }
 
 /// The numbers of an entry in the order of the golden rows; none of one that was skipped.
@@ -169,7 +170,7 @@ fn vectors_may_be_columns_and_attitudes_matrices() {
 #[test]
 fn variables_are_listed_by_what_they_hold() {
     let path = golden("compressed.mat");
-    let streams = streams(&path, source::open(&path).unwrap()).unwrap();
+    let streams = streams(source::open(&path).unwrap()).unwrap();
     let kinds: Vec<_> = streams
         .iter()
         .map(|s| (s.name.as_str(), s.kind, s.messages))
@@ -210,6 +211,7 @@ fn what_is_not_there_is_said_with_what_there_is() {
     let apart = Wanted::Fixes {
         position: Some("gnss".into()),
         velocity: Some("velocity".into()),
+        base: None,
     };
     assert!(refused("plain.mat", &apart).contains("gnss.velocity_topic"));
     let mut other = std::fs::read(golden("plain.mat")).unwrap();
@@ -242,7 +244,7 @@ fn what_is_no_such_file_is_refused_and_gzip_is_read() {
     let path = std::env::temp_dir().join(format!("undrift-io-mat-{}.gz", std::process::id()));
     std::fs::write(&path, encoder.finish().unwrap()).unwrap();
     let source = source::open(&path).unwrap();
-    assert_eq!(entries(&path, source, &imu(None)).unwrap().count(), 40);
+    assert_eq!(entries(source, &imu(None)).unwrap().count(), 40);
     std::fs::remove_file(&path).unwrap();
 }
 
@@ -269,10 +271,9 @@ fn a_compressed_variable_does_not_fill_the_memory() {
 
 fn read_all(bytes: &[u8]) {
     let open = || Box::new(BufReader::new(Cursor::new(bytes.to_vec())));
-    let path = Path::new("x.mat");
-    let _ = streams(path, open());
+    let _ = streams(open());
     for wanted in [imu(None), fixes(None), Wanted::Poses(None)] {
-        for entry in entries(path, open(), &wanted).into_iter().flatten() {
+        for entry in entries(open(), &wanted).into_iter().flatten() {
             match entry.unwrap().what {
                 What::Imu(s) => assert!(s.time.is_finite() && !s.gyro.x.is_nan()),
                 What::Fix(fix) => assert!(fix.time.is_finite()),

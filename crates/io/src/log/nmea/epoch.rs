@@ -5,7 +5,7 @@ use undrift_nav::sample::{FixQuality, Position};
 use undrift_nav::{Matrix3, Vector3};
 
 use super::sentence::{Sentence, date};
-use crate::log::Fix;
+use crate::entry::Fix;
 use crate::log::receiver::Ready;
 use crate::skipped::SkipKind;
 use crate::time::WeekClock;

@@ -2,7 +2,7 @@
 //! between.
 
 use crate::number;
-use crate::table::shown;
+use crate::skipped::shown;
 use crate::time::whole;
 
 /// Longest sentence that is believed \[bytes\]: the standard has 82, receivers go beyond it.

@@ -1,19 +1,17 @@
-use std::path::Path;
-
 use undrift_nav::Matrix3;
 use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::{FixQuality, Position};
 
 use super::{detect, entries, streams};
+use crate::entry::{Fix, Wanted, What};
 use crate::log::receiver::testing::{
     all, cut_at_every_byte, fixes, flip_every_byte, golden, source_of, table, try_all,
     whatever_the_source,
 };
-use crate::log::{Fix, Wanted, What};
 use crate::skipped::SkipKind;
 
 /// Minutes of the golden sentences have seven decimals, of which the parser of the golden values
-/// keeps as many of degrees: half of 1e-7° [rad].
+/// keeps as many of degrees: half of 1e-7° \[rad\].
 const ANGLE: f64 = 0.9e-9;
 /// Some roundings of times of 6e5 s.
 const TIME: f64 = 1e-9;
@@ -204,17 +202,13 @@ fn dates_of_two_digits_and_impossible_ones() {
 
 #[test]
 fn streams_and_names() {
-    let found = streams(Path::new("x"), source_of(&golden("nmea/drive.nmea"))).unwrap();
+    let found = streams(source_of(&golden("nmea/drive.nmea"))).unwrap();
     assert_eq!(found.len(), 1);
     assert_eq!(found[0].name, "NMEA");
     // 150 epochs of three, four of five with a GST.
     assert_eq!(found[0].about, "GGA 150, GST 120, RMC 150, VTG 150");
     assert_eq!(found[0].messages, 570);
-    assert!(
-        streams(Path::new("x"), source_of(b"t,x\n"))
-            .unwrap()
-            .is_empty()
-    );
+    assert!(streams(source_of(b"t,x\n")).unwrap().is_empty());
     let refused = |wanted: Wanted| {
         try_all(entries, source_of(b""), &wanted)
             .2
@@ -226,6 +220,7 @@ fn streams_and_names() {
     let velocity = Wanted::Fixes {
         position: None,
         velocity: Some("NMEA".into()),
+        base: None,
     };
     assert!(refused(velocity).contains("no stream of velocities"));
     let (poses, _) = all(

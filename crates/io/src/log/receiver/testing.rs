@@ -5,17 +5,18 @@ use std::io::{BufReader, Cursor, Read, Write};
 use std::path::Path;
 
 use crate::ReadError;
-use crate::log::{Entries, Entry, Fix, Wanted, What};
+use crate::entry::{Entries, Entry, Fix, Wanted, What};
 use crate::number;
 use crate::skipped::Skipped;
 use crate::source::{self, Source};
 
 /// A reader's function.
-pub(in crate::log) type Open = fn(&Path, Source, &Wanted) -> Result<Entries, ReadError>;
+pub(in crate::log) type Open = fn(Source, &Wanted) -> Result<Entries, ReadError>;
 
 pub(in crate::log) const FIXES: Wanted = Wanted::Fixes {
     position: None,
     velocity: None,
+    base: None,
 };
 
 fn golden_path(name: &str) -> std::path::PathBuf {
@@ -65,7 +66,7 @@ pub(in crate::log) fn try_all(
     wanted: &Wanted,
 ) -> (Vec<Entry>, Skipped, Option<ReadError>) {
     let (mut entries, mut skipped) = (Vec::new(), Skipped::default());
-    let opened = match open(Path::new("log"), source, wanted) {
+    let opened = match open(source, wanted) {
         Ok(opened) => opened,
         Err(error) => return (entries, skipped, Some(error)),
     };

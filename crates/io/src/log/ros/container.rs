@@ -1,7 +1,6 @@
 //! What bags and MCAP have in common: records, some of which are chunks of records.
 
 use std::ops::Range;
-use std::path::{Path, PathBuf};
 
 use super::bytes::{self, MOST};
 use super::message::Encoding;
@@ -146,7 +145,7 @@ pub(in crate::log) struct Packed {
     pub(in crate::log) method: String,
     /// Where its bytes are in the record.
     pub(in crate::log) bytes: Range<usize>,
-    /// Decompressed [bytes].
+    /// Decompressed \[bytes\].
     pub(in crate::log) size: u64,
     /// CRC-32 of what is decompressed.
     pub(in crate::log) checksum: Option<u32>,
@@ -154,7 +153,6 @@ pub(in crate::log) struct Packed {
 
 /// A container and where it is read.
 pub(in crate::log) struct Container {
-    path: PathBuf,
     file: File,
     layout: Box<dyn Layout>,
 }
@@ -162,7 +160,6 @@ pub(in crate::log) struct Container {
 impl Container {
     /// Begins after the magic bytes; without them the bytes that are there instead are an error.
     pub(in crate::log) fn open(
-        path: &Path,
         mut source: Source,
         magic: &[u8],
         layout: impl Layout + 'static,
@@ -173,7 +170,6 @@ impl Container {
             return Err(raw);
         }
         Ok(Self {
-            path: path.to_path_buf(),
             file: File {
                 source,
                 raw,
@@ -226,11 +222,11 @@ impl Container {
                 }
                 Err(Stop::Method(method)) => {
                     let problem = format!("a chunk is compressed by {method:?}");
-                    return Err(ReadError::new(&self.path, problem)
+                    return Err(ReadError::nameless(problem)
                         .mend(format!("{} can be read", self.layout.methods())));
                 }
                 Err(Stop::Encrypted) => {
-                    return Err(ReadError::new(&self.path, "the file is encrypted"));
+                    return Err(ReadError::nameless("the file is encrypted"));
                 }
             }
         }

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use undrift_nav::sample::FixQuality;
 
-use crate::log::Fix;
+use crate::entry::Fix;
 
 /// Fixes that wait for their other half or an earlier one: recordings are in the order of receipt,
 /// which differs by a message or two.

@@ -8,7 +8,8 @@ use undrift_nav::sample::{FixQuality, Position};
 use undrift_nav::{Matrix3, Vector3};
 
 use crate::ReadError;
-use crate::log::{Entries, Entry, Fix, ImuReading, Stream, StreamKind, Wanted, What, bag, mcap};
+use crate::entry::{Entries, Entry, Fix, ImuReading, Stream, StreamKind, Wanted, What};
+use crate::log::{bag, mcap};
 use crate::skipped::SkipKind;
 use crate::source::{self, Source};
 
@@ -30,11 +31,10 @@ fn golden(name: &str) -> PathBuf {
 }
 
 fn entries(name: &str, source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
-    let path = golden(name);
     if name.ends_with(".bag") {
-        bag::entries(&path, source, wanted)
+        bag::entries(source, wanted)
     } else {
-        mcap::entries(&path, source, wanted)
+        mcap::entries(source, wanted)
     }
 }
 
@@ -46,9 +46,9 @@ fn streams(name: &str) -> Vec<Stream> {
     let path = golden(name);
     let source = source::open(&path).unwrap();
     if name.ends_with(".bag") {
-        bag::streams(&path, source).unwrap()
+        bag::streams(source).unwrap()
     } else {
-        mcap::streams(&path, source).unwrap()
+        mcap::streams(source).unwrap()
     }
 }
 
@@ -56,6 +56,7 @@ fn fixes(position: Option<&str>, velocity: Option<&str>) -> Wanted {
     Wanted::Fixes {
         position: position.map(str::to_owned),
         velocity: velocity.map(str::to_owned),
+        base: None,
     }
 }
 
@@ -392,10 +393,9 @@ fn formats_are_known_by_their_start() {
         assert_eq!(bag::detect(&bytes), name.ends_with(".bag"));
         assert_eq!(mcap::detect(&bytes), name.ends_with(".mcap"));
     }
-    let path = PathBuf::from("old.bag");
     let old = Box::new(std::io::Cursor::new(b"#ROSBAG V1.2\nxxxxxxx".to_vec()));
-    let error = bag::streams(&path, old).unwrap_err();
+    let error = bag::streams(old).unwrap_err();
     assert!(error.problem.contains("version"), "{error}");
     let none = Box::new(std::io::Cursor::new(b"text".to_vec()));
-    assert!(mcap::streams(&path, none).is_err());
+    assert!(mcap::streams(none).is_err());
 }

@@ -1,11 +1,10 @@
 //! The topics of a recording, and which of them is meant.
 
 use std::collections::HashMap;
-use std::path::Path;
 
 use super::message::{Encoding, Type};
 use crate::ReadError;
-use crate::log::{Stream, StreamKind};
+use crate::entry::{Stream, StreamKind};
 
 /// A topic with messages of one type.
 #[derive(Debug)]
@@ -176,12 +175,7 @@ impl Choice {
     ///
     /// # Errors
     /// If several topics could be meant, or none was there that has to be.
-    pub(super) fn verdict(
-        &self,
-        path: &Path,
-        topics: &Topics,
-        required: bool,
-    ) -> Result<(), ReadError> {
+    pub(super) fn verdict(&self, topics: &Topics, required: bool) -> Result<(), ReadError> {
         let what = match self.kind {
             StreamKind::Imu => "of sensor_msgs/Imu",
             StreamKind::Fixes => "of sensor_msgs/NavSatFix",
@@ -193,7 +187,7 @@ impl Choice {
             (None, None) if required => format!("no messages {what}"),
             _ => return Ok(()),
         };
-        Err(ReadError::new(path, problem)
+        Err(ReadError::nameless(problem)
             .key(self.key)
             .mend(topics.offer(self.kind)))
     }
@@ -216,8 +210,7 @@ mod tests {
             assert!(choice.takes(index, topic));
         }
         // A topic that is declared but has no messages is not in the way.
-        let path = Path::new("a.bag");
-        assert!(choice.verdict(path, &topics, true).is_ok());
+        assert!(choice.verdict(&topics, true).is_ok());
         let (index, topic, _) = topics.count(8).unwrap();
         assert!(!choice.takes(index, topic) && choice.is_ambiguous());
         assert!(topics.count(9).is_none());

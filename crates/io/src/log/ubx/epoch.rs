@@ -13,7 +13,7 @@ use undrift_nav::sample::{FixQuality, Position};
 use undrift_nav::{Matrix3, Vector3};
 
 use super::bytes::{i1, i4, r4, u1, u4};
-use crate::log::Fix;
+use crate::entry::Fix;
 use crate::log::receiver::Ready;
 use crate::skipped::SkipKind;
 

@@ -1,15 +1,13 @@
-use std::path::Path;
-
 use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::{FixQuality, Position};
 use undrift_nav::{Matrix3, Vector3};
 
 use super::{detect, entries, streams};
+use crate::entry::{Fix, ImuReading, StreamKind, Wanted, What};
 use crate::log::receiver::testing::{
     all, cut_at_every_byte, fixes, flip_every_byte, golden, source_of, table, try_all,
     whatever_the_source,
 };
-use crate::log::{Fix, ImuReading, StreamKind, Wanted, What};
 use crate::skipped::SkipKind;
 
 /// Some roundings of numbers of degrees and metres.
@@ -113,7 +111,7 @@ fn the_messages_of_an_epoch_are_one_fix() {
 #[test]
 fn streams_by_name_count_what_pyubx2_counts() {
     for file in ["drive.ubx", "old.ubx"] {
-        let found = streams(Path::new(file), source_of(&golden(&format!("ubx/{file}")))).unwrap();
+        let found = streams(source_of(&golden(&format!("ubx/{file}")))).unwrap();
         let text = String::from_utf8(golden("ubx/messages.csv")).unwrap();
         let expected: Vec<(String, u64)> = text
             .lines()
@@ -127,7 +125,7 @@ fn streams_by_name_count_what_pyubx2_counts() {
             assert_eq!(stream.messages, count, "{name}");
         }
     }
-    let found = streams(Path::new("x"), source_of(&golden("ubx/drive.ubx"))).unwrap();
+    let found = streams(source_of(&golden("ubx/drive.ubx"))).unwrap();
     let kind = |name: &str| {
         found
             .iter()
@@ -263,6 +261,7 @@ fn receivers_before_nav_pvt_and_names_of_messages() {
     let wanted = Wanted::Fixes {
         position: Some("NAV-PVT".into()),
         velocity: Some("NAV-VELNED".into()),
+        base: None,
     };
     let (entries, _) = all(entries, &golden("ubx/drive.ubx"), &wanted);
     let What::Fix(fix) = entries[0].what else {

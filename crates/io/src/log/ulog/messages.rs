@@ -1,7 +1,6 @@
 //! The messages of a ULog stream one after another.
 
 use std::io::{self, BufRead, Read};
-use std::path::Path;
 
 use crate::ReadError;
 use crate::source::Source;
@@ -38,15 +37,15 @@ pub(super) struct Messages {
 
 impl Messages {
     /// Reads the header of the file.
-    pub(super) fn open(path: &Path, mut source: Source) -> Result<Self, ReadError> {
+    pub(super) fn open(mut source: Source) -> Result<Self, ReadError> {
         let mut header = [0; HEADER];
         let read = fill(&mut source, &mut header)
-            .map_err(|error| ReadError::new(path, format!("cannot be read: {error}")))?;
+            .map_err(|error| ReadError::nameless(format!("cannot be read: {error}")))?;
         if read == 0 {
-            return Err(ReadError::new(path, "is empty"));
+            return Err(ReadError::nameless("is empty"));
         }
         if read < HEADER || !header.starts_with(&MAGIC) {
-            return Err(ReadError::new(path, "is no ULog file"));
+            return Err(ReadError::nameless("is no ULog file"));
         }
         Ok(Self {
             source,

@@ -1,16 +1,15 @@
 //! Reads one stream of a ULog.
 
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
 
 use undrift_nav::Vector3;
 
 use super::layout::{Formats, Layout};
 use super::messages::{Messages, Step};
+use super::subscriptions::{NAMES_SHOWN, appended, data, listing, subscription, topic_of};
 use super::topics::Reading;
-use super::{NAMES_SHOWN, appended, data, listing, subscription, topic_of};
 use crate::ReadError;
-use crate::log::{Entry, Stream, StreamKind, What};
+use crate::entry::{Entry, Stream, StreamKind, What};
 use crate::skipped::SkipKind;
 
 /// Intervals after which it is judged whether a stream is thinned.
@@ -51,7 +50,6 @@ struct Subscribed {
 
 /// The entries of one stream.
 pub(super) struct Reader {
-    path: PathBuf,
     messages: Messages,
     formats: Formats,
     subscribed: HashMap<u16, Subscribed>,
@@ -70,15 +68,8 @@ pub(super) struct Reader {
 
 impl Reader {
     /// `poses` tells whether velocities are wanted beside positions; `key` asked for the stream.
-    pub(super) fn new(
-        path: &Path,
-        messages: Messages,
-        wanted: String,
-        key: &'static str,
-        poses: bool,
-    ) -> Self {
+    pub(super) fn new(messages: Messages, wanted: String, key: &'static str, poses: bool) -> Self {
         Self {
-            path: path.to_path_buf(),
             messages,
             formats: Formats::default(),
             subscribed: HashMap::new(),
@@ -108,14 +99,14 @@ impl Reader {
             };
             let what = match kind {
                 b'B' => {
-                    let offsets = appended(&self.path, self.messages.body())?;
+                    let offsets = appended(self.messages.body())?;
                     self.messages.set_appended(offsets.into_iter());
                     None
                 }
                 b'F' => {
                     let text = self.messages.body();
                     let refused = !self.formats.define(text);
-                    let shown = || crate::table::shown(text);
+                    let shown = || crate::skipped::shown(text);
                     refused.then(|| What::Skipped(SkipKind::Text, format!("format {}", shown())))
                 }
                 b'A' => {
@@ -144,7 +135,7 @@ impl Reader {
         let topic = topic_of(&name).to_owned();
         let local = self.poses && name == "vehicle_local_position.0";
         if name == self.wanted || local {
-            let error = |problem| ReadError::new(&self.path, problem).key(self.key);
+            let error = |problem| ReadError::nameless(problem).key(self.key);
             let layout = self
                 .formats
                 .layout(&topic)
@@ -211,7 +202,7 @@ impl Reader {
     fn check_end(&self) -> Result<(), ReadError> {
         if !self.given {
             let problem = format!("no message of {}", self.wanted);
-            return Err(ReadError::new(&self.path, problem)
+            return Err(ReadError::nameless(problem)
                 .key(self.key)
                 .mend(listing(&self.there)));
         }
@@ -226,7 +217,7 @@ impl Reader {
             "{} was logged thinned: the samples do not join",
             self.wanted
         );
-        ReadError::new(&self.path, problem)
+        ReadError::nameless(problem)
             .key(self.key)
             .mend("take a topic that was logged in full, or set SDLOG_PROFILE to high rate")
     }

@@ -1,12 +1,13 @@
 use std::io::{BufReader, Cursor, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 use undrift_nav::sample::{FixQuality, Position};
 
 use super::*;
-use crate::log::{Entry, What};
+use crate::entry::{Entry, What};
 use crate::skipped::SkipKind;
+use crate::source;
 
 fn golden(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -36,17 +37,19 @@ fn fixes(name: Option<&str>) -> Wanted {
     Wanted::Fixes {
         position: name.map(str::to_owned),
         velocity: None,
+        base: None,
     }
 }
 
 fn all_of(log: &str, wanted: &Wanted) -> Result<Vec<Entry>, ReadError> {
     let path = golden(&format!("{log}.ulg"));
-    entries(&path, source::open(&path)?, wanted)?.collect()
+    entries(source::open(&path)?, &|| source::open(&path), wanted)?.collect()
 }
 
 fn from_bytes(bytes: &[u8], wanted: &Wanted) -> Result<Vec<Entry>, ReadError> {
     let source = Box::new(BufReader::new(Cursor::new(bytes.to_vec())));
-    entries(&golden("flight.ulg"), source, wanted)?.collect()
+    let again = || source::open(&golden("flight.ulg"));
+    entries(source, &again, wanted)?.collect()
 }
 
 /// A few roundings of double numbers between pyulog's way and ours.
@@ -75,7 +78,7 @@ fn skips(entries: &[Entry]) -> Vec<(SkipKind, &str)> {
 fn streams_and_their_numbers_are_those_of_pyulog() {
     for log in ["flight", "old"] {
         let path = golden(&format!("{log}.ulg"));
-        let streams = streams(&path, source::open(&path).unwrap()).unwrap();
+        let streams = streams(source::open(&path).unwrap()).unwrap();
         let counted = &expected(log)["streams"];
         for stream in streams.iter().filter(|stream| stream.name != "nested.0") {
             assert_eq!(counted[&stream.name], stream.messages, "{}", stream.name);
@@ -190,6 +193,7 @@ fn what_is_not_there_is_said_with_what_there_is() {
     let apart = Wanted::Fixes {
         position: Some("sensor_gps".into()),
         velocity: Some("vehicle_gps_position".into()),
+        base: None,
     };
     assert!(refused(&apart).contains("gnss.velocity_topic"));
     let flags = [&[0; 8][..], &[2], &[0; 31]].concat();
@@ -243,8 +247,8 @@ fn damage_is_passed_over_to_the_next_synchronisation() {
 /// Reads everything in every way; nothing may panic, and no number may be not finite.
 fn read_all(bytes: &[u8]) {
     let open = || Box::new(BufReader::new(Cursor::new(bytes.to_vec())));
-    let path = golden("flight.ulg");
-    let _ = streams(&path, open());
+    let again = || source::open(&golden("flight.ulg"));
+    let _ = streams(open());
     let ways = [
         imu(Some("vehicle_imu")),
         imu(Some("sensor_combined")),
@@ -253,7 +257,7 @@ fn read_all(bytes: &[u8]) {
         Wanted::Poses(Some("vehicle_global_position".into())),
     ];
     for wanted in &ways {
-        let Ok(entries) = entries(&path, open(), wanted) else {
+        let Ok(entries) = entries(open(), &again, wanted) else {
             continue;
         };
         for entry in entries.flatten() {
@@ -302,7 +306,12 @@ fn what_is_no_log_is_refused_and_gzip_is_read() {
     encoder.write_all(&bytes).unwrap();
     let path = std::env::temp_dir().join(format!("undrift-io-ulog-{}.gz", std::process::id()));
     std::fs::write(&path, encoder.finish().unwrap()).unwrap();
-    let entries = entries(&path, source::open(&path).unwrap(), &imu(None)).unwrap();
+    let entries = entries(
+        source::open(&path).unwrap(),
+        &|| source::open(&path),
+        &imu(None),
+    )
+    .unwrap();
     assert_eq!(entries.filter_map(Result::ok).count(), 40);
     std::fs::remove_file(&path).unwrap();
 }

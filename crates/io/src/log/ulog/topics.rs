@@ -5,8 +5,8 @@ use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::{FixQuality, Position, TruthSample};
 
 use super::layout::{Layout, Place};
-use crate::gnss::{independent, is_a_fix};
-use crate::log::{Fix, ImuReading, StreamKind, What};
+use crate::entry::{Fix, ImuReading, StreamKind, What};
+use crate::fix::{independent, is_a_fix};
 use crate::skipped::SkipKind;
 
 /// What an accelerometer's relative time is when it gave nothing (2³¹ − 1).

@@ -4,8 +4,9 @@ use std::path::PathBuf;
 use undrift_nav::sample::{FixQuality, Position};
 
 use super::*;
+use crate::Opened;
 use crate::format::Format;
-use crate::log::{Log, StreamKind, Wanted, What, streams};
+use crate::log::{StreamKind, Wanted, What};
 
 fn row(time: f64) -> SolutionRow {
     SolutionRow {
@@ -38,8 +39,12 @@ fn what_is_written_is_read_again() {
     let wanted = Wanted::Fixes {
         position: None,
         velocity: None,
+        base: None,
     };
-    let mut log = Log::open(&path, Format::Mcap, &wanted).unwrap();
+    let mut log = Opened::open(&path)
+        .unwrap()
+        .log(Format::Mcap, &wanted)
+        .unwrap();
     for k in 0..500 {
         let What::Fix(fix) = log.next().unwrap().unwrap().what else {
             panic!("no fix")
@@ -60,7 +65,9 @@ fn what_is_written_is_read_again() {
     assert!(log.next().unwrap().is_none());
     assert!(log.skipped().is_empty());
 
-    let topics: Vec<_> = streams(&path, Format::Mcap)
+    let topics: Vec<_> = Opened::open(&path)
+        .unwrap()
+        .streams(Format::Mcap)
         .unwrap()
         .into_iter()
         .map(|stream| (stream.name, stream.kind, stream.messages))
@@ -75,7 +82,10 @@ fn what_is_written_is_read_again() {
         ]
     );
     // The attitude alone is no inertial sample.
-    let mut log = Log::open(&path, Format::Mcap, &Wanted::Imu(None)).unwrap();
+    let mut log = Opened::open(&path)
+        .unwrap()
+        .log(Format::Mcap, &Wanted::Imu(None))
+        .unwrap();
     assert!(log.next().unwrap().is_none());
     assert_eq!(log.skipped().total(), 500);
     std::fs::remove_file(&path).unwrap();

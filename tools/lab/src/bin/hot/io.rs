@@ -2,8 +2,9 @@
 
 use std::{fmt::Write as _, hint::black_box, io::Cursor, path::Path};
 use undrift::io::{
+    Opened,
     imu::{ImuFormat, ImuReader},
-    table::{Column, Table, TableOptions},
+    table::{Column, TableOptions},
     write::solution::{SolutionRow, SolutionWriter},
 };
 use undrift::nav::{Vector3, earth::Geodetic};
@@ -40,7 +41,7 @@ fn table(text: &str) -> Result<(), Box<dyn std::error::Error>> {
         ..TableOptions::default()
     };
     let source = Box::new(Cursor::new(text.as_bytes().to_vec()));
-    let mut table = Table::from_source(Path::new("hot.csv"), source, &options)?;
+    let mut table = Opened::stream(Path::new("hot.csv"), source)?.table(&options)?;
     let mut row = [0.0; 7];
     while table.next_row(&mut row)?.is_some() {
         black_box(&row);
@@ -52,7 +53,7 @@ fn imu(text: &str) -> Result<(), Box<dyn std::error::Error>> {
     let n = Column::Number;
     let format = ImuFormat::new(Some(n(1)), [n(2), n(3), n(4)], [n(5), n(6), n(7)]);
     let source = Box::new(Cursor::new(text.as_bytes().to_vec()));
-    for sample in ImuReader::from_source(Path::new("hot.csv"), source, &format)? {
+    for sample in ImuReader::new(Opened::stream(Path::new("hot.csv"), source)?, &format)? {
         black_box(sample?);
     }
     Ok(())

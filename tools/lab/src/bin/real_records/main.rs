@@ -11,6 +11,7 @@ mod tables;
 use std::path::Path;
 use undrift::{
     identify::{self, Identified},
+    io::Opened,
     noise::{
         ImuModel,
         allan::{self, DeviationKind, Grid},
@@ -192,7 +193,7 @@ fn main() -> Result<(), Failure> {
     let mut runs = Vec::new();
     for name in ["run1", "run2", "run4"] {
         let path = Path::new(&folder).join(format!("{name}.csv.gz"));
-        let mut record = record::read(&path, &RecordFormat::default())?;
+        let mut record = record::read(Opened::open(&path)?, &RecordFormat::default())?;
         record
             .samples
             .iter_mut()

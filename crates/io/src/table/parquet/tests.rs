@@ -1,7 +1,11 @@
 use serde_json::Value;
 
+use std::path::{Path, PathBuf};
+
 use super::*;
-use crate::table::Column;
+use crate::Opened;
+use crate::skipped::SkipKind;
+use crate::table::{Table, is_parquet};
 
 fn golden(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -26,14 +30,18 @@ fn options(names: &[&str], keep_not_finite: bool) -> TableOptions {
     }
 }
 
-fn rows(path: &Path, options: &TableOptions) -> Result<(Vec<Vec<f64>>, ParquetTable), ReadError> {
-    let mut table = ParquetTable::open(path, options)?;
+fn rows(path: &Path, options: &TableOptions) -> Result<(Vec<Vec<f64>>, Table), ReadError> {
+    let mut table = Opened::open(path)?.table(options)?;
     let mut row = vec![0.0; options.columns.len()];
     let mut rows = Vec::new();
     while table.next_row(&mut row)?.is_some() {
         rows.push(row.clone());
     }
     Ok((rows, table))
+}
+
+fn column_names(path: &Path) -> Result<Vec<String>, ReadError> {
+    Ok(Opened::open(path)?.preview(0)?.names)
 }
 
 fn temporary(name: &str, bytes: &[u8]) -> PathBuf {
@@ -87,7 +95,10 @@ fn every_compression_and_encoding_is_read() {
 #[test]
 fn null_is_an_empty_field_and_rows_are_numbered() {
     let wanted = options(&["time", "holes", "nan"], false);
-    let mut table = ParquetTable::open(&golden("types.parquet"), &wanted).unwrap();
+    let mut table = Opened::open(&golden("types.parquet"))
+        .unwrap()
+        .table(&wanted)
+        .unwrap();
     let (mut row, mut numbers) = ([0.0; 3], Vec::new());
     while let Some(number) = table.next_row(&mut row).unwrap() {
         assert!(near(row[0], 100.0 + 0.25 * (number - 1) as f64));
@@ -135,8 +146,8 @@ fn what_cannot_be_read_is_said_with_its_key() {
             encoder.finish().unwrap(),
             "is compressed as a whole; decompress it",
         ),
-        ("empty", Vec::new(), "is empty"),
-        ("text", b"time,gyro".to_vec(), "is no Parquet file"),
+        ("empty", Vec::new(), "no row of data"),
+        ("text", b"time,gyro".to_vec(), "no row of data"),
         ("cut", bytes[..bytes.len() - 1].to_vec(), "that can be read"),
     ] {
         let path = temporary(name, &bytes);

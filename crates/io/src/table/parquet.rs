@@ -1,5 +1,5 @@
-//! Tables in Apache Parquet, read as [`crate::table::Table`] reads delimited text: the wanted columns
-//! as numbers, row by row. One batch of rows is held at a time.
+//! Tables in Apache Parquet: the wanted columns as numbers, row by row. One batch of rows is held at a
+//! time.
 //!
 //! Columns are the leaves of the schema; those of a group are called `group.leaf`. Integers, floats,
 //! doubles and booleans are read. A timestamp, date or time is the number that is stored, in its own
@@ -13,45 +13,77 @@ mod tests;
 use std::fs::File;
 use std::io::Read;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use parquet::basic::{ConvertedType, LogicalType, Type};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::DataType;
 use parquet::errors::ParquetError;
 use parquet::file::metadata::ColumnChunkMetaData;
-use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::file::reader::{ChunkReader, FileReader, Length, SerializedFileReader};
 use parquet::schema::types::ColumnDescriptor;
 
+use super::fields::Defect;
+use super::header::places;
+use super::wanted::{Column, Preview, Step, TableOptions};
 use crate::ReadError;
-use crate::skipped::{SkipKind, Skipped};
-use crate::table::{Column, Defect, Preview, TableOptions, is_parquet, no_rows, places};
 
-/// First and last bytes of a file.
-const MAGIC: &[u8] = b"PAR1";
-const GZIP_MAGIC: &[u8] = &[0x1f, 0x8b];
 /// Rows that are read at once.
 const BATCH: usize = 4096;
 
-/// Names of the columns in their order.
-///
-/// # Errors
-/// If the file cannot be opened or is no Parquet.
-pub fn column_names(path: &Path) -> Result<Vec<String>, ReadError> {
-    Ok(names(&open(path)?))
+/// The whole of a table: Parquet is read from its end. Clones share it.
+#[derive(Clone)]
+pub(crate) enum Bytes {
+    File(Arc<File>),
+    Memory(bytes::Bytes),
+}
+
+impl Length for Bytes {
+    fn len(&self) -> u64 {
+        match self {
+            Self::File(file) => Length::len(file.as_ref()),
+            Self::Memory(bytes) => bytes.len() as u64,
+        }
+    }
+}
+
+impl ChunkReader for Bytes {
+    type T = Box<dyn Read>;
+
+    fn get_read(&self, start: u64) -> Result<Self::T, ParquetError> {
+        Ok(match self {
+            Self::File(file) => Box::new(file.get_read(start)?),
+            Self::Memory(bytes) => Box::new(bytes.get_read(start)?),
+        })
+    }
+
+    fn get_bytes(&self, start: u64, length: usize) -> Result<bytes::Bytes, ParquetError> {
+        match self {
+            Self::File(file) => file.get_bytes(start, length),
+            Self::Memory(bytes) => bytes.get_bytes(start, length),
+        }
+    }
 }
 
 /// The names of the columns and up to `rows` rows of those with numbers, NaN in the others.
 ///
 /// # Errors
-/// If the file cannot be opened, is no Parquet, or has no usable row.
-pub(crate) fn preview(path: &Path, rows: usize) -> Result<Preview, ReadError> {
-    let reader = open(path)?;
+/// If the file is no Parquet, or has no usable row.
+pub(super) fn preview(bytes: Bytes, rows: usize) -> Result<Preview, ReadError> {
+    let reader = open(bytes.clone())?;
     let names = names(&reader);
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
     let numbers: Vec<usize> = (0..names.len())
         .filter(|&index| conversion(&schema.column(index)).is_ok())
         .collect();
+    let mut preview = Preview {
+        header: names.clone(),
+        names,
+        rows: Vec::new(),
+    };
+    if rows == 0 || numbers.is_empty() {
+        return Ok(preview);
+    }
     let options = TableOptions {
         columns: numbers
             .iter()
@@ -60,16 +92,14 @@ pub(crate) fn preview(path: &Path, rows: usize) -> Result<Preview, ReadError> {
         keep_not_finite: true,
         ..TableOptions::default()
     };
-    let mut table = ParquetTable::open(path, &options)?;
+    let mut table = ParquetTable::new(bytes, &options)?;
     let mut row = vec![f64::NAN; numbers.len()];
-    let mut preview = Preview {
-        names,
-        rows: Vec::new(),
-    };
-    while preview.rows.len() < rows && table.next_row(&mut row)?.is_some() {
+    while preview.rows.len() < rows
+        && let Step::Row(_, read) = table.step(true, &mut row)
+    {
         let mut whole = vec![f64::NAN; preview.names.len()];
         for (index, value) in numbers.iter().zip(&row) {
-            if let Some(place) = whole.get_mut(*index) {
+            if let (Some(place), Ok(())) = (whole.get_mut(*index), &read) {
                 *place = *value;
             }
         }
@@ -79,21 +109,17 @@ pub(crate) fn preview(path: &Path, rows: usize) -> Result<Preview, ReadError> {
 }
 
 /// Reads the wanted columns of a Parquet file row by row.
-pub struct ParquetTable {
-    path: PathBuf,
-    reader: SerializedFileReader<File>,
+pub(super) struct ParquetTable {
+    bytes: Bytes,
+    reader: SerializedFileReader<Bytes>,
     /// The next row group.
     group: usize,
     columns: Vec<Wanted>,
     /// Rows of the batch, and how many of them have been handed out.
     rows: usize,
     given: usize,
-    width: usize,
-    keep_not_finite: bool,
-    rows_read: u64,
-    rows_seen: u64,
+    seen: u64,
     finished: bool,
-    skipped: Skipped,
 }
 
 /// A wanted column.
@@ -110,104 +136,71 @@ struct Wanted {
 }
 
 impl ParquetTable {
-    /// Opens a file and finds the wanted columns; the delimiter of the options does not matter.
+    /// Finds the wanted columns; the delimiter of the options does not matter.
     ///
     /// # Errors
-    /// If the file cannot be opened, is no Parquet or compressed as a whole, or lacks a wanted column,
-    /// or that holds no numbers.
-    pub fn open(path: &Path, options: &TableOptions) -> Result<Self, ReadError> {
-        let reader = open(path)?;
+    /// If it is no Parquet, or lacks a wanted column, or that holds no numbers.
+    pub(super) fn new(bytes: Bytes, options: &TableOptions) -> Result<Self, ReadError> {
+        let reader = open(bytes.clone())?;
         let schema = reader.metadata().file_metadata().schema_descr_ptr();
         let names = names(&reader);
         let mut columns = Vec::new();
-        for (index, slot) in places(path, &names, options)? {
+        for (index, slot) in places(&names, options)? {
             let key = options.columns.get(slot).map_or("", |(key, _)| key);
             let problem = |what: &str| {
                 let name = names.get(index).map_or("", String::as_str);
-                ReadError::new(path, format!("column \"{name}\" holds {what}")).key(key)
+                ReadError::nameless(format!("column \"{name}\" holds {what}")).key(key)
             };
             let (scale, unsigned) = conversion(&schema.column(index)).map_err(problem)?;
-            let deepest = schema.column(index).max_def_level();
             columns.push(Wanted {
                 index,
                 slot,
                 scale,
                 unsigned,
-                deepest,
+                deepest: schema.column(index).max_def_level(),
                 reader: None,
                 batch: Vec::new(),
             });
         }
         Ok(Self {
-            path: path.to_path_buf(),
+            bytes,
             reader,
             group: 0,
             columns,
             rows: 0,
             given: 0,
-            width: options.columns.len(),
-            keep_not_finite: options.keep_not_finite,
-            rows_read: 0,
-            rows_seen: 0,
+            seen: 0,
             finished: false,
-            skipped: Skipped::default(),
         })
     }
 
-    /// Reads the next usable row into `out`, in the order of the wanted columns, and gives its
-    /// number, the first is 1; `None` at the end.
-    ///
-    /// # Errors
-    /// If the file ends without one usable row, or `out` has another length than there are wanted
-    /// columns.
-    pub fn next_row(&mut self, out: &mut [f64]) -> Result<Option<u64>, ReadError> {
-        if out.len() != self.width {
-            let problem = format!("{} places for {} columns", out.len(), self.width);
-            return Err(ReadError::new(&self.path, problem));
-        }
-        while !self.finished {
-            if self.given == self.rows && !self.next_batch()? {
-                break;
-            }
-            let row = self.given;
-            self.given += 1;
-            self.rows_seen += 1;
-            match self.read(row, out) {
-                Ok(()) => {
-                    self.rows_read += 1;
-                    return Ok(Some(self.rows_seen));
+    /// Reads the next row into `out`, in the order of the wanted columns; its number, the first is 1. What is
+    /// damaged ends the table.
+    pub(super) fn step(&mut self, keep: bool, out: &mut [f64]) -> Step {
+        if self.given == self.rows && !self.finished {
+            match guarded(|| self.fill()) {
+                Ok(0) => self.finished = true,
+                Ok(rows) => (self.rows, self.given) = (rows, 0),
+                Err(error) => {
+                    self.finished = true;
+                    return Step::End(Some((self.seen, error.to_string())));
                 }
-                Err(defect) => self.skipped.add(defect.kind(), self.rows_seen, &defect),
             }
         }
-        Ok(None)
+        if self.finished {
+            return Step::End(None);
+        }
+        self.given += 1;
+        self.seen += 1;
+        Step::Row(self.seen, self.read(self.given - 1, keep, out))
     }
 
-    /// What was left out so far.
-    pub fn skipped(&self) -> &Skipped {
-        &self.skipped
-    }
-
-    /// The file as it was given.
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
-    /// Rows met so far, the skipped ones included.
-    pub fn rows_seen(&self) -> u64 {
-        self.rows_seen
-    }
-
-    pub(crate) fn skipped_mut(&mut self) -> &mut Skipped {
-        &mut self.skipped
-    }
-
-    fn read(&self, row: usize, out: &mut [f64]) -> Result<(), Defect> {
+    fn read(&self, row: usize, keep: bool, out: &mut [f64]) -> Result<(), Defect> {
         for wanted in &self.columns {
             let value = match wanted.batch.get(row).copied().flatten() {
-                Some(value) if value.is_finite() || self.keep_not_finite => value,
+                Some(value) if value.is_finite() || keep => value,
                 Some(value) => return Err(Defect::NotFinite(value)),
-                None if self.keep_not_finite => f64::NAN,
+                None if keep => f64::NAN,
                 None => {
                     let column = wanted.index + 1;
                     return Err(Defect::Empty { column });
@@ -218,26 +211,6 @@ impl ParquetTable {
             }
         }
         Ok(())
-    }
-
-    /// Reads the next batch; false at the end. What is damaged ends the table, counted.
-    fn next_batch(&mut self) -> Result<bool, ReadError> {
-        let failure = match guarded(|| self.fill()) {
-            Ok(0) => None,
-            Ok(rows) => {
-                (self.rows, self.given) = (rows, 0);
-                return Ok(true);
-            }
-            Err(error) => Some(error),
-        };
-        self.finished = true;
-        if let Some(error) = failure {
-            self.skipped.add(SkipKind::EndsEarly, self.rows_seen, error);
-        }
-        if self.rows_read > 0 {
-            return Ok(false);
-        }
-        Err(no_rows(&self.path, self.rows_seen, &self.skipped))
     }
 
     /// Reads a batch of every column; the number of rows, 0 at the end.
@@ -260,10 +233,9 @@ impl ParquetTable {
             }
             let group = self.reader.get_row_group(self.group)?;
             self.group += 1;
-            let mut file = File::open(&self.path)?;
             for wanted in &mut self.columns {
                 let (start, length) = group.metadata().column(wanted.index).byte_range();
-                if !headers::pages_are_sound(&mut file, start, start.saturating_add(length))? {
+                if !headers::pages_are_sound(&self.bytes, start, start.saturating_add(length))? {
                     let problem = "a header of a page is damaged".to_owned();
                     return Err(ParquetError::General(problem));
                 }
@@ -330,38 +302,20 @@ fn read<T: DataType>(
     Ok(())
 }
 
-fn open(path: &Path) -> Result<SerializedFileReader<File>, ReadError> {
-    let failed = |problem: String| ReadError::new(path, problem);
-    // For the messages of a file that cannot be opened.
-    drop(crate::source::open(path)?);
-    let mut file = File::open(path).map_err(|error| failed(format!("cannot be read: {error}")))?;
-    let mut start = Vec::new();
-    file.by_ref()
-        .take(MAGIC.len() as u64)
-        .read_to_end(&mut start)
-        .map_err(|error| failed(format!("cannot be read: {error}")))?;
-    if start.is_empty() {
-        return Err(failed("is empty".into()));
-    }
-    if start.starts_with(GZIP_MAGIC) {
-        return Err(failed("is compressed as a whole".into())
-            .mend("decompress it: Parquet is read from its end, and compressed inside"));
-    }
-    if !is_parquet(&start) {
-        return Err(failed("is no Parquet file".into()));
-    }
-    let length = file.metadata().map_or(0, |metadata| metadata.len());
-    let unreadable = |error| failed(format!("is no Parquet file that can be read: {error}"));
-    if !headers::footer_is_sound(&mut file).is_ok_and(|sound| sound) {
+fn open(bytes: Bytes) -> Result<SerializedFileReader<Bytes>, ReadError> {
+    let length = bytes.len();
+    let unreadable =
+        |error| ReadError::nameless(format!("is no Parquet file that can be read: {error}"));
+    if !headers::footer_is_sound(&bytes).is_ok_and(|sound| sound) {
         return Err(unreadable(ParquetError::General(
             "the footer is damaged".into(),
         )));
     }
-    let reader = guarded(|| SerializedFileReader::new(file)).map_err(unreadable)?;
+    let reader = guarded(|| SerializedFileReader::new(bytes)).map_err(unreadable)?;
     let groups = reader.metadata().row_groups().iter();
     let mut chunks = groups.flat_map(|group| group.columns());
     if !chunks.all(|chunk| is_inside(chunk, length)) {
-        return Err(failed("has columns outside of the file".into()));
+        return Err(ReadError::nameless("has columns outside of the file"));
     }
     Ok(reader)
 }
@@ -387,7 +341,7 @@ fn guarded<T>(read: impl FnOnce() -> Result<T, ParquetError>) -> Result<T, Parqu
     })
 }
 
-fn names(reader: &SerializedFileReader<File>) -> Vec<String> {
+fn names(reader: &SerializedFileReader<Bytes>) -> Vec<String> {
     let schema = reader.metadata().file_metadata().schema_descr();
     let columns = schema.columns().iter();
     columns.map(|column| column.path().string()).collect()

@@ -4,8 +4,9 @@
 //! length goes, which is up to 2³¹ elements, and over booleans without taking a byte each: a few bytes
 //! would hold it up for minutes. No header of Parquet has lists or maps of booleans.
 
-use std::fs::File;
-use std::io::{self, Read, Seek, SeekFrom};
+use bytes::Bytes;
+use parquet::errors::ParquetError;
+use parquet::file::reader::ChunkReader;
 
 /// Structures, lists and maps within each other.
 const DEEPEST: u32 = 32;
@@ -16,15 +17,15 @@ const TAIL: u64 = 8;
 
 /// Whether the footer of a file is a structure that ends within its length; a file too short for one
 /// is left to the reader.
-pub(super) fn footer_is_sound(file: &mut File) -> io::Result<bool> {
-    let length = file.seek(SeekFrom::End(0))?;
-    let Some(end) = length.checked_sub(TAIL) else {
+pub(super) fn footer_is_sound(file: &impl ChunkReader) -> Result<bool, ParquetError> {
+    let Some(end) = file.len().checked_sub(TAIL) else {
         return Ok(true);
     };
-    file.seek(SeekFrom::Start(end))?;
-    let mut size = [0; 4];
-    file.read_exact(&mut size)?;
-    let Some(start) = end.checked_sub(u64::from(u32::from_le_bytes(size))) else {
+    let size = part(file, end, 4)?;
+    let size = size
+        .first_chunk()
+        .map_or(0, |size| u32::from_le_bytes(*size));
+    let Some(start) = end.checked_sub(u64::from(size)) else {
         return Ok(true);
     };
     let footer = part(file, start, end - start)?;
@@ -33,7 +34,11 @@ pub(super) fn footer_is_sound(file: &mut File) -> io::Result<bool> {
 
 /// Whether all page headers between two places of a file \[bytes\] are structures that end before the second,
 /// and lead from one to the next.
-pub(super) fn pages_are_sound(file: &mut File, start: u64, end: u64) -> io::Result<bool> {
+pub(super) fn pages_are_sound(
+    file: &impl ChunkReader,
+    start: u64,
+    end: u64,
+) -> Result<bool, ParquetError> {
     let mut at = start;
     while at < end {
         let left = end - at;
@@ -49,11 +54,10 @@ pub(super) fn pages_are_sound(file: &mut File, start: u64, end: u64) -> io::Resu
     Ok(true)
 }
 
-fn part(file: &mut File, start: u64, length: u64) -> io::Result<Vec<u8>> {
-    file.seek(SeekFrom::Start(start))?;
-    let mut bytes = Vec::new();
-    file.take(length).read_to_end(&mut bytes)?;
-    Ok(bytes)
+/// As many bytes as there are of those asked for.
+fn part(file: &impl ChunkReader, start: u64, length: u64) -> Result<Bytes, ParquetError> {
+    let length = length.min(file.len().saturating_sub(start));
+    file.get_bytes(start.min(file.len()), usize::try_from(length).unwrap_or(0))
 }
 
 /// What is asked of a structure.

@@ -1,15 +1,13 @@
-//! Rows of delimited text as fixes.
-
-use std::path::Path;
+//! Rows of a table as fixes.
 
 use undrift_nav::earth::{Geodetic, wrap_pi};
 use undrift_nav::sample::{FixQuality, GnssFix, Position};
 use undrift_nav::{Matrix3, Vector3};
 
-use super::{all_finite, diagonal, quality_of_rtklib};
 use crate::ReadError;
+use crate::fix::{all_finite, diagonal, is_a_fix, quality_of_rtklib};
 use crate::skipped::{SkipKind, Skipped};
-use crate::table::{Column, Table, TableOptions, TableSource};
+use crate::table::{Column, TableOptions};
 
 /// Where the columns of a GNSS log are and what they mean.
 #[derive(Clone, Debug)]
@@ -24,7 +22,7 @@ pub struct GnssFormat {
     pub position: Option<PositionFormat>,
     /// Velocity, if it is to be read.
     pub velocity: Option<VelocityFormat>,
-    /// Kind of solution, in RTKLIB's codes: see [`super::quality_of_rtklib`].
+    /// Kind of solution, in RTKLIB's codes: see [`crate::gnss::quality_of_rtklib`].
     pub quality: Option<Column>,
     /// The byte between fields; `None` finds out.
     pub delimiter: Option<u8>,
@@ -107,22 +105,18 @@ impl Three {
     }
 }
 
-pub(super) struct CsvRows {
-    table: Table,
-    row: Vec<f64>,
+/// The places of a fix in the row read.
+pub(super) struct FixColumns {
     format: GnssFormat,
     place: Option<(Three, Three)>,
     velocity: Option<(Three, Three)>,
     quality: Option<usize>,
 }
 
-impl CsvRows {
-    pub(super) fn new(
-        path: &Path,
-        source: impl Into<TableSource>,
-        format: &GnssFormat,
-    ) -> Result<Self, ReadError> {
-        check(path, format)?;
+impl FixColumns {
+    /// With what is wanted of the table.
+    pub(super) fn new(format: &GnssFormat) -> Result<(Self, TableOptions), ReadError> {
+        check(format)?;
         let mut columns = vec![("gnss.time".to_owned(), format.time.clone())];
         let mut add = |key: &str, three: [&Column; 3]| {
             let from = columns.len();
@@ -151,65 +145,47 @@ impl CsvRows {
             columns.push(("gnss.quality".to_owned(), column.clone()));
             columns.len() - 1
         });
-        let options = TableOptions {
+        let wanted = TableOptions {
             columns,
             delimiter: format.delimiter,
             keep_not_finite: true,
         };
-        Ok(Self {
-            row: vec![0.0; options.columns.len()],
-            table: Table::from_source(path, source, &options)?,
+        let fix_columns = Self {
             format: format.clone(),
             place,
             velocity,
             quality,
+        };
+        Ok((fix_columns, wanted))
+    }
+
+    /// What there is of a fix in a row; `None` if the row is to be left out.
+    pub(super) fn fix(&self, row: &[f64], line: u64, skipped: &mut Skipped) -> Option<GnssFix> {
+        let stamp = row.first().copied().unwrap_or(f64::NAN);
+        if !stamp.is_finite() {
+            skipped.add(SkipKind::NotFinite, line, format_args!("time {stamp}"));
+            return None;
+        }
+        let quality = self.quality.and_then(|at| row.get(at));
+        Some(GnssFix {
+            time: stamp * self.format.time_scale + self.format.time_offset,
+            position: self.position(row, line, skipped)?,
+            velocity: self.velocity(row, line, skipped),
+            quality: quality.map_or(FixQuality::Unknown, |&q| quality_of_rtklib(q)),
         })
     }
 
-    pub(super) fn path(&self) -> &Path {
-        self.table.path()
-    }
-
-    pub(super) fn skipped(&self) -> &Skipped {
-        self.table.skipped()
-    }
-
-    pub(super) fn skipped_mut(&mut self) -> &mut Skipped {
-        self.table.skipped_mut()
-    }
-
-    /// The next row with a usable part, and its line.
-    pub(super) fn next_row(&mut self) -> Result<Option<(u64, GnssFix)>, ReadError> {
-        while let Some(line) = self.table.next_row(&mut self.row)? {
-            let stamp = self.row.first().copied().unwrap_or(f64::NAN);
-            if !stamp.is_finite() {
-                let skipped = self.table.skipped_mut();
-                skipped.add(SkipKind::NotFinite, line, format_args!("time {stamp}"));
-                continue;
-            }
-            let Some(position) = self.position(line) else {
-                continue;
-            };
-            let fix = GnssFix {
-                time: stamp * self.format.time_scale + self.format.time_offset,
-                position,
-                velocity: self.velocity(line),
-                quality: self.quality_of_row(),
-            };
-            if fix.position.is_some() || fix.velocity.is_some() {
-                return Ok(Some((line, fix)));
-            }
-        }
-        Ok(None)
-    }
-
-    /// The position of the row read; `Some(None)` without one, `None` if the row is to be left out.
-    fn position(&mut self, line: u64) -> Option<Option<(Position, Matrix3)>> {
+    /// The position; `Some(None)` without one, `None` if the row is to be left out.
+    fn position(
+        &self,
+        row: &[f64],
+        line: u64,
+        skipped: &mut Skipped,
+    ) -> Option<Option<(Position, Matrix3)>> {
         let (Some(format), Some((place, std))) = (&self.format.position, self.place) else {
             return Some(None);
         };
-        let skipped = self.table.skipped_mut();
-        let values = place.of(&self.row);
+        let values = place.of(row);
         if !all_finite(&values, line, skipped) {
             return Some(None);
         }
@@ -237,38 +213,31 @@ impl CsvRows {
                 ned: values,
             },
         };
-        let std = std.of(&self.row) * format.std_factor;
+        let std = std.of(row) * format.std_factor;
         Some(diagonal(&std, line, skipped).map(|covariance| (position, covariance)))
     }
 
-    fn velocity(&mut self, line: u64) -> Option<(Vector3, Matrix3)> {
+    fn velocity(
+        &self,
+        row: &[f64],
+        line: u64,
+        skipped: &mut Skipped,
+    ) -> Option<(Vector3, Matrix3)> {
         let (format, (at, std)) = (self.format.velocity.as_ref()?, self.velocity?);
-        let skipped = self.table.skipped_mut();
-        let mut velocity = at.of(&self.row);
+        let mut velocity = at.of(row);
         if !all_finite(&velocity, line, skipped) {
             return None;
         }
         if format.up {
             velocity.z = -velocity.z;
         }
-        let std = std.of(&self.row) * format.std_factor;
+        let std = std.of(row) * format.std_factor;
         diagonal(&std, line, skipped).map(|covariance| (velocity, covariance))
     }
-
-    fn quality_of_row(&self) -> FixQuality {
-        self.quality
-            .and_then(|at| self.row.get(at))
-            .map_or(FixQuality::Unknown, |&q| quality_of_rtklib(q))
-    }
 }
 
-/// Whether this is a place on Earth other than the 0°, 0° of a receiver without a fix.
-pub(crate) fn is_a_fix(place: &Geodetic) -> bool {
-    place.is_valid() && !(place.lat == 0.0 && place.lon == 0.0)
-}
-
-fn check(path: &Path, format: &GnssFormat) -> Result<(), ReadError> {
-    let bad = |key: &str, problem: String| Err(ReadError::new(path, problem).key(key));
+fn check(format: &GnssFormat) -> Result<(), ReadError> {
+    let bad = |key: &str, problem: String| Err(ReadError::nameless(problem).key(key));
     if format.position.is_none() && format.velocity.is_none() {
         return bad("gnss", "neither position nor velocity is asked for".into());
     }

@@ -1,17 +1,28 @@
 use std::io::Cursor;
 
-use undrift_nav::sample::FixQuality;
+use undrift_nav::Matrix3;
+use undrift_nav::sample::{FixQuality, GnssFix};
 
 use super::*;
+use crate::Opened;
+use crate::format::Format;
+use crate::gnss::{FixOptions, GnssLog, GnssReader};
+use crate::skipped::Skipped;
 
-fn rows(text: &str, options: &RtklibOptions) -> (Vec<GnssFix>, Skipped) {
-    let source = Box::new(Cursor::new(text.as_bytes().to_vec()));
-    let mut rows = RtklibRows::new(Path::new("gnss.pos"), source, options).unwrap();
-    let mut fixes = Vec::new();
-    while let Some((_, fix)) = rows.next_row().unwrap() {
-        fixes.push(fix);
-    }
-    (fixes, rows.skipped().clone())
+fn reader(text: &str, options: &GnssLog) -> Result<GnssReader, ReadError> {
+    let stream = Cursor::new(text.as_bytes().to_vec());
+    let opened = Opened::stream("gnss.pos".as_ref(), stream)?;
+    GnssReader::new(opened, &options.clone().into())
+}
+
+fn rows(text: &str, options: &GnssLog) -> (Vec<GnssFix>, Skipped) {
+    let mut reader = reader(text, options).unwrap();
+    let fixes = reader.by_ref().map(Result::unwrap).collect();
+    (fixes, reader.skipped().clone())
+}
+
+fn options() -> GnssLog {
+    GnssLog::new(Format::Rtklib)
 }
 
 const HEADER: &str = "% program : RTKLIB\n%  GPST latitude(deg) longitude(deg) height(m) Q ns \
@@ -26,7 +37,7 @@ fn covariances_come_out_north_east_down() {
     let text = format!(
         "{HEADER}2025/07/08 00:00:01 40 -105 1600 1.0000 21 2 3 4 1 -1 0.5 0 0 1 2 3 1 1 1 0 0 0\n"
     );
-    let (fixes, skipped) = rows(&text, &RtklibOptions::default());
+    let (fixes, skipped) = rows(&text, &options());
     assert!(skipped.is_empty(), "{skipped}");
     let fix = fixes[0];
     assert_eq!((fix.time, fix.quality), (172_801.0, FixQuality::Fixed));
@@ -39,14 +50,14 @@ fn covariances_come_out_north_east_down() {
     let (velocity, _) = fix.velocity.unwrap();
     assert_eq!(velocity, Vector3::new(1.0, 2.0, -3.0));
 
-    let doubled = RtklibOptions {
+    let doubled = GnssLog {
         fixes: FixOptions {
             position_std_factor: 2.0,
             velocity_std: Some([0.1, 0.2, 0.3]),
             time_offset: -1.0,
             ..FixOptions::default()
         },
-        base: None,
+        ..options()
     };
     let fix = rows(&text, &doubled).0[0];
     assert_eq!(fix.time, 172_800.0);
@@ -63,7 +74,7 @@ fn impossible_cross_terms_are_dropped_and_bad_deviations_are_counted() {
          2374 4 95 0 0 0 0 1 1 1 0 0 0 0 0 1 2 3 1 1 1 0 0 0\n\
          2374 5 40 x\n2374 6 40\nrubbish\n"
     );
-    let (fixes, skipped) = rows(&text, &RtklibOptions::default());
+    let (fixes, skipped) = rows(&text, &options());
     assert_eq!(fixes.len(), 2);
     assert_eq!(fixes[0].position.unwrap().1, Matrix3::identity());
     assert_eq!(fixes[0].quality, FixQuality::Single);
@@ -79,7 +90,7 @@ fn impossible_cross_terms_are_dropped_and_bad_deviations_are_counted() {
 fn degrees_minutes_seconds_and_commas() {
     let text = "%  GPST,latitude(d'\"),longitude(d'\"),height(m),Q,ns,sdn(m),sde(m),sdu(m)\n\
         2025/07/08 00:00:01.000, 40 ,30,36.0,-0,15,0,100,1,9,1,1,1\n";
-    let (fixes, skipped) = rows(text, &RtklibOptions::default());
+    let (fixes, skipped) = rows(text, &options());
     assert!(skipped.is_empty(), "{skipped}");
     let expected = Geodetic::from_degrees(40.51, -0.25, 100.0);
     let Position::Geodetic(place) = fixes[0].position.unwrap().0 else {
@@ -102,7 +113,7 @@ fn ecef_is_turned_to_north_east_down() {
          2374 1 {} {} {} 6 9 2 2 2 0 0 0 0 0 {} {} {} 1 1 1 0 0 0\n",
         at.x, at.y, at.z, v.x, v.y, v.z
     );
-    let (fixes, _) = rows(&text, &RtklibOptions::default());
+    let (fixes, _) = rows(&text, &options());
     let fix = fixes[0];
     let (Position::Geodetic(found), covariance) = fix.position.unwrap() else {
         panic!("no geodetic position");
@@ -118,13 +129,12 @@ fn ecef_is_turned_to_north_east_down() {
 fn baselines_need_their_base() {
     let text = "%  GPST e-baseline(m) n-baseline(m) u-baseline(m) Q ns sde(m) sdn(m) sdu(m) \
         sden(m) sdnu(m) sdue(m)\n2374 1 10 20 30 1 9 1 2 3 0 -1 0\n";
-    let source = Box::new(Cursor::new(text.as_bytes().to_vec()));
-    let error = RtklibRows::new(Path::new("b.pos"), source, &RtklibOptions::default()).err();
+    let error = reader(text, &options()).err();
     assert!(error.unwrap().to_string().contains("(key gnss.base)"));
     let base = Geodetic::from_degrees(40.0, -105.0, 1600.0);
-    let options = RtklibOptions {
+    let options = GnssLog {
         base: Some(base),
-        ..RtklibOptions::default()
+        ..options()
     };
     let (position, covariance) = rows(text, &options).0[0].position.unwrap();
     let ned = Vector3::new(20.0, 10.0, -30.0);
@@ -140,8 +150,7 @@ fn a_file_without_header_is_refused() {
         "2374 1 40 -105 100 1 9\n",
         "% program\n2374 1 40 -105 100\n",
     ] {
-        let source = Box::new(Cursor::new(text.as_bytes().to_vec()));
-        let error = RtklibRows::new(Path::new("a.pos"), source, &RtklibOptions::default()).err();
+        let error = reader(text, &options()).err();
         assert!(error.unwrap().to_string().contains("header"), "{text}");
     }
 }

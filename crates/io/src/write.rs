@@ -18,6 +18,7 @@ mod pending;
 pub mod solution;
 mod spans;
 mod text;
+mod thinning;
 
 pub use file::{SolutionFile, SolutionFormat, SolutionOptions, UnknownSolutionFormat};
 pub use fixed::write_fixed;

@@ -1,0 +1,130 @@
+//! What the logs that say themselves what they hold are made of: entries of streams.
+
+use undrift_nav::earth::Geodetic;
+use undrift_nav::sample::{FixQuality, Position, TruthSample};
+use undrift_nav::{Matrix3, Vector3};
+
+use crate::ReadError;
+use crate::skipped::SkipKind;
+
+/// One thing that a log says.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    /// Where: the line in a text, the message's number in anything else, the first is 1.
+    pub at: u64,
+    /// What.
+    pub what: What,
+}
+
+/// What an entry holds.
+#[derive(Clone, Debug)]
+pub enum What {
+    /// An inertial sample.
+    Imu(ImuReading),
+    /// A fix.
+    Fix(Fix),
+    /// A reference solution.
+    Pose(TruthSample),
+    /// Something that cannot be used, and why: it is counted.
+    Skipped(SkipKind, String),
+}
+
+impl What {
+    /// Whether all its numbers are.
+    pub(crate) fn is_finite(&self) -> bool {
+        let three = |v: &Vector3| v.iter().all(|x| x.is_finite());
+        match self {
+            Self::Imu(reading) => {
+                reading.time.is_finite() && three(&reading.gyro) && three(&reading.accel)
+            }
+            Self::Fix(fix) => {
+                let place = match &fix.position {
+                    Some((Position::Geodetic(place), _)) => place.height.is_finite(),
+                    Some((Position::Baseline { ned, .. }, _)) => three(ned),
+                    None => true,
+                };
+                fix.time.is_finite() && place && fix.velocity.is_none_or(|(v, _)| three(&v))
+            }
+            Self::Pose(pose) => {
+                pose.time.is_finite()
+                    && pose.v_n.is_none_or(|v| three(&v))
+                    && pose.rpy.is_none_or(|rpy| three(&rpy))
+            }
+            Self::Skipped(..) => true,
+        }
+    }
+}
+
+/// Rates over the interval since the sample before, sensor axes as in the file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImuReading {
+    /// End of the interval \[s\].
+    pub time: f64,
+    /// Mean angular rate [rad/s].
+    pub gyro: Vector3,
+    /// Mean specific force [m/s²].
+    pub accel: Vector3,
+}
+
+/// A fix whose uncertainty the log may not tell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fix {
+    /// Time of validity \[s\].
+    pub time: f64,
+    /// Position, and its covariance north-east-down [m²].
+    pub position: Option<(Position, Option<Matrix3>)>,
+    /// Velocity north-east-down [m/s], and its covariance [(m/s)²].
+    pub velocity: Option<(Vector3, Option<Matrix3>)>,
+    /// What kind of solution the receiver calls it.
+    pub quality: FixQuality,
+}
+
+/// What is wanted from a log. A stream is named as [`streams`] does; without a name, the only one of
+/// its kind is meant, and more than one is an error that lists them.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Wanted {
+    /// Inertial samples of a stream.
+    Imu(Option<String>),
+    /// Fixes.
+    Fixes {
+        /// Stream of positions, or of positions with velocities.
+        position: Option<String>,
+        /// Stream of velocities, where they are apart.
+        velocity: Option<String>,
+        /// The base station of baselines.
+        base: Option<Geodetic>,
+    },
+    /// Reference solutions of a stream.
+    Poses(Option<String>),
+}
+
+/// What a stream holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StreamKind {
+    /// Inertial samples.
+    Imu,
+    /// Fixes with position, velocity or both.
+    Fixes,
+    /// Velocities alone.
+    Velocity,
+    /// A reference solution.
+    Poses,
+    /// Nothing that is read here.
+    Other,
+}
+
+/// One stream of a log: a topic, a kind of message.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Stream {
+    /// Its name in the file, such as `/imu/data` or `NAV-PVT`.
+    pub name: String,
+    /// What it holds.
+    pub kind: StreamKind,
+    /// Its type and frame in a few words, such as `sensor_msgs/Imu, frame imu_link`.
+    pub about: String,
+    /// Number of messages.
+    pub messages: u64,
+}
+
+/// The entries of a log in the order of the file. An error ends them.
+pub(crate) type Entries = Box<dyn Iterator<Item = Result<Entry, ReadError>> + Send>;

@@ -1,0 +1,151 @@
+//! GNSS fixes from tables of any layout, or from logs that say themselves what they hold.
+//!
+//! What cannot be used is left out by its part: a row without a usable position can still give
+//! its velocity. A latitude and longitude of exactly 0°, 0° is what receivers write without a
+//! fix, so such a row is left out as a whole.
+
+mod columns;
+mod log;
+mod options;
+
+use undrift_nav::sample::GnssFix;
+
+use crate::ReadError;
+use crate::entry::{Entry, Wanted, What};
+pub use crate::fix::quality_of_rtklib;
+use crate::reader::{Kind, Plan, Reader, Row, Source};
+use crate::skipped::{SkipKind, Skipped};
+
+use columns::FixColumns;
+pub use columns::{GnssFormat, Place, PositionFormat, Std, VelocityFormat};
+pub use log::GnssLog;
+use log::LogFixes;
+pub use options::FixOptions;
+
+/// Layout of a GNSS log.
+#[derive(Clone, Debug)]
+pub enum GnssSource {
+    /// Delimited text, Parquet or columns in memory.
+    Csv(Box<GnssFormat>),
+    /// Log that says itself what it holds.
+    Log(GnssLog),
+}
+
+impl From<GnssFormat> for GnssSource {
+    fn from(format: GnssFormat) -> Self {
+        Self::Csv(Box::new(format))
+    }
+}
+
+impl From<GnssLog> for GnssSource {
+    fn from(log: GnssLog) -> Self {
+        Self::Log(log)
+    }
+}
+
+/// Reads GNSS fixes.
+pub type GnssReader = Reader<Fixes>;
+
+/// Fixes as a kind of record.
+pub struct Fixes(Of);
+
+/// Boxed: one holds its options, a few hundred bytes.
+enum Of {
+    Columns(Box<FixColumns>),
+    Log(Box<LogFixes>),
+}
+
+impl Reader<Fixes> {
+    /// Velocities left out so far because neither the log nor its options tell how certain they are.
+    pub fn untold_velocities(&self) -> u64 {
+        match &self.kind().0 {
+            Of::Columns(_) => 0,
+            Of::Log(log) => log.untold_velocities,
+        }
+    }
+}
+
+impl Kind for Fixes {
+    type Options = GnssSource;
+    type Values = GnssFix;
+    type Record = GnssFix;
+    const PATIENCE: u32 = 20;
+
+    fn plan(options: &GnssSource) -> Result<Plan<Self>, ReadError> {
+        Ok(match options {
+            GnssSource::Csv(format) => {
+                let (columns, wanted) = FixColumns::new(format)?;
+                Plan {
+                    kind: Self(Of::Columns(Box::new(columns))),
+                    source: Source::Table(wanted),
+                    span: format.span,
+                }
+            }
+            GnssSource::Log(log) => {
+                log.fixes.check()?;
+                let wanted = Wanted::Fixes {
+                    position: log.position.clone(),
+                    velocity: log.velocity.clone(),
+                    base: log.base,
+                };
+                Plan {
+                    kind: Self(Of::Log(Box::new(LogFixes::new(log)))),
+                    source: Source::Log(log.format, wanted),
+                    span: log.fixes.span,
+                }
+            }
+        })
+    }
+
+    fn of_row(
+        &mut self,
+        row: &[f64],
+        _: u64,
+        line: u64,
+        skipped: &mut Skipped,
+    ) -> Option<(f64, GnssFix)> {
+        let Of::Columns(columns) = &self.0 else {
+            return None;
+        };
+        usable(columns.fix(row, line, skipped)?)
+    }
+
+    fn of_entry(&mut self, entry: Entry, skipped: &mut Skipped) -> Option<(f64, GnssFix)> {
+        let (What::Fix(fix), Of::Log(log)) = (entry.what, &mut self.0) else {
+            return None;
+        };
+        usable(log.fix(entry.at, &fix, skipped))
+    }
+
+    fn record(
+        &mut self,
+        row: &Row<GnssFix>,
+        _: &mut Skipped,
+    ) -> Result<Option<GnssFix>, ReadError> {
+        Ok(Some(row.values))
+    }
+
+    fn end(&self) -> Result<(), ReadError> {
+        match &self.0 {
+            Of::Columns(_) => Ok(()),
+            Of::Log(log) => log.end(),
+        }
+    }
+
+    fn nothing(&self, skipped: &Skipped) -> ReadError {
+        let error = ReadError::nameless("no usable fix");
+        if skipped.count(SkipKind::OutOfRange) > 0 && matches!(self.0, Of::Columns(_)) {
+            let mend = "; are the columns latitude, longitude, height in this order and in gnss.position_unit, neither ECEF nor degrees and minutes?";
+            return error.key("gnss.position").mend(mend);
+        }
+        error
+    }
+}
+
+/// A fix of which something can be used.
+fn usable(fix: GnssFix) -> Option<(f64, GnssFix)> {
+    (fix.position.is_some() || fix.velocity.is_some()).then_some((fix.time, fix))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,241 @@
+//! Inertial samples from a table of rates or increments, or from a log that says itself what it holds.
+//!
+//! A sample stamped t covers the interval since the sample before, (t_prev, t]. A rate is taken
+//! as the mean over that interval, so the increment is rate · dt. After a gap the interval is the
+//! real difference of the stamps; whoever integrates decides how to bridge it.
+//!
+//! A row of increments holds what its own nominal interval collected, also after a gap. There, where
+//! dt is beyond 1.5 nominal intervals, the increments are scaled by dt / nominal: then increment / dt
+//! is the mean rate, as it is for a log of rates. The nominal interval is 1 / `rate_hz`, else the
+//! running median of the intervals. Where the increments of one row after another would have to be
+//! scaled, the rate is another than was thought, and the file is refused.
+
+mod format;
+
+pub use format::{ImuFormat, ImuSource};
+
+use undrift_nav::Vector3;
+use undrift_nav::sample::ImuSample;
+
+use crate::ReadError;
+use crate::entry::{Entry, Wanted, What};
+use crate::gaps::{GAP_INTERVALS, GapWatch};
+pub use crate::gaps::{Gap, GapSummary};
+use crate::held::{Held, HeldWatch};
+use crate::reader::{Kind, Plan, Reader, Row, Source};
+use crate::skipped::{SkipKind, Skipped};
+use crate::table::{Column, TableOptions};
+
+/// Values beyond this are none of a sensor, in SI, rates or increments: they would overflow on the way.
+const MAX_VALUE: f64 = 1e9;
+
+/// Gaps in a row that mean another sampling rate, in a log of increments.
+const GAPS_IN_A_ROW: u32 = 100;
+
+/// Reads inertial samples.
+pub type ImuReader = Reader<Imu>;
+
+/// Inertial samples as a kind of record.
+pub struct Imu {
+    format: ImuFormat,
+    gaps: GapWatch,
+    held_values: HeldWatch,
+    given: bool,
+    gaps_in_a_row: u32,
+}
+
+/// Gyro and accelerometer as in the file.
+type Values = (Vector3, Vector3);
+
+impl Reader<Imu> {
+    /// The usual interval and the gaps of the samples given out so far.
+    pub fn gaps(&self) -> GapSummary {
+        self.kind().gaps.summary()
+    }
+
+    /// The axes that held a value for long among the samples given out so far.
+    pub fn held(&self) -> Vec<Held> {
+        self.kind().held_values.held()
+    }
+}
+
+impl Kind for Imu {
+    type Options = ImuFormat;
+    type Values = Values;
+    type Record = ImuSample;
+    const PATIENCE: u32 = 100;
+
+    fn plan(format: &ImuFormat) -> Result<Plan<Self>, ReadError> {
+        format.check()?;
+        let source = match &format.source {
+            ImuSource::Log(kind, stream) => Source::Log(*kind, Wanted::Imu(stream.clone())),
+            ImuSource::Table {
+                time,
+                gyro,
+                accel,
+                delimiter,
+            } => {
+                let keyed = |key: &'static str| move |c: &Column| (key.to_owned(), c.clone());
+                let columns = time.iter().map(keyed("imu.time"));
+                let columns = columns.chain(gyro.iter().map(keyed("imu.gyro")));
+                Source::Table(TableOptions {
+                    columns: columns
+                        .chain(accel.iter().map(keyed("imu.accel")))
+                        .collect(),
+                    delimiter: *delimiter,
+                    keep_not_finite: false,
+                })
+            }
+        };
+        let kind = Self {
+            format: format.clone(),
+            gaps: GapWatch::default(),
+            held_values: HeldWatch::default(),
+            given: false,
+            gaps_in_a_row: 0,
+        };
+        Ok(Plan {
+            kind,
+            source,
+            span: format.span,
+        })
+    }
+
+    #[inline]
+    fn of_row(
+        &mut self,
+        row: &[f64],
+        index: u64,
+        line: u64,
+        skipped: &mut Skipped,
+    ) -> Option<(f64, Values)> {
+        let (stamp, &[gx, gy, gz, ax, ay, az]) = match row.split_last_chunk()? {
+            ([stamp], six) => (stamp * self.format.time_scale, six),
+            (_, six) => (index as f64 / self.format.rate_hz?, six),
+        };
+        let values = (Vector3::new(gx, gy, gz), Vector3::new(ax, ay, az));
+        self.plausible(stamp, values, line, skipped)
+    }
+
+    fn of_entry(&mut self, entry: Entry, skipped: &mut Skipped) -> Option<(f64, Values)> {
+        let What::Imu(reading) = entry.what else {
+            return None;
+        };
+        let stamp = reading.time * self.format.time_scale;
+        self.plausible(stamp, (reading.gyro, reading.accel), entry.at, skipped)
+    }
+
+    fn needs_interval(&self) -> bool {
+        self.format.rate_hz.is_none()
+    }
+
+    #[inline]
+    fn record(
+        &mut self,
+        row: &Row<Values>,
+        skipped: &mut Skipped,
+    ) -> Result<Option<ImuSample>, ReadError> {
+        let stated = self.format.rate_hz.map(|rate| 1.0 / rate);
+        let Some(dt) = row.dt.or(stated) else {
+            let problem = "only one sample, so its interval is unknown";
+            return Err(ReadError::nameless(problem)
+                .at(row.line)
+                .key("imu.rate")
+                .mend("give the rate"));
+        };
+        let covered = self.covered_by_increments(row.line, dt)?;
+        // The first interval given out is either made up or reaches back before the span.
+        if self.given {
+            self.gaps.add(Gap {
+                start: row.time - dt,
+                length: dt,
+                line: row.line,
+            });
+        }
+        let sample = self.sample(row, dt, covered);
+        // Increments that were collected in next to no time cannot be scaled to a gap.
+        let values = sample.dtheta.iter().chain(&sample.dvel);
+        if values.copied().any(|value| !value.is_finite()) {
+            skipped.add(SkipKind::OutOfRange, row.line, format_args!("{dt} s"));
+            return Ok(None);
+        }
+        self.given = true;
+        let [gx, gy, gz] = row.values.0.into();
+        let [ax, ay, az] = row.values.1.into();
+        self.held_values.add(row.time, [gx, gy, gz, ax, ay, az]);
+        Ok(Some(sample))
+    }
+
+    fn nothing(&self, _: &Skipped) -> ReadError {
+        ReadError::nameless("no usable inertial sample")
+    }
+}
+
+impl Imu {
+    /// A row as it is, with the offset of its time, unless its values cannot be any.
+    #[inline]
+    fn plausible(
+        &self,
+        stamp: f64,
+        (gyro, accel): Values,
+        line: u64,
+        skipped: &mut Skipped,
+    ) -> Option<(f64, Values)> {
+        let format = &self.format;
+        let largest = (gyro.amax() * format.gyro_scale).max(accel.amax() * format.accel_scale);
+        if largest > MAX_VALUE {
+            skipped.add(SkipKind::OutOfRange, line, largest);
+            return None;
+        }
+        Some((stamp + format.time_offset, (gyro, accel)))
+    }
+
+    /// The part of the interval `dt` \[s\] that the increments of a row were collected in \[s\]: the
+    /// nominal interval after a gap, else all of it.
+    ///
+    /// # Errors
+    /// After [`GAPS_IN_A_ROW`] of them.
+    fn covered_by_increments(&mut self, line: u64, dt: f64) -> Result<f64, ReadError> {
+        if !self.format.increments {
+            return Ok(dt);
+        }
+        let stated = self.format.rate_hz.map(|rate| 1.0 / rate);
+        let Some(nominal) = stated.or_else(|| self.gaps.nominal()) else {
+            return Ok(dt);
+        };
+        if dt <= GAP_INTERVALS * nominal {
+            self.gaps_in_a_row = 0;
+            return Ok(dt);
+        }
+        self.gaps_in_a_row += 1;
+        if self.gaps_in_a_row < GAPS_IN_A_ROW {
+            return Ok(nominal);
+        }
+        let problem = format!(
+            "increments {dt:.4} s apart, {GAPS_IN_A_ROW} in a row, where the rate is {:.2} Hz: what they cover is unknown",
+            1.0 / nominal
+        );
+        Err(ReadError::nameless(problem)
+            .at(line)
+            .key("imu.rate")
+            .mend("correct the rate, or split the file where the rate changes"))
+    }
+
+    /// The sample of a row whose increments, if it has increments, were collected in `covered` \[s\].
+    fn sample(&self, row: &Row<Values>, dt: f64, covered: f64) -> ImuSample {
+        let format = &self.format;
+        let length = if format.increments { dt / covered } else { dt };
+        let body = |value: &Vector3, scale: f64, offset: &Vector3| {
+            format.rotation * value * (scale * length) - offset * dt
+        };
+        ImuSample {
+            time: row.time,
+            dt,
+            dtheta: body(&row.values.0, format.gyro_scale, &format.gyro_offset),
+            dvel: body(&row.values.1, format.accel_scale, &format.accel_offset),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

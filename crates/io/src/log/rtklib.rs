@@ -1,0 +1,252 @@
+//! RTKLIB solution files (`.pos`).
+//!
+//! The header line that starts with `%` and the time system names the columns. Understood are
+//! latitude/longitude/height in degrees or degrees-minutes-seconds, ECEF coordinates and
+//! east-north-up baselines; times as date or as week and second; GPST, UTC and JST. Times are
+//! given out as GPS seconds of the week in which the file starts, counting on past its end.
+//!
+//! The files hold standard deviations and, for the covariances, the root of their size with their
+//! sign (RTKLIB manual 2.4.2, appendix B.1); they come out as covariances north-east-down.
+
+mod header;
+
+use undrift_nav::earth::Geodetic;
+use undrift_nav::sample::Position;
+use undrift_nav::{Matrix3, Vector3};
+
+use super::receiver::{Ready, by_steps, check};
+use crate::entry::{Entries, Fix, Stream, StreamKind, Wanted};
+use crate::fix::{independent, quality_of_rtklib};
+use crate::lines::{Lines, MAX_LINE, Step};
+use crate::skipped::{SkipKind, shown};
+use crate::source::Source;
+use crate::time::WeekClock;
+use crate::{ReadError, number};
+use header::{Axes, Components, Layout};
+
+const STREAM: &str = "solution";
+
+/// Whether a comment line before the first data names the columns of a solution.
+pub(crate) fn detect(start: &[u8]) -> bool {
+    let lines = start.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
+    let mut comments = lines.take_while(|line| line.is_empty() || line.starts_with(b"%"));
+    comments.any(|line| Layout::of(line).is_some())
+}
+
+pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
+    check(wanted, "an RTKLIB solution", [&[], &[STREAM], &[]])?;
+    let mut lines = Lines::new(source);
+    let layout = loop {
+        let Step::Line(range) = lines.step() else {
+            return Err(no_header());
+        };
+        let line = lines.bytes(range).trim_ascii();
+        if let Some(layout) = Layout::of(line) {
+            break layout;
+        }
+        if !line.is_empty() && !line.starts_with(b"%") {
+            return Err(no_header().at(lines.number()));
+        }
+    };
+    let base = match wanted {
+        Wanted::Fixes { base, .. } => *base,
+        _ => None,
+    };
+    if layout.axes == Axes::Baseline && base.is_none() {
+        return Err(ReadError::nameless("has baselines, whose base is unknown")
+            .at(lines.number())
+            .key("gnss.base")
+            .mend("give latitude, longitude and height of the base station"));
+    }
+    let mut reader = Reader {
+        lines,
+        layout,
+        base,
+        poses: matches!(wanted, Wanted::Poses(_)),
+        weeks: WeekClock::default(),
+        values: Vec::with_capacity(32),
+    };
+    Ok(by_steps(move |ready| Ok(reader.step(ready))))
+}
+
+pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
+    let mut lines = Lines::new(source);
+    let mut messages = 0;
+    loop {
+        match lines.step() {
+            Step::Line(range) => {
+                let line = lines.bytes(range).trim_ascii();
+                messages += u64::from(!line.is_empty() && !line.starts_with(b"%"));
+            }
+            Step::TooLong => {}
+            Step::End => break,
+        }
+    }
+    Ok(vec![Stream {
+        name: STREAM.to_owned(),
+        kind: StreamKind::Fixes,
+        about: "epochs".to_owned(),
+        messages,
+    }])
+}
+
+struct Reader {
+    lines: Lines,
+    layout: Layout,
+    base: Option<Geodetic>,
+    poses: bool,
+    weeks: WeekClock,
+    /// The fields after the time; `None` is text.
+    values: Vec<Option<f64>>,
+}
+
+impl Reader {
+    /// The next line; false at the end.
+    fn step(&mut self, ready: &mut Ready) -> bool {
+        let step = self.lines.step();
+        let at = self.lines.number();
+        let range = match step {
+            Step::Line(range) => range,
+            Step::TooLong => {
+                ready.skip(at, SkipKind::TooLong, format!("over {MAX_LINE} bytes"));
+                return true;
+            }
+            Step::End => {
+                if let Some(failure) = self.lines.failure() {
+                    ready.skip(at, SkipKind::EndsEarly, failure.to_string());
+                }
+                return false;
+            }
+        };
+        let line = self.lines.bytes(range).trim_ascii();
+        if line.starts_with(b"%") {
+            // Solutions that were put one after the other have a header each.
+            self.layout = Layout::of(line).unwrap_or(self.layout);
+        } else if !line.is_empty() {
+            let mut tokens = line.split(|byte| b" \t,;".contains(byte));
+            let mut tokens = tokens.by_ref().filter(|token| !token.is_empty());
+            let (first, second) = (tokens.next(), tokens.next().unwrap_or_default());
+            let first = first.unwrap_or_default();
+            match self.weeks.seconds(first, second, self.layout.system) {
+                Some(time) => {
+                    self.values.clear();
+                    self.values.extend(tokens.map(number::parse));
+                    if let Some(fix) = self.fix(time, at, ready) {
+                        ready.fix(at, fix, self.poses);
+                    }
+                }
+                None => ready.skip(at, SkipKind::Text, shown(line)),
+            }
+        }
+        true
+    }
+
+    fn fix(&self, time: f64, at: u64, ready: &mut Ready) -> Option<Fix> {
+        let numbers = self.three(self.layout.position, at, ready)?;
+        // Rotation from the axes of the file to north-east-down, for everything of this epoch.
+        let (position, ned_from_file) = match self.layout.axes {
+            Axes::Geodetic | Axes::GeodeticDms => {
+                let place = Geodetic::from_degrees(numbers.x, numbers.y, numbers.z);
+                (Position::Geodetic(place), NED_FROM_NEU)
+            }
+            Axes::Ecef => {
+                let place = Geodetic::from_ecef(&numbers);
+                (Position::Geodetic(place), place.ned_from_ecef())
+            }
+            Axes::Baseline => {
+                let base = self.base?;
+                let ned = NED_FROM_ENU * numbers;
+                (Position::Baseline { base, ned }, NED_FROM_ENU)
+            }
+        };
+        if let Position::Geodetic(place) = &position
+            && !ready.is_a_place(at, place)
+        {
+            return None;
+        }
+        let velocity = self.layout.velocity.and_then(|places| {
+            let velocity = self.three(places.map(|index| (index, 1)), at, ready)?;
+            let covariance = self.covariance(self.layout.velocity_sd, ned_from_file);
+            Some((ned_from_file * velocity, covariance))
+        });
+        let quality = self.layout.quality.and_then(|at| self.value(at));
+        Some(Fix {
+            time,
+            position: Some((
+                position,
+                self.covariance(self.layout.position_sd, ned_from_file),
+            )),
+            velocity,
+            quality: quality.map_or_else(Default::default, quality_of_rtklib),
+        })
+    }
+
+    /// Covariance north-east-down of a position or velocity, zero where a standard deviation is unusable;
+    /// `None` where the file has none.
+    fn covariance(&self, at: Option<Components>, ned_from_file: Matrix3) -> Option<Matrix3> {
+        let at = at?;
+        let get = |index: usize| self.value(index).unwrap_or(f64::NAN);
+        let own = independent(&Vector3::from(at.std.map(get))).unwrap_or_else(Matrix3::zeros);
+        let mut full = own;
+        if let Some(cross) = at.cross {
+            let places = [(0, 1), (1, 2), (2, 0)];
+            for (index, (i, j)) in cross.into_iter().zip(places) {
+                let root = self.value(index).unwrap_or(0.0);
+                full[(i, j)] = root * root.abs();
+                full[(j, i)] = full[(i, j)];
+            }
+        }
+        // Printed to four decimals, small covariances can come out impossible.
+        let possible = (full - own * 1e-6).cholesky().is_some();
+        let in_file = if possible { full } else { own };
+        Some(ned_from_file * in_file * ned_from_file.transpose())
+    }
+
+    fn value(&self, at: usize) -> Option<f64> {
+        self.values.get(at).copied().flatten()
+    }
+
+    /// Three finite numbers at the places, each of one field or, in degrees-minutes-seconds, of three.
+    fn three(&self, places: [(usize, usize); 3], at: u64, ready: &mut Ready) -> Option<Vector3> {
+        let mut out = Vector3::zeros();
+        for (k, (from, fields)) in places.into_iter().enumerate() {
+            let mut parts = [0.0; 3];
+            for (part, index) in parts.iter_mut().zip(from..from + fields) {
+                match self.values.get(index) {
+                    Some(Some(value)) => *part = *value,
+                    Some(None) => {
+                        ready.skip(at, SkipKind::Text, format!("field {}", index + 3));
+                        return None;
+                    }
+                    None => {
+                        let (has, wants) = (self.values.len() + 2, index + 3);
+                        let detail = format!("{has} fields, field {wants} is wanted");
+                        ready.skip(at, SkipKind::MissingField, detail);
+                        return None;
+                    }
+                }
+            }
+            let [degrees, minutes, seconds] = parts;
+            // The sign stands at the degrees, also at −0.
+            let size = degrees.abs() + minutes / 60.0 + seconds / 3600.0;
+            out[k] = size.copysign(degrees);
+        }
+        if out.iter().all(|value| value.is_finite()) {
+            return Some(out);
+        }
+        let detail = format!("{}, {}, {}", out.x, out.y, out.z);
+        ready.skip(at, SkipKind::NotFinite, detail);
+        None
+    }
+}
+
+const NED_FROM_NEU: Matrix3 = Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0);
+const NED_FROM_ENU: Matrix3 = Matrix3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0);
+
+fn no_header() -> ReadError {
+    ReadError::nameless("no header line that names the columns of an RTKLIB solution")
+        .mend("it looks like \"%  GPST  latitude(deg) longitude(deg) …\"; write the solution with its header")
+}
+
+#[cfg(test)]
+mod tests;

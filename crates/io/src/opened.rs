@@ -1,0 +1,272 @@
+//! A log, opened once and passed along: what it is, its beginning, and the rest of its stream.
+
+use std::io::{self, BufRead, Cursor, Read};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use crate::ReadError;
+use crate::detect;
+use crate::entry::{Stream, Wanted};
+use crate::format::Format;
+use crate::log::{self, Log};
+use crate::source::{self, BytesRead, Source};
+use crate::table::{self, Columns, Preview, Table, TableOptions, TableSource};
+
+/// Bytes that the format is told by.
+const START: usize = 64 * 1024;
+/// Bytes that a row of a preview has at most, on average.
+const ROW: usize = 1024;
+
+/// A log that is open: a file, standard input, a pipe, bytes or columns in memory.
+pub struct Opened {
+    name: PathBuf,
+    origin: Origin,
+    /// Whether it is compressed as a whole.
+    compressed: bool,
+    /// The beginning, decompressed, and why no more of it could be read.
+    start: Vec<u8>,
+    failure: Option<(io::ErrorKind, String)>,
+    rest: Source,
+}
+
+/// A log in memory; clones share it.
+#[derive(Clone, Debug)]
+pub enum Memory {
+    /// The bytes of a file, plain or gzip.
+    Bytes(Arc<[u8]>),
+    /// The columns of a table.
+    Columns(Columns),
+}
+
+/// Where a log comes from.
+enum Origin {
+    /// A regular file, which can be opened again.
+    File,
+    /// A stream that is read once.
+    Once,
+    Columns(Columns),
+}
+
+impl Opened {
+    /// Opens a file or pipe, plain or gzip; "-" is standard input.
+    ///
+    /// # Errors
+    /// If the file is missing, is a directory or cannot be read.
+    pub fn open(path: &Path) -> Result<Self, ReadError> {
+        Self::counted(path, &BytesRead::default())
+    }
+
+    /// As [`Opened::open`]; `read` counts the bytes of the file from 0.
+    ///
+    /// # Errors
+    /// As [`Opened::open`].
+    pub fn counted(path: &Path, read: &BytesRead) -> Result<Self, ReadError> {
+        if path.as_os_str() == "-" {
+            return Self::of(Path::new("standard input"), io::stdin(), read);
+        }
+        let file = source::file(path)?;
+        let regular = file.metadata().is_ok_and(|about| about.is_file());
+        let mut opened = Self::of(path, file, read)?;
+        if regular {
+            opened.origin = Origin::File;
+        }
+        Ok(opened)
+    }
+
+    /// Reads a log from any stream, plain or gzip; `name` is what messages call it.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub fn stream(name: &Path, stream: impl Read + Send + 'static) -> Result<Self, ReadError> {
+        Self::of(name, stream, &BytesRead::default())
+    }
+
+    fn of(
+        name: &Path,
+        stream: impl Read + Send + 'static,
+        read: &BytesRead,
+    ) -> Result<Self, ReadError> {
+        let (rest, compressed) = source::decompressed(name, stream, read)?;
+        let mut opened = Self {
+            name: name.to_path_buf(),
+            origin: Origin::Once,
+            compressed,
+            start: Vec::new(),
+            failure: None,
+            rest,
+        };
+        opened.read_to(START as u64);
+        Ok(opened)
+    }
+
+    /// Reads a log in memory, called `name`; `read` counts its bytes.
+    ///
+    /// # Errors
+    /// If it cannot be decompressed.
+    pub fn memory(name: &Path, memory: Memory, read: &BytesRead) -> Result<Self, ReadError> {
+        match memory {
+            Memory::Bytes(bytes) => Self::of(name, Cursor::new(bytes), read),
+            Memory::Columns(columns) => Ok(Self {
+                name: name.to_path_buf(),
+                origin: Origin::Columns(columns),
+                compressed: false,
+                start: Vec::new(),
+                failure: None,
+                rest: Box::new(io::empty()),
+            }),
+        }
+    }
+
+    /// What a pipe or standard input ("-") has, to be read more than once; `None` of a file, which can be
+    /// opened again, and of what is not there.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub fn hold(path: &Path) -> Result<Option<Memory>, ReadError> {
+        let mut bytes = Vec::new();
+        let is_stream = |about: std::fs::Metadata| !about.is_file() && !about.is_dir();
+        let read = if path.as_os_str() == "-" {
+            io::stdin().read_to_end(&mut bytes)
+        } else if std::fs::metadata(path).is_ok_and(is_stream) {
+            source::file(path)?.read_to_end(&mut bytes)
+        } else {
+            return Ok(None);
+        };
+        read.map_err(|error| source::cannot_open(path, error))?;
+        Ok(Some(Memory::Bytes(bytes.into())))
+    }
+
+    /// What messages call it: the path as it was given.
+    pub fn name(&self) -> &Path {
+        &self.name
+    }
+
+    /// The regular file that it is; `None` of what can be read once only.
+    pub fn file(&self) -> Option<&Path> {
+        matches!(self.origin, Origin::File).then_some(&self.name)
+    }
+
+    /// Its format, by the content: [`Format::Csv`] where it is none of the others.
+    pub fn format(&self) -> Format {
+        detect::format(&self.start)
+    }
+
+    /// Columns of the first row of a text of numbers with blanks between; 0 if it is none.
+    pub fn width(&self) -> usize {
+        detect::width(&self.start)
+    }
+
+    /// The names of the columns of a table and up to `rows` rows of all of them.
+    ///
+    /// # Errors
+    /// If there is no line, or Parquet cannot be read.
+    pub fn preview(&mut self, rows: usize) -> Result<Preview, ReadError> {
+        self.read_to(rows.saturating_mul(ROW) as u64);
+        let source = match &self.origin {
+            Origin::Columns(columns) => TableSource::Columns(columns.clone()),
+            _ if table::is_parquet(&self.start) => self.parquet()?,
+            _ => TableSource::Text(self.beginning()),
+        };
+        table::preview(source, rows).map_err(|error| error.of(&self.name))
+    }
+
+    /// The streams of a log that says itself what it holds.
+    ///
+    /// # Errors
+    /// If it cannot be read, or is one whose columns have to be named.
+    pub fn streams(self, format: Format) -> Result<Vec<Stream>, ReadError> {
+        let name = self.name.clone();
+        log::streams(self.into_source(), format).map_err(|error| error.of(&name))
+    }
+
+    /// Reads it as a table, text or Parquet, and finds the wanted columns.
+    ///
+    /// # Errors
+    /// If it has no line, or lacks a wanted column.
+    pub fn table(mut self, options: &TableOptions) -> Result<Table, ReadError> {
+        let name = self.name.clone();
+        let source = match &self.origin {
+            Origin::Columns(columns) => TableSource::Columns(columns.clone()),
+            _ if table::is_parquet(&self.start) => self.parquet()?,
+            _ => TableSource::Text(self.into_source()),
+        };
+        Table::new(&name, source, options)
+    }
+
+    /// Reads it as a log of the format.
+    pub(crate) fn log(mut self, format: Format, wanted: &Wanted) -> Result<Log, ReadError> {
+        let name = self.name.clone();
+        let held: Option<Arc<[u8]>> = match self.origin {
+            Origin::Once if log::reads_twice(format) => {
+                self.read_to(u64::MAX);
+                Some(self.start.as_slice().into())
+            }
+            _ => None,
+        };
+        let again = || match &held {
+            Some(bytes) => Ok(Box::new(Cursor::new(bytes.clone())) as Source),
+            None => source::open(&name),
+        };
+        Log::new(self.into_source(), &again, format, wanted).map_err(|error| error.of(&name))
+    }
+
+    /// Reads on until the beginning has so many bytes, or all that there are.
+    fn read_to(&mut self, length: u64) {
+        let more = length.saturating_sub(self.start.len() as u64);
+        if self.failure.is_none() {
+            // Damaged compression shows again when the log is read.
+            let read = (&mut self.rest).take(more).read_to_end(&mut self.start);
+            self.failure = read.err().map(|error| (error.kind(), error.to_string()));
+        }
+    }
+
+    /// The whole lines of the beginning.
+    fn beginning(&mut self) -> Source {
+        let all = self.rest.fill_buf().is_ok_and(<[u8]>::is_empty);
+        let end = match self.start.iter().rposition(|byte| *byte == b'\n') {
+            Some(last) if !all => last + 1,
+            _ => self.start.len(),
+        };
+        let lines = self.start.get(..end).unwrap_or_default();
+        Box::new(Cursor::new(lines.to_vec()))
+    }
+
+    fn parquet(&mut self) -> Result<TableSource, ReadError> {
+        if self.compressed {
+            return Err(ReadError::new(&self.name, "is compressed as a whole")
+                .mend("decompress it: Parquet is read from its end, and compressed inside"));
+        }
+        let file = match self.origin {
+            Origin::File => Some(source::file(&self.name)?),
+            _ => None,
+        };
+        if file.is_none() {
+            self.read_to(u64::MAX);
+        }
+        table::parquet(file, &self.start).map_err(|error| error.of(&self.name))
+    }
+
+    /// The whole stream, from its start.
+    fn into_source(self) -> Source {
+        let failure = self.failure.map(|(kind, why)| io::Error::new(kind, why));
+        let start = Cursor::new(self.start).chain(Failing(failure));
+        Box::new(start.chain(self.rest))
+    }
+}
+
+/// Fails once, where the beginning of a stream could not be read on.
+struct Failing(Option<io::Error>);
+
+impl Read for Failing {
+    fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
+        self.0.take().map_or(Ok(0), Err)
+    }
+}
+
+impl BufRead for Failing {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        self.0.take().map_or(Ok(&[]), Err)
+    }
+
+    fn consume(&mut self, _: usize) {}
+}

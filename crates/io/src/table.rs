@@ -1,0 +1,209 @@
+//! Tables whose wanted columns are numbers: delimited text (CSV, semicolons, tabs or blanks), Parquet, or
+//! columns in memory.
+//!
+//! Columns are asked for by name or by number. The first line that is no comment is the header if
+//! it has text in it; a comment line directly before the data serves as one where names are asked
+//! for. Rows that cannot be used are skipped and counted, see [`Table::skipped`].
+//!
+//! ```no_run
+//! use undrift_io::Opened;
+//! use undrift_io::table::{Column, TableOptions};
+//! let options = TableOptions {
+//!     columns: vec![("imu.time".into(), Column::Name("t_s".into()))],
+//!     ..TableOptions::default()
+//! };
+//! let mut table = Opened::open("imu.csv.gz".as_ref())?.table(&options)?;
+//! let mut row = [0.0];
+//! while let Some(line) = table.next_row(&mut row)? {
+//!     println!("line {line}: t = {} s", row[0]);
+//! }
+//! # Ok::<(), undrift_io::ReadError>(())
+//! ```
+
+mod columns;
+mod fields;
+mod header;
+#[cfg(feature = "parquet")]
+mod parquet;
+#[cfg(test)]
+mod tests;
+mod text;
+mod wanted;
+
+use std::path::{Path, PathBuf};
+
+pub use columns::Columns;
+pub use wanted::{Column, Preview, TableOptions};
+
+use crate::ReadError;
+use crate::lines::MAX_LINE;
+use crate::skipped::{SkipKind, Skipped};
+use crate::source::Source;
+use wanted::{Step, no_rows};
+
+/// What a table is read from.
+pub(crate) enum TableSource {
+    /// Delimited text.
+    Text(Source),
+    /// Columns in memory.
+    Columns(Columns),
+    /// A file or bytes of Parquet, which is read from its end.
+    #[cfg(feature = "parquet")]
+    Parquet(parquet::Bytes),
+}
+
+/// Reads the wanted columns of a table row by row.
+pub struct Table {
+    name: PathBuf,
+    rows: Rows,
+    width: usize,
+    keep_not_finite: bool,
+    rows_read: u64,
+    rows_seen: u64,
+    finished: bool,
+    skipped: Skipped,
+}
+
+/// Boxed: a reader holds its place in the file and a row.
+enum Rows {
+    Text(Box<text::TextTable>),
+    Memory(columns::MemoryTable),
+    #[cfg(feature = "parquet")]
+    Parquet(Box<parquet::ParquetTable>),
+}
+
+impl Table {
+    /// Finds the wanted columns; `name` is what messages call the table.
+    ///
+    /// # Errors
+    /// If there is no line, or a wanted column is missing.
+    pub(crate) fn new(
+        name: &Path,
+        source: TableSource,
+        options: &TableOptions,
+    ) -> Result<Self, ReadError> {
+        let mut skipped = Skipped::default();
+        let rows = match source {
+            TableSource::Columns(columns) => {
+                columns::MemoryTable::new(columns, options).map(Rows::Memory)
+            }
+            TableSource::Text(source) => text::TextTable::new(source, options, &mut skipped)
+                .map(|table| Rows::Text(Box::new(table))),
+            #[cfg(feature = "parquet")]
+            TableSource::Parquet(bytes) => parquet::ParquetTable::new(bytes, options)
+                .map(|table| Rows::Parquet(Box::new(table))),
+        };
+        Ok(Self {
+            name: name.to_path_buf(),
+            rows: rows.map_err(|error| error.of(name))?,
+            width: options.columns.len(),
+            keep_not_finite: options.keep_not_finite,
+            rows_read: 0,
+            rows_seen: 0,
+            finished: false,
+            skipped,
+        })
+    }
+
+    /// Reads the next usable row into `out`, in the order of the wanted columns, and gives its
+    /// line number, or that of the row in Parquet and in memory; `None` at the end.
+    ///
+    /// # Errors
+    /// If the file ends without one usable row, or `out` has another length than there are wanted
+    /// columns.
+    #[inline]
+    pub fn next_row(&mut self, out: &mut [f64]) -> Result<Option<u64>, ReadError> {
+        if out.len() != self.width {
+            let problem = format!("{} places for {} columns", out.len(), self.width);
+            return Err(ReadError::new(&self.name, problem));
+        }
+        while !self.finished {
+            let step = match &mut self.rows {
+                Rows::Text(table) => table.step(self.keep_not_finite, out),
+                Rows::Memory(table) => Ok(table.step(self.keep_not_finite, out)),
+                #[cfg(feature = "parquet")]
+                Rows::Parquet(table) => Ok(table.step(self.keep_not_finite, out)),
+            };
+            match step {
+                Ok(Step::Row(line, Ok(()))) => {
+                    self.rows_seen += 1;
+                    self.rows_read += 1;
+                    return Ok(Some(line));
+                }
+                Ok(Step::Row(line, Err(defect))) => {
+                    self.rows_seen += 1;
+                    self.skipped.add(defect.kind(), line, &defect);
+                }
+                Ok(Step::TooLong(line)) => {
+                    self.rows_seen += 1;
+                    let detail = format_args!("over {MAX_LINE} bytes");
+                    self.skipped.add(SkipKind::TooLong, line, detail);
+                }
+                Ok(Step::End(failure)) => self.finish(failure)?,
+                Err(error) => return Err(error.of(&self.name)),
+            }
+        }
+        Ok(None)
+    }
+
+    fn finish(&mut self, failure: Option<(u64, String)>) -> Result<(), ReadError> {
+        self.finished = true;
+        if let Some((line, failure)) = failure {
+            self.skipped.add(SkipKind::EndsEarly, line, failure);
+        }
+        if self.rows_read > 0 {
+            return Ok(());
+        }
+        Err(no_rows(self.rows_seen, &self.skipped).of(&self.name))
+    }
+
+    /// What was left out so far.
+    pub fn skipped(&self) -> &Skipped {
+        &self.skipped
+    }
+
+    /// Rows met so far, the skipped ones included.
+    pub fn rows_seen(&self) -> u64 {
+        self.rows_seen
+    }
+
+    pub(crate) fn skipped_mut(&mut self) -> &mut Skipped {
+        &mut self.skipped
+    }
+}
+
+/// The names of the columns and up to `rows` rows of all of them.
+///
+/// # Errors
+/// If there is no line, or Parquet cannot be read.
+pub(crate) fn preview(source: TableSource, rows: usize) -> Result<Preview, ReadError> {
+    match source {
+        TableSource::Text(source) => header::preview(source, rows),
+        TableSource::Columns(columns) => Ok(columns.preview(rows)),
+        #[cfg(feature = "parquet")]
+        TableSource::Parquet(bytes) => parquet::preview(bytes, rows),
+    }
+}
+
+/// Whether a file that starts so is Parquet.
+pub(crate) fn is_parquet(start: &[u8]) -> bool {
+    start.starts_with(b"PAR1")
+}
+
+/// A file of Parquet, or its bytes where there is no file.
+///
+/// # Errors
+/// Of a build that does not read Parquet.
+pub(crate) fn parquet(file: Option<std::fs::File>, all: &[u8]) -> Result<TableSource, ReadError> {
+    #[cfg(feature = "parquet")]
+    return Ok(TableSource::Parquet(match file {
+        Some(file) => parquet::Bytes::File(file.into()),
+        None => parquet::Bytes::Memory(all.to_vec().into()),
+    }));
+    #[cfg(not(feature = "parquet"))]
+    {
+        let (_, _) = (file, all);
+        Err(ReadError::nameless("this build does not read Parquet")
+            .mend("build with the feature parquet"))
+    }
+}

@@ -1,0 +1,87 @@
+//! What is wanted of a table, and what its kinds have in common.
+
+use std::fmt;
+
+use super::fields::Defect;
+use crate::ReadError;
+use crate::skipped::{SkipKind, Skipped};
+
+/// Which column is meant.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Column {
+    /// The one with this name in the header.
+    Name(String),
+    /// The one at this place, the first is 1.
+    Number(usize),
+}
+
+impl fmt::Display for Column {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Name(name) => write!(f, "\"{name}\""),
+            Self::Number(number) => write!(f, "{number}"),
+        }
+    }
+}
+
+/// What to read from a table.
+#[derive(Clone, Debug, Default)]
+pub struct TableOptions {
+    /// The wanted columns in the order of the row read, each with the configuration key that asks
+    /// for it, which messages name.
+    pub columns: Vec<(String, Column)>,
+    /// The byte between fields; `None` finds out: comma, semicolon, tab, or else runs of blanks.
+    pub delimiter: Option<u8>,
+    /// Hand on rows with NaN, infinity or an empty field (as NaN) instead of skipping them.
+    pub keep_not_finite: bool,
+}
+
+/// The beginning of a table.
+#[derive(Clone, Debug, Default)]
+pub struct Preview {
+    /// Names in the header line or, where that is data, in the comment directly before it; empty where
+    /// neither names anything.
+    pub header: Vec<String>,
+    /// Names of the columns: those, if there are as many as columns.
+    pub names: Vec<String>,
+    /// The first rows, of every column; NaN where there is no number.
+    pub rows: Vec<Vec<f64>>,
+}
+
+/// What comes next in a table.
+pub(super) enum Step {
+    /// The row with this line or number, read or not.
+    Row(u64, Result<(), Defect>),
+    /// A line that is too long to be a row.
+    TooLong(u64),
+    /// Nothing more; where and why, if the file breaks off.
+    End(Option<(u64, String)>),
+}
+
+/// Whether a line is neither blank nor a comment.
+#[inline]
+pub(super) fn starts_a_row(line: &[u8]) -> bool {
+    match line.iter().find(|byte| !matches!(byte, b' ' | b'\t')) {
+        Some(b'#' | b'%') | None => false,
+        Some(_) => true,
+    }
+}
+
+/// Why a table without one usable row cannot be used.
+pub(super) fn no_rows(seen: u64, skipped: &Skipped) -> ReadError {
+    let problem = if seen == 0 {
+        "no row of data"
+    } else {
+        "no row with a number in every wanted column"
+    };
+    let mut mend = skipped.to_string().replace('\n', "; ");
+    let text = skipped.iter().find(|(kind, _)| *kind == SkipKind::Text);
+    let is_decimal = |text: &str| {
+        let text = text.trim_matches('"');
+        text.contains(',') && text.replacen(',', ".", 1).parse::<f64>().is_ok()
+    };
+    if text.is_some_and(|(_, entry)| is_decimal(&entry.first_detail)) {
+        mend += "; write numbers with decimal points";
+    }
+    ReadError::nameless(problem).mend(mend)
+}

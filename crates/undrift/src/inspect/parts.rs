@@ -1,0 +1,111 @@
+//! What an inspection finds: the parts of a file, and the keys of a drive file that read them.
+
+use super::known::{Content, Known, Note};
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// What a file is.
+#[derive(Clone, Debug, Serialize)]
+pub struct Inspection {
+    /// The file, as it was given.
+    pub file: PathBuf,
+    /// Name of its format in a drive file.
+    pub format: &'static str,
+    /// What the format is called.
+    pub description: &'static str,
+    /// The streams of a log: name, messages, and what they are.
+    pub streams: Vec<(String, u64, String)>,
+    /// What of it can be read.
+    pub parts: Vec<Part>,
+    /// What is worth knowing.
+    pub found: Vec<Note>,
+    /// The same in sentences; who shows it fills them in.
+    pub notes: Vec<String>,
+}
+
+/// A table of `DRIVE.toml` that reads something of the file.
+#[derive(Clone, Debug, Serialize)]
+pub struct Part {
+    /// `imu`, `gnss` or `truth`.
+    pub table: &'static str,
+    /// Its keys beside `file`.
+    pub lines: Vec<Line>,
+    /// What was read with them.
+    pub measured: Option<Measured>,
+    /// Why nothing was.
+    pub problem: Option<String>,
+    /// The streams that a key may name, the first of each the likeliest.
+    #[serde(skip)]
+    pub choices: Vec<(&'static str, Vec<String>)>,
+}
+
+/// A key of a drive file.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Line {
+    /// The key.
+    pub key: &'static str,
+    /// Its value, as TOML writes it.
+    pub value: String,
+    /// How it is known.
+    pub known: Known,
+    /// The same in words, empty where it is certain; who shows it fills them in.
+    pub why: String,
+}
+
+/// What a part holds.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Measured {
+    /// Samples, fixes or reference solutions.
+    pub records: u64,
+    /// First time \[s\].
+    pub first_s: f64,
+    /// Last time \[s\].
+    pub last_s: f64,
+    /// 1 / the ordinary interval \[Hz\].
+    pub rate_hz: f64,
+    /// Intervals of more than 1.5 ordinary ones.
+    pub gaps: u64,
+    /// Start and length of the longest \[s\].
+    pub longest_gap_s: Option<(f64, f64)>,
+    /// What was left out, a line each.
+    pub skipped: String,
+    /// Velocities left out because the log does not tell how certain they are.
+    pub untold_velocities: u64,
+    /// What else it holds.
+    pub content: Option<Content>,
+    /// The same in sentences; who shows it fills them in.
+    pub remarks: Vec<String>,
+}
+
+impl Line {
+    pub(super) fn new(key: &'static str, value: String, known: Known) -> Self {
+        Self {
+            key,
+            value,
+            known,
+            why: String::new(),
+        }
+    }
+
+    /// A text value.
+    pub(super) fn text(key: &'static str, value: &str, known: Known) -> Self {
+        Self::new(key, quoted(value), known)
+    }
+}
+
+/// A text as TOML writes it.
+pub fn quoted(text: &str) -> String {
+    toml::Value::String(text.to_owned()).to_string()
+}
+
+impl Part {
+    pub(super) fn new(table: &'static str, lines: Vec<Line>) -> Self {
+        Self {
+            table,
+            lines,
+            measured: None,
+            problem: None,
+            choices: Vec::new(),
+        }
+    }
+}
