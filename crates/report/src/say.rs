@@ -90,7 +90,8 @@ pub fn say(finding: &Finding) -> String {
         ),
         WrongGravity { ratio } => format!(
             "the accelerometers measure {} times gravity on average: check {}",
-            short(*ratio),
+            // A sensor without noise.
+            if *ratio < 1e-6 { "0".into() } else { short(*ratio) },
             match ratio {
                 0.09..0.115 => "imu.accel_unit, the numbers look like g",
                 8.5..11.5 => "imu.accel_unit, the numbers look like m/s^2",

@@ -25,7 +25,7 @@ fn source(crate_name: &str, module: &str) -> PathBuf {
     let folder = root.join(crate_name.strip_prefix("undrift-").unwrap_or(crate_name));
     let path = module.replace("::", "/");
     [
-        folder.join("tests").join(format!("{path}.rs")),
+        folder.join("tests/it").join(format!("{path}.rs")),
         folder.join("src").join(&path).join("tests.rs"),
         folder.join("src").join(format!("{path}.rs")),
     ]

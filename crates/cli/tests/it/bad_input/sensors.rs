@@ -275,7 +275,7 @@ fn a_frozen_accelerometer() {
     let (outcome, _) = frozen(&[4], 20.0, 24.0).write("frozen_accel").solution();
     says(
         &outcome.stderr,
-        &["accelerometer x read", "for 3.99 s from 20.0", "frozen"],
+        &["accelerometer x read", "for 3.99 s from 20 s", "frozen"],
     );
 }
 
