@@ -66,6 +66,27 @@ impl Problem<'_> {
             .collect()
     }
 
+    /// Whether the Kalman filter finds the same likelihood there, on the first part of a long record. Where roots nearly
+    /// coincide on the edge of the invertible region, that of an unbroken record may be rounding: no optimum.
+    fn is_confirmed(&self, z: &[f64], p: usize) -> bool {
+        if self.gaps {
+            return true;
+        }
+        let part = Problem {
+            samples: &self.samples[..self.samples.len().min(GLANCE)],
+            ..*self
+        };
+        let filter = Problem { gaps: true, ..part };
+        let (phi, theta) = self.coefficients(z, p);
+        match (
+            part.likelihood(&phi, &theta),
+            filter.likelihood(&phi, &theta),
+        ) {
+            (Some(at), Some(exact)) => (at.log_likelihood - exact.log_likelihood).abs() < SAME,
+            _ => true,
+        }
+    }
+
     /// Likelihood evaluations that a search may spend: seconds for a long record, thoroughness
     /// for a short one.
     fn budget(&self, dimension: usize, effort: f64) -> f64 {
@@ -171,6 +192,14 @@ fn optima(
         budget,
         dimension,
     ));
+    let confirmed: Vec<bool> = found
+        .iter()
+        .map(|point| problem.is_confirmed(&point.z, p))
+        .collect();
+    if confirmed.contains(&true) {
+        let mut confirmed = confirmed.into_iter();
+        found.retain(|_| confirmed.next() == Some(true));
+    }
     // A model one pair smaller is inside this one: nothing may end below it.
     let lower = one_below.first().map_or(f64::INFINITY, |l| l.value);
     let best = found.first_mut().ok_or(ArmaError::NoOptimum)?;
