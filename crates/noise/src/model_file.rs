@@ -30,8 +30,6 @@
 
 mod entries;
 mod read;
-#[cfg(test)]
-mod tests;
 mod write;
 
 use crate::presets;
