@@ -71,7 +71,7 @@ pub struct ImuReading {
 pub struct Fix {
     /// Time of validity \[s\].
     pub time: f64,
-    /// Position, and its covariance north-east-down [m²].
+    /// Position, and its covariance north-east-down \[m²\].
     pub position: Option<(Position, Option<Matrix3>)>,
     /// Velocity north-east-down [m/s], and its covariance [(m/s)²].
     pub velocity: Option<(Vector3, Option<Matrix3>)>,
@@ -79,7 +79,7 @@ pub struct Fix {
     pub quality: FixQuality,
 }
 
-/// What is wanted from a log. A stream is named as [`streams`] does; without a name, the only one of
+/// What is wanted from a log. A stream is named as `log::streams` does; without a name, the only one of
 /// its kind is meant, and more than one is an error that lists them.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Wanted {

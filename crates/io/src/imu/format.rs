@@ -20,7 +20,7 @@ pub enum ImuSource {
         /// The byte between fields; `None` finds out.
         delimiter: Option<u8>,
     },
-    /// In a stream of a log, named as [`crate::log::streams`] does; `None` for the only one.
+    /// In a stream of a log, named as `log::streams` does; `None` for the only one.
     Log(Format, Option<String>),
 }
 
