@@ -3,7 +3,7 @@
 use crate::format::Format;
 use crate::{log, number, table};
 
-/// The format of a log that begins so: [`Format::Csv`] where it is none of the others.
+/// The format of a log that begins so: [`Format::Csv`] where no other format fits.
 pub(crate) fn format(start: &[u8]) -> Format {
     match log::detect(start) {
         Some(format) => format,
@@ -79,7 +79,7 @@ fn numbers(start: &[u8]) -> Vec<Vec<f64>> {
     rows
 }
 
-/// Columns of the first row of a text of numbers with blanks between; 0 if it is none.
+/// Columns of the first row of a text of numbers with blanks between; 0 for any other text.
 pub(crate) fn width(start: &[u8]) -> usize {
     numbers(start).first().map_or(0, Vec::len)
 }

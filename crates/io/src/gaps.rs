@@ -14,7 +14,7 @@ pub struct Gap {
 /// The usual interval of a log, and the gaps: intervals of more than 1.5 usual ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GapSummary {
-    /// Running median of the intervals \[s\]; 0 while there is none.
+    /// Running median of the intervals \[s\]; 0 before the first.
     pub nominal_interval: f64,
     /// Number of gaps.
     pub count: u64,

@@ -1,8 +1,8 @@
 //! GNSS fixes from tables of any layout, or from logs that say themselves what they hold.
 //!
-//! What cannot be used is left out by its part: a row without a usable position can still give
+//! What cannot be used is skipped part by part: a row without a usable position can still give
 //! its velocity. A latitude and longitude of exactly 0°, 0° is what receivers write without a
-//! fix, so such a row is left out as a whole.
+//! fix, so such a row is skipped as a whole.
 
 mod columns;
 mod log;
@@ -56,7 +56,7 @@ enum Of {
 }
 
 impl Reader<Fixes> {
-    /// Velocities left out so far because neither the log nor its options tell how certain they are.
+    /// Velocities skipped so far because neither the log nor its options tell how certain they are.
     pub fn untold_velocities(&self) -> u64 {
         match &self.kind().0 {
             Of::Columns(_) => 0,

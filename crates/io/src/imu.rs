@@ -26,7 +26,7 @@ use crate::reader::{Kind, Plan, Reader, Row, Source};
 use crate::skipped::{SkipKind, Skipped};
 use crate::table::{Column, TableOptions};
 
-/// Values beyond this are none of a sensor, in SI, rates or increments: they would overflow on the way.
+/// Values beyond this come from no sensor, in SI, rates or increments: they would overflow on the way.
 const MAX_VALUE: f64 = 1e9;
 
 /// Gaps in a row that mean another sampling rate, in a log of increments.

@@ -146,12 +146,12 @@ impl Opened {
         matches!(self.origin, Origin::File).then_some(&self.name)
     }
 
-    /// Its format, by the content: [`Format::Csv`] where it is none of the others.
+    /// Its format, by the content: [`Format::Csv`] where no other format fits.
     pub fn format(&self) -> Format {
         detect::format(&self.start)
     }
 
-    /// Columns of the first row of a text of numbers with blanks between; 0 if it is none.
+    /// Columns of the first row of a text of numbers with blanks between; 0 for any other text.
     pub fn width(&self) -> usize {
         detect::width(&self.start)
     }

@@ -159,7 +159,7 @@ impl FixColumns {
         Ok((fix_columns, wanted))
     }
 
-    /// What there is of a fix in a row; `None` if the row is to be left out.
+    /// What there is of a fix in a row; `None` if the row is to be skipped.
     pub(super) fn fix(&self, row: &[f64], line: u64, skipped: &mut Skipped) -> Option<GnssFix> {
         let stamp = row.first().copied().unwrap_or(f64::NAN);
         if !stamp.is_finite() {
@@ -175,7 +175,7 @@ impl FixColumns {
         })
     }
 
-    /// The position; `Some(None)` without one, `None` if the row is to be left out.
+    /// The position; `Some(None)` without one, `None` if the row is to be skipped.
     fn position(
         &self,
         row: &[f64],
