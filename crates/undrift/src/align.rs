@@ -12,7 +12,7 @@ mod motion;
 mod rest;
 mod result;
 mod segments;
-mod settings;
+pub(crate) mod settings;
 mod wahba;
 
 pub use result::{
@@ -22,8 +22,7 @@ pub use settings::{AlignSettings, Heading};
 
 use crate::{
     estimator::{self, Aiding, Estimator},
-    replay::Settings,
-    settings::AlignmentSettings,
+    settings::{AlignmentSettings, replay::Settings},
 };
 use basis::{antenna, noise_of_mean, walk};
 use motion::Motion;

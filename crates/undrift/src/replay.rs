@@ -10,23 +10,25 @@ mod health;
 mod measurement;
 mod observer;
 mod plausible;
-mod quality;
 mod receiver;
 mod rest;
 mod run;
-mod settings;
 mod solution;
 mod summary;
 mod vehicle;
 mod watch;
 
-pub use crate::estimator::STAMP_ROUNDING;
+pub use crate::{
+    estimator::STAMP_ROUNDING,
+    settings::{
+        quality::QualityStd,
+        replay::{GnssUse, Outage, Settings},
+    },
+};
 pub use events::{Contradiction, FixMend, Implausible, Lean, Log, Part, Restart, RestartCause};
 pub use health::CovarianceHealth;
 pub use measurement::{Measurement, Scalar, merge};
 pub use observer::{Measurements, NotAligned, Observer, ReplayError, Samples};
-pub use quality::QualityStd;
-pub use settings::{GnssUse, Outage, Settings};
 pub use summary::{Innovations, MOST_EVENTS, Summary};
 
 /// Navigates a log. The size of the filter follows the models.

@@ -1,7 +1,10 @@
 //! The limits and time constants of alignment and replay, each with its unit and reason.
 //!
 //! [`EngineSettings::default`] holds the values that everything in docs/ was measured with;
-//! `docs/settings.md` lists them. What a user sets for a drive is in [`crate::replay::Settings`].
+//! `docs/settings.md` lists them. What a user sets for a drive is in [`replay::Settings`].
+
+pub mod quality;
+pub mod replay;
 
 /// Makes the structs, their defaults and the list of all fields from one line a field.
 macro_rules! settings {

@@ -12,8 +12,7 @@ use super::{
 };
 use crate::{
     estimator::{self, Estimator},
-    replay::Settings,
-    settings::AlignmentMotionSettings,
+    settings::{AlignmentMotionSettings, replay::Settings},
 };
 use std::collections::VecDeque;
 use undrift_nav::{

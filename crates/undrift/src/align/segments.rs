@@ -1,7 +1,7 @@
 //! Motion between fixes, integrated once in body axes so that attitude and sensor biases can be
 //! tried out without the samples (preintegration; Forster et al. 2017, section VI).
 
-use crate::replay::STAMP_ROUNDING;
+use crate::estimator::STAMP_ROUNDING;
 use undrift_nav::{
     Matrix3, Quaternion, Vector3,
     attitude::{from_rotation_vector, skew},

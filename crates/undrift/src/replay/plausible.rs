@@ -8,10 +8,10 @@
 mod moves;
 mod turns;
 
-use super::{events::Implausible, settings::Settings};
+use super::events::Implausible;
 use crate::{
     align::Heading,
-    settings::{PlausibilitySettings, within},
+    settings::{PlausibilitySettings, replay::Settings, within},
 };
 use moves::Moves;
 use turns::Turns;

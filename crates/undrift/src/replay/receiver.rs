@@ -3,13 +3,15 @@
 use super::{
     events::Part,
     gate::{FixGate, Scale, Verdict},
-    settings::{GnssUse, Settings},
     summary::Summary,
     watch::LeanWatch,
 };
 use crate::{
     estimator::{Aiding, Estimator},
-    settings::EngineSettings,
+    settings::{
+        EngineSettings,
+        replay::{GnssUse, Settings},
+    },
 };
 use undrift_nav::{
     Matrix3, Vector3,

@@ -7,7 +7,6 @@ use super::{
     observer::{Measurements, NotAligned, Observer, ReplayError},
     plausible::Plausible,
     receiver::Receiver,
-    settings::{GnssUse, Settings},
     solution::Solution,
     summary::Summary,
     vehicle::Vehicle,
@@ -16,6 +15,7 @@ use super::{
 use crate::{
     align::{Aligner, Heading},
     estimator::STAMP_ROUNDING,
+    settings::replay::{GnssUse, Settings},
 };
 use undrift_nav::{
     filter::{FilterError, Outcome, Update},

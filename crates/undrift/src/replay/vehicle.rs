@@ -4,13 +4,12 @@ use super::{
     measurement::Scalar,
     observer::Observer,
     rest::{Block, RestDetector},
-    settings::Settings,
     solution::Solution,
     summary::Summary,
 };
 use crate::{
     estimator::{Aiding, Estimator},
-    settings::ConstraintSettings,
+    settings::{ConstraintSettings, replay::Settings},
     vehicle::NonHolonomic,
 };
 use undrift_nav::{

@@ -1,9 +1,7 @@
 //! How a log is navigated.
 
-use super::quality::QualityStd;
-use crate::{
-    align::AlignSettings, estimator::STAMP_ROUNDING, settings::EngineSettings, vehicle::Constraints,
-};
+use super::{EngineSettings, quality::QualityStd};
+use crate::{align::settings::AlignSettings, estimator::STAMP_ROUNDING, vehicle::Constraints};
 use undrift_nav::{Vector3, covariance::AXES, parameters::Parameters, shaping::ShapingFilter};
 
 /// Half-open span of time without GNSS: fixes after `start` up to and including `end` are withheld.
