@@ -30,6 +30,8 @@
 
 mod entries;
 mod read;
+#[cfg(test)]
+mod tests;
 mod write;
 
 use crate::presets;

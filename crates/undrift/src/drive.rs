@@ -27,6 +27,8 @@ mod logs;
 mod scalars;
 mod section;
 pub(crate) mod tables;
+#[cfg(test)]
+mod tests;
 
 pub use error::{ConfigError, DriveError};
 pub use logs::Logs;

@@ -4,6 +4,12 @@ use super::ModelError;
 use toml::de::{DeTable, DeValue};
 use undrift_nav::units::{self, Quantity};
 
+#[cfg(test)]
+#[path = "../../../../tools/schema/page.rs"]
+pub(super) mod page;
+#[cfg(test)]
+use page::Takes;
+
 /// A table's entry with its line.
 #[derive(Clone)]
 pub(super) struct Entry {
@@ -57,6 +63,8 @@ impl Place<'_> {
 
     /// Entries of a sub-table; the entry must be one.
     pub(super) fn table<'e>(&self, entry: &'e Entry, key: &str) -> Result<&'e [Entry], ModelError> {
+        #[cfg(test)]
+        note("", key, Takes::Table);
         match entry.value {
             toml::Value::Table(_) => Ok(&entry.inside),
             _ => Err(self.error(
@@ -73,6 +81,8 @@ impl Place<'_> {
         key: &str,
         prefix: &str,
     ) -> Result<Option<String>, ModelError> {
+        #[cfg(test)]
+        note(prefix, key, Takes::Text);
         let Some(entry) = find(entries, key) else {
             return Ok(None);
         };
@@ -94,6 +104,8 @@ impl Place<'_> {
         prefix: &str,
         quantity: Quantity,
     ) -> Result<Option<f64>, ModelError> {
+        #[cfg(test)]
+        note(prefix, key, Takes::Quantity(quantity));
         match find(entries, key) {
             None => Ok(None),
             Some(entry) => with_unit(&entry.value, quantity)
@@ -110,6 +122,8 @@ impl Place<'_> {
         prefix: &str,
         quantity: Quantity,
     ) -> Result<Vec<f64>, ModelError> {
+        #[cfg(test)]
+        note(prefix, key, Takes::Quantities(quantity));
         let Some(entry) = find(entries, key) else {
             return Ok(Vec::new());
         };
@@ -146,6 +160,8 @@ impl Place<'_> {
         key: &str,
         prefix: &str,
     ) -> Result<Vec<f64>, ModelError> {
+        #[cfg(test)]
+        note(prefix, key, Takes::Numbers);
         let Some(entry) = find(entries, key) else {
             return Ok(Vec::new());
         };
@@ -161,6 +177,14 @@ impl Place<'_> {
             )
         })
     }
+}
+
+/// What a key takes, for the schema of the file; `prefix` and `key` are its dotted path.
+#[cfg(test)]
+pub(super) fn note(prefix: &str, key: &str, takes: Takes) {
+    let path = format!("{prefix}{key}");
+    let (table, key) = path.rsplit_once('.').unwrap_or(("", &path));
+    page::note(table, key, takes);
 }
 
 /// The number of a value with its unit in `quantity`'s SI unit, not negative; or what is wrong.

@@ -170,6 +170,8 @@ fn provenance(entries: &[Entry], place: &Place<'_>) -> Result<Provenance, ModelE
     let inside = place.table(entry, "provenance")?;
     let prefix = "provenance.";
     place.known(inside, &PROVENANCE_KEYS, prefix)?;
+    #[cfg(test)]
+    super::entries::note(prefix, "samples", super::entries::page::Takes::Whole);
     let samples = match find(inside, "samples") {
         None => None,
         Some(entry) => match entry.value.as_integer().and_then(|i| u64::try_from(i).ok()) {

@@ -13,6 +13,12 @@ use undrift_nav::{
 };
 use undrift_noise::{ImuModel, ModelError};
 
+#[cfg(test)]
+#[path = "../../../../tools/schema/page.rs"]
+pub(crate) mod page;
+#[cfg(test)]
+use page::Takes;
+
 /// One table of a file; remembers which keys were asked for, so that the others can be refused.
 pub struct Section<'a> {
     table: Option<&'a DeTable<'a>>,
@@ -79,6 +85,8 @@ impl<'a> Section<'a> {
     /// # Errors
     /// If the value is no table.
     pub fn section(&self, key: &'a str) -> Result<Section<'a>, ConfigError> {
+        #[cfg(test)]
+        self.note(key, Takes::Table);
         let mut section = Section {
             table: None,
             text: self.text,
@@ -198,10 +206,31 @@ impl<'a> Section<'a> {
     /// # Errors
     /// If the value is no string.
     pub fn text(&self, key: &'a str) -> Result<Option<&'a str>, ConfigError> {
+        #[cfg(test)]
+        self.note(key, Takes::Text);
+        self.string(key)
+    }
+
+    fn string(&self, key: &'a str) -> Result<Option<&'a str>, ConfigError> {
         match self.get(key) {
             None => Ok(None),
             Some((DeValue::String(s), _)) => Ok(Some(s.as_ref())),
             Some(_) => Err(self.error(key, "must be a string")),
+        }
+    }
+
+    /// What a key takes, for the schema of the file.
+    #[cfg(test)]
+    pub(crate) fn note(&self, key: &str, takes: Takes) {
+        page::note(self.path, key, takes);
+    }
+
+    /// A standard deviation, which may be a bare number where it has no unit.
+    #[cfg(test)]
+    pub(super) fn note_std(&self, key: &str, quantity: Quantity) {
+        self.note(key, Takes::Quantity(quantity));
+        if quantity == Quantity::Dimensionless {
+            self.note(key, Takes::Positive);
         }
     }
 
@@ -233,7 +262,12 @@ impl<'a> Section<'a> {
         key: &'a str,
         words: &[(&str, T)],
     ) -> Result<Option<T>, ConfigError> {
-        let Some(text) = self.text(key)? else {
+        #[cfg(test)]
+        self.note(
+            key,
+            Takes::Words(words.iter().map(|(word, _)| (*word).into()).collect()),
+        );
+        let Some(text) = self.string(key)? else {
             return Ok(None);
         };
         self.one_of(key, text, words).map(Some)
@@ -263,6 +297,11 @@ impl<'a> Section<'a> {
         key: &'a str,
         words: &[(&str, T)],
     ) -> Result<Option<Vec<T>>, ConfigError> {
+        #[cfg(test)]
+        self.note(
+            key,
+            Takes::ListOf(words.iter().map(|(word, _)| (*word).into()).collect()),
+        );
         let Some((value, _)) = self.get(key) else {
             return Ok(None);
         };
@@ -291,6 +330,8 @@ impl<'a> Section<'a> {
     /// # Errors
     /// If the value is none of the three, there is no such preset or file, or the model cannot be read.
     pub fn model(&self, key: &'a str, home: &Path) -> Result<Option<ImuModel>, DriveError> {
+        #[cfg(test)]
+        self.note(key, Takes::Model);
         match self.get(key) {
             None => Ok(None),
             Some((DeValue::String(name), _)) => match ImuModel::resolve(name, home) {
@@ -316,6 +357,8 @@ impl<'a> Section<'a> {
     /// # Errors
     /// If the value is no whole number, negative or beyond 64 bits.
     pub fn whole(&self, key: &'a str) -> Result<Option<u64>, ConfigError> {
+        #[cfg(test)]
+        self.note(key, Takes::Whole);
         let number = match self.get(key) {
             None => return Ok(None),
             Some((DeValue::Integer(x), _)) => x.as_str().replace('_', "").parse().ok(),
@@ -332,6 +375,8 @@ impl<'a> Section<'a> {
     /// # Errors
     /// If the value is no number, not finite or not above zero.
     pub fn factor(&self, key: &'a str) -> Result<Option<f64>, ConfigError> {
+        #[cfg(test)]
+        self.note(key, Takes::Positive);
         let number = match self.get(key) {
             None => return Ok(None),
             Some((DeValue::Float(x), _)) => x.as_str().replace('_', "").parse().ok(),
@@ -349,6 +394,8 @@ impl<'a> Section<'a> {
     /// # Errors
     /// If the value is neither a string nor a whole number from 1 on.
     pub fn column(&self, key: &'a str) -> Result<Option<Column>, ConfigError> {
+        #[cfg(test)]
+        self.note(key, Takes::Column);
         self.get(key)
             .map(|(value, _)| self.column_of(key, value))
             .transpose()
@@ -370,6 +417,8 @@ impl<'a> Section<'a> {
     /// # Errors
     /// If the value is no list of three, or as [`Section::column`] of one of them.
     pub fn columns(&self, key: &'a str) -> Result<Option<[Column; 3]>, ConfigError> {
+        #[cfg(test)]
+        self.note(key, Takes::ThreeColumns);
         let Some((value, _)) = self.get(key) else {
             return Ok(None);
         };
@@ -394,6 +443,8 @@ impl<'a> Section<'a> {
     /// # Errors
     /// If the value is no string, or its text no finite number with a unit of `quantity`.
     pub fn quantity(&self, key: &'a str, quantity: Quantity) -> Result<Option<f64>, ConfigError> {
+        #[cfg(test)]
+        self.note(key, Takes::Quantity(quantity));
         match self.get(key) {
             None => Ok(None),
             Some((DeValue::String(text), _)) => units::parse(text, quantity)
@@ -408,7 +459,9 @@ impl<'a> Section<'a> {
     /// # Errors
     /// If the value is no string, or its text no unit of `quantity`.
     pub fn unit(&self, key: &'a str, quantity: Quantity, default: f64) -> Result<f64, ConfigError> {
-        match self.text(key)? {
+        #[cfg(test)]
+        self.note(key, Takes::Unit(quantity));
+        match self.string(key)? {
             None => Ok(default),
             Some(unit) => units::unit_factor(unit, quantity)
                 .map_err(|e| self.error(key, format!("\"{unit}\": {e}"))),
@@ -420,6 +473,8 @@ impl<'a> Section<'a> {
     /// # Errors
     /// If the value is no string, or its text neither one nor three finite numbers with a unit of `quantity`.
     pub fn vector(&self, key: &'a str, quantity: Quantity) -> Result<Option<Vector3>, ConfigError> {
+        #[cfg(test)]
+        self.note(key, Takes::Vector(quantity));
         let text = match self.get(key) {
             None => return Ok(None),
             Some((DeValue::String(text), _)) => text,

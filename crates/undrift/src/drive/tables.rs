@@ -159,6 +159,8 @@ pub(crate) fn read_switch<'a>(
     section: &Section<'a>,
     key: &'a str,
 ) -> Result<Option<bool>, ConfigError> {
+    #[cfg(test)]
+    section.note(key, super::section::page::Takes::Switch);
     match section.get(key) {
         None => Ok(None),
         Some((toml::de::DeValue::Boolean(on), _)) => Ok(Some(*on)),
@@ -173,6 +175,8 @@ pub(super) fn read_std<'a>(
     quantity: Quantity,
     otherwise: Option<f64>,
 ) -> Result<Option<f64>, ConfigError> {
+    #[cfg(test)]
+    section.note_std(key, quantity);
     let std = match section.get(key) {
         Some((toml::de::DeValue::String(text), _)) if text == "off" => return Ok(None),
         Some((toml::de::DeValue::String(_), _)) => section.quantity(key, quantity)?,

@@ -1,0 +1,120 @@
+//! The published schema of `DRIVE.toml` is what its reader takes.
+
+use super::Drive;
+use super::section::page::{Tables, asked, publish, rows};
+use serde_json::json;
+use std::{collections::BTreeSet, path::Path};
+
+/// Files that lead the reader past every key.
+const FILES: [&str; 5] = [
+    r#"
+model = "adis16405"
+[imu]
+file = "imu.csv"
+time = 1
+gyro = [2, 3, 4]
+gyro_unit = "deg/s"
+accel = [5, 6, 7]
+accel_unit = "g"
+[gnss]
+file = "gnss.csv"
+time = 1
+position = [2, 3, 4]
+position_std = "1 m"
+quality_std_factors = { float = 10 }
+[odometer]
+file = "wheel.csv"
+time = 1
+speed = 2
+speed_unit = "m/s"
+[barometer]
+file = "baro.csv"
+time = 1
+height = 2
+[truth]
+file = "truth.csv"
+time = 1
+position = [2, 3, 4]
+[initial]
+[span]
+[vehicle]
+[states]
+"#,
+    "[imu]\nfile = \"imu.csv\"\ntime = 1\ngyro = [2, 3, 4]\naccel = [5, 6, 7]\ndata = \"increments\"\n\
+     gyro_unit = \"rad\"\naccel_unit = \"m/s\"\n[gnss]\nfile = \"fixes.pos\"\nformat = \"rtklib\"\n",
+    "[imu]\nfile = \"log.ubx\"\nformat = \"ubx\"\n[gnss]\nfile = \"log.ubx\"\nformat = \"ubx\"\n\
+     [truth]\nfile = \"log.ubx\"\nformat = \"ubx\"\n",
+    "[imu]\nfile = \"imu.csv\"\ntime = 1\ngyro = [2, 3, 4]\naccel = [5, 6, 7]\n\
+     gyro_unit = \"deg/s\"\naccel_unit = \"g\"\n[gnss]\nfile = \"g.csv\"\ntime = 1\nbaseline = [2, 3, 4]\n\
+     base = \"40 deg, -105 deg, 1600 m\"\nposition_std = \"1 m\"\n",
+    "[imu]\nfile = \"imu.csv\"\ntime = 1\ngyro = [2, 3, 4]\naccel = [5, 6, 7]\n\
+     gyro_unit = \"deg/s\"\naccel_unit = \"g\"\n[gnss]\nfile = \"g.csv\"\ntime = 1\nposition = [2, 3, 4]\n\
+     position_std = \"1 m\"\nvelocity = [5, 6, 7]\nvelocity_std = \"0.1 m/s\"\n",
+];
+
+/// The tables at the top, in the order of the page.
+const TABLES: [&str; 9] = [
+    "imu",
+    "gnss",
+    "odometer",
+    "barometer",
+    "truth",
+    "initial",
+    "span",
+    "vehicle",
+    "states",
+];
+
+#[test]
+fn the_schema_of_a_drive_file_is_what_its_reader_takes() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    asked();
+    for text in FILES {
+        let none = Path::new("none");
+        Drive::from_toml(text, "drive.toml", none, none).unwrap();
+    }
+    let asked = asked();
+    let page = std::fs::read_to_string(root.join("docs/drive-file.md")).unwrap();
+    let mut rows = rows(&page);
+    // The page's first table is of the top.
+    let top: Vec<_> = rows
+        .keys()
+        .filter(|(table, _)| table == "Top level")
+        .cloned()
+        .collect();
+    for (table, key) in top {
+        let row = rows.remove(&(table, key.clone())).unwrap();
+        rows.insert((String::new(), key), row);
+    }
+    let documented: BTreeSet<_> = rows.keys().cloned().collect();
+    let read: BTreeSet<_> = asked
+        .keys()
+        .filter(|(table, _)| table != "quality_std_factors")
+        .cloned()
+        .collect();
+    let differ: Vec<_> = documented.symmetric_difference(&read).collect();
+    assert!(
+        differ.is_empty(),
+        "documented or read, not both: {differ:?}"
+    );
+
+    let tables = Tables {
+        asked: &asked,
+        rows: &rows,
+        page: &str::to_owned,
+        inside: &|_, key| key.to_owned(),
+    };
+    let mut schema = tables.table("");
+    assert!(
+        TABLES
+            .iter()
+            .all(|table| schema["properties"][table]["type"] == "object")
+    );
+    schema["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
+    schema["title"] = json!("DRIVE.toml of undrift");
+    schema["description"] = json!(
+        "Which files make up a drive, what their columns mean, how the IMU sits and how the solution starts."
+    );
+    schema["required"] = json!(["imu", "gnss"]);
+    publish(&root.join("docs/schema/drive.schema.json"), &schema);
+}
