@@ -118,7 +118,9 @@ fn assert_same(a: &Path, b: &Path) {
 }
 
 fn summary(out: &Path) -> serde_json::Value {
-    serde_json::from_str(&std::fs::read_to_string(out.join("fleet.json")).unwrap()).unwrap()
+    let text = std::fs::read_to_string(out.join("fleet.json")).unwrap();
+    crate::schema::conforms(&text);
+    serde_json::from_str(&text).unwrap()
 }
 
 #[test]

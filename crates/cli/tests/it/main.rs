@@ -5,4 +5,5 @@ mod fleet;
 mod identify;
 mod inspect;
 mod model;
+mod schema;
 mod terminal;

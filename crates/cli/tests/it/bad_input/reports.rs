@@ -1,6 +1,7 @@
 //! Reports: from a result's JSON the same file as from the verb, and nothing of a result is trusted.
 
 use super::log::{Case, Log, says};
+use crate::schema;
 use serde_json::Value;
 use std::path::Path;
 
@@ -34,6 +35,7 @@ fn same_report(case: &Case, verb: &[&str]) -> String {
     assert!(outcome.succeeded(), "{verb:?}: {}", outcome.stderr);
     let outcome = case.run(&["report", "result.json", "-o", "report.html"]);
     assert!(outcome.succeeded(), "{}", outcome.stderr);
+    schema::conforms(&text(case, "result.json"));
     let report = text(case, "report.html");
     assert!(
         report == text(case, "verb.html"),
