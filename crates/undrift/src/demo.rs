@@ -12,7 +12,7 @@ use crate::{
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use undrift_nav::{Vector3, sample::ImuSample};
+use undrift_nav::{Vector3, covariance, sample::ImuSample, shaping::ShapingFilter};
 use undrift_noise::{
     BiasModel, ImuModel, ModelError, Provenance, identify::Options, model_file::AXES,
     synthesis::NoiseGenerator,
@@ -27,6 +27,8 @@ pub const DURATION: f64 = 600.0;
 /// Outages: number, length and spacing \[s\], the first this long after the first fix \[s\]: by then the turns
 /// of the drive have separated the accelerometers' constants from tilt in every model.
 pub const OUTAGES: (usize, f64, f64, f64) = (15, 10.0, 29.0, 180.0);
+/// IMU → antenna, body axes \[m\].
+const LEVER_ARM: [f64; 3] = [0.3, 0.1, -1.2];
 
 /// Length of the simulated static record \[s\].
 pub const STATIC_DURATION: f64 = 1000.0;
@@ -93,48 +95,11 @@ pub fn run(
 ) -> Result<Demo, DemoError> {
     let preset = ImuModel::preset(PRESET).unwrap_or_default();
     let interval = 1.0 / RATE_HZ;
-    let lever_arm = Vector3::new(0.3, 0.1, -1.2);
-    let gnss = GnssNoise {
-        position_std: [0.02, 0.02, 0.04],
-        velocity_std: [0.03, 0.03, 0.05],
-        rate_hz: 5.0,
-        lever_arm,
-        ..GnssNoise::default()
-    };
-    // The sensors' truth: white noise and Gauss-Markov bias here, the turn-on constants below, so
-    // that they can also be left out.
-    let mut without_turn_on = preset.clone();
-    for axis in without_turn_on
-        .gyro
-        .iter_mut()
-        .chain(&mut without_turn_on.accel)
-    {
-        axis.turn_on = 0.0;
-    }
-    let sensors = without_turn_on.shaping(BiasModel::GaussMarkov, interval)?;
-    let mut simulation = simulate(
-        &Trajectory::car(DURATION, seed),
-        RATE_HZ,
-        Some(&sensors),
-        &gnss,
-        seed,
-    )?;
-    let calibrated = simulation.imu.clone();
-    let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
-    let mut constant = |axes: &[undrift_noise::AxisModel; 3]| {
-        Vector3::from_iterator(axes.iter().map(|axis| {
-            let unit: f64 = StandardNormal.sample(&mut random);
-            axis.turn_on * unit
-        }))
-    };
-    let (gyro, accel) = (constant(&preset.gyro), constant(&preset.accel));
-    for sample in &mut simulation.imu {
-        *sample = ImuSample {
-            dtheta: sample.dtheta + gyro * sample.dt,
-            dvel: sample.dvel + accel * sample.dt,
-            ..*sample
-        };
-    }
+    let Drive {
+        sensors,
+        simulation,
+        calibrated,
+    } = drive(&preset, seed)?;
 
     let (model, identified) = match models {
         Models::Truth => (preset, None),
@@ -159,7 +124,7 @@ pub fn run(
     let outages = outages::schedule(&plan, length, first, last)?;
     let settings = |kind: BiasModel| -> Result<(String, Settings), ModelError> {
         let settings = Settings {
-            lever_arm,
+            lever_arm: LEVER_ARM.into(),
             outages: outages.clone(),
             ..Settings::new(model.shaping(kind, interval)?)
         };
@@ -190,6 +155,65 @@ pub fn run(
         simulation,
         outages,
         runs,
+    })
+}
+
+/// The simulated drive.
+struct Drive {
+    /// The truth of the sensors but for their turn-on constants.
+    sensors: [ShapingFilter; covariance::AXES],
+    simulation: Simulation,
+    /// The samples without turn-on constants.
+    calibrated: Vec<ImuSample>,
+}
+
+/// The drive of a seed by a sensor of this model.
+fn drive(preset: &ImuModel, seed: u64) -> Result<Drive, DemoError> {
+    let gnss = GnssNoise {
+        position_std: [0.02, 0.02, 0.04],
+        velocity_std: [0.03, 0.03, 0.05],
+        rate_hz: 5.0,
+        lever_arm: LEVER_ARM.into(),
+        ..GnssNoise::default()
+    };
+    // The sensors' truth: white noise and Gauss-Markov bias here, the turn-on constants below, so
+    // that they can also be left out.
+    let mut without_turn_on = preset.clone();
+    for axis in without_turn_on
+        .gyro
+        .iter_mut()
+        .chain(&mut without_turn_on.accel)
+    {
+        axis.turn_on = 0.0;
+    }
+    let sensors = without_turn_on.shaping(BiasModel::GaussMarkov, 1.0 / RATE_HZ)?;
+    let mut simulation = simulate(
+        &Trajectory::car(DURATION, seed),
+        RATE_HZ,
+        Some(&sensors),
+        &gnss,
+        seed,
+    )?;
+    let calibrated = simulation.imu.clone();
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+    let mut constant = |axes: &[undrift_noise::AxisModel; 3]| {
+        Vector3::from_iterator(axes.iter().map(|axis| {
+            let unit: f64 = StandardNormal.sample(&mut random);
+            axis.turn_on * unit
+        }))
+    };
+    let (gyro, accel) = (constant(&preset.gyro), constant(&preset.accel));
+    for sample in &mut simulation.imu {
+        *sample = ImuSample {
+            dtheta: sample.dtheta + gyro * sample.dt,
+            dvel: sample.dvel + accel * sample.dt,
+            ..*sample
+        };
+    }
+    Ok(Drive {
+        sensors,
+        simulation,
+        calibrated,
     })
 }
 
