@@ -5,11 +5,13 @@ use libm::{asin, atan2, cos, sin, sqrt};
 
 /// `q_nb` from roll, pitch, yaw \[rad\]: yaw about down, then pitch about right, then roll about
 /// forward. Groves eq. 2.22 (transposed).
+#[inline]
 pub fn from_rpy(rpy: &Vector3) -> Quaternion {
     Quaternion::from_euler_angles(rpy.x, rpy.y, rpy.z)
 }
 
 /// Roll, pitch, yaw \[rad\] of `q_nb`: roll and yaw in (−π, π], pitch in [−π/2, π/2]. Groves eq. 2.23.
+#[inline]
 pub fn to_rpy(q_nb: &Quaternion) -> Vector3 {
     let q = q_nb.quaternion();
     let (w, x, y, z) = (q.w, q.i, q.j, q.k);
@@ -22,6 +24,7 @@ pub fn to_rpy(q_nb: &Quaternion) -> Vector3 {
 }
 
 /// Rotation by the rotation vector `phi` \[rad\]; exact, by series where it is small. Groves eq. E.30.
+#[inline]
 pub fn from_rotation_vector(phi: &Vector3) -> Quaternion {
     let half_sq = phi.norm_squared() / 4.0;
     // cos(a) and sin(a)/a with a = |φ|/2. The series' next terms are below 1e-17 for a² < 1e-4.
@@ -40,6 +43,7 @@ pub fn from_rotation_vector(phi: &Vector3) -> Quaternion {
 }
 
 /// Cross-product matrix `[v×]`, so that `skew(a) * b = a × b`.
+#[inline]
 pub fn skew(v: &Vector3) -> Matrix3 {
     Matrix3::new(0.0, -v.z, v.y, v.z, 0.0, -v.x, -v.y, v.x, 0.0)
 }

@@ -49,6 +49,7 @@ pub struct Transition {
 
 impl Transition {
     /// Of the mechanisation step `step`, with C_b^n at its middle.
+    #[inline]
     pub fn new(step: &Step, c_mid: &Matrix3) -> Self {
         let Step {
             dt,
@@ -221,16 +222,19 @@ impl Sensors {
     }
 
     /// Navigation errors and sensor states together: the size of the error state.
+    #[inline]
     pub fn states(&self) -> usize {
         self.start[AXES]
     }
 
     /// The shaping filter of an axis.
+    #[inline]
     pub fn axis(&self, axis: usize) -> &ShapingFilter {
         &self.axes[axis]
     }
 
     /// Index of an axis's first state in the error state.
+    #[inline]
     pub fn start(&self, axis: usize) -> usize {
         self.start[axis]
     }

@@ -47,6 +47,7 @@ pub struct Geodetic {
 }
 
 /// Radii of curvature: meridian `rm` and transverse (prime vertical) `rn` \[m\]. Groves eq. 2.105-2.106.
+#[inline]
 pub fn radii(lat: f64) -> (f64, f64) {
     let s = sin(lat);
     radii_of_sin(s)
@@ -60,6 +61,7 @@ fn radii_of_sin(s: f64) -> (f64, f64) {
 
 /// Normal gravity at latitude \[rad\] and height \[m\], along down [m/s²]: Somigliana with the
 /// second-order height term, NIMA TR8350.2 eq. 4-1 and 4-3.
+#[inline]
 pub fn gravity(lat: f64, height: f64) -> f64 {
     let s = sin(lat);
     gravity_of_sin(s, height)
@@ -75,6 +77,7 @@ fn gravity_of_sin(s: f64, height: f64) -> f64 {
 }
 
 /// Earth rotation rate in the navigation frame ω_ie^n [rad/s].
+#[inline]
 pub fn earth_rate_n(lat: f64) -> Vector3 {
     Vector3::new(EARTH_RATE * cos(lat), 0.0, -EARTH_RATE * sin(lat))
 }
@@ -96,6 +99,7 @@ pub struct LocalEarth {
 
 impl LocalEarth {
     /// Of the given point.
+    #[inline]
     pub fn at(position: &Geodetic) -> Self {
         let (sin_lat, cos_lat) = (sin(position.lat), cos(position.lat));
         let (rm, rn) = radii_of_sin(sin_lat);
@@ -109,11 +113,13 @@ impl LocalEarth {
     }
 
     /// Earth rotation rate ω_ie^n [rad/s].
+    #[inline]
     pub fn earth_rate(&self) -> Vector3 {
         Vector3::new(EARTH_RATE * self.cos_lat, 0.0, -EARTH_RATE * self.sin_lat)
     }
 
     /// Transport rate ω_en^n [rad/s] at velocity `v_n` [m/s]. Groves eq. 5.44.
+    #[inline]
     pub fn transport_rate(&self, v_n: &Vector3) -> Vector3 {
         let e = v_n.y / self.rn_h;
         Vector3::new(e, -v_n.x / self.rm_h, -e * self.sin_lat / self.cos_lat)
@@ -188,6 +194,7 @@ impl Geodetic {
 
     /// The point at a small north-east-down offset \[m\] along the local radii: what an error state
     /// of metres means. For offsets of kilometres use ECEF.
+    #[inline]
     pub fn displaced(&self, ned: &Vector3) -> Self {
         let (rm, rn) = radii(self.lat);
         Self {
@@ -199,6 +206,7 @@ impl Geodetic {
 
     /// The small north-east-down offset \[m\] along the local radii from `self` to `other`; the
     /// inverse of [`Geodetic::displaced`]. Longitudes are compared the short way round.
+    #[inline]
     pub fn offset_to(&self, other: &Geodetic) -> Vector3 {
         let (rm, rn) = radii(self.lat);
         Vector3::new(
@@ -209,6 +217,7 @@ impl Geodetic {
     }
 
     /// Whether the numbers are a place: finite, |lat| ≤ 90°, |lon| ≤ 360°, height within −20…100 km.
+    #[inline]
     pub fn is_valid(&self) -> bool {
         use core::f64::consts::{FRAC_PI_2, TAU};
         self.lat.abs() <= FRAC_PI_2
@@ -218,6 +227,7 @@ impl Geodetic {
 }
 
 /// An angle \[rad\] wrapped to (−π, π].
+#[inline]
 pub fn wrap_pi(angle: f64) -> f64 {
     use core::f64::consts::{PI, TAU};
     let wrapped = angle - TAU * libm::floor((angle + PI) / TAU);

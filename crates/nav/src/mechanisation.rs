@@ -42,6 +42,7 @@ impl Increments {
     /// With angular rate and specific force linear in time over both intervals, lengths t₁ and t₂,
     /// coning is `c Δθ₁ × Δθ₂` and sculling `c (Δθ₁ × Δv₂ + Δv₁ × Δθ₂)` with
     /// `c = t₂² / (6 t₁ (t₁ + t₂))`, which is 1/12 for equal intervals. Savage 1998.
+    #[inline]
     pub fn from_raw(
         dt: f64,
         dtheta: Vector3,
@@ -64,6 +65,7 @@ impl Increments {
     }
 
     /// The given part (0…1) of the interval.
+    #[inline]
     pub fn part(&self, fraction: f64) -> Self {
         Self {
             dt: self.dt * fraction,
@@ -103,6 +105,7 @@ pub struct Step {
 
 impl NavState {
     /// Carries the state over one interval.
+    #[inline]
     pub fn step(&mut self, increments: &Increments) -> Step {
         let Increments { dt, rotation, dvel } = *increments;
         let earth = LocalEarth::at(&self.position);
@@ -147,6 +150,7 @@ impl NavState {
 
     /// The state with a small error removed: `error` is estimate less truth, `[δr m; δv m/s; ψ rad]`
     /// north-east-down, with `Ĉ_b^n = (I − [ψ×]) C_b^n`.
+    #[inline]
     pub fn without_error(&self, dr: &Vector3, dv: &Vector3, psi: &Vector3) -> Self {
         let mut q_nb = attitude::from_rotation_vector(psi) * self.q_nb;
         q_nb.renormalize();
@@ -160,6 +164,7 @@ impl NavState {
 
     /// Whether every number is finite, the place valid and away from the poles (within 0.1° of one
     /// north and east lose their meaning), and the speed below 10 km/s.
+    #[inline]
     pub fn is_valid(&self) -> bool {
         self.position.is_valid()
             && self.position.lat.abs() < MAX_LATITUDE

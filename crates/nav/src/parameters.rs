@@ -97,16 +97,19 @@ impl Parameters {
     }
 
     /// Prior of a kind, if it is estimated.
+    #[inline]
     pub fn prior(&self, kind: Parameter) -> Option<Prior> {
         self.priors[kind as usize]
     }
 
     /// Number of their states.
+    #[inline]
     pub fn states(&self) -> usize {
         self.blocks().map(|(kind, ..)| kind.width()).sum()
     }
 
     /// Place of a kind's first state behind those of the sensors.
+    #[inline]
     pub fn start(&self, kind: Parameter) -> Option<usize> {
         self.blocks()
             .find(|(k, ..)| *k == kind)
@@ -114,6 +117,7 @@ impl Parameters {
     }
 
     /// Kind, place of the first state and prior of every block.
+    #[inline]
     pub fn blocks(&self) -> impl Iterator<Item = (Parameter, usize, Prior)> + '_ {
         let mut start = 0;
         Parameter::ALL.into_iter().filter_map(move |kind| {
@@ -142,6 +146,7 @@ impl Coupling {
 
     /// Of a sample with mean angular rate `rate` [rad/s] and specific force `force` [m/s²], body
     /// axes; `behind` is the place of the first parameter in the error state.
+    #[inline]
     pub fn new(parameters: &Parameters, behind: usize, rate: &Vector3, force: &Vector3) -> Self {
         use Parameter::{AccelMisalignment, AccelScale, GyroMisalignment, GyroScale};
         let mut coupling = Self::NONE;
@@ -172,6 +177,7 @@ impl Coupling {
     }
 
     /// States and factors of an axis; a factor may be zero.
+    #[inline]
     pub fn of(&self, axis: usize) -> &[(usize, f64)] {
         &self.terms[axis][..self.len]
     }
