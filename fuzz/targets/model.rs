@@ -15,7 +15,7 @@ fn check(model: &ImuModel) {
         let walks = axis
             .instability
             .iter()
-            .flat_map(|part| [part.sigma, part.tau]);
+            .flat_map(|part| [part.sigma, part.tau_s]);
         let terms = [axis.white, axis.quantisation].into_iter().flatten();
         let mut numbers = walks.chain(terms).chain([axis.turn_on]);
         assert!(

@@ -22,8 +22,8 @@
 //! # Ok::<(), undrift_noise::ModelError>(())
 //! ```
 
-use crate::composite;
-use crate::model_file::{AXES, Arma, AxisModel, ImuModel, Instability, ModelError};
+use crate::composite::{self, GaussMarkov};
+use crate::model_file::{AXES, Arma, AxisModel, ImuModel, ModelError};
 use crate::prediction::Predictor;
 use std::fmt;
 use undrift_nav::shaping::{MAX_ORDER, ShapingError, ShapingFilter};
@@ -154,24 +154,21 @@ fn named(failure: Failure, model: BiasModel, axis: Option<&'static str>) -> Mode
 /// The slow part of an error as independent terms.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Slow {
-    pub(crate) processes: Vec<Instability>,
+    pub(crate) processes: Vec<GaussMarkov>,
     pub(crate) walk: Option<f64>,
 }
 
 impl Slow {
     /// The process of the longest correlation time.
-    pub(crate) fn slowest(&self) -> Option<&Instability> {
-        self.processes.iter().max_by(|a, b| a.tau.total_cmp(&b.tau))
+    pub(crate) fn slowest(&self) -> Option<&GaussMarkov> {
+        self.processes.iter().max_by(|a, b| a.tau_s.total_cmp(&b.tau_s))
     }
 
     /// Density [unit/√s] of the random walk that stands for all of it: K² + 2σ²/τ of the slowest
     /// Gauss-Markov process, which is such a random walk over times short against τ.
     pub(crate) fn drive(&self) -> f64 {
         let k = self.walk.unwrap_or(0.0);
-        let instability = self
-            .slowest()
-            .map_or(0.0, |of| 2.0 * of.sigma * of.sigma / of.tau);
-        (k * k + instability).sqrt()
+        k.hypot(self.slowest().map_or(0.0, GaussMarkov::drive))
     }
 }
 
@@ -261,7 +258,7 @@ impl AxisModel {
         let white = ShapingFilter::white(self.white_density(), interval)?;
         match (&self.instability[..], self.random_walk, self.quantisation) {
             ([of], None, None) => {
-                let process = ShapingFilter::gauss_markov(of.sigma, of.tau, interval)?;
+                let process = ShapingFilter::gauss_markov(of.sigma, of.tau_s, interval)?;
                 Ok(first_order_innovations(&process, white.r))
             }
             ([], Some(k), None) => {
@@ -297,9 +294,9 @@ impl AxisModel {
                 }
             },
         };
-        let walk = slow.walk.map(|k| Instability {
+        let walk = slow.walk.map(|k| GaussMarkov {
             sigma: k * (0.5 * UNIT_ROOT_TAU).sqrt(),
-            tau: UNIT_ROOT_TAU,
+            tau_s: UNIT_ROOT_TAU,
         });
         let mut sum = with_processes(ShapingFilter::white(white, interval)?, &slow.processes)?;
         sum = with_processes(sum, walk.as_slice())?;
@@ -353,12 +350,12 @@ impl AxisModel {
 /// `filter` and independent Gauss-Markov processes beside it.
 fn with_processes(
     filter: ShapingFilter,
-    processes: &[Instability],
+    processes: &[GaussMarkov],
 ) -> Result<ShapingFilter, ShapingError> {
     processes.iter().try_fold(filter, |sum, of| {
         sum.plus(&ShapingFilter::gauss_markov(
             of.sigma,
-            of.tau,
+            of.tau_s,
             filter.interval,
         )?)
     })
@@ -401,9 +398,9 @@ impl Arma {
             }
         } else {
             let sigma = (driving / ((1.0 - phi) * (1.0 + phi))).sqrt();
-            let tau = -1.0 / (self.rate_hz * phi.ln());
+            let tau_s = -1.0 / (self.rate_hz * phi.ln());
             Slow {
-                processes: vec![Instability { sigma, tau }],
+                processes: vec![GaussMarkov { sigma, tau_s }],
                 ..Slow::default()
             }
         };

@@ -37,6 +37,7 @@ pub(crate) use likelihood::present_mean;
 pub use likelihood::{Level, RecordLikelihood, log_likelihood};
 
 use nalgebra::DMatrix;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use undrift_nav::shaping::{MAX_ORDER, ShapingError, ShapingFilter};
 
 /// Most Gauss-Markov processes in one model.
@@ -74,7 +75,9 @@ pub enum CompositeError {
 }
 
 /// A first-order Gauss-Markov process.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
 pub struct GaussMarkov {
     /// Standard deviation σ [unit]; 0 where there is none.
     pub sigma: f64,
@@ -94,7 +97,9 @@ impl GaussMarkov {
 }
 
 /// The terms of a composite model; a term of 0 is absent.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
 pub struct CompositeTerms {
     /// White noise density N [unit·√s = unit/√Hz].
     pub white: f64,
@@ -104,7 +109,21 @@ pub struct CompositeTerms {
     /// Random walk coefficient K [unit/√s].
     pub random_walk: f64,
     /// Gauss-Markov processes, by growing correlation time after a fit.
+    #[serde(serialize_with = "list", deserialize_with = "listed")]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<GaussMarkov>"))]
     pub gauss_markov: [GaussMarkov; MAX_GAUSS_MARKOV],
+}
+
+/// Those that are there, as a list.
+fn list<S: Serializer>(processes: &[GaussMarkov], to: S) -> Result<S::Ok, S::Error> {
+    to.collect_seq(processes.iter().filter(|process| process.sigma > 0.0))
+}
+
+fn listed<'de, D: Deserializer<'de>, const N: usize>(
+    from: D,
+) -> Result<[GaussMarkov; N], D::Error> {
+    let mut there = Vec::deserialize(from)?.into_iter();
+    Ok(std::array::from_fn(|_| there.next().unwrap_or_default()))
 }
 
 /// The shaping filter of quantisation Q [unit·s] at a sample interval \[s\], see

@@ -22,6 +22,7 @@ use crate::{
     stationarity::{self, Deterministic, KpssLags, Lags},
     whiteness,
 };
+use serde::{Deserialize, Serialize};
 use undrift_nav::earth::STANDARD_GRAVITY;
 
 /// Lags of the autocorrelations reported.
@@ -45,15 +46,28 @@ const COARSE: f64 = 0.25;
 /// A spectral line stands out of its neighbourhood's median by this factor.
 const LINE_FACTOR: f64 = 10.0;
 
-/// What was taken out, by least squares over the whole record.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Removed {
-    /// The mean, or what else beside it.
-    pub trend: Trend,
-    /// Slope: \[unit/h\] in time, \[unit/K\] over temperature, 0 of a constant.
-    pub slope: f64,
-    /// Share of the variance that it explains.
-    pub explained: f64,
+/// What was taken out beside the mean, by least squares over the whole record.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(tag = "kind", rename_all = "lowercase")]
+pub enum Detrend {
+    /// Nothing.
+    #[default]
+    Constant,
+    /// A straight line.
+    Linear {
+        /// Its slope \[unit/h\].
+        slope_per_hour: f64,
+        /// Share of the variance that it explains.
+        explained: f64,
+    },
+    /// A multiple of the temperature.
+    Temperature {
+        /// The multiple \[unit/K\].
+        slope_per_kelvin: f64,
+        /// Share of the variance that it explains.
+        explained: f64,
+    },
 }
 
 /// What is identified, and how much is tried.
@@ -117,27 +131,29 @@ fn turn_on_of(mean: f64, accelerometer: bool) -> f64 {
 }
 
 /// The record less its trend, and what that was.
-fn detrended(record: &[f64], options: &Options<'_>) -> Result<(Detrended, Removed), IdentifyError> {
+fn detrended(record: &[f64], options: &Options<'_>) -> Result<(Detrended, Detrend), IdentifyError> {
     // What is constant has no trend: an error of its own.
     screening::record::check_varying(record, SHORTEST)?;
-    let (trend, plain, scale) = match (options.trend, options.temperature) {
+    Ok(match (options.trend, options.temperature) {
         (Trend::Linear, _) => {
-            let hour = options.rate_hz * 3600.0;
-            (Trend::Linear, screening::remove_linear(record)?, hour)
+            let plain = screening::remove_linear(record)?;
+            let removed = Detrend::Linear {
+                slope_per_hour: plain.slope * (options.rate_hz * 3600.0),
+                explained: plain.explained,
+            };
+            (plain, removed)
         }
         (Trend::Temperature, Some(temperature)) => {
             let plain = screening::remove_temperature(record, temperature);
             let plain = plain.map_err(IdentifyError::Temperature)?;
-            (Trend::Temperature, plain, 1.0)
+            let removed = Detrend::Temperature {
+                slope_per_kelvin: plain.slope,
+                explained: plain.explained,
+            };
+            (plain, removed)
         }
-        _ => (Trend::Constant, screening::remove_constant(record)?, 0.0),
-    };
-    let removed = Removed {
-        trend,
-        slope: plain.slope * scale,
-        explained: plain.explained,
-    };
-    Ok((plain, removed))
+        _ => (screening::remove_constant(record)?, Detrend::Constant),
+    })
 }
 
 /// Horizons that fit four times into half a record of so many samples \[s\].

@@ -17,6 +17,7 @@ pub mod model_file;
 pub mod normality;
 pub mod order_statistics;
 pub mod pandit_wu;
+mod number;
 mod prediction;
 pub mod presets;
 mod quasi_newton;
@@ -29,5 +30,6 @@ pub mod wavelet;
 pub mod whiteness;
 
 pub use bias_model::BiasModel;
+pub use composite::GaussMarkov;
 pub use export::ModelFormat;
-pub use model_file::{Arma, AxisModel, ImuModel, Instability, ModelError, Provenance};
+pub use model_file::{Arma, AxisModel, ImuModel, ModelError, Provenance};

@@ -34,6 +34,7 @@ mod read;
 mod tests;
 mod write;
 
+use crate::composite::GaussMarkov;
 use crate::presets;
 use std::path::Path;
 use undrift_nav::shaping::{MAX_ORDER, ShapingError};
@@ -94,7 +95,7 @@ pub struct AxisModel {
     /// Quantisation Q [unit·s], the standard deviation of the rounding of the integrated signal.
     pub quantisation: Option<f64>,
     /// Gauss-Markov parts of the bias, at most [`MAX_PROCESSES`].
-    pub instability: Vec<Instability>,
+    pub instability: Vec<GaussMarkov>,
     /// Random walk K of the bias [unit/√s].
     pub random_walk: Option<f64>,
     /// ARMA of the whole error less its constant, beside the terms above, not added to them.
@@ -103,15 +104,6 @@ pub struct AxisModel {
     pub paper_sigma: Option<f64>,
     /// What identification found out about the axis (chosen, runner-up, scores …), kept as it is.
     pub identification: toml::Table,
-}
-
-/// A first-order Gauss-Markov process.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Instability {
-    /// Standard deviation [unit].
-    pub sigma: f64,
-    /// Correlation time \[s\].
-    pub tau: f64,
 }
 
 /// `x_t − ar_1 x_{t−1} − … = a_t − ma_1 a_{t−1} − …`, `a_t ~ N(0, sigma²)`.

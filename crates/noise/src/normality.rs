@@ -17,9 +17,23 @@ pub use quantisation::{Quantisation, quantisation_of_sorted};
 
 use crate::screening::record::{RecordError, check_varying, sum_of};
 use crate::stationarity::mackinnon::normal_cdf;
+use serde::{Deserialize, Serialize};
 
 /// 5 % critical value of chi-squared with 2 degrees of freedom, −2 ln 0.05.
 pub const JARQUE_BERA_CRITICAL_5: f64 = 5.991_464_547_107_98;
+
+/// A test that rejects normality above its critical value.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Test {
+    /// Its statistic.
+    pub statistic: f64,
+    /// Critical value at 5 %.
+    pub critical_5: f64,
+    /// Probability of a larger statistic of normal samples.
+    pub p_value: f64,
+}
 
 /// Everything said about the distribution of a record.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,21 +48,15 @@ pub struct Normality {
     pub skewness: f64,
     /// Excess kurtosis m₄/m₂² − 3; 0 for a normal distribution.
     pub kurtosis_excess: f64,
-    /// Jarque & Bera (Economics Letters 6, 1980): n/6 (skewness² + kurtosis²/4).
-    pub jarque_bera: f64,
-    /// Its p by chi-squared with 2 degrees of freedom.
-    pub jarque_bera_p: f64,
-    /// Kolmogorov-Smirnov distance to the normal distribution of the record's own mean and deviation.
-    pub distance: f64,
-    /// 5 % critical distance for a distribution known beforehand, as the source paper compares: too
-    /// lenient, since mean and deviation were fitted.
-    pub plain_critical_5: f64,
-    /// p of the distance for a distribution known beforehand.
-    pub plain_p: f64,
-    /// 5 % critical distance of Lilliefors' test, which allows for the fit.
-    pub lilliefors_critical_5: f64,
-    /// p of Lilliefors' test (Dallal & Wilkinson, Stephens; as R's nortest).
-    pub lilliefors_p: f64,
+    /// Jarque & Bera (Economics Letters 6, 1980): n/6 (skewness² + kurtosis²/4), chi-squared with 2 degrees
+    /// of freedom.
+    pub jarque_bera: Test,
+    /// Kolmogorov-Smirnov distance to the normal distribution of the record's own mean and deviation, as if
+    /// that were known beforehand, which is how the source paper compares: too lenient.
+    pub ks: Test,
+    /// The same distance by Lilliefors' test, which allows for the fit (Dallal & Wilkinson, Stephens; as R's
+    /// nortest).
+    pub lilliefors: Test,
     /// The grid the samples lie on, where there is one.
     pub quantisation: Option<Quantisation>,
 }
@@ -108,13 +116,21 @@ pub fn normality(x: &[f64]) -> Result<Normality, RecordError> {
         deviation,
         skewness: test.skewness,
         kurtosis_excess: test.kurtosis_excess,
-        jarque_bera: test.statistic,
-        jarque_bera_p: test.p_value,
-        distance,
-        plain_critical_5: plain_critical_5(x.len()),
-        plain_p: plain_p(distance, x.len()),
-        lilliefors_critical_5: lilliefors_critical_5(x.len()),
-        lilliefors_p: lilliefors_p(distance, x.len()),
+        jarque_bera: Test {
+            statistic: test.statistic,
+            critical_5: JARQUE_BERA_CRITICAL_5,
+            p_value: test.p_value,
+        },
+        ks: Test {
+            statistic: distance,
+            critical_5: plain_critical_5(x.len()),
+            p_value: plain_p(distance, x.len()),
+        },
+        lilliefors: Test {
+            statistic: distance,
+            critical_5: lilliefors_critical_5(x.len()),
+            p_value: lilliefors_p(distance, x.len()),
+        },
         quantisation: quantisation_of_sorted(&sorted, deviation),
     })
 }

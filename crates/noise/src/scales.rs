@@ -20,7 +20,9 @@ pub use lift::{Lifted, lift};
 
 use crate::arma::{ArmaError, ArmaFit, FitOptions, fit};
 use crate::composite::{CompositeError, average_in_blocks};
+use crate::number::OrNull;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use undrift_nav::shaping::ShapingFilter;
 
 /// Block lengths tried, in samples.
@@ -55,31 +57,40 @@ pub enum Flag {
 }
 
 /// The record at one scale.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
 pub struct ScaleFit {
     /// Samples averaged.
     pub block: usize,
     /// Averages present.
     pub points: usize,
     /// φ of the averages' ARMA(1,1).
+    #[serde(with = "OrNull")]
     pub phi: f64,
     /// θ.
+    #[serde(with = "OrNull")]
     pub theta: f64,
     /// Standard deviation of its innovations [unit].
+    #[serde(with = "OrNull")]
     pub sigma: f64,
     /// The slow part and white noise at the full rate; none where there is no slow part.
     pub lifted: Option<Lifted>,
     /// Standard errors of the logarithms of white, sigma, tau and drive; infinite where not known.
     pub relative_errors: Lifted,
     /// Shaping filter at the full rate; none where there is no slow part.
+    #[serde(skip)]
     pub filter: Option<ShapingFilter>,
+    /// Whether the slow part is there and determined.
+    pub seen: bool,
     /// What should be said with it.
+    #[serde(skip)]
     pub flags: Vec<Flag>,
 }
 
 impl ScaleFit {
-    /// Whether the slow part is there and determined.
-    pub fn is_seen(&self) -> bool {
+    /// See [`ScaleFit::seen`].
+    fn is_seen(&self) -> bool {
         self.lifted.is_some()
             && self.relative_errors.drive < SEEN
             && !self.flags.contains(&Flag::NotDistinguishable)
@@ -108,13 +119,19 @@ impl ScaleFit {
 }
 
 /// All scales of a record.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
 pub struct Scales {
     /// By growing block length.
+    #[serde(rename = "fits")]
     pub scales: Vec<ScaleFit>,
     /// The finest scale that sees a slow part and agrees with every coarser one that sees one; where
     /// none does, the coarsest that sees one.
+    #[serde(skip)]
     pub chosen: Option<usize>,
+    /// Its block length \[samples\].
+    pub chosen_block: Option<usize>,
     /// The number of scales that agree with the chosen one, itself included.
     pub agreeing: usize,
 }
@@ -146,7 +163,7 @@ pub fn identify(
         .map(|&block| scale(record, interval, block, effort))
         .collect();
     scales.sort_by_key(|s| s.block);
-    let seen: Vec<usize> = (0..scales.len()).filter(|&i| scales[i].is_seen()).collect();
+    let seen: Vec<usize> = (0..scales.len()).filter(|&i| scales[i].seen).collect();
     let agreeable = |&i: &usize| {
         let mut coarser = seen.iter().filter(|&&j| j > i);
         coarser.all(|&j| scales[i].agrees_with(&scales[j]))
@@ -158,6 +175,7 @@ pub fn identify(
         seen.iter().filter(same).count()
     });
     Ok(Scales {
+        chosen_block: chosen.map(|i| scales[i].block),
         scales,
         chosen,
         agreeing,
@@ -167,14 +185,11 @@ pub fn identify(
 fn scale(record: &[f64], interval: f64, block: usize, effort: f64) -> ScaleFit {
     let mut scale = ScaleFit {
         block,
-        points: 0,
         phi: f64::NAN,
         theta: f64::NAN,
         sigma: f64::NAN,
-        lifted: None,
         relative_errors: Lifted::unknown(),
-        filter: None,
-        flags: Vec::new(),
+        ..ScaleFit::default()
     };
     let averages = average_in_blocks(record, block).unwrap_or_default();
     scale.points = averages.iter().filter(|v| !v.is_nan()).count();
@@ -214,5 +229,6 @@ fn scale(record: &[f64], interval: f64, block: usize, effort: f64) -> ScaleFit {
     }
     scale.filter = lifted.terms().to_shaping(interval).ok();
     scale.lifted = Some(lifted);
+    scale.seen = scale.is_seen();
     scale
 }

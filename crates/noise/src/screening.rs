@@ -21,7 +21,7 @@ pub mod saturation;
 pub mod timing;
 pub mod trend;
 
-pub use motion::{Motion, MotionRule, constant_runs, motion};
+pub use motion::{Hanging, Motion, MotionRule, constant_runs, motion};
 pub use outlier::{Outlier, OutlierRule, Outliers, outliers};
 pub use record::RecordError;
 pub use saturation::{Saturation, saturation};

@@ -21,6 +21,7 @@ pub mod phillips_perron;
 pub mod verdict;
 
 use crate::correlation::lagged_products;
+use serde::{Deserialize, Serialize};
 
 pub use adf::{Adf, Lags, adf};
 pub use kpss::{Kpss, KpssLags, kpss};
@@ -50,13 +51,18 @@ impl Deterministic {
 }
 
 /// Critical values of a test statistic.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
 pub struct Critical {
     /// At 1 %.
+    #[serde(rename = "1%")]
     pub one: f64,
     /// At 5 %.
+    #[serde(rename = "5%")]
     pub five: f64,
     /// At 10 %.
+    #[serde(rename = "10%")]
     pub ten: f64,
 }
 

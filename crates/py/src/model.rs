@@ -143,7 +143,7 @@ fn terms<'py>(py: Python<'py>, axis: &AxisModel) -> PyResult<Bound<'py, PyDict>>
         identification: _,
     } = axis;
     let sigmas: Vec<f64> = instability.iter().map(|of| of.sigma).collect();
-    let taus: Vec<f64> = instability.iter().map(|of| of.tau).collect();
+    let taus: Vec<f64> = instability.iter().map(|of| of.tau_s).collect();
     dict.set_item("white_noise", white)?;
     dict.set_item("bias_instability", sigmas)?;
     dict.set_item("correlation_time", taus)?;

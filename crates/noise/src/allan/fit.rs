@@ -11,8 +11,10 @@ use super::confidence::edf;
 use super::covariance::Covariance;
 use super::deviation::{Curve, DeviationKind, Point};
 use super::nnls;
+use crate::number::OrNull;
 use crate::screening::record::RecordError;
 use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
 use std::f64::consts::{LN_2, PI};
 
 /// Least ratio of averaging times that the fit uses: an octave, a little less for rounding. Closer
@@ -39,20 +41,26 @@ const PRICE: f64 = 4.0;
 const SEEN: f64 = 2.0;
 
 /// One term of the fit.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
 pub struct Term {
     /// The term, 0 where the fit leaves it out.
     pub value: f64,
     /// Its standard error, from that of its square; NaN where the value is 0.
+    #[serde(with = "OrNull")]
     pub standard_error: f64,
     /// One-sided 95 % upper bound.
+    #[serde(with = "OrNull")]
     pub upper_95: f64,
     /// True where the square of the term is more than two standard errors from 0.
     pub seen: bool,
 }
 
 /// The terms of IEEE Std 952, in the unit of the samples ([rad/s] or [m/s²]; `u` below) and seconds.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
 pub struct Terms {
     /// Quantisation Q [u·s].
     pub quantisation: Term,
@@ -65,11 +73,13 @@ pub struct Terms {
     /// Rate ramp R [u/s].
     pub ramp: Term,
     /// Shortest τ that was fitted \[s\].
+    #[serde(skip)]
     pub from_s: f64,
     /// White variance of a sample σ² = N²·rate \[u²\].
     pub white_variance: f64,
     /// Squared residuals in units of their covariance, over the degrees of freedom; about 1 where
     /// the terms describe the curve.
+    #[serde(skip)]
     pub reduced_chi2: f64,
 }
 

@@ -8,6 +8,7 @@ use super::{
 };
 use crate::quasi_newton::{Objective, Point, best_of};
 use crate::wavelet::{MomentFit, WaveletVariance, fit_moments, model_variance, wavelet_variance};
+use serde::{Deserialize, Serialize};
 use undrift_nav::shaping::{ShapingError, ShapingFilter};
 
 /// A term whose removal costs less log-likelihood than this is not needed: its 2Δ is below the 5 %
@@ -79,9 +80,12 @@ pub enum Flag {
 }
 
 /// Composite terms fitted to a record by maximum likelihood.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
 pub struct CompositeFit {
     /// The terms, Gauss-Markov processes by growing τ.
+    #[serde(skip)]
     pub terms: CompositeTerms,
     /// Standard errors of the logarithm of each parameter, from the curvature of the blocks'
     /// likelihood at its optimum.
@@ -93,19 +97,25 @@ pub struct CompositeFit {
     /// `−2 log L + k ln n`.
     pub bic: f64,
     /// Parameters, the level included.
+    #[serde(skip)]
     pub parameters: usize,
     /// Samples averaged to a point.
     pub block: usize,
     /// Points present.
+    #[serde(skip)]
     pub points: usize,
     /// Constant that the record stands on [unit].
+    #[serde(skip)]
     pub level: f64,
     /// White density [unit·√s] that the full rate shows beside the other terms: from the wavelet
     /// variance at one sample; 0 where these leave none.
+    #[serde(skip)]
     pub white_full_rate: f64,
     /// The wavelet moments that the search started from: those of the scales of a block and more.
+    #[serde(rename = "wavelet_moments")]
     pub moments: MomentFit,
     /// What should be said with it.
+    #[serde(skip)]
     pub flags: Vec<Flag>,
 }
 

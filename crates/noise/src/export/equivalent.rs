@@ -2,7 +2,8 @@
 
 use super::ModelFormat;
 use crate::bias_model::{Slow, UNIT_ROOT_TAU};
-use crate::model_file::{Arma, AxisModel, ImuModel, Instability, ModelError};
+use crate::composite::GaussMarkov;
+use crate::model_file::{Arma, AxisModel, ImuModel, ModelError};
 use undrift_nav::shaping::{ShapingError, ShapingFilter};
 
 /// Sum of φ this close to one is a unit root, as for [`ShapingFilter::arma`].
@@ -172,9 +173,9 @@ fn slow_of(arma: &Arma) -> Result<Slow, ShapingError> {
     let persistent = variance > 0.0 && excess > 0.0;
     Ok(Slow {
         processes: persistent
-            .then(|| Instability {
+            .then(|| GaussMarkov {
                 sigma: variance.sqrt(),
-                tau: 0.5 * excess / variance,
+                tau_s: 0.5 * excess / variance,
             })
             .into_iter()
             .collect(),
@@ -191,8 +192,8 @@ pub(super) fn rms(axes: &[Axis; 3], of: impl Fn(&Axis) -> f64) -> f64 {
 /// `None` where nothing moves.
 pub(super) fn common_tau<'a>(axes: impl Iterator<Item = &'a Axis>) -> Option<f64> {
     axes.filter_map(|axis| match (axis.slow.slowest(), axis.slow.walk) {
-        (Some(of), None) => Some(of.tau),
-        (of, Some(_)) => Some(of.map_or(UNIT_ROOT_TAU, |of| of.tau.max(UNIT_ROOT_TAU))),
+        (Some(of), None) => Some(of.tau_s),
+        (of, Some(_)) => Some(of.map_or(UNIT_ROOT_TAU, |of| of.tau_s.max(UNIT_ROOT_TAU))),
         (None, None) => None,
     })
     .max_by(f64::total_cmp)

@@ -1,7 +1,7 @@
 //! The texts of the formats.
 
 use super::equivalent::{Axis, Equivalent, common_tau, driven, rms};
-use crate::model_file::Instability;
+use crate::composite::GaussMarkov;
 
 /// EKF2's prediction, EKF2_PREDICT_US = 10000 unless changed \[Hz\].
 pub(super) const PX4_RATE: f64 = 100.0;
@@ -190,12 +190,12 @@ pub(super) fn matlab(imu: &Equivalent, rate_hz: f64) -> String {
         text += &format!("    'NoiseDensity', {white}, ...\n    'RandomWalk', {walk}");
         let tau = axes
             .iter()
-            .filter_map(|axis| axis.slow.slowest().map(|of| of.tau))
+            .filter_map(|axis| axis.slow.slowest().map(|of| of.tau_s))
             .max_by(f64::total_cmp);
         if let Some(tau) = tau {
             let sigma = list(&|axis| {
                 let of = axis.slow.slowest();
-                of.map_or(0.0, |of| driven(drive(of), tau))
+                driven(of.map_or(0.0, GaussMarkov::drive), tau)
             });
             // 1 − φ² by exp_m1: φ is 1 to ten digits for a slow process.
             let step = -1.0 / (rate_hz * tau);
@@ -225,11 +225,6 @@ pub(super) fn matlab(imu: &Equivalent, rate_hz: f64) -> String {
             "imu = imuSensor('accel-gyro', 'SampleRate', {}, 'Gyroscope', gyro, 'Accelerometer', accel);\n",
             number(rate_hz)
         )
-}
-
-/// Density [unit/√s] of the noise that drives a process.
-fn drive(of: &Instability) -> f64 {
-    of.sigma * (2.0 / of.tau).sqrt()
 }
 
 /// What the numbers are of, as comments.

@@ -1,6 +1,6 @@
 //! What is found of one axis, and the candidates for its model.
 
-use super::{Removed, Residuals};
+use super::{Detrend, Residuals};
 use crate::{
     allan::{Curve, GaussMarkovFit, Interval, Terms},
     arma::{ArmaFit, Selection},
@@ -10,7 +10,7 @@ use crate::{
     normality::Normality,
     pandit_wu::PanditWu,
     scales::{ScaleFit, Scales},
-    screening::{Motion, Outlier, Saturation},
+    screening::{Hanging, Motion, Outlier, Saturation},
     spectrum::{Density, Line},
     stationarity::{Adf, Kpss, PhillipsPerron, Verdict},
     whiteness::Portmanteau,
@@ -60,15 +60,15 @@ pub struct Axis {
     /// Mean removed [unit].
     pub mean: f64,
     /// What was removed beside it.
-    pub removed: Removed,
+    pub removed: Detrend,
     /// Samples replaced for being outliers.
     pub outliers: Vec<Outlier>,
     /// Whether the sensor moved.
     pub motion: Option<Motion>,
     /// Ends of the range where samples pile up.
     pub saturation: Vec<Saturation>,
-    /// Stretches of a thousand equal samples or more: first position and length.
-    pub hanging: Vec<(usize, usize)>,
+    /// Stretches of a thousand equal samples or more.
+    pub hanging: Vec<Hanging>,
     /// Augmented Dickey-Fuller, constant, 20 lags.
     pub adf: Adf,
     /// The same with the lags, up to 20, that a rule chooses: name of the rule and test.

@@ -7,7 +7,7 @@ use crate::{
     arma::{self, ArmaFit, FitOptions, Selection},
     composite::{self, CompositeTerms, Flag, TermSet},
     drift_score,
-    model_file::{Arma, AxisModel, Instability},
+    model_file::{Arma, AxisModel},
     pandit_wu::{self, PanditWu, PanditWuOptions},
     scales::{self, ScaleFit, Scales},
     whiteness,
@@ -162,12 +162,7 @@ fn in_terms(terms: &CompositeTerms) -> AxisModel {
     AxisModel {
         white: Some(terms.white),
         quantisation: (terms.quantisation > 0.0).then_some(terms.quantisation),
-        instability: processes
-            .map(|g| Instability {
-                sigma: g.sigma,
-                tau: g.tau_s,
-            })
-            .collect(),
+        instability: processes.copied().collect(),
         random_walk: (terms.random_walk > 0.0).then_some(terms.random_walk),
         ..AxisModel::default()
     }

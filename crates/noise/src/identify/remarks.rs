@@ -4,14 +4,14 @@ use crate::{
     arma::{ArmaFit, Warning},
     composite::{CompositeFit, Flag, Term},
     scales::{self, ScaleFit},
-    screening::{Motion, Outlier, Saturation},
+    screening::{Hanging, Motion, Outlier, Saturation},
 };
 
 /// Remarks on a record of `samples` at `rate_hz`.
 pub(super) fn of_record(
     motion: Option<&Motion>,
     saturation: &[Saturation],
-    hanging: &[(usize, usize)],
+    hanging: &[Hanging],
     outliers: &[Outlier],
     samples: usize,
     rate_hz: f64,
@@ -34,10 +34,10 @@ pub(super) fn of_record(
             stop.value
         ));
     }
-    if let Some(&(start, length)) = hanging.first() {
+    if let Some(&Hanging { index, samples }) = hanging.first() {
         remarks.push(format!(
-            "the sensor hangs: {length} equal samples from {:.2} s on, {} such stretches in all",
-            second(start),
+            "the sensor hangs: {samples} equal samples from {:.2} s on, {} such stretches in all",
+            second(index),
             hanging.len()
         ));
     }

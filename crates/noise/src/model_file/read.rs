@@ -2,9 +2,9 @@
 
 use super::entries::{Entry, Place, find, line_at, line_of, plain_entries, spanned_entries};
 use super::{
-    AXES, Arma, AxisModel, FORMAT, ImuModel, Instability, MAX_PROCESSES, ModelError, Provenance,
-    VERSION, group,
+    AXES, Arma, AxisModel, FORMAT, ImuModel, MAX_PROCESSES, ModelError, Provenance, VERSION, group,
 };
+use crate::composite::GaussMarkov;
 use crate::presets;
 use toml::de::DeTable;
 use undrift_nav::shaping::ShapingFilter;
@@ -256,7 +256,7 @@ fn processes(
     level: Quantity,
     prefix: &str,
     place: &Place<'_>,
-) -> Result<Vec<Instability>, ModelError> {
+) -> Result<Vec<GaussMarkov>, ModelError> {
     let sigmas = place.measures(entries, "bias_instability", prefix, level)?;
     let taus = place.measures(entries, "correlation_time", prefix, Quantity::Time)?;
     let fail = |key: &str, message: String| {
@@ -273,7 +273,7 @@ fn processes(
         (s, t) if s == t => Ok(sigmas
             .into_iter()
             .zip(taus)
-            .map(|(sigma, tau)| Instability { sigma, tau })
+            .map(|(sigma, tau_s)| GaussMarkov { sigma, tau_s })
             .collect()),
         (_, 0) => fail(
             "bias_instability",

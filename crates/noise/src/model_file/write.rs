@@ -1,6 +1,7 @@
 //! Writing of model files, in the units of data sheets.
 
-use super::{AXES, AxisModel, FORMAT, ImuModel, Instability, VERSION};
+use super::{AXES, AxisModel, FORMAT, ImuModel, VERSION};
+use crate::composite::GaussMarkov;
 use std::fmt::Write;
 use undrift_nav::units::{self, Quantity};
 
@@ -90,7 +91,7 @@ fn axis(out: &mut String, name: &str, axis: &AxisModel, units: &Units) {
         line(out, "quantisation", &measure(quantisation, units.rounding));
     }
     if !axis.instability.is_empty() {
-        let list = |of: &dyn Fn(&Instability) -> f64, unit| {
+        let list = |of: &dyn Fn(&GaussMarkov) -> f64, unit| {
             let values: Vec<f64> = axis.instability.iter().map(of).collect();
             measures(&values, unit)
         };
@@ -98,7 +99,7 @@ fn axis(out: &mut String, name: &str, axis: &AxisModel, units: &Units) {
         line(
             out,
             "correlation_time",
-            &list(&|p| p.tau, ("s", Quantity::Time)),
+            &list(&|p| p.tau_s, ("s", Quantity::Time)),
         );
     }
     if let Some(walk) = axis.random_walk {

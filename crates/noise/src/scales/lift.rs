@@ -2,21 +2,29 @@
 
 use crate::arma::ArmaFit;
 use crate::composite::{CompositeTerms, GaussMarkov};
+use crate::number::OrNull;
+use serde::{Deserialize, Serialize};
 
 /// 1 − φ below which the averages' process is a random walk.
 const UNIT_ROOT: f64 = 1e-12;
 
 /// A slow process under white noise, at the full rate; or the standard errors of the logarithms of
 /// these.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
 pub struct Lifted {
     /// White noise density N [unit·√s].
+    #[serde(with = "OrNull")]
     pub white: f64,
     /// Standard deviation of the slow process [unit]; infinite for a random walk.
+    #[serde(with = "OrNull")]
     pub sigma: f64,
     /// Correlation time \[s\]; infinite for a random walk.
+    #[serde(with = "OrNull")]
     pub tau_s: f64,
     /// Drive σ √(2/τ), for a random walk K [unit/√s].
+    #[serde(with = "OrNull")]
     pub drive: f64,
 }
 

@@ -81,16 +81,27 @@ pub fn motion(x: &[f64], rule: MotionRule) -> Result<Motion, RecordError> {
     })
 }
 
-/// Stretches of at least `least` equal samples: first position and length. A sensor that hangs gives
-/// one; a constant record is one from end to end. Quantised samples repeat by chance, so `least`
-/// should be large (1000 samples).
-pub fn constant_runs(x: &[f64], least: usize) -> Vec<(usize, usize)> {
+/// A stretch of equal samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Hanging {
+    /// Position of the first, from 0.
+    pub index: usize,
+    /// How many.
+    pub samples: usize,
+}
+
+/// Stretches of at least `least` equal samples. A sensor that hangs gives one; a constant record is one
+/// from end to end. Quantised samples repeat by chance, so `least` should be large (1000 samples).
+pub fn constant_runs(x: &[f64], least: usize) -> Vec<Hanging> {
     let mut runs = Vec::new();
     let mut start = 0;
     for k in 1..=x.len() {
         if k == x.len() || x[k] != x[start] {
-            if k - start >= least.max(2) {
-                runs.push((start, k - start));
+            let (index, samples) = (start, k - start);
+            if samples >= least.max(2) {
+                runs.push(Hanging { index, samples });
             }
             start = k;
         }

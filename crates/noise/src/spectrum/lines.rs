@@ -2,6 +2,7 @@
 
 use super::welch::Density;
 use crate::order_statistics::upper_median;
+use serde::{Deserialize, Serialize};
 
 /// Bins on either side of the one looked at that the median is taken over.
 const REACH: usize = 25;
@@ -10,13 +11,15 @@ const REACH: usize = 25;
 const LOBE: usize = 2;
 
 /// A narrow line.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Line {
     /// Frequency \[Hz\], the power-weighted mean over the peak.
     pub frequency_hz: f64,
     /// Amplitude of a sine with the peak's power [unit].
     pub amplitude: f64,
     /// Density of the peak over the local median.
+    #[serde(skip)]
     pub over_median: f64,
 }
 

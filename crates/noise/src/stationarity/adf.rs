@@ -9,6 +9,7 @@ use super::mackinnon::{critical_tau, p_tau};
 use super::{Critical, Deterministic, schwert};
 use crate::screening::record::{Compensated, RecordError, check_varying, dot};
 use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// How many lagged differences the regression has.
@@ -26,7 +27,9 @@ pub enum Lags {
 }
 
 /// Result of the augmented Dickey-Fuller test. Small (very negative) rejects the unit root.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
 pub struct Adf {
     /// t statistic of γ.
     pub statistic: f64,
@@ -35,6 +38,7 @@ pub struct Adf {
     /// Lagged differences used.
     pub lags: usize,
     /// Rows of the regression.
+    #[serde(skip)]
     pub observations: usize,
     /// Critical values by MacKinnon (2010) for so many rows.
     pub critical: Critical,

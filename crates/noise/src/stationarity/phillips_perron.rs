@@ -6,21 +6,27 @@ use super::mackinnon::{critical_tau, p_tau};
 use super::{Critical, Deterministic, long_run_variance, schwert};
 use crate::screening::record::{RecordError, check_varying, dot, mean, sum_of};
 use crate::screening::trend::linear;
+use serde::{Deserialize, Serialize};
 
 /// Result of the Phillips-Perron tests. Small (very negative) rejects the unit root.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
 pub struct PhillipsPerron {
     /// Z-tau: the t of ρ − 1, corrected for serial correlation.
+    #[serde(rename = "statistic")]
     pub z_tau: f64,
     /// p of Z-tau by MacKinnon (1994).
     pub p_value: f64,
     /// Critical values of Z-tau by MacKinnon (2010).
     pub critical: Critical,
     /// Z-rho: n (ρ − 1), corrected likewise.
+    #[serde(skip)]
     pub z_rho: f64,
     /// Lags of the long-run variance.
     pub lags: usize,
     /// Rows of the regression, n.
+    #[serde(skip)]
     pub observations: usize,
 }
 

@@ -14,6 +14,7 @@ use crate::composite::search::SCALES;
 use crate::composite::{CompositeError, CompositeTerms, GaussMarkov, TermSet, sort_processes};
 use crate::quasi_newton::{Objective, best_of};
 use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
 
 /// Ratio of neighbouring correlation times on the grid of starts.
 const GRID: f64 = 3.0;
@@ -23,11 +24,14 @@ const FINISHED: usize = 4;
 const TRACE: f64 = 1e-3;
 
 /// Composite terms fitted to a wavelet variance.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
 pub struct MomentFit {
     /// The terms, Gauss-Markov processes by growing τ.
     pub terms: CompositeTerms,
     /// Drift |R| [unit/s]; 0 where it was not asked for.
+    #[serde(skip)]
     pub drift: f64,
     /// Standard errors of the logarithms of each parameter; none where some direction is not
     /// determined.
@@ -37,6 +41,7 @@ pub struct MomentFit {
     /// Scales less parameters.
     pub degrees_of_freedom: usize,
     /// The search met its tolerance.
+    #[serde(skip)]
     pub converged: bool,
 }
 

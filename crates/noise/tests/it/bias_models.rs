@@ -2,7 +2,7 @@
 
 use undrift_nav::shaping::ShapingFilter;
 use undrift_noise::bias_model::UNIT_ROOT_TAU;
-use undrift_noise::{Arma, AxisModel, BiasModel, ImuModel, Instability, ModelError};
+use undrift_noise::{Arma, AxisModel, BiasModel, ImuModel, GaussMarkov, ModelError};
 
 const T: f64 = 0.005;
 const WHITE: f64 = 5.8e-4;
@@ -13,9 +13,9 @@ fn gauss_markov_axis() -> AxisModel {
     AxisModel {
         turn_on: 0.05,
         white: Some(WHITE),
-        instability: vec![Instability {
+        instability: vec![GaussMarkov {
             sigma: SIGMA,
-            tau: TAU,
+            tau_s: TAU,
         }],
         ..AxisModel::default()
     }
@@ -97,9 +97,9 @@ fn innovations_keep_their_digits_for_a_very_slow_weak_bias() {
     near(arma.s[0] / arma.r, (q / r).sqrt(), 1e-6);
     let axis = AxisModel {
         random_walk: None,
-        instability: vec![Instability {
+        instability: vec![GaussMarkov {
             sigma: 1e-9,
-            tau: 1e3,
+            tau_s: 1e3,
         }],
         ..axis
     };
@@ -297,9 +297,9 @@ fn ar_is_the_best_linear_predictor() {
         random_walk: Some(k),
         ..AxisModel::default()
     };
-    let hour = Instability {
+    let hour = GaussMarkov {
         sigma: k * (UNIT_ROOT_TAU / 2.0).sqrt(),
-        tau: UNIT_ROOT_TAU,
+        tau_s: UNIT_ROOT_TAU,
     };
     let same = AxisModel {
         random_walk: None,

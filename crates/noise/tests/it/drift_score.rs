@@ -383,7 +383,7 @@ fn the_slow_bias_of_a_real_gyro() {
     assert!(found.scales[0].flags.contains(&Flag::NoSlowPart));
     for scale in &found.scales[3..] {
         let lifted = scale.lifted.unwrap();
-        assert!(scale.is_seen(), "block {}", scale.block);
+        assert!(scale.seen, "block {}", scale.block);
         // Blocks of run1 give σ 4.4e-4 rad/s and N 6.6e-4 … 6.8e-4 rad/√s. N is the sensor's and known
         // to 2 %; σ of another run may be half as much again.
         assert!((6.3e-4..7.1e-4).contains(&lifted.white), "{lifted:?}");

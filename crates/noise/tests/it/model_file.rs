@@ -64,7 +64,7 @@ fn a_composite_model_is_the_sum_of_its_terms() {
     let degree = 1f64.to_radians();
     assert!((gyro.quantisation.unwrap() / (1e-3 * degree) - 1.0).abs() < 1e-14);
     assert_eq!(
-        gyro.instability.iter().map(|p| p.tau).collect::<Vec<_>>(),
+        gyro.instability.iter().map(|p| p.tau_s).collect::<Vec<_>>(),
         [10.0, 1000.0]
     );
     let t = 0.01;
@@ -77,7 +77,7 @@ fn a_composite_model_is_the_sum_of_its_terms() {
         random_walk: gyro.random_walk.unwrap(),
         gauss_markov: [0, 1].map(|i| GaussMarkov {
             sigma: gyro.instability[i].sigma,
-            tau_s: gyro.instability[i].tau,
+            tau_s: gyro.instability[i].tau_s,
         }),
     };
     let (mut found, mut expected) = ([0.0; 50], [0.0; 50]);
@@ -135,7 +135,7 @@ fn every_term_in_si() {
     near(gyro.turn_on, 3.0 * degree);
     near(gyro.white.unwrap(), 2.0 * degree / 60.0);
     near(gyro.instability[0].sigma, 25.0 * degree / 3600.0);
-    near(gyro.instability[0].tau, 100.0);
+    near(gyro.instability[0].tau_s, 100.0);
     near(gyro.random_walk.unwrap(), 6.0 * degree / 3600.0 / 60.0);
     near(gyro.paper_sigma.unwrap(), 0.007 * degree);
     let arma = gyro.arma.as_ref().unwrap();
@@ -189,7 +189,7 @@ fn writing_and_reading_gives_the_same_model() {
                     Some(m.turn_on),
                     m.white,
                     m.instability.first().map(|of| of.sigma),
-                    m.instability.last().map(|of| of.tau),
+                    m.instability.last().map(|of| of.tau_s),
                     m.quantisation,
                     m.random_walk,
                     m.paper_sigma,

@@ -3,7 +3,7 @@
 use crate::common::generators::{seeded, stable};
 use proptest::prelude::*;
 use undrift_noise::model_file::MAX_PROCESSES;
-use undrift_noise::{Arma, AxisModel, ImuModel, Instability, Provenance};
+use undrift_noise::{Arma, AxisModel, ImuModel, GaussMarkov, Provenance};
 
 /// A positive number of any usual size.
 fn positive() -> impl Strategy<Value = f64> {
@@ -65,7 +65,7 @@ prop_compose! {
             // An axis has white noise or an ARMA, or it is none.
             white: (whether || arma.is_none()).then_some(white),
             quantisation,
-            instability: instability.into_iter().map(|(sigma, tau)| Instability { sigma, tau }).collect(),
+            instability: instability.into_iter().map(|(sigma, tau_s)| GaussMarkov { sigma, tau_s }).collect(),
             random_walk,
             arma,
             paper_sigma,
@@ -124,7 +124,7 @@ proptest! {
             }
             prop_assert_eq!(a.instability.len(), b.instability.len());
             for (a, b) in a.instability.iter().zip(&b.instability) {
-                prop_assert!(same(a.sigma, b.sigma) && same(a.tau, b.tau), "{name}: {a:?} {b:?}");
+                prop_assert!(same(a.sigma, b.sigma) && same(a.tau_s, b.tau_s), "{name}: {a:?} {b:?}");
             }
             prop_assert_eq!(a.arma.is_some(), b.arma.is_some());
             if let (Some(a), Some(b)) = (&a.arma, &b.arma) {
@@ -163,9 +163,9 @@ fn a_number_of_sixteen_digits_is_written_again_as_it_was_read() {
     let mut model = with_one_axis(AxisModel::default());
     model.accel[0] = AxisModel {
         white: Some(0.0),
-        instability: vec![Instability {
+        instability: vec![GaussMarkov {
             sigma: 2.9698952764187583,
-            tau: 1.0,
+            tau_s: 1.0,
         }],
         ..AxisModel::default()
     };

@@ -2,7 +2,7 @@
 
 use crate::common::{close, columns, data, near, white_noise};
 use undrift_noise::screening::{
-    MotionRule, OutlierRule, RecordError, constant_runs, motion, outliers, remove_constant,
+    Hanging, MotionRule, OutlierRule, RecordError, constant_runs, motion, outliers, remove_constant,
     remove_linear, remove_temperature, timing,
 };
 
@@ -230,8 +230,9 @@ fn motion_is_told_from_rest() {
 fn constant_stretches_are_found() {
     let mut x = white_noise(5, 1000);
     x[100..400].fill(0.25);
-    assert_eq!(constant_runs(&x, 50), [(100, 300)]);
-    assert_eq!(constant_runs(&[1.0; 20], 2), [(0, 20)]);
+    let run = |index, samples| Hanging { index, samples };
+    assert_eq!(constant_runs(&x, 50), [run(100, 300)]);
+    assert_eq!(constant_runs(&[1.0; 20], 2), [run(0, 20)]);
     assert!(constant_runs(&[], 1).is_empty() && constant_runs(&[1.0], 0).is_empty());
     assert_eq!(remove_linear(&[2.0; 10]).unwrap().explained, 0.0);
 }

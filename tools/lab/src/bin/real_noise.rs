@@ -9,7 +9,7 @@ use undrift::{
     io::Opened,
     nav::sample::ImuSample,
     noise::{
-        AxisModel, BiasModel, ImuModel, Instability,
+        AxisModel, BiasModel, ImuModel, GaussMarkov,
         identify::{Axis, Options},
     },
     outages::{self, Schedule},
@@ -84,9 +84,9 @@ fn models(record: &Record) -> Result<Vec<(&'static str, ImuModel, BiasModel)>, F
     let allan_process = from(&|axis| {
         let fit = axis.allan_gauss_markov?;
         let mut model = named(axis, "white")?;
-        model.instability = vec![Instability {
+        model.instability = vec![GaussMarkov {
             sigma: fit.sigma,
-            tau: fit.tau_c_s,
+            tau_s: fit.tau_c_s,
         }];
         Some(model)
     });

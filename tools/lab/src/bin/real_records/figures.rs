@@ -93,7 +93,7 @@ fn allan(runs: &[Run], index: usize, sheet: &AxisModel) -> Panel {
         let slow = sheet.instability.iter();
         white
             + slow
-                .map(|p| gauss_markov_variance(tau, p.sigma, p.tau))
+                .map(|p| gauss_markov_variance(tau, p.sigma, p.tau_s))
                 .sum::<f64>()
     });
     panel.add(Series::dashed("data sheet", GREY, of_sheet));

@@ -107,7 +107,7 @@ fn parameters(model: &AxisModel, name: &str) -> String {
             "σ {} {}, τ {} s",
             three(process.sigma / u.one_rate),
             u.rate,
-            three(process.tau)
+            three(process.tau_s)
         ));
     }
     if let Some(walk) = model.random_walk {

@@ -1,0 +1,31 @@
+//! Numbers of results that may not be finite.
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// For `#[serde(with = "OrNull")]`: a number that is not finite is null, and null is NaN.
+pub(crate) struct OrNull;
+
+impl OrNull {
+    pub(crate) fn serialize<S: Serializer>(number: &f64, to: S) -> Result<S::Ok, S::Error> {
+        number.is_finite().then_some(number).serialize(to)
+    }
+
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+        Ok(Option::deserialize(from)?.unwrap_or(f64::NAN))
+    }
+}
+
+#[cfg(feature = "schema")]
+impl schemars::JsonSchema for OrNull {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Number".into()
+    }
+
+    fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        Option::<f64>::json_schema(generator)
+    }
+}
