@@ -248,8 +248,8 @@ fn axis_summary(name: &str, axis: &Axis, rate_hz: Number) -> String {
         } => writeln!(
             text,
             "  Removed: a slope of {:.3e} {level_unit} an hour, {:.2} % of the variance",
-            slope_per_hour.0 * scale,
-            100.0 * explained.0
+            slope_per_hour * scale,
+            100.0 * explained
         ),
         Detrend::Temperature {
             slope_per_kelvin,
@@ -257,15 +257,15 @@ fn axis_summary(name: &str, axis: &Axis, rate_hz: Number) -> String {
         } => writeln!(
             text,
             "  Removed: {:.3e} {level_unit} a kelvin, {:.2} % of the variance",
-            slope_per_kelvin.0 * scale,
-            100.0 * explained.0
+            slope_per_kelvin * scale,
+            100.0 * explained
         ),
     };
     let _ = writeln!(text, "  {}", axis.stationarity);
     let _ = writeln!(
         text,
         "  Allan: white noise {:.4} {white_unit}; skewness {:.3}, excess kurtosis {:.3}",
-        axis.allan_terms.white.value.0 * scale * 60.0,
+        axis.allan_terms.white.value * scale * 60.0,
         axis.skewness.0,
         axis.kurtosis_excess.0
     );

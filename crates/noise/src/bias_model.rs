@@ -161,7 +161,9 @@ pub(crate) struct Slow {
 impl Slow {
     /// The process of the longest correlation time.
     pub(crate) fn slowest(&self) -> Option<&GaussMarkov> {
-        self.processes.iter().max_by(|a, b| a.tau_s.total_cmp(&b.tau_s))
+        self.processes
+            .iter()
+            .max_by(|a, b| a.tau_s.total_cmp(&b.tau_s))
     }
 
     /// Density [unit/√s] of the random walk that stands for all of it: K² + 2σ²/τ of the slowest

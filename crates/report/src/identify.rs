@@ -5,12 +5,12 @@ mod axis;
 
 use super::{
     Block, Cell, Panel, Section, Series,
-    parts::{cell, count, figure, get, short, span, table, text, warnings, zip},
+    parts::{cell, count, figure, short, span, table, text, warnings, zip},
 };
 use axis::{allan_panel, of_axis, psd};
 use std::f64::consts::PI;
-use undrift::noise::model_file::AXES;
-use undrift::results::{Axis, Identify, Term, Test};
+use undrift::noise::{model_file::AXES, normality::Test};
+use undrift::results::{Axis, Identify, Term};
 
 /// A record with its name; the name of a single one is empty.
 pub type Run<'a> = (String, &'a Identify);
@@ -165,7 +165,7 @@ fn summary(runs: &[Run<'_>]) -> Section {
                 label(name, axis).into(),
                 format!(
                     "{} {}",
-                    short(found_of.allan_terms.white.value.0 * h),
+                    short(found_of.allan_terms.white.value * h),
                     unit.white
                 )
                 .into(),
@@ -244,7 +244,7 @@ fn what_was_done(name: &str, run: &Identify) -> Vec<String> {
 /// A term of the Allan deviation, if the record shows it.
 fn seen(term: &Term, scale: f64, unit: &str) -> String {
     if term.seen {
-        format!("{} {unit}", short(term.value.0 * scale))
+        format!("{} {unit}", short(term.value * scale))
     } else {
         "not seen".into()
     }
@@ -254,12 +254,12 @@ fn test_row(label: &str, axis: &Axis) -> Vec<Cell> {
     let with = |statistic: f64, critical: f64| -> Cell {
         format!("{} ({})", short(statistic), short(critical)).into()
     };
-    let unit_root = |test: &Test| with(test.statistic.0, get(&test.critical, "5%"));
-    let plain = |test: &Test| with(test.statistic.0, test.critical_5.unwrap_or_default().0);
+    let plain = |test: &Test| with(test.statistic, test.critical_5);
+    let (adf, kpss) = (&axis.adf.fixed, &axis.kpss);
     vec![
         label.into(),
-        unit_root(&axis.adf),
-        unit_root(&axis.kpss),
+        with(adf.statistic, adf.critical.five),
+        with(kpss.statistic, kpss.critical.five),
         plain(&axis.jarque_bera),
         plain(&axis.ks),
         plain(&axis.lilliefors),
@@ -272,7 +272,7 @@ fn test_row(label: &str, axis: &Axis) -> Vec<Cell> {
 fn normality(run: &Identify) -> String {
     let known = || run.in_order().filter(|(_, axis)| axis.error.is_none());
     let rejected =
-        |axis: &Axis| axis.jarque_bera.p_value.0 < LEVEL || axis.lilliefors.p_value.0 < LEVEL;
+        |axis: &Axis| axis.jarque_bera.p_value < LEVEL || axis.lilliefors.p_value < LEVEL;
     let names: Vec<String> = known()
         .filter(|(_, a)| rejected(a))
         .map(|(n, _)| spoken(n))

@@ -24,10 +24,8 @@ pub use fleet::{
     Temperature, Trouble, Warned,
 };
 pub use identify::{
-    Allan, AllanTerms, ArmaOrigin, Axis, AxisSeries, BoxJenkins, Candidate, CompositeOrigin,
-    Detrend, GridFit, Hanging, Histogram, Identify, Lifted, Line, Order, OrderRow, Origin,
-    PanditWuOrders, Process, Psd, Residuals, ScaleFit, ScaleOrigin, Scales, Term, Terms, Test,
-    WaveletMoments,
+    Adf, Allan, ArmaOrigin, Axis, AxisSeries, BoxJenkins, Candidate, GridFit, Histogram, Identify,
+    Order, OrderRow, Origin, PanditWuOrders, Psd, Residuals, ScaleOrigin,
 };
 pub use montecarlo::{Group, MonteCarlo, MonteCarloDrive, MonteCarloModel, NisKind, Verdict};
 pub(crate) use navigate::known;
@@ -37,6 +35,8 @@ pub use number::{Number, Numbers};
 pub use outages::{Cut, Drift, ModelErrors, NisOfParts, OutageErrors, OutageSeries, Outages};
 pub use read::Results;
 pub use text::text;
+
+pub use undrift_noise::{allan::Term, identify::Detrend};
 
 pub use crate::replay::{
     Contradiction, CovarianceHealth, Implausible, Innovations, Lean, Part, Restart,

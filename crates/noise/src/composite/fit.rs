@@ -80,9 +80,8 @@ pub enum Flag {
 }
 
 /// Composite terms fitted to a record by maximum likelihood.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default)]
 pub struct CompositeFit {
     /// The terms, Gauss-Markov processes by growing τ.
     #[serde(skip)]

@@ -2,7 +2,7 @@
 
 use undrift_nav::shaping::ShapingFilter;
 use undrift_noise::bias_model::UNIT_ROOT_TAU;
-use undrift_noise::{Arma, AxisModel, BiasModel, ImuModel, GaussMarkov, ModelError};
+use undrift_noise::{Arma, AxisModel, BiasModel, GaussMarkov, ImuModel, ModelError};
 
 const T: f64 = 0.005;
 const WHITE: f64 = 5.8e-4;

@@ -220,9 +220,12 @@ fn two_processes_and_block_scales_are_candidates() {
     imu.gyro[0] = two.model.clone();
     let back = ImuModel::from_toml(&imu.to_toml(), "imu.toml").unwrap();
     let (a, b) = (&back.gyro[0].instability, &two.model.instability);
-    assert!(a.iter().zip(b).all(
-        |(a, b)| (a.tau_s / b.tau_s - 1.0).abs() < 1e-14 && (a.sigma / b.sigma - 1.0).abs() < 1e-14
-    ));
+    assert!(
+        a.iter()
+            .zip(b)
+            .all(|(a, b)| (a.tau_s / b.tau_s - 1.0).abs() < 1e-14
+                && (a.sigma / b.sigma - 1.0).abs() < 1e-14)
+    );
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use crate::common::generators::{seeded, stable};
 use proptest::prelude::*;
 use undrift_noise::model_file::MAX_PROCESSES;
-use undrift_noise::{Arma, AxisModel, ImuModel, GaussMarkov, Provenance};
+use undrift_noise::{Arma, AxisModel, GaussMarkov, ImuModel, Provenance};
 
 /// A positive number of any usual size.
 fn positive() -> impl Strategy<Value = f64> {

@@ -216,7 +216,8 @@ fn bad_records_are_errors() {
             .collect();
         let report = normality(&x).unwrap();
         assert!(
-            (0.0..=1.0).contains(&report.ks.p_value) && (0.0..=1.0).contains(&report.lilliefors.p_value)
+            (0.0..=1.0).contains(&report.ks.p_value)
+                && (0.0..=1.0).contains(&report.lilliefors.p_value)
         );
     }
     assert!(plain_p(0.0, 10) == 1.0 && plain_p(1.0, 10) < 1e-8 && plain_p(0.5, 0).is_finite());

@@ -2,8 +2,8 @@
 
 use crate::common::{close, columns, data, near, white_noise};
 use undrift_noise::screening::{
-    Hanging, MotionRule, OutlierRule, RecordError, constant_runs, motion, outliers, remove_constant,
-    remove_linear, remove_temperature, timing,
+    Hanging, MotionRule, OutlierRule, RecordError, constant_runs, motion, outliers,
+    remove_constant, remove_linear, remove_temperature, timing,
 };
 
 #[test]

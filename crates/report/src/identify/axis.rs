@@ -46,7 +46,7 @@ pub(super) fn of_axis(name: &str, axis: &Axis) -> Section {
 }
 
 fn whiteness(axis: &Axis) -> String {
-    let p = axis.ljung_box.p_value.0;
+    let p = axis.ljung_box.ljung_box_p;
     if !p.is_finite() {
         String::new()
     } else if p < LEVEL {
@@ -202,7 +202,7 @@ fn allan(axis: &Axis, unit: &Units) -> Option<Panel> {
     if let Some((first, last)) = ends {
         let (first, last) = (first.0.max(a.fit_from_s.0), last.0);
         for (at, (term, name, shape)) in shapes.into_iter().enumerate() {
-            let size = term.value.0;
+            let size = term.value;
             if !term.seen || size.is_nan() || size <= 0.0 {
                 continue;
             }
@@ -270,7 +270,7 @@ fn pandit_wu(name: &str, axis: &Axis, unit: &Units) -> Option<Table> {
         let f = Cell::number(row.f.0, 2);
         let significant = row.f.0 > row.f_critical.0;
         rows.rows.push(vec![
-            format!("ARMA({},{})", row.p, row.q).into(),
+            format!("ARMA{}", row.order).into(),
             exact(row.rss.0).into(),
             Cell::number(row.aic.0, 1),
             Cell::number(row.bic.0, 1),

@@ -1,7 +1,7 @@
 //! The source paper's Tables 2 and 3, and what is recommended, as text.
 
 use std::fmt::Write as _;
-use undrift::results::{Identify, Number};
+use undrift::results::Identify;
 
 /// Table 2: the tests of stationarity and normality, axis by axis.
 pub fn normality(identified: &Identify) -> String {
@@ -9,7 +9,6 @@ pub fn normality(identified: &Identify) -> String {
         "Table 2{:9} {:>9} {:>8} {:>9} {:>8} {:>9} {:>9} {:>9}\n",
         "", "ADF", "5 %", "JB", "5 %", "KS", "5 %", "Lillief."
     );
-    let number = |number: Option<Number>| number.unwrap_or_default().0;
     for (name, axis) in identified
         .in_order()
         .filter(|(_, axis)| axis.error.is_none())
@@ -17,13 +16,13 @@ pub fn normality(identified: &Identify) -> String {
         let _ = writeln!(
             text,
             "{name:16} {:9.2} {:8.2} {:9.3} {:8.3} {:9.6} {:9.6} {:9.6}",
-            axis.adf.statistic.0,
-            number(axis.adf.critical.get("5%").copied()),
-            axis.jarque_bera.statistic.0,
-            number(axis.jarque_bera.critical_5),
-            axis.ks.statistic.0,
-            number(axis.ks.critical_5),
-            number(axis.lilliefors.critical_5)
+            axis.adf.fixed.statistic,
+            axis.adf.fixed.critical.five,
+            axis.jarque_bera.statistic,
+            axis.jarque_bera.critical_5,
+            axis.ks.statistic,
+            axis.ks.critical_5,
+            axis.lilliefors.critical_5
         );
     }
     text
@@ -47,7 +46,7 @@ pub fn pandit_wu(identified: &Identify, name: &str) -> String {
         let _ = writeln!(
             text,
             "{:18} {:14.6e} {:14.1} {:14.1} {f:>9} {critical:>9}",
-            format!("ARMA({},{})", row.p, row.q),
+            format!("ARMA{}", row.order),
             row.rss.0,
             row.aic.0,
             row.bic.0

@@ -3,17 +3,23 @@
 mod fits;
 
 pub use fits::{
-    Allan, AllanTerms, ArmaOrigin, BoxJenkins, Candidate, CompositeOrigin, GridFit, Lifted, Order,
-    OrderRow, Origin, PanditWuOrders, Process, ScaleFit, ScaleOrigin, Scales, Term, Terms,
-    WaveletMoments,
+    Allan, ArmaOrigin, BoxJenkins, Candidate, GridFit, Order, OrderRow, Origin, PanditWuOrders,
+    ScaleOrigin,
 };
 
-use super::{Curve, Number, Numbers};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use super::{Curve, Number};
+use serde::{Deserialize, Serialize, Serializer};
 use std::collections::BTreeMap;
 use undrift_noise::{
+    allan,
+    identify::Detrend,
     model_file::AXES,
-    screening::{Motion, Outlier, Saturation, Timing},
+    normality,
+    scales::Scales,
+    screening::{Hanging, Motion, Outlier, Saturation, Timing},
+    spectrum::Line,
+    stationarity::{self, Kpss, PhillipsPerron},
+    whiteness::Portmanteau,
 };
 
 /// An identified record.
@@ -95,19 +101,19 @@ pub struct Axis {
     /// Where the sensor repeats a value.
     pub hanging: Vec<Hanging>,
     /// Augmented Dickey-Fuller test at fixed lags, and by rules that choose them.
-    pub adf: Test,
+    pub adf: Adf,
     /// Kwiatkowski-Phillips-Schmidt-Shin test.
-    pub kpss: Test,
+    pub kpss: Kpss,
     /// Phillips-Perron test.
-    pub phillips_perron: Test,
+    pub phillips_perron: PhillipsPerron,
     /// What these three say together, as a sentence.
     pub stationarity: String,
     /// Jarque-Bera test of normality.
-    pub jarque_bera: Test,
+    pub jarque_bera: normality::Test,
     /// Kolmogorov-Smirnov test of normality.
-    pub ks: Test,
+    pub ks: normality::Test,
     /// Lilliefors' test of normality.
-    pub lilliefors: Test,
+    pub lilliefors: normality::Test,
     /// Skewness, 0 of a normal distribution.
     pub skewness: Number,
     /// Kurtosis beyond that of a normal distribution.
@@ -119,13 +125,13 @@ pub struct Axis {
     /// Partial autocorrelation at lags 0, 1, …
     pub pacf: Vec<Number>,
     /// Ljung and Box's test of whiteness.
-    pub ljung_box: Test,
+    pub ljung_box: Portmanteau,
     /// Lines of the spectrum.
     pub lines: Vec<Line>,
     /// Allan deviation.
     pub allan: Allan,
     /// The terms fitted to it.
-    pub allan_terms: AllanTerms,
+    pub allan_terms: allan::Terms,
     /// Pandit and Wu's table of ARMA(2n, 2n−1).
     pub pandit_wu: Vec<OrderRow>,
     /// The orders that it chooses.
@@ -146,84 +152,16 @@ pub struct Axis {
     pub series: AxisSeries,
 }
 
-/// What was taken out beside the mean.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(tag = "kind", rename_all = "lowercase")]
-pub enum Detrend {
-    /// Nothing.
-    #[default]
-    Constant,
-    /// A straight line.
-    Linear {
-        /// Its slope \[unit/h\].
-        slope_per_hour: Number,
-        /// Share of the variance that it explains.
-        explained: Number,
-    },
-    /// A multiple of the temperature.
-    Temperature {
-        /// The multiple \[unit/K\].
-        slope_per_kelvin: Number,
-        /// Share of the variance that it explains.
-        explained: Number,
-    },
-}
-
-/// Samples on end that repeat a value.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default)]
-pub struct Hanging {
-    /// The first.
-    pub index: u64,
-    /// How many.
-    pub samples: u64,
-}
-
-/// A statistical test.
+/// The augmented Dickey-Fuller test.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
-pub struct Test {
-    /// Its statistic.
-    pub statistic: Number,
-    /// Probability of a larger (or smaller) one under the null hypothesis.
-    pub p_value: Number,
-    /// Whether that is a bound only.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub p_is_bound: Option<bool>,
-    /// Lags.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub lags: Option<u64>,
-    /// Critical values at "1%", "5%" and "10%".
-    #[serde(skip_serializing_if = "Numbers::is_empty")]
-    pub critical: Numbers,
-    /// Critical value at 5 %.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub critical_5: Option<Number>,
-    /// Value of the criterion that chose the lags.
-    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "present")]
-    pub criterion: Option<Number>,
-    /// The same test by the rule that chooses the lags.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub by_rule: Option<BTreeMap<String, Test>>,
-}
-
-/// A number that is there, be it null.
-fn present<'de, D: Deserializer<'de>>(number: D) -> Result<Option<Number>, D::Error> {
-    Number::deserialize(number).map(Some)
-}
-
-/// A line of the spectrum.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default)]
-pub struct Line {
-    /// Frequency \[Hz\].
-    pub frequency_hz: Number,
-    /// Amplitude \[unit\].
-    pub amplitude: Number,
+pub struct Adf {
+    /// At fixed lags.
+    #[serde(flatten)]
+    pub fixed: stationarity::Adf,
+    /// By the rules that choose them.
+    pub by_rule: BTreeMap<String, stationarity::Adf>,
 }
 
 /// For the plots of an axis.

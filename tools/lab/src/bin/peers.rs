@@ -81,7 +81,11 @@ fn run(task: &str, record: &[f64]) -> Result<Vec<f64>, Box<dyn Error>> {
         }
         "normality" => {
             let test = normality(record)?;
-            vec![test.jarque_bera, test.jarque_bera_p, test.distance]
+            vec![
+                test.jarque_bera.statistic,
+                test.jarque_bera.p_value,
+                test.ks.statistic,
+            ]
         }
         "phillips_perron" => {
             let test = phillips_perron(record, Deterministic::Constant, None)?;

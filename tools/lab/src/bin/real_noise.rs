@@ -9,7 +9,7 @@ use undrift::{
     io::Opened,
     nav::sample::ImuSample,
     noise::{
-        AxisModel, BiasModel, ImuModel, GaussMarkov,
+        AxisModel, BiasModel, GaussMarkov, ImuModel,
         identify::{Axis, Options},
     },
     outages::{self, Schedule},

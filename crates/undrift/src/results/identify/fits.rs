@@ -3,6 +3,7 @@
 use crate::results::{Number, Numbers};
 use serde::{Deserialize, Serialize};
 use std::fmt;
+use undrift_noise::{GaussMarkov, composite::CompositeFit};
 
 /// An Allan deviation with its 68 % interval and what the terms make of it \[unit\].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -23,49 +24,14 @@ pub struct Allan {
     pub fit_from_s: Number,
 }
 
-/// Terms fitted to an Allan deviation.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default)]
-pub struct AllanTerms {
-    /// Quantisation noise \[unit·s\].
-    pub quantisation: Term,
-    /// White noise \[unit/√Hz\].
-    pub white: Term,
-    /// Bias instability \[unit\].
-    pub bias_instability: Term,
-    /// Random walk \[unit/√s\].
-    pub random_walk: Term,
-    /// Ramp \[unit/s\].
-    pub ramp: Term,
-    /// Variance of the white noise at the rate of the record \[unit²\].
-    pub white_variance: Number,
-}
-
-/// One of these terms.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default)]
-pub struct Term {
-    /// Its value.
-    pub value: Number,
-    /// Standard error of it.
-    pub standard_error: Number,
-    /// Upper end of its one-sided 95 % interval.
-    pub upper_95: Number,
-    /// Whether the record shows it.
-    pub seen: bool,
-}
-
 /// A row of Pandit and Wu's table.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct OrderRow {
-    /// Autoregressive order.
-    pub p: u64,
-    /// Order of the moving average.
-    pub q: u64,
+    /// Its order.
+    #[serde(flatten)]
+    pub order: Order,
     /// Residual sum of squares \[unit²\].
     pub rss: Number,
     /// Akaike's criterion.
@@ -97,10 +63,8 @@ pub struct Order {
 
 impl From<(usize, usize)> for Order {
     fn from((p, q): (usize, usize)) -> Self {
-        Self {
-            p: p as u64,
-            q: q as u64,
-        }
+        let (p, q) = (p as u64, q as u64);
+        Self { p, q }
     }
 }
 
@@ -149,10 +113,9 @@ pub struct BoxJenkins {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct GridFit {
-    /// Autoregressive order.
-    pub p: u64,
-    /// Order of the moving average.
-    pub q: u64,
+    /// Its order.
+    #[serde(flatten)]
+    pub order: Order,
     /// Logarithm of the likelihood.
     pub log_likelihood: Number,
     /// Akaike's criterion.
@@ -161,57 +124,6 @@ pub struct GridFit {
     pub aicc: Number,
     /// Bayesian criterion.
     pub bic: Number,
-}
-
-/// ARMA(1,1) fitted to block averages.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default)]
-pub struct Scales {
-    /// By growing block length.
-    pub fits: Vec<ScaleFit>,
-    /// Block length of the chosen one \[samples\].
-    pub chosen_block: Option<u64>,
-    /// How many agree with the chosen one, itself included.
-    pub agreeing: u64,
-}
-
-/// The fit at one block length.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default)]
-pub struct ScaleFit {
-    /// Block length \[samples\].
-    pub block: u64,
-    /// Blocks.
-    pub points: u64,
-    /// Autoregressive coefficient.
-    pub phi: Number,
-    /// Coefficient of the moving average.
-    pub theta: Number,
-    /// Standard deviation of the innovations \[unit\].
-    pub sigma: Number,
-    /// Lifted to the full rate, where that is possible.
-    pub lifted: Option<Lifted>,
-    /// Relative standard errors of that.
-    pub relative_errors: Lifted,
-    /// Whether the scale sees a slow part.
-    pub seen: bool,
-}
-
-/// White noise and a Gauss-Markov process at the full rate.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default)]
-pub struct Lifted {
-    /// White noise \[unit/√Hz\].
-    pub white: Number,
-    /// Standard deviation of the process \[unit\].
-    pub sigma: Number,
-    /// Its correlation time \[s\].
-    pub tau_s: Number,
-    /// Its driving noise \[unit/√s\].
-    pub drive: Number,
 }
 
 /// A candidate model; by horizon: keys in whole seconds.
@@ -252,26 +164,17 @@ pub struct Candidate {
     /// Random walk \[unit/√s\].
     pub random_walk: Number,
     /// Gauss-Markov processes.
-    pub gauss_markov: Vec<Process>,
+    pub gauss_markov: Vec<GaussMarkov>,
     /// Standard deviation of the turn-on constant \[unit\].
     pub turn_on: Number,
+    /// How it was fitted: "allan", "burg", "maximum likelihood" or "block averages".
+    pub method: String,
     /// What the fit says of itself.
     #[serde(flatten)]
     pub origin: Option<Origin>,
     /// Why it is recommended, if it is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
-}
-
-/// A Gauss-Markov process.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default)]
-pub struct Process {
-    /// Standard deviation \[unit\].
-    pub sigma: Number,
-    /// Correlation time \[s\].
-    pub tau_s: Number,
 }
 
 /// What a fit says of itself, by its method.
@@ -281,29 +184,22 @@ pub struct Process {
 pub enum Origin {
     /// Maximum likelihood of an ARMA model.
     Arma(ArmaOrigin),
-    /// Maximum likelihood of a composite model.
-    Composite(CompositeOrigin),
+    /// Maximum likelihood of a composite model; that of block means, not comparable to an ARMA's.
+    Composite(Box<CompositeFit>),
     /// ARMA(1,1) of block averages.
     Scale(ScaleOrigin),
-    /// Of a method that says no more.
-    Plain {
-        /// "allan" or "burg".
-        method: String,
-    },
 }
 
 /// The fit of an ARMA model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ArmaOrigin {
-    /// "maximum likelihood".
-    pub method: String,
     /// Logarithm of the likelihood.
-    pub log_likelihood: Number,
+    pub log_likelihood: f64,
     /// Akaike's criterion.
-    pub aic: Number,
+    pub aic: f64,
     /// Bayesian criterion.
-    pub bic: Number,
+    pub bic: f64,
     /// Standard errors of the coefficients.
     pub standard_errors: Option<Vec<Number>>,
     /// Whether a pole and a zero nearly cancel.
@@ -314,67 +210,16 @@ pub struct ArmaOrigin {
     pub unit_root: bool,
 }
 
-/// The fit of a composite model; its likelihood is that of block means, not comparable to an ARMA's.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct CompositeOrigin {
-    /// "maximum likelihood".
-    pub method: String,
-    /// Block length \[samples\].
-    pub block: u64,
-    /// Logarithm of the likelihood.
-    pub log_likelihood: Number,
-    /// Akaike's criterion.
-    pub aic: Number,
-    /// Bayesian criterion.
-    pub bic: Number,
-    /// Relative standard errors of the terms.
-    pub relative_errors: Option<Terms>,
-    /// The fit to wavelet variances that it began with.
-    pub wavelet_moments: WaveletMoments,
-}
-
-/// A fit to wavelet variances.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct WaveletMoments {
-    /// The terms.
-    pub terms: Terms,
-    /// Their relative standard errors.
-    pub relative_errors: Option<Terms>,
-    /// How far the variances are from the model's.
-    pub deviance: Number,
-    /// Degrees of freedom of that.
-    pub degrees_of_freedom: u64,
-}
-
-/// Terms of a composite model, or their relative errors.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default)]
-pub struct Terms {
-    /// White noise \[unit/√Hz\].
-    pub white: Number,
-    /// Quantisation noise \[unit·s\].
-    pub quantisation: Number,
-    /// Random walk \[unit/√s\].
-    pub random_walk: Number,
-    /// Gauss-Markov processes.
-    pub gauss_markov: Vec<Process>,
-}
-
 /// The fit to block averages.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ScaleOrigin {
-    /// "block averages".
-    pub method: String,
     /// Block length \[samples\].
-    pub block: u64,
+    pub block: usize,
     /// Autoregressive coefficient.
-    pub phi: Number,
+    pub phi: f64,
     /// Coefficient of the moving average.
-    pub theta: Number,
+    pub theta: f64,
     /// Relative standard errors of "white", "sigma" and "tau_s".
     pub relative_errors: Numbers,
 }
