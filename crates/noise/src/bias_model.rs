@@ -127,13 +127,7 @@ impl ImuModel {
         let mut filters = [ShapingFilter::none(1.0)
             .map_err(|error| named(Failure::Shaping(error), model, None))?;
             6];
-        for ((name, axis), slot) in self.axes().into_iter().zip(&mut filters) {
-            if !axis.is_known() {
-                return Err(ModelError::NoAxis {
-                    prefix: self.prefix.clone(),
-                    axis: name,
-                });
-            }
+        for ((name, axis), slot) in self.known_axes()?.into_iter().zip(&mut filters) {
             *slot = axis
                 .make(model, interval)
                 .map_err(|failure| named(failure, model, Some(name)))?;

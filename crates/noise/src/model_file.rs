@@ -28,8 +28,8 @@
 //! values come from. Every dimensional number is a string with its unit; see
 //! [`undrift_nav::units`] for what is understood.
 
-mod entries;
 mod read;
+mod table;
 #[cfg(test)]
 mod tests;
 mod write;
@@ -242,7 +242,7 @@ impl ImuModel {
         file: &str,
         path: &str,
     ) -> Result<Self, ModelError> {
-        read::from_spanned(table, text, file, path)
+        read::model(&table::Table::top(table, Some(text), file, path))
     }
 
     /// Reads a model file.
@@ -309,6 +309,18 @@ impl ImuModel {
                 },
             )
         })
+    }
+
+    /// All six axes, where something is known of each.
+    pub(crate) fn known_axes(&self) -> Result<[(&'static str, &AxisModel); 6], ModelError> {
+        let axes = self.axes();
+        match axes.iter().find(|(_, axis)| !axis.is_known()) {
+            None => Ok(axes),
+            Some((axis, _)) => Err(ModelError::NoAxis {
+                prefix: self.prefix.clone(),
+                axis,
+            }),
+        }
     }
 }
 

@@ -24,6 +24,7 @@ pub(super) struct Equivalent {
 }
 
 /// An axis in terms of white noise and slow processes; "unit" as in [`AxisModel`].
+#[derive(Default)]
 pub(super) struct Axis {
     /// White density N [unit·√s].
     pub white: f64,
@@ -36,26 +37,15 @@ pub(super) struct Axis {
 impl Equivalent {
     pub fn of(model: &ImuModel, format: ModelFormat) -> Result<Self, ModelError> {
         let mut remarks = Vec::new();
-        let mut axes = Vec::with_capacity(6);
-        for (name, axis) in model.axes() {
-            if !axis.is_known() {
-                return Err(ModelError::NoAxis {
-                    prefix: model.prefix.clone(),
-                    axis: name,
-                });
-            }
-            let of = equivalent(name, axis, &mut remarks).map_err(|error| ModelError::Shaping {
+        let mut axes: [Axis; 6] = Default::default();
+        for ((name, axis), slot) in model.known_axes()?.into_iter().zip(&mut axes) {
+            *slot = equivalent(name, axis, &mut remarks).map_err(|error| ModelError::Shaping {
                 axis: Some(name),
                 model: "arma",
                 error,
             })?;
-            axes.push(of);
         }
-        let [gx, gy, gz, ax, ay, az]: [Axis; 6] =
-            axes.try_into().map_err(|_| ModelError::NoAxis {
-                prefix: model.prefix.clone(),
-                axis: "gyro_x",
-            })?;
+        let [gx, gy, gz, ax, ay, az] = axes;
         let (mut gyro, mut accel) = ([gx, gy, gz], [ax, ay, az]);
         if format == ModelFormat::Kalibr {
             let record = length(model);

@@ -11,17 +11,11 @@ const HOUR: f64 = 3600.0;
 
 /// Kalibr, "IMU Noise Model": continuous-time densities of white noise and of the bias's random walk.
 pub(super) fn kalibr(imu: &Equivalent, rate_hz: f64) -> String {
-    let mut out = head(imu, "#");
-    comment(
-        &mut out,
-        "#",
-        "Each number is the root mean square of the three axes.",
-    );
+    let mut out = Text::about(imu, "#");
+    out.comment("Each number is the root mean square of the three axes.");
     let process = |axis: &Axis| !axis.slow.processes.is_empty();
     if imu.gyro.iter().chain(&imu.accel).any(process) {
-        comment(
-            &mut out,
-            "#",
+        out.comment(
             "The bias is a Gauss-Markov process (σ, τ), for which Kalibr has no place: its random walk is the noise that drives it, σ √(2/τ), right over times short against τ.",
         );
     }
@@ -31,19 +25,17 @@ pub(super) fn kalibr(imu: &Equivalent, rate_hz: f64) -> String {
     ] {
         let white = number(rms(axes, |axis| axis.white));
         let walk = number(rms(axes, |axis| axis.slow.drive()));
-        out += &format!("{sensor}_noise_density: {white}  # {unit}/√Hz\n");
-        out += &format!("{sensor}_random_walk: {walk}  # {unit}/s/√Hz\n");
+        out.body += &format!("{sensor}_noise_density: {white}  # {unit}/√Hz\n");
+        out.body += &format!("{sensor}_random_walk: {walk}  # {unit}/s/√Hz\n");
     }
-    out + &format!("rostopic: /imu0\nupdate_rate: {}\n", number(rate_hz))
+    out.finish() + &format!("rostopic: /imu0\nupdate_rate: {}\n", number(rate_hz))
 }
 
 /// KF-GINS, `dataset/kf-gins.yaml` and `loadConfig` of `src/kf_gins.cpp`: biases are Gauss-Markov
 /// processes of one correlation time, driven by 2σ²/τ.
 pub(super) fn kf_gins(imu: &Equivalent) -> String {
-    let mut out = head(imu, "#");
-    comment(
-        &mut out,
-        "#",
+    let mut out = Text::about(imu, "#");
+    out.comment(
         "There is one correlation time for all: the longest. The standard deviations of the biases are those at which the driving noise 2σ²/τ of each axis is kept.",
     );
     let tau = common_tau(imu.gyro.iter().chain(&imu.accel)).unwrap_or(HOUR);
@@ -58,36 +50,32 @@ pub(super) fn kf_gins(imu: &Equivalent) -> String {
     let vrw = list(&imu.accel, 1.0 / 60.0, &white);
     let gbstd = list(&imu.gyro, degree / HOUR, &std);
     let abstd = list(&imu.accel, MILLIGAL, &std);
-    out += &format!("imunoise:\n  arw: {arw}  # deg/√h\n  vrw: {vrw}  # m/s/√h\n");
-    out += &format!("  gbstd: {gbstd}  # deg/h\n  abstd: {abstd}  # mGal\n");
-    out += "  gsstd: [0.0, 0.0, 0.0]  # ppm; a noise model says nothing of scale factors\n";
-    out += "  asstd: [0.0, 0.0, 0.0]  # ppm\n";
-    out += &format!("  corrtime: {}  # h\n", number(tau / HOUR));
+    out.body += &format!("imunoise:\n  arw: {arw}  # deg/√h\n  vrw: {vrw}  # m/s/√h\n");
+    out.body += &format!("  gbstd: {gbstd}  # deg/h\n  abstd: {abstd}  # mGal\n");
+    out.body += "  gsstd: [0.0, 0.0, 0.0]  # ppm; a noise model says nothing of scale factors\n";
+    out.body += "  asstd: [0.0, 0.0, 0.0]  # ppm\n";
+    out.body += &format!("  corrtime: {}  # h\n", number(tau / HOUR));
     for (key, axes, unit, unit_name) in [
         ("initbgstd", &imu.gyro, degree / HOUR, "deg/h"),
         ("initbastd", &imu.accel, MILLIGAL, "mGal"),
     ] {
         if axes.iter().any(|axis| axis.turn_on > 0.0) {
             let list = list(axes, unit, &|axis| axis.turn_on.hypot(std(axis)));
-            out += &format!("{key}: {list}  # {unit_name}, with the turn-on constant\n");
+            out.body += &format!("{key}: {list}  # {unit_name}, with the turn-on constant\n");
         }
     }
-    out
+    out.finish()
 }
 
 /// `sensor_msgs/Imu`: row-major 3×3 covariances of one sample, N² rate on the diagonal; −1 in the
 /// first place where there is no such measurement.
 pub(super) fn ros(imu: &Equivalent, rate_hz: f64) -> String {
-    let mut out = head(imu, "#");
-    comment(
-        &mut out,
-        "#",
-        &format!(
-            "Covariances of one sample at {} Hz, N² rate on the diagonal; a bias has no place in them. The same in axes forward-left-up (REP 103) as in forward-right-down.",
-            number(rate_hz)
-        ),
-    );
-    out += "imu:\n  ros__parameters:\n";
+    let mut out = Text::about(imu, "#");
+    let rate = number(rate_hz);
+    out.comment(&format!(
+        "Covariances of one sample at {rate} Hz, N² rate on the diagonal; a bias has no place in them. The same in axes forward-left-up (REP 103) as in forward-right-down."
+    ));
+    out.body += "imu:\n  ros__parameters:\n";
     for (quantity, axes, unit) in [
         ("angular_velocity", &imu.gyro, "rad/s"),
         ("linear_acceleration", &imu.accel, "m/s²"),
@@ -98,63 +86,39 @@ pub(super) fn ros(imu: &Equivalent, rate_hz: f64) -> String {
         });
         let covariance = row([x, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, z].into_iter());
         let std = number(rms(axes, |axis| axis.white * rate_hz.sqrt()));
-        out += &format!("    {quantity}_covariance: {covariance}  # ({unit})²\n");
-        out += &format!("    {quantity}_stdev: {std}  # {unit}, root mean square of the axes\n");
+        out.body += &format!("    {quantity}_covariance: {covariance}  # ({unit})²\n");
+        out.body +=
+            &format!("    {quantity}_stdev: {std}  # {unit}, root mean square of the axes\n");
     }
-    out + "    orientation_covariance: [-1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]  # not measured\n"
+    out.finish()
+        + "    orientation_covariance: [-1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]  # not measured\n"
 }
 
 /// PX4's EKF2, `covariance.cpp`: a prediction over dt adds (noise dt)² to angle and velocity and
 /// (bias noise dt)² to the bias, so that a density N is the parameter N/√dt. Ranges and units:
 /// PX4 parameter reference. The file: "Parameter file format" of QGroundControl.
 pub(super) fn px4(imu: &Equivalent, rate_hz: f64) -> String {
-    let mut out = head(imu, "#");
-    comment(
-        &mut out,
-        "#",
-        &format!(
-            "Each number is the root mean square of the three axes, as a standard deviation per prediction at {} Hz, N/√dt (EKF2_PREDICT_US). Of a Gauss-Markov bias, the noise that drives it. Vibration is not in a noise model: PX4's defaults leave room for it.",
-            number(rate_hz)
-        ),
-    );
+    let mut out = Text::about(imu, "#");
+    let rate = number(rate_hz);
+    out.comment(&format!(
+        "Each number is the root mean square of the three axes, as a standard deviation per prediction at {rate} Hz, N/√dt (EKF2_PREDICT_US). Of a Gauss-Markov bias, the noise that drives it. Vibration is not in a noise model: PX4's defaults leave room for it."
+    ));
     let root = rate_hz.sqrt();
     let white = |axis: &Axis| axis.white * root;
     let drive = |axis: &Axis| axis.slow.drive() * root;
     let turn_on = |axis: &Axis| axis.turn_on;
-    let parameters = [
-        ("EKF2_GYR_NOISE", rms(&imu.gyro, white), 1e-4, 0.1, "rad/s"),
-        ("EKF2_ACC_NOISE", rms(&imu.accel, white), 0.01, 1.0, "m/s²"),
-        (
-            "EKF2_GYR_B_NOISE",
-            rms(&imu.gyro, drive),
-            0.0,
-            0.01,
-            "rad/s²",
-        ),
-        (
-            "EKF2_ACC_B_NOISE",
-            rms(&imu.accel, drive),
-            0.0,
-            0.01,
-            "m/s³",
-        ),
-        (
-            "EKF2_GBIAS_INIT",
-            rms(&imu.gyro, turn_on),
-            0.0,
-            0.2,
-            "rad/s",
-        ),
-        (
-            "EKF2_ABIAS_INIT",
-            rms(&imu.accel, turn_on),
-            0.0,
-            0.5,
-            "m/s²",
-        ),
+    let (gyro, accel) = (&imu.gyro, &imu.accel);
+    let parameters: [(&str, &[Axis; 3], &dyn Fn(&Axis) -> f64, f64, f64, &str); 6] = [
+        ("EKF2_GYR_NOISE", gyro, &white, 1e-4, 0.1, "rad/s"),
+        ("EKF2_ACC_NOISE", accel, &white, 0.01, 1.0, "m/s²"),
+        ("EKF2_GYR_B_NOISE", gyro, &drive, 0.0, 0.01, "rad/s²"),
+        ("EKF2_ACC_B_NOISE", accel, &drive, 0.0, 0.01, "m/s³"),
+        ("EKF2_GBIAS_INIT", gyro, &turn_on, 0.0, 0.2, "rad/s"),
+        ("EKF2_ABIAS_INIT", accel, &turn_on, 0.0, 0.5, "m/s²"),
     ];
-    let mut rows = String::new();
-    for (name, value, least, most, unit) in parameters {
+    out.body += "#\n# Vehicle-Id\tComponent-Id\tName\tValue\tType\n";
+    for (name, axes, of, least, most, unit) in parameters {
+        let value = rms(axes, of);
         if name.ends_with("INIT") && value == 0.0 {
             continue;
         }
@@ -166,10 +130,10 @@ pub(super) fn px4(imu: &Equivalent, rate_hz: f64) -> String {
                 number(most)
             );
         }
-        comment(&mut out, "#", &note);
-        rows += &format!("1\t1\t{name}\t{}\t9\n", number(value));
+        out.comment(&note);
+        out.body += &format!("1\t1\t{name}\t{}\t9\n", number(value));
     }
-    out + "#\n# Vehicle-Id\tComponent-Id\tName\tValue\tType\n" + &rows
+    out.finish()
 }
 
 /// MATLAB's `imuSensor` with single-sided noise, at which a sample's white noise has the standard
@@ -177,8 +141,7 @@ pub(super) fn px4(imu: &Equivalent, rate_hz: f64) -> String {
 /// is white noise through a filter of one's own: of φ = exp(−1/(rate τ)), √(1 − φ²)/(1 − φ z⁻¹), the
 /// Gauss-Markov process itself.
 pub(super) fn matlab(imu: &Equivalent, rate_hz: f64) -> String {
-    let mut out = head(imu, "%");
-    let mut text = String::new();
+    let mut out = Text::about(imu, "%");
     for (name, constructor, axes) in [
         ("gyro", "gyroparams", &imu.gyro),
         ("accel", "accelparams", &imu.accel),
@@ -186,8 +149,8 @@ pub(super) fn matlab(imu: &Equivalent, rate_hz: f64) -> String {
         let list = |of: &dyn Fn(&Axis) -> f64| row(axes.iter().map(of));
         let white = list(&|axis| axis.white);
         let walk = list(&|axis| axis.slow.walk.unwrap_or(0.0));
-        text += &format!("{name} = {constructor}('NoiseType', 'single-sided', ...\n");
-        text += &format!("    'NoiseDensity', {white}, ...\n    'RandomWalk', {walk}");
+        out.body += &format!("{name} = {constructor}('NoiseType', 'single-sided', ...\n");
+        out.body += &format!("    'NoiseDensity', {white}, ...\n    'RandomWalk', {walk}");
         let tau = axes
             .iter()
             .filter_map(|axis| axis.slow.slowest().map(|of| of.tau_s))
@@ -200,59 +163,70 @@ pub(super) fn matlab(imu: &Equivalent, rate_hz: f64) -> String {
             // 1 − φ² by exp_m1: φ is 1 to ten digits for a slow process.
             let step = -1.0 / (rate_hz * tau);
             let (phi, gain) = (step.exp(), (-(2.0 * step).exp_m1()).sqrt());
-            comment(
-                &mut out,
-                "%",
-                &format!(
-                    "BiasInstability of {name} is a Gauss-Markov process of correlation time {} s, the longest of its axes, with the driving noise of each kept; its filter is that of the sample rate.",
-                    number(tau)
-                ),
-            );
-            text += &format!(", ...\n    'BiasInstability', {sigma}, ...\n");
-            text += &format!(
+            let time = number(tau);
+            out.comment(&format!(
+                "BiasInstability of {name} is a Gauss-Markov process of correlation time {time} s, the longest of its axes, with the driving noise of each kept; its filter is that of the sample rate."
+            ));
+            out.body += &format!(", ...\n    'BiasInstability', {sigma}, ...\n");
+            out.body += &format!(
                 "    'BiasInstabilityCoefficients', struct('Numerator', {gain:?}, 'Denominator', [1.0, {:?}])",
                 -phi
             );
         }
-        text += ");\n";
+        out.body += ");\n";
         if axes.iter().any(|axis| axis.turn_on > 0.0) {
             let turn_on = list(&|axis| axis.turn_on);
-            text += &format!("{name}.ConstantBias = randn(1, 3) .* {turn_on};  % a new turn-on\n");
+            out.body +=
+                &format!("{name}.ConstantBias = randn(1, 3) .* {turn_on};  % a new turn-on\n");
         }
     }
-    out + &text
+    out.finish()
         + &format!(
             "imu = imuSensor('accel-gyro', 'SampleRate', {}, 'Gyroscope', gyro, 'Accelerometer', accel);\n",
             number(rate_hz)
         )
 }
 
-/// What the numbers are of, as comments.
-fn head(imu: &Equivalent, mark: &str) -> String {
-    let mut out = String::new();
-    let name = if imu.name.is_empty() {
-        "Inertial sensor"
-    } else {
-        &imu.name
-    };
-    comment(&mut out, mark, name);
-    if !imu.source.is_empty() {
-        comment(&mut out, mark, &format!("Source: {}", imu.source));
-    }
-    for remark in &imu.remarks {
-        comment(&mut out, mark, remark);
-    }
-    out
+/// A text under comments.
+struct Text {
+    mark: &'static str,
+    comments: String,
+    body: String,
 }
 
-/// One comment of one line, whatever the text.
-fn comment(out: &mut String, mark: &str, text: &str) {
-    let is_break = |c: char| c.is_control() || matches!(c, '\u{2028}' | '\u{2029}' | '\u{feff}');
-    let words: Vec<&str> = text
-        .split(|c: char| c.is_whitespace() || is_break(c))
-        .filter(|word| !word.is_empty())
-        .collect();
-    *out += &format!("{mark} {}\n", words.join(" "));
+impl Text {
+    /// Begins with what the numbers are of.
+    fn about(imu: &Equivalent, mark: &'static str) -> Self {
+        let mut text = Self {
+            mark,
+            comments: String::new(),
+            body: String::new(),
+        };
+        text.comment(match imu.name.as_str() {
+            "" => "Inertial sensor",
+            name => name,
+        });
+        if !imu.source.is_empty() {
+            text.comment(&format!("Source: {}", imu.source));
+        }
+        imu.remarks.iter().for_each(|remark| text.comment(remark));
+        text
+    }
+
+    /// One comment of one line, whatever the text.
+    fn comment(&mut self, text: &str) {
+        let is_break =
+            |c: char| c.is_control() || matches!(c, '\u{2028}' | '\u{2029}' | '\u{feff}');
+        let words: Vec<&str> = text
+            .split(|c: char| c.is_whitespace() || is_break(c))
+            .filter(|word| !word.is_empty())
+            .collect();
+        self.comments += &format!("{} {}\n", self.mark, words.join(" "));
+    }
+
+    fn finish(self) -> String {
+        self.comments + &self.body
+    }
 }
 
 /// Numbers between brackets, as YAML and MATLAB take them.

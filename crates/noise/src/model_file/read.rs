@@ -1,12 +1,13 @@
-//! Reading of model files: a tree of entries that know their line, then the model.
+//! Reading of model files.
 
-use super::entries::{Entry, Place, find, line_at, line_of, plain_entries, spanned_entries};
+use super::table::{Table, line_at};
 use super::{
     AXES, Arma, AxisModel, FORMAT, ImuModel, MAX_PROCESSES, ModelError, Provenance, VERSION, group,
 };
 use crate::composite::GaussMarkov;
 use crate::presets;
-use toml::de::DeTable;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
 use undrift_nav::shaping::ShapingFilter;
 use undrift_nav::units::Quantity;
 
@@ -40,33 +41,27 @@ const AXIS_KEYS: [&str; 9] = [
 const ARMA_KEYS: [&str; 4] = ["rate", "ar", "ma", "sigma"];
 const PROVENANCE_KEYS: [&str; 5] = ["record", "rate", "samples", "sha256", "program"];
 
-pub(super) fn from_text(text: &str, file: &str) -> Result<ImuModel, ModelError> {
-    let table = DeTable::parse(text).map_err(|error| ModelError::Syntax {
+fn parse<'a>(text: &'a str, file: &str) -> Result<Spanned<DeTable<'a>>, ModelError> {
+    DeTable::parse(text).map_err(|error| ModelError::Syntax {
         file: file.to_owned(),
         line: error.span().map_or(1, |span| line_at(text, span.start)),
         message: error.message().to_owned(),
-    })?;
-    let entries = spanned_entries(table.get_ref(), text);
-    let place = Place { file, path: "" };
+    })
+}
+
+pub(super) fn from_text(text: &str, file: &str) -> Result<ImuModel, ModelError> {
+    let table = parse(text, file)?;
+    let top = Table::top(table.get_ref(), Some(text), file, "");
     for (key, example) in [
         ("format", format!("\"{FORMAT}\"")),
         ("version", VERSION.to_string()),
     ] {
-        if find(&entries, key).is_none() {
+        if top.get(key).is_none() {
             let message = format!("missing; a model file starts with {key} = {example}");
-            return Err(place.error(None, key, message));
+            return Err(top.error(key, message));
         }
     }
-    model(&entries, &place)
-}
-
-pub(super) fn from_spanned(
-    table: &DeTable<'_>,
-    text: &str,
-    file: &str,
-    path: &str,
-) -> Result<ImuModel, ModelError> {
-    model(&spanned_entries(table, text), &Place { file, path })
+    model(&top)
 }
 
 pub(super) fn from_plain(
@@ -74,132 +69,95 @@ pub(super) fn from_plain(
     file: &str,
     path: &str,
 ) -> Result<ImuModel, ModelError> {
-    model(&plain_entries(table), &Place { file, path })
+    // Written to be read: without lines, which would be those of this text.
+    let text = table.to_string();
+    let table = parse(&text, file)?;
+    model(&Table::top(table.get_ref(), None, file, path))
 }
 
-fn model(entries: &[Entry], place: &Place<'_>) -> Result<ImuModel, ModelError> {
-    place.known(entries, &TOP_KEYS, "")?;
-    if let Some(format) = place.text(entries, "format", "")?
+pub(super) fn model(top: &Table<'_>) -> Result<ImuModel, ModelError> {
+    top.only(&TOP_KEYS)?;
+    if let Some(format) = top.text("format")?
         && format != FORMAT
     {
-        return Err(place.error(
-            line_of(entries, "format"),
-            "format",
-            format!("{format:?} is no noise model; expected \"{FORMAT}\""),
-        ));
+        let message = format!("{format:?} is no noise model; expected \"{FORMAT}\"");
+        return Err(top.error("format", message));
     }
-    if let Some(entry) = find(entries, "version")
-        && entry.value.as_integer() != Some(VERSION)
-    {
-        let message = format!(
-            "this program reads version {VERSION} of the format, the file says {}",
-            entry.value
-        );
-        return Err(place.error(entry.line, "version", message));
+    let said = match top.get("version") {
+        None => VERSION.to_string(),
+        Some(DeValue::Integer(number)) => number.to_string(),
+        Some(other) => format!("a {}", other.type_str()),
+    };
+    if said != VERSION.to_string() {
+        let message =
+            format!("this program reads version {VERSION} of the format, the file says {said}");
+        return Err(top.error("version", message));
     }
-    let mut layers = Vec::new();
     let mut base = ImuModel::default();
-    if let Some(name) = place.text(entries, "preset", "")? {
-        let unknown = || {
-            let message = format!(
-                "no preset {name:?}; there are {}",
-                presets::NAMES.join(", ")
-            );
-            place.error(line_of(entries, "preset"), "preset", message)
-        };
-        let text = presets::text(&name).ok_or_else(unknown)?;
+    let parsed;
+    let mut sources = vec![top.clone()];
+    if let Some(name) = top.text("preset")? {
+        let text = presets::text(&name).ok_or_else(|| {
+            let known = presets::NAMES.join(", ");
+            top.error("preset", format!("no preset {name:?}; there are {known}"))
+        })?;
         base = from_text(text, &name)?;
-        let table = DeTable::parse(text).map_err(|_| unknown())?;
-        layers = spanned_entries(table.get_ref(), text);
+        parsed = parse(text, &name)?;
+        sources.push(Table::top(parsed.get_ref(), None, top.file, &top.path));
     }
     let mut axes: [AxisModel; 6] = Default::default();
     for (axis, slot) in AXES.iter().zip(&mut axes) {
         let group = group(axis);
-        let mut merged: Vec<Entry> = Vec::new();
-        for (source, own) in [(&layers[..], false), (entries, true)] {
-            for key in [group, axis] {
-                let Some(entry) = find(source, key) else {
-                    continue;
-                };
-                let inside = place.table(entry, key)?;
-                if own {
-                    place.known(inside, &AXIS_KEYS, &format!("{key}."))?;
-                }
-                for item in inside {
-                    merged.retain(|e| e.key != item.key);
-                    merged.push(item.clone());
-                }
+        // The axis' own table over that of all three, the file over its preset.
+        let mut tables = Vec::new();
+        for (source, key) in sources.iter().flat_map(|of| [(of, *axis), (of, group)]) {
+            if let Some(table) = source.table(key)? {
+                table.only(&AXIS_KEYS)?;
+                tables.push(table);
             }
         }
-        // Left out: ImuModel::shaping says so where the axis is needed.
-        if merged.is_empty() {
+        // Errors are named after the first table. Without any, ImuModel::shaping says so where the axis is needed.
+        let Some(first) = tables.first().cloned() else {
             continue;
-        }
-        // Errors of a merged axis are told under the table that gives the axis something.
-        let named = if find(entries, axis).is_some() {
-            axis
-        } else {
-            group
         };
-        *slot = axis_model(&merged, group == "gyro", &format!("{named}."), place)?;
+        let layers = tables.into_iter().flat_map(|table| table.layers).collect();
+        *slot = axis_model(&Table { layers, ..first }, group == "gyro")?;
     }
     if !axes.iter().any(AxisModel::is_known) {
         let message =
             "no axis has a noise model; give [gyro] and [accel], or [gyro_x] to [accel_z]";
-        return Err(place.error(None, "", message));
+        return Err(top.error("", message));
     }
     let [gx, gy, gz, ax, ay, az] = axes;
-    let mut prefix = format!("{}: ", place.file);
-    if !place.path.is_empty() {
-        prefix += &format!("{}.", place.path);
+    let mut prefix = format!("{}: ", top.file);
+    if !top.path.is_empty() {
+        prefix += &format!("{}.", top.path);
     }
     Ok(ImuModel {
-        name: place.text(entries, "name", "")?.unwrap_or(base.name),
-        source: place.text(entries, "source", "")?.unwrap_or(base.source),
-        provenance: provenance(entries, place)?,
+        name: top.text("name")?.unwrap_or(base.name),
+        source: top.text("source")?.unwrap_or(base.source),
+        provenance: provenance(top)?,
         gyro: [gx, gy, gz],
         accel: [ax, ay, az],
         prefix,
     })
 }
 
-fn provenance(entries: &[Entry], place: &Place<'_>) -> Result<Provenance, ModelError> {
-    let Some(entry) = find(entries, "provenance") else {
+fn provenance(top: &Table<'_>) -> Result<Provenance, ModelError> {
+    let Some(table) = top.table("provenance")? else {
         return Ok(Provenance::default());
     };
-    let inside = place.table(entry, "provenance")?;
-    let prefix = "provenance.";
-    place.known(inside, &PROVENANCE_KEYS, prefix)?;
-    #[cfg(test)]
-    super::entries::note(prefix, "samples", super::entries::page::Takes::Whole);
-    let samples = match find(inside, "samples") {
-        None => None,
-        Some(entry) => match entry.value.as_integer().and_then(|i| u64::try_from(i).ok()) {
-            Some(count) => Some(count),
-            None => {
-                return Err(place.error(
-                    entry.line,
-                    "provenance.samples",
-                    "must be a whole number",
-                ));
-            }
-        },
-    };
+    table.only(&PROVENANCE_KEYS)?;
     Ok(Provenance {
-        record: place.text(inside, "record", prefix)?,
-        rate_hz: place.positive(inside, "rate", prefix, Quantity::Frequency)?,
-        samples,
-        sha256: place.text(inside, "sha256", prefix)?,
-        program: place.text(inside, "program", prefix)?,
+        record: table.text("record")?,
+        rate_hz: table.positive("rate", Quantity::Frequency)?,
+        samples: table.whole("samples")?,
+        sha256: table.text("sha256")?,
+        program: table.text("program")?,
     })
 }
 
-fn axis_model(
-    entries: &[Entry],
-    gyro: bool,
-    prefix: &str,
-    place: &Place<'_>,
-) -> Result<AxisModel, ModelError> {
+fn axis_model(table: &Table<'_>, gyro: bool) -> Result<AxisModel, ModelError> {
     let (rounding, level, noise, walk) = if gyro {
         (
             Quantity::Angle,
@@ -215,102 +173,79 @@ fn axis_model(
             Quantity::AccelerationRandomWalk,
         )
     };
-    let instability = processes(entries, level, prefix, place)?;
-    let white = place.measure(entries, "white_noise", prefix, noise)?;
-    let arma = match find(entries, "arma") {
-        Some(entry) => Some(arma(entry, level, &format!("{prefix}arma"), place)?),
-        None => None,
-    };
+    let instability = processes(table, level)?;
+    let white = table.measure("white_noise", noise)?;
+    let arma = table.table("arma")?;
+    let arma = arma.map(|inside| arma_of(&inside, level)).transpose()?;
     if white.is_none() && arma.is_none() {
-        let first = entries.iter().filter_map(|e| e.line).min();
-        let message = format!(
-            "missing; an axis needs white_noise such as {}, or an arma table",
-            noise.examples()
-        );
-        return Err(place.error(first, &format!("{prefix}white_noise"), message));
+        let example = noise.examples();
+        let message =
+            format!("missing; an axis needs white_noise such as {example}, or an arma table");
+        return Err(table.error("white_noise", message));
     }
-    let identification = match find(entries, "identification") {
-        Some(entry) => {
-            place.table(entry, &format!("{prefix}identification"))?;
-            entry.value.as_table().cloned().unwrap_or_default()
-        }
-        None => toml::Table::new(),
-    };
     Ok(AxisModel {
-        turn_on: place
-            .measure(entries, "turn_on", prefix, level)?
-            .unwrap_or(0.0),
+        turn_on: table.measure("turn_on", level)?.unwrap_or(0.0),
         white,
-        quantisation: place.measure(entries, "quantisation", prefix, rounding)?,
+        quantisation: table.measure("quantisation", rounding)?,
         instability,
-        random_walk: place.measure(entries, "random_walk", prefix, walk)?,
+        random_walk: table.measure("random_walk", walk)?,
         arma,
-        paper_sigma: place.measure(entries, "paper_sigma", prefix, level)?,
-        identification,
+        paper_sigma: table.measure("paper_sigma", level)?,
+        identification: table.free("identification")?,
     })
 }
 
 /// The Gauss-Markov processes: as many standard deviations as correlation times.
-fn processes(
-    entries: &[Entry],
-    level: Quantity,
-    prefix: &str,
-    place: &Place<'_>,
-) -> Result<Vec<GaussMarkov>, ModelError> {
-    let sigmas = place.measures(entries, "bias_instability", prefix, level)?;
-    let taus = place.measures(entries, "correlation_time", prefix, Quantity::Time)?;
-    let fail = |key: &str, message: String| {
-        Err(place.error(line_of(entries, key), &format!("{prefix}{key}"), message))
-    };
+fn processes(table: &Table<'_>, level: Quantity) -> Result<Vec<GaussMarkov>, ModelError> {
+    let (sigma_key, tau_key) = ("bias_instability", "correlation_time");
+    let sigmas = table.measures(sigma_key, level)?;
+    let taus = table.measures(tau_key, Quantity::Time)?;
+    let fail = |key: &str, message: &str| Err(table.error(key, message));
     if taus.contains(&0.0) {
-        return fail("correlation_time", "must be greater than zero".into());
+        return fail(tau_key, "must be greater than zero");
     }
     match (sigmas.len(), taus.len()) {
-        (s, t) if s == t && s > MAX_PROCESSES => fail(
-            "bias_instability",
-            format!("has {s} processes, at most {MAX_PROCESSES} fit the states of an axis"),
-        ),
-        (s, t) if s == t => Ok(sigmas
-            .into_iter()
-            .zip(taus)
-            .map(|(sigma, tau_s)| GaussMarkov { sigma, tau_s })
-            .collect()),
+        (s, t) if s == t && s > MAX_PROCESSES => {
+            let most = format!("at most {MAX_PROCESSES} fit the states of an axis");
+            fail(sigma_key, &format!("has {s} processes, {most}"))
+        }
+        (s, t) if s == t => {
+            let pairs = sigmas.into_iter().zip(taus);
+            Ok(pairs
+                .map(|(sigma, tau_s)| GaussMarkov { sigma, tau_s })
+                .collect())
+        }
         (_, 0) => fail(
-            "bias_instability",
-            "is the standard deviation of a Gauss-Markov process and needs a correlation_time beside it, such as \"100 s\"; for a bias that wanders without limit give random_walk instead".into(),
+            sigma_key,
+            "is the standard deviation of a Gauss-Markov process and needs a correlation_time beside it, such as \"100 s\"; for a bias that wanders without limit give random_walk instead",
         ),
-        (0, _) => fail(
-            "correlation_time",
-            "belongs to bias_instability, which is missing".into(),
-        ),
-        (s, t) => fail(
-            "correlation_time",
-            format!("there are {s} of bias_instability and {t} of correlation_time; give one correlation time for each process"),
-        ),
+        (0, _) => fail(tau_key, "belongs to bias_instability, which is missing"),
+        (s, t) => {
+            let counts = format!("there are {s} of bias_instability and {t} of correlation_time");
+            fail(
+                tau_key,
+                &format!("{counts}; give one correlation time for each process"),
+            )
+        }
     }
 }
 
-fn arma(entry: &Entry, level: Quantity, path: &str, place: &Place<'_>) -> Result<Arma, ModelError> {
-    let inside = place.table(entry, path)?;
-    let prefix = format!("{path}.");
-    place.known(inside, &ARMA_KEYS, &prefix)?;
-    let missing = |key: &str, quantity: Quantity| {
-        let message = format!(
-            "missing; an arma table needs {} such as {}",
-            quantity.name(),
-            quantity.examples()
-        );
-        place.error(entry.line, &format!("{prefix}{key}"), message)
+fn arma_of(table: &Table<'_>, level: Quantity) -> Result<Arma, ModelError> {
+    table.only(&ARMA_KEYS)?;
+    let needed = |key: &str, quantity: Quantity| {
+        table.positive(key, quantity)?.ok_or_else(|| {
+            let (name, example) = (quantity.name(), quantity.examples());
+            let message = format!("missing; an arma table needs {name} such as {example}");
+            table.error(key, message)
+        })
     };
-    let rate = place.positive(inside, "rate", &prefix, Quantity::Frequency)?;
-    let sigma = place.positive(inside, "sigma", &prefix, level)?;
     let arma = Arma {
-        ar: place.numbers(inside, "ar", &prefix)?,
-        ma: place.numbers(inside, "ma", &prefix)?,
-        sigma: sigma.ok_or_else(|| missing("sigma", level))?,
-        rate_hz: rate.ok_or_else(|| missing("rate", Quantity::Frequency))?,
+        rate_hz: needed("rate", Quantity::Frequency)?,
+        sigma: needed("sigma", level)?,
+        ar: table.numbers("ar")?,
+        ma: table.numbers("ma")?,
     };
     ShapingFilter::arma(&arma.ar, &arma.ma, arma.sigma, 1.0 / arma.rate_hz)
-        .map_err(|error| place.error(entry.line, path, error.to_string()))?;
+        .map_err(|error| table.error("", error.to_string()))?;
     Ok(arma)
 }

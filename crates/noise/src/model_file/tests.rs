@@ -1,6 +1,6 @@
 //! The published schema of `IMU.toml` is what its reader takes.
 
-use super::entries::page::{Tables, asked, publish, rows};
+use super::table::page::{Tables, asked, publish, rows};
 use super::{AXES, FORMAT, ImuModel, VERSION};
 use crate::presets;
 use serde_json::json;

@@ -30,6 +30,8 @@ const ACCEL: Units = Units {
     rounding: ("m/s", Quantity::Velocity),
 };
 
+const HERTZ: (&str, Quantity) = ("Hz", Quantity::Frequency);
+
 pub(super) fn to_text(model: &ImuModel) -> String {
     let mut out = String::new();
     line(&mut out, "format", &quoted(FORMAT));
@@ -39,25 +41,16 @@ pub(super) fn to_text(model: &ImuModel) -> String {
     let p = &model.provenance;
     if *p != super::Provenance::default() {
         out.push_str("\n[provenance]\n");
-        let texts = [
-            ("record", &p.record),
-            ("sha256", &p.sha256),
-            ("program", &p.program),
+        let text = |text: &Option<String>| text.as_deref().map(quoted);
+        let entries = [
+            ("record", text(&p.record)),
+            ("sha256", text(&p.sha256)),
+            ("program", text(&p.program)),
+            ("rate", p.rate_hz.map(|rate| measure(rate, HERTZ))),
+            ("samples", p.samples.map(|samples| samples.to_string())),
         ];
-        for (key, text) in texts {
-            if let Some(text) = text {
-                line(&mut out, key, &quoted(text));
-            }
-        }
-        if let Some(rate) = p.rate_hz {
-            line(
-                &mut out,
-                "rate",
-                &measure(rate, ("Hz", Quantity::Frequency)),
-            );
-        }
-        if let Some(samples) = p.samples {
-            line(&mut out, "samples", &samples.to_string());
+        for (key, value) in entries {
+            value.iter().for_each(|value| line(&mut out, key, value));
         }
     }
     for (group, axes, units, names) in [
@@ -83,38 +76,26 @@ pub(super) fn to_text(model: &ImuModel) -> String {
 fn axis(out: &mut String, name: &str, axis: &AxisModel, units: &Units) {
     // Writing into a String cannot fail.
     let _ = writeln!(out, "\n[{name}]");
-    line(out, "turn_on", &measure(axis.turn_on, units.level));
-    if let Some(white) = axis.white {
-        line(out, "white_noise", &measure(white, units.noise));
-    }
-    if let Some(quantisation) = axis.quantisation {
-        line(out, "quantisation", &measure(quantisation, units.rounding));
-    }
-    if !axis.instability.is_empty() {
-        let list = |of: &dyn Fn(&GaussMarkov) -> f64, unit| {
-            let values: Vec<f64> = axis.instability.iter().map(of).collect();
-            measures(&values, unit)
-        };
-        line(out, "bias_instability", &list(&|p| p.sigma, units.slow));
-        line(
-            out,
-            "correlation_time",
-            &list(&|p| p.tau_s, ("s", Quantity::Time)),
-        );
-    }
-    if let Some(walk) = axis.random_walk {
-        line(out, "random_walk", &measure(walk, units.walk));
-    }
-    if let Some(sigma) = axis.paper_sigma {
-        line(out, "paper_sigma", &measure(sigma, units.level));
+    let one = |value: Option<f64>, unit| value.map(|value| measure(value, unit));
+    let list = |of: fn(&GaussMarkov) -> f64, unit| {
+        let values: Vec<f64> = axis.instability.iter().map(of).collect();
+        (!values.is_empty()).then(|| measures(&values, unit))
+    };
+    let entries = [
+        ("turn_on", one(Some(axis.turn_on), units.level)),
+        ("white_noise", one(axis.white, units.noise)),
+        ("quantisation", one(axis.quantisation, units.rounding)),
+        ("bias_instability", list(|p| p.sigma, units.slow)),
+        ("correlation_time", list(|p| p.tau_s, ("s", Quantity::Time))),
+        ("random_walk", one(axis.random_walk, units.walk)),
+        ("paper_sigma", one(axis.paper_sigma, units.level)),
+    ];
+    for (key, value) in entries {
+        value.iter().for_each(|value| line(out, key, value));
     }
     if let Some(arma) = &axis.arma {
         let _ = writeln!(out, "\n[{name}.arma]");
-        line(
-            out,
-            "rate",
-            &measure(arma.rate_hz, ("Hz", Quantity::Frequency)),
-        );
+        line(out, "rate", &measure(arma.rate_hz, HERTZ));
         line(out, "ar", &format!("{:?}", arma.ar));
         line(out, "ma", &format!("{:?}", arma.ma));
         line(out, "sigma", &measure(arma.sigma, units.level));
