@@ -14,13 +14,13 @@ use clap::{
     Args,
     builder::{PossibleValue, PossibleValuesParser, TypedValueParser},
 };
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use undrift::{
     findings,
     identify::{self, Trend},
     io::{Opened, table::Column},
     noise::ImuModel,
-    record::{self, RecordFormat},
+    record::{self, Record, RecordFormat},
     results::{self, Axis, Detrend, Identify, Number},
 };
 use undrift_report::say as sentences;
@@ -90,37 +90,35 @@ pub struct Arguments {
     result: ResultOutput,
 }
 
-pub fn run(arguments: &Arguments) -> Result<()> {
-    let outputs = arguments.result.files().chain(arguments.output.as_deref());
-    let files = Files::claim([arguments.record.as_path()], outputs)?;
-    let units = match arguments
-        .units
-        .as_deref()
-        .map(|u| u.split(',').map(str::trim).collect::<Vec<_>>())
-    {
-        None => None,
-        Some(parts) => match parts.as_slice() {
-            [one] => Some(((*one).to_owned(), (*one).to_owned())),
-            [gyro, accel] => Some(((*gyro).to_owned(), (*accel).to_owned())),
+/// What the record's columns are.
+fn format(arguments: &Arguments) -> Result<RecordFormat> {
+    let units = |text: &String| {
+        let parts: Vec<&str> = text.split(',').map(str::trim).collect();
+        match parts[..] {
+            [one] => Ok((one.to_owned(), one.to_owned())),
+            [gyro, accel] => Ok((gyro.to_owned(), accel.to_owned())),
             _ => bail!(
                 "--units takes the gyros' and the accelerometers' unit, for instance \"deg/s,g\""
             ),
-        },
+        }
     };
-    let format = RecordFormat {
-        columns: arguments
-            .columns
-            .iter()
-            .map(|c| {
-                c.parse()
-                    .map_or_else(|_| Column::Name(c.clone()), Column::Number)
-            })
-            .collect(),
+    let column = |text: &String| {
+        let number = text.parse().map(Column::Number);
+        number.unwrap_or_else(|_| Column::Name(text.clone()))
+    };
+    Ok(RecordFormat {
+        columns: arguments.columns.iter().map(column).collect(),
         axis: arguments.axis.clone(),
-        units,
+        units: arguments.units.as_ref().map(units).transpose()?,
         temperature: arguments.detrend == Trend::Temperature,
         topic: arguments.topic.clone(),
-    };
+    })
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let outputs = arguments.result.files().chain(arguments.output.as_deref());
+    let files = Files::claim([arguments.record.as_path()], outputs)?;
+    let format = format(arguments)?;
     let opened = Opened::open(&arguments.record)?;
     details::opened("record", &opened);
     let record = stage("reading", || record::read(opened, &format))?;
@@ -132,29 +130,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let rate_hz = identify::rate(arguments.rate, record.timing.as_ref())
         .with_context(|| record.name.display().to_string())?;
     let options = identify::options(&record, rate_hz, arguments.n_max, arguments.detrend);
-    detail(1, || {
-        format!(
-            "record: {} axes of {} samples at {rate_hz} Hz ({}), {}",
-            record.axes.len(),
-            record.samples.first().map_or(0, Vec::len),
-            match arguments.rate {
-                Some(_) => "as stated",
-                None => "by its time stamps",
-            },
-            record.axes.join(" ")
-        )
-    });
-    detail(1, || {
-        format!(
-            "settings: ARMA(2n, 2n-1) for n up to {}, {} taken out",
-            arguments.n_max,
-            match arguments.detrend {
-                Trend::Constant => "the mean",
-                Trend::Linear => "a straight line",
-                Trend::Temperature => "the temperature's part",
-            }
-        )
-    });
+    tell_settings(arguments, &record, rate_hz);
     let identified = stage("identification", || {
         let bar = Bar::new("identified", record.axes.len() as u64, "axes");
         identify::run(&record, &options, || bar.add(1))
@@ -178,40 +154,66 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if result.axes.values().all(|axis| axis.error.is_some()) {
         bail!("no axis could be identified");
     }
-    if let Some(file) = &arguments.output {
-        let base = arguments
-            .base
-            .as_ref()
-            .map(|name| ImuModel::resolve(name, std::path::Path::new("")))
-            .transpose()?;
-        let provenance = identify::provenance(&record, &name, rate_hz)?;
-        let model = identified.model(base.as_ref(), &name, provenance)?;
-        files.write(file, &model.to_toml())?;
-        terminal::say_beside(shown, format!("model: {}", file.display()))?;
-        let unknown: Vec<&str> = model
-            .axes()
-            .into_iter()
-            .filter(|(_, axis)| !axis.is_known())
-            .map(|(name, _)| name)
-            .collect();
-        if !unknown.is_empty() {
-            warn(format!(
-                "{} has no {}: a run needs all six axes; give the others with --base PRESET or FILE",
-                file.display(),
-                unknown.join(", ")
-            ));
-        }
-        let bounded = identified.without_turn_on(base.as_ref());
-        if !bounded.is_empty() {
-            warn(format!(
-                "{}: one record bounds the turn-on σ of {} only from below; the file has the largest that the means \
-                 do not contradict (95 %): give the data sheet's with --base PRESET or FILE",
-                file.display(),
-                bounded.join(", ")
-            ));
-        }
-    }
+    let Some(file) = &arguments.output else {
+        return Ok(());
+    };
+    let base = arguments.base.as_ref();
+    let base = base
+        .map(|name| ImuModel::resolve(name, Path::new("")))
+        .transpose()?;
+    let provenance = identify::provenance(&record, &name, rate_hz)?;
+    let model = identified.model(base.as_ref(), &name, provenance)?;
+    files.write(file, &model.to_toml())?;
+    terminal::say_beside(shown, format!("model: {}", file.display()))?;
+    warn_of_unknown(file, &model, &identified.without_turn_on(base.as_ref()));
     Ok(())
+}
+
+fn tell_settings(arguments: &Arguments, record: &Record, rate_hz: f64) {
+    detail(1, || {
+        format!(
+            "record: {} axes of {} samples at {rate_hz} Hz ({}), {}",
+            record.axes.len(),
+            record.samples.first().map_or(0, Vec::len),
+            match arguments.rate {
+                Some(_) => "as stated",
+                None => "by its time stamps",
+            },
+            record.axes.join(" ")
+        )
+    });
+    detail(1, || {
+        format!(
+            "settings: ARMA(2n, 2n-1) for n up to {}, {} taken out",
+            arguments.n_max,
+            match arguments.detrend {
+                Trend::Constant => "the mean",
+                Trend::Linear => "a straight line",
+                Trend::Temperature => "the temperature's part",
+            }
+        )
+    });
+}
+
+/// What a run would miss in a model file, and what one record does not say.
+fn warn_of_unknown(file: &Path, model: &ImuModel, bounded: &[&str]) {
+    let file = file.display();
+    let axes = model.axes();
+    let unknown = axes.iter().filter(|(_, axis)| !axis.is_known());
+    let unknown: Vec<&str> = unknown.map(|(name, _)| *name).collect();
+    if !unknown.is_empty() {
+        let unknown = unknown.join(", ");
+        warn(format!(
+            "{file} has no {unknown}: a run needs all six axes; give the others with --base PRESET or FILE"
+        ));
+    }
+    if !bounded.is_empty() {
+        let bounded = bounded.join(", ");
+        warn(format!(
+            "{file}: one record bounds the turn-on σ of {bounded} only from below; the file has the largest that the means \
+             do not contradict (95 %): give the data sheet's with --base PRESET or FILE"
+        ));
+    }
 }
 
 /// The candidates of each axis with their drift scores, and the choice.

@@ -8,21 +8,22 @@ mod axis;
 mod candidates;
 mod remarks;
 mod residuals;
+mod screened;
 
 pub use axis::{Axis, Candidate, Origin};
 pub use residuals::Residuals;
+pub use screened::Detrend;
 
 use crate::{
     allan::{self, DeviationKind, Grid},
     correlation::{self, Partial},
     drift_score::{self, HORIZONS_S, Scored},
     normality,
-    screening::{self, Detrended, MotionRule, OutlierRule, RecordError, Trend},
+    screening::{RecordError, Trend},
     spectrum,
-    stationarity::{self, Deterministic, KpssLags, Lags},
+    stationarity::{self, Adf, Deterministic, KpssLags, Lags},
     whiteness,
 };
-use serde::{Deserialize, Serialize};
 use undrift_nav::earth::STANDARD_GRAVITY;
 
 /// Lags of the autocorrelations reported.
@@ -38,37 +39,11 @@ pub const SHORTEST: usize = 1000;
 pub const GRID_ORDER: usize = 3;
 /// Lags of the augmented Dickey-Fuller test; the most that its rules choose from.
 const ADF_LAGS: usize = 20;
-/// Equal samples in a row that a sensor at work does not give.
-const HANGING: usize = 1000;
 /// Quantisation steps above this share of the standard deviation are tried as a term: rounding of
 /// the integrated signal would then be more than 1 % of the variance of a sample, step²/6.
 const COARSE: f64 = 0.25;
 /// A spectral line stands out of its neighbourhood's median by this factor.
 const LINE_FACTOR: f64 = 10.0;
-
-/// What was taken out beside the mean, by least squares over the whole record.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(tag = "kind", rename_all = "lowercase")]
-pub enum Detrend {
-    /// Nothing.
-    #[default]
-    Constant,
-    /// A straight line.
-    Linear {
-        /// Its slope \[unit/h\].
-        slope_per_hour: f64,
-        /// Share of the variance that it explains.
-        explained: f64,
-    },
-    /// A multiple of the temperature.
-    Temperature {
-        /// The multiple \[unit/K\].
-        slope_per_kelvin: f64,
-        /// Share of the variance that it explains.
-        explained: f64,
-    },
-}
 
 /// What is identified, and how much is tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -130,32 +105,6 @@ fn turn_on_of(mean: f64, accelerometer: bool) -> f64 {
     }
 }
 
-/// The record less its trend, and what that was.
-fn detrended(record: &[f64], options: &Options<'_>) -> Result<(Detrended, Detrend), IdentifyError> {
-    // What is constant has no trend: an error of its own.
-    screening::record::check_varying(record, SHORTEST)?;
-    Ok(match (options.trend, options.temperature) {
-        (Trend::Linear, _) => {
-            let plain = screening::remove_linear(record)?;
-            let removed = Detrend::Linear {
-                slope_per_hour: plain.slope * (options.rate_hz * 3600.0),
-                explained: plain.explained,
-            };
-            (plain, removed)
-        }
-        (Trend::Temperature, Some(temperature)) => {
-            let plain = screening::remove_temperature(record, temperature);
-            let plain = plain.map_err(IdentifyError::Temperature)?;
-            let removed = Detrend::Temperature {
-                slope_per_kelvin: plain.slope,
-                explained: plain.explained,
-            };
-            (plain, removed)
-        }
-        _ => (screening::remove_constant(record)?, Detrend::Constant),
-    })
-}
-
 /// Horizons that fit four times into half a record of so many samples \[s\].
 fn horizons(samples: usize, rate_hz: f64) -> Result<Vec<f64>, IdentifyError> {
     let half = (samples / 2) as f64 / rate_hz;
@@ -173,6 +122,19 @@ fn horizons(samples: usize, rate_hz: f64) -> Result<Vec<f64>, IdentifyError> {
     Ok(fitting)
 }
 
+/// The augmented Dickey-Fuller test at fixed lags, and with the lags that each rule chooses.
+fn dickey_fuller(x: &[f64]) -> Result<(Adf, Vec<(&'static str, Adf)>), RecordError> {
+    let adf = |lags| stationarity::adf(x, Deterministic::Constant, lags);
+    let rules = [
+        ("aic", Lags::Aic(Some(ADF_LAGS))),
+        ("bic", Lags::Bic(Some(ADF_LAGS))),
+        ("last_significant", Lags::LastSignificant(Some(ADF_LAGS))),
+    ];
+    let chosen = rules.map(|(name, lags)| adf(lags).map(|test| (name, test)));
+    let chosen = chosen.into_iter().collect::<Result<_, _>>()?;
+    Ok((adf(Lags::Fixed(ADF_LAGS))?, chosen))
+}
+
 /// Identifies one axis: `record` in SI units, evenly sampled. `accelerometer` tells what the mean means.
 ///
 /// # Errors
@@ -183,144 +145,77 @@ pub fn identify(
     accelerometer: bool,
     options: &Options<'_>,
 ) -> Result<Axis, IdentifyError> {
-    if !(options.rate_hz > 0.0 && options.rate_hz.is_finite()) {
+    let rate = options.rate_hz;
+    if !(rate > 0.0 && rate.is_finite()) {
         return Err(IdentifyError::Rate);
     }
     if record.len() < SHORTEST {
-        return Err(RecordError::TooShort {
-            needed: SHORTEST,
-            got: record.len(),
-        }
-        .into());
+        let (needed, got) = (SHORTEST, record.len());
+        return Err(RecordError::TooShort { needed, got }.into());
     }
-    let mut warnings = Vec::new();
-    let horizons_s = horizons(record.len(), options.rate_hz)?;
-    let (plain, removed) = detrended(record, options)?;
-    let found = screening::outliers(&plain.residuals, OutlierRule::default())?;
-    let bridged = bridge(&found.cleaned);
-    let rate = options.rate_hz;
-    let window = (rate.round() as usize).max(2);
-    let motion = screening::motion(
-        &bridged,
-        MotionRule {
-            window,
-            ..MotionRule::default()
-        },
-    )
-    .ok();
-    let saturation = screening::saturation(record);
-    let hanging = screening::constant_runs(record, HANGING);
-    warnings.extend(remarks::of_record(
-        motion.as_ref(),
-        &saturation,
-        &hanging,
-        &found.outliers,
-        record.len(),
-        rate,
-    ));
+    let horizons = horizons(record.len(), rate)?;
+    let screened = screened::screened(record, options)?;
+    let mut warnings = remarks::of_record(&screened, record.len(), rate);
+    let bridged = &screened.bridged;
 
-    let adf = stationarity::adf(&bridged, Deterministic::Constant, Lags::Fixed(ADF_LAGS))?;
-    let by = |name, lags| {
-        stationarity::adf(&bridged, Deterministic::Constant, lags).map(|test| (name, test))
-    };
-    let adf_chosen = vec![
-        by("aic", Lags::Aic(Some(ADF_LAGS)))?,
-        by("bic", Lags::Bic(Some(ADF_LAGS)))?,
-        by("last_significant", Lags::LastSignificant(Some(ADF_LAGS)))?,
-    ];
-    let kpss = stationarity::kpss(&bridged, Deterministic::Constant, KpssLags::Legacy)?;
-    let phillips_perron = stationarity::phillips_perron(&bridged, Deterministic::Constant, None)?;
-    let mut normality = normality::normality(&bridged)?;
+    let (adf, adf_chosen) = dickey_fuller(bridged)?;
+    let kpss = stationarity::kpss(bridged, Deterministic::Constant, KpssLags::Legacy)?;
+    let phillips_perron = stationarity::phillips_perron(bridged, Deterministic::Constant, None)?;
+    let mut normality = normality::normality(bridged)?;
     // Bridged, or less a trend, the samples no longer lie on their grid.
     normality.quantisation = normality::quantisation(record);
-    let acf = correlation::autocorrelation(&bridged, LAGS)?;
-    let pacf = correlation::partial_autocorrelation(&bridged, LAGS, Partial::YuleWalker)?;
-    let whiteness = whiteness::portmanteau(&bridged, &[20], 0)?[0];
-    let segment = spectrum::default_segment(record.len());
-    let psd = spectrum::welch(&bridged, rate, segment)?;
-    let lines = spectrum::lines(&psd, LINE_FACTOR);
-    let curve = allan::deviations(&bridged, rate, DeviationKind::Overlapping, Grid::Octave)?;
-    let allan_intervals = allan::intervals(&bridged, &curve, 0.683)?;
+    let psd = spectrum::welch(bridged, rate, spectrum::default_segment(record.len()))?;
+    let curve = allan::deviations(bridged, rate, DeviationKind::Overlapping, Grid::Octave)?;
     let allan_terms = allan::fit_terms(&curve)?;
-    let allan_gauss_markov = allan::fit_gauss_markov(&curve).ok();
 
     let coarse = normality
         .quantisation
         .is_some_and(|q| q.step_over_deviation > COARSE);
     let half = candidates::Half {
-        record: &found.cleaned,
+        record: &screened.cleaned,
         first: record.len() / 2,
         rate_hz: rate,
-        turn_on: turn_on_of(plain.mean, accelerometer),
-        horizons: horizons_s,
+        turn_on: turn_on_of(screened.mean, accelerometer),
+        horizons,
         quantised: coarse || allan_terms.quantisation.seen,
     };
-    let candidates::Tried {
-        pandit_wu,
-        box_jenkins,
-        scales,
-        candidates,
-    } = candidates::candidates(&half, options.n_max, &allan_terms);
-    let scored: Vec<Scored> = candidates
-        .iter()
-        .map(|c| Scored {
-            name: c.name.clone(),
-            states: c.states,
-            parameters: c.parameters,
-            horizons: c.score.clone(),
-        })
-        .collect();
-    let Some(recommended) = drift_score::recommend(&scored) else {
-        return Err(IdentifyError::NoCandidate);
-    };
+    let tried = candidates::candidates(&half, options.n_max, &allan_terms);
+    let candidates = tried.candidates;
+    let recommended = drift_score::recommend(&scored(&candidates));
+    let recommended = recommended.ok_or(IdentifyError::NoCandidate)?;
     let chosen = &candidates[recommended.index];
-    warnings.extend(
-        chosen
-            .warnings
-            .iter()
-            .map(|warning| format!("{}: {warning}", chosen.name)),
-    );
-    let ma_root = candidates
-        .iter()
-        .filter_map(Candidate::arma)
-        .find(|fit| fit.order() == (1, 1))
-        .and_then(|fit| fit.ma.first().copied());
-    let by_f = pandit_wu.as_ref().and_then(|table| table.fit(table.by_f));
-    let recommended_arma = chosen
-        .arma()
-        .filter(|fit| by_f.is_none_or(|by_f| by_f.order() != fit.order()));
-    let residuals = by_f
-        .into_iter()
-        .chain(recommended_arma)
-        .filter_map(|fit| residuals::residuals(fit, &found.cleaned[..record.len() / 2]))
-        .collect();
+    let said = chosen.warnings.iter();
+    warnings.extend(said.map(|warning| format!("{}: {warning}", chosen.name)));
+    let mut fits = candidates.iter().filter_map(Candidate::arma);
+    let one_one = fits.find(|fit| fit.order() == (1, 1));
+    let ma_root = one_one.and_then(|fit| fit.ma.first().copied());
     Ok(Axis {
         samples: record.len(),
-        mean: plain.mean,
-        removed,
+        mean: screened.mean,
+        removed: screened.removed,
         stationarity: stationarity::verdict(&adf, &kpss, &phillips_perron, ma_root),
-        outliers: found.outliers,
-        motion,
-        saturation,
-        hanging,
+        outliers: screened.outliers,
+        motion: screened.motion,
+        saturation: screened.saturation,
+        hanging: screened.hanging,
         adf,
         adf_chosen,
         kpss,
         phillips_perron,
         normality,
-        acf,
-        pacf,
-        whiteness,
+        acf: correlation::autocorrelation(bridged, LAGS)?,
+        pacf: correlation::partial_autocorrelation(bridged, LAGS, Partial::YuleWalker)?,
+        whiteness: whiteness::portmanteau(bridged, &[20], 0)?[0],
+        lines: spectrum::lines(&psd, LINE_FACTOR),
         psd,
-        lines,
+        allan_intervals: allan::intervals(bridged, &curve, 0.683)?,
+        allan_gauss_markov: allan::fit_gauss_markov(&curve).ok(),
         allan: curve,
-        allan_intervals,
         allan_terms,
-        allan_gauss_markov,
-        pandit_wu,
-        box_jenkins,
-        residuals,
-        scales,
+        residuals: residuals::of_models(tried.pandit_wu.as_ref(), chosen, half.fitted()),
+        pandit_wu: tried.pandit_wu,
+        box_jenkins: tried.box_jenkins,
+        scales: tried.scales,
         chosen: recommended.index,
         reason: recommended.reason,
         candidates,
@@ -328,30 +223,12 @@ pub fn identify(
     })
 }
 
-/// Missing samples replaced by the straight line between their neighbours.
-fn bridge(cleaned: &[f64]) -> Vec<f64> {
-    let mut whole = cleaned.to_vec();
-    let mut last: Option<usize> = None;
-    let mut at = 0;
-    while at < whole.len() {
-        if whole[at].is_nan() {
-            at += 1;
-            continue;
-        }
-        if let Some(from) = last
-            && at - from > 1
-        {
-            let (a, b) = (whole[from], whole[at]);
-            for k in from + 1..at {
-                whole[k] = a + (b - a) * (k - from) as f64 / (at - from) as f64;
-            }
-        }
-        last = Some(at);
-        at += 1;
-    }
-    // Missing at either end: the mean.
-    for value in whole.iter_mut().filter(|v| v.is_nan()) {
-        *value = 0.0;
-    }
-    whole
+fn scored(candidates: &[Candidate]) -> Vec<Scored> {
+    let scored = |candidate: &Candidate| Scored {
+        name: candidate.name.clone(),
+        states: candidate.states,
+        parameters: candidate.parameters,
+        horizons: candidate.score.clone(),
+    };
+    candidates.iter().map(scored).collect()
 }

@@ -2,7 +2,7 @@
 //! unit roots.
 
 use super::model::{ArmaFit, Warning};
-use super::polynomial::inverse_roots;
+use super::polynomial::{inverse_roots, less_unit_root};
 use super::search::Problem;
 use super::starts::encode;
 use crate::quasi_newton::Point;
@@ -26,12 +26,11 @@ pub(super) fn padded_start(
     q: usize,
     unit_root: bool,
 ) -> Option<Vec<f64>> {
-    let mut phi = phi.to_vec();
-    if unit_root && !phi.is_empty() {
-        phi = (0..phi.len() - 1)
-            .map(|k| -phi[k + 1..].iter().sum::<f64>())
-            .collect();
-    }
+    let mut phi = if unit_root {
+        less_unit_root(phi)
+    } else {
+        phi.to_vec()
+    };
     if phi.len() > p || theta.len() > q {
         return None;
     }

@@ -5,7 +5,7 @@ use super::kalman;
 use super::likelihood::{Likelihood, Mean, screen};
 use super::model::ArmaFit;
 use super::optimise::{SCALES, newton};
-use super::polynomial::{is_stable, multiply};
+use super::polynomial::{is_stable, less_unit_root, multiply};
 use super::search::{Ladder, Problem, TOLERANCE};
 use super::{ArmaError, MAX_FIT_ORDER};
 use crate::quasi_newton::Objective;
@@ -96,11 +96,7 @@ fn without_unit_root(ar: &[f64]) -> Option<Vec<f64>> {
     if ar.is_empty() || sum.is_nan() || (sum - 1.0).abs() >= 1e-12 {
         return None;
     }
-    // (1 − B)(1 − d1 B − …): d_k = φ_{k+1} + d_{k+1} from the end, i.e. tail sums with minus sign.
-    let rest = (0..ar.len() - 1)
-        .map(|k| -ar[k + 1..].iter().sum::<f64>())
-        .collect();
-    Some(rest)
+    Some(less_unit_root(ar))
 }
 
 /// ARMA(p, q) by exact maximum likelihood: many starts, best optimum, its curvature and its faults.
@@ -155,37 +151,34 @@ pub(crate) fn climb_to(
         return Err(ArmaError::NotFinite);
     }
     let (centre, present) = screen(samples, p + q)?;
-    let gaps = present < samples.len();
-    let differences: Vec<f64>;
     let searched = p - usize::from(options.unit_root);
-    let problem = if options.unit_root && !gaps {
+    let mut problem = Problem {
+        samples,
+        mean: options.mean,
+        centre: match options.mean {
+            Mean::Known(value) if !options.unit_root => value,
+            _ => centre,
+        },
+        gaps: present < samples.len(),
+        unit_root: options.unit_root,
+    };
+    let differences: Vec<f64>;
+    let differenced = options.unit_root && !problem.gaps;
+    if differenced {
         differences = samples.windows(2).map(|w| w[1] - w[0]).collect();
         screen(&differences, searched + q)?;
-        Problem {
+        problem = Problem {
             samples: &differences,
             mean: Mean::Known(0.0),
             centre: 0.0,
             gaps: false,
             unit_root: false,
-        }
-    } else {
-        Problem {
-            samples,
-            mean: options.mean,
-            centre: match options.mean {
-                Mean::Known(value) if !options.unit_root => value,
-                _ => centre,
-            },
-            gaps,
-            unit_root: options.unit_root,
-        }
+        };
+    }
+    let start = |(phi, theta): &(Vec<f64>, Vec<f64>)| {
+        diagnosis::padded_start(phi, theta, searched, q, options.unit_root)
     };
-    let known: Vec<Vec<f64>> = known
-        .iter()
-        .filter_map(|(phi, theta)| {
-            diagnosis::padded_start(phi, theta, searched, q, options.unit_root)
-        })
-        .collect();
+    let known: Vec<Vec<f64>> = known.iter().filter_map(start).collect();
     if !(1e-3..=1e3).contains(&options.effort) {
         return Err(ArmaError::BadOption("the effort of the search"));
     }
@@ -196,53 +189,51 @@ pub(crate) fn climb_to(
     let covariance_z = newton(&mut Objective::new(&function, SCALES), &mut best, TOLERANCE);
     let lower = ladder.below(searched, q);
     let (phi, theta) = problem.coefficients(&best.z, searched);
-    let at = problem
-        .likelihood(&phi, &theta)
-        .ok_or(ArmaError::NoOptimum)?;
+    let at = problem.likelihood(&phi, &theta);
+    let mut at = at.ok_or(ArmaError::NoOptimum)?;
     let mut ar = phi;
-    let mut level = (at.mean, at.mean_standard_error);
-    if options.unit_root && !gaps {
+    if differenced {
         ar = multiply(&ar, &[1.0]);
         let free = kalman::with_gaps(samples, Mean::Estimated, centre, &ar, &theta, true);
-        level = free.map_or((centre, 0.0), |l| (l.mean, l.mean_standard_error));
+        (at.mean, at.mean_standard_error) =
+            free.map_or((centre, 0.0), |l| (l.mean, l.mean_standard_error));
     }
     let estimates_mean = !options.unit_root && options.mean == Mean::Estimated;
-    let k = searched + q + 1 + usize::from(estimates_mean);
-    let n = at.observations as f64;
-    let deviance = -2.0 * at.log_likelihood;
-    let small = 2.0 * (k * (k + 1)) as f64 / (n - k as f64 - 1.0);
-    let aic = deviance + 2.0 * k as f64;
-    let mut result = ArmaFit {
+    let parameters = searched + q + 1 + usize::from(estimates_mean);
+    let mut fit = unexamined(ar, theta, &at, parameters);
+    fit.has_unit_root = options.unit_root;
+    fit.unit_root = options.unit_root;
+    fit.local_optima = local_optima;
+    fit.converged = best.converged;
+    diagnosis::examine(&problem, &best, covariance_z, searched, lower, &mut fit);
+    Ok(fit)
+}
+
+/// A fit of which nothing is known but its likelihood.
+fn unexamined(ar: Vec<f64>, ma: Vec<f64>, at: &Likelihood, parameters: usize) -> ArmaFit {
+    let (k, n) = (parameters as f64, at.observations as f64);
+    let aic = -2.0 * at.log_likelihood + 2.0 * k;
+    let small = 2.0 * k * (k + 1.0) / (n - k - 1.0);
+    ArmaFit {
         ar,
-        ma: theta,
+        ma,
         sigma: at.variance.sqrt(),
         variance: at.variance,
-        mean: level.0,
-        mean_standard_error: level.1,
+        mean: at.mean,
+        mean_standard_error: at.mean_standard_error,
         log_likelihood: at.log_likelihood,
         residual_sum_of_squares: at.sum_of_squares,
-        parameters: k,
+        parameters,
         aic,
         aicc: if small > 0.0 {
             aic + small
         } else {
             f64::INFINITY
         },
-        bic: deviance + k as f64 * n.ln(),
-        standard_errors: None,
-        covariance: None,
+        bic: -2.0 * at.log_likelihood + k * n.ln(),
         n: at.observations,
-        has_unit_root: options.unit_root,
-        local_optima,
-        converged: best.converged,
-        pair_likelihood_ratio: None,
-        near_cancelling: false,
-        flat_likelihood: false,
-        unit_root: options.unit_root,
-        warnings: Vec::new(),
-    };
-    diagnosis::examine(&problem, &best, covariance_z, searched, lower, &mut result);
-    Ok(result)
+        ..ArmaFit::default()
+    }
 }
 
 #[cfg(test)]

@@ -137,6 +137,10 @@ struct Estimate {
 }
 
 impl Estimate {
+    fn new(r: usize) -> Self {
+        Self { x: vec![0.0; r] }
+    }
+
     fn predicted(&self) -> f64 {
         self.x.first().copied().unwrap_or(0.0)
     }
@@ -150,6 +154,34 @@ impl Estimate {
             self.x[i] = phi.get(i).copied().unwrap_or(0.0) * first + above + gain[i] * v;
         }
     }
+}
+
+/// Runs the filter over a record about `centre`. `visit` gets the gain of each sample and, where it is not missing,
+/// its innovation v and the relative excess q of its variance.
+fn run(
+    samples: &[f64],
+    centre: f64,
+    (phi, theta): (&[f64], &[f64]),
+    unit_root: bool,
+    mut visit: impl FnMut(&[f64], Option<(f64, f64)>),
+) -> Option<()> {
+    let mut filter = Filter::new(phi, theta, unit_root)?;
+    let mut record = Estimate::new(filter.r);
+    let mut gain = vec![0.0; filter.r];
+    for &x in samples {
+        if x.is_nan() {
+            record.advance(phi, &gain, 0.0);
+            filter.skip();
+            visit(&gain, None);
+            continue;
+        }
+        let q = filter.excess();
+        let v = x - centre - record.predicted();
+        filter.observe(&mut gain);
+        record.advance(phi, &gain, v);
+        visit(&gain, Some((v, q)));
+    }
+    Some(())
 }
 
 /// Exact log-likelihood of a record in which NaN marks missing samples. With `unit_root`, φ holds a
@@ -167,34 +199,24 @@ pub(super) fn with_gaps(
         Mean::Known(value) if !unit_root => value,
         _ => centre,
     };
-    let mut filter = Filter::new(phi, theta, unit_root)?;
-    let r = filter.r;
-    let mut record = Estimate { x: vec![0.0; r] };
-    let mut ones = Estimate { x: vec![0.0; r] };
-    let mut gain = vec![0.0; r];
+    let mut ones = Estimate::new(phi.len().max(theta.len()));
     let (mut squares, mut cross, mut information) = (0.0, 0.0, 0.0);
     let (mut log_determinant, mut present) = (0.0, 0usize);
-    for &x in samples {
-        if x.is_nan() {
-            record.advance(phi, &gain, 0.0);
-            ones.advance(phi, &gain, 0.0);
-            filter.skip();
-            continue;
-        }
-        let q = filter.excess();
-        let v = x - centre - record.predicted();
-        filter.observe(&mut gain);
-        record.advance(phi, &gain, v);
+    run(samples, centre, (phi, theta), unit_root, |gain, seen| {
+        let Some((v, q)) = seen else {
+            ones.advance(phi, gain, 0.0);
+            return;
+        };
         squares += v * v / (1.0 + q);
         log_determinant += q.ln_1p();
         present += 1;
         if free {
             let o = 1.0 - ones.predicted();
-            ones.advance(phi, &gain, o);
+            ones.advance(phi, gain, o);
             cross += v * o / (1.0 + q);
             information += o * o / (1.0 + q);
         }
-    }
+    })?;
     let mut value = centre;
     let mut observations = present;
     if free && information > 0.0 {
@@ -231,25 +253,10 @@ pub(super) fn standardised(
     sigma: f64,
     unit_root: bool,
 ) -> Option<Vec<f64>> {
-    let mut filter = Filter::new(phi, theta, unit_root)?;
-    let mut record = Estimate {
-        x: vec![0.0; filter.r],
-    };
-    let mut gain = vec![0.0; filter.r];
-    let residuals = samples
-        .iter()
-        .map(|&x| {
-            if x.is_nan() {
-                record.advance(phi, &gain, 0.0);
-                filter.skip();
-                return f64::NAN;
-            }
-            let q = filter.excess();
-            let v = x - level - record.predicted();
-            filter.observe(&mut gain);
-            record.advance(phi, &gain, v);
-            v / (sigma * (1.0 + q).sqrt())
-        })
-        .collect();
+    let mut residuals = Vec::with_capacity(samples.len());
+    run(samples, level, (phi, theta), unit_root, |_, seen| {
+        let residual = seen.map(|(v, q)| v / (sigma * (1.0 + q).sqrt()));
+        residuals.push(residual.unwrap_or(f64::NAN));
+    })?;
     Some(residuals)
 }

@@ -4,7 +4,7 @@ use super::{ArmaError, kalman};
 use std::fmt;
 
 /// An ARMA model `x_t − φ1 x_{t−1} − … = a_t − θ1 a_{t−1} − …` fitted to a record.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ArmaFit {
     /// φ1 … φp. With a unit root, the factor (1 − B) is multiplied in.
     pub ar: Vec<f64>,

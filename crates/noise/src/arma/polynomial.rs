@@ -4,6 +4,7 @@
 //! autocorrelations in (−1, 1): Barndorff-Nielsen & Schou 1973; Monahan 1984. They are searched as
 //! `z = artanh κ = ½ log((1+κ)/(1−κ))`, which near ±1 is the logarithm of the distance to it.
 
+use crate::prediction::Predictor;
 use realfft::num_complex::Complex64;
 
 /// Largest |z| of the search: |κ| stays below 1 − 1e-12.
@@ -11,18 +12,20 @@ const Z_LIMIT: f64 = 14.16;
 
 /// Coefficients c of the polynomial with partial autocorrelations `tanh z` (Durbin-Levinson).
 pub(super) fn from_search(z: &[f64]) -> Vec<f64> {
-    let mut c = Vec::with_capacity(z.len());
-    let mut old = Vec::with_capacity(z.len());
-    for (k, z) in z.iter().enumerate() {
-        let kappa = z.clamp(-Z_LIMIT, Z_LIMIT).tanh();
-        old.clear();
-        old.extend_from_slice(&c);
-        for j in 0..k {
-            c[j] = old[j] - kappa * old[k - 1 - j];
-        }
-        c.push(kappa);
+    let mut predictor = Predictor::new(1.0);
+    for z in z {
+        predictor.extend(z.clamp(-Z_LIMIT, Z_LIMIT).tanh());
     }
-    c
+    predictor.phi
+}
+
+/// Durbin's step back: the polynomial of one order less from one whose last partial autocorrelation is `kappa`.
+fn step_down(c: &mut Vec<f64>, kappa: f64) {
+    c.pop();
+    let turned: Vec<f64> = c.iter().rev().copied().collect();
+    for (c, turned) in c.iter_mut().zip(turned) {
+        *c = (*c + kappa * turned) / ((1.0 - kappa) * (1.0 + kappa));
+    }
 }
 
 /// Search coordinates of a polynomial. Partial autocorrelations outside (−1, 1), or closer to ±1
@@ -30,18 +33,15 @@ pub(super) fn from_search(z: &[f64]) -> Vec<f64> {
 pub(super) fn to_search(c: &[f64], margin: f64) -> Vec<f64> {
     let mut c = c.to_vec();
     let mut z = vec![0.0; c.len()];
+    let limit = 1.0 - margin;
     for k in (0..c.len()).rev() {
-        let limit = 1.0 - margin;
         let kappa = if c[k].is_finite() {
             c[k].clamp(-limit, limit)
         } else {
             0.0
         };
         z[k] = kappa.atanh().clamp(-Z_LIMIT, Z_LIMIT);
-        let old = c.clone();
-        for j in 0..k {
-            c[j] = (old[j] + kappa * old[k - 1 - j]) / ((1.0 - kappa) * (1.0 + kappa));
-        }
+        step_down(&mut c, kappa);
     }
     z
 }
@@ -49,16 +49,12 @@ pub(super) fn to_search(c: &[f64], margin: f64) -> Vec<f64> {
 /// Whether all partial autocorrelations lie inside (−1, 1): stationary or invertible.
 pub(super) fn is_stable(c: &[f64]) -> bool {
     let mut c = c.to_vec();
-    for k in (0..c.len()).rev() {
-        let kappa = c[k];
-        let scale = (1.0 - kappa) * (1.0 + kappa);
-        if scale.is_nan() || scale <= 0.0 {
+    while let Some(&kappa) = c.last() {
+        let inside = (1.0 - kappa) * (1.0 + kappa) > 0.0;
+        if !inside {
             return false;
         }
-        let old = c.clone();
-        for j in 0..k {
-            c[j] = (old[j] + kappa * old[k - 1 - j]) / scale;
-        }
+        step_down(&mut c, kappa);
     }
     true
 }
@@ -78,6 +74,11 @@ pub(super) fn multiply(a: &[f64], b: &[f64]) -> Vec<f64> {
         }
     }
     c
+}
+
+/// A polynomial with the factor (1 − B) divided out: d_k = φ_{k+1} + d_{k+1} from the end, tail sums with minus sign.
+pub(super) fn less_unit_root(c: &[f64]) -> Vec<f64> {
+    (1..c.len()).map(|k| -c[k..].iter().sum::<f64>()).collect()
 }
 
 /// Inverse roots ρ of the polynomial, `∏(1 − ρ_i B)`: all inside the unit circle when it is stable.

@@ -1,6 +1,7 @@
 //! The candidate models of an axis, fitted on the first half of its record, scored on the second.
 
-use super::{Candidate, GRID_ORDER, HIGH_ORDER_SAMPLES, Origin, SEARCH_SAMPLES, bridge, remarks};
+use super::screened::bridge;
+use super::{Candidate, GRID_ORDER, HIGH_ORDER_SAMPLES, Origin, SEARCH_SAMPLES, remarks};
 use crate::{
     BiasModel,
     allan::Terms,
@@ -47,7 +48,7 @@ pub(super) struct Tried {
 }
 
 impl Half<'_> {
-    fn fitted(&self) -> &[f64] {
+    pub(super) fn fitted(&self) -> &[f64] {
         &self.record[..self.first]
     }
 
@@ -170,70 +171,92 @@ fn in_terms(terms: &CompositeTerms) -> AxisModel {
 
 /// All candidates, fitted on the first half and scored on the second.
 pub(super) fn candidates(half: &Half, n_max: usize, terms: &Terms) -> Tried {
-    let mut list = Vec::new();
-    let white = terms.white.value.max(f64::MIN_POSITIVE);
-    list.extend(half.candidate(
-        "white".into(),
-        AxisModel {
-            white: Some(white),
-            ..AxisModel::default()
-        },
-        1,
-        Origin::Allan,
-    ));
-    let allan_walk = AxisModel {
-        white: Some(white),
-        random_walk: (terms.random_walk.value > 0.0).then_some(terms.random_walk.value),
+    let mut candidates = allan(half, terms);
+    candidates.extend(composites(half));
+    let search = PanditWuOptions {
+        n_max,
+        fit: with_effort(SEARCH_EFFORT),
+        ..PanditWuOptions::default()
+    };
+    let pandit_wu = pandit_wu::pandit_wu(half.searched(), &search).ok();
+    candidates.extend(armas(half, pandit_wu.as_ref()));
+    candidates.extend(autoregression(half));
+    // The averages of one sample are the ARMA(1,1) above.
+    let blocks = &scales::BLOCKS[1..];
+    let scales = scales::identify(half.fitted(), 1.0 / half.rate_hz, blocks, SCALE_EFFORT).ok();
+    let fits = scales.iter().flat_map(|s| &s.scales);
+    candidates.extend(fits.filter_map(|fit| half.scale(fit)));
+    let grid = with_effort(GRID_EFFORT);
+    Tried {
+        box_jenkins: arma::select(half.searched(), GRID_ORDER, GRID_ORDER, &grid).ok(),
+        pandit_wu,
+        scales,
+        candidates,
+    }
+}
+
+fn with_effort(effort: f64) -> FitOptions {
+    FitOptions {
+        effort,
+        ..FitOptions::default()
+    }
+}
+
+/// The white noise of the Allan deviation, and its random walk beside it.
+fn allan(half: &Half, terms: &Terms) -> Vec<Candidate> {
+    let white = AxisModel {
+        white: Some(terms.white.value.max(f64::MIN_POSITIVE)),
         ..AxisModel::default()
     };
-    if allan_walk.random_walk.is_some() {
-        let name = "white + random walk (Allan)".into();
-        list.extend(half.candidate(name, allan_walk, 2, Origin::Allan));
-    }
-    let set = |quantisation, gauss_markov, random_walk| TermSet {
-        white: true,
-        quantisation,
-        random_walk,
-        gauss_markov,
-    };
+    let walk = terms.random_walk.value;
+    let walk = (walk > 0.0).then(|| AxisModel {
+        random_walk: Some(walk),
+        ..white.clone()
+    });
+    let walk = walk.and_then(|model| {
+        half.candidate(
+            "white + random walk (Allan)".into(),
+            model,
+            2,
+            Origin::Allan,
+        )
+    });
+    let white = half.candidate("white".into(), white, 1, Origin::Allan);
+    white.into_iter().chain(walk).collect()
+}
+
+/// Sums of terms.
+fn composites(half: &Half) -> Vec<Candidate> {
     let plain = [(0, true), (1, false), (1, true), (2, false), (2, true)];
     let rounded = [(0, true), (1, false)];
     let rounded = rounded.iter().filter(|_| half.quantised);
-    let sets = plain.iter().map(|&(g, w)| set(false, g, w));
-    for set in sets.chain(rounded.map(|&(g, w)| set(true, g, w))) {
-        list.extend(half.composite(set));
-    }
-
-    let search = FitOptions {
-        effort: SEARCH_EFFORT,
-        ..FitOptions::default()
+    let sets = plain.iter().map(|of| (false, of));
+    let sets = sets.chain(rounded.map(|of| (true, of)));
+    let fit = |(quantisation, &(gauss_markov, random_walk))| {
+        half.composite(TermSet {
+            white: true,
+            quantisation,
+            random_walk,
+            gauss_markov,
+        })
     };
-    let pandit_wu = pandit_wu::pandit_wu(
-        half.searched(),
-        &PanditWuOptions {
-            n_max,
-            fit: search,
-            ..PanditWuOptions::default()
-        },
-    )
-    .ok();
+    sets.filter_map(fit).collect()
+}
+
+/// ARMA models of the orders that the table chooses and of two that are always tried, and one with a unit root.
+fn armas(half: &Half, table: Option<&PanditWu>) -> Vec<Candidate> {
     let mut orders = vec![(1, 1), (2, 1)];
-    if let Some(table) = &pandit_wu {
-        for order in [table.by_f, table.by_aic, table.by_bic] {
-            if !orders.contains(&order) {
-                orders.push(order);
-            }
+    for order in table.iter().flat_map(|t| [t.by_f, t.by_aic, t.by_bic]) {
+        if !orders.contains(&order) {
+            orders.push(order);
         }
     }
     // The search has found the place; the whole half only moves it a little.
-    let refine = FitOptions {
-        effort: REFINE_EFFORT,
-        ..search
-    };
-    for (p, q) in orders {
-        let known: Vec<_> = pandit_wu
+    let refine = with_effort(REFINE_EFFORT);
+    let fit = |(p, q)| {
+        let known = table.and_then(|table| table.fit((p, q)));
+        let known: Vec<_> = known
             .iter()
-            .filter_map(|table| table.fit((p, q)))
             .map(|fit| (fit.ar.clone(), fit.ma.clone()))
             .collect();
         let samples = if p > 1 {
@@ -241,10 +264,10 @@ pub(super) fn candidates(half: &Half, n_max: usize, terms: &Terms) -> Tried {
         } else {
             half.first
         };
-        if let Ok(fit) = arma::fit_from(&half.fitted()[..samples], p, q, &refine, &known) {
-            list.extend(half.arma(&fit, format!("ARMA({p},{q})")));
-        }
-    }
+        let fit = arma::fit_from(&half.fitted()[..samples], p, q, &refine, &known).ok()?;
+        half.arma(&fit, format!("ARMA({p},{q})"))
+    };
+    let mut list: Vec<Candidate> = orders.into_iter().filter_map(fit).collect();
     let walk = FitOptions {
         unit_root: true,
         ..refine
@@ -252,24 +275,7 @@ pub(super) fn candidates(half: &Half, n_max: usize, terms: &Terms) -> Tried {
     if let Ok(fit) = arma::fit(half.fitted(), 1, 1, &walk) {
         list.extend(half.arma(&fit, "ARMA(1,1), unit root".into()));
     }
-    list.extend(autoregression(half));
-
-    // The averages of one sample are the ARMA(1,1) above.
-    let blocks = &scales::BLOCKS[1..];
-    let scales = scales::identify(half.fitted(), 1.0 / half.rate_hz, blocks, SCALE_EFFORT).ok();
-    for fit in scales.iter().flat_map(|s| &s.scales) {
-        list.extend(half.scale(fit));
-    }
-    let grid = FitOptions {
-        effort: GRID_EFFORT,
-        ..FitOptions::default()
-    };
-    Tried {
-        box_jenkins: arma::select(half.searched(), GRID_ORDER, GRID_ORDER, &grid).ok(),
-        pandit_wu,
-        scales,
-        candidates: list,
-    }
+    list
 }
 
 /// AR(p) by Burg's method, p by AICc.

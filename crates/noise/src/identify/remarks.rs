@@ -1,24 +1,18 @@
 //! What should be said with a record and with a candidate, in words.
 
+use super::screened::Screened;
 use crate::{
     arma::{ArmaFit, Warning},
     composite::{CompositeFit, Flag, Term},
     scales::{self, ScaleFit},
-    screening::{Hanging, Motion, Outlier, Saturation},
+    screening::Hanging,
 };
 
 /// Remarks on a record of `samples` at `rate_hz`.
-pub(super) fn of_record(
-    motion: Option<&Motion>,
-    saturation: &[Saturation],
-    hanging: &[Hanging],
-    outliers: &[Outlier],
-    samples: usize,
-    rate_hz: f64,
-) -> Vec<String> {
+pub(super) fn of_record(of: &Screened, samples: usize, rate_hz: f64) -> Vec<String> {
     let mut remarks = Vec::new();
     let second = |index: usize| index as f64 / rate_hz;
-    if let Some(motion) = motion.filter(|m| m.moving) {
+    if let Some(motion) = of.motion.as_ref().filter(|m| m.moving) {
         let first = motion.moving_windows.first().copied().unwrap_or(0);
         remarks.push(format!(
             "the record is not static: the variance of its mean over windows of a second is {:.0} times what the noise inside them allows, from {:.1} s on; cut it to where the sensor rests",
@@ -26,7 +20,7 @@ pub(super) fn of_record(
             second(first)
         ));
     }
-    for stop in saturation {
+    for stop in &of.saturation {
         remarks.push(format!(
             "the axis is saturated: {} samples ({:.2} %) are {} exactly, the end of what it reads; its noise is cut off there",
             stop.samples,
@@ -34,17 +28,17 @@ pub(super) fn of_record(
             stop.value
         ));
     }
-    if let Some(&Hanging { index, samples }) = hanging.first() {
+    if let Some(&Hanging { index, samples }) = of.hanging.first() {
         remarks.push(format!(
             "the sensor hangs: {samples} equal samples from {:.2} s on, {} such stretches in all",
             second(index),
-            hanging.len()
+            of.hanging.len()
         ));
     }
-    if let Some(first) = outliers.first() {
+    if let Some(first) = of.outliers.first() {
         remarks.push(format!(
             "{} samples lie more than 8 robust standard deviations off and were left out, the first at {:.2} s",
-            outliers.len(),
+            of.outliers.len(),
             second(first.index)
         ));
     }

@@ -1,9 +1,10 @@
 //! What is left of a record when a model has predicted it: white where the model is right.
 
-use super::{LAGS, SEARCH_SAMPLES};
+use super::{Candidate, LAGS, SEARCH_SAMPLES};
 use crate::{
     arma::ArmaFit,
     correlation::{self, Partial},
+    pandit_wu::PanditWu,
 };
 
 /// Correlations of the one-step prediction errors of a model over the samples it was searched on.
@@ -19,8 +20,20 @@ pub struct Residuals {
     pub pacf: Vec<f64>,
 }
 
+/// Of the model that the paper's procedure chose and, where that is another ARMA, of the recommended one.
+pub(super) fn of_models(
+    table: Option<&PanditWu>,
+    recommended: &Candidate,
+    half: &[f64],
+) -> Vec<Residuals> {
+    let by_f = table.and_then(|table| table.fit(table.by_f));
+    let other = |fit: &&ArmaFit| by_f.is_none_or(|by_f| by_f.order() != fit.order());
+    let fits = by_f.into_iter().chain(recommended.arma().filter(other));
+    fits.filter_map(|fit| residuals(fit, half)).collect()
+}
+
 /// Of a fit over the first half of a screened record, at most [`SEARCH_SAMPLES`] of it.
-pub(super) fn residuals(fit: &ArmaFit, half: &[f64]) -> Option<Residuals> {
+fn residuals(fit: &ArmaFit, half: &[f64]) -> Option<Residuals> {
     let searched = half.get(..SEARCH_SAMPLES).unwrap_or(half);
     let errors = fit.residuals(searched).ok()?;
     let present: Vec<f64> = errors.into_iter().filter(|e| e.is_finite()).collect();

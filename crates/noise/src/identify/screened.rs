@@ -1,0 +1,122 @@
+//! What is done to a record before anything is identified of it: its trend, its outliers, whether it rests.
+
+use super::{IdentifyError, Options, SHORTEST};
+use crate::screening::{
+    self, Detrended, Hanging, Motion, MotionRule, Outlier, OutlierRule, Saturation, Trend,
+};
+use serde::{Deserialize, Serialize};
+
+/// Equal samples in a row that a sensor at work does not give.
+const HANGING: usize = 1000;
+
+/// What was taken out beside the mean, by least squares over the whole record.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(tag = "kind", rename_all = "lowercase")]
+pub enum Detrend {
+    /// Nothing.
+    #[default]
+    Constant,
+    /// A straight line.
+    Linear {
+        /// Its slope \[unit/h\].
+        slope_per_hour: f64,
+        /// Share of the variance that it explains.
+        explained: f64,
+    },
+    /// A multiple of the temperature.
+    Temperature {
+        /// The multiple \[unit/K\].
+        slope_per_kelvin: f64,
+        /// Share of the variance that it explains.
+        explained: f64,
+    },
+}
+
+/// A record less its trend and its outliers, and what was seen on the way.
+pub(super) struct Screened {
+    pub(super) mean: f64,
+    pub(super) removed: Detrend,
+    /// NaN where an outlier was.
+    pub(super) cleaned: Vec<f64>,
+    /// The same with straight lines over what is missing.
+    pub(super) bridged: Vec<f64>,
+    pub(super) outliers: Vec<Outlier>,
+    pub(super) motion: Option<Motion>,
+    pub(super) saturation: Vec<Saturation>,
+    pub(super) hanging: Vec<Hanging>,
+}
+
+pub(super) fn screened(record: &[f64], options: &Options<'_>) -> Result<Screened, IdentifyError> {
+    let (plain, removed) = detrended(record, options)?;
+    let found = screening::outliers(&plain.residuals, OutlierRule::default())?;
+    let bridged = bridge(&found.cleaned);
+    let rule = MotionRule {
+        window: (options.rate_hz.round() as usize).max(2),
+        ..MotionRule::default()
+    };
+    Ok(Screened {
+        mean: plain.mean,
+        removed,
+        cleaned: found.cleaned,
+        motion: screening::motion(&bridged, rule).ok(),
+        bridged,
+        outliers: found.outliers,
+        saturation: screening::saturation(record),
+        hanging: screening::constant_runs(record, HANGING),
+    })
+}
+
+/// The record less its trend, and what that was.
+fn detrended(record: &[f64], options: &Options<'_>) -> Result<(Detrended, Detrend), IdentifyError> {
+    // What is constant has no trend: an error of its own.
+    screening::record::check_varying(record, SHORTEST)?;
+    Ok(match (options.trend, options.temperature) {
+        (Trend::Linear, _) => {
+            let plain = screening::remove_linear(record)?;
+            let removed = Detrend::Linear {
+                slope_per_hour: plain.slope * (options.rate_hz * 3600.0),
+                explained: plain.explained,
+            };
+            (plain, removed)
+        }
+        (Trend::Temperature, Some(temperature)) => {
+            let plain = screening::remove_temperature(record, temperature);
+            let plain = plain.map_err(IdentifyError::Temperature)?;
+            let removed = Detrend::Temperature {
+                slope_per_kelvin: plain.slope,
+                explained: plain.explained,
+            };
+            (plain, removed)
+        }
+        _ => (screening::remove_constant(record)?, Detrend::Constant),
+    })
+}
+
+/// Missing samples replaced by the straight line between their neighbours.
+pub(super) fn bridge(cleaned: &[f64]) -> Vec<f64> {
+    let mut whole = cleaned.to_vec();
+    let mut last: Option<usize> = None;
+    let mut at = 0;
+    while at < whole.len() {
+        if whole[at].is_nan() {
+            at += 1;
+            continue;
+        }
+        if let Some(from) = last
+            && at - from > 1
+        {
+            let (a, b) = (whole[from], whole[at]);
+            for k in from + 1..at {
+                whole[k] = a + (b - a) * (k - from) as f64 / (at - from) as f64;
+            }
+        }
+        last = Some(at);
+        at += 1;
+    }
+    // Missing at either end: the mean.
+    for value in whole.iter_mut().filter(|v| v.is_nan()) {
+        *value = 0.0;
+    }
+    whole
+}
