@@ -77,7 +77,6 @@ pub enum CompositeError {
 /// A first-order Gauss-Markov process.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default)]
 pub struct GaussMarkov {
     /// Standard deviation σ [unit]; 0 where there is none.
     pub sigma: f64,
@@ -99,7 +98,6 @@ impl GaussMarkov {
 /// The terms of a composite model; a term of 0 is absent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default)]
 pub struct CompositeTerms {
     /// White noise density N [unit·√s = unit/√Hz].
     pub white: f64,

@@ -124,7 +124,7 @@ pub fn score(
         filter: &started,
         lengths: &lengths,
     };
-    let sums = match filter.order {
+    match filter.order {
         0 => task.run::<0>(),
         1 => task.run::<1>(),
         2 => task.run::<2>(),
@@ -132,10 +132,7 @@ pub fn score(
         4 => task.run::<4>(),
         5 => task.run::<5>(),
         _ => task.run::<6>(),
-    }?;
-    sums.into_iter()
-        .map(|sum| sum.finish(interval).ok_or(DriftError::NoWindow))
-        .collect()
+    }
 }
 
 /// The filter with `variance` \[unit²\] added to the start of every state that is a random walk or a

@@ -25,7 +25,6 @@ pub const JARQUE_BERA_CRITICAL_5: f64 = 5.991_464_547_107_98;
 /// A test that rejects normality above its critical value.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default)]
 pub struct Test {
     /// Its statistic.
     pub statistic: f64,

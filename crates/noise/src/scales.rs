@@ -59,7 +59,6 @@ pub enum Flag {
 /// The record at one scale.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default)]
 pub struct ScaleFit {
     /// Samples averaged.
     pub block: usize,
@@ -121,7 +120,6 @@ impl ScaleFit {
 /// All scales of a record.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default)]
 pub struct Scales {
     /// By growing block length.
     #[serde(rename = "fits")]

@@ -53,7 +53,6 @@ impl Deterministic {
 /// Critical values of a test statistic.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default)]
 pub struct Critical {
     /// At 1 %.
     #[serde(rename = "1%")]

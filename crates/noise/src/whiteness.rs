@@ -11,7 +11,6 @@
 //! ```
 
 use crate::correlation::autocorrelation;
-use crate::number::OrNull;
 use crate::screening::record::RecordError;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -19,7 +18,6 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 /// Ljung-Box and Box-Pierce tests up to one lag.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default)]
 pub struct Portmanteau {
     /// Autocorrelations summed.
     pub lags: usize,
@@ -30,7 +28,7 @@ pub struct Portmanteau {
     #[serde(rename = "statistic")]
     pub ljung_box: f64,
     /// Its p by chi-squared; NaN without degrees of freedom.
-    #[serde(rename = "p_value", with = "OrNull")]
+    #[serde(rename = "p_value")]
     pub ljung_box_p: f64,
     /// Box & Pierce (J. American Statistical Association 65, 1970): n Σ ρ_k².
     #[serde(skip)]

@@ -159,17 +159,6 @@ impl From<Term> for PyTerm {
     }
 }
 
-impl From<&PyTerm> for Term {
-    fn from(term: &PyTerm) -> Self {
-        Self {
-            value: term.value,
-            standard_error: term.standard_error,
-            upper_95: term.upper_95,
-            seen: term.seen,
-        }
-    }
-}
-
 #[derive(FromPyObject, IntoPyObject)]
 struct PyTerms {
     quantisation: PyTerm,
@@ -197,17 +186,20 @@ impl From<Terms> for PyTerms {
     }
 }
 
-impl From<&PyTerms> for Terms {
-    fn from(terms: &PyTerms) -> Self {
+impl From<PyTerms> for Terms {
+    /// With what a variance is made of.
+    fn from(terms: PyTerms) -> Self {
+        let term = |term: PyTerm| Term {
+            value: term.value,
+            ..Term::default()
+        };
         Self {
-            quantisation: (&terms.quantisation).into(),
-            white: (&terms.white).into(),
-            bias_instability: (&terms.bias_instability).into(),
-            random_walk: (&terms.random_walk).into(),
-            ramp: (&terms.ramp).into(),
-            from_s: terms.shortest_tau,
-            white_variance: terms.white_variance,
-            reduced_chi2: terms.reduced_chi2,
+            quantisation: term(terms.quantisation),
+            white: term(terms.white),
+            bias_instability: term(terms.bias_instability),
+            random_walk: term(terms.random_walk),
+            ramp: term(terms.ramp),
+            ..Self::default()
         }
     }
 }
@@ -225,7 +217,7 @@ fn allan_terms(py: Python<'_>, curve: PyCurve<'_>, shortest_tau: Option<f64>) ->
 
 #[pyfunction]
 fn allan_terms_variance(terms: PyTerms, tau: Record<'_>) -> Array<f64> {
-    let terms = Terms::from(&terms);
+    let terms = Terms::from(terms);
     let tau = tau.as_array();
     tau.iter().map(|&tau| terms.variance(tau)).collect()
 }

@@ -95,14 +95,8 @@ pub fn intervals_of(
 /// (clamped to −4 … 2, for Allan and total to −2 … 2); at least 1.
 pub fn edf(kind: DeviationKind, alpha: i32, samples: usize, m: usize) -> f64 {
     let m = m.max(1);
-    let alpha = alpha.clamp(
-        if kind == DeviationKind::Hadamard {
-            -4
-        } else {
-            -2
-        },
-        2,
-    );
+    let least = if kind.order() == 3 { -4 } else { -2 };
+    let alpha = alpha.clamp(least, 2);
     if kind == DeviationKind::Modified && m == 1 {
         return edf(DeviationKind::Overlapping, alpha, samples, m);
     }
@@ -112,11 +106,7 @@ pub fn edf(kind: DeviationKind, alpha: i32, samples: usize, m: usize) -> f64 {
         let (slope, offset) = [(1.5, 0.0), (1.17, 0.22), (0.93, 0.36)][(-alpha) as usize];
         return (slope * samples as f64 / m as f64 - offset).max(1.0);
     }
-    let order: usize = if kind == DeviationKind::Hadamard {
-        3
-    } else {
-        2
-    };
+    let order = kind.order();
     let width = m as f64;
     let modified = kind == DeviationKind::Modified;
     let span = if modified { width } else { 1.0 } + width * order as f64;
@@ -223,11 +213,7 @@ mod tests {
 
     /// By the sum over every lag.
     fn plainly(kind: DeviationKind, alpha: i32, samples: usize, m: usize) -> f64 {
-        let order: usize = if kind == DeviationKind::Hadamard {
-            3
-        } else {
-            2
-        };
+        let order = kind.order();
         let modified = kind == DeviationKind::Modified;
         let span = if modified { m } else { 1 } + order * m;
         let count = samples + 2 - span;

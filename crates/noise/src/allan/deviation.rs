@@ -5,7 +5,7 @@
 //! to `S`, which none of them sees; without it `S` stays small and keeps its digits.
 
 use super::{every_factor, octaves};
-use crate::screening::record::{RecordError, check, mean, prefix_sums};
+use crate::screening::record::{RecordError, check, check_rate, mean, prefix_sums};
 use rayon::prelude::*;
 
 /// Which deviation.
@@ -71,6 +71,11 @@ const STRETCH: usize = 2048;
 const SPREAD: usize = 128;
 
 impl DeviationKind {
+    /// Order of the differences of the phase.
+    pub(super) fn order(self) -> usize {
+        2 + usize::from(self == Self::Hadamard)
+    }
+
     /// Largest m of a record of `samples` rates.
     pub fn largest_m(self, samples: usize) -> usize {
         match self {
@@ -152,15 +157,6 @@ pub fn factors_of(taus_s: &[f64], rate_hz: f64) -> Result<Vec<usize>, RecordErro
     Ok(factors)
 }
 
-fn check_rate(rate_hz: f64) -> Result<(), RecordError> {
-    if rate_hz > 0.0 && rate_hz.is_finite() {
-        return Ok(());
-    }
-    Err(RecordError::Argument(
-        "the sample rate must be a positive number",
-    ))
-}
-
 /// The deviation of `rates` sampled at `rate_hz` \[Hz\] at a grid of averaging times.
 ///
 /// # Errors
@@ -191,11 +187,7 @@ pub fn deviations_at(
     kind: DeviationKind,
     factors: &[usize],
 ) -> Result<Curve, RecordError> {
-    let needed = if kind == DeviationKind::Hadamard {
-        3
-    } else {
-        2
-    };
+    let needed = kind.order();
     if rates.len() < needed {
         return Err(RecordError::TooShort {
             needed,

@@ -43,7 +43,6 @@ const SEEN: f64 = 2.0;
 /// One term of the fit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default)]
 pub struct Term {
     /// The term, 0 where the fit leaves it out.
     pub value: f64,
@@ -60,7 +59,6 @@ pub struct Term {
 /// The terms of IEEE Std 952, in the unit of the samples ([rad/s] or [m/s²]; `u` below) and seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default)]
 pub struct Terms {
     /// Quantisation Q [u·s].
     pub quantisation: Term,

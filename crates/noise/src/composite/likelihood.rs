@@ -2,16 +2,8 @@
 
 use super::CompositeError;
 use super::predictor::{Predictor, dot};
+pub use crate::arma::Mean as Level;
 use undrift_nav::shaping::ShapingFilter;
-
-/// The constant that the record stands on.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Level {
-    /// Known [unit]; 0 for a record already freed of it.
-    Known(f64),
-    /// At its most likely value (generalised least squares), in the same pass.
-    Estimated,
-}
 
 /// Likelihood of a record under a model.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -44,17 +44,9 @@ pub(super) struct Horizon<const N: usize> {
     settled: Option<f64>,
 }
 
-/// Sums of one horizon.
-pub(super) struct Sums {
-    length: usize,
-    origins: usize,
-    predicted: f64,
-    batches: Vec<Batch>,
-}
-
 impl Task<'_> {
     /// Runs the filter over the record and scores the second part.
-    pub(super) fn run<const N: usize>(&self) -> Result<Vec<Sums>, DriftError> {
+    pub(super) fn run<const N: usize>(&self) -> Result<Vec<HorizonScore>, DriftError> {
         let mut predictor = Predictor::<N>::new(self.filter);
         let value = |y: f64| y - self.mean;
         let (first, second) = self.record.split_at(self.first_part);
@@ -75,13 +67,10 @@ impl Task<'_> {
             }
             take_in(&mut predictor, value(y))?;
         }
-        let sums = horizons.into_iter().map(|h| Sums {
-            length: h.length,
-            origins: h.seen,
-            predicted: h.predicted,
-            batches: h.batches,
-        });
-        Ok(sums.collect())
+        let scores = horizons.iter().map(|h| h.finish(self.filter.interval));
+        scores
+            .map(|score| score.ok_or(DriftError::NoWindow))
+            .collect()
     }
 }
 
@@ -177,26 +166,21 @@ impl<const N: usize> Horizon<N> {
         };
         self.predicted += known + self.own;
     }
-}
 
-impl Sums {
     /// The score, times the interval \[s\]; none without a complete window.
-    pub(super) fn finish(self, interval: f64) -> Option<HorizonScore> {
-        let origins = self.origins as f64;
+    fn finish(&self, interval: f64) -> Option<HorizonScore> {
+        let origins = self.seen as f64;
         let squares: f64 = self.batches.iter().map(|b| b.squares).sum();
         let scale = interval * interval;
         let mean_square = scale * squares / origins;
-        if self.origins == 0 || !mean_square.is_finite() {
+        if self.seen == 0 || !mean_square.is_finite() {
             return None;
         }
-        let batches: Vec<f64> = self
-            .batches
-            .iter()
-            .map(|b| match b.count {
-                0 => f64::NAN,
-                count => scale * b.squares / count as f64,
-            })
-            .collect();
+        let mean_of = |batch: &Batch| match batch.count {
+            0 => f64::NAN,
+            count => scale * batch.squares / count as f64,
+        };
+        let batches: Vec<f64> = self.batches.iter().map(mean_of).collect();
         let rms = mean_square.sqrt();
         let windows = origins / self.length as f64;
         // d rms = d(rms²) / (2 rms)
@@ -211,7 +195,7 @@ impl Sums {
             rms,
             standard_error: from_batches.max(independent),
             predicted_rms: (scale * self.predicted / origins).max(0.0).sqrt(),
-            origins: self.origins,
+            origins: self.seen,
             windows,
             batches,
         })

@@ -12,7 +12,6 @@ const UNIT_ROOT: f64 = 1e-12;
 /// these.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default)]
 pub struct Lifted {
     /// White noise density N [unit·√s].
     #[serde(with = "OrNull")]

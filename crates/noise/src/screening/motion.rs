@@ -84,7 +84,6 @@ pub fn motion(x: &[f64], rule: MotionRule) -> Result<Motion, RecordError> {
 /// A stretch of equal samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default)]
 pub struct Hanging {
     /// Position of the first, from 0.
     pub index: usize,

@@ -112,6 +112,16 @@ pub(crate) fn check(x: &[f64], needed: usize) -> Result<(), RecordError> {
     }
 }
 
+/// Ok where a sample rate \[Hz\] is one.
+pub(crate) fn check_rate(rate_hz: f64) -> Result<(), RecordError> {
+    if rate_hz > 0.0 && rate_hz.is_finite() {
+        return Ok(());
+    }
+    Err(RecordError::Argument(
+        "the sample rate must be a positive number",
+    ))
+}
+
 /// As [`check`], and the record must vary by more than the rounding of its mean.
 /// Gives the mean and the sum of squared deviations [unit, unit²].
 pub(crate) fn check_varying(x: &[f64], needed: usize) -> Result<(f64, f64), RecordError> {

@@ -1,6 +1,6 @@
 //! Welch's method (IEEE Trans. Audio Electroacoustics 15, 1967).
 
-use crate::screening::record::{RecordError, check, mean};
+use crate::screening::record::{RecordError, check, check_rate, mean};
 use realfft::RealFftPlanner;
 use std::f64::consts::TAU;
 
@@ -40,11 +40,7 @@ pub fn welch(x: &[f64], rate_hz: f64, segment: usize) -> Result<Density, RecordE
     if segment < 4 {
         return Err(RecordError::Argument("a segment needs at least 4 samples"));
     }
-    if !(rate_hz > 0.0 && rate_hz.is_finite()) {
-        return Err(RecordError::Argument(
-            "the sample rate must be a positive number",
-        ));
-    }
+    check_rate(rate_hz)?;
     let segment = segment.min(x.len());
     let step = segment - segment / 2;
     let window: Vec<f64> = (0..segment)

@@ -29,7 +29,6 @@ pub enum Lags {
 /// Result of the augmented Dickey-Fuller test. Small (very negative) rejects the unit root.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default)]
 pub struct Adf {
     /// t statistic of γ.
     pub statistic: f64,

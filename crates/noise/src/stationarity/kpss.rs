@@ -3,7 +3,6 @@
 
 use super::{Critical, Deterministic, long_run_variance, schwert};
 use crate::correlation::lagged_products;
-use crate::number::OrNull;
 use crate::screening::record::{Compensated, RecordError, check_varying, sum_of};
 use crate::screening::trend::linear;
 use serde::{Deserialize, Serialize};
@@ -26,13 +25,10 @@ pub enum KpssLags {
 /// Result of the KPSS test. Large rejects stationarity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default)]
 pub struct Kpss {
     /// η = Σ S_t² / (n² s²(L)).
-    #[serde(with = "OrNull")]
     pub statistic: f64,
     /// Interpolated in the authors' table 1; 0.01 and 0.1 stand for what lies beyond it.
-    #[serde(with = "OrNull")]
     pub p_value: f64,
     /// True where `p_value` is a bound only.
     pub p_is_bound: bool,

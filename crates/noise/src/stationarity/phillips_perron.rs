@@ -11,7 +11,6 @@ use serde::{Deserialize, Serialize};
 /// Result of the Phillips-Perron tests. Small (very negative) rejects the unit root.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default)]
 pub struct PhillipsPerron {
     /// Z-tau: the t of ρ − 1, corrected for serial correlation.
     #[serde(rename = "statistic")]

@@ -73,37 +73,36 @@ pub fn verdict(
             sentence,
         };
     }
+    let finds = |rejects: bool| if rejects { "rejects" } else { "accepts" };
+    let disagree = format!(
+        "the unit-root tests disagree (Dickey-Fuller {}, Phillips-Perron {}) and KPSS {} stationarity: trust no single one",
+        finds(adf_rejects),
+        finds(pp_rejects),
+        if kpss_rejects {
+            "rejects"
+        } else {
+            "does not reject"
+        }
+    );
     let (conclusion, reading) = match (adf_rejects, pp_rejects, kpss_rejects) {
         (true, true, false) => (
             Conclusion::Stationary,
-            "the record is stationary at this length".to_string(),
+            "the record is stationary at this length",
         ),
         (false, false, true) => (
             Conclusion::UnitRoot,
-            "the record has a unit root: difference it".to_string(),
+            "the record has a unit root: difference it",
         ),
         (false, false, false) => (
             Conclusion::Undecided,
-            "neither hypothesis falls: the record is too short to tell".to_string(),
+            "neither hypothesis falls: the record is too short to tell",
         ),
-        (true, true, true) => {
-            let reading = "both hypotheses fall: a slow bias below white noise, long memory or a break; fit a model \
-                           and look at its moving-average root";
-            (Conclusion::Conflict, reading.to_string())
-        }
-        (_, _, kpss_rejects) => {
-            let reading = format!(
-                "the unit-root tests disagree (Dickey-Fuller {}s, Phillips-Perron {}s) and KPSS {}: trust no single one",
-                if adf_rejects { "reject" } else { "accept" },
-                if pp_rejects { "reject" } else { "accept" },
-                if kpss_rejects {
-                    "rejects stationarity"
-                } else {
-                    "does not reject stationarity"
-                }
-            );
-            (Conclusion::Conflict, reading)
-        }
+        (true, true, true) => (
+            Conclusion::Conflict,
+            "both hypotheses fall: a slow bias below white noise, long memory or a break; fit a model and look at its \
+             moving-average root",
+        ),
+        _ => (Conclusion::Conflict, disagree.as_str()),
     };
     let both = if adf_rejects == pp_rejects {
         format!("the unit-root tests {} a unit root; ", word(adf_rejects))

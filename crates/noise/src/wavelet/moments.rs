@@ -26,7 +26,6 @@ const TRACE: f64 = 1e-3;
 /// Composite terms fitted to a wavelet variance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default)]
 pub struct MomentFit {
     /// The terms, Gauss-Markov processes by growing τ.
     pub terms: CompositeTerms,

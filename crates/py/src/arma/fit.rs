@@ -63,32 +63,19 @@ impl From<ArmaFit> for Fit {
 }
 
 impl From<Fit> for ArmaFit {
+    /// With what residuals and intervals are made of.
     fn from(fit: Fit) -> Self {
         Self {
             ar: fit.ar.0,
             ma: fit.ma.0,
             sigma: fit.sigma,
-            variance: fit.sigma2,
             mean: fit.mean,
-            mean_standard_error: fit.mean_standard_error,
             log_likelihood: fit.log_likelihood,
-            residual_sum_of_squares: fit.residual_sum_of_squares,
             parameters: fit.parameters,
-            aic: fit.aic,
-            aicc: fit.aicc,
-            bic: fit.bic,
             standard_errors: fit.standard_errors.map(|errors| errors.0),
-            covariance: fit.covariance.map(|covariance| covariance.0),
             n: fit.n,
             has_unit_root: fit.has_unit_root,
-            local_optima: fit.local_optima,
-            converged: fit.converged,
-            pair_likelihood_ratio: fit.pair_likelihood_ratio,
-            near_cancelling: fit.near_cancelling,
-            flat_likelihood: fit.flat_likelihood,
-            unit_root: fit.unit_root,
-            // Texts by now; nothing is asked of them.
-            warnings: Vec::new(),
+            ..Self::default()
         }
     }
 }
