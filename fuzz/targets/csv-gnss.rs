@@ -1,6 +1,6 @@
 #![no_main]
 
-use undrift::io::gnss::{GnssFormat, GnssReader, Place, PositionFormat, Std, VelocityFormat};
+use undrift::io::gnss::{FixOptions, GnssFormat, GnssReader, Place};
 use undrift::io::layouts;
 use undrift::io::table::Column;
 use undrift::nav::earth::Geodetic;
@@ -10,38 +10,32 @@ use undrift_fuzz::with_file;
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let number = |from: usize| [from, from + 1, from + 2].map(Column::Number);
     let name = |name: &str| Column::Name(name.to_owned());
-    let [lat, lon, height] = ["lat", "lon", "height"].map(name);
     let named = GnssFormat {
         time: name("t"),
-        position: Some(PositionFormat {
-            place: Place::Geodetic {
-                lat,
-                lon,
-                height,
-                angle_scale: 1f64.to_radians(),
-            },
-            std: Std::Constant([5.0, 5.0, 10.0]),
-            std_factor: 2.0,
+        place: Some(Place::Geodetic {
+            columns: ["lat", "lon", "height"].map(name),
+            angle_scale: 1f64.to_radians(),
         }),
         quality: Some(name("q")),
+        fixes: FixOptions {
+            position_std: Some([5.0, 5.0, 10.0]),
+            position_std_factor: 2.0,
+            ..FixOptions::default()
+        },
         ..layouts::kf_gins_gnss(7)
     };
     let baseline = GnssFormat {
-        position: Some(PositionFormat {
-            place: Place::Baseline {
-                ned: number(2),
-                base: Geodetic::from_degrees(40.0, -105.0, 1600.0),
-            },
-            std: Std::Columns(number(5)),
-            std_factor: 1.0,
+        place: Some(Place::Baseline {
+            ned: number(2),
+            base: Geodetic::from_degrees(40.0, -105.0, 1600.0),
         }),
-        velocity: Some(VelocityFormat {
-            columns: number(8),
-            up: true,
-            std: Std::Constant([0.1, 0.1, 0.2]),
-            std_factor: 1.0,
-        }),
+        velocity: Some(number(8)),
+        velocity_up: true,
         quality: Some(Column::Number(11)),
+        fixes: FixOptions {
+            velocity_std: Some([0.1, 0.1, 0.2]),
+            ..FixOptions::default()
+        },
         ..layouts::kf_gins_gnss(7)
     };
     let formats = [

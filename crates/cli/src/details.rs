@@ -38,7 +38,7 @@ pub fn drive(file: &Path, drive: &Drive) {
         drive,
         "GNSS",
         &drive.gnss.0,
-        matches!(drive.gnss.1, GnssSource::Csv(_)),
+        matches!(drive.gnss.1, GnssSource::Table(_)),
     );
     for (what, scalar) in [
         ("odometer", &drive.odometer),

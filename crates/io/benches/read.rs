@@ -6,7 +6,7 @@ use undrift_io::{
     Opened, ReadError,
     imu::{ImuFormat, ImuReader},
     table::{Column, TableOptions},
-    write::solution::{SolutionRow, SolutionWriter},
+    write::{TextWriter, solution::SolutionRow},
 };
 use undrift_nav::{Vector3, earth::Geodetic};
 
@@ -66,10 +66,10 @@ fn write(c: &mut Criterion) {
     group.throughput(Throughput::Elements(ROWS as u64));
     group.bench_function("rows of the solution", |b| {
         b.iter(|| -> std::io::Result<()> {
-            let mut writer = SolutionWriter::new(std::io::sink())?;
+            let mut writer = TextWriter::csv(std::io::sink());
             for k in 0..ROWS {
                 let small = (k % 1000) as f64 * 1.237e-4;
-                writer.write(&SolutionRow {
+                let row = SolutionRow {
                     time: k as f64 * 0.005,
                     position: Geodetic::from_degrees(40.1 + small, -105.1 - small, 1600.1 + small),
                     v_n: Vector3::new(15.0 + small, -3.0 - small, small),
@@ -78,7 +78,8 @@ fn write(c: &mut Criterion) {
                     gyro_error: Vector3::repeat(1e-3 + small),
                     accel_error: Vector3::repeat(-0.05 - small),
                     error_std: [1e-4 + small; 6],
-                })?;
+                };
+                writer.write(&row, false)?;
             }
             writer.into_inner().map(drop)
         })

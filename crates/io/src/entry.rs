@@ -29,7 +29,15 @@ pub enum What {
     Skipped(SkipKind, String),
 }
 
+/// Why something cannot be used, and what stands there.
+pub(crate) type Unfit = (SkipKind, String);
+
 impl What {
+    /// What was read, or why it cannot be used.
+    pub(crate) fn of(read: Result<Self, Unfit>) -> Self {
+        read.unwrap_or_else(|(kind, detail)| Self::Skipped(kind, detail))
+    }
+
     /// Whether all its numbers are.
     pub(crate) fn is_finite(&self) -> bool {
         let three = |v: &Vector3| v.iter().all(|x| x.is_finite());
@@ -96,6 +104,40 @@ pub enum Wanted {
     },
     /// Reference solutions of a stream.
     Poses(Option<String>),
+}
+
+impl Wanted {
+    /// The one stream that is wanted where positions and velocities are in one: its name, what it holds,
+    /// and the key that names it.
+    ///
+    /// # Errors
+    /// If positions and velocities are asked for from different streams.
+    pub(crate) fn one_stream(
+        &self,
+    ) -> Result<(&Option<String>, StreamKind, &'static str), ReadError> {
+        match self {
+            Self::Imu(name) => Ok((name, StreamKind::Imu, "imu.topic")),
+            Self::Poses(name) => Ok((name, StreamKind::Poses, "truth.topic")),
+            Self::Fixes {
+                position, velocity, ..
+            } => {
+                let both = position.iter().zip(velocity).find(|(p, v)| p != v);
+                if both.is_some() {
+                    return Err(
+                        ReadError::nameless("positions and velocities are in one stream")
+                            .key("gnss.velocity_topic")
+                            .mend("leave it out"),
+                    );
+                }
+                let name = if position.is_some() {
+                    position
+                } else {
+                    velocity
+                };
+                Ok((name, StreamKind::Fixes, "gnss.topic"))
+            }
+        }
+    }
 }
 
 /// What a stream holds.

@@ -71,6 +71,20 @@ impl ReadError {
     }
 }
 
+/// Names that a message lists at most.
+pub(crate) const NAMES_SHOWN: usize = 60;
+
+/// What a file offers instead of what is missing: at most so many names.
+pub(crate) fn the_file_has(names: &[impl AsRef<str>], most: usize) -> String {
+    let shown = names.iter().take(most).map(|name| name.as_ref());
+    let shown: Vec<&str> = shown.collect();
+    let more = match names.len().saturating_sub(most) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    format!("the file has: {}{more}", shown.join(", "))
+}
+
 fn on_line(line: &Option<u64>) -> String {
     line.map_or(String::new(), |n| format!(" line {n}"))
 }

@@ -4,17 +4,27 @@ use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::FixQuality;
 use undrift_nav::{Matrix3, Vector3};
 
+use crate::entry::Unfit;
 use crate::skipped::{SkipKind, Skipped};
 
-/// Whether this is a place on Earth other than the 0°, 0° of a receiver without a fix.
-pub(crate) fn is_a_fix(place: &Geodetic) -> bool {
-    place.is_valid() && !(place.lat == 0.0 && place.lon == 0.0)
+/// A place on Earth other than the 0°, 0° of a receiver without a fix.
+pub(crate) fn on_earth(place: Geodetic) -> Result<Geodetic, Unfit> {
+    let Geodetic { lat, lon, height } = place;
+    if place.is_valid() && !(lat == 0.0 && lon == 0.0) {
+        return Ok(place);
+    }
+    let (lat_deg, lon_deg) = (lat.to_degrees(), lon.to_degrees());
+    let detail = format!("{lat_deg}°, {lon_deg}°, {height} m");
+    Err((SkipKind::OutOfRange, detail))
 }
 
-/// A place as messages show it.
-pub(crate) fn shown(place: &Geodetic) -> String {
-    let (lat_deg, lon_deg) = (place.lat.to_degrees(), place.lon.to_degrees());
-    format!("{lat_deg}°, {lon_deg}°, {} m", place.height)
+/// Three finite numbers.
+pub(crate) fn finite(values: Vector3) -> Result<Vector3, Unfit> {
+    if values.iter().all(|value| value.is_finite()) {
+        return Ok(values);
+    }
+    let detail = format!("{}, {}, {}", values.x, values.y, values.z);
+    Err((SkipKind::NotFinite, detail))
 }
 
 /// What RTKLIB's solution status Q means: 1 fixed, 2 float, 3 SBAS, 4 differential, 5 single,
@@ -45,14 +55,4 @@ pub(crate) fn diagonal(std: &Vector3, line: u64, skipped: &mut Skipped) -> Optio
         skipped.add(SkipKind::Uncertainty, line, detail);
     }
     covariance
-}
-
-/// Whether three numbers of a position or velocity are finite; counted where not.
-pub(crate) fn all_finite(values: &Vector3, line: u64, skipped: &mut Skipped) -> bool {
-    let finite = values.iter().all(|value| value.is_finite());
-    if !finite {
-        let detail = format_args!("{}, {}, {}", values.x, values.y, values.z);
-        skipped.add(SkipKind::NotFinite, line, detail);
-    }
-    finite
 }

@@ -13,11 +13,11 @@ use undrift_nav::sample::GnssFix;
 use crate::ReadError;
 use crate::entry::{Entry, Wanted, What};
 pub use crate::fix::quality_of_rtklib;
-use crate::reader::{Kind, Plan, Reader, Row, Source};
+use crate::reader::{Kind, Plan, Reader, Row, TableRow, Want};
 use crate::skipped::{SkipKind, Skipped};
 
 use columns::FixColumns;
-pub use columns::{GnssFormat, Place, PositionFormat, Std, VelocityFormat};
+pub use columns::{GnssFormat, Place};
 pub use log::GnssLog;
 use log::LogFixes;
 pub use options::FixOptions;
@@ -26,14 +26,14 @@ pub use options::FixOptions;
 #[derive(Clone, Debug)]
 pub enum GnssSource {
     /// Delimited text, Parquet or columns in memory.
-    Csv(Box<GnssFormat>),
+    Table(Box<GnssFormat>),
     /// Log that says itself what it holds.
     Log(GnssLog),
 }
 
 impl From<GnssFormat> for GnssSource {
     fn from(format: GnssFormat) -> Self {
-        Self::Csv(Box::new(format))
+        Self::Table(Box::new(format))
     }
 }
 
@@ -73,12 +73,12 @@ impl Kind for Fixes {
 
     fn plan(options: &GnssSource) -> Result<Plan<Self>, ReadError> {
         Ok(match options {
-            GnssSource::Csv(format) => {
+            GnssSource::Table(format) => {
                 let (columns, wanted) = FixColumns::new(format)?;
                 Plan {
                     kind: Self(Of::Columns(Box::new(columns))),
-                    source: Source::Table(wanted),
-                    span: format.span,
+                    source: Want::Table(wanted),
+                    span: format.fixes.span,
                 }
             }
             GnssSource::Log(log) => {
@@ -90,24 +90,18 @@ impl Kind for Fixes {
                 };
                 Plan {
                     kind: Self(Of::Log(Box::new(LogFixes::new(log)))),
-                    source: Source::Log(log.format, wanted),
+                    source: Want::Log(log.format, wanted),
                     span: log.fixes.span,
                 }
             }
         })
     }
 
-    fn of_row(
-        &mut self,
-        row: &[f64],
-        _: u64,
-        line: u64,
-        skipped: &mut Skipped,
-    ) -> Option<(f64, GnssFix)> {
+    fn of_row(&mut self, row: TableRow, skipped: &mut Skipped) -> Option<(f64, GnssFix)> {
         let Of::Columns(columns) = &self.0 else {
             return None;
         };
-        usable(columns.fix(row, line, skipped)?)
+        usable(columns.fix(row, skipped)?)
     }
 
     fn of_entry(&mut self, entry: Entry, skipped: &mut Skipped) -> Option<(f64, GnssFix)> {

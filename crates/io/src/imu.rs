@@ -22,9 +22,9 @@ use crate::entry::{Entry, Wanted, What};
 use crate::gaps::{GAP_INTERVALS, GapWatch};
 pub use crate::gaps::{Gap, GapSummary};
 use crate::held::{Held, HeldWatch};
-use crate::reader::{Kind, Plan, Reader, Row, Source};
+use crate::reader::{Kind, Plan, Reader, Row, TableRow, Want};
 use crate::skipped::{SkipKind, Skipped};
-use crate::table::{Column, TableOptions};
+use crate::table::TableOptions;
 
 /// Values beyond this come from no sensor, in SI, rates or increments: they would overflow on the way.
 const MAX_VALUE: f64 = 1e9;
@@ -68,23 +68,18 @@ impl Kind for Imu {
     fn plan(format: &ImuFormat) -> Result<Plan<Self>, ReadError> {
         format.check()?;
         let source = match &format.source {
-            ImuSource::Log(kind, stream) => Source::Log(*kind, Wanted::Imu(stream.clone())),
+            ImuSource::Log(kind, stream) => Want::Log(*kind, Wanted::Imu(stream.clone())),
             ImuSource::Table {
                 time,
                 gyro,
                 accel,
                 delimiter,
             } => {
-                let keyed = |key: &'static str| move |c: &Column| (key.to_owned(), c.clone());
-                let columns = time.iter().map(keyed("imu.time"));
-                let columns = columns.chain(gyro.iter().map(keyed("imu.gyro")));
-                Source::Table(TableOptions {
-                    columns: columns
-                        .chain(accel.iter().map(keyed("imu.accel")))
-                        .collect(),
-                    delimiter: *delimiter,
-                    keep_not_finite: false,
-                })
+                let mut wanted = TableOptions::finite(*delimiter);
+                wanted.want("imu.time", time);
+                wanted.want("imu.gyro", gyro);
+                wanted.want("imu.accel", accel);
+                Want::Table(wanted)
             }
         };
         let kind = Self {
@@ -102,19 +97,13 @@ impl Kind for Imu {
     }
 
     #[inline]
-    fn of_row(
-        &mut self,
-        row: &[f64],
-        index: u64,
-        line: u64,
-        skipped: &mut Skipped,
-    ) -> Option<(f64, Values)> {
-        let (stamp, &[gx, gy, gz, ax, ay, az]) = match row.split_last_chunk()? {
+    fn of_row(&mut self, row: TableRow, skipped: &mut Skipped) -> Option<(f64, Values)> {
+        let (stamp, &[gx, gy, gz, ax, ay, az]) = match row.numbers.split_last_chunk()? {
             ([stamp], six) => (stamp * self.format.time_scale, six),
-            (_, six) => (index as f64 / self.format.rate_hz?, six),
+            (_, six) => (row.index as f64 / self.format.rate_hz?, six),
         };
         let values = (Vector3::new(gx, gy, gz), Vector3::new(ax, ay, az));
-        self.plausible(stamp, values, line, skipped)
+        self.plausible(stamp, values, row.line, skipped)
     }
 
     fn of_entry(&mut self, entry: Entry, skipped: &mut Skipped) -> Option<(f64, Values)> {

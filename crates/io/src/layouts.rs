@@ -1,6 +1,6 @@
 //! Tables whose columns are known: what others' programs write, always the same.
 
-use crate::gnss::{GnssFormat, Place, PositionFormat, Std, VelocityFormat};
+use crate::gnss::{FixOptions, GnssFormat, Place};
 use crate::imu::ImuFormat;
 use crate::table::Column;
 use crate::truth::TruthFormat;
@@ -25,30 +25,20 @@ pub const KF_GINS_WITH_VELOCITY: usize = 13;
 /// [`KF_GINS_WITH_VELOCITY`] then velocity [m/s], then the standard deviations of each, north, east, down.
 pub fn kf_gins_gnss(columns: usize) -> GnssFormat {
     let with_velocity = columns >= KF_GINS_WITH_VELOCITY;
-    let [lat, lon, height] = three(2);
     GnssFormat {
         time: Column::Number(1),
         time_scale: 1.0,
-        time_offset: 0.0,
-        position: Some(PositionFormat {
-            place: Place::Geodetic {
-                lat,
-                lon,
-                height,
-                angle_scale: 1f64.to_radians(),
-            },
-            std: Std::Columns(three(if with_velocity { 8 } else { 5 })),
-            std_factor: 1.0,
+        place: Some(Place::Geodetic {
+            columns: three(2),
+            angle_scale: 1f64.to_radians(),
         }),
-        velocity: with_velocity.then(|| VelocityFormat {
-            columns: three(5),
-            up: false,
-            std: Std::Columns(three(11)),
-            std_factor: 1.0,
-        }),
+        position_std: Some(three(if with_velocity { 8 } else { 5 })),
+        velocity: with_velocity.then(|| three(5)),
+        velocity_up: false,
+        velocity_std: with_velocity.then(|| three(11)),
         quality: None,
         delimiter: None,
-        span: None,
+        fixes: FixOptions::default(),
     }
 }
 

@@ -12,17 +12,89 @@ pub(crate) const MAX_LINE: usize = 64 * 1024;
 /// The buffer \[bytes\]: several reads of the source and any line fit.
 const BUFFER: usize = 512 * 1024;
 
-pub(crate) struct Lines {
+/// The part of a stream that is held, at the beginning of what is left.
+pub(crate) struct Window {
     source: Source,
     buffer: Vec<u8>,
     start: usize,
     end: usize,
-    number: u64,
     at_end: bool,
     failure: Option<io::Error>,
 }
 
-pub(crate) enum Step {
+impl Window {
+    /// Holds up to so many bytes.
+    pub(crate) fn new(source: Source, size: usize) -> Self {
+        Self {
+            source,
+            buffer: vec![0; size],
+            start: 0,
+            end: 0,
+            at_end: false,
+            failure: None,
+        }
+    }
+
+    /// What is held and left.
+    #[inline]
+    pub(crate) fn bytes(&self) -> &[u8] {
+        self.buffer.get(self.start..self.end).unwrap_or_default()
+    }
+
+    /// A part of what is held, or was before the next [`Window::refill`].
+    #[inline]
+    pub(crate) fn part(&self, range: Range<usize>) -> &[u8] {
+        self.buffer.get(range).unwrap_or_default()
+    }
+
+    /// Passes over so many bytes; where they are.
+    #[inline]
+    pub(crate) fn pass(&mut self, length: usize) -> Range<usize> {
+        let from = self.start;
+        self.start = (from + length).min(self.end);
+        from..self.start
+    }
+
+    /// Whether the stream has no more than what is held.
+    #[inline]
+    pub(crate) fn at_end(&self) -> bool {
+        self.at_end
+    }
+
+    /// The input error that ended the stream before its end, if any.
+    pub(crate) fn failure(&self) -> Option<&io::Error> {
+        self.failure.as_ref()
+    }
+
+    /// Moves what is left to the front and reads once, whatever interrupts.
+    pub(crate) fn refill(&mut self) {
+        self.buffer.copy_within(self.start..self.end, 0);
+        self.end -= self.start;
+        self.start = 0;
+        let free = self.buffer.get_mut(self.end..).unwrap_or_default();
+        let read = loop {
+            match self.source.read(free) {
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                other => break other,
+            }
+        };
+        match read {
+            Ok(0) => self.at_end = true,
+            Ok(n) => self.end += n,
+            Err(error) => {
+                self.at_end = true;
+                self.failure = Some(error);
+            }
+        }
+    }
+}
+
+pub(crate) struct Lines {
+    window: Window,
+    number: u64,
+}
+
+pub(crate) enum NextLine {
     /// A line without its newline; read it with [`Lines::bytes`].
     Line(Range<usize>),
     /// A line of more than [`MAX_LINE`] bytes was passed over.
@@ -34,13 +106,8 @@ pub(crate) enum Step {
 impl Lines {
     pub(crate) fn new(source: Source) -> Self {
         Self {
-            source,
-            buffer: vec![0; BUFFER],
-            start: 0,
-            end: 0,
+            window: Window::new(source, BUFFER),
             number: 0,
-            at_end: false,
-            failure: None,
         }
     }
 
@@ -51,97 +118,66 @@ impl Lines {
 
     /// The input error that ended the file before its end, if any.
     pub(crate) fn failure(&self) -> Option<&io::Error> {
-        self.failure.as_ref()
+        self.window.failure()
     }
 
     #[inline]
     pub(crate) fn bytes(&self, range: Range<usize>) -> &[u8] {
-        let line = self.buffer.get(range).unwrap_or_default();
+        let line = self.window.part(range);
         line.strip_suffix(b"\r").unwrap_or(line)
     }
 
     #[inline]
-    pub(crate) fn step(&mut self) -> Step {
-        let mut searched = self.start;
+    pub(crate) fn step(&mut self) -> NextLine {
+        let mut searched = 0;
         loop {
-            if let Some(length) = memchr(b'\n', &self.buffer[searched..self.end]) {
-                let range = self.start..searched + length;
-                self.start = range.end + 1;
-                self.number += 1;
-                if range.len() > MAX_LINE {
-                    return Step::TooLong;
-                }
-                return Step::Line(range);
+            let window = &mut self.window;
+            let from = window.start;
+            if let Some(length) = memchr(b'\n', &window.buffer[from + searched..window.end]) {
+                let end = from + searched + length;
+                window.start = end + 1;
+                return self.line(from..end);
             }
-            if self.at_end {
+            searched = window.end - from;
+            if self.window.at_end() {
                 return self.last_line();
             }
-            if self.end - self.start > MAX_LINE {
+            if searched > MAX_LINE {
                 return self.pass_over();
             }
-            let held = self.end - self.start;
-            self.refill();
-            searched = self.start + held;
+            self.window.refill();
+        }
+    }
+
+    #[inline]
+    fn line(&mut self, range: Range<usize>) -> NextLine {
+        self.number += 1;
+        match range.len() > MAX_LINE {
+            true => NextLine::TooLong,
+            false => NextLine::Line(range),
         }
     }
 
     /// The rest after the last newline. After a failure it is cut at an unknown place, so that its
     /// last number may be wrong: dropped.
-    fn last_line(&mut self) -> Step {
-        let range = self.start..self.end;
-        self.start = self.end;
-        if range.is_empty() || self.failure.is_some() {
-            return Step::End;
+    fn last_line(&mut self) -> NextLine {
+        let range = self.window.pass(self.window.bytes().len());
+        if range.is_empty() || self.window.failure().is_some() {
+            return NextLine::End;
         }
-        self.number += 1;
-        if range.len() > MAX_LINE {
-            return Step::TooLong;
-        }
-        Step::Line(range)
+        self.line(range)
     }
 
-    fn pass_over(&mut self) -> Step {
+    fn pass_over(&mut self) -> NextLine {
         self.number += 1;
         loop {
-            match memchr(b'\n', &self.buffer[self.start..self.end]) {
-                Some(length) => {
-                    self.start += length + 1;
-                    return Step::TooLong;
-                }
-                None if self.at_end => {
-                    self.start = self.end;
-                    return Step::TooLong;
-                }
-                None => {
-                    self.start = self.end;
-                    self.refill();
-                }
+            let found = memchr(b'\n', self.window.bytes());
+            let end = found.map_or(self.window.bytes().len(), |length| length + 1);
+            self.window.pass(end);
+            if found.is_some() || self.window.at_end() {
+                return NextLine::TooLong;
             }
-        }
-    }
-
-    /// Moves what is left to the front and reads once.
-    fn refill(&mut self) {
-        self.buffer.copy_within(self.start..self.end, 0);
-        self.end -= self.start;
-        self.start = 0;
-        match read(&mut self.source, &mut self.buffer[self.end..]) {
-            Ok(0) => self.at_end = true,
-            Ok(n) => self.end += n,
-            Err(error) => {
-                self.at_end = true;
-                self.failure = Some(error);
-            }
-        }
-    }
-}
-
-/// Reads once, whatever interrupts.
-pub(crate) fn read(source: &mut Source, into: &mut [u8]) -> io::Result<usize> {
-    loop {
-        match source.read(into) {
-            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-            other => return other,
+            self.window.refill();
         }
     }
 }
@@ -167,11 +203,11 @@ mod tests {
         let mut out = Vec::new();
         loop {
             match lines.step() {
-                Step::Line(range) => out.push(Some(
+                NextLine::Line(range) => out.push(Some(
                     String::from_utf8(lines.bytes(range).to_vec()).unwrap(),
                 )),
-                Step::TooLong => out.push(None),
-                Step::End => {
+                NextLine::TooLong => out.push(None),
+                NextLine::End => {
                     assert_eq!(lines.number(), out.len() as u64);
                     return out;
                 }

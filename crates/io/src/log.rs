@@ -7,6 +7,7 @@
 //! else of the clock that it has (since boot). Axes are the file's own.
 
 mod bag;
+mod bytes;
 mod gpx;
 mod mcap;
 mod navego;
@@ -24,89 +25,72 @@ use crate::format::Format;
 use crate::skipped::{SkipKind, Skipped};
 use crate::source::{Again, Source};
 
-/// A format: how it is known, and its readers.
-struct Reading {
-    format: Format,
-    detect: fn(&[u8]) -> bool,
-    entries: fn(Source, Again, &Wanted) -> Result<Entries, ReadError>,
-    streams: fn(Source) -> Result<Vec<Stream>, ReadError>,
-}
-
-/// In the order in which they are looked for: those with a mark at their beginning first, then text that
-/// may hold stray bytes of others.
-const FORMATS: [Reading; 8] = [
-    Reading {
-        format: Format::RosBag,
-        detect: bag::detect,
-        entries: |source, _, wanted| bag::entries(source, wanted),
-        streams: bag::streams,
-    },
-    Reading {
-        format: Format::Mcap,
-        detect: mcap::detect,
-        entries: |source, _, wanted| mcap::entries(source, wanted),
-        streams: mcap::streams,
-    },
-    Reading {
-        format: Format::ULog,
-        detect: ulog::detect,
-        entries: ulog::entries,
-        streams: ulog::streams,
-    },
-    Reading {
-        format: Format::NaveGo,
-        detect: navego::detect,
-        entries: |source, _, wanted| navego::entries(source, wanted),
-        streams: navego::streams,
-    },
-    Reading {
-        format: Format::Gpx,
-        detect: gpx::detect,
-        entries: |source, _, wanted| gpx::entries(source, wanted),
-        streams: gpx::streams,
-    },
-    Reading {
-        format: Format::Nmea,
-        detect: |start| nmea::detect(start) && !ubx::has_data(start),
-        entries: |source, _, wanted| nmea::entries(source, wanted),
-        streams: nmea::streams,
-    },
-    Reading {
-        format: Format::Ubx,
-        detect: ubx::detect,
-        entries: |source, _, wanted| ubx::entries(source, wanted),
-        streams: ubx::streams,
-    },
-    Reading {
-        format: Format::Rtklib,
-        detect: rtklib::detect,
-        entries: |source, _, wanted| rtklib::entries(source, wanted),
-        streams: rtklib::streams,
-    },
+/// Formats and how they are known, in the order in which they are looked for: those with a mark at their
+/// beginning first, then text that may hold stray bytes of others.
+const FORMATS: [(Format, fn(&[u8]) -> bool); 8] = [
+    (Format::RosBag, bag::detect),
+    (Format::Mcap, mcap::detect),
+    (Format::ULog, ulog::detect),
+    (Format::NaveGo, navego::detect),
+    (Format::Gpx, gpx::detect),
+    (Format::Nmea, is_nmea),
+    (Format::Ubx, ubx::detect),
+    (Format::Rtklib, rtklib::detect),
 ];
+
+/// Sentences without UBX messages that have more to say.
+fn is_nmea(start: &[u8]) -> bool {
+    nmea::detect(start) && !ubx::has_data(start)
+}
 
 /// The format of a log that begins so.
 pub(crate) fn detect(start: &[u8]) -> Option<Format> {
-    let found = FORMATS.iter().find(|reading| (reading.detect)(start));
-    found.map(|reading| reading.format)
+    let found = FORMATS.iter().find(|(_, begins)| begins(start));
+    found.map(|(format, _)| *format)
 }
 
-fn reading(format: Format) -> Result<&'static Reading, ReadError> {
-    let found = FORMATS.iter().find(|reading| reading.format == format);
-    found.ok_or_else(|| {
-        let what = format.describe();
-        ReadError::nameless(format!("{what} is a table: its columns have to be named"))
-    })
+fn entries(
+    source: Source,
+    again: Again,
+    format: Format,
+    wanted: &Wanted,
+) -> Result<Entries, ReadError> {
+    match format {
+        Format::RosBag => bag::entries(source, wanted),
+        Format::Mcap => mcap::entries(source, wanted),
+        Format::ULog => ulog::entries(source, again, wanted),
+        Format::NaveGo => navego::entries(source, wanted),
+        Format::Gpx => gpx::entries(source, wanted),
+        Format::Nmea => nmea::entries(source, wanted),
+        Format::Ubx => ubx::entries(source, wanted),
+        Format::Rtklib => rtklib::entries(source, wanted),
+        table => Err(is_table(table)),
+    }
+}
+
+/// The streams of a log.
+pub(crate) fn streams(source: Source, format: Format) -> Result<Vec<Stream>, ReadError> {
+    match format {
+        Format::RosBag => bag::streams(source),
+        Format::Mcap => mcap::streams(source),
+        Format::ULog => ulog::streams(source),
+        Format::NaveGo => navego::streams(source),
+        Format::Gpx => gpx::streams(source),
+        Format::Nmea => nmea::streams(source),
+        Format::Ubx => ubx::streams(source),
+        Format::Rtklib => rtklib::streams(source),
+        table => Err(is_table(table)),
+    }
+}
+
+fn is_table(format: Format) -> ReadError {
+    let what = format.describe();
+    ReadError::nameless(format!("{what} is a table: its columns have to be named"))
 }
 
 /// Whether a log has to be read once more before: a ULog tells at its end only which streams it has.
 pub(crate) fn reads_twice(format: Format) -> bool {
     format == Format::ULog
-}
-
-/// The streams of a log.
-pub(crate) fn streams(source: Source, format: Format) -> Result<Vec<Stream>, ReadError> {
-    (reading(format)?.streams)(source)
 }
 
 /// A log being read for one purpose.
@@ -124,7 +108,7 @@ impl Log {
         wanted: &Wanted,
     ) -> Result<Self, ReadError> {
         Ok(Self {
-            entries: (reading(format)?.entries)(source, again, wanted)?,
+            entries: entries(source, again, format, wanted)?,
             skipped: match format {
                 Format::Nmea | Format::Gpx | Format::Rtklib => Skipped::default(),
                 _ => Skipped::of_messages(),

@@ -6,7 +6,7 @@ use std::path::Path;
 const MOST: usize = 10_000;
 /// Names that are told.
 const TOLD: usize = 3;
-/// Longest name that is compared \[characters\].
+/// Longest name that is compared \[bytes\].
 const LONGEST: usize = 255;
 
 /// "did you mean imu.csv.gz?", from the folder of a file that is not there; `None` without a near name.
@@ -44,28 +44,9 @@ fn distance(wanted: &str, name: &str) -> Option<usize> {
     (edits <= wanted.chars().count().max(3) / 3).then_some(edits)
 }
 
-/// Least number of characters to insert, drop, replace or exchange with their neighbour (Damerau's,
-/// adjacent pairs once).
+/// Least number of characters to insert, drop, replace or exchange with their neighbour.
 fn edits(a: &str, b: &str) -> Option<usize> {
-    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
-    if a.len().max(b.len()) > LONGEST {
-        return None;
-    }
-    let mut two_before: Vec<usize> = Vec::new();
-    let mut before: Vec<usize> = (0..=b.len()).collect();
-    for (i, &x) in a.iter().enumerate() {
-        let mut row = vec![i + 1];
-        for (j, &y) in b.iter().enumerate() {
-            let replaced = before[j] + usize::from(x != y);
-            let mut least = replaced.min(before[j + 1] + 1).min(row[j] + 1);
-            if i > 0 && j > 0 && x == b[j - 1] && a[i - 1] == y {
-                least = least.min(two_before[j - 1] + 1);
-            }
-            row.push(least);
-        }
-        two_before = std::mem::replace(&mut before, row);
-    }
-    before.last().copied()
+    (a.len().max(b.len()) <= LONGEST).then(|| strsim::osa_distance(a, b))
 }
 
 #[cfg(test)]

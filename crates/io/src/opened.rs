@@ -1,6 +1,6 @@
 //! A log, opened once and passed along: what it is, its beginning, and the rest of its stream.
 
-use std::io::{self, BufRead, Cursor, Read};
+use std::io::{self, BufRead, BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -249,7 +249,7 @@ impl Opened {
     /// The whole stream, from its start.
     fn into_source(self) -> Source {
         let failure = self.failure.map(|(kind, why)| io::Error::new(kind, why));
-        let start = Cursor::new(self.start).chain(Failing(failure));
+        let start = Cursor::new(self.start).chain(BufReader::new(Failing(failure)));
         Box::new(start.chain(self.rest))
     }
 }
@@ -261,12 +261,4 @@ impl Read for Failing {
     fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
         self.0.take().map_or(Ok(0), Err)
     }
-}
-
-impl BufRead for Failing {
-    fn fill_buf(&mut self) -> io::Result<&[u8]> {
-        self.0.take().map_or(Ok(&[]), Err)
-    }
-
-    fn consume(&mut self, _: usize) {}
 }

@@ -16,7 +16,7 @@ use crate::skipped::Skipped;
 use crate::table::{Table, TableOptions};
 
 /// What a kind wants of its file.
-pub enum Source {
+pub enum Want {
     /// Columns of a table.
     Table(TableOptions),
     /// Entries of a log that says itself what it holds.
@@ -28,9 +28,20 @@ pub struct Plan<K> {
     /// What is made of its rows.
     pub kind: K,
     /// Where these are.
-    pub source: Source,
+    pub source: Want,
     /// First and last time \[s\] to give out.
     pub span: Option<(f64, f64)>,
+}
+
+/// A row of a table.
+#[derive(Clone, Copy)]
+pub struct TableRow<'a> {
+    /// The numbers in the order in which the columns are wanted.
+    pub numbers: &'a [f64],
+    /// How many rows are before it, the skipped ones included.
+    pub index: u64,
+    /// Line or number, the first is 1.
+    pub line: u64,
 }
 
 /// A row whose time goes forward.
@@ -54,7 +65,7 @@ pub trait Kind: Sized {
     type Values: Copy;
     /// What is made of it.
     type Record;
-    /// Rows in a row that must be earlier than the last accepted one to count as a clock set back.
+    /// Input in a row that must be earlier than the last accepted one to count as a clock set back.
     const PATIENCE: u32;
 
     /// What is wanted of a file.
@@ -63,15 +74,8 @@ pub trait Kind: Sized {
     /// If the options contradict themselves.
     fn plan(options: &Self::Options) -> Result<Plan<Self>, ReadError>;
 
-    /// Time \[s\] and values of the `index`-th row of a table, from 0; what cannot be used is counted.
-    fn of_row(
-        &mut self,
-        row: &[f64],
-        index: u64,
-        line: u64,
-        skipped: &mut Skipped,
-    ) -> Option<(f64, Self::Values)>;
-
+    /// Time \[s\] and values of a row of a table; what cannot be used is counted.
+    fn of_row(&mut self, row: TableRow, skipped: &mut Skipped) -> Option<(f64, Self::Values)>;
     /// Time \[s\] and values of an entry of a log; what cannot be used is counted.
     fn of_entry(&mut self, entry: Entry, skipped: &mut Skipped) -> Option<(f64, Self::Values)>;
 
@@ -103,7 +107,7 @@ pub trait Kind: Sized {
 }
 
 /// Boxed: a table holds its place in the file and a row.
-enum Rows {
+enum Input {
     Table(Box<Table>, Vec<f64>),
     Log(Log),
 }
@@ -111,7 +115,7 @@ enum Rows {
 /// Reads records one by one; after an error or the end it gives `None`.
 pub struct Reader<K: Kind> {
     name: PathBuf,
-    rows: Rows,
+    rows: Input,
     kind: K,
     clock: Clock,
     span: Option<(f64, f64)>,
@@ -119,7 +123,7 @@ pub struct Reader<K: Kind> {
     held: Option<Row<K::Values>>,
     /// First and last time of the file up to here \[s\].
     covered: Option<(f64, f64)>,
-    /// Rows inside the span, and records given.
+    /// Input inside the span, and records given.
     inside: u64,
     given: u64,
     finished: bool,
@@ -142,11 +146,11 @@ impl<K: Kind> Reader<K> {
         let name = opened.name().to_path_buf();
         let plan = K::plan(options).map_err(|error| error.of(&name))?;
         let rows = match plan.source {
-            Source::Table(wanted) => {
+            Want::Table(wanted) => {
                 let row = vec![0.0; wanted.columns.len()];
-                Rows::Table(Box::new(opened.table(&wanted)?), row)
+                Input::Table(Box::new(opened.table(&wanted)?), row)
             }
-            Source::Log(format, wanted) => Rows::Log(opened.log(format, &wanted)?),
+            Want::Log(format, wanted) => Input::Log(opened.log(format, &wanted)?),
         };
         Ok(Self {
             name,
@@ -165,8 +169,8 @@ impl<K: Kind> Reader<K> {
     /// What was left out so far.
     pub fn skipped(&self) -> &Skipped {
         match &self.rows {
-            Rows::Table(table, _) => table.skipped(),
-            Rows::Log(log) => log.skipped(),
+            Input::Table(table, _) => table.skipped(),
+            Input::Log(log) => log.skipped(),
         }
     }
 
@@ -179,15 +183,19 @@ impl<K: Kind> Reader<K> {
     fn forward(&mut self) -> Result<Option<Row<K::Values>>, ReadError> {
         loop {
             let (found, line, skipped) = match &mut self.rows {
-                Rows::Table(table, row) => {
+                Input::Table(table, row) => {
                     let Some(line) = table.next_row(row)? else {
                         return Ok(None);
                     };
-                    let index = table.rows_seen() - 1;
+                    let row = TableRow {
+                        numbers: row,
+                        index: table.rows_seen() - 1,
+                        line,
+                    };
                     let skipped = table.skipped_mut();
-                    (self.kind.of_row(row, index, line, skipped), line, skipped)
+                    (self.kind.of_row(row, skipped), line, skipped)
                 }
-                Rows::Log(log) => {
+                Input::Log(log) => {
                     let Some(entry) = log.next()? else {
                         self.kind.end()?;
                         return Ok(None);
@@ -234,8 +242,8 @@ impl<K: Kind> Reader<K> {
             }
             self.inside += 1;
             let skipped = match &mut self.rows {
-                Rows::Table(table, _) => table.skipped_mut(),
-                Rows::Log(log) => log.skipped_mut(),
+                Input::Table(table, _) => table.skipped_mut(),
+                Input::Log(log) => log.skipped_mut(),
             };
             if let Some(record) = self.kind.record(&row, skipped)? {
                 self.given += 1;

@@ -9,7 +9,7 @@ use undrift_nav::sample::Scalar;
 use crate::ReadError;
 use crate::entry::Entry;
 use crate::gaps::{Gap, GapSummary, GapWatch};
-use crate::reader::{Kind, Plan, Reader, Row, Source};
+use crate::reader::{Kind, Plan, Reader, Row, TableRow, Want};
 use crate::skipped::{SkipKind, Skipped};
 use crate::table::{Column, TableOptions};
 
@@ -104,38 +104,25 @@ impl Kind for Scalars {
                 return Err(ReadError::nameless(problem).key(&key(name)));
             }
         }
-        let mut columns = vec![
-            (key("time"), format.time.clone()),
-            (key(format.value.0), format.value.1.clone()),
-        ];
+        let mut wanted = TableOptions::finite(format.delimiter);
+        wanted.want(&key("time"), [&format.time]);
+        wanted.want(&key(format.value.0), [&format.value.1]);
         if let ScalarStd::Column(column, _) = &format.std.1 {
-            columns.push((key(format.std.0), column.clone()));
+            wanted.want(&key(format.std.0), [column]);
         }
-        let options = TableOptions {
-            columns,
-            delimiter: format.delimiter,
-            keep_not_finite: false,
-        };
-        let kind = Self {
-            format: format.clone(),
-            gaps: GapWatch::default(),
-            count: None,
-        };
         Ok(Plan {
-            kind,
-            source: Source::Table(options),
+            kind: Self {
+                format: format.clone(),
+                gaps: GapWatch::default(),
+                count: None,
+            },
+            source: Want::Table(wanted),
             span: format.span,
         })
     }
 
-    fn of_row(
-        &mut self,
-        row: &[f64],
-        _: u64,
-        _: u64,
-        _: &mut Skipped,
-    ) -> Option<(f64, (f64, f64))> {
-        let (&[stamp, read], std) = row.split_first_chunk()?;
+    fn of_row(&mut self, row: TableRow, _: &mut Skipped) -> Option<(f64, (f64, f64))> {
+        let (&[stamp, read], std) = row.numbers.split_first_chunk()?;
         let time = stamp * self.format.time_scale + self.format.time_offset;
         Some((time, (read, std.first().copied().unwrap_or(f64::NAN))))
     }

@@ -113,22 +113,6 @@ impl Skipped {
             });
     }
 
-    /// Adds the counts of another counter; the earlier first position is kept.
-    pub fn merge(&mut self, other: &Skipped) {
-        for (&kind, theirs) in &other.kinds {
-            self.kinds
-                .entry(kind)
-                .and_modify(|ours| {
-                    ours.count += theirs.count;
-                    if theirs.first_line < ours.first_line {
-                        ours.first_line = theirs.first_line;
-                        ours.first_detail.clone_from(&theirs.first_detail);
-                    }
-                })
-                .or_insert_with(|| theirs.clone());
-        }
-    }
-
     /// Whether nothing was skipped.
     pub fn is_empty(&self) -> bool {
         self.kinds.is_empty()
@@ -195,18 +179,5 @@ mod tests {
             "3 rows with text where a number belongs, first at line 17: \"abc\"\n\
              1 row with NaN or infinity, at line 20: nan"
         );
-    }
-
-    #[test]
-    fn merge_adds_counts_and_keeps_the_earlier_position() {
-        let (mut a, mut b) = (Skipped::default(), Skipped::default());
-        a.add(SkipKind::Text, 9, "late");
-        b.add(SkipKind::Text, 3, "early");
-        b.add(SkipKind::TooLong, 5, "");
-        a.merge(&b);
-        assert_eq!(a.total(), 3);
-        let (_, text) = a.iter().next().unwrap();
-        assert_eq!((text.count, text.first_line), (2, 3));
-        assert_eq!(text.first_detail, "early");
     }
 }

@@ -34,12 +34,13 @@ use std::path::{Path, PathBuf};
 
 pub use columns::Columns;
 pub use wanted::{Column, Preview, TableOptions};
+pub(crate) use wanted::{check_time_scale, three};
 
 use crate::ReadError;
 use crate::lines::MAX_LINE;
 use crate::skipped::{SkipKind, Skipped};
 use crate::source::Source;
-use wanted::{Step, no_rows};
+use wanted::{NextRow, no_rows};
 
 /// What a table is read from.
 pub(crate) enum TableSource {
@@ -125,21 +126,21 @@ impl Table {
                 Rows::Parquet(table) => Ok(table.step(self.keep_not_finite, out)),
             };
             match step {
-                Ok(Step::Row(line, Ok(()))) => {
+                Ok(NextRow::Row(line, Ok(()))) => {
                     self.rows_seen += 1;
                     self.rows_read += 1;
                     return Ok(Some(line));
                 }
-                Ok(Step::Row(line, Err(defect))) => {
+                Ok(NextRow::Row(line, Err(defect))) => {
                     self.rows_seen += 1;
                     self.skipped.add(defect.kind(), line, &defect);
                 }
-                Ok(Step::TooLong(line)) => {
+                Ok(NextRow::TooLong(line)) => {
                     self.rows_seen += 1;
                     let detail = format_args!("over {MAX_LINE} bytes");
                     self.skipped.add(SkipKind::TooLong, line, detail);
                 }
-                Ok(Step::End(failure)) => self.finish(failure)?,
+                Ok(NextRow::End(failure)) => self.finish(failure)?,
                 Err(error) => return Err(error.of(&self.name)),
             }
         }

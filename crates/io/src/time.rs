@@ -1,6 +1,8 @@
 //! Absolute times as GPS seconds of the week in which a file starts, counting on past its end, and
 //! back to dates.
 
+use chrono::{Datelike, NaiveDate};
+
 use crate::number;
 
 const DAY: f64 = 86_400.0;
@@ -34,6 +36,8 @@ pub(crate) struct WeekClock {
     start: Option<i64>,
 }
 
+/// Days from 31 December of the year before 1 AD to the GPS epoch.
+const EPOCH: i64 = 722_820;
 /// Days from the Unix to the GPS epoch.
 const EPOCHS: i64 = 3657;
 
@@ -51,7 +55,7 @@ impl WeekClock {
         second: &[u8],
         system: TimeSystem,
     ) -> Option<f64> {
-        let (day, seconds) = match date(first) {
+        let (day, seconds) = match date(first, b'/') {
             Some(day) => to_gps(day, time_of_day(second)?, system),
             None => {
                 let week = number::parse(first)?;
@@ -78,8 +82,13 @@ impl WeekClock {
 
     /// Seconds of a UTC date and time of day \[s\]; `None` if that is no date.
     pub(crate) fn utc(&mut self, year: i64, month: i64, day: i64, seconds: f64) -> Option<f64> {
-        let (day, seconds) = to_gps(day_of(year, month, day)?, seconds, TimeSystem::Utc);
-        Some(self.gps(day, seconds))
+        Some(self.utc_day(day_of(year, month, day)?, seconds))
+    }
+
+    /// Seconds of a UTC day, from the GPS epoch, and time of day \[s\].
+    pub(crate) fn utc_day(&mut self, day: i64, seconds: f64) -> f64 {
+        let (day, seconds) = to_gps(day, seconds, TimeSystem::Utc);
+        self.gps(day, seconds)
     }
 
     /// Seconds of a Unix time. One before the GPS epoch is that of a clock which does not know the
@@ -136,22 +145,10 @@ pub(crate) fn time_of_clock(seconds: f64) -> Option<Utc> {
 impl Utc {
     /// Year, month, day.
     pub(crate) fn date(&self) -> [i64; 3] {
-        let days = self.day + days_of_civil(1980, 1, 6);
-        // Years begin in March; the guess by their mean length is off by one at most.
-        let begins = |year: i64| days_of_civil(year, 3, 1);
-        let guess = (days as f64 / 365.2425) as i64;
-        let year = [guess + 1, guess, guess - 1]
-            .into_iter()
-            .find(|year| begins(*year) <= days)
-            .unwrap_or(guess);
-        let day = days - begins(year);
-        let month = (5 * day + 2) / 153;
-        let day = day - (153 * month + 2) / 5 + 1;
-        if month < 10 {
-            [year, month + 3, day]
-        } else {
-            [year + 1, month - 9, day]
-        }
+        let days = i32::try_from(self.day + EPOCH).unwrap_or_default();
+        let date = NaiveDate::from_num_days_from_ce_opt(days).unwrap_or_default();
+        let of_year = [date.month(), date.day()].map(i64::from);
+        [i64::from(date.year()), of_year[0], of_year[1]]
     }
 
     /// Hour, minute, and milliseconds of the minute: 60 000 and more in a leap second.
@@ -185,40 +182,34 @@ fn to_gps(day: i64, seconds: f64, system: TimeSystem) -> (i64, f64) {
     }
 }
 
-/// Days from the GPS epoch, 6 January 1980, to a date `yyyy/mm/dd`.
-fn date(field: &[u8]) -> Option<i64> {
-    let mut parts = field.split(|&byte| byte == b'/').map(whole);
+/// Days from the GPS epoch, 6 January 1980, to a date `yyyy/mm/dd`, whatever stands for the stroke.
+pub(crate) fn date(field: &[u8], stroke: u8) -> Option<i64> {
+    let mut parts = field.split(|&byte| byte == stroke).map(whole);
     let (year, month, day) = (parts.next()??, parts.next()??, parts.next()??);
-    if parts.next().is_some() {
-        return None;
-    }
-    day_of(year, month, day)
+    day_of(year, month, day).filter(|_| parts.next().is_none())
 }
 
 /// Days from the GPS epoch to a date; `None` for a day that its month does not have.
 fn day_of(year: i64, month: i64, day: i64) -> Option<i64> {
-    let plausible = (1980..2200).contains(&year) && (1..=12).contains(&month);
-    if !plausible || !(1..=31).contains(&day) {
-        return None;
-    }
-    let found = days_of_civil(year, month, day) - days_of_civil(1980, 1, 6);
-    let same = Utc {
-        day: found,
-        milli: 0,
-    };
-    (same.date() == [year, month, day]).then_some(found)
+    let [month, day] = [u32::try_from(month).ok()?, u32::try_from(day).ok()?];
+    let year = i32::try_from(year).ok()?;
+    let date = NaiveDate::from_ymd_opt(year, month, day)?;
+    let plausible = (1980..2200).contains(&year);
+    plausible.then(|| i64::from(date.num_days_from_ce()) - EPOCH)
 }
 
 /// Seconds of day of `hh:mm:ss.sss`; the second may be 60.
 pub(crate) fn time_of_day(field: &[u8]) -> Option<f64> {
     let mut parts = field.split(|&byte| byte == b':');
-    let (hour, minute) = (whole(parts.next()?)?, whole(parts.next()?)?);
-    let second = number::parse(parts.next()?)?;
-    let plausible = (0..24).contains(&hour) && (0..60).contains(&minute);
-    if parts.next().is_some() || !plausible || !(0.0..61.0).contains(&second) {
-        return None;
-    }
-    Some((hour * 3600 + minute * 60) as f64 + second)
+    let time = of_day(parts.next()?, parts.next()?, parts.next()?);
+    time.filter(|_| parts.next().is_none())
+}
+
+/// Seconds of day of an hour, a minute and a second, which may be 60.
+pub(crate) fn of_day(hour: &[u8], minute: &[u8], second: &[u8]) -> Option<f64> {
+    let (hour, minute, second) = (whole(hour)?, whole(minute)?, number::parse(second)?);
+    let plausible = hour < 24 && minute < 60 && (0.0..61.0).contains(&second);
+    plausible.then(|| (hour * 3600 + minute * 60) as f64 + second)
 }
 
 /// A whole number of at most four digits.
@@ -230,17 +221,6 @@ pub(crate) fn whole(field: &[u8]) -> Option<i64> {
         b'0'..=b'9' => Some(sum * 10 + i64::from(byte - b'0')),
         _ => None,
     })
-}
-
-/// Days of the proleptic Gregorian calendar since 1 March of year 0: years that start in March
-/// put the leap day last, so the months before a month have (153 m + 2) / 5 days.
-fn days_of_civil(year: i64, month: i64, day: i64) -> i64 {
-    let (y, m) = if month > 2 {
-        (year, month - 3)
-    } else {
-        (year - 1, month + 9)
-    };
-    365 * y + y / 4 - y / 100 + y / 400 + (153 * m + 2) / 5 + day - 1
 }
 
 /// GPS time minus UTC \[s\] on a UTC day counted from the GPS epoch (IERS Bulletin C).
@@ -266,8 +246,7 @@ fn leap_seconds(day: i64) -> f64 {
         (2015, 7),
         (2017, 1),
     ];
-    let absolute = day + days_of_civil(1980, 1, 6);
-    let before = |&&(year, month): &&(i64, i64)| days_of_civil(year, month, 1) <= absolute;
+    let before = |&&(year, month): &&(i64, i64)| day_of(year, month, 1).is_some_and(|at| at <= day);
     STEPS.iter().take_while(before).count() as f64
 }
 
@@ -287,10 +266,10 @@ mod tests {
         // 8 July 2025 is a Tuesday of GPS week 2374.
         let tuesday = seconds("2025/07/08", "19:34:18.499", TimeSystem::Gps).unwrap();
         assert!((tuesday - 243_258.499).abs() < ROUNDING_S, "{tuesday}");
-        assert_eq!(date(b"2025/07/08").unwrap().div_euclid(7), 2374);
-        assert_eq!(date(b"1980/01/06"), Some(0));
+        assert_eq!(date(b"2025/07/08", b'/').unwrap().div_euclid(7), 2374);
+        assert_eq!(date(b"1980/01/06", b'/'), Some(0));
         assert_eq!(
-            date(b"2000/03/01").unwrap() - date(b"2000/02/28").unwrap(),
+            date(b"2000/03/01", b'/').unwrap() - date(b"2000/02/28", b'/').unwrap(),
             2
         );
         assert_eq!(
@@ -304,7 +283,10 @@ mod tests {
             Some(utc)
         );
         assert_eq!(
-            (leap_seconds(0), leap_seconds(date(b"2016/12/31").unwrap())),
+            (
+                leap_seconds(0),
+                leap_seconds(date(b"2016/12/31", b'/').unwrap())
+            ),
             (0.0, 17.0)
         );
     }

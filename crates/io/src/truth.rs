@@ -6,11 +6,11 @@ use undrift_nav::sample::TruthSample;
 
 use crate::ReadError;
 use crate::entry::{Entry, Wanted, What};
-use crate::fix::{is_a_fix, shown};
+use crate::fix::on_earth;
 use crate::format::Format;
-use crate::reader::{Kind, Plan, Reader, Row, Source};
-use crate::skipped::{SkipKind, Skipped};
-use crate::table::{Column, TableOptions};
+use crate::reader::{Kind, Plan, Reader, Row, TableRow, Want};
+use crate::skipped::Skipped;
+use crate::table::{Column, TableOptions, check_time_scale, three};
 
 /// Where the columns of a reference trajectory are and what they mean.
 #[derive(Clone, Debug)]
@@ -116,9 +116,9 @@ impl Kind for Truth {
         let (source, span) = match options {
             TruthSource::Log(log) => {
                 let wanted = Wanted::Poses(log.stream.clone());
-                (Source::Log(log.format, wanted), log.span)
+                (Want::Log(log.format, wanted), log.span)
             }
-            TruthSource::Table(format) => (Source::Table(format.columns()?), format.span),
+            TruthSource::Table(format) => (Want::Table(format.columns()?), format.span),
         };
         let kind = Self {
             source: options.clone(),
@@ -127,20 +127,14 @@ impl Kind for Truth {
         Ok(Plan { kind, source, span })
     }
 
-    fn of_row(
-        &mut self,
-        row: &[f64],
-        _: u64,
-        line: u64,
-        skipped: &mut Skipped,
-    ) -> Option<(f64, TruthSample)> {
+    fn of_row(&mut self, row: TableRow, skipped: &mut Skipped) -> Option<(f64, TruthSample)> {
         let TruthSource::Table(format) = &self.source else {
             return None;
         };
-        let week = format.week.as_ref().and(row.last().copied());
+        let week = format.week.as_ref().and(row.numbers.last().copied());
         let first = *self.week.get_or_insert(week.unwrap_or(0.0));
         let weeks = 604_800.0 * (week.unwrap_or(first) - first);
-        on_earth(format.sample(row, weeks), line, skipped)
+        placed(format.sample(row.numbers, weeks), row.line, skipped)
     }
 
     fn of_entry(&mut self, entry: Entry, skipped: &mut Skipped) -> Option<(f64, TruthSample)> {
@@ -148,7 +142,7 @@ impl Kind for Truth {
             return None;
         };
         pose.time += log.time_offset;
-        on_earth(pose, entry.at, skipped)
+        placed(pose, entry.at, skipped)
     }
 
     fn record(
@@ -165,66 +159,45 @@ impl Kind for Truth {
 }
 
 /// A sample whose place can be one; counted where not.
-fn on_earth(sample: TruthSample, line: u64, skipped: &mut Skipped) -> Option<(f64, TruthSample)> {
-    if is_a_fix(&sample.position) {
-        return Some((sample.time, sample));
+fn placed(sample: TruthSample, line: u64, skipped: &mut Skipped) -> Option<(f64, TruthSample)> {
+    match on_earth(sample.position) {
+        Ok(_) => Some((sample.time, sample)),
+        Err((kind, detail)) => {
+            skipped.add(kind, line, detail);
+            None
+        }
     }
-    skipped.add(SkipKind::OutOfRange, line, shown(&sample.position));
-    None
 }
 
 impl TruthFormat {
     /// Time, position, then velocity, attitude and week where asked for.
     fn columns(&self) -> Result<TableOptions, ReadError> {
-        if !(self.time_scale.is_finite() && self.time_scale > 0.0) {
-            let problem = format!("a time scale of {} makes no times", self.time_scale);
-            return Err(ReadError::nameless(problem).key("truth.time"));
-        }
-        let mut columns = vec![("truth.time".to_owned(), self.time.clone())];
-        let groups = [
-            ("truth.position", Some(&self.position)),
-            ("truth.velocity", self.velocity.as_ref()),
-            ("truth.attitude", self.attitude.as_ref()),
-        ];
-        for (key, group) in groups {
-            for column in group.into_iter().flatten() {
-                columns.push((key.to_owned(), column.clone()));
-            }
-        }
-        if let Some(week) = &self.week {
-            columns.push(("truth.week".to_owned(), week.clone()));
-        }
-        Ok(TableOptions {
-            columns,
-            delimiter: self.delimiter,
-            keep_not_finite: false,
-        })
+        check_time_scale(self.time_scale, "truth.time")?;
+        let mut wanted = TableOptions::finite(self.delimiter);
+        wanted.want("truth.time", [&self.time]);
+        wanted.want("truth.position", &self.position);
+        wanted.want("truth.velocity", self.velocity.iter().flatten());
+        wanted.want("truth.attitude", self.attitude.iter().flatten());
+        wanted.want("truth.week", &self.week);
+        Ok(wanted)
     }
 
     /// The sample of a row, `weeks` \[s\] after the week of the first.
     fn sample(&self, row: &[f64], weeks: f64) -> TruthSample {
-        let three = |from: usize| {
-            let get = |k: usize| row.get(from + k).copied().unwrap_or(f64::NAN);
-            Vector3::new(get(0), get(1), get(2))
-        };
-        let position = three(1);
-        let v_n = self.velocity.as_ref().map(|_| {
-            let v = three(4);
-            Vector3::new(v.x, v.y, if self.velocity_up { -v.z } else { v.z })
-        });
+        let position = three(row, 1);
+        let up = if self.velocity_up { -1.0 } else { 1.0 };
+        let v_n = self.velocity.as_ref().map(|_| three(row, 4));
         let attitude_at = if v_n.is_some() { 7 } else { 4 };
+        let attitude = self.attitude.as_ref().map(|_| three(row, attitude_at));
         TruthSample {
-            time: three(0).x * self.time_scale + weeks + self.time_offset,
+            time: three(row, 0).x * self.time_scale + weeks + self.time_offset,
             position: Geodetic {
                 lat: position.x * self.angle_scale,
                 lon: position.y * self.angle_scale,
                 height: position.z,
             },
-            v_n,
-            rpy: self
-                .attitude
-                .as_ref()
-                .map(|_| three(attitude_at) * self.attitude_scale),
+            v_n: v_n.map(|v| Vector3::new(v.x, v.y, up * v.z)),
+            rpy: attitude.map(|rpy| rpy * self.attitude_scale),
         }
     }
 }
@@ -233,6 +206,7 @@ impl TruthFormat {
 mod tests {
     use super::*;
     use crate::Opened;
+    use crate::skipped::SkipKind;
     use std::io::Cursor;
     use std::path::Path;
 

@@ -1,7 +1,7 @@
 //! Writing results: the solution as CSV and in the formats of others, numbers with fixed decimals,
 //! files that appear whole.
 
-mod block;
+mod csv;
 mod file;
 mod fixed;
 mod geojson;
@@ -11,20 +11,17 @@ mod kml;
 pub mod mcap;
 mod nmea;
 #[cfg(feature = "parquet")]
-pub mod parquet;
+mod parquet;
 #[cfg(feature = "parquet")]
 pub mod parquet_table;
 mod pending;
 pub mod solution;
 mod spans;
 mod text;
+mod text_writer;
 mod thinning;
 
 pub use file::{SolutionFile, SolutionFormat, SolutionOptions, UnknownSolutionFormat};
 pub use fixed::write_fixed;
-pub use geojson::GeoJsonWriter;
-pub use gpx::GpxWriter;
-pub use kf_gins::KfGinsWriter;
-pub use kml::KmlWriter;
-pub use nmea::NmeaWriter;
 pub use pending::{PendingFile, write_whole};
+pub use text_writer::TextWriter;

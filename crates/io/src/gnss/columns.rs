@@ -4,10 +4,12 @@ use undrift_nav::earth::{Geodetic, wrap_pi};
 use undrift_nav::sample::{FixQuality, GnssFix, Position};
 use undrift_nav::{Matrix3, Vector3};
 
+use super::options::FixOptions;
 use crate::ReadError;
-use crate::fix::{all_finite, diagonal, is_a_fix, quality_of_rtklib};
+use crate::fix::{diagonal, finite, on_earth, quality_of_rtklib};
+use crate::reader::TableRow;
 use crate::skipped::{SkipKind, Skipped};
-use crate::table::{Column, TableOptions};
+use crate::table::{Column, TableOptions, check_time_scale, three};
 
 /// Where the columns of a GNSS log are and what they mean.
 #[derive(Clone, Debug)]
@@ -16,29 +18,22 @@ pub struct GnssFormat {
     pub time: Column,
     /// Factor from the time column to seconds.
     pub time_scale: f64,
-    /// Added to the time after scaling \[s\].
-    pub time_offset: f64,
     /// Position, if it is to be read.
-    pub position: Option<PositionFormat>,
-    /// Velocity, if it is to be read.
-    pub velocity: Option<VelocityFormat>,
+    pub place: Option<Place>,
+    /// Standard deviations of the position north, east, down \[m\]; needed where the options have none.
+    pub position_std: Option<[Column; 3]>,
+    /// Velocity north, east, and down or up [m/s], if it is to be read.
+    pub velocity: Option<[Column; 3]>,
+    /// The third component of the velocity is up.
+    pub velocity_up: bool,
+    /// Standard deviations of the velocity north, east, down [m/s]; needed where the options have none.
+    pub velocity_std: Option<[Column; 3]>,
     /// Kind of solution, in RTKLIB's codes: see [`crate::gnss::quality_of_rtklib`].
     pub quality: Option<Column>,
     /// The byte between fields; `None` finds out.
     pub delimiter: Option<u8>,
-    /// First and last time \[s\] to give out, after the offset.
-    pub span: Option<(f64, f64)>,
-}
-
-/// Columns of the position and what its uncertainty is.
-#[derive(Clone, Debug)]
-pub struct PositionFormat {
-    /// The columns of the place.
-    pub place: Place,
-    /// Standard deviations north, east, down \[m\].
-    pub std: Std,
-    /// Factor on the standard deviations, for receivers that are too sure or too modest.
-    pub std_factor: f64,
+    /// How certain they are, and which are given out.
+    pub fixes: FixOptions,
 }
 
 /// How a position is written.
@@ -46,12 +41,8 @@ pub struct PositionFormat {
 pub enum Place {
     /// Latitude, longitude, and height above the ellipsoid \[m\].
     Geodetic {
-        /// Latitude, north positive.
-        lat: Column,
-        /// Longitude, east positive.
-        lon: Column,
-        /// Height \[m\].
-        height: Column,
+        /// Latitude, north positive; longitude, east positive; height \[m\].
+        columns: [Column; 3],
         /// Factor from the columns of latitude and longitude to radians.
         angle_scale: f64,
     },
@@ -64,113 +55,93 @@ pub enum Place {
     },
 }
 
-/// Columns of the velocity and what its uncertainty is.
-#[derive(Clone, Debug)]
-pub struct VelocityFormat {
-    /// North, east, and down or up [m/s].
-    pub columns: [Column; 3],
-    /// The third component is up.
-    pub up: bool,
-    /// Standard deviations north, east, down [m/s].
-    pub std: Std,
-    /// Factor on the standard deviations.
-    pub std_factor: f64,
-}
-
-/// Standard deviations north, east, down.
-#[derive(Clone, Debug)]
-pub enum Std {
-    /// In columns of the file.
-    Columns([Column; 3]),
-    /// The same for every fix.
-    Constant([f64; 3]),
-}
-
-/// A group of three columns in the row read, or three constants.
+/// Where in the row read three numbers are, and where their standard deviations: without a place, these
+/// are the stated ones.
 #[derive(Clone, Copy)]
-enum Three {
-    At(usize),
-    Constant(Vector3),
+struct At {
+    values: usize,
+    std: Option<usize>,
 }
 
-impl Three {
-    fn of(self, row: &[f64]) -> Vector3 {
-        match self {
-            Self::Constant(values) => values,
-            Self::At(from) => {
-                let get = |k: usize| row.get(from + k).copied().unwrap_or(f64::NAN);
-                Vector3::new(get(0), get(1), get(2))
-            }
-        }
-    }
-}
-
-/// The places of a fix in the row read.
+/// Makes fixes of rows.
 pub(super) struct FixColumns {
     format: GnssFormat,
-    place: Option<(Three, Three)>,
-    velocity: Option<(Three, Three)>,
+    place: Option<At>,
+    velocity: Option<At>,
     quality: Option<usize>,
 }
 
 impl FixColumns {
     /// With what is wanted of the table.
     pub(super) fn new(format: &GnssFormat) -> Result<(Self, TableOptions), ReadError> {
-        check(format)?;
-        let mut columns = vec![("gnss.time".to_owned(), format.time.clone())];
-        let mut add = |key: &str, three: [&Column; 3]| {
-            let from = columns.len();
-            columns.extend(three.map(|column| (key.to_owned(), column.clone())));
-            Three::At(from)
-        };
-        let add_std =
-            |key: &str, std: &Std, add: &mut dyn FnMut(&str, [&Column; 3]) -> Three| match std {
-                Std::Columns(columns) => add(key, columns.each_ref()),
-                Std::Constant(values) => Three::Constant(Vector3::from(*values)),
-            };
-        let place = format.position.as_ref().map(|position| {
-            let place = match &position.place {
-                Place::Geodetic {
-                    lat, lon, height, ..
-                } => add("gnss.position", [lat, lon, height]),
-                Place::Baseline { ned, .. } => add("gnss.position", ned.each_ref()),
-            };
-            (place, add_std("gnss.position_std", &position.std, &mut add))
-        });
-        let velocity = format.velocity.as_ref().map(|velocity| {
-            let from = add("gnss.velocity", velocity.columns.each_ref());
-            (from, add_std("gnss.velocity_std", &velocity.std, &mut add))
-        });
-        let quality = format.quality.as_ref().map(|column| {
-            columns.push(("gnss.quality".to_owned(), column.clone()));
-            columns.len() - 1
-        });
-        let wanted = TableOptions {
-            columns,
-            delimiter: format.delimiter,
+        check_time_scale(format.time_scale, "gnss.time")?;
+        format.fixes.check()?;
+        let fixes = &format.fixes;
+        let mut wanted = TableOptions {
             keep_not_finite: true,
+            ..TableOptions::finite(format.delimiter)
         };
-        let fix_columns = Self {
+        wanted.want("gnss.time", [&format.time]);
+        let mut part = |name: &str,
+                        values: &[Column; 3],
+                        std: &Option<[Column; 3]>,
+                        stated: Option<[f64; 3]>| {
+            let key = format!("gnss.{name}_std");
+            let values = wanted.want(&format!("gnss.{name}"), values);
+            let std = match (std, stated) {
+                (_, Some(_)) => None,
+                (Some(std), None) => Some(wanted.want(&key, std)),
+                (None, None) => {
+                    return Err(ReadError::nameless("no standard deviations").key(&key));
+                }
+            };
+            Ok(At { values, std })
+        };
+        let place = format.place.as_ref().map(|place| {
+            let (Place::Geodetic { columns, .. } | Place::Baseline { ned: columns, .. }) = place;
+            part(
+                "position",
+                columns,
+                &format.position_std,
+                fixes.position_std,
+            )
+        });
+        let velocity = format.velocity.as_ref().map(|columns| {
+            part(
+                "velocity",
+                columns,
+                &format.velocity_std,
+                fixes.velocity_std,
+            )
+        });
+        let (place, velocity) = (place.transpose()?, velocity.transpose()?);
+        if place.is_none() && velocity.is_none() {
+            let problem = "neither position nor velocity is asked for";
+            return Err(ReadError::nameless(problem).key("gnss"));
+        }
+        let quality = format.quality.as_ref();
+        let quality = quality.map(|column| wanted.want("gnss.quality", [column]));
+        let columns = Self {
             format: format.clone(),
             place,
             velocity,
             quality,
         };
-        Ok((fix_columns, wanted))
+        Ok((columns, wanted))
     }
 
     /// What there is of a fix in a row; `None` if the row is to be skipped.
-    pub(super) fn fix(&self, row: &[f64], line: u64, skipped: &mut Skipped) -> Option<GnssFix> {
-        let stamp = row.first().copied().unwrap_or(f64::NAN);
+    pub(super) fn fix(&self, row: TableRow, skipped: &mut Skipped) -> Option<GnssFix> {
+        let stamp = row.numbers.first().copied().unwrap_or(f64::NAN);
         if !stamp.is_finite() {
-            skipped.add(SkipKind::NotFinite, line, format_args!("time {stamp}"));
+            skipped.add(SkipKind::NotFinite, row.line, format_args!("time {stamp}"));
             return None;
         }
-        let quality = self.quality.and_then(|at| row.get(at));
+        let quality = self.quality.and_then(|at| row.numbers.get(at));
         Some(GnssFix {
-            time: stamp * self.format.time_scale + self.format.time_offset,
-            position: self.position(row, line, skipped)?,
-            velocity: self.velocity(row, line, skipped),
+            time: stamp * self.format.time_scale + self.format.fixes.time_offset,
+            position: self.position(row, skipped)?,
+            velocity: self.velocity(row, skipped),
             quality: quality.map_or(FixQuality::Unknown, |&q| quality_of_rtklib(q)),
         })
     }
@@ -178,27 +149,25 @@ impl FixColumns {
     /// The position; `Some(None)` without one, `None` if the row is to be skipped.
     fn position(
         &self,
-        row: &[f64],
-        line: u64,
+        row: TableRow,
         skipped: &mut Skipped,
     ) -> Option<Option<(Position, Matrix3)>> {
-        let (Some(format), Some((place, std))) = (&self.format.position, self.place) else {
+        let (Some(place), Some(at)) = (&self.format.place, self.place) else {
             return Some(None);
         };
-        let values = place.of(row);
-        if !all_finite(&values, line, skipped) {
+        let Some(values) = self.finite(row, at, skipped) else {
             return Some(None);
-        }
-        let position = match &format.place {
+        };
+        let position = match place {
             Place::Geodetic { angle_scale, .. } => {
                 let place = Geodetic {
                     lat: values.x * angle_scale,
                     lon: values.y * angle_scale,
                     height: values.z,
                 };
-                if !is_a_fix(&place) {
+                if on_earth(place).is_err() {
                     let detail = format_args!("{}, {}, {}", values.x, values.y, values.z);
-                    skipped.add(SkipKind::OutOfRange, line, detail);
+                    skipped.add(SkipKind::OutOfRange, row.line, detail);
                     return None;
                 }
                 // From 0° to 360° as well as from −180° to 180°.
@@ -213,60 +182,35 @@ impl FixColumns {
                 ned: values,
             },
         };
-        let std = std.of(row) * format.std_factor;
-        Some(diagonal(&std, line, skipped).map(|covariance| (position, covariance)))
+        let fixes = &self.format.fixes;
+        let std = at.std(row.numbers, fixes.position_std) * fixes.position_std_factor;
+        Some(diagonal(&std, row.line, skipped).map(|covariance| (position, covariance)))
     }
 
-    fn velocity(
-        &self,
-        row: &[f64],
-        line: u64,
-        skipped: &mut Skipped,
-    ) -> Option<(Vector3, Matrix3)> {
-        let (format, (at, std)) = (self.format.velocity.as_ref()?, self.velocity?);
-        let mut velocity = at.of(row);
-        if !all_finite(&velocity, line, skipped) {
-            return None;
-        }
-        if format.up {
+    fn velocity(&self, row: TableRow, skipped: &mut Skipped) -> Option<(Vector3, Matrix3)> {
+        let at = self.velocity?;
+        let mut velocity = self.finite(row, at, skipped)?;
+        if self.format.velocity_up {
             velocity.z = -velocity.z;
         }
-        let std = std.of(row) * format.std_factor;
-        diagonal(&std, line, skipped).map(|covariance| (velocity, covariance))
+        let fixes = &self.format.fixes;
+        let std = at.std(row.numbers, fixes.velocity_std) * fixes.velocity_std_factor;
+        diagonal(&std, row.line, skipped).map(|covariance| (velocity, covariance))
+    }
+
+    /// Three numbers, if they are finite; counted where not.
+    fn finite(&self, row: TableRow, at: At, skipped: &mut Skipped) -> Option<Vector3> {
+        let values = finite(three(row.numbers, at.values));
+        values
+            .map_err(|(kind, detail)| skipped.add(kind, row.line, detail))
+            .ok()
     }
 }
 
-fn check(format: &GnssFormat) -> Result<(), ReadError> {
-    let bad = |key: &str, problem: String| Err(ReadError::nameless(problem).key(key));
-    if format.position.is_none() && format.velocity.is_none() {
-        return bad("gnss", "neither position nor velocity is asked for".into());
+impl At {
+    fn std(self, row: &[f64], stated: Option<[f64; 3]>) -> Vector3 {
+        let own = self.std.map(|from| three(row, from));
+        own.or(stated.map(Vector3::from))
+            .unwrap_or_else(|| Vector3::repeat(f64::NAN))
     }
-    if !(format.time_scale.is_finite() && format.time_scale > 0.0) {
-        return bad(
-            "gnss.time",
-            format!("a time scale of {}", format.time_scale),
-        );
-    }
-    let position = format.position.as_ref().map(|p| (&p.std, p.std_factor));
-    let velocity = format.velocity.as_ref().map(|v| (&v.std, v.std_factor));
-    let parts = [
-        ("gnss.position_std", position),
-        ("gnss.velocity_std", velocity),
-    ];
-    for (key, part) in parts {
-        let Some((std, factor)) = part else { continue };
-        let positive = |value: f64| value.is_finite() && value > 0.0;
-        if !positive(factor) {
-            return bad(
-                key,
-                format!("a factor of {factor} on the standard deviations"),
-            );
-        }
-        if let Std::Constant(values) = std
-            && let Some(value) = values.iter().find(|&&value| !positive(value))
-        {
-            return bad(key, format!("a standard deviation of {value}"));
-        }
-    }
-    Ok(())
 }

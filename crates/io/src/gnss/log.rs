@@ -7,7 +7,7 @@ use undrift_nav::{Matrix3, Vector3};
 use super::options::FixOptions;
 use crate::ReadError;
 use crate::entry::Fix;
-use crate::fix::is_a_fix;
+use crate::fix::on_earth;
 use crate::format::Format;
 use crate::skipped::{SkipKind, Skipped};
 
@@ -74,7 +74,7 @@ impl LogFixes {
 
     pub(super) fn fix(&mut self, at: u64, fix: &Fix, skipped: &mut Skipped) -> GnssFix {
         let place = fix.position.filter(|(position, _)| match position {
-            Position::Geodetic(place) => is_a_fix(place),
+            Position::Geodetic(place) => on_earth(*place).is_ok(),
             Position::Baseline { .. } => true,
         });
         if place.is_none() && fix.position.is_some() {
@@ -82,26 +82,26 @@ impl LogFixes {
             skipped.add(SkipKind::OutOfRange, at, detail);
         }
         let options = &self.options;
+        let mut certain =
+            |own: Option<Matrix3>, stated: Option<[f64; 3]>, factor: f64, key: &str| {
+                let stated =
+                    stated.map(|std| Matrix3::from_diagonal(&Vector3::from(std).map(|s| s * s)));
+                let covariance = stated.or(own).map(|p| p * (factor * factor));
+                if covariance.is_none() {
+                    skipped.add(SkipKind::Untold, at, format_args!("give {key}"));
+                }
+                covariance
+            };
         let position = place.and_then(|(position, own)| {
             let factor = options.position_std_factor;
-            Some((position, certain(own, options.position_std, factor)?))
+            let covariance = certain(own, options.position_std, factor, "gnss.position_std");
+            Some((position, covariance?))
         });
         let velocity = fix.velocity.and_then(|(velocity, own)| {
             let factor = options.velocity_std_factor;
-            Some((velocity, certain(own, options.velocity_std, factor)?))
+            let covariance = certain(own, options.velocity_std, factor, "gnss.velocity_std");
+            Some((velocity, covariance?))
         });
-        for (told, used, key) in [
-            (place.is_some(), position.is_some(), "gnss.position_std"),
-            (
-                fix.velocity.is_some(),
-                velocity.is_some(),
-                "gnss.velocity_std",
-            ),
-        ] {
-            if told && !used {
-                skipped.add(SkipKind::Untold, at, format_args!("give {key}"));
-            }
-        }
         self.untold_velocities += u64::from(fix.velocity.is_some() && velocity.is_none());
         if place.is_some() && position.is_none() {
             self.unknown.get_or_insert(at);
@@ -115,15 +115,6 @@ impl LogFixes {
             quality: fix.quality,
         }
     }
-}
-
-/// The stated standard deviations before the log's own covariance, times a factor.
-fn certain(own: Option<Matrix3>, stated: Option<[f64; 3]>, factor: f64) -> Option<Matrix3> {
-    let stated = stated.map(|std| {
-        let std = Vector3::from(std);
-        Matrix3::from_diagonal(&std.component_mul(&std))
-    });
-    Some(stated.or(own)? * (factor * factor))
 }
 
 /// Whether a covariance is one; counted where not.

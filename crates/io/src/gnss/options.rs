@@ -35,17 +35,10 @@ impl FixOptions {
     /// Whether all standard deviations and factors can be such.
     pub(crate) fn check(&self) -> Result<(), ReadError> {
         let positive = |value: &f64| value.is_finite() && *value > 0.0;
+        let (position, velocity) = (self.position_std, self.velocity_std);
         for (key, constants, factor) in [
-            (
-                "gnss.position_std",
-                self.position_std,
-                self.position_std_factor,
-            ),
-            (
-                "gnss.velocity_std",
-                self.velocity_std,
-                self.velocity_std_factor,
-            ),
+            ("gnss.position_std", position, self.position_std_factor),
+            ("gnss.velocity_std", velocity, self.velocity_std_factor),
         ] {
             let mut all = constants.into_iter().flatten().chain([factor]);
             if let Some(bad) = all.find(|value| !positive(value)) {

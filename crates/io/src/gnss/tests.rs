@@ -15,30 +15,25 @@ fn group(from: usize) -> [Column; 3] {
 
 /// Time, latitude and longitude \[deg\], height, velocity with up, stds of position and velocity, quality.
 fn format() -> GnssFormat {
-    let [lat, lon, height] = group(2);
     GnssFormat {
         time: Column::Number(1),
         time_scale: 1.0,
-        time_offset: 0.0,
-        position: Some(PositionFormat {
-            place: Place::Geodetic {
-                lat,
-                lon,
-                height,
-                angle_scale: 1f64.to_radians(),
-            },
-            std: Std::Columns(group(8)),
-            std_factor: 2.0,
+        place: Some(Place::Geodetic {
+            columns: group(2),
+            angle_scale: 1f64.to_radians(),
         }),
-        velocity: Some(VelocityFormat {
-            columns: group(5),
-            up: true,
-            std: Std::Constant([0.1, 0.2, 0.5]),
-            std_factor: 10.0,
-        }),
+        position_std: Some(group(8)),
+        velocity: Some(group(5)),
+        velocity_up: true,
+        velocity_std: None,
         quality: Some(Column::Number(11)),
         delimiter: None,
-        span: None,
+        fixes: FixOptions {
+            position_std_factor: 2.0,
+            velocity_std: Some([0.1, 0.2, 0.5]),
+            velocity_std_factor: 10.0,
+            ..FixOptions::default()
+        },
     }
 }
 
@@ -108,18 +103,18 @@ fn unusable_parts_leave_the_other_part() {
 fn baselines_and_spans() {
     let base = Geodetic::from_degrees(45.0, 7.0, 300.0);
     let baseline = GnssFormat {
-        position: Some(PositionFormat {
-            place: Place::Baseline {
-                ned: group(2),
-                base,
-            },
-            std: Std::Constant([1.0; 3]),
-            std_factor: 1.0,
+        place: Some(Place::Baseline {
+            ned: group(2),
+            base,
         }),
         velocity: None,
         quality: None,
-        time_offset: 10.0,
-        span: Some((12.0, 13.0)),
+        fixes: FixOptions {
+            position_std: Some([1.0; 3]),
+            time_offset: 10.0,
+            span: Some((12.0, 13.0)),
+            ..FixOptions::default()
+        },
         ..format()
     };
     let text = "t n e d\n1 0 0 0\n2 1 2 3\n3 1 2 3\n4 1 2 3\n";
@@ -136,15 +131,21 @@ fn baselines_and_spans() {
 #[test]
 fn unusable_formats_and_files_are_named() {
     let nothing = GnssFormat {
-        position: None,
+        place: None,
         velocity: None,
         ..format()
     };
     assert!(reader("1\n", &nothing).is_err());
     let mut zero = format();
-    zero.velocity.as_mut().unwrap().std = Std::Constant([0.1, 0.0, 0.1]);
+    zero.fixes.velocity_std = Some([0.1, 0.0, 0.1]);
     let error = reader("1\n", &zero).err().unwrap().to_string();
     assert!(error.contains("gnss.velocity_std"), "{error}");
+    let unknown = GnssFormat {
+        position_std: None,
+        ..format()
+    };
+    let error = reader("1\n", &unknown).err().unwrap().to_string();
+    assert!(error.contains("gnss.position_std"), "{error}");
     let mut none = reader("1,0,0,0,1,2,3,1,2,3,5\n", &format()).unwrap();
     let error = none.next().unwrap().unwrap_err().to_string();
     assert!(

@@ -4,7 +4,7 @@ use undrift_nav::{Matrix3, Vector3};
 
 use crate::ReadError;
 use crate::format::Format;
-use crate::table::Column;
+use crate::table::{Column, check_time_scale};
 
 /// Where the samples of an inertial log are.
 #[derive(Clone, Debug)]
@@ -111,10 +111,6 @@ impl ImuFormat {
                     .mend("give imu.time or imu.rate"),
             );
         }
-        if !(self.time_scale.is_finite() && self.time_scale > 0.0) {
-            let problem = format!("a time scale of {} makes no times", self.time_scale);
-            return Err(ReadError::nameless(problem).key("imu.time"));
-        }
-        Ok(())
+        check_time_scale(self.time_scale, "imu.time")
     }
 }

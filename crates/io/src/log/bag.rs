@@ -3,7 +3,8 @@
 
 use std::ops::Range;
 
-use super::ros::{self, Container, Encoding, Event, Fields, File, Layout, Packed, Stop};
+use super::bytes::ByteFields;
+use super::ros::{self, Container, Declared, Encoding, Event, File, Packed, Records, Stop};
 use crate::ReadError;
 use crate::entry::{Entries, Stream, Wanted};
 use crate::source::Source;
@@ -52,15 +53,15 @@ struct Header {
 }
 
 impl Header {
-    /// Fields are a length and `name=value`.
+    /// ByteFields are a length and `name=value`.
     fn parse(bytes: &[u8]) -> Option<Self> {
         let mut header = Self::default();
-        let mut fields = Fields::packed(bytes);
+        let mut fields = ByteFields::packed(bytes);
         while fields.at() < bytes.len() {
             let field = fields.block()?;
             let equals = memchr::memchr(b'=', field)?;
             let (name, value) = (field.get(..equals)?, field.get(equals + 1..)?);
-            let mut number = Fields::packed(value);
+            let mut number = ByteFields::packed(value);
             let text = || String::from_utf8_lossy(value).into_owned();
             match name {
                 b"op" => header.op = number.u8()?,
@@ -81,7 +82,7 @@ impl Header {
 
 /// The type that a connection's own header names.
 fn type_of(bytes: &[u8]) -> Option<String> {
-    let mut fields = Fields::packed(bytes);
+    let mut fields = ByteFields::packed(bytes);
     while fields.at() < bytes.len() {
         if let Some(name) = fields.block()?.strip_prefix(b"type=") {
             return Some(String::from_utf8_lossy(name).into_owned());
@@ -113,19 +114,19 @@ fn event(header: Header, bytes: &[u8], range: Range<usize>) -> Option<Event> {
             time: header.time,
             bytes: range,
         }),
-        op::CONNECTION => Some(Event::Topic {
+        op::CONNECTION => Some(Event::Topic(Declared {
             number: header.conn,
             name: header.topic,
             type_name: type_of(bytes.get(range)?).unwrap_or_default(),
             encoding: Some(Encoding::Ros1),
-        }),
+        })),
         _ => None,
     }
 }
 
 /// A length; a record begins with one and has another before its data.
 fn length(file: &mut File) -> Result<u32, Stop> {
-    let four = Fields::packed(file.header(4)?).u32();
+    let four = ByteFields::packed(file.header(4)?).u32();
     four.ok_or_else(|| Stop::Early(String::new()))
 }
 
@@ -142,13 +143,13 @@ impl Bag {
     }
 }
 
-impl Layout for Bag {
+impl Records for Bag {
     fn methods(&self) -> &'static str {
         "none, bz2 and lz4"
     }
 
     fn inside(&mut self, chunk: &[u8], at: usize) -> Option<(Option<Event>, usize)> {
-        let mut fields = Fields::packed(chunk.get(at..)?);
+        let mut fields = ByteFields::packed(chunk.get(at..)?);
         let header = Header::parse(fields.block()?)?;
         let n = fields.block()?.len();
         let end = at + fields.at();

@@ -14,11 +14,12 @@ use quick_xml::{Reader, XmlVersion};
 use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::{FixQuality, Position};
 
-use super::receiver::{Ready, by_steps, check};
-use crate::entry::{Entries, Fix, Stream, StreamKind, Wanted};
+use super::receiver::{Ready, by_steps, check, one_stream};
+use crate::entry::{Entries, Fix, Stream, Wanted};
+use crate::fix::on_earth;
 use crate::skipped::SkipKind;
 use crate::source::Source;
-use crate::time::{WeekClock, time_of_day, whole};
+use crate::time::{self, WeekClock, time_of_day};
 use crate::{ReadError, number};
 use text::Text;
 
@@ -42,13 +43,12 @@ pub(crate) fn detect(start: &[u8]) -> bool {
 
 pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
     check(wanted, "GPX", [&[], &[STREAM], &[]])?;
-    let poses = matches!(wanted, Wanted::Poses(_));
     let mut points = Points::new(source);
     let mut weeks = WeekClock::default();
-    Ok(by_steps(move |ready| {
+    Ok(by_steps(wanted, move |ready| {
         match points.next()? {
             Next::Inside => return Ok(true),
-            Next::Point(point) => point.entry(&mut weeks, poses, ready),
+            Next::Point(point) => point.entry(&mut weeks, ready),
             Next::End => return Ok(false),
             Next::EndsEarly(detail) => {
                 ready.skip(points.line(), SkipKind::EndsEarly, detail);
@@ -72,13 +72,11 @@ pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
             Next::End | Next::EndsEarly(_) => break,
         }
     }
-    let stream = Stream {
-        name: STREAM.to_owned(),
-        kind: StreamKind::Fixes,
-        about: format!("points of tracks, {timed} with a time"),
+    Ok(one_stream(
+        STREAM,
+        format!("points of tracks, {timed} with a time"),
         messages,
-    };
-    Ok((messages > 0).then_some(stream).into_iter().collect())
+    ))
 }
 
 /// A point of a track as it is written.
@@ -93,7 +91,7 @@ struct Point {
 }
 
 impl Point {
-    fn entry(&self, weeks: &mut WeekClock, poses: bool, ready: &mut Ready) {
+    fn entry(&self, weeks: &mut WeekClock, ready: &mut Ready) {
         let missing = [
             (self.time.is_empty(), "a point without a time"),
             (self.elevation.is_empty(), "a point without an elevation"),
@@ -113,9 +111,9 @@ impl Point {
             return ready.skip(self.line, SkipKind::Text, "a place that is no number");
         };
         let position = Geodetic::from_degrees(lat, lon, elevation + geoid);
-        if !ready.is_a_place(self.line, &position) {
+        let Some(position) = ready.usable(self.line, on_earth(position)) else {
             return;
-        }
+        };
         let Some(time) = seconds(weeks, self.time.as_bytes()) else {
             return ready.skip(self.line, SkipKind::Text, format!("time {:?}", self.time));
         };
@@ -125,7 +123,7 @@ impl Point {
             velocity: None,
             quality: FixQuality::Unknown,
         };
-        ready.fix(self.line, fix, poses);
+        ready.fix(self.line, fix);
     }
 }
 
@@ -271,13 +269,8 @@ fn seconds(weeks: &mut WeekClock, text: &[u8]) -> Option<f64> {
             if *sign == b'-' { -size } else { size }
         }
     };
-    let mut parts = date.split(|byte| *byte == b'-').map(whole);
-    let (year, month, day) = (parts.next()??, parts.next()??, parts.next()??);
     let seconds = time_of_day(time)? - offset;
-    parts
-        .next()
-        .is_none()
-        .then(|| weeks.utc(year, month, day, seconds))?
+    Some(weeks.utc_day(time::date(date, b'-')?, seconds))
 }
 
 #[cfg(test)]

@@ -1,23 +1,19 @@
 //! MCAP: records of a kind and a length, messages in chunks that may be compressed, as ROS 2 (and
 //! tools of ROS 1) record them. MCAP format specification, version 0.
+//!
+//! Records are taken apart here: `mcap::parse_record` reserves as many bytes as a length in the file says.
 
 use std::collections::HashMap;
 use std::ops::Range;
 
-use super::ros::{self, Container, Encoding, Event, Fields, File, Layout, Packed, Stop};
+use ::mcap::records::op;
+
+use super::bytes::ByteFields;
+use super::ros::{self, Container, Declared, Encoding, Event, File, Packed, Records, Stop};
 use crate::ReadError;
 use crate::entry::{Entries, Stream, Wanted};
 use crate::skipped::SkipKind;
 use crate::source::Source;
-
-/// Kinds of record.
-mod op {
-    pub(super) const FOOTER: u8 = 0x02;
-    pub(super) const SCHEMA: u8 = 0x03;
-    pub(super) const CHANNEL: u8 = 0x04;
-    pub(super) const MESSAGE: u8 = 0x05;
-    pub(super) const CHUNK: u8 = 0x06;
-}
 
 /// Whether a file that starts like this is MCAP, of whatever version.
 pub(crate) fn detect(start: &[u8]) -> bool {
@@ -53,10 +49,10 @@ impl Mcap {
     /// What a schema, channel or message tells whose content is a part of `bytes`.
     fn event(&mut self, kind: u8, bytes: &[u8], range: Range<usize>) -> Option<Event> {
         let content = bytes.get(range.clone()).unwrap_or_default();
-        let mut fields = Fields::packed(content);
+        let mut fields = ByteFields::packed(content);
         let event = match kind {
-            op::SCHEMA => schema(&mut fields).map(|(number, name)| {
-                self.schemas.insert(number, name);
+            op::SCHEMA => fields.u16().zip(fields.text()).map(|(number, name)| {
+                self.schemas.insert(number, name.into_owned());
                 None
             }),
             op::CHANNEL => channel(&mut fields, &self.schemas).map(Some),
@@ -70,13 +66,13 @@ impl Mcap {
     }
 }
 
-impl Layout for Mcap {
+impl Records for Mcap {
     fn methods(&self) -> &'static str {
         "none, lz4 and zstd"
     }
 
     fn inside(&mut self, chunk: &[u8], at: usize) -> Option<(Option<Event>, usize)> {
-        let mut fields = Fields::packed(chunk.get(at..)?);
+        let mut fields = ByteFields::packed(chunk.get(at..)?);
         let kind = fields.u8()?;
         let n = usize::try_from(fields.u64()?).ok()?;
         fields.take(n)?;
@@ -85,7 +81,7 @@ impl Layout for Mcap {
     }
 
     fn outside(&mut self, file: &mut File) -> Result<Option<Event>, Stop> {
-        let mut fields = Fields::packed(file.header(9)?);
+        let mut fields = ByteFields::packed(file.header(9)?);
         let (Some(kind), Some(n)) = (fields.u8(), fields.u64()) else {
             return Err(Stop::Early(String::new()));
         };
@@ -112,7 +108,7 @@ impl Layout for Mcap {
 
 /// The chunk that a record holds, as far as it is there.
 fn packed(record: &[u8]) -> Option<Packed> {
-    let mut fields = Fields::packed(record);
+    let mut fields = ByteFields::packed(record);
     // The times of the first and last message come first.
     fields.take(16)?;
     let size = fields.u64()?;
@@ -130,12 +126,7 @@ fn packed(record: &[u8]) -> Option<Packed> {
     })
 }
 
-/// The number and name of a type.
-fn schema(fields: &mut Fields) -> Option<(u16, String)> {
-    Some((fields.u16()?, fields.text()?.into_owned()))
-}
-
-fn channel(fields: &mut Fields, schemas: &HashMap<u16, String>) -> Option<Event> {
+fn channel(fields: &mut ByteFields, schemas: &HashMap<u16, String>) -> Option<Event> {
     let number = u32::from(fields.u16()?);
     let type_name = schemas.get(&fields.u16()?).cloned().unwrap_or_default();
     let name = fields.text()?.into_owned();
@@ -144,16 +135,16 @@ fn channel(fields: &mut Fields, schemas: &HashMap<u16, String>) -> Option<Event>
         "cdr" => Some(Encoding::Cdr),
         _ => None,
     };
-    Some(Event::Topic {
+    Some(Event::Topic(Declared {
         number,
         name,
         type_name,
         encoding,
-    })
+    }))
 }
 
 /// A message whose record is at `range`.
-fn message(fields: &mut Fields, range: &Range<usize>) -> Option<Event> {
+fn message(fields: &mut ByteFields, range: &Range<usize>) -> Option<Event> {
     const SECOND: u64 = 1_000_000_000;
     let number = u32::from(fields.u16()?);
     let _sequence = fields.u32()?;

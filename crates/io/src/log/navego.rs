@@ -21,14 +21,12 @@ mod rows;
 mod tests;
 
 use self::mat::{Variable, Variables};
-use self::rows::Rows;
+use self::rows::rows;
 use crate::ReadError;
 use crate::entry::{Entries, Entry, Stream, StreamKind, Wanted, What};
+use crate::error::{NAMES_SHOWN, the_file_has};
 use crate::skipped::SkipKind;
 use crate::source::Source;
-
-/// Names that a message lists at most.
-const NAMES_SHOWN: usize = 60;
 
 /// Whether a file that starts so is a MATLAB file of level 5, or of 7.3, which is refused later.
 pub(crate) fn detect(start: &[u8]) -> bool {
@@ -36,37 +34,18 @@ pub(crate) fn detect(start: &[u8]) -> bool {
 }
 
 pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
-    let (name, kind, key) = match wanted {
-        Wanted::Imu(name) => (name, StreamKind::Imu, "imu.topic"),
-        Wanted::Fixes {
-            position, velocity, ..
-        } => {
-            if velocity.is_some() && velocity != position {
-                return Err(
-                    ReadError::nameless("velocities are read with their positions")
-                        .key("gnss.velocity_topic")
-                        .mend("leave it out"),
-                );
-            }
-            (position, StreamKind::Fixes, "gnss.topic")
-        }
-        Wanted::Poses(name) => (name, StreamKind::Poses, "truth.topic"),
-    };
+    let (name, kind, key) = wanted.one_stream()?;
     let error = |problem: String| ReadError::nameless(problem).key(key);
     let mut variables = Variables::open(source)?;
     let mut there = Vec::new();
-    let mut found: Option<(String, Rows)> = None;
+    let is_named = name.is_some();
+    let mut found = None;
     // What is damaged behind the variable that is wanted does not matter.
     let mut broken = None;
-    loop {
-        let variable = match variables.next() {
-            Ok(Some(variable)) => variable,
-            Ok(None) => break,
-            Err(problem) => {
-                broken = Some(problem);
-                break;
-            }
-        };
+    while let Some(variable) = variables.next().unwrap_or_else(|problem| {
+        broken = Some(problem);
+        None
+    }) {
         let this_kind = kind_of(&variable);
         let is_wanted = match name {
             Some(name) => variable.name == *name,
@@ -87,26 +66,26 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
             return Err(error(problem).mend("name the one that is meant"));
         }
         let name = variable.name.clone();
-        let rows =
-            Rows::new(variable, kind).map_err(|problem| error(format!("{name}: {problem}")))?;
+        let rows = rows(variable, kind).map_err(|problem| error(format!("{name}: {problem}")))?;
         found = Some((name, rows));
-        if wanted_is_named(wanted) {
+        if is_named {
             break;
         }
     }
-    let Some((_, rows)) = found else {
-        if let Some(problem) = broken {
-            return Err(error(problem));
-        }
-        let problem = match name {
-            Some(name) => format!("no variable {name}"),
-            None => format!("no {}", fields_of(kind)),
+    let Some((_, (count, row))) = found else {
+        let problem = match (broken, name) {
+            (Some(problem), _) => return Err(error(problem)),
+            (None, Some(name)) => format!("no variable {name}"),
+            (None, None) => format!("no {}", fields_of(kind)),
         };
-        return Err(error(problem).mend(format!("the file has: {}", there.join(", "))));
+        return Err(error(problem).mend(the_file_has(&there, NAMES_SHOWN)));
     };
-    let last = rows.len() as u64;
+    let rows = (0..count).map(move |index| Entry {
+        at: index as u64 + 1,
+        what: row(index),
+    });
     let early = broken.map(|problem| Entry {
-        at: last.max(1),
+        at: count.max(1) as u64,
         what: What::Skipped(SkipKind::EndsEarly, problem),
     });
     Ok(Box::new(rows.chain(early).map(Ok)))
@@ -128,13 +107,6 @@ pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
         return Err(ReadError::nameless("has no variable that can be read"));
     }
     Ok(streams)
-}
-
-fn wanted_is_named(wanted: &Wanted) -> bool {
-    match wanted {
-        Wanted::Imu(name) | Wanted::Poses(name) => name.is_some(),
-        Wanted::Fixes { position, .. } => position.is_some(),
-    }
 }
 
 /// What a variable holds, by the fields that it has.
@@ -175,7 +147,7 @@ fn about(variable: &Variable) -> String {
     let shown = names.get(..NAMES_SHOWN).unwrap_or(&names).join(", ");
     let arm = variable.field("larm").filter(|arm| arm.len() == 3);
     let arm = arm.map_or(String::new(), |arm| {
-        let [x, y, z] = arm.three(0, 1);
+        let [x, y, z] = arm.some::<3>(0, 1);
         format!("; larm {x}, {y}, {z} m")
     });
     format!("{} with {shown}{arm}", variable.about)

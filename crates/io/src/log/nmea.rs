@@ -16,10 +16,10 @@
 mod epoch;
 mod sentence;
 
-use super::receiver::{Ready, by_steps, check};
+use super::receiver::{Ready, by_steps, check, one_stream};
 use crate::ReadError;
-use crate::entry::{Entries, Stream, StreamKind, Wanted};
-use crate::lines::{Lines, Step};
+use crate::entry::{Entries, Stream, Wanted};
+use crate::lines::{Lines, NextLine};
 use crate::skipped::SkipKind;
 use crate::source::Source;
 use epoch::{Epoch, Heights, Times};
@@ -48,10 +48,9 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
         lines: Lines::new(source),
         epoch: None,
         heights: Heights::default(),
-        times: Times::default(),
-        poses: matches!(wanted, Wanted::Poses(_)),
+        times: Times::new(matches!(wanted, Wanted::Poses(_))),
     };
-    Ok(by_steps(move |ready| Ok(reader.step(ready))))
+    Ok(by_steps(wanted, move |ready| Ok(reader.step(ready))))
 }
 
 pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
@@ -60,7 +59,7 @@ pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
     let (mut counts, mut messages) = ([0u64; KINDS.len()], 0);
     loop {
         match lines.step() {
-            Step::Line(range) => {
+            NextLine::Line(range) => {
                 for found in sentences(lines.bytes(range)) {
                     let Found::Sentence(sentence) = found else {
                         continue;
@@ -71,21 +70,15 @@ pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
                     }
                 }
             }
-            Step::TooLong => {}
-            Step::End => break,
+            NextLine::TooLong => {}
+            NextLine::End => break,
         }
     }
     let said = |(count, kind): (&u64, &[u8])| {
         (*count > 0).then(|| format!("{} {count}", String::from_utf8_lossy(kind)))
     };
     let about: Vec<String> = counts.iter().zip(KINDS).filter_map(said).collect();
-    let stream = Stream {
-        name: STREAM.to_owned(),
-        kind: StreamKind::Fixes,
-        about: about.join(", "),
-        messages,
-    };
-    Ok((messages > 0).then_some(stream).into_iter().collect())
+    Ok(one_stream(STREAM, about.join(", "), messages))
 }
 
 struct Reader {
@@ -93,7 +86,6 @@ struct Reader {
     epoch: Option<Epoch>,
     heights: Heights,
     times: Times,
-    poses: bool,
 }
 
 impl Reader {
@@ -102,14 +94,14 @@ impl Reader {
         let step = self.lines.step();
         let at = self.lines.number();
         match step {
-            Step::Line(range) => {
+            NextLine::Line(range) => {
                 let line = self.lines.bytes(range);
                 for found in sentences(line) {
                     match found {
                         Found::Sentence(sentence) => {
                             let ended = take(&mut self.epoch, at, &sentence, ready);
                             if let Some(ended) = ended {
-                                ended.end(&mut self.heights, &mut self.times, self.poses, ready);
+                                ended.end(&mut self.heights, &mut self.times, ready);
                             }
                         }
                         Found::Damaged(detail) => ready.skip(at, SkipKind::Damaged, detail),
@@ -118,15 +110,13 @@ impl Reader {
                 true
             }
             // Sentences are short: this is something else.
-            Step::TooLong => true,
-            Step::End => {
+            NextLine::TooLong => true,
+            NextLine::End => {
                 if let Some(last) = self.epoch.take() {
-                    last.end(&mut self.heights, &mut self.times, self.poses, ready);
+                    last.end(&mut self.heights, &mut self.times, ready);
                 }
-                self.times.end(self.poses, ready);
-                if let Some(failure) = self.lines.failure() {
-                    ready.skip(at, SkipKind::EndsEarly, failure.to_string());
-                }
+                self.times.end(ready);
+                ready.ends_early(at, self.lines.failure());
                 false
             }
         }
@@ -140,31 +130,22 @@ fn take(
     sentence: &Sentence,
     ready: &mut Ready,
 ) -> Option<Epoch> {
-    if !matches!(sentence.kind(), b"GGA" | b"GST" | b"RMC" | b"VTG" | b"ZDA") {
-        return None;
-    }
-    // VTG has no time: it belongs to the sentences before it.
-    if sentence.kind() == b"VTG" {
-        if let Some(current) = epoch
-            && let Err(kind) = current.add(sentence)
-        {
-            ready.skip(at, kind, sentence.shown());
+    let mut ended = None;
+    match sentence.kind() {
+        // It has no time: it belongs to the sentences before it.
+        b"VTG" => {}
+        // Without a time, the receiver has none yet.
+        b"GGA" | b"GST" | b"RMC" | b"ZDA" if !sentence.field(1).is_empty() => {
+            let Some(time_of_day) = sentence::time_of_day(sentence.field(1)) else {
+                ready.skip(at, SkipKind::Text, sentence.shown());
+                return None;
+            };
+            if epoch.as_ref().map(|epoch| epoch.time_of_day) != Some(time_of_day) {
+                ended = epoch.replace(Epoch::new(at, time_of_day));
+            }
         }
-        return None;
+        _ => return None,
     }
-    // Without a time, the receiver has none yet.
-    let field = sentence.field(1);
-    if field.is_empty() {
-        return None;
-    }
-    let Some(time_of_day) = sentence::time_of_day(field) else {
-        ready.skip(at, SkipKind::Text, sentence.shown());
-        return None;
-    };
-    let ended = match epoch {
-        Some(current) if current.time_of_day == time_of_day => None,
-        _ => epoch.replace(Epoch::new(at, time_of_day)),
-    };
     if let Some(current) = epoch
         && let Err(kind) = current.add(sentence)
     {

@@ -2,21 +2,22 @@
 
 use std::collections::VecDeque;
 
-use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::{Position, TruthSample};
 
 use crate::ReadError;
-use crate::entry::{Entries, Entry, Fix, Wanted, What};
-use crate::fix::{is_a_fix, shown};
+use crate::entry::{Entries, Entry, Fix, Stream, StreamKind, Unfit, Wanted, What};
 use crate::skipped::SkipKind;
 
 /// Entries that are ready to be given out.
-#[derive(Default)]
-pub(super) struct Ready(VecDeque<Entry>);
+pub(super) struct Ready {
+    entries: VecDeque<Entry>,
+    /// Whether reference solutions are wanted, not fixes.
+    poses: bool,
+}
 
 impl Ready {
     pub(super) fn push(&mut self, at: u64, what: What) {
-        self.0.push_back(Entry { at, what });
+        self.entries.push_back(Entry { at, what });
     }
 
     pub(super) fn skip(&mut self, at: u64, kind: SkipKind, detail: impl Into<String>) {
@@ -24,9 +25,9 @@ impl Ready {
     }
 
     /// A fix, or the reference solution that it is.
-    pub(super) fn fix(&mut self, at: u64, fix: Fix, poses: bool) {
+    pub(super) fn fix(&mut self, at: u64, fix: Fix) {
         match fix.position {
-            _ if !poses => self.push(at, What::Fix(fix)),
+            _ if !self.poses => self.push(at, What::Fix(fix)),
             Some((Position::Geodetic(position), _)) => {
                 let pose = TruthSample {
                     time: fix.time,
@@ -40,35 +41,55 @@ impl Ready {
         }
     }
 
-    /// Whether a place can be one; counted where not.
-    pub(super) fn is_a_place(&mut self, at: u64, place: &Geodetic) -> bool {
-        let is_one = is_a_fix(place);
-        if !is_one {
-            self.skip(at, SkipKind::OutOfRange, shown(place));
+    /// What was read, if it can be used; counted where not.
+    pub(super) fn usable<T>(&mut self, at: u64, read: Result<T, Unfit>) -> Option<T> {
+        read.map_err(|(kind, detail)| self.skip(at, kind, detail))
+            .ok()
+    }
+
+    /// Counts that the file breaks off, if it does.
+    pub(super) fn ends_early(&mut self, at: u64, failure: Option<impl ToString>) {
+        if let Some(failure) = failure {
+            self.skip(at, SkipKind::EndsEarly, failure.to_string());
         }
-        is_one
     }
 }
 
-/// Entries by steps that make none, one or several of them, until one says that it was the last.
+/// Entries of what is wanted by steps that make none, one or several of them, until one says that it was
+/// the last.
 pub(super) fn by_steps(
+    wanted: &Wanted,
     mut step: impl FnMut(&mut Ready) -> Result<bool, ReadError> + Send + 'static,
 ) -> Entries {
-    let mut ready = Ready::default();
+    let mut ready = Ready {
+        entries: VecDeque::new(),
+        poses: matches!(wanted, Wanted::Poses(_)),
+    };
     let mut more = true;
     Box::new(std::iter::from_fn(move || {
-        while more && ready.0.is_empty() {
+        while more && ready.entries.is_empty() {
             match step(&mut ready) {
                 Ok(goes_on) => more = goes_on,
                 Err(error) => {
                     more = false;
-                    ready.0.clear();
+                    ready.entries.clear();
                     return Some(Err(error));
                 }
             }
         }
-        ready.0.pop_front().map(Ok)
+        ready.entries.pop_front().map(Ok)
     }))
+}
+
+/// The only stream of a format, if it has any message.
+pub(super) fn one_stream(name: &str, about: String, messages: u64) -> Vec<Stream> {
+    let stream = Stream {
+        name: name.to_owned(),
+        kind: StreamKind::Fixes,
+        about,
+        messages,
+    };
+    Vec::from_iter((messages > 0).then_some(stream))
 }
 
 /// Refuses names of streams that a format does not have; `imu`, `position` and `velocity` are those

@@ -7,28 +7,26 @@
 //! wheels have other frames.
 //! nav_msgs/Odometry is in a frame that begins anywhere, so it is not read.
 
-mod bytes;
 mod container;
 mod fixes;
 mod message;
 mod topics;
 
-use std::collections::VecDeque;
 use std::ops::Range;
 
 use undrift_nav::sample::{FixQuality, Position};
 
+use super::receiver::{Ready, by_steps};
 use crate::ReadError;
-use crate::entry::{Entries, Entry, Fix, ImuReading, Stream, StreamKind, Wanted, What};
+use crate::entry::{Entries, Fix, ImuReading, Stream, StreamKind, Unfit, Wanted, What};
 use crate::skipped::SkipKind;
 use crate::time::WeekClock;
 
-pub(super) use bytes::Fields;
-pub(super) use container::{Container, Event, File, Layout, Packed, Stop};
+pub(super) use container::{Container, Declared, Event, File, Packed, Records, Stop};
 pub(super) use message::Encoding;
 
 use fixes::Waiting;
-use message::{Type, Unfit};
+use message::Type;
 use topics::{Choice, Topic, Topics};
 
 /// The streams of a container.
@@ -36,12 +34,7 @@ pub(super) fn streams(mut container: Container) -> Result<Vec<Stream>, ReadError
     let mut topics = Topics::default();
     while let Some(event) = container.next()? {
         match event {
-            Event::Topic {
-                number,
-                name,
-                type_name,
-                encoding,
-            } => topics.declare(number, name, &type_name, encoding),
+            Event::Topic(topic) => topics.declare(topic),
             Event::Message { number, bytes, .. } => {
                 if let Some((_, topic, Some(encoding))) = topics.count(number) {
                     note_frame(topic, encoding, container.bytes(bytes));
@@ -61,13 +54,21 @@ fn note_frame(topic: &mut Topic, encoding: Encoding, bytes: &[u8]) {
 
 /// The entries of a container.
 pub(super) fn entries(container: Container, wanted: &Wanted) -> Result<Entries, ReadError> {
-    let wanted = match wanted {
-        Wanted::Imu(topic) => Choices::Imu(Choice::new("imu.topic", StreamKind::Imu, topic)),
+    let choices = match wanted {
+        Wanted::Imu(topic) => Choices {
+            main: Choice::new("imu.topic", StreamKind::Imu, topic),
+            velocity: None,
+            frame: None,
+        },
         Wanted::Fixes {
             position, velocity, ..
-        } => Choices::Fixes {
-            position: Choice::new("gnss.topic", StreamKind::Fixes, position),
-            velocity: Choice::new("gnss.velocity_topic", StreamKind::Velocity, velocity),
+        } => Choices {
+            main: Choice::new("gnss.topic", StreamKind::Fixes, position),
+            velocity: Some(Choice::new(
+                "gnss.velocity_topic",
+                StreamKind::Velocity,
+                velocity,
+            )),
             frame: None,
         },
         Wanted::Poses(_) => {
@@ -78,70 +79,51 @@ pub(super) fn entries(container: Container, wanted: &Wanted) -> Result<Entries, 
             );
         }
     };
-    Ok(Box::new(Recording {
+    let mut recording = Recording {
         container,
-        wanted,
+        wanted: choices,
         topics: Topics::default(),
         weeks: WeekClock::default(),
         messages: 0,
         waiting: Waiting::default(),
-        ready: VecDeque::new(),
-        finished: false,
-    }))
+    };
+    Ok(by_steps(wanted, move |ready| recording.step(ready)))
 }
 
 /// The topics that are meant.
-enum Choices {
-    Imu(Choice),
-    Fixes {
-        position: Choice,
-        velocity: Choice,
-        /// Frame of the positions.
-        frame: Option<String>,
-    },
+struct Choices {
+    /// Of inertial samples, or of positions.
+    main: Choice,
+    /// Of velocities, which go with positions.
+    velocity: Option<Choice>,
+    /// Frame of the positions.
+    frame: Option<String>,
 }
 
 impl Choices {
     /// Whether a message of this topic and frame, where it tells one, is meant.
     fn takes(&mut self, index: usize, topic: &Topic, frame: Option<&str>) -> bool {
-        match self {
-            Self::Imu(choice) => choice.takes(index, topic),
-            Self::Fixes {
-                position,
-                velocity,
-                frame: receiver,
-            } => {
-                if position.takes(index, topic) {
-                    if receiver.is_none() {
-                        *receiver = frame.map(str::to_owned);
-                    }
-                    return true;
-                }
-                let of_receiver = frame.is_some() && receiver.as_deref() == frame;
-                (velocity.is_named() || of_receiver) && velocity.takes(index, topic)
+        if self.main.takes(index, topic) {
+            if self.frame.is_none() {
+                self.frame = frame.map(str::to_owned);
             }
+            return true;
         }
+        let of_receiver = frame.is_some() && self.frame.as_deref() == frame;
+        self.velocity.as_mut().is_some_and(|velocity| {
+            (velocity.is_named() || of_receiver) && velocity.takes(index, topic)
+        })
     }
 
     fn are_ambiguous(&self) -> bool {
-        match self {
-            Self::Imu(choice) => choice.is_ambiguous(),
-            Self::Fixes {
-                position, velocity, ..
-            } => position.is_ambiguous() || velocity.is_ambiguous(),
-        }
+        let velocity = self.velocity.as_ref();
+        self.main.is_ambiguous() || velocity.is_some_and(Choice::is_ambiguous)
     }
 
     fn verdict(&self, topics: &Topics) -> Result<(), ReadError> {
-        match self {
-            Self::Imu(choice) => choice.verdict(topics, true),
-            Self::Fixes {
-                position, velocity, ..
-            } => {
-                position.verdict(topics, true)?;
-                velocity.verdict(topics, false)
-            }
-        }
+        self.main.verdict(topics, true)?;
+        let velocity = self.velocity.as_ref();
+        velocity.map_or(Ok(()), |velocity| velocity.verdict(topics, false))
     }
 }
 
@@ -154,61 +136,41 @@ struct Recording {
     /// Messages of all topics so far.
     messages: u64,
     waiting: Waiting,
-    ready: VecDeque<Entry>,
-    finished: bool,
 }
 
 impl Recording {
-    /// One more entry. Where several topics could be meant, the rest is read for their names only.
-    fn next_entry(&mut self) -> Result<Option<Entry>, ReadError> {
-        loop {
-            if let Some(entry) = self.ready.pop_front() {
-                return Ok(Some(entry));
+    /// Takes in what the file tells next; false at its end. Where several topics could be meant, the rest
+    /// is read for their names only.
+    fn step(&mut self, ready: &mut Ready) -> Result<bool, ReadError> {
+        let Some(event) = self.container.next()? else {
+            self.wanted.verdict(&self.topics)?;
+            while let Some((at, fix)) = self.waiting.next() {
+                ready.push(at, What::Fix(fix));
             }
-            if self.finished {
-                return Ok(None);
+            return Ok(false);
+        };
+        let entry = match event {
+            Event::Topic(topic) => {
+                self.topics.declare(topic);
+                None
             }
-            match self.container.next()? {
-                Some(event) => self.take(event),
-                None => {
-                    self.finished = true;
-                    self.wanted.verdict(&self.topics)?;
-                    while let Some((at, fix)) = self.waiting.next() {
-                        self.give(at, What::Fix(fix));
-                    }
-                }
-            }
-        }
-    }
-
-    fn give(&mut self, at: u64, what: What) {
-        if !self.wanted.are_ambiguous() {
-            self.ready.push_back(Entry { at, what });
-        }
-    }
-
-    fn take(&mut self, event: Event) {
-        match event {
-            Event::Topic {
-                number,
-                name,
-                type_name,
-                encoding,
-            } => self.topics.declare(number, name, &type_name, encoding),
             Event::Message {
                 number,
                 time,
                 bytes,
             } => {
                 self.messages += 1;
-                match self.message(number, time, bytes) {
-                    Ok(Some((at, what))) => self.give(at, what),
-                    Ok(None) => {}
-                    Err((kind, detail)) => self.give(self.messages, What::Skipped(kind, detail)),
-                }
+                let read = self.message(number, time, bytes);
+                read.unwrap_or_else(|unfit| Some((self.messages, What::of(Err(unfit)))))
             }
-            Event::Skipped(kind, detail) => self.give(self.messages, What::Skipped(kind, detail)),
+            Event::Skipped(kind, detail) => Some((self.messages, What::Skipped(kind, detail))),
+        };
+        if let Some((at, what)) = entry
+            && !self.wanted.are_ambiguous()
+        {
+            ready.push(at, what);
         }
+        Ok(true)
     }
 
     /// What a message gives, if it is of a topic that is meant.
@@ -277,18 +239,6 @@ impl Recording {
         };
         let earliest = self.waiting.add(at, fix);
         Ok(earliest.map(|(at, fix)| (at, What::Fix(fix))))
-    }
-}
-
-impl Iterator for Recording {
-    type Item = Result<Entry, ReadError>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        let item = self.next_entry().transpose();
-        if !matches!(item, Some(Ok(_))) {
-            self.finished = true;
-        }
-        item
     }
 }
 

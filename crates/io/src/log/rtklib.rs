@@ -16,8 +16,8 @@ use undrift_nav::{Matrix3, Vector3};
 
 use super::receiver::{Ready, by_steps, check};
 use crate::entry::{Entries, Fix, Stream, StreamKind, Wanted};
-use crate::fix::{independent, quality_of_rtklib};
-use crate::lines::{Lines, MAX_LINE, Step};
+use crate::fix::{finite, independent, on_earth, quality_of_rtklib};
+use crate::lines::{Lines, MAX_LINE, NextLine};
 use crate::skipped::{SkipKind, shown};
 use crate::source::Source;
 use crate::time::WeekClock;
@@ -37,7 +37,7 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
     check(wanted, "an RTKLIB solution", [&[], &[STREAM], &[]])?;
     let mut lines = Lines::new(source);
     let layout = loop {
-        let Step::Line(range) = lines.step() else {
+        let NextLine::Line(range) = lines.step() else {
             return Err(no_header());
         };
         let line = lines.bytes(range).trim_ascii();
@@ -62,11 +62,10 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
         lines,
         layout,
         base,
-        poses: matches!(wanted, Wanted::Poses(_)),
         weeks: WeekClock::default(),
         values: Vec::with_capacity(32),
     };
-    Ok(by_steps(move |ready| Ok(reader.step(ready))))
+    Ok(by_steps(wanted, move |ready| Ok(reader.step(ready))))
 }
 
 pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
@@ -74,12 +73,12 @@ pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
     let mut messages = 0;
     loop {
         match lines.step() {
-            Step::Line(range) => {
+            NextLine::Line(range) => {
                 let line = lines.bytes(range).trim_ascii();
                 messages += u64::from(!line.is_empty() && !line.starts_with(b"%"));
             }
-            Step::TooLong => {}
-            Step::End => break,
+            NextLine::TooLong => {}
+            NextLine::End => break,
         }
     }
     Ok(vec![Stream {
@@ -94,7 +93,6 @@ struct Reader {
     lines: Lines,
     layout: Layout,
     base: Option<Geodetic>,
-    poses: bool,
     weeks: WeekClock,
     /// The fields after the time; `None` is text.
     values: Vec<Option<f64>>,
@@ -106,15 +104,13 @@ impl Reader {
         let step = self.lines.step();
         let at = self.lines.number();
         let range = match step {
-            Step::Line(range) => range,
-            Step::TooLong => {
+            NextLine::Line(range) => range,
+            NextLine::TooLong => {
                 ready.skip(at, SkipKind::TooLong, format!("over {MAX_LINE} bytes"));
                 return true;
             }
-            Step::End => {
-                if let Some(failure) = self.lines.failure() {
-                    ready.skip(at, SkipKind::EndsEarly, failure.to_string());
-                }
+            NextLine::End => {
+                ready.ends_early(at, self.lines.failure());
                 return false;
             }
         };
@@ -132,7 +128,7 @@ impl Reader {
                     self.values.clear();
                     self.values.extend(tokens.map(number::parse));
                     if let Some(fix) = self.fix(time, at, ready) {
-                        ready.fix(at, fix, self.poses);
+                        ready.fix(at, fix);
                     }
                 }
                 None => ready.skip(at, SkipKind::Text, shown(line)),
@@ -159,10 +155,8 @@ impl Reader {
                 (Position::Baseline { base, ned }, NED_FROM_ENU)
             }
         };
-        if let Position::Geodetic(place) = &position
-            && !ready.is_a_place(at, place)
-        {
-            return None;
+        if let Position::Geodetic(place) = position {
+            ready.usable(at, on_earth(place))?;
         }
         let velocity = self.layout.velocity.and_then(|places| {
             let velocity = self.three(places.map(|index| (index, 1)), at, ready)?;
@@ -231,12 +225,7 @@ impl Reader {
             let size = degrees.abs() + minutes / 60.0 + seconds / 3600.0;
             out[k] = size.copysign(degrees);
         }
-        if out.iter().all(|value| value.is_finite()) {
-            return Some(out);
-        }
-        let detail = format!("{}, {}, {}", out.x, out.y, out.z);
-        ready.skip(at, SkipKind::NotFinite, detail);
-        None
+        ready.usable(at, finite(out))
     }
 }
 

@@ -21,8 +21,8 @@ use crate::skipped::SkipKind;
 use crate::source::Source;
 use clock::SensorClock;
 use epoch::{Epoch, POSITIONS, VELOCITIES, Weeks};
-use frames::{Frames, Step};
-use imu::{Reading, Sensors};
+use frames::{Frames, NextFrame};
+use imu::{Sample, Sensors};
 
 /// End of a navigation epoch.
 const NAV_EOE: [u8; 2] = [0x01, 0x61];
@@ -83,8 +83,8 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
         })),
         Wanted::Fixes {
             position, velocity, ..
-        } => Purpose::Fixes([position, velocity], false),
-        Wanted::Poses(name) => Purpose::Fixes([name, None], true),
+        } => Purpose::Fixes([position, velocity]),
+        Wanted::Poses(name) => Purpose::Fixes([name, None]),
     };
     let mut reader = Reader {
         frames: Frames::new(source),
@@ -92,7 +92,7 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
         epoch: None,
         purpose,
     };
-    Ok(by_steps(move |ready| reader.step(ready)))
+    Ok(by_steps(wanted, move |ready| reader.step(ready)))
 }
 
 pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
@@ -100,33 +100,14 @@ pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
     let mut counts = BTreeMap::<[u8; 2], u64>::new();
     loop {
         match frames.step() {
-            Step::Message(kind, _) => *counts.entry(kind).or_default() += 1,
-            Step::Damaged => {}
-            Step::End => break,
+            NextFrame::Message(kind, _) => *counts.entry(kind).or_default() += 1,
+            NextFrame::Damaged => {}
+            NextFrame::End => break,
         }
     }
     let stream = |(kind, messages)| {
         let name = name(kind);
-        let (kind, about) = if INERTIAL.contains(&name.as_str()) {
-            (
-                StreamKind::Imu,
-                "rates and specific forces of the receiver's sensors",
-            )
-        } else if POSITIONS.contains(&name.as_str()) {
-            let with_velocity = VELOCITIES.contains(&name.as_str());
-            let about = if with_velocity {
-                "position and velocity"
-            } else {
-                "position"
-            };
-            (StreamKind::Fixes, about)
-        } else if VELOCITIES.contains(&name.as_str()) {
-            (StreamKind::Velocity, "velocity")
-        } else if name == "NAV-COV" {
-            (StreamKind::Other, "covariances of position and velocity")
-        } else {
-            (StreamKind::Other, "")
-        };
+        let (kind, about) = described(&name);
         Stream {
             name,
             kind,
@@ -135,6 +116,21 @@ pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
         }
     };
     Ok(counts.into_iter().map(stream).collect())
+}
+
+/// What messages hold, by their name.
+fn described(name: &str) -> (StreamKind, &'static str) {
+    match name {
+        "ESF-RAW" | "ESF-MEAS" => (
+            StreamKind::Imu,
+            "rates and specific forces of the receiver's sensors",
+        ),
+        "NAV-PVT" => (StreamKind::Fixes, "position and velocity"),
+        "NAV-HPPOSLLH" | "NAV-POSLLH" => (StreamKind::Fixes, "position"),
+        "NAV-VELNED" => (StreamKind::Velocity, "velocity"),
+        "NAV-COV" => (StreamKind::Other, "covariances of position and velocity"),
+        _ => (StreamKind::Other, ""),
+    }
 }
 
 fn name(kind: [u8; 2]) -> String {
@@ -156,9 +152,8 @@ struct Reader {
 /// What is made of the messages.
 enum Purpose {
     Imu(Box<Imu>),
-    /// Fixes by the messages with these names of positions and velocities, as reference solutions
-    /// or not.
-    Fixes([Option<String>; 2], bool),
+    /// Fixes by the messages with these names of positions and velocities.
+    Fixes([Option<String>; 2]),
 }
 
 struct Imu {
@@ -174,16 +169,14 @@ impl Reader {
         let step = self.frames.step();
         let at = self.frames.number();
         match step {
-            Step::Message(kind, range) => self.message(at, kind, range, ready)?,
-            Step::Damaged => ready.skip(at, SkipKind::Damaged, "no message behind B5 62"),
-            Step::End => {
+            NextFrame::Message(kind, range) => self.message(at, kind, range, ready)?,
+            NextFrame::Damaged => ready.skip(at, SkipKind::Damaged, "no message behind B5 62"),
+            NextFrame::End => {
                 self.end_epoch(ready)?;
                 if let Purpose::Imu(imu) = &mut self.purpose {
                     imu.clock.end(&mut give(ready));
                 }
-                if let Some(failure) = self.frames.failure() {
-                    ready.skip(at, SkipKind::EndsEarly, failure);
-                }
+                ready.ends_early(at, self.frames.failure());
                 return Ok(false);
             }
         }
@@ -205,7 +198,7 @@ impl Reader {
         let payload = self.frames.payload(range);
         let imu = match &mut self.purpose {
             Purpose::Imu(imu) => Some(imu),
-            Purpose::Fixes(..) => None,
+            Purpose::Fixes(_) => None,
         };
         if let (Some(stream), Some(imu)) = (imu_stream(kind), imu) {
             return imu.message(at, stream, kind, payload, ready);
@@ -221,11 +214,11 @@ impl Reader {
                     .and_then(|startup| imu.sensors.at_startup(startup))
                     .or(epoch.exact);
             }
-            Purpose::Fixes(..) if !whole => {
+            Purpose::Fixes(_) if !whole => {
                 let detail = format!("{} of {} bytes", name(kind), payload.len());
                 ready.skip(at, SkipKind::MissingField, detail);
             }
-            Purpose::Fixes(..) => {}
+            Purpose::Fixes(_) => {}
         }
         Ok(())
     }
@@ -238,12 +231,12 @@ impl Reader {
         let time = epoch.has_fix().then(|| self.weeks.seconds(epoch.seconds()));
         match (&mut self.purpose, time) {
             (Purpose::Imu(imu), Some(time)) => imu.tie(&epoch, time, ready)?,
-            (Purpose::Fixes(names, poses), Some(time)) => {
+            (Purpose::Fixes(names), Some(time)) => {
                 if let Some(fix) = epoch.fix(time, names, ready) {
-                    ready.fix(epoch.at, fix, *poses);
+                    ready.fix(epoch.at, fix);
                 }
             }
-            (Purpose::Fixes(..), None) => epoch.skip(ready),
+            (Purpose::Fixes(_), None) => epoch.skip(ready),
             (Purpose::Imu(_), None) => {}
         }
         Ok(())
@@ -309,9 +302,9 @@ fn imu_stream(kind: [u8; 2]) -> Option<&'static str> {
 }
 
 /// Puts samples among what is ready.
-fn give(ready: &mut Ready) -> impl FnMut(f64, Reading) + '_ {
+fn give(ready: &mut Ready) -> impl FnMut(f64, Sample) + '_ {
     |time, reading| {
-        let Reading { at, gyro, accel } = reading;
+        let Sample { at, gyro, accel } = reading;
         ready.push(at, What::Imu(ImuReading { time, gyro, accel }));
     }
 }

@@ -34,11 +34,13 @@ mod topics;
 
 use std::collections::HashMap;
 
-use self::messages::{MAGIC, Messages, Step};
+use self::messages::{MAGIC, Messages, NextMessage};
 use self::reader::Reader;
-use self::subscriptions::{appended, data, listing, named, subscription, topic_of};
+use self::subscriptions::{appended, data, named, subscription, topic_of};
+use super::receiver::by_steps;
 use crate::ReadError;
 use crate::entry::{Entries, Stream, StreamKind, Wanted};
+use crate::error::{NAMES_SHOWN, the_file_has};
 use crate::source::{Again, Source};
 
 /// Whether a file that starts so is a ULog.
@@ -47,47 +49,23 @@ pub(crate) fn detect(start: &[u8]) -> bool {
 }
 
 pub(super) fn entries(source: Source, again: Again, wanted: &Wanted) -> Result<Entries, ReadError> {
-    let (name, kind, key) = match wanted {
-        Wanted::Imu(name) => (name, StreamKind::Imu, "imu.topic"),
-        Wanted::Fixes {
-            position, velocity, ..
-        } => {
-            let mut both = position.iter().zip(velocity.iter());
-            if both.any(|(position, velocity)| named(position) != named(velocity)) {
-                return Err(
-                    ReadError::nameless("positions and velocities are one topic")
-                        .key("gnss.velocity_topic")
-                        .mend("leave the velocity's out"),
-                );
-            }
-            (
-                if position.is_some() {
-                    position
-                } else {
-                    velocity
-                },
-                StreamKind::Fixes,
-                "gnss.topic",
-            )
-        }
-        Wanted::Poses(name) => (name, StreamKind::Poses, "truth.topic"),
-    };
-    let wanted = match name {
+    let (name, kind, key) = wanted.one_stream()?;
+    let stream = match name {
         Some(name) => named(name),
         None => {
             let there = streams(again()?)?;
             choose(&there, kind).ok_or_else(|| nothing(key, &there))?
         }
     };
-    let topic = topic_of(&wanted);
+    let topic = topic_of(&stream);
     if topics::kind_of(topic).0 != kind {
-        let problem = format!("{wanted} is {}", topics::about(topic));
-        let there = streams(again()?)?;
-        return Err(ReadError::nameless(problem).key(key).mend(listing(&there)));
+        let problem = format!("{stream} is {}", topics::about(topic));
+        let there = listing(&streams(again()?)?);
+        return Err(ReadError::nameless(problem).key(key).mend(there));
     }
-    let messages = Messages::open(source)?;
     let poses = kind == StreamKind::Poses;
-    Ok(Box::new(Reader::new(messages, wanted, key, poses)))
+    let mut reader = Reader::new(Messages::open(source)?, stream, key, poses);
+    Ok(by_steps(wanted, move |ready| reader.step(ready)))
 }
 
 pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
@@ -95,14 +73,14 @@ pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
     let mut topics: Vec<(String, u64)> = Vec::new();
     let mut ids: HashMap<u16, usize> = HashMap::new();
     loop {
-        let body = match messages.step() {
-            Step::End(_) => break,
-            Step::Damaged(_) => continue,
-            Step::Message(kind @ (b'A' | b'B' | b'D')) => (kind, messages.body()),
-            Step::Message(_) => continue,
+        let kind = match messages.step() {
+            NextMessage::End(_) => break,
+            NextMessage::Damaged(_) => continue,
+            NextMessage::Message(kind) => kind,
         };
-        match body {
-            (b'A', body) => {
+        let body = messages.body();
+        match kind {
+            b'A' => {
                 let Some((id, name)) = subscription(body) else {
                     continue;
                 };
@@ -113,16 +91,17 @@ pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
                 });
                 ids.insert(id, index);
             }
-            (b'B', body) => {
+            b'B' => {
                 let offsets = appended(body)?;
                 messages.set_appended(offsets.into_iter());
             }
-            (_, body) => {
+            b'D' => {
                 let index = data(body).and_then(|(id, _)| ids.get(&id));
                 if let Some((_, count)) = index.and_then(|index| topics.get_mut(*index)) {
                     *count += 1;
                 }
             }
+            _ => {}
         }
     }
     let stream = |(name, messages): (String, u64)| Stream {
@@ -153,4 +132,9 @@ fn nothing(key: &str, there: &[Stream]) -> ReadError {
     ReadError::nameless(format!("no {topics}"))
         .key(key)
         .mend(listing(there))
+}
+
+fn listing(there: &[Stream]) -> String {
+    let names: Vec<&str> = there.iter().map(|stream| stream.name.as_str()).collect();
+    the_file_has(&names, NAMES_SHOWN)
 }

@@ -3,16 +3,14 @@
 use super::fields::{self, Delimiter, Fields};
 use super::wanted::{Column, Preview, TableOptions, starts_a_row};
 use crate::ReadError;
-use crate::lines::{Lines, MAX_LINE, Step};
+use crate::error::{NAMES_SHOWN, the_file_has};
+use crate::lines::{Lines, MAX_LINE, NextLine};
 use crate::number;
 use crate::skipped::{SkipKind, Skipped, shown};
 use crate::source::Source;
 
-/// Names listed in a message at most.
-const NAMES_SHOWN: usize = 60;
-
 /// How to read the rows.
-pub(super) struct Layout {
+pub(super) struct TextLayout {
     pub(super) delimiter: Delimiter,
     /// Sorted by place: (index of the column, index in the row read).
     pub(super) wanted: Vec<(usize, usize)>,
@@ -32,14 +30,13 @@ pub(super) fn find(
     lines: &mut Lines,
     options: &TableOptions,
     skipped: &mut Skipped,
-) -> Result<Layout, ReadError> {
+) -> Result<TextLayout, ReadError> {
     let (first, comment) = first_line(lines, skipped)?;
     let delimiter = options
         .delimiter
         .map_or_else(|| Delimiter::detect(&first), Delimiter::of);
     let by_name = |(_, column): &(String, Column)| matches!(column, Column::Name(_));
     let named = options.columns.iter().any(by_name);
-
     let has_text = Fields::new(&first, delimiter).any(is_text);
     let own = has_text.then(|| Header {
         line: lines.number(),
@@ -49,47 +46,29 @@ pub(super) fn find(
         line,
         names: comment_names(&text, options.delimiter),
     });
-
-    let first_row = || Some(first.clone());
-    match (&own, &above) {
-        // Data with text in some column, under a comment that names the columns.
-        (Some(own), Some(above)) if missing(own, options) && !missing(above, options) => {
-            let wanted = above.places(options)?;
-            layout(delimiter, wanted, first_row())
-        }
-        (Some(own), _) => {
+    // Data with text in some column may stand under a comment that names the columns.
+    let above = above.filter(|above| {
+        own.as_ref()
+            .is_none_or(|own| missing(own, options) && !missing(above, options))
+    });
+    let (wanted, is_row, names) = match (above, own) {
+        (Some(above), _) => (above.places(options)?, true, None),
+        (None, Some(own)) => {
             let wanted = own.places(options)?;
             // A line with a number wherever one is wanted by number is a row, not a header.
             let is_row = !named && reads_as_row(&first, delimiter, &wanted);
-            let layout = layout(delimiter, wanted, first_row().filter(|_| is_row))?;
-            Ok(Layout {
-                names: named.then_some(own.names.len()),
-                ..layout
-            })
+            (wanted, is_row, named.then_some(own.names.len()))
         }
-        (None, Some(above)) => {
-            let wanted = above.places(options)?;
-            layout(delimiter, wanted, first_row())
-        }
-        (None, None) if named => Err(no_header(lines.number(), options)),
         (None, None) => {
-            let wanted = numbered(options)?;
-            layout(delimiter, wanted, first_row())
+            let wanted = places(None, options).map_err(|error| error.at(lines.number()))?;
+            (wanted, true, None)
         }
-    }
-}
-
-fn layout(
-    delimiter: Delimiter,
-    mut wanted: Vec<(usize, usize)>,
-    first_row: Option<Vec<u8>>,
-) -> Result<Layout, ReadError> {
-    wanted.sort_unstable();
-    Ok(Layout {
+    };
+    Ok(TextLayout {
         delimiter,
         wanted,
-        first_row,
-        names: None,
+        first_row: is_row.then_some(first),
+        names,
     })
 }
 
@@ -100,7 +79,7 @@ fn first_line(lines: &mut Lines, skipped: &mut Skipped) -> Result<FirstLine, Rea
     let mut comment = None;
     loop {
         match lines.step() {
-            Step::Line(range) => {
+            NextLine::Line(range) => {
                 let number = lines.number();
                 let mut line = lines.bytes(range);
                 if number == 1 {
@@ -116,11 +95,11 @@ fn first_line(lines: &mut Lines, skipped: &mut Skipped) -> Result<FirstLine, Rea
                     comment = Some((number, line.to_vec()));
                 }
             }
-            Step::TooLong => {
+            NextLine::TooLong => {
                 let detail = format_args!("over {MAX_LINE} bytes");
                 skipped.add(SkipKind::TooLong, lines.number(), detail);
             }
-            Step::End => {
+            NextLine::End => {
                 let problem = match lines.failure() {
                     Some(failure) => format!("cannot be read: {failure}"),
                     None if skipped.is_empty() => "no row of data".to_owned(),
@@ -154,10 +133,8 @@ fn comment_names(comment: &[u8], delimiter: Option<u8>) -> Vec<String> {
 }
 
 fn reads_as_row(line: &[u8], delimiter: Delimiter, wanted: &[(usize, usize)]) -> bool {
-    let mut sorted = wanted.to_vec();
-    sorted.sort_unstable();
     let mut out = vec![0.0; wanted.len()];
-    fields::parse_row(line, delimiter, &sorted, false, &mut out).is_ok()
+    fields::parse_row(line, delimiter, wanted, false, &mut out).is_ok()
 }
 
 fn missing(header: &Header, options: &TableOptions) -> bool {
@@ -169,99 +146,61 @@ fn missing(header: &Header, options: &TableOptions) -> bool {
 
 impl Header {
     fn places(&self, options: &TableOptions) -> Result<Vec<(usize, usize)>, ReadError> {
-        places(&self.names, options).map_err(|error| error.at(self.line))
+        places(Some(&self.names), options).map_err(|error| error.at(self.line))
     }
 }
 
-/// Every wanted column, in the order they are wanted: (index of the column, index in the row read).
+/// Every wanted column, sorted by place: (index of the column, index in the row read).
 pub(crate) fn places(
-    names: &[String],
+    names: Option<&[String]>,
     options: &TableOptions,
 ) -> Result<Vec<(usize, usize)>, ReadError> {
     let place = |(slot, (key, column)): (usize, &(String, Column))| {
-        let error = |problem: String| ReadError::nameless(problem).key(key).mend(listing(names));
-        let index = match column {
-            Column::Number(number) => {
-                let index = index_of(key, *number)?;
-                if index >= names.len() {
-                    let has = names.len();
-                    return Err(error(format!("no column {number}, there are {has}")));
-                }
-                index
+        let error = |problem: String, mend: String| {
+            let error = ReadError::nameless(problem);
+            Err(error.key(key).mend(mend))
+        };
+        let index = match (column, names) {
+            (Column::Number(0), _) => {
+                let problem = "column 0 is asked for".to_owned();
+                return error(problem, "the first column is 1".to_owned());
             }
-            Column::Name(name) => {
-                let mut found = names.iter().enumerate();
-                let mut found = found
-                    .by_ref()
-                    .filter(|(_, present)| *present == name.trim());
+            (Column::Number(number), Some(names)) if *number > names.len() => {
+                let problem = format!("no column {number}, there are {}", names.len());
+                return error(problem, listing(names));
+            }
+            (Column::Number(number), _) => number - 1,
+            (Column::Name(_), None) => {
+                let problem = format!("no header that could name the column {column}");
+                let mend = "ask for columns by number, the first is 1";
+                return error(problem, mend.to_owned());
+            }
+            (Column::Name(name), Some(names)) => {
+                let found = names.iter().enumerate();
+                let mut found = found.filter(|(_, present)| *present == name.trim());
                 match (found.next(), found.next()) {
                     (Some((index, _)), None) => index,
                     (Some((a, _)), Some((b, _))) => {
                         let (a, b) = (a + 1, b + 1);
                         let problem = format!("columns {a} and {b} are both called {column}");
-                        return Err(error(problem).mend("ask for one by its number"));
+                        return error(problem, "ask for one by its number".to_owned());
                     }
-                    (None, _) => return Err(error(format!("no column {column}"))),
+                    (None, _) => return error(format!("no column {column}"), listing(names)),
                 }
             }
         };
         Ok((index, slot))
     };
-    options.columns.iter().enumerate().map(place).collect()
-}
-
-/// Wanted columns that are all given by number.
-fn numbered(options: &TableOptions) -> Result<Vec<(usize, usize)>, ReadError> {
-    let mut wanted = Vec::with_capacity(options.columns.len());
-    for (slot, (key, column)) in options.columns.iter().enumerate() {
-        if let Column::Number(number) = column {
-            wanted.push((index_of(key, *number)?, slot));
-        }
-    }
-    Ok(wanted)
-}
-
-fn index_of(key: &str, number: usize) -> Result<usize, ReadError> {
-    number.checked_sub(1).ok_or_else(|| {
-        ReadError::nameless("column 0 is asked for")
-            .key(key)
-            .mend("the first column is 1")
-    })
-}
-
-fn no_header(line: u64, options: &TableOptions) -> ReadError {
-    let named = options
-        .columns
-        .iter()
-        .find_map(|(key, column)| match column {
-            Column::Name(_) => Some((key, column)),
-            Column::Number(_) => None,
-        });
-    let error = ReadError::nameless("").at(line);
-    match named {
-        Some((key, column)) => ReadError {
-            problem: format!("no header that could name the column {column}"),
-            ..error
-        }
-        .key(key)
-        .mend("ask for columns by number, the first is 1"),
-        None => error,
-    }
+    let places = options.columns.iter().enumerate().map(place);
+    let mut places = places.collect::<Result<Vec<_>, _>>()?;
+    places.sort_unstable();
+    Ok(places)
 }
 
 fn listing(names: &[String]) -> String {
-    let mut list: Vec<String> = names
-        .iter()
-        .take(NAMES_SHOWN)
-        .map(|name| {
-            let quoted = shown(name.as_bytes());
-            quoted.trim_matches('"').to_owned()
-        })
-        .collect();
-    if names.len() > NAMES_SHOWN {
-        list.push(format!("… ({} columns)", names.len()));
-    }
-    format!("the file has: {}", list.join(", "))
+    let escaped = |name: &String| shown(name.as_bytes()).trim_matches('"').to_owned();
+    let names: Vec<String> = names.iter().map(escaped).collect();
+    the_file_has(&names, NAMES_SHOWN)
 }
 
 /// The names of the columns and up to `rows` rows of all of them.
@@ -292,11 +231,11 @@ pub(super) fn preview(source: Source, rows: usize) -> Result<Preview, ReadError>
     }
     while preview.rows.len() < rows {
         match lines.step() {
-            Step::Line(range) if starts_a_row(lines.bytes(range.clone())) => {
+            NextLine::Line(range) if starts_a_row(lines.bytes(range.clone())) => {
                 preview.rows.push(numbers(lines.bytes(range)));
             }
-            Step::Line(_) | Step::TooLong => {}
-            Step::End => break,
+            NextLine::Line(_) | NextLine::TooLong => {}
+            NextLine::End => break,
         }
     }
     // A comment that is no header has another number of words than there are columns.

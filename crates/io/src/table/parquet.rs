@@ -23,9 +23,8 @@ use parquet::file::metadata::ColumnChunkMetaData;
 use parquet::file::reader::{ChunkReader, FileReader, Length, SerializedFileReader};
 use parquet::schema::types::ColumnDescriptor;
 
-use super::fields::Defect;
 use super::header::places;
-use super::wanted::{Column, Preview, Step, TableOptions};
+use super::wanted::{NextRow, Preview, TableOptions, fill};
 use crate::ReadError;
 
 /// Rows that are read at once.
@@ -73,37 +72,23 @@ pub(super) fn preview(bytes: Bytes, rows: usize) -> Result<Preview, ReadError> {
     let reader = open(bytes.clone())?;
     let names = names(&reader);
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
-    let numbers: Vec<usize> = (0..names.len())
-        .filter(|&index| conversion(&schema.column(index)).is_ok())
+    let columns: Vec<WantedColumn> = (0..names.len())
+        .filter_map(|index| WantedColumn::new(&schema.column(index), index, index).ok())
         .collect();
     let mut preview = Preview {
         header: names.clone(),
         names,
         rows: Vec::new(),
     };
-    if rows == 0 || numbers.is_empty() {
+    if columns.is_empty() {
         return Ok(preview);
     }
-    let options = TableOptions {
-        columns: numbers
-            .iter()
-            .map(|index| (String::new(), Column::Number(index + 1)))
-            .collect(),
-        keep_not_finite: true,
-        ..TableOptions::default()
-    };
-    let mut table = ParquetTable::new(bytes, &options)?;
-    let mut row = vec![f64::NAN; numbers.len()];
+    let mut table = ParquetTable::of(bytes, reader, columns);
+    let mut row = vec![f64::NAN; preview.names.len()];
     while preview.rows.len() < rows
-        && let Step::Row(_, read) = table.step(true, &mut row)
+        && let NextRow::Row(..) = table.step(true, &mut row)
     {
-        let mut whole = vec![f64::NAN; preview.names.len()];
-        for (index, value) in numbers.iter().zip(&row) {
-            if let (Some(place), Ok(())) = (whole.get_mut(*index), &read) {
-                *place = *value;
-            }
-        }
-        preview.rows.push(whole);
+        preview.rows.push(row.clone());
     }
     Ok(preview)
 }
@@ -114,7 +99,7 @@ pub(super) struct ParquetTable {
     reader: SerializedFileReader<Bytes>,
     /// The next row group.
     group: usize,
-    columns: Vec<Wanted>,
+    columns: Vec<WantedColumn>,
     /// Rows of the batch, and how many of them have been handed out.
     rows: usize,
     given: usize,
@@ -123,7 +108,7 @@ pub(super) struct ParquetTable {
 }
 
 /// A wanted column.
-struct Wanted {
+struct WantedColumn {
     index: usize,
     slot: usize,
     scale: f64,
@@ -145,24 +130,19 @@ impl ParquetTable {
         let schema = reader.metadata().file_metadata().schema_descr_ptr();
         let names = names(&reader);
         let mut columns = Vec::new();
-        for (index, slot) in places(&names, options)? {
-            let key = options.columns.get(slot).map_or("", |(key, _)| key);
-            let problem = |what: &str| {
+        for (index, slot) in places(Some(&names), options)? {
+            let column = WantedColumn::new(&schema.column(index), index, slot);
+            columns.push(column.map_err(|what| {
+                let key = options.columns.get(slot).map_or("", |(key, _)| key);
                 let name = names.get(index).map_or("", String::as_str);
                 ReadError::nameless(format!("column \"{name}\" holds {what}")).key(key)
-            };
-            let (scale, unsigned) = conversion(&schema.column(index)).map_err(problem)?;
-            columns.push(Wanted {
-                index,
-                slot,
-                scale,
-                unsigned,
-                deepest: schema.column(index).max_def_level(),
-                reader: None,
-                batch: Vec::new(),
-            });
+            })?);
         }
-        Ok(Self {
+        Ok(Self::of(bytes, reader, columns))
+    }
+
+    fn of(bytes: Bytes, reader: SerializedFileReader<Bytes>, columns: Vec<WantedColumn>) -> Self {
+        Self {
             bytes,
             reader,
             group: 0,
@@ -171,46 +151,31 @@ impl ParquetTable {
             given: 0,
             seen: 0,
             finished: false,
-        })
+        }
     }
 
     /// Reads the next row into `out`, in the order of the wanted columns; its number, the first is 1. What is
     /// damaged ends the table.
-    pub(super) fn step(&mut self, keep: bool, out: &mut [f64]) -> Step {
+    pub(super) fn step(&mut self, keep: bool, out: &mut [f64]) -> NextRow {
         if self.given == self.rows && !self.finished {
             match guarded(|| self.fill()) {
                 Ok(0) => self.finished = true,
                 Ok(rows) => (self.rows, self.given) = (rows, 0),
                 Err(error) => {
                     self.finished = true;
-                    return Step::End(Some((self.seen, error.to_string())));
+                    return NextRow::End(Some((self.seen, error.to_string())));
                 }
             }
         }
         if self.finished {
-            return Step::End(None);
+            return NextRow::End(None);
         }
+        let row = self.given;
         self.given += 1;
         self.seen += 1;
-        Step::Row(self.seen, self.read(self.given - 1, keep, out))
-    }
-
-    fn read(&self, row: usize, keep: bool, out: &mut [f64]) -> Result<(), Defect> {
-        for wanted in &self.columns {
-            let value = match wanted.batch.get(row).copied().flatten() {
-                Some(value) if value.is_finite() || keep => value,
-                Some(value) => return Err(Defect::NotFinite(value)),
-                None if keep => f64::NAN,
-                None => {
-                    let column = wanted.index + 1;
-                    return Err(Defect::Empty { column });
-                }
-            };
-            if let Some(place) = out.get_mut(wanted.slot) {
-                *place = value;
-            }
-        }
-        Ok(())
+        let number = |of: &WantedColumn| (of.slot, of.index, of.batch.get(row).copied().flatten());
+        let filled = fill(out, keep, self.columns.iter().map(number));
+        NextRow::Row(self.seen, filled)
     }
 
     /// Reads a batch of every column; the number of rows, 0 at the end.
@@ -245,7 +210,42 @@ impl ParquetTable {
     }
 }
 
-impl Wanted {
+impl WantedColumn {
+    /// A column of numbers; `Err` says what else it holds.
+    fn new(column: &ColumnDescriptor, index: usize, slot: usize) -> Result<Self, &'static str> {
+        if column.max_rep_level() > 0 {
+            return Err("lists");
+        }
+        match column.physical_type() {
+            Type::BOOLEAN | Type::INT32 | Type::INT64 | Type::FLOAT | Type::DOUBLE => {}
+            Type::INT96 => return Err("timestamps of 96 bits"),
+            Type::BYTE_ARRAY | Type::FIXED_LEN_BYTE_ARRAY => return Err("text or bytes"),
+        }
+        let unsigned = match column.logical_type_ref() {
+            Some(LogicalType::Integer(integer)) => !integer.is_signed,
+            _ => matches!(
+                column.converted_type(),
+                ConvertedType::UINT_8
+                    | ConvertedType::UINT_16
+                    | ConvertedType::UINT_32
+                    | ConvertedType::UINT_64
+            ),
+        };
+        let scale = match column.converted_type() {
+            ConvertedType::DECIMAL => 0.1f64.powi(column.type_scale()),
+            _ => 1.0,
+        };
+        Ok(Self {
+            index,
+            slot,
+            scale,
+            unsigned,
+            deepest: column.max_def_level(),
+            reader: None,
+            batch: Vec::new(),
+        })
+    }
+
     /// Reads a batch; the number of rows, 0 at the end of the row group.
     fn fill(&mut self) -> Result<usize, ParquetError> {
         let (unsigned, deepest) = (self.unsigned, self.deepest);
@@ -345,34 +345,4 @@ fn names(reader: &SerializedFileReader<Bytes>) -> Vec<String> {
     let schema = reader.metadata().file_metadata().schema_descr();
     let columns = schema.columns().iter();
     columns.map(|column| column.path().string()).collect()
-}
-
-/// The factor to the numbers of a column and whether its integers have no sign; `Err` says what else
-/// the column holds.
-fn conversion(column: &ColumnDescriptor) -> Result<(f64, bool), &'static str> {
-    if column.max_rep_level() > 0 {
-        return Err("lists");
-    }
-    match column.physical_type() {
-        Type::BOOLEAN | Type::INT32 | Type::INT64 | Type::FLOAT | Type::DOUBLE => {}
-        Type::INT96 => return Err("timestamps of 96 bits"),
-        Type::BYTE_ARRAY | Type::FIXED_LEN_BYTE_ARRAY => return Err("text or bytes"),
-    }
-    let unsigned = match column.logical_type_ref() {
-        Some(LogicalType::Integer(integer)) => !integer.is_signed,
-        _ => matches!(
-            column.converted_type(),
-            ConvertedType::UINT_8
-                | ConvertedType::UINT_16
-                | ConvertedType::UINT_32
-                | ConvertedType::UINT_64
-        ),
-    };
-    let decimal = column.converted_type() == ConvertedType::DECIMAL;
-    let scale = if decimal {
-        0.1f64.powi(column.type_scale())
-    } else {
-        1.0
-    };
-    Ok((scale, unsigned))
 }

@@ -2,7 +2,7 @@
 
 use super::fields::{self, Delimiter};
 use super::header;
-use super::wanted::{Step, TableOptions, starts_a_row};
+use super::wanted::{NextRow, TableOptions, starts_a_row};
 use crate::ReadError;
 use crate::lines::{self, Lines};
 use crate::skipped::Skipped;
@@ -46,19 +46,19 @@ impl TextTable {
     /// # Errors
     /// If the first row has more fields than the header has names.
     #[inline]
-    pub(super) fn step(&mut self, keep: bool, out: &mut [f64]) -> Result<Step, ReadError> {
+    pub(super) fn step(&mut self, keep: bool, out: &mut [f64]) -> Result<NextRow, ReadError> {
         let delimiter = self.delimiter;
         if let Some(first) = self.held.take() {
             let parsed = fields::parse_row(&first, delimiter, &self.wanted, keep, out);
-            return Ok(Step::Row(self.lines.number(), parsed));
+            return Ok(NextRow::Row(self.lines.number(), parsed));
         }
         loop {
             let range = match self.lines.step() {
-                lines::Step::Line(range) => range,
-                lines::Step::TooLong => return Ok(Step::TooLong(self.lines.number())),
-                lines::Step::End => {
+                lines::NextLine::Line(range) => range,
+                lines::NextLine::TooLong => return Ok(NextRow::TooLong(self.lines.number())),
+                lines::NextLine::End => {
                     let failure = self.lines.failure().map(ToString::to_string);
-                    return Ok(Step::End(failure.map(|why| (self.lines.number(), why))));
+                    return Ok(NextRow::End(failure.map(|why| (self.lines.number(), why))));
                 }
             };
             let line = self.lines.number();
@@ -73,7 +73,7 @@ impl TextTable {
                 })?;
             }
             let parsed = fields::parse_row(bytes, delimiter, &self.wanted, keep, out);
-            return Ok(Step::Row(line, parsed));
+            return Ok(NextRow::Row(line, parsed));
         }
     }
 }

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use undrift_nav::Vector3;
+
 use super::fields::Defect;
 use crate::ReadError;
 use crate::skipped::{SkipKind, Skipped};
@@ -36,6 +38,66 @@ pub struct TableOptions {
     pub keep_not_finite: bool,
 }
 
+impl TableOptions {
+    /// Finite numbers alone, between fields as stated.
+    pub(crate) fn finite(delimiter: Option<u8>) -> Self {
+        Self {
+            delimiter,
+            ..Self::default()
+        }
+    }
+
+    /// Wants more columns for a key; the place of the first of them in the row read.
+    pub(crate) fn want<'a>(
+        &mut self,
+        key: &str,
+        columns: impl IntoIterator<Item = &'a Column>,
+    ) -> usize {
+        let from = self.columns.len();
+        let keyed = columns.into_iter().map(|c| (key.to_owned(), c.clone()));
+        self.columns.extend(keyed);
+        from
+    }
+}
+
+/// Puts numbers into a row, each with its place there and its column's index; `None` is an empty field.
+pub(super) fn fill(
+    out: &mut [f64],
+    keep_not_finite: bool,
+    numbers: impl Iterator<Item = (usize, usize, Option<f64>)>,
+) -> Result<(), Defect> {
+    for (slot, index, number) in numbers {
+        let number = match number {
+            Some(number) if number.is_finite() || keep_not_finite => number,
+            Some(number) => return Err(Defect::NotFinite(number)),
+            None if keep_not_finite => f64::NAN,
+            None => return Err(Defect::Empty { column: index + 1 }),
+        };
+        if let Some(place) = out.get_mut(slot) {
+            *place = number;
+        }
+    }
+    Ok(())
+}
+
+/// Three numbers of a row from a place on; NaN beyond its end.
+pub(crate) fn three(row: &[f64], from: usize) -> Vector3 {
+    let get = |k: usize| row.get(from + k).copied().unwrap_or(f64::NAN);
+    Vector3::new(get(0), get(1), get(2))
+}
+
+/// Whether a factor on a time column makes times.
+///
+/// # Errors
+/// If it is not above zero.
+pub(crate) fn check_time_scale(scale: f64, key: &str) -> Result<(), ReadError> {
+    if scale.is_finite() && scale > 0.0 {
+        return Ok(());
+    }
+    let problem = format!("a time scale of {scale} makes no times");
+    Err(ReadError::nameless(problem).key(key))
+}
+
 /// The beginning of a table.
 #[derive(Clone, Debug, Default)]
 pub struct Preview {
@@ -49,7 +111,7 @@ pub struct Preview {
 }
 
 /// What comes next in a table.
-pub(super) enum Step {
+pub(super) enum NextRow {
     /// The row with this line or number, read or not.
     Row(u64, Result<(), Defect>),
     /// A line that is too long to be a row.

@@ -3,23 +3,21 @@
 use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 
-use super::PendingFile;
-use super::geojson::GeoJsonWriter;
-use super::gpx::GpxWriter;
-use super::kf_gins::KfGinsWriter;
-use super::kml::KmlWriter;
 use super::mcap::McapWriter;
-use super::nmea::NmeaWriter;
 #[cfg(feature = "parquet")]
-use super::parquet::ParquetSolutionWriter;
-use super::solution::{SolutionRow, SolutionWriter};
+use super::parquet;
+#[cfg(feature = "parquet")]
+use super::parquet_table::ParquetTableWriter;
+use super::solution::SolutionRow;
+use super::text_writer::TextWriter;
 use super::thinning::Thinning;
+use super::{PendingFile, csv, geojson, gpx, kf_gins, kml, nmea};
 use crate::time;
 
 /// A format of the navigation solution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SolutionFormat {
-    /// State, standard deviations and sensor errors, see [`super::solution`].
+    /// State, standard deviations and sensor errors, one row a sample.
     Csv,
     /// KF-GINS text.
     KfGins,
@@ -116,19 +114,16 @@ pub struct SolutionOptions {
 /// Writes rows in a format as they come; memory does not grow.
 pub struct SolutionFile<W: Write + Seek + Send = PendingFile> {
     writer: Writer<W>,
+    /// Of the formats that are no text.
+    thinning: Thinning,
 }
 
 /// The writer of a format.
 enum Writer<W: Write + Seek + Send> {
-    Csv(SolutionWriter<W>),
-    KfGins(KfGinsWriter<W>),
-    Nmea(NmeaWriter<W>),
-    Kml(KmlWriter<W>),
-    GeoJson(GeoJsonWriter<W>),
-    Gpx(GpxWriter<W>),
-    Mcap(Box<McapWriter<W>>, Thinning),
+    Text(TextWriter<W>),
+    Mcap(Box<McapWriter<W>>),
     #[cfg(feature = "parquet")]
-    Parquet(Box<ParquetSolutionWriter<W>>, Thinning),
+    Parquet(Box<ParquetTableWriter<W>>),
 }
 
 impl SolutionFile<PendingFile> {
@@ -189,29 +184,33 @@ impl<W: Write + Seek + Send> SolutionFile<W> {
             let message = format!("rows {every} s apart cannot be written");
             return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
         }
-        let writer = match format {
-            SolutionFormat::Csv => Writer::Csv(SolutionWriter::new(out)?.every(every)),
-            SolutionFormat::KfGins => Writer::KfGins(KfGinsWriter::new(out, options)),
-            SolutionFormat::Nmea => Writer::Nmea(NmeaWriter::new(out, options, every)),
-            SolutionFormat::Kml => Writer::Kml(KmlWriter::new(out, options, every)),
-            SolutionFormat::GeoJson => Writer::GeoJson(GeoJsonWriter::new(out, options, every)),
-            SolutionFormat::Gpx => Writer::Gpx(GpxWriter::new(out, options, every)),
+        let (name, week) = (&options.name, options.week);
+        let thinning = Thinning::new(every);
+        let format = match format {
+            SolutionFormat::Csv => csv::format(),
+            SolutionFormat::KfGins => kf_gins::format(),
+            SolutionFormat::Nmea => nmea::format(),
+            SolutionFormat::Kml => kml::format(name),
+            SolutionFormat::GeoJson => geojson::format(name),
+            SolutionFormat::Gpx => gpx::format(name),
             SolutionFormat::Mcap => {
-                let start = options.week.map(time::unix_of_week);
-                Writer::Mcap(Box::new(McapWriter::new(out, start)?), Thinning::new(every))
+                let writer = McapWriter::new(out, week.map(time::unix_of_week))?;
+                let writer = Writer::Mcap(Box::new(writer));
+                return Ok(Self { writer, thinning });
             }
             #[cfg(feature = "parquet")]
-            SolutionFormat::Parquet => Writer::Parquet(
-                Box::new(ParquetSolutionWriter::new(out)?),
-                Thinning::new(every),
-            ),
+            SolutionFormat::Parquet => {
+                let writer = Writer::Parquet(Box::new(parquet::create(out)?));
+                return Ok(Self { writer, thinning });
+            }
             #[cfg(not(feature = "parquet"))]
             SolutionFormat::Parquet => {
                 let message = format!("a solution as {} is not built in", format.name());
                 return Err(io::Error::new(io::ErrorKind::Unsupported, message));
             }
         };
-        Ok(Self { writer })
+        let writer = Writer::Text(TextWriter::new(out, format, week, every));
+        Ok(Self { writer, thinning })
     }
 
     /// Writes one row; `outage` where no fix was used for long.
@@ -220,21 +219,11 @@ impl<W: Write + Seek + Send> SolutionFile<W> {
     /// If the stream does not take it.
     pub fn write(&mut self, row: &SolutionRow, outage: bool) -> io::Result<()> {
         match &mut self.writer {
-            Writer::Csv(writer) => writer.write(row),
-            Writer::KfGins(writer) => writer.write(row),
-            Writer::Nmea(writer) => writer.write(row, outage),
-            Writer::Kml(writer) => writer.write(row, outage),
-            Writer::GeoJson(writer) => writer.write(row, outage),
-            Writer::Gpx(writer) => writer.write(row, outage),
-            Writer::Mcap(writer, thinning) => match thinning.takes(row.time) {
-                true => writer.write(row),
-                false => Ok(()),
-            },
+            Writer::Text(writer) => writer.write(row, outage),
+            _ if !self.thinning.takes(row.time) => Ok(()),
+            Writer::Mcap(writer) => writer.write(row),
             #[cfg(feature = "parquet")]
-            Writer::Parquet(writer, thinning) => match thinning.takes(row.time) {
-                true => writer.write(row),
-                false => Ok(()),
-            },
+            Writer::Parquet(writer) => writer.write(parquet::values(row)),
         }
     }
 
@@ -244,15 +233,10 @@ impl<W: Write + Seek + Send> SolutionFile<W> {
     /// If the stream does not take it.
     pub fn into_inner(self) -> io::Result<W> {
         match self.writer {
-            Writer::Csv(writer) => writer.into_inner(),
-            Writer::KfGins(writer) => writer.into_inner(),
-            Writer::Nmea(writer) => writer.into_inner(),
-            Writer::Kml(writer) => writer.into_inner(),
-            Writer::GeoJson(writer) => writer.into_inner(),
-            Writer::Gpx(writer) => writer.into_inner(),
-            Writer::Mcap(writer, _) => writer.into_inner(),
+            Writer::Text(writer) => writer.into_inner(),
+            Writer::Mcap(writer) => writer.into_inner(),
             #[cfg(feature = "parquet")]
-            Writer::Parquet(writer, _) => writer.into_inner(),
+            Writer::Parquet(writer) => writer.into_inner(),
         }
     }
 }

@@ -3,63 +3,37 @@
 
 use std::io::{self, Write};
 
-use super::block::Block;
 use super::solution::SolutionRow;
 use super::text::{map_degrees, xml};
-use super::thinning::Thinning;
-use super::{SolutionOptions, write_fixed};
+use super::text_writer::{Body, TextFormat};
 use crate::time;
 
-/// Writes rows as GPX.
-#[derive(Debug)]
-pub struct GpxWriter<W: Write> {
-    block: Block<W>,
-    week: Option<u32>,
-    thinning: Thinning,
+pub(super) fn format(name: &str) -> TextFormat {
+    TextFormat {
+        head: format!(
+            "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gpx version=\"1.1\" creator=\"undrift\" xmlns=\"http://www.topografix.com/GPX/1/1\">\n<trk><name>{}</name><trkseg>\n",
+            xml(name)
+        ),
+        body: Body::Rows(SolutionRow::has_position, write_point),
+        tail: "</trkseg></trk>\n</gpx>\n",
+    }
 }
 
-impl<W: Write> GpxWriter<W> {
-    pub(super) fn new(out: W, options: &SolutionOptions, every: f64) -> Self {
-        let mut block = Block::new(out);
-        let head = format!(
-            "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gpx version=\"1.1\" creator=\"undrift\" xmlns=\"http://www.topografix.com/GPX/1/1\">\n<trk><name>{}</name><trkseg>\n",
-            xml(&options.name)
-        );
-        block.bytes.extend_from_slice(head.as_bytes());
-        Self {
-            block,
-            week: options.week,
-            thinning: Thinning::new(every),
-        }
+fn write_point(
+    buf: &mut Vec<u8>,
+    row: &SolutionRow,
+    week: Option<u32>,
+    outage: bool,
+) -> io::Result<()> {
+    let [lat, lon] = map_degrees(&row.position);
+    let ele = row.position.height;
+    write!(
+        buf,
+        "<trkpt lat=\"{lat:.9}\" lon=\"{lon:.9}\"><ele>{ele:.3}</ele>"
+    )?;
+    if let Some(utc) = week.and_then(|week| time::utc(week, row.time)) {
+        write!(buf, "<time>{}</time>", utc.iso())?;
     }
-
-    pub(super) fn write(&mut self, row: &SolutionRow, outage: bool) -> io::Result<()> {
-        if !row.has_position() || !self.thinning.takes(row.time) {
-            return Ok(());
-        }
-        let [lat, lon] = map_degrees(&row.position);
-        let buf = &mut self.block.bytes;
-        buf.extend_from_slice(b"<trkpt lat=\"");
-        write_fixed(buf, lat, 9);
-        buf.extend_from_slice(b"\" lon=\"");
-        write_fixed(buf, lon, 9);
-        buf.extend_from_slice(b"\"><ele>");
-        write_fixed(buf, row.position.height, 3);
-        buf.extend_from_slice(b"</ele>");
-        if let Some(utc) = self.week.and_then(|week| time::utc(week, row.time)) {
-            buf.extend_from_slice(format!("<time>{}</time>", utc.iso()).as_bytes());
-        }
-        let fix: &[u8] = if outage { b"none" } else { b"3d" };
-        buf.extend_from_slice(b"<fix>");
-        buf.extend_from_slice(fix);
-        buf.extend_from_slice(b"</fix></trkpt>\n");
-        self.block.spill()
-    }
-
-    pub(super) fn into_inner(mut self) -> io::Result<W> {
-        self.block
-            .bytes
-            .extend_from_slice(b"</trkseg></trk>\n</gpx>\n");
-        self.block.into_inner()
-    }
+    let fix = if outage { "none" } else { "3d" };
+    writeln!(buf, "<fix>{fix}</fix></trkpt>")
 }

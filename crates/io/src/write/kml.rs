@@ -5,75 +5,43 @@
 
 use std::io::{self, Write};
 
-use super::SolutionOptions;
-use super::block::Block;
-use super::solution::SolutionRow;
-use super::spans::{Spans, Step};
-use super::text::{write_place, xml};
+use super::spans::Piece;
+use super::text::{place, xml};
+use super::text_writer::{Body, TextFormat};
 
-/// Writes rows as KML.
-#[derive(Debug)]
-pub struct KmlWriter<W: Write> {
-    block: Block<W>,
-    spans: Spans,
-}
-
-impl<W: Write> KmlWriter<W> {
-    pub(super) fn new(out: W, options: &SolutionOptions, every: f64) -> Self {
-        let mut block = Block::new(out);
-        let mut head = String::from(
-            "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\">\n<Document>\n",
+pub(super) fn format(name: &str) -> TextFormat {
+    let mut head = format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\">\n<Document>\n<name>{}</name>\n",
+        xml(name)
+    );
+    // Colours are alpha, blue, green, red.
+    for (id, colour) in [("gnss", "ff2ca02c"), ("no-gnss", "ff2827d6")] {
+        head += &format!(
+            "<Style id=\"{id}\"><LineStyle><color>{colour}</color><width>4</width></LineStyle></Style>\n"
         );
-        head += &format!("<name>{}</name>\n", xml(&options.name));
-        // Colours are alpha, blue, green, red.
-        for (id, colour) in [("gnss", "ff2ca02c"), ("no-gnss", "ff2827d6")] {
-            head += &format!(
-                "<Style id=\"{id}\"><LineStyle><color>{colour}</color><width>4</width></LineStyle></Style>\n"
-            );
-        }
-        block.bytes.extend_from_slice(head.as_bytes());
-        Self {
-            block,
-            spans: Spans::new(every),
-        }
     }
-
-    pub(super) fn write(&mut self, row: &SolutionRow, outage: bool) -> io::Result<()> {
-        let block = &mut self.block;
-        self.spans.push(row, outage, |step| tell(block, step))
-    }
-
-    pub(super) fn into_inner(mut self) -> io::Result<W> {
-        let block = &mut self.block;
-        self.spans.finish(|step| tell(block, step))?;
-        block.bytes.extend_from_slice(b"</Document>\n</kml>\n");
-        self.block.into_inner()
+    TextFormat {
+        head,
+        body: Body::Lines(write_piece),
+        tail: "</Document>\n</kml>\n",
     }
 }
 
-fn tell<W: Write>(block: &mut Block<W>, step: Step<'_>) -> io::Result<()> {
-    let buf = &mut block.bytes;
-    match step {
-        Step::Begin(row, outage) => {
-            let (name, style) = if outage {
-                ("Without GNSS", "no-gnss")
-            } else {
-                ("With GNSS", "gnss")
+fn write_piece(buf: &mut Vec<u8>, piece: Piece<'_>) -> io::Result<()> {
+    match piece {
+        Piece::Begin { row, outage, .. } => {
+            let (name, style) = match outage {
+                true => ("Without GNSS", "no-gnss"),
+                false => ("With GNSS", "gnss"),
             };
-            let head = format!(
-                "<Placemark><name>{name} from {:.1} s</name><styleUrl>#{style}</styleUrl>\n<LineString><tessellate>1</tessellate><coordinates>\n",
-                row.time
-            );
-            buf.extend_from_slice(head.as_bytes());
-            write_place(buf, &row.position);
+            write!(
+                buf,
+                "<Placemark><name>{name} from {:.1} s</name><styleUrl>#{style}</styleUrl>\n<LineString><tessellate>1</tessellate><coordinates>\n{}",
+                row.time,
+                place(&row.position)
+            )
         }
-        Step::Point(row) => {
-            buf.push(b'\n');
-            write_place(buf, &row.position);
-        }
-        Step::End(..) => {
-            buf.extend_from_slice(b"\n</coordinates></LineString></Placemark>\n");
-        }
+        Piece::Point(row) => write!(buf, "\n{}", place(&row.position)),
+        Piece::End { .. } => writeln!(buf, "\n</coordinates></LineString></Placemark>"),
     }
-    block.spill()
 }

@@ -13,11 +13,9 @@
 //! one of them is not finite.
 
 mod cdr;
-mod definitions;
 
 use std::f64::consts::{FRAC_PI_2, PI, SQRT_2};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
-use std::path::Path;
 
 use ::mcap::records::MessageHeader;
 use ::mcap::{McapError, WriteOptions, Writer};
@@ -25,10 +23,27 @@ use undrift_nav::attitude;
 use undrift_nav::earth::Geodetic;
 use undrift_nav::{Matrix3, Quaternion, Vector3};
 
-use super::PendingFile;
 use super::solution::SolutionRow;
 use cdr::Cdr;
-use definitions::{Definition, IMU, NAV_SAT_FIX, ODOMETRY};
+
+/// Topics: name, type and definition, which is followed by those of the types that it needs.
+const TOPICS: [[&str; 3]; 3] = [
+    [
+        "/undrift/fix",
+        "sensor_msgs/msg/NavSatFix",
+        include_str!("mcap/NavSatFix.msg"),
+    ],
+    [
+        "/undrift/odom",
+        "nav_msgs/msg/Odometry",
+        include_str!("mcap/Odometry.msg"),
+    ],
+    [
+        "/undrift/imu",
+        "sensor_msgs/msg/Imu",
+        include_str!("mcap/Imu.msg"),
+    ],
+];
 
 const MAP: &str = "map";
 const BODY: &str = "base_link";
@@ -46,25 +61,6 @@ pub struct McapWriter<W: Write + Seek> {
     origin: Option<Geodetic>,
     rows: u32,
     message: Cdr,
-}
-
-impl McapWriter<PendingFile> {
-    /// Starts a file that appears under its name at [`McapWriter::finish`]. `start_unix_s` is the
-    /// Unix time \[s\] at which the rows' time is zero; without it that is 1970.
-    ///
-    /// # Errors
-    /// If the file cannot be created.
-    pub fn create(path: &Path, start_unix_s: Option<f64>) -> io::Result<Self> {
-        Self::new(PendingFile::create(path)?, start_unix_s)
-    }
-
-    /// Writes what is left and gives the file its name.
-    ///
-    /// # Errors
-    /// If the file cannot be written or renamed; there is none under the name then.
-    pub fn finish(self) -> io::Result<()> {
-        self.into_inner()?.finish()
-    }
 }
 
 impl<W: Write + Seek> McapWriter<W> {
@@ -96,24 +92,14 @@ impl<W: Write + Seek> McapWriter<W> {
             rows: 0,
             message: Cdr::default(),
         };
-        let topics = [
-            ("/undrift/fix", &NAV_SAT_FIX),
-            ("/undrift/odom", &ODOMETRY),
-            ("/undrift/imu", &IMU),
-        ];
-        for (k, (name, definition)) in topics.into_iter().enumerate() {
-            this.topics[k] = this.add_topic(name, definition)?;
+        for (k, [name, type_name, definition]) in TOPICS.into_iter().enumerate() {
+            let out = this.out()?;
+            let schema = out.add_schema(type_name, "ros2msg", definition.as_bytes());
+            let schema = schema.map_err(io_error)?;
+            let topic = out.add_channel(schema, name, "cdr", &Default::default());
+            this.topics[k] = topic.map_err(io_error)?;
         }
         Ok(this)
-    }
-
-    fn add_topic(&mut self, name: &str, definition: &Definition) -> io::Result<u16> {
-        let out = self.out()?;
-        let text = definition.whole();
-        let schema = out.add_schema(definition.name, "ros2msg", text.as_bytes());
-        let schema = schema.map_err(io_error)?;
-        out.add_channel(schema, name, "cdr", &Default::default())
-            .map_err(io_error)
     }
 
     fn out(&mut self) -> io::Result<&mut Writer<BufWriter<W>>> {

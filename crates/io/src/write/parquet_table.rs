@@ -1,102 +1,180 @@
 //! Tables of text and numbers as Parquet, any of which may be missing in a row.
 
-use std::io;
+use std::io::{self, Write};
 use std::path::Path;
 use std::sync::Arc;
 
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical, ZstdLevel};
-use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, Int32Type};
+use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int32Type};
 use parquet::errors::ParquetError;
 use parquet::file::properties::WriterProperties;
-use parquet::file::writer::SerializedFileWriter;
+use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::Type;
 
 use super::PendingFile;
 
 /// Rows of a row group, which is held until it is full.
-const GROUP: usize = 100_000;
+pub(super) const GROUP: usize = 100_000;
 
-/// The values of one column, row by row; `None` is null.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Values {
-    /// UTF-8.
-    Text(Vec<Option<String>>),
-    /// 32-bit integers.
-    Whole(Vec<Option<i32>>),
-    /// Doubles; what is not finite should be `None`.
-    Number(Vec<Option<f64>>),
-}
-
-/// A value of a column.
+/// A value of a column, or the type of one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Value<'a> {
-    /// Of a column of text.
+    /// UTF-8; `None` is null.
     Text(Option<&'a str>),
-    /// Of a column of integers.
+    /// A 32-bit integer.
     Whole(Option<i32>),
-    /// Of a column of doubles.
+    /// A double; what is not finite should be `None`.
     Number(Option<f64>),
+    /// A double that is there in every row; NaN where there is no number.
+    Exact(f64),
 }
 
-impl Values {
+/// The values of a column that are there, and the definition level of each row: 1 of those.
+struct Column {
+    values: Values,
+    levels: Option<Vec<i16>>,
+}
+
+enum Values {
+    Text(Vec<ByteArray>),
+    Whole(Vec<i32>),
+    Number(Vec<f64>),
+}
+
+impl Column {
+    /// Of values like this one.
+    fn like(value: Value<'_>) -> Self {
+        let optional = !matches!(value, Value::Exact(_));
+        Self {
+            values: match value {
+                Value::Text(_) => Values::Text(Vec::new()),
+                Value::Whole(_) => Values::Whole(Vec::new()),
+                Value::Number(_) | Value::Exact(_) => Values::Number(Vec::new()),
+            },
+            levels: optional.then(Vec::new),
+        }
+    }
+
+    /// Takes a value, if it is one of the column's.
     fn push(&mut self, value: Value<'_>) -> bool {
-        match (self, value) {
-            (Self::Text(values), Value::Text(value)) => values.push(value.map(str::to_owned)),
-            (Self::Whole(values), Value::Whole(value)) => values.push(value),
-            (Self::Number(values), Value::Number(value)) => values.push(value),
+        let there = match (&mut self.values, value) {
+            (Values::Text(values), Value::Text(value)) => {
+                values.extend(value.map(ByteArray::from));
+                value.is_some()
+            }
+            (Values::Whole(values), Value::Whole(value)) => {
+                values.extend(value);
+                value.is_some()
+            }
+            (Values::Number(values), Value::Number(value)) if self.levels.is_some() => {
+                values.extend(value);
+                value.is_some()
+            }
+            (Values::Number(values), Value::Exact(value)) if self.levels.is_none() => {
+                values.push(value);
+                true
+            }
             _ => return false,
+        };
+        if let Some(levels) = &mut self.levels {
+            levels.push(i16::from(there));
         }
         true
     }
 
-    fn clear(&mut self) {
-        match self {
-            Self::Text(values) => values.clear(),
-            Self::Whole(values) => values.clear(),
-            Self::Number(values) => values.clear(),
-        }
-    }
-
     fn field(&self, name: &str) -> Result<Type, ParquetError> {
-        let (physical, logical) = match self {
-            Self::Text(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
-            Self::Whole(_) => (Physical::INT32, None),
-            Self::Number(_) => (Physical::DOUBLE, None),
+        let (physical, logical) = match self.values {
+            Values::Text(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
+            Values::Whole(_) => (Physical::INT32, None),
+            Values::Number(_) => (Physical::DOUBLE, None),
+        };
+        let repetition = match self.levels {
+            Some(_) => Repetition::OPTIONAL,
+            None => Repetition::REQUIRED,
         };
         Type::primitive_type_builder(name, physical)
-            .with_repetition(Repetition::OPTIONAL)
+            .with_repetition(repetition)
             .with_logical_type(logical)
             .build()
     }
+
+    /// Writes what it holds and holds nothing after.
+    fn write(&mut self, to: &mut SerializedColumnWriter<'_>) -> Result<(), ParquetError> {
+        let levels = self.levels.as_deref();
+        match &mut self.values {
+            Values::Text(texts) => {
+                to.typed::<ByteArrayType>()
+                    .write_batch(texts, levels, None)?;
+                texts.clear();
+            }
+            Values::Whole(numbers) => {
+                to.typed::<Int32Type>().write_batch(numbers, levels, None)?;
+                numbers.clear();
+            }
+            Values::Number(numbers) => {
+                to.typed::<DoubleType>()
+                    .write_batch(numbers, levels, None)?;
+                numbers.clear();
+            }
+        }
+        if let Some(levels) = &mut self.levels {
+            levels.clear();
+        }
+        Ok(())
+    }
 }
 
-/// Writes a table row by row, compressed with Zstandard. It appears under its name when it is finished.
-pub struct ParquetTableWriter {
-    writer: SerializedFileWriter<PendingFile>,
-    columns: Vec<Values>,
+/// Writes a table row by row, compressed with Zstandard. The rows are buffered here.
+pub struct ParquetTableWriter<W: Write + Send = PendingFile> {
+    writer: SerializedFileWriter<W>,
+    columns: Vec<Column>,
     rows: usize,
 }
 
-impl ParquetTableWriter {
-    /// Starts a table with columns by name and type.
+impl ParquetTableWriter<PendingFile> {
+    /// Starts a file that appears under its name at [`ParquetTableWriter::finish`], with columns by name
+    /// and a value like theirs.
     ///
     /// # Errors
     /// If the file cannot be created.
-    pub fn create(path: &Path, columns: Vec<(&str, Values)>) -> io::Result<Self> {
-        let fields = columns.iter().map(|(name, values)| values.field(name));
-        let fields = fields.map(|field| field.map(Arc::new));
-        let schema = Type::group_type_builder("table")
-            .with_fields(fields.collect::<Result<_, _>>().map_err(failed)?)
-            .build()
-            .map_err(failed)?;
+    pub fn create(path: &Path, columns: Vec<(&str, Value)>) -> io::Result<Self> {
+        Self::new(PendingFile::create(path)?, "table", columns)
+    }
+
+    /// Writes what is left and gives the file its name.
+    ///
+    /// # Errors
+    /// If the file cannot be written or renamed; there is none under the name then.
+    pub fn finish(self) -> io::Result<()> {
+        self.into_inner()?.finish()
+    }
+}
+
+impl<W: Write + Send> ParquetTableWriter<W> {
+    /// Starts with the head of the file, of columns by name and a value like theirs.
+    pub(super) fn new<'a>(
+        out: W,
+        name: &str,
+        columns: impl IntoIterator<Item = (&'a str, Value<'a>)>,
+    ) -> io::Result<Self> {
+        let (mut fields, mut values, mut repeats) = (Vec::new(), Vec::new(), false);
+        for (name, like) in columns {
+            let column = Column::like(like);
+            fields.push(Arc::new(column.field(name).map_err(failed)?));
+            // Exact numbers seldom repeat.
+            repeats |= column.levels.is_some();
+            values.push(column);
+        }
+        let schema = Type::group_type_builder(name).with_fields(fields).build();
         let properties = WriterProperties::builder()
             .set_compression(Compression::ZSTD(ZstdLevel::default()))
+            .set_dictionary_enabled(repeats)
             .build();
-        let file = PendingFile::create(path)?;
-        let writer = SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties));
+        let schema = Arc::new(schema.map_err(failed)?);
+        let writer = SerializedFileWriter::new(out, schema, Arc::new(properties));
         Ok(Self {
             writer: writer.map_err(failed)?,
-            columns: columns.into_iter().map(|(_, values)| values).collect(),
+            columns: values,
             rows: 0,
         })
     }
@@ -124,57 +202,27 @@ impl ParquetTableWriter {
 
     fn write_group(&mut self) -> Result<(), ParquetError> {
         let mut group = self.writer.next_row_group()?;
-        for values in &mut self.columns {
-            let Some(mut column) = group.next_column()? else {
-                break;
-            };
-            match values {
-                Values::Text(texts) => {
-                    let bytes = texts
-                        .iter()
-                        .map(|text| text.as_deref().map(ByteArray::from));
-                    write_column::<ByteArrayType>(&mut column, bytes)?;
-                }
-                Values::Whole(values) => {
-                    write_column::<Int32Type>(&mut column, values.iter().copied())?;
-                }
-                Values::Number(values) => {
-                    write_column::<DoubleType>(&mut column, values.iter().copied())?;
-                }
+        for column in &mut self.columns {
+            if let Some(mut writer) = group.next_column()? {
+                column.write(&mut writer)?;
+                writer.close()?;
             }
-            column.close()?;
-            values.clear();
         }
         group.close()?;
         self.rows = 0;
         Ok(())
     }
 
-    /// Writes what is left and gives the file its name.
+    /// Writes what is left and gives `out` back.
     ///
     /// # Errors
-    /// If the file cannot be written or renamed; there is none under the name then.
-    pub fn finish(mut self) -> io::Result<()> {
+    /// If `out` does not take it.
+    pub fn into_inner(mut self) -> io::Result<W> {
         if self.rows > 0 {
             self.write_group().map_err(failed)?;
         }
-        self.writer.into_inner().map_err(failed)?.finish()
+        self.writer.into_inner().map_err(failed)
     }
-}
-
-/// Writes the values of a column that are there, and where they are: definition level 1.
-fn write_column<T: DataType>(
-    column: &mut parquet::file::writer::SerializedColumnWriter<'_>,
-    values: impl Iterator<Item = Option<T::T>>,
-) -> Result<(), ParquetError> {
-    let mut levels = Vec::new();
-    let mut there = Vec::new();
-    for value in values {
-        levels.push(i16::from(value.is_some()));
-        there.extend(value);
-    }
-    let typed = column.typed::<T>();
-    typed.write_batch(&there, Some(&levels), None).map(drop)
 }
 
 fn failed(error: ParquetError) -> io::Error {
@@ -187,11 +235,11 @@ mod tests {
     use parquet::file::reader::{FileReader, SerializedFileReader};
     use parquet::record::Field;
 
-    fn columns() -> Vec<(&'static str, Values)> {
+    fn columns() -> Vec<(&'static str, Value<'static>)> {
         vec![
-            ("log", Values::Text(Vec::new())),
-            ("outage", Values::Whole(Vec::new())),
-            ("error_m", Values::Number(Vec::new())),
+            ("log", Value::Text(None)),
+            ("outage", Value::Whole(None)),
+            ("error_m", Value::Number(None)),
         ]
     }
 

@@ -4,9 +4,7 @@ use std::path::PathBuf;
 
 use undrift_io::Opened;
 use undrift_io::format::Format;
-use undrift_io::gnss::{
-    GnssFormat, GnssLog, GnssReader, Place, PositionFormat, Std, VelocityFormat,
-};
+use undrift_io::gnss::{FixOptions, GnssFormat, GnssLog, GnssReader, Place};
 use undrift_io::imu::{ImuFormat, ImuReader};
 use undrift_io::skipped::SkipKind;
 use undrift_io::table::Column;
@@ -50,30 +48,32 @@ fn imu(file: &str, format: &ImuFormat) -> Option<(Vec<ImuSample>, u64)> {
     Some((samples, reader.gaps().count))
 }
 
-fn gnss_format(height: &str, position_std: Std, velocity_std: Std) -> GnssFormat {
+fn gnss_format(height: &str) -> GnssFormat {
     GnssFormat {
         time: name("t_s"),
         time_scale: 1.0,
-        time_offset: 0.0,
-        position: Some(PositionFormat {
-            place: Place::Geodetic {
-                lat: name("lat_deg"),
-                lon: name("lon_deg"),
-                height: name(height),
-                angle_scale: degrees(),
-            },
-            std: position_std,
-            std_factor: 1.0,
+        place: Some(Place::Geodetic {
+            columns: names(["lat_deg", "lon_deg", height]),
+            angle_scale: degrees(),
         }),
-        velocity: Some(VelocityFormat {
-            columns: names(["vn_mps", "ve_mps", "vd_mps"]),
-            up: false,
-            std: velocity_std,
-            std_factor: 1.0,
-        }),
+        position_std: None,
+        velocity: Some(names(["vn_mps", "ve_mps", "vd_mps"])),
+        velocity_up: false,
+        velocity_std: None,
         quality: None,
         delimiter: None,
-        span: None,
+        fixes: FixOptions::default(),
+    }
+}
+
+fn with_stds(height: &str, position_std: [f64; 3], velocity_std: [f64; 3]) -> GnssFormat {
+    GnssFormat {
+        fixes: FixOptions {
+            position_std: Some(position_std),
+            velocity_std: Some(velocity_std),
+            ..FixOptions::default()
+        },
+        ..gnss_format(height)
     }
 }
 
@@ -107,11 +107,7 @@ fn navego() {
     assert_eq!(last.time, 437.245);
     assert!(near(last.dvel.z, -9.980_594_91 * last.dt));
 
-    let constant = gnss_format(
-        "height_m",
-        Std::Constant([5.0, 5.0, 10.0]),
-        Std::Constant([0.05; 3]),
-    );
+    let constant = with_stds("height_m", [5.0, 5.0, 10.0], [0.05; 3]);
     let path = data("navego-adis16405/gnss.csv.gz").unwrap();
     assert_ne!(Opened::open(&path).unwrap().format(), Format::Rtklib);
     let fixes = gnss(GnssReader::open(&path, &constant.clone().into()).unwrap());
@@ -203,7 +199,7 @@ fn uav_flight() {
         samples[34_811].dvel.z,
         -9.633_111 * samples[34_811].dt
     ));
-    let constant = gnss_format("alt_m", Std::Constant([3.0; 3]), Std::Constant([0.5; 3]));
+    let constant = with_stds("alt_m", [3.0; 3], [0.5; 3]);
     let path = data("uav-flight/gnss.csv.gz").unwrap();
     let fixes = gnss(GnssReader::open(&path, &constant.clone().into()).unwrap());
     assert_eq!((fixes.len(), fixes[0].time), (674, 22.041));
@@ -241,11 +237,11 @@ fn ublox_drives() {
             names(["ax_mps2", "ay_mps2", "az_mps2"]),
         )
     };
-    let in_file = gnss_format(
-        "height_m",
-        Std::Columns(names(["pos_std_n_m", "pos_std_e_m", "pos_std_d_m"])),
-        Std::Columns(names(["vel_std_n_mps", "vel_std_e_mps", "vel_std_d_mps"])),
-    );
+    let in_file = GnssFormat {
+        position_std: Some(names(["pos_std_n_m", "pos_std_e_m", "pos_std_d_m"])),
+        velocity_std: Some(names(["vel_std_n_mps", "vel_std_e_mps", "vel_std_d_mps"])),
+        ..gnss_format("height_m")
+    };
     for (drive, rows, fix_rows, last_fix) in drives {
         let Some((samples, _)) = imu(&format!("ublox-drives/{drive}/imu.csv.gz"), &format) else {
             return;

@@ -10,10 +10,9 @@ use crate::replay::{GnssUse, QualityStd};
 use std::path::PathBuf;
 use undrift_io::{
     format::Format,
-    gnss::{
-        FixOptions, GnssFormat, GnssLog, GnssSource, Place, PositionFormat, Std, VelocityFormat,
-    },
+    gnss::{FixOptions, GnssFormat, GnssLog, GnssSource, Place},
     layouts,
+    table::Column,
 };
 use undrift_nav::{
     earth::Geodetic,
@@ -40,8 +39,11 @@ pub(crate) fn read_gnss(
     let time_offset = section
         .quantity("time_offset", Quantity::Time)?
         .unwrap_or(0.0);
-    let position_std_factor = section.factor("position_std_factor")?.unwrap_or(1.0);
-    let velocity_std_factor = section.factor("velocity_std_factor")?.unwrap_or(1.0);
+    let factor = |key| Ok::<_, ConfigError>(section.factor(key)?.unwrap_or(1.0));
+    let (position_std_factor, velocity_std_factor) = (
+        factor("position_std_factor")?,
+        factor("velocity_std_factor")?,
+    );
     let _ = ["lever_arm", "gate", "adapt", "quality_std_factors"].map(|key| section.get(key));
     let fixes = || -> Result<FixOptions, ConfigError> {
         Ok(FixOptions {
@@ -61,38 +63,20 @@ pub(crate) fn read_gnss(
             fixes: fixes()?,
             ..GnssLog::new(log)
         }),
-        Format::KfGins => {
-            let mut format = layouts::kf_gins_gnss(width);
-            format.time_offset = time_offset;
-            format.span = span;
-            if let Some(position) = &mut format.position {
-                position.std_factor = position_std_factor;
-                if let Some(std) = constant_std(section, "position_std", Quantity::Length)? {
-                    position.std = Std::Constant(std);
-                }
-            }
-            if let Some(velocity) = &mut format.velocity {
-                velocity.std_factor = velocity_std_factor;
-                if let Some(std) = constant_std(section, "velocity_std", Quantity::Velocity)? {
-                    velocity.std = Std::Constant(std);
-                }
-            }
-            GnssSource::Csv(Box::new(format))
-        }
+        Format::KfGins => GnssSource::Table(Box::new(GnssFormat {
+            fixes: fixes()?,
+            ..layouts::kf_gins_gnss(width)
+        })),
         Format::Euroc => {
             return Err(section
                 .error("file", "an EuRoC inertial log has no fixes")
                 .into());
         }
-        _ => GnssSource::Csv(Box::new(GnssFormat {
-            time_offset,
-            span,
-            ..read_columns(section, position_std_factor, velocity_std_factor)?
-        })),
+        _ => GnssSource::Table(Box::new(read_columns(section, fixes()?)?)),
     };
     let asked = read_use(section)?;
-    if let GnssSource::Csv(format) = &source {
-        if format.position.is_none() {
+    if let GnssSource::Table(format) = &source {
+        if format.place.is_none() {
             return Err(section.error("position", "missing: the columns latitude, longitude, height, or baseline; a solution starts at a position").into());
         }
         if asked == GnssUse::Velocity && format.velocity.is_none() {
@@ -152,31 +136,27 @@ fn read_base(section: &Section) -> Result<Option<Geodetic>, ConfigError> {
     }
 }
 
+/// The columns of standard deviations, in whose place `stated` ones may stand.
 fn read_stds<'a>(
     section: &Section<'a>,
-    constant: &'a str,
+    (constant, stated): (&'a str, Option<[f64; 3]>),
     columns: &'a str,
-    quantity: Quantity,
-) -> Result<Option<Std>, ConfigError> {
-    match (
-        constant_std(section, constant, quantity)?,
-        section.columns(columns)?,
-    ) {
+    unit: &str,
+) -> Result<Option<[Column; 3]>, ConfigError> {
+    match (stated, section.columns(columns)?) {
         (Some(_), Some(_)) => {
             Err(section.error(columns, format!("give {constant} or {columns}, not both")))
         }
-        (Some(v), None) => Ok(Some(Std::Constant(v))),
-        (None, Some(columns)) => Ok(Some(Std::Columns(columns))),
-        (None, None) => Ok(None),
+        (None, None) => Err(section.error(
+            constant,
+            format!("missing: the file's columns ({columns}) or \"north, east, down {unit}\""),
+        )),
+        (_, columns) => Ok(columns),
     }
 }
 
 /// The fixes in named columns of a table.
-fn read_columns(
-    section: &Section,
-    position_std_factor: f64,
-    velocity_std_factor: f64,
-) -> Result<GnssFormat, ConfigError> {
+fn read_columns(section: &Section, fixes: FixOptions) -> Result<GnssFormat, ConfigError> {
     let time = section
         .column("time")?
         .ok_or_else(|| section.error("time", "missing: the time column"))?;
@@ -185,10 +165,8 @@ fn read_columns(
         (Some(_), Some(_)) => {
             return Err(section.error("baseline", "give position or baseline, not both"));
         }
-        (Some([lat, lon, height]), None) => Some(Place::Geodetic {
-            lat,
-            lon,
-            height,
+        (Some(columns), None) => Some(Place::Geodetic {
+            columns,
             angle_scale,
         }),
         (None, Some(ned)) => Some(Place::Baseline {
@@ -202,54 +180,28 @@ fn read_columns(
         }),
         (None, None) => None,
     };
-    let position_std = read_stds(
-        section,
-        "position_std",
-        "position_std_columns",
-        Quantity::Length,
-    )?;
-    let position = match place {
-        None => None,
-        Some(place) => Some(PositionFormat {
-            place,
-            std: position_std.ok_or_else(|| {
-                section.error(
-                    "position_std",
-                    "missing: the file's columns (position_std_columns) or \"north, east, down m\"",
-                )
-            })?,
-            std_factor: position_std_factor,
-        }),
+    let velocity = section.columns("velocity")?;
+    let stds = |wanted: bool, stated, columns, unit| match wanted {
+        true => read_stds(section, stated, columns, unit),
+        false => section.columns(columns).map(|_| None),
     };
-    let up = section
-        .word("velocity_axes", &VELOCITY_AXES)?
-        .unwrap_or(false);
-    let velocity_std = read_stds(
-        section,
-        "velocity_std",
-        "velocity_std_columns",
-        Quantity::Velocity,
-    )?;
-    let velocity = match section.columns("velocity")? {
-            None => None,
-            Some(columns) => Some(VelocityFormat {
-                columns,
-                up,
-                std: velocity_std.ok_or_else(|| {
-                    section.error("velocity_std", "missing: the file's columns (velocity_std_columns) or \"north, east, down m/s\"")
-                })?,
-                std_factor: velocity_std_factor,
-            }),
-        };
+    let stated = ("position_std", fixes.position_std);
+    let position_std = stds(place.is_some(), stated, "position_std_columns", "m")?;
+    let stated = ("velocity_std", fixes.velocity_std);
+    let velocity_std = stds(velocity.is_some(), stated, "velocity_std_columns", "m/s")?;
     Ok(GnssFormat {
         time,
         time_scale: section.unit("time_unit", Quantity::Time, 1.0)?,
-        time_offset: 0.0,
-        position,
+        place,
+        position_std,
         velocity,
+        velocity_up: section
+            .word("velocity_axes", &VELOCITY_AXES)?
+            .unwrap_or(false),
+        velocity_std,
         quality: section.column("quality")?,
         delimiter: read_delimiter(section)?,
-        span: None,
+        fixes,
     })
 }
 

@@ -2,7 +2,7 @@
 
 use super::{FleetOutcome, outcome::columns};
 use std::{io, path::Path};
-use undrift_io::write::parquet_table::{ParquetTableWriter, Value, Values};
+use undrift_io::write::parquet_table::{ParquetTableWriter, Value};
 
 /// Columns of text.
 const TEXTS: [&str; 8] = [
@@ -28,10 +28,10 @@ impl Table {
     pub fn create(path: &Path) -> io::Result<Self> {
         let tasks = ["outages", "navigate", "identify"];
         let numbers: Vec<String> = tasks.into_iter().flat_map(columns).collect();
-        let text = |name| (name, Values::Text(Vec::new()));
-        let number = |name| (name, Values::Number(Vec::new()));
-        let mut columns: Vec<(&str, Values)> = TEXTS.into_iter().map(text).collect();
-        columns.push(("outage", Values::Whole(Vec::new())));
+        let text = |name| (name, Value::Text(None));
+        let number = |name| (name, Value::Number(None));
+        let mut columns: Vec<(&str, Value)> = TEXTS.into_iter().map(text).collect();
+        columns.push(("outage", Value::Whole(None)));
         columns.push(number("temperature_c"));
         columns.extend(numbers.iter().map(String::as_str).map(number));
         Ok(Self {

@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use undrift_io::write::PendingFile;
 use undrift_io::write::mcap::McapWriter;
 use undrift_io::write::solution::SolutionRow;
 use undrift_nav::Vector3;
@@ -12,7 +13,10 @@ fn main() -> std::io::Result<()> {
     let path = std::env::args()
         .nth(1)
         .unwrap_or("solution.mcap".to_owned());
-    let mut writer = McapWriter::create(Path::new(&path), Some(1_752_003_240.25))?;
+    let mut writer = McapWriter::new(
+        PendingFile::create(Path::new(&path))?,
+        Some(1_752_003_240.25),
+    )?;
     for k in 0..3 {
         let t = f64::from(k);
         writer.write(&SolutionRow {
@@ -26,5 +30,5 @@ fn main() -> std::io::Result<()> {
             error_std: [0.0; 6],
         })?;
     }
-    writer.finish()
+    writer.into_inner()?.finish()
 }

@@ -414,6 +414,60 @@ fn results_into_devices_pipes_and_links() {
     assert_eq!(kept.permissions().mode() & 0o777, 0o640);
 }
 
+/// A pipe gives what it has once, however often the verb goes over a log.
+#[test]
+#[cfg(unix)]
+fn logs_in_pipes_are_read_like_the_files() {
+    let case = good().write("logs_in_pipes");
+    let drive = case.read("drive.toml").unwrap();
+    let piped = drive.replace(".csv\"", ".pipe\"");
+    case.put("piped.toml", piped.as_bytes());
+    // What a verb leaves unread ends its writer with it.
+    let through_pipes = |line: &str| {
+        let script = format!(
+            "rm -f *.pipe; writers=
+            for log in imu gnss truth; do
+                mkfifo $log.pipe; cat $log.csv > $log.pipe & writers=\"$writers $!\"
+            done
+            timeout 120 \"$0\" {line}; status=$?
+            kill $writers 2>/dev/null; exit $status"
+        );
+        let output = Command::new("sh")
+            .args(["-c", &script, env!("CARGO_BIN_EXE_undrift")])
+            .current_dir(case.path(""))
+            .output()
+            .unwrap();
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{line}: {stderr}");
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let (_, nav) = case.solution();
+    assert!(nav.len() > 100);
+    let expected = case.read("nav.csv");
+    through_pipes("navigate piped.toml -q -o piped.csv");
+    assert_eq!(case.read("piped.csv"), expected);
+
+    let schedule = ["--at", "41,70.5", "--length", "5", "--json"];
+    let outcome = case.outages(&[&schedule[..], &["file.json"]].concat());
+    assert!(outcome.succeeded(), "{}", outcome.stderr);
+    let line = format!(
+        "outages piped.toml --bias-models arma {} piped.json",
+        schedule.join(" ")
+    );
+    through_pipes(&line);
+    let json = |name: &str| -> serde_json::Value {
+        serde_json::from_str(&case.read(name).unwrap()).unwrap()
+    };
+    for key in ["models", "outages", "nis_per_dof"] {
+        assert_eq!(json("piped.json")[key], json("file.json")[key], "{key}");
+    }
+
+    let file = case.run(&["inspect", "imu.csv", "gnss.csv"]);
+    assert!(file.succeeded(), "{}", file.stderr);
+    let found = through_pipes("inspect imu.pipe gnss.pipe");
+    assert_eq!(found.replace(".pipe", ".csv"), file.stdout);
+}
+
 #[test]
 fn an_outage_longer_than_the_log() {
     let outcome = good()

@@ -6,6 +6,7 @@ use std::io::Read;
 use flate2::read::ZlibDecoder;
 
 use crate::ReadError;
+use crate::log::bytes::{ByteFields, Number};
 use crate::source::Source;
 
 /// Start of a file of level 5.
@@ -30,8 +31,8 @@ const COMPLEX: u8 = 0x08;
 pub(super) struct Numbers {
     pub(super) rows: usize,
     pub(super) columns: usize,
-    /// Type of the numbers, which may be smaller than the class of the array.
-    kind: u32,
+    /// How they are stored: it may be smaller than the class of the array.
+    number: Number,
     big_endian: bool,
     bytes: Vec<u8>,
 }
@@ -48,40 +49,26 @@ impl Numbers {
     }
 
     fn nth(&self, index: usize) -> Option<f64> {
-        Some(match self.kind {
-            1 => f64::from(i8::from_le_bytes(self.bytes_of(index)?)),
-            2 => f64::from(u8::from_le_bytes(self.bytes_of(index)?)),
-            3 => f64::from(i16::from_le_bytes(self.bytes_of(index)?)),
-            4 => f64::from(u16::from_le_bytes(self.bytes_of(index)?)),
-            5 => f64::from(i32::from_le_bytes(self.bytes_of(index)?)),
-            6 => f64::from(u32::from_le_bytes(self.bytes_of(index)?)),
-            7 => f64::from(f32::from_le_bytes(self.bytes_of(index)?)),
-            9 => f64::from_le_bytes(self.bytes_of(index)?),
-            12 => i64::from_le_bytes(self.bytes_of(index)?) as f64,
-            13 => u64::from_le_bytes(self.bytes_of(index)?) as f64,
-            _ => return None,
-        })
-    }
-
-    /// The bytes of a number, the lowest first.
-    fn bytes_of<const N: usize>(&self, index: usize) -> Option<[u8; N]> {
-        let mut bytes: [u8; N] = *self.bytes.get(index * N..)?.first_chunk()?;
-        if self.big_endian {
-            bytes.reverse();
-        }
-        Some(bytes)
+        let bytes = self.bytes.get(index * self.number.size()..)?;
+        self.number.read(bytes, self.big_endian)
     }
 }
 
-/// Size of a number by its type \[bytes\].
-fn size_of(kind: u32) -> Option<usize> {
-    match kind {
-        1 | 2 => Some(1),
-        3 | 4 => Some(2),
-        5..=7 => Some(4),
-        9 | 12 | 13 => Some(8),
-        _ => None,
-    }
+/// A number by the type of its element.
+fn number_of(kind: u32) -> Option<Number> {
+    Some(match kind {
+        1 => Number::I8,
+        2 => Number::U8,
+        3 => Number::I16,
+        4 => Number::U16,
+        5 => Number::I32,
+        6 => Number::U32,
+        7 => Number::F32,
+        9 => Number::F64,
+        12 => Number::I64,
+        13 => Number::U64,
+        _ => return None,
+    })
 }
 
 /// A variable: a name and, if it is one structure, those of its fields that are real matrices.
@@ -151,7 +138,8 @@ impl Variables {
                 return Ok(None);
             }
             self.number += 1;
-            let Some((kind, length)) = Words::new(&tag, self.big_endian).two() else {
+            let mut numbers = ByteFields::ordered(&tag, self.big_endian);
+            let Some((kind, length)) = numbers.u32().zip(numbers.u32()) else {
                 return Err("ends in the middle of a variable".into());
             };
             let mut bytes = Vec::new();
@@ -162,22 +150,22 @@ impl Variables {
             if bytes.len() < length as usize {
                 return Err("ends in the middle of a variable".into());
             }
-            let mut words = Words::new(&bytes, self.big_endian);
             let inflated;
-            match kind {
-                MATRIX => {}
+            let content = match kind {
+                MATRIX => bytes.as_slice(),
                 COMPRESSED => {
                     inflated = inflate(&bytes)?;
-                    match Words::new(&inflated, self.big_endian).element() {
-                        Some((MATRIX, content)) => words.bytes = content,
+                    match element(&mut ByteFields::ordered(&inflated, self.big_endian)) {
+                        Some((MATRIX, content)) => content,
                         Some(_) => continue,
                         None => return Err("a compressed variable is damaged".into()),
                     }
                 }
                 _ => continue,
-            }
+            };
+            let mut content = ByteFields::ordered(content, self.big_endian);
             let damaged = || format!("variable {} is damaged", self.number);
-            return variable(&mut words).map(Some).ok_or_else(damaged);
+            return variable(&mut content).map(Some).ok_or_else(damaged);
         }
     }
 
@@ -212,14 +200,13 @@ struct Head<'a> {
     name: &'a [u8],
 }
 
-fn head<'a>(words: &mut Words<'a>) -> Option<Head<'a>> {
-    let (_, flags) = words.element()?;
-    let (flags, _) = Words::new(flags, words.big_endian).two()?;
-    let [class, bits, ..] = flags.to_le_bytes();
-    let (_, sizes) = words.element()?;
-    let dimensions = sizes.chunks_exact(4).map(|size| words.number(size));
-    let dimensions = dimensions.collect();
-    let (_, name) = words.element()?;
+fn head<'a>(content: &mut ByteFields<'a>) -> Option<Head<'a>> {
+    let (_, flags) = element(content)?;
+    let [class, bits, ..] = content.within(flags).u32()?.to_le_bytes();
+    let (_, sizes) = element(content)?;
+    let mut sizes = content.within(sizes);
+    let dimensions = std::iter::from_fn(|| sizes.u32()).collect();
+    let (_, name) = element(content)?;
     Some(Head {
         class,
         complex: bits & COMPLEX != 0,
@@ -228,56 +215,54 @@ fn head<'a>(words: &mut Words<'a>) -> Option<Head<'a>> {
     })
 }
 
-fn variable(words: &mut Words) -> Option<Variable> {
-    let head = head(words)?;
-    let name = String::from_utf8_lossy(head.name).into_owned();
+fn variable(content: &mut ByteFields) -> Option<Variable> {
+    let head = head(content)?;
     let sizes: Vec<String> = head.dimensions.iter().map(u32::to_string).collect();
-    let about = format!("{} {}", class_name(head.class), sizes.join("×"));
     let one = head.dimensions.iter().all(|size| *size == 1);
-    let fields = match (head.class, one) {
-        (STRUCT, true) => Some(fields(words)?),
-        _ => None,
-    };
     Some(Variable {
-        name,
-        about,
-        fields,
+        name: String::from_utf8_lossy(head.name).into_owned(),
+        about: format!("{} {}", class_name(head.class), sizes.join("×")),
+        fields: match (head.class, one) {
+            (STRUCT, true) => Some(fields(content)?),
+            _ => None,
+        },
     })
 }
 
 /// The fields of one structure; those that are no real matrices of numbers are left out.
-fn fields(words: &mut Words) -> Option<Vec<(String, Numbers)>> {
-    let (_, width) = words.element()?;
-    let width = words.number(width.get(..4)?) as usize;
-    let (_, names) = words.element()?;
+fn fields(content: &mut ByteFields) -> Option<Vec<(String, Numbers)>> {
+    let (_, width) = element(content)?;
+    let width = content.within(width).u32()? as usize;
+    let (_, names) = element(content)?;
     if width == 0 || names.len() / width > MAX_FIELDS {
         return None;
     }
     let mut fields = Vec::new();
     for name in names.chunks_exact(width) {
         let name = name.split(|byte| *byte == 0).next().unwrap_or_default();
-        let (kind, content) = words.element()?;
+        let (kind, bytes) = element(content)?;
         if kind != MATRIX {
             return None;
         }
         // An empty field has no content at all.
-        if content.is_empty() {
+        if bytes.is_empty() {
             continue;
         }
-        let mut inner = Words::new(content, words.big_endian);
+        let mut inner = content.within(bytes);
         let head = head(&mut inner)?;
         if let (6..=15, false, [rows, columns]) = (head.class, head.complex, &head.dimensions[..]) {
             let (rows, columns) = (*rows as usize, *columns as usize);
-            let (kind, bytes) = inner.element()?;
-            let size = rows.checked_mul(columns)?.checked_mul(size_of(kind)?)?;
+            let (kind, bytes) = element(&mut inner)?;
+            let number = number_of(kind)?;
+            let size = rows.checked_mul(columns)?.checked_mul(number.size())?;
             if size != bytes.len() {
                 return None;
             }
             let numbers = Numbers {
                 rows,
                 columns,
-                kind,
-                big_endian: words.big_endian,
+                number,
+                big_endian: inner.is_big_endian(),
                 bytes: bytes.to_vec(),
             };
             fields.push((String::from_utf8_lossy(name).into_owned(), numbers));
@@ -300,49 +285,19 @@ fn class_name(class: u8) -> &'static str {
     }
 }
 
-/// Walks along the elements in some bytes.
-struct Words<'a> {
-    bytes: &'a [u8],
-    big_endian: bool,
-}
-
-impl<'a> Words<'a> {
-    fn new(bytes: &'a [u8], big_endian: bool) -> Self {
-        Self { bytes, big_endian }
+/// The next element: its type and content. Up to four bytes may stand in the tag itself, whose upper half
+/// is their number then; others are padded to eight.
+fn element<'a>(fields: &mut ByteFields<'a>) -> Option<(u32, &'a [u8])> {
+    let kind = fields.u32()?;
+    if kind >> 16 != 0 {
+        let four = fields.take(4)?;
+        return Some((kind & 0xffff, four.get(..(kind >> 16) as usize)?));
     }
-
-    /// An unsigned number of four bytes; 0 if there are fewer.
-    fn number(&self, bytes: &[u8]) -> u32 {
-        let bytes = bytes.first_chunk().copied().unwrap_or_default();
-        if self.big_endian {
-            u32::from_be_bytes(bytes)
-        } else {
-            u32::from_le_bytes(bytes)
-        }
+    let length = fields.u32()? as usize;
+    let content = fields.take(length)?;
+    if kind != COMPRESSED {
+        // The last one may be without.
+        let _ = fields.take(length.next_multiple_of(8) - length);
     }
-
-    /// The next two numbers.
-    fn two(&mut self) -> Option<(u32, u32)> {
-        let (tag, rest) = self.bytes.split_at_checked(8)?;
-        self.bytes = rest;
-        Some((self.number(tag), self.number(tag.get(4..)?)))
-    }
-
-    /// The next element: its type and content. Up to four bytes may stand in the tag itself, whose
-    /// upper half is their number then; others are padded to eight.
-    fn element(&mut self) -> Option<(u32, &'a [u8])> {
-        let (tag, _) = self.bytes.split_at_checked(8)?;
-        let (kind, length) = self.two()?;
-        if kind >> 16 != 0 {
-            return Some((kind & 0xffff, tag.get(4..)?.get(..(kind >> 16) as usize)?));
-        }
-        let (content, rest) = self.bytes.split_at_checked(length as usize)?;
-        let padding = if kind == COMPRESSED {
-            0
-        } else {
-            length.next_multiple_of(8) - length
-        };
-        self.bytes = rest.get(padding as usize..).unwrap_or_default();
-        Some((kind, content))
-    }
+    Some((kind, content))
 }

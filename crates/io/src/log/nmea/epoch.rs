@@ -6,6 +6,7 @@ use undrift_nav::{Matrix3, Vector3};
 
 use super::sentence::{Sentence, date};
 use crate::entry::Fix;
+use crate::fix::on_earth;
 use crate::log::receiver::Ready;
 use crate::skipped::SkipKind;
 use crate::time::WeekClock;
@@ -14,8 +15,11 @@ const DAY: f64 = 86_400.0;
 /// Epochs that wait for a date: an hour at 1 Hz.
 const MAX_HELD: usize = 3600;
 
+/// Year, month, day.
+type Date = (i64, i64, i64);
+
 /// What GGA says.
-struct Place {
+struct Gga {
     lat_deg: f64,
     lon_deg: f64,
     /// Above sea level \[m\].
@@ -26,18 +30,19 @@ struct Place {
 }
 
 /// What the sentences of one time of day say.
+#[derive(Default)]
 pub(super) struct Epoch {
     /// Line of the first.
     at: u64,
     /// UTC \[s\].
     pub(super) time_of_day: f64,
-    place: Option<Place>,
+    gga: Option<Gga>,
     covariance: Option<Matrix3>,
     /// Over ground, down 0 [m/s].
     velocity: Option<Vector3>,
     /// Whether a standard deviation was unusable.
     unusable: bool,
-    date: Option<(i64, i64, i64)>,
+    date: Option<Date>,
     /// Whether a sentence says that there is no fix by satellites.
     no_fix: bool,
 }
@@ -47,12 +52,7 @@ impl Epoch {
         Self {
             at,
             time_of_day,
-            place: None,
-            covariance: None,
-            velocity: None,
-            unusable: false,
-            date: None,
-            no_fix: false,
+            ..Self::default()
         }
     }
 
@@ -110,7 +110,7 @@ impl Epoch {
         }
         let lat_deg = sentence.angle(2, [b"N", b"S"]);
         let lon_deg = sentence.angle(4, [b"E", b"W"]);
-        self.place = Some(Place {
+        self.gga = Some(Gga {
             lat_deg: lat_deg.ok_or(SkipKind::Text)?,
             lon_deg: lon_deg.ok_or(SkipKind::Text)?,
             altitude: sentence.number(9).ok_or(SkipKind::Text)?,
@@ -121,43 +121,31 @@ impl Epoch {
     }
 
     /// Makes the fix of what has come and gives it to those that know its time.
-    pub(super) fn end(
-        self,
-        heights: &mut Heights,
-        times: &mut Times,
-        poses: bool,
-        ready: &mut Ready,
-    ) {
-        times.next(self.time_of_day, self.date, poses, ready);
+    pub(super) fn end(self, heights: &mut Heights, times: &mut Times, ready: &mut Ready) {
+        times.next(self.time_of_day, self.date, ready);
         if self.no_fix {
             let detail = format!("UTC {:.2} s of the day", self.time_of_day);
             ready.skip(self.at, SkipKind::NoFix, detail);
             return;
         }
-        let Some(place) = self.place else { return };
+        let Some(place) = self.gga else { return };
         let height = heights.above_ellipsoid(&place, self.at, ready);
         let position = Geodetic::from_degrees(place.lat_deg, place.lon_deg, height);
-        if !ready.is_a_place(self.at, &position) {
+        let Some(position) = ready.usable(self.at, on_earth(position)) else {
             return;
-        }
+        };
         if self.unusable {
-            ready.skip(
-                self.at,
-                SkipKind::Uncertainty,
-                "the standard deviations of GST",
-            );
+            let detail = "the standard deviations of GST";
+            ready.skip(self.at, SkipKind::Uncertainty, detail);
         }
         let fix = Fix {
             time: 0.0,
             position: Some((Position::Geodetic(position), self.covariance)),
             // No reference: half of it is missing.
-            velocity: self
-                .velocity
-                .filter(|_| !poses)
-                .map(|velocity| (velocity, None)),
+            velocity: self.velocity.filter(|_| !times.poses).map(|v| (v, None)),
             quality: place.quality,
         };
-        times.give(self.at, fix, poses, ready);
+        times.give(self.at, fix, ready);
     }
 }
 
@@ -200,7 +188,7 @@ pub(super) struct Heights {
 }
 
 impl Heights {
-    fn above_ellipsoid(&mut self, place: &Place, at: u64, ready: &mut Ready) -> f64 {
+    fn above_ellipsoid(&mut self, place: &Gga, at: u64, ready: &mut Ready) -> f64 {
         if !self.above_sea {
             self.separation = place.separation.or(self.separation);
         }
@@ -221,33 +209,36 @@ impl Heights {
 /// Makes times of dates and times of day.
 #[derive(Default)]
 pub(super) struct Times {
+    /// Whether reference solutions are wanted, not fixes.
+    poses: bool,
     weeks: WeekClock,
     /// The last time of day \[s\].
     last: Option<f64>,
     /// The last date that was told.
-    date: Option<(i64, i64, i64)>,
+    date: Option<Date>,
     /// Midnights since the last date, or since the file's start.
     midnights: i32,
-    /// Fixes that wait for a date: line, midnights before it, time of day.
-    held: Vec<(u64, i32, f64, Fix)>,
+    /// Fixes that wait for a date: line, midnights before it, the fix at its time of day.
+    held: Vec<(u64, i32, Fix)>,
     /// The file counts seconds of its first day, for good.
     undated: bool,
 }
 
 impl Times {
+    pub(super) fn new(poses: bool) -> Self {
+        Self {
+            poses,
+            ..Self::default()
+        }
+    }
+
     /// Goes on to an epoch.
-    fn next(
-        &mut self,
-        time_of_day: f64,
-        date: Option<(i64, i64, i64)>,
-        poses: bool,
-        ready: &mut Ready,
-    ) {
+    fn next(&mut self, time_of_day: f64, date: Option<Date>, ready: &mut Ready) {
         let last = self.last.replace(time_of_day);
         if last.is_some_and(|last| last - time_of_day > DAY / 2.0) {
             self.midnights += 1;
         }
-        let valid = |&(year, month, day): &(i64, i64, i64)| {
+        let valid = |&(year, month, day): &Date| {
             // Asked of a clock of its own, so that this is not what sets the week.
             WeekClock::default().utc(year, month, day, 0.0).is_some()
         };
@@ -256,50 +247,43 @@ impl Times {
         };
         self.date = Some(date);
         let since_start = std::mem::take(&mut self.midnights);
-        for (at, midnights, time_of_day, fix) in std::mem::take(&mut self.held) {
-            let seconds = time_of_day + DAY * f64::from(midnights - since_start);
-            self.dated(at, seconds, fix, poses, ready);
+        for (at, midnights, fix) in std::mem::take(&mut self.held) {
+            self.dated(at, midnights - since_start, fix, ready);
         }
     }
 
     /// Gives out a fix of the epoch that this has gone on to, or keeps it until its date is known.
-    fn give(&mut self, at: u64, fix: Fix, poses: bool, ready: &mut Ready) {
-        let time_of_day = self.last.unwrap_or_default();
-        let seconds = time_of_day + DAY * f64::from(self.midnights);
-        if self.undated {
-            ready.fix(
-                at,
-                Fix {
-                    time: seconds,
-                    ..fix
-                },
-                poses,
-            );
-        } else if self.date.is_some() {
-            self.dated(at, seconds, fix, poses, ready);
+    fn give(&mut self, at: u64, fix: Fix, ready: &mut Ready) {
+        let time = self.last.unwrap_or_default();
+        let fix = Fix { time, ..fix };
+        if self.undated || self.date.is_some() {
+            self.dated(at, self.midnights, fix, ready);
         } else {
-            self.held.push((at, self.midnights, time_of_day, fix));
+            self.held.push((at, self.midnights, fix));
             if self.held.len() >= MAX_HELD {
-                self.end(poses, ready);
+                self.end(ready);
             }
         }
     }
 
-    fn dated(&mut self, at: u64, seconds: f64, fix: Fix, poses: bool, ready: &mut Ready) {
-        let time = self
-            .date
-            .and_then(|(year, month, day)| self.weeks.utc(year, month, day, seconds));
+    /// Gives out a fix whose time of day comes so many midnights after the date, or after the file's start
+    /// where there is none.
+    fn dated(&mut self, at: u64, midnights: i32, fix: Fix, ready: &mut Ready) {
+        let seconds = fix.time + DAY * f64::from(midnights);
+        let time = match self.date.filter(|_| !self.undated) {
+            Some((year, month, day)) => self.weeks.utc(year, month, day, seconds),
+            None => Some(seconds),
+        };
         if let Some(time) = time {
-            ready.fix(at, Fix { time, ..fix }, poses);
+            ready.fix(at, Fix { time, ..fix });
         }
     }
 
     /// Gives out what still waits for a date, without one.
-    pub(super) fn end(&mut self, poses: bool, ready: &mut Ready) {
+    pub(super) fn end(&mut self, ready: &mut Ready) {
         self.undated = self.date.is_none();
-        for (at, midnights, time_of_day, fix) in std::mem::take(&mut self.held) {
-            let time = time_of_day + DAY * f64::from(midnights);
-            ready.fix(at, Fix { time, ..fix }, poses);
+        for (at, midnights, fix) in std::mem::take(&mut self.held) {
+            self.dated(at, midnights, fix, ready);
         }
     }
 }

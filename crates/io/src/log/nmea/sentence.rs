@@ -3,7 +3,7 @@
 
 use crate::number;
 use crate::skipped::shown;
-use crate::time::whole;
+use crate::time::{self, whole};
 
 /// Longest sentence that is believed \[bytes\]: the standard has 82, receivers go beyond it.
 const LONGEST: usize = 256;
@@ -86,10 +86,7 @@ impl Sentence<'_> {
 
 /// Seconds of day of `hhmmss.sss`; the second may be 60.
 pub(super) fn time_of_day(field: &[u8]) -> Option<f64> {
-    let (hour, minute) = (whole(field.get(..2)?)?, whole(field.get(2..4)?)?);
-    let second = number::parse(field.get(4..)?)?;
-    let plausible = hour < 24 && minute < 60 && (0.0..61.0).contains(&second);
-    plausible.then(|| (hour * 3600 + minute * 60) as f64 + second)
+    time::of_day(field.get(..2)?, field.get(2..4)?, field.get(4..)?)
 }
 
 /// Year, month and day of `ddmmyy`; GPS began in 1980.

@@ -2,22 +2,16 @@
 
 use std::ops::Range;
 
-use super::bytes::{self, MOST};
 use super::message::Encoding;
 use crate::ReadError;
+use crate::log::bytes::{self, MOST};
 use crate::skipped::SkipKind;
 use crate::source::Source;
 
 /// What a container tells, in the order of the file.
 #[derive(Debug)]
 pub(in crate::log) enum Event {
-    /// There is a topic; its messages have this number.
-    Topic {
-        number: u32,
-        name: String,
-        type_name: String,
-        encoding: Option<Encoding>,
-    },
+    Topic(Declared),
     /// A message: the number of its topic, when it was recorded (Unix time), where its bytes are.
     Message {
         number: u32,
@@ -28,8 +22,19 @@ pub(in crate::log) enum Event {
     Skipped(SkipKind, String),
 }
 
+/// That there is a topic.
+#[derive(Debug)]
+pub(in crate::log) struct Declared {
+    /// Its messages have this number.
+    pub(in crate::log) number: u32,
+    pub(in crate::log) name: String,
+    pub(in crate::log) type_name: String,
+    /// `None` where its messages cannot be read.
+    pub(in crate::log) encoding: Option<Encoding>,
+}
+
 /// How a container lays out its records.
-pub(in crate::log) trait Layout: Send {
+pub(in crate::log) trait Records: Send {
     /// Methods of compression that can be read.
     fn methods(&self) -> &'static str;
 
@@ -154,7 +159,7 @@ pub(in crate::log) struct Packed {
 /// A container and where it is read.
 pub(in crate::log) struct Container {
     file: File,
-    layout: Box<dyn Layout>,
+    layout: Box<dyn Records>,
 }
 
 impl Container {
@@ -162,7 +167,7 @@ impl Container {
     pub(in crate::log) fn open(
         mut source: Source,
         magic: &[u8],
-        layout: impl Layout + 'static,
+        layout: impl Records + 'static,
     ) -> Result<Self, Vec<u8>> {
         let mut raw = Vec::new();
         let whole = bytes::read(&mut source, magic.len() as u64, &mut raw);

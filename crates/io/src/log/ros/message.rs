@@ -7,8 +7,10 @@ use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::FixQuality;
 use undrift_nav::{Matrix3, Vector3};
 
-use super::bytes::Fields;
+use crate::entry::Unfit;
+use crate::fix::{finite, on_earth};
 use crate::log::StreamKind;
+use crate::log::bytes::ByteFields;
 use crate::skipped::SkipKind;
 
 /// How messages are serialised.
@@ -60,14 +62,11 @@ pub(super) struct Header<'a> {
     pub(super) frame: Cow<'a, str>,
 }
 
-/// Why a message is not used.
-pub(super) type Unfit = (SkipKind, String);
-
 /// The fields of a message after its header, and the header.
-pub(super) fn header(encoding: Encoding, bytes: &[u8]) -> Option<(Header<'_>, Fields<'_>)> {
+pub(super) fn header(encoding: Encoding, bytes: &[u8]) -> Option<(Header<'_>, ByteFields<'_>)> {
     let mut fields = match encoding {
-        Encoding::Ros1 => Fields::packed(bytes),
-        Encoding::Cdr => Fields::cdr(bytes)?,
+        Encoding::Ros1 => ByteFields::packed(bytes),
+        Encoding::Cdr => ByteFields::cdr(bytes)?,
     };
     let seconds = match encoding {
         Encoding::Ros1 => {
@@ -85,7 +84,7 @@ pub(super) fn header(encoding: Encoding, bytes: &[u8]) -> Option<(Header<'_>, Fi
 /// Angular rate [rad/s] and specific force [m/s²] of sensor_msgs/Imu, axes of its frame.
 ///
 /// A first covariance element of −1 says that the quantity is not given.
-pub(super) fn imu(fields: &mut Fields) -> Result<(Vector3, Vector3), Unfit> {
+pub(super) fn imu(fields: &mut ByteFields) -> Result<(Vector3, Vector3), Unfit> {
     let mut read = || {
         fields.array::<13>()?;
         let rate = fields.array::<12>()?;
@@ -107,7 +106,9 @@ pub(super) fn imu(fields: &mut Fields) -> Result<(Vector3, Vector3), Unfit> {
 /// corrections, stands for everything from differential code to resolved ambiguities, so it says
 /// nothing. The covariance is east-north-up, of type 0 where it is unknown; one that is none, such
 /// as all zero, counts as unknown.
-pub(super) fn fix(fields: &mut Fields) -> Result<(Geodetic, Option<Matrix3>, FixQuality), Unfit> {
+pub(super) fn fix(
+    fields: &mut ByteFields,
+) -> Result<(Geodetic, Option<Matrix3>, FixQuality), Unfit> {
     let mut read = || {
         let status = fields.u8()?.cast_signed();
         fields.u16()?;
@@ -123,11 +124,7 @@ pub(super) fn fix(fields: &mut Fields) -> Result<(Geodetic, Option<Matrix3>, Fix
         return Err((SkipKind::OutOfRange, format!("status {status}, no fix")));
     }
     let place = finite(Vector3::from(place))?;
-    let position = Geodetic::from_degrees(place.x, place.y, place.z);
-    if !position.is_valid() || (place.x == 0.0 && place.y == 0.0) {
-        let detail = format!("{}°, {}°, {} m", place.x, place.y, place.z);
-        return Err((SkipKind::OutOfRange, detail));
-    }
+    let position = on_earth(Geodetic::from_degrees(place.x, place.y, place.z))?;
     let covariance = match kind {
         0 => None,
         // Only the diagonal is known.
@@ -147,7 +144,7 @@ pub(super) fn fix(fields: &mut Fields) -> Result<(Geodetic, Option<Matrix3>, Fix
 /// Velocity north-east-down [m/s] and its covariance [(m/s)²] of geometry_msgs/TwistStamped or
 /// TwistWithCovarianceStamped, which are east-north-up (REP-103).
 pub(super) fn velocity(
-    fields: &mut Fields,
+    fields: &mut ByteFields,
     with_covariance: bool,
 ) -> Result<(Vector3, Option<Matrix3>), Unfit> {
     let twist = fields.array::<6>().ok_or_else(too_short)?;
@@ -177,14 +174,6 @@ fn ned_covariance(enu: Matrix3) -> Option<Matrix3> {
 /// The first three of an array.
 fn vector<const N: usize>(array: &[f64; N]) -> Vector3 {
     Vector3::from_iterator(array.iter().copied().chain(std::iter::repeat(0.0)))
-}
-
-fn finite(values: Vector3) -> Result<Vector3, Unfit> {
-    if values.iter().all(|value| value.is_finite()) {
-        return Ok(values);
-    }
-    let detail = format!("{}, {}, {}", values.x, values.y, values.z);
-    Err((SkipKind::NotFinite, detail))
 }
 
 pub(super) fn too_short() -> Unfit {

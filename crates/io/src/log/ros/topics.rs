@@ -2,9 +2,11 @@
 
 use std::collections::HashMap;
 
+use super::container::Declared;
 use super::message::{Encoding, Type};
 use crate::ReadError;
 use crate::entry::{Stream, StreamKind};
+use crate::error::the_file_has;
 
 /// A topic with messages of one type.
 #[derive(Debug)]
@@ -34,14 +36,14 @@ pub(super) struct Topics {
 }
 
 impl Topics {
-    /// Hears of a topic; one without encoding cannot be read.
-    pub(super) fn declare(
-        &mut self,
-        number: u32,
-        name: String,
-        type_name: &str,
-        encoding: Option<Encoding>,
-    ) {
+    /// Hears of a topic.
+    pub(super) fn declare(&mut self, topic: Declared) {
+        let Declared {
+            number,
+            name,
+            type_name,
+            encoding,
+        } = topic;
         let type_name = type_name.replacen("/msg/", "/", 1);
         let key = (name, type_name);
         let index = match self.by_name.get(&key) {
@@ -93,12 +95,9 @@ impl Topics {
         }
         names.sort();
         names.dedup();
-        let more = names.len().saturating_sub(MOST);
-        names.truncate(MOST);
-        match (names.is_empty(), more) {
-            (true, _) => "the file has no topics".to_owned(),
-            (_, 0) => format!("the file has: {}", names.join(", ")),
-            _ => format!("the file has: {} and {more} more", names.join(", ")),
+        match names.is_empty() {
+            true => "the file has no topics".to_owned(),
+            false => the_file_has(&names, MOST),
         }
     }
 }
@@ -200,10 +199,18 @@ mod tests {
     #[test]
     fn publishers_of_one_topic_are_one_topic() {
         let mut topics = Topics::default();
-        let ros1 = Some(Encoding::Ros1);
-        topics.declare(4, "/imu".to_owned(), "sensor_msgs/Imu", ros1);
-        topics.declare(7, "/imu".to_owned(), "sensor_msgs/msg/Imu", ros1);
-        topics.declare(8, "/imu2".to_owned(), "sensor_msgs/Imu", ros1);
+        for (number, name, type_name) in [
+            (4, "/imu", "sensor_msgs/Imu"),
+            (7, "/imu", "sensor_msgs/msg/Imu"),
+            (8, "/imu2", "sensor_msgs/Imu"),
+        ] {
+            topics.declare(Declared {
+                number,
+                name: name.to_owned(),
+                type_name: type_name.to_owned(),
+                encoding: Some(Encoding::Ros1),
+            });
+        }
         let mut choice = Choice::new("imu.topic", StreamKind::Imu, &None);
         for number in [4, 7] {
             let (index, topic, _) = topics.count(number).unwrap();

@@ -19,7 +19,7 @@
 
 use std::collections::VecDeque;
 
-use super::imu::Reading;
+use super::imu::Sample;
 
 /// Ties over less time do not show the rate \[s\].
 const SPAN: f64 = 10.0;
@@ -52,7 +52,7 @@ pub(super) struct SensorClock {
     /// Counter \[s\] and GPS time \[s\].
     ties: VecDeque<(f64, f64)>,
     line: Option<Line>,
-    held: VecDeque<(f64, Reading)>,
+    held: VecDeque<(f64, Sample)>,
     /// Whether the ties are those of NAV-STATUS.
     exact: bool,
     /// Whether the times are the counter's own, for good.
@@ -67,8 +67,8 @@ impl SensorClock {
     pub(super) fn sample(
         &mut self,
         counter: f64,
-        reading: Reading,
-        give: &mut impl FnMut(f64, Reading),
+        reading: Sample,
+        give: &mut impl FnMut(f64, Sample),
     ) {
         match self.line {
             Some(line) => give(line.time(counter), reading),
@@ -88,7 +88,7 @@ impl SensorClock {
         counter: f64,
         time: f64,
         exact: bool,
-        give: &mut impl FnMut(f64, Reading),
+        give: &mut impl FnMut(f64, Sample),
     ) -> Result<(), TooLate> {
         if self.own {
             return Err(TooLate);
@@ -126,7 +126,7 @@ impl SensorClock {
     }
 
     /// Gives out all that is held, by what is known of the time.
-    pub(super) fn end(&mut self, give: &mut impl FnMut(f64, Reading)) {
+    pub(super) fn end(&mut self, give: &mut impl FnMut(f64, Sample)) {
         if self.line.is_none() {
             self.draw();
         }
@@ -134,7 +134,7 @@ impl SensorClock {
         self.give_held(give);
     }
 
-    fn give_held(&mut self, give: &mut impl FnMut(f64, Reading)) {
+    fn give_held(&mut self, give: &mut impl FnMut(f64, Sample)) {
         for (counter, reading) in self.held.drain(..) {
             let time = self.line.map_or(counter, |line| line.time(counter));
             give(time, reading);
@@ -169,9 +169,9 @@ mod tests {
     use super::*;
     use undrift_nav::Vector3;
 
-    fn reading(at: u64) -> Reading {
+    fn reading(at: u64) -> Sample {
         let (gyro, accel) = (Vector3::zeros(), Vector3::zeros());
-        Reading { at, gyro, accel }
+        Sample { at, gyro, accel }
     }
 
     /// A counter that is `fast`, sampled at 100 Hz, and fixes at 1 Hz that are sent `delay(k)`
@@ -180,7 +180,7 @@ mod tests {
         let mut clock = SensorClock::default();
         let mut out = Vec::new();
         let time_of = |sample: u64| 345_600.0 + 0.01 * sample as f64;
-        let mut give = |time: f64, reading: Reading| {
+        let mut give = |time: f64, reading: Sample| {
             out.push((reading.at, time - time_of(reading.at)));
         };
         let counter = |sample: u64| 17.0 + fast * 0.01 * sample as f64;
@@ -233,7 +233,7 @@ mod tests {
     fn a_counter_that_starts_again_is_tied_again() {
         let mut clock = SensorClock::default();
         let mut last = 0.0;
-        let mut give = |time: f64, _: Reading| last = time;
+        let mut give = |time: f64, _: Sample| last = time;
         for k in 0..60 {
             let counter = if k < 30 { 5000.0 } else { 0.0 } + f64::from(k);
             clock.sample(counter, reading(0), &mut give);

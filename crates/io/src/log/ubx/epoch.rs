@@ -14,6 +14,7 @@ use undrift_nav::{Matrix3, Vector3};
 
 use super::bytes::{i1, i4, r4, u1, u4};
 use crate::entry::Fix;
+use crate::fix::on_earth;
 use crate::log::receiver::Ready;
 use crate::skipped::SkipKind;
 
@@ -65,7 +66,7 @@ impl Weeks {
 }
 
 /// A position and its standard deviations north, east, down \[m\].
-type Place = (Geodetic, Vector3);
+type PlaceAndStd = (Geodetic, Vector3);
 
 /// What the messages of one epoch say.
 #[derive(Default)]
@@ -83,7 +84,7 @@ pub(super) struct Epoch {
     /// Whether there is a fix by satellites, and of what quality; `None` where no message says so.
     fix: Option<(bool, FixQuality)>,
     /// By NAV-HPPOSLLH, NAV-PVT, NAV-POSLLH.
-    positions: [Option<Place>; 3],
+    positions: [Option<PlaceAndStd>; 3],
     /// By NAV-PVT, NAV-VELNED: north, east, down [m/s], and the standard deviation of each [m/s].
     velocities: [Option<(Vector3, f64)>; 2],
     covariances: [Option<Matrix3>; 2],
@@ -173,13 +174,10 @@ impl Epoch {
         let position = chosen(&self.positions, POSITIONS, position);
         let velocity = chosen(&self.velocities, VELOCITIES, velocity);
         let worse_down = position.map_or(1.0, |(_, std)| (std.z / std.x).max(1.0));
-        let position = match position {
-            Some((place, std)) if ready.is_a_place(self.at, place) => {
-                let covariance = self.usable(0, *std, ready);
-                Some((Position::Geodetic(*place), covariance))
-            }
-            _ => None,
-        };
+        let position = position.and_then(|(place, std)| {
+            let place = ready.usable(self.at, on_earth(*place))?;
+            Some((Position::Geodetic(place), self.usable(0, *std, ready)))
+        });
         let velocity = velocity.map(|(v_n, std)| {
             let std = Vector3::new(*std, *std, std * worse_down);
             (*v_n, self.usable(1, std, ready))
@@ -255,7 +253,7 @@ fn fraction(time_of_week: u32, nanoseconds: i32) -> f64 {
 }
 
 /// Longitude, latitude, height, and the accuracies horizontal and vertical in their unit \[m\].
-fn place(payload: &[u8], from: usize, accuracies: [usize; 2], unit: f64) -> Option<Place> {
+fn place(payload: &[u8], from: usize, accuracies: [usize; 2], unit: f64) -> Option<PlaceAndStd> {
     let degrees = |at: usize| i4(payload, at).map(|value| f64::from(value) * 1e-7);
     let height = f64::from(i4(payload, from + 8)?) * 1e-3;
     let place = Geodetic::from_degrees(degrees(from + 4)?, degrees(from)?, height);

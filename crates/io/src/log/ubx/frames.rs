@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use memchr::memchr;
 
-use crate::lines;
+use crate::lines::Window;
 use crate::source::Source;
 
 /// Bytes before the payload.
@@ -21,16 +21,11 @@ const BUFFER: usize = 256 * 1024;
 const SYNC: [u8; 2] = [0xb5, 0x62];
 
 pub(super) struct Frames {
-    source: Source,
-    buffer: Vec<u8>,
-    start: usize,
-    end: usize,
+    window: Window,
     number: u64,
-    at_end: bool,
-    failure: Option<String>,
 }
 
-pub(super) enum Step {
+pub(super) enum NextFrame {
     /// A message of a class and identifier; read its payload with [`Frames::payload`].
     Message([u8; 2], Range<usize>),
     /// What looked like the beginning of a message is none, or a damaged one.
@@ -51,13 +46,8 @@ enum Frame {
 impl Frames {
     pub(super) fn new(source: Source) -> Self {
         Self {
-            source,
-            buffer: vec![0; BUFFER],
-            start: 0,
-            end: 0,
+            window: Window::new(source, BUFFER),
             number: 0,
-            at_end: false,
-            failure: None,
         }
     }
 
@@ -67,51 +57,35 @@ impl Frames {
     }
 
     /// The input error that ended the file before its end, if any.
-    pub(super) fn failure(&self) -> Option<&str> {
-        self.failure.as_deref()
+    pub(super) fn failure(&self) -> Option<String> {
+        self.window.failure().map(ToString::to_string)
     }
 
     pub(super) fn payload(&self, range: Range<usize>) -> &[u8] {
-        self.buffer.get(range).unwrap_or_default()
+        self.window.part(range)
     }
 
-    pub(super) fn step(&mut self) -> Step {
+    pub(super) fn step(&mut self) -> NextFrame {
         loop {
-            let held = self.buffer.get(self.start..self.end).unwrap_or_default();
-            self.start += to_sync(held);
-            let held = self.buffer.get(self.start..self.end).unwrap_or_default();
-            match frame(held) {
+            self.window.pass(to_sync(self.window.bytes()));
+            let bytes = self.window.bytes();
+            match frame(bytes) {
                 Frame::Message(length) => {
-                    let head = [held.get(2), held.get(3)].map(|byte| byte.copied().unwrap_or(0));
-                    let from = self.start + HEAD;
-                    self.start = from + length + 2;
+                    let kind = [bytes.get(2), bytes.get(3)].map(|byte| byte.copied().unwrap_or(0));
+                    self.window.pass(HEAD);
+                    let payload = self.window.pass(length);
+                    self.window.pass(2);
                     self.number += 1;
-                    return Step::Message(head, from..from + length);
+                    return NextFrame::Message(kind, payload);
                 }
-                Frame::Longer if !self.at_end => self.refill(),
+                Frame::Longer if !self.window.at_end() => self.window.refill(),
                 // At the end of the file a lone first byte of the sync is not worth a word.
-                Frame::Longer if held.len() < SYNC.len() => return Step::End,
+                Frame::Longer if bytes.len() < SYNC.len() => return NextFrame::End,
                 Frame::Damaged | Frame::Longer => {
-                    self.start += SYNC.len();
+                    self.window.pass(SYNC.len());
                     self.number += 1;
-                    return Step::Damaged;
+                    return NextFrame::Damaged;
                 }
-            }
-        }
-    }
-
-    /// Moves what is left to the front and reads once.
-    fn refill(&mut self) {
-        self.buffer.copy_within(self.start..self.end, 0);
-        self.end -= self.start;
-        self.start = 0;
-        let free = self.buffer.get_mut(self.end..).unwrap_or_default();
-        match lines::read(&mut self.source, free) {
-            Ok(0) => self.at_end = true,
-            Ok(n) => self.end += n,
-            Err(error) => {
-                self.at_end = true;
-                self.failure = Some(error.to_string());
             }
         }
     }

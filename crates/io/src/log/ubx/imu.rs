@@ -23,7 +23,7 @@ const APART: f64 = 10e-3;
 
 /// A sample without its time.
 #[derive(Clone, Copy)]
-pub(super) struct Reading {
+pub(super) struct Sample {
     /// Number of the message.
     pub(super) at: u64,
     /// Angular rate [rad/s].
@@ -115,7 +115,7 @@ impl Sensors {
         at: u64,
         kind: [u8; 2],
         payload: &[u8],
-        mut give: impl FnMut(f64, Reading),
+        mut give: impl FnMut(f64, Sample),
     ) -> u64 {
         let mut dropped = 0;
         let mut first = true;
@@ -150,7 +150,7 @@ impl Sensors {
             }
             let middle = 0.5 * (self.gyro.counter + self.accel.counter);
             (self.gyro, self.accel) = Default::default();
-            give(middle, Reading { at, gyro, accel });
+            give(middle, Sample { at, gyro, accel });
         }
         dropped
     }

@@ -4,6 +4,8 @@ use std::collections::HashMap;
 
 use undrift_nav::Vector3;
 
+use crate::log::bytes::Number;
+
 /// Formats that are kept at most: some hundred topics are usual.
 const MAX_FORMATS: usize = 4096;
 /// Formats within formats at most.
@@ -11,73 +13,16 @@ const MAX_DEPTH: usize = 16;
 /// No message is longer \[bytes\].
 const MAX_SIZE: usize = 65_535;
 
-/// A number of the format.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Scalar {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    I64,
-    U64,
-    F32,
-    F64,
-}
-
-impl Scalar {
-    fn of(name: &str) -> Option<Self> {
-        Some(match name {
-            "int8_t" => Self::I8,
-            "uint8_t" | "bool" | "char" => Self::U8,
-            "int16_t" => Self::I16,
-            "uint16_t" => Self::U16,
-            "int32_t" => Self::I32,
-            "uint32_t" => Self::U32,
-            "int64_t" => Self::I64,
-            "uint64_t" => Self::U64,
-            "float" => Self::F32,
-            "double" => Self::F64,
-            _ => return None,
-        })
-    }
-
-    fn size(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::I64 | Self::U64 | Self::F64 => 8,
-        }
-    }
-
-    fn read(self, bytes: &[u8]) -> Option<f64> {
-        Some(match self {
-            Self::I8 => f64::from(i8::from_le_bytes(*bytes.first_chunk()?)),
-            Self::U8 => f64::from(*bytes.first()?),
-            Self::I16 => f64::from(i16::from_le_bytes(*bytes.first_chunk()?)),
-            Self::U16 => f64::from(u16::from_le_bytes(*bytes.first_chunk()?)),
-            Self::I32 => f64::from(i32::from_le_bytes(*bytes.first_chunk()?)),
-            Self::U32 => f64::from(u32::from_le_bytes(*bytes.first_chunk()?)),
-            // Microseconds of a time stay below 2⁵³.
-            Self::I64 => i64::from_le_bytes(*bytes.first_chunk()?) as f64,
-            Self::U64 => u64::from_le_bytes(*bytes.first_chunk()?) as f64,
-            Self::F32 => f64::from(f32::from_le_bytes(*bytes.first_chunk()?)),
-            Self::F64 => f64::from_le_bytes(*bytes.first_chunk()?),
-        })
-    }
-}
-
 /// A field as the format declares it.
 struct Declared {
-    kind: Kind,
+    kind: Declares,
     count: usize,
     name: String,
 }
 
-enum Kind {
-    Number(Scalar),
+/// What a field is made of.
+enum Declares {
+    Number(Number),
     /// A format of this name.
     Nested(String),
 }
@@ -100,17 +45,17 @@ impl Formats {
     }
 
     /// Where the fields of a topic are; `None` if it or a format in it is not defined.
-    pub(super) fn layout(&self, topic: &str) -> Option<Layout> {
+    pub(super) fn layout(&self, topic: &str) -> Option<TopicLayout> {
         let mut sizes = HashMap::new();
-        let mut layout = Layout::default();
+        let mut layout = TopicLayout::default();
         for field in self.0.get(topic)? {
-            if let Kind::Number(scalar) = field.kind {
-                let place = Place {
-                    scalar,
+            if let Declares::Number(number) = field.kind {
+                let found = Field {
+                    number,
                     count: field.count,
                     offset: layout.size,
                 };
-                layout.fields.insert(field.name.clone(), place);
+                layout.fields.insert(field.name.clone(), found);
             }
             layout.size = self.end(field, layout.size, 0, &mut sizes)?;
             // Padding at the end is not logged.
@@ -130,8 +75,8 @@ impl Formats {
         sizes: &mut HashMap<&'a str, usize>,
     ) -> Option<usize> {
         let size = match &field.kind {
-            Kind::Number(scalar) => scalar.size(),
-            Kind::Nested(name) => match sizes.get(name.as_str()) {
+            Declares::Number(number) => number.size(),
+            Declares::Nested(name) => match sizes.get(name.as_str()) {
                 Some(size) => *size,
                 None if depth >= MAX_DEPTH => return None,
                 None => {
@@ -149,6 +94,23 @@ impl Formats {
     }
 }
 
+/// A number by its name in a format.
+fn number_named(name: &str) -> Option<Number> {
+    Some(match name {
+        "int8_t" => Number::I8,
+        "uint8_t" | "bool" | "char" => Number::U8,
+        "int16_t" => Number::I16,
+        "uint16_t" => Number::U16,
+        "int32_t" => Number::I32,
+        "uint32_t" => Number::U32,
+        "int64_t" => Number::I64,
+        "uint64_t" => Number::U64,
+        "float" => Number::F32,
+        "double" => Number::F64,
+        _ => return None,
+    })
+}
+
 fn parse(text: &str) -> Option<(String, Vec<Declared>)> {
     let (name, fields) = text.split_once(':')?;
     let declared = |field: &str| {
@@ -157,9 +119,9 @@ fn parse(text: &str) -> Option<(String, Vec<Declared>)> {
             Some((kind, count)) => (kind, count.strip_suffix(']')?.parse().ok()?),
             None => (kind, 1),
         };
-        let kind = match Scalar::of(kind) {
-            Some(scalar) => Kind::Number(scalar),
-            None => Kind::Nested(kind.to_owned()),
+        let kind = match number_named(kind) {
+            Some(number) => Declares::Number(number),
+            None => Declares::Nested(kind.to_owned()),
         };
         Some(Declared {
             kind,
@@ -177,39 +139,39 @@ fn parse(text: &str) -> Option<(String, Vec<Declared>)> {
 
 /// Where the numbers of a topic are in a message of it, after the two bytes that tell the topic.
 #[derive(Debug, Default)]
-pub(super) struct Layout {
-    fields: HashMap<String, Place>,
+pub(super) struct TopicLayout {
+    fields: HashMap<String, Field>,
     size: usize,
     /// Size without the padding at the end.
     least: usize,
 }
 
-impl Layout {
+impl TopicLayout {
     /// Whether a message can have this length \[bytes\].
     pub(super) fn fits(&self, length: usize) -> bool {
         (self.least..=self.size).contains(&length)
     }
 
     /// A field of one number.
-    pub(super) fn number(&self, name: &str) -> Option<Place> {
+    pub(super) fn number(&self, name: &str) -> Option<Field> {
         self.fields.get(name).copied().filter(|f| f.count == 1)
     }
 
     /// A field of three numbers or more.
-    pub(super) fn three(&self, name: &str) -> Option<Place> {
+    pub(super) fn three(&self, name: &str) -> Option<Field> {
         self.fields.get(name).copied().filter(|f| f.count >= 3)
     }
 }
 
 /// Where a field is.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
-    scalar: Scalar,
+pub(super) struct Field {
+    number: Number,
     count: usize,
     offset: usize,
 }
 
-impl Place {
+impl Field {
     /// The number; NaN if the message is too short for it.
     pub(super) fn read(self, message: &[u8]) -> f64 {
         self.nth(message, 0)
@@ -220,15 +182,18 @@ impl Place {
         Vector3::from_fn(|i, _| self.nth(message, i))
     }
 
-    /// Whether it holds an integer.
-    pub(super) fn is_integer(self) -> bool {
-        !matches!(self.scalar, Scalar::F32 | Scalar::F64)
+    /// The number; an integer is scaled, floats are in their unit.
+    pub(super) fn scaled(self, message: &[u8], scale: impl Fn(f64) -> f64) -> f64 {
+        match self.number {
+            Number::F32 | Number::F64 => self.read(message),
+            _ => scale(self.read(message)),
+        }
     }
 
     fn nth(self, message: &[u8], index: usize) -> f64 {
         message
-            .get(self.offset + index * self.scalar.size()..)
-            .and_then(|bytes| self.scalar.read(bytes))
+            .get(self.offset + index * self.number.size()..)
+            .and_then(|bytes| self.number.read(bytes, false))
             .unwrap_or(f64::NAN)
     }
 }

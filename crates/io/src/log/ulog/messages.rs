@@ -13,7 +13,7 @@ const HEADER: usize = 16;
 const SYNC: [u8; 11] = *b"\x08\x00S\x2f\x73\x13\x20\x25\x0c\xbb\x12";
 
 /// What comes next in the stream.
-pub(super) enum Step {
+pub(super) enum NextMessage {
     /// A message of this type; its content is [`Messages::body`].
     Message(u8),
     /// Bytes that are no message were passed over.
@@ -74,9 +74,9 @@ impl Messages {
     }
 
     /// Goes to the next message.
-    pub(super) fn step(&mut self) -> Step {
+    pub(super) fn step(&mut self) -> NextMessage {
         if self.ended {
-            return Step::End(None);
+            return NextMessage::End(None);
         }
         match self.try_step() {
             Ok(step) => step,
@@ -84,14 +84,16 @@ impl Messages {
         }
     }
 
-    fn try_step(&mut self) -> io::Result<Step> {
+    fn try_step(&mut self) -> io::Result<NextMessage> {
         let mut head = [0; 3];
         loop {
             let edge = self.appended.first().copied().unwrap_or(u64::MAX);
             if !self.room(3, edge)? {
                 continue;
             }
-            match self.fill_head(&mut head)? {
+            let read = fill(&mut self.source, &mut head)?;
+            self.position += read as u64;
+            match read {
                 0 => return Ok(self.end(None)),
                 3 => {}
                 _ => return Ok(self.end(Some("in the middle of a message".into()))),
@@ -112,14 +114,8 @@ impl Messages {
                 return Ok(self.end(Some("in the middle of a message".into())));
             }
             self.number += 1;
-            return Ok(Step::Message(kind));
+            return Ok(NextMessage::Message(kind));
         }
-    }
-
-    fn fill_head(&mut self, head: &mut [u8; 3]) -> io::Result<usize> {
-        let read = fill(&mut self.source, head)?;
-        self.position += read as u64;
-        Ok(read)
     }
 
     /// Whether so many bytes are left before appended data; goes to where that starts if not.
@@ -134,7 +130,7 @@ impl Messages {
     }
 
     /// Passes over bytes up to the end of the next synchronisation message.
-    fn resynchronise(&mut self) -> io::Result<Step> {
+    fn resynchronise(&mut self) -> io::Result<NextMessage> {
         let from = self.position - 3;
         let mut matched = 0;
         loop {
@@ -160,14 +156,14 @@ impl Messages {
                 self.appended.retain(|at| *at >= self.position);
                 let to = self.position;
                 let text = format!("bytes {from} to {to} hold no message");
-                return Ok(Step::Damaged(text));
+                return Ok(NextMessage::Damaged(text));
             }
         }
     }
 
-    fn end(&mut self, why: Option<String>) -> Step {
+    fn end(&mut self, why: Option<String>) -> NextMessage {
         self.ended = true;
-        Step::End(why)
+        NextMessage::End(why)
     }
 }
 

@@ -4,12 +4,14 @@ use std::collections::HashMap;
 
 use undrift_nav::Vector3;
 
-use super::layout::{Formats, Layout};
-use super::messages::{Messages, Step};
-use super::subscriptions::{NAMES_SHOWN, appended, data, listing, subscription, topic_of};
-use super::topics::Reading;
+use super::layout::{Formats, TopicLayout};
+use super::messages::{Messages, NextMessage};
+use super::subscriptions::{appended, data, subscription, topic_of};
+use super::topics::TopicReader;
 use crate::ReadError;
-use crate::entry::{Entry, Stream, StreamKind, What};
+use crate::entry::What;
+use crate::error::{NAMES_SHOWN, the_file_has};
+use crate::log::receiver::Ready;
 use crate::skipped::SkipKind;
 
 /// Intervals after which it is judged whether a stream is thinned.
@@ -42,19 +44,14 @@ impl Spacing {
     }
 }
 
-/// What a subscription that is needed is read with.
-struct Subscribed {
-    layout: Layout,
-    reading: Reading,
-}
-
 /// The entries of one stream.
 pub(super) struct Reader {
     messages: Messages,
     formats: Formats,
-    subscribed: HashMap<u16, Subscribed>,
+    /// What the subscriptions that are needed are read with.
+    subscribed: HashMap<u16, (TopicLayout, TopicReader)>,
     /// Streams met.
-    there: Vec<Stream>,
+    there: Vec<String>,
     wanted: String,
     key: &'static str,
     poses: bool,
@@ -63,7 +60,6 @@ pub(super) struct Reader {
     spacing: Spacing,
     /// Whether an entry of the stream has been given.
     given: bool,
-    finished: bool,
 }
 
 impl Reader {
@@ -80,52 +76,55 @@ impl Reader {
             local: None,
             spacing: Spacing::default(),
             given: false,
-            finished: false,
         }
     }
 
-    fn next_what(&mut self) -> Result<Option<What>, ReadError> {
-        loop {
-            let kind = match self.messages.step() {
-                Step::Message(kind) => kind,
-                Step::Damaged(detail) => {
-                    return Ok(Some(What::Skipped(SkipKind::Text, detail)));
+    /// Reads the next message; false at the end.
+    pub(super) fn step(&mut self, ready: &mut Ready) -> Result<bool, ReadError> {
+        let step = self.messages.step();
+        let at = self.messages.number().max(1);
+        match step {
+            NextMessage::Message(kind) => {
+                if let Some(what) = self.message(kind)? {
+                    ready.push(at, what);
                 }
-                Step::End(why) => {
-                    self.finished = true;
-                    self.check_end()?;
-                    return Ok(why.map(|why| What::Skipped(SkipKind::EndsEarly, why)));
+                return Ok(true);
+            }
+            NextMessage::Damaged(detail) => {
+                ready.skip(at, SkipKind::Text, detail);
+                return Ok(true);
+            }
+            NextMessage::End(why) => {
+                self.check_end()?;
+                if let Some(why) = why {
+                    ready.skip(at, SkipKind::EndsEarly, why);
                 }
-            };
-            let what = match kind {
-                b'B' => {
-                    let offsets = appended(self.messages.body())?;
-                    self.messages.set_appended(offsets.into_iter());
-                    None
-                }
-                b'F' => {
-                    let text = self.messages.body();
-                    let refused = !self.formats.define(text);
-                    let shown = || crate::skipped::shown(text);
-                    refused.then(|| What::Skipped(SkipKind::Text, format!("format {}", shown())))
-                }
-                b'A' => {
-                    self.subscribe()?;
-                    None
-                }
-                b'R' => {
-                    if let Some((id, _)) = data(self.messages.body()) {
-                        self.subscribed.remove(&id);
-                    }
-                    None
-                }
-                b'D' => self.read()?,
-                _ => None,
-            };
-            if what.is_some() {
-                return Ok(what);
             }
         }
+        Ok(false)
+    }
+
+    fn message(&mut self, kind: u8) -> Result<Option<What>, ReadError> {
+        let body = self.messages.body();
+        match kind {
+            b'B' => {
+                let offsets = appended(body)?;
+                self.messages.set_appended(offsets.into_iter());
+            }
+            b'F' if !self.formats.define(body) => {
+                let detail = format!("format {}", crate::skipped::shown(body));
+                return Ok(Some(What::Skipped(SkipKind::Text, detail)));
+            }
+            b'A' => self.subscribe()?,
+            b'R' => {
+                if let Some((id, _)) = data(body) {
+                    self.subscribed.remove(&id);
+                }
+            }
+            b'D' => return self.read(),
+            _ => {}
+        }
+        Ok(None)
     }
 
     fn subscribe(&mut self) -> Result<(), ReadError> {
@@ -140,9 +139,9 @@ impl Reader {
                 .formats
                 .layout(&topic)
                 .ok_or_else(|| error(format!("{topic} is logged but not defined")))?;
-            match Reading::new(&topic, &layout) {
+            match TopicReader::new(&topic, &layout) {
                 Ok(reading) => {
-                    self.subscribed.insert(id, Subscribed { layout, reading });
+                    self.subscribed.insert(id, (layout, reading));
                 }
                 // Positions without velocities are what there is then.
                 Err(_) if local => {}
@@ -155,12 +154,7 @@ impl Reader {
             self.subscribed.remove(&id);
         }
         if self.there.len() <= NAMES_SHOWN {
-            self.there.push(Stream {
-                name,
-                kind: StreamKind::Other,
-                about: String::new(),
-                messages: 0,
-            });
+            self.there.push(name);
         }
         Ok(())
     }
@@ -169,7 +163,7 @@ impl Reader {
         let Some((id, content)) = data(self.messages.body()) else {
             return Ok(None);
         };
-        let Some(Subscribed { layout, reading }) = self.subscribed.get(&id) else {
+        let Some((layout, reading)) = self.subscribed.get(&id) else {
             return Ok(None);
         };
         if !layout.fits(content.len()) {
@@ -177,25 +171,24 @@ impl Reader {
             return Ok(Some(What::Skipped(SkipKind::MissingField, detail)));
         }
         let what = match reading {
-            Reading::Imu(imu) => {
-                let (what, span) = imu.read(content);
+            TopicReader::Imu(imu) => imu(content).map(|(what, span)| {
                 if let Some((time, span)) = span {
                     self.spacing.add(time, span);
-                    if self.spacing.thinned(JUDGED) {
-                        return Err(self.thinned());
-                    }
                 }
                 what
-            }
-            Reading::Gps(gps) => gps.read(content),
-            Reading::Pose(pose) => pose.read(content, self.local),
-            Reading::Velocity(velocity) => {
-                self.local = Some(velocity.read(content));
+            }),
+            TopicReader::Gps(gps) => gps(content),
+            TopicReader::Pose(pose) => pose(content, self.local),
+            TopicReader::Velocity(velocity) => {
+                self.local = Some(velocity(content));
                 return Ok(None);
             }
         };
+        if self.spacing.thinned(JUDGED) {
+            return Err(self.thinned());
+        }
         self.given = true;
-        Ok(Some(what))
+        Ok(Some(What::of(what)))
     }
 
     /// Whether the stream was there and can be used.
@@ -204,7 +197,7 @@ impl Reader {
             let problem = format!("no message of {}", self.wanted);
             return Err(ReadError::nameless(problem)
                 .key(self.key)
-                .mend(listing(&self.there)));
+                .mend(the_file_has(&self.there, NAMES_SHOWN)));
         }
         if self.spacing.thinned(JUDGED_LEAST) {
             return Err(self.thinned());
@@ -220,20 +213,5 @@ impl Reader {
         ReadError::nameless(problem)
             .key(self.key)
             .mend("take a topic that was logged in full, or set SDLOG_PROFILE to high rate")
-    }
-}
-
-impl Iterator for Reader {
-    type Item = Result<Entry, ReadError>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        if self.finished {
-            return None;
-        }
-        let next = self.next_what();
-        self.finished |= !matches!(next, Ok(Some(_)));
-        let at = self.messages.number().max(1);
-        next.map(|what| what.map(|what| Entry { at, what }))
-            .transpose()
     }
 }

@@ -1,10 +1,6 @@
 //! What the messages say that tell which streams there are.
 
 use crate::ReadError;
-use crate::entry::Stream;
-
-/// Names that a message lists at most.
-pub(super) const NAMES_SHOWN: usize = 60;
 
 /// The name of a stream with its instance.
 pub(super) fn named(name: &str) -> String {
@@ -16,17 +12,6 @@ pub(super) fn named(name: &str) -> String {
 
 pub(super) fn topic_of(stream: &str) -> &str {
     stream.rsplit_once('.').map_or(stream, |(topic, _)| topic)
-}
-
-pub(super) fn listing(there: &[Stream]) -> String {
-    let names: Vec<&str> = there.iter().map(|stream| stream.name.as_str()).collect();
-    let shown = names.get(..NAMES_SHOWN).unwrap_or(&names).join(", ");
-    let more = if names.len() > NAMES_SHOWN {
-        ", …"
-    } else {
-        ""
-    };
-    format!("the log has: {shown}{more}")
 }
 
 /// Number and stream of a subscription: instance, number, topic.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::*;
 use crate::Opened;
 use crate::skipped::SkipKind;
-use crate::table::{Table, is_parquet};
+use crate::table::{Column, Table, is_parquet};
 
 fn golden(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))

@@ -7,6 +7,7 @@ use super::*;
 use crate::Opened;
 use crate::format::Format;
 use crate::log::{StreamKind, Wanted, What};
+use crate::write::PendingFile;
 
 fn row(time: f64) -> SolutionRow {
     SolutionRow {
@@ -29,12 +30,13 @@ fn temporary(name: &str) -> PathBuf {
 fn what_is_written_is_read_again() {
     let path = temporary("round");
     // 8 July 2025, with a fraction of a second.
-    let mut writer = McapWriter::create(&path, Some(1_752_003_240.25)).unwrap();
+    let mut writer =
+        McapWriter::new(PendingFile::create(&path).unwrap(), Some(1_752_003_240.25)).unwrap();
     for k in 0..500 {
         writer.write(&row(0.01 * f64::from(k))).unwrap();
     }
     assert!(!path.exists());
-    writer.finish().unwrap();
+    writer.into_inner().unwrap().finish().unwrap();
 
     let wanted = Wanted::Fixes {
         position: None,
@@ -244,7 +246,7 @@ fn a_full_disk_is_an_error_and_no_panic() {
         assert!(written.is_err() || writer.into_inner().is_err());
     }
     let path = temporary("dropped");
-    let mut writer = McapWriter::create(&path, None).unwrap();
+    let mut writer = McapWriter::new(PendingFile::create(&path).unwrap(), None).unwrap();
     writer.write(&row(0.0)).unwrap();
     drop(writer);
     assert!(!path.exists());

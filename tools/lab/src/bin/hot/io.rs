@@ -5,7 +5,7 @@ use undrift::io::{
     Opened,
     imu::{ImuFormat, ImuReader},
     table::{Column, TableOptions},
-    write::solution::{SolutionRow, SolutionWriter},
+    write::{TextWriter, solution::SolutionRow},
 };
 use undrift::nav::{Vector3, earth::Geodetic};
 
@@ -60,10 +60,10 @@ fn imu(text: &str) -> Result<(), Box<dyn std::error::Error>> {
 }
 
 fn solution(rows: usize) -> Result<(), Box<dyn std::error::Error>> {
-    let mut writer = SolutionWriter::new(std::io::sink())?;
+    let mut writer = TextWriter::csv(std::io::sink());
     for k in 0..rows {
         let small = (k % 1000) as f64 * 1.237e-4;
-        writer.write(&SolutionRow {
+        let row = SolutionRow {
             time: k as f64 * 0.005,
             position: Geodetic::from_degrees(40.096 + small, -105.147 - small, 1600.1 + small),
             v_n: Vector3::new(15.0 + small, -3.0 - small, small),
@@ -72,7 +72,8 @@ fn solution(rows: usize) -> Result<(), Box<dyn std::error::Error>> {
             gyro_error: Vector3::repeat(1e-3 + small),
             accel_error: Vector3::repeat(-0.05 - small),
             error_std: [1e-4 + small; 6],
-        })?;
+        };
+        writer.write(&row, false)?;
     }
     writer.into_inner()?;
     Ok(())

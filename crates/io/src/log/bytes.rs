@@ -78,7 +78,7 @@ pub(super) fn decompress(
 
 /// Reads numbers and texts one after the other.
 #[derive(Clone, Debug)]
-pub(in crate::log) struct Fields<'a> {
+pub(super) struct ByteFields<'a> {
     bytes: &'a [u8],
     at: usize,
     big_endian: bool,
@@ -86,9 +86,9 @@ pub(in crate::log) struct Fields<'a> {
     alignment: usize,
 }
 
-impl<'a> Fields<'a> {
+impl<'a> ByteFields<'a> {
     /// Little-endian and without gaps.
-    pub(in crate::log) fn packed(bytes: &'a [u8]) -> Self {
+    pub(super) fn packed(bytes: &'a [u8]) -> Self {
         Self {
             bytes,
             at: 0,
@@ -97,9 +97,26 @@ impl<'a> Fields<'a> {
         }
     }
 
+    /// Without gaps.
+    pub(super) fn ordered(bytes: &'a [u8], big_endian: bool) -> Self {
+        Self {
+            big_endian,
+            ..Self::packed(bytes)
+        }
+    }
+
+    /// Some bytes in the same order.
+    pub(super) fn within(&self, bytes: &'a [u8]) -> Self {
+        Self {
+            bytes,
+            at: 0,
+            ..*self
+        }
+    }
+
     /// Common data representation: the first four bytes tell which. OMG DDSI-RTPS 2.5,
     /// section 10.2 and table 10.3; OMG DDS-XTYPES 1.3, section 7.4.
-    pub(in crate::log) fn cdr(bytes: &'a [u8]) -> Option<Self> {
+    pub(super) fn cdr(bytes: &'a [u8]) -> Option<Self> {
         let (head, bytes) = bytes.split_at_checked(4)?;
         let (big_endian, alignment) = match head {
             [0, 0, ..] => (true, 8),
@@ -116,12 +133,16 @@ impl<'a> Fields<'a> {
         })
     }
 
+    pub(super) fn is_big_endian(&self) -> bool {
+        self.big_endian
+    }
+
     /// Where the next field begins, before alignment.
-    pub(in crate::log) fn at(&self) -> usize {
+    pub(super) fn at(&self) -> usize {
         self.at
     }
 
-    pub(in crate::log) fn take(&mut self, n: usize) -> Option<&'a [u8]> {
+    pub(super) fn take(&mut self, n: usize) -> Option<&'a [u8]> {
         let taken = self.bytes.get(self.at..)?.get(..n)?;
         self.at += n;
         Some(taken)
@@ -129,34 +150,30 @@ impl<'a> Fields<'a> {
 
     fn number<const N: usize>(&mut self) -> Option<[u8; N]> {
         self.at = self.at.next_multiple_of(N.min(self.alignment));
-        let mut number: [u8; N] = self.take(N)?.try_into().ok()?;
-        if self.big_endian {
-            number.reverse();
-        }
-        Some(number)
+        lowest_first(self.take(N)?, self.big_endian)
     }
 
-    pub(in crate::log) fn u8(&mut self) -> Option<u8> {
+    pub(super) fn u8(&mut self) -> Option<u8> {
         self.number().map(u8::from_le_bytes)
     }
 
-    pub(in crate::log) fn u16(&mut self) -> Option<u16> {
+    pub(super) fn u16(&mut self) -> Option<u16> {
         self.number().map(u16::from_le_bytes)
     }
 
-    pub(in crate::log) fn u32(&mut self) -> Option<u32> {
+    pub(super) fn u32(&mut self) -> Option<u32> {
         self.number().map(u32::from_le_bytes)
     }
 
-    pub(in crate::log) fn u64(&mut self) -> Option<u64> {
+    pub(super) fn u64(&mut self) -> Option<u64> {
         self.number().map(u64::from_le_bytes)
     }
 
-    pub(in crate::log) fn f64(&mut self) -> Option<f64> {
+    pub(super) fn f64(&mut self) -> Option<f64> {
         self.number().map(f64::from_le_bytes)
     }
 
-    pub(in crate::log) fn array<const N: usize>(&mut self) -> Option<[f64; N]> {
+    pub(super) fn array<const N: usize>(&mut self) -> Option<[f64; N]> {
         let mut array = [0.0; N];
         for value in &mut array {
             *value = self.f64()?;
@@ -165,16 +182,68 @@ impl<'a> Fields<'a> {
     }
 
     /// Bytes after their number in 32 bits.
-    pub(in crate::log) fn block(&mut self) -> Option<&'a [u8]> {
+    pub(super) fn block(&mut self) -> Option<&'a [u8]> {
         let n = self.u32()?;
         self.take(usize::try_from(n).ok()?)
     }
 
     /// A text after its length, with or without a zero at its end.
-    pub(in crate::log) fn text(&mut self) -> Option<Cow<'a, str>> {
+    pub(super) fn text(&mut self) -> Option<Cow<'a, str>> {
         let bytes = self.block()?;
         Some(String::from_utf8_lossy(
             bytes.strip_suffix(&[0]).unwrap_or(bytes),
         ))
     }
+}
+
+/// How a number is stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Number {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    I64,
+    U64,
+    F32,
+    F64,
+}
+
+impl Number {
+    /// \[bytes\]
+    pub(super) fn size(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::I32 | Self::U32 | Self::F32 => 4,
+            Self::I64 | Self::U64 | Self::F64 => 8,
+        }
+    }
+
+    /// The number that some bytes begin with; those beyond 2⁵³ are rounded.
+    pub(super) fn read(self, bytes: &[u8], big_endian: bool) -> Option<f64> {
+        Some(match self {
+            Self::I8 => f64::from(i8::from_le_bytes(lowest_first(bytes, big_endian)?)),
+            Self::U8 => f64::from(u8::from_le_bytes(lowest_first(bytes, big_endian)?)),
+            Self::I16 => f64::from(i16::from_le_bytes(lowest_first(bytes, big_endian)?)),
+            Self::U16 => f64::from(u16::from_le_bytes(lowest_first(bytes, big_endian)?)),
+            Self::I32 => f64::from(i32::from_le_bytes(lowest_first(bytes, big_endian)?)),
+            Self::U32 => f64::from(u32::from_le_bytes(lowest_first(bytes, big_endian)?)),
+            Self::I64 => i64::from_le_bytes(lowest_first(bytes, big_endian)?) as f64,
+            Self::U64 => u64::from_le_bytes(lowest_first(bytes, big_endian)?) as f64,
+            Self::F32 => f64::from(f32::from_le_bytes(lowest_first(bytes, big_endian)?)),
+            Self::F64 => f64::from_le_bytes(lowest_first(bytes, big_endian)?),
+        })
+    }
+}
+
+/// The first bytes, the lowest of the number first.
+fn lowest_first<const N: usize>(bytes: &[u8], big_endian: bool) -> Option<[u8; N]> {
+    let mut bytes: [u8; N] = *bytes.first_chunk()?;
+    if big_endian {
+        bytes.reverse();
+    }
+    Some(bytes)
 }

@@ -1,0 +1,103 @@
+//! One writer for all formats of text: what stands before, between and after the rows is the format's.
+
+use std::io::{self, Write};
+
+use super::csv;
+use super::solution::SolutionRow;
+use super::spans::{Piece, Spans};
+use super::thinning::Thinning;
+
+/// Text is collected up to this size before it is written \[bytes\].
+const BLOCK: usize = 64 * 1024;
+
+/// A format of text.
+pub(super) struct TextFormat {
+    /// Before the rows.
+    pub head: String,
+    /// What is made of the rows.
+    pub body: Body,
+    /// After them.
+    pub tail: &'static str,
+}
+
+/// Appends a row to a text: its GPS week, if that is known, and whether it is without GNSS.
+type WriteRow = fn(&mut Vec<u8>, &SolutionRow, Option<u32>, bool) -> io::Result<()>;
+
+/// What is made of rows.
+pub(super) enum Body {
+    /// Each row by itself, of those that have what the format needs.
+    Rows(fn(&SolutionRow) -> bool, WriteRow),
+    /// Lines with and without GNSS.
+    Lines(fn(&mut Vec<u8>, Piece<'_>) -> io::Result<()>),
+}
+
+/// Writes solution rows as text. They are collected into blocks here; `out` needs no buffer.
+pub struct TextWriter<W: Write> {
+    out: W,
+    block: Vec<u8>,
+    body: Body,
+    tail: &'static str,
+    week: Option<u32>,
+    thinning: Thinning,
+    spans: Spans,
+}
+
+impl<W: Write> TextWriter<W> {
+    /// Starts a CSV with a header, of every row.
+    pub fn csv(out: W) -> Self {
+        Self::new(out, csv::format(), None, 0.0)
+    }
+
+    /// Starts with the head of a format; `every` \[s\] is the least time from one row to the next.
+    pub(super) fn new(out: W, format: TextFormat, week: Option<u32>, every: f64) -> Self {
+        let mut block = Vec::with_capacity(BLOCK + 1024);
+        block.extend_from_slice(format.head.as_bytes());
+        Self {
+            out,
+            block,
+            body: format.body,
+            tail: format.tail,
+            week,
+            thinning: Thinning::new(every),
+            spans: Spans::new(every),
+        }
+    }
+
+    /// Writes one row; `outage` where no fix was used for long.
+    ///
+    /// # Errors
+    /// If `out` does not take it.
+    pub fn write(&mut self, row: &SolutionRow, outage: bool) -> io::Result<()> {
+        match self.body {
+            Body::Rows(usable, write) => {
+                if usable(row) && self.thinning.takes(row.time) {
+                    write(&mut self.block, row, self.week, outage)?;
+                }
+            }
+            Body::Lines(write) => {
+                let block = &mut self.block;
+                self.spans.push(row, outage, |piece| write(block, piece))?;
+            }
+        }
+        if self.block.len() >= BLOCK {
+            self.out.write_all(&self.block)?;
+            self.block.clear();
+        }
+        Ok(())
+    }
+
+    /// Writes what is left and gives `out` back.
+    ///
+    /// # Errors
+    /// If `out` does not take it.
+    pub fn into_inner(mut self) -> io::Result<W> {
+        if let Body::Lines(write) = self.body {
+            let block = &mut self.block;
+            self.spans.finish(|piece| write(block, piece))?;
+        }
+        self.block.extend_from_slice(self.tail.as_bytes());
+        self.out.write_all(&self.block)?;
+        self.out.flush()?;
+        Ok(self.out)
+    }
+}
