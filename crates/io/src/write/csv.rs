@@ -1,11 +1,18 @@
 //! The navigation solution as CSV: the columns of [`super::solution`].
 
-use std::io;
+use std::io::{self, Write};
 
 use super::solution::{COLUMNS, SolutionRow, YAW};
 use super::text::write_turn;
-use super::text_writer::{Body, TextFormat};
+use super::text_writer::{Body, TextFormat, TextWriter};
 use super::write_fixed;
+
+impl<W: Write> TextWriter<W> {
+    /// Starts a CSV with a header, of every row.
+    pub fn csv(out: W) -> Self {
+        Self::new(out, format(), None, 0.0)
+    }
+}
 
 /// Rows of numbers behind a header; what is not finite becomes `nan`.
 pub(super) fn format() -> TextFormat {
@@ -39,7 +46,7 @@ mod tests {
     use undrift_nav::earth::Geodetic;
 
     use super::*;
-    use crate::write::{PendingFile, TextWriter};
+    use crate::write::PendingFile;
 
     fn row() -> SolutionRow {
         SolutionRow {

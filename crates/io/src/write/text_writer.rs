@@ -2,7 +2,6 @@
 
 use std::io::{self, Write};
 
-use super::csv;
 use super::solution::SolutionRow;
 use super::spans::{Piece, Spans};
 use super::thinning::Thinning;
@@ -43,11 +42,6 @@ pub struct TextWriter<W: Write> {
 }
 
 impl<W: Write> TextWriter<W> {
-    /// Starts a CSV with a header, of every row.
-    pub fn csv(out: W) -> Self {
-        Self::new(out, csv::format(), None, 0.0)
-    }
-
     /// Starts with the head of a format; `every` \[s\] is the least time from one row to the next.
     pub(super) fn new(out: W, format: TextFormat, week: Option<u32>, every: f64) -> Self {
         let mut block = Vec::with_capacity(BLOCK + 1024);
