@@ -3,7 +3,7 @@
 use crate::{
     capacity::{Inner, STATES},
     memory::{finite, not_negative, numbers, read, write},
-    status::{Status, status},
+    status::{Status, call},
     types::{Prior, Sample, Sensor, Start, UNDRIFT_AXES, UNDRIFT_PARAMETERS},
 };
 use undrift_nav::{
@@ -124,12 +124,12 @@ pub unsafe extern "C" fn undrift_filter_init(
         // SAFETY: not null, so it points to a pointer.
         unsafe { write(filter, place) }
     };
-    let result = make();
-    if result.is_err() {
-        // SAFETY: null or a pointer; if it is null the result says so already.
+    let status = call(make);
+    if status != Status::Ok {
+        // SAFETY: null or a pointer; if it is null the status says so already.
         let _ = unsafe { write(filter, core::ptr::null_mut()) };
     }
-    status(result)
+    status
 }
 
 /// # Safety
@@ -204,7 +204,7 @@ pub unsafe extern "C" fn undrift_set_sensor_error(
     filter: *mut Filter,
     error: *const f64,
 ) -> Status {
-    let set = || {
+    call(|| {
         // SAFETY: null or a filter that nobody else uses.
         let filter = unsafe { filter_mut(filter) }?;
         // SAFETY: null or as many numbers as axes.
@@ -212,8 +212,7 @@ pub unsafe extern "C" fn undrift_set_sensor_error(
         finite(&error)?;
         filter.set_sensor_error(&error);
         Ok(())
-    };
-    status(set())
+    })
 }
 
 /// Carries the filter over one whole sample. UNDRIFT_STATUS_GAP, the filter unchanged, if the sample does
@@ -236,7 +235,7 @@ pub unsafe extern "C" fn undrift_sample_begin(
     filter: *mut Filter,
     sample: *const Sample,
 ) -> Status {
-    let take_up = || {
+    call(|| {
         // SAFETY: null or a filter that nobody else uses.
         let filter = unsafe { filter_mut(filter) }?;
         // SAFETY: null or a sample.
@@ -258,8 +257,7 @@ pub unsafe extern "C" fn undrift_sample_begin(
             dvel: Vector3::from(sample.dvel),
         });
         Ok(())
-    };
-    status(take_up())
+    })
 }
 
 /// Moves to `time` \[s\] within the sample taken up, not back; a time beyond its end is its end, one within
@@ -270,25 +268,23 @@ pub unsafe extern "C" fn undrift_sample_advance(
     time: f64,
     rounding: f64,
 ) -> Status {
-    let advance = || {
+    call(|| {
         // SAFETY: null or a filter that nobody else uses.
         let filter = unsafe { filter_mut(filter) }?;
         finite([&time])?;
         not_negative([&rounding])?;
         filter.advance_to(time, rounding);
         Ok(filter.check()?)
-    };
-    status(advance())
+    })
 }
 
 /// Moves to the end of the sample taken up.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn undrift_sample_end(filter: *mut Filter) -> Status {
-    let end = || {
+    call(|| {
         // SAFETY: null or a filter that nobody else uses.
         let filter = unsafe { filter_mut(filter) }?;
         filter.advance(1.0);
         Ok(filter.check()?)
-    };
-    status(end())
+    })
 }

@@ -3,7 +3,7 @@
 use crate::{
     filter::{Filter, filter_ref},
     memory::write,
-    status::{Status, status},
+    status::{Status, call},
     types::State,
 };
 use undrift_nav::{attitude, parameters::Parameter};
@@ -18,7 +18,7 @@ pub unsafe extern "C" fn undrift_states(filter: *const Filter) -> usize {
 /// The solution.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn undrift_get_state(filter: *const Filter, state: *mut State) -> Status {
-    let get = || {
+    call(|| {
         // SAFETY: null or a filter that nobody changes meanwhile.
         let filter = unsafe { filter_ref(filter) }?;
         let nav = filter.nav();
@@ -45,8 +45,7 @@ pub unsafe extern "C" fn undrift_get_state(filter: *const Filter, state: *mut St
         };
         // SAFETY: null or a state's.
         unsafe { write(state, solution) }
-    };
-    status(get())
+    })
 }
 
 /// The covariance of the error state, undrift_states() rows of as many numbers, into an array of `count`
@@ -58,7 +57,7 @@ pub unsafe extern "C" fn undrift_get_covariance(
     covariance: *mut f64,
     count: usize,
 ) -> Status {
-    let get = || {
+    call(|| {
         // SAFETY: null or a filter that nobody changes meanwhile.
         let filter = unsafe { filter_ref(filter) }?;
         let n = filter.states();
@@ -75,8 +74,7 @@ pub unsafe extern "C" fn undrift_get_covariance(
             }
         }
         Ok(())
-    };
-    status(get())
+    })
 }
 
 /// The estimated correction of a parameter (undrift_parameter) to what was given, and its standard
@@ -88,7 +86,7 @@ pub unsafe extern "C" fn undrift_get_parameter(
     value: *mut f64,
     std: *mut f64,
 ) -> Status {
-    let get = || {
+    call(|| {
         // SAFETY: null or a filter that nobody changes meanwhile.
         let filter = unsafe { filter_ref(filter) }?;
         let kind = (Parameter::ALL.into_iter()).find(|kind| *kind as i32 == parameter);
@@ -104,17 +102,15 @@ pub unsafe extern "C" fn undrift_get_parameter(
             unsafe { write(std.add(i), stds[i]) }?;
         }
         Ok(())
-    };
-    status(get())
+    })
 }
 
 /// UNDRIFT_STATUS_OK while the solution is one: finite, possible, its covariance not negative.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn undrift_check(filter: *const Filter) -> Status {
-    let check = || {
+    call(|| {
         // SAFETY: null or a filter that nobody changes meanwhile.
         let filter = unsafe { filter_ref(filter) }?;
         Ok(filter.check()?)
-    };
-    status(check())
+    })
 }

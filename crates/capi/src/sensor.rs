@@ -2,7 +2,7 @@
 
 use crate::{
     memory::{finite, not_negative, numbers, read, write},
-    status::{Status, status},
+    status::{Status, call},
     types::{Sensor, UNDRIFT_MAX_ORDER},
 };
 use undrift_nav::shaping::{self, ShapingError, ShapingFilter};
@@ -93,10 +93,10 @@ fn is_covariance<const M: usize>(p: &[[f64; M]; M], factor: &[[f64; M]; M]) -> b
 /// # Safety
 /// `out` is null or points to a sensor.
 unsafe fn give(made: Result<ShapingFilter, ShapingError>, out: *mut Sensor) -> Status {
-    status(made.map_err(Status::from).and_then(|filter| {
+    call(|| {
         // SAFETY: passed on.
-        unsafe { write(out, filter.into()) }
-    }))
+        unsafe { write(out, made?.into()) }
+    })
 }
 
 /// White noise of `density` [unit*sqrt(s)], the angle or velocity random walk; no state.
@@ -157,26 +157,15 @@ pub unsafe extern "C" fn undrift_sensor_arma(
     interval: f64,
     out: *mut Sensor,
 ) -> Status {
-    let arrays = || {
+    call(|| {
         // SAFETY: each points to as many numbers as it says.
-        let phi = unsafe { numbers::<UNDRIFT_MAX_ORDER>(phi, p) }?;
+        let ar = unsafe { numbers::<UNDRIFT_MAX_ORDER>(phi, p) }?;
         // SAFETY: as above.
-        let theta = unsafe { numbers::<UNDRIFT_MAX_ORDER>(theta, q) }?;
-        Ok((phi, theta))
-    };
-    match arrays() {
-        Err(failure) => failure,
-        Ok((phi, theta)) => {
-            let made = ShapingFilter::arma(
-                phi.get(..p).unwrap_or(&phi),
-                theta.get(..q).unwrap_or(&theta),
-                sigma,
-                interval,
-            );
-            // SAFETY: out is null or a sensor's.
-            unsafe { give(made, out) }
-        }
-    }
+        let ma = unsafe { numbers::<UNDRIFT_MAX_ORDER>(theta, q) }?;
+        let made = ShapingFilter::arma(&ar[..p], &ma[..q], sigma, interval)?;
+        // SAFETY: out is null or a sensor's.
+        unsafe { write(out, made.into()) }
+    })
 }
 
 /// The sum of two independent errors, as white noise and a bias; `out` may be one of them. A random walk
@@ -187,15 +176,14 @@ pub unsafe extern "C" fn undrift_sensor_add(
     other: *const Sensor,
     out: *mut Sensor,
 ) -> Status {
-    let sum = || {
+    call(|| {
         // SAFETY: each is null or a sensor.
         let one = unsafe { read(one) }?.shaping()?;
         // SAFETY: as above.
         let other = unsafe { read(other) }?.shaping()?;
         // SAFETY: out is null or a sensor's.
         unsafe { write(out, one.plus(&other)?.into()) }
-    };
-    status(sum())
+    })
 }
 
 /// The same noise at another sample interval \[s\]: for coefficients found at another rate than the
@@ -206,11 +194,10 @@ pub unsafe extern "C" fn undrift_sensor_at_interval(
     interval: f64,
     out: *mut Sensor,
 ) -> Status {
-    let made = || {
+    call(|| {
         // SAFETY: null or a sensor.
         let sensor = unsafe { read(sensor) }?.shaping()?;
         // SAFETY: out is null or a sensor's.
         unsafe { write(out, sensor.at_interval(interval)?.into()) }
-    };
-    status(made())
+    })
 }

@@ -63,12 +63,9 @@ impl From<ShapingError> for Status {
     }
 }
 
-/// The status of a call's result.
-pub(crate) fn status(result: Result<(), Status>) -> Status {
-    match result {
-        Ok(()) => Status::Ok,
-        Err(status) => status,
-    }
+/// The status of what a call does.
+pub(crate) fn call(work: impl FnOnce() -> Result<(), Status>) -> Status {
+    work().err().unwrap_or(Status::Ok)
 }
 
 /// One line of English about a status, never null; it lives as long as the program.

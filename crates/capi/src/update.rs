@@ -4,7 +4,7 @@ use crate::{
     capacity::{Inner, STATES},
     filter::{Filter, filter_mut},
     memory::{finite, read, read_or, write},
-    status::{Status, status},
+    status::{Status, call},
     types::{Gate, Outcome, Position, Update, Velocity},
 };
 use undrift_nav::{
@@ -25,7 +25,7 @@ unsafe fn run<const M: usize>(
     done: *mut Update,
     observe: impl FnOnce(&Inner) -> Result<(Observation<M, STATES>, [[f64; M]; M]), Status>,
 ) -> Status {
-    let update = || {
+    call(|| {
         // SAFETY: null or a filter that nobody else uses.
         let filter = unsafe { filter_mut(at) }?;
         let open = Gate {
@@ -67,8 +67,7 @@ unsafe fn run<const M: usize>(
             unsafe { write(done, update) }?;
         }
         Ok(filter.check()?)
-    };
-    status(update())
+    })
 }
 
 /// Whether a matrix of up to three rows is symmetric to rounding and its leading minors are positive.

@@ -4,7 +4,7 @@ use crate::{
     output::{self, Files},
     print,
     progress::Bar,
-    report::{ResultOutput, write_picture},
+    report::{ResultOutput, write_drawn},
     style, tables,
     terminal::{say, stage},
 };
@@ -65,7 +65,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let json = results::text(&result);
     let shown = arguments.result.write(&files, &json)?;
     if !shown {
-        tell(arguments, &result)?;
+        print_tables(arguments, &result)?;
     }
     print::print_troubles(&result.outages);
     if let Some(folder) = &arguments.out {
@@ -81,33 +81,22 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// Prints the tables.
-fn tell(arguments: &Arguments, result: &results::Demo) -> Result<()> {
+fn print_tables(arguments: &Arguments, result: &results::Demo) -> Result<()> {
     let (count, length, ..) = demo::OUTAGES;
+    let (sensor, rate, seed) = (demo::PRESET, demo::RATE_HZ, arguments.seed);
     if let Some(identified) = &result.identification {
         say(format!(
-            "Simulated static record of {:.0} s, {} at {:.0} Hz, seed {}.\n\n{}",
+            "Simulated static record of {:.0} s, {sensor} at {rate:.0} Hz, seed {seed}.\n\n{}",
             demo::STATIC_DURATION,
-            demo::PRESET,
-            demo::RATE_HZ,
-            arguments.seed,
-            style::headed(&text::normality(identified))
+            text::identification(identified, "gyro_z", style::heading)
         ))?;
-        say(style::headed(&text::pandit_wu(identified, "gyro_z")))?;
-        say(style::headed(&text::recommended(identified)))?;
     }
     say(format!(
-        "Simulated car drive of {:.0} min, {} at {:.0} Hz, RTK-like GNSS at 5 Hz, seed {};\n\
-         GNSS cut {count} times for {length:.0} s. Errors inside the outages (Table 4):\n",
+        "Simulated car drive of {:.0} min, {sensor} at {rate:.0} Hz, RTK-like GNSS at 5 Hz, seed {seed};\n\
+         GNSS cut {count} times for {length:.0} s. Errors inside the outages (Table 4):\n\n{}",
         demo::DURATION / 60.0,
-        demo::PRESET,
-        demo::RATE_HZ,
-        arguments.seed
-    ))?;
-    let order = result.outages.order.iter();
-    let (bounds, runs): (Vec<_>, Vec<_>) = order.partition(|name| *name == demo::WHITE_CALIBRATED);
-    say(print::shown(&result.outages, &runs))?;
-    say(format!("{}\n", result.note))?;
-    say(print::shown(&result.outages, &bounds))
+        text::outages(&result.outages, style::heading)
+    ))
 }
 
 /// Writes the data of tables and figures.
@@ -137,7 +126,7 @@ fn write(files: &Files, folder: &Path, demo: &Demo, result: &results::Demo) -> R
         .filter_map(|(_, run)| run.as_ref().ok())
         .collect();
     put("figure5-drift.csv", &tables::drift_csv(&runs))?;
-    write_picture(
+    write_drawn(
         files,
         &folder.join("demo.svg"),
         &outages,

@@ -1,7 +1,7 @@
 //! What --verbose tells of what is read.
 
 use crate::terminal::detail;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use undrift::{
     drive::Drive,
     io::{Opened, gnss::GnssSource, imu::ImuSource, source::BytesRead, truth::TruthSource},
@@ -14,48 +14,35 @@ pub fn size(path: &Path) -> u64 {
 
 /// Tells of a log that is open: its size, and the format by its content.
 pub fn opened(what: &str, log: &Opened) {
-    detail(1, || {
-        let format = format!("{} by its content", log.format().describe());
-        described(what, log.name(), &format)
-    });
+    let format = || format!("{} by its content", log.format().describe());
+    described(what, log.name(), format);
 }
 
-fn described(what: &str, path: &Path, format: &str) -> String {
+fn described(what: &str, path: &Path, format: impl FnOnce() -> String) {
     let megabytes = size(path) as f64 / 1e6;
-    format!("{what}: {}, {megabytes:.3} MB, {format}", path.display())
+    let name = path.display();
+    detail(1, || {
+        format!("{what}: {name}, {megabytes:.3} MB, {}", format())
+    });
 }
 
 /// Tells of a drive: its files, and what is made of them.
 pub fn drive(file: &Path, drive: &Drive) {
     detail(1, || format!("drive: {}", file.display()));
-    log(
-        drive,
-        "IMU",
-        &drive.imu.0,
-        matches!(drive.imu.1.source, ImuSource::Table { .. }),
-    );
-    log(
-        drive,
-        "GNSS",
-        &drive.gnss.0,
-        matches!(drive.gnss.1, GnssSource::Table(_)),
-    );
-    for (what, scalar) in [
+    let is_table = matches!(drive.imu.1.source, ImuSource::Table { .. });
+    log(drive, "IMU", Some(&drive.imu.0), is_table);
+    let is_table = matches!(drive.gnss.1, GnssSource::Table(_));
+    log(drive, "GNSS", Some(&drive.gnss.0), is_table);
+    let scalars = [
         ("odometer", &drive.odometer),
         ("barometer", &drive.barometer),
-    ] {
-        if let Some((path, _)) = scalar {
-            log(drive, what, path, true);
-        }
+    ];
+    for (what, scalar) in scalars {
+        log(drive, what, scalar.as_ref().map(|(path, _)| path), true);
     }
-    if let Some((path, source)) = &drive.truth {
-        log(
-            drive,
-            "truth",
-            path,
-            matches!(source, TruthSource::Table(_)),
-        );
-    }
+    let truth = drive.truth.as_ref();
+    let is_table = truth.is_some_and(|(_, source)| matches!(source, TruthSource::Table(_)));
+    log(drive, "truth", truth.map(|(path, _)| path), is_table);
     detail(1, || {
         let model = drive.model.as_ref().map_or("none", |model| &model.name);
         format!("noise model: {model}")
@@ -63,34 +50,30 @@ pub fn drive(file: &Path, drive: &Drive) {
     detail(1, || {
         let on = |switch| if switch { "on" } else { "off" };
         let arm = drive.lever_arm;
+        let mounting = if drive.estimate_mounting {
+            "to be estimated"
+        } else {
+            "as stated"
+        };
         format!(
-            "settings: lever arm {}, {}, {} m, gate {}, adapt {}, uses {:?}, mounting {}",
+            "settings: lever arm {}, {}, {} m, gate {}, adapt {}, uses {:?}, mounting {mounting}",
             arm.x,
             arm.y,
             arm.z,
             on(drive.gating),
             on(drive.adapt),
             drive.gnss_use,
-            if drive.estimate_mounting {
-                "to be estimated"
-            } else {
-                "as stated"
-            }
         )
     });
     detail(2, || format!("{drive:#?}"));
 }
 
 /// A table is one because its columns are named; anything else tells itself what it is.
-fn log(drive: &Drive, what: &str, path: &Path, is_table: bool) {
+fn log(drive: &Drive, what: &str, path: Option<&PathBuf>, is_table: bool) {
+    let Some(path) = path else { return };
     if is_table {
-        detail(1, || {
-            described(
-                what,
-                path,
-                "a table by the columns that the drive file names",
-            )
-        });
+        let by = "a table by the columns that the drive file names";
+        described(what, path, || by.into());
     } else if let Ok(log) = drive.logs.open(path, &BytesRead::default()) {
         opened(what, &log);
     }

@@ -1,16 +1,16 @@
 //! `undrift fleet`: many logs, on all cores.
 
 use crate::{
+    outages::Plan,
     output::{self, Files},
     progress::Bar,
-    report::{ResultOutput, write_page},
+    report::{ResultOutput, write_drawn},
     style,
     terminal::{self, detail, say, stage, warn},
 };
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::{
-    fmt::Write as _,
     path::{Path, PathBuf},
     sync::atomic::{AtomicUsize, Ordering::Relaxed},
 };
@@ -19,7 +19,7 @@ use undrift::{
     noise::BiasModel,
     results::{self, Fleet},
 };
-use undrift_report::{say as sentences, short};
+use undrift_report::{html, say as sentences, text};
 
 /// What is done with drives.
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
@@ -75,18 +75,8 @@ pub struct Arguments {
     /// Bias models to compare
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     bias_models: Option<Vec<BiasModel>>,
-    /// Length of an outage [s]
-    #[arg(long, value_name = "S", help_heading = "Outages")]
-    length: Option<f64>,
-    /// Number of outages in each drive; evenly spread unless --every is given
-    #[arg(long, value_name = "N", help_heading = "Outages")]
-    count: Option<usize>,
-    /// From the start of one outage to the start of the next [s]
-    #[arg(long, value_name = "S", help_heading = "Outages")]
-    every: Option<f64>,
-    /// Start of the first outage [s], counted from the first fix
-    #[arg(long, value_name = "S", help_heading = "Outages")]
-    start: Option<f64>,
+    #[command(flatten)]
+    plan: Plan,
     #[command(flatten)]
     result: ResultOutput,
 }
@@ -153,16 +143,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let result = stage("gathering", || fleet::gather(&done.fingerprints, folder))?;
     let json = results::text(&result);
-    write_page(&files, &folder.join("fleet.html"), &json)?;
+    write_drawn(&files, &folder.join("fleet.html"), &json, html::render)?;
     if !arguments.result.write(&files, &json)? {
         say(line)?;
-        say(summary(&result))?;
+        say(text::fleet(&result, style::heading))?;
         say(format!(
             "results.parquet, fleet.json and fleet.html: {}",
             folder.display()
         ))?;
     }
-    tell_troubles(&result);
+    warn_of_troubles(&result);
     if result.failed.len() == done.fingerprints.len() {
         bail!("no log could be processed");
     }
@@ -207,89 +197,36 @@ fn override_by(choice: &mut Choice, arguments: &Arguments) {
     if let Some(models) = &arguments.bias_models {
         choice.bias_models.clone_from(models);
     }
-    let plan = &mut choice.plan;
-    plan.length_s = arguments.length.unwrap_or(plan.length_s);
-    plan.start_s = arguments.start.unwrap_or(plan.start_s);
-    if arguments.every.is_some() || arguments.count.is_some() {
-        (plan.every_s, plan.count) = (arguments.every, arguments.count);
+    let (plan, stated) = (&mut choice.plan, &arguments.plan);
+    plan.length_s = stated.length.unwrap_or(plan.length_s);
+    plan.start_s = stated.start.unwrap_or(plan.start_s);
+    if stated.every.is_some() || stated.count.is_some() {
+        (plan.every_s, plan.count) = (stated.every, stated.count);
     }
 }
 
-/// What is told one by one of a longer list.
-const TOLD: usize = 10;
+/// What is shown one by one of a longer list.
+const SHOWN: usize = 10;
 
-fn tell_troubles(result: &Fleet) {
+fn warn_of_troubles(result: &Fleet) {
     if result.failed.len() + result.untrusted.len() > 0 {
         terminal::doubt();
     }
     for troubles in [&result.failed, &result.untrusted] {
-        let mut told: Vec<(&str, Vec<&str>, &str)> = Vec::new();
-        for trouble in troubles {
-            let part = trouble.part.as_deref().unwrap_or_default();
-            match told.last_mut() {
-                Some((log, parts, why)) if *log == trouble.log && *why == trouble.why => {
-                    parts.push(part)
-                }
-                _ => told.push((&trouble.log, vec![part], &trouble.why)),
-            }
+        // Bias models or axes of one log that fail alike are named together.
+        let alike = troubles.chunk_by(|a, b| a.log == b.log && a.why == b.why);
+        for alike in alike.clone().take(SHOWN) {
+            let parts = alike.iter().filter_map(|trouble| trouble.part.as_deref());
+            let of = [alike[0].log.as_str()].into_iter().chain(parts);
+            warn(format!(
+                "{}: {}",
+                Vec::from_iter(of).join(", "),
+                alike[0].why
+            ));
         }
-        let more = told.len().saturating_sub(TOLD);
-        for (log, parts, why) in told.into_iter().take(TOLD) {
-            match parts.join(", ").as_str() {
-                "" => warn(format!("{log}: {why}")),
-                parts => warn(format!("{log}, {parts}: {why}")),
-            }
-        }
+        let more = alike.skip(SHOWN).count();
         if more > 0 {
             warn(format!("and {more} more; fleet.html names them"));
         }
     }
-}
-
-/// The measures as tables, and who stands out.
-fn summary(result: &Fleet) -> String {
-    let mut blocks = Vec::new();
-    for measure in &result.measures {
-        let name = measure.name.replace('_', " ");
-        let name = match measure.unit.as_str() {
-            "" => name,
-            unit => format!("{name} [{unit}]"),
-        };
-        // Writing into a String cannot fail.
-        let mut table = format!("{}\n", measure.what);
-        let heading = format!(
-            "{name:28} {:>7} {:>10} {:>10} {:>9}",
-            "logs", "median", "limit", "above"
-        );
-        let _ = writeln!(table, "{}", style::heading(&heading));
-        let mut named: Vec<&str> = Vec::new();
-        for part in &measure.parts {
-            let _ = writeln!(
-                table,
-                "{:28} {:>7} {:>10} {:>10} {:>9}",
-                part.part,
-                part.logs,
-                short(part.median.0),
-                short(part.limit.0),
-                part.outliers.len()
-            );
-            for outlier in &part.outliers {
-                if !named.contains(&outlier.log.as_str()) {
-                    named.push(&outlier.log);
-                }
-            }
-        }
-        if !named.is_empty() {
-            let more = named.len().saturating_sub(TOLD);
-            named.truncate(TOLD);
-            let more = if more > 0 {
-                format!(" and {more} more")
-            } else {
-                String::new()
-            };
-            let _ = writeln!(table, "standing out: {}{more}", named.join(", "));
-        }
-        blocks.push(table);
-    }
-    blocks.join("\n")
 }

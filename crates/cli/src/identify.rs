@@ -21,9 +21,9 @@ use undrift::{
     io::{Opened, table::Column},
     noise::ImuModel,
     record::{self, Record, RecordFormat},
-    results::{self, Axis, Detrend, Identify, Number},
+    results,
 };
-use undrift_report::say as sentences;
+use undrift_report::{say as sentences, text};
 
 /// The trends by their names.
 fn trends() -> impl TypedValueParser<Value = Trend> {
@@ -140,7 +140,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let shown =
         arguments.result.is_wanted() && arguments.result.write(&files, &results::text(&result))?;
     if !shown {
-        say(summary(&result))?;
+        say(text::identify(&result, style::heading))?;
         if arguments.plot {
             say(plot::allan(&result))?;
         }
@@ -214,110 +214,4 @@ fn warn_of_unknown(file: &Path, model: &ImuModel, bounded: &[&str]) {
              do not contradict (95 %): give the data sheet's with --base PRESET or FILE"
         ));
     }
-}
-
-/// The candidates of each axis with their drift scores, and the choice.
-fn summary(result: &Identify) -> String {
-    let found = result.in_order().filter(|(_, axis)| axis.error.is_none());
-    let texts: Vec<String> = found
-        .map(|(name, axis)| axis_summary(name, axis, result.rate_hz))
-        .collect();
-    texts.join("\n")
-}
-
-fn axis_summary(name: &str, axis: &Axis, rate_hz: Number) -> String {
-    use std::fmt::Write;
-    // Spec-sheet units: deg/√h and deg, m/s/√h and m/s.
-    let (scale, level_unit, white_unit, drift_unit) = if name.starts_with("gyro") {
-        (1f64.to_degrees(), "deg/s", "deg/√h", "deg")
-    } else {
-        (1.0, "m/s²", "m/s/√h", "m/s")
-    };
-    // Writing into a String cannot fail.
-    let mut text = String::new();
-    let _ = writeln!(
-        text,
-        "{}: {} samples at {} Hz",
-        style::heading(name),
-        axis.samples,
-        rate_hz.0
-    );
-    let _ = match axis.detrend {
-        Detrend::Constant => Ok(()),
-        Detrend::Linear {
-            slope_per_hour,
-            explained,
-        } => writeln!(
-            text,
-            "  Removed: a slope of {:.3e} {level_unit} an hour, {:.2} % of the variance",
-            slope_per_hour * scale,
-            100.0 * explained
-        ),
-        Detrend::Temperature {
-            slope_per_kelvin,
-            explained,
-        } => writeln!(
-            text,
-            "  Removed: {:.3e} {level_unit} a kelvin, {:.2} % of the variance",
-            slope_per_kelvin * scale,
-            100.0 * explained
-        ),
-    };
-    let _ = writeln!(text, "  {}", axis.stationarity);
-    let _ = writeln!(
-        text,
-        "  Allan: white noise {:.4} {white_unit}; skewness {:.3}, excess kurtosis {:.3}",
-        axis.allan_terms.white.value * scale * 60.0,
-        axis.skewness.0,
-        axis.kurtosis_excess.0
-    );
-    if let Some(grid) = &axis.box_jenkins {
-        let _ = writeln!(
-            text,
-            "  Box-Jenkins, p, q ≤ {}, first {} samples: ARMA{} by AICc, {} by BIC",
-            grid.p_max, grid.samples, grid.by_aicc, grid.by_bic
-        );
-    }
-    let mut horizons: Vec<(f64, &String)> = axis
-        .chosen
-        .drift_score
-        .keys()
-        .filter_map(|key| Some((key.parse().ok()?, key)))
-        .collect();
-    horizons.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let _ = write!(text, "  {:38}", format!("drift after [{drift_unit}]"));
-    for (_, key) in &horizons {
-        let _ = write!(text, " {:>10}", format!("{key} s"));
-    }
-    text.push('\n');
-    let mut table = String::new();
-    for name in &axis.ranking {
-        let mark = if *name == axis.chosen.name {
-            "→"
-        } else {
-            " "
-        };
-        let _ = write!(table, "  {mark} {name:36}");
-        let candidate = axis
-            .candidates
-            .iter()
-            .find(|candidate| candidate.name == *name);
-        for score in horizons
-            .iter()
-            .filter_map(|(_, key)| candidate?.drift_score.get(*key))
-        {
-            let _ = write!(table, " {:>10.3e}", score.0 * scale);
-        }
-        table.push('\n');
-    }
-    text += &style::best(&table, horizons.len());
-    let _ = writeln!(
-        text,
-        "  {}",
-        axis.chosen.reason.as_deref().unwrap_or_default()
-    );
-    for warning in &axis.warnings {
-        let _ = writeln!(text, "  Note: {warning}.");
-    }
-    text
 }

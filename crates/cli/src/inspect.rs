@@ -6,8 +6,8 @@ use crate::{
 };
 use anyhow::{Result, bail};
 use clap::Args;
-use std::{fmt::Write as _, path::PathBuf};
-use undrift::inspect::{self, Inspection, Part};
+use std::path::PathBuf;
+use undrift::inspect;
 use undrift_report::inspect as report;
 
 /// Describe log files and write a starter drive file.
@@ -52,7 +52,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let shown = arguments.json.write(&files, &json)?;
     if !shown {
         for inspection in &inspections {
-            terminal::say(text(inspection).trim_end())?;
+            terminal::say(report::text(inspection))?;
         }
     }
     if let Some(file) = &arguments.output {
@@ -64,79 +64,4 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         bail!("not every file could be read");
     }
     Ok(())
-}
-
-fn text(inspection: &Inspection) -> String {
-    let mut text = format!(
-        "{}: {}\n",
-        inspection.file.display(),
-        inspection.description
-    );
-    for (name, messages, about) in &inspection.streams {
-        let _ = writeln!(text, "  {name}: {messages} messages, {about}");
-    }
-    for part in &inspection.parts {
-        write_part(&mut text, part);
-    }
-    for note in &inspection.notes {
-        let _ = writeln!(text, "  note: {note}");
-    }
-    text
-}
-
-fn write_part(text: &mut String, part: &Part) {
-    let _ = write!(text, "  [{}]", part.table);
-    if let Some(m) = &part.measured {
-        let _ = write!(
-            text,
-            " {} records at {} Hz, {:.3} s to {:.3} s",
-            m.records,
-            short(m.rate_hz),
-            m.first_s,
-            m.last_s
-        );
-        match m.longest_gap_s {
-            Some((start, length)) => {
-                let _ = write!(
-                    text,
-                    "; gaps: {}, the longest {length:.3} s from {start:.3} s",
-                    m.gaps
-                );
-            }
-            None => text.push_str("; no gaps"),
-        }
-    }
-    text.push('\n');
-    let width = part.lines.iter().map(|line| line.key.len()).max();
-    for line in &part.lines {
-        let _ = write!(
-            text,
-            "    {:width$} = {}",
-            line.key,
-            line.value,
-            width = width.unwrap_or(0)
-        );
-        if !line.why.is_empty() {
-            let _ = write!(text, "   # {}", line.why);
-        }
-        text.push('\n');
-    }
-    if let Some(m) = &part.measured {
-        for remark in m
-            .remarks
-            .iter()
-            .map(String::as_str)
-            .chain(m.skipped.lines())
-        {
-            let _ = writeln!(text, "    {remark}");
-        }
-    }
-    if let Some(problem) = &part.problem {
-        let _ = writeln!(text, "    cannot be read: {problem}");
-    }
-}
-
-/// A rate to its fourth decimal, without the zeros at its end.
-fn short(rate_hz: f64) -> f64 {
-    (rate_hz * 1e4).round() / 1e4
 }

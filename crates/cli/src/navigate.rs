@@ -17,10 +17,9 @@ use undrift::{
     io::write::{SolutionFile, SolutionFormat, SolutionOptions},
     navigate::{self, Wanted},
     noise::{BiasModel, ImuModel},
-    reference::COMPONENTS,
-    results::{self, Innovations, Navigate},
+    results,
 };
-use undrift_report::say as sentences;
+use undrift_report::{say as sentences, text};
 
 /// Navigate a drive: IMU and GNSS into position, velocity and attitude.
 ///
@@ -118,7 +117,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     print::judge(&result.findings);
     let shown = recording && arguments.result.write(&files, &results::text(&result))?;
     if !shown {
-        print_result(&result)?;
+        say(text::navigate(&result))?;
+        // How it ends comes last.
+        let findings = result.findings.iter().zip(&result.warnings);
+        let found = findings.filter(|(of, _)| of.severity() < Severity::Unusable);
+        found.for_each(|(_, sentence)| warn(sentence));
         for path in &arguments.output {
             say(format!("solution: {}", path.display()))?;
         }
@@ -148,91 +151,4 @@ pub fn stem(path: &Path) -> String {
     path.file_stem()
         .map(|name| name.to_string_lossy().into_owned())
         .unwrap_or_default()
-}
-
-fn print_result(result: &Navigate) -> Result<()> {
-    let s = &result.summary;
-    if let Some(mounting) = &result.mounting {
-        say(format!("mounting estimated: {mounting}"))?;
-    }
-    say(format!("bias model {}; {}", result.bias_model, s.alignment))?;
-    say(format!(
-        "navigated {} samples from {:.3} s to {:.3} s; {} samples and {} fixes before that",
-        s.samples, s.started.0, s.ended.0, s.align_samples, s.fixes_before
-    ))?;
-    say(format!("{} fixes used", s.fixes))?;
-    for (name, sums) in [("position", &s.position), ("velocity", &s.velocity)] {
-        if sums.updates + sums.rejected > 0 {
-            say(format!("{name}: {}", innovations(sums)))?;
-        }
-    }
-    for (name, sums) in [
-        ("non-holonomic constraint", &s.non_holonomic),
-        ("zero velocity", &s.zero_velocity),
-        ("odometer", &s.odometer),
-        ("barometer", &s.barometer),
-    ] {
-        if sums.updates > 0 {
-            say(format!(
-                "{name}: {} updates, NIS per degree of freedom {}",
-                sums.updates,
-                nis(sums)
-            ))?;
-        }
-    }
-    for (kind, parameter) in &s.parameters {
-        let [value, std] = [&parameter.value, &parameter.std]
-            .map(|numbers| numbers.iter().map(|n| n.0).collect::<Vec<f64>>());
-        say(format!("{kind} {value:.4?} ± {std:.4?}"))?;
-    }
-    if let (Some(errors), Some(n)) = (&result.rms_error, result.compared_samples) {
-        let known = COMPONENTS
-            .iter()
-            .filter_map(|name| Some((name, errors.get(*name)?.get()?)));
-        let parts: Vec<String> = known.map(|(name, e)| format!("{name} {e:.4}")).collect();
-        say(format!(
-            "RMS error against the truth at {n} samples: {}",
-            parts.join(", ")
-        ))?;
-    }
-    let groups = [
-        "position",
-        "velocity",
-        "attitude",
-        "gyro_bias",
-        "accel_bias",
-    ];
-    let known = groups
-        .iter()
-        .filter_map(|name| Some((name, result.nees_per_dof.get(*name)?.get()?)));
-    let nees: Vec<String> = known
-        .map(|(name, nees)| format!("{} {nees:.2}", name.replace('_', " ")))
-        .collect();
-    if !nees.is_empty() {
-        say(format!(
-            "NEES per degree of freedom against the truth, once a second (1 when the covariance is right): {}",
-            nees.join(", ")
-        ))?;
-    }
-    // How it ends comes last.
-    let findings = result.findings.iter().zip(&result.warnings);
-    let found = findings.filter(|(of, _)| of.severity() < Severity::Unusable);
-    found.for_each(|(_, sentence)| warn(sentence));
-    Ok(())
-}
-
-/// NIS, counts and autocorrelation in a line.
-fn innovations(sums: &Innovations) -> String {
-    let mut text = format!(
-        "NIS per degree of freedom {} (1 when the model is right)",
-        nis(sums)
-    );
-    if let Some((correlation, bound)) = sums.autocorrelation() {
-        text += &format!(", autocorrelation {correlation:.2} (±{bound:.2})");
-    }
-    text + &format!("; {} left out, {} weakened", sums.rejected, sums.weakened)
-}
-
-fn nis(sums: &Innovations) -> String {
-    sums.per_dof().map_or("none".into(), |r| format!("{r:.2}"))
 }

@@ -3,13 +3,15 @@
 use crate::{
     navigate, output, print,
     progress::Bar,
-    report::{ResultOutput, write_picture},
+    report::{ResultOutput, write_drawn},
+    style,
     terminal::{note, say, stage, warn},
 };
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use undrift::{
+    fleet::Choice,
     io::write::{SolutionFile, SolutionFormat, SolutionOptions, solution::SolutionRow},
     nav::sample::TruthSample,
     noise::BiasModel,
@@ -17,7 +19,7 @@ use undrift::{
     replay::{Outage, STAMP_ROUNDING},
     results,
 };
-use undrift_report::{figures, say as sentences};
+use undrift_report::{figures, say as sentences, text};
 
 /// Cut GNSS again and again on a drive and measure how far each bias model drifts.
 ///
@@ -40,28 +42,8 @@ pub struct Arguments {
     /// Bias models to compare
     #[arg(long, value_name = "NAMES", value_delimiter = ',', default_values = ["white", "paper", "gauss-markov", "random-walk", "ar", "arma"])]
     bias_models: Vec<BiasModel>,
-    /// Length of an outage [s]
-    #[arg(
-        long,
-        value_name = "S",
-        default_value_t = 10.0,
-        help_heading = "Outages"
-    )]
-    length: f64,
-    /// Number of outages; evenly spread unless --every is given
-    #[arg(long, value_name = "N", help_heading = "Outages")]
-    count: Option<usize>,
-    /// From the start of one outage to the start of the next [s]
-    #[arg(long, value_name = "S", help_heading = "Outages")]
-    every: Option<f64>,
-    /// Start of the first outage [s], counted from the first fix
-    #[arg(
-        long,
-        value_name = "S",
-        default_value_t = 60.0,
-        help_heading = "Outages"
-    )]
-    start: f64,
+    #[command(flatten)]
+    plan: Plan,
     /// Starts of the outages in the GNSS file's own time base [s], instead of --start, --count and --every
     #[arg(long, value_name = "T1,T2,…", value_delimiter = ',', conflicts_with_all = ["count", "every", "start"], help_heading = "Outages")]
     at: Option<Vec<f64>>,
@@ -78,7 +60,33 @@ pub struct Arguments {
     result: ResultOutput,
 }
 
+/// When GNSS is cut.
+#[derive(Args)]
+pub struct Plan {
+    /// Length of an outage [s]. Default: 10
+    #[arg(long, value_name = "S", help_heading = "Outages")]
+    pub length: Option<f64>,
+    /// Number of outages in each drive; evenly spread unless --every is given
+    #[arg(long, value_name = "N", help_heading = "Outages")]
+    pub count: Option<usize>,
+    /// From the start of one outage to the start of the next [s]
+    #[arg(long, value_name = "S", help_heading = "Outages")]
+    pub every: Option<f64>,
+    /// Start of the first outage [s], counted from the first fix. Default: 60
+    #[arg(long, value_name = "S", help_heading = "Outages")]
+    pub start: Option<f64>,
+}
+
 pub fn run(arguments: &Arguments) -> Result<()> {
+    let Plan {
+        length,
+        count,
+        every,
+        start,
+    } = arguments.plan;
+    let defaults = Choice::default().plan;
+    let length = length.unwrap_or(defaults.length_s);
+    let start = start.unwrap_or(defaults.start_s);
     if let Some(path) = &arguments.track {
         track_format(path)?;
     }
@@ -91,14 +99,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             sentences::mounting(mounting)
         ));
     }
-    let plan = Schedule::asked(
-        arguments.at.clone(),
-        arguments.every,
-        arguments.count,
-        arguments.start,
-    )
-    .context("say how many outages: --count N, --every SECONDS, or --at T1,T2,…")?;
-    let cuts = logs.plan(&plan, arguments.length)?;
+    let plan = Schedule::asked(arguments.at.clone(), every, count, start)
+        .context("say how many outages: --count N, --every SECONDS, or --at T1,T2,…")?;
+    let cuts = logs.plan(&plan, length)?;
     let outcomes = stage("navigation", || {
         let total = logs.imu.len() * arguments.bias_models.len();
         let bar = Bar::new("navigated", total as u64, "samples");
@@ -111,22 +114,21 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let json = results::text(&result);
     if !arguments.result.write(&files, &json)? {
         say(format!(
-            "{} outages of {} s, reference: {}. Errors inside the outages:\n",
+            "{} outages of {length} s, reference: {}. Errors inside the outages:\n",
             cuts.len(),
-            arguments.length,
             match result.reference.as_str() {
                 "gnss" => "the withheld fixes",
                 _ => "the truth",
             }
         ))?;
-        say(print::shown(&result, &result.order))?;
+        say(text::outages(&result, style::heading))?;
     }
     print::print_troubles(&result);
     result.warnings.iter().for_each(warn);
     if let Some(folder) = &arguments.out {
         output::make_folder(folder)?;
         files.write(&folder.join("outages.json"), &json)?;
-        write_picture(
+        write_drawn(
             &files,
             &folder.join("outages.svg"),
             &json,

@@ -19,28 +19,15 @@ const WIDTHS: (usize, usize) = (40, 110);
 /// Width where there is no terminal [characters].
 const NO_TERMINAL: usize = 80;
 
-/// How curves are told apart and drawn.
-#[derive(Clone, Copy, PartialEq)]
-pub enum Ink {
-    /// Braille dots in colours.
-    Colours,
-    /// Letters.
-    Letters,
-}
-
-/// A curve, by a letter and a colour.
-pub struct Curve<'a> {
-    letter: char,
-    colour: AnsiColor,
-    name: &'a str,
-    points: Vec<(f64, f64)>,
-}
+/// A curve by the name of its axis.
+type Curve<'a> = (&'a str, Vec<(f64, f64)>);
 
 /// Size of the whole plot in characters, and how it is drawn.
 #[derive(Clone, Copy)]
 pub struct Look {
     width: usize,
-    ink: Ink,
+    /// Braille dots in colours rather than letters.
+    colours: bool,
     /// Lines and signs beyond ASCII.
     unicode: bool,
 }
@@ -50,50 +37,40 @@ pub fn allan(identified: &Identify) -> String {
     let unicode = is_utf8();
     let look = Look {
         width: width(),
-        ink: if terminal::has_colours() && unicode {
-            Ink::Colours
-        } else {
-            Ink::Letters
-        },
+        colours: terminal::has_colours() && unicode,
         unicode,
     };
-    let mut text = String::new();
-    for (kind, unit, factor) in [
+    let kinds = [
         ("gyro", "deg/h", 3600f64.to_degrees()),
         ("accel", "mg", 1e3 / undrift::nav::earth::STANDARD_GRAVITY),
-    ] {
+    ];
+    let plots = kinds.into_iter().filter_map(|(kind, unit, factor)| {
         let found = identified.in_order();
-        let curves: Vec<Curve> = found
-            .filter(|(name, axis)| name.starts_with(kind) && axis.error.is_none())
-            .map(|(name, axis)| {
-                let points = axis.allan.tau_s.iter().zip(&axis.allan.adev);
-                curve(name, points.map(|(t, d)| (t.0, d.0 * factor)).collect())
-            })
-            .collect();
-        if let Some(plot) = draw(&curves, unit, look) {
-            if !text.is_empty() {
-                text.push('\n');
-            }
-            text += &style::heading(&format!("Allan deviation [{unit}] over averaging time [s]"));
-            text = format!("{text}\n{plot}");
-        }
-    }
-    text.trim_end().to_owned()
+        let found = found.filter(|(name, axis)| name.starts_with(kind) && axis.error.is_none());
+        let curves = found.map(|(name, axis)| {
+            let points = axis.allan.tau_s.iter().zip(&axis.allan.adev);
+            (name, points.map(|(t, d)| (t.0, d.0 * factor)).collect())
+        });
+        let plot = draw(&curves.collect::<Vec<_>>(), unit, look)?;
+        let title = format!("Allan deviation [{unit}] over averaging time [s]");
+        Some(format!("{}\n{plot}", style::heading(&title)))
+    });
+    Vec::from_iter(plots).join("\n").trim_end().to_owned()
 }
 
-fn curve(name: &str, points: Vec<(f64, f64)>) -> Curve<'_> {
-    let letter = name.chars().last().unwrap_or('*');
-    let colour = match letter {
+/// The last letter of an axis' name stands for it.
+fn letter(name: &str) -> char {
+    name.chars().last().unwrap_or('*')
+}
+
+/// A text in the colour of an axis.
+fn coloured(name: &str, text: &str) -> String {
+    let colour = match letter(name) {
         'x' => AnsiColor::Red,
         'y' => AnsiColor::Green,
         _ => AnsiColor::Blue,
     };
-    Curve {
-        letter,
-        colour,
-        name,
-        points,
-    }
+    style::coloured(colour, text)
 }
 
 fn width() -> usize {
@@ -129,7 +106,7 @@ fn decades(values: impl Iterator<Item = f64>) -> Option<(i32, i32)> {
 /// The plot; `None` without a point.
 fn draw(curves: &[Curve], unit: &str, look: Look) -> Option<String> {
     let usable = |&&(x, y): &&(f64, f64)| x > 0.0 && y > 0.0 && (x * y).is_finite();
-    let points = || curves.iter().flat_map(|c| c.points.iter().filter(usable));
+    let points = || curves.iter().flat_map(|c| c.1.iter().filter(usable));
     let x_range = decades(points().map(|p| p.0))?;
     let y_range = decades(points().map(|p| p.1))?;
     let columns = look.width.saturating_sub(MARGIN + 1 + OVERHANG).max(10);
@@ -139,39 +116,25 @@ fn draw(curves: &[Curve], unit: &str, look: Look) -> Option<String> {
         (value.log10() - f64::from(low)) / f64::from(high - low) * (dots - 1) as f64
     };
     let (across, down) = (columns * DOTS.0, HEIGHT * DOTS.1);
-    for (index, curve) in curves.iter().enumerate() {
-        let dots: Vec<(f64, f64)> = curve
-            .points
-            .iter()
-            .filter(usable)
-            .map(|&(x, y)| {
-                let y = place(y, y_range, down);
-                (place(x, x_range, across), (down - 1) as f64 - y)
-            })
-            .collect();
-        canvas.line(&dots, index);
+    for (index, (_, points)) in curves.iter().enumerate() {
+        let dots = points.iter().filter(usable).map(|&(x, y)| {
+            let y = place(y, y_range, down);
+            (place(x, x_range, across), (down - 1) as f64 - y)
+        });
+        canvas.line(&dots.collect::<Vec<_>>(), index);
     }
     let (bar, tick, corner, dash, cross) = match look.unicode {
         true => ('│', '┤', '└', '─', '┴'),
         false => ('|', '+', '+', '-', '+'),
     };
-    let mut text = String::new();
-    let line_of = |exponent: i32| {
-        let y = place(10f64.powi(exponent), y_range, down);
-        HEIGHT - 1 - (y / DOTS.1 as f64) as usize
-    };
-    let mut labels = vec![None; HEIGHT];
+    let mut signs = vec![(String::new(), bar); HEIGHT];
     for exponent in every(y_range, HEIGHT / 2) {
-        if let Some(label) = labels.get_mut(line_of(exponent)) {
-            *label = Some(power(exponent));
-        }
+        let y = place(10f64.powi(exponent), y_range, down);
+        signs[HEIGHT - 1 - (y / DOTS.1 as f64) as usize] = (power(exponent), tick);
     }
-    for (line, label) in labels.iter().enumerate() {
-        let (label, sign) = match label {
-            Some(label) => (label.as_str(), tick),
-            None => ("", bar),
-        };
-        let cells = canvas.line_text(line, curves, look.ink);
+    let mut text = String::new();
+    for (line, (label, sign)) in signs.iter().enumerate() {
+        let cells = canvas.line_text(line, curves, look.colours);
         text += format!("{label:>MARGIN$}{sign}{cells}").trim_end();
         text.push('\n');
     }
@@ -180,27 +143,20 @@ fn draw(curves: &[Curve], unit: &str, look: Look) -> Option<String> {
     for exponent in every(x_range, columns / 8) {
         let x = place(10f64.powi(exponent), x_range, across);
         let column = (x / DOTS.0 as f64) as usize;
-        if let Some(sign) = axis.get_mut(column) {
-            *sign = cross;
-        }
+        axis[column] = cross;
         let label = power(exponent);
         let start = (MARGIN + 1 + column).saturating_sub(label.len() / 2);
         for (cell, sign) in below.iter_mut().skip(start).zip(label.chars()) {
             *cell = sign;
         }
     }
-    let axis: String = axis.into_iter().collect();
-    let below: String = below.into_iter().collect();
-    text += &format!("{:>MARGIN$}{corner}{axis}\n", unit);
-    text += &format!("{} s\n", below.trim_end());
-    let legend: Vec<String> = curves
-        .iter()
-        .map(|c| match look.ink {
-            Ink::Colours => style::coloured(c.colour, c.name),
-            Ink::Letters => format!("{} {}", c.letter, c.name),
-        })
-        .collect();
-    text += &format!("{:MARGIN$} {}\n", "", legend.join("   "));
+    let (axis, below) = (String::from_iter(axis), String::from_iter(below));
+    let legend = curves.iter().map(|(name, _)| match look.colours {
+        true => coloured(name, name),
+        false => format!("{} {name}", letter(name)),
+    });
+    text += &format!("{unit:>MARGIN$}{corner}{axis}\n{} s\n", below.trim_end());
+    text += &format!("{:MARGIN$} {}\n", "", Vec::from_iter(legend).join("   "));
     Some(text)
 }
 
@@ -258,21 +214,17 @@ impl Canvas {
         }
     }
 
-    fn line_text(&self, line: usize, curves: &[Curve], ink: Ink) -> String {
+    fn line_text(&self, line: usize, curves: &[Curve], colours: bool) -> String {
         let cells = self.cells.iter().skip(line * self.columns);
-        let mut text = String::new();
-        for (dots, curve) in cells.take(self.columns) {
-            match (curves.get(*curve), ink) {
-                (Some(_), _) if *dots == 0 => text.push(' '),
-                (Some(curve), Ink::Letters) => text.push(curve.letter),
-                (Some(curve), Ink::Colours) => {
-                    let sign = char::from_u32(0x2800 + dots).unwrap_or('*');
-                    text += &style::coloured(curve.colour, &sign.to_string());
-                }
-                (None, _) => text.push(' '),
+        let cells = cells.take(self.columns).map(|(dots, curve)| {
+            let sign = char::from_u32(0x2800 + dots).unwrap_or('*');
+            match curves.get(*curve).filter(|_| *dots > 0) {
+                None => " ".into(),
+                Some((name, _)) if colours => coloured(name, &sign.to_string()),
+                Some((name, _)) => letter(name).to_string(),
             }
-        }
-        text
+        });
+        cells.collect()
     }
 }
 
@@ -290,12 +242,12 @@ mod tests {
 
     const LOOK: Look = Look {
         width: 88,
-        ink: Ink::Colours,
+        colours: true,
         unicode: true,
     };
 
     fn plain(look: Look, points: Vec<(f64, f64)>) -> Vec<String> {
-        let drawn = draw(&[curve("gyro_x", points)], "deg/h", look).unwrap();
+        let drawn = draw(&[("gyro_x", points)], "deg/h", look).unwrap();
         let plain = anstream::adapter::strip_str(&drawn).to_string();
         plain.lines().map(str::to_owned).collect()
     }
@@ -359,13 +311,13 @@ mod tests {
     #[test]
     fn without_colours_and_unicode_there_are_letters() {
         let look = Look {
-            ink: Ink::Letters,
+            colours: false,
             unicode: false,
             width: 40,
         };
         let points = white();
         let above = points.iter().map(|(x, y)| (*x, 10.0 * y)).collect();
-        let curves = [curve("accel_y", points), curve("accel_z", above)];
+        let curves = [("accel_y", points), ("accel_z", above)];
         let text = draw(&curves, "mg", look).unwrap();
         assert!(text.is_ascii(), "{text}");
         let first = |letter| text.lines().position(|line| line.contains(letter)).unwrap();
@@ -383,7 +335,7 @@ mod tests {
             (1.0, f64::INFINITY),
             (-1.0, 1.0),
         ];
-        assert!(draw(&[curve("gyro_x", nothing)], "mg", LOOK).is_none());
+        assert!(draw(&[("gyro_x", nothing)], "mg", LOOK).is_none());
         assert_eq!(
             dots(&plain(LOOK, vec![(1.0, 1.0), (2.0, f64::NAN)])).len(),
             1

@@ -1,19 +1,10 @@
-//! What the verbs share in telling their results.
+//! What the verbs share in warning of their results.
 
-use crate::{style, terminal, terminal::warn};
+use crate::{terminal, terminal::warn};
 use undrift::{
     findings::{self, Finding},
     results::Outages,
 };
-use undrift_report::text::outage_table;
-
-/// The table of an experiment's models for the terminal.
-pub fn shown(result: &Outages, names: &[impl AsRef<str>]) -> String {
-    style::tables(&outage_table(&result.models, names), ERRORS)
-}
-
-/// Columns of the table.
-const ERRORS: usize = 9;
 
 /// Tells which models could not be run, and which results cannot be trusted.
 pub fn print_troubles(result: &Outages) {

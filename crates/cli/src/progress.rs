@@ -10,7 +10,7 @@ use std::{
     sync::{
         Arc, Mutex,
         atomic::{AtomicU64, Ordering::Relaxed},
-        mpsc::{RecvTimeoutError, Sender, channel},
+        mpsc::{Receiver, RecvTimeoutError, Sender, channel},
     },
     thread::JoinHandle,
     time::{Duration, Instant},
@@ -22,13 +22,24 @@ const PATIENCE: Duration = Duration::from_secs(2);
 const LOOK: Duration = Duration::from_millis(200);
 
 /// What is counted, and how many there are; 0 where that is not known.
-#[derive(Clone, PartialEq)]
 struct Stage {
     /// Such as "identified".
     name: String,
     /// Such as "axes", or "bytes".
     unit: &'static str,
     total: u64,
+    since: Instant,
+}
+
+impl Stage {
+    fn new(name: &str, total: u64, unit: &'static str) -> Self {
+        Self {
+            name: name.to_owned(),
+            unit,
+            total,
+            since: Instant::now(),
+        }
+    }
 }
 
 /// A bar, as long as it lives.
@@ -46,26 +57,15 @@ impl Bar {
 
     /// A bar for a number that somebody else counts.
     pub fn watching(done: Arc<AtomicU64>, name: &str, total: u64, unit: &'static str) -> Self {
-        let stage = Arc::new(Mutex::new(Stage {
-            name: name.to_owned(),
-            unit,
-            total,
-        }));
+        let stage = Arc::new(Mutex::new(Stage::new(name, total, unit)));
         let watched = std::io::stderr().is_terminal() && !terminal::is_quiet();
         let watcher = watched.then(|| {
             let (stop, stopped) = channel();
             let (done, stage) = (done.clone(), stage.clone());
-            let watch = move || {
-                let mut view = View::new(&stage);
-                let wait = |time| stopped.recv_timeout(time) == Err(RecvTimeoutError::Timeout);
-                let mut patience = PATIENCE;
-                while wait(patience) {
-                    patience = LOOK;
-                    view.look(&stage, done.load(Relaxed));
-                }
-                view.bar.finish_and_clear();
-            };
-            (stop, std::thread::spawn(watch))
+            (
+                stop,
+                std::thread::spawn(move || watch(&done, &stage, &stopped)),
+            )
         });
         Self {
             done,
@@ -84,11 +84,7 @@ impl Bar {
         if let Ok(mut stage) = self.stage.lock()
             && (stage.name != name || stage.total != total)
         {
-            *stage = Stage {
-                name: name.to_owned(),
-                unit,
-                total,
-            };
+            *stage = Stage::new(name, total, unit);
             self.done.store(0, Relaxed);
         }
     }
@@ -104,54 +100,42 @@ impl Drop for Bar {
     }
 }
 
-/// What the thread draws.
-struct View {
-    bar: ProgressBar,
-    stage: Option<Stage>,
-    since: Instant,
-    before: u64,
-}
-
-impl View {
-    fn new(stage: &Mutex<Stage>) -> Self {
-        Self {
-            bar: ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden()),
-            stage: stage.lock().ok().map(|stage| stage.clone()),
-            since: Instant::now(),
-            before: 0,
-        }
-    }
-
-    fn look(&mut self, stage: &Mutex<Stage>, done: u64) {
-        let now = stage.lock().ok().map(|stage| stage.clone());
+/// Draws until the bar is dropped.
+fn watch(done: &AtomicU64, stage: &Mutex<Stage>, stopped: &Receiver<()>) {
+    let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
+    let (mut before, mut patience) = (0, PATIENCE);
+    while stopped.recv_timeout(patience) == Err(RecvTimeoutError::Timeout) {
+        patience = LOOK;
+        let Ok(mut stage) = stage.lock() else { break };
+        let done = done.load(Relaxed);
         // A number that fell is that of another pass.
-        if now != self.stage || done < self.before {
-            self.stage = now;
-            self.since = Instant::now();
+        if done < before {
+            stage.since = Instant::now();
         }
-        self.before = done;
-        let Some(stage) = &self.stage else { return };
+        before = done;
         let template = match stage.total {
             0 => "{wide_msg}",
             _ => "{bar:24} {wide_msg}",
         };
         if let Ok(style) = ProgressStyle::with_template(template) {
-            self.bar.set_style(style.progress_chars("=> "));
+            bar.set_style(style.progress_chars("=> "));
         }
-        self.bar.set_length(stage.total);
-        self.bar.set_position(done.min(stage.total));
-        self.bar
-            .set_message(text(stage, done, self.since.elapsed()));
+        bar.set_length(stage.total);
+        bar.set_position(done.min(stage.total));
+        bar.set_message(text(&stage, done, stage.since.elapsed()));
         // What is drawn first has all of it.
-        if self.bar.is_hidden() {
-            self.bar.set_draw_target(ProgressDrawTarget::stderr());
+        if bar.is_hidden() {
+            bar.set_draw_target(ProgressDrawTarget::stderr());
         }
     }
+    bar.finish_and_clear();
 }
 
 /// How far, how fast, how long still.
 fn text(stage: &Stage, done: u64, elapsed: Duration) -> String {
-    let Stage { name, unit, total } = stage;
+    let Stage {
+        name, unit, total, ..
+    } = stage;
     let seconds = elapsed.as_secs_f64();
     if *total == 0 {
         return format!("{name}, {}", clock(seconds));
@@ -194,11 +178,7 @@ mod tests {
     use super::*;
 
     fn of(name: &str, unit: &'static str, total: u64, done: u64, seconds: u64) -> String {
-        let stage = Stage {
-            name: name.into(),
-            unit,
-            total,
-        };
+        let stage = Stage::new(name, total, unit);
         text(&stage, done, Duration::from_secs(seconds))
     }
 

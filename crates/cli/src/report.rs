@@ -5,7 +5,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use undrift_report::{Document, figures};
+use undrift_report::{Document, figures, html};
 
 /// Make a report of one result, or compare several.
 ///
@@ -36,15 +36,20 @@ pub struct Arguments {
     json: JsonOutput,
 }
 
-/// Writes a picture of one result, drawn by `draw`.
-pub fn write_picture(
+/// The report of one result.
+fn document_of(json: &str) -> Result<Document> {
+    let result = (PathBuf::new(), json.to_owned());
+    Ok(undrift_report::of_results(&[result])?)
+}
+
+/// Writes what `draw` makes of one result's report, a picture or the page.
+pub fn write_drawn(
     files: &Files,
     path: &Path,
     json: &str,
     draw: fn(&Document) -> String,
 ) -> Result<()> {
-    let document = undrift_report::of_results(&[(PathBuf::new(), json.to_owned())])?;
-    files.write(path, &draw(&document))
+    files.write(path, &draw(&document_of(json)?))
 }
 
 /// Figures are written as SVG: another name is refused before the work begins.
@@ -90,79 +95,54 @@ impl ResultOutput {
     /// Writes what is wanted; whether the JSON went to standard output.
     pub fn write(&self, files: &Files, json: &str) -> Result<bool> {
         let shown = self.json.write(files, json)?;
-        if self.report.is_some() || self.figures.is_some() {
-            let result = [(PathBuf::new(), json.to_owned())];
-            write(
-                files,
-                &result,
-                self.report.as_deref(),
-                self.figures.as_deref(),
-            )?;
+        let (report, figures) = (self.report.as_deref(), self.figures.as_deref());
+        if report.is_some() || figures.is_some() {
+            write(files, &document_of(json)?, report, figures)?;
         }
         Ok(shown)
     }
 }
 
-/// Writes the report of one result.
-pub fn write_page(files: &Files, path: &Path, json: &str) -> Result<()> {
-    write(
-        files,
-        &[(PathBuf::new(), json.to_owned())],
-        Some(path),
-        None,
-    )
-}
-
 /// What was made of what.
 #[derive(Serialize)]
-struct Told<'a> {
+struct Made<'a> {
     figures: Option<&'a Path>,
     report: Option<&'a Path>,
     results: &'a [PathBuf],
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let inputs = arguments.results.iter().map(PathBuf::as_path);
-    let outputs = arguments.output.as_deref().into_iter();
-    let files = Files::claim(inputs, outputs.chain(arguments.json.file()))?;
-    let results = arguments
-        .results
-        .iter()
-        .map(|path| {
-            let text = std::fs::read_to_string(path)
-                .with_context(|| format!("cannot read {}", path.display()))?;
-            Ok((path.clone(), text))
-        })
-        .collect::<Result<Vec<_>>>()?;
-    write(
-        &files,
-        &results,
-        arguments.output.as_deref(),
-        arguments.figures.as_deref(),
-    )?;
-    let told = Told {
+    let made = Made {
         figures: arguments.figures.as_deref(),
         report: arguments.output.as_deref(),
         results: &arguments.results,
     };
-    arguments
-        .json
-        .write(&files, &serde_json::to_string_pretty(&told)?)
-        .map(drop)
+    let inputs = made.results.iter().map(PathBuf::as_path);
+    let outputs = made.report.into_iter().chain(arguments.json.file());
+    let files = Files::claim(inputs, outputs)?;
+    let read = |path: &PathBuf| {
+        let text = std::fs::read_to_string(path);
+        let text = text.with_context(|| format!("cannot read {}", path.display()));
+        Ok((path.clone(), text?))
+    };
+    let results = made.results.iter().map(read).collect::<Result<Vec<_>>>()?;
+    let document = undrift_report::of_results(&results)?;
+    write(&files, &document, made.report, made.figures)?;
+    let json = serde_json::to_string_pretty(&made)?;
+    arguments.json.write(&files, &json).map(drop)
 }
 
 fn write(
     files: &Files,
-    results: &[(PathBuf, String)],
-    output: Option<&Path>,
+    document: &Document,
+    report: Option<&Path>,
     figures: Option<&Path>,
 ) -> Result<()> {
-    let document = undrift_report::of_results(results)?;
-    if let Some(path) = output {
-        files.write(path, &undrift_report::html::render(&document))?;
+    if let Some(path) = report {
+        files.write(path, &html::render(document))?;
     }
     if let Some(folder) = figures {
-        figures::write(&document, folder).map_err(anyhow::Error::msg)?;
+        figures::write(document, folder).map_err(anyhow::Error::msg)?;
     }
     Ok(())
 }

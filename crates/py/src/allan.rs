@@ -10,23 +10,15 @@ use undrift::noise::allan::{
 use undrift::noise::screening::RecordError;
 use undrift::noise::wavelet;
 
-pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(allan_deviation, module)?)?;
-    module.add_function(wrap_pyfunction!(allan_terms, module)?)?;
-    module.add_function(wrap_pyfunction!(allan_terms_variance, module)?)?;
-    module.add_function(wrap_pyfunction!(allan_gauss_markov, module)?)?;
-    module.add_function(wrap_pyfunction!(wavelet_variance, module)?)
-}
-
 /// Averaging times: the name of a grid, or times [s].
 #[derive(FromPyObject)]
-enum Taus<'py> {
+pub enum Taus<'py> {
     Grid(String),
     Times(Record<'py>),
 }
 
 #[derive(IntoPyObject)]
-struct Deviations {
+pub struct Deviations {
     samples: usize,
     m: Array<i64>,
     tau: Array<f64>,
@@ -51,7 +43,7 @@ fn kind_of(name: &str) -> PyResult<DeviationKind> {
 }
 
 #[pyfunction]
-fn allan_deviation(
+pub fn allan_deviation(
     py: Python<'_>,
     x: Record<'_>,
     rate: f64,
@@ -102,7 +94,7 @@ fn allan_deviation(
 
 /// A curve as the package holds it.
 #[derive(FromPyObject)]
-struct PyCurve<'py> {
+pub struct PyCurve<'py> {
     kind: String,
     rate: f64,
     samples: usize,
@@ -141,7 +133,7 @@ impl PyCurve<'_> {
 }
 
 #[derive(FromPyObject, IntoPyObject)]
-struct PyTerm {
+pub struct PyTerm {
     value: f64,
     standard_error: f64,
     upper_95: f64,
@@ -160,7 +152,7 @@ impl From<Term> for PyTerm {
 }
 
 #[derive(FromPyObject, IntoPyObject)]
-struct PyTerms {
+pub struct PyTerms {
     quantisation: PyTerm,
     white: PyTerm,
     bias_instability: PyTerm,
@@ -205,7 +197,11 @@ impl From<PyTerms> for Terms {
 }
 
 #[pyfunction]
-fn allan_terms(py: Python<'_>, curve: PyCurve<'_>, shortest_tau: Option<f64>) -> PyResult<PyTerms> {
+pub fn allan_terms(
+    py: Python<'_>,
+    curve: PyCurve<'_>,
+    shortest_tau: Option<f64>,
+) -> PyResult<PyTerms> {
     let curve = curve.curve()?;
     py.detach(|| match shortest_tau {
         None => allan::fit_terms(&curve),
@@ -216,14 +212,14 @@ fn allan_terms(py: Python<'_>, curve: PyCurve<'_>, shortest_tau: Option<f64>) ->
 }
 
 #[pyfunction]
-fn allan_terms_variance(terms: PyTerms, tau: Record<'_>) -> Array<f64> {
+pub fn allan_terms_variance(terms: PyTerms, tau: Record<'_>) -> Array<f64> {
     let terms = Terms::from(terms);
     let tau = tau.as_array();
     tau.iter().map(|&tau| terms.variance(tau)).collect()
 }
 
 #[derive(IntoPyObject)]
-struct GaussMarkov {
+pub struct GaussMarkov {
     quantisation: f64,
     white: f64,
     sigma: f64,
@@ -233,7 +229,7 @@ struct GaussMarkov {
 }
 
 #[pyfunction]
-fn allan_gauss_markov(py: Python<'_>, curve: PyCurve<'_>) -> PyResult<GaussMarkov> {
+pub fn allan_gauss_markov(py: Python<'_>, curve: PyCurve<'_>) -> PyResult<GaussMarkov> {
     let curve = curve.curve()?;
     let fit: GaussMarkovFit = py
         .detach(|| allan::fit_gauss_markov(&curve))
@@ -249,7 +245,7 @@ fn allan_gauss_markov(py: Python<'_>, curve: PyCurve<'_>) -> PyResult<GaussMarko
 }
 
 #[derive(IntoPyObject)]
-struct Wavelet {
+pub struct Wavelet {
     samples: usize,
     m: Array<i64>,
     scale: Array<f64>,
@@ -259,7 +255,7 @@ struct Wavelet {
 }
 
 #[pyfunction]
-fn wavelet_variance(py: Python<'_>, x: Record<'_>, rate: f64) -> PyResult<Wavelet> {
+pub fn wavelet_variance(py: Python<'_>, x: Record<'_>, rate: f64) -> PyResult<Wavelet> {
     let record = samples(&x)?;
     let curve = py
         .detach(|| wavelet::wavelet_variance(record, 1.0 / rate))

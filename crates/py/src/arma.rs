@@ -11,17 +11,6 @@ use undrift::nav::shaping::ShapingFilter;
 use undrift::noise::arma::{self, ArFit, ArmaError, ArmaFit, FitOptions, Mean, Root};
 use undrift::noise::synthesis::NoiseGenerator;
 
-pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(arma_fit, module)?)?;
-    module.add_function(wrap_pyfunction!(arma_residuals, module)?)?;
-    module.add_function(wrap_pyfunction!(arma_log_likelihood, module)?)?;
-    module.add_function(wrap_pyfunction!(arma_profile_interval, module)?)?;
-    module.add_function(wrap_pyfunction!(arma_simulate, module)?)?;
-    module.add_function(wrap_pyfunction!(ar_burg, module)?)?;
-    module.add_function(wrap_pyfunction!(ar_yule_walker, module)?)?;
-    module.add_function(wrap_pyfunction!(ar_order, module)?)
-}
-
 fn mean_of(known: Option<f64>) -> Mean {
     known.map_or(Mean::Estimated, Mean::Known)
 }
@@ -36,7 +25,7 @@ pub fn options(mean: Option<f64>, unit_root: bool, effort: f64) -> FitOptions {
 }
 
 #[pyfunction]
-fn arma_fit(
+pub fn arma_fit(
     py: Python<'_>,
     x: Record<'_>,
     order: (usize, usize),
@@ -53,14 +42,14 @@ fn arma_fit(
 }
 
 #[pyfunction]
-fn arma_residuals(py: Python<'_>, fit: Fit, x: Record<'_>) -> PyResult<Array<f64>> {
+pub fn arma_residuals(py: Python<'_>, fit: Fit, x: Record<'_>) -> PyResult<Array<f64>> {
     let x = samples(&x)?;
     let fit = ArmaFit::from(fit);
     py.detach(|| fit.residuals(x)).map(Array).map_err(error)
 }
 
 #[derive(IntoPyObject)]
-struct Likelihood {
+pub struct Likelihood {
     log_likelihood: f64,
     sum_of_squares: f64,
     sigma2: f64,
@@ -70,7 +59,7 @@ struct Likelihood {
 }
 
 #[pyfunction]
-fn arma_log_likelihood(
+pub fn arma_log_likelihood(
     py: Python<'_>,
     x: Record<'_>,
     ar: Vec<f64>,
@@ -93,14 +82,14 @@ fn arma_log_likelihood(
 }
 
 #[derive(IntoPyObject)]
-struct Profile {
+pub struct Profile {
     estimate: f64,
     low: f64,
     high: f64,
 }
 
 #[pyfunction]
-fn arma_profile_interval(
+pub fn arma_profile_interval(
     py: Python<'_>,
     x: Record<'_>,
     fit: Fit,
@@ -125,7 +114,7 @@ fn arma_profile_interval(
 }
 
 #[pyfunction]
-fn arma_simulate(
+pub fn arma_simulate(
     py: Python<'_>,
     n: usize,
     ar: Vec<f64>,
@@ -148,7 +137,7 @@ fn arma_simulate(
 }
 
 #[derive(IntoPyObject)]
-struct Autoregression {
+pub struct Autoregression {
     ar: Array<f64>,
     sigma2: f64,
     mean: f64,
@@ -168,19 +157,19 @@ fn autoregression(fit: Result<ArFit, ArmaError>) -> PyResult<Autoregression> {
 }
 
 #[pyfunction]
-fn ar_burg(py: Python<'_>, x: Record<'_>, p: usize) -> PyResult<Autoregression> {
+pub fn ar_burg(py: Python<'_>, x: Record<'_>, p: usize) -> PyResult<Autoregression> {
     let x = samples(&x)?;
     autoregression(py.detach(|| arma::burg(x, p)))
 }
 
 #[pyfunction]
-fn ar_yule_walker(py: Python<'_>, x: Record<'_>, p: usize) -> PyResult<Autoregression> {
+pub fn ar_yule_walker(py: Python<'_>, x: Record<'_>, p: usize) -> PyResult<Autoregression> {
     let x = samples(&x)?;
     autoregression(py.detach(|| arma::yule_walker(x, p)))
 }
 
 #[pyfunction]
-fn ar_order(py: Python<'_>, x: Record<'_>, max_p: usize) -> PyResult<usize> {
+pub fn ar_order(py: Python<'_>, x: Record<'_>, max_p: usize) -> PyResult<usize> {
     let x = samples(&x)?;
     py.detach(|| arma::order_by_aicc(x, max_p)).map_err(error)
 }

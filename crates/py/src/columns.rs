@@ -1,12 +1,12 @@
 //! Numbers between Python and Rust.
 
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
+use numpy::{IntoPyArray, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::Path;
 use undrift::{
     io::{table::Columns, write::solution::SolutionRow},
-    nav::{Matrix3, Vector3},
+    nav::{Matrix3, Vector3, earth::Geodetic},
 };
 
 use crate::error::error;
@@ -33,22 +33,53 @@ pub fn table<'py>(
     numbers.into_pyarray(py).reshape([rows, width])
 }
 
-/// Three numbers of every item side by side.
-pub fn three<'py, T>(
-    py: Python<'py>,
-    items: &[T],
-    of: impl Fn(&T) -> [f64; 3],
-) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    table(py, items.iter().flat_map(of).collect(), 3)
+/// Numbers of every item as arrays by name.
+pub struct Arrays<'a, 'py, T> {
+    items: &'a [T],
+    dict: Bound<'py, PyDict>,
 }
 
-/// One number of every item.
-pub fn one<'py, T>(
-    py: Python<'py>,
-    items: &[T],
-    of: impl Fn(&T) -> f64,
-) -> Bound<'py, PyArray1<f64>> {
-    items.iter().map(of).collect::<Vec<f64>>().into_pyarray(py)
+impl<'a, 'py, T> Arrays<'a, 'py, T> {
+    /// Of items, none yet.
+    pub fn of(py: Python<'py>, items: &'a [T]) -> Self {
+        Self {
+            items,
+            dict: PyDict::new(py),
+        }
+    }
+
+    /// With one number of every item.
+    pub fn one(self, name: &str, of: impl Fn(&T) -> f64) -> PyResult<Self> {
+        let numbers: Vec<f64> = self.items.iter().map(of).collect();
+        let array = numbers.into_pyarray(self.dict.py());
+        self.dict.set_item(name, array)?;
+        Ok(self)
+    }
+
+    /// With three numbers of every item side by side.
+    pub fn three(self, name: &str, of: impl Fn(&T) -> [f64; 3]) -> PyResult<Self> {
+        let numbers = self.items.iter().flat_map(of).collect();
+        self.dict
+            .set_item(name, table(self.dict.py(), numbers, 3)?)?;
+        Ok(self)
+    }
+
+    /// With latitude, longitude [rad] and height [m] of every item.
+    pub fn place(self, of: impl Fn(&T) -> [f64; 3]) -> PyResult<Self> {
+        let placed = self.one("lat", |item| of(item)[0])?;
+        let placed = placed.one("lon", |item| of(item)[1])?;
+        placed.one("height", |item| of(item)[2])
+    }
+
+    /// The arrays.
+    pub fn dict(self) -> Bound<'py, PyDict> {
+        self.dict
+    }
+}
+
+/// Latitude, longitude and height.
+pub fn coordinates(place: &Geodetic) -> [f64; 3] {
+    [place.lat, place.lon, place.height]
 }
 
 /// The numbers of a vector.
@@ -68,25 +99,18 @@ pub fn matrix(rows: [[f64; 3]; 3]) -> Matrix3 {
 
 /// A solution as arrays by the names of `undrift.Solution`.
 pub fn solution<'py>(py: Python<'py>, rows: &[SolutionRow]) -> PyResult<Bound<'py, PyDict>> {
-    let std = |from: usize| move |row: &SolutionRow| [0, 1, 2].map(|i| row.nav_std[from + i]);
-    let error_std =
-        |from: usize| move |row: &SolutionRow| [0, 1, 2].map(|i| row.error_std[from + i]);
-    let dict = PyDict::new(py);
-    dict.set_item("time", one(py, rows, |row| row.time))?;
-    dict.set_item("lat", one(py, rows, |row| row.position.lat))?;
-    dict.set_item("lon", one(py, rows, |row| row.position.lon))?;
-    dict.set_item("height", one(py, rows, |row| row.position.height))?;
-    dict.set_item("velocity", three(py, rows, |row| array(&row.v_n))?)?;
-    dict.set_item("rpy", three(py, rows, |row| array(&row.rpy))?)?;
-    dict.set_item("position_std", three(py, rows, std(0))?)?;
-    dict.set_item("velocity_std", three(py, rows, std(3))?)?;
-    dict.set_item("attitude_std", three(py, rows, std(6))?)?;
-    dict.set_item("gyro_error", three(py, rows, |row| array(&row.gyro_error))?)?;
-    dict.set_item(
-        "accel_error",
-        three(py, rows, |row| array(&row.accel_error))?,
-    )?;
-    dict.set_item("gyro_error_std", three(py, rows, error_std(0))?)?;
-    dict.set_item("accel_error_std", three(py, rows, error_std(3))?)?;
-    Ok(dict)
+    let std = |of: &[f64], from: usize| [0, 1, 2].map(|i| of[from + i]);
+    let arrays = Arrays::of(py, rows)
+        .one("time", |row| row.time)?
+        .place(|row| coordinates(&row.position))?
+        .three("velocity", |row| array(&row.v_n))?
+        .three("rpy", |row| array(&row.rpy))?
+        .three("position_std", |row| std(&row.nav_std, 0))?
+        .three("velocity_std", |row| std(&row.nav_std, 3))?
+        .three("attitude_std", |row| std(&row.nav_std, 6))?
+        .three("gyro_error", |row| array(&row.gyro_error))?
+        .three("accel_error", |row| array(&row.accel_error))?
+        .three("gyro_error_std", |row| std(&row.error_std, 0))?
+        .three("accel_error_std", |row| std(&row.error_std, 3))?;
+    Ok(arrays.dict())
 }

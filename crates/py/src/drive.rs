@@ -85,9 +85,3 @@ pub fn told_by_names(names: Vec<String>) -> Vec<(&'static str, Vec<(&'static str
         })
         .collect()
 }
-
-/// Adds what is in this file to the module.
-pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<Drive>()?;
-    module.add_function(wrap_pyfunction!(told_by_names, module)?)
-}

@@ -290,7 +290,7 @@ impl Filter {
 }
 
 /// As [`Filter::update`] gives it.
-type Told = (Vec<f64>, f64, usize, Vec<f64>, &'static str, f64);
+pub type Told = (Vec<f64>, f64, usize, Vec<f64>, &'static str, f64);
 
 fn told(innovation: &Vector3, update: Update) -> Told {
     let (outcome, factor) = match update.outcome {
@@ -303,9 +303,4 @@ fn told(innovation: &Vector3, update: Update) -> Told {
     (
         innovation, update.nis, update.dof, whitened, outcome, factor,
     )
-}
-
-/// Adds what is in this file to the module.
-pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<Filter>()
 }

@@ -9,15 +9,6 @@ use undrift::{
 };
 use undrift_report::{document, html, say};
 
-pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(fleet_patterns, module)?)?;
-    module.add_function(wrap_pyfunction!(fleet_jobs, module)?)?;
-    module.add_function(wrap_pyfunction!(fleet_inputs, module)?)?;
-    module.add_function(wrap_pyfunction!(fleet_fingerprint, module)?)?;
-    module.add_function(wrap_pyfunction!(fleet_process, module)?)?;
-    module.add_function(wrap_pyfunction!(fleet_gather, module)?)
-}
-
 fn manifest(text: &str, file: &str) -> PyResult<Manifest> {
     Manifest::from_toml(text, file, |_| {}).map_err(error)
 }
@@ -28,7 +19,7 @@ fn parse(job: &str) -> PyResult<Job> {
 
 /// The patterns of a manifest's text that stand for several files.
 #[pyfunction]
-fn fleet_patterns(text: &str, file: &str) -> PyResult<Vec<String>> {
+pub fn fleet_patterns(text: &str, file: &str) -> PyResult<Vec<String>> {
     let logs = manifest(text, file)?.logs.into_iter();
     let patterns = logs.filter(|log| log.is_pattern());
     Ok(patterns.map(|log| log.pattern).collect())
@@ -36,7 +27,7 @@ fn fleet_patterns(text: &str, file: &str) -> PyResult<Vec<String>> {
 
 /// The jobs of a manifest's text as JSON; `found` is what each pattern stands for, `None` to look here.
 #[pyfunction]
-fn fleet_jobs(
+pub fn fleet_jobs(
     text: &str,
     file: &str,
     folder: &str,
@@ -56,20 +47,20 @@ fn fleet_jobs(
 
 /// The files that a job reads, by what they are for.
 #[pyfunction]
-fn fleet_inputs(job: &str) -> PyResult<Vec<(String, PathBuf)>> {
+pub fn fleet_inputs(job: &str) -> PyResult<Vec<(String, PathBuf)>> {
     Ok(fleet::inputs(&parse(job)?))
 }
 
 /// SHA-256 of all that a job's outcome depends on.
 #[pyfunction]
-fn fleet_fingerprint(py: Python<'_>, job: &str) -> PyResult<String> {
+pub fn fleet_fingerprint(py: Python<'_>, job: &str) -> PyResult<String> {
     let job = parse(job)?;
     Ok(py.detach(|| fleet::fingerprint(&job)))
 }
 
 /// The outcome of a job as JSON, worked out on so many threads; 0 for as many as there are cores.
 #[pyfunction]
-fn fleet_process(py: Python<'_>, job: &str, threads: usize) -> PyResult<String> {
+pub fn fleet_process(py: Python<'_>, job: &str, threads: usize) -> PyResult<String> {
     let job = parse(job)?;
     let outcome = py.detach(|| fleet::process_on(&job, threads));
     let mut outcome = outcome.map_err(error)?;
@@ -79,7 +70,11 @@ fn fleet_process(py: Python<'_>, job: &str, threads: usize) -> PyResult<String> 
 
 /// Makes table, summary and page of the outcomes in a folder; the summary as JSON.
 #[pyfunction]
-fn fleet_gather(py: Python<'_>, fingerprints: Vec<String>, folder: PathBuf) -> PyResult<String> {
+pub fn fleet_gather(
+    py: Python<'_>,
+    fingerprints: Vec<String>,
+    folder: PathBuf,
+) -> PyResult<String> {
     py.detach(|| {
         let fleet = fleet::gather(&fingerprints, &folder).map_err(error)?;
         let json = results::text(&fleet);

@@ -143,9 +143,3 @@ impl Identified {
         model.map(NoiseModel).map_err(error)
     }
 }
-
-/// Adds what is in this file to the module.
-pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<Identified>()?;
-    module.add_function(wrap_pyfunction!(identify, module)?)
-}

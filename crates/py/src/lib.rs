@@ -1,7 +1,7 @@
 //! The compiled half of the Python package `undrift`: functions on arrays and files that release the
 //! interpreter's lock. The classes that people see are in `python/undrift`.
 
-use pyo3::prelude::*;
+use pyo3::pymodule;
 
 mod allan;
 mod arma;
@@ -21,23 +21,35 @@ mod stationarity;
 mod statistics;
 
 #[pymodule]
-fn _undrift(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    module.add(
-        "UndriftError",
-        module.py().get_type::<error::UndriftError>(),
-    )?;
-    allan::register(module)?;
-    stationarity::register(module)?;
-    statistics::register(module)?;
-    arma::register(module)?;
-    orders::register(module)?;
-    model::register(module)?;
-    identify::register(module)?;
-    simulate::register(module)?;
-    drive::register(module)?;
-    navigate::register(module)?;
-    report::register(module)?;
-    filter::register(module)?;
-    fleet::register(module)
+mod _undrift {
+    #[pymodule_export]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+    #[pymodule_export]
+    use crate::{
+        allan::{
+            allan_deviation, allan_gauss_markov, allan_terms, allan_terms_variance,
+            wavelet_variance,
+        },
+        arma::{
+            ar_burg, ar_order, ar_yule_walker, arma_fit, arma_log_likelihood,
+            arma_profile_interval, arma_residuals, arma_simulate,
+        },
+        drive::{Drive, told_by_names},
+        error::UndriftError,
+        filter::Filter,
+        fleet::{
+            fleet_fingerprint, fleet_gather, fleet_inputs, fleet_jobs, fleet_patterns,
+            fleet_process,
+        },
+        identify::{Identified, identify},
+        model::NoiseModel,
+        navigate::{navigate, outages},
+        orders::{arma_pandit_wu, arma_select},
+        report::make,
+        simulate::{simulate, write_csv},
+        stationarity::{adf, kpss, phillips_perron, verdict},
+        statistics::{
+            acf, detrend, jarque_bera, normality_tests, pacf, portmanteau, psd, spectral_lines,
+        },
+    };
 }

@@ -22,7 +22,7 @@ pub fn bias_model(name: &str) -> PyResult<BiasModel> {
 }
 
 /// An axis with its terms, where they are known.
-type NamedTerms<'py> = (&'static str, Option<Bound<'py, PyDict>>);
+pub type NamedTerms<'py> = (&'static str, Option<Bound<'py, PyDict>>);
 
 #[pymethods]
 impl NoiseModel {
@@ -184,9 +184,4 @@ fn matrices<'py>(py: Python<'py>, filter: &ShapingFilter) -> PyResult<Bound<'py,
 /// Writes a text that appears whole or not at all.
 pub fn write(path: &Path, text: &str) -> PyResult<()> {
     write_whole(path, text).map_err(|e| error(format!("cannot write {}: {e}", path.display())))
-}
-
-/// Adds what is in this file to the module.
-pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<NoiseModel>()
 }

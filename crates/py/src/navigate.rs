@@ -11,9 +11,9 @@ use undrift::{
     outages::{Logs, Schedule},
     results,
 };
-use undrift_report::{say, text::outage_table};
+use undrift_report::{say, text};
 
-type Failure = Box<dyn std::error::Error + Send + Sync>;
+pub type Failure = Box<dyn std::error::Error + Send + Sync>;
 
 /// Navigates a drive: its result as JSON, and the solution as arrays where `solution` asks for it.
 #[pyfunction]
@@ -58,9 +58,9 @@ pub fn navigate<'py>(
 }
 
 /// Start of an outage, times and errors.
-type Curve<'py> = (f64, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
+pub type Curve<'py> = (f64, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 /// A model's curves.
-type Curves<'py> = (String, Vec<Curve<'py>>);
+pub type Curves<'py> = (String, Vec<Curve<'py>>);
 
 /// Cuts the GNSS of a drive: the result as JSON, the terminal's table, and for every model the start of
 /// each outage [s] with the horizontal error [m] over the time since [s].
@@ -117,13 +117,7 @@ pub fn outages<'py>(
         .collect();
     Ok((
         results::text(&result),
-        outage_table(&result.models, &result.order),
+        text::outages(&result, text::unmarked),
         curves,
     ))
-}
-
-/// Adds what is in this file to the module.
-pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(navigate, module)?)?;
-    module.add_function(wrap_pyfunction!(outages, module)?)
 }

@@ -7,13 +7,8 @@ use pyo3::prelude::*;
 use undrift::noise::arma::{self, Selection};
 use undrift::noise::pandit_wu::{self, OrderTest, PAPER_CRITICAL, PanditWuOptions};
 
-pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(arma_select, module)?)?;
-    module.add_function(wrap_pyfunction!(arma_pandit_wu, module)?)
-}
-
 #[derive(IntoPyObject)]
-struct Orders {
+pub struct Orders {
     fits: Vec<Fit>,
     index_aic: usize,
     index_aicc: usize,
@@ -21,7 +16,7 @@ struct Orders {
 }
 
 #[pyfunction]
-fn arma_select(
+pub fn arma_select(
     py: Python<'_>,
     x: Record<'_>,
     max_order: (usize, usize),
@@ -43,7 +38,7 @@ fn arma_select(
 }
 
 #[derive(IntoPyObject)]
-struct Test {
+pub struct Test {
     smaller: (usize, usize),
     larger: (usize, usize),
     sum_smaller: f64,
@@ -76,14 +71,14 @@ impl From<OrderTest> for Test {
 }
 
 #[derive(IntoPyObject)]
-struct Row {
+pub struct Row {
     n: usize,
     order: (usize, usize),
     test: Option<Test>,
 }
 
 #[derive(IntoPyObject)]
-struct PanditWu {
+pub struct PanditWu {
     rows: Vec<Row>,
     n: usize,
     adequate: bool,
@@ -98,7 +93,7 @@ struct PanditWu {
 }
 
 #[pyfunction]
-fn arma_pandit_wu(
+pub fn arma_pandit_wu(
     py: Python<'_>,
     x: Record<'_>,
     n_max: usize,

@@ -26,8 +26,3 @@ pub fn make(
         Ok(())
     })
 }
-
-/// Adds what is in this file to the module.
-pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(make, module)?)
-}

@@ -1,7 +1,7 @@
 //! Simulated drives.
 
 use crate::{
-    columns::{Named, array, matrix_std, one, three},
+    columns::{Arrays, Named, array, coordinates, matrix_std},
     error::error,
     model::NoiseModel,
 };
@@ -11,10 +11,7 @@ use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 use undrift::{
     io::write::PendingFile,
-    nav::{
-        Vector3,
-        sample::{GnssFix, Position},
-    },
+    nav::{Vector3, sample::Position},
     simulate::{self as simulation, GnssNoise, Trajectory},
 };
 
@@ -116,92 +113,58 @@ pub fn simulate<'py>(
         py.detach(|| simulation::simulate(&trajectory, rate, filters.as_ref(), &noise, seed));
     let made = made.map_err(error)?;
 
-    let imu = PyDict::new(py);
-    imu.set_item("time", one(py, &made.imu, |sample| sample.time))?;
-    imu.set_item("gyro", three(py, &made.imu, |s| array(&(s.dtheta / s.dt)))?)?;
-    imu.set_item("accel", three(py, &made.imu, |s| array(&(s.dvel / s.dt)))?)?;
-
-    let gnss = PyDict::new(py);
-    let place = |fix: &GnssFix| match fix.position {
-        Some((Position::Geodetic(place), _)) => [place.lat, place.lon, place.height],
-        _ => [f64::NAN; 3],
-    };
-    let fixes = &made.gnss;
+    let imu = Arrays::of(py, &made.imu)
+        .one("time", |sample| sample.time)?
+        .three("gyro", |sample| array(&(sample.dtheta / sample.dt)))?
+        .three("accel", |sample| array(&(sample.dvel / sample.dt)))?;
     let unknown = [f64::NAN; 3];
-    gnss.set_item("time", one(py, fixes, |fix| fix.time))?;
-    for (k, name) in ["lat", "lon", "height"].into_iter().enumerate() {
-        gnss.set_item(name, one(py, fixes, |fix| place(fix)[k]))?;
-    }
-    gnss.set_item(
-        "position_std",
-        three(py, fixes, |fix| {
+    let gnss = Arrays::of(py, &made.gnss)
+        .one("time", |fix| fix.time)?
+        .place(|fix| match fix.position {
+            Some((Position::Geodetic(place), _)) => coordinates(&place),
+            _ => unknown,
+        })?
+        .three("position_std", |fix| {
             fix.position.map_or(unknown, |(_, r)| matrix_std(&r))
-        })?,
-    )?;
-    gnss.set_item(
-        "velocity",
-        three(py, fixes, |fix| {
+        })?
+        .three("velocity", |fix| {
             fix.velocity.map_or(unknown, |(v, _)| array(&v))
-        })?,
-    )?;
-    gnss.set_item(
-        "velocity_std",
-        three(py, fixes, |fix| {
+        })?
+        .three("velocity_std", |fix| {
             fix.velocity.map_or(unknown, |(_, r)| matrix_std(&r))
-        })?,
-    )?;
-
-    let truth = PyDict::new(py);
-    truth.set_item("time", one(py, &made.truth, |at| at.time))?;
-    truth.set_item("lat", one(py, &made.truth, |at| at.position.lat))?;
-    truth.set_item("lon", one(py, &made.truth, |at| at.position.lon))?;
-    truth.set_item("height", one(py, &made.truth, |at| at.position.height))?;
-    truth.set_item(
-        "velocity",
-        three(py, &made.truth, |at| at.v_n.map_or(unknown, |v| array(&v)))?,
-    )?;
-    truth.set_item(
-        "rpy",
-        three(py, &made.truth, |at| at.rpy.map_or(unknown, |v| array(&v)))?,
-    )?;
-    Ok([imu, gnss, truth])
+        })?;
+    let truth = Arrays::of(py, &made.truth)
+        .one("time", |at| at.time)?
+        .place(|at| coordinates(&at.position))?
+        .three("velocity", |at| at.v_n.map_or(unknown, |v| array(&v)))?
+        .three("rpy", |at| at.rpy.map_or(unknown, |v| array(&v)))?;
+    Ok([imu.dict(), gnss.dict(), truth.dict()])
 }
 
 /// Writes columns as CSV, every number with the digits that it takes to read it back as it is.
 #[pyfunction]
 pub fn write_csv(py: Python<'_>, path: PathBuf, columns: Named<'_>) -> PyResult<()> {
     let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
-    let columns: Vec<Vec<f64>> = columns
-        .iter()
-        .map(|(_, values)| values.as_array().to_vec())
-        .collect();
+    let head = names.join(",");
+    let columns = columns.iter().map(|(_, values)| values.as_array().to_vec());
+    let columns: Vec<Vec<f64>> = columns.collect();
     let rows = columns.first().map_or(0, Vec::len);
     let write = || {
         let mut file = BufWriter::new(PendingFile::create(&path)?);
-        writeln!(file, "{}", names.join(","))?;
-        let mut line = String::new();
+        writeln!(file, "{head}")?;
         for row in 0..rows {
-            use std::fmt::Write as _;
-            line.clear();
             for (k, column) in columns.iter().enumerate() {
-                let value = column.get(row).copied().unwrap_or(f64::NAN);
                 let comma = if k > 0 { "," } else { "" };
-                // Writing into a String cannot fail. NaN stands for what is not there.
-                let _ = match value.is_nan() {
-                    true => write!(line, "{comma}"),
-                    false => write!(line, "{comma}{value:?}"),
-                };
+                // Nothing stands for what is not there.
+                match column.get(row).copied().filter(|value| !value.is_nan()) {
+                    None => write!(file, "{comma}")?,
+                    Some(value) => write!(file, "{comma}{value:?}")?,
+                }
             }
-            writeln!(file, "{line}")?;
+            writeln!(file)?;
         }
         file.into_inner()?.finish()
     };
     py.detach(write)
         .map_err(|e: std::io::Error| error(format!("cannot write {}: {e}", path.display())))
-}
-
-/// Adds what is in this file to the module.
-pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(simulate, module)?)?;
-    module.add_function(wrap_pyfunction!(write_csv, module)?)
 }

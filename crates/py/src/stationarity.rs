@@ -6,22 +6,15 @@ use pyo3::prelude::*;
 use undrift::noise::screening::RecordError;
 use undrift::noise::stationarity::{self, Conclusion, Deterministic, KpssLags, Lags};
 
-pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(adf, module)?)?;
-    module.add_function(wrap_pyfunction!(kpss, module)?)?;
-    module.add_function(wrap_pyfunction!(phillips_perron, module)?)?;
-    module.add_function(wrap_pyfunction!(verdict, module)?)
-}
-
 /// A number of lags, or the name of the rule that chooses it.
 #[derive(FromPyObject)]
-enum Rule {
+pub enum Rule {
     Fixed(usize),
     Named(String),
 }
 
 #[derive(IntoPyObject)]
-struct Critical {
+pub struct Critical {
     #[pyo3(item("1%"))]
     one: f64,
     #[pyo3(item("5%"))]
@@ -41,7 +34,7 @@ impl From<stationarity::Critical> for Critical {
 }
 
 #[derive(IntoPyObject)]
-struct Adf {
+pub struct Adf {
     statistic: f64,
     p_value: f64,
     lags: usize,
@@ -64,7 +57,7 @@ impl From<stationarity::Adf> for Adf {
 }
 
 #[derive(IntoPyObject)]
-struct Kpss {
+pub struct Kpss {
     statistic: f64,
     p_value: f64,
     p_is_bound: bool,
@@ -85,7 +78,7 @@ impl From<stationarity::Kpss> for Kpss {
 }
 
 #[derive(IntoPyObject)]
-struct PhillipsPerron {
+pub struct PhillipsPerron {
     statistic: f64,
     p_value: f64,
     rho_statistic: f64,
@@ -108,7 +101,7 @@ impl From<stationarity::PhillipsPerron> for PhillipsPerron {
 }
 
 #[derive(IntoPyObject)]
-struct Verdict {
+pub struct Verdict {
     conclusion: &'static str,
     sentence: String,
     adf: Adf,
@@ -128,7 +121,7 @@ fn deterministic(regression: &str) -> PyResult<Deterministic> {
 }
 
 #[pyfunction]
-fn adf(
+pub fn adf(
     py: Python<'_>,
     x: Record<'_>,
     regression: &str,
@@ -156,7 +149,7 @@ fn adf(
 }
 
 #[pyfunction]
-fn kpss(py: Python<'_>, x: Record<'_>, regression: &str, lags: Rule) -> PyResult<Kpss> {
+pub fn kpss(py: Python<'_>, x: Record<'_>, regression: &str, lags: Rule) -> PyResult<Kpss> {
     let x = samples(&x)?;
     let regression = deterministic(regression)?;
     let lags = match lags {
@@ -179,7 +172,7 @@ fn kpss(py: Python<'_>, x: Record<'_>, regression: &str, lags: Rule) -> PyResult
 }
 
 #[pyfunction]
-fn phillips_perron(
+pub fn phillips_perron(
     py: Python<'_>,
     x: Record<'_>,
     regression: &str,
@@ -193,7 +186,12 @@ fn phillips_perron(
 }
 
 #[pyfunction]
-fn verdict(py: Python<'_>, x: Record<'_>, lags: usize, ma_root: Option<f64>) -> PyResult<Verdict> {
+pub fn verdict(
+    py: Python<'_>,
+    x: Record<'_>,
+    lags: usize,
+    ma_root: Option<f64>,
+) -> PyResult<Verdict> {
     let x = samples(&x)?;
     let constant = Deterministic::Constant;
     let (adf, kpss, phillips_perron) = py

@@ -10,19 +10,8 @@ use undrift::noise::screening;
 use undrift::noise::spectrum::{self, Density};
 use undrift::noise::whiteness;
 
-pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(jarque_bera, module)?)?;
-    module.add_function(wrap_pyfunction!(normality_tests, module)?)?;
-    module.add_function(wrap_pyfunction!(portmanteau, module)?)?;
-    module.add_function(wrap_pyfunction!(acf, module)?)?;
-    module.add_function(wrap_pyfunction!(pacf, module)?)?;
-    module.add_function(wrap_pyfunction!(psd, module)?)?;
-    module.add_function(wrap_pyfunction!(spectral_lines, module)?)?;
-    module.add_function(wrap_pyfunction!(detrend, module)?)
-}
-
 #[derive(IntoPyObject)]
-struct JarqueBera {
+pub struct JarqueBera {
     statistic: f64,
     p_value: f64,
     skewness: f64,
@@ -30,7 +19,7 @@ struct JarqueBera {
 }
 
 #[pyfunction]
-fn jarque_bera(py: Python<'_>, x: Record<'_>) -> PyResult<JarqueBera> {
+pub fn jarque_bera(py: Python<'_>, x: Record<'_>) -> PyResult<JarqueBera> {
     let x = samples(&x)?;
     let test = py.detach(|| normality::jarque_bera(x)).map_err(error)?;
     Ok(JarqueBera {
@@ -42,7 +31,7 @@ fn jarque_bera(py: Python<'_>, x: Record<'_>) -> PyResult<JarqueBera> {
 }
 
 #[derive(IntoPyObject)]
-struct Normality {
+pub struct Normality {
     samples: usize,
     mean: f64,
     deviation: f64,
@@ -60,7 +49,7 @@ struct Normality {
 }
 
 #[pyfunction]
-fn normality_tests(py: Python<'_>, x: Record<'_>) -> PyResult<Normality> {
+pub fn normality_tests(py: Python<'_>, x: Record<'_>) -> PyResult<Normality> {
     let x = samples(&x)?;
     let test = py.detach(|| normality::normality(x)).map_err(error)?;
     Ok(Normality {
@@ -82,7 +71,7 @@ fn normality_tests(py: Python<'_>, x: Record<'_>) -> PyResult<Normality> {
 }
 
 #[derive(IntoPyObject)]
-struct Portmanteau {
+pub struct Portmanteau {
     lags: Array<i64>,
     freedom: Array<i64>,
     statistic: Array<f64>,
@@ -92,7 +81,7 @@ struct Portmanteau {
 }
 
 #[pyfunction]
-fn portmanteau(
+pub fn portmanteau(
     py: Python<'_>,
     x: Record<'_>,
     lags: Vec<usize>,
@@ -113,7 +102,7 @@ fn portmanteau(
 }
 
 #[derive(IntoPyObject)]
-struct Correlations {
+pub struct Correlations {
     samples: usize,
     lag: Array<i64>,
     value: Array<f64>,
@@ -131,7 +120,7 @@ fn correlations(samples: usize, value: Vec<f64>, bounds: Vec<f64>) -> Correlatio
 }
 
 #[pyfunction]
-fn acf(py: Python<'_>, x: Record<'_>, lags: usize) -> PyResult<Correlations> {
+pub fn acf(py: Python<'_>, x: Record<'_>, lags: usize) -> PyResult<Correlations> {
     let x = samples(&x)?;
     let values = py
         .detach(|| correlation::autocorrelation(x, lags))
@@ -141,7 +130,7 @@ fn acf(py: Python<'_>, x: Record<'_>, lags: usize) -> PyResult<Correlations> {
 }
 
 #[pyfunction]
-fn pacf(py: Python<'_>, x: Record<'_>, lags: usize, method: &str) -> PyResult<Correlations> {
+pub fn pacf(py: Python<'_>, x: Record<'_>, lags: usize, method: &str) -> PyResult<Correlations> {
     let x = samples(&x)?;
     let method = match method {
         "yule-walker" => Partial::YuleWalker,
@@ -161,14 +150,14 @@ fn pacf(py: Python<'_>, x: Record<'_>, lags: usize, method: &str) -> PyResult<Co
 }
 
 #[derive(IntoPyObject)]
-struct Spectrum {
+pub struct Spectrum {
     frequency: Array<f64>,
     density: Array<f64>,
     segments: usize,
 }
 
 #[pyfunction]
-fn psd(py: Python<'_>, x: Record<'_>, rate: f64, segment: Option<usize>) -> PyResult<Spectrum> {
+pub fn psd(py: Python<'_>, x: Record<'_>, rate: f64, segment: Option<usize>) -> PyResult<Spectrum> {
     let x = samples(&x)?;
     let segment = segment.unwrap_or_else(|| spectrum::default_segment(x.len()));
     let density = py
@@ -182,14 +171,14 @@ fn psd(py: Python<'_>, x: Record<'_>, rate: f64, segment: Option<usize>) -> PyRe
 }
 
 #[derive(IntoPyObject)]
-struct Lines {
+pub struct Lines {
     frequency: Array<f64>,
     amplitude: Array<f64>,
     over_median: Array<f64>,
 }
 
 #[pyfunction]
-fn spectral_lines(
+pub fn spectral_lines(
     frequency: PyReadonlyArray1<'_, f64>,
     density: PyReadonlyArray1<'_, f64>,
     segments: usize,
@@ -212,7 +201,7 @@ fn spectral_lines(
 }
 
 #[derive(IntoPyObject)]
-struct Detrended {
+pub struct Detrended {
     residuals: Array<f64>,
     mean: f64,
     slope: f64,
@@ -220,7 +209,7 @@ struct Detrended {
 }
 
 #[pyfunction]
-fn detrend(
+pub fn detrend(
     py: Python<'_>,
     x: Record<'_>,
     kind: &str,

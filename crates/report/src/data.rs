@@ -1,6 +1,6 @@
 //! The numbers of figures as JSON, in few bytes.
 
-use super::{Axis, Figure, Panel, Series, figure::style, names::file_stem};
+use super::{Axis, Figure, Panel, Series, figure::style, markup::file_stem};
 use serde_json::{Value, json};
 use std::{collections::HashMap, ops::Range};
 
@@ -58,7 +58,7 @@ fn series(series: &Series, lists: &mut Lists) -> Value {
     json!({
         "name": series.name,
         "colour": series.colour,
-        "style": series.kind.name(),
+        "style": series.kind,
         "x": lists.place(&series.x),
         "y": columns.collect::<Vec<_>>(),
     })

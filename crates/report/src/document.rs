@@ -1,6 +1,10 @@
 //! A report as data: sections of text, tables and figures.
 
-use crate::figure::panel::Panel;
+use crate::{
+    figure::panel::Panel,
+    numbers::{count, short},
+};
+use undrift::results::Number;
 
 /// A report. All text is plain text, wherever it comes from.
 #[derive(Clone, Debug, Default)]
@@ -33,6 +37,17 @@ pub struct Section {
     pub blocks: Vec<Block>,
 }
 
+impl Section {
+    /// A section of some blocks; without any there is none.
+    pub(crate) fn of(title: &str, blocks: impl IntoIterator<Item = Block>) -> Option<Self> {
+        let blocks = Vec::from_iter(blocks);
+        (!blocks.is_empty()).then(|| Self {
+            title: title.into(),
+            blocks,
+        })
+    }
+}
+
 /// A piece of a section.
 #[derive(Clone, Debug)]
 pub enum Block {
@@ -61,6 +76,79 @@ pub struct Table {
     pub rows: Vec<Vec<Cell>>,
 }
 
+/// The head of a column, and its cell of an item.
+pub(crate) type Column<'a, T> = (&'a str, &'a dyn Fn(&T) -> Cell);
+
+impl Table {
+    /// A table with a row for each item.
+    pub(crate) fn of<T>(
+        name: &str,
+        caption: &str,
+        items: impl IntoIterator<Item = T>,
+        columns: &[Column<'_, T>],
+    ) -> Self {
+        let row = |item: T| columns.iter().map(|(_, cell)| cell(&item)).collect();
+        Self {
+            name: name.into(),
+            caption: caption.into(),
+            head: columns.iter().map(|(head, _)| (*head).into()).collect(),
+            rows: items.into_iter().map(row).collect(),
+        }
+    }
+
+    /// Adds a column with a cell for each row.
+    pub(crate) fn add(&mut self, head: String, cells: impl IntoIterator<Item = Cell>) {
+        self.head.push(head);
+        for (row, cell) in self.rows.iter_mut().zip(cells) {
+            row.push(cell);
+        }
+    }
+
+    /// Adds a column of numbers whose least stands out.
+    pub(crate) fn add_ranked(&mut self, head: String, values: &[f64]) {
+        self.add(head, values.iter().map(|v| short(*v).into()));
+        self.mark_least(self.head.len() - 1, values);
+    }
+
+    /// Makes the least number of a column stand out, and those that read the same, where others differ.
+    pub(crate) fn mark_least(&mut self, column: usize, values: &[f64]) {
+        let finite = || values.iter().copied().filter(|v| v.is_finite());
+        let least = short(finite().fold(f64::INFINITY, f64::min));
+        if short(finite().fold(f64::NEG_INFINITY, f64::max)) == least {
+            return;
+        }
+        for (row, value) in self.rows.iter_mut().zip(values) {
+            if let Some(cell) = row.get_mut(column) {
+                cell.strong |= value.is_finite() && short(*value) == least;
+            }
+        }
+    }
+
+    /// Whether a column holds numbers, be they with a unit, a bound or an interval after them, and gaps at
+    /// most. The first column names the rows: there a name may begin with a digit.
+    pub(crate) fn is_numeric(&self, column: usize) -> bool {
+        let is_number = |cell: &Cell| {
+            let text = cell
+                .text
+                .trim_start_matches(['±', '<', '>', '+', '−', '-', ' ']);
+            let number = text.replace('\u{202f}', "");
+            let first = number.split([' ', ',']).next().unwrap_or_default();
+            let alone = number.trim_end_matches([' ', '%']);
+            let number = if column == 0 { alone } else { first };
+            number.starts_with(|c: char| c.is_ascii_digit()) && number.parse::<f64>().is_ok()
+        };
+        let is_gap = |cell: &Cell| matches!(cell.text.as_str(), "" | "–" | "—" | "-" | "not seen");
+        let cells = || self.rows.iter().filter_map(|row| row.get(column));
+        cells().all(|cell| is_number(cell) || is_gap(cell))
+            && cells().any(|cell| !cell.text.is_empty())
+    }
+
+    /// The table as a block, if it has a row.
+    pub(crate) fn block(self) -> Option<Block> {
+        (!self.rows.is_empty()).then_some(Block::Table(self))
+    }
+}
+
 /// A cell of a table.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Cell {
@@ -82,10 +170,12 @@ impl Cell {
 
     /// The cell, standing out.
     pub fn strong(self) -> Self {
-        Self {
-            strong: true,
-            ..self
-        }
+        self.strong_if(true)
+    }
+
+    /// The cell, standing out if so.
+    pub(crate) fn strong_if(self, strong: bool) -> Self {
+        Self { strong, ..self }
     }
 }
 
@@ -104,6 +194,33 @@ impl From<&str> for Cell {
     }
 }
 
+impl From<&String> for Cell {
+    fn from(text: &String) -> Self {
+        text.clone().into()
+    }
+}
+
+/// A dash where there is no text.
+impl From<&Option<String>> for Cell {
+    fn from(text: &Option<String>) -> Self {
+        text.as_deref().unwrap_or("–").into()
+    }
+}
+
+/// Three significant digits; a dash where there is no number.
+impl From<Number> for Cell {
+    fn from(number: Number) -> Self {
+        short(number.0).into()
+    }
+}
+
+/// A count.
+impl From<u64> for Cell {
+    fn from(n: u64) -> Self {
+        count(n).into()
+    }
+}
+
 /// Panels with one caption.
 #[derive(Clone, Debug)]
 pub struct Figure {
@@ -115,4 +232,66 @@ pub struct Figure {
     pub columns: usize,
     /// The panels, row by row.
     pub panels: Vec<Panel>,
+}
+
+impl Figure {
+    /// A figure of some panels; without any there is none.
+    pub(crate) fn of(
+        name: &str,
+        caption: &str,
+        columns: usize,
+        panels: impl IntoIterator<Item = Panel>,
+    ) -> Option<Block> {
+        let panels = Vec::from_iter(panels);
+        (!panels.is_empty()).then(|| {
+            Block::Figure(Self {
+                name: name.into(),
+                caption: caption.into(),
+                columns,
+                panels,
+            })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn those_that_read_the_same_stand_out_together() {
+        let mut t = Table::default();
+        let values = [3.831, 3.834, 6.0];
+        t.rows = vec![Vec::new(); 3];
+        t.add_ranked("a".into(), &values);
+        let strong: Vec<bool> = t.rows.iter().map(|r| r[0].strong).collect();
+        assert_eq!(strong, [true, true, false]);
+    }
+
+    #[test]
+    fn columns_of_numbers_are_told_from_text() {
+        let row = |a: &str, b: &str, c: &str| vec![a.into(), b.into(), c.into()];
+        let table = Table {
+            rows: vec![row("1", "−2.5 %", "–"), row("x", "–", "")],
+            ..Table::default()
+        };
+        // Of gaps alone it was to be one of numbers.
+        assert_eq!([0, 1, 2].map(|i| table.is_numeric(i)), [false, true, true]);
+        let of = |text: &str| Table {
+            rows: vec![row("", text, ""), row("", "–", "")],
+            ..Table::default()
+        };
+        for text in [
+            "-98.0 (-2.86)",
+            "2.35 °/√h",
+            "1.2e-4 ± 3e-5 (2e-4)",
+            "1\u{202f}234",
+            "0.1, 0.2, 0.3",
+        ] {
+            assert!(of(text).is_numeric(1), "{text}");
+        }
+        for text in ["ARMA(1,1)", "consistent", "3D", "5-state", "inf"] {
+            assert!(!of(text).is_numeric(1), "{text}");
+        }
+    }
 }

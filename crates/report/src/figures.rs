@@ -3,7 +3,7 @@
 use super::{
     Document, Figure, Panel,
     figure::draw::{Drawing, drawing},
-    names::file_stem,
+    markup::file_stem,
 };
 use std::{
     collections::HashMap,

@@ -3,43 +3,45 @@
 mod measure;
 
 use super::{
-    Block, Cell, Section,
-    parts::{count, table, text, warnings},
+    Section, Table,
+    numbers::count,
+    parts::{Run, first_few, prefixed, text, warnings},
+    plain::{Mark, plain_table},
 };
 use undrift::results::{Fleet, Trouble};
 
 /// Rows that a table shows of a longer list.
 const ROWS: usize = 200;
 /// Names that a sentence tells of a longer list.
-const TOLD: usize = 12;
-
-/// A fleet with its name; the name of a single one is empty.
-pub type Run<'a> = (String, &'a Fleet);
+const NAMES: usize = 12;
 
 /// The sections.
-pub fn sections(runs: &[Run<'_>]) -> Vec<Section> {
+pub fn sections(runs: &[Run<'_, Fleet>]) -> Vec<Section> {
     runs.iter().flat_map(|(name, run)| of(name, run)).collect()
 }
 
 fn of(name: &str, run: &Fleet) -> Vec<Section> {
-    let mut blocks = Vec::from_iter(warnings(&alarms(run)));
-    blocks.extend(text(&[what_was_done(run)]));
-    for measure in &run.measures {
-        blocks.extend(text(&measure::findings(measure)));
-    }
-    let mut sections = vec![Section {
-        title: "The fleet".into(),
-        blocks,
-    }];
+    let findings = run.measures.iter().map(|m| text(measure::findings(m)));
+    let blocks = [warnings(&alarms(run)), text([what_was_done(run)])];
+    let blocks = blocks.into_iter().chain(findings).flatten();
+    let mut sections = Vec::from_iter(Section::of("The fleet", blocks));
     let measures = run.measures.iter();
-    sections.extend(measures.map(|measure| measure::section(run, measure)));
+    sections.extend(measures.filter_map(|measure| measure::section(run, measure)));
     sections.extend(troubles(run));
-    if !name.is_empty() {
-        for section in &mut sections {
-            section.title = format!("{name}: {}", section.title);
-        }
+    for section in &mut sections {
+        section.title = prefixed(name, &section.title);
     }
     sections
+}
+
+/// The measures for a terminal.
+pub fn plain(run: &Fleet, mark: Mark) -> String {
+    let measures = run.measures.iter().map(|measure| {
+        let table = plain_table(&measure::overview(run, measure), mark);
+        let outliers = measure::of_outliers(measure).map_or(String::new(), |text| text + "\n");
+        format!("{}\n{table}{outliers}", measure.what)
+    });
+    Vec::from_iter(measures).join("\n")
 }
 
 /// So many of them, with the right ending.
@@ -49,112 +51,72 @@ fn many(n: u64, one: &str) -> String {
 }
 
 fn what_was_done(run: &Fleet) -> String {
-    let verb = |task: &str| match task {
-        "outages" => "driven with GNSS cut",
-        "navigate" => "navigated",
-        _ => "identified from a record at rest",
+    let task = |(task, n): (&String, &u64)| {
+        let verb = match task.as_str() {
+            "outages" => "driven with GNSS cut",
+            "navigate" => "navigated",
+            _ => "identified from a record at rest",
+        };
+        format!("{} {verb}", many(*n, "log"))
     };
-    let tasks = run.tasks.iter();
-    let tasks: Vec<String> = tasks
-        .map(|(task, n)| format!("{} {}", many(*n, "log"), verb(task)))
-        .collect();
-    let failed = match run.failed.len() {
+    let tasks: Vec<String> = run.tasks.iter().map(task).collect();
+    let failed = match run.failed.len() as u64 {
         0 => "Something came of all of them.".into(),
-        n => format!(
-            "Nothing came of {}; the last section says why.",
-            count(n as u64)
-        ),
+        n => format!("Nothing came of {}; the last section says why.", count(n)),
     };
     format!("{}. {failed}", tasks.join(", "))
 }
 
 fn alarms(run: &Fleet) -> Vec<String> {
-    let names = |troubles: &[Trouble]| {
-        let mut names: Vec<&str> = troubles.iter().map(|t| t.log.as_str()).collect();
+    let alarm = |troubles: &[Trouble], what: &str, happened: &str| {
+        let mut names: Vec<String> = troubles.iter().map(|t| t.log.clone()).collect();
         names.dedup();
-        let more = names.len().saturating_sub(TOLD);
-        names.truncate(TOLD);
-        let more = if more > 0 {
-            format!(" and {more} more")
-        } else {
-            String::new()
-        };
-        names.join(", ") + &more
+        let n = many(troubles.len() as u64, what);
+        (!names.is_empty()).then(|| format!("{n} {happened}: {}", first_few(&names, NAMES)))
     };
-    let mut alarms = Vec::new();
-    if !run.failed.is_empty() {
-        let logs = many(run.failed.len() as u64, "log");
-        alarms.push(format!("{logs} failed: {}", names(&run.failed)));
-    }
-    if !run.untrusted.is_empty() {
-        let results = many(run.untrusted.len() as u64, "result");
-        alarms.push(format!(
-            "{results} of single models or axes failed or cannot be trusted: {}",
-            names(&run.untrusted)
-        ));
-    }
-    alarms
+    let untrusted = "of single models or axes failed or cannot be trusted";
+    let alarms = [
+        alarm(&run.failed, "log", "failed"),
+        alarm(&run.untrusted, "result", untrusted),
+    ];
+    alarms.into_iter().flatten().collect()
 }
 
 /// What failed, what cannot be trusted, and what should be said of the logs.
 fn troubles(run: &Fleet) -> Option<Section> {
-    let mut blocks = Vec::new();
-    let unit = |unit: &Option<String>| Cell::from(unit.clone().unwrap_or_else(|| "–".into()));
-    for (name, caption, list) in [
-        ("failed", "Logs that nothing came of.", &run.failed),
-        (
-            "untrusted",
-            "Models and axes that failed or cannot be trusted.",
-            &run.untrusted,
-        ),
-    ] {
-        let mut rows = table(
+    let troubles = |name, caption, list: &[Trouble]| {
+        Table::of(
             name,
             &shortened(caption, list.len()),
-            &["log", "unit", "of", "why"],
-        );
-        rows.rows = list
-            .iter()
-            .take(ROWS)
-            .map(|t| {
-                let part = t.part.clone().unwrap_or_else(|| "all".into());
-                vec![
-                    t.log.clone().into(),
-                    unit(&t.unit),
-                    part.into(),
-                    t.why.clone().into(),
-                ]
-            })
-            .collect();
-        if !rows.rows.is_empty() {
-            blocks.push(Block::Table(rows));
-        }
-    }
-    let caption = "What was unusual about logs.";
-    let mut rows = table(
+            list.iter().take(ROWS),
+            &[
+                ("log", &|t| (&t.log).into()),
+                ("unit", &|t| (&t.unit).into()),
+                ("of", &|t| t.part.as_deref().unwrap_or("all").into()),
+                ("why", &|t| (&t.why).into()),
+            ],
+        )
+    };
+    let warned = Table::of(
         "warned",
-        &shortened(caption, run.warned.len()),
-        &["log", "unit", "warnings"],
+        &shortened("What was unusual about logs.", run.warned.len()),
+        run.warned.iter().take(ROWS),
+        &[
+            ("log", &|w| (&w.log).into()),
+            ("unit", &|w| (&w.unit).into()),
+            ("warnings", &|w| w.warnings.join("; ").into()),
+        ],
     );
-    rows.rows = run
-        .warned
-        .iter()
-        .take(ROWS)
-        .map(|w| {
-            vec![
-                w.log.clone().into(),
-                unit(&w.unit),
-                w.warnings.join("; ").into(),
-            ]
-        })
-        .collect();
-    if !rows.rows.is_empty() {
-        blocks.push(Block::Table(rows));
-    }
-    (!blocks.is_empty()).then(|| Section {
-        title: "Failures and warnings".into(),
-        blocks,
-    })
+    let untrusted = "Models and axes that failed or cannot be trusted.";
+    let tables = [
+        troubles("failed", "Logs that nothing came of.", &run.failed),
+        troubles("untrusted", untrusted, &run.untrusted),
+        warned,
+    ];
+    Section::of(
+        "Failures and warnings",
+        tables.into_iter().filter_map(Table::block),
+    )
 }
 
 /// A caption that says how much of a list is shown.

@@ -5,11 +5,12 @@
 //! allows that script and style alone, by their hashes.
 
 use super::{
-    Block, Cell, Document, Figure, Section, Table, data, figure::style::style, figures,
-    markup::escape, names::file_stem,
+    Block, Document, Figure, Table, data,
+    figure::style::style,
+    figures,
+    markup::{escape, file_stem},
 };
 use sha2::{Digest, Sha256};
-use std::fmt::Write;
 
 const STYLES: [&str; 2] = [
     include_str!("assets/uPlot.min.css"),
@@ -38,21 +39,18 @@ pub fn render(document: &Document) -> String {
     let mut contents = String::new();
     let mut main = String::new();
     let mut numbers = Numbers::default();
-    for (i, section) in document.sections.iter().enumerate() {
-        let number = i + 1;
-        push(
-            &mut contents,
-            format_args!(
-                "<li><a href=\"#section-{number}\">{}</a></li>\n",
-                escape(&section.title)
-            ),
-        );
-        render_section(&mut main, section, number, &mut numbers);
+    for (section, number) in document.sections.iter().zip(1..) {
+        let title = escape(&section.title);
+        contents += &format!("<li><a href=\"#section-{number}\">{title}</a></li>\n");
+        main += &format!("<section id=\"section-{number}\">\n<h2>{title}</h2>\n");
+        for block in &section.blocks {
+            main += &self::block(block, &mut numbers);
+        }
+        main += "</section>\n";
     }
-    let subtitle = if document.subtitle.is_empty() {
-        String::new()
-    } else {
-        format!("<p class=\"subtitle\">{}</p>\n", escape(&document.subtitle))
+    let subtitle = match document.subtitle.as_str() {
+        "" => String::new(),
+        text => element("p class=\"subtitle\"", "p", text) + "\n",
     };
     format!(
         "<!doctype html>
@@ -92,128 +90,86 @@ struct Numbers {
     figures: usize,
 }
 
-fn render_section(out: &mut String, section: &Section, number: usize, numbers: &mut Numbers) {
-    let title = escape(&section.title);
-    push(
-        out,
-        format_args!("<section id=\"section-{number}\">\n<h2>{title}</h2>\n"),
-    );
-    for block in &section.blocks {
-        match block {
-            Block::Text(text) => push(out, format_args!("<p>{}</p>\n", escape(text))),
-            Block::Warning(text) => push(
-                out,
-                format_args!("<p class=\"warning\"><b>Warning</b>{}</p>\n", escape(text)),
-            ),
-            Block::Warnings(texts) => {
-                out.push_str("<div class=\"warning\"><b>Warnings</b><ul>\n");
-                for text in texts {
-                    push(out, format_args!("<li>{}</li>\n", escape(text)));
-                }
-                out.push_str("</ul></div>\n");
-            }
-            Block::Table(table) => {
-                numbers.tables += 1;
-                render_table(out, table, numbers.tables);
-            }
-            Block::Figure(figure) => {
-                numbers.figures += 1;
-                render_figure(out, figure, numbers.figures);
-            }
-        }
-    }
-    out.push_str("</section>\n");
+/// An element around a text.
+fn element(tag: &str, end: &str, text: &str) -> String {
+    format!("<{tag}>{}</{end}>", escape(text))
 }
 
-fn render_table(out: &mut String, table: &Table, number: usize) {
+fn block(block: &Block, numbers: &mut Numbers) -> String {
+    match block {
+        Block::Text(text) => element("p", "p", text) + "\n",
+        Block::Warning(text) => {
+            let text = escape(text);
+            format!("<p class=\"warning\"><b>Warning</b>{text}</p>\n")
+        }
+        Block::Warnings(texts) => {
+            let items = texts.iter().map(|text| element("li", "li", text) + "\n");
+            let items: String = items.collect();
+            format!("<div class=\"warning\"><b>Warnings</b><ul>\n{items}</ul></div>\n")
+        }
+        Block::Table(table) => {
+            numbers.tables += 1;
+            self::table(table, numbers.tables)
+        }
+        Block::Figure(figure) => {
+            numbers.figures += 1;
+            self::figure(figure, numbers.figures)
+        }
+    }
+}
+
+fn table(table: &Table, number: usize) -> String {
     let columns = table.rows.iter().map(Vec::len).max().unwrap_or(0);
-    let numeric: Vec<bool> = (0..columns.max(table.head.len()))
-        .map(|column| is_numeric(table, column))
-        .collect();
-    push(
-        out,
-        format_args!(
-            "<figure id=\"table-{number}\" data-table=\"{}\">\n<figcaption class=\"caption\">\
-             <span><b>Table {number}.</b>{}</span></figcaption>\n\
-             <div class=\"scroll\" tabindex=\"0\"><table class=\"data\">\n",
-            escape(&file_stem(&table.name)),
-            escape(&table.caption)
-        ),
-    );
-    let class = |column: usize, strong: bool| match (numeric.get(column) == Some(&true), strong) {
+    let columns = 0..columns.max(table.head.len());
+    let numeric: Vec<bool> = columns.map(|column| table.is_numeric(column)).collect();
+    let class = |column: usize, strong: bool| match (numeric[column], strong) {
         (true, true) => " class=\"number strong\"",
         (true, false) => " class=\"number\"",
         (false, true) => " class=\"strong\"",
         (false, false) => "",
     };
-    out.push_str("<thead><tr>");
-    for (i, head) in table.head.iter().enumerate() {
-        push(
-            out,
-            format_args!("<th scope=\"col\"{}>{}</th>", class(i, false), escape(head)),
-        );
-    }
-    out.push_str("</tr></thead>\n<tbody>\n");
+    let heads = table.head.iter().enumerate().map(|(i, head)| {
+        let class = class(i, false);
+        element(&format!("th scope=\"col\"{class}"), "th", head)
+    });
+    let heads: String = heads.collect();
+    let mut rows = String::new();
     for row in &table.rows {
-        out.push_str("<tr>");
+        rows += "<tr>";
         for (i, cell) in row.iter().enumerate() {
-            let class = class(i, cell.strong);
-            let text = if numeric.get(i) == Some(&true) {
-                cell.text.replace('-', "−")
-            } else {
-                cell.text.clone()
-            };
-            push(out, format_args!("<td{class}>{}</td>", escape(&text)));
+            let minus = if numeric[i] { "−" } else { "-" };
+            let text = cell.text.replace('-', minus);
+            rows += &element(&format!("td{}", class(i, cell.strong)), "td", &text);
         }
-        out.push_str("</tr>\n");
+        rows += "</tr>\n";
     }
-    out.push_str("</tbody></table></div>\n</figure>\n");
+    format!(
+        "<figure id=\"table-{number}\" data-table=\"{}\">\n<figcaption class=\"caption\">\
+         <span><b>Table {number}.</b>{}</span></figcaption>\n\
+         <div class=\"scroll\" tabindex=\"0\"><table class=\"data\">\n\
+         <thead><tr>{heads}</tr></thead>\n<tbody>\n{rows}</tbody></table></div>\n</figure>\n",
+        escape(&file_stem(&table.name)),
+        escape(&table.caption)
+    )
 }
 
-/// Whether a column holds numbers, be they with a unit, a bound or an interval after them, and gaps at
-/// most. The first column names the rows: there a name may begin with a digit.
-fn is_numeric(table: &Table, column: usize) -> bool {
-    let is_number = |cell: &Cell| {
-        let text = cell
-            .text
-            .trim_start_matches(['±', '<', '>', '+', '−', '-', ' ']);
-        let number = text.replace('\u{202f}', "");
-        let first = number.split([' ', ',']).next().unwrap_or_default();
-        let alone = number.trim_end_matches([' ', '%']);
-        let number = if column == 0 { alone } else { first };
-        number.starts_with(|c: char| c.is_ascii_digit()) && number.parse::<f64>().is_ok()
-    };
-    let is_gap = |cell: &Cell| matches!(cell.text.as_str(), "" | "–" | "—" | "-" | "not seen");
-    let cells = || table.rows.iter().filter_map(|row| row.get(column));
-    cells().all(|cell| is_number(cell) || is_gap(cell)) && cells().any(|cell| !cell.text.is_empty())
-}
-
-fn render_figure(out: &mut String, figure: &Figure, number: usize) {
+fn figure(figure: &Figure, number: usize) -> String {
     let class = match figure.columns {
         0 | 1 => "panels",
         2 => "panels two",
         _ => "panels three",
     };
     let drawing = figures::of(figure, &format!("figure-{number}"));
-    let panels: Vec<String> = drawing
+    let panels = drawing
         .inline()
-        .map(|panel| format!("<div class=\"panel\">{panel}</div>\n"))
-        .collect();
-    push(
-        out,
-        format_args!(
-            "<figure id=\"figure-{number}\">\n<div class=\"{class}\">\n{}</div>\n\
-             <figcaption class=\"caption\"><span><b>Figure {number}.</b>{}</span></figcaption>\n\
-             </figure>\n",
-            panels.concat(),
-            escape(&figure.caption)
-        ),
-    );
-}
-
-fn push(out: &mut String, text: std::fmt::Arguments) {
-    // Writing into a string does not fail.
-    let _ = out.write_fmt(text);
+        .map(|panel| format!("<div class=\"panel\">{panel}</div>\n"));
+    format!(
+        "<figure id=\"figure-{number}\">\n<div class=\"{class}\">\n{}</div>\n\
+         <figcaption class=\"caption\"><span><b>Figure {number}.</b>{}</span></figcaption>\n\
+         </figure>\n",
+        panels.collect::<String>(),
+        escape(&figure.caption)
+    )
 }
 
 /// The SHA-256 of a script or style as policies write it.
@@ -241,6 +197,7 @@ fn base64(bytes: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Section;
 
     const HOSTILE: &str = "</script><img src=x onerror=alert(1)><!--\"'&";
 
@@ -306,35 +263,5 @@ mod tests {
             assert!(!html.contains(marker), "{marker}");
         }
         assert!(html.contains("default-src 'none'"));
-    }
-
-    #[test]
-    fn columns_of_numbers_are_told_from_text() {
-        let row = |a: &str, b: &str, c: &str| vec![a.into(), b.into(), c.into()];
-        let table = Table {
-            rows: vec![row("1", "−2.5 %", "–"), row("x", "–", "")],
-            ..Table::default()
-        };
-        // Of gaps alone it was to be one of numbers.
-        assert_eq!(
-            [0, 1, 2].map(|i| is_numeric(&table, i)),
-            [false, true, true]
-        );
-        let of = |text: &str| Table {
-            rows: vec![row("", text, ""), row("", "–", "")],
-            ..Table::default()
-        };
-        for text in [
-            "-98.0 (-2.86)",
-            "2.35 °/√h",
-            "1.2e-4 ± 3e-5 (2e-4)",
-            "1\u{202f}234",
-            "0.1, 0.2, 0.3",
-        ] {
-            assert!(is_numeric(&of(text), 1), "{text}");
-        }
-        for text in ["ARMA(1,1)", "consistent", "3D", "5-state", "inf"] {
-            assert!(!is_numeric(&of(text), 1), "{text}");
-        }
     }
 }

@@ -1,7 +1,7 @@
 //! What files are, in words, and a starter `DRIVE.toml` for them.
 
-use std::{fmt::Write as _, path::Path};
-use undrift::inspect::{Content, Inspection, Known, Note, Part, about_gravity, quoted};
+use std::path::Path;
+use undrift::inspect::{Content, Inspection, Known, Measured, Note, Part, about_gravity, quoted};
 
 /// Fills in the sentences of an inspection.
 pub fn fill(inspection: &mut Inspection) {
@@ -119,6 +119,57 @@ fn content(content: &Content) -> String {
     }
 }
 
+/// A filled inspection for a terminal.
+pub fn text(inspection: &Inspection) -> String {
+    let (file, what) = (inspection.file.display(), &inspection.description);
+    let mut lines = vec![format!("{file}: {what}")];
+    let streams = inspection.streams.iter();
+    lines.extend(streams.map(|(name, n, about)| format!("  {name}: {n} messages, {about}")));
+    for part in &inspection.parts {
+        let measured = part.measured.as_ref();
+        lines.push(format!(
+            "  [{}]{}",
+            part.table,
+            measured.map_or(String::new(), rate_and_gaps)
+        ));
+        let width = part.lines.iter().map(|line| line.key.len()).max();
+        let width = width.unwrap_or(0);
+        lines.extend(part.lines.iter().map(|line| {
+            let entry = format!("    {:width$} = {}   # {}", line.key, line.value, line.why);
+            entry.trim_end_matches("   # ").to_owned()
+        }));
+        let remarks = measured.into_iter().flat_map(|m| {
+            let remarks = m.remarks.iter().map(String::as_str);
+            remarks.chain(m.skipped.lines())
+        });
+        lines.extend(remarks.map(|remark| format!("    {remark}")));
+        let problem = part.problem.as_ref();
+        lines.extend(problem.map(|problem| format!("    cannot be read: {problem}")));
+    }
+    lines.extend(
+        inspection
+            .notes
+            .iter()
+            .map(|note| format!("  note: {note}")),
+    );
+    lines.join("\n")
+}
+
+fn rate_and_gaps(m: &Measured) -> String {
+    // To the fourth decimal, without the zeros at its end.
+    let rate = (m.rate_hz * 1e4).round() / 1e4;
+    let gaps = m.longest_gap_s.map_or("no gaps".into(), |(start, length)| {
+        format!(
+            "gaps: {}, the longest {length:.3} s from {start:.3} s",
+            m.gaps
+        )
+    });
+    format!(
+        " {} records at {rate} Hz, {:.3} s to {:.3} s; {gaps}",
+        m.records, m.first_s, m.last_s
+    )
+}
+
 /// The drive file, from filled inspections, that reads the first IMU, the first fixes and the first reference of the files.
 /// `home` is the folder where it will lie: files below it are named relative to it.
 pub fn drive_file(inspections: &[Inspection], home: &Path) -> String {
@@ -139,8 +190,7 @@ pub fn drive_file(inspections: &[Inspection], home: &Path) -> String {
         match first(table) {
             Some((file, part)) => write_part(&mut text, file, part, home),
             None if needed => {
-                let _ = write!(
-                    text,
+                text += &format!(
                     "\n# Missing: a file with the {table} data.\n# [{table}]\n# file = \"\"\n"
                 );
             }
@@ -151,27 +201,21 @@ pub fn drive_file(inspections: &[Inspection], home: &Path) -> String {
 }
 
 fn write_part(text: &mut String, inspection: &Inspection, part: &Part, home: &Path) {
-    let _ = write!(
-        text,
-        "\n[{}]\nfile = {} # {}\n",
-        part.table,
-        quoted(&relative(&inspection.file, home)),
-        inspection.description
+    let file = quoted(&relative(&inspection.file, home));
+    *text += &format!(
+        "\n[{}]\nfile = {file} # {}\n",
+        part.table, inspection.description
     );
     for line in &part.lines {
-        let _ = write!(text, "{} = {}", line.key, line.value);
-        if !line.why.is_empty() {
-            let _ = write!(text, " # {}", comment(&line.why));
-        }
+        let entry = format!("{} = {} # {}", line.key, line.value, comment(&line.why));
+        *text += entry.trim_end_matches(" # ");
         text.push('\n');
     }
     if part.table == "gnss" {
-        text.push_str("lever_arm = \"0, 0, 0 m\" # from the IMU to the antenna: forward, right, down; measure it\n");
+        *text += "lever_arm = \"0, 0, 0 m\" # from the IMU to the antenna: forward, right, down; measure it\n";
     }
-    if let Some(problem) = &part.problem {
-        for line in problem.lines() {
-            let _ = writeln!(text, "# {}", comment(line));
-        }
+    for line in part.problem.iter().flat_map(|problem| problem.lines()) {
+        *text += &format!("# {}\n", comment(line));
     }
 }
 
@@ -183,16 +227,13 @@ fn comment(text: &str) -> String {
 
 /// The file as seen from the folder: relative if it is below it, else whole.
 fn relative(file: &Path, home: &Path) -> String {
-    let whole = |path: &Path| std::fs::canonicalize(path);
     let home = if home.as_os_str().is_empty() {
         Path::new(".")
     } else {
         home
     };
-    let found = match (whole(file), whole(home)) {
-        (Ok(file), Ok(home)) => file
-            .strip_prefix(&home)
-            .map_or(file.clone(), Path::to_path_buf),
+    let found = match (file.canonicalize(), home.canonicalize()) {
+        (Ok(file), Ok(home)) => file.strip_prefix(&home).unwrap_or(&file).to_path_buf(),
         _ => file.to_path_buf(),
     };
     found.to_string_lossy().into_owned()

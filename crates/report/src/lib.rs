@@ -12,14 +12,15 @@ mod identify;
 pub mod inspect;
 mod markup;
 mod montecarlo;
-mod names;
 mod navigate;
+mod numbers;
 mod outages;
 mod parts;
+mod plain;
 pub mod say;
 pub mod text;
 
 pub use crate::figure::panel::{Axis, Panel, Series};
 pub use compare::{document, of_results};
 pub use document::{Block, Cell, Document, Figure, Section, Table};
-pub use parts::short;
+pub use numbers::short;

@@ -1,4 +1,4 @@
-//! Text in HTML and SVG.
+//! Text in HTML and SVG, and names of files.
 
 /// Text as it stands in an element or a quoted attribute, without the characters that XML has no place for.
 pub(crate) fn escape(text: &str) -> String {
@@ -16,4 +16,22 @@ pub(crate) fn escape(text: &str) -> String {
         }
     }
     out
+}
+
+/// A name that can be a file's on every system, whatever stood in it.
+pub(crate) fn file_stem(name: &str) -> String {
+    let plain = |c: char| {
+        if c.is_alphanumeric() || "-_".contains(c) {
+            c
+        } else {
+            '-'
+        }
+    };
+    let stem: String = name.chars().take(100).map(plain).collect();
+    let stem = stem.trim_matches('-');
+    if stem.is_empty() {
+        "unnamed".to_owned()
+    } else {
+        stem.to_owned()
+    }
 }

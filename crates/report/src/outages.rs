@@ -5,10 +5,15 @@ mod way;
 
 use super::{
     Block, Cell, Section, Table,
-    parts::{cell, get, mark_least, model_colour, named, short, table, text, warnings, zip},
+    numbers::{get, short},
+    parts::{COMPONENTS, Run, model_colour, named, of_which, points, prefixed, text, warnings},
 };
-use crate::say;
+use crate::{
+    plain::{Mark, plain_table},
+    say,
+};
 use drift::drift;
+use statrs::distribution::{Binomial, DiscreteCDF};
 use undrift::{
     demo::WHITE_CALIBRATED,
     noise::order_statistics::quantile,
@@ -16,23 +21,7 @@ use undrift::{
 };
 use way::way;
 
-/// Components of Table 4 with the heads of their columns.
-const COLUMNS: [(&str, &str); 10] = [
-    ("north_m", "N [m]"),
-    ("east_m", "E [m]"),
-    ("down_m", "D [m]"),
-    ("horizontal_m", "horizontal [m]"),
-    ("vn_mps", "vN [m/s]"),
-    ("ve_mps", "vE [m/s]"),
-    ("vd_mps", "vD [m/s]"),
-    ("roll_deg", "roll [°]"),
-    ("pitch_deg", "pitch [°]"),
-    ("yaw_deg", "yaw [°]"),
-];
 const HORIZONTAL: &str = "horizontal_m";
-
-/// An experiment with its name; the name of a single one is empty.
-pub type Run<'a> = (String, &'a Outages);
 
 /// One model of one experiment.
 struct Model<'a> {
@@ -73,16 +62,18 @@ impl Model<'_> {
 }
 
 /// The sections.
-pub fn sections(runs: &[Run<'_>]) -> Vec<Section> {
+pub fn sections(runs: &[Run<'_, Outages>]) -> Vec<Section> {
     let models = models(runs);
-    let mut sections = vec![summary(runs, &models)];
-    sections.extend(drift(&models));
-    sections.extend(tables(&models));
-    sections.extend(way(runs));
-    sections
+    let sections = [
+        summary(runs, &models),
+        drift(&models),
+        tables(&models),
+        way(runs),
+    ];
+    sections.into_iter().flatten().collect()
 }
 
-fn models<'a>(runs: &[Run<'a>]) -> Vec<Model<'a>> {
+fn models<'a>(runs: &[Run<'a, Outages>]) -> Vec<Model<'a>> {
     let mut models = Vec::new();
     for (at, (run, result)) in runs.iter().enumerate() {
         // Models that the order leaves out come last.
@@ -93,15 +84,13 @@ fn models<'a>(runs: &[Run<'a>]) -> Vec<Model<'a>> {
             };
             let drift = result.series.drift.get(key);
             models.push(Model {
-                name: if run.is_empty() {
-                    key.clone()
-                } else {
-                    format!("{run}: {key}")
-                },
+                name: prefixed(run, key),
                 key,
                 run: at,
                 errors,
-                drift: drift.map_or(Vec::new(), |d| zip(&d.since_cut_s, &d.horizontal_rms_m)),
+                drift: drift.map_or(Vec::new(), |d| {
+                    points(&d.since_cut_s, &d.horizontal_rms_m, 1.0)
+                }),
                 colour: model_colour(key, models.len()),
             });
         }
@@ -109,89 +98,66 @@ fn models<'a>(runs: &[Run<'a>]) -> Vec<Model<'a>> {
     models
 }
 
-fn summary(runs: &[Run<'_>], models: &[Model<'_>]) -> Section {
-    let mut told = Vec::new();
-    for (name, run) in runs {
-        let prefix = if name.is_empty() {
-            String::new()
-        } else {
-            format!("in {name}: ")
-        };
-        let failed = run
-            .failed
-            .iter()
-            .map(|(model, why)| format!("{model} could not be run: {why}"));
-        let said = run.models.iter().filter_map(|(model, errors)| {
+fn summary(runs: &[Run<'_, Outages>], models: &[Model<'_>]) -> Option<Section> {
+    let of_run = |(name, run): &Run<'_, Outages>| -> Vec<String> {
+        let failed = run.failed.iter();
+        let failed = failed.map(|(model, why)| format!("{model} could not be run: {why}"));
+        let doubtful = run.models.iter().filter_map(|(model, errors)| {
             Some(format!("run as {model}, {}", errors.warning.as_ref()?))
         });
-        told.extend(
-            failed
-                .chain(said)
-                .chain(run.warnings.iter().cloned())
-                .map(|warning| format!("{prefix}{warning}")),
-        );
-    }
-    let mut blocks = Vec::from_iter(warnings(&told));
-    for (name, run) in runs {
-        blocks.extend(text(&[what_was_done(name, run)]));
-    }
-    blocks.extend(text(&findings(models)));
-    Section {
-        title: "GNSS outages".into(),
-        blocks,
-    }
+        let all = failed.chain(doubtful).chain(run.warnings.iter().cloned());
+        all.map(|warning| of_which(name, &warning)).collect()
+    };
+    let warned: Vec<String> = runs.iter().flat_map(of_run).collect();
+    let done = runs
+        .iter()
+        .map(|(name, run)| text([what_was_done(name, run)]));
+    let blocks = [warnings(&warned)].into_iter().chain(done);
+    let blocks = blocks.chain([text(findings(models))]);
+    Section::of("GNSS outages", blocks.flatten())
 }
 
 fn what_was_done(name: &str, run: &Outages) -> String {
     let drive = &run.drive;
+    let rate = short(drive.rate_hz.0);
     let what = match (&drive.simulated, &drive.imu, &drive.gnss) {
         (Some(simulated), Some(imu), Some(gnss)) => {
-            format!(
-                "On {simulated}, simulated ({imu} at {} Hz, {gnss}),",
-                short(drive.rate_hz.0)
-            )
+            format!("On {simulated}, simulated ({imu} at {rate} Hz, {gnss}),")
         }
-        (None, Some(imu), Some(gnss)) => {
-            format!("On {imu} at {} Hz with {gnss},", short(drive.rate_hz.0))
-        }
+        (None, Some(imu), Some(gnss)) => format!("On {imu} at {rate} Hz with {gnss},"),
         _ => "On the drive,".into(),
     };
     let lengths: Vec<f64> = run.outages.iter().map(|o| o.length_s.0).collect();
-    let model = drive.model.as_deref().filter(|m| !m.is_empty());
-    let differ = quantile(&lengths, 1.0) - quantile(&lengths, 0.0) > 0.05;
-    let lengths = if differ {
-        format!(
-            "{} to {}",
-            seconds(quantile(&lengths, 0.0)),
-            seconds(quantile(&lengths, 1.0))
-        )
+    let [least, median, most] = [0.0, 0.5, 1.0].map(|share| quantile(&lengths, share));
+    let lengths = if most - least > 0.05 {
+        format!("{} to {}", seconds(least), seconds(most))
     } else {
-        seconds(quantile(&lengths, 0.5))
+        seconds(median)
     };
-    let sentence = format!(
-        "{what} GNSS was cut {} times for {lengths} s. Inside the outages the {} was compared with {}{}.",
-        run.outages.len(),
-        if run.smooth {
-            "smoothed solution"
-        } else {
-            "solution"
-        },
-        if run.reference == "gnss" {
-            "the fixes withheld from it"
-        } else {
-            "the truth"
-        },
-        model.map_or(String::new(), |m| format!(
-            "; the noise model is {}, run in {} forms",
-            if m.starts_with("the ") {
-                m.to_owned()
-            } else {
-                format!("\"{m}\"")
-            },
-            run.models.len()
-        )),
-    );
-    named(name, &sentence)
+    let solution = if run.smooth {
+        "smoothed solution"
+    } else {
+        "solution"
+    };
+    let reference = match run.reference.as_str() {
+        "gnss" => "the fixes withheld from it",
+        _ => "the truth",
+    };
+    let model = match drive.model.as_deref().unwrap_or_default() {
+        "" => String::new(),
+        model => {
+            let quote = if model.starts_with("the ") { "" } else { "\"" };
+            let forms = run.models.len();
+            format!("; the noise model is {quote}{model}{quote}, run in {forms} forms")
+        }
+    };
+    let cuts = run.outages.len();
+    named(
+        name,
+        &format!(
+            "{what} GNSS was cut {cuts} times for {lengths} s. Inside the outages the {solution} was compared with {reference}{model}."
+        ),
+    )
 }
 
 /// Seconds without needless digits.
@@ -199,8 +165,7 @@ fn seconds(value: f64) -> String {
     if !value.is_finite() {
         return short(value);
     }
-    let text = format!("{value:.1}");
-    text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
+    format!("{value:.1}").trim_end_matches(".0").to_owned()
 }
 
 /// How much more than the least still counts as the same drift.
@@ -216,49 +181,35 @@ fn findings(models: &[Model<'_>]) -> Vec<String> {
     };
     let alike = ranked.partition_point(|m| m.rms() <= ALIKE * best.rms());
     let (first, rest) = ranked.split_at(alike);
-    let names =
-        |models: &[&Model<'_>]| listed(&models.iter().map(|m| m.spoken()).collect::<Vec<_>>());
-    let mut told = vec![
-        if alike > 1 {
-            format!(
-                "The least horizontal drift is that of {}, alike within 1 %: {} m",
-                names(first),
-                short(best.rms())
-            )
-        } else {
-            format!(
-                "The least horizontal drift is that of {}: {} m",
-                best.spoken(),
-                short(best.rms())
-            )
-        } + ", the root mean square over the outages of each one's largest error.",
-    ];
+    let names = listed(&first.iter().map(|m| m.spoken()).collect::<Vec<_>>());
+    let together = if alike > 1 { ", alike within 1 %" } else { "" };
+    let mut found = vec![format!(
+        "The least horizontal drift is that of {names}{together}: {} m, the root mean square over the outages of each one's largest error.",
+        short(best.rms())
+    )];
     if let Some(second) = rest.first() {
         let pairs = best.largest().into_iter().zip(second.largest());
         let pairs: Vec<(f64, f64)> = pairs.filter(|(a, b)| a != b).collect();
         let wins = pairs.iter().filter(|(a, b)| a < b).count();
-        told.push(format!(
-            "Next is {} with {} m; {} drifted less than it in {wins} of {} outages{}.",
+        let clear = is_clear(wins, pairs.len());
+        found.push(format!(
+            "Next is {} with {} m; {} drifted less than it in {wins} of {} outages, {} than chance gives.",
             second.spoken(),
             short(second.rms()),
             best.spoken(),
             pairs.len(),
-            if is_clear(wins, pairs.len()) {
-                ", more than chance gives"
-            } else {
-                ", no more than chance gives"
-            }
+            if clear { "more" } else { "no more" }
         ));
     }
     if let Some(worst) = rest.last().filter(|_| rest.len() > 1) {
-        told.push(format!(
+        found.push(format!(
             "The most is that of {}: {} m, {} times as much as the least.",
             worst.spoken(),
             short(worst.rms()),
             short(worst.rms() / best.rms())
         ));
     }
-    told
+    found
 }
 
 /// "a, b and c".
@@ -271,7 +222,6 @@ fn listed(names: &[String]) -> String {
 
 /// Whether so many wins of so many are rarer than 5 % by chance: sign test, both sides.
 fn is_clear(wins: usize, of: usize) -> bool {
-    use statrs::distribution::{Binomial, DiscreteCDF};
     let Ok(chance) = Binomial::new(0.5, of as u64) else {
         return false;
     };
@@ -279,14 +229,40 @@ fn is_clear(wins: usize, of: usize) -> bool {
     2.0 * chance.cdf(fewer) < 0.05 && 2 * wins > of
 }
 
+/// A statistic of a model's errors over the outages, by component.
+type Statistic = fn(&ModelErrors) -> &Numbers;
+
+/// Table 4 as text: maximum, root mean square and median of each model's largest errors; bounds apart.
+pub fn plain(result: &Outages, mark: Mark) -> String {
+    let models = models(&[(String::new(), result)]);
+    let (bounds, models): (Vec<_>, Vec<_>) = models.iter().partition(|m| m.is_bound());
+    let statistics: [(&str, Statistic); 3] = [
+        ("maximum", |m| &m.max),
+        ("RMS", |m| &m.rms),
+        ("median", |m| &m.median),
+    ];
+    let tables = |models: &[&Model<'_>]| {
+        let tables = statistics.iter().filter_map(|(name, of)| {
+            let mut table = table_of("", "", models, *of)?;
+            table.head[0] = (*name).into();
+            Some(plain_table(&table, mark))
+        });
+        Vec::from_iter(tables).join("\n")
+    };
+    match tables(&bounds).as_str() {
+        "" => tables(&models),
+        bounds => format!("{}\n{}\n\n{bounds}", tables(&models), say::WHITE_CALIBRATED),
+    }
+}
+
 /// Table 4: maximum, root mean square and median of each model's largest errors.
 fn tables(models: &[Model<'_>]) -> Option<Section> {
-    type Pick = fn(&ModelErrors) -> &Numbers;
-    let kinds: [(&str, &str, Pick); 4] = [
+    let rms: Statistic = |m| &m.rms;
+    let statistics: [(&str, &str, Statistic); 4] = [
         (
             "rms",
             "Root mean square over the outages of each one's largest error.",
-            |m| &m.rms,
+            rms,
         ),
         ("maximum", "Largest error inside any outage.", |m| &m.max),
         (
@@ -301,51 +277,25 @@ fn tables(models: &[Model<'_>]) -> Option<Section> {
         ),
     ];
     let (bounds, models): (Vec<_>, Vec<_>) = models.iter().partition(|m| m.is_bound());
-    let mut blocks: Vec<Block> = kinds
+    let of_models = statistics
         .into_iter()
-        .filter_map(|(name, caption, pick)| table_of(name, caption, &models, pick))
-        .map(Block::Table)
-        .collect();
-    let (_, _, rms) = kinds[0];
-    let bound = table_of("bound", say::WHITE_CALIBRATED, &bounds, rms).map(Block::Table);
-    blocks.extend(bound);
-    (!blocks.is_empty()).then(|| Section {
-        title: "Errors inside the outages".into(),
-        blocks,
-    })
+        .filter_map(|(name, caption, of)| table_of(name, caption, &models, of));
+    let of_bounds = table_of("bound", say::WHITE_CALIBRATED, &bounds, rms);
+    let blocks = of_models.chain(of_bounds).map(Block::Table);
+    Section::of("Errors inside the outages", blocks)
 }
 
-fn table_of(
-    name: &str,
-    caption: &str,
-    models: &[&Model<'_>],
-    pick: fn(&ModelErrors) -> &Numbers,
-) -> Option<Table> {
-    let columns: Vec<&(&str, &str)> = COLUMNS
-        .iter()
-        .filter(|(key, _)| models.iter().any(|m| get(pick(m.errors), key).is_finite()))
-        .collect();
-    if columns.is_empty() {
-        return None;
+fn table_of(name: &str, caption: &str, models: &[&Model<'_>], of: Statistic) -> Option<Table> {
+    let name = format!("errors-{name}");
+    let models_named: &dyn Fn(&&&Model<'_>) -> Cell = &|m| (&m.name).into();
+    let mut table = Table::of(&name, caption, models, &[("model", models_named)]);
+    for (key, head) in COMPONENTS {
+        let values: Vec<f64> = models.iter().map(|m| get(of(m.errors), key)).collect();
+        if values.iter().any(|v| v.is_finite()) {
+            table.add_ranked(head.into(), &values);
+        }
     }
-    let mut table = table(&format!("errors-{name}"), caption, &["model"]);
-    table
-        .head
-        .extend(columns.iter().map(|(_, head)| (*head).to_owned()));
-    for model in models.iter() {
-        let mut row: Vec<Cell> = vec![model.name.clone().into()];
-        row.extend(
-            columns
-                .iter()
-                .map(|(key, _)| cell(get(pick(model.errors), key))),
-        );
-        table.rows.push(row);
-    }
-    for (at, (key, _)) in columns.iter().enumerate() {
-        let values: Vec<f64> = models.iter().map(|m| get(pick(m.errors), key)).collect();
-        mark_least(&mut table, at + 1, &values);
-    }
-    Some(table)
+    (table.head.len() > 1).then_some(table)
 }
 
 #[cfg(test)]

@@ -1,7 +1,13 @@
 //! Results as plain text: the tables of a terminal, and CSV.
 
 mod identify;
-mod outages;
+mod navigate;
 
-pub use identify::{correlation_csv, normality, pandit_wu, recommended};
-pub use outages::outage_table;
+pub use crate::{
+    fleet::plain as fleet,
+    montecarlo::plain as montecarlo,
+    outages::plain as outages,
+    plain::{Mark, unmarked},
+};
+pub use identify::{correlation_csv, identification, identify};
+pub use navigate::navigate;

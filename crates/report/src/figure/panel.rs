@@ -1,5 +1,6 @@
 //! Panels of curves over two axes, linear or logarithmic: what is to be drawn.
 
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 /// One axis of a panel.
@@ -97,8 +98,9 @@ impl Axis {
     }
 }
 
-/// How a series is drawn.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// How a series is drawn: by this name also in the data of a page and, of lines, in `style.json`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub(crate) enum Kind {
     Thin,
     Line,
@@ -111,22 +113,6 @@ pub(crate) enum Kind {
     Bars,
     /// Box and whiskers.
     Boxes,
-}
-
-impl Kind {
-    /// Its name in the data of a page; of lines also in `style.json`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Thin => "thin",
-            Self::Line => "line",
-            Self::Thick => "thick",
-            Self::Dashed => "dashed",
-            Self::Dots => "dots",
-            Self::Band => "band",
-            Self::Bars => "bars",
-            Self::Boxes => "boxes",
-        }
-    }
 }
 
 /// One curve of a panel.

@@ -44,8 +44,8 @@ pub(super) fn paths(panel: &Panel, index: usize, window: &Window) -> String {
             }
             let colour = style().colour(series.colour);
             fill(&areas, colour, style().tint)
-                + &stroke(&lines, colour, style().width("thin"))
-                + &stroke(&medians, colour, style().width("thick"))
+                + &stroke(&lines, colour, style().width(Kind::Thin))
+                + &stroke(&medians, colour, style().width(Kind::Thick))
         }
     }
 }
@@ -67,14 +67,13 @@ pub(super) fn key(series: &Series) -> String {
 fn path(series: &Series, d: &str) -> String {
     let style = style();
     let colour = style.colour(series.colour);
-    let name = series.kind.name();
     match series.kind {
         Kind::Band | Kind::Boxes => fill(d, colour, style.tint),
         Kind::Bars => fill(d, colour, 1.0),
-        Kind::Dashed => stroke(d, colour, style.width(name))
-            .replace("/>", &format!(" stroke-dasharray=\"{}\"/>", style.dash)),
         Kind::Dots => stroke(d, colour, style.dot).replace("/>", " stroke-linecap=\"round\"/>"),
-        Kind::Thin | Kind::Line | Kind::Thick => stroke(d, colour, style.width(name)),
+        Kind::Dashed => stroke(d, colour, style.width(Kind::Dashed))
+            .replace("/>", &format!(" stroke-dasharray=\"{}\"/>", style.dash)),
+        line => stroke(d, colour, style.width(line)),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Colours, widths of lines and steps of ticks. `assets/style.json` is their one source: the page's
 //! script reads it too.
 
+use super::panel::Kind;
 use serde::Deserialize;
 use std::{collections::BTreeMap, fmt::Write, sync::LazyLock};
 
@@ -15,7 +16,7 @@ type Colour = [String; 2];
 pub(crate) struct Style {
     inks: BTreeMap<String, Colour>,
     colours: Vec<Colour>,
-    widths: BTreeMap<String, f64>,
+    widths: BTreeMap<Kind, f64>,
     /// Pixels drawn and left free of a dashed line.
     pub dash: String,
     /// Diameter \[pixel\].
@@ -67,8 +68,8 @@ impl Style {
     }
 
     /// Width of a kind of line \[pixel\].
-    pub fn width(&self, name: &str) -> f64 {
-        self.widths.get(name).copied().unwrap_or(1.0)
+    pub fn width(&self, kind: Kind) -> f64 {
+        self.widths.get(&kind).copied().unwrap_or(1.0)
     }
 
     /// The colours as variables of a style sheet: `--paper`, `--c0` …
@@ -94,7 +95,7 @@ mod tests {
         assert_eq!(style.colours.len(), 8);
         let hex = |colour: &String| colour.len() == 7 && colour.starts_with('#');
         assert!(style.inks.values().chain(&style.colours).flatten().all(hex));
-        assert!(style.width("thick") > style.width("line"));
+        assert!(style.width(Kind::Thick) > style.width(Kind::Line));
         assert!(style.css().contains("--c7: light-dark(#0072b2, #4b9fe0);"));
     }
 }

@@ -1,9 +1,10 @@
 //! One number of every log, compared.
 
-use super::{ROWS, TOLD, many, shortened};
+use super::{NAMES, ROWS, many, shortened};
 use crate::{
-    Axis, Block, Cell, Panel, Section, Series, Table,
-    parts::{axis_for, cell, count, figure, get, mark_least, model_colour, short, table, text},
+    Axis, Block, Cell, Figure, Panel, Section, Series, Table,
+    numbers::{bounded, count, get, short},
+    parts::{axis_for, capital, first_few, model_colour, quartiles, text},
 };
 use undrift::noise::order_statistics::quantile;
 use undrift::results::{
@@ -12,14 +13,6 @@ use undrift::results::{
 
 /// Units that have a name on the axis of a figure.
 const NAMED: usize = 40;
-
-/// A value with its unit.
-fn with_unit(value: f64, measure: &Measure) -> String {
-    match measure.unit.as_str() {
-        "" => short(value),
-        unit => format!("{} {unit}", short(value)),
-    }
-}
 
 /// Head of a column of a measure's values.
 fn head(word: &str, measure: &Measure) -> String {
@@ -40,71 +33,69 @@ fn are_models(measure: &Measure) -> bool {
     matches!(measure.name.as_str(), "drift" | "error")
 }
 
+/// On how many logs a part is the best.
+fn wins(measure: &Measure, part: &Part) -> u64 {
+    measure.best.get(&part.part).copied().unwrap_or(0)
+}
+
 /// What the numbers say, in sentences.
 pub(super) fn findings(measure: &Measure) -> Vec<String> {
-    let mut told = Vec::new();
-    let medians: Vec<String> = measure
-        .parts
-        .iter()
-        .map(|part| format!("{} {}", part.part, with_unit(part.median.0, measure)))
-        .collect();
+    let medians = measure.parts.iter().map(|part| {
+        let median = format!("{} {} {}", part.part, short(part.median.0), measure.unit);
+        median.trim_end().to_owned()
+    });
+    let medians: Vec<String> = medians.collect();
     let what = measure.what.split(',').next().unwrap_or_default();
-    let (first, rest) = what.split_at(what.chars().next().map_or(0, char::len_utf8));
-    told.push(format!(
-        "{}{rest}, median over the logs: {}.",
-        first.to_uppercase(),
+    let medians = format!(
+        "{}, median over the logs: {}.",
+        capital(what),
         medians.join(", ")
-    ));
-    if let (Some(best), true, true) = (least(measure), are_models(measure), measure.parts.len() > 1)
-    {
-        let all: u64 = measure.best.values().sum();
-        let wins = measure.best.get(&best.part).copied().unwrap_or(0);
-        told.push(format!(
+    );
+    let best = least(measure).filter(|_| are_models(measure) && measure.parts.len() > 1);
+    let best = best.map(|best| {
+        format!(
             "{} has the least, and is the best on {} of the {} that all models were run on.",
             best.part,
-            count(wins),
-            many(all, "log")
-        ));
-    }
-    told.extend(of_temperature(measure));
-    told.extend(of_outliers(measure));
-    told
+            count(wins(measure, best)),
+            many(measure.best.values().sum(), "log")
+        )
+    });
+    let sentences = [
+        Some(medians),
+        best,
+        of_temperature(measure),
+        of_outliers(measure),
+    ];
+    sentences.into_iter().flatten().collect()
 }
 
 fn of_temperature(measure: &Measure) -> Option<String> {
-    let parts: Vec<&Part> = measure
-        .parts
-        .iter()
-        .filter(|part| part.temperature.correlation.0.is_finite())
-        .collect();
-    let bound = parts.first()?.temperature.bound.0;
-    let of = |part: &&Part| part.temperature.correlation.0;
-    let mut told = Vec::new();
-    for (word, sign) in [("grows", 1.0), ("falls", -1.0)] {
-        let mine = parts
-            .iter()
-            .filter(|p| sign * of(p) > p.temperature.bound.0);
-        let mine: Vec<String> = mine.map(|p| format!("{} {:.2}", p.part, of(p))).collect();
-        if !mine.is_empty() {
-            told.push(format!(
-                "It {word} with temperature for {}",
-                mine.join(", ")
-            ));
-        }
-    }
-    Some(if told.is_empty() {
+    let of = |part: &Part| part.temperature.correlation.0;
+    let known = || measure.parts.iter().filter(|part| of(part).is_finite());
+    let bound = known().next()?.temperature.bound.0;
+    let trends = [("grows", 1.0), ("falls", -1.0)]
+        .into_iter()
+        .filter_map(|(word, sign)| {
+            let mine = known().filter(|p| sign * of(p) > p.temperature.bound.0);
+            let mine: Vec<String> = mine.map(|p| format!("{} {:.2}", p.part, of(p))).collect();
+            (!mine.is_empty())
+                .then(|| format!("It {word} with temperature for {}", mine.join(", ")))
+        });
+    let trends: Vec<String> = trends.collect();
+    Some(if trends.is_empty() {
         format!(
             "It shows no trend with temperature: rank correlations are within ±{bound:.2}, as by chance."
         )
     } else {
         format!(
             "{} (rank correlation; by chance it stays within ±{bound:.2} nineteen times out of twenty).",
-            told.join("; ")
+            trends.join("; ")
         )
     })
 }
 
-fn of_outliers(measure: &Measure) -> Option<String> {
+/// Which logs stand out.
+pub(super) fn of_outliers(measure: &Measure) -> Option<String> {
     // A log that stands out under several models is named once, with the largest factor.
     let mut worst: Vec<(&str, f64)> = Vec::new();
     for outlier in measure.parts.iter().flat_map(|part| &part.outliers) {
@@ -118,27 +109,18 @@ fn of_outliers(measure: &Measure) -> Option<String> {
     if worst.is_empty() {
         return None;
     }
-    let names: Vec<String> = worst
-        .iter()
-        .take(TOLD)
-        .map(|(log, times)| format!("{log} ({} times the median)", short(*times)))
-        .collect();
-    let more = worst.len().saturating_sub(TOLD);
-    let more = if more > 0 {
-        format!(" and {more} more")
-    } else {
-        String::new()
-    };
+    let name = |(log, times): &(&str, f64)| format!("{log} ({} times the median)", short(*times));
+    let names: Vec<String> = worst.iter().map(name).collect();
     let stand = if worst.len() == 1 { "stands" } else { "stand" };
     Some(format!(
-        "{} {stand} out: {}{more}.",
+        "{} {stand} out: {}.",
         many(worst.len() as u64, "log"),
-        names.join(", ")
+        first_few(&names, NAMES)
     ))
 }
 
 /// The section of a measure.
-pub(super) fn section(run: &Fleet, measure: &Measure) -> Section {
+pub(super) fn section(run: &Fleet, measure: &Measure) -> Option<Section> {
     let mut blocks = vec![Block::Table(overview(run, measure))];
     blocks.extend(spread(run, measure));
     blocks.extend(outliers(run, measure));
@@ -147,27 +129,30 @@ pub(super) fn section(run: &Fleet, measure: &Measure) -> Section {
     if measure.by_sensor.len() > 1 {
         blocks.extend(groups(measure, "sensor", &measure.by_sensor));
     }
-    let title = measure.name.replace('_', " ");
-    let (first, rest) = title.split_at(title.chars().next().map_or(0, char::len_utf8));
-    Section {
-        title: format!("{}{rest}", first.to_uppercase()),
-        blocks,
-    }
+    Section::of(&capital(&measure.name.replace('_', " ")), blocks)
 }
 
 /// The values of a part, log by log.
-fn values<'a>(run: &'a Fleet, measure: &'a Measure, part: &'a str) -> Vec<(&'a Log, f64)> {
+fn logs<'a>(run: &'a Fleet, measure: &'a Measure, part: &'a Part) -> Vec<(&'a Log, f64)> {
     let value = |log: &'a Log| {
-        let value = get(log.values.get(&measure.name)?, part);
+        let value = get(log.values.get(&measure.name)?, &part.part);
         value.is_finite().then_some((log, value))
     };
     run.logs.iter().filter_map(value).collect()
 }
 
-fn overview(run: &Fleet, measure: &Measure) -> Table {
+/// The values of a part.
+fn values(run: &Fleet, measure: &Measure, part: &Part) -> Vec<f64> {
+    let logs = logs(run, measure, part).into_iter();
+    logs.map(|(_, value)| value).collect()
+}
+
+/// The parts side by side.
+pub(super) fn overview(run: &Fleet, measure: &Measure) -> Table {
     let models = are_models(measure);
     let rule = &run.outlier_rule;
-    let mut rows = table(
+    let medians: Vec<f64> = measure.parts.iter().map(|p| p.median.0).collect();
+    let mut rows = Table::of(
         &measure.name,
         &format!(
             "The {}. A log stands out above the limit: {} robust standard deviations of the logarithm (1.4826 times its median absolute deviation) above its median, and {:.0} % or more above the median; of fewer than {} logs none does.",
@@ -176,133 +161,87 @@ fn overview(run: &Fleet, measure: &Measure) -> Table {
             100.0 * rule.share.0,
             rule.least
         ),
-        &[],
+        &measure.parts,
+        &[
+            (if models { "model" } else { "of" }, &|p| (&p.part).into()),
+            ("logs", &|p| p.logs.into()),
+            (&head("median", measure), &|p| p.median.into()),
+            (&head("90 %", measure), &|p| {
+                short(quantile(&values(run, measure, p), 0.9)).into()
+            }),
+            (&head("largest", measure), &|p| {
+                short(quantile(&values(run, measure, p), 1.0)).into()
+            }),
+            (&head("limit", measure), &|p| p.limit.into()),
+            ("above", &|p| (p.outliers.len() as u64).into()),
+            ("correlation with temperature", &|p| {
+                bounded(p.temperature.correlation, p.temperature.bound).into()
+            }),
+        ],
     );
-    rows.head = vec![
-        if models { "model" } else { "of" }.into(),
-        "logs".into(),
-        head("median", measure),
-        head("90 %", measure),
-        head("largest", measure),
-        head("limit", measure),
-        "above".into(),
-        "correlation with temperature".into(),
-    ];
     if models {
-        rows.head.push("best on".into());
-    }
-    for part in &measure.parts {
-        let known: Vec<f64> = values(run, measure, &part.part)
-            .iter()
-            .map(|v| v.1)
-            .collect();
-        let temperature = &part.temperature;
-        let mut row: Vec<Cell> = vec![
-            part.part.clone().into(),
-            count(part.logs).into(),
-            cell(part.median.0),
-            cell(quantile(&known, 0.9)),
-            cell(quantile(&known, 1.0)),
-            cell(part.limit.0),
-            count(part.outliers.len() as u64).into(),
-            if temperature.correlation.0.is_finite() {
-                format!(
-                    "{:.2} (±{:.2})",
-                    temperature.correlation.0, temperature.bound.0
-                )
-                .into()
-            } else {
-                "–".into()
-            },
-        ];
-        if models {
-            row.push(count(measure.best.get(&part.part).copied().unwrap_or(0)).into());
-        }
-        rows.rows.push(row);
-    }
-    if models {
-        let medians: Vec<f64> = measure.parts.iter().map(|p| p.median.0).collect();
-        mark_least(&mut rows, 2, &medians);
+        let wins = measure.parts.iter().map(|p| wins(measure, p).into());
+        rows.add("best on".into(), wins);
+        rows.mark_least(2, &medians);
     }
     rows
 }
 
-fn label(measure: &Measure) -> String {
-    head(&measure.name.replace('_', " "), measure)
+/// An empty plot of a measure's values.
+fn panel(measure: &Measure, x: Axis, values: &[f64]) -> Panel {
+    let label = head(&measure.name.replace('_', " "), measure);
+    Panel::new("", x, axis_for(values, &label))
 }
 
 /// The logs of each part as a box.
 fn spread(run: &Fleet, measure: &Measure) -> Option<Block> {
-    let all: Vec<Vec<f64>> = measure
-        .parts
-        .iter()
-        .map(|part| {
-            values(run, measure, &part.part)
-                .iter()
-                .map(|v| v.1)
-                .collect()
-        })
-        .collect();
+    let all = measure.parts.iter().map(|part| values(run, measure, part));
+    let all: Vec<Vec<f64>> = all.collect();
     let names = measure.parts.iter().map(|part| part.part.as_str());
-    let y = axis_for(&all.concat(), &label(measure));
-    let mut panel = Panel::new("", Axis::categories(names), y);
+    let mut panel = panel(measure, Axis::categories(names), &all.concat());
     for (place, (part, values)) in measure.parts.iter().zip(&all).enumerate() {
-        let quartiles = [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| quantile(values, share));
-        if quartiles.iter().all(|q| q.is_finite()) {
+        if let Some(quartiles) = quartiles(values) {
             let colour = model_colour(&part.part, place);
             panel.add(Series::boxes("", colour, vec![(place as f64, quartiles)]));
         }
     }
-    figure(
+    Figure::of(
         &format!("{}-spread", measure.name),
         "The logs: box from the first to the third quartile with the median in it, whiskers to the least and the largest.",
         1,
-        vec![panel],
+        [panel],
     )
 }
 
 fn outliers(run: &Fleet, measure: &Measure) -> Option<Block> {
-    let of = measure.parts.iter();
-    let all: Vec<_> = of
-        .flat_map(|p| p.outliers.iter().map(move |o| (p, o)))
-        .collect();
-    let mut rows = table(
+    let parts = measure.parts.iter();
+    let all = parts.flat_map(|p| p.outliers.iter().map(move |o| (p, o)));
+    let all: Vec<_> = all.collect();
+    if all.is_empty() {
+        let enough = measure.parts.iter().any(|p| p.limit.0.is_finite());
+        let least = run.outlier_rule.least;
+        return text([if enough {
+            "No log stands out of the others.".to_owned()
+        } else {
+            format!("With fewer than {least} logs none is said to stand out.")
+        }]);
+    }
+    let rows = Table::of(
         &format!("{}-outliers", measure.name),
         &shortened("Logs that stand out of the others.", all.len()),
-        &[],
+        all.iter().take(ROWS),
+        &[
+            ("of", &|(part, _)| (&part.part).into()),
+            ("log", &|(_, o)| (&o.log).into()),
+            ("unit", &|(_, o)| (&o.unit).into()),
+            ("temperature [°C]", &|(_, o)| {
+                Cell::number(o.temperature_c.0, 1)
+            }),
+            (&head("value", measure), &|(_, o)| o.value.into()),
+            ("times the median", &|(_, o)| o.times_median.into()),
+        ],
     );
-    rows.head = vec![
-        "of".into(),
-        "log".into(),
-        "unit".into(),
-        "temperature [°C]".into(),
-        head("value", measure),
-        "times the median".into(),
-    ];
-    rows.rows = all
-        .iter()
-        .take(ROWS)
-        .map(|(part, outlier)| {
-            vec![
-                part.part.clone().into(),
-                outlier.log.clone().into(),
-                outlier.unit.clone().unwrap_or_else(|| "–".into()).into(),
-                Cell::number(outlier.temperature_c.0, 1),
-                cell(outlier.value.0),
-                cell(outlier.times_median.0),
-            ]
-        })
-        .collect();
-    let none = "No log stands out of the others.";
-    if rows.rows.is_empty() {
-        let enough = measure.parts.iter().any(|p| p.limit.0.is_finite());
-        let few = format!(
-            "With fewer than {} logs none is said to stand out.",
-            run.outlier_rule.least
-        );
-        return text(&[if enough { none.to_owned() } else { few }]);
-    }
-    Some(Block::Table(rows))
+    rows.block()
 }
 
 /// The logs against their temperatures, with the medians of the bins.
@@ -310,11 +249,9 @@ fn temperature(run: &Fleet, measure: &Measure) -> Option<Block> {
     let mut all = Vec::new();
     let mut series = Vec::new();
     for (place, part) in measure.parts.iter().enumerate() {
-        let points: Vec<(f64, f64)> = values(run, measure, &part.part)
-            .into_iter()
-            .map(|(log, value)| (log.temperature_c.0, value))
-            .filter(|(temperature, _)| temperature.is_finite())
-            .collect();
+        let logs = logs(run, measure, part).into_iter();
+        let points = logs.map(|(log, value)| (log.temperature_c.0, value));
+        let points: Vec<(f64, f64)> = points.filter(|p| p.0.is_finite()).collect();
         if points.is_empty() {
             continue;
         }
@@ -325,17 +262,13 @@ fn temperature(run: &Fleet, measure: &Measure) -> Option<Block> {
         series.push(Series::dots("", colour, points));
         series.push(Series::line(&part.part, colour, medians.collect()));
     }
-    if series.is_empty() {
-        return None;
-    }
-    let y = axis_for(&all, &label(measure));
-    let mut panel = Panel::new("", Axis::new("temperature [°C]"), y);
-    series.into_iter().for_each(|one| panel.add(one));
-    figure(
+    let mut panel = panel(measure, Axis::new("temperature [°C]"), &all);
+    panel.series = series;
+    Figure::of(
         &format!("{}-temperature", measure.name),
         "Each log at its temperature (dots), and the medians of bins of 10 K (lines).",
         1,
-        vec![panel],
+        (!panel.series.is_empty()).then_some(panel),
     )
 }
 
@@ -348,56 +281,43 @@ fn groups(measure: &Measure, what: &str, groups: &[Group]) -> Vec<Block> {
     if sorted.is_empty() {
         return Vec::new();
     }
-    let mut rows = table(
-        &format!("{}-by-{what}", measure.name),
-        &shortened(
-            &format!(
-                "Median over the logs of each {what}, the largest of {by} first; bold stands out among the {what}s."
-            ),
-            sorted.len(),
-        ),
-        &[what, "logs"],
+    let caption = format!(
+        "Median over the logs of each {what}, the largest of {by} first; bold stands out among the {what}s."
     );
-    rows.head
-        .extend(measure.parts.iter().map(|part| head(&part.part, measure)));
-    for group in sorted.iter().take(ROWS) {
-        let mut row: Vec<Cell> = vec![group.name.clone().into(), count(group.logs).into()];
-        row.extend(measure.parts.iter().map(|part| {
-            let cell = cell(get(&group.median, &part.part));
-            match group.outlying.contains(&part.part) {
-                true => cell.strong(),
-                false => cell,
-            }
-        }));
-        rows.rows.push(row);
-    }
+    let shown = || sorted.iter().copied().take(ROWS);
+    let mut rows = Table::of(
+        &format!("{}-by-{what}", measure.name),
+        &shortened(&caption, sorted.len()),
+        shown(),
+        &[
+            (what, &|group| (&group.name).into()),
+            ("logs", &|group| group.logs.into()),
+        ],
+    );
     let mut all = Vec::new();
     let mut series = Vec::new();
     for (place, part) in measure.parts.iter().enumerate() {
-        let points: Vec<(f64, f64)> = sorted
-            .iter()
-            .enumerate()
-            .map(|(x, group)| (x as f64, get(&group.median, &part.part)))
-            .filter(|(_, value)| value.is_finite())
-            .collect();
+        let cells = shown().map(|group| {
+            let median = short(get(&group.median, &part.part));
+            Cell::from(median).strong_if(group.outlying.contains(&part.part))
+        });
+        rows.add(head(&part.part, measure), cells);
+        let medians = sorted.iter().map(|group| get(&group.median, &part.part));
+        let points = (0..).map(f64::from).zip(medians);
+        let points: Vec<(f64, f64)> = points.filter(|p| p.1.is_finite()).collect();
         all.extend(points.iter().map(|p| p.1));
-        series.push(Series::dots(
-            &part.part,
-            model_colour(&part.part, place),
-            points,
-        ));
+        let colour = model_colour(&part.part, place);
+        series.push(Series::dots(&part.part, colour, points));
     }
     let x = if sorted.len() <= NAMED {
         Axis::categories(sorted.iter().map(|group| group.name.as_str()))
     } else {
         Axis::new(&format!("{what}s, the largest of {by} first"))
     };
-    let mut panel = Panel::new("", x, axis_for(&all, &label(measure)));
-    series.into_iter().for_each(|one| panel.add(one));
+    let mut panel = panel(measure, x, &all);
+    panel.series = series;
     let caption = format!("Median over the logs of each {what}.");
     let name = format!("{}-by-{what}s", measure.name);
-    figure(&name, &caption, 1, vec![panel])
-        .into_iter()
-        .chain([Block::Table(rows)])
-        .collect()
+    let figure = Figure::of(&name, &caption, 1, [panel]);
+    figure.into_iter().chain([Block::Table(rows)]).collect()
 }

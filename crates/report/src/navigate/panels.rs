@@ -1,9 +1,9 @@
 //! Panels over the time of a run.
 
-use super::{BAND, COLOURS, Component};
+use super::{BAND, Component};
 use crate::{
     Axis, Panel, Series,
-    parts::{Clock, extent, unwrapped},
+    parts::{Clock, extent, run_colour, unwrapped},
 };
 use std::collections::BTreeMap;
 use undrift::noise::order_statistics::quantile;
@@ -12,6 +12,33 @@ use undrift::results::{Curve, NavigateSeries};
 /// Share of a run at its start whose values may lie beyond the axis, while the filter settles.
 const SETTLING: f64 = 0.05;
 
+/// The runs that have series, by name, and the time that they count from.
+pub(super) struct Shown<'a> {
+    pub clock: Clock,
+    pub series: Vec<(&'a str, &'a NavigateSeries)>,
+}
+
+impl Shown<'_> {
+    /// Whether there is one run.
+    pub fn is_single(&self) -> bool {
+        self.series.len() == 1
+    }
+
+    /// Whether spans without a usable fix are shaded: those of a single run.
+    pub fn has_gaps(&self) -> bool {
+        self.is_single() && !self.series[0].1.without_gnss_s.is_empty()
+    }
+
+    /// A caption, which says what is shaded where something is.
+    pub fn caption(&self, caption: &str) -> String {
+        if self.has_gaps() {
+            format!("{caption}; spans without a usable fix shaded.")
+        } else {
+            format!("{caption}.")
+        }
+    }
+}
+
 /// What of a run is drawn.
 pub(super) type Pick = fn(&NavigateSeries) -> &BTreeMap<String, Curve>;
 
@@ -19,44 +46,38 @@ pub(super) type Pick = fn(&NavigateSeries) -> &BTreeMap<String, Curve>;
 pub(super) fn component_panel(
     (key, name, unit, factor): &Component,
     what: &str,
-    series: &[(&str, &NavigateSeries)],
-    clock: Clock,
+    shown: &Shown<'_>,
     pick: Pick,
     bounds: Option<&Curve>,
 ) -> Option<Panel> {
-    let curves: Vec<(&str, Vec<(f64, f64)>)> = series
-        .iter()
-        .filter_map(|(run, s)| Some((*run, clock.points(pick(s).get(*key)?, *factor))))
-        .filter(|(_, points)| !points.is_empty())
-        .collect();
+    let curves = shown.series.iter().filter_map(|(run, s)| {
+        let points = shown.clock.points(pick(s).get(*key)?, *factor);
+        (!points.is_empty()).then_some((*run, points))
+    });
+    let curves: Vec<(&str, Vec<(f64, f64)>)> = curves.collect();
     if curves.is_empty() {
         return None;
     }
-    let label = format!(
-        "{name}{}{what} [{unit}]",
-        if what.is_empty() { "" } else { " " }
-    );
-    let mut panel = panel_over_time(&label, clock, series);
-    if let Some(bounds) = bounds {
-        let bounds = clock.points(bounds, 3.0 * factor);
-        let limit = limit(&curves, &bounds);
-        panel = panel_within(&label, clock, series, limit);
+    let label = [*name, what, &format!("[{unit}]")];
+    let label = label.into_iter().filter(|word| !word.is_empty());
+    let mut y = Axis::new(&Vec::from_iter(label).join(" "));
+    let bounds = bounds.map(|bounds| shown.clock.points(bounds, 3.0 * factor));
+    if let Some(bounds) = &bounds {
+        let limit = limit(&curves, bounds);
+        y = y.within(-limit..limit);
+    }
+    let mut panel = panel_over_time(y, shown);
+    if let Some(bounds) = &bounds {
         let band: Vec<(f64, f64, f64)> = bounds.iter().map(|(t, b)| (*t, -b, *b)).collect();
         panel.add(Series::band("±3σ", BAND, &band));
     }
-    for (at, (run, points)) in curves.into_iter().enumerate() {
-        let points = if *unit == "°" {
-            unwrapped(points)
-        } else {
-            points
-        };
-        let colour = COLOURS[at % COLOURS.len()];
-        let name = if run.is_empty() && bounds.is_some() {
-            what
-        } else {
-            run
-        };
-        panel.add(Series::thin(name, colour, points));
+    for (at, (run, mut points)) in curves.into_iter().enumerate() {
+        if *unit == "°" {
+            points = unwrapped(points);
+        }
+        let of_one = run.is_empty() && bounds.is_some();
+        let name = if of_one { what } else { run };
+        panel.add(Series::thin(name, run_colour(at), points));
     }
     Some(panel)
 }
@@ -85,48 +106,27 @@ fn settled(points: &[(f64, f64)]) -> Vec<f64> {
     later.map(|p| p.1).filter(|v| v.is_finite()).collect()
 }
 
-pub(super) fn panel_over_time(
-    label: &str,
-    clock: Clock,
-    series: &[(&str, &NavigateSeries)],
-) -> Panel {
-    let panel = Panel::new("", Axis::new(&clock.label()), Axis::new(label));
-    shaded(panel, clock, series)
-}
-
-fn panel_within(
-    label: &str,
-    clock: Clock,
-    series: &[(&str, &NavigateSeries)],
-    limit: f64,
-) -> Panel {
-    let y = Axis::new(label).within(-limit..limit);
-    shaded(Panel::new("", Axis::new(&clock.label()), y), clock, series)
-}
-
-/// With the spans without GNSS of a single run.
-pub(super) fn shaded(mut panel: Panel, clock: Clock, series: &[(&str, &NavigateSeries)]) -> Panel {
-    if let [(_, only)] = series {
+/// A panel over time, with the spans without GNSS of a single run.
+pub(super) fn panel_over_time(y: Axis, shown: &Shown<'_>) -> Panel {
+    let mut panel = Panel::new("", Axis::new(&shown.clock.label()), y);
+    if let [(_, only)] = shown.series.as_slice() {
         for (from, to) in &only.without_gnss_s {
-            panel.shade(clock.at(from.0), clock.at(to.0));
+            panel.shade(shown.clock.at(from.0), shown.clock.at(to.0));
         }
     }
     panel
 }
 
 /// An estimate in its bounds.
-pub(super) fn sensor_panel(
-    component: &Component,
-    series: &[(&str, &NavigateSeries)],
-    clock: Clock,
-) -> Option<Panel> {
+pub(super) fn sensor_panel(component: &Component, shown: &Shown<'_>) -> Option<Panel> {
     let (key, name, unit, factor) = component;
-    let [(_, only)] = series else {
-        return component_panel(component, "error", series, clock, |s| &s.sensor_error, None);
+    let [(_, only)] = shown.series.as_slice() else {
+        return component_panel(component, "error", shown, |s| &s.sensor_error, None);
     };
-    let estimate = clock.points(only.sensor_error.get(*key)?, *factor);
+    let points = |curve, factor| shown.clock.points(curve, factor);
+    let estimate = points(only.sensor_error.get(*key)?, *factor);
     let bounds = only.sensor_error_std.get(*key);
-    let bounds = bounds.map_or(Vec::new(), |curve| clock.points(curve, 3.0 * factor));
+    let bounds = bounds.map_or(Vec::new(), |curve| points(curve, 3.0 * factor));
     // Both are thinned, each by itself: the estimate where the bound stands is that of the last time.
     let mut later = estimate.iter().copied().peekable();
     let mut now = later.peek().copied()?;
@@ -144,14 +144,10 @@ pub(super) fn sensor_panel(
     let values = settled(&estimate);
     let low = quantile(&settled(&lower), 0.05).min(quantile(&values, 0.0));
     let high = quantile(&settled(&upper), 0.95).max(quantile(&values, 1.0));
-    let mut y = Axis::new(&format!("{name} [{unit}]"));
-    if high > low {
-        let room = 0.08 * (high - low);
-        y = y.within(low - room..high + room);
-    }
-    let panel = Panel::new("", Axis::new(&clock.label()), y);
-    let mut panel = shaded(panel, clock, series);
+    let room = 0.08 * (high - low);
+    let y = Axis::new(&format!("{name} [{unit}]")).within(low - room..high + room);
+    let mut panel = panel_over_time(y, shown);
     panel.add(Series::band("±3σ", BAND, &band));
-    panel.add(Series::thin("estimate", COLOURS[0], estimate));
+    panel.add(Series::thin("estimate", run_colour(0), estimate));
     Some(panel)
 }

@@ -1,87 +1,55 @@
 //! What was done and how it went, in words and counts.
 
-use super::{DEGREES, Run};
+use super::DEGREES;
 use crate::{
-    Block, Cell, Section, Table,
-    parts::{cell, count, error, named, short, span, table, text, warnings},
+    Cell, Section, Table,
+    numbers::{bounded, count, error, short, span},
+    parts::{Run, named, of_which, prefixed, text, warnings},
 };
-use undrift::results::{Innovations, Navigate, Nis, Number};
+use undrift::results::{Innovations, Navigate, Nis, Number, Parameter};
 
 /// NIS per degree of freedom that is told as right.
 const PLAUSIBLE: std::ops::RangeInclusive<f64> = 0.6..=1.6;
 
 /// What was done and how it went, in words and counts.
-pub(super) fn summary(runs: &[Run<'_>]) -> Section {
-    let mut blocks = Vec::new();
-    let told: Vec<String> = runs
+pub(super) fn summary(runs: &[Run<'_, Navigate>]) -> Option<Section> {
+    let warned = runs.iter().flat_map(|(name, run)| {
+        let warnings = run.warnings.iter();
+        warnings.map(|warning| of_which(name, warning))
+    });
+    let warned: Vec<String> = warned.collect();
+    let done = runs
         .iter()
-        .flat_map(|(name, run)| {
-            run.warnings.iter().map(move |w| {
-                if name.is_empty() {
-                    w.clone()
-                } else {
-                    format!("in {name}: {w}")
-                }
-            })
-        })
-        .collect();
-    blocks.extend(warnings(&told));
-    for (name, run) in runs {
-        blocks.extend(text(&what_was_done(name, run)));
-    }
-    let mut counts = table(
-        "updates",
-        "Measurements used. NIS / dof is the normalised innovation squared per degree of freedom, 1 when the model is right; the autocorrelation is that of the innovations from one fix to the next, with its 95 % bound for white ones. Left out are those far from the prediction; weakened those that were doubtful and counted less.",
-        &[
-            "measurement",
-            "updates",
-            "NIS / dof",
-            "autocorrelation",
-            "left out",
-            "weakened",
-        ],
-    );
-    for (name, run) in runs {
-        counts.rows.extend(update_rows(name, run));
-    }
-    if !counts.rows.is_empty() {
-        blocks.push(Block::Table(counts));
-    }
-    blocks.extend(parameters(runs).map(Block::Table));
-    Section {
-        title: "What was done".into(),
-        blocks,
-    }
+        .map(|(name, run)| text(what_was_done(name, run)));
+    let blocks = [warnings(&warned)].into_iter().chain(done);
+    let blocks = blocks.chain([updates(runs).block(), parameters(runs).block()]);
+    Section::of("What was done", blocks.flatten())
 }
 
 fn what_was_done(name: &str, run: &Navigate) -> Vec<String> {
     let (drive, s) = (&run.drive, &run.summary);
-    let mut told = Vec::new();
-    let prefix = if name.is_empty() {
-        String::new()
-    } else {
-        format!("{name}: ")
-    };
+    let mut done = Vec::new();
     if let (Some(imu), Some(gnss)) = (&drive.imu, &drive.gnss) {
-        let model = drive.model.as_deref().filter(|m| !m.is_empty());
-        told.push(format!(
-            "{prefix}{imu} at {} Hz was navigated with the {} of {gnss}, with {} run as {}{}.",
+        let model = match drive.model.as_deref() {
+            None | Some("") => "a noise model".into(),
+            Some(model) => format!("the noise model \"{model}\""),
+        };
+        let smoothed = if run.smooth {
+            ", and smoothed: every sample knows the fixes after it too"
+        } else {
+            ""
+        };
+        let what = format!(
+            "{imu} at {} Hz was navigated with the {} of {gnss}, with {model} run as {}{smoothed}.",
             short(drive.rate_hz.0),
             drive.gnss_use.as_deref().unwrap_or("fixes"),
-            model.map_or("a noise model".into(), |m| format!(
-                "the noise model \"{m}\""
-            )),
             run.bias_model,
-            if run.smooth {
-                ", and smoothed: every sample knows the fixes after it too"
-            } else {
-                ""
-            },
-        ));
+        );
+        done.push(prefixed(name, &what));
     }
     let (from, to) = (s.started.0, s.ended.0);
     if from.is_finite() && to.is_finite() {
-        told.push(format!(
+        done.push(format!(
             "The solution has {} samples from {from:.3} s to {to:.3} s ({}) and used {} fixes.",
             count(s.samples),
             span(to - from),
@@ -89,17 +57,13 @@ fn what_was_done(name: &str, run: &Navigate) -> Vec<String> {
         ));
     }
     if !s.alignment.is_empty() {
-        told.push(format!("Start: {}.", s.alignment));
+        done.push(format!("Start: {}.", s.alignment));
     }
-    told.extend(
-        run.mounting
-            .as_ref()
-            .map(|m| format!("Mounting estimated: {m}.")),
-    );
-    for (part, nis) in [("position", &run.position), ("velocity", &run.velocity)] {
-        told.push(verdict(part, nis));
-    }
-    told
+    let mounting = run.mounting.as_ref();
+    done.extend(mounting.map(|m| format!("Mounting estimated: {m}.")));
+    let parts = [("position", &run.position), ("velocity", &run.velocity)];
+    done.extend(parts.map(|(part, nis)| verdict(part, nis)));
+    done
 }
 
 /// What the innovations of a part of the fixes say.
@@ -109,15 +73,15 @@ fn verdict(part: &str, nis: &Nis) -> String {
     let size = if !value.is_finite() {
         return String::new();
     } else if PLAUSIBLE.contains(&value) {
-        format!("The innovations of the {part} are as large as predicted")
+        "as large as predicted".into()
     } else if value > 1.0 {
         format!(
-            "The innovations of the {part} are {} times as large as predicted: the filter or the stated accuracy is optimistic",
+            "{} times as large as predicted: the filter or the stated accuracy is optimistic",
             short(value.sqrt())
         )
     } else {
         format!(
-            "The innovations of the {part} are {} times smaller than predicted: the stated accuracy is pessimistic",
+            "{} times smaller than predicted: the stated accuracy is pessimistic",
             short(value.sqrt().recip())
         )
     };
@@ -130,72 +94,72 @@ fn verdict(part: &str, nis: &Nis) -> String {
         c if c.abs() > 0.2 => "; they are correlated from fix to fix",
         _ => "; they are slightly correlated from fix to fix",
     };
-    format!("{size}{colour}.")
+    format!("The innovations of the {part} are {size}{colour}.")
 }
 
-fn update_rows(name: &str, run: &Navigate) -> Vec<Vec<Cell>> {
-    let s = &run.summary;
-    let none = Nis::default();
-    let kinds: [(&str, &Innovations, &Nis); 6] = [
-        ("position", &s.position, &run.position),
-        ("velocity", &s.velocity, &run.velocity),
-        ("non-holonomic", &s.non_holonomic, &none),
-        ("zero velocity", &s.zero_velocity, &none),
-        ("odometer", &s.odometer, &none),
-        ("barometer", &s.barometer, &none),
-    ];
-    kinds
-        .into_iter()
-        .filter(|(_, counts, _)| counts.updates + counts.rejected > 0)
-        .map(|(kind, counts, nis)| {
-            let measurement = if name.is_empty() {
-                kind.to_owned()
-            } else {
-                format!("{name}: {kind}")
-            };
-            let correlation = if nis.autocorrelation.0.is_finite() {
-                format!(
-                    "{:.2} (±{:.2})",
-                    nis.autocorrelation.0, nis.autocorrelation_bound.0
-                )
-            } else {
-                "–".into()
-            };
-            vec![
-                measurement.into(),
-                count(counts.updates).into(),
-                cell(counts.per_dof().unwrap_or(f64::NAN)),
-                correlation.into(),
-                count(counts.rejected).into(),
-                count(counts.weakened).into(),
-            ]
-        })
-        .collect()
+fn updates(runs: &[Run<'_, Navigate>]) -> Table {
+    let rows = runs.iter().flat_map(|(name, run)| {
+        let s = &run.summary;
+        let none = Nis::default();
+        let kinds: [(&str, &Innovations, Nis); 6] = [
+            ("position", &s.position, run.position),
+            ("velocity", &s.velocity, run.velocity),
+            ("non-holonomic", &s.non_holonomic, none),
+            ("zero velocity", &s.zero_velocity, none),
+            ("odometer", &s.odometer, none),
+            ("barometer", &s.barometer, none),
+        ];
+        let kinds = kinds.into_iter();
+        let kinds = kinds.filter(|(_, counts, _)| counts.updates + counts.rejected > 0);
+        kinds.map(|(kind, counts, nis)| (prefixed(name, kind), counts, nis))
+    });
+    Table::of(
+        "updates",
+        "Measurements used. NIS / dof is the normalised innovation squared per degree of freedom, 1 when the model is right; the autocorrelation is that of the innovations from one fix to the next, with its 95 % bound for white ones. Left out are those far from the prediction; weakened those that were doubtful and counted less.",
+        rows,
+        &[
+            ("measurement", &|(name, ..)| name.into()),
+            ("updates", &|(_, counts, _)| counts.updates.into()),
+            ("NIS / dof", &|(_, counts, _)| {
+                Number::from(counts.per_dof()).into()
+            }),
+            ("autocorrelation", &|(.., nis)| {
+                bounded(nis.autocorrelation, nis.autocorrelation_bound).into()
+            }),
+            ("left out", &|(_, counts, _)| counts.rejected.into()),
+            ("weakened", &|(_, counts, _)| counts.weakened.into()),
+        ],
+    )
 }
 
 /// Constants that were estimated.
-fn parameters(runs: &[Run<'_>]) -> Option<Table> {
-    let mut estimated = table(
+fn parameters(runs: &[Run<'_, Navigate>]) -> Table {
+    let parameters = runs.iter().flat_map(|(name, run)| {
+        let parameters = run.summary.parameters.iter();
+        parameters.map(move |(kind, parameter)| (name, constant(kind), parameter))
+    });
+    let list = |numbers: &[Number], factor: f64, text: fn(f64) -> String| -> Cell {
+        let texts: Vec<String> = numbers.iter().map(|n| text(factor * n.0)).collect();
+        texts.join(", ").into()
+    };
+    type Row<'a> = (&'a String, (&'a str, &'static str, f64), &'a Parameter);
+    Table::of(
         "parameters",
         "Constants estimated beside the sensors' errors, with their standard deviations at the end.",
-        &["constant", "unit", "estimate", "standard deviation"],
-    );
-    for (name, run) in runs {
-        for (kind, parameter) in &run.summary.parameters {
-            let (constant, unit, factor) = constant(kind);
-            let list = |numbers: &[Number], text: fn(f64) -> String| -> Cell {
-                let texts: Vec<String> = numbers.iter().map(|n| text(factor * n.0)).collect();
-                texts.join(", ").into()
-            };
-            estimated.rows.push(vec![
-                named(name, constant).into(),
-                unit.into(),
-                list(&parameter.value, short),
-                list(&parameter.std, error),
-            ]);
-        }
-    }
-    (!estimated.rows.is_empty()).then_some(estimated)
+        parameters,
+        &[
+            ("constant", &|(name, (constant, ..), _): &Row<'_>| {
+                named(name, constant).into()
+            }),
+            ("unit", &|(_, (_, unit, _), _)| (*unit).into()),
+            ("estimate", &|(_, (.., factor), of)| {
+                list(&of.value, *factor, short)
+            }),
+            ("standard deviation", &|(_, (.., factor), of)| {
+                list(&of.std, *factor, error)
+            }),
+        ],
+    )
 }
 
 /// A kind of [`undrift::nav::parameters::Parameter`] in words, its unit in the report, and what that is of SI.

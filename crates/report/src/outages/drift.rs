@@ -3,47 +3,21 @@
 use super::Model;
 use crate::{
     Axis, Block, Figure, Panel, Section, Series,
-    parts::{Clock, axis_for},
+    parts::{Clock, axis_for, quartiles, run_colour},
 };
 use undrift::noise::order_statistics::quantile;
 
-/// Colours of several runs.
-const RUNS: [usize; 6] = [7, 6, 4, 5, 2, 0];
+const LARGEST: &str = "largest horizontal error [m]";
 
 /// Drift since the cut, and how it scatters over the outages.
 pub(super) fn drift(models: &[Model<'_>]) -> Option<Section> {
-    let models: Vec<&Model<'_>> = models
-        .iter()
-        .filter(|m| !m.errors.per_outage.is_empty())
-        .collect();
+    let known = |m: &&Model<'_>| !m.errors.per_outage.is_empty();
+    let models: Vec<&Model<'_>> = models.iter().filter(known).collect();
     if models.is_empty() {
         return None;
     }
-    let mut blocks = Vec::new();
-    let drifts: Vec<f64> = models
-        .iter()
-        .filter_map(|m| m.drift.last().map(|p| p.1))
-        .filter(|e| *e > 0.0)
-        .collect();
-    let y = axis_for(&drifts, "horizontal error, RMS [m]");
-    let mut curves = Panel::new("", Axis::new("time since the cut [s]"), y);
-    for model in models.iter().filter(|m| !m.drift.is_empty()) {
-        curves.add(model.line(model.drift.clone()));
-    }
-    if !drifts.is_empty() {
-        blocks.push(Block::Figure(Figure {
-            name: "drift".into(),
-            caption: "Horizontal error since the cut, root mean square over the outages.".into(),
-            columns: 1,
-            panels: vec![curves],
-        }));
-    }
-    blocks.push(spread(&models));
-    blocks.extend(outage_by_outage(&models));
-    Some(Section {
-        title: "Drift without GNSS".into(),
-        blocks,
-    })
+    let blocks = [curves(&models), spread(&models), outage_by_outage(&models)];
+    Section::of("Drift without GNSS", blocks.into_iter().flatten())
 }
 
 impl Model<'_> {
@@ -57,8 +31,33 @@ impl Model<'_> {
     }
 }
 
+fn positive(errors: impl Iterator<Item = f64>) -> Vec<f64> {
+    errors.filter(|e| *e > 0.0).collect()
+}
+
+/// The largest horizontal errors of all outages and models \[m\].
+fn largest(models: &[&Model<'_>]) -> Vec<f64> {
+    positive(models.iter().flat_map(|m| m.largest()))
+}
+
+/// The horizontal error over the time since the cut.
+fn curves(models: &[&Model<'_>]) -> Option<Block> {
+    let last = models.iter().filter_map(|m| Some(m.drift.last()?.1));
+    let drifts = positive(last);
+    if drifts.is_empty() {
+        return None;
+    }
+    let y = axis_for(&drifts, "horizontal error, RMS [m]");
+    let mut panel = Panel::new("", Axis::new("time since the cut [s]"), y);
+    for model in models.iter().filter(|m| !m.drift.is_empty()) {
+        panel.add(model.line(model.drift.clone()));
+    }
+    let caption = "Horizontal error since the cut, root mean square over the outages.";
+    Figure::of("drift", caption, 1, [panel])
+}
+
 /// The largest horizontal errors of each model as a box, with their root mean square.
-fn spread(models: &[&Model<'_>]) -> Block {
+fn spread(models: &[&Model<'_>]) -> Option<Block> {
     let mut keys: Vec<&str> = Vec::new();
     for model in models {
         if !keys.contains(&model.key) {
@@ -66,12 +65,7 @@ fn spread(models: &[&Model<'_>]) -> Block {
         }
     }
     let several = models.iter().any(|m| m.run > 0);
-    let all: Vec<f64> = models
-        .iter()
-        .flat_map(|m| m.largest())
-        .filter(|e| *e > 0.0)
-        .collect();
-    let y = axis_for(&all, "largest horizontal error [m]");
+    let y = axis_for(&largest(models), LARGEST);
     let mut panel = Panel::new("", Axis::categories(keys.iter().copied()), y);
     let runs = models.iter().map(|m| m.run).max().unwrap_or(0) + 1;
     let mut squares: Vec<(f64, f64)> = Vec::new();
@@ -79,11 +73,7 @@ fn spread(models: &[&Model<'_>]) -> Block {
         let mut boxes = Vec::new();
         for model in models.iter().filter(|m| m.run == run) {
             let x = keys.iter().position(|k| *k == model.key).unwrap_or(0) as f64;
-            let largest = model.largest();
-            let quartiles = [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| quantile(&largest, share));
-            if quartiles.iter().all(|q| q.is_finite()) {
-                boxes.push((model, (x, quartiles)));
-            }
+            boxes.extend(quartiles(&model.largest()).map(|box_| (model, (x, box_))));
             // Where the box stands: those of several runs share 0.8 side by side.
             let beside = if keys.len() < models.len() {
                 0.8 * ((run as f64 + 0.5) / runs as f64 - 0.5)
@@ -97,7 +87,7 @@ fn spread(models: &[&Model<'_>]) -> Block {
                 m.name.strip_suffix(&format!(": {}", m.key)).unwrap_or("")
             });
             let boxes = boxes.iter().map(|b| b.1).collect();
-            panel.add(Series::boxes(name, RUNS[run % RUNS.len()], boxes));
+            panel.add(Series::boxes(name, run_colour(run), boxes));
         } else {
             for (model, one) in boxes {
                 panel.add(Series::boxes("", model.colour, vec![one]));
@@ -105,42 +95,26 @@ fn spread(models: &[&Model<'_>]) -> Block {
         }
     }
     panel.add(Series::dots("root mean square", 0, squares));
-    Block::Figure(Figure {
-        name: "models".into(),
-        caption: "The models compared by the largest horizontal error of each outage: box from the first to the third quartile with the median in it, whiskers to the least and the largest; dots: root mean square.".into(),
-        columns: 1,
-        panels: vec![panel],
-    })
+    let caption = "The models compared by the largest horizontal error of each outage: box from the first to the third quartile with the median in it, whiskers to the least and the largest; dots: root mean square.";
+    Figure::of("models", caption, 1, [panel])
 }
 
 /// The largest horizontal error of each outage against its start.
 fn outage_by_outage(models: &[&Model<'_>]) -> Option<Block> {
-    let starts: Vec<f64> = models
-        .iter()
-        .flat_map(|m| &m.errors.per_outage)
-        .map(|o| o.start_s.0)
-        .collect();
+    let outages = models.iter().flat_map(|m| &m.errors.per_outage);
+    let starts: Vec<f64> = outages.map(|o| o.start_s.0).collect();
     let clock = Clock::starting(quantile(&starts, 0.0));
-    let all: Vec<f64> = models
-        .iter()
-        .flat_map(|m| m.largest())
-        .filter(|e| *e > 0.0)
-        .collect();
+    let all = largest(models);
     if all.is_empty() {
         return None;
     }
-    let y = axis_for(&all, "largest horizontal error [m]");
-    let mut panel = Panel::new("", Axis::new(&clock.label()), y);
+    let mut panel = Panel::new("", Axis::new(&clock.label()), axis_for(&all, LARGEST));
     for model in models {
         let outages = model.errors.per_outage.iter().zip(model.largest());
         let points: Vec<(f64, f64)> = outages.map(|(o, e)| (clock.at(o.start_s.0), e)).collect();
         panel.add(model.line(points.clone()));
         panel.add(Series::dots("", model.colour, points));
     }
-    Some(Block::Figure(Figure {
-        name: "outage-by-outage".into(),
-        caption: "Largest horizontal error of each outage, at the time of its start.".into(),
-        columns: 1,
-        panels: vec![panel],
-    }))
+    let caption = "Largest horizontal error of each outage, at the time of its start.";
+    Figure::of("outage-by-outage", caption, 1, [panel])
 }

@@ -1,7 +1,10 @@
 //! The exact sentence of each finding.
 
 use super::*;
-use undrift::findings::Severity;
+use undrift::{
+    findings::{Log, NoError, Severity},
+    replay::{Contradiction, FixMend, Lean, Part, RestartCause},
+};
 
 /// Fifteen positions of a jump.
 fn jump() -> Contradiction {

@@ -1,71 +1,83 @@
-//! The source paper's Tables 2 and 3, and what is recommended, as text.
+//! An identified record as text, and the source paper's Tables 2 and 3.
 
+use crate::{
+    identify::{drift_table, identified, pandit_wu, tests, units},
+    plain::{Mark, plain_table},
+};
 use std::fmt::Write as _;
-use undrift::results::Identify;
+use undrift::results::{Axis, Detrend, Identify};
 
-/// Table 2: the tests of stationarity and normality, axis by axis.
-pub fn normality(identified: &Identify) -> String {
-    let mut text = format!(
-        "Table 2{:9} {:>9} {:>8} {:>9} {:>8} {:>9} {:>9} {:>9}\n",
-        "", "ADF", "5 %", "JB", "5 %", "KS", "5 %", "Lillief."
-    );
-    for (name, axis) in identified
-        .in_order()
-        .filter(|(_, axis)| axis.error.is_none())
-    {
-        let _ = writeln!(
-            text,
-            "{name:16} {:9.2} {:8.2} {:9.3} {:8.3} {:9.6} {:9.6} {:9.6}",
-            axis.adf.fixed.statistic,
-            axis.adf.fixed.critical.five,
-            axis.jarque_bera.statistic,
-            axis.jarque_bera.critical_5,
-            axis.ks.statistic,
-            axis.ks.critical_5,
-            axis.lilliefors.critical_5
-        );
-    }
-    text
+/// What was found of each axis, with its candidates by their drift.
+pub fn identify(result: &Identify, mark: Mark) -> String {
+    let known = result.in_order().filter(|(_, axis)| axis.error.is_none());
+    let texts = known.map(|(name, axis)| {
+        let head = format!("{} samples at {} Hz", axis.samples, result.rate_hz.0);
+        format!("{}: {head}\n{}", mark(name), of_axis(name, axis, mark))
+    });
+    Vec::from_iter(texts).join("\n")
 }
 
-/// Table 3: Pandit and Wu's procedure on one axis.
-pub fn pandit_wu(identified: &Identify, name: &str) -> String {
-    let axis = identified.axes.get(name);
-    let found = axis.and_then(|axis| Some((axis.pandit_wu_orders?, axis.pandit_wu.last()?, axis)));
-    let Some((orders, last, axis)) = found else {
-        return String::new();
+fn of_axis(name: &str, axis: &Axis, mark: Mark) -> String {
+    let unit = units(name);
+    let removed = match axis.detrend {
+        Detrend::Constant => None,
+        Detrend::Linear {
+            slope_per_hour,
+            explained,
+        } => Some(("a slope of ", slope_per_hour, "an hour", explained)),
+        Detrend::Temperature {
+            slope_per_kelvin,
+            explained,
+        } => Some(("", slope_per_kelvin, "a kelvin", explained)),
     };
-    let mut text = format!(
-        "Table 3, {name:9} {:>14} {:>14} {:>14} {:>9} {:>9}\n",
-        "sum of squares", "AIC", "BIC", "F", "5 %"
+    let mut lines = Vec::new();
+    lines.extend(removed.map(|(what, slope, per, explained)| {
+        let (slope, explained) = (slope * unit.scale, 100.0 * explained);
+        let sample = unit.sample;
+        format!("Removed: {what}{slope:.3e} {sample} {per}, {explained:.2} % of the variance")
+    }));
+    lines.push(axis.stationarity.clone());
+    lines.push(format!(
+        "Allan: white noise {:.4} {}; skewness {:.3}, excess kurtosis {:.3}",
+        axis.allan_terms.white.value * unit.scale * 60.0,
+        unit.white,
+        axis.skewness.0,
+        axis.kurtosis_excess.0
+    ));
+    lines.extend(axis.box_jenkins.as_ref().map(|grid| {
+        format!(
+            "Box-Jenkins, p, q ≤ {}, first {} samples: ARMA{} by AICc, {} by BIC",
+            grid.p_max, grid.samples, grid.by_aicc, grid.by_bic
+        )
+    }));
+    let candidates = plain_table(&drift_table(name, axis), mark);
+    lines.extend(candidates.lines().map(str::to_owned));
+    lines.extend(axis.chosen.reason.clone());
+    lines.extend(
+        axis.warnings
+            .iter()
+            .map(|warning| format!("Note: {warning}.")),
     );
-    for row in &axis.pandit_wu {
-        let or_dash = |text: Option<String>| text.unwrap_or_else(|| "–".into());
-        let f = or_dash(row.f.get().map(|f| format!("{f:.3}")));
-        let critical = or_dash(row.f_critical.get().map(|f| format!("{f:.4}")));
-        let _ = writeln!(
-            text,
-            "{:18} {:14.6e} {:14.1} {:14.1} {f:>9} {critical:>9}",
-            format!("ARMA{}", row.order),
-            row.rss.0,
-            row.aic.0,
-            row.bic.0
-        );
-    }
-    let _ = writeln!(
-        text,
-        "chosen by F, stepping down, {}; by AIC {}; by BIC {}; the paper compares F with {:.4}",
-        orders.by_f, orders.by_aic, orders.by_bic, last.f_paper.0
-    );
-    text
+    lines.iter().map(|line| format!("  {line}\n")).collect()
 }
 
-/// The recommended model of each axis.
-pub fn recommended(identified: &Identify) -> String {
-    let mut text = String::from(
-        "Recommended by the drift after 1, 10, 60 s on the half that was not fitted:\n",
+/// What the demo shows of the identification: Table 2, Table 3 of an axis, and the recommended model of each.
+pub fn identification(result: &Identify, axis: &str, mark: Mark) -> String {
+    let tests = plain_table(&tests(identified("", result)), mark);
+    let orders = result.axes.get(axis).map_or(String::new(), |found| {
+        let table = plain_table(&pandit_wu(axis, found), mark);
+        let chosen = found.pandit_wu_orders.map_or(String::new(), |orders| {
+            format!(
+                "chosen by F, stepping down, {}; by AIC {}; by BIC {}\n",
+                orders.by_f, orders.by_aic, orders.by_bic
+            )
+        });
+        format!("Table 3, {axis}\n{table}{chosen}\n")
+    });
+    let mut text = format!(
+        "Table 2\n{tests}\n{orders}Recommended by the drift after 1, 10, 60 s on the half that was not fitted:\n"
     );
-    for (name, axis) in identified.in_order() {
+    for (name, axis) in result.in_order() {
         let recommended = axis.error.as_ref().unwrap_or(&axis.chosen.name);
         let _ = writeln!(text, "{name:16} {recommended}");
     }

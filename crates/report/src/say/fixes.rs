@@ -1,0 +1,133 @@
+//! Sentences: what the fixes show.
+
+use super::words::{at, many};
+use crate::numbers::{error, short};
+use undrift::{
+    findings::Finding,
+    replay::{Contradiction, FixMend, Lean, Part},
+};
+
+/// The sentence of a finding of these.
+pub(super) fn say(finding: &Finding) -> Option<String> {
+    Some(match finding {
+        Finding::BadCovariance { fixes } => format!(
+            "rejected {} whose covariance is not positive definite",
+            many(*fixes, "fix")
+        ),
+        Finding::WrongVelocity { mend } => format!(
+            "positions do not move as the velocities say: {}; check gnss.position, gnss.velocity and their units",
+            mend.map_or("one of the two is wrong", fix_mend)
+        ),
+        Finding::Rejected(fixes) => rejected(fixes),
+        Finding::MoreRejected { spans, accepted } => format!(
+            "and {spans} more such spans, after {accepted} of which the fixes were accepted; --json lists them"
+        ),
+        Finding::OneSided(lean) => one_sided(lean),
+        Finding::WrongSign { axis } => format!(
+            "the velocity {} seems to have the wrong sign: its innovations are minus twice its value; check gnss.velocity and gnss.velocity_axes",
+            ["north", "east", "down"].get(*axis).unwrap_or(&"")
+        ),
+        Finding::WrongAccuracy {
+            part,
+            factor,
+            adapted,
+            correlated,
+        } => accuracy(*part, *factor, *adapted, *correlated),
+        _ => return None,
+    })
+}
+
+/// A part of a fix and its unit.
+fn part(part: Part) -> (&'static str, &'static str) {
+    match part {
+        Part::Position => ("position", "m"),
+        Part::Velocity => ("velocity", "m/s"),
+    }
+}
+
+fn rejected(fixes: &Contradiction) -> String {
+    let (part, unit) = part(fixes.part);
+    let size = |value: f64| match value {
+        v if !(9.95..9999.5).contains(&v) => error(v),
+        v => format!("{v:.0}"),
+    };
+    let what = match (fixes.fixes, fixes.part) {
+        (1, _) => format!("1 {part}"),
+        (n, Part::Position) => format!("{n} positions"),
+        (n, Part::Velocity) => format!("{n} velocities"),
+    };
+    let (first, last, largest) = (fixes.first, fixes.last, fixes.largest);
+    let (when, how) = if fixes.fixes == 1 {
+        (at(fixes.start), format!("error {} {unit}", size(largest)))
+    } else {
+        let changed = if last < first { "fell" } else { "grew" };
+        let mut how = format!(
+            "error {changed} from {} to {} {unit}, by {} {unit} a second",
+            size(first),
+            size(last),
+            short(fixes.growth.abs())
+        );
+        if largest > 1.05 * first.max(last) {
+            how += &format!(", {} {unit} at most", size(largest));
+        }
+        (format!("{}-{}", at(fixes.start), at(fixes.end)), how)
+    };
+    let why = if fixes.frozen {
+        ": the receiver repeated itself while the solution moved"
+    } else {
+        ""
+    };
+    let then = if fixes.gave_way {
+        "; then accepted them"
+    } else {
+        ""
+    };
+    format!("rejected {what}, {when} s ({how}){why}{then}")
+}
+
+fn one_sided(lean: &Lean) -> String {
+    let (part, unit) = part(lean.part);
+    let [north, east, down] = lean.mean;
+    format!(
+        "from {:.1} to {:.1} s the {part} differs from the solution to one side, on average by up to {:.2}, {:.2}, {:.2} {unit} north, east, down: a slow drift of the fixes (multipath, spoofing) or of the sensors",
+        lean.start, lean.end, -north, -east, -down
+    )
+}
+
+fn accuracy(of: Part, factor: f64, adapted: bool, correlated: bool) -> String {
+    let (part, _) = part(of);
+    let (times, direction) = if factor > 1.0 {
+        (factor, "small")
+    } else {
+        (1.0 / factor, "large")
+    };
+    let mut text = format!(
+        "the stated standard deviations of the {part} are about {times:.1} times too {direction} for the innovations"
+    );
+    if adapted {
+        return text + "; they were adapted";
+    }
+    text += &format!(
+        ": set gnss.{part}_std_factor to {factor:.2} times what it is, or gnss.adapt = true"
+    );
+    if correlated && factor > 1.0 {
+        text += "; but the innovations are correlated from fix to fix, so the noise model, the mounting, the lever arm or the times may be wrong rather than the accuracy";
+    }
+    text
+}
+
+fn fix_mend(mend: FixMend) -> &'static str {
+    match mend {
+        FixMend::VelocityEastNorth => "the velocity is east, north, not north, east",
+        FixMend::PositionSwapped => "latitude and longitude are swapped",
+        FixMend::EastReversed => "the velocity east (or the longitude) has the wrong sign",
+        FixMend::NorthReversed => "the velocity north (or the latitude) has the wrong sign",
+        FixMend::VelocityReversed => "the velocity has the wrong signs",
+        FixMend::KilometresPerHour => "the velocity is in km/h",
+        FixMend::Knots => "the velocity is in knots",
+        FixMend::FeetPerSecond => "the velocity is in ft/s",
+        FixMend::CentimetresPerSecond => "the velocity is in cm/s",
+        FixMend::MillimetresPerSecond => "the velocity is in mm/s",
+        FixMend::PositionInRadians => "latitude and longitude are in rad, not deg",
+    }
+}

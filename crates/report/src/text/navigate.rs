@@ -1,0 +1,85 @@
+//! A navigated drive as text.
+
+use crate::{numbers::get, parts::COMPONENTS};
+use undrift::results::{Innovations, Navigate, Numbers};
+
+/// How a drive was navigated, line by line.
+pub fn navigate(result: &Navigate) -> String {
+    let s = &result.summary;
+    let mut lines = Vec::new();
+    let mounting = result.mounting.as_ref();
+    lines.extend(mounting.map(|mounting| format!("mounting estimated: {mounting}")));
+    lines.push(format!("bias model {}; {}", result.bias_model, s.alignment));
+    lines.push(format!(
+        "navigated {} samples from {:.3} s to {:.3} s; {} samples and {} fixes before that",
+        s.samples, s.started.0, s.ended.0, s.align_samples, s.fixes_before
+    ));
+    lines.push(format!("{} fixes used", s.fixes));
+    for (name, sums) in [("position", &s.position), ("velocity", &s.velocity)] {
+        if sums.updates + sums.rejected > 0 {
+            lines.push(format!("{name}: {}", innovations(sums)));
+        }
+    }
+    for (name, sums) in [
+        ("non-holonomic constraint", &s.non_holonomic),
+        ("zero velocity", &s.zero_velocity),
+        ("odometer", &s.odometer),
+        ("barometer", &s.barometer),
+    ] {
+        if sums.updates > 0 {
+            let (n, nis) = (sums.updates, nis(sums));
+            lines.push(format!(
+                "{name}: {n} updates, NIS per degree of freedom {nis}"
+            ));
+        }
+    }
+    for (kind, parameter) in &s.parameters {
+        let [value, std] = [&parameter.value, &parameter.std]
+            .map(|numbers| numbers.iter().map(|n| n.0).collect::<Vec<f64>>());
+        lines.push(format!("{kind} {value:.4?} ± {std:.4?}"));
+    }
+    if let (Some(errors), Some(n)) = (&result.rms_error, result.compared_samples) {
+        let errors = known(errors, COMPONENTS.map(|(name, _)| name), 4);
+        lines.push(format!(
+            "RMS error against the truth at {n} samples: {errors}"
+        ));
+    }
+    let groups = [
+        "position",
+        "velocity",
+        "attitude",
+        "gyro_bias",
+        "accel_bias",
+    ];
+    let nees = known(&result.nees_per_dof, groups, 2).replace('_', " ");
+    if !nees.is_empty() {
+        lines.push(format!(
+            "NEES per degree of freedom against the truth, once a second (1 when the covariance is right): {nees}"
+        ));
+    }
+    lines.join("\n")
+}
+
+/// The numbers that there are, by name.
+fn known<const N: usize>(numbers: &Numbers, names: [&str; N], digits: usize) -> String {
+    let known = names.into_iter().map(|name| (name, get(numbers, name)));
+    let known = known.filter(|(_, value)| value.is_finite());
+    let known = known.map(|(name, value)| format!("{name} {value:.digits$}"));
+    Vec::from_iter(known).join(", ")
+}
+
+/// NIS, counts and autocorrelation in a line.
+fn innovations(sums: &Innovations) -> String {
+    let mut text = format!(
+        "NIS per degree of freedom {} (1 when the model is right)",
+        nis(sums)
+    );
+    if let Some((correlation, bound)) = sums.autocorrelation() {
+        text += &format!(", autocorrelation {correlation:.2} (±{bound:.2})");
+    }
+    text + &format!("; {} left out, {} weakened", sums.rejected, sums.weakened)
+}
+
+fn nis(sums: &Innovations) -> String {
+    sums.per_dof().map_or("none".into(), |r| format!("{r:.2}"))
+}
