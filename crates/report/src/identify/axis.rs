@@ -309,7 +309,10 @@ pub(crate) fn drift_table(name: &str, axis: &Axis) -> Table {
         "",
         "",
         &ranked,
-        &[(&head, &|(c, chosen)| Cell::from(&c.name).strong_if(*chosen))],
+        &[(&head, &|(c, chosen)| {
+            let arrow = if *chosen { "→" } else { " " };
+            Cell::from(format!("{arrow} {}", c.name)).strong_if(*chosen)
+        })],
     );
     add_drift(&mut rows, &ranked, |candidate, key| {
         short(get(&candidate.drift_score, key) * unit.scale).into()
