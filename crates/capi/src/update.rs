@@ -7,13 +7,7 @@ use crate::{
     status::{Status, call},
     types::{Gate, Outcome, Position, Update, Velocity},
 };
-use undrift_nav::{
-    Matrix3, Vector3,
-    aiding::Observation,
-    earth::Geodetic,
-    filter::{self, Outcome as Came},
-    sample,
-};
+use undrift_nav::{Matrix3, Vector3, aiding::Observation, earth::Geodetic, filter, sample};
 
 /// Runs an update past a gate.
 ///
@@ -52,9 +46,9 @@ unsafe fn run<const M: usize>(
         // By columns or by rows: it is symmetric.
         let update = filter.update_recorded(&observed, &r.into(), &gate, None)?;
         let (outcome, factor) = match update.outcome {
-            Came::Used => (Outcome::Used, 1.0),
-            Came::Weakened(factor) => (Outcome::Weakened, factor),
-            Came::Rejected => (Outcome::Rejected, 1.0),
+            filter::Outcome::Used => (Outcome::Used, 1.0),
+            filter::Outcome::Weakened(factor) => (Outcome::Weakened, factor),
+            filter::Outcome::Rejected => (Outcome::Rejected, 1.0),
         };
         if !done.is_null() {
             let update = Update {

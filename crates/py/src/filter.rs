@@ -212,7 +212,7 @@ impl Filter {
         lever_arm: [f64; 3],
         covariance: Option<[[f64; 3]; 3]>,
         gate: Option<(f64, f64)>,
-    ) -> PyResult<Option<Told>> {
+    ) -> PyResult<Option<Updated>> {
         let numbers = value.iter().chain(&lever_arm).chain([&std]);
         if numbers
             .chain(covariance.iter().flatten().flatten())
@@ -256,7 +256,7 @@ impl Filter {
         self.0.check().map_err(error)?;
         Ok(innovation
             .zip(update)
-            .map(|(innovation, update)| told(&innovation, update)))
+            .map(|(innovation, update)| updated(&innovation, update)))
     }
 
     /// The state by the names of `undrift.Solution`, each an array of one row.
@@ -290,9 +290,9 @@ impl Filter {
 }
 
 /// As [`Filter::update`] gives it.
-pub type Told = (Vec<f64>, f64, usize, Vec<f64>, &'static str, f64);
+pub type Updated = (Vec<f64>, f64, usize, Vec<f64>, &'static str, f64);
 
-fn told(innovation: &Vector3, update: Update) -> Told {
+fn updated(innovation: &Vector3, update: Update) -> Updated {
     let (outcome, factor) = match update.outcome {
         Outcome::Used => ("used", 1.0),
         Outcome::Weakened(factor) => ("weakened", factor),

@@ -23,6 +23,7 @@ mod statistics;
 #[pymodule]
 mod _undrift {
     #[pymodule_export]
+    #[expect(non_upper_case_globals, reason = "so it is called in Python")]
     const __version__: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]
     use crate::{

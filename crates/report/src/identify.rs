@@ -30,9 +30,8 @@ pub(crate) struct Units {
     /// Of bias instability and what it is of SI.
     pub instability: &'static str,
     pub instability_scale: f64,
-    /// Of a random walk's growth, the square root of an hour, and what it is of SI.
+    /// Of a random walk's growth, the square root of an hour.
     pub walk: &'static str,
-    pub walk_scale: f64,
     /// Of the integral.
     pub drift: &'static str,
 }
@@ -45,7 +44,6 @@ const GYRO: Units = Units {
     instability: "°/h",
     instability_scale: 180.0 / PI * 3600.0,
     walk: "°/h/√h",
-    walk_scale: 180.0 / PI * 3600.0 * 60.0,
     drift: "°",
 };
 const ACCEL: Units = Units {
@@ -56,7 +54,6 @@ const ACCEL: Units = Units {
     instability: "µg",
     instability_scale: 1e6 / 9.806_65,
     walk: "µg/√h",
-    walk_scale: 1e6 / 9.806_65 * 60.0,
     drift: "m/s",
 };
 
@@ -159,7 +156,7 @@ fn models<'a>(axes: impl Iterator<Item = Named<'a>>) -> Table {
             }),
             ("random walk", &|a| {
                 let (unit, term) = (units(a.name), &a.axis.allan_terms.random_walk);
-                seen(term, unit.walk_scale, unit.walk)
+                seen(term, 60.0 * unit.instability_scale, unit.walk)
             }),
             ("recommended model", &|a| (&a.axis.chosen.name).into()),
             ("outliers", &|a| (a.axis.outliers.len() as u64).into()),

@@ -13,10 +13,10 @@ use crate::{
     say,
 };
 use drift::drift;
-use statrs::distribution::{Binomial, DiscreteCDF};
 use undrift::{
     demo::WHITE_CALIBRATED,
     noise::order_statistics::quantile,
+    outages::is_clear_lead,
     results::{ModelErrors, Numbers, Outages},
 };
 use way::way;
@@ -191,7 +191,7 @@ fn findings(models: &[Model<'_>]) -> Vec<String> {
         let pairs = best.largest().into_iter().zip(second.largest());
         let pairs: Vec<(f64, f64)> = pairs.filter(|(a, b)| a != b).collect();
         let wins = pairs.iter().filter(|(a, b)| a < b).count();
-        let clear = is_clear(wins, pairs.len());
+        let clear = is_clear_lead(wins, pairs.len());
         found.push(format!(
             "Next is {} with {} m; {} drifted less than it in {wins} of {} outages, {} than chance gives.",
             second.spoken(),
@@ -218,15 +218,6 @@ fn listed(names: &[String]) -> String {
         Some((last, before)) if !before.is_empty() => format!("{} and {last}", before.join(", ")),
         _ => names.concat(),
     }
-}
-
-/// Whether so many wins of so many are rarer than 5 % by chance: sign test, both sides.
-fn is_clear(wins: usize, of: usize) -> bool {
-    let Ok(chance) = Binomial::new(0.5, of as u64) else {
-        return false;
-    };
-    let fewer = wins.min(of - wins) as u64;
-    2.0 * chance.cdf(fewer) < 0.05 && 2 * wins > of
 }
 
 /// A statistic of a model's errors over the outages, by component.
@@ -302,13 +293,6 @@ fn table_of(name: &str, caption: &str, models: &[&Model<'_>], of: Statistic) -> 
 mod tests {
     use super::*;
     use undrift::results::Number;
-
-    #[test]
-    fn a_clear_lead_is_rarer_than_chance() {
-        // Binomial(15, ½): P(≥ 12) = 1.76 %, both sides 3.5 %; P(≥ 11) = 5.9 %.
-        assert!(is_clear(12, 15) && !is_clear(11, 15) && !is_clear(3, 15));
-        assert!(!is_clear(0, 0));
-    }
 
     #[test]
     fn the_least_stands_out() {

@@ -3,6 +3,7 @@
 
 mod drift;
 mod errors;
+mod lead;
 mod logs;
 mod result;
 mod run;
@@ -10,6 +11,7 @@ mod schedule;
 
 pub use drift::{DriftCurve, drift_curve};
 pub use errors::{ModelErrors, ModelOutcome, ModelRun, OutageErrors};
+pub use lead::is_clear_lead;
 pub use logs::Logs;
 pub use result::{result, track};
 pub use run::run;
