@@ -16,8 +16,8 @@ pub mod partial;
 pub use partial::{Partial, partial_autocorrelation};
 
 use crate::screening::record::{Compensated, RecordError, check_varying, dot};
+use crate::transform::{Transform, add_product};
 use realfft::RealFftPlanner;
-use realfft::num_complex::Complex64;
 
 /// Two-sided 95 % point of the normal distribution.
 pub const NORMAL_95: f64 = 1.959_963_984_540_054;
@@ -102,32 +102,17 @@ fn by_fft(x: &[f64], mean: f64, lags: usize) -> Vec<f64> {
     let whole = (x.len() + lags).next_power_of_two();
     let size = (4 * (lags + 1)).next_power_of_two().max(4096).min(whole);
     let stretch = size - lags;
-    let mut planner = RealFftPlanner::<f64>::new();
-    let (forward, inverse) = (
-        planner.plan_fft_forward(size),
-        planner.plan_fft_inverse(size),
-    );
-    let (mut time, mut scratch) = (forward.make_input_vec(), forward.make_scratch_vec());
-    let (mut short, mut long) = (forward.make_output_vec(), forward.make_output_vec());
-    let mut sum = vec![Complex64::new(0.0, 0.0); short.len()];
+    let transform = Transform::new(size / 2, &mut RealFftPlanner::new());
+    let mut room = transform.room();
+    let [mut short, mut long, mut sum] = [(); 3].map(|()| transform.empty());
     for start in (0..x.len()).step_by(stretch) {
-        for (end, spectrum) in [(start + stretch, &mut short), (start + size, &mut long)] {
-            let part = &x[start..end.min(x.len())];
-            time.fill(0.0);
-            for (slot, value) in time.iter_mut().zip(part) {
-                *slot = value - mean;
-            }
-            // The buffers have the plan's own sizes: this cannot fail.
-            let _ = forward.process_with_scratch(&mut time, spectrum, &mut scratch);
-        }
-        for ((sum, a), b) in sum.iter_mut().zip(&short).zip(&long) {
-            *sum += a.conj() * b;
-        }
+        let part = &x[start..x.len().min(start + size)];
+        let part: Vec<f64> = part.iter().map(|value| value - mean).collect();
+        transform.spectrum(&part[..stretch.min(part.len())], &mut room, &mut short);
+        transform.spectrum(&part, &mut room, &mut long);
+        add_product(&mut sum, &short, &long);
     }
-    // Rounding leaves a trace of an imaginary part where there can be none.
-    let last = sum.len() - 1;
-    (sum[0].im, sum[last].im) = (0.0, 0.0);
-    let mut scratch = inverse.make_scratch_vec();
-    let _ = inverse.process_with_scratch(&mut sum, &mut time, &mut scratch);
-    time[..=lags].iter().map(|v| v / size as f64).collect()
+    let mut products = vec![0.0; lags + 1];
+    transform.add_samples(&mut sum, &mut room, &mut products);
+    products
 }

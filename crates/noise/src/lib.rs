@@ -26,6 +26,7 @@ pub mod screening;
 pub mod spectrum;
 pub mod stationarity;
 pub mod synthesis;
+mod transform;
 pub mod wavelet;
 pub mod whiteness;
 

@@ -5,10 +5,10 @@
 //! so that no FFT is longer than [`LONGEST`]. The order of every sum is fixed by the lengths alone.
 
 use crate::screening::record::dot;
+use crate::transform::{Room, Transform, ZERO, add_product};
 use rayon::prelude::*;
+use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
-use std::sync::Arc;
 
 /// Longest FFT. Half of it is a fifth slower at 20 million samples, twice takes more room.
 const LONGEST: usize = 1 << 20;
@@ -19,113 +19,50 @@ const LEAF: usize = 256;
 /// Samples below which work is not split between the cores.
 const SHARE: usize = 1 << 14;
 
-const ZERO: Complex64 = Complex64::new(0.0, 0.0);
-
-/// The transforms of one block length.
-struct Transform {
-    block: usize,
-    forward: Arc<dyn RealToComplex<f64>>,
-    inverse: Arc<dyn ComplexToReal<f64>>,
+/// The spectra of so many parts.
+fn spectra<'a>(
+    of: &Transform,
+    count: usize,
+    part: impl Fn(usize) -> &'a [f64] + Sync,
+) -> Vec<Vec<Complex64>> {
+    let one = |room: &mut Room, k| {
+        let mut spectrum = of.empty();
+        of.spectrum(part(k), room, &mut spectrum);
+        spectrum
+    };
+    let all = (0..count).into_par_iter();
+    all.map_init(|| of.room(), one).collect()
 }
 
-/// Room for one transform.
-struct Room {
-    time: Vec<f64>,
-    scratch: Vec<Complex64>,
-}
-
-impl Transform {
-    fn new(block: usize, planner: &mut RealFftPlanner<f64>) -> Self {
-        Self {
-            block,
-            forward: planner.plan_fft_forward(2 * block),
-            inverse: planner.plan_fft_inverse(2 * block),
-        }
-    }
-
-    fn room(&self) -> Room {
-        let scratch = self.forward.get_scratch_len();
-        Room {
-            time: vec![0.0; 2 * self.block],
-            scratch: vec![ZERO; scratch.max(self.inverse.get_scratch_len())],
-        }
-    }
-
-    fn empty(&self) -> Vec<Complex64> {
-        vec![ZERO; self.block + 1]
-    }
-
-    /// Spectrum of at most two blocks of samples, zeros after them.
-    fn spectrum(&self, part: &[f64], room: &mut Room, spectrum: &mut [Complex64]) {
-        let (filled, rest) = room.time.split_at_mut(part.len());
-        filled.copy_from_slice(part);
-        rest.fill(0.0);
-        // The buffers have the plan's own sizes: this cannot fail.
-        let time = &mut room.time;
-        let _ = (self.forward).process_with_scratch(time, spectrum, &mut room.scratch);
-    }
-
-    /// Adds the first block of a spectrum's samples to `out`.
-    fn add_samples(&self, spectrum: &mut [Complex64], room: &mut Room, out: &mut [f64]) {
-        // Rounding leaves a trace of an imaginary part where there can be none.
-        (spectrum[0].im, spectrum[self.block].im) = (0.0, 0.0);
-        let time = &mut room.time;
-        let _ = (self.inverse).process_with_scratch(spectrum, time, &mut room.scratch);
-        let scale = 0.5 / self.block as f64;
-        for (slot, value) in out.iter_mut().zip(&room.time[..self.block]) {
-            *slot += value * scale;
-        }
-    }
-
-    /// The spectra of so many parts.
-    fn spectra<'a>(
-        &self,
-        count: usize,
-        part: impl Fn(usize) -> &'a [f64] + Sync,
-    ) -> Vec<Vec<Complex64>> {
-        let one = |room: &mut Room, k| {
-            let mut spectrum = self.empty();
-            self.spectrum(part(k), room, &mut spectrum);
-            spectrum
-        };
-        let all = (0..count).into_par_iter();
-        all.map_init(|| self.room(), one).collect()
-    }
-
-    /// `out[j] += Σ_{i<count} x[short + i] x[long + i + j]`, zeros after the end of x; spread over the
-    /// cores.
-    fn slide(&self, x: &[f64], short: usize, count: usize, long: usize, out: &mut [f64]) {
-        let block = self.block;
-        let shorts = self.spectra(count.div_ceil(block), |k| {
-            part(x, short + k * block, block.min(count - k * block))
-        });
-        let reached = x.len().saturating_sub(long).div_ceil(block);
-        let longs = shorts.len() + out.len().div_ceil(block) - 1;
-        let longs = self.spectra(longs.min(reached), |k| part(x, long + k * block, 2 * block));
-        let outs = out.par_chunks_mut(block).enumerate();
-        outs.for_each_init(
-            || (self.room(), self.empty()),
-            |(room, sum), (k, out)| {
-                sum.fill(ZERO);
-                for (short, long) in shorts.iter().zip(longs.iter().skip(k)) {
-                    add_product(sum, short, long);
-                }
-                self.add_samples(sum, room, out);
-            },
-        );
-    }
+/// `out[j] += Σ_{i<count} x[short + i] x[long + i + j]`, zeros after the end of x; spread over the
+/// cores.
+fn slide(of: &Transform, x: &[f64], short: usize, count: usize, long: usize, out: &mut [f64]) {
+    let block = of.block;
+    let shorts = spectra(of, count.div_ceil(block), |k| {
+        part(x, short + k * block, block.min(count - k * block))
+    });
+    let reached = x.len().saturating_sub(long).div_ceil(block);
+    let longs = shorts.len() + out.len().div_ceil(block) - 1;
+    let longs = spectra(of, longs.min(reached), |k| {
+        part(x, long + k * block, 2 * block)
+    });
+    let outs = out.par_chunks_mut(block).enumerate();
+    outs.for_each_init(
+        || (of.room(), of.empty()),
+        |(room, sum), (k, out)| {
+            sum.fill(ZERO);
+            for (short, long) in shorts.iter().zip(longs.iter().skip(k)) {
+                add_product(sum, short, long);
+            }
+            of.add_samples(sum, room, out);
+        },
+    );
 }
 
 /// At most `count` samples from `start` on, as far as there are.
 fn part(x: &[f64], start: usize, count: usize) -> &[f64] {
     let start = start.min(x.len());
     &x[start..(start + count).min(x.len())]
-}
-
-fn add_product(sum: &mut [Complex64], a: &[Complex64], b: &[Complex64]) {
-    for ((sum, a), b) in sum.iter_mut().zip(a).zip(b) {
-        *sum += a.conj() * b;
-    }
 }
 
 /// The transforms by which records are summed to one lag.
@@ -174,7 +111,7 @@ impl Plan {
     /// `R(k) = Σ_n x[n] x[n + k]`, k = 0 … 2 · largest.
     pub(super) fn whole(&self, x: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; 2 * self.largest + 1];
-        self.whole.slide(x, 0, x.len(), 0, &mut sums);
+        slide(&self.whole, x, 0, x.len(), 0, &mut sums);
         sums
     }
 
@@ -190,7 +127,7 @@ impl Plan {
             if half > transform.block {
                 for (a, node) in (0..).step_by(width).zip(sums.chunks_mut(width)) {
                     if a + half <= self.largest {
-                        transform.slide(x, a, half, 2 * a + half, &mut node[half..]);
+                        slide(transform, x, a, half, 2 * a + half, &mut node[half..]);
                     }
                 }
             } else {

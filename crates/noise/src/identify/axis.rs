@@ -136,27 +136,26 @@ impl Axis {
     /// The model to store: the recommended one, with the runner-up and the scores beside it.
     pub fn model(&self) -> AxisModel {
         let chosen = self.recommended();
-        let mut model = chosen.model.clone();
-        let mut note = toml::Table::new();
-        note.insert("model".into(), chosen.name.clone().into());
-        note.insert("reason".into(), self.reason.clone().into());
+        let list = |of: fn(&HorizonScore) -> f64, scores: &[HorizonScore]| -> toml::Value {
+            scores.iter().map(of).collect::<Vec<f64>>().into()
+        };
+        let scores = self.candidates.iter();
+        let scores: toml::Table = scores
+            .map(|candidate| (candidate.name.clone(), list(|s| s.rms, &candidate.score)))
+            .collect();
+        let note: [(&str, toml::Value); 4] = [
+            ("model", chosen.name.as_str().into()),
+            ("reason", self.reason.as_str().into()),
+            ("horizons_s", list(|s| s.horizon_s, &chosen.score)),
+            ("drift_scores", scores.into()),
+        ];
         let runner_up = self.ranking().into_iter().find(|i| *i != self.chosen);
-        if let Some(index) = runner_up {
-            note.insert(
-                "runner_up".into(),
-                self.candidates[index].name.clone().into(),
-            );
+        let runner_up = runner_up.map(|i| ("runner_up", self.candidates[i].name.as_str().into()));
+        let note = note.into_iter().chain(runner_up);
+        AxisModel {
+            identification: note.map(|(key, value)| (key.to_owned(), value)).collect(),
+            ..chosen.model.clone()
         }
-        let mut scores = toml::Table::new();
-        for candidate in &self.candidates {
-            let row: Vec<toml::Value> = candidate.score.iter().map(|s| s.rms.into()).collect();
-            scores.insert(candidate.name.clone(), row.into());
-        }
-        let horizons: Vec<toml::Value> = chosen.score.iter().map(|s| s.horizon_s.into()).collect();
-        note.insert("horizons_s".into(), horizons.into());
-        note.insert("drift_scores".into(), scores.into());
-        model.identification = note;
-        model
     }
 }
 
