@@ -25,9 +25,12 @@ use crate::format::Format;
 use crate::skipped::{SkipKind, Skipped};
 use crate::source::{Again, Source};
 
+/// Whether a log that begins so is of a format.
+type Detect = fn(&[u8]) -> bool;
+
 /// Formats and how they are known, in the order in which they are looked for: those with a mark at their
 /// beginning first, then text that may hold stray bytes of others.
-const FORMATS: [(Format, fn(&[u8]) -> bool); 8] = [
+const FORMATS: [(Format, Detect); 8] = [
     (Format::RosBag, bag::detect),
     (Format::Mcap, mcap::detect),
     (Format::ULog, ulog::detect),

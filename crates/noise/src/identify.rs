@@ -122,8 +122,11 @@ fn horizons(samples: usize, rate_hz: f64) -> Result<Vec<f64>, IdentifyError> {
     Ok(fitting)
 }
 
+/// A test by the name of the rule that chose its lags.
+type ByRule = (&'static str, Adf);
+
 /// The augmented Dickey-Fuller test at fixed lags, and with the lags that each rule chooses.
-fn dickey_fuller(x: &[f64]) -> Result<(Adf, Vec<(&'static str, Adf)>), RecordError> {
+fn dickey_fuller(x: &[f64]) -> Result<(Adf, Vec<ByRule>), RecordError> {
     let adf = |lags| stationarity::adf(x, Deterministic::Constant, lags);
     let rules = [
         ("aic", Lags::Aic(Some(ADF_LAGS))),

@@ -120,7 +120,7 @@ pub struct SolutionFile<W: Write + Seek + Send = PendingFile> {
 
 /// The writer of a format.
 enum Writer<W: Write + Seek + Send> {
-    Text(TextWriter<W>),
+    Text(Box<TextWriter<W>>),
     Mcap(Box<McapWriter<W>>),
     #[cfg(feature = "parquet")]
     Parquet(Box<ParquetTableWriter<W>>),
@@ -209,7 +209,7 @@ impl<W: Write + Seek + Send> SolutionFile<W> {
                 return Err(io::Error::new(io::ErrorKind::Unsupported, message));
             }
         };
-        let writer = Writer::Text(TextWriter::new(out, format, week, every));
+        let writer = Writer::Text(Box::new(TextWriter::new(out, format, week, every)));
         Ok(Self { writer, thinning })
     }
 

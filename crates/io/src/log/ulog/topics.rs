@@ -55,16 +55,21 @@ type ReadPose = dyn Fn(&[u8], Option<(f64, Vector3)>) -> Result<What, Unfit> + S
 /// tells it.
 type ReadSample = dyn Fn(&[u8]) -> Result<(What, Option<(f64, f64)>), Unfit> + Send;
 
+/// Makes a fix of a message.
+type ReadFix = dyn Fn(&[u8]) -> Result<What, Unfit> + Send;
+/// Reads time \[s\] and velocity north-east-down [m/s] of a message.
+type ReadVelocity = dyn Fn(&[u8]) -> (f64, Vector3) + Send;
+
 /// What is made of a message, by the fields of its topic.
 pub(super) enum TopicReader {
     /// An inertial sample.
     Imu(Box<ReadSample>),
     /// A fix.
-    Gps(Box<dyn Fn(&[u8]) -> Result<What, Unfit> + Send>),
+    Gps(Box<ReadFix>),
     /// A reference solution.
     Pose(Box<ReadPose>),
     /// Time \[s\] and velocity north-east-down [m/s].
-    Velocity(Box<dyn Fn(&[u8]) -> (f64, Vector3) + Send>),
+    Velocity(Box<ReadVelocity>),
 }
 
 impl TopicReader {
