@@ -108,8 +108,10 @@ pub(super) fn px4(imu: &Equivalent, rate_hz: f64) -> String {
     let drive = |axis: &Axis| axis.slow.drive() * root;
     let turn_on = |axis: &Axis| axis.turn_on;
     let (gyro, accel) = (&imu.gyro, &imu.accel);
+    /// Name, axes, what of an axis, PX4's range and unit.
+    type Parameter<'a> = (&'a str, &'a [Axis; 3], OfAxis<'a>, f64, f64, &'a str);
     type OfAxis<'a> = &'a dyn Fn(&Axis) -> f64;
-    let parameters: [(&str, &[Axis; 3], OfAxis, f64, f64, &str); 6] = [
+    let parameters: [Parameter; 6] = [
         ("EKF2_GYR_NOISE", gyro, &white, 1e-4, 0.1, "rad/s"),
         ("EKF2_ACC_NOISE", accel, &white, 0.01, 1.0, "m/s²"),
         ("EKF2_GYR_B_NOISE", gyro, &drive, 0.0, 0.01, "rad/s²"),
