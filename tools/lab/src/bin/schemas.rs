@@ -7,7 +7,8 @@ use undrift::results::Results;
 /// The schemas by their files.
 fn schemas() -> Vec<(PathBuf, String)> {
     let written = SchemaSettings::draft2020_12().for_serialize();
-    let results: Schema = written.into_generator().into_root_schema_for::<Results>();
+    let mut results: Schema = written.into_generator().into_root_schema_for::<Results>();
+    add_kinds(&mut results);
     [("results", results)]
         .into_iter()
         .map(|(name, schema)| {
@@ -18,6 +19,24 @@ fn schemas() -> Vec<(PathBuf, String)> {
             (folder.join(format!("{name}.schema.json")), text)
         })
         .collect()
+}
+
+/// Each result names its kind, which the derived schema leaves out: the tag of a struct.
+fn add_kinds(results: &mut Schema) {
+    let kinds = results.get("anyOf").and_then(|all| all.as_array()).cloned();
+    for kind in kinds.unwrap_or_default() {
+        let Some(path) = kind["$ref"].as_str() else {
+            continue;
+        };
+        let name = path.rsplit('/').next().unwrap_or_default();
+        let Some(schema) = results.pointer_mut(path.trim_start_matches('#')) else {
+            continue;
+        };
+        schema["properties"]["kind"] = serde_json::json!({ "type": "string", "const": name });
+        if let Some(required) = schema["required"].as_array_mut() {
+            required.push("kind".into());
+        }
+    }
 }
 
 fn main() -> std::io::Result<()> {
