@@ -73,7 +73,7 @@ fn check(schema: &Value, root: &Value, value: &Value, path: &str, problems: &mut
     }
     if let Some(object) = value.as_object() {
         let mut known = Map::new();
-        keys(schema, root, &mut known);
+        keys(schema, root, value, &mut known);
         for required in schema["required"].as_array().into_iter().flatten() {
             if !object.contains_key(required.as_str().unwrap()) {
                 problems.push(format!("{path}: {required} is missing"));
@@ -115,15 +115,22 @@ fn check_open(schema: &Value, root: &Value, value: &Value, problems: &mut Vec<St
     );
 }
 
-/// The keys that a schema knows, with their schemas.
-fn keys(schema: &Value, root: &Value, known: &mut Map<String, Value>) {
+/// The keys that a schema knows of a value, with their schemas; of alternatives, those that the value fits.
+fn keys(schema: &Value, root: &Value, value: &Value, known: &mut Map<String, Value>) {
     let schema = resolved(schema, root);
     if let Some(properties) = schema["properties"].as_object() {
         known.extend(properties.clone());
     }
-    for keyword in ["anyOf", "oneOf", "allOf"] {
+    for one in schema["allOf"].as_array().into_iter().flatten() {
+        keys(one, root, value, known);
+    }
+    for keyword in ["anyOf", "oneOf"] {
         for one in schema[keyword].as_array().into_iter().flatten() {
-            keys(one, root, known);
+            let mut against = Vec::new();
+            check_open(one, root, value, &mut against);
+            if against.is_empty() {
+                keys(one, root, value, known);
+            }
         }
     }
 }
