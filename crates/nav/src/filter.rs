@@ -451,9 +451,14 @@ impl<const N: usize> Filter<N> {
                 for j in 0..3 {
                     self.p[(i, j)] += v[i] * v[j] * variance;
                 }
-                self.p[(3 + i, 3 + i)] += START_ACCEL * START_ACCEL * variance;
                 self.p[(i, at)] = v[i] * variance;
                 self.p[(at, i)] = v[i] * variance;
+            }
+        }
+        let offset = self.parameter_start(Parameter::VelocityTimeOffset);
+        if let Some(at) = offset.or(self.parameter_start(Parameter::TimeOffset)) {
+            for i in 3..6 {
+                self.p[(i, i)] += START_ACCEL * START_ACCEL * self.p[(at, at)];
             }
         }
     }
@@ -483,6 +488,16 @@ impl<const N: usize> Filter<N> {
             self.p[(6 + i, 6 + i)] += a * a;
         }
         self.previous = None;
+    }
+
+    /// Adds the covariance of a turn \[rad²\] and of a change of velocity \[m²/s²\], body axes, that the samples just
+    /// passed may have missed.
+    pub fn widen(&mut self, turn: &Matrix3, velocity: &Matrix3) {
+        for (at, covariance) in [(3, velocity), (6, turn)] {
+            let turned = self.c_nb * covariance * self.c_nb.transpose();
+            let mut own = self.p.fixed_view_mut::<3, 3>(at, at);
+            own += turned;
+        }
     }
 
     /// Kalman update with a measurement of covariance `r`: innovation ν = predicted less measured,

@@ -25,7 +25,8 @@ pub enum Parameter {
     AccelMisalignment,
     /// Lever arm IMU → antenna, body axes \[m\].
     LeverArm,
-    /// By how much a fix is later than its stamp says \[s\].
+    /// By how much a fix is later than its stamp says \[s\]; of its position alone where
+    /// [`Parameter::VelocityTimeOffset`] is estimated, too.
     TimeOffset,
     /// Small turn of the vehicle's axes against the body axes, about pitch and yaw \[rad\].
     Mounting,
@@ -35,11 +36,14 @@ pub enum Parameter {
     OdometerScale,
     /// Error of the barometric height \[m\].
     BarometerBias,
+    /// By how much the velocity of a fix is later than its stamp says \[s\]: receivers find it in another way
+    /// than the position, and not always at the same instant.
+    VelocityTimeOffset,
 }
 
 impl Parameter {
     /// All kinds in order.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::GyroScale,
         Self::AccelScale,
         Self::GyroMisalignment,
@@ -50,6 +54,7 @@ impl Parameter {
         Self::Axle,
         Self::OdometerScale,
         Self::BarometerBias,
+        Self::VelocityTimeOffset,
     ];
 
     /// States of a block.
@@ -58,7 +63,11 @@ impl Parameter {
             Self::GyroScale | Self::AccelScale | Self::LeverArm => 3,
             Self::GyroMisalignment | Self::AccelMisalignment => 6,
             Self::Mounting => 2,
-            Self::TimeOffset | Self::Axle | Self::OdometerScale | Self::BarometerBias => 1,
+            Self::TimeOffset
+            | Self::Axle
+            | Self::OdometerScale
+            | Self::BarometerBias
+            | Self::VelocityTimeOffset => 1,
         }
     }
 }

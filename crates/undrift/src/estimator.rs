@@ -116,6 +116,8 @@ pub trait Estimator: Send + Sync {
     fn grow(&mut self, duration: f64, rate: f64, accel: f64);
     /// Adds uncertainty to position \[m\], velocity \[m/s\] and tilt \[rad\], one sigma.
     fn doubt(&mut self, position: f64, velocity: f64, tilt: f64);
+    /// Adds uncertainty in the turn \[rad²\] and the change of velocity \[m²/s²\] of what was just passed, body axes.
+    fn widen(&mut self, turn: &Matrix3, velocity: &Matrix3);
     /// Innovation of a measurement, predicted less measured, zeros behind its components; `None`
     /// where it says nothing: a course of a vehicle that points up or down.
     fn innovation(&self, aiding: &Aiding) -> Option<Vector3>;
@@ -336,6 +338,10 @@ impl<const N: usize> Estimator for Sized<N> {
 
     fn doubt(&mut self, position: f64, velocity: f64, tilt: f64) {
         self.filter.doubt(position, velocity, tilt);
+    }
+
+    fn widen(&mut self, turn: &Matrix3, velocity: &Matrix3) {
+        self.filter.widen(turn, velocity);
     }
 
     fn innovation(&self, aiding: &Aiding) -> Option<Vector3> {

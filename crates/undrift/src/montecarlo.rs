@@ -220,7 +220,7 @@ impl<'a> Stage<'a> {
                 settings.align.attitude = start;
             }
             // The true bias is where the samples come from, and is looked at where they go.
-            let now = Cell::new((0, [0.0; AXES]));
+            let now = Cell::new([(0, [0.0; AXES]); 2]);
             let mut errors = SensorErrors::new(&sensors, spec.rate_hz, seed)?;
             let mut samples = self.ideal.iter().enumerate().map(|(k, ideal)| {
                 let sample = errors.apply(ideal);
@@ -229,7 +229,7 @@ impl<'a> Stage<'a> {
                 } else {
                     [f64::NAN; AXES]
                 };
-                now.set((k + 1, bias));
+                now.set([now.get()[1], (k + 1, bias)]);
                 Ok(sample)
             });
             let mut watch = Watch {
@@ -264,8 +264,8 @@ impl<'a> Stage<'a> {
 struct Watch<'a> {
     stage: &'a Stage<'a>,
     settings: &'a Settings,
-    /// Samples so far and, at epochs, the true bias after the last.
-    now: &'a Cell<(usize, [f64; AXES])>,
+    /// The last two samples by their number from 1 and, at epochs, the true bias after them: the replay holds one back.
+    now: &'a Cell<[(usize, [f64; AXES]); 2]>,
     next_fix: usize,
     outcome: RunOutcome,
 }
@@ -281,7 +281,12 @@ impl Watch<'_> {
 impl Observer for Watch<'_> {
     fn sample(&mut self, filter: &dyn Estimator) -> Result<(), ReplayError> {
         let settled = self.settled(filter.nav().time);
-        let (samples, bias) = self.now.get();
+        let interval = self.settings.sensors[0].interval;
+        let number = (filter.nav().time / interval).round() as usize;
+        let now = self.now.get();
+        let Some((samples, bias)) = now.into_iter().find(|(samples, _)| *samples == number) else {
+            return Ok(());
+        };
         if samples % self.stage.stride != 0 {
             return Ok(());
         }

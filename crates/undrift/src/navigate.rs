@@ -113,6 +113,7 @@ pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateErro
         align.heading = Heading::Auto;
     }
     Ok(Settings {
+        rotation: drive.imu.1.rotation,
         lever_arm: drive.lever_arm,
         gnss_use: drive.gnss_use,
         align,
@@ -180,6 +181,11 @@ pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report
     settings.nodes = smooth.then_some(NODE_SPAN);
     if smooth {
         settings.start = smooth::better_start(
+            &mut drive.open_imu()?,
+            &mut Aids::open(&drive)?.measurements(),
+            &settings,
+        )?;
+        settings.doubts = smooth::doubts(
             &mut drive.open_imu()?,
             &mut Aids::open(&drive)?.measurements(),
             &settings,

@@ -47,6 +47,8 @@ settings! {
         alignment_motion: AlignmentMotionSettings = AlignmentMotionSettings::default(),
         /// Gaps in the samples.
         gaps: GapSettings = GapSettings::default(),
+        /// Samples that cannot be right.
+        samples: SampleSettings = SampleSettings::default(),
         /// Which fixes are accepted.
         gate: GateSettings = GateSettings::default(),
         /// How the accuracy of the fixes is adapted.
@@ -163,6 +165,40 @@ settings! {
         longest: f64 = 60.0,
     }
 
+    /// Samples that cannot be right.
+    SampleSettings {
+        /// Values of an axis after which it is known what it usually does.
+        least_values: u64 = 500,
+        /// A spike is so many times further from the mean of its neighbours than nine in ten samples, …
+        spike_steps: f64 = 25.0,
+        /// … by this rate \[rad/s\] …
+        spike_rate: f64 = 1.0,
+        /// … or this specific force \[m/s²\]: a pothole does less in one sample, …
+        spike_force: f64 = 30.0,
+        /// … and its neighbours are apart by no more than this part of that.
+        spike_apart: f64 = 0.3,
+        /// By what part the usual distance to the neighbours' mean follows each sample.
+        step_gain: f64 = 0.05,
+        /// What replaces a spike is in doubt by so many usual distances.
+        replaced_steps: f64 = 5.0,
+        /// A frozen axis repeats a value for so long \[s\] …
+        frozen: f64 = 0.5,
+        /// … and for so many times the usual number of samples.
+        frozen_times: f64 = 20.0,
+        /// A saturated one repeats its largest or smallest value for so many times the usual number …
+        saturated_times: f64 = 4.0,
+        /// … so many usual standard deviations from its mean.
+        saturated_spread: f64 = 4.0,
+        /// What is usual of an axis is taken over so long \[s\].
+        usual: f64 = 60.0,
+        /// How long a turn or an acceleration lasts that a stuck axis misses \[s\].
+        turn_lasts: f64 = 5.0,
+        /// What a vehicle may at least do meanwhile: turn rate \[rad/s\] …
+        rate: f64 = 0.1,
+        /// … and acceleration \[m/s²\].
+        force: f64 = 1.0,
+    }
+
     /// Which fixes are accepted. NIS is per degree of freedom.
     GateSettings {
         /// Innovations after which their usual size is known.
@@ -173,8 +209,11 @@ settings! {
         senseless: f64 = 400.0,
         /// NIS relative to the usual from which a fix is weakened …
         weaken: f64 = 5.0,
-        /// … and rejected.
+        /// … and rejected, …
         reject: f64 = 30.0,
+        /// … in an unconfirmed solution, where rejecting a right fix costs most: one in a million of
+        /// right ones has 30.7 of 3.
+        reject_unconfirmed: f64 = 10.2,
         /// The solution is unconfirmed after so long without a fix \[s\] …
         gap: f64 = 3.0,
         /// … until it has accepted so many.

@@ -12,7 +12,8 @@
 
 use crate::{
     estimator::{Adjoint, Estimator},
-    replay::{Measurements, Observer, ReplayError, Samples, Settings, replay},
+    reference::Predicted,
+    replay::{Doubt, Measurements, Observer, ReplayError, Samples, Settings, replay},
 };
 use nalgebra::{DMatrix, DVector};
 use std::{
@@ -35,6 +36,8 @@ pub struct Node {
     pub nav: NavState,
     /// Standard deviations of `[δr; δv; ψ]` [m, m/s, rad].
     pub nav_std: [f64; NAV],
+    /// Covariances of δr, δv and ψ.
+    pub predicted: Predicted,
     /// Sensor states and parameters behind the navigation errors.
     pub estimates: Vec<f64>,
     /// Sensor errors, gyro x, y, z [rad/s], accelerometer x, y, z [m/s²].
@@ -309,6 +312,9 @@ fn node(
     Node {
         nav: nav.without_error(&part(0), &part(3), &part(6)),
         nav_std: core::array::from_fn(|i| covariance[(i, i)].max(0.0).sqrt()),
+        predicted: Predicted(
+            [0, 3, 6].map(|at| covariance.fixed_view::<3, 3>(at, at).into_owned()),
+        ),
         estimates,
         sensor_error,
         sensor_error_std: sensors.error_std(|i, j| covariance[(i, j)]),
@@ -342,6 +348,30 @@ pub fn better_start(
     match replay(&mut first, aiding, settings, &mut history) {
         Ok(_) => Ok(history.smooth()?.map(|smoothed| smoothed.start)),
         Err(ReplayError::NotAligned(_)) => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+/// Where a first pass finds the solution to go wrong, for [`Settings::doubts`] of the pass that is smoothed: a
+/// covariance that jumps at one instant would cut the smoother in two there. Nothing without nodes.
+///
+/// # Errors
+/// As [`replay`].
+pub fn doubts(
+    imu: &mut Samples,
+    aiding: &mut Measurements,
+    settings: &Settings,
+) -> Result<Vec<Doubt>, ReplayError> {
+    if settings.nodes.is_none() || !settings.gating {
+        return Ok(Vec::new());
+    }
+    let settings = Settings {
+        nodes: None,
+        ..settings.clone()
+    };
+    match replay(imu, aiding, &settings, &mut ()) {
+        Ok(summary) => Ok(summary.doubts),
+        Err(ReplayError::NotAligned(_)) => Ok(Vec::new()),
         Err(error) => Err(error),
     }
 }
@@ -448,6 +478,7 @@ impl<'a> Path<'a> {
             out(Node {
                 nav: nav.without_error(&drift, &(dv * w), &(psi * w)),
                 nav_std: core::array::from_fn(|i| mix(from.nav_std[i], to.nav_std[i])),
+                predicted: to.predicted,
                 estimates: from
                     .estimates
                     .iter()

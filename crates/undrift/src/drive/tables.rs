@@ -260,6 +260,7 @@ pub(super) fn read_vehicle(section: &Section) -> Result<(Constraints, Parameters
         (Parameter::Mounting, mounting),
         (Parameter::Axle, axle),
         (Parameter::TimeOffset, time_offset),
+        (Parameter::VelocityTimeOffset, time_offset),
     ] {
         if let Some(std) = std {
             parameters = parameters.with(kind, Prior { std, walk: 0.0 });
@@ -275,7 +276,9 @@ pub(super) fn read_states(
 ) -> Result<Parameters, ConfigError> {
     let std = |key, quantity| read_std(section, key, quantity, None);
     if section.get("time_offset").is_some() {
-        parameters = parameters.without(Parameter::TimeOffset);
+        parameters = parameters
+            .without(Parameter::TimeOffset)
+            .without(Parameter::VelocityTimeOffset);
     }
     for (kinds, std) in [
         (
@@ -288,7 +291,7 @@ pub(super) fn read_states(
         ),
         (&[Parameter::LeverArm], std("lever_arm", Quantity::Length)?),
         (
-            &[Parameter::TimeOffset],
+            &[Parameter::TimeOffset, Parameter::VelocityTimeOffset],
             std("time_offset", Quantity::Time)?,
         ),
     ] {

@@ -3,14 +3,14 @@
 use super::{
     events::Part,
     gate::{FixGate, Scale, Verdict},
-    summary::Summary,
+    summary::{MOST_EVENTS, Summary},
     watch::LeanWatch,
 };
 use crate::{
     estimator::{Aiding, Estimator},
     settings::{
         EngineSettings,
-        replay::{GnssUse, Settings},
+        replay::{Doubt, GnssUse, Settings},
     },
 };
 use undrift_nav::{
@@ -97,11 +97,12 @@ impl<'a> Receiver<'a> {
     }
 
     /// Updates the filter, which stands at or after the time `due` \[s\] at which the fix holds, with its
-    /// position and velocity.
+    /// position and velocity, or with one of them.
     pub(super) fn update(
         &mut self,
         filter: &mut dyn Estimator,
         fix: &GnssFix,
+        part: Option<Part>,
         due: f64,
         settings: &Settings,
         summary: &mut Summary,
@@ -113,14 +114,18 @@ impl<'a> Receiver<'a> {
         let open = !settings.gating
             || self.position.gate.is_senseless()
             || self.velocity.gate.is_senseless();
-        let frozen = settings.gating && self.is_frozen(filter, fix, &lever_arm);
-        if self.frozen && !frozen {
-            self.position.gate.unconfirm();
-            self.velocity.gate.unconfirm();
+        if part != Some(Part::Velocity) {
+            let frozen = settings.gating && self.is_frozen(filter, fix, &lever_arm);
+            if self.frozen && !frozen {
+                self.position.gate.unconfirm();
+                self.velocity.gate.unconfirm();
+            }
+            self.frozen = frozen;
         }
-        self.frozen = frozen;
+        let frozen = self.frozen;
         if let Some((position, r)) = fix.position
             && settings.gnss_use != GnssUse::Velocity
+            && part != Some(Part::Velocity)
         {
             let offer = Offer {
                 aiding: Aiding::Position {
@@ -144,6 +149,7 @@ impl<'a> Receiver<'a> {
         }
         if let Some((v_n, r)) = fix.velocity
             && with_velocity
+            && part != Some(Part::Position)
         {
             let aiding = Aiding::Velocity {
                 v_n,
@@ -267,6 +273,15 @@ impl Channel {
                     let tilt = (velocity / (STANDARD_GRAVITY * duration))
                         .min(settings.engine.receiver.most_tilt);
                     filter.doubt(position, velocity, tilt);
+                    if velocity > 0.0 && summary.doubts.len() < MOST_EVENTS {
+                        summary.doubts.push(Doubt {
+                            start: time - duration,
+                            end: time,
+                            position,
+                            velocity,
+                            tilt,
+                        });
+                    }
                     self.gate.give_way(time, &innovation, summary);
                 }
             }

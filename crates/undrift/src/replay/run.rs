@@ -1,9 +1,10 @@
 //! The state of a replay between samples, and what a sample and a fix do to it.
 
 use super::{
-    events::{Restart, RestartCause},
+    events::{Part, Restart, RestartCause},
     health::CovarianceHealth,
-    measurement::{Measurement, Queue},
+    inertial::{Checked, Inertial},
+    measurement::{Latency, Measurement, Queue},
     observer::{Measurements, NotAligned, Observer, ReplayError},
     plausible::Plausible,
     receiver::Receiver,
@@ -34,6 +35,7 @@ pub(super) struct Run<'a> {
     streak: Streak,
     plausible: Plausible,
     vehicle: Vehicle,
+    inertial: Inertial,
 }
 
 /// The alignment that goes on: the first one, or another one beside or after a solution.
@@ -52,8 +54,27 @@ struct Log {
     /// Fixes within the samples.
     fixes: u64,
     previous: Option<ImuSample>,
-    /// Time of the last fix that was used or withheld \[s\].
+    /// Time of the last fix that was used or withheld \[s\], and of the last one that was so with its velocity.
     last_fix: Option<f64>,
+    last_velocity: Option<f64>,
+}
+
+impl Log {
+    /// Notes a fix, or a part of it, that was used or withheld; when the one before was.
+    fn shown(&mut self, time: f64, part: Option<Part>) -> Option<f64> {
+        if part != Some(Part::Position) {
+            self.last_velocity = Some(time);
+        }
+        // The parts of two fixes may come in turns.
+        let before = self.last_fix;
+        self.last_fix = Some(before.map_or(time, |before| before.max(time)));
+        before
+    }
+}
+
+/// Whether this part of a fix stands for the whole of it where fixes are counted.
+fn begins(fix: &GnssFix, part: Option<Part>) -> bool {
+    part != Some(Part::Velocity) || fix.position.is_none()
 }
 
 impl<'a> Run<'a> {
@@ -71,6 +92,7 @@ impl<'a> Run<'a> {
             streak: Streak::new(settings.engine.watch),
             plausible: Plausible::new(settings),
             vehicle: Vehicle::new(settings),
+            inertial: Inertial::new(settings.rotation, settings.engine.samples),
         }
     }
 
@@ -79,10 +101,31 @@ impl<'a> Run<'a> {
         self.summary.diverged.is_some()
     }
 
+    /// Takes in a sample; the one before it, replaced where it cannot be right.
+    pub(super) fn check(&mut self, sample: ImuSample) -> Option<Checked> {
+        let moves = self.moves();
+        self.inertial.next(sample, moves, &mut self.summary)
+    }
+
+    /// The last sample, if there is one that was not given out.
+    pub(super) fn check_last(&mut self) -> Option<Checked> {
+        if self.has_ended() {
+            return None;
+        }
+        let moves = self.moves();
+        self.inertial.last(moves, &mut self.summary)
+    }
+
+    /// Whether the solution moves by more than walking pace.
+    fn moves(&self) -> bool {
+        let solution = self.solution.as_ref();
+        solution.is_some_and(|solution| solution.filter.nav().v_n.norm() > 1.0)
+    }
+
     /// A sample, and the measurements up to its end.
     pub(super) fn sample(
         &mut self,
-        sample: ImuSample,
+        Checked { sample, doubt }: Checked,
         aiding: &mut Queue<&mut Measurements>,
         observer: &mut dyn Observer,
     ) -> Result<(), ReplayError> {
@@ -90,8 +133,8 @@ impl<'a> Run<'a> {
         if self.log.first_sample.is_none() || broken_off {
             self.log.first_sample.get_or_insert(sample.time);
             let start = sample.time - sample.dt - STAMP_ROUNDING;
-            while let Some(before) = aiding.next_until(start, 0.0) {
-                if let Measurement::Gnss(fix) = before? {
+            while let Some(before) = aiding.next_until(start, Latency::default()) {
+                if let (Measurement::Gnss(fix), _) = before? {
                     self.log.first_fix.get_or_insert(fix.time);
                     self.summary.fixes_before += 1;
                 }
@@ -100,13 +143,16 @@ impl<'a> Run<'a> {
         self.plausible.sample(&sample);
         self.begin(&sample);
         let end = sample.time + STAMP_ROUNDING;
-        while let Some(measurement) = aiding.next_until(end, self.fix_offset()) {
-            match measurement? {
+        while let Some(due) = aiding.next_until(end, self.latency()) {
+            let (measurement, part) = due?;
+            match measurement {
                 Measurement::Gnss(fix) => {
                     self.log.first_fix.get_or_insert(fix.time);
-                    self.log.fixes += 1;
-                    self.plausible.fix(&fix);
-                    self.fix(&fix, &sample, observer)?;
+                    if begins(&fix, part) {
+                        self.log.fixes += 1;
+                        self.plausible.fix(&fix);
+                    }
+                    self.fix(&fix, part, &sample, observer)?;
                 }
                 Measurement::Odometer(speed) => {
                     if let Some(solution) = &mut self.solution {
@@ -123,6 +169,10 @@ impl<'a> Run<'a> {
                 return Ok(());
             }
         }
+        if let (Some([turn, velocity]), Some(solution)) = (doubt, &mut self.solution) {
+            solution.advance_to(sample.time);
+            solution.filter.widen(&turn, &velocity);
+        }
         self.finish(&sample, observer)
     }
 
@@ -133,6 +183,7 @@ impl<'a> Run<'a> {
         observer: &mut dyn Observer,
     ) -> Result<Summary, ReplayError> {
         self.summary.implausible = self.plausible.findings();
+        self.summary.repeated = aiding.repeated();
         if self.has_ended() {
             return Ok(self.summary);
         }
@@ -169,9 +220,10 @@ impl<'a> Run<'a> {
         Ok(self.summary)
     }
 
-    /// By how much fixes hold later than their stamps, as estimated \[s\].
-    fn fix_offset(&self) -> f64 {
-        self.solution.as_ref().map_or(0.0, Solution::fix_offset)
+    /// By how much fixes hold later than their stamps, as estimated.
+    fn latency(&self) -> Latency {
+        let solution = self.solution.as_ref();
+        solution.map_or(Latency::default(), Solution::latency)
     }
 
     /// The solution is not one any more: it ends here, and another one begins as soon as it is aligned.
@@ -272,7 +324,7 @@ impl<'a> Run<'a> {
             }
         }
         self.alignment.again = false;
-        self.log.last_fix = Some(fix.time);
+        self.log.shown(fix.time, None);
         observer.used(fix.time);
         self.streak = Streak::new(self.settings.engine.watch);
         self.receiver.forget_solution(fix.time, &mut self.summary);
@@ -288,10 +340,11 @@ impl<'a> Run<'a> {
         Ok(true)
     }
 
-    /// A fix within the present sample.
+    /// A fix within the present sample, or a part of it.
     fn fix(
         &mut self,
         fix: &GnssFix,
+        part: Option<Part>,
         sample: &ImuSample,
         observer: &mut dyn Observer,
     ) -> Result<(), ReplayError> {
@@ -300,41 +353,52 @@ impl<'a> Run<'a> {
             .settings
             .quality
             .apply(fix, &self.settings.engine.quality);
+        let begins = begins(fix, part);
         if self.solution.is_none() && withheld {
-            self.summary.withheld += 1;
+            self.summary.withheld += u64::from(begins);
             return Ok(());
         }
         if (self.solution.is_none() || self.alignment.again)
+            && begins
             && !withheld
             && self.align(fix, sample, observer)?
         {
             return Ok(());
         }
-        let due = fix.time + self.fix_offset();
+        let latency = self.latency();
+        let due = fix.time
+            + match part {
+                Some(Part::Velocity) => latency.velocity.unwrap_or(latency.position),
+                _ => latency.position,
+            };
         let Some(solution) = &mut self.solution else {
-            self.summary.fixes_before += 1;
+            self.summary.fixes_before += u64::from(begins);
             return Ok(());
         };
         solution.advance_to(due);
         if !withheld {
             solution.grow_to(due);
         }
-        observer.fix(&*solution.filter, fix, withheld);
+        if begins {
+            observer.fix(&*solution.filter, fix, withheld);
+        }
         if withheld {
-            self.summary.withheld += 1;
+            self.summary.withheld += u64::from(begins);
             // An outage is no fault of the receiver's.
-            self.log.last_fix = Some(fix.time);
+            self.log.shown(fix.time, part);
             return solution.node(self.settings.nodes, observer);
         }
         let filter = &mut *solution.filter;
-        let updates = self
-            .receiver
-            .update(filter, fix, due, self.settings, &mut self.summary);
-        self.vehicle.fix(filter, fix, self.settings);
+        let updates =
+            self.receiver
+                .update(filter, fix, part, due, self.settings, &mut self.summary);
+        if part != Some(Part::Position) {
+            self.vehicle.fix(filter, fix, self.settings);
+        }
         let done = updates.each_ref();
         observer.updated(fix.time, done.map(|u| u.as_ref()?.as_ref().ok().copied()));
         let diverged = filter.check().is_err();
-        self.note_updates(fix.time, updates, observer);
+        self.note_updates(fix, part, updates, observer);
         if diverged {
             self.give_up(fix.time);
         } else if self.settings.gating && self.settings.restart {
@@ -353,10 +417,12 @@ impl<'a> Run<'a> {
     /// Notes what became of a fix.
     fn note_updates(
         &mut self,
-        time: f64,
+        fix: &GnssFix,
+        part: Option<Part>,
         updates: [Option<Result<Update, FilterError>>; 2],
         observer: &mut dyn Observer,
     ) {
+        let time = fix.time;
         let mut used = false;
         for update in updates.into_iter().flatten() {
             match update {
@@ -369,9 +435,9 @@ impl<'a> Run<'a> {
             }
         }
         if used {
-            self.summary.fixes += 1;
+            self.summary.fixes += u64::from(begins(fix, part));
             observer.used(time);
-            if let Some(last) = self.log.last_fix.replace(time) {
+            if let Some(last) = self.log.shown(time, part) {
                 self.summary.without_gnss(last, time);
             }
         }
@@ -387,10 +453,19 @@ impl<'a> Run<'a> {
         self.summary.ended = sample.time;
         if let Some(solution) = &mut self.solution {
             solution.end_sample(sample.time);
+            for doubt in &self.settings.doubts {
+                let span = sample.time.min(doubt.end) - (sample.time - sample.dt).max(doubt.start);
+                if span > 0.0 {
+                    let share = (span / (doubt.end - doubt.start)).sqrt();
+                    let [position, velocity, tilt] =
+                        [doubt.position, doubt.velocity, doubt.tilt].map(|std| std * share);
+                    solution.filter.doubt(position, velocity, tilt);
+                }
+            }
             self.vehicle.end_sample(
                 &mut *solution.filter,
                 sample,
-                self.log.last_fix,
+                self.log.last_velocity,
                 self.settings,
                 &mut self.summary,
                 observer,

@@ -2,6 +2,7 @@
 
 use super::{
     bridge::Bridge,
+    measurement::Latency,
     observer::{Observer, ReplayError},
     summary::Summary,
 };
@@ -30,10 +31,13 @@ impl Solution {
         }
     }
 
-    /// By how much fixes hold later than their stamps, as estimated \[s\].
-    pub(super) fn fix_offset(&self) -> f64 {
-        let offset = self.filter.parameter(Parameter::TimeOffset);
-        offset.map_or(0.0, |(value, _)| value[0])
+    /// By how much fixes hold later than their stamps, as estimated.
+    pub(super) fn latency(&self) -> Latency {
+        let offset = |kind| self.filter.parameter(kind).map(|(value, _)| value[0]);
+        Latency {
+            position: offset(Parameter::TimeOffset).unwrap_or(0.0),
+            velocity: offset(Parameter::VelocityTimeOffset),
+        }
     }
 
     /// Takes up a sample, bridged where samples are missing before it; `interval` is the usual one \[s\].

@@ -97,12 +97,13 @@ impl Vehicle {
         }
     }
 
-    /// What the vehicle cannot do, at the end of a sample; `last_fix` is the time of the last fix used \[s\].
+    /// What the vehicle cannot do, at the end of a sample; `last_velocity` is the time of the last fix used
+    /// with its velocity \[s\].
     pub(super) fn end_sample(
         &mut self,
         filter: &mut dyn Estimator,
         sample: &ImuSample,
-        last_fix: Option<f64>,
+        last_velocity: Option<f64>,
         settings: &Settings,
         summary: &mut Summary,
         observer: &mut dyn Observer,
@@ -111,7 +112,7 @@ impl Vehicle {
         if constraints.zero_velocity.is_some() || constraints.zero_angular_rate.is_some() {
             let speed = self.last_speed.filter(|(time, _)| {
                 sample.time - time < settings.engine.constraints.speed_holds
-                    && last_fix == Some(*time)
+                    && last_velocity == Some(*time)
             });
             let block = self.rest.add(
                 sample,

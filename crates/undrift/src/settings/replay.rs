@@ -2,7 +2,9 @@
 
 use super::{EngineSettings, quality::QualityStd};
 use crate::{align::settings::AlignSettings, estimator::STAMP_ROUNDING, vehicle::Constraints};
-use undrift_nav::{Vector3, covariance::AXES, parameters::Parameters, shaping::ShapingFilter};
+use undrift_nav::{
+    Matrix3, Vector3, covariance::AXES, parameters::Parameters, shaping::ShapingFilter,
+};
 
 /// Half-open span of time without GNSS: fixes after `start` up to and including `end` are withheld.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,11 +22,29 @@ impl Outage {
     }
 }
 
+/// A span over which the solution may have gone wrong, as one pass over the log has found, by so much at its
+/// end: one sigma of each axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Doubt {
+    /// Time of the last fix that agreed with the solution \[s\].
+    pub start: f64,
+    /// Time of the fix that the solution gave way to \[s\].
+    pub end: f64,
+    /// Of the position \[m\].
+    pub position: f64,
+    /// Of the velocity [m/s].
+    pub velocity: f64,
+    /// Of the tilt \[rad\].
+    pub tilt: f64,
+}
+
 /// How a log is navigated.
 #[derive(Clone, Debug)]
 pub struct Settings {
     /// Noise models of gyro x, y, z and accelerometer x, y, z at the log's sample interval.
     pub sensors: [ShapingFilter; AXES],
+    /// From the sensor's own axes to the body's: what an axis of the sensor does wrong is looked for there.
+    pub rotation: Matrix3,
     /// IMU → antenna, body axes \[m\].
     pub lever_arm: Vector3,
     /// Which parts of a fix are used. Alignment takes the position in any case.
@@ -50,6 +70,9 @@ pub struct Settings {
     /// What the first attitude, sensor states and parameters after alignment are off by, as a smoother
     /// has found in a run before: taken out before navigation begins.
     pub start: Option<Vec<f64>>,
+    /// Where a pass before has found the solution to go wrong: the covariance grows over these spans, in place of
+    /// at the one instant at which that was found.
+    pub doubts: Vec<Doubt>,
     /// Limits and time constants of alignment and replay.
     pub engine: EngineSettings,
 }
@@ -60,6 +83,7 @@ impl Settings {
     pub fn new(sensors: [ShapingFilter; AXES]) -> Self {
         Self {
             sensors,
+            rotation: Matrix3::identity(),
             lever_arm: Vector3::zeros(),
             gnss_use: GnssUse::Both,
             align: AlignSettings::default(),
@@ -72,6 +96,7 @@ impl Settings {
             quality: QualityStd::AsStated,
             nodes: None,
             start: None,
+            doubts: Vec::new(),
             engine: EngineSettings::default(),
         }
     }
