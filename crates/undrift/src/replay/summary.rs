@@ -130,7 +130,7 @@ pub struct Summary {
     pub longest_without_gnss: (f64, f64),
     /// Units, axes, signs or times that cannot be right.
     pub implausible: Vec<Implausible>,
-    /// When the solution stopped being one, if it did and did not begin anew \[s\].
+    /// When the solution diverged, if it did and was not re-initialised \[s\].
     pub diverged: Option<f64>,
     /// The covariance at the end, if there is a solution.
     pub covariance: Option<CovarianceHealth>,
