@@ -150,7 +150,7 @@ test("hostile names of files, columns and models are text", async () => {
 test("an outlier and a gap are seen", async () => {
   const { page, close } = await open(browser, "navigate", from);
   const seen = await page.evaluate(() => ({
-    left: report.plots.some(plot => plot.panel.series.some(s => s.name === "left out" && s.x.length > 3)),
+    left: report.plots.some(plot => plot.panel.series.some(s => s.name === "rejected" && s.x.length > 3)),
     // No line through the 40 s without fixes.
     bridged: report.plots.filter(plot => /σ\]$/.test(plot.panel.y.label) && / (north|east|down) \[/.test(plot.panel.y.label))
       .flatMap(plot => plot.panel.series.filter(s => ["thin", "line", "thick"].includes(s.style)))

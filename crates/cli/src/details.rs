@@ -19,9 +19,9 @@ pub fn opened(what: &str, log: &Opened) {
 }
 
 fn described(what: &str, path: &Path, format: impl FnOnce() -> String) {
-    let megabytes = size(path) as f64 / 1e6;
-    let name = path.display();
     detail(1, || {
+        let megabytes = size(path) as f64 / 1e6;
+        let name = path.display();
         format!("{what}: {name}, {megabytes:.3} MB, {}", format())
     });
 }

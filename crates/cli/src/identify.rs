@@ -119,6 +119,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let outputs = arguments.result.files().chain(arguments.output.as_deref());
     let files = Files::claim([arguments.record.as_path()], outputs)?;
     let format = format(arguments)?;
+    let base = arguments.base.as_ref();
+    let base = base
+        .map(|name| ImuModel::resolve(name, Path::new("")))
+        .transpose()?;
     let opened = Opened::open(&arguments.record)?;
     details::opened("record", &opened);
     let record = stage("reading", || record::read(opened, &format))?;
@@ -157,10 +161,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let Some(file) = &arguments.output else {
         return Ok(());
     };
-    let base = arguments.base.as_ref();
-    let base = base
-        .map(|name| ImuModel::resolve(name, Path::new("")))
-        .transpose()?;
     let provenance = identify::provenance(&record, &name, rate_hz)?;
     let model = identified.model(base.as_ref(), &name, provenance)?;
     files.write(file, &model.to_toml())?;

@@ -65,7 +65,7 @@ pub trait Kind: Sized {
     type Values: Copy;
     /// What is made of it.
     type Record;
-    /// Input in a row that must be earlier than the last accepted one to count as a clock set back.
+    /// Records in a row that must be earlier than the last accepted one to count as a clock set back.
     const PATIENCE: u32;
 
     /// What is wanted of a file.
@@ -123,7 +123,7 @@ pub struct Reader<K: Kind> {
     held: Option<Row<K::Values>>,
     /// First and last time of the file up to here \[s\].
     covered: Option<(f64, f64)>,
-    /// Input inside the span, and records given.
+    /// Records read inside the span, and records given.
     inside: u64,
     given: u64,
     finished: bool,

@@ -34,3 +34,4 @@ pub use bias_model::BiasModel;
 pub use composite::GaussMarkov;
 pub use export::ModelFormat;
 pub use model_file::{Arma, AxisModel, ImuModel, ModelError, Provenance};
+pub use number::OrNull;

@@ -44,7 +44,7 @@ pub fn plain(run: &Fleet, mark: Mark) -> String {
     Vec::from_iter(measures).join("\n")
 }
 
-/// So many of them, with the right ending.
+/// A count and a noun in its number, the digits in groups.
 fn many(n: u64, one: &str) -> String {
     let ending = if n == 1 { "" } else { "s" };
     format!("{} {one}{ending}", count(n))
@@ -61,8 +61,8 @@ fn what_was_done(run: &Fleet) -> String {
     };
     let tasks: Vec<String> = run.tasks.iter().map(task).collect();
     let failed = match run.failed.len() as u64 {
-        0 => "Something came of all of them.".into(),
-        n => format!("Nothing came of {}; the last section says why.", count(n)),
+        0 => "All of them succeeded.".into(),
+        n => format!("{} failed; the last section says why.", count(n)),
     };
     format!("{}. {failed}", tasks.join(", "))
 }
@@ -109,7 +109,7 @@ fn troubles(run: &Fleet) -> Option<Section> {
     );
     let untrusted = "Models and axes that failed or cannot be trusted.";
     let tables = [
-        troubles("failed", "Logs that nothing came of.", &run.failed),
+        troubles("failed", "Logs that failed.", &run.failed),
         troubles("untrusted", untrusted, &run.untrusted),
         warned,
     ];

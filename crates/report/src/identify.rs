@@ -221,7 +221,7 @@ fn what_was_done(name: &str, run: &Identify) -> Vec<String> {
     );
     let skipped = match run.skipped_rows {
         0 => String::new(),
-        rows => format!("{} rows were left out.", count(rows)),
+        rows => format!("{} rows were skipped.", count(rows)),
     };
     let fitted = "Models were fitted to one half of it and judged on the other, by the drift that they leave in the integral of the samples.";
     vec![prefixed(name, &what), skipped, fitted.into()]

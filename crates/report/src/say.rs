@@ -18,10 +18,81 @@ use undrift::findings::Finding;
 
 /// The sentence of a finding.
 pub fn say(finding: &Finding) -> String {
-    let sentence = solution::say(finding).or_else(|| sensors::say(finding));
-    let sentence = sentence.or_else(|| fixes::say(finding));
-    let sentence = sentence.or_else(|| logs::say(finding));
-    sentence.unwrap_or_else(|| format!("{finding:?}"))
+    use Finding as F;
+    match finding {
+        F::Diverged { time } => solution::diverged(*time),
+        F::NotCompared {
+            why,
+            truth,
+            started,
+            ended,
+        } => solution::not_compared(*why, *truth, *started, *ended),
+        F::Bridged { gaps } => solution::bridged(*gaps),
+        F::LongGaps {
+            gaps,
+            first,
+            longest,
+        } => solution::long_gaps(*gaps, *first, *longest),
+        F::WithoutGnss { start, length } => solution::without_gnss(*start, *length),
+        F::Restart { time, why, resumed } => solution::restart(*time, *why, *resumed),
+        F::LargeInnovations { start } => solution::large_innovations(*start),
+        F::StartedLate { time } => solution::started_late(*time),
+        F::NoReference { outages } => solution::no_reference(*outages),
+        F::Frozen {
+            start,
+            length,
+            samples,
+        } => sensors::frozen(*start, *length, *samples),
+        F::Held {
+            axis,
+            value,
+            start,
+            length,
+            samples,
+            saturated,
+        } => sensors::held(*axis, *value, [*start, *length], *samples, *saturated),
+        F::WrongGravity { ratio } => sensors::wrong_gravity(*ratio),
+        F::NotDown { down } => sensors::not_down(*down),
+        F::WrongTurnRate { ratio } => sensors::wrong_turn_rate(*ratio),
+        F::WrongTurnAxis { axis } => sensors::wrong_turn_axis(*axis),
+        F::NoTurns => sensors::NO_TURNS.into(),
+        F::Late { delay } => sensors::late(*delay),
+        F::WrongAxes {
+            forward,
+            right,
+            axes,
+        } => sensors::wrong_axes(*forward, *right, axes.as_deref()),
+        F::BadCovariance { fixes } => fixes::bad_covariance(*fixes),
+        F::WrongVelocity { mend } => fixes::wrong_velocity(*mend),
+        F::Rejected(fixes) => fixes::rejected(fixes),
+        F::MoreRejected { spans, accepted } => fixes::more_rejected(*spans, *accepted),
+        F::OneSided(lean) => fixes::one_sided(lean),
+        F::WrongSign { axis } => fixes::wrong_sign(*axis),
+        F::WrongAccuracy {
+            part,
+            factor,
+            adapted,
+            correlated,
+        } => fixes::wrong_accuracy(*part, *factor, *adapted, *correlated),
+        F::Skipped { log, kinds, .. } => logs::skipped(*log, kinds),
+        F::Gaps {
+            log,
+            gaps,
+            start,
+            length,
+        } => logs::gaps(*log, *gaps, *start, *length),
+        F::Unused { log } => logs::unused(*log),
+        F::Outliers {
+            log,
+            rejected,
+            weakened,
+        } => logs::outliers(*log, *rejected, *weakened),
+        F::Uneven {
+            gaps,
+            jitter_rms,
+            interval,
+        } => logs::uneven(*gaps, *jitter_rms, *interval),
+    }
 }
 
 #[cfg(test)]

@@ -189,7 +189,7 @@ impl Drive {
     /// Opens the inertial log from its start.
     ///
     /// # Errors
-    /// If the file cannot be opened, is none of its format or lacks a column or stream.
+    /// If the file cannot be opened, is not of its format or lacks a column or stream.
     pub fn open_imu(&self) -> Result<ImuReader, ReadError> {
         let (path, format) = &self.imu;
         ImuReader::new(self.logs.open(path, &self.imu_read)?, format)

@@ -56,7 +56,7 @@ fn check(schema: &Value, root: &Value, value: &Value, path: &str, problems: &mut
         .as_array()
         .is_some_and(|all| !all.contains(value))
     {
-        say(format!("{value} is none of {}", schema["enum"]));
+        say(format!("{value} is not one of {}", schema["enum"]));
     }
     for keyword in ["anyOf", "oneOf"] {
         let Some(all) = schema[keyword].as_array() else {

@@ -53,7 +53,7 @@ struct Header {
 }
 
 impl Header {
-    /// ByteFields are a length and `name=value`.
+    /// Fields are a length and `name=value`.
     fn parse(bytes: &[u8]) -> Option<Self> {
         let mut header = Self::default();
         let mut fields = ByteFields::packed(bytes);

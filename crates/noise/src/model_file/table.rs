@@ -83,7 +83,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// Refuses keys that are none of `known`.
+    /// Refuses keys that are not in `known`.
     pub(super) fn only(&self, known: &[&str]) -> Result<(), ModelError> {
         let mut keys = self.layers.iter().flat_map(|(table, _)| table.keys());
         match keys.find(|key| !known.contains(&key.get_ref().as_ref())) {

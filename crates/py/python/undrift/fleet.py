@@ -37,7 +37,7 @@ _GATHERED = ("results.parquet", "fleet.json", "fleet.html")
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class Fleet(Result):
-    """What came of many logs."""
+    """Result of many logs."""
 
     #: The folder of the results.
     output: str
@@ -45,7 +45,7 @@ class Fleet(Result):
     processed: int
     #: Logs that were up to date.
     skipped: int
-    #: Logs that nothing came of; ``summary["failed"]`` says why.
+    #: Logs that failed; ``summary["failed"]`` says why.
     failed: int
     #: Logs whose workers died or could not read them again and again, and why: run again.
     lost: dict[str, str]

@@ -70,7 +70,7 @@ fn panel(runs: &[OfRun<'_>], which: &str, y: Axis, bounds: &[f64], shown: &Shown
             let colour = if single { REJECTED } else { run_colour(at) };
             let name = if single { "" } else { name };
             let points = shown.clock.points(curve, 1.0);
-            panel.add(Series::dots(&prefixed(name, "left out"), colour, points));
+            panel.add(Series::dots(&prefixed(name, "rejected"), colour, points));
         }
     }
     for bound in bounds {

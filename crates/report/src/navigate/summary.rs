@@ -126,7 +126,7 @@ fn updates(runs: &[Run<'_, Navigate>]) -> Table {
             ("autocorrelation", &|(.., nis)| {
                 bounded(nis.autocorrelation, nis.autocorrelation_bound).into()
             }),
-            ("left out", &|(_, counts, _)| counts.rejected.into()),
+            ("rejected", &|(_, counts, _)| counts.rejected.into()),
             ("weakened", &|(_, counts, _)| counts.weakened.into()),
         ],
     )

@@ -2,39 +2,33 @@
 
 use super::words::{at, many};
 use crate::numbers::{error, short};
-use undrift::{
-    findings::Finding,
-    replay::{Contradiction, FixMend, Lean, Part},
-};
+use undrift::replay::{Contradiction, FixMend, Lean, Part};
 
-/// The sentence of a finding of these.
-pub(super) fn say(finding: &Finding) -> Option<String> {
-    Some(match finding {
-        Finding::BadCovariance { fixes } => format!(
-            "rejected {} whose covariance is not positive definite",
-            many(*fixes, "fix")
-        ),
-        Finding::WrongVelocity { mend } => format!(
-            "positions do not move as the velocities say: {}; check gnss.position, gnss.velocity and their units",
-            mend.map_or("one of the two is wrong", fix_mend)
-        ),
-        Finding::Rejected(fixes) => rejected(fixes),
-        Finding::MoreRejected { spans, accepted } => format!(
-            "and {spans} more such spans, after {accepted} of which the fixes were accepted; --json lists them"
-        ),
-        Finding::OneSided(lean) => one_sided(lean),
-        Finding::WrongSign { axis } => format!(
-            "the velocity {} seems to have the wrong sign: its innovations are minus twice its value; check gnss.velocity and gnss.velocity_axes",
-            ["north", "east", "down"].get(*axis).unwrap_or(&"")
-        ),
-        Finding::WrongAccuracy {
-            part,
-            factor,
-            adapted,
-            correlated,
-        } => accuracy(*part, *factor, *adapted, *correlated),
-        _ => return None,
-    })
+pub(super) fn bad_covariance(fixes: u64) -> String {
+    format!(
+        "rejected {} whose covariance is not positive definite",
+        many(fixes, "fix")
+    )
+}
+
+pub(super) fn wrong_velocity(mend: Option<FixMend>) -> String {
+    format!(
+        "positions do not move as the velocities say: {}; check gnss.position, gnss.velocity and their units",
+        mend.map_or("one of the two is wrong", fix_mend)
+    )
+}
+
+pub(super) fn more_rejected(spans: u64, accepted: u64) -> String {
+    format!(
+        "and {spans} more such spans, after {accepted} of which the fixes were accepted; --json lists them"
+    )
+}
+
+pub(super) fn wrong_sign(axis: usize) -> String {
+    format!(
+        "the velocity {} seems to have the wrong sign: its innovations are minus twice its value; check gnss.velocity and gnss.velocity_axes",
+        ["north", "east", "down"].get(axis).unwrap_or(&"")
+    )
 }
 
 /// A part of a fix and its unit.
@@ -45,7 +39,7 @@ fn part(part: Part) -> (&'static str, &'static str) {
     }
 }
 
-fn rejected(fixes: &Contradiction) -> String {
+pub(super) fn rejected(fixes: &Contradiction) -> String {
     let (part, unit) = part(fixes.part);
     let size = |value: f64| match value {
         v if !(9.95..9999.5).contains(&v) => error(v),
@@ -85,7 +79,7 @@ fn rejected(fixes: &Contradiction) -> String {
     format!("rejected {what}, {when} s ({how}){why}{then}")
 }
 
-fn one_sided(lean: &Lean) -> String {
+pub(super) fn one_sided(lean: &Lean) -> String {
     let (part, unit) = part(lean.part);
     let [north, east, down] = lean.mean;
     format!(
@@ -94,7 +88,7 @@ fn one_sided(lean: &Lean) -> String {
     )
 }
 
-fn accuracy(of: Part, factor: f64, adapted: bool, correlated: bool) -> String {
+pub(super) fn wrong_accuracy(of: Part, factor: f64, adapted: bool, correlated: bool) -> String {
     let (part, _) = part(of);
     let (times, direction) = if factor > 1.0 {
         (factor, "small")

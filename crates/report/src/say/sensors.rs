@@ -2,92 +2,101 @@
 
 use super::words::at;
 use crate::numbers::short;
-use undrift::findings::Finding;
 
-/// The sentence of a finding of these.
-pub(super) fn say(finding: &Finding) -> Option<String> {
-    Some(match finding {
-        Finding::Frozen {
-            start,
-            length,
-            samples,
-        } => format!(
-            "all six axes of the IMU repeat their values for {length:.2} s from {} s ({samples} samples): the log or the sensor is frozen",
-            at(*start)
-        ),
-        Finding::Held {
-            axis,
-            value,
-            start,
-            length,
-            samples,
-            saturated,
-        } => format!(
-            "{} {} reads {value} for {length:.2} s from {} s ({samples} samples), {}",
-            if *axis < 3 { "gyro" } else { "accelerometer" },
-            ["x", "y", "z"][axis % 3],
-            at(*start),
-            if *saturated {
-                "its largest or smallest value: the sensor is saturated or too coarse"
-            } else {
-                "and nothing else: the sensor is frozen, not connected or too coarse"
-            }
-        ),
-        Finding::WrongGravity { ratio } => format!(
-            "the accelerometers measure {} times gravity on average: check {}",
-            // A sensor without noise.
-            if *ratio < 1e-6 { "0".into() } else { short(*ratio) },
-            match ratio {
-                0.09..0.115 => "imu.accel_unit, the numbers look like g",
-                8.5..11.5 => "imu.accel_unit, the numbers look like m/s^2",
-                90.0..115.0 => "imu.accel_unit, the numbers look like mg or cm/s^2",
-                _ => "imu.accel, imu.accel_unit and imu.data",
-            }
-        ),
-        Finding::NotDown { down } => format!(
-            "gravity points along {:.2}, {:.2}, {:.2} of the body axes, which should be forward, right, down: check imu.axes and the order and signs of imu.accel; the attitude is that of the axes as given",
-            down[0], down[1], down[2]
-        ),
-        Finding::WrongTurnRate { ratio } => format!(
-            "the GNSS course turns {} times as fast as the gyros measure: check {}",
-            short(*ratio),
-            match ratio {
-                -1.7..-0.6 => "the signs of imu.gyro and imu.axes",
-                0.01..0.03 => "imu.gyro_unit, the numbers look like deg/s",
-                34.0..97.0 => "imu.gyro_unit, the numbers look like rad/s",
-                0.0006..0.0017 => "imu.gyro_unit, the numbers are a thousand times too large",
-                _ => "imu.gyro_unit and imu.axes",
-            }
-        ),
-        Finding::WrongTurnAxis { axis } => format!(
-            "the turns of the GNSS course show in the gyro about body {}, not in the vertical one: check the order of imu.gyro, and imu.axes",
-            ["forward", "right", "down"].get(*axis).unwrap_or(&"")
-        ),
-        Finding::NoTurns => "the gyros do not measure the turns of the GNSS course: check imu.gyro, and the times of both logs (gnss.time_offset)".into(),
-        Finding::Late { delay } => format!(
-            "the gyros measure the turns of the GNSS course {:.2} s {} than its stamps: set gnss.time_offset = \"{delay:.2} s\" more than it is{}",
-            delay.abs(),
-            if *delay < 0.0 { "earlier" } else { "later" },
-            if (delay.abs() - LEAP_SECONDS).abs() < 0.5 {
-                "; GPS time and UTC are mixed"
-            } else {
-                ""
-            }
-        ),
-        Finding::WrongAxes {
-            forward,
-            right,
-            axes,
-        } => wrong_axes(*forward, *right, axes.as_deref()),
-        _ => return None,
-    })
+pub(super) fn frozen(start: f64, length: f64, samples: u64) -> String {
+    format!(
+        "all six axes of the IMU repeat their values for {length:.2} s from {} s ({samples} samples): the log or the sensor is frozen",
+        at(start)
+    )
+}
+
+/// An axis (0 to 2 gyros, 3 to 5 accelerometers) that holds its value from a start for a length \[s\].
+pub(super) fn held(
+    axis: usize,
+    value: f64,
+    [start, length]: [f64; 2],
+    samples: u64,
+    saturated: bool,
+) -> String {
+    format!(
+        "{} {} reads {value} for {length:.2} s from {} s ({samples} samples), {}",
+        if axis < 3 { "gyro" } else { "accelerometer" },
+        ["x", "y", "z"][axis % 3],
+        at(start),
+        if saturated {
+            "its largest or smallest value: the sensor is saturated or too coarse"
+        } else {
+            "and nothing else: the sensor is frozen, not connected or too coarse"
+        }
+    )
+}
+
+pub(super) fn wrong_gravity(ratio: f64) -> String {
+    format!(
+        "the accelerometers measure {} times gravity on average: check {}",
+        // A sensor without noise.
+        if ratio < 1e-6 {
+            "0".into()
+        } else {
+            short(ratio)
+        },
+        match ratio {
+            0.09..0.115 => "imu.accel_unit, the numbers look like g",
+            8.5..11.5 => "imu.accel_unit, the numbers look like m/s^2",
+            90.0..115.0 => "imu.accel_unit, the numbers look like mg or cm/s^2",
+            _ => "imu.accel, imu.accel_unit and imu.data",
+        }
+    )
+}
+
+pub(super) fn not_down(down: [f64; 3]) -> String {
+    format!(
+        "gravity points along {:.2}, {:.2}, {:.2} of the body axes, which should be forward, right, down: check imu.axes and the order and signs of imu.accel; the attitude is that of the axes as given",
+        down[0], down[1], down[2]
+    )
+}
+
+pub(super) fn wrong_turn_rate(ratio: f64) -> String {
+    format!(
+        "the GNSS course turns {} times as fast as the gyros measure: check {}",
+        short(ratio),
+        match ratio {
+            -1.7..-0.6 => "the signs of imu.gyro and imu.axes",
+            0.01..0.03 => "imu.gyro_unit, the numbers look like deg/s",
+            34.0..97.0 => "imu.gyro_unit, the numbers look like rad/s",
+            0.0006..0.0017 => "imu.gyro_unit, the numbers are a thousand times too large",
+            _ => "imu.gyro_unit and imu.axes",
+        }
+    )
+}
+
+pub(super) fn wrong_turn_axis(axis: usize) -> String {
+    format!(
+        "the turns of the GNSS course show in the gyro about body {}, not in the vertical one: check the order of imu.gyro, and imu.axes",
+        ["forward", "right", "down"].get(axis).unwrap_or(&"")
+    )
+}
+
+pub(super) const NO_TURNS: &str = "the gyros do not measure the turns of the GNSS course: check imu.gyro, and the times of both logs (gnss.time_offset)";
+
+pub(super) fn late(delay: f64) -> String {
+    format!(
+        "the gyros measure the turns of the GNSS course {:.2} s {} than its stamps: set gnss.time_offset = \"{delay:.2} s\" more than it is{}",
+        delay.abs(),
+        if delay < 0.0 { "earlier" } else { "later" },
+        if (delay.abs() - LEAP_SECONDS).abs() < 0.5 {
+            "; GPS time and UTC are mixed"
+        } else {
+            ""
+        }
+    )
 }
 
 /// GPS time less UTC since 2017 \[s\].
 const LEAP_SECONDS: f64 = 18.0;
 
 /// Where the IMU's axes lie, by the body axes that accelerate and are pushed.
-fn wrong_axes(forward: Option<i8>, right: Option<i8>, axes: Option<&str>) -> String {
+pub(super) fn wrong_axes(forward: Option<i8>, right: Option<i8>, axes: Option<&str>) -> String {
     let yaw = match (forward, right) {
         (Some(-1), Some(-2) | None) => Some(("backwards", 180)),
         (Some(2), Some(-1) | None) => Some(("to the left", -90)),

@@ -6,7 +6,7 @@ pub(super) fn at(time: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// So many things by the name of one.
+/// A count and a noun in its number: "1 fix", "2 fixes".
 pub(super) fn many(n: u64, what: &str) -> String {
     let plural = if what.ends_with('x') { "es" } else { "s" };
     format!("{n} {what}{}", if n == 1 { "" } else { plural })

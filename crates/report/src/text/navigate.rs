@@ -77,7 +77,7 @@ fn innovations(sums: &Innovations) -> String {
     if let Some((correlation, bound)) = sums.autocorrelation() {
         text += &format!(", autocorrelation {correlation:.2} (±{bound:.2})");
     }
-    text + &format!("; {} left out, {} weakened", sums.rejected, sums.weakened)
+    text + &format!("; {} rejected, {} weakened", sums.rejected, sums.weakened)
 }
 
 fn nis(sums: &Innovations) -> String {

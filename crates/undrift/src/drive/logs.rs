@@ -42,7 +42,7 @@ impl Logs {
     /// Reads the records of a log from its start.
     ///
     /// # Errors
-    /// If the file cannot be opened, is none of its format or lacks a column or stream.
+    /// If the file cannot be opened, is not of its format or lacks a column or stream.
     pub fn read<K: Kind>(&self, path: &Path, options: &K::Options) -> Result<Reader<K>, ReadError> {
         Reader::new(self.open(path, &BytesRead::default())?, options)
     }

@@ -169,7 +169,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Refuses keys that are none of `known`.
+    /// Refuses keys that are not in `known`.
     ///
     /// # Errors
     /// If there is another key; the message names those known.
@@ -283,7 +283,10 @@ impl<'a> Section<'a> {
             Some((_, value)) => Ok(*value),
             None => {
                 let known: Vec<String> = words.iter().map(|(w, _)| format!("\"{w}\"")).collect();
-                Err(self.error(key, format!("\"{text}\" is none of {}", known.join(", "))))
+                Err(self.error(
+                    key,
+                    format!("\"{text}\" is not one of {}", known.join(", ")),
+                ))
             }
         }
     }
@@ -291,7 +294,7 @@ impl<'a> Section<'a> {
     /// A list of one or more of a few words.
     ///
     /// # Errors
-    /// If the value is no list, an empty one, or holds what is none of `words`.
+    /// If the value is no list, an empty one, or holds a word that is not in `words`.
     pub fn words<T: Copy>(
         &self,
         key: &'a str,
@@ -328,7 +331,7 @@ impl<'a> Section<'a> {
     /// A noise model: a preset, a file relative to `home`, or a table.
     ///
     /// # Errors
-    /// If the value is none of the three, there is no such preset or file, or the model cannot be read.
+    /// If the value is not one of the three, there is no such preset or file, or the model cannot be read.
     pub fn model(&self, key: &'a str, home: &Path) -> Result<Option<ImuModel>, DriveError> {
         #[cfg(test)]
         self.note(key, Takes::Model);

@@ -2,7 +2,7 @@
 //!
 //! A stated accuracy may be wrong by a large factor for a whole log, so limits are relative to the
 //! usual size of the innovations: the median of the last normalised innovations squared over the
-//! median of χ². A fix far beyond them is left out, a doubtful one weakened (Huber's weights; Zhang 1997).
+//! median of χ². A fix far beyond them is rejected, a doubtful one weakened (Huber's weights; Zhang 1997).
 //!
 //! Fixes that are left out one after the other and agree with each other may mean that it is the
 //! solution that is wrong. It gives way to them when they have gone on for a while; at once while it is

@@ -137,7 +137,7 @@ pub struct Summary {
     /// Where the solution gave way to fixes that contradict its velocity or both of its parts; the first
     /// [`MOST_EVENTS`].
     pub doubts: Vec<Doubt>,
-    /// When the solution stopped being one, if it did and did not begin anew \[s\].
+    /// When the solution diverged, if it did and was not re-initialised \[s\].
     pub diverged: Option<f64>,
     /// The covariance at the end, if there is a solution.
     pub covariance: Option<CovarianceHealth>,

@@ -1,14 +1,18 @@
 //! Numbers that may be missing.
 
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use undrift_noise::OrNull;
 
 /// Numbers by name.
 pub type Numbers = BTreeMap<String, Number>;
 
 /// A number; where there is none it is NaN here and null in JSON. Two missing numbers are equal.
-#[derive(Clone, Copy, Debug)]
-pub struct Number(pub f64);
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(inline))]
+#[serde(transparent)]
+pub struct Number(#[serde(with = "OrNull")] pub f64);
 
 impl Number {
     /// The number, if there is one.
@@ -38,33 +42,6 @@ impl From<f64> for Number {
 impl From<Option<f64>> for Number {
     fn from(value: Option<f64>) -> Self {
         value.map_or_else(Self::default, Self)
-    }
-}
-
-impl Serialize for Number {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.get().serialize(serializer)
-    }
-}
-
-impl<'de> Deserialize<'de> for Number {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Ok(Option::<f64>::deserialize(deserializer)?.into())
-    }
-}
-
-#[cfg(feature = "schema")]
-impl schemars::JsonSchema for Number {
-    fn inline_schema() -> bool {
-        true
-    }
-
-    fn schema_name() -> std::borrow::Cow<'static, str> {
-        "Number".into()
-    }
-
-    fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
-        Option::<f64>::json_schema(generator)
     }
 }
 

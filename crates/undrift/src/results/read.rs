@@ -54,7 +54,7 @@ impl Results {
             "fleet" => Self::Fleet(part(path, text)?),
             other => {
                 let why = format!(
-                    "\"{other}\" is none of the kinds identify, navigate, outages, montecarlo, demo, fleet"
+                    "\"{other}\" is not one of the kinds identify, navigate, outages, montecarlo, demo, fleet"
                 );
                 return Err(not_a_result(path, &why).key("kind"));
             }

@@ -57,9 +57,9 @@ pub struct Settings {
     pub parameters: Parameters,
     /// What is known of the vehicle.
     pub constraints: Constraints,
-    /// Whether fixes pass a gate, and a solution that is none any more begins anew.
+    /// Whether fixes pass a gate, and a diverged solution is re-initialised.
     pub gating: bool,
-    /// Whether a solution that does not agree with the fixes begins anew, too.
+    /// Whether a solution that does not agree with the fixes is re-initialised, too.
     pub restart: bool,
     /// Whether the stated standard deviations of the fixes are corrected by the innovations.
     pub adapt: bool,

@@ -93,7 +93,7 @@ fn mistakes_in_the_specification() {
         (
             "[\"arma\", \"white\"]",
             "[\"arma\", \"wight\"]",
-            &["spec.toml line 3, filter.bias_models: \"wight\" is none of \"white\", \"paper\""],
+            &["spec.toml line 3, filter.bias_models: \"wight\" is not one of \"white\", \"paper\""],
         ),
         (
             "[\"arma\", \"white\"]",
@@ -113,7 +113,7 @@ fn mistakes_in_the_specification() {
         (
             "\"car\"",
             "\"boat\"",
-            &["line 5, drive.kind: \"boat\" is none of \"car\", \"flight\""],
+            &["line 5, drive.kind: \"boat\" is not one of \"car\", \"flight\""],
         ),
         (
             "\"150 s\"",

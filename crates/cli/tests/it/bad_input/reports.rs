@@ -280,7 +280,7 @@ fn a_file_that_is_no_result_is_refused() {
         (
             "unknown.json",
             pretty(&unknown),
-            "\"dance\" is none of the kinds identify, navigate",
+            "\"dance\" is not one of the kinds identify, navigate",
         ),
     ] {
         case.put(name, damaged.as_bytes());

@@ -198,7 +198,7 @@ fn mistakes_in_their_tables() {
                 "height = \"h\"",
                 "pressure = \"p\"\npressure_unit = \"bar\"",
             ),
-            &["barometer.pressure_unit: \"bar\" is none of \"hPa\", \"mbar\", \"kPa\", \"Pa\""],
+            &["barometer.pressure_unit: \"bar\" is not one of \"hPa\", \"mbar\", \"kPa\", \"Pa\""],
         ),
         (
             baro("height = \"h\"", "pressure = \"p\"\npressure_unit = \"Pa\""),
@@ -239,7 +239,7 @@ fn mistakes_in_their_tables() {
         (
             vehicle("profile = \"boat\""),
             &[
-                "line 23, vehicle.profile: \"boat\" is none of \"none\", \"car\", \"aircraft\", \"pedestrian\"",
+                "line 23, vehicle.profile: \"boat\" is not one of \"none\", \"car\", \"aircraft\", \"pedestrian\"",
             ],
         ),
         (

@@ -6,7 +6,7 @@ use undrift_nav::sample::{FixQuality, Position, TruthSample};
 
 use super::mat::{Numbers, Variable};
 use crate::entry::{Fix, ImuReading, StreamKind, Unfit, What};
-use crate::fix::{independent, on_earth};
+use crate::fix::{self, independent, on_earth};
 use crate::skipped::SkipKind;
 
 impl Numbers {
@@ -94,8 +94,7 @@ fn needed(
 
 /// Three components of a row, if all are finite.
 fn finite(numbers: &Numbers, index: usize, count: usize) -> Option<Vector3> {
-    let vector = Vector3::from(numbers.some(index, count));
-    vector.iter().all(|x| x.is_finite()).then_some(vector)
+    fix::finite(Vector3::from(numbers.some(index, count))).ok()
 }
 
 fn imu(variable: &mut Variable, count: usize) -> Result<ReadRow, String> {

@@ -6,7 +6,7 @@ use undrift_nav::sample::{FixQuality, Position, TruthSample};
 
 use super::layout::{Field, TopicLayout};
 use crate::entry::{Fix, ImuReading, StreamKind, Unfit, What};
-use crate::fix::{independent, on_earth};
+use crate::fix::{self, independent, on_earth};
 use crate::skipped::SkipKind;
 
 /// What an accelerometer's relative time is when it gave nothing (2³¹ − 1).
@@ -101,8 +101,7 @@ fn together(layout: &TopicLayout, names: [&str; 3]) -> Option<[Field; 3]> {
 
 /// Three fields of a message, if all are finite.
 fn finite(fields: [Field; 3], message: &[u8]) -> Option<Vector3> {
-    let vector = Vector3::from(fields.map(|field| field.read(message)));
-    vector.iter().all(|v| v.is_finite()).then_some(vector)
+    fix::finite(Vector3::from(fields.map(|field| field.read(message)))).ok()
 }
 
 /// Time of a message \[s\]: `timestamp_sample`, when it was measured, where that is set, else
