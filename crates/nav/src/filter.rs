@@ -351,14 +351,24 @@ impl<const N: usize> Filter<N> {
             let coupling = &self.coupling;
             self.sensors
                 .propagate(&mut self.p.data.0, &transition, coupling, step.dt, part);
-            for (kind, at, prior) in self.parameters.blocks() {
-                let at = self.sensors.states() + at;
-                for i in at..at + kind.width() {
-                    self.p[(i, i)] += prior.walk * prior.walk * step.dt;
-                }
-            }
             if let Some(tape) = tape {
                 tape.step(&self.sensors, &transition, coupling, part);
+                for (states, prior) in self.parameters.ranges(self.sensors.states()) {
+                    tape.fade(states, prior.step(step.dt).0);
+                }
+            }
+            for (states, prior) in self.parameters.ranges(self.sensors.states()) {
+                let (left, variance) = prior.step(step.dt);
+                for i in states {
+                    if left != 1.0 {
+                        self.x[i] *= left;
+                        for j in 0..N {
+                            self.p[(i, j)] *= left;
+                            self.p[(j, i)] *= left;
+                        }
+                    }
+                    self.p[(i, i)] += variance;
+                }
             }
         }
         if last {
@@ -463,6 +473,20 @@ impl<const N: usize> Filter<N> {
         }
     }
 
+    /// The position was taken from a fix whose error has a time-correlated part, of standard deviation `std` \[m\]
+    /// north, east, down: it has that part, too. To be called after [`Filter::set_position_velocity_covariance`]
+    /// where [`Parameter::PositionError`] is estimated; else it does nothing.
+    pub fn share_position_error(&mut self, std: &Vector3) {
+        let Some(at) = self.parameter_start(Parameter::PositionError) else {
+            return;
+        };
+        for i in 0..3 {
+            let across = std[i] * self.p[(at + i, at + i)];
+            self.p[(i, at + i)] = across;
+            self.p[(at + i, i)] = across;
+        }
+    }
+
     /// Adds uncertainty to position \[m\], velocity [m/s] and tilt \[rad\], one standard deviation each axis:
     /// for a solution that fixes have contradicted for a while.
     pub fn doubt(&mut self, position: f64, velocity: f64, tilt: f64) {
@@ -472,6 +496,50 @@ impl<const N: usize> Filter<N> {
         }
         for i in 6..8 {
             self.p[(i, i)] += tilt * tilt;
+        }
+    }
+
+    /// Multiplies the covariance by `factor`, at least 1, of sensors' states and parameters up to what they had
+    /// before the first sample: for a solution whose innovations are larger than it
+    /// predicts. What is past then counts for less (fading memory: Sorenson & Sacks 1971; Gelb 1974, section 8.1).
+    pub fn fade(&mut self, factor: f64) {
+        let mut scales = [1.0; N];
+        for scale in &mut scales[..NAV] {
+            *scale = libm::sqrt(factor);
+        }
+        for axis in 0..AXES {
+            let (sensor, at) = (self.sensors.axis(axis), self.sensors.start(axis));
+            for i in 0..sensor.order {
+                let room = sensor.p0[i][i] / self.p[(at + i, at + i)];
+                scales[at + i] = libm::sqrt(factor.min(room).max(1.0));
+            }
+        }
+        for (states, prior) in self.parameters.ranges(self.sensors.states()) {
+            for i in states {
+                let room = prior.std * prior.std / self.p[(i, i)];
+                scales[i] = libm::sqrt(factor.min(room).max(1.0));
+            }
+        }
+        for i in 0..N {
+            for j in 0..N {
+                self.p[(i, j)] *= scales[i] * scales[j];
+            }
+        }
+    }
+
+    /// Adds uncertainty to the heading \[rad\] and to the error of gyro z [rad/s], one standard deviation: for a
+    /// heading that the course contradicts.
+    pub fn doubt_heading(&mut self, heading: f64, gyro: f64) {
+        self.p[(8, 8)] += heading * heading;
+        let (sensor, at) = (self.sensors.axis(2), self.sensors.start(2));
+        let size: f64 = sensor.h[..sensor.order].iter().map(|h| h * h).sum();
+        if size > 0.0 {
+            for i in 0..sensor.order {
+                for j in 0..sensor.order {
+                    self.p[(at + i, at + j)] +=
+                        gyro * gyro * sensor.h[i] * sensor.h[j] / (size * size);
+                }
+            }
         }
     }
 

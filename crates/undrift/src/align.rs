@@ -157,7 +157,12 @@ impl Aligner {
             };
             let start = self.start(&seen, from_rpy(&rpy), settings);
             let mut filter = estimator::build(start, &std, &settings.sensors, settings.parameters)?;
-            filter.set_position_velocity_covariance(&seen.position.1, &seen.velocity.1);
+            let (_, correlated) = settings.fix_errors.split(&seen.position.1);
+            filter.set_position_velocity_covariance(
+                &seen.position.1,
+                &seen.velocity.1,
+                &correlated,
+            );
             return Ok(Some(aligned(filter, AttitudeSource::Given)));
         }
         let bias_variance = noise_of_mean(&settings.sensors[..3], self.rest.bias_span())
@@ -283,7 +288,8 @@ impl Aligner {
             filter.update(&rate, &noise, &Gate::OPEN)?;
         }
         filter.set_nav(now);
-        filter.set_position_velocity_covariance(&seen.position.1, &seen.velocity.1);
+        let (_, correlated) = settings.fix_errors.split(&seen.position.1);
+        filter.set_position_velocity_covariance(&seen.position.1, &seen.velocity.1, &correlated);
         let source = AttitudeSource::Rest {
             duration,
             heading: from,

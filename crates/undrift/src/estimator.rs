@@ -29,6 +29,8 @@ pub enum Aiding {
         position: Position,
         /// IMU → antenna, body axes \[m\].
         lever_arm: Vector3,
+        /// Standard deviation of the time-correlated part of its error, in its own axes \[m\].
+        correlated: Vector3,
         /// When it holds \[s\]: the filter stands there or after it.
         due: f64,
     },
@@ -116,6 +118,10 @@ pub trait Estimator: Send + Sync {
     fn grow(&mut self, duration: f64, rate: f64, accel: f64);
     /// Adds uncertainty to position \[m\], velocity \[m/s\] and tilt \[rad\], one sigma.
     fn doubt(&mut self, position: f64, velocity: f64, tilt: f64);
+    /// Multiplies the covariance by a factor.
+    fn fade(&mut self, factor: f64);
+    /// Adds uncertainty to the heading \[rad\] and the error of gyro z \[rad/s\], one sigma.
+    fn doubt_heading(&mut self, heading: f64, gyro: f64);
     /// Adds uncertainty in the turn \[rad²\] and the change of velocity \[m²/s²\] of what was just passed, body axes.
     fn widen(&mut self, turn: &Matrix3, velocity: &Matrix3);
     /// Innovation of a measurement, predicted less measured, zeros behind its components; `None`
@@ -144,8 +150,14 @@ pub trait Estimator: Send + Sync {
     fn set_nav(&mut self, nav: NavState);
     /// Sets the estimated sensor errors \[rad/s, m/s²\].
     fn set_sensor_error(&mut self, error: &[f64; AXES]);
-    /// Sets the covariance of position and velocity \[m², (m/s)²\].
-    fn set_position_velocity_covariance(&mut self, position: &Matrix3, velocity: &Matrix3);
+    /// Sets the covariance of position and velocity \[m², (m/s)²\],
+    /// as of a fix that both were taken from, whose position has a time-correlated error \[m\].
+    fn set_position_velocity_covariance(
+        &mut self,
+        position: &Matrix3,
+        velocity: &Matrix3,
+        correlated: &Vector3,
+    );
 
     /// From now on what happens is recorded for [`Estimator::adjoint`].
     fn record(&mut self);
@@ -209,9 +221,11 @@ impl<const N: usize> Sized<N> {
             Aiding::Position {
                 position,
                 lever_arm,
+                correlated,
                 due,
             } => {
-                let mut observed = filter.observe_position(position, lever_arm);
+                let observed = filter.observe_position(position, lever_arm);
+                let mut observed = filter.observe_position_error(observed, correlated);
                 let late = filter.nav().time - due;
                 if late > STAMP_ROUNDING {
                     let c_mn = observed.h.fixed_view::<3, 3>(0, 0);
@@ -340,6 +354,14 @@ impl<const N: usize> Estimator for Sized<N> {
         self.filter.doubt(position, velocity, tilt);
     }
 
+    fn fade(&mut self, factor: f64) {
+        self.filter.fade(factor);
+    }
+
+    fn doubt_heading(&mut self, heading: f64, gyro: f64) {
+        self.filter.doubt_heading(heading, gyro);
+    }
+
     fn widen(&mut self, turn: &Matrix3, velocity: &Matrix3) {
         self.filter.widen(turn, velocity);
     }
@@ -402,9 +424,15 @@ impl<const N: usize> Estimator for Sized<N> {
         self.filter.set_sensor_error(error);
     }
 
-    fn set_position_velocity_covariance(&mut self, position: &Matrix3, velocity: &Matrix3) {
+    fn set_position_velocity_covariance(
+        &mut self,
+        position: &Matrix3,
+        velocity: &Matrix3,
+        correlated: &Vector3,
+    ) {
         self.filter
             .set_position_velocity_covariance(position, velocity);
+        self.filter.share_position_error(correlated);
     }
 
     fn record(&mut self) {

@@ -27,6 +27,7 @@ pub mod demo;
 pub mod drive;
 pub mod estimator;
 pub mod findings;
+pub mod fixes;
 pub mod fleet;
 mod hash;
 pub mod identify;

@@ -321,12 +321,14 @@ impl Observer for Watch<'_> {
         let (lever_arm, due) = (self.settings.lever_arm, filter.nav().time);
         let parts = [
             fix.position.map(|(position, r)| {
+                let (white, correlated) = self.settings.fix_errors.split(&r);
                 let aiding = Aiding::Position {
                     position,
                     lever_arm,
+                    correlated,
                     due,
                 };
-                (aiding, r)
+                (aiding, white)
             }),
             fix.velocity.map(|(v_n, r)| {
                 let aiding = Aiding::Velocity {

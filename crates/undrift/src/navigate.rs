@@ -12,11 +12,13 @@ pub use recording::Recording;
 use crate::{
     align::{AlignSettings, Heading},
     consistency::Consistency,
-    drive::{Drive, DriveError},
+    drive::{Correlation, Drive, DriveError},
     findings::Log,
+    fixes::{self, FixStudy},
     mounting::{self, Mounting, MountingError},
     reference::Errors,
     replay::{Measurement, ReplayError, Settings, Summary, merge, replay},
+    settings::fix_errors::{Correlated, FixErrors},
     smooth,
     vehicle::Constraints,
 };
@@ -25,7 +27,11 @@ use undrift_io::{
     ReadError, gnss::GnssReader, held::Held, imu::GapSummary, scalar::ScalarReader,
     skipped::Skipped, write::solution::SolutionRow,
 };
-use undrift_nav::{Matrix3, Vector3, parameters::Parameters, sample::Scalar};
+use undrift_nav::{
+    Matrix3, Vector3,
+    parameters::{Parameter, Parameters, Prior},
+    sample::{GnssFix, Scalar},
+};
 use undrift_noise::BiasModel;
 
 /// What came of it.
@@ -38,6 +44,10 @@ pub struct Report {
     pub summary: Summary,
     /// Whether the solution is the smoothed one.
     pub smooth: bool,
+    /// What the fixes show of themselves.
+    pub study: Option<FixStudy>,
+    /// What the filter was told that they are wrong by.
+    pub fix_errors: FixErrors,
     /// The mounting, where the drive asks for an estimate: the solution is that of the vehicle's axes.
     pub mounting: Option<Mounting>,
     /// Rotation from the sensor's axes to the body's.
@@ -126,6 +136,46 @@ pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateErro
     })
 }
 
+/// What the fixes of a drive show of themselves.
+///
+/// # Errors
+/// Those of the fixes.
+pub fn study<E>(
+    drive: &Drive,
+    settings: &Settings,
+    fixes: impl IntoIterator<Item = Result<GnssFix, E>>,
+) -> Result<Option<FixStudy>, E> {
+    let set = &settings.engine;
+    let mut failed = None;
+    let fixes = fixes.into_iter().map_while(|fix| match fix {
+        Ok(fix) => Some(drive.quality.apply(&fix, &set.quality)),
+        Err(error) => {
+            failed = Some(error);
+            None
+        }
+    });
+    let study = fixes::study(fixes, &set.fix_study);
+    failed.map_or(Ok(study), Err)
+}
+
+/// Tells the filter what the fixes are wrong by: as the drive file has it, else as they show.
+pub fn tell(settings: &mut Settings, drive: &Drive, study: Option<&FixStudy>) {
+    let mut errors = study.map_or(FixErrors::default(), |study| study.errors);
+    match drive.correlation {
+        Correlation::Auto => {}
+        Correlation::Off => errors.correlated = None,
+        Correlation::Given(given) => errors.correlated = Some(given),
+    }
+    if let Some(Correlated { time, .. }) = errors.correlated {
+        let prior = Prior {
+            time,
+            ..Prior::constant(1.0)
+        };
+        settings.parameters = settings.parameters.with(Parameter::PositionError, prior);
+    }
+    settings.fix_errors = errors;
+}
+
 /// The drive with its mounting estimated where it asks for that: from then on its body axes are the
 /// vehicle's.
 ///
@@ -178,6 +228,8 @@ pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report
     let (drive, mounting) = resolve_mounting(drive)?;
     let smooth = wanted.smooth;
     let mut settings = settings(&drive, kind)?;
+    let study = study(&drive, &settings, drive.open_gnss()?)?;
+    tell(&mut settings, &drive, study.as_ref());
     settings.nodes = smooth.then_some(NODE_SPAN);
     if smooth {
         settings.start = smooth::better_start(
@@ -212,6 +264,8 @@ pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report
         std_factors: std_factors(&drive, &settings, &summary)?,
         summary,
         smooth,
+        study,
+        fix_errors: settings.fix_errors,
         mounting,
         rotation: drive.imu.1.rotation,
         rmse: seen.rmse,

@@ -4,7 +4,9 @@
 //! own time. An [`Observer`] is called at each sample and fix.
 
 mod bridge;
+mod course;
 mod events;
+mod fading;
 mod gate;
 mod health;
 mod inertial;
@@ -27,9 +29,11 @@ pub use crate::{
     },
 };
 pub use events::{
-    Contradiction, FixMend, Implausible, Lean, Log, Part, Restart, RestartCause, SampleFault,
+    Contradiction, FixMend, HeadingOff, Implausible, Lean, Log, Part, Restart, RestartCause,
+    SampleFault,
 };
 pub use health::CovarianceHealth;
+pub(crate) use measurement::Repeats;
 pub use measurement::{Measurement, Scalar, merge};
 pub use observer::{Measurements, NotAligned, Observer, ReplayError, Samples};
 pub use summary::{Innovations, MOST_EVENTS, Summary};

@@ -3,6 +3,7 @@
 //! [`EngineSettings::default`] holds the values that everything in docs/ was measured with;
 //! `docs/settings.md` lists them. What a user sets for a drive is in [`replay::Settings`].
 
+pub mod fix_errors;
 pub mod quality;
 pub mod replay;
 
@@ -55,8 +56,14 @@ settings! {
         adapt: AdaptSettings = AdaptSettings::default(),
         /// What a receiver does wrong, and for how long it is not believed.
         receiver: ReceiverSettings = ReceiverSettings::default(),
+        /// What is looked for in the fixes before navigation.
+        fix_study: FixStudySettings = FixStudySettings::default(),
         /// Standard deviations by the kind of solution.
         quality: QualitySettings = QualitySettings::default(),
+        /// How the course tells of a wrong heading.
+        course: CourseWatchSettings = CourseWatchSettings::default(),
+        /// When the covariance is too small for the innovations.
+        fading: FadingSettings = FadingSettings::default(),
         /// When a solution is no longer one.
         watch: WatchSettings = WatchSettings::default(),
         /// How rest is recognised while navigating.
@@ -177,6 +184,10 @@ settings! {
         spike_force: f64 = 30.0,
         /// … and its neighbours are apart by no more than this part of that.
         spike_apart: f64 = 0.3,
+        /// An axis whose values usually last fewer samples than this never repeats one: …
+        alone: f64 = 1.5,
+        /// … there a value so many times further from the one before, which comes again, is the end of its range.
+        jump_steps: f64 = 5.0,
         /// By what part the usual distance to the neighbours' mean follows each sample.
         step_gain: f64 = 0.05,
         /// What replaces a spike is in doubt by so many usual distances.
@@ -194,7 +205,7 @@ settings! {
         /// How long a turn or an acceleration lasts that a stuck axis misses \[s\].
         turn_lasts: f64 = 5.0,
         /// What a vehicle may at least do meanwhile: turn rate \[rad/s\] …
-        rate: f64 = 0.1,
+        rate: f64 = 0.3,
         /// … and acceleration \[m/s²\].
         force: f64 = 1.0,
     }
@@ -264,6 +275,87 @@ settings! {
         most_tilt: f64 = 0.1,
         /// A solution that followed contradicting positions and velocities three times within so long is no longer one \[s\].
         three_times: f64 = 90.0,
+    }
+
+    /// How the course tells of a wrong heading.
+    CourseWatchSettings {
+        /// Speed above which there is a course \[m/s\].
+        speed: f64 = 4.0,
+        /// Largest standard deviation of the course \[rad\].
+        course_std: f64 = 0.1,
+        /// Turn rate below which the vehicle goes straight \[rad/s\].
+        straight: f64 = 0.1,
+        /// Courses further apart than this do not belong together \[s\].
+        apart: f64 = 30.0,
+        /// Differences of course and heading after which the usual one is known.
+        least: usize = 30,
+        /// Standard deviation of a heading from which the usual difference is learned \[rad\].
+        known: f64 = 0.05,
+        /// Least spread of the usual difference \[rad\]: wind and slip.
+        least_spread: f64 = 0.01,
+        /// The heading is wrong where the difference has changed by so many spreads …
+        spreads: f64 = 4.0,
+        /// … and standard deviations of the heading.
+        sigmas: f64 = 2.0,
+    }
+
+    /// When the covariance is too small for the innovations. NIS is per degree of freedom.
+    FadingSettings {
+        /// Size of the last sixteen innovations squared, by their median, over the usual one, from which the covariance grows.
+        from: f64 = 3.0,
+        /// By at most this factor an update.
+        most: f64 = 1.5,
+        /// One innovation counts up to so many times the usual NIS.
+        clip: f64 = 10.0,
+        /// Autocorrelation of innovations from which they may be correlated measurements.
+        correlated: f64 = 0.3,
+        /// By what part the usual NIS follows each.
+        gain: f64 = 0.005,
+        /// Updates after which it is known.
+        least: u32 = 40,
+        /// Least usual NIS: standard deviations stated twice too large.
+        least_usual: f64 = 0.25,
+        /// Standard deviation of the heading beyond which nothing is gained \[rad\].
+        most_heading: f64 = 0.5,
+    }
+
+    /// What is looked for in the fixes before navigation.
+    FixStudySettings {
+        /// Fixes that are looked at: an hour and a half at 4 Hz.
+        most: usize = 20_000,
+        /// Fewer tell nothing.
+        least: usize = 80,
+        /// Pairs of fixes for a mean square to be worth something.
+        least_pairs: usize = 40,
+        /// White noise so many times the stated one is told to the filter.
+        factor: f64 = 2.0,
+        /// Velocities that the positions show to be better than this share of their stated standard deviations are
+        /// taken as that good, …
+        modest: f64 = 0.5,
+        /// … down to this share.
+        least_velocity: f64 = 0.1,
+        /// White variance below this share of the stated one: the rest of the error lasts.
+        white_share: f64 = 0.8,
+        /// The white part has at least what is left of this share: receivers smooth, inertial sensors are not perfect.
+        most_share: f64 = 0.99,
+        /// Differences that grow to the whole sooner are the velocities' error, or white \[s\].
+        shortest: f64 = 5.0,
+        /// The velocities' own error makes the differences grow sooner, by about this factor.
+        sooner: f64 = 2.0,
+        /// A velocity that the positions contradict by so many standard errors …
+        bias_errors: f64 = 5.0,
+        /// … so many of its own standard deviations …
+        bias_sigmas: f64 = 0.5,
+        /// … and by this is wrong \[m/s\].
+        least_bias: f64 = 0.15,
+        /// Longer than this is all the same \[s\].
+        longest: f64 = 1000.0,
+        /// Speed above which there is an along and an across \[m/s\].
+        moves: f64 = 3.0,
+        /// Differences along the track so many times those across it are errors of the stamps.
+        along: f64 = 2.0,
+        /// Steps whose variance is below this share of the stated one are how numbers are written.
+        step_share: f64 = 0.25,
     }
 
     /// Standard deviations by the kind of solution.

@@ -31,6 +31,56 @@ pub(super) fn wrong_sign(axis: usize) -> String {
     )
 }
 
+pub(super) fn repeated(fixes: u64, interval: f64) -> String {
+    format!(
+        "{} the one before and were skipped: the receiver measures every {} s",
+        match fixes {
+            1 => "1 fix repeats".into(),
+            n => format!("{n} fixes repeat"),
+        },
+        short(interval)
+    )
+}
+
+pub(super) fn rounded(step: f64) -> String {
+    format!(
+        "positions come in steps of {} m; their covariance is that much larger",
+        short(step)
+    )
+}
+
+pub(super) fn jitter(std: f64) -> String {
+    format!(
+        "the stamps of the fixes jitter by {:.0} ms; the covariance of the positions along the track is that much larger",
+        std * 1e3
+    )
+}
+
+pub(super) fn correlated(share: f64, time: f64) -> String {
+    format!(
+        "the position's error is correlated over {time:.0} s ({:.0} % of its variance); it is estimated",
+        100.0 * share
+    )
+}
+
+pub(super) fn noisy(factor: f64) -> String {
+    format!(
+        "positions scatter {factor:.1} times as much as stated; their standard deviations were multiplied by that"
+    )
+}
+
+pub(super) fn modest_velocity(factor: f64) -> String {
+    format!(
+        "velocities agree with the motion of the positions to {factor:.2} of their stated standard deviations, which were multiplied by that"
+    )
+}
+
+pub(super) fn velocity_bias([north, east, down]: [f64; 3]) -> String {
+    format!(
+        "the velocity differs from the motion of the positions by {north:.2}, {east:.2}, {down:.2} m/s north, east, down all along: it or the positions are wrong; gnss.use = \"position\" does without it"
+    )
+}
+
 /// A part of a fix and its unit.
 fn part(part: Part) -> (&'static str, &'static str) {
     match part {

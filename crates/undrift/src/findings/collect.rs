@@ -1,15 +1,19 @@
 //! The findings of a run, from its counts.
 
 use super::{Finding, Log};
-use crate::replay::{Implausible, Innovations, Part, Summary};
+use crate::{
+    fixes::FixStudy,
+    replay::{Implausible, Innovations, Part, SampleFault, Summary},
+    settings::fix_errors::{Correlated, FixErrors},
+};
 use undrift_io::{held::Held, imu::GapSummary, skipped::Skipped};
-use undrift_nav::{Matrix3, Vector3};
+use undrift_nav::{Matrix3, Vector3, covariance::AXES};
 use undrift_noise::screening::Timing;
 
 /// Spans without a usable fix longer than this are reported \[s\].
 pub const WITHOUT_GNSS: f64 = 5.0;
 /// Spans of rejected fixes that are reported one by one.
-const LISTED: usize = 12;
+const LISTED: usize = 3;
 /// Autocorrelation of innovations above which it is not the accuracy of the fixes that is wrong.
 const CORRELATED: f64 = 0.5;
 
@@ -31,6 +35,7 @@ pub fn of_health(summary: &Summary) -> Vec<Finding> {
     if length > WITHOUT_GNSS {
         found.push(Finding::WithoutGnss { start, length });
     }
+    found.extend(of_samples(summary));
     if summary.bad_fixes > 0 {
         let fixes = summary.bad_fixes;
         found.push(Finding::BadCovariance { fixes });
@@ -144,6 +149,28 @@ pub fn of_disagreement(summary: &Summary) -> Vec<Finding> {
             accepted: more.iter().filter(|c| c.gave_way).count() as u64,
         });
     }
+    if let Some(worst) = summary
+        .heading_off
+        .iter()
+        .max_by(|a, b| a.angle.abs().total_cmp(&b.angle.abs()))
+    {
+        found.push(Finding::HeadingOff {
+            start: worst.start,
+            end: worst.end,
+            angle: worst.angle,
+            more: summary.heading_off.len() as u64 - 1,
+        });
+    }
+    found.extend(
+        summary
+            .far
+            .iter()
+            .map(|(parameter, value, sigmas)| Finding::FarParameter {
+                parameter: format!("{parameter:?}"),
+                value: *value,
+                sigmas: *sigmas,
+            }),
+    );
     found.extend(summary.leans.iter().copied().map(Finding::OneSided));
     found.extend(
         summary
@@ -156,6 +183,56 @@ pub fn of_disagreement(summary: &Summary) -> Vec<Finding> {
             .map(|start| Finding::LargeInnovations { start }),
     );
     found
+}
+
+/// What the fixes show of themselves.
+pub fn of_fixes(study: &FixStudy, errors: &FixErrors) -> Vec<Finding> {
+    let mut found = Vec::new();
+    if study.repeated > 0 {
+        found.push(Finding::RepeatedFixes {
+            fixes: study.repeated,
+            interval: study.interval,
+        });
+    }
+    if errors.velocity_bias != Vector3::zeros() {
+        let bias = errors.velocity_bias.into();
+        found.push(Finding::VelocityBias { bias });
+    }
+    if errors.step.max() > 0.0 {
+        let step = errors.step.max();
+        found.push(Finding::RoundedFixes { step });
+    }
+    if errors.jitter > 0.0 {
+        let std = errors.jitter;
+        found.push(Finding::FixJitter { std });
+    }
+    if let Some(Correlated { share, time }) = errors.correlated {
+        found.push(Finding::CorrelatedFixes { share, time });
+    }
+    if errors.velocity_factor != 1.0 {
+        let factor = errors.velocity_factor;
+        found.push(Finding::ModestVelocity { factor });
+    }
+    if errors.position_factor != 1.0 {
+        let factor = errors.position_factor;
+        found.push(Finding::NoisyFixes { factor });
+    }
+    found
+}
+
+/// Samples that were replaced, axis by axis.
+fn of_samples(summary: &Summary) -> Vec<Finding> {
+    let of_axis = |axis| {
+        let is = |fault: &&SampleFault| fault.axis == axis && !fault.stuck;
+        let mut spikes = summary.sample_faults.iter().filter(is);
+        let first = spikes.next()?;
+        Some(Finding::Spikes {
+            axis,
+            samples: 1 + spikes.count() as u64,
+            start: first.start,
+        })
+    };
+    (0..AXES).filter_map(of_axis).collect()
 }
 
 /// What was unusual about a log of scalars, and how it was used.
@@ -209,11 +286,15 @@ pub fn of_timing(timing: Option<&Timing>) -> Option<Finding> {
     })
 }
 
-/// A stated accuracy of a part of the fixes that is wrong by a factor.
-pub fn of_accuracy(part: Part, factor: f64, summary: &Summary) -> Finding {
+/// A stated accuracy of a part of the fixes that does not fit the innovations by a factor: it is wrong, or, where the
+/// fixes are `known` to be as good as they state, the noise model of the sensors is.
+pub fn of_accuracy(part: Part, factor: f64, summary: &Summary, known: bool) -> Finding {
     let correlated = [&summary.position, &summary.velocity]
         .iter()
         .any(|sums| sums.autocorrelation().is_some_and(|(c, _)| c > CORRELATED));
+    if known && !correlated && part == Part::Position && factor > 1.0 {
+        return Finding::OptimisticModel { factor };
+    }
     Finding::WrongAccuracy {
         part,
         factor,

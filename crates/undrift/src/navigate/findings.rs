@@ -8,12 +8,15 @@ use crate::{
 };
 
 impl Report {
-    /// Everything that should be known with the solution, its end first.
+    /// Everything that should be known with the solution: its end first, causes before symptoms.
     pub fn findings(&self) -> Vec<Finding> {
         let s = &self.summary;
         let mut found = Vec::new();
         found.extend(s.diverged.map(|time| Finding::Diverged { time }));
         found.extend(self.not_compared());
+        if let Some(study) = &self.study {
+            found.extend(findings::of_fixes(study, &self.fix_errors));
+        }
         found.extend(findings::of_health(s));
         found.extend(findings::of_held(&self.held));
         let disagreements = findings::of_disagreement(s);
@@ -29,16 +32,21 @@ impl Report {
         if s.implausible.is_empty() {
             let parts = [Part::Position, Part::Velocity].into_iter();
             let factors = parts.zip(self.std_factors);
-            found.extend(
-                factors.filter_map(|(part, factor)| Some(findings::of_accuracy(part, factor?, s))),
-            );
+            found.extend(factors.filter_map(|(part, factor)| {
+                Some(findings::of_accuracy(
+                    part,
+                    factor?,
+                    s,
+                    self.fix_errors.known,
+                ))
+            }));
         }
         found.extend(findings::of_skipped(&[
             (Log::Imu, &self.imu_skipped),
             (Log::Gnss, &self.gnss_skipped),
             (Log::Truth, &self.truth_skipped),
         ]));
-        found
+        findings::ranked(found)
     }
 
     /// Why there is no error although there is a truth.

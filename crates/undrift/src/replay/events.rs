@@ -170,3 +170,15 @@ pub enum FixMend {
     /// Latitude and longitude are in radians, not in degrees.
     PositionInRadians,
 }
+
+/// A span in which the course contradicts the heading.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct HeadingOff {
+    /// When it was seen first \[s\].
+    pub start: f64,
+    /// When it was seen last \[s\].
+    pub end: f64,
+    /// Course less heading, beyond what is usual, at most \[rad\].
+    pub angle: f64,
+}

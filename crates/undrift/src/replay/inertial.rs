@@ -99,8 +99,14 @@ impl Axis {
     fn jumps(&mut self, set: &SampleSettings, least: f64, around: [f64; 2], value: f64) -> bool {
         let off = (value - around[0]).abs();
         let known = self.seen >= set.least_values;
-        self.jumped |=
-            known && off > (set.spike_steps * self.step).max(least) && is_same(value, around[1]);
+        // Of an axis that never repeats a value less is enough.
+        let repeats = self.of_ended as f64 > set.alone * self.ended as f64;
+        let limit = if repeats {
+            (set.spike_steps * self.step).max(least)
+        } else {
+            (set.jump_steps * self.step).max(0.5 * least)
+        };
+        self.jumped |= known && off > limit && is_same(value, around[1]);
         self.jumped
     }
 
@@ -343,8 +349,8 @@ mod tests {
             .filter_map(|checked| checked.doubt)
             .map(|doubt| doubt[0].trace())
             .sum();
-        // 0.2/√2 rad/s over 30 s, independent after 5 s.
-        let std = 0.2 / 2f64.sqrt();
+        // 0.2/√2 rad/s, at least what a vehicle may do, over 30 s, independent after 5 s.
+        let std = (0.2 / 2f64.sqrt()).max(SampleSettings::default().rate);
         let expected = std * std * 5.0 * (2.0 * 30.0 - 5.0);
         assert!(
             (0.7..1.4).contains(&(total / expected)),

@@ -70,11 +70,17 @@ pub(super) struct Queue<I: Iterator> {
     positions: VecDeque<GnssFix>,
     velocities: VecDeque<GnssFix>,
     others: VecDeque<Measurement>,
+    repeats: Repeats,
+}
+
+/// Tells fixes that repeat the one before.
+#[derive(Default)]
+pub(crate) struct Repeats {
     /// The last fix that did not repeat the one before.
     last: Option<GnssFix>,
     /// Whether its position was another one than that before.
     moved: bool,
-    repeated: u64,
+    count: u64,
 }
 
 /// A receiver does not come upon the same numbers twice: a fix equal to one so short a time before \[s\] is that one,
@@ -82,6 +88,36 @@ pub(super) struct Queue<I: Iterator> {
 const REPEATED: f64 = 2.0;
 /// … unless it stands [m/s].
 const STANDS: f64 = 0.1;
+
+impl Repeats {
+    /// Whether a fix is the one before again.
+    pub(crate) fn is(&mut self, fix: &GnssFix) -> bool {
+        let again = self.last.is_some_and(|last| {
+            let position = last.position.map(|p| p.0) == fix.position.map(|p| p.0);
+            let velocity = last.velocity.map(|v| v.0) == fix.velocity.map(|v| v.0);
+            let moves = fix.velocity.map_or(self.moved, |(v, _)| v.norm() > STANDS);
+            fix.position.is_some()
+                && position
+                && velocity
+                && moves
+                && fix.time - last.time < REPEATED
+        });
+        if !again {
+            let positions = self
+                .last
+                .and_then(|last| Some((last.position?.0, fix.position?.0)));
+            self.moved = positions.is_some_and(|(a, b)| a != b);
+            self.last = Some(*fix);
+        }
+        self.count += u64::from(again);
+        again
+    }
+
+    /// How many did so far.
+    pub(crate) fn count(&self) -> u64 {
+        self.count
+    }
+}
 
 impl<E, I: Iterator<Item = Result<Measurement, E>>> Queue<I> {
     pub(super) fn new(stream: I) -> Self {
@@ -91,9 +127,7 @@ impl<E, I: Iterator<Item = Result<Measurement, E>>> Queue<I> {
             positions: VecDeque::new(),
             velocities: VecDeque::new(),
             others: VecDeque::new(),
-            last: None,
-            moved: false,
-            repeated: 0,
+            repeats: Repeats::default(),
         }
     }
 
@@ -106,7 +140,7 @@ impl<E, I: Iterator<Item = Result<Measurement, E>>> Queue<I> {
             .next_if(|m| m.as_ref().map_or(true, |m| m.time() <= ahead))
         {
             match next {
-                Ok(Measurement::Gnss(fix)) if self.repeats(&fix) => self.repeated += 1,
+                Ok(Measurement::Gnss(fix)) if self.repeats.is(&fix) => {}
                 Ok(Measurement::Gnss(fix)) => self.fixes.push_back(fix),
                 Ok(other) => self.others.push_back(other),
                 Err(error) => return Some(Err(error)),
@@ -152,31 +186,9 @@ impl<E, I: Iterator<Item = Result<Measurement, E>>> Queue<I> {
         next.map(Ok)
     }
 
-    /// Whether a fix is the one before again.
-    fn repeats(&mut self, fix: &GnssFix) -> bool {
-        let again = self.last.is_some_and(|last| {
-            let position = last.position.map(|p| p.0) == fix.position.map(|p| p.0);
-            let velocity = last.velocity.map(|v| v.0) == fix.velocity.map(|v| v.0);
-            let moves = fix.velocity.map_or(self.moved, |(v, _)| v.norm() > STANDS);
-            fix.position.is_some()
-                && position
-                && velocity
-                && moves
-                && fix.time - last.time < REPEATED
-        });
-        if !again {
-            let positions = self
-                .last
-                .and_then(|last| Some((last.position?.0, fix.position?.0)));
-            self.moved = positions.is_some_and(|(a, b)| a != b);
-            self.last = Some(*fix);
-        }
-        again
-    }
-
     /// Fixes so far that were the one before again.
     pub(super) fn repeated(&self) -> u64 {
-        self.repeated
+        self.repeats.count()
     }
 
     /// Time of the next fix, whenever it comes \[s\].

@@ -2,6 +2,7 @@
 
 use super::{
     events::Part,
+    fading::Fading,
     gate::{FixGate, Scale, Verdict},
     summary::{MOST_EVENTS, Summary},
     watch::LeanWatch,
@@ -30,6 +31,7 @@ struct Channel {
     part: Part,
     gate: FixGate,
     scale: Scale,
+    fading: Fading,
     lean: LeanWatch,
 }
 
@@ -52,6 +54,7 @@ impl<'a> Receiver<'a> {
             part,
             gate: FixGate::new(part, time, settings.gate),
             scale: Scale::new(settings.adapt),
+            fading: Fading::new(settings.fading),
             lean: LeanWatch::new(part, settings.watch),
         };
         Self {
@@ -127,13 +130,15 @@ impl<'a> Receiver<'a> {
             && settings.gnss_use != GnssUse::Velocity
             && part != Some(Part::Velocity)
         {
+            let (white, correlated) = settings.fix_errors.split(&r);
             let offer = Offer {
                 aiding: Aiding::Position {
                     position,
                     lever_arm,
+                    correlated,
                     due,
                 },
-                stated: r,
+                stated: white,
                 time: fix.time,
                 open,
                 frozen,
@@ -295,6 +300,12 @@ impl Channel {
         }
         if settings.adapt {
             self.scale.learn(&update);
+        } else if settings.gating {
+            let factor = self.fading.factor(&update, settings.fix_errors.known);
+            if factor > 1.0 && filter.nav_std()[8] < settings.engine.fading.most_heading {
+                filter.fade(factor);
+                summary.faded += 1;
+            }
         }
         self.lean.add(time, &innovation, &update, summary);
         match self.part {

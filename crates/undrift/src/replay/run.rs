@@ -1,6 +1,7 @@
 //! The state of a replay between samples, and what a sample and a fix do to it.
 
 use super::{
+    course::CourseWatch,
     events::{Part, Restart, RestartCause},
     health::CovarianceHealth,
     inertial::{Checked, Inertial},
@@ -20,8 +21,12 @@ use crate::{
 };
 use undrift_nav::{
     filter::{FilterError, Outcome, Update},
+    parameters::Parameter,
     sample::{GnssFix, ImuSample},
 };
+
+/// Prior standard deviations beyond which an estimated parameter is remarked on.
+const FAR: f64 = 5.0;
 
 /// The state of a replay between samples.
 pub(super) struct Run<'a> {
@@ -34,6 +39,7 @@ pub(super) struct Run<'a> {
     receiver: Receiver<'a>,
     streak: Streak,
     plausible: Plausible,
+    course: CourseWatch,
     vehicle: Vehicle,
     inertial: Inertial,
 }
@@ -91,6 +97,7 @@ impl<'a> Run<'a> {
             receiver: Receiver::new(f64::NEG_INFINITY, &settings.engine),
             streak: Streak::new(settings.engine.watch),
             plausible: Plausible::new(settings),
+            course: CourseWatch::new(settings.engine.course),
             vehicle: Vehicle::new(settings),
             inertial: Inertial::new(settings.rotation, settings.engine.samples),
         }
@@ -210,9 +217,18 @@ impl<'a> Run<'a> {
             return Ok(self.summary);
         };
         self.summary.covariance = Some(CovarianceHealth::of(&**filter));
-        for (kind, ..) in filter.parameters().blocks() {
+        for (kind, _, prior) in filter.parameters().blocks() {
             if let Some((value, std)) = filter.parameter(kind) {
                 let n = kind.width();
+                let furthest = value[..n]
+                    .iter()
+                    .copied()
+                    .max_by(|a, b| a.abs().total_cmp(&b.abs()));
+                let far = furthest.filter(|value| value.abs() > FAR * prior.std);
+                let far = far.filter(|_| kind != Parameter::PositionError);
+                self.summary
+                    .far
+                    .extend(far.map(|value| (kind, value, value.abs() / prior.std)));
                 let (value, std) = (value[..n].to_vec(), std[..n].to_vec());
                 self.summary.parameters.push((kind, value, std));
             }
@@ -328,6 +344,7 @@ impl<'a> Run<'a> {
         observer.used(fix.time);
         self.streak = Streak::new(self.settings.engine.watch);
         self.receiver.forget_solution(fix.time, &mut self.summary);
+        self.course = CourseWatch::new(self.settings.engine.course);
         let solution = self
             .solution
             .insert(Solution::new(aligned.filter, self.settings.engine.gaps));
@@ -349,10 +366,9 @@ impl<'a> Run<'a> {
         observer: &mut dyn Observer,
     ) -> Result<(), ReplayError> {
         let withheld = self.settings.outages.iter().any(|o| o.contains(fix.time));
-        let fix = &self
-            .settings
-            .quality
-            .apply(fix, &self.settings.engine.quality);
+        let settings = self.settings;
+        let fix = &settings.quality.apply(fix, &settings.engine.quality);
+        let fix = &settings.fix_errors.apply(fix);
         let begins = begins(fix, part);
         if self.solution.is_none() && withheld {
             self.summary.withheld += u64::from(begins);
@@ -394,6 +410,9 @@ impl<'a> Run<'a> {
                 .update(filter, fix, part, due, self.settings, &mut self.summary);
         if part != Some(Part::Position) {
             self.vehicle.fix(filter, fix, self.settings);
+            if self.settings.gating {
+                self.course.fix(filter, fix, &mut self.summary);
+            }
         }
         let done = updates.each_ref();
         observer.updated(fix.time, done.map(|u| u.as_ref()?.as_ref().ok().copied()));

@@ -2,7 +2,7 @@
 
 use super::{
     CovarianceHealth,
-    events::{Contradiction, Implausible, Lean, Restart, SampleFault},
+    events::{Contradiction, HeadingOff, Implausible, Lean, Restart, SampleFault},
 };
 use crate::{align::Alignment, settings::replay::Doubt};
 use serde::{Deserialize, Serialize};
@@ -137,6 +137,12 @@ pub struct Summary {
     /// Where the solution gave way to fixes that contradict its velocity or both of its parts; the first
     /// [`MOST_EVENTS`].
     pub doubts: Vec<Doubt>,
+    /// Parameters that ended far from what was known of them: estimate, and prior standard deviations that it is off.
+    pub far: Vec<(Parameter, f64, f64)>,
+    /// Updates after which the covariance was made larger, because innovations were larger than it predicts.
+    pub faded: u64,
+    /// Where the course has contradicted the heading; the first [`MOST_EVENTS`].
+    pub heading_off: Vec<HeadingOff>,
     /// When the solution diverged, if it did and was not re-initialised \[s\].
     pub diverged: Option<f64>,
     /// The covariance at the end, if there is a solution.
@@ -201,6 +207,25 @@ impl Summary {
                 start: since,
                 end: time,
                 stuck: true,
+            }),
+            _ => {}
+        }
+    }
+
+    /// Notes a heading that the course contradicts, for the first time or still.
+    pub(super) fn heading_off(&mut self, time: f64, angle: f64, goes_on: bool) {
+        let room = self.heading_off.len() < MOST_EVENTS;
+        match self.heading_off.last_mut() {
+            Some(last) if goes_on => {
+                last.end = time;
+                if angle.abs() > last.angle.abs() {
+                    last.angle = angle;
+                }
+            }
+            _ if room => self.heading_off.push(HeadingOff {
+                start: time,
+                end: time,
+                angle,
             }),
             _ => {}
         }

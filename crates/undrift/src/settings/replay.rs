@@ -1,6 +1,6 @@
 //! How a log is navigated.
 
-use super::{EngineSettings, quality::QualityStd};
+use super::{EngineSettings, fix_errors::FixErrors, quality::QualityStd};
 use crate::{align::settings::AlignSettings, estimator::STAMP_ROUNDING, vehicle::Constraints};
 use undrift_nav::{
     Matrix3, Vector3, covariance::AXES, parameters::Parameters, shaping::ShapingFilter,
@@ -65,6 +65,8 @@ pub struct Settings {
     pub adapt: bool,
     /// How the kind of solution bears on the standard deviation of a position.
     pub quality: QualityStd,
+    /// What the fixes are wrong by beyond what they state.
+    pub fix_errors: FixErrors,
     /// Longest span between two nodes that a smoother is told of \[s\]; without it, none.
     pub nodes: Option<f64>,
     /// What the first attitude, sensor states and parameters after alignment are off by, as a smoother
@@ -94,6 +96,7 @@ impl Settings {
             restart: true,
             adapt: false,
             quality: QualityStd::AsStated,
+            fix_errors: FixErrors::default(),
             nodes: None,
             start: None,
             doubts: Vec::new(),
