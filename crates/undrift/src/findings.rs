@@ -319,7 +319,11 @@ pub enum Finding {
 }
 
 /// Prior standard deviations beyond which an estimated parameter is no parameter any more.
-const VERY_FAR: f64 = 10.0;
+const VERY_FAR: f64 = 7.0;
+/// A scatter so many times what is stated is a wrong unit rather than a modest receiver.
+const WRONG_UNIT: f64 = 20.0;
+/// An axis that holds a value for longer has a fault \[s\].
+const LONG: f64 = 1.0;
 
 impl Finding {
     /// How much it weighs.
@@ -327,6 +331,9 @@ impl Finding {
         match self {
             Self::Diverged { .. } => Severity::Unusable,
             Self::FarParameter { sigmas, .. } if *sigmas > VERY_FAR => Severity::Warning,
+            Self::NoisyFixes { factor } if *factor > WRONG_UNIT => Severity::Warning,
+            Self::Held { length, .. } if *length > LONG => Severity::Warning,
+            Self::Frozen { .. } => Severity::Warning,
             Self::WrongGravity { .. }
             | Self::WrongTurnRate { .. }
             | Self::WrongTurnAxis { .. }
@@ -360,6 +367,7 @@ impl Finding {
             | Self::WrongAxes { .. }
             | Self::WrongVelocity { .. }
             | Self::WrongSign { .. } => 1,
+            Self::NoisyFixes { factor } if *factor > WRONG_UNIT => 1,
             Self::Frozen { .. } | Self::Held { .. } | Self::VelocityBias { .. } => 2,
             Self::OptimisticModel { .. } | Self::FarParameter { .. } => 3,
             Self::Restart { .. } | Self::HeadingOff { .. } | Self::LargeInnovations { .. } => 5,

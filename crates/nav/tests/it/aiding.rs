@@ -238,6 +238,7 @@ fn a_correlated_error_fades() {
     assert!((filter.estimates()[at] - 0.8 * left).abs() < 1e-12);
     for i in 0..3 {
         assert!((filter.covariance()[(at + i, at + i)] - 1.0).abs() < 1e-12);
-        assert!((filter.covariance()[(i, at + i)] - 5.0 * left).abs() < 1e-9);
+        // Gravity turns with the place: 1.5e-6 1/s², over a minute.
+        assert!((filter.covariance()[(i, at + i)] / (5.0 * left) - 1.0).abs() < 0.01);
     }
 }

@@ -33,10 +33,10 @@ pub(super) fn wrong_sign(axis: usize) -> String {
 
 pub(super) fn repeated(fixes: u64, interval: f64) -> String {
     format!(
-        "{} the one before and were skipped: the receiver measures every {} s",
+        "{} skipped: the receiver measures every {} s",
         match fixes {
-            1 => "1 fix repeats".into(),
-            n => format!("{n} fixes repeat"),
+            1 => "1 fix repeats the one before and was".into(),
+            n => format!("{n} fixes repeat the one before and were"),
         },
         short(interval)
     )

@@ -116,7 +116,7 @@ pub(super) fn heading_off([start, end]: [f64; 2], angle: f64, more: u64) -> Stri
 
 pub(super) fn optimistic_model(factor: f64) -> String {
     format!(
-        "the innovations are {factor:.1} times as large as predicted although the fixes agree with each other: the noise model of the IMU is too small; raise its white noise, or identify it from a record in this vehicle"
+        "the innovations are {factor:.1} times as large as predicted although the fixes agree with each other: the noise model of the IMU is too small for this vehicle, or the lever arm or the axes are wrong"
     )
 }
 

@@ -192,9 +192,7 @@ impl<'a> OutageWatch<'a> {
         let empty = ends.iter().filter(|e| e.0[HORIZONTAL].is_nan()).count();
         let finding = match (summary.diverged, summary.started) {
             (Some(time), _) => Some(Finding::Diverged { time }),
-            (None, Some(time)) if counted.is_empty() && left_out > 0 => {
-                Some(Finding::StartedLate { time })
-            }
+            (None, Some(time)) if left_out > 0 => Some(Finding::StartedLate { time }),
             _ if empty > 0 => Some(Finding::NoReference { outages: empty }),
             _ => summary
                 .suspect

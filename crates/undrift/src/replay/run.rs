@@ -374,19 +374,19 @@ impl<'a> Run<'a> {
             self.summary.withheld += u64::from(begins);
             return Ok(());
         }
-        if (self.solution.is_none() || self.alignment.again)
-            && begins
-            && !withheld
-            && self.align(fix, sample, observer)?
-        {
-            return Ok(());
-        }
         let latency = self.latency();
         let due = fix.time
             + match part {
                 Some(Part::Velocity) => latency.velocity.unwrap_or(latency.position),
                 _ => latency.position,
             };
+        if (self.solution.is_none() || self.alignment.again) && begins && !withheld {
+            // A solution before this one says when it holds: within this sample.
+            let held = GnssFix { time: due, ..*fix };
+            if self.align(&held, sample, observer)? {
+                return Ok(());
+            }
+        }
         let Some(solution) = &mut self.solution else {
             self.summary.fixes_before += u64::from(begins);
             return Ok(());
