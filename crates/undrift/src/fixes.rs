@@ -69,7 +69,7 @@ pub fn study(fixes: impl IntoIterator<Item = GnssFix>, set: &FixStudySettings) -
     }
     let steps: Vec<f64> = track.time.windows(2).map(|t| t[1] - t[0]).collect();
     let interval = median(&steps);
-    if !(interval > 0.0) {
+    if interval <= 0.0 || interval.is_nan() {
         return None;
     }
     let stated =
@@ -262,7 +262,7 @@ impl Differences<'_> {
                 xy += weight(*rest) * x * y;
                 xx += weight(*rest) * x * x;
             }
-            if !(xx > 0.0) {
+            if xx <= 0.0 {
                 return None;
             }
             // Differences overlap, each second `lag` of them.

@@ -285,6 +285,8 @@ settings! {
         course_std: f64 = 0.1,
         /// Turn rate below which the vehicle goes straight \[rad/s\].
         straight: f64 = 0.1,
+        /// Cosine of the angle between body down and down below which there is no heading.
+        level: f64 = 0.94,
         /// Courses further apart than this do not belong together \[s\].
         apart: f64 = 30.0,
         /// Differences of course and heading after which the usual one is known.

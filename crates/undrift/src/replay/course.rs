@@ -6,7 +6,7 @@
 
 use super::summary::Summary;
 use crate::{estimator::Estimator, settings::CourseWatchSettings};
-use undrift_nav::{attitude::to_rpy, earth::wrap_pi, sample::GnssFix};
+use undrift_nav::{Vector3, attitude::to_rpy, earth::wrap_pi, sample::GnssFix};
 use undrift_noise::order_statistics::{median, upper_median};
 
 /// Differences that the usual one is taken from, one a second.
@@ -46,11 +46,14 @@ impl CourseWatch {
         let speed = v.xy().norm();
         let course_std = (0.5 * (r[(0, 0)] + r[(1, 1)])).max(0.0).sqrt() / speed;
         let straight = filter.omega_nb_b().norm() < set.straight;
+        // Axes that are far from level have no heading, and no vertical gyro.
+        let level = (filter.nav().q_nb * Vector3::z()).z > set.level;
         let heading_std = filter.nav_std()[8];
         if fix.time - self.last < 1.0
             || speed < set.speed
             || course_std > set.course_std
             || !straight
+            || !level
         {
             return;
         }
