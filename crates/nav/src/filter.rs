@@ -499,9 +499,9 @@ impl<const N: usize> Filter<N> {
         }
     }
 
-    /// Multiplies the covariance by `factor`, at least 1, of sensors' states and parameters up to what they had
-    /// before the first sample: for a solution whose innovations are larger than it
-    /// predicts. What is past then counts for less (fading memory: Sorenson & Sacks 1971; Gelb 1974, section 8.1).
+    /// Multiplies the covariance by `factor`, at least 1, that of sensors' states up to what they had before the first
+    /// sample and that of parameters not at all, which are constants: for a solution whose innovations are larger than
+    /// it predicts. What is past then counts for less (fading memory: Sorenson & Sacks 1971; Gelb 1974, section 8.1).
     pub fn fade(&mut self, factor: f64) {
         let mut scales = [1.0; N];
         for scale in &mut scales[..NAV] {
@@ -512,12 +512,6 @@ impl<const N: usize> Filter<N> {
             for i in 0..sensor.order {
                 let room = sensor.p0[i][i] / self.p[(at + i, at + i)];
                 scales[at + i] = libm::sqrt(factor.min(room).max(1.0));
-            }
-        }
-        for (states, prior) in self.parameters.ranges(self.sensors.states()) {
-            for i in states {
-                let room = prior.std * prior.std / self.p[(i, i)];
-                scales[i] = libm::sqrt(factor.min(room).max(1.0));
             }
         }
         for i in 0..N {

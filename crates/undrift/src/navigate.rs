@@ -161,6 +161,16 @@ pub fn study<E>(
 /// Tells the filter what the fixes are wrong by: as the drive file has it, else as they show.
 pub fn tell(settings: &mut Settings, drive: &Drive, study: Option<&FixStudy>) {
     let mut errors = study.map_or(FixErrors::default(), |study| study.errors);
+    // Velocities are as good as the positions show them to be only where their latency is estimated.
+    let late = study.is_some_and(|study| study.velocity_late.is_some());
+    if late
+        && !settings
+            .parameters
+            .prior(Parameter::VelocityTimeOffset)
+            .is_some()
+    {
+        errors.velocity_factor = errors.velocity_factor.max(1.0);
+    }
     match drive.correlation {
         Correlation::Auto => {}
         Correlation::Off => errors.correlated = None,

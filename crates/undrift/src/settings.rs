@@ -196,6 +196,8 @@ settings! {
         frozen: f64 = 0.5,
         /// … and for so many times the usual number of samples.
         frozen_times: f64 = 20.0,
+        /// Of a sensor of which all axes repeat their values for so long at rest \[s\] repetitions say nothing.
+        noiseless: f64 = 5.0,
         /// A saturated one repeats its largest or smallest value for so many times the usual number …
         saturated_times: f64 = 4.0,
         /// … so many usual standard deviations from its mean.
@@ -304,7 +306,7 @@ settings! {
     /// When the covariance is too small for the innovations. NIS is per degree of freedom.
     FadingSettings {
         /// Size of the last sixteen innovations squared, by their median, over the usual one, from which the covariance grows.
-        from: f64 = 3.0,
+        from: f64 = 4.0,
         /// By at most this factor an update.
         most: f64 = 1.5,
         /// One innovation counts up to so many times the usual NIS.

@@ -197,9 +197,9 @@ const MOUNTING_STD: f64 = 0.05;
 const AXLE_STD_GIVEN: f64 = 0.3;
 const AXLE_STD: f64 = 2.0;
 
-/// How far fixes are from their stamps, as a rule \[s\], and how much that changes: clocks drift \[s/√s\].
+/// How far fixes are from their stamps, as a rule \[s\], and how much that changes [s/√s]: clocks drift, hosts stamp late.
 const TIME_OFFSET_STD: f64 = 0.1;
-const TIME_OFFSET_WALK: f64 = 3e-3;
+const TIME_OFFSET_WALK: f64 = 1e-2;
 /// What data sheets of cheap inertial sensors allow their scale factors, one standard deviation.
 const SCALE_FACTOR_STD: f64 = 0.02;
 
@@ -272,15 +272,14 @@ pub(super) fn read_states(
     mut parameters: Parameters,
 ) -> Result<Parameters, ConfigError> {
     let std = |key, quantity, otherwise| read_std(section, key, quantity, otherwise);
-    let scale = std(
-        "scale_factor",
-        Quantity::Dimensionless,
-        Some(SCALE_FACTOR_STD),
-    )?;
+    let scale = std("scale_factor", Quantity::Dimensionless, None)?;
+    // Of a heading nothing tells but the gyros. Vibration makes accelerometers seem to read too much.
+    let unless_given = section.get("scale_factor").is_none();
+    let gyro_scale = scale.or(unless_given.then_some(SCALE_FACTOR_STD));
     let misalignment = std("misalignment", Quantity::Angle, None)?;
     let offset = std("time_offset", Quantity::Time, Some(TIME_OFFSET_STD))?;
     for (kind, std, walk) in [
-        (Parameter::GyroScale, scale, 0.0),
+        (Parameter::GyroScale, gyro_scale, 0.0),
         (Parameter::AccelScale, scale, 0.0),
         (Parameter::GyroMisalignment, misalignment, 0.0),
         (Parameter::AccelMisalignment, misalignment, 0.0),

@@ -24,14 +24,17 @@ pub(super) struct Inertial {
     rotation: Matrix3,
     before: Option<[f64; AXES]>,
     pending: Option<(ImuSample, [f64; AXES])>,
+    /// Whether all axes repeat their values while the vehicle stands: a simulated sensor without noise.
+    noiseless: bool,
     axes: [Axis; AXES],
 }
 
 /// What an axis usually does. Values are rates \[rad/s\] and specific forces \[m/s²\].
 #[derive(Clone, Copy)]
 struct Axis {
-    /// The present value, since when \[s\], and in how many samples.
+    /// The present value, the interval of its first sample \[s\], since when \[s\], and in how many samples.
     value: f64,
+    dt: f64,
     since: f64,
     samples: u64,
     /// Values that came to an end, and their samples.
@@ -55,6 +58,7 @@ struct Axis {
 impl Axis {
     const NEW: Self = Self {
         value: f64::NAN,
+        dt: 0.0,
         since: 0.0,
         samples: 0,
         ended: 0,
@@ -71,8 +75,9 @@ impl Axis {
     };
 
     /// Takes in a value; whether the axis holds it for longer than it can.
-    fn is_stuck(&mut self, set: &SampleSettings, time: f64, value: f64) -> bool {
-        if is_same(value, self.value) {
+    fn is_stuck(&mut self, set: &SampleSettings, (time, dt): (f64, f64), value: f64) -> bool {
+        // Of a log of increments those repeat, while the rounding of its times changes the rates.
+        if is_same(value, self.value) || is_same(value * dt, self.value * self.dt) {
             self.samples += 1;
         } else {
             if self.samples > 0 {
@@ -81,7 +86,8 @@ impl Axis {
                 self.least = self.least.min(self.value);
                 self.most = self.most.max(self.value);
             }
-            (self.value, self.since, self.samples) = (value, time, 1);
+            (self.value, self.dt) = (value, dt);
+            (self.since, self.samples) = (time, 1);
             self.jumped = false;
         }
         if self.ended < set.least_values {
@@ -155,13 +161,15 @@ impl Inertial {
             rotation,
             before: None,
             pending: None,
+            noiseless: false,
             axes: [Axis::NEW; AXES],
         }
     }
 
     /// Takes in a sample; the one before it, now that it is known what follows.
     ///
-    /// `moves` is whether the solution moves: all axes of a simulated sensor without noise stand still with the vehicle.
+    /// `moves` is whether the solution moves: all axes of a simulated sensor without noise repeat their values with the
+    /// vehicle at rest. Of such a sensor a value that lasts says nothing, not in a turn of constant rate either.
     pub(super) fn next(
         &mut self,
         sample: ImuSample,
@@ -196,9 +204,11 @@ impl Inertial {
         let mut doubt = [0.0; AXES];
         let mut stuck = [false; AXES];
         for (i, axis) in self.axes.iter_mut().enumerate() {
-            stuck[i] = axis.is_stuck(set, sample.time, values[i]);
+            stuck[i] = axis.is_stuck(set, (sample.time, sample.dt), values[i]);
         }
-        if !moves && stuck == [true; AXES] {
+        let still = |axis: &Axis| sample.time - axis.since >= set.noiseless;
+        self.noiseless |= !moves && self.axes.iter().all(still);
+        if self.noiseless {
             stuck = [false; AXES];
         }
         for (i, axis) in self.axes.iter_mut().enumerate() {
@@ -209,7 +219,8 @@ impl Inertial {
                 (set.spike_force, set.force)
             };
             let around = before.zip(next).map(|(a, (_, b))| [a[i], b[i]]);
-            if stuck[i] || around.is_some_and(|around| axis.jumps(set, spike, around, value)) {
+            let ends = |around| !self.noiseless && axis.jumps(set, spike, around, value);
+            if stuck[i] || around.is_some_and(ends) {
                 let since = *axis.doubted.get_or_insert(axis.since);
                 let std = axis.variance.sqrt().max(floor);
                 let grown = |t: f64| {

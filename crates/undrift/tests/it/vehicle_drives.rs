@@ -90,6 +90,15 @@ fn ublox_drives_through_outages() {
             "{folder}: 10 s {:.3} m, 30 s {long:.3} m",
             short.rms.0[HORIZONTAL]
         );
+        println!(
+            "{:?}",
+            short
+                .per_outage
+                .iter()
+                .map(|o| (o.outage.start, o.max.0[HORIZONTAL]))
+                .filter(|o| o.1.is_nan())
+                .collect::<Vec<_>>()
+        );
         ten.extend(short.per_outage.iter().map(|o| o.max.0[HORIZONTAL]));
         assert!(long < 6.0, "{folder} {long}");
     }
