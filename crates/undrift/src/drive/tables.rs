@@ -199,7 +199,7 @@ const AXLE_STD: f64 = 2.0;
 
 /// How far fixes are from their stamps, as a rule \[s\], and how much that changes [s/√s]: clocks drift, hosts stamp late.
 const TIME_OFFSET_STD: f64 = 0.1;
-const TIME_OFFSET_WALK: f64 = 1e-2;
+const TIME_OFFSET_WALK: f64 = 5e-3;
 /// What data sheets of cheap inertial sensors allow their scale factors, one standard deviation.
 const SCALE_FACTOR_STD: f64 = 0.02;
 

@@ -206,6 +206,11 @@ impl<'a> Receiver<'a> {
             && moved > set.frozen_sigmas * r.fixed_view::<2, 2>(0, 0).trace().sqrt()
     }
 
+    /// Whether the receiver repeats itself while the solution moves.
+    pub(super) fn repeats(&self) -> bool {
+        self.frozen
+    }
+
     /// Whether position and velocity have both given way to fixes again and again.
     pub(super) fn is_hopeless(&self, time: f64) -> bool {
         let both = self

@@ -410,7 +410,7 @@ impl<'a> Run<'a> {
                 .update(filter, fix, part, due, self.settings, &mut self.summary);
         if part != Some(Part::Position) {
             self.vehicle.fix(filter, fix, self.settings);
-            if self.settings.gating {
+            if self.settings.gating && !self.receiver.repeats() {
                 self.course.fix(filter, fix, &mut self.summary);
             }
         }
