@@ -21,8 +21,8 @@ use undrift_nav::{
 pub const UNDRIFT_FILTER_OVERHEAD: usize = 7168;
 
 const _: () = assert!(UNDRIFT_AXES == AXES);
-// The last kind, the correlated part of the position's error, needs more of a fix than is given here.
-const _: () = assert!(UNDRIFT_PARAMETERS + 1 == Parameter::ALL.len());
+// The last kinds, the correlated parts of a fix's errors, need more of a fix than is given here.
+const _: () = assert!(UNDRIFT_PARAMETERS + 2 == Parameter::ALL.len());
 const _: () =
     assert!(size_of::<Filter>() <= 8 * (STATES * STATES + STATES) + UNDRIFT_FILTER_OVERHEAD);
 

@@ -473,17 +473,21 @@ impl<const N: usize> Filter<N> {
         }
     }
 
-    /// The position was taken from a fix whose error has a time-correlated part, of standard deviation `std` \[m\]
-    /// north, east, down: it has that part, too. To be called after [`Filter::set_position_velocity_covariance`]
-    /// where [`Parameter::PositionError`] is estimated; else it does nothing.
-    pub fn share_position_error(&mut self, std: &Vector3) {
-        let Some(at) = self.parameter_start(Parameter::PositionError) else {
-            return;
-        };
-        for i in 0..3 {
-            let across = std[i] * self.p[(at + i, at + i)];
-            self.p[(i, at + i)] = across;
-            self.p[(at + i, i)] = across;
+    /// Position and velocity were taken from a fix whose errors have time-correlated parts, of these standard
+    /// deviations north, east, down [m, m/s]: they have those parts, too. To be called after
+    /// [`Filter::set_position_velocity_covariance`]; it does nothing where [`Parameter::PositionError`] and
+    /// [`Parameter::VelocityError`] are not estimated.
+    pub fn share_fix_errors(&mut self, position: &Vector3, velocity: &Vector3) {
+        let kinds = [Parameter::PositionError, Parameter::VelocityError];
+        for (k, (kind, std)) in kinds.into_iter().zip([position, velocity]).enumerate() {
+            let Some(at) = self.parameter_start(kind) else {
+                continue;
+            };
+            for i in 0..3 {
+                let across = std[i] * self.p[(at + i, at + i)];
+                self.p[(3 * k + i, at + i)] = across;
+                self.p[(at + i, 3 * k + i)] = across;
+            }
         }
     }
 

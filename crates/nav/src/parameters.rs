@@ -42,11 +42,13 @@ pub enum Parameter {
     /// Time-correlated part of the position's error (multipath, atmosphere, the receiver's own filter), in the axes of
     /// the fix, in units of its standard deviation [–]: 1 is what the receiver states of that part.
     PositionError,
+    /// The same of the velocity's error.
+    VelocityError,
 }
 
 impl Parameter {
     /// All kinds in order.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::GyroScale,
         Self::AccelScale,
         Self::GyroMisalignment,
@@ -59,12 +61,17 @@ impl Parameter {
         Self::BarometerBias,
         Self::VelocityTimeOffset,
         Self::PositionError,
+        Self::VelocityError,
     ];
 
     /// States of a block.
     pub const fn width(self) -> usize {
         match self {
-            Self::GyroScale | Self::AccelScale | Self::LeverArm | Self::PositionError => 3,
+            Self::GyroScale
+            | Self::AccelScale
+            | Self::LeverArm
+            | Self::PositionError
+            | Self::VelocityError => 3,
             Self::GyroMisalignment | Self::AccelMisalignment => 6,
             Self::Mounting => 2,
             Self::TimeOffset

@@ -242,6 +242,7 @@ impl Filter {
             "velocity" => Aiding::Velocity {
                 v_n: Vector3::from(value),
                 lever_arm,
+                correlated: Vector3::zeros(),
                 due,
             },
             "zero velocity" => Aiding::ZeroVelocity,

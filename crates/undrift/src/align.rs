@@ -157,7 +157,9 @@ impl Aligner {
             };
             let start = self.start(&seen, from_rpy(&rpy), settings);
             let mut filter = estimator::build(start, &std, &settings.sensors, settings.parameters)?;
-            let (_, correlated) = settings.fix_errors.split(&seen.position.1);
+            let correlated = settings
+                .fix_errors
+                .correlated_std(&seen.position.1, &seen.velocity.1);
             filter.set_position_velocity_covariance(
                 &seen.position.1,
                 &seen.velocity.1,
@@ -288,7 +290,9 @@ impl Aligner {
             filter.update(&rate, &noise, &Gate::OPEN)?;
         }
         filter.set_nav(now);
-        let (_, correlated) = settings.fix_errors.split(&seen.position.1);
+        let correlated = settings
+            .fix_errors
+            .correlated_std(&seen.position.1, &seen.velocity.1);
         filter.set_position_velocity_covariance(&seen.position.1, &seen.velocity.1, &correlated);
         let source = AttitudeSource::Rest {
             duration,

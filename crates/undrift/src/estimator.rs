@@ -40,6 +40,8 @@ pub enum Aiding {
         v_n: Vector3,
         /// IMU → antenna, body axes \[m\].
         lever_arm: Vector3,
+        /// Standard deviation of the time-correlated part of its error \[m/s\].
+        correlated: Vector3,
         /// When it holds \[s\]: the filter stands there or after it.
         due: f64,
     },
@@ -151,12 +153,12 @@ pub trait Estimator: Send + Sync {
     /// Sets the estimated sensor errors \[rad/s, m/s²\].
     fn set_sensor_error(&mut self, error: &[f64; AXES]);
     /// Sets the covariance of position and velocity \[m², (m/s)²\],
-    /// as of a fix that both were taken from, whose position has a time-correlated error \[m\].
+    /// as of a fix that both were taken from, whose position and velocity have time-correlated errors [m, m/s].
     fn set_position_velocity_covariance(
         &mut self,
         position: &Matrix3,
         velocity: &Matrix3,
-        correlated: &Vector3,
+        correlated: &[Vector3; 2],
     );
 
     /// From now on what happens is recorded for [`Estimator::adjoint`].
@@ -225,7 +227,8 @@ impl<const N: usize> Sized<N> {
                 due,
             } => {
                 let observed = filter.observe_position(position, lever_arm);
-                let mut observed = filter.observe_position_error(observed, correlated);
+                let mut observed =
+                    filter.observe_fix_error(observed, Parameter::PositionError, correlated);
                 let late = filter.nav().time - due;
                 if late > STAMP_ROUNDING {
                     let c_mn = observed.h.fixed_view::<3, 3>(0, 0);
@@ -238,9 +241,12 @@ impl<const N: usize> Sized<N> {
             Aiding::Velocity {
                 v_n,
                 lever_arm,
+                correlated,
                 due,
             } => {
-                let mut observed = filter.observe_velocity(v_n, lever_arm);
+                let observed = filter.observe_velocity(v_n, lever_arm);
+                let mut observed =
+                    filter.observe_fix_error(observed, Parameter::VelocityError, correlated);
                 let late = filter.nav().time - due;
                 if late > STAMP_ROUNDING {
                     observed.innovation -= filter.acceleration() * late;
@@ -428,11 +434,11 @@ impl<const N: usize> Estimator for Sized<N> {
         &mut self,
         position: &Matrix3,
         velocity: &Matrix3,
-        correlated: &Vector3,
+        correlated: &[Vector3; 2],
     ) {
         self.filter
             .set_position_velocity_covariance(position, velocity);
-        self.filter.share_position_error(correlated);
+        self.filter.share_fix_errors(&correlated[0], &correlated[1]);
     }
 
     fn record(&mut self) {

@@ -105,6 +105,10 @@ pub fn study(fixes: impl IntoIterator<Item = GnssFix>, set: &FixStudySettings) -
     let bound = (one / from_velocity).sqrt();
     if bound < set.modest {
         errors.velocity_factor = bound.max(set.least_velocity);
+        errors.velocity_correlated = Some(Correlated {
+            share: set.velocity_share,
+            time: set.velocity_time,
+        });
     }
     let white = (one - from_velocity).max(0.0);
     if white > set.factor * set.factor {

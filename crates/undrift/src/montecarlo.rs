@@ -331,12 +331,14 @@ impl Observer for Watch<'_> {
                 (aiding, white)
             }),
             fix.velocity.map(|(v_n, r)| {
+                let (white, correlated) = self.settings.fix_errors.split_velocity(&r);
                 let aiding = Aiding::Velocity {
                     v_n,
                     lever_arm,
+                    correlated,
                     due,
                 };
-                (aiding, r)
+                (aiding, white)
             }),
         ];
         for (kind, part) in parts.into_iter().enumerate() {

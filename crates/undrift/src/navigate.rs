@@ -170,18 +170,25 @@ pub fn tell(settings: &mut Settings, drive: &Drive, study: Option<&FixStudy>) {
             .is_some()
     {
         errors.velocity_factor = errors.velocity_factor.max(1.0);
+        errors.velocity_correlated = None;
     }
     match drive.correlation {
         Correlation::Auto => {}
         Correlation::Off => errors.correlated = None,
         Correlation::Given(given) => errors.correlated = Some(given),
     }
-    if let Some(Correlated { time, .. }) = errors.correlated {
-        let prior = Prior {
-            time,
-            ..Prior::constant(1.0)
-        };
-        settings.parameters = settings.parameters.with(Parameter::PositionError, prior);
+    let parts = [
+        (Parameter::PositionError, errors.correlated),
+        (Parameter::VelocityError, errors.velocity_correlated),
+    ];
+    for (kind, part) in parts {
+        if let Some(Correlated { time, .. }) = part {
+            let prior = Prior {
+                time,
+                ..Prior::constant(1.0)
+            };
+            settings.parameters = settings.parameters.with(kind, prior);
+        }
     }
     settings.fix_errors = errors;
 }

@@ -338,6 +338,10 @@ settings! {
         modest: f64 = 0.5,
         /// … down to this share.
         least_velocity: f64 = 0.1,
+        /// Of what is left this share of the variance lasts, as a receiver that smooths has it …
+        velocity_share: f64 = 0.6,
+        /// … for this time \[s\].
+        velocity_time: f64 = 3.0,
         /// White variance below this share of the stated one: the rest of the error lasts.
         white_share: f64 = 0.8,
         /// The white part has at least what is left of this share: receivers smooth, inertial sensors are not perfect.

@@ -45,21 +45,4 @@ impl<const N: usize> Filter<N> {
             extra: Matrix3::zeros(),
         }
     }
-
-    /// What a position fix says whose error has a time-correlated part, of standard deviation `std` \[m\] in the axes of
-    /// the fix; the covariance of the measurement is then without it. Column `−diag(std)` for
-    /// [`Parameter::PositionError`].
-    pub fn observe_position_error(
-        &self,
-        mut observed: Observation<3, N>,
-        std: &Vector3,
-    ) -> Observation<3, N> {
-        if let Some(at) = self.parameter_start(Parameter::PositionError) {
-            for i in 0..3 {
-                observed.innovation[i] += std[i] * self.estimates()[at + i];
-                observed.h[(i, at + i)] = -std[i];
-            }
-        }
-        observed
-    }
 }

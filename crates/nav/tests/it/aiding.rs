@@ -16,7 +16,7 @@ use undrift_nav::{
 };
 
 /// Nine, one state an axis, and all parameters.
-const N: usize = 9 + 6 + 31;
+const N: usize = 9 + 6 + 34;
 
 fn vector(scale: f64) -> impl Strategy<Value = Vector3> {
     prop::array::uniform3(-scale..scale).prop_map(Vector3::from)
@@ -159,7 +159,7 @@ proptest! {
     fn position_with_a_correlated_error(f in filter(), place in vector(30.0), std in vector(5.0)) {
         let fix = Position::Geodetic(f.nav().position.displaced(&place));
         let lever = Vector3::new(0.5, -0.2, -1.0);
-        check(&f, 2e-5, |f| f.observe_position_error(f.observe_position(&fix, &lever), &std))?;
+        check(&f, 2e-5, |f| f.observe_fix_error(f.observe_position(&fix, &lever), Parameter::PositionError, &std))?;
     }
 
     #[test]
@@ -212,11 +212,15 @@ fn a_correlated_error_fades() {
     let five = Vector3::repeat(5.0);
     let stated = undrift_nav::Matrix3::identity() * 26.0;
     filter.set_position_velocity_covariance(&stated, &(stated * 1e-4));
-    filter.share_position_error(&five);
+    filter.share_fix_errors(&five, &Vector3::zeros());
     // What the fix was off by, the start is off by: a second fix of the same error agrees to the white part.
     let observe = |filter: &Filter<STATES>| {
         let fix = Position::Geodetic(filter.nav().position);
-        filter.observe_position_error(filter.observe_position(&fix, &Vector3::zeros()), &five)
+        filter.observe_fix_error(
+            filter.observe_position(&fix, &Vector3::zeros()),
+            Parameter::PositionError,
+            &five,
+        )
     };
     let observed = observe(&filter);
     let s = observed.h * filter.covariance() * observed.h.transpose();

@@ -71,7 +71,7 @@ pub(super) fn noisy(factor: f64) -> String {
 
 pub(super) fn modest_velocity(factor: f64) -> String {
     format!(
-        "velocities agree with the motion of the positions to {factor:.2} of their stated standard deviations, which were multiplied by that"
+        "velocities agree with the motion of the positions to {factor:.2} of their stated standard deviations, which were multiplied by that; a part of the error lasts and is estimated"
     )
 }
 

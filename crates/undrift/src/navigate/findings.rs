@@ -31,14 +31,15 @@ impl Report {
         // With a wrong unit or axis the innovations say nothing about the accuracy.
         if s.implausible.is_empty() {
             let parts = [Part::Position, Part::Velocity].into_iter();
-            let factors = parts.zip(self.std_factors);
-            found.extend(factors.filter_map(|(part, factor)| {
-                Some(findings::of_accuracy(
-                    part,
-                    factor?,
-                    s,
-                    self.fix_errors.known,
-                ))
+            let errors = &self.fix_errors;
+            found.extend(parts.zip(self.std_factors).filter_map(|(part, factor)| {
+                let lasting = match part {
+                    Part::Position => errors.correlated,
+                    Part::Velocity => errors.velocity_correlated,
+                };
+                // What lasts of an error is not in the innovations, but in the stated standard deviation.
+                let factor = factor.filter(|factor| *factor > 1.0 || lasting.is_none())?;
+                Some(findings::of_accuracy(part, factor, s, errors.known))
             }));
         }
         found.extend(findings::of_skipped(&[

@@ -156,9 +156,11 @@ impl<'a> Receiver<'a> {
             && with_velocity
             && part != Some(Part::Position)
         {
+            let (white, correlated) = settings.fix_errors.split_velocity(&r);
             let aiding = Aiding::Velocity {
                 v_n,
                 lever_arm,
+                correlated,
                 due,
             };
             if let Some(innovation) = filter.innovation(&aiding) {
@@ -169,7 +171,7 @@ impl<'a> Receiver<'a> {
             let frozen = frozen && (held || v_n.norm() < 0.5 * filter.nav().v_n.norm());
             let offer = Offer {
                 aiding,
-                stated: r,
+                stated: white,
                 time: fix.time,
                 open,
                 frozen,

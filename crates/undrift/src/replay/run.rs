@@ -225,7 +225,8 @@ impl<'a> Run<'a> {
                     .copied()
                     .max_by(|a, b| a.abs().total_cmp(&b.abs()));
                 let far = furthest.filter(|value| value.abs() > FAR * prior.std);
-                let far = far.filter(|_| kind != Parameter::PositionError);
+                let of_fixes = [Parameter::PositionError, Parameter::VelocityError];
+                let far = far.filter(|_| !of_fixes.contains(&kind));
                 self.summary
                     .far
                     .extend(far.map(|value| (kind, value, value.abs() / prior.std)));

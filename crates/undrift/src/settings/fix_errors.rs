@@ -21,6 +21,8 @@ pub struct FixErrors {
     pub velocity_factor: f64,
     /// The time-correlated part of the position's error.
     pub correlated: Option<Correlated>,
+    /// The time-correlated part of the velocity's error, of the variance that is left of the stated one.
+    pub velocity_correlated: Option<Correlated>,
     /// The positions come in steps of this size north, east, down \[m\].
     pub step: Vector3,
     /// Standard deviation of the stamps \[s\].
@@ -37,6 +39,7 @@ impl Default for FixErrors {
             position_factor: 1.0,
             velocity_factor: 1.0,
             correlated: None,
+            velocity_correlated: None,
             step: Vector3::zeros(),
             jitter: 0.0,
             velocity_bias: Vector3::zeros(),
@@ -67,8 +70,22 @@ impl FixErrors {
 
     /// Of a position's covariance the white part, and the standard deviation of the correlated part \[m\].
     pub fn split(&self, covariance: &Matrix3) -> (Matrix3, Vector3) {
-        let share = self.correlated.map_or(0.0, |correlated| correlated.share);
-        let correlated = covariance.diagonal().map(|r| (share * r).max(0.0).sqrt());
-        (covariance * (1.0 - share), correlated)
+        split(self.correlated, covariance)
     }
+
+    /// The same of a velocity's covariance [m/s].
+    pub fn split_velocity(&self, covariance: &Matrix3) -> (Matrix3, Vector3) {
+        split(self.velocity_correlated, covariance)
+    }
+
+    /// Standard deviations of the correlated parts of a position and a velocity [m, m/s].
+    pub fn correlated_std(&self, position: &Matrix3, velocity: &Matrix3) -> [Vector3; 2] {
+        [self.split(position).1, self.split_velocity(velocity).1]
+    }
+}
+
+fn split(correlated: Option<Correlated>, covariance: &Matrix3) -> (Matrix3, Vector3) {
+    let share = correlated.map_or(0.0, |correlated| correlated.share);
+    let std = covariance.diagonal().map(|r| (share * r).max(0.0).sqrt());
+    (covariance * (1.0 - share), std)
 }

@@ -153,7 +153,11 @@ fn a_frozen_receiver_is_not_believed() {
         assert!(summary.contradictions.iter().any(|c| c.frozen) || when > 150.0);
         assert!(!summary.contradictions.is_empty());
         // The start from the light is taken for errors of the sensors: the covariance grows, of the heading, too.
-        let limit = if when > 150.0 { (2.0, 15.0) } else { (0.3, 2.0) };
+        let limit = if when > 150.0 {
+            (2.0, 15.0)
+        } else {
+            (0.3, 2.0)
+        };
         assert!(later < limit.0 && angle < limit.1);
     }
 }
