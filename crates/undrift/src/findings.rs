@@ -393,7 +393,7 @@ pub fn verdict(found: &[Finding]) -> (Severity, Option<&Finding>) {
     let at = |level| found.iter().find(|of| of.severity() >= level);
     let cause = match severity {
         Severity::Note => None,
-        Severity::Unusable => at(severity),
+        Severity::Unusable => found.iter().find(|of| of.rank() == 1).or(at(severity)),
         Severity::Warning => {
             let worst = at(severity);
             // A fault of the sensors explains what the solution shows.

@@ -292,7 +292,7 @@ pub fn of_accuracy(part: Part, factor: f64, summary: &Summary, known: bool) -> F
     let correlated = [&summary.position, &summary.velocity]
         .iter()
         .any(|sums| sums.autocorrelation().is_some_and(|(c, _)| c > CORRELATED));
-    if known && !correlated && part == Part::Position && factor > 1.0 {
+    if known && factor > 1.0 {
         return Finding::OptimisticModel { factor };
     }
     Finding::WrongAccuracy {

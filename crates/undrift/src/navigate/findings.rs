@@ -5,6 +5,7 @@ use crate::{
     findings::{self, Finding, Log, NoError},
     mounting::MountingError,
     replay::{Part, ReplayError},
+    settings::FixStudySettings,
 };
 
 impl Report {
@@ -32,13 +33,16 @@ impl Report {
         if s.implausible.is_empty() {
             let parts = [Part::Position, Part::Velocity].into_iter();
             let errors = &self.fix_errors;
+            let longest = FixStudySettings::default().longest;
             found.extend(parts.zip(self.std_factors).filter_map(|(part, factor)| {
                 let lasting = match part {
                     Part::Position => errors.correlated,
                     Part::Velocity => errors.velocity_correlated,
                 };
-                // What lasts of an error is not in the innovations, but in the stated standard deviation.
-                let factor = factor.filter(|factor| *factor > 1.0 || lasting.is_none())?;
+                // What lasts of an error is in what is stated, and was seen to be as large; the innovations have
+                // only the rest.
+                let seen = lasting.is_some_and(|lasting| lasting.time < longest);
+                let factor = factor.filter(|factor| *factor > 1.0 || !seen)?;
                 Some(findings::of_accuracy(part, factor, s, errors.known))
             }));
         }
@@ -47,7 +51,7 @@ impl Report {
             (Log::Gnss, &self.gnss_skipped),
             (Log::Truth, &self.truth_skipped),
         ]));
-        findings::ranked(found)
+        findings::ranked(one_model(found))
     }
 
     /// Why there is no error although there is a truth.
@@ -68,6 +72,17 @@ impl Report {
             ended,
         })
     }
+}
+
+/// Of position and velocity the one that the model predicts worse.
+fn one_model(mut found: Vec<Finding>) -> Vec<Finding> {
+    let factor = |of: &Finding| match of {
+        Finding::OptimisticModel { factor } => Some(*factor),
+        _ => None,
+    };
+    let worst = found.iter().filter_map(factor).fold(0.0, f64::max);
+    found.retain(|of| factor(of).is_none_or(|factor| factor >= worst));
+    found
 }
 
 impl NavigateError {

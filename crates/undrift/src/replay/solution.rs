@@ -12,6 +12,9 @@ use crate::{
 };
 use undrift_nav::{parameters::Parameter, sample::ImuSample};
 
+/// A time offset of so many standard deviations of what may be expected is no offset, but what the sensors are wrong by.
+const MOST_LATE: f64 = 10.0;
+
 pub(super) struct Solution {
     pub(super) filter: Box<dyn Estimator>,
     set: GapSettings,
@@ -31,9 +34,13 @@ impl Solution {
         }
     }
 
-    /// By how much fixes hold later than their stamps, as estimated.
+    /// By how much fixes hold later than their stamps, as estimated within [`MOST_LATE`].
     pub(super) fn latency(&self) -> Latency {
-        let offset = |kind| self.filter.parameter(kind).map(|(value, _)| value[0]);
+        let offset = |kind| {
+            let (value, _) = self.filter.parameter(kind)?;
+            let most = MOST_LATE * self.filter.parameters().prior(kind)?.std;
+            Some(value[0].clamp(-most, most))
+        };
         Latency {
             position: offset(Parameter::TimeOffset).unwrap_or(0.0),
             velocity: offset(Parameter::VelocityTimeOffset),

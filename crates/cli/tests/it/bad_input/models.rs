@@ -118,7 +118,11 @@ fn noise_of_none_or_of_everything() {
     }
     case.put("imu.toml", model("1e6").as_bytes());
     let outcome = case.run(&strict);
-    // Nothing is predicted, and the vehicle is where the fixes are.
-    assert_eq!(outcome.code, Some(3), "{}", outcome.stderr);
-    says(&outcome.stdout, &["usable with care: "]);
+    // Nothing is predicted: a solution of which that is said, or none.
+    assert!(matches!(outcome.code, Some(1 | 3)), "{}", outcome.stderr);
+    assert!(
+        !outcome.stdout.starts_with("usable\n"),
+        "{}",
+        outcome.stdout
+    );
 }
