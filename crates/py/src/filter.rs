@@ -141,7 +141,7 @@ impl Filter {
         filter.set_position_velocity_covariance(
             &columns::matrix(start.position_cov),
             &columns::matrix(start.velocity_cov),
-            &Vector3::zeros(),
+            &[Vector3::zeros(); 2],
         );
         filter.check().map_err(error)?;
         Ok(Self(filter))

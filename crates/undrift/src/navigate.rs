@@ -164,10 +164,10 @@ pub fn tell(settings: &mut Settings, drive: &Drive, study: Option<&FixStudy>) {
     // Velocities are as good as the positions show them to be only where their latency is estimated.
     let late = study.is_some_and(|study| study.velocity_late.is_some());
     if late
-        && !settings
+        && settings
             .parameters
             .prior(Parameter::VelocityTimeOffset)
-            .is_some()
+            .is_none()
     {
         errors.velocity_factor = errors.velocity_factor.max(1.0);
         errors.velocity_correlated = None;
