@@ -5,8 +5,9 @@
 
 use nalgebra::{DMatrix, DMatrixView, DVector, SMatrix, SVector};
 use undrift_nav::{
-    Matrix3, Vector3,
+    Matrix3, Quaternion, Vector3,
     aiding::Observation,
+    attitude,
     covariance::{AXES, NAV, Sensors},
     earth::Geodetic,
     filter::{Filter, FilterError, Gate, InitialStd, Update},
@@ -76,6 +77,28 @@ pub struct Adjoint {
     pub information: DMatrix<f64>,
 }
 
+/// As [`Estimator::vehicle_attitude`], of `q_nb`, the place of the mounting in the error state with its estimate, and
+/// the covariance: the mounting is the vehicle's attitude against the body's as the non-holonomic constraint sees it
+/// ([`undrift_nav::filter::Filter::c_bv`]), ψ + C_v^n δ its error.
+pub(crate) fn vehicle_attitude(
+    q_nb: &Quaternion,
+    mounted: Option<(usize, [f64; 2])>,
+    p: impl Fn(usize, usize) -> f64,
+) -> (Quaternion, [f64; 3]) {
+    let std = |variance: f64| variance.max(0.0).sqrt();
+    let Some((at, [pitch, yaw])) = mounted else {
+        return (*q_nb, [6, 7, 8].map(|i| std(p(i, i))));
+    };
+    let q_nv = q_nb * attitude::from_rotation_vector(&Vector3::new(0.0, pitch, yaw));
+    let c_vn = q_nv.to_rotation_matrix();
+    let variance = |i: usize| {
+        let [a, b] = [c_vn[(i, 1)], c_vn[(i, 2)]];
+        let own = a * a * p(at, at) + 2.0 * a * b * p(at, at + 1) + b * b * p(at + 1, at + 1);
+        p(6 + i, 6 + i) + 2.0 * (a * p(6 + i, at) + b * p(6 + i, at + 1)) + own
+    };
+    (q_nv, [0, 1, 2].map(|i| std(variance(i))))
+}
+
 /// An error-state filter; its methods are those of [`Filter`] where nothing else is said.
 pub trait Estimator: Send + Sync {
     /// Position, velocity and attitude of the IMU.
@@ -106,6 +129,15 @@ pub trait Estimator: Send + Sync {
     fn antenna_velocity(&self, lever_b: &Vector3) -> Vector3;
     /// Velocity of a point of the body, vehicle axes \[m/s\].
     fn vehicle_velocity(&self, lever_b: &Vector3) -> Vector3;
+    /// Attitude of the vehicle's axes, and its standard deviations about north, east and down \[rad\]: the body's where
+    /// the mounting is not estimated.
+    fn vehicle_attitude(&self) -> (Quaternion, [f64; 3]) {
+        let (q_nb, p) = (&self.nav().q_nb, self.covariance());
+        let mounting = self.parameters().start(Parameter::Mounting);
+        let at = mounting.map(|start| self.sensors().states() + start);
+        let mounted = at.map(|at| (at, [self.estimates()[at], self.estimates()[at + 1]]));
+        vehicle_attitude(q_nb, mounted, |i, j| p[(i, j)])
+    }
     /// Whether the solution is still one.
     ///
     /// # Errors

@@ -11,7 +11,7 @@
 //! its sensor errors, and spreads the small difference at the next node over the span.
 
 use crate::{
-    estimator::{Adjoint, Estimator},
+    estimator::{Adjoint, Estimator, vehicle_attitude},
     reference::Predicted,
     replay::{Doubt, Measurements, Observer, ReplayError, Samples, Settings, replay},
 };
@@ -36,6 +36,10 @@ pub struct Node {
     pub nav: NavState,
     /// Standard deviations of `[δr; δv; ψ]` [m, m/s, rad].
     pub nav_std: [f64; NAV],
+    /// Rotation q_bv from the vehicle's to the body's axes: the identity unless the mounting is estimated.
+    pub q_bv: Quaternion,
+    /// Standard deviations of the vehicle's attitude about north, east and down \[rad\].
+    pub vehicle_std: [f64; 3],
     /// Covariances of δr, δv and ψ.
     pub predicted: Predicted,
     /// Sensor states and parameters behind the navigation errors.
@@ -238,7 +242,8 @@ impl History {
 
                 let error = &p * &lambda;
                 let covariance = &p - &p * &information * &p;
-                nodes.push(node(&head, &estimates, &error, &covariance, &sensors));
+                let models = (&sensors, &parameters);
+                nodes.push(node(&head, &estimates, &error, &covariance, models));
                 start = error;
                 if head[0] > 0.0 {
                     lambda = gradient + t.tr_mul(&lambda);
@@ -282,7 +287,7 @@ fn node(
     estimates: &[f64],
     error: &DVector<f64>,
     covariance: &DMatrix<f64>,
-    sensors: &Sensors,
+    (sensors, parameters): (&Sensors, &Parameters),
 ) -> Node {
     let nav = NavState {
         time: head[1],
@@ -309,8 +314,16 @@ fn node(
             sensor_error[axis] += filter.h[i] * estimates[at + i - NAV];
         }
     }
+    let nav = nav.without_error(&part(0), &part(3), &part(6));
+    let mounted = parameters.start(Parameter::Mounting).map(|start| {
+        let at = sensors.states() + start;
+        (at, [estimates[at - NAV], estimates[at + 1 - NAV]])
+    });
+    let (q_nv, vehicle_std) = vehicle_attitude(&nav.q_nb, mounted, |i, j| covariance[(i, j)]);
     Node {
-        nav: nav.without_error(&part(0), &part(3), &part(6)),
+        q_bv: nav.q_nb.inverse() * q_nv,
+        vehicle_std,
+        nav,
         nav_std: core::array::from_fn(|i| covariance[(i, i)].max(0.0).sqrt()),
         predicted: Predicted(
             [0, 3, 6].map(|at| covariance.fixed_view::<3, 3>(at, at).into_owned()),
@@ -478,6 +491,8 @@ impl<'a> Path<'a> {
             out(Node {
                 nav: nav.without_error(&drift, &(dv * w), &(psi * w)),
                 nav_std: core::array::from_fn(|i| mix(from.nav_std[i], to.nav_std[i])),
+                q_bv: to.q_bv,
+                vehicle_std: core::array::from_fn(|i| mix(from.vehicle_std[i], to.vehicle_std[i])),
                 predicted: to.predicted,
                 estimates: from
                     .estimates
