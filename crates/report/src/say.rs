@@ -74,6 +74,9 @@ pub fn say(finding: &Finding) -> String {
             more,
         } => sensors::heading_off([*start, *end], *angle, *more),
         F::OptimisticModel { factor } => sensors::optimistic_model(*factor),
+        F::CorrelatedInnovations { part, correlation } => {
+            fixes::correlated_innovations(*part, *correlation)
+        }
         F::FarParameter {
             parameter,
             value,
@@ -99,6 +102,7 @@ pub fn say(finding: &Finding) -> String {
             correlated,
         } => fixes::wrong_accuracy(*part, *factor, *adapted, *correlated),
         F::Skipped { log, kinds, .. } => logs::skipped(*log, kinds),
+        F::SetBack { log, line, step } => logs::set_back(*log, *line, *step),
         F::Gaps {
             log,
             gaps,

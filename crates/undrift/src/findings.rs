@@ -5,8 +5,8 @@ mod collect;
 
 pub use crate::replay::Log;
 pub use collect::{
-    WITHOUT_GNSS, of_accuracy, of_disagreement, of_fixes, of_health, of_held, of_scalar,
-    of_skipped, of_timing, with_axes,
+    WITHOUT_GNSS, of_accuracy, of_correlation, of_disagreement, of_fixes, of_health, of_held,
+    of_scalar, of_skipped, of_timing, with_axes,
 };
 
 use crate::replay::{Contradiction, FixMend, Lean, Part, RestartCause};
@@ -199,6 +199,15 @@ pub enum Finding {
         /// How many of each kind, and the first, as the reader reports them.
         kinds: String,
     },
+    /// The clock of a log was set back and went on from there.
+    SetBack {
+        /// Of which log.
+        log: Log,
+        /// Line or message.
+        line: u64,
+        /// By how much \[s\].
+        step: f64,
+    },
     /// A log of scalars has gaps.
     Gaps {
         /// Which log.
@@ -298,6 +307,13 @@ pub enum Finding {
         /// Times the predicted size.
         factor: f64,
     },
+    /// Innovations are as large as predicted and do not change from fix to fix: what makes them lasts.
+    CorrelatedInnovations {
+        /// Of which part of the fixes.
+        part: Part,
+        /// Their autocorrelation from one fix to the next.
+        correlation: f64,
+    },
     /// An estimated parameter is far from what was known of it.
     FarParameter {
         /// Which.
@@ -347,6 +363,8 @@ impl Finding {
             | Self::VelocityBias { .. }
             | Self::HeadingOff { .. }
             | Self::OptimisticModel { .. }
+            | Self::CorrelatedInnovations { .. }
+            | Self::SetBack { .. }
             | Self::StartedLate { .. }
             | Self::NoReference { .. } => Severity::Warning,
             _ => Severity::Note,
@@ -368,8 +386,12 @@ impl Finding {
             | Self::WrongVelocity { .. }
             | Self::WrongSign { .. } => 1,
             Self::NoisyFixes { factor } if *factor > WRONG_UNIT => 1,
-            Self::Frozen { .. } | Self::Held { .. } | Self::VelocityBias { .. } => 2,
+            Self::Frozen { .. }
+            | Self::Held { .. }
+            | Self::SetBack { .. }
+            | Self::VelocityBias { .. } => 2,
             Self::OptimisticModel { .. } | Self::FarParameter { .. } => 3,
+            Self::CorrelatedInnovations { .. } => 4,
             Self::Restart { .. } | Self::HeadingOff { .. } | Self::LargeInnovations { .. } => 5,
             Self::OneSided(_) | Self::Rejected(_) | Self::MoreRejected { .. } => 6,
             // Stated too large: it costs little.

@@ -18,7 +18,7 @@ use crate::{
     mounting::{self, Mounting, MountingError},
     reference::Errors,
     replay::{Measurement, ReplayError, Settings, Summary, merge, replay},
-    settings::fix_errors::{Correlated, FixErrors},
+    settings::fix_errors::FixErrors,
     smooth,
     vehicle::Constraints,
 };
@@ -29,7 +29,7 @@ use undrift_io::{
 };
 use undrift_nav::{
     Matrix3, Vector3,
-    parameters::{Parameter, Parameters, Prior},
+    parameters::{Parameter, Parameters},
     sample::{GnssFix, Scalar},
 };
 use undrift_noise::BiasModel;
@@ -177,19 +177,7 @@ pub fn tell(settings: &mut Settings, drive: &Drive, study: Option<&FixStudy>) {
         Correlation::Off => errors.correlated = None,
         Correlation::Given(given) => errors.correlated = Some(given),
     }
-    let parts = [
-        (Parameter::PositionError, errors.correlated),
-        (Parameter::VelocityError, errors.velocity_correlated),
-    ];
-    for (kind, part) in parts {
-        if let Some(Correlated { time, .. }) = part {
-            let prior = Prior {
-                time,
-                ..Prior::constant(1.0)
-            };
-            settings.parameters = settings.parameters.with(kind, prior);
-        }
-    }
+    settings.parameters = errors.with_states(settings.parameters);
     settings.fix_errors = errors;
 }
 

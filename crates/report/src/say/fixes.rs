@@ -138,6 +138,13 @@ pub(super) fn one_sided(lean: &Lean) -> String {
     )
 }
 
+pub(super) fn correlated_innovations(of: Part, correlation: f64) -> String {
+    let (part, _) = part(of);
+    format!(
+        "the innovations of the {part} last from fix to fix (autocorrelation {correlation:.2}): attitude and sensor errors are larger than stated; the noise model of the IMU is too small for this vehicle, or the lever arm, the axes or the times are wrong"
+    )
+}
+
 pub(super) fn wrong_accuracy(of: Part, factor: f64, adapted: bool, correlated: bool) -> String {
     let (part, _) = part(of);
     let (times, direction) = if factor > 1.0 {

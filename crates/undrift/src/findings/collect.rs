@@ -6,7 +6,11 @@ use crate::{
     replay::{Implausible, Innovations, Part, SampleFault, Summary},
     settings::fix_errors::{Correlated, FixErrors},
 };
-use undrift_io::{held::Held, imu::GapSummary, skipped::Skipped};
+use undrift_io::{
+    held::Held,
+    imu::GapSummary,
+    skipped::{SetBack, Skipped},
+};
 use undrift_nav::{Matrix3, Vector3, covariance::AXES};
 use undrift_noise::screening::Timing;
 
@@ -16,6 +20,10 @@ pub const WITHOUT_GNSS: f64 = 5.0;
 const LISTED: usize = 3;
 /// Autocorrelation of innovations above which it is not the accuracy of the fixes that is wrong.
 const CORRELATED: f64 = 0.5;
+/// NIS per degree of freedom below which correlated innovations are smaller than predicted by enough.
+const MODEST_NIS: f64 = 0.7;
+/// Updates that the two need.
+const LEAST_UPDATES: u64 = 100;
 
 /// What was unusual about the logs.
 pub fn of_health(summary: &Summary) -> Vec<Finding> {
@@ -268,11 +276,20 @@ pub fn of_scalar(
 /// What was skipped in each log.
 pub fn of_skipped(logs: &[(Log, &Skipped)]) -> Vec<Finding> {
     let any = logs.iter().filter(|(_, skipped)| !skipped.is_empty());
+    let set_back = logs.iter().filter_map(|(log, skipped)| {
+        let SetBack { line, step } = skipped.largest_set_back()?;
+        Some(Finding::SetBack {
+            log: *log,
+            line,
+            step,
+        })
+    });
     any.map(|(log, skipped)| Finding::Skipped {
         log: *log,
         records: skipped.total(),
         kinds: skipped.to_string(),
     })
+    .chain(set_back)
     .collect()
 }
 
@@ -301,6 +318,21 @@ pub fn of_accuracy(part: Part, factor: f64, summary: &Summary, known: bool) -> F
         adapted: summary.adapted.iter().any(Option::is_some),
         correlated,
     }
+}
+
+/// Innovations of position or velocity that last from fix to fix and are not smaller than predicted: errors of attitude
+/// and sensors are larger than the covariance has them.
+pub fn of_correlation(summary: &Summary) -> Option<Finding> {
+    let parts = [
+        (Part::Velocity, &summary.velocity),
+        (Part::Position, &summary.position),
+    ];
+    parts.into_iter().find_map(|(part, sums)| {
+        let (correlation, _) = sums.autocorrelation()?;
+        let lasts = correlation > CORRELATED && sums.updates >= LEAST_UPDATES;
+        let covered = sums.per_dof()? < MODEST_NIS;
+        (lasts && !covered).then_some(Finding::CorrelatedInnovations { part, correlation })
+    })
 }
 
 #[cfg(test)]

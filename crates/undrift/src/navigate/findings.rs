@@ -45,6 +45,10 @@ impl Report {
                 let factor = factor.filter(|factor| *factor > 1.0 || !seen)?;
                 Some(findings::of_accuracy(part, factor, s, errors.known))
             }));
+            let said = |of: &Finding| matches!(of, Finding::OptimisticModel { .. });
+            if !found.iter().any(said) {
+                found.extend(findings::of_correlation(s));
+            }
         }
         found.extend(findings::of_skipped(&[
             (Log::Imu, &self.imu_skipped),

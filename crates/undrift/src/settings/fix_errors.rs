@@ -1,6 +1,10 @@
 //! What fixes are wrong by, beyond what they state.
 
-use undrift_nav::{Matrix3, Vector3, sample::GnssFix};
+use undrift_nav::{
+    Matrix3, Vector3,
+    parameters::{Parameter, Parameters, Prior},
+    sample::GnssFix,
+};
 
 /// The time-correlated part of a position's error: a Gauss-Markov process beside white noise. Both together have the
 /// variance that the fixes state.
@@ -66,6 +70,23 @@ impl FixErrors {
             }
         }
         fix
+    }
+
+    /// The parameters with the states that the lasting parts need.
+    pub fn with_states(&self, mut parameters: Parameters) -> Parameters {
+        for (kind, part) in [
+            (Parameter::PositionError, self.correlated),
+            (Parameter::VelocityError, self.velocity_correlated),
+        ] {
+            if let Some(Correlated { time, .. }) = part {
+                let prior = Prior {
+                    time,
+                    ..Prior::constant(1.0)
+                };
+                parameters = parameters.with(kind, prior);
+            }
+        }
+        parameters
     }
 
     /// Of a position's covariance the white part, and the standard deviation of the correlated part \[m\].
