@@ -74,6 +74,7 @@ pub fn say(finding: &Finding) -> String {
             more,
         } => sensors::heading_off([*start, *end], *angle, *more),
         F::OptimisticModel { factor } => sensors::optimistic_model(*factor),
+        F::OptimisticDrift { model, inside } => sensors::optimistic_drift(model, *inside),
         F::CorrelatedInnovations { part, correlation } => {
             fixes::correlated_innovations(*part, *correlation)
         }

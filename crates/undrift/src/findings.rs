@@ -5,8 +5,8 @@ mod collect;
 
 pub use crate::replay::Log;
 pub use collect::{
-    WITHOUT_GNSS, of_accuracy, of_correlation, of_disagreement, of_fixes, of_health, of_held,
-    of_scalar, of_skipped, of_timing, with_axes,
+    WITHOUT_GNSS, of_accuracy, of_correlation, of_disagreement, of_drift, of_fixes, of_health,
+    of_held, of_scalar, of_skipped, of_timing, with_axes,
 };
 
 use crate::replay::{Contradiction, FixMend, Lean, Part, RestartCause};
@@ -314,6 +314,13 @@ pub enum Finding {
         /// Their autocorrelation from one fix to the next.
         correlation: f64,
     },
+    /// Errors in outages are larger than predicted.
+    OptimisticDrift {
+        /// By which model.
+        model: String,
+        /// Share of the position errors inside three predicted standard deviations.
+        inside: f64,
+    },
     /// An estimated parameter is far from what was known of it.
     FarParameter {
         /// Which.
@@ -364,6 +371,7 @@ impl Finding {
             | Self::HeadingOff { .. }
             | Self::OptimisticModel { .. }
             | Self::CorrelatedInnovations { .. }
+            | Self::OptimisticDrift { .. }
             | Self::SetBack { .. }
             | Self::StartedLate { .. }
             | Self::NoReference { .. } => Severity::Warning,
@@ -391,7 +399,7 @@ impl Finding {
             | Self::SetBack { .. }
             | Self::VelocityBias { .. } => 2,
             Self::OptimisticModel { .. } | Self::FarParameter { .. } => 3,
-            Self::CorrelatedInnovations { .. } => 4,
+            Self::CorrelatedInnovations { .. } | Self::OptimisticDrift { .. } => 4,
             Self::Restart { .. } | Self::HeadingOff { .. } | Self::LargeInnovations { .. } => 5,
             Self::OneSided(_) | Self::Rejected(_) | Self::MoreRejected { .. } => 6,
             // Stated too large: it costs little.

@@ -24,6 +24,7 @@ pub mod align;
 pub mod columns;
 pub mod consistency;
 pub mod demo;
+mod derived;
 pub mod drive;
 pub mod estimator;
 pub mod findings;

@@ -70,6 +70,8 @@ settings! {
         rest: RestSettings = RestSettings::default(),
         /// Measurements beside the fixes.
         constraints: ConstraintSettings = ConstraintSettings::default(),
+        /// Velocities of positions, where the receiver tells none.
+        derived_velocity: DerivedVelocitySettings = DerivedVelocitySettings::default(),
         /// Units, axes, signs and times that cannot be right.
         plausibility: PlausibilitySettings = PlausibilitySettings::default(),
     }
@@ -90,6 +92,8 @@ settings! {
         tilt_before: f64 = 0.5,
         /// Side slip of a vehicle and error of a course, one standard deviation \[rad\].
         course_floor: f64 = 0.035,
+        /// A course that is known worse than this is no heading \[rad\].
+        course_worst: f64 = 0.52,
         /// Fixes further apart than this are not a pair \[s\].
         pair_span: f64 = 2.5,
     }
@@ -426,6 +430,20 @@ settings! {
         reject: f64 = 100.0,
         /// The speed of a fix holds for so long \[s\].
         speed_holds: f64 = 1.5,
+    }
+
+    /// Velocities of positions: the slope of a line through the last of them.
+    DerivedVelocitySettings {
+        /// From the first of them to the last \[s\] …
+        span: f64 = 2.0,
+        /// … or longer, up to this \[s\], …
+        longest: f64 = 5.0,
+        /// … to have so many.
+        least: usize = 5,
+        /// What their scatter does not show, one standard deviation \[m/s\].
+        floor: f64 = 0.1,
+        /// By how much a vehicle may have slowed down since \[m/s²\].
+        braking: f64 = 2.0,
     }
 
     /// Units, axes, signs and times that cannot be right.

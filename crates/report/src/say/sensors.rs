@@ -120,6 +120,13 @@ pub(super) fn optimistic_model(factor: f64) -> String {
     )
 }
 
+pub(super) fn optimistic_drift(model: &str, inside: f64) -> String {
+    format!(
+        "only {:.0} % of the position errors in the outages lie inside three predicted standard deviations, by model {model}, which covers most: the noise is too small for this vehicle, or the lever arm, the axes or the mounting are wrong",
+        100.0 * inside
+    )
+}
+
 pub(super) fn far_parameter(parameter: &str, value: f64, sigmas: f64) -> String {
     format!(
         "the estimated {parameter} of {} is {sigmas:.0} standard deviations from what was known of it: check what it stands for",
@@ -152,15 +159,26 @@ pub(super) fn wrong_axes(forward: Option<i8>, right: Option<i8>, axes: Option<&s
         );
     }
     let axis = |number| match number {
-        Some(1) => "forward",
-        Some(-1) => "backward",
-        Some(2) => "right",
-        Some(-2) => "left",
-        _ => "(not seen)",
+        1 => "forward",
+        -1 => "backward",
+        2 => "right",
+        _ => "left",
     };
+    let speeds_up = forward.filter(|number| *number != 1).map(|number| {
+        format!(
+            "it accelerates along body {} instead of forward",
+            axis(number)
+        )
+    });
+    let turns = right.filter(|number| *number != 2).map(|number| {
+        format!(
+            "it is pushed along body {} instead of right in turns to the right",
+            axis(number)
+        )
+    });
+    let seen: Vec<String> = speeds_up.into_iter().chain(turns).collect();
     format!(
-        "GNSS shows that the IMU's axes are not the vehicle's: it accelerates along body {} instead of forward, and is pushed along body {} instead of right in turns to the right; check imu.axes and the order and signs of imu.accel and imu.gyro",
-        axis(forward),
-        axis(right)
+        "GNSS shows that the IMU's axes are not the vehicle's: {}; check imu.axes and the order and signs of imu.accel and imu.gyro",
+        seen.join(", and ")
     )
 }

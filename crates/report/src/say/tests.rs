@@ -123,10 +123,10 @@ fn every_finding_has_its_sentence() {
         (
             Finding::WrongAxes {
                 forward: Some(1),
-                right: None,
+                right: Some(-2),
                 axes: None,
             },
-            "GNSS shows that the IMU's axes are not the vehicle's: it accelerates along body forward instead of forward, and is pushed along body (not seen) instead of right in turns to the right; check imu.axes and the order and signs of imu.accel and imu.gyro",
+            "GNSS shows that the IMU's axes are not the vehicle's: it is pushed along body left instead of right in turns to the right; check imu.axes and the order and signs of imu.accel and imu.gyro",
         ),
         (
             Finding::WrongVelocity {

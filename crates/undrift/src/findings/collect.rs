@@ -3,6 +3,7 @@
 use super::{Finding, Log};
 use crate::{
     fixes::FixStudy,
+    outages::ModelErrors,
     replay::{Implausible, Innovations, Part, SampleFault, Summary},
     settings::fix_errors::{Correlated, FixErrors},
 };
@@ -22,6 +23,11 @@ const LISTED: usize = 3;
 const CORRELATED: f64 = 0.5;
 /// NIS per degree of freedom below which correlated innovations are smaller than predicted by enough.
 const MODEST_NIS: f64 = 0.7;
+/// Share of the errors in outages inside three standard deviations below which the model promises too much; of right ones
+/// it is 0.997, of a few outages somewhat less by chance.
+const LEAST_INSIDE: f64 = 0.9;
+/// Outages that this needs.
+const LEAST_OUTAGES: usize = 5;
 /// Updates that the two need.
 const LEAST_UPDATES: u64 = 100;
 
@@ -332,6 +338,19 @@ pub fn of_correlation(summary: &Summary) -> Option<Finding> {
         let lasts = correlation > CORRELATED && sums.updates >= LEAST_UPDATES;
         let covered = sums.per_dof()? < MODEST_NIS;
         (lasts && !covered).then_some(Finding::CorrelatedInnovations { part, correlation })
+    })
+}
+
+/// Outages in which the position errors are larger than predicted by the model that covers most of them.
+pub fn of_drift(models: &[(&str, &ModelErrors)]) -> Option<Finding> {
+    let enough = models.iter().filter(|(_, errors)| {
+        errors.per_outage.len().saturating_sub(errors.left_out) >= LEAST_OUTAGES
+    });
+    let shares = enough.filter_map(|(model, errors)| Some((model, errors.coverage.shares(0)?[2])));
+    let (model, inside) = shares.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (inside < LEAST_INSIDE).then(|| Finding::OptimisticDrift {
+        model: (*model).to_owned(),
+        inside,
     })
 }
 

@@ -178,6 +178,13 @@ impl Logs {
                 }
             }
         }
+        let ran = results
+            .iter()
+            .filter_map(|(model, run)| Some((model, run.as_ref().ok()?)));
+        let models: Vec<_> = ran
+            .map(|(model, run)| (model.as_str(), &run.errors))
+            .collect();
+        found.extend(findings::of_drift(&models));
         let failed = results.iter().find_map(|(_, run)| run.as_ref().err());
         found.extend(failed.into_iter().flat_map(ReplayError::findings));
         let logs: Vec<_> = self.skipped.iter().map(|(log, s)| (*log, s)).collect();

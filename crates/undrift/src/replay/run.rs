@@ -67,8 +67,8 @@ struct Log {
 
 impl Log {
     /// Notes a fix, or a part of it, that was used or withheld; when the one before was.
-    fn shown(&mut self, time: f64, part: Option<Part>) -> Option<f64> {
-        if part != Some(Part::Position) {
+    fn shown(&mut self, time: f64, with_velocity: bool) -> Option<f64> {
+        if with_velocity {
             self.last_velocity = Some(time);
         }
         // The parts of two fixes may come in turns.
@@ -81,6 +81,11 @@ impl Log {
 /// Whether this part of a fix stands for the whole of it where fixes are counted.
 fn begins(fix: &GnssFix, part: Option<Part>) -> bool {
     part != Some(Part::Velocity) || fix.position.is_none()
+}
+
+/// Whether this part of a fix tells all that it does of the velocity.
+fn tells_velocity(fix: &GnssFix, part: Option<Part>) -> bool {
+    part != Some(Part::Position) || fix.velocity.is_none()
 }
 
 impl<'a> Run<'a> {
@@ -341,7 +346,7 @@ impl<'a> Run<'a> {
             }
         }
         self.alignment.again = false;
-        self.log.shown(fix.time, None);
+        self.log.shown(fix.time, true);
         observer.used(fix.time);
         self.streak = Streak::new(self.settings.engine.watch);
         self.receiver.forget_solution(fix.time, &mut self.summary);
@@ -402,14 +407,14 @@ impl<'a> Run<'a> {
         if withheld {
             self.summary.withheld += u64::from(begins);
             // An outage is no fault of the receiver's.
-            self.log.shown(fix.time, part);
+            self.log.shown(fix.time, tells_velocity(fix, part));
             return solution.node(self.settings.nodes, observer);
         }
         let filter = &mut *solution.filter;
         let updates =
             self.receiver
                 .update(filter, fix, part, due, self.settings, &mut self.summary);
-        if part != Some(Part::Position) {
+        if tells_velocity(fix, part) {
             self.vehicle.fix(filter, fix, self.settings);
             if self.settings.gating && !self.receiver.repeats() {
                 self.course.fix(filter, fix, &mut self.summary);
@@ -457,7 +462,7 @@ impl<'a> Run<'a> {
         if used {
             self.summary.fixes += u64::from(begins(fix, part));
             observer.used(time);
-            if let Some(last) = self.log.shown(time, part) {
+            if let Some(last) = self.log.shown(time, tells_velocity(fix, part)) {
                 self.summary.without_gnss(last, time);
             }
         }
