@@ -109,6 +109,7 @@ fn step_by_step(kind: BiasModel, parameters: bool, events: &[Event]) {
         let prior = Prior {
             std: 0.1,
             walk: 1e-3,
+            ..Prior::default()
         };
         estimated = estimated
             .with(Parameter::LeverArm, prior)

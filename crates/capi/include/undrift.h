@@ -39,7 +39,7 @@
 /**
  * Kinds of parameters.
  */
-#define UNDRIFT_PARAMETERS 10
+#define UNDRIFT_PARAMETERS 11
 
 /**
  * Bytes of a filter beside its covariance and estimates, at most; see UNDRIFT_FILTER_BYTES.
@@ -206,6 +206,11 @@ enum undrift_parameter
      * Error of the barometric height [m].
      */
     UNDRIFT_PARAMETER_BAROMETER_BIAS = 9,
+    /**
+     * By how much the velocity of a fix is later than its time says [s]; where it is estimated, the time offset
+     * is that of the position alone.
+     */
+    UNDRIFT_PARAMETER_VELOCITY_TIME_OFFSET = 10,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -314,6 +319,10 @@ typedef struct {
      * Random walk [unit/sqrt(s)]; 0 for a constant.
      */
     double walk;
+    /**
+     * Correlation time of a Gauss-Markov process in place of the random walk [s]; 0 where it is none.
+     */
+    double time;
 } undrift_prior;
 
 /**

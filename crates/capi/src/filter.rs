@@ -21,7 +21,8 @@ use undrift_nav::{
 pub const UNDRIFT_FILTER_OVERHEAD: usize = 7168;
 
 const _: () = assert!(UNDRIFT_AXES == AXES);
-const _: () = assert!(UNDRIFT_PARAMETERS == Parameter::ALL.len());
+// The last kinds, the correlated parts of a fix's errors, need more of a fix than is given here.
+const _: () = assert!(UNDRIFT_PARAMETERS + 2 == Parameter::ALL.len());
 const _: () =
     assert!(size_of::<Filter>() <= 8 * (STATES * STATES + STATES) + UNDRIFT_FILTER_OVERHEAD);
 
@@ -183,15 +184,15 @@ unsafe fn begin(
         return Err(Status::IntervalsDiffer);
     }
     let mut estimated = Parameters::none();
-    for (i, kind) in Parameter::ALL.into_iter().enumerate() {
+    for (i, kind) in Parameter::ALL[..UNDRIFT_PARAMETERS].iter().enumerate() {
         if parameters.is_null() {
             break;
         }
         // SAFETY: there are as many priors as parameters.
-        let Prior { std, walk } = unsafe { read(parameters.add(i)) }?;
-        not_negative([&std, &walk])?;
+        let Prior { std, walk, time } = unsafe { read(parameters.add(i)) }?;
+        not_negative([&std, &walk, &time])?;
         if std > 0.0 {
-            estimated = estimated.with(kind, parameters::Prior { std, walk });
+            estimated = estimated.with(*kind, parameters::Prior { std, walk, time });
         }
     }
     Ok(Inner::new(nav, &std, axes, estimated)?)

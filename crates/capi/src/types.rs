@@ -5,7 +5,7 @@ pub const UNDRIFT_MAX_ORDER: usize = 6;
 /// Sensor axes: gyro x, y, z, then accelerometer x, y, z.
 pub const UNDRIFT_AXES: usize = 6;
 /// Kinds of parameters.
-pub const UNDRIFT_PARAMETERS: usize = 10;
+pub const UNDRIFT_PARAMETERS: usize = 11;
 
 /// The noise model of one sensor axis, a shaping filter that steps once a sample:
 /// x' = F x + G w, error = H x + D w. The functions undrift_sensor_... make the usual ones.
@@ -80,6 +80,9 @@ pub enum Parameter {
     OdometerScale = 8,
     /// Error of the barometric height \[m\].
     BarometerBias = 9,
+    /// By how much the velocity of a fix is later than its time says \[s\]; where it is estimated, the time offset
+    /// is that of the position alone.
+    VelocityTimeOffset = 10,
 }
 
 /// What is known of a parameter before: its correction is zero with this standard deviation.
@@ -90,6 +93,8 @@ pub struct Prior {
     pub std: f64,
     /// Random walk [unit/sqrt(s)]; 0 for a constant.
     pub walk: f64,
+    /// Correlation time of a Gauss-Markov process in place of the random walk \[s\]; 0 where it is none.
+    pub time: f64,
 }
 
 /// One inertial sample as increments over the interval that ends at `time`, body axes.

@@ -113,6 +113,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     print::judge(&result.findings);
     let json = results::text(&result);
     if !arguments.result.write(&files, &json)? {
+        say(sentences::verdict(&result.findings))?;
         say(format!(
             "{} outages of {length} s, reference: {}. Errors inside the outages:\n",
             cuts.len(),

@@ -6,6 +6,9 @@ use crate::skipped::{SkipKind, Skipped};
 /// Times beyond this are no times of a log \[s\]: 30 000 years.
 const MAX_TIME: f64 = 1e12;
 
+/// Records in a row that are behind for the clock to have been set back, rather than records that overtook others.
+const SET_BACK: u32 = 5;
+
 /// Keeps the time of the last accepted record and what came out of order after it.
 pub(crate) struct Clock {
     last: Option<f64>,
@@ -73,6 +76,9 @@ impl Clock {
             line,
             format_args!("{time} s after {last} s"),
         );
+        if self.behind == SET_BACK {
+            skipped.set_back(self.jump_line, last - self.jump_to);
+        }
         if self.behind >= self.patience {
             return Err(self.set_back(last));
         }
@@ -122,6 +128,21 @@ mod tests {
         assert_eq!(skipped.count(SkipKind::TimeBackwards), 1);
         assert_eq!(skipped.count(SkipKind::OutOfRange), 1);
         assert!(error.is_none());
+    }
+
+    #[test]
+    fn a_clock_that_goes_on_from_an_earlier_time_was_set_back() {
+        let rows =
+            |back: f64| (0..40).map(move |k| 0.1 * k as f64 - if k < 20 { 0.0 } else { back });
+        let (accepted, skipped, error) = run(&rows(0.75).collect::<Vec<_>>(), 20);
+        assert!(error.is_none());
+        assert_eq!(accepted.len(), 33);
+        let found = skipped.largest_set_back().unwrap();
+        assert_eq!(found.line, 21);
+        assert!((found.step - 0.65).abs() < 1e-9, "{found:?}");
+        // Records that overtook others.
+        let (_, skipped, _) = run(&rows(0.35).collect::<Vec<_>>(), 20);
+        assert_eq!(skipped.largest_set_back(), None);
     }
 
     #[test]

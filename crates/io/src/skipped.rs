@@ -75,10 +75,20 @@ pub struct SkipEntry {
     pub first_detail: String,
 }
 
+/// A clock that was set back and went on from there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SetBack {
+    /// Line or message, as of [`SkipEntry::first_line`].
+    pub line: u64,
+    /// By how much \[s\].
+    pub step: f64,
+}
+
 /// Counter of skipped records by kind.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Skipped {
     kinds: BTreeMap<SkipKind, SkipEntry>,
+    set_back: Option<SetBack>,
     /// What the positions count: lines of a text, messages of anything else.
     counted: &'static str,
 }
@@ -87,6 +97,7 @@ impl Default for Skipped {
     fn default() -> Self {
         Self {
             kinds: BTreeMap::new(),
+            set_back: None,
             counted: "line",
         }
     }
@@ -111,6 +122,18 @@ impl Skipped {
                 first_line: line,
                 first_detail: detail.to_string(),
             });
+    }
+
+    /// Notes that the clock was set back; the largest step is kept.
+    pub(crate) fn set_back(&mut self, line: u64, step: f64) {
+        if self.set_back.is_none_or(|before| before.step < step) {
+            self.set_back = Some(SetBack { line, step });
+        }
+    }
+
+    /// The largest step by which the clock was set back, if it was.
+    pub fn largest_set_back(&self) -> Option<SetBack> {
+        self.set_back
     }
 
     /// Whether nothing was skipped.

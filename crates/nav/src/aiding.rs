@@ -31,6 +31,24 @@ impl<const N: usize> Filter<N> {
         }
     }
 
+    /// What a fix says whose error has a time-correlated part, of standard deviation `std` in the axes of the fix
+    /// [m, m/s]; the covariance of the measurement is then without it. Column `−diag(std)` for `kind`,
+    /// [`Parameter::PositionError`] or [`Parameter::VelocityError`].
+    pub fn observe_fix_error(
+        &self,
+        mut observed: Observation<3, N>,
+        kind: Parameter,
+        std: &Vector3,
+    ) -> Observation<3, N> {
+        if let Some(at) = self.parameter_start(kind) {
+            for i in 0..3 {
+                observed.innovation[i] += std[i] * self.estimates()[at + i];
+                observed.h[(i, at + i)] = -std[i];
+            }
+        }
+        observed
+    }
+
     /// Rotation C_b^v from the body to the vehicle's axes: the identity unless the mounting is estimated.
     pub fn c_bv(&self) -> Matrix3 {
         match self.parameter(Parameter::Mounting) {

@@ -351,14 +351,24 @@ impl<const N: usize> Filter<N> {
             let coupling = &self.coupling;
             self.sensors
                 .propagate(&mut self.p.data.0, &transition, coupling, step.dt, part);
-            for (kind, at, prior) in self.parameters.blocks() {
-                let at = self.sensors.states() + at;
-                for i in at..at + kind.width() {
-                    self.p[(i, i)] += prior.walk * prior.walk * step.dt;
-                }
-            }
             if let Some(tape) = tape {
                 tape.step(&self.sensors, &transition, coupling, part);
+                for (states, prior) in self.parameters.ranges(self.sensors.states()) {
+                    tape.fade(states, prior.step(step.dt).0);
+                }
+            }
+            for (states, prior) in self.parameters.ranges(self.sensors.states()) {
+                let (left, variance) = prior.step(step.dt);
+                for i in states {
+                    if left != 1.0 {
+                        self.x[i] *= left;
+                        for j in 0..N {
+                            self.p[(i, j)] *= left;
+                            self.p[(j, i)] *= left;
+                        }
+                    }
+                    self.p[(i, i)] += variance;
+                }
             }
         }
         if last {
@@ -451,9 +461,32 @@ impl<const N: usize> Filter<N> {
                 for j in 0..3 {
                     self.p[(i, j)] += v[i] * v[j] * variance;
                 }
-                self.p[(3 + i, 3 + i)] += START_ACCEL * START_ACCEL * variance;
                 self.p[(i, at)] = v[i] * variance;
                 self.p[(at, i)] = v[i] * variance;
+            }
+        }
+        let offset = self.parameter_start(Parameter::VelocityTimeOffset);
+        if let Some(at) = offset.or(self.parameter_start(Parameter::TimeOffset)) {
+            for i in 3..6 {
+                self.p[(i, i)] += START_ACCEL * START_ACCEL * self.p[(at, at)];
+            }
+        }
+    }
+
+    /// Position and velocity were taken from a fix whose errors have time-correlated parts, of these standard
+    /// deviations north, east, down [m, m/s]: they have those parts, too. To be called after
+    /// [`Filter::set_position_velocity_covariance`]; it does nothing where [`Parameter::PositionError`] and
+    /// [`Parameter::VelocityError`] are not estimated.
+    pub fn share_fix_errors(&mut self, position: &Vector3, velocity: &Vector3) {
+        let kinds = [Parameter::PositionError, Parameter::VelocityError];
+        for (k, (kind, std)) in kinds.into_iter().zip([position, velocity]).enumerate() {
+            let Some(at) = self.parameter_start(kind) else {
+                continue;
+            };
+            for i in 0..3 {
+                let across = std[i] * self.p[(at + i, at + i)];
+                self.p[(3 * k + i, at + i)] = across;
+                self.p[(at + i, 3 * k + i)] = across;
             }
         }
     }
@@ -470,6 +503,44 @@ impl<const N: usize> Filter<N> {
         }
     }
 
+    /// Multiplies the covariance by `factor`, at least 1, that of sensors' states up to what they had before the first
+    /// sample and that of parameters not at all, which are constants: for a solution whose innovations are larger than
+    /// it predicts. What is past then counts for less (fading memory: Sorenson & Sacks 1971; Gelb 1974, section 8.1).
+    pub fn fade(&mut self, factor: f64) {
+        let mut scales = [1.0; N];
+        for scale in &mut scales[..NAV] {
+            *scale = libm::sqrt(factor);
+        }
+        for axis in 0..AXES {
+            let (sensor, at) = (self.sensors.axis(axis), self.sensors.start(axis));
+            for i in 0..sensor.order {
+                let room = sensor.p0[i][i] / self.p[(at + i, at + i)];
+                scales[at + i] = libm::sqrt(factor.min(room).max(1.0));
+            }
+        }
+        for i in 0..N {
+            for j in 0..N {
+                self.p[(i, j)] *= scales[i] * scales[j];
+            }
+        }
+    }
+
+    /// Adds uncertainty to the heading \[rad\] and to the error of gyro z [rad/s], one standard deviation: for a
+    /// heading that the course contradicts.
+    pub fn doubt_heading(&mut self, heading: f64, gyro: f64) {
+        self.p[(8, 8)] += heading * heading;
+        let (sensor, at) = (self.sensors.axis(2), self.sensors.start(2));
+        let size: f64 = sensor.h[..sensor.order].iter().map(|h| h * h).sum();
+        if size > 0.0 {
+            for i in 0..sensor.order {
+                for j in 0..sensor.order {
+                    self.p[(at + i, at + j)] +=
+                        gyro * gyro * sensor.h[i] * sensor.h[j] / (size * size);
+                }
+            }
+        }
+    }
+
     /// Adds uncertainty for `duration` seconds without samples in which the body may have turned
     /// with `rate` [rad/s] and accelerated with `accel` [m/s²] (one standard deviation each axis).
     pub fn grow(&mut self, duration: f64, rate: f64, accel: f64) {
@@ -483,6 +554,16 @@ impl<const N: usize> Filter<N> {
             self.p[(6 + i, 6 + i)] += a * a;
         }
         self.previous = None;
+    }
+
+    /// Adds the covariance of a turn \[rad²\] and of a change of velocity \[m²/s²\], body axes, that the samples just
+    /// passed may have missed.
+    pub fn widen(&mut self, turn: &Matrix3, velocity: &Matrix3) {
+        for (at, covariance) in [(3, velocity), (6, turn)] {
+            let turned = self.c_nb * covariance * self.c_nb.transpose();
+            let mut own = self.p.fixed_view_mut::<3, 3>(at, at);
+            own += turned;
+        }
     }
 
     /// Kalman update with a measurement of covariance `r`: innovation ν = predicted less measured,

@@ -2,8 +2,8 @@
 //! sensor axes, lever arm, time offset, mounting, and what further sensors need.
 //!
 //! Each kind is a block of states behind the shaping filters' states, in the order of [`Parameter`],
-//! there only when it is asked for. A parameter is a random constant, or a random walk where its
-//! prior says so, and its state is the correction to the configured value, from zero; its error is
+//! there only when it is asked for. A parameter is a random constant, or a random walk or a Gauss-Markov
+//! process where its prior says so, and its state is the correction to the configured value, from zero; its error is
 //! what the correction still misses, truth less estimate, like a sensor state's.
 //!
 //! Scale factors and axis misalignment act through the sensor error, `ε_i = … + s_i u_i + Σ m_ij u_j`
@@ -25,7 +25,8 @@ pub enum Parameter {
     AccelMisalignment,
     /// Lever arm IMU → antenna, body axes \[m\].
     LeverArm,
-    /// By how much a fix is later than its stamp says \[s\].
+    /// By how much a fix is later than its stamp says \[s\]; of its position alone where
+    /// [`Parameter::VelocityTimeOffset`] is estimated, too.
     TimeOffset,
     /// Small turn of the vehicle's axes against the body axes, about pitch and yaw \[rad\].
     Mounting,
@@ -35,11 +36,19 @@ pub enum Parameter {
     OdometerScale,
     /// Error of the barometric height \[m\].
     BarometerBias,
+    /// By how much the velocity of a fix is later than its stamp says \[s\]: receivers find it in another way
+    /// than the position, and not always at the same instant.
+    VelocityTimeOffset,
+    /// Time-correlated part of the position's error (multipath, atmosphere, the receiver's own filter), in the axes of
+    /// the fix, in units of its standard deviation [–]: 1 is what the receiver states of that part.
+    PositionError,
+    /// The same of the velocity's error.
+    VelocityError,
 }
 
 impl Parameter {
     /// All kinds in order.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 13] = [
         Self::GyroScale,
         Self::AccelScale,
         Self::GyroMisalignment,
@@ -50,15 +59,26 @@ impl Parameter {
         Self::Axle,
         Self::OdometerScale,
         Self::BarometerBias,
+        Self::VelocityTimeOffset,
+        Self::PositionError,
+        Self::VelocityError,
     ];
 
     /// States of a block.
     pub const fn width(self) -> usize {
         match self {
-            Self::GyroScale | Self::AccelScale | Self::LeverArm => 3,
+            Self::GyroScale
+            | Self::AccelScale
+            | Self::LeverArm
+            | Self::PositionError
+            | Self::VelocityError => 3,
             Self::GyroMisalignment | Self::AccelMisalignment => 6,
             Self::Mounting => 2,
-            Self::TimeOffset | Self::Axle | Self::OdometerScale | Self::BarometerBias => 1,
+            Self::TimeOffset
+            | Self::Axle
+            | Self::OdometerScale
+            | Self::BarometerBias
+            | Self::VelocityTimeOffset => 1,
         }
     }
 }
@@ -70,6 +90,30 @@ pub struct Prior {
     pub std: f64,
     /// Random walk [unit/√s]; 0 for a constant.
     pub walk: f64,
+    /// Correlation time of a Gauss-Markov process of that standard deviation \[s\], in place of the random
+    /// walk; 0 where it is none.
+    pub time: f64,
+}
+
+impl Prior {
+    /// A constant known to one standard deviation.
+    pub const fn constant(std: f64) -> Self {
+        Self {
+            std,
+            walk: 0.0,
+            time: 0.0,
+        }
+    }
+
+    /// What of the state is left after `dt` \[s\], and the variance that comes in meanwhile.
+    pub(crate) fn step(&self, dt: f64) -> (f64, f64) {
+        if self.time > 0.0 {
+            let left = libm::exp(-dt / self.time);
+            (left, self.std * self.std * (1.0 - left * left))
+        } else {
+            (1.0, self.walk * self.walk * dt)
+        }
+    }
 }
 
 /// The parameters that are estimated.
@@ -114,6 +158,18 @@ impl Parameters {
         self.blocks()
             .find(|(k, ..)| *k == kind)
             .map(|(_, start, _)| start)
+    }
+
+    /// States and prior of every block, with so many states before the first.
+    #[inline]
+    pub(crate) fn ranges(
+        &self,
+        behind: usize,
+    ) -> impl Iterator<Item = (core::ops::Range<usize>, Prior)> + '_ {
+        self.blocks().map(move |(kind, at, prior)| {
+            let start = behind + at;
+            (start..start + kind.width(), prior)
+        })
     }
 
     /// Kind, place of the first state and prior of every block.
@@ -191,7 +247,7 @@ mod tests {
     fn blocks_lie_one_behind_the_other() {
         let prior = Prior {
             std: 1.0,
-            walk: 0.0,
+            ..Prior::default()
         };
         let some = Parameters::none()
             .with(Parameter::TimeOffset, prior)

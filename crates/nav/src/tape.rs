@@ -19,6 +19,7 @@ use crate::{
     covariance::{Part, Sensors, Transition},
     parameters::Coupling,
 };
+use core::ops::Range;
 use nalgebra::{SMatrix, SVector};
 
 /// The adjoint of one span, accumulated as the filter runs through it.
@@ -68,6 +69,14 @@ impl<const N: usize> Tape<N> {
         part: Part,
     ) {
         sensors.carry(&mut self.t, transition, coupling, part);
+    }
+
+    /// Parameters of which a part is left after a step.
+    pub(crate) fn fade(&mut self, states: Range<usize>, left: f64) {
+        if left != 1.0 {
+            let rows = self.t[states].iter_mut().flatten();
+            rows.for_each(|value| *value *= left);
+        }
     }
 
     /// An update: its H, S⁻¹, S⁻¹ν, gain, and the attitude correction that followed it.

@@ -20,7 +20,7 @@ use undrift::{
 };
 
 /// The parameters that can be estimated, by their names.
-const PARAMETERS: [(&str, Parameter); 10] = [
+const PARAMETERS: [(&str, Parameter); 11] = [
     ("gyro_scale", Parameter::GyroScale),
     ("accel_scale", Parameter::AccelScale),
     ("gyro_misalignment", Parameter::GyroMisalignment),
@@ -31,6 +31,7 @@ const PARAMETERS: [(&str, Parameter); 10] = [
     ("axle", Parameter::Axle),
     ("odometer_scale", Parameter::OdometerScale),
     ("barometer_bias", Parameter::BarometerBias),
+    ("velocity_time_offset", Parameter::VelocityTimeOffset),
 ];
 
 /// The filter; `undrift.Filter` wraps it.
@@ -116,7 +117,14 @@ impl Filter {
                     "{name}: a standard deviation of {std} is none"
                 )));
             }
-            asked = asked.with(*kind, Prior { std, walk });
+            asked = asked.with(
+                *kind,
+                Prior {
+                    std,
+                    walk,
+                    ..Prior::default()
+                },
+            );
         }
         let nav = NavState {
             time: start.time,
@@ -133,6 +141,7 @@ impl Filter {
         filter.set_position_velocity_covariance(
             &columns::matrix(start.position_cov),
             &columns::matrix(start.velocity_cov),
+            &[Vector3::zeros(); 2],
         );
         filter.check().map_err(error)?;
         Ok(Self(filter))
@@ -227,11 +236,13 @@ impl Filter {
             "position" => Aiding::Position {
                 position: Position::Geodetic(geodetic(value)),
                 lever_arm,
+                correlated: Vector3::zeros(),
                 due,
             },
             "velocity" => Aiding::Velocity {
                 v_n: Vector3::from(value),
                 lever_arm,
+                correlated: Vector3::zeros(),
                 due,
             },
             "zero velocity" => Aiding::ZeroVelocity,

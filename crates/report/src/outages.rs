@@ -240,10 +240,43 @@ pub fn plain(result: &Outages, mark: Mark) -> String {
         });
         Vec::from_iter(tables).join("\n")
     };
+    let covered = match consistency(&models) {
+        Some(table) => format!("\n{COVERED}\n{}", plain_table(&table, mark)),
+        None => String::new(),
+    };
     match tables(&bounds).as_str() {
-        "" => tables(&models),
-        bounds => format!("{}\n{}\n\n{bounds}", tables(&models), say::WHITE_CALIBRATED),
+        "" => tables(&models) + &covered,
+        bounds => format!(
+            "{}{covered}\n{}\n\n{bounds}",
+            tables(&models),
+            say::WHITE_CALIBRATED
+        ),
     }
+}
+
+/// What the table of [`consistency`] has.
+const COVERED: &str = "Errors inside 1, 2 and 3 predicted standard deviations [%] (68, 95, 99.7 when the covariance is right), and NEES per degree of freedom at the outages' end (1 when it is):";
+
+/// How well each model's covariance covers its errors inside the outages.
+fn consistency(models: &[&Model<'_>]) -> Option<Table> {
+    let models_named: &dyn Fn(&&&Model<'_>) -> Cell = &|m| (&m.name).into();
+    let mut table = Table::of("consistency", COVERED, models, &[("model", models_named)]);
+    for group in ["position", "velocity", "attitude"] {
+        let shares = |m: &&Model<'_>| m.errors.inside_sigma.get(group).copied();
+        if models.iter().all(|m| shares(m).is_none()) {
+            continue;
+        }
+        for (i, head) in ["1σ", "2σ", "3σ"].into_iter().enumerate() {
+            let cell = |m: &&Model<'_>| {
+                let share = shares(m).map_or(f64::NAN, |shares| shares[i].0);
+                Cell::number(100.0 * share, 1)
+            };
+            table.add(format!("{group} {head}"), models.iter().map(cell));
+        }
+        let nees = |m: &&Model<'_>| Cell::number(get(&m.errors.nees, group), 2);
+        table.add("NEES".into(), models.iter().map(nees));
+    }
+    (table.head.len() > 1).then_some(table)
 }
 
 /// Table 4: maximum, root mean square and median of each model's largest errors.
@@ -272,7 +305,8 @@ fn tables(models: &[Model<'_>]) -> Option<Section> {
         .into_iter()
         .filter_map(|(name, caption, of)| table_of(name, caption, &models, of));
     let of_bounds = table_of("bound", say::WHITE_CALIBRATED, &bounds, rms);
-    let blocks = of_models.chain(of_bounds).map(Block::Table);
+    let blocks = of_models.chain(consistency(&models)).chain(of_bounds);
+    let blocks = blocks.map(Block::Table);
     Section::of("Errors inside the outages", blocks)
 }
 

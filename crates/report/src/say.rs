@@ -11,7 +11,7 @@ mod start;
 mod words;
 
 pub use fill::{WHITE_CALIBRATED, all, cut, demo, navigated, outcome};
-pub use solution::cause;
+pub use solution::{cause, verdict};
 pub use start::{alignment, mounting, unsolved};
 
 use undrift::findings::Finding;
@@ -62,6 +62,34 @@ pub fn say(finding: &Finding) -> String {
             right,
             axes,
         } => sensors::wrong_axes(*forward, *right, axes.as_deref()),
+        F::Spikes {
+            axis,
+            samples,
+            start,
+        } => sensors::spikes(*axis, *samples, *start),
+        F::HeadingOff {
+            start,
+            end,
+            angle,
+            more,
+        } => sensors::heading_off([*start, *end], *angle, *more),
+        F::OptimisticModel { factor } => sensors::optimistic_model(*factor),
+        F::OptimisticDrift { model, inside } => sensors::optimistic_drift(model, *inside),
+        F::CorrelatedInnovations { part, correlation } => {
+            fixes::correlated_innovations(*part, *correlation)
+        }
+        F::FarParameter {
+            parameter,
+            value,
+            sigmas,
+        } => sensors::far_parameter(parameter, *value, *sigmas),
+        F::RepeatedFixes { fixes, interval } => fixes::repeated(*fixes, *interval),
+        F::RoundedFixes { step } => fixes::rounded(*step),
+        F::FixJitter { std } => fixes::jitter(*std),
+        F::CorrelatedFixes { share, time } => fixes::correlated(*share, *time),
+        F::NoisyFixes { factor } => fixes::noisy(*factor),
+        F::ModestVelocity { factor } => fixes::modest_velocity(*factor),
+        F::VelocityBias { bias } => fixes::velocity_bias(*bias),
         F::BadCovariance { fixes } => fixes::bad_covariance(*fixes),
         F::WrongVelocity { mend } => fixes::wrong_velocity(*mend),
         F::Rejected(fixes) => fixes::rejected(fixes),
@@ -75,6 +103,7 @@ pub fn say(finding: &Finding) -> String {
             correlated,
         } => fixes::wrong_accuracy(*part, *factor, *adapted, *correlated),
         F::Skipped { log, kinds, .. } => logs::skipped(*log, kinds),
+        F::SetBack { log, line, step } => logs::set_back(*log, *line, *step),
         F::Gaps {
             log,
             gaps,

@@ -21,10 +21,12 @@ pub use result::{
 pub use settings::{AlignSettings, Heading};
 
 use crate::{
+    derived::Positions,
     estimator::{self, Aiding, Estimator},
     settings::{AlignmentSettings, replay::Settings},
 };
-use basis::{antenna, noise_of_mean, walk};
+pub(crate) use basis::antenna;
+use basis::{noise_of_mean, walk};
 use motion::Motion;
 use rest::Rest;
 use undrift_nav::{
@@ -71,6 +73,7 @@ pub struct Aligner {
     given: Option<f64>,
     omega_b: Vector3,
     last_fix: Option<(f64, Geodetic)>,
+    positions: Positions,
     speed: f64,
     fastest: f64,
     fixes: u64,
@@ -92,6 +95,7 @@ impl Aligner {
             given: None,
             omega_b: Vector3::zeros(),
             last_fix: None,
+            positions: Positions::new(settings.engine.derived_velocity),
             speed: 0.0,
             fastest: 0.0,
             fixes: 0,
@@ -157,7 +161,14 @@ impl Aligner {
             };
             let start = self.start(&seen, from_rpy(&rpy), settings);
             let mut filter = estimator::build(start, &std, &settings.sensors, settings.parameters)?;
-            filter.set_position_velocity_covariance(&seen.position.1, &seen.velocity.1);
+            let correlated = settings
+                .fix_errors
+                .correlated_std(&seen.position.1, &seen.velocity.1);
+            filter.set_position_velocity_covariance(
+                &seen.position.1,
+                &seen.velocity.1,
+                &correlated,
+            );
             return Ok(Some(aligned(filter, AttitudeSource::Given)));
         }
         let bias_variance = noise_of_mean(&settings.sensors[..3], self.rest.bias_span())
@@ -188,7 +199,15 @@ impl Aligner {
         let before =
             before.filter(|(time, _)| fix.time - time <= self.set.pair_span && fix.time > *time);
         let given = self.settings.velocity.map(|(v, std)| (v, diagonal(&std)));
-        let velocity = given.or(fix.velocity).or_else(|| {
+        let derived = self.positions.add(fix).map(|derived| {
+            // It held a while ago: a vehicle's acceleration since then.
+            let age = fix.time - derived.time;
+            (
+                derived.v_n,
+                derived.covariance + Matrix3::identity() * age * age,
+            )
+        });
+        let velocity = given.or(fix.velocity).or(derived).or_else(|| {
             let (time, place) = before?;
             let span = fix.time - time;
             let v = place.offset_to(&antenna) / span;
@@ -244,7 +263,7 @@ impl Aligner {
                 let noise = covariance.fixed_view::<2, 2>(0, 0).trace() / 2.0;
                 let floor = self.set.course_floor;
                 let std = (noise / (speed * speed) + floor * floor).sqrt();
-                Some((course, std, HeadingSource::Course))
+                (std < self.set.course_worst).then_some((course, std, HeadingSource::Course))
             }
             _ => None,
         }
@@ -283,7 +302,10 @@ impl Aligner {
             filter.update(&rate, &noise, &Gate::OPEN)?;
         }
         filter.set_nav(now);
-        filter.set_position_velocity_covariance(&seen.position.1, &seen.velocity.1);
+        let correlated = settings
+            .fix_errors
+            .correlated_std(&seen.position.1, &seen.velocity.1);
+        filter.set_position_velocity_covariance(&seen.position.1, &seen.velocity.1, &correlated);
         let source = AttitudeSource::Rest {
             duration,
             heading: from,

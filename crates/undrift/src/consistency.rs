@@ -20,6 +20,7 @@ use serde::Serialize;
 use undrift_nav::{
     Matrix3, Vector3,
     covariance::{AXES, NAV},
+    parameters::Parameter,
     sample::TruthSample,
 };
 
@@ -74,10 +75,11 @@ pub struct ErrorState {
 }
 
 impl ErrorState {
-    /// Of `filter` against the truth at its time; `bias` is what can be predicted of the next
+    /// Of `filter` against the truth at its time, whose attitude is that of the vehicle's axes; `bias` is what can be predicted of the next
     /// sensor errors, gyros [rad/s] and accelerometers [m/s²], where that is known.
     pub fn new(filter: &dyn Estimator, truth: &TruthSample, bias: Option<&[f64; AXES]>) -> Self {
         let (nav, p, sensors) = (filter.nav(), filter.covariance(), filter.sensors());
+        let (q_nv, _) = filter.vehicle_attitude();
         let mut error = Vector::zeros();
         let mut known = [false; COMPONENTS];
         let mut note = |at: usize, part: Option<Vector3>| {
@@ -91,9 +93,9 @@ impl ErrorState {
         // The true attitude is the estimate turned by +ψ in the navigation frame.
         note(
             6,
-            truth.rpy.map(|rpy| {
-                (undrift_nav::attitude::from_rpy(&rpy) * nav.q_nb.inverse()).scaled_axis()
-            }),
+            truth
+                .rpy
+                .map(|rpy| (undrift_nav::attitude::from_rpy(&rpy) * q_nv.inverse()).scaled_axis()),
         );
         let estimate = filter.sensor_error();
         for axis in 0..AXES {
@@ -105,27 +107,33 @@ impl ErrorState {
             }
         }
 
-        // T P Tᵀ: T keeps the navigation errors and forms H x of each axis.
+        // T P Tᵀ: T keeps the navigation errors, turns the attitude's to the vehicle's and forms H x of each axis.
+        let mut terms = Vec::new();
+        if let Some(start) = filter.parameters().start(Parameter::Mounting) {
+            let (at, c_vn) = (sensors.states() + start, q_nv.to_rotation_matrix());
+            for i in 0..3 {
+                terms.push((6 + i, at, c_vn[(i, 1)]));
+                terms.push((6 + i, at + 1, c_vn[(i, 2)]));
+            }
+        }
+        for axis in 0..AXES {
+            let (start, h) = (sensors.start(axis), &sensors.axis(axis).h);
+            terms.extend((0..sensors.axis(axis).order).map(|i| (NAV + axis, start + i, h[i])));
+        }
         let mut rows = OMatrix::<f64, Const<COMPONENTS>, Dyn>::zeros(p.ncols());
         rows.fixed_rows_mut::<NAV>(0)
             .copy_from(&p.fixed_rows::<NAV>(0));
-        for axis in 0..AXES {
-            for i in 0..sensors.axis(axis).order {
-                let row = p.row(sensors.start(axis) + i) * sensors.axis(axis).h[i];
-                let mut sum = rows.row_mut(NAV + axis);
-                sum += row;
-            }
+        for &(to, from, factor) in &terms {
+            let mut sum = rows.row_mut(to);
+            sum += p.row(from) * factor;
         }
         let mut covariance = Matrix::zeros();
         covariance
             .fixed_columns_mut::<NAV>(0)
             .copy_from(&rows.fixed_columns::<NAV>(0));
-        for axis in 0..AXES {
-            for i in 0..sensors.axis(axis).order {
-                let column = rows.column(sensors.start(axis) + i) * sensors.axis(axis).h[i];
-                let mut sum = covariance.column_mut(NAV + axis);
-                sum += column;
-            }
+        for (to, from, factor) in terms {
+            let mut sum = covariance.column_mut(to);
+            sum += rows.column(from) * factor;
         }
         Self::from_parts(error, covariance, known)
     }

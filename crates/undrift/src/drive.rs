@@ -31,6 +31,7 @@ pub(crate) mod tables;
 mod tests;
 
 pub use error::{ConfigError, DriveError};
+pub use gnss::Correlation;
 pub use logs::Logs;
 pub use section::Section;
 pub(crate) use section::{parse, read_text};
@@ -88,6 +89,8 @@ pub struct Drive {
     pub adapt: bool,
     /// How the kind of solution bears on the standard deviation of a position.
     pub quality: QualityStd,
+    /// The time-correlated part of the position's error.
+    pub correlation: Correlation,
     /// Noise model of the IMU, if the file names one.
     pub model: Option<ImuModel>,
     /// Where its logs are.
@@ -163,6 +166,7 @@ impl Drive {
             estimate_mounting,
             adapt: tables::read_switch(&gnss, "adapt")?.unwrap_or(false),
             quality: gnss::read_quality(&gnss)?,
+            correlation: gnss::read_correlation(&gnss)?,
             gnss: gnss::read_gnss(&gnss, &mut logs)?,
             truth: tables::read_truth(&top.section("truth")?, &mut logs)?,
             gnss_use,

@@ -5,8 +5,9 @@
 
 use nalgebra::{DMatrix, DMatrixView, DVector, SMatrix, SVector};
 use undrift_nav::{
-    Matrix3, Vector3,
+    Matrix3, Quaternion, Vector3,
     aiding::Observation,
+    attitude,
     covariance::{AXES, NAV, Sensors},
     earth::Geodetic,
     filter::{Filter, FilterError, Gate, InitialStd, Update},
@@ -29,6 +30,8 @@ pub enum Aiding {
         position: Position,
         /// IMU → antenna, body axes \[m\].
         lever_arm: Vector3,
+        /// Standard deviation of the time-correlated part of its error, in its own axes \[m\].
+        correlated: Vector3,
         /// When it holds \[s\]: the filter stands there or after it.
         due: f64,
     },
@@ -38,6 +41,8 @@ pub enum Aiding {
         v_n: Vector3,
         /// IMU → antenna, body axes \[m\].
         lever_arm: Vector3,
+        /// Standard deviation of the time-correlated part of its error \[m/s\].
+        correlated: Vector3,
         /// When it holds \[s\]: the filter stands there or after it.
         due: f64,
     },
@@ -72,6 +77,28 @@ pub struct Adjoint {
     pub information: DMatrix<f64>,
 }
 
+/// As [`Estimator::vehicle_attitude`], of `q_nb`, the place of the mounting in the error state with its estimate, and
+/// the covariance: the mounting is the vehicle's attitude against the body's as the non-holonomic constraint sees it
+/// ([`undrift_nav::filter::Filter::c_bv`]), ψ + C_v^n δ its error.
+pub(crate) fn vehicle_attitude(
+    q_nb: &Quaternion,
+    mounted: Option<(usize, [f64; 2])>,
+    p: impl Fn(usize, usize) -> f64,
+) -> (Quaternion, [f64; 3]) {
+    let std = |variance: f64| variance.max(0.0).sqrt();
+    let Some((at, [pitch, yaw])) = mounted else {
+        return (*q_nb, [6, 7, 8].map(|i| std(p(i, i))));
+    };
+    let q_nv = q_nb * attitude::from_rotation_vector(&Vector3::new(0.0, pitch, yaw));
+    let c_vn = q_nv.to_rotation_matrix();
+    let variance = |i: usize| {
+        let [a, b] = [c_vn[(i, 1)], c_vn[(i, 2)]];
+        let own = a * a * p(at, at) + 2.0 * a * b * p(at, at + 1) + b * b * p(at + 1, at + 1);
+        p(6 + i, 6 + i) + 2.0 * (a * p(6 + i, at) + b * p(6 + i, at + 1)) + own
+    };
+    (q_nv, [0, 1, 2].map(|i| std(variance(i))))
+}
+
 /// An error-state filter; its methods are those of [`Filter`] where nothing else is said.
 pub trait Estimator: Send + Sync {
     /// Position, velocity and attitude of the IMU.
@@ -102,6 +129,15 @@ pub trait Estimator: Send + Sync {
     fn antenna_velocity(&self, lever_b: &Vector3) -> Vector3;
     /// Velocity of a point of the body, vehicle axes \[m/s\].
     fn vehicle_velocity(&self, lever_b: &Vector3) -> Vector3;
+    /// Attitude of the vehicle's axes, and its standard deviations about north, east and down \[rad\]: the body's where
+    /// the mounting is not estimated.
+    fn vehicle_attitude(&self) -> (Quaternion, [f64; 3]) {
+        let (q_nb, p) = (&self.nav().q_nb, self.covariance());
+        let mounting = self.parameters().start(Parameter::Mounting);
+        let at = mounting.map(|start| self.sensors().states() + start);
+        let mounted = at.map(|at| (at, [self.estimates()[at], self.estimates()[at + 1]]));
+        vehicle_attitude(q_nb, mounted, |i, j| p[(i, j)])
+    }
     /// Whether the solution is still one.
     ///
     /// # Errors
@@ -116,6 +152,12 @@ pub trait Estimator: Send + Sync {
     fn grow(&mut self, duration: f64, rate: f64, accel: f64);
     /// Adds uncertainty to position \[m\], velocity \[m/s\] and tilt \[rad\], one sigma.
     fn doubt(&mut self, position: f64, velocity: f64, tilt: f64);
+    /// Multiplies the covariance by a factor.
+    fn fade(&mut self, factor: f64);
+    /// Adds uncertainty to the heading \[rad\] and the error of gyro z \[rad/s\], one sigma.
+    fn doubt_heading(&mut self, heading: f64, gyro: f64);
+    /// Adds uncertainty in the turn \[rad²\] and the change of velocity \[m²/s²\] of what was just passed, body axes.
+    fn widen(&mut self, turn: &Matrix3, velocity: &Matrix3);
     /// Innovation of a measurement, predicted less measured, zeros behind its components; `None`
     /// where it says nothing: a course of a vehicle that points up or down.
     fn innovation(&self, aiding: &Aiding) -> Option<Vector3>;
@@ -142,8 +184,14 @@ pub trait Estimator: Send + Sync {
     fn set_nav(&mut self, nav: NavState);
     /// Sets the estimated sensor errors \[rad/s, m/s²\].
     fn set_sensor_error(&mut self, error: &[f64; AXES]);
-    /// Sets the covariance of position and velocity \[m², (m/s)²\].
-    fn set_position_velocity_covariance(&mut self, position: &Matrix3, velocity: &Matrix3);
+    /// Sets the covariance of position and velocity \[m², (m/s)²\],
+    /// as of a fix that both were taken from, whose position and velocity have time-correlated errors [m, m/s].
+    fn set_position_velocity_covariance(
+        &mut self,
+        position: &Matrix3,
+        velocity: &Matrix3,
+        correlated: &[Vector3; 2],
+    );
 
     /// From now on what happens is recorded for [`Estimator::adjoint`].
     fn record(&mut self);
@@ -207,9 +255,12 @@ impl<const N: usize> Sized<N> {
             Aiding::Position {
                 position,
                 lever_arm,
+                correlated,
                 due,
             } => {
-                let mut observed = filter.observe_position(position, lever_arm);
+                let observed = filter.observe_position(position, lever_arm);
+                let mut observed =
+                    filter.observe_fix_error(observed, Parameter::PositionError, correlated);
                 let late = filter.nav().time - due;
                 if late > STAMP_ROUNDING {
                     let c_mn = observed.h.fixed_view::<3, 3>(0, 0);
@@ -222,9 +273,12 @@ impl<const N: usize> Sized<N> {
             Aiding::Velocity {
                 v_n,
                 lever_arm,
+                correlated,
                 due,
             } => {
-                let mut observed = filter.observe_velocity(v_n, lever_arm);
+                let observed = filter.observe_velocity(v_n, lever_arm);
+                let mut observed =
+                    filter.observe_fix_error(observed, Parameter::VelocityError, correlated);
                 let late = filter.nav().time - due;
                 if late > STAMP_ROUNDING {
                     observed.innovation -= filter.acceleration() * late;
@@ -338,6 +392,18 @@ impl<const N: usize> Estimator for Sized<N> {
         self.filter.doubt(position, velocity, tilt);
     }
 
+    fn fade(&mut self, factor: f64) {
+        self.filter.fade(factor);
+    }
+
+    fn doubt_heading(&mut self, heading: f64, gyro: f64) {
+        self.filter.doubt_heading(heading, gyro);
+    }
+
+    fn widen(&mut self, turn: &Matrix3, velocity: &Matrix3) {
+        self.filter.widen(turn, velocity);
+    }
+
     fn innovation(&self, aiding: &Aiding) -> Option<Vector3> {
         Some(match self.observe(aiding)? {
             Observed::One(observed) => Vector3::new(observed.innovation[0], 0.0, 0.0),
@@ -396,9 +462,15 @@ impl<const N: usize> Estimator for Sized<N> {
         self.filter.set_sensor_error(error);
     }
 
-    fn set_position_velocity_covariance(&mut self, position: &Matrix3, velocity: &Matrix3) {
+    fn set_position_velocity_covariance(
+        &mut self,
+        position: &Matrix3,
+        velocity: &Matrix3,
+        correlated: &[Vector3; 2],
+    ) {
         self.filter
             .set_position_velocity_covariance(position, velocity);
+        self.filter.share_fix_errors(&correlated[0], &correlated[1]);
     }
 
     fn record(&mut self) {

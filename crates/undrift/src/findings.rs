@@ -5,8 +5,8 @@ mod collect;
 
 pub use crate::replay::Log;
 pub use collect::{
-    WITHOUT_GNSS, of_accuracy, of_disagreement, of_health, of_held, of_scalar, of_skipped,
-    of_timing, with_axes,
+    WITHOUT_GNSS, of_accuracy, of_correlation, of_disagreement, of_drift, of_fixes, of_health,
+    of_held, of_scalar, of_skipped, of_timing, with_axes,
 };
 
 use crate::replay::{Contradiction, FixMend, Lean, Part, RestartCause};
@@ -199,6 +199,15 @@ pub enum Finding {
         /// How many of each kind, and the first, as the reader reports them.
         kinds: String,
     },
+    /// The clock of a log was set back and went on from there.
+    SetBack {
+        /// Of which log.
+        log: Log,
+        /// Line or message.
+        line: u64,
+        /// By how much \[s\].
+        step: f64,
+    },
     /// A log of scalars has gaps.
     Gaps {
         /// Which log.
@@ -234,6 +243,93 @@ pub enum Finding {
         /// How many.
         outages: usize,
     },
+    /// Single samples of an axis of the IMU cannot be right and were replaced.
+    Spikes {
+        /// 0 to 2 for the sensor's gyros x, y, z, 3 to 5 for its accelerometers.
+        axis: usize,
+        /// How many.
+        samples: u64,
+        /// Time of the first \[s\].
+        start: f64,
+    },
+    /// Fixes repeat the one before: the receiver is slower than the log.
+    RepeatedFixes {
+        /// How many.
+        fixes: u64,
+        /// Interval of the others \[s\].
+        interval: f64,
+    },
+    /// Positions come in steps.
+    RoundedFixes {
+        /// Size of the largest \[m\].
+        step: f64,
+    },
+    /// The stamps of the fixes jitter.
+    FixJitter {
+        /// Standard deviation \[s\].
+        std: f64,
+    },
+    /// The position's error is correlated in time.
+    CorrelatedFixes {
+        /// Share of its variance.
+        share: f64,
+        /// Correlation time \[s\].
+        time: f64,
+    },
+    /// The white part of the position's error is larger than stated.
+    NoisyFixes {
+        /// Times the stated standard deviation.
+        factor: f64,
+    },
+    /// The velocity is better than stated.
+    ModestVelocity {
+        /// Times the stated standard deviation.
+        factor: f64,
+    },
+    /// The velocity is wrong for the positions by a constant.
+    VelocityBias {
+        /// What it reads too much, north, east, down [m/s].
+        bias: [f64; 3],
+    },
+    /// The course contradicts the heading.
+    HeadingOff {
+        /// When it was seen first \[s\].
+        start: f64,
+        /// When it was seen last \[s\].
+        end: f64,
+        /// Course less heading, beyond what is usual, at most \[rad\].
+        angle: f64,
+        /// Further such spans.
+        more: u64,
+    },
+    /// Innovations are larger than predicted although the fixes agree with each other.
+    OptimisticModel {
+        /// Times the predicted size.
+        factor: f64,
+    },
+    /// Innovations are as large as predicted and do not change from fix to fix: what makes them lasts.
+    CorrelatedInnovations {
+        /// Of which part of the fixes.
+        part: Part,
+        /// Their autocorrelation from one fix to the next.
+        correlation: f64,
+    },
+    /// Errors in outages are larger than predicted.
+    OptimisticDrift {
+        /// By which model.
+        model: String,
+        /// Share of the position errors inside three predicted standard deviations.
+        inside: f64,
+    },
+    /// An estimated parameter is far from what was known of it.
+    FarParameter {
+        /// Which.
+        parameter: String,
+        /// Its estimate, in its own unit.
+        value: f64,
+        /// By how many prior standard deviations.
+        sigmas: f64,
+    },
     /// The stamps of a static recording are not evenly spaced.
     Uneven {
         /// Gaps between them.
@@ -245,11 +341,22 @@ pub enum Finding {
     },
 }
 
+/// Prior standard deviations beyond which an estimated parameter is no parameter any more.
+const VERY_FAR: f64 = 7.0;
+/// A scatter so many times what is stated is a wrong unit rather than a modest receiver.
+const WRONG_UNIT: f64 = 20.0;
+/// An axis that holds a value for longer has a fault \[s\].
+const LONG: f64 = 1.0;
+
 impl Finding {
     /// How much it weighs.
     pub fn severity(&self) -> Severity {
         match self {
             Self::Diverged { .. } => Severity::Unusable,
+            Self::FarParameter { sigmas, .. } if *sigmas > VERY_FAR => Severity::Warning,
+            Self::NoisyFixes { factor } if *factor > WRONG_UNIT => Severity::Warning,
+            Self::Held { length, .. } if *length > LONG => Severity::Warning,
+            Self::Frozen { .. } => Severity::Warning,
             Self::WrongGravity { .. }
             | Self::WrongTurnRate { .. }
             | Self::WrongTurnAxis { .. }
@@ -260,11 +367,74 @@ impl Finding {
             | Self::Restart { .. }
             | Self::WrongSign { .. }
             | Self::LargeInnovations { .. }
+            | Self::VelocityBias { .. }
+            | Self::HeadingOff { .. }
+            | Self::OptimisticModel { .. }
+            | Self::CorrelatedInnovations { .. }
+            | Self::OptimisticDrift { .. }
+            | Self::SetBack { .. }
             | Self::StartedLate { .. }
             | Self::NoReference { .. } => Severity::Warning,
             _ => Severity::Note,
         }
     }
+
+    /// Where it stands between cause and symptom: what is wrong with the logs and the settings comes before what that
+    /// does to the solution.
+    fn rank(&self) -> u8 {
+        match self {
+            Self::Diverged { .. } | Self::NotCompared { .. } => 0,
+            Self::WrongGravity { .. }
+            | Self::NotDown { .. }
+            | Self::WrongTurnRate { .. }
+            | Self::WrongTurnAxis { .. }
+            | Self::NoTurns
+            | Self::Late { .. }
+            | Self::WrongAxes { .. }
+            | Self::WrongVelocity { .. }
+            | Self::WrongSign { .. } => 1,
+            Self::NoisyFixes { factor } if *factor > WRONG_UNIT => 1,
+            Self::Frozen { .. }
+            | Self::Held { .. }
+            | Self::SetBack { .. }
+            | Self::VelocityBias { .. } => 2,
+            Self::OptimisticModel { .. } | Self::FarParameter { .. } => 3,
+            Self::CorrelatedInnovations { .. } | Self::OptimisticDrift { .. } => 4,
+            Self::Restart { .. } | Self::HeadingOff { .. } | Self::LargeInnovations { .. } => 5,
+            Self::OneSided(_) | Self::Rejected(_) | Self::MoreRejected { .. } => 6,
+            // Stated too large: it costs little.
+            Self::WrongAccuracy { factor, .. } if *factor < 1.0 => 8,
+            Self::WrongAccuracy { .. } => 4,
+            _ => 7,
+        }
+    }
+}
+
+/// Causes before symptoms; what ends a solution first of all.
+pub fn ranked(mut found: Vec<Finding>) -> Vec<Finding> {
+    found.sort_by_key(Finding::rank);
+    found
+}
+
+/// How far a result can be trusted, and the likeliest cause where not: of ranked findings.
+pub fn verdict(found: &[Finding]) -> (Severity, Option<&Finding>) {
+    let severity = found.iter().map(Finding::severity).max();
+    let severity = severity.unwrap_or(Severity::Note);
+    let at = |level| found.iter().find(|of| of.severity() >= level);
+    let cause = match severity {
+        Severity::Note => None,
+        Severity::Unusable => found.iter().find(|of| of.rank() == 1).or(at(severity)),
+        Severity::Warning => {
+            let worst = at(severity);
+            // A fault of the sensors explains what the solution shows.
+            let fault = found.iter().find(|of| of.rank() <= 2);
+            match worst {
+                Some(of) if of.rank() > 2 => fault.or(worst),
+                _ => worst,
+            }
+        }
+    };
+    (severity, cause)
 }
 
 /// Whether any of them makes a result doubtful or ends it.

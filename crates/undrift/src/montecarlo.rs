@@ -20,10 +20,12 @@ pub use spec::{MAX_RUN_EPOCHS, Spec};
 use crate::{
     consistency::{ErrorState, GROUPS},
     drive::DriveError,
-    estimator::{Aiding, Estimator},
+    estimator::Estimator,
     replay::{Measurement, Observer, ReplayError, STAMP_ROUNDING, Settings, replay},
     results::{MonteCarlo, MonteCarloDrive, SCHEMA, VERSION, numbers},
-    simulate::{GnssFixes, IdealImu, SensorErrors, SimulationError, Stepper},
+    simulate::{
+        GnssFixes, GnssNoise, IdealImu, SensorErrors, SimulationError, Stepper, stream_seed,
+    },
 };
 use rand::{Rng, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
@@ -31,11 +33,11 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 use std::cell::Cell;
 use undrift_nav::{
-    Quaternion,
+    Matrix3, Quaternion, Vector3,
     attitude::{from_rotation_vector, to_rpy},
     covariance::AXES,
-    filter::Gate,
-    sample::{GnssFix, ImuSample, TruthSample},
+    filter::Update,
+    sample::{GnssFix, ImuSample, Position, TruthSample},
 };
 use undrift_noise::ModelError;
 
@@ -203,7 +205,8 @@ impl<'a> Stage<'a> {
     fn one_run(&self, [seed, start_seed]: [u64; 2]) -> Result<Vec<RunOutcome>, MonteCarloError> {
         let spec = self.spec;
         let sensors = spec.sensors()?;
-        let gnss: Vec<GnssFix> = GnssFixes::new(&spec.trajectory, &spec.gnss, seed)?.collect();
+        let drawn = Drawn::new(spec, seed);
+        let gnss = drawn.fixes(spec, seed)?;
         let start = spec.truth_std.map(|std| {
             let mut generator = Xoshiro256PlusPlus::seed_from_u64(start_seed);
             let psi = std.map(|s| {
@@ -220,23 +223,22 @@ impl<'a> Stage<'a> {
                 settings.align.attitude = start;
             }
             // The true bias is where the samples come from, and is looked at where they go.
-            let now = Cell::new((0, [0.0; AXES]));
+            let now = Cell::new([(0, [0.0; AXES]); 2]);
             let mut errors = SensorErrors::new(&sensors, spec.rate_hz, seed)?;
             let mut samples = self.ideal.iter().enumerate().map(|(k, ideal)| {
-                let sample = errors.apply(ideal);
+                let sample = errors.apply(&drawn.scaled(ideal));
                 let bias = if (k + 1) % self.stride == 0 {
-                    errors.bias()
+                    drawn.bias(errors.bias())
                 } else {
                     [f64::NAN; AXES]
                 };
-                now.set((k + 1, bias));
+                now.set([now.get()[1], (k + 1, bias)]);
                 Ok(sample)
             });
             let mut watch = Watch {
                 stage: self,
                 settings: &settings,
                 now: &now,
-                next_fix: 0,
                 outcome: RunOutcome {
                     nees: vec![[f64::NAN; GROUPS]; self.truth.len()],
                     nis: vec![[f64::NAN; 2]; self.fix_times.len()],
@@ -260,13 +262,97 @@ impl<'a> Stage<'a> {
     }
 }
 
+/// What a run draws beside noise: constants, and the state of what lasts of the position's error.
+struct Drawn {
+    generator: Xoshiro256PlusPlus,
+    gyro_scale: [f64; 3],
+    /// How much later than stamped position and velocity are \[s\].
+    late: [f64; 2],
+}
+
+impl Drawn {
+    /// With the last stream of `seed` ([`crate::simulate::stream_seed`]), which no barometer needs here.
+    fn new(spec: &Spec, seed: u64) -> Self {
+        let mut generator = Xoshiro256PlusPlus::seed_from_u64(stream_seed(seed, usize::MAX));
+        let mut draw = |std: f64| -> f64 {
+            let w: f64 = StandardNormal.sample(&mut generator);
+            std * w
+        };
+        Self {
+            gyro_scale: std::array::from_fn(|_| draw(spec.scale_factor)),
+            late: std::array::from_fn(|_| draw(spec.time_offset)),
+            generator,
+        }
+    }
+
+    /// The sample with the scale factors of the gyros.
+    fn scaled(&self, ideal: &ImuSample) -> ImuSample {
+        let mut sample = *ideal;
+        for (turn, scale) in sample.dtheta.iter_mut().zip(self.gyro_scale) {
+            *turn *= 1.0 + scale;
+        }
+        sample
+    }
+
+    /// The biases as a filter has them that takes the scale factors off what is read: of (1 + s) ω + b the rate is
+    /// the reading less s/(1 + s) of it, less b/(1 + s).
+    fn bias(&self, mut bias: [f64; AXES]) -> [f64; AXES] {
+        for (bias, scale) in bias.iter_mut().zip(self.gyro_scale) {
+            *bias /= 1.0 + scale;
+        }
+        bias
+    }
+
+    /// The fixes with the offsets of their stamps and what lasts of their error.
+    fn fixes(&self, spec: &Spec, seed: u64) -> Result<Vec<GnssFix>, SimulationError> {
+        let mut generator = self.generator.clone();
+        let (share, time) = spec.correlated.map_or((0.0, 1.0), |c| (c.share, c.time));
+        let phi = (-1.0 / (spec.gnss.rate_hz * time)).exp();
+        let white = GnssNoise {
+            position_std: spec.gnss.position_std.map(|std| std * (1.0 - share).sqrt()),
+            ..spec.gnss
+        };
+        let late = |time_offset: f64| {
+            let noise = GnssNoise {
+                time_offset,
+                ..white
+            };
+            GnssFixes::new(&spec.trajectory, &noise, seed)
+        };
+        let [position, velocity] = self.late;
+        let stated = Matrix3::from_diagonal(&Vector3::from(spec.gnss.position_std).map(|s| s * s));
+        let mut lasting: Option<Vector3> = None;
+        let fixes = late(position)?.zip(late(velocity)?).zip(late(0.0)?);
+        Ok(fixes
+            .map(|((first, second), exact)| {
+                let mut draw = || Vector3::from_fn(|_, _| StandardNormal.sample(&mut generator));
+                let state = match lasting {
+                    Some(before) => before * phi + draw() * (1.0 - phi * phi).sqrt(),
+                    None => draw(),
+                };
+                lasting = Some(state);
+                let error = Vector3::from(spec.gnss.position_std).component_mul(&state);
+                let error = error * (share.sqrt() * spec.gnss.noise_scale);
+                let moved = |(position, _)| match position {
+                    Position::Geodetic(at) => (Position::Geodetic(at.displaced(&error)), stated),
+                    baseline => (baseline, stated),
+                };
+                GnssFix {
+                    position: first.position.map(moved),
+                    velocity: second.velocity,
+                    ..exact
+                }
+            })
+            .collect())
+    }
+}
+
 /// Looks at a run.
 struct Watch<'a> {
     stage: &'a Stage<'a>,
     settings: &'a Settings,
-    /// Samples so far and, at epochs, the true bias after the last.
-    now: &'a Cell<(usize, [f64; AXES])>,
-    next_fix: usize,
+    /// The last two samples by their number from 1 and, at epochs, the true bias after them: the replay holds one back.
+    now: &'a Cell<[(usize, [f64; AXES]); 2]>,
     outcome: RunOutcome,
 }
 
@@ -281,7 +367,12 @@ impl Watch<'_> {
 impl Observer for Watch<'_> {
     fn sample(&mut self, filter: &dyn Estimator) -> Result<(), ReplayError> {
         let settled = self.settled(filter.nav().time);
-        let (samples, bias) = self.now.get();
+        let interval = self.settings.sensors[0].interval;
+        let number = (filter.nav().time / interval).round() as usize;
+        let now = self.now.get();
+        let Some((samples, bias)) = now.into_iter().find(|(samples, _)| *samples == number) else {
+            return Ok(());
+        };
         if samples % self.stage.stride != 0 {
             return Ok(());
         }
@@ -305,42 +396,17 @@ impl Observer for Watch<'_> {
         Ok(())
     }
 
-    fn fix(&mut self, filter: &dyn Estimator, fix: &GnssFix, _: bool) {
-        let settled = self.settled(fix.time);
+    fn updated(&mut self, time: f64, updates: [Option<Update>; 2]) {
+        let settled = self.settled(time);
         let times = &self.stage.fix_times;
-        while self.next_fix < times.len() && times[self.next_fix] < fix.time - STAMP_ROUNDING {
-            self.next_fix += 1;
-        }
-        // The velocity's innovation follows the position's update: on a copy.
-        let mut filter = filter.boxed();
-        let (lever_arm, due) = (self.settings.lever_arm, filter.nav().time);
-        let parts = [
-            fix.position.map(|(position, r)| {
-                let aiding = Aiding::Position {
-                    position,
-                    lever_arm,
-                    due,
-                };
-                (aiding, r)
-            }),
-            fix.velocity.map(|(v_n, r)| {
-                let aiding = Aiding::Velocity {
-                    v_n,
-                    lever_arm,
-                    due,
-                };
-                (aiding, r)
-            }),
-        ];
-        for (kind, part) in parts.into_iter().enumerate() {
-            // The replay itself does the same and reports a failure.
-            if let Some((aiding, r)) = part
-                && let Ok(Some(update)) = filter.update(&aiding, &r, &Gate::OPEN)
-                && let Some(nis) = self.outcome.nis.get_mut(self.next_fix)
+        let fix = times.partition_point(|at| *at < time - STAMP_ROUNDING);
+        for (kind, update) in updates.into_iter().enumerate() {
+            if let Some(update) = update
+                && let Some(nis) = self.outcome.nis.get_mut(fix)
             {
                 nis[kind] = update.nis;
                 if settled {
-                    self.outcome.innovations[kind].add(fix.time, &update.whitened);
+                    self.outcome.innovations[kind].add(time, &update.whitened);
                 }
             }
         }

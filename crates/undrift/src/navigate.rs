@@ -12,11 +12,13 @@ pub use recording::Recording;
 use crate::{
     align::{AlignSettings, Heading},
     consistency::Consistency,
-    drive::{Drive, DriveError},
+    drive::{Correlation, Drive, DriveError},
     findings::Log,
+    fixes::{self, FixStudy},
     mounting::{self, Mounting, MountingError},
     reference::Errors,
     replay::{Measurement, ReplayError, Settings, Summary, merge, replay},
+    settings::fix_errors::FixErrors,
     smooth,
     vehicle::Constraints,
 };
@@ -25,7 +27,11 @@ use undrift_io::{
     ReadError, gnss::GnssReader, held::Held, imu::GapSummary, scalar::ScalarReader,
     skipped::Skipped, write::solution::SolutionRow,
 };
-use undrift_nav::{Matrix3, Vector3, parameters::Parameters, sample::Scalar};
+use undrift_nav::{
+    Matrix3, Vector3,
+    parameters::{Parameter, Parameters},
+    sample::{GnssFix, Scalar},
+};
 use undrift_noise::BiasModel;
 
 /// What came of it.
@@ -38,6 +44,10 @@ pub struct Report {
     pub summary: Summary,
     /// Whether the solution is the smoothed one.
     pub smooth: bool,
+    /// What the fixes show of themselves.
+    pub study: Option<FixStudy>,
+    /// What the filter was told that they are wrong by.
+    pub fix_errors: FixErrors,
     /// The mounting, where the drive asks for an estimate: the solution is that of the vehicle's axes.
     pub mounting: Option<Mounting>,
     /// Rotation from the sensor's axes to the body's.
@@ -113,6 +123,7 @@ pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateErro
         align.heading = Heading::Auto;
     }
     Ok(Settings {
+        rotation: drive.imu.1.rotation,
         lever_arm: drive.lever_arm,
         gnss_use: drive.gnss_use,
         align,
@@ -123,6 +134,51 @@ pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateErro
         quality: drive.quality,
         ..Settings::new(model.shaping(kind, drive.sample_interval()?)?)
     })
+}
+
+/// What the fixes of a drive show of themselves.
+///
+/// # Errors
+/// Those of the fixes.
+pub fn study<E>(
+    drive: &Drive,
+    settings: &Settings,
+    fixes: impl IntoIterator<Item = Result<GnssFix, E>>,
+) -> Result<Option<FixStudy>, E> {
+    let set = &settings.engine;
+    let mut failed = None;
+    let fixes = fixes.into_iter().map_while(|fix| match fix {
+        Ok(fix) => Some(drive.quality.apply(&fix, &set.quality)),
+        Err(error) => {
+            failed = Some(error);
+            None
+        }
+    });
+    let study = fixes::study(fixes, &set.fix_study);
+    failed.map_or(Ok(study), Err)
+}
+
+/// Tells the filter what the fixes are wrong by: as the drive file has it, else as they show.
+pub fn tell(settings: &mut Settings, drive: &Drive, study: Option<&FixStudy>) {
+    let mut errors = study.map_or(FixErrors::default(), |study| study.errors);
+    // Velocities are as good as the positions show them to be only where their latency is estimated.
+    let late = study.is_some_and(|study| study.velocity_late.is_some());
+    if late
+        && settings
+            .parameters
+            .prior(Parameter::VelocityTimeOffset)
+            .is_none()
+    {
+        errors.velocity_factor = errors.velocity_factor.max(1.0);
+        errors.velocity_correlated = None;
+    }
+    match drive.correlation {
+        Correlation::Auto => {}
+        Correlation::Off => errors.correlated = None,
+        Correlation::Given(given) => errors.correlated = Some(given),
+    }
+    settings.parameters = errors.with_states(settings.parameters);
+    settings.fix_errors = errors;
 }
 
 /// The drive with its mounting estimated where it asks for that: from then on its body axes are the
@@ -177,9 +233,16 @@ pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report
     let (drive, mounting) = resolve_mounting(drive)?;
     let smooth = wanted.smooth;
     let mut settings = settings(&drive, kind)?;
+    let study = study(&drive, &settings, drive.open_gnss()?)?;
+    tell(&mut settings, &drive, study.as_ref());
     settings.nodes = smooth.then_some(NODE_SPAN);
     if smooth {
         settings.start = smooth::better_start(
+            &mut drive.open_imu()?,
+            &mut Aids::open(&drive)?.measurements(),
+            &settings,
+        )?;
+        settings.doubts = smooth::doubts(
             &mut drive.open_imu()?,
             &mut Aids::open(&drive)?.measurements(),
             &settings,
@@ -206,6 +269,8 @@ pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report
         std_factors: std_factors(&drive, &settings, &summary)?,
         summary,
         smooth,
+        study,
+        fix_errors: settings.fix_errors,
         mounting,
         rotation: drive.imu.1.rotation,
         rmse: seen.rmse,

@@ -7,7 +7,7 @@ use crate::{
     results::{Number, Numbers},
 };
 use undrift_nav::{
-    Vector3,
+    Matrix3, Quaternion, Vector3,
     attitude::{from_rpy, to_rpy},
     earth::{Geodetic, wrap_pi},
     mechanisation::NavState,
@@ -96,6 +96,106 @@ impl Errors {
         Self(std::array::from_fn(|i| {
             self.0[i].abs().max(other.0[i].abs())
         }))
+    }
+}
+
+/// Covariances that a solution gives its position \[m²\], velocity \[m²/s²\] and misalignment \[rad²\],
+/// north-east-down.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Predicted(pub [Matrix3; 3]);
+
+/// The groups of components that [`Predicted`] tells of: name, and place of the first of three in [`Errors`].
+pub const GROUPS: [(&str, usize); 3] = [("position", 0), ("velocity", 4), ("attitude", 7)];
+
+impl Predicted {
+    /// By a filter as it stands.
+    pub fn of(filter: &dyn Estimator) -> Self {
+        let p = filter.covariance();
+        Self([0, 3, 6].map(|at| p.fixed_view::<3, 3>(at, at).into_owned()))
+    }
+
+    /// Of the difference to a fix, which has noise of its own.
+    #[must_use]
+    pub fn against_fix(mut self, fix: &GnssFix) -> Self {
+        let noise = [fix.position.map(|p| p.1), fix.velocity.map(|v| v.1)];
+        for (own, noise) in self.0.iter_mut().zip(noise) {
+            *own += noise.unwrap_or_default();
+        }
+        self
+    }
+
+    /// The same of the components of [`Errors`], in their units; `q_nb` is the attitude.
+    fn of_components(&self, q_nb: &Quaternion) -> [Matrix3; 3] {
+        let rpy = to_rpy(q_nb);
+        let ((sin_y, cos_y), (sin_p, cos_p)) = (rpy.z.sin_cos(), rpy.y.sin_cos());
+        // Rates of roll, pitch and yaw by a rate about north, east and down.
+        let angles = Matrix3::new(
+            cos_y / cos_p,
+            sin_y / cos_p,
+            0.0,
+            -sin_y,
+            cos_y,
+            0.0,
+            cos_y * sin_p / cos_p,
+            sin_y * sin_p / cos_p,
+            1.0,
+        ) * 1f64.to_degrees();
+        let [position, velocity, attitude] = self.0;
+        [position, velocity, angles * attitude * angles.transpose()]
+    }
+
+    /// Standard deviations by component; of the horizontal error its predicted root mean square.
+    pub fn std(&self, q_nb: &Quaternion) -> Errors {
+        let mut std = Errors::UNKNOWN;
+        for ((_, at), p) in GROUPS.iter().zip(self.of_components(q_nb)) {
+            for i in 0..3 {
+                std.0[at + i] = p[(i, i)].max(0.0).sqrt();
+            }
+        }
+        std.0[HORIZONTAL] = std.0[0].hypot(std.0[1]);
+        std
+    }
+
+    /// Normalised error squared of each of [`GROUPS`] per degree of freedom, 1 on the average when the
+    /// covariance is right; NaN where an error is unknown.
+    pub fn nees(&self, q_nb: &Quaternion, errors: &Errors) -> [f64; 3] {
+        let all = self.of_components(q_nb);
+        std::array::from_fn(|group| {
+            let e = Vector3::from_column_slice(&errors.0[GROUPS[group].1..][..3]);
+            let factor = nalgebra::Cholesky::new(all[group]);
+            factor.map_or(f64::NAN, |factor| e.dot(&factor.solve(&e)) / 3.0)
+        })
+    }
+}
+
+/// How many errors lie inside one, two and three predicted standard deviations, by group of [`GROUPS`]: each
+/// component counts by itself. Of normal errors with the right covariance 0.683, 0.954 and 0.997 of all.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Coverage {
+    inside: [[u64; 3]; 3],
+    all: [u64; 3],
+}
+
+impl Coverage {
+    /// Counts errors against their standard deviations; those that are unknown count for nothing.
+    pub fn add(&mut self, errors: &Errors, std: &Errors) {
+        for (group, (_, at)) in GROUPS.iter().enumerate() {
+            for i in *at..at + 3 {
+                let scaled = errors.0[i].abs() / std.0[i];
+                if scaled.is_finite() {
+                    self.all[group] += 1;
+                    for (k, inside) in self.inside[group].iter_mut().enumerate() {
+                        *inside += u64::from(scaled <= (k + 1) as f64);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Shares of a group of [`GROUPS`] inside one, two and three standard deviations; `None` without errors.
+    pub fn shares(&self, group: usize) -> Option<[f64; 3]> {
+        let all = self.all[group];
+        (all > 0).then(|| self.inside[group].map(|inside| inside as f64 / all as f64))
     }
 }
 

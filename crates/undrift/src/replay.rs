@@ -4,9 +4,12 @@
 //! own time. An [`Observer`] is called at each sample and fix.
 
 mod bridge;
+mod course;
 mod events;
+mod fading;
 mod gate;
 mod health;
+mod inertial;
 mod measurement;
 mod observer;
 mod plausible;
@@ -22,11 +25,15 @@ pub use crate::{
     estimator::STAMP_ROUNDING,
     settings::{
         quality::QualityStd,
-        replay::{GnssUse, Outage, Settings},
+        replay::{Doubt, GnssUse, Outage, Settings},
     },
 };
-pub use events::{Contradiction, FixMend, Implausible, Lean, Log, Part, Restart, RestartCause};
+pub use events::{
+    Contradiction, FixMend, HeadingOff, Implausible, Lean, Log, Part, Restart, RestartCause,
+    SampleFault,
+};
 pub use health::CovarianceHealth;
+pub(crate) use measurement::Repeats;
 pub use measurement::{Measurement, Scalar, merge};
 pub use observer::{Measurements, NotAligned, Observer, ReplayError, Samples};
 pub use summary::{Innovations, MOST_EVENTS, Summary};
@@ -45,10 +52,15 @@ pub fn replay(
     let mut run = run::Run::new(settings);
     let mut aiding = measurement::Queue::new(aiding);
     for sample in imu {
-        run.sample(sample?, &mut aiding, observer)?;
+        if let Some(checked) = run.check(sample?) {
+            run.sample(checked, &mut aiding, observer)?;
+        }
         if run.has_ended() {
             break;
         }
+    }
+    if let Some(checked) = run.check_last() {
+        run.sample(checked, &mut aiding, observer)?;
     }
     run.end(&mut aiding, observer)
 }

@@ -3,6 +3,7 @@
 //! [`EngineSettings::default`] holds the values that everything in docs/ was measured with;
 //! `docs/settings.md` lists them. What a user sets for a drive is in [`replay::Settings`].
 
+pub mod fix_errors;
 pub mod quality;
 pub mod replay;
 
@@ -47,20 +48,30 @@ settings! {
         alignment_motion: AlignmentMotionSettings = AlignmentMotionSettings::default(),
         /// Gaps in the samples.
         gaps: GapSettings = GapSettings::default(),
+        /// Samples that cannot be right.
+        samples: SampleSettings = SampleSettings::default(),
         /// Which fixes are accepted.
         gate: GateSettings = GateSettings::default(),
         /// How the accuracy of the fixes is adapted.
         adapt: AdaptSettings = AdaptSettings::default(),
         /// What a receiver does wrong, and for how long it is not believed.
         receiver: ReceiverSettings = ReceiverSettings::default(),
+        /// What is looked for in the fixes before navigation.
+        fix_study: FixStudySettings = FixStudySettings::default(),
         /// Standard deviations by the kind of solution.
         quality: QualitySettings = QualitySettings::default(),
+        /// How the course tells of a wrong heading.
+        course: CourseWatchSettings = CourseWatchSettings::default(),
+        /// When the covariance is too small for the innovations.
+        fading: FadingSettings = FadingSettings::default(),
         /// When a solution is no longer one.
         watch: WatchSettings = WatchSettings::default(),
         /// How rest is recognised while navigating.
         rest: RestSettings = RestSettings::default(),
         /// Measurements beside the fixes.
         constraints: ConstraintSettings = ConstraintSettings::default(),
+        /// Velocities of positions, where the receiver tells none.
+        derived_velocity: DerivedVelocitySettings = DerivedVelocitySettings::default(),
         /// Units, axes, signs and times that cannot be right.
         plausibility: PlausibilitySettings = PlausibilitySettings::default(),
     }
@@ -81,6 +92,8 @@ settings! {
         tilt_before: f64 = 0.5,
         /// Side slip of a vehicle and error of a course, one standard deviation \[rad\].
         course_floor: f64 = 0.035,
+        /// A course that is known worse than this is no heading \[rad\].
+        course_worst: f64 = 0.52,
         /// Fixes further apart than this are not a pair \[s\].
         pair_span: f64 = 2.5,
     }
@@ -163,6 +176,46 @@ settings! {
         longest: f64 = 60.0,
     }
 
+    /// Samples that cannot be right.
+    SampleSettings {
+        /// Values of an axis after which it is known what it usually does.
+        least_values: u64 = 500,
+        /// A spike is so many times further from the mean of its neighbours than nine in ten samples, …
+        spike_steps: f64 = 25.0,
+        /// … by this rate \[rad/s\] …
+        spike_rate: f64 = 1.0,
+        /// … or this specific force \[m/s²\]: a pothole does less in one sample, …
+        spike_force: f64 = 30.0,
+        /// … and its neighbours are apart by no more than this part of that.
+        spike_apart: f64 = 0.3,
+        /// An axis whose values usually last fewer samples than this never repeats one: …
+        alone: f64 = 1.5,
+        /// … there a value so many times further from the one before, which comes again, is the end of its range.
+        jump_steps: f64 = 5.0,
+        /// By what part the usual distance to the neighbours' mean follows each sample.
+        step_gain: f64 = 0.05,
+        /// What replaces a spike is in doubt by so many usual distances.
+        replaced_steps: f64 = 5.0,
+        /// A frozen axis repeats a value for so long \[s\] …
+        frozen: f64 = 0.5,
+        /// … and for so many times the usual number of samples.
+        frozen_times: f64 = 20.0,
+        /// Of a sensor of which all axes repeat their values for so long at rest \[s\] repetitions say nothing.
+        noiseless: f64 = 5.0,
+        /// A saturated one repeats its largest or smallest value for so many times the usual number …
+        saturated_times: f64 = 4.0,
+        /// … so many usual standard deviations from its mean.
+        saturated_spread: f64 = 4.0,
+        /// What is usual of an axis is taken over so long \[s\].
+        usual: f64 = 60.0,
+        /// How long a turn or an acceleration lasts that a stuck axis misses \[s\].
+        turn_lasts: f64 = 5.0,
+        /// What a vehicle may at least do meanwhile: turn rate \[rad/s\] …
+        rate: f64 = 0.3,
+        /// … and acceleration \[m/s²\].
+        force: f64 = 1.0,
+    }
+
     /// Which fixes are accepted. NIS is per degree of freedom.
     GateSettings {
         /// Innovations after which their usual size is known.
@@ -173,8 +226,11 @@ settings! {
         senseless: f64 = 400.0,
         /// NIS relative to the usual from which a fix is weakened …
         weaken: f64 = 5.0,
-        /// … and rejected.
+        /// … and rejected, …
         reject: f64 = 30.0,
+        /// … in an unconfirmed solution, where rejecting a right fix costs most: one in a million of
+        /// right ones has 30.7 of 3.
+        reject_unconfirmed: f64 = 10.2,
         /// The solution is unconfirmed after so long without a fix \[s\] …
         gap: f64 = 3.0,
         /// … until it has accepted so many.
@@ -225,6 +281,93 @@ settings! {
         most_tilt: f64 = 0.1,
         /// A solution that followed contradicting positions and velocities three times within so long is no longer one \[s\].
         three_times: f64 = 90.0,
+    }
+
+    /// How the course tells of a wrong heading.
+    CourseWatchSettings {
+        /// Speed above which there is a course \[m/s\].
+        speed: f64 = 4.0,
+        /// Largest standard deviation of the course \[rad\].
+        course_std: f64 = 0.1,
+        /// Turn rate below which the vehicle goes straight \[rad/s\].
+        straight: f64 = 0.1,
+        /// Cosine of the angle between body down and down below which there is no heading.
+        level: f64 = 0.94,
+        /// Courses further apart than this do not belong together \[s\].
+        apart: f64 = 30.0,
+        /// Differences of course and heading after which the usual one is known.
+        least: usize = 30,
+        /// Standard deviation of a heading from which the usual difference is learned \[rad\].
+        known: f64 = 0.05,
+        /// Least spread of the usual difference \[rad\]: wind and slip.
+        least_spread: f64 = 0.01,
+        /// The heading is wrong where the difference has changed by so many spreads …
+        spreads: f64 = 4.0,
+        /// … and standard deviations of the heading.
+        sigmas: f64 = 2.0,
+    }
+
+    /// When the covariance is too small for the innovations. NIS is per degree of freedom.
+    FadingSettings {
+        /// Size of the last sixteen innovations squared, by their median, over the usual one, from which the covariance grows.
+        from: f64 = 4.0,
+        /// By at most this factor an update.
+        most: f64 = 1.5,
+        /// One innovation counts up to so many times the usual NIS.
+        clip: f64 = 10.0,
+        /// Autocorrelation of innovations from which they may be correlated measurements.
+        correlated: f64 = 0.3,
+        /// By what part the usual NIS follows each.
+        gain: f64 = 0.005,
+        /// Updates after which it is known.
+        least: u32 = 40,
+        /// Least usual NIS: standard deviations stated twice too large.
+        least_usual: f64 = 0.25,
+        /// Standard deviation of the heading beyond which nothing is gained \[rad\].
+        most_heading: f64 = 0.5,
+    }
+
+    /// What is looked for in the fixes before navigation.
+    FixStudySettings {
+        /// Fixes that are looked at: an hour and a half at 4 Hz.
+        most: usize = 20_000,
+        /// Fewer tell nothing.
+        least: usize = 80,
+        /// Pairs of fixes for a mean square to be worth something.
+        least_pairs: usize = 40,
+        /// White noise so many times the stated one is told to the filter.
+        factor: f64 = 2.0,
+        /// Velocities that the positions show to be better than this share of their stated standard deviations are
+        /// taken as that good, …
+        modest: f64 = 0.5,
+        /// … down to this share.
+        least_velocity: f64 = 0.1,
+        /// Of what is left this share of the variance lasts, as a receiver that smooths has it …
+        velocity_share: f64 = 0.6,
+        /// … for this time \[s\].
+        velocity_time: f64 = 3.0,
+        /// White variance below this share of the stated one: the rest of the error lasts.
+        white_share: f64 = 0.8,
+        /// The white part has at least what is left of this share: receivers smooth, inertial sensors are not perfect.
+        most_share: f64 = 0.99,
+        /// Differences that grow to the whole sooner are the velocities' error, or white \[s\].
+        shortest: f64 = 5.0,
+        /// The velocities' own error makes the differences grow sooner, by about this factor.
+        sooner: f64 = 2.0,
+        /// A velocity that the positions contradict by so many standard errors …
+        bias_errors: f64 = 5.0,
+        /// … so many of its own standard deviations …
+        bias_sigmas: f64 = 0.5,
+        /// … and by this is wrong \[m/s\].
+        least_bias: f64 = 0.15,
+        /// Longer than this is all the same \[s\].
+        longest: f64 = 1000.0,
+        /// Speed above which there is an along and an across \[m/s\].
+        moves: f64 = 3.0,
+        /// Differences along the track so many times those across it are errors of the stamps.
+        along: f64 = 2.0,
+        /// Steps whose variance is below this share of the stated one are how numbers are written.
+        step_share: f64 = 0.25,
     }
 
     /// Standard deviations by the kind of solution.
@@ -287,6 +430,20 @@ settings! {
         reject: f64 = 100.0,
         /// The speed of a fix holds for so long \[s\].
         speed_holds: f64 = 1.5,
+    }
+
+    /// Velocities of positions: the slope of a line through the last of them.
+    DerivedVelocitySettings {
+        /// From the first of them to the last \[s\] …
+        span: f64 = 2.0,
+        /// … or longer, up to this \[s\], …
+        longest: f64 = 5.0,
+        /// … to have so many.
+        least: usize = 5,
+        /// What their scatter does not show, one standard deviation \[m/s\].
+        floor: f64 = 0.1,
+        /// By how much a vehicle may have slowed down since \[m/s²\].
+        braking: f64 = 2.0,
     }
 
     /// Units, axes, signs and times that cannot be right.

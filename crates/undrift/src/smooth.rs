@@ -11,8 +11,9 @@
 //! its sensor errors, and spreads the small difference at the next node over the span.
 
 use crate::{
-    estimator::{Adjoint, Estimator},
-    replay::{Measurements, Observer, ReplayError, Samples, Settings, replay},
+    estimator::{Adjoint, Estimator, vehicle_attitude},
+    reference::Predicted,
+    replay::{Doubt, Measurements, Observer, ReplayError, Samples, Settings, replay},
 };
 use nalgebra::{DMatrix, DVector};
 use std::{
@@ -35,6 +36,12 @@ pub struct Node {
     pub nav: NavState,
     /// Standard deviations of `[δr; δv; ψ]` [m, m/s, rad].
     pub nav_std: [f64; NAV],
+    /// Rotation q_bv from the vehicle's to the body's axes: the identity unless the mounting is estimated.
+    pub q_bv: Quaternion,
+    /// Standard deviations of the vehicle's attitude about north, east and down \[rad\].
+    pub vehicle_std: [f64; 3],
+    /// Covariances of δr, δv and ψ.
+    pub predicted: Predicted,
     /// Sensor states and parameters behind the navigation errors.
     pub estimates: Vec<f64>,
     /// Sensor errors, gyro x, y, z [rad/s], accelerometer x, y, z [m/s²].
@@ -235,7 +242,8 @@ impl History {
 
                 let error = &p * &lambda;
                 let covariance = &p - &p * &information * &p;
-                nodes.push(node(&head, &estimates, &error, &covariance, &sensors));
+                let models = (&sensors, &parameters);
+                nodes.push(node(&head, &estimates, &error, &covariance, models));
                 start = error;
                 if head[0] > 0.0 {
                     lambda = gradient + t.tr_mul(&lambda);
@@ -279,7 +287,7 @@ fn node(
     estimates: &[f64],
     error: &DVector<f64>,
     covariance: &DMatrix<f64>,
-    sensors: &Sensors,
+    (sensors, parameters): (&Sensors, &Parameters),
 ) -> Node {
     let nav = NavState {
         time: head[1],
@@ -306,9 +314,20 @@ fn node(
             sensor_error[axis] += filter.h[i] * estimates[at + i - NAV];
         }
     }
+    let nav = nav.without_error(&part(0), &part(3), &part(6));
+    let mounted = parameters.start(Parameter::Mounting).map(|start| {
+        let at = sensors.states() + start;
+        (at, [estimates[at - NAV], estimates[at + 1 - NAV]])
+    });
+    let (q_nv, vehicle_std) = vehicle_attitude(&nav.q_nb, mounted, |i, j| covariance[(i, j)]);
     Node {
-        nav: nav.without_error(&part(0), &part(3), &part(6)),
+        q_bv: nav.q_nb.inverse() * q_nv,
+        vehicle_std,
+        nav,
         nav_std: core::array::from_fn(|i| covariance[(i, i)].max(0.0).sqrt()),
+        predicted: Predicted(
+            [0, 3, 6].map(|at| covariance.fixed_view::<3, 3>(at, at).into_owned()),
+        ),
         estimates,
         sensor_error,
         sensor_error_std: sensors.error_std(|i, j| covariance[(i, j)]),
@@ -342,6 +361,30 @@ pub fn better_start(
     match replay(&mut first, aiding, settings, &mut history) {
         Ok(_) => Ok(history.smooth()?.map(|smoothed| smoothed.start)),
         Err(ReplayError::NotAligned(_)) => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+/// Where a first pass finds the solution to go wrong, for [`Settings::doubts`] of the pass that is smoothed: a
+/// covariance that jumps at one instant would cut the smoother in two there. Nothing without nodes.
+///
+/// # Errors
+/// As [`replay`].
+pub fn doubts(
+    imu: &mut Samples,
+    aiding: &mut Measurements,
+    settings: &Settings,
+) -> Result<Vec<Doubt>, ReplayError> {
+    if settings.nodes.is_none() || !settings.gating {
+        return Ok(Vec::new());
+    }
+    let settings = Settings {
+        nodes: None,
+        ..settings.clone()
+    };
+    match replay(imu, aiding, &settings, &mut ()) {
+        Ok(summary) => Ok(summary.doubts),
+        Err(ReplayError::NotAligned(_)) => Ok(Vec::new()),
         Err(error) => Err(error),
     }
 }
@@ -448,6 +491,9 @@ impl<'a> Path<'a> {
             out(Node {
                 nav: nav.without_error(&drift, &(dv * w), &(psi * w)),
                 nav_std: core::array::from_fn(|i| mix(from.nav_std[i], to.nav_std[i])),
+                q_bv: to.q_bv,
+                vehicle_std: core::array::from_fn(|i| mix(from.vehicle_std[i], to.vehicle_std[i])),
+                predicted: to.predicted,
                 estimates: from
                     .estimates
                     .iter()

@@ -14,7 +14,7 @@ impl<const N: usize> Filter<N> {
     /// What a velocity fix `v_n` [m/s] says. Rows
     /// `[0, I, [ω_nb^n×][l^n×] − [l^n×][ω_ib^n×], −[l^n×] C_b^n H_g, 0]`: the source paper's row,
     /// exact in the second rate (it has ω_nb there, which leaves out the frame's own rate);
-    /// `−C_b^n [ω_nb^b×]` for the lever arm, less the acceleration of the IMU for the time offset.
+    /// `−C_b^n [ω_nb^b×]` for the lever arm, less the acceleration of the IMU for the time offset of the velocity.
     pub fn observe_velocity(&self, v_n: &Vector3, lever_b: &Vector3) -> Observation<3, N> {
         let c = self.c_nb();
         let lever_n = c * self.lever_arm(lever_b);
@@ -33,7 +33,8 @@ impl<const N: usize> Filter<N> {
             h.fixed_view_mut::<3, 3>(0, at)
                 .copy_from(&(-c * skew(&self.omega_nb_b())));
         }
-        if let Some(at) = self.parameter_start(Parameter::TimeOffset) {
+        let offset = self.parameter_start(Parameter::VelocityTimeOffset);
+        if let Some(at) = offset.or(self.parameter_start(Parameter::TimeOffset)) {
             h.fixed_view_mut::<3, 1>(0, at)
                 .copy_from(&-self.acceleration());
         }

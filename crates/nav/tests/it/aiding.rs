@@ -16,7 +16,7 @@ use undrift_nav::{
 };
 
 /// Nine, one state an axis, and all parameters.
-const N: usize = 9 + 6 + 29;
+const N: usize = 9 + 6 + 34;
 
 fn vector(scale: f64) -> impl Strategy<Value = Vector3> {
     prop::array::uniform3(-scale..scale).prop_map(Vector3::from)
@@ -36,7 +36,7 @@ prop_compose! {
         };
         let std = InitialStd { position: Vector3::repeat(1.0), velocity: Vector3::repeat(1.0), attitude: Vector3::repeat(0.1) };
         let sensor = ShapingFilter::arma(&[0.9], &[0.5], 1e-2, 0.01).unwrap();
-        let prior = Prior { std: 0.1, walk: 0.0 };
+        let prior = Prior::constant(0.1);
         let all = Parameter::ALL.into_iter().fold(Parameters::none(), |p, kind| p.with(kind, prior));
         let mut filter = Filter::new(nav, &std, [sensor; AXES], all).unwrap();
         let dt = 0.01;
@@ -49,15 +49,16 @@ prop_compose! {
     }
 }
 
-/// Column by column: what an error of a state does to the innovation. The time offset has a test of its own.
+/// Column by column: what an error of a state does to the innovation. The time offsets have a test of their own.
 fn check<const M: usize>(
     filter: &Filter<N>,
     allowed: f64,
     observe: impl Fn(&Filter<N>) -> Observation<M, N>,
 ) -> Result<(), TestCaseError> {
     let h: SMatrix<f64, M, N> = observe(filter).h;
-    let time_offset = filter.parameter_start(Parameter::TimeOffset).unwrap();
-    for column in (0..N).filter(|c| *c != time_offset) {
+    let offsets = [Parameter::TimeOffset, Parameter::VelocityTimeOffset]
+        .map(|kind| filter.parameter_start(kind).unwrap());
+    for column in (0..N).filter(|c| !offsets.contains(c)) {
         let d = match column {
             0..3 => 10.0,
             3..6 => 1e-2,
@@ -155,11 +156,19 @@ proptest! {
     }
 
     #[test]
+    fn position_with_a_correlated_error(f in filter(), place in vector(30.0), std in vector(5.0)) {
+        let fix = Position::Geodetic(f.nav().position.displaced(&place));
+        let lever = Vector3::new(0.5, -0.2, -1.0);
+        check(&f, 2e-5, |f| f.observe_fix_error(f.observe_position(&fix, &lever), Parameter::PositionError, &std))?;
+    }
+
+    #[test]
     fn time_offset(f in filter(), v in vector(50.0)) {
         // A filter that stands later by d looks at a fix as if its stamp were d too early.
         let fix = Position::Geodetic(f.nav().position);
         let lever = Vector3::zeros();
-        let column = f.parameter_start(Parameter::TimeOffset).unwrap();
+        let [column, of_velocity] = [Parameter::TimeOffset, Parameter::VelocityTimeOffset]
+            .map(|kind| f.parameter_start(kind).unwrap());
         let mut later = f.clone();
         later.advance(1.0);
         let d = later.nav().time - f.nav().time;
@@ -171,8 +180,69 @@ proptest! {
             // Half the step's change: 15 m/s² · 5 ms, and the turn of the force within it; Coriolis 6e-3.
             let h = f.observe_position(&fix, &lever).h[(i, column)];
             prop_assert!((position[i] + h).abs() < 0.2, "{} {h}", position[i]);
-            let h = f.observe_velocity(&v, &lever).h[(i, column)];
+            let h = f.observe_velocity(&v, &lever).h[(i, of_velocity)];
             prop_assert!((velocity[i] + h).abs() < 0.15, "{} {h}", velocity[i]);
         }
+    }
+}
+
+/// A Gauss-Markov parameter keeps its variance, forgets its estimate, and is in the start that a fix gave.
+#[test]
+fn a_correlated_error_fades() {
+    const STATES: usize = 9 + 3;
+    let (tau, dt) = (60.0, 0.1);
+    let prior = Prior {
+        time: tau,
+        ..Prior::constant(1.0)
+    };
+    let nav = NavState {
+        time: 0.0,
+        position: Geodetic::from_degrees(47.0, 8.0, 400.0),
+        v_n: Vector3::zeros(),
+        q_nb: from_rpy(&Vector3::zeros()),
+    };
+    let std = InitialStd {
+        position: Vector3::repeat(1.0),
+        velocity: Vector3::repeat(0.1),
+        attitude: Vector3::repeat(0.01),
+    };
+    let white = ShapingFilter::white(1e-6, dt).unwrap();
+    let parameters = Parameters::none().with(Parameter::PositionError, prior);
+    let mut filter = Filter::<STATES>::new(nav, &std, [white; AXES], parameters).unwrap();
+    let five = Vector3::repeat(5.0);
+    let stated = undrift_nav::Matrix3::identity() * 26.0;
+    filter.set_position_velocity_covariance(&stated, &(stated * 1e-4));
+    filter.share_fix_errors(&five, &Vector3::zeros());
+    // What the fix was off by, the start is off by: a second fix of the same error agrees to the white part.
+    let observe = |filter: &Filter<STATES>| {
+        let fix = Position::Geodetic(filter.nav().position);
+        filter.observe_fix_error(
+            filter.observe_position(&fix, &Vector3::zeros()),
+            Parameter::PositionError,
+            &five,
+        )
+    };
+    let observed = observe(&filter);
+    let s = observed.h * filter.covariance() * observed.h.transpose();
+    assert!((s - undrift_nav::Matrix3::identity()).norm() < 1e-9, "{s}");
+
+    filter.take_out(&SVector::ith(9, 0.8));
+    let at = filter.parameter_start(Parameter::PositionError).unwrap();
+    for k in 1..=600 {
+        let time = f64::from(k) * dt;
+        let dvel = Vector3::new(0.0, 0.0, -9.81 * dt);
+        filter.predict(&ImuSample {
+            time,
+            dt,
+            dtheta: Vector3::zeros(),
+            dvel,
+        });
+    }
+    let left = (-1.0f64).exp();
+    assert!((filter.estimates()[at] - 0.8 * left).abs() < 1e-12);
+    for i in 0..3 {
+        assert!((filter.covariance()[(at + i, at + i)] - 1.0).abs() < 1e-12);
+        // Gravity turns with the place: 1.5e-6 1/s², over a minute.
+        assert!((filter.covariance()[(i, at + i)] / (5.0 * left) - 1.0).abs() < 0.01);
     }
 }

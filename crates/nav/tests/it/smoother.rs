@@ -39,6 +39,7 @@ fn start() -> Filter<N> {
     let lever = Prior {
         std: 0.5,
         walk: 0.05,
+        ..Prior::default()
     };
     let parameters = Parameters::none().with(Parameter::LeverArm, lever);
     Filter::new(

@@ -80,7 +80,8 @@ class Filter:
     covariances. ``model`` at ``rate`` [Hz] gives the sensors' noise. ``lever_arm`` [m], body axes, is
     the antenna's. ``parameters`` are constants to estimate with their standard deviation, or (standard
     deviation, random walk [unit/√s]): gyro_scale, accel_scale, gyro_misalignment,
-    accel_misalignment, lever_arm, time_offset, mounting, axle, odometer_scale, barometer_bias.
+    accel_misalignment, lever_arm, time_offset, mounting, axle, odometer_scale, barometer_bias,
+    velocity_time_offset.
 
     Every update returns an :class:`Innovation`; ``gate`` = (weaken, reject) are limits of its NIS:
     above the first the measurement's covariance grows, above the second it is left out.

@@ -31,6 +31,56 @@ pub(super) fn wrong_sign(axis: usize) -> String {
     )
 }
 
+pub(super) fn repeated(fixes: u64, interval: f64) -> String {
+    format!(
+        "{} skipped: the receiver measures every {} s",
+        match fixes {
+            1 => "1 fix repeats the one before and was".into(),
+            n => format!("{n} fixes repeat the one before and were"),
+        },
+        short(interval)
+    )
+}
+
+pub(super) fn rounded(step: f64) -> String {
+    format!(
+        "positions come in steps of {} m; their covariance is that much larger",
+        short(step)
+    )
+}
+
+pub(super) fn jitter(std: f64) -> String {
+    format!(
+        "the stamps of the fixes jitter by {:.0} ms; the covariance of the positions along the track is that much larger",
+        std * 1e3
+    )
+}
+
+pub(super) fn correlated(share: f64, time: f64) -> String {
+    format!(
+        "the position's error is correlated over {time:.0} s ({:.0} % of its variance); it is estimated",
+        100.0 * share
+    )
+}
+
+pub(super) fn noisy(factor: f64) -> String {
+    format!(
+        "positions scatter {factor:.1} times as much as stated; their standard deviations were multiplied by that"
+    )
+}
+
+pub(super) fn modest_velocity(factor: f64) -> String {
+    format!(
+        "velocities agree with the motion of the positions to {factor:.2} of their stated standard deviations, which were multiplied by that; a part of the error lasts and is estimated"
+    )
+}
+
+pub(super) fn velocity_bias([north, east, down]: [f64; 3]) -> String {
+    format!(
+        "the velocity differs from the motion of the positions by {north:.2}, {east:.2}, {down:.2} m/s north, east, down all along: it or the positions are wrong; gnss.use = \"position\" does without it"
+    )
+}
+
 /// A part of a fix and its unit.
 fn part(part: Part) -> (&'static str, &'static str) {
     match part {
@@ -85,6 +135,13 @@ pub(super) fn one_sided(lean: &Lean) -> String {
     format!(
         "from {:.1} to {:.1} s the {part} differs from the solution to one side, on average by up to {:.2}, {:.2}, {:.2} {unit} north, east, down: a slow drift of the fixes (multipath, spoofing) or of the sensors",
         lean.start, lean.end, -north, -east, -down
+    )
+}
+
+pub(super) fn correlated_innovations(of: Part, correlation: f64) -> String {
+    let (part, _) = part(of);
+    format!(
+        "the innovations of the {part} last from fix to fix (autocorrelation {correlation:.2}): attitude and sensor errors are larger than stated; the noise model of the IMU is too small for this vehicle, or the lever arm, the axes or the times are wrong"
     )
 }
 

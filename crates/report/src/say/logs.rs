@@ -7,6 +7,13 @@ pub(super) fn skipped(log: Log, kinds: &str) -> String {
     format!("{} log: {}", name(log), kinds.replace('\n', "; "))
 }
 
+pub(super) fn set_back(log: Log, line: u64, step: f64) -> String {
+    format!(
+        "{} log: the clock steps back by {step:.3} s at row {line} of the file and goes on from there, so that all that follows is early by that: add it to the times of those rows",
+        name(log)
+    )
+}
+
 pub(super) fn gaps(log: Log, gaps: u64, start: f64, length: f64) -> String {
     format!(
         "{} log: {}, the longest {length:.3} s from {} s",

@@ -1,6 +1,6 @@
 //! Sentences: what the inertial sensors show.
 
-use super::words::at;
+use super::words::{at, many};
 use crate::numbers::short;
 
 pub(super) fn frozen(start: f64, length: f64, samples: u64) -> String {
@@ -19,9 +19,8 @@ pub(super) fn held(
     saturated: bool,
 ) -> String {
     format!(
-        "{} {} reads {value} for {length:.2} s from {} s ({samples} samples), {}",
-        if axis < 3 { "gyro" } else { "accelerometer" },
-        ["x", "y", "z"][axis % 3],
+        "{} reads {value} for {length:.2} s from {} s ({samples} samples), {}",
+        name(axis),
         at(start),
         if saturated {
             "its largest or smallest value: the sensor is saturated or too coarse"
@@ -92,6 +91,54 @@ pub(super) fn late(delay: f64) -> String {
     )
 }
 
+pub(super) fn spikes(axis: usize, samples: u64, start: f64) -> String {
+    format!(
+        "replaced {} of {} that cannot be right, the first at {} s",
+        many(samples, "sample"),
+        name(axis),
+        at(start)
+    )
+}
+
+/// A heading that the course contradicts over a span \[s\] by an angle \[rad\].
+pub(super) fn heading_off([start, end]: [f64; 2], angle: f64, more: u64) -> String {
+    let more = match more {
+        0 => String::new(),
+        n => format!(", and in {}", many(n, "more span")),
+    };
+    format!(
+        "the course contradicts the heading by up to {:.1} deg, {}-{} s{more}: the bias or the scale of the vertical gyro changed, or the IMU was turned; the heading's standard deviation covers it",
+        angle.to_degrees().abs(),
+        at(start),
+        at(end)
+    )
+}
+
+pub(super) fn optimistic_model(factor: f64) -> String {
+    format!(
+        "the innovations are {factor:.1} times as large as predicted although the fixes agree with each other: the noise model of the IMU is too small for this vehicle, or the lever arm or the axes are wrong"
+    )
+}
+
+pub(super) fn optimistic_drift(model: &str, inside: f64) -> String {
+    format!(
+        "only {:.0} % of the position errors in the outages lie inside three predicted standard deviations, by model {model}, which covers most: the noise is too small for this vehicle, or the lever arm, the axes or the mounting are wrong",
+        100.0 * inside
+    )
+}
+
+pub(super) fn far_parameter(parameter: &str, value: f64, sigmas: f64) -> String {
+    format!(
+        "the estimated {parameter} of {} is {sigmas:.0} standard deviations from what was known of it: check what it stands for",
+        short(value)
+    )
+}
+
+fn name(axis: usize) -> String {
+    let triad = if axis < 3 { "gyro" } else { "accelerometer" };
+    format!("{triad} {}", ["x", "y", "z"][axis % 3])
+}
+
 /// GPS time less UTC since 2017 \[s\].
 const LEAP_SECONDS: f64 = 18.0;
 
@@ -112,15 +159,26 @@ pub(super) fn wrong_axes(forward: Option<i8>, right: Option<i8>, axes: Option<&s
         );
     }
     let axis = |number| match number {
-        Some(1) => "forward",
-        Some(-1) => "backward",
-        Some(2) => "right",
-        Some(-2) => "left",
-        _ => "(not seen)",
+        1 => "forward",
+        -1 => "backward",
+        2 => "right",
+        _ => "left",
     };
+    let speeds_up = forward.filter(|number| *number != 1).map(|number| {
+        format!(
+            "it accelerates along body {} instead of forward",
+            axis(number)
+        )
+    });
+    let turns = right.filter(|number| *number != 2).map(|number| {
+        format!(
+            "it is pushed along body {} instead of right in turns to the right",
+            axis(number)
+        )
+    });
+    let seen: Vec<String> = speeds_up.into_iter().chain(turns).collect();
     format!(
-        "GNSS shows that the IMU's axes are not the vehicle's: it accelerates along body {} instead of forward, and is pushed along body {} instead of right in turns to the right; check imu.axes and the order and signs of imu.accel and imu.gyro",
-        axis(forward),
-        axis(right)
+        "GNSS shows that the IMU's axes are not the vehicle's: {}; check imu.axes and the order and signs of imu.accel and imu.gyro",
+        seen.join(", and ")
     )
 }

@@ -1,7 +1,24 @@
 //! Sentences: how the solution went.
 
 use super::words::{at, many};
-use undrift::{findings::NoError, replay::RestartCause};
+use undrift::{
+    findings::{self, Finding, NoError, Severity},
+    replay::RestartCause,
+};
+
+/// Whether the result can be used, and why not: the first line of what is shown.
+pub fn verdict(found: &[Finding]) -> String {
+    let (severity, cause) = findings::verdict(found);
+    let word = match severity {
+        Severity::Note => "usable",
+        Severity::Warning => "usable with care",
+        Severity::Unusable => "not usable",
+    };
+    match cause {
+        Some(cause) => format!("{word}: {}", super::say(cause)),
+        None => word.into(),
+    }
+}
 
 pub(super) fn diverged(time: f64) -> String {
     format!("the solution diverged at {} s and ends there", at(time))

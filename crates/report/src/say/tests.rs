@@ -123,10 +123,10 @@ fn every_finding_has_its_sentence() {
         (
             Finding::WrongAxes {
                 forward: Some(1),
-                right: None,
+                right: Some(-2),
                 axes: None,
             },
-            "GNSS shows that the IMU's axes are not the vehicle's: it accelerates along body forward instead of forward, and is pushed along body (not seen) instead of right in turns to the right; check imu.axes and the order and signs of imu.accel and imu.gyro",
+            "GNSS shows that the IMU's axes are not the vehicle's: it is pushed along body left instead of right in turns to the right; check imu.axes and the order and signs of imu.accel and imu.gyro",
         ),
         (
             Finding::WrongVelocity {
@@ -256,5 +256,75 @@ fn a_value_says_what_it_is_and_what_it_weighs() {
     assert_eq!(
         Finding::Diverged { time: 1.0 }.severity(),
         Severity::Unusable
+    );
+}
+
+#[test]
+fn what_fixes_and_samples_show_of_themselves() {
+    let sentences = [
+        (
+            Finding::Spikes {
+                axis: 5,
+                samples: 2,
+                start: 12.5,
+            },
+            "replaced 2 samples of accelerometer z that cannot be right, the first at 12.5 s",
+        ),
+        (
+            Finding::RepeatedFixes {
+                fixes: 1,
+                interval: 1.0,
+            },
+            "1 fix repeats the one before and was skipped: the receiver measures every 1.00 s",
+        ),
+        (
+            Finding::RoundedFixes { step: 1.11 },
+            "positions come in steps of 1.11 m; their covariance is that much larger",
+        ),
+        (
+            Finding::CorrelatedFixes {
+                share: 0.9,
+                time: 60.0,
+            },
+            "the position's error is correlated over 60 s (90 % of its variance); it is estimated",
+        ),
+        (
+            Finding::NoisyFixes { factor: 3.0 },
+            "positions scatter 3.0 times as much as stated; their standard deviations were multiplied by that",
+        ),
+        (
+            Finding::HeadingOff {
+                start: 10.0,
+                end: 30.5,
+                angle: -0.1,
+                more: 1,
+            },
+            "the course contradicts the heading by up to 5.7 deg, 10-30.5 s, and in 1 more span: the bias or the scale of the vertical gyro changed, or the IMU was turned; the heading's standard deviation covers it",
+        ),
+    ];
+    for (finding, sentence) in sentences {
+        assert_eq!(say(&finding), sentence);
+    }
+}
+
+/// A fault of the sensors explains what the solution shows; what is only worth knowing leaves it usable.
+#[test]
+fn the_verdict_names_the_cause() {
+    let held = Finding::Held {
+        axis: 2,
+        value: 0.0,
+        start: 60.0,
+        length: 20.0,
+        samples: 2000,
+        saturated: false,
+    };
+    let innovations = Finding::LargeInnovations { start: 62.0 };
+    let found = undrift::findings::ranked(vec![innovations, held]);
+    assert!(verdict(&found).starts_with("usable with care: gyro z reads 0 for 20.00 s"));
+    assert_eq!(verdict(&[Finding::Bridged { gaps: 2 }]), "usable");
+    let ended = [Finding::Diverged { time: 9.0 }];
+    assert_eq!(
+        verdict(&ended),
+        "not usable: the solution diverged at 9 s and ends there"
     );
 }

@@ -1,12 +1,12 @@
 //! A navigated drive as text.
 
-use crate::{numbers::get, parts::COMPONENTS};
+use crate::{numbers::get, parts::COMPONENTS, say};
 use undrift::results::{Innovations, Navigate, Numbers};
 
 /// How a drive was navigated, line by line.
 pub fn navigate(result: &Navigate) -> String {
     let s = &result.summary;
-    let mut lines = Vec::new();
+    let mut lines = vec![say::verdict(&result.findings)];
     let mounting = result.mounting.as_ref();
     lines.extend(mounting.map(|mounting| format!("mounting estimated: {mounting}")));
     lines.push(format!("bias model {}; {}", result.bias_model, s.alignment));

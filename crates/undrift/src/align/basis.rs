@@ -8,7 +8,7 @@ use undrift_nav::{
 };
 
 /// The antenna's place.
-pub(super) fn antenna(fix: &GnssFix) -> Option<Geodetic> {
+pub(crate) fn antenna(fix: &GnssFix) -> Option<Geodetic> {
     match &fix.position.as_ref()?.0 {
         Position::Geodetic(geodetic) => Some(*geodetic),
         Position::Baseline { base, ned } => Some(Geodetic::from_ecef(

@@ -265,7 +265,9 @@ fn filter(
         attitude: Vector3::repeat(wide),
     };
     let mut filter = estimator::build(*end, &std, &settings.sensors, settings.parameters).ok()?;
-    filter.set_position_velocity_covariance(&position, &(Matrix3::identity() * (wide * wide)));
+    let velocity = Matrix3::identity() * (wide * wide);
+    let correlated = [settings.fix_errors.split(&position).1, Vector3::zeros()];
+    filter.set_position_velocity_covariance(&position, &velocity, &correlated);
     let (g, a) = (guess.gyro, guess.accel);
     filter.set_sensor_error(&[g.x, g.y, g.z, a.x, a.y, a.z]);
 

@@ -188,6 +188,7 @@ fn normalised_innovation_squared_is_the_nis() {
     let aiding = Aiding::Position {
         position: Position::Geodetic(measured),
         lever_arm: lever,
+        correlated: Vector3::zeros(),
         due: filter.nav().time,
     };
     let impossible = undrift_nav::Matrix3::from_diagonal_element(-1e9);

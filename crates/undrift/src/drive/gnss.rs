@@ -6,7 +6,10 @@ use super::{
     section::Section,
     tables::{VELOCITY_AXES, read_delimiter},
 };
-use crate::replay::{GnssUse, QualityStd};
+use crate::{
+    replay::{GnssUse, QualityStd},
+    settings::fix_errors::Correlated,
+};
 use std::path::PathBuf;
 use undrift_io::{
     format::Format,
@@ -44,7 +47,15 @@ pub(crate) fn read_gnss(
         factor("position_std_factor")?,
         factor("velocity_std_factor")?,
     );
-    let _ = ["lever_arm", "gate", "adapt", "quality_std_factors"].map(|key| section.get(key));
+    let _ = [
+        "lever_arm",
+        "gate",
+        "adapt",
+        "quality_std_factors",
+        "correlation_time",
+        "correlated_share",
+    ]
+    .map(|key| section.get(key));
     let fixes = || -> Result<FixOptions, ConfigError> {
         Ok(FixOptions {
             time_offset,
@@ -111,6 +122,51 @@ pub(super) fn read_quality(section: &Section) -> Result<QualityStd, ConfigError>
     }
     factors.only_known()?;
     Ok(QualityStd::Factors(values))
+}
+
+/// What is known of the time-correlated part of the position's error.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Correlation {
+    /// What the fixes show.
+    #[default]
+    Auto,
+    /// None: the error is white.
+    Off,
+    /// This.
+    Given(Correlated),
+}
+
+/// Share of the variance where only the time is given.
+const SHARE: f64 = 0.95;
+
+/// `correlation_time = "60 s"`, `"auto"` or `"off"`, with `correlated_share = 0.95`.
+pub(super) fn read_correlation(section: &Section) -> Result<Correlation, ConfigError> {
+    let share = section.factor("correlated_share")?;
+    if share.is_some_and(|share| share >= 1.0) {
+        return Err(section.error(
+            "correlated_share",
+            "must be below 1: some of the error is white",
+        ));
+    }
+    let given = match section.text("correlation_time")? {
+        None | Some("auto") => Correlation::Auto,
+        Some("off") => Correlation::Off,
+        Some(_) => {
+            let time = section.quantity("correlation_time", Quantity::Time)?;
+            let time = time.filter(|time| *time > 0.0).ok_or_else(|| {
+                section.error(
+                    "correlation_time",
+                    "must be above zero, \"auto\" or \"off\"",
+                )
+            })?;
+            let share = share.unwrap_or(SHARE);
+            return Ok(Correlation::Given(Correlated { share, time }));
+        }
+    };
+    match share {
+        Some(_) => Err(section.error("correlated_share", "needs a correlation_time")),
+        None => Ok(given),
+    }
 }
 
 /// `base = "40.0966 deg, -105.1474 deg, 1601.5 m"`.

@@ -81,7 +81,7 @@ pub(super) fn read_odometer(
         Some(SCALE_STD),
     )?;
     if let Some(std) = scale {
-        parameters = parameters.with(Parameter::OdometerScale, Prior { std, walk: 0.0 });
+        parameters = parameters.with(Parameter::OdometerScale, Prior::constant(std));
     }
     section.only_known()?;
     Ok((Some((path, format)), parameters))
@@ -142,7 +142,14 @@ pub(super) fn read_barometer(
     )?;
     if let Some(std) = bias {
         let walk = walk.unwrap_or(0.0);
-        parameters = parameters.with(Parameter::BarometerBias, Prior { std, walk });
+        parameters = parameters.with(
+            Parameter::BarometerBias,
+            Prior {
+                std,
+                walk,
+                ..Prior::default()
+            },
+        );
     } else if section.get("bias_walk").is_some() {
         return Err(section
             .error("bias_walk", "has no effect while bias_std is \"off\"")

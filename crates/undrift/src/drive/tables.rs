@@ -197,8 +197,11 @@ const MOUNTING_STD: f64 = 0.05;
 const AXLE_STD_GIVEN: f64 = 0.3;
 const AXLE_STD: f64 = 2.0;
 
-/// How far the clocks of GNSS and IMU may be apart in a car's log \[s\].
+/// How far fixes are from their stamps, as a rule \[s\], and how much that changes [s/√s]: clocks drift, hosts stamp late.
 const TIME_OFFSET_STD: f64 = 0.1;
+const TIME_OFFSET_WALK: f64 = 5e-3;
+/// What data sheets of cheap inertial sensors allow their scale factors, one standard deviation.
+const SCALE_FACTOR_STD: f64 = 0.02;
 
 /// The constraints, and the parameters that they ask for.
 pub(super) fn read_vehicle(section: &Section) -> Result<(Constraints, Parameters), ConfigError> {
@@ -255,14 +258,9 @@ pub(super) fn read_vehicle(section: &Section) -> Result<(Constraints, Parameters
     let axle = read_std(section, "axle_std", Quantity::Length, unless(axle))?;
     section.only_known()?;
     let mut parameters = Parameters::none();
-    let time_offset = (profile == Profile::Car).then_some(TIME_OFFSET_STD);
-    for (kind, std) in [
-        (Parameter::Mounting, mounting),
-        (Parameter::Axle, axle),
-        (Parameter::TimeOffset, time_offset),
-    ] {
+    for (kind, std) in [(Parameter::Mounting, mounting), (Parameter::Axle, axle)] {
         if let Some(std) = std {
-            parameters = parameters.with(kind, Prior { std, walk: 0.0 });
+            parameters = parameters.with(kind, Prior::constant(std));
         }
     }
     Ok((constraints, parameters))
@@ -273,28 +271,32 @@ pub(super) fn read_states(
     section: &Section,
     mut parameters: Parameters,
 ) -> Result<Parameters, ConfigError> {
-    let std = |key, quantity| read_std(section, key, quantity, None);
-    if section.get("time_offset").is_some() {
-        parameters = parameters.without(Parameter::TimeOffset);
-    }
-    for (kinds, std) in [
+    let std = |key, quantity, otherwise| read_std(section, key, quantity, otherwise);
+    let scale = std("scale_factor", Quantity::Dimensionless, None)?;
+    // Of a heading nothing tells but the gyros. Vibration makes accelerometers seem to read too much.
+    let unless_given = section.get("scale_factor").is_none();
+    let gyro_scale = scale.or(unless_given.then_some(SCALE_FACTOR_STD));
+    let misalignment = std("misalignment", Quantity::Angle, None)?;
+    let offset = std("time_offset", Quantity::Time, Some(TIME_OFFSET_STD))?;
+    for (kind, std, walk) in [
+        (Parameter::GyroScale, gyro_scale, 0.0),
+        (Parameter::AccelScale, scale, 0.0),
+        (Parameter::GyroMisalignment, misalignment, 0.0),
+        (Parameter::AccelMisalignment, misalignment, 0.0),
         (
-            &[Parameter::GyroScale, Parameter::AccelScale][..],
-            std("scale_factor", Quantity::Dimensionless)?,
+            Parameter::LeverArm,
+            std("lever_arm", Quantity::Length, None)?,
+            0.0,
         ),
-        (
-            &[Parameter::GyroMisalignment, Parameter::AccelMisalignment],
-            std("misalignment", Quantity::Angle)?,
-        ),
-        (&[Parameter::LeverArm], std("lever_arm", Quantity::Length)?),
-        (
-            &[Parameter::TimeOffset],
-            std("time_offset", Quantity::Time)?,
-        ),
+        (Parameter::TimeOffset, offset, TIME_OFFSET_WALK),
+        (Parameter::VelocityTimeOffset, offset, TIME_OFFSET_WALK),
     ] {
-        let Some(std) = std else { continue };
-        for kind in kinds {
-            parameters = parameters.with(*kind, Prior { std, walk: 0.0 });
+        if let Some(std) = std {
+            let prior = Prior {
+                walk,
+                ..Prior::constant(std)
+            };
+            parameters = parameters.with(kind, prior);
         }
     }
     section.only_known()?;

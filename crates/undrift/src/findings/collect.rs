@@ -1,17 +1,35 @@
 //! The findings of a run, from its counts.
 
 use super::{Finding, Log};
-use crate::replay::{Implausible, Innovations, Part, Summary};
-use undrift_io::{held::Held, imu::GapSummary, skipped::Skipped};
-use undrift_nav::{Matrix3, Vector3};
+use crate::{
+    fixes::FixStudy,
+    outages::ModelErrors,
+    replay::{Implausible, Innovations, Part, SampleFault, Summary},
+    settings::fix_errors::{Correlated, FixErrors},
+};
+use undrift_io::{
+    held::Held,
+    imu::GapSummary,
+    skipped::{SetBack, Skipped},
+};
+use undrift_nav::{Matrix3, Vector3, covariance::AXES};
 use undrift_noise::screening::Timing;
 
 /// Spans without a usable fix longer than this are reported \[s\].
 pub const WITHOUT_GNSS: f64 = 5.0;
 /// Spans of rejected fixes that are reported one by one.
-const LISTED: usize = 12;
+const LISTED: usize = 3;
 /// Autocorrelation of innovations above which it is not the accuracy of the fixes that is wrong.
 const CORRELATED: f64 = 0.5;
+/// NIS per degree of freedom below which correlated innovations are smaller than predicted by enough.
+const MODEST_NIS: f64 = 0.7;
+/// Share of the errors in outages inside three standard deviations below which the model promises too much; of right ones
+/// it is 0.997, of a few outages somewhat less by chance.
+const LEAST_INSIDE: f64 = 0.9;
+/// Outages that this needs.
+const LEAST_OUTAGES: usize = 5;
+/// Updates that the two need.
+const LEAST_UPDATES: u64 = 100;
 
 /// What was unusual about the logs.
 pub fn of_health(summary: &Summary) -> Vec<Finding> {
@@ -31,6 +49,7 @@ pub fn of_health(summary: &Summary) -> Vec<Finding> {
     if length > WITHOUT_GNSS {
         found.push(Finding::WithoutGnss { start, length });
     }
+    found.extend(of_samples(summary));
     if summary.bad_fixes > 0 {
         let fixes = summary.bad_fixes;
         found.push(Finding::BadCovariance { fixes });
@@ -144,6 +163,28 @@ pub fn of_disagreement(summary: &Summary) -> Vec<Finding> {
             accepted: more.iter().filter(|c| c.gave_way).count() as u64,
         });
     }
+    if let Some(worst) = summary
+        .heading_off
+        .iter()
+        .max_by(|a, b| a.angle.abs().total_cmp(&b.angle.abs()))
+    {
+        found.push(Finding::HeadingOff {
+            start: worst.start,
+            end: worst.end,
+            angle: worst.angle,
+            more: summary.heading_off.len() as u64 - 1,
+        });
+    }
+    found.extend(
+        summary
+            .far
+            .iter()
+            .map(|(parameter, value, sigmas)| Finding::FarParameter {
+                parameter: format!("{parameter:?}"),
+                value: *value,
+                sigmas: *sigmas,
+            }),
+    );
     found.extend(summary.leans.iter().copied().map(Finding::OneSided));
     found.extend(
         summary
@@ -156,6 +197,56 @@ pub fn of_disagreement(summary: &Summary) -> Vec<Finding> {
             .map(|start| Finding::LargeInnovations { start }),
     );
     found
+}
+
+/// What the fixes show of themselves.
+pub fn of_fixes(study: &FixStudy, errors: &FixErrors) -> Vec<Finding> {
+    let mut found = Vec::new();
+    if study.repeated > 0 {
+        found.push(Finding::RepeatedFixes {
+            fixes: study.repeated,
+            interval: study.interval,
+        });
+    }
+    if errors.velocity_bias != Vector3::zeros() {
+        let bias = errors.velocity_bias.into();
+        found.push(Finding::VelocityBias { bias });
+    }
+    if errors.step.max() > 0.0 {
+        let step = errors.step.max();
+        found.push(Finding::RoundedFixes { step });
+    }
+    if errors.jitter > 0.0 {
+        let std = errors.jitter;
+        found.push(Finding::FixJitter { std });
+    }
+    if let Some(Correlated { share, time }) = errors.correlated {
+        found.push(Finding::CorrelatedFixes { share, time });
+    }
+    if errors.velocity_factor != 1.0 {
+        let factor = errors.velocity_factor;
+        found.push(Finding::ModestVelocity { factor });
+    }
+    if errors.position_factor != 1.0 {
+        let factor = errors.position_factor;
+        found.push(Finding::NoisyFixes { factor });
+    }
+    found
+}
+
+/// Samples that were replaced, axis by axis.
+fn of_samples(summary: &Summary) -> Vec<Finding> {
+    let of_axis = |axis| {
+        let is = |fault: &&SampleFault| fault.axis == axis && !fault.stuck;
+        let mut spikes = summary.sample_faults.iter().filter(is);
+        let first = spikes.next()?;
+        Some(Finding::Spikes {
+            axis,
+            samples: 1 + spikes.count() as u64,
+            start: first.start,
+        })
+    };
+    (0..AXES).filter_map(of_axis).collect()
 }
 
 /// What was unusual about a log of scalars, and how it was used.
@@ -191,11 +282,20 @@ pub fn of_scalar(
 /// What was skipped in each log.
 pub fn of_skipped(logs: &[(Log, &Skipped)]) -> Vec<Finding> {
     let any = logs.iter().filter(|(_, skipped)| !skipped.is_empty());
+    let set_back = logs.iter().filter_map(|(log, skipped)| {
+        let SetBack { line, step } = skipped.largest_set_back()?;
+        Some(Finding::SetBack {
+            log: *log,
+            line,
+            step,
+        })
+    });
     any.map(|(log, skipped)| Finding::Skipped {
         log: *log,
         records: skipped.total(),
         kinds: skipped.to_string(),
     })
+    .chain(set_back)
     .collect()
 }
 
@@ -209,17 +309,49 @@ pub fn of_timing(timing: Option<&Timing>) -> Option<Finding> {
     })
 }
 
-/// A stated accuracy of a part of the fixes that is wrong by a factor.
-pub fn of_accuracy(part: Part, factor: f64, summary: &Summary) -> Finding {
+/// A stated accuracy of a part of the fixes that does not fit the innovations by a factor: it is wrong, or, where the
+/// fixes are `known` to be as good as they state, the noise model of the sensors is.
+pub fn of_accuracy(part: Part, factor: f64, summary: &Summary, known: bool) -> Finding {
     let correlated = [&summary.position, &summary.velocity]
         .iter()
         .any(|sums| sums.autocorrelation().is_some_and(|(c, _)| c > CORRELATED));
+    if known && factor > 1.0 {
+        return Finding::OptimisticModel { factor };
+    }
     Finding::WrongAccuracy {
         part,
         factor,
         adapted: summary.adapted.iter().any(Option::is_some),
         correlated,
     }
+}
+
+/// Innovations of position or velocity that last from fix to fix and are not smaller than predicted: errors of attitude
+/// and sensors are larger than the covariance has them.
+pub fn of_correlation(summary: &Summary) -> Option<Finding> {
+    let parts = [
+        (Part::Velocity, &summary.velocity),
+        (Part::Position, &summary.position),
+    ];
+    parts.into_iter().find_map(|(part, sums)| {
+        let (correlation, _) = sums.autocorrelation()?;
+        let lasts = correlation > CORRELATED && sums.updates >= LEAST_UPDATES;
+        let covered = sums.per_dof()? < MODEST_NIS;
+        (lasts && !covered).then_some(Finding::CorrelatedInnovations { part, correlation })
+    })
+}
+
+/// Outages in which the position errors are larger than predicted by the model that covers most of them.
+pub fn of_drift(models: &[(&str, &ModelErrors)]) -> Option<Finding> {
+    let enough = models.iter().filter(|(_, errors)| {
+        errors.per_outage.len().saturating_sub(errors.left_out) >= LEAST_OUTAGES
+    });
+    let shares = enough.filter_map(|(model, errors)| Some((model, errors.coverage.shares(0)?[2])));
+    let (model, inside) = shares.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (inside < LEAST_INSIDE).then(|| Finding::OptimisticDrift {
+        model: (*model).to_owned(),
+        inside,
+    })
 }
 
 #[cfg(test)]

@@ -4,10 +4,16 @@ use crate::{
     align::AlignSettings,
     drive::{ConfigError, DriveError, Section, parse, read_initial, read_text},
     replay::Settings,
+    settings::fix_errors::{Correlated, FixErrors},
     simulate::{GnssNoise, REST_BEFORE, Trajectory},
 };
 use std::path::Path;
-use undrift_nav::{Vector3, shaping::ShapingFilter, units::Quantity};
+use undrift_nav::{
+    Vector3,
+    parameters::{Parameter, Parameters, Prior},
+    shaping::ShapingFilter,
+    units::Quantity,
+};
 use undrift_noise::{BiasModel, ImuModel, ModelError};
 
 /// Most samples of a drive: all runs share its noise-free samples, 64 bytes each.
@@ -33,6 +39,12 @@ pub struct Spec {
     pub bias_models: Vec<BiasModel>,
     /// The receiver.
     pub gnss: GnssNoise,
+    /// The part of the position's error that lasts; the filter is told.
+    pub correlated: Option<Correlated>,
+    /// Standard deviation of the gyros' scale factors, 0 for none; drawn in every run, and estimated.
+    pub scale_factor: f64,
+    /// Standard deviation of the time offsets of position and velocity \[s\], 0 for none; drawn and estimated.
+    pub time_offset: f64,
     /// How the filter starts.
     pub align: AlignSettings,
     /// Instead: at the first fix, at the true attitude turned by a draw of these standard
@@ -70,6 +82,7 @@ impl Spec {
             "gnss",
             "initial",
             "epochs",
+            "states",
         ])?;
         let names = BiasModel::ALL.map(|kind| (kind.name(), kind));
         let model = top.model("model", home)?.ok_or_else(|| {
@@ -90,7 +103,18 @@ impl Spec {
         let drive = top.section("drive")?;
         let (trajectory, rate_hz) = read_drive(&drive)?;
         let duration = trajectory.duration;
-        let gnss = read_gnss(&top.section("gnss")?, duration)?;
+        let (gnss, correlated) = read_gnss(&top.section("gnss")?, duration)?;
+
+        let states = top.section("states")?;
+        let std = |key, quantity| match states.quantity(key, quantity)? {
+            Some(std) if std < 0.0 => {
+                Err(states.error(key, "a standard deviation is not negative"))
+            }
+            std => Ok(std.unwrap_or(0.0)),
+        };
+        let scale_factor = std("scale_factor", Quantity::Dimensionless)?;
+        let time_offset = std("time_offset", Quantity::Time)?;
+        states.only_known()?;
 
         let initial = top.section("initial")?;
         let truth_std = initial.vector("truth_std", Quantity::Angle)?;
@@ -138,6 +162,9 @@ impl Spec {
             filter_model,
             bias_models,
             gnss,
+            correlated,
+            scale_factor,
+            time_offset,
             align,
             truth_std,
             every,
@@ -152,8 +179,25 @@ impl Spec {
 
     /// The filter's settings under each bias model, by name.
     pub(super) fn settings(&self) -> Result<Vec<(String, Settings)>, ModelError> {
+        let mut parameters = Parameters::none();
+        for (kind, std) in [
+            (Parameter::GyroScale, self.scale_factor),
+            (Parameter::TimeOffset, self.time_offset),
+            (Parameter::VelocityTimeOffset, self.time_offset),
+        ] {
+            if std > 0.0 {
+                parameters = parameters.with(kind, Prior::constant(std));
+            }
+        }
+        let fix_errors = FixErrors {
+            correlated: self.correlated,
+            ..FixErrors::default()
+        };
+        let parameters = fix_errors.with_states(parameters);
         let settings = |kind: &BiasModel| {
             let settings = Settings {
+                parameters,
+                fix_errors,
                 lever_arm: self.gnss.lever_arm,
                 align: self.align.clone(),
                 ..Settings::new(self.filter_model.shaping(*kind, 1.0 / self.rate_hz)?)
@@ -194,7 +238,10 @@ fn read_drive(section: &Section) -> Result<(Trajectory, f64), ConfigError> {
     Ok((scenario(duration, seed), rate_hz))
 }
 
-fn read_gnss(section: &Section, duration: f64) -> Result<GnssNoise, ConfigError> {
+fn read_gnss(
+    section: &Section,
+    duration: f64,
+) -> Result<(GnssNoise, Option<Correlated>), ConfigError> {
     let mut gnss = GnssNoise::default();
     let std = |key, quantity, default: [f64; 3]| match section.vector(key, quantity)? {
         Some(v) if v.iter().any(|s| *s <= 0.0) => {
@@ -226,6 +273,14 @@ fn read_gnss(section: &Section, duration: f64) -> Result<GnssNoise, ConfigError>
     if !(gnss.start >= 0.0 && gnss.start < duration) {
         return Err(section.error("start", "must lie within the drive"));
     }
+    let time = section.quantity("correlation_time", Quantity::Time)?;
+    let share = section.factor("correlated_share")?.unwrap_or(0.95);
+    if time.is_some_and(|time| time <= 0.0) || !(0.0..=1.0).contains(&share) {
+        return Err(section.error(
+            "correlation_time",
+            "must be above 0 s, with a correlated_share of 0 to 1",
+        ));
+    }
     section.only_known()?;
-    Ok(gnss)
+    Ok((gnss, time.map(|time| Correlated { share, time })))
 }

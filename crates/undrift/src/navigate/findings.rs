@@ -5,15 +5,19 @@ use crate::{
     findings::{self, Finding, Log, NoError},
     mounting::MountingError,
     replay::{Part, ReplayError},
+    settings::FixStudySettings,
 };
 
 impl Report {
-    /// Everything that should be known with the solution, its end first.
+    /// Everything that should be known with the solution: its end first, causes before symptoms.
     pub fn findings(&self) -> Vec<Finding> {
         let s = &self.summary;
         let mut found = Vec::new();
         found.extend(s.diverged.map(|time| Finding::Diverged { time }));
         found.extend(self.not_compared());
+        if let Some(study) = &self.study {
+            found.extend(findings::of_fixes(study, &self.fix_errors));
+        }
         found.extend(findings::of_health(s));
         found.extend(findings::of_held(&self.held));
         let disagreements = findings::of_disagreement(s);
@@ -28,17 +32,30 @@ impl Report {
         // With a wrong unit or axis the innovations say nothing about the accuracy.
         if s.implausible.is_empty() {
             let parts = [Part::Position, Part::Velocity].into_iter();
-            let factors = parts.zip(self.std_factors);
-            found.extend(
-                factors.filter_map(|(part, factor)| Some(findings::of_accuracy(part, factor?, s))),
-            );
+            let errors = &self.fix_errors;
+            let longest = FixStudySettings::default().longest;
+            found.extend(parts.zip(self.std_factors).filter_map(|(part, factor)| {
+                let lasting = match part {
+                    Part::Position => errors.correlated,
+                    Part::Velocity => errors.velocity_correlated,
+                };
+                // What lasts of an error is in what is stated, and was seen to be as large; the innovations have
+                // only the rest.
+                let seen = lasting.is_some_and(|lasting| lasting.time < longest);
+                let factor = factor.filter(|factor| *factor > 1.0 || !seen)?;
+                Some(findings::of_accuracy(part, factor, s, errors.known))
+            }));
+            let said = |of: &Finding| matches!(of, Finding::OptimisticModel { .. });
+            if !found.iter().any(said) {
+                found.extend(findings::of_correlation(s));
+            }
         }
         found.extend(findings::of_skipped(&[
             (Log::Imu, &self.imu_skipped),
             (Log::Gnss, &self.gnss_skipped),
             (Log::Truth, &self.truth_skipped),
         ]));
-        found
+        findings::ranked(one_model(found))
     }
 
     /// Why there is no error although there is a truth.
@@ -59,6 +76,17 @@ impl Report {
             ended,
         })
     }
+}
+
+/// Of position and velocity the one that the model predicts worse.
+fn one_model(mut found: Vec<Finding>) -> Vec<Finding> {
+    let factor = |of: &Finding| match of {
+        Finding::OptimisticModel { factor } => Some(*factor),
+        _ => None,
+    };
+    let worst = found.iter().filter_map(factor).fold(0.0, f64::max);
+    found.retain(|of| factor(of).is_none_or(|factor| factor >= worst));
+    found
 }
 
 impl NavigateError {

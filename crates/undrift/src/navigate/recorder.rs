@@ -16,7 +16,7 @@ use undrift_io::{
     write::{SolutionFile, solution::SolutionRow},
 };
 use undrift_nav::{
-    Vector3,
+    Quaternion, Vector3,
     attitude::to_rpy,
     covariance::{AXES, NAV},
     filter::Update,
@@ -125,7 +125,9 @@ impl Recorder {
             for sample in drive.open_imu()? {
                 path.add(&sample?, |node| {
                     let (error, std) = (node.sensor_error, node.sensor_error_std);
-                    self.record(&node.nav, node.nav_std, error, std).map(drop)
+                    let attitude = (node.nav.q_nb * node.q_bv, node.vehicle_std);
+                    let (nav, nav_std) = of_vehicle(&node.nav, node.nav_std, attitude);
+                    self.record(&nav, nav_std, error, std).map(drop)
                 })?;
             }
         }
@@ -194,9 +196,10 @@ impl Observer for Recorder {
             self.outputs.begin(filter.nav().time);
             return Ok(());
         }
+        let (nav, nav_std) = of_vehicle(filter.nav(), filter.nav_std(), filter.vehicle_attitude());
         let truth = self.record(
-            filter.nav(),
-            filter.nav_std(),
+            &nav,
+            nav_std,
             filter.sensor_error(),
             filter.sensor_error_std(),
         )?;
@@ -223,6 +226,16 @@ impl Observer for Recorder {
             recording.fix(time, updates);
         }
     }
+}
+
+/// State and standard deviations with the attitude of the vehicle's axes and its standard deviations.
+fn of_vehicle(
+    nav: &NavState,
+    mut nav_std: [f64; NAV],
+    (q_nv, std): (Quaternion, [f64; 3]),
+) -> (NavState, [f64; NAV]) {
+    nav_std[6..].copy_from_slice(&std);
+    (NavState { q_nb: q_nv, ..*nav }, nav_std)
 }
 
 /// The solution at an instant: state, standard deviations as of [`Estimator::nav_std`], and sensor errors,

@@ -10,9 +10,10 @@ pub struct DriftCurve<'a> {
     pub points: Vec<(f64, f64)>,
 }
 
-/// The RMS drift over the outages of a model run, at the times its first outage was sampled.
+/// The RMS drift over the outages of a model run, at the times the first one was sampled.
 pub fn drift_curve(run: &ModelRun) -> DriftCurve<'_> {
-    let outages = &run.errors.per_outage;
+    // Those that began before the solution come first.
+    let outages = &run.errors.per_outage[run.errors.left_out..];
     let times: Vec<f64> = outages
         .first()
         .map_or(Vec::new(), |o| o.drift.iter().map(|p| p.0).collect());

@@ -2,7 +2,7 @@
 
 use crate::{
     findings::Finding,
-    reference::Errors,
+    reference::{Coverage, Errors},
     replay::{ReplayError, Summary},
 };
 
@@ -15,6 +15,10 @@ pub struct OutageErrors {
     pub max: Errors,
     /// Error at its end.
     pub end: Errors,
+    /// Predicted standard deviations at its end.
+    pub sigma: Errors,
+    /// Normalised error squared at its end per degree of freedom, of [`crate::reference::GROUPS`].
+    pub nees: [f64; 3],
     /// Horizontal error against time since the cut: pairs of \[s\] and \[m\], at most about ten a second.
     pub drift: Vec<(f64, f64)>,
 }
@@ -30,6 +34,13 @@ pub struct ModelErrors {
     pub median: Errors,
     /// Root mean square over the outages of the error at the end.
     pub end_rms: Errors,
+    /// Mean over the outages of the normalised error squared at the end per degree of freedom, of
+    /// [`crate::reference::GROUPS`].
+    pub nees: [f64; 3],
+    /// How many errors inside the outages the predicted standard deviations cover.
+    pub coverage: Coverage,
+    /// Outages that began before the solution did: they count in none of these.
+    pub left_out: usize,
     /// Outage by outage.
     pub per_outage: Vec<OutageErrors>,
     /// Set when the numbers cannot be trusted, and why.

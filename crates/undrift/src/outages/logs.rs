@@ -9,10 +9,12 @@ use super::{
 use crate::{
     drive::Drive,
     findings::{self, Finding, Log},
+    fixes::{self, FixStudy},
     mounting::Mounting,
-    navigate::{NavigateError, resolve_mounting, scalars, settings},
+    navigate::{NavigateError, resolve_mounting, scalars, settings, tell},
     replay::{Measurement, Outage, ReplayError, merge},
     results::{self, Outages},
+    settings::EngineSettings,
 };
 use std::path::Path;
 use undrift_io::{imu::GapSummary, scalar::ScalarReader, skipped::Skipped};
@@ -34,6 +36,8 @@ pub struct Logs {
     pub gnss: Vec<GnssFix>,
     /// Fixes, wheel speeds and heights in order of time.
     pub aiding: Vec<Measurement>,
+    /// What the fixes show of themselves.
+    study: Option<FixStudy>,
     /// The reference; empty if there is none.
     pub truth: Vec<TruthSample>,
     skipped: Vec<(Log, Skipped)>,
@@ -70,6 +74,11 @@ impl Logs {
             truth = reader.by_ref().collect::<Result<Vec<_>, _>>()?;
             skipped.push((Log::Truth, reader.skipped().clone()));
         }
+        let of_engine = EngineSettings::default();
+        let applied = gnss
+            .iter()
+            .map(|fix| drive.quality.apply(fix, &of_engine.quality));
+        let study = fixes::study(applied, &of_engine.fix_study);
         let health = |reader: Option<ScalarReader>| reader.map(|r| (r.skipped().clone(), r.gaps()));
         Ok(Self {
             drive,
@@ -77,6 +86,7 @@ impl Logs {
             imu,
             gnss,
             aiding,
+            study,
             truth,
             skipped,
             odometer: health(odometer),
@@ -121,6 +131,7 @@ impl Logs {
             .iter()
             .map(|kind| {
                 let mut settings = settings(&self.drive, *kind)?;
+                tell(&mut settings, &self.drive, self.study.as_ref());
                 settings.outages = cuts.to_vec();
                 settings.nodes = smooth.then_some(NODE_SPAN);
                 Ok((kind.name().to_owned(), settings))
@@ -149,6 +160,9 @@ impl Logs {
         let mut runs = results.iter().filter_map(|(_, run)| run.as_ref().ok());
         if let Some(run) = runs.next() {
             let s = &run.summary;
+            if let Some(study) = &self.study {
+                found.extend(findings::of_fixes(study, &study.errors));
+            }
             found.extend(findings::of_health(s));
             // Among several, what one model disagrees with says nothing of the log.
             if runs.next().is_none() {
@@ -164,11 +178,18 @@ impl Logs {
                 }
             }
         }
+        let ran = results
+            .iter()
+            .filter_map(|(model, run)| Some((model, run.as_ref().ok()?)));
+        let models: Vec<_> = ran
+            .map(|(model, run)| (model.as_str(), &run.errors))
+            .collect();
+        found.extend(findings::of_drift(&models));
         let failed = results.iter().find_map(|(_, run)| run.as_ref().err());
         found.extend(failed.into_iter().flat_map(ReplayError::findings));
         let logs: Vec<_> = self.skipped.iter().map(|(log, s)| (*log, s)).collect();
         found.extend(findings::of_skipped(&logs));
-        found
+        findings::ranked(found)
     }
 
     /// The experiment as a result; `file` is the drive file.

@@ -5,9 +5,11 @@ use super::{
     errors::{self, ModelOutcome, ModelRun},
 };
 use crate::{
+    reference::GROUPS,
     replay::Outage,
     results::{
-        Cut, Drift, ModelErrors, NisOfParts, Number, OutageErrors, Outages, SCHEMA, Track, VERSION,
+        Cut, Drift, ModelErrors, NisOfParts, Number, Numbers, OutageErrors, Outages, SCHEMA, Track,
+        VERSION,
     },
     series::{ROWS, Thinned, to_digits, to_millimetre, to_millisecond},
 };
@@ -53,17 +55,37 @@ impl From<&errors::ModelErrors> for ModelErrors {
             start_s: outage.start_s.into(),
             max: outage.max.numbers(),
             end: outage.end.numbers(),
+            sigma: outage.sigma.numbers(),
+            nees: by_group(&outage.nees),
         };
         Self {
             max: errors.max.numbers(),
             rms: errors.rms.numbers(),
             median: errors.median.numbers(),
             end_rms: errors.end_rms.numbers(),
+            nees: by_group(&errors.nees),
+            inside_sigma: GROUPS
+                .iter()
+                .enumerate()
+                .filter_map(|(group, (name, _))| {
+                    let shares = errors.coverage.shares(group)?;
+                    Some(((*name).to_owned(), shares.map(Number)))
+                })
+                .collect(),
+            left_out: errors.left_out as u64,
             per_outage: errors.per_outage.iter().map(outage).collect(),
             finding: errors.finding.clone(),
             warning: None,
         }
     }
+}
+
+fn by_group(values: &[f64; 3]) -> Numbers {
+    let named = GROUPS.iter().zip(values);
+    let known = named.filter(|(_, value)| value.is_finite());
+    known
+        .map(|((name, _), value)| ((*name).to_owned(), Number(*value)))
+        .collect()
 }
 
 fn drift(run: &ModelRun) -> Drift {

@@ -4,12 +4,15 @@ use super::errors::{ModelErrors, ModelOutcome, ModelRun, OutageErrors};
 use crate::{
     estimator::{Adjoint, Estimator, STAMP_ROUNDING},
     findings::Finding,
-    reference::{self, Errors, HORIZONTAL, TruthCursor},
+    reference::{self, Coverage, Errors, HORIZONTAL, Predicted, TruthCursor},
     replay::{Measurement, Observer, ReplayError, Settings, Summary, replay},
     smooth::{self, History},
 };
 use rayon::prelude::*;
-use undrift_nav::sample::{GnssFix, ImuSample, TruthSample};
+use undrift_nav::{
+    mechanisation::NavState,
+    sample::{GnssFix, ImuSample, TruthSample},
+};
 
 /// Samples from one report of progress to the next.
 const PROGRESS_EVERY: usize = 4096;
@@ -55,6 +58,11 @@ fn run_model(
         &mut aiding.iter().copied().map(Ok),
         &settings,
     )?;
+    settings.doubts = smooth::doubts(
+        &mut imu.iter().copied().map(Ok),
+        &mut aiding.iter().copied().map(Ok),
+        &settings,
+    )?;
     let mut watch = OutageWatch::new(&settings, truth);
     if settings.nodes.is_some() {
         watch.history = Some(History::new()?);
@@ -75,6 +83,7 @@ struct OutageWatch<'a> {
     truth: Option<TruthCursor<std::iter::Copied<std::slice::Iter<'a, TruthSample>>>>,
     present: usize,
     outages: Vec<OutageErrors>,
+    coverage: Coverage,
     /// With smoothing: the nodes, and which of them lie in an outage, with the fix withheld there.
     history: Option<History>,
     inside: Vec<(usize, usize, Option<GnssFix>)>,
@@ -93,6 +102,8 @@ impl<'a> OutageWatch<'a> {
                 start_s: o.start,
                 max: Errors::UNKNOWN,
                 end: Errors::UNKNOWN,
+                sigma: Errors::UNKNOWN,
+                nees: [f64::NAN; 3],
                 drift: Vec::new(),
             })
             .collect();
@@ -101,6 +112,7 @@ impl<'a> OutageWatch<'a> {
             truth: (!truth.is_empty()).then(|| TruthCursor::new(truth.iter().copied())),
             present: 0,
             outages,
+            coverage: Coverage::default(),
             history: None,
             inside: Vec::new(),
             withheld: None,
@@ -116,10 +128,15 @@ impl<'a> OutageWatch<'a> {
         (self.present < all.len() && all[self.present].contains(time)).then_some(self.present)
     }
 
-    fn note(&mut self, outage: usize, time: f64, errors: Errors) {
+    /// Notes errors inside an outage, with the covariance that the solution gives them.
+    fn note(&mut self, outage: usize, nav: &NavState, errors: Errors, predicted: &Predicted) {
         let o = &mut self.outages[outage];
         o.max = o.max.max_abs(errors);
         o.end = errors;
+        o.sigma = predicted.std(&nav.q_nb);
+        o.nees = predicted.nees(&nav.q_nb, &errors);
+        self.coverage.add(&errors, &o.sigma);
+        let time = nav.time;
         let since = time - o.start_s;
         if o.drift
             .last()
@@ -143,35 +160,39 @@ impl<'a> OutageWatch<'a> {
         for (index, outage, fix) in std::mem::take(&mut self.inside) {
             let node = &smoothed.nodes[index];
             let time = node.nav.time;
-            let errors = match (&mut self.truth, fix) {
-                (Some(truth), _) => truth.at(time).map(|t| Errors::against_truth(&node.nav, &t)),
+            let seen = match (&mut self.truth, fix) {
+                (Some(truth), _) => truth
+                    .at(time)
+                    .map(|t| (Errors::against_truth(&node.nav, &t), node.predicted)),
                 (None, Some(fix)) => {
                     let (position, velocity) = smoothed.antenna(node, &self.settings.lever_arm);
-                    Some(Errors::of_antenna(&position, &velocity, &fix))
+                    let errors = Errors::of_antenna(&position, &velocity, &fix);
+                    Some((errors, node.predicted.against_fix(&fix)))
                 }
                 _ => None,
             };
-            if let Some(errors) = errors {
-                self.note(outage, time, errors);
+            if let Some((errors, predicted)) = seen {
+                self.note(outage, &node.nav, errors, &predicted);
             }
         }
         Ok(())
     }
 
     fn finish(self, summary: &Summary) -> ModelErrors {
-        // A solution that ended early has no error to show for the outages after its end.
-        let per_outage = self.outages;
-        let largest: Vec<Errors> = per_outage.iter().map(|o| o.max).collect();
-        let ends: Vec<Errors> = per_outage.iter().map(|o| o.end).collect();
-        let empty = per_outage
-            .iter()
-            .filter(|o| o.end.0[HORIZONTAL].is_nan())
-            .count();
+        // A solution that ended early has no error to show for the outages after its end; one that began
+        // late is judged by the outages after its start.
+        let began = |o: &&OutageErrors| summary.started.is_none_or(|time| o.start_s >= time);
+        let counted: Vec<&OutageErrors> = self.outages.iter().filter(began).collect();
+        let largest: Vec<Errors> = counted.iter().map(|o| o.max).collect();
+        let ends: Vec<Errors> = counted.iter().map(|o| o.end).collect();
+        let nees = std::array::from_fn(|group| {
+            counted.iter().map(|o| o.nees[group]).sum::<f64>() / counted.len() as f64
+        });
+        let left_out = self.outages.len() - counted.len();
+        let empty = ends.iter().filter(|e| e.0[HORIZONTAL].is_nan()).count();
         let finding = match (summary.diverged, summary.started) {
             (Some(time), _) => Some(Finding::Diverged { time }),
-            (None, Some(time)) if empty > 0 && per_outage.iter().any(|o| o.start_s < time) => {
-                Some(Finding::StartedLate { time })
-            }
+            (None, Some(time)) if left_out > 0 => Some(Finding::StartedLate { time }),
             _ if empty > 0 => Some(Finding::NoReference { outages: empty }),
             _ => summary
                 .suspect
@@ -182,7 +203,10 @@ impl<'a> OutageWatch<'a> {
             rms: reference::rms(&largest),
             median: reference::median(&largest),
             end_rms: reference::rms(&ends),
-            per_outage,
+            nees,
+            coverage: self.coverage,
+            left_out,
+            per_outage: self.outages,
             finding,
         }
     }
@@ -196,7 +220,8 @@ impl Observer for OutageWatch<'_> {
             && let Some(outage) = self.outage_at(time)
             && let Some(truth) = self.truth.as_mut().and_then(|t| t.at(time))
         {
-            self.note(outage, time, Errors::against_truth(filter.nav(), &truth));
+            let errors = Errors::against_truth(filter.nav(), &truth);
+            self.note(outage, filter.nav(), errors, &Predicted::of(filter));
         }
         Ok(())
     }
@@ -209,7 +234,8 @@ impl Observer for OutageWatch<'_> {
             && let Some(outage) = self.outage_at(fix.time)
         {
             let errors = Errors::against_fix(filter, fix, &self.settings.lever_arm);
-            self.note(outage, fix.time, errors);
+            let predicted = Predicted::of(filter).against_fix(fix);
+            self.note(outage, filter.nav(), errors, &predicted);
         }
     }
 

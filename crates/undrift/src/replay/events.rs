@@ -58,6 +58,20 @@ pub struct Contradiction {
     pub gave_way: bool,
 }
 
+/// Samples of an axis that could not be right and were replaced.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SampleFault {
+    /// 0 to 2 for the gyros x, y, z of the sensor, 3 to 5 for the accelerometers.
+    pub axis: usize,
+    /// Time of the first sample \[s\].
+    pub start: f64,
+    /// Time of the last \[s\].
+    pub end: f64,
+    /// Whether the axis repeated a value; else it was a spike.
+    pub stuck: bool,
+}
+
 /// The solution was to be aligned again.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -155,4 +169,16 @@ pub enum FixMend {
     MillimetresPerSecond,
     /// Latitude and longitude are in radians, not in degrees.
     PositionInRadians,
+}
+
+/// A span in which the course contradicts the heading.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct HeadingOff {
+    /// When it was seen first \[s\].
+    pub start: f64,
+    /// When it was seen last \[s\].
+    pub end: f64,
+    /// Course less heading, beyond what is usual, at most \[rad\].
+    pub angle: f64,
 }

@@ -107,7 +107,7 @@ impl FixGate {
         let unit = self.usual().max(1.0) * 3.0;
         let weaken = self.set.weaken * unit;
         let reject = if unconfirmed {
-            weaken
+            self.set.reject_unconfirmed * unit
         } else {
             self.set.reject * unit
         };

@@ -2,6 +2,7 @@
 
 pub use undrift_nav::sample::Scalar;
 
+use super::events::Part;
 use std::collections::VecDeque;
 use undrift_nav::sample::GnssFix;
 
@@ -48,12 +49,74 @@ pub fn merge<E>(
     })
 }
 
-/// A merged stream given out by when each measurement holds: fixes by their stamps and an offset
+/// By how much fixes hold later than their stamps \[s\], as estimated so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Latency {
+    /// Of the whole fix, or of its position.
+    pub(super) position: f64,
+    /// Of its velocity, where that has its own: the two parts are then measurements of their own.
+    pub(super) velocity: Option<f64>,
+}
+
+/// A measurement that is due, and which part of it where that is not all of it.
+pub(super) type Due = (Measurement, Option<Part>);
+
+/// A merged stream given out by when each measurement holds: fixes by their stamps and latencies
 /// that may change.
 pub(super) struct Queue<I: Iterator> {
     stream: std::iter::Peekable<std::iter::Fuse<I>>,
     fixes: VecDeque<GnssFix>,
+    /// Fixes of which the other part was given out.
+    positions: VecDeque<GnssFix>,
+    velocities: VecDeque<GnssFix>,
     others: VecDeque<Measurement>,
+    repeats: Repeats,
+}
+
+/// Tells fixes that repeat the one before.
+#[derive(Default)]
+pub(crate) struct Repeats {
+    /// The last fix that did not repeat the one before.
+    last: Option<GnssFix>,
+    /// Whether its position was another one than that before.
+    moved: bool,
+    count: u64,
+}
+
+/// A receiver does not come upon the same numbers twice: a fix equal to one so short a time before \[s\] is that one,
+/// held by whoever wrote the log.
+const REPEATED: f64 = 2.0;
+/// … unless it stands [m/s].
+const STANDS: f64 = 0.1;
+
+impl Repeats {
+    /// Whether a fix is the one before again.
+    pub(crate) fn is(&mut self, fix: &GnssFix) -> bool {
+        let again = self.last.is_some_and(|last| {
+            let position = last.position.map(|p| p.0) == fix.position.map(|p| p.0);
+            let velocity = last.velocity.map(|v| v.0) == fix.velocity.map(|v| v.0);
+            let moves = fix.velocity.map_or(self.moved, |(v, _)| v.norm() > STANDS);
+            fix.position.is_some()
+                && position
+                && velocity
+                && moves
+                && fix.time - last.time < REPEATED
+        });
+        if !again {
+            let positions = self
+                .last
+                .and_then(|last| Some((last.position?.0, fix.position?.0)));
+            self.moved = positions.is_some_and(|(a, b)| a != b);
+            self.last = Some(*fix);
+        }
+        self.count += u64::from(again);
+        again
+    }
+
+    /// How many did so far.
+    pub(crate) fn count(&self) -> u64 {
+        self.count
+    }
 }
 
 impl<E, I: Iterator<Item = Result<Measurement, E>>> Queue<I> {
@@ -61,34 +124,71 @@ impl<E, I: Iterator<Item = Result<Measurement, E>>> Queue<I> {
         Self {
             stream: stream.fuse().peekable(),
             fixes: VecDeque::new(),
+            positions: VecDeque::new(),
+            velocities: VecDeque::new(),
             others: VecDeque::new(),
+            repeats: Repeats::default(),
         }
     }
 
-    /// The next measurement that holds at `time` \[s\] or before, where fixes hold `offset` \[s\] after
-    /// their stamps.
-    pub(super) fn next_until(&mut self, time: f64, offset: f64) -> Option<Result<Measurement, E>> {
-        let ahead = time - offset.min(0.0);
+    /// The next measurement that holds at `time` \[s\] or before.
+    pub(super) fn next_until(&mut self, time: f64, latency: Latency) -> Option<Result<Due, E>> {
+        let earliest = latency.velocity.unwrap_or(0.0).min(latency.position);
+        let ahead = time - earliest.min(0.0);
         while let Some(next) = self
             .stream
             .next_if(|m| m.as_ref().map_or(true, |m| m.time() <= ahead))
         {
             match next {
+                Ok(Measurement::Gnss(fix)) if self.repeats.is(&fix) => {}
                 Ok(Measurement::Gnss(fix)) => self.fixes.push_back(fix),
                 Ok(other) => self.others.push_back(other),
-                error => return Some(error),
+                Err(error) => return Some(Err(error)),
             }
         }
-        let fix = self.fixes.front().map(|fix| fix.time + offset);
-        let other = self.others.front().map(Measurement::time);
-        let fix_first = fix.is_some_and(|fix| other.is_none_or(|other| fix <= other));
-        if fix_first && fix <= Some(time) {
-            self.fixes.pop_front().map(|fix| Ok(Measurement::Gnss(fix)))
-        } else if !fix_first && other <= Some(time) {
-            self.others.pop_front().map(Ok)
-        } else {
-            None
+        if latency.velocity.is_some() {
+            for fix in self.fixes.drain(..) {
+                if fix.position.is_some() || fix.velocity.is_none() {
+                    self.positions.push_back(fix);
+                }
+                if fix.velocity.is_some() {
+                    self.velocities.push_back(fix);
+                }
+            }
         }
+        let stamp = |fixes: &VecDeque<GnssFix>| fixes.front().map(|fix| fix.time);
+        let later = |stamp: Option<f64>, by: f64| stamp.map_or(f64::INFINITY, |time| time + by);
+        // What is left of the parts when a solution ends goes on as before.
+        let apart = latency.velocity.unwrap_or(latency.position);
+        let due = [
+            later(stamp(&self.fixes), latency.position),
+            later(stamp(&self.positions), latency.position),
+            later(stamp(&self.velocities), apart),
+            later(self.others.front().map(Measurement::time), 0.0),
+        ];
+        let first = (0..due.len()).min_by(|a, b| due[*a].total_cmp(&due[*b]))?;
+        if due[first] > time {
+            return None;
+        }
+        let part = |fix, part| (Measurement::Gnss(fix), part);
+        let next = match first {
+            0 => self.fixes.pop_front().map(|fix| part(fix, None)),
+            1 => {
+                let fix = self.positions.pop_front();
+                fix.map(|fix| part(fix, Some(Part::Position)))
+            }
+            2 => {
+                let fix = self.velocities.pop_front();
+                fix.map(|fix| part(fix, Some(Part::Velocity)))
+            }
+            _ => self.others.pop_front().map(|other| (other, None)),
+        };
+        next.map(Ok)
+    }
+
+    /// Fixes so far that were the one before again.
+    pub(super) fn repeated(&self) -> u64 {
+        self.repeats.count()
     }
 
     /// Time of the next fix, whenever it comes \[s\].
@@ -128,8 +228,12 @@ mod tests {
             let items = [fix(1.0), speed(1.1), speed(1.3), fix(2.0), speed(2.1)];
             let mut queue = Queue::new(items.into_iter());
             let mut seen = Vec::new();
+            let latency = Latency {
+                position: offset,
+                velocity: None,
+            };
             for time in [1.05, 1.2, 1.75, 9.0] {
-                while let Some(Ok(m)) = queue.next_until(time, offset) {
+                while let Some(Ok((m, _))) = queue.next_until(time, latency) {
                     seen.push(m.time());
                 }
                 seen.push(0.0);
@@ -139,6 +243,37 @@ mod tests {
         assert_eq!(order(0.0), [1.0, 0.0, 1.1, 0.0, 1.3, 0.0, 2.0, 2.1, 0.0]);
         assert_eq!(order(0.2), [0.0, 1.1, 1.0, 0.0, 1.3, 0.0, 2.1, 2.0, 0.0]);
         assert_eq!(order(-0.3), [1.0, 0.0, 1.1, 0.0, 1.3, 2.0, 0.0, 2.1, 0.0]);
+    }
+
+    #[test]
+    fn parts_of_a_fix_hold_at_their_own_times() {
+        let fix = |time| {
+            Ok::<_, ()>(Measurement::Gnss(GnssFix {
+                time,
+                position: Some((
+                    undrift_nav::sample::Position::Geodetic(Default::default()),
+                    undrift_nav::Matrix3::identity(),
+                )),
+                velocity: Some((Default::default(), undrift_nav::Matrix3::identity())),
+                quality: Default::default(),
+            }))
+        };
+        let mut queue = Queue::new([fix(1.0), fix(2.0)].into_iter());
+        let latency = Latency {
+            position: 0.2,
+            velocity: Some(-0.1),
+        };
+        let mut next = |time: f64| {
+            let due = queue.next_until(time, latency);
+            due.map(|due| due.map(|(m, part)| (m.time(), part)))
+        };
+        assert_eq!(next(0.85), None);
+        assert_eq!(next(0.95), Some(Ok((1.0, Some(Part::Velocity)))));
+        assert_eq!(next(1.15), None);
+        assert_eq!(next(5.0), Some(Ok((1.0, Some(Part::Position)))));
+        assert_eq!(next(5.0), Some(Ok((2.0, Some(Part::Velocity)))));
+        assert_eq!(next(5.0), Some(Ok((2.0, Some(Part::Position)))));
+        assert_eq!(next(5.0), None);
     }
 
     #[test]

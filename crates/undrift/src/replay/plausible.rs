@@ -11,6 +11,7 @@ mod turns;
 use super::events::Implausible;
 use crate::{
     align::Heading,
+    derived::Positions,
     settings::{PlausibilitySettings, replay::Settings, within},
 };
 use moves::Moves;
@@ -36,6 +37,7 @@ pub(super) struct Plausible {
     sound: u32,
     turns: Turns,
     moves: Moves,
+    positions: Positions,
 }
 
 impl Plausible {
@@ -51,6 +53,7 @@ impl Plausible {
             sound: 0,
             turns: Turns::new(set),
             moves: Moves::new(set),
+            positions: Positions::new(settings.engine.derived_velocity),
         }
     }
 
@@ -78,6 +81,9 @@ impl Plausible {
             let variance = r.fixed_view::<2, 2>(0, 0).trace() / 2.0;
             self.turns.velocity(fix.time, velocity, variance);
             self.moves.fix(fix, velocity);
+        } else if let Some(derived) = self.positions.add(fix) {
+            let variance = derived.covariance.fixed_view::<2, 2>(0, 0).trace() / 2.0;
+            self.turns.velocity(derived.time, &derived.v_n, variance);
         }
     }
 

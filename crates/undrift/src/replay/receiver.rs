@@ -2,15 +2,16 @@
 
 use super::{
     events::Part,
+    fading::Fading,
     gate::{FixGate, Scale, Verdict},
-    summary::Summary,
+    summary::{MOST_EVENTS, Summary},
     watch::LeanWatch,
 };
 use crate::{
     estimator::{Aiding, Estimator},
     settings::{
         EngineSettings,
-        replay::{GnssUse, Settings},
+        replay::{Doubt, GnssUse, Settings},
     },
 };
 use undrift_nav::{
@@ -30,6 +31,7 @@ struct Channel {
     part: Part,
     gate: FixGate,
     scale: Scale,
+    fading: Fading,
     lean: LeanWatch,
 }
 
@@ -52,6 +54,7 @@ impl<'a> Receiver<'a> {
             part,
             gate: FixGate::new(part, time, settings.gate),
             scale: Scale::new(settings.adapt),
+            fading: Fading::new(settings.fading),
             lean: LeanWatch::new(part, settings.watch),
         };
         Self {
@@ -97,11 +100,12 @@ impl<'a> Receiver<'a> {
     }
 
     /// Updates the filter, which stands at or after the time `due` \[s\] at which the fix holds, with its
-    /// position and velocity.
+    /// position and velocity, or with one of them.
     pub(super) fn update(
         &mut self,
         filter: &mut dyn Estimator,
         fix: &GnssFix,
+        part: Option<Part>,
         due: f64,
         settings: &Settings,
         summary: &mut Summary,
@@ -113,22 +117,28 @@ impl<'a> Receiver<'a> {
         let open = !settings.gating
             || self.position.gate.is_senseless()
             || self.velocity.gate.is_senseless();
-        let frozen = settings.gating && self.is_frozen(filter, fix, &lever_arm);
-        if self.frozen && !frozen {
-            self.position.gate.unconfirm();
-            self.velocity.gate.unconfirm();
+        if part != Some(Part::Velocity) {
+            let frozen = settings.gating && self.is_frozen(filter, fix, &lever_arm);
+            if self.frozen && !frozen {
+                self.position.gate.unconfirm();
+                self.velocity.gate.unconfirm();
+            }
+            self.frozen = frozen;
         }
-        self.frozen = frozen;
+        let frozen = self.frozen;
         if let Some((position, r)) = fix.position
             && settings.gnss_use != GnssUse::Velocity
+            && part != Some(Part::Velocity)
         {
+            let (white, correlated) = settings.fix_errors.split(&r);
             let offer = Offer {
                 aiding: Aiding::Position {
                     position,
                     lever_arm,
+                    correlated,
                     due,
                 },
-                stated: r,
+                stated: white,
                 time: fix.time,
                 open,
                 frozen,
@@ -144,10 +154,13 @@ impl<'a> Receiver<'a> {
         }
         if let Some((v_n, r)) = fix.velocity
             && with_velocity
+            && part != Some(Part::Position)
         {
+            let (white, correlated) = settings.fix_errors.split_velocity(&r);
             let aiding = Aiding::Velocity {
                 v_n,
                 lever_arm,
+                correlated,
                 due,
             };
             if let Some(innovation) = filter.innovation(&aiding) {
@@ -158,7 +171,7 @@ impl<'a> Receiver<'a> {
             let frozen = frozen && (held || v_n.norm() < 0.5 * filter.nav().v_n.norm());
             let offer = Offer {
                 aiding,
-                stated: r,
+                stated: white,
                 time: fix.time,
                 open,
                 frozen,
@@ -193,6 +206,11 @@ impl<'a> Receiver<'a> {
         let moved = velocity.norm() * (fix.time - since);
         velocity.norm() > set.frozen_speed + set.frozen_sigmas * unsure
             && moved > set.frozen_sigmas * r.fixed_view::<2, 2>(0, 0).trace().sqrt()
+    }
+
+    /// Whether the receiver repeats itself while the solution moves.
+    pub(super) fn repeats(&self) -> bool {
+        self.frozen
     }
 
     /// Whether position and velocity have both given way to fixes again and again.
@@ -267,6 +285,15 @@ impl Channel {
                     let tilt = (velocity / (STANDARD_GRAVITY * duration))
                         .min(settings.engine.receiver.most_tilt);
                     filter.doubt(position, velocity, tilt);
+                    if velocity > 0.0 && summary.doubts.len() < MOST_EVENTS {
+                        summary.doubts.push(Doubt {
+                            start: time - duration,
+                            end: time,
+                            position,
+                            velocity,
+                            tilt,
+                        });
+                    }
                     self.gate.give_way(time, &innovation, summary);
                 }
             }
@@ -280,6 +307,12 @@ impl Channel {
         }
         if settings.adapt {
             self.scale.learn(&update);
+        } else if settings.gating {
+            let factor = self.fading.factor(&update, settings.fix_errors.known);
+            if factor > 1.0 && filter.nav_std()[8] < settings.engine.fading.most_heading {
+                filter.fade(factor);
+                summary.faded += 1;
+            }
         }
         self.lean.add(time, &innovation, &update, summary);
         match self.part {

@@ -1,9 +1,11 @@
 //! The state of a replay between samples, and what a sample and a fix do to it.
 
 use super::{
-    events::{Restart, RestartCause},
+    course::CourseWatch,
+    events::{Part, Restart, RestartCause},
     health::CovarianceHealth,
-    measurement::{Measurement, Queue},
+    inertial::{Checked, Inertial},
+    measurement::{Latency, Measurement, Queue},
     observer::{Measurements, NotAligned, Observer, ReplayError},
     plausible::Plausible,
     receiver::Receiver,
@@ -19,8 +21,12 @@ use crate::{
 };
 use undrift_nav::{
     filter::{FilterError, Outcome, Update},
+    parameters::Parameter,
     sample::{GnssFix, ImuSample},
 };
+
+/// Prior standard deviations beyond which an estimated parameter is remarked on.
+const FAR: f64 = 5.0;
 
 /// The state of a replay between samples.
 pub(super) struct Run<'a> {
@@ -33,7 +39,9 @@ pub(super) struct Run<'a> {
     receiver: Receiver<'a>,
     streak: Streak,
     plausible: Plausible,
+    course: CourseWatch,
     vehicle: Vehicle,
+    inertial: Inertial,
 }
 
 /// The alignment that goes on: the first one, or another one beside or after a solution.
@@ -52,8 +60,32 @@ struct Log {
     /// Fixes within the samples.
     fixes: u64,
     previous: Option<ImuSample>,
-    /// Time of the last fix that was used or withheld \[s\].
+    /// Time of the last fix that was used or withheld \[s\], and of the last one that was so with its velocity.
     last_fix: Option<f64>,
+    last_velocity: Option<f64>,
+}
+
+impl Log {
+    /// Notes a fix, or a part of it, that was used or withheld; when the one before was.
+    fn shown(&mut self, time: f64, with_velocity: bool) -> Option<f64> {
+        if with_velocity {
+            self.last_velocity = Some(time);
+        }
+        // The parts of two fixes may come in turns.
+        let before = self.last_fix;
+        self.last_fix = Some(before.map_or(time, |before| before.max(time)));
+        before
+    }
+}
+
+/// Whether this part of a fix stands for the whole of it where fixes are counted.
+fn begins(fix: &GnssFix, part: Option<Part>) -> bool {
+    part != Some(Part::Velocity) || fix.position.is_none()
+}
+
+/// Whether this part of a fix tells all that it does of the velocity.
+fn tells_velocity(fix: &GnssFix, part: Option<Part>) -> bool {
+    part != Some(Part::Position) || fix.velocity.is_none()
 }
 
 impl<'a> Run<'a> {
@@ -70,7 +102,9 @@ impl<'a> Run<'a> {
             receiver: Receiver::new(f64::NEG_INFINITY, &settings.engine),
             streak: Streak::new(settings.engine.watch),
             plausible: Plausible::new(settings),
+            course: CourseWatch::new(settings.engine.course),
             vehicle: Vehicle::new(settings),
+            inertial: Inertial::new(settings.rotation, settings.engine.samples),
         }
     }
 
@@ -79,10 +113,31 @@ impl<'a> Run<'a> {
         self.summary.diverged.is_some()
     }
 
+    /// Takes in a sample; the one before it, replaced where it cannot be right.
+    pub(super) fn check(&mut self, sample: ImuSample) -> Option<Checked> {
+        let moves = self.moves();
+        self.inertial.next(sample, moves, &mut self.summary)
+    }
+
+    /// The last sample, if there is one that was not given out.
+    pub(super) fn check_last(&mut self) -> Option<Checked> {
+        if self.has_ended() {
+            return None;
+        }
+        let moves = self.moves();
+        self.inertial.last(moves, &mut self.summary)
+    }
+
+    /// Whether the solution moves by more than walking pace.
+    fn moves(&self) -> bool {
+        let solution = self.solution.as_ref();
+        solution.is_some_and(|solution| solution.filter.nav().v_n.norm() > 1.0)
+    }
+
     /// A sample, and the measurements up to its end.
     pub(super) fn sample(
         &mut self,
-        sample: ImuSample,
+        Checked { sample, doubt }: Checked,
         aiding: &mut Queue<&mut Measurements>,
         observer: &mut dyn Observer,
     ) -> Result<(), ReplayError> {
@@ -90,8 +145,8 @@ impl<'a> Run<'a> {
         if self.log.first_sample.is_none() || broken_off {
             self.log.first_sample.get_or_insert(sample.time);
             let start = sample.time - sample.dt - STAMP_ROUNDING;
-            while let Some(before) = aiding.next_until(start, 0.0) {
-                if let Measurement::Gnss(fix) = before? {
+            while let Some(before) = aiding.next_until(start, Latency::default()) {
+                if let (Measurement::Gnss(fix), _) = before? {
                     self.log.first_fix.get_or_insert(fix.time);
                     self.summary.fixes_before += 1;
                 }
@@ -100,13 +155,16 @@ impl<'a> Run<'a> {
         self.plausible.sample(&sample);
         self.begin(&sample);
         let end = sample.time + STAMP_ROUNDING;
-        while let Some(measurement) = aiding.next_until(end, self.fix_offset()) {
-            match measurement? {
+        while let Some(due) = aiding.next_until(end, self.latency()) {
+            let (measurement, part) = due?;
+            match measurement {
                 Measurement::Gnss(fix) => {
                     self.log.first_fix.get_or_insert(fix.time);
-                    self.log.fixes += 1;
-                    self.plausible.fix(&fix);
-                    self.fix(&fix, &sample, observer)?;
+                    if begins(&fix, part) {
+                        self.log.fixes += 1;
+                        self.plausible.fix(&fix);
+                    }
+                    self.fix(&fix, part, &sample, observer)?;
                 }
                 Measurement::Odometer(speed) => {
                     if let Some(solution) = &mut self.solution {
@@ -123,6 +181,10 @@ impl<'a> Run<'a> {
                 return Ok(());
             }
         }
+        if let (Some([turn, velocity]), Some(solution)) = (doubt, &mut self.solution) {
+            solution.advance_to(sample.time);
+            solution.filter.widen(&turn, &velocity);
+        }
         self.finish(&sample, observer)
     }
 
@@ -133,6 +195,7 @@ impl<'a> Run<'a> {
         observer: &mut dyn Observer,
     ) -> Result<Summary, ReplayError> {
         self.summary.implausible = self.plausible.findings();
+        self.summary.repeated = aiding.repeated();
         if self.has_ended() {
             return Ok(self.summary);
         }
@@ -159,9 +222,19 @@ impl<'a> Run<'a> {
             return Ok(self.summary);
         };
         self.summary.covariance = Some(CovarianceHealth::of(&**filter));
-        for (kind, ..) in filter.parameters().blocks() {
+        for (kind, _, prior) in filter.parameters().blocks() {
             if let Some((value, std)) = filter.parameter(kind) {
                 let n = kind.width();
+                let furthest = value[..n]
+                    .iter()
+                    .copied()
+                    .max_by(|a, b| a.abs().total_cmp(&b.abs()));
+                let far = furthest.filter(|value| value.abs() > FAR * prior.std);
+                let of_fixes = [Parameter::PositionError, Parameter::VelocityError];
+                let far = far.filter(|_| !of_fixes.contains(&kind));
+                self.summary
+                    .far
+                    .extend(far.map(|value| (kind, value, value.abs() / prior.std)));
                 let (value, std) = (value[..n].to_vec(), std[..n].to_vec());
                 self.summary.parameters.push((kind, value, std));
             }
@@ -169,9 +242,10 @@ impl<'a> Run<'a> {
         Ok(self.summary)
     }
 
-    /// By how much fixes hold later than their stamps, as estimated \[s\].
-    fn fix_offset(&self) -> f64 {
-        self.solution.as_ref().map_or(0.0, Solution::fix_offset)
+    /// By how much fixes hold later than their stamps, as estimated.
+    fn latency(&self) -> Latency {
+        let solution = self.solution.as_ref();
+        solution.map_or(Latency::default(), Solution::latency)
     }
 
     /// The solution is not one any more: it ends here, and another one begins as soon as it is aligned.
@@ -272,10 +346,11 @@ impl<'a> Run<'a> {
             }
         }
         self.alignment.again = false;
-        self.log.last_fix = Some(fix.time);
+        self.log.shown(fix.time, true);
         observer.used(fix.time);
         self.streak = Streak::new(self.settings.engine.watch);
         self.receiver.forget_solution(fix.time, &mut self.summary);
+        self.course = CourseWatch::new(self.settings.engine.course);
         let solution = self
             .solution
             .insert(Solution::new(aligned.filter, self.settings.engine.gaps));
@@ -288,53 +363,67 @@ impl<'a> Run<'a> {
         Ok(true)
     }
 
-    /// A fix within the present sample.
+    /// A fix within the present sample, or a part of it.
     fn fix(
         &mut self,
         fix: &GnssFix,
+        part: Option<Part>,
         sample: &ImuSample,
         observer: &mut dyn Observer,
     ) -> Result<(), ReplayError> {
         let withheld = self.settings.outages.iter().any(|o| o.contains(fix.time));
-        let fix = &self
-            .settings
-            .quality
-            .apply(fix, &self.settings.engine.quality);
+        let settings = self.settings;
+        let fix = &settings.quality.apply(fix, &settings.engine.quality);
+        let fix = &settings.fix_errors.apply(fix);
+        let begins = begins(fix, part);
         if self.solution.is_none() && withheld {
-            self.summary.withheld += 1;
+            self.summary.withheld += u64::from(begins);
             return Ok(());
         }
-        if (self.solution.is_none() || self.alignment.again)
-            && !withheld
-            && self.align(fix, sample, observer)?
-        {
-            return Ok(());
+        let latency = self.latency();
+        let due = fix.time
+            + match part {
+                Some(Part::Velocity) => latency.velocity.unwrap_or(latency.position),
+                _ => latency.position,
+            };
+        if (self.solution.is_none() || self.alignment.again) && begins && !withheld {
+            // A solution before this one says when it holds: within this sample.
+            let held = GnssFix { time: due, ..*fix };
+            if self.align(&held, sample, observer)? {
+                return Ok(());
+            }
         }
-        let due = fix.time + self.fix_offset();
         let Some(solution) = &mut self.solution else {
-            self.summary.fixes_before += 1;
+            self.summary.fixes_before += u64::from(begins);
             return Ok(());
         };
         solution.advance_to(due);
         if !withheld {
             solution.grow_to(due);
         }
-        observer.fix(&*solution.filter, fix, withheld);
+        if begins {
+            observer.fix(&*solution.filter, fix, withheld);
+        }
         if withheld {
-            self.summary.withheld += 1;
+            self.summary.withheld += u64::from(begins);
             // An outage is no fault of the receiver's.
-            self.log.last_fix = Some(fix.time);
+            self.log.shown(fix.time, tells_velocity(fix, part));
             return solution.node(self.settings.nodes, observer);
         }
         let filter = &mut *solution.filter;
-        let updates = self
-            .receiver
-            .update(filter, fix, due, self.settings, &mut self.summary);
-        self.vehicle.fix(filter, fix, self.settings);
+        let updates =
+            self.receiver
+                .update(filter, fix, part, due, self.settings, &mut self.summary);
+        if tells_velocity(fix, part) {
+            self.vehicle.fix(filter, fix, self.settings);
+            if self.settings.gating && !self.receiver.repeats() {
+                self.course.fix(filter, fix, &mut self.summary);
+            }
+        }
         let done = updates.each_ref();
         observer.updated(fix.time, done.map(|u| u.as_ref()?.as_ref().ok().copied()));
         let diverged = filter.check().is_err();
-        self.note_updates(fix.time, updates, observer);
+        self.note_updates(fix, part, updates, observer);
         if diverged {
             self.give_up(fix.time);
         } else if self.settings.gating && self.settings.restart {
@@ -353,10 +442,12 @@ impl<'a> Run<'a> {
     /// Notes what became of a fix.
     fn note_updates(
         &mut self,
-        time: f64,
+        fix: &GnssFix,
+        part: Option<Part>,
         updates: [Option<Result<Update, FilterError>>; 2],
         observer: &mut dyn Observer,
     ) {
+        let time = fix.time;
         let mut used = false;
         for update in updates.into_iter().flatten() {
             match update {
@@ -369,9 +460,9 @@ impl<'a> Run<'a> {
             }
         }
         if used {
-            self.summary.fixes += 1;
+            self.summary.fixes += u64::from(begins(fix, part));
             observer.used(time);
-            if let Some(last) = self.log.last_fix.replace(time) {
+            if let Some(last) = self.log.shown(time, tells_velocity(fix, part)) {
                 self.summary.without_gnss(last, time);
             }
         }
@@ -387,10 +478,19 @@ impl<'a> Run<'a> {
         self.summary.ended = sample.time;
         if let Some(solution) = &mut self.solution {
             solution.end_sample(sample.time);
+            for doubt in &self.settings.doubts {
+                let span = sample.time.min(doubt.end) - (sample.time - sample.dt).max(doubt.start);
+                if span > 0.0 {
+                    let share = (span / (doubt.end - doubt.start)).sqrt();
+                    let [position, velocity, tilt] =
+                        [doubt.position, doubt.velocity, doubt.tilt].map(|std| std * share);
+                    solution.filter.doubt(position, velocity, tilt);
+                }
+            }
             self.vehicle.end_sample(
                 &mut *solution.filter,
                 sample,
-                self.log.last_fix,
+                self.log.last_velocity,
                 self.settings,
                 &mut self.summary,
                 observer,

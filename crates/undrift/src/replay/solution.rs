@@ -2,6 +2,7 @@
 
 use super::{
     bridge::Bridge,
+    measurement::Latency,
     observer::{Observer, ReplayError},
     summary::Summary,
 };
@@ -10,6 +11,9 @@ use crate::{
     settings::GapSettings,
 };
 use undrift_nav::{parameters::Parameter, sample::ImuSample};
+
+/// A time offset of so many standard deviations of what may be expected is no offset, but what the sensors are wrong by.
+const MOST_LATE: f64 = 10.0;
 
 pub(super) struct Solution {
     pub(super) filter: Box<dyn Estimator>,
@@ -30,10 +34,17 @@ impl Solution {
         }
     }
 
-    /// By how much fixes hold later than their stamps, as estimated \[s\].
-    pub(super) fn fix_offset(&self) -> f64 {
-        let offset = self.filter.parameter(Parameter::TimeOffset);
-        offset.map_or(0.0, |(value, _)| value[0])
+    /// By how much fixes hold later than their stamps, as estimated within [`MOST_LATE`].
+    pub(super) fn latency(&self) -> Latency {
+        let offset = |kind| {
+            let (value, _) = self.filter.parameter(kind)?;
+            let most = MOST_LATE * self.filter.parameters().prior(kind)?.std;
+            Some(value[0].clamp(-most, most))
+        };
+        Latency {
+            position: offset(Parameter::TimeOffset).unwrap_or(0.0),
+            velocity: offset(Parameter::VelocityTimeOffset),
+        }
     }
 
     /// Takes up a sample, bridged where samples are missing before it; `interval` is the usual one \[s\].

@@ -2,9 +2,9 @@
 
 use super::{
     CovarianceHealth,
-    events::{Contradiction, Implausible, Lean, Restart},
+    events::{Contradiction, HeadingOff, Implausible, Lean, Restart, SampleFault},
 };
-use crate::align::Alignment;
+use crate::{align::Alignment, settings::replay::Doubt};
 use serde::{Deserialize, Serialize};
 use undrift_nav::{
     Vector3,
@@ -94,6 +94,8 @@ pub struct Summary {
     pub fixes_before: u64,
     /// Fixes that could not be used because their covariance is not one.
     pub bad_fixes: u64,
+    /// Fixes that were the one before again, held by whoever wrote the log: not used.
+    pub repeated: u64,
     /// Position updates.
     pub position: Innovations,
     /// Velocity updates.
@@ -114,6 +116,8 @@ pub struct Summary {
     pub more_contradictions: u64,
     /// Spans in which innovations leaned to one side; the first [`MOST_EVENTS`].
     pub leans: Vec<Lean>,
+    /// Samples that could not be right and were replaced; the first [`MOST_EVENTS`] runs of them.
+    pub sample_faults: Vec<SampleFault>,
     /// When and why the solution was aligned again.
     pub restarts: Vec<Restart>,
     /// Mean factors on the stated standard deviations of position and velocity, where they were adapted.
@@ -130,6 +134,15 @@ pub struct Summary {
     pub longest_without_gnss: (f64, f64),
     /// Units, axes, signs or times that cannot be right.
     pub implausible: Vec<Implausible>,
+    /// Where the solution gave way to fixes that contradict its velocity or both of its parts; the first
+    /// [`MOST_EVENTS`].
+    pub doubts: Vec<Doubt>,
+    /// Parameters that ended far from what was known of them: estimate, and prior standard deviations that it is off.
+    pub far: Vec<(Parameter, f64, f64)>,
+    /// Updates after which the covariance was made larger, because innovations were larger than it predicts.
+    pub faded: u64,
+    /// Where the course has contradicted the heading; the first [`MOST_EVENTS`].
+    pub heading_off: Vec<HeadingOff>,
     /// When the solution diverged, if it did and was not re-initialised \[s\].
     pub diverged: Option<f64>,
     /// The covariance at the end, if there is a solution.
@@ -162,6 +175,60 @@ impl Summary {
     pub(super) fn long_gap(&mut self, start: f64, length: f64) {
         let (count, first, longest) = self.long_gaps.unwrap_or((0, start, 0.0));
         self.long_gaps = Some((count + 1, first, longest.max(length)));
+    }
+
+    /// Notes a sample replaced between its neighbours.
+    pub(super) fn spike(&mut self, axis: usize, time: f64) {
+        if self.sample_faults.len() < MOST_EVENTS {
+            self.sample_faults.push(SampleFault {
+                axis,
+                start: time,
+                end: time,
+                stuck: false,
+            });
+        }
+    }
+
+    /// Whether nothing was noted of an axis that has been stuck since `since` \[s\].
+    pub(super) fn is_new_fault(&self, axis: usize, since: f64) -> bool {
+        let same = |fault: &&SampleFault| fault.stuck && fault.axis == axis;
+        let last = self.sample_faults.iter().rev().find(same);
+        last.is_none_or(|last| last.start != since)
+    }
+
+    /// Notes that an axis has been stuck from `since` to `time` \[s\].
+    pub(super) fn stuck(&mut self, axis: usize, since: f64, time: f64) {
+        let room = self.sample_faults.len() < MOST_EVENTS;
+        let same = |fault: &&mut SampleFault| fault.stuck && fault.axis == axis;
+        match self.sample_faults.iter_mut().rev().find(same) {
+            Some(last) if last.start == since => last.end = time,
+            _ if room => self.sample_faults.push(SampleFault {
+                axis,
+                start: since,
+                end: time,
+                stuck: true,
+            }),
+            _ => {}
+        }
+    }
+
+    /// Notes a heading that the course contradicts, for the first time or still.
+    pub(super) fn heading_off(&mut self, time: f64, angle: f64, goes_on: bool) {
+        let room = self.heading_off.len() < MOST_EVENTS;
+        match self.heading_off.last_mut() {
+            Some(last) if goes_on => {
+                last.end = time;
+                if angle.abs() > last.angle.abs() {
+                    last.angle = angle;
+                }
+            }
+            _ if room => self.heading_off.push(HeadingOff {
+                start: time,
+                end: time,
+                angle,
+            }),
+            _ => {}
+        }
     }
 
     /// Notes a span without a fix.

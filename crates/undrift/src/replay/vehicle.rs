@@ -8,6 +8,7 @@ use super::{
     summary::Summary,
 };
 use crate::{
+    derived::Positions,
     estimator::{Aiding, Estimator},
     settings::{ConstraintSettings, replay::Settings},
     vehicle::NonHolonomic,
@@ -24,6 +25,7 @@ pub(super) struct Vehicle {
     /// Time of the last fix, and the least and greatest speed over ground that it leaves possible.
     last_speed: Option<(f64, (f64, f64))>,
     last_constraint: f64,
+    positions: Positions,
 }
 
 /// Noise of one standard deviation.
@@ -49,6 +51,7 @@ impl Vehicle {
             rest: RestDetector::new(&settings.sensors, settings.engine.rest),
             last_speed: None,
             last_constraint: f64::NEG_INFINITY,
+            positions: Positions::new(settings.engine.derived_velocity),
         }
     }
 
@@ -83,6 +86,14 @@ impl Vehicle {
     /// A fix that was shown to the filter: its speed, and its course where that is the heading.
     pub(super) fn fix(&mut self, filter: &mut dyn Estimator, fix: &GnssFix, settings: &Settings) {
         let Some((v_n, covariance)) = &fix.velocity else {
+            let least = self.positions.add(fix).map(|derived| {
+                let error = derived.covariance.fixed_view::<2, 2>(0, 0).trace().sqrt();
+                let braking = settings.engine.derived_velocity.braking * (fix.time - derived.time);
+                (derived.v_n.xy().norm() - 2.0 * error - braking).max(0.0)
+            });
+            // That it stands now, positions tell too late; of too few nothing is known.
+            let least = least.unwrap_or(settings.engine.rest.moves);
+            self.last_speed = Some((fix.time, (least, f64::INFINITY)));
             return;
         };
         let error = covariance.fixed_view::<2, 2>(0, 0).trace().sqrt();
@@ -97,12 +108,13 @@ impl Vehicle {
         }
     }
 
-    /// What the vehicle cannot do, at the end of a sample; `last_fix` is the time of the last fix used \[s\].
+    /// What the vehicle cannot do, at the end of a sample; `last_velocity` is the time of the last fix used
+    /// with its velocity \[s\].
     pub(super) fn end_sample(
         &mut self,
         filter: &mut dyn Estimator,
         sample: &ImuSample,
-        last_fix: Option<f64>,
+        last_velocity: Option<f64>,
         settings: &Settings,
         summary: &mut Summary,
         observer: &mut dyn Observer,
@@ -111,7 +123,7 @@ impl Vehicle {
         if constraints.zero_velocity.is_some() || constraints.zero_angular_rate.is_some() {
             let speed = self.last_speed.filter(|(time, _)| {
                 sample.time - time < settings.engine.constraints.speed_holds
-                    && last_fix == Some(*time)
+                    && last_velocity == Some(*time)
             });
             let block = self.rest.add(
                 sample,

@@ -63,6 +63,14 @@ pub struct ModelErrors {
     pub median: Numbers,
     /// Root mean square over the outages of the error at the end.
     pub end_rms: Numbers,
+    /// Mean over the outages of the normalised error squared at the end per degree of freedom, 1 when the
+    /// covariance is right: of position, velocity and attitude.
+    pub nees: Numbers,
+    /// Shares of the errors inside one, two and three predicted standard deviations, of position, velocity and
+    /// attitude.
+    pub inside_sigma: BTreeMap<String, [Number; 3]>,
+    /// Outages that began before the solution did; they count in none of these.
+    pub left_out: u64,
     /// Outage by outage.
     pub per_outage: Vec<OutageErrors>,
     /// Why the numbers cannot be trusted, if so.
@@ -84,6 +92,10 @@ pub struct OutageErrors {
     pub max: Numbers,
     /// Error at its end.
     pub end: Numbers,
+    /// Predicted standard deviations at its end.
+    pub sigma: Numbers,
+    /// Normalised error squared at its end per degree of freedom, of position, velocity and attitude.
+    pub nees: Numbers,
 }
 
 /// NIS per degree of freedom, 1 when the model is right.

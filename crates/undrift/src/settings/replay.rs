@@ -1,8 +1,10 @@
 //! How a log is navigated.
 
-use super::{EngineSettings, quality::QualityStd};
+use super::{EngineSettings, fix_errors::FixErrors, quality::QualityStd};
 use crate::{align::settings::AlignSettings, estimator::STAMP_ROUNDING, vehicle::Constraints};
-use undrift_nav::{Vector3, covariance::AXES, parameters::Parameters, shaping::ShapingFilter};
+use undrift_nav::{
+    Matrix3, Vector3, covariance::AXES, parameters::Parameters, shaping::ShapingFilter,
+};
 
 /// Half-open span of time without GNSS: fixes after `start` up to and including `end` are withheld.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,11 +22,29 @@ impl Outage {
     }
 }
 
+/// A span over which the solution may have gone wrong, as one pass over the log has found, by so much at its
+/// end: one sigma of each axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Doubt {
+    /// Time of the last fix that agreed with the solution \[s\].
+    pub start: f64,
+    /// Time of the fix that the solution gave way to \[s\].
+    pub end: f64,
+    /// Of the position \[m\].
+    pub position: f64,
+    /// Of the velocity [m/s].
+    pub velocity: f64,
+    /// Of the tilt \[rad\].
+    pub tilt: f64,
+}
+
 /// How a log is navigated.
 #[derive(Clone, Debug)]
 pub struct Settings {
     /// Noise models of gyro x, y, z and accelerometer x, y, z at the log's sample interval.
     pub sensors: [ShapingFilter; AXES],
+    /// From the sensor's own axes to the body's: what an axis of the sensor does wrong is looked for there.
+    pub rotation: Matrix3,
     /// IMU → antenna, body axes \[m\].
     pub lever_arm: Vector3,
     /// Which parts of a fix are used. Alignment takes the position in any case.
@@ -45,11 +65,16 @@ pub struct Settings {
     pub adapt: bool,
     /// How the kind of solution bears on the standard deviation of a position.
     pub quality: QualityStd,
+    /// What the fixes are wrong by beyond what they state.
+    pub fix_errors: FixErrors,
     /// Longest span between two nodes that a smoother is told of \[s\]; without it, none.
     pub nodes: Option<f64>,
     /// What the first attitude, sensor states and parameters after alignment are off by, as a smoother
     /// has found in a run before: taken out before navigation begins.
     pub start: Option<Vec<f64>>,
+    /// Where a pass before has found the solution to go wrong: the covariance grows over these spans, in place of
+    /// at the one instant at which that was found.
+    pub doubts: Vec<Doubt>,
     /// Limits and time constants of alignment and replay.
     pub engine: EngineSettings,
 }
@@ -60,6 +85,7 @@ impl Settings {
     pub fn new(sensors: [ShapingFilter; AXES]) -> Self {
         Self {
             sensors,
+            rotation: Matrix3::identity(),
             lever_arm: Vector3::zeros(),
             gnss_use: GnssUse::Both,
             align: AlignSettings::default(),
@@ -70,8 +96,10 @@ impl Settings {
             restart: true,
             adapt: false,
             quality: QualityStd::AsStated,
+            fix_errors: FixErrors::default(),
             nodes: None,
             start: None,
+            doubts: Vec::new(),
             engine: EngineSettings::default(),
         }
     }

@@ -4,6 +4,7 @@ mod alignment;
 mod architecture;
 mod epochs;
 mod faults;
+mod fix_study;
 mod mechanisation;
 mod montecarlo;
 mod prose;

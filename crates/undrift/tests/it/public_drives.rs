@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use undrift::{
     drive::Drive,
     io::ReadError,
-    navigate::{Wanted, navigate, resolve_mounting, settings},
+    navigate::{Wanted, navigate, resolve_mounting, settings, study, tell},
     noise::BiasModel,
     outages::{self, ModelErrors, Schedule},
     reference::HORIZONTAL,
@@ -45,6 +45,9 @@ fn cut(drive: &Drive, models: &[BiasModel], plan: &Schedule, length: f64) -> Vec
         .iter()
         .map(|kind| {
             let mut settings = settings(drive, *kind).unwrap();
+            let fixes = gnss.iter().copied().map(Ok::<_, ReadError>);
+            let study = study(drive, &settings, fixes).unwrap();
+            tell(&mut settings, drive, study.as_ref());
             settings.outages = cuts.clone();
             (kind.name().to_owned(), settings)
         })
@@ -104,8 +107,9 @@ fn navego_outages() {
         "white, constants removed, N/E/D {:.1} {:.1} {:.1} m",
         white[0], white[1], white[2]
     );
+    // Less than eight times: the covariance of a filter that knows no drift grows with its innovations.
     assert!(
-        white[0] > 8.0 * arma[0] && white[1] > 8.0 * arma[1],
+        white[0] > 6.0 * arma[0] && white[1] > 6.0 * arma[1],
         "{white:?}"
     );
 }
@@ -132,23 +136,23 @@ fn rtk_drive_outages() {
     let Some(drive) = example("rtk-drive.toml", &data("rtk-drive")) else {
         return;
     };
-    let plan = Schedule::Every {
-        start: 40.0,
-        every: 30.0,
-        count: Some(16),
-    };
-    let result = cut(
-        &drive,
-        &[BiasModel::Arma, BiasModel::RandomWalk],
-        &plan,
-        10.0,
-    );
-    let best = result
-        .iter()
-        .map(|m| m.rms.0[HORIZONTAL])
-        .fold(f64::INFINITY, f64::min);
-    println!("RMS of the largest horizontal error {best:.2} m");
-    assert!(best < 3.9, "{best}");
+    // Where the cuts fall moves the figure of one start between 2.9 and 4.1 m.
+    let squares: Vec<f64> = [40.0, 43.0, 51.0, 57.0, 63.0]
+        .into_iter()
+        .flat_map(|start| {
+            let plan = Schedule::Every {
+                start,
+                every: 30.0,
+                count: Some(16),
+            };
+            let result = cut(&drive, &[BiasModel::RandomWalk], &plan, 10.0);
+            let largest = result[0].per_outage.iter().map(|o| o.max.0[HORIZONTAL]);
+            largest.map(|e| e * e).collect::<Vec<_>>()
+        })
+        .collect();
+    let rms = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
+    println!("RMS of the largest horizontal error, five starts: {rms:.2} m");
+    assert!(rms < 3.5, "{rms}");
 }
 
 #[test]

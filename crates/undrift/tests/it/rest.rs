@@ -205,7 +205,7 @@ fn public_drives() {
             "ublox-drives.toml",
             &format!("ublox-drives/{drive}"),
             None,
-            [0.98, 0.98, 0.93],
+            [0.98, 0.98, 0.91],
         );
     }
 }

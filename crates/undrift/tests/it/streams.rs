@@ -59,7 +59,11 @@ fn drive(seed: u64) -> Drive {
 /// The GNSS cut for 60 s from each start on, with the logs given beside it.
 fn run(drive: &Drive, starts: &[f64], odometer: bool, barometer: bool) -> ModelRun {
     let mut parameters = Parameters::none();
-    let prior = |std, walk| Prior { std, walk };
+    let prior = |std, walk| Prior {
+        std,
+        walk,
+        ..Prior::default()
+    };
     if odometer {
         parameters = parameters.with(Parameter::OdometerScale, prior(0.03, 0.0));
     }

@@ -111,10 +111,18 @@ fn noise_of_none_or_of_everything() {
         case.put("imu.toml", model(value).as_bytes());
         let outcome = case.run(&strict);
         assert_eq!(outcome.code, Some(3), "{value} {}", outcome.stderr);
-        says(&outcome.stderr, &["far beyond their predicted size"]);
+        says(
+            &outcome.stderr,
+            &["GyroScale", "standard deviations from what was known"],
+        );
     }
     case.put("imu.toml", model("1e6").as_bytes());
     let outcome = case.run(&strict);
-    assert_eq!(outcome.code, Some(1));
-    says(&outcome.stderr, &["the solution diverged at"]);
+    // Nothing is predicted: a solution of which that is said, or none.
+    assert!(matches!(outcome.code, Some(1 | 3)), "{}", outcome.stderr);
+    assert!(
+        !outcome.stdout.starts_with("usable\n"),
+        "{}",
+        outcome.stdout
+    );
 }

@@ -94,7 +94,7 @@ fn a_lever_arm_that_is_wrong() {
     let mut log = good();
     log.set("[truth]", "lever_arm = \"10, 0, 0 m\"\n[truth]");
     log.write("lever_wrong")
-        .doubted(&["far beyond their predicted size"]);
+        .doubted(&["times as large as predicted", "the lever arm"]);
 }
 
 #[test]

@@ -37,7 +37,7 @@ fn both_are_used_and_their_errors_found() {
         &[
             "odometer: ",
             "barometer: ",
-            "OdometerScale [0.0099]",
+            "OdometerScale [0.009",
             "BarometerBias [4",
         ],
     );

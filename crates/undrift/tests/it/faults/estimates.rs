@@ -62,6 +62,7 @@ fn time_offset() -> Parameters {
     let prior = Prior {
         std: 0.2,
         walk: 0.0,
+        ..Prior::default()
     };
     Parameters::none().with(Parameter::TimeOffset, prior)
 }
@@ -154,6 +155,7 @@ fn a_wrong_lever_arm_is_estimated() {
             Prior {
                 std: 0.5,
                 walk: 0.0,
+                ..Prior::default()
             },
         );
         let (_, summary) = navigate(&log, &log.gnss);

@@ -39,7 +39,8 @@ fn gross_outliers() {
             summary.position.rejected
         );
         assert!((drift / nominal - 1.0).abs() < 0.1, "{drift} {nominal}");
-        assert!(rms < 0.02 && distance < 0.5, "{rms} {distance}");
+        // The rest is what fifty fixes fewer make of the latencies, at 10 m/s.
+        assert!(rms < 0.06 && distance < 0.5, "{rms} {distance}");
     }
 }
 

@@ -7,13 +7,14 @@ fn a_diverged_solution_begins_anew() {
     let Some(mut log) = rtk_drive() else { return };
     let (clean, _) = navigate(&log, &log.gnss);
     let start = log.gnss[0].time;
-    // A sample that is no motion.
+    // Two samples that are no motion; one alone would be replaced by its neighbours.
     let k = log.imu.iter().position(|s| s.time > start + 200.0).unwrap();
-    let sample = log.imu[k];
+    let samples = [log.imu[k], log.imu[k + 1]];
     log.imu[k].dvel.x = 1e6;
+    log.imu[k + 1].dvel.x = 2e6;
     let (track, summary) = navigate(&log, &log.gnss);
     let restart = &summary.restarts[0];
-    println!("one absurd sample: {:?}", summary.restarts);
+    println!("two absurd samples: {:?}", summary.restarts);
     assert!(restart.time < start + 201.0);
     if let Some(resumed) = restart.resumed {
         let (distance, angle, _) = apart(&track, &clean, resumed + 60.0);
@@ -21,7 +22,7 @@ fn a_diverged_solution_begins_anew() {
         assert!(distance < 1.0);
     }
     // A gyro that reads 30 deg/s too much for twenty seconds.
-    log.imu[k] = sample;
+    log.imu[k..k + 2].copy_from_slice(&samples);
     for sample in &mut log.imu[k..k + 2000] {
         sample.dtheta.z += 0.5 * sample.dt;
     }
@@ -29,11 +30,15 @@ fn a_diverged_solution_begins_anew() {
     let end = log.gnss[log.gnss.len() - 1].time;
     let (distance, angle, _) = apart(&track, &clean, end - 30.0);
     println!(
-        "a gyro gone wild: {:?}; suspect {:?}; {} spans left out; at the end {distance:.3} m, {angle:.3} deg",
+        "a gyro gone wild: {:?}; suspect {:?}; heading {:?}; faded {}; {} spans left out; at the end {distance:.3} m, {angle:.3} deg",
         summary.restarts,
         summary.suspect,
+        summary.heading_off,
+        summary.faded,
         summary.contradictions.len()
     );
-    assert!(!summary.restarts.is_empty() || summary.suspect.is_some());
+    let mut courses = summary.heading_off.iter();
+    let course = courses.any(|off| off.start > start + 200.0 && off.start < start + 260.0);
+    assert!(!summary.restarts.is_empty() || summary.suspect.is_some() || course);
     assert!(distance < 5.0);
 }

@@ -1,0 +1,196 @@
+//! What fixes show of themselves, where it is known what they are wrong by: an S-shaped drive with errors of the kinds
+//! that receivers have, PCG-like generator xoshiro256++ with the seeds given.
+
+use rand::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use undrift::{
+    fixes::{FixStudy, study},
+    settings::FixStudySettings,
+};
+use undrift_nav::{
+    Matrix3, Vector3,
+    earth::Geodetic,
+    sample::{FixQuality, GnssFix, Position},
+};
+
+/// Errors of the fixes; everything in SI units.
+struct Errors {
+    rate: f64,
+    seconds: f64,
+    white: f64,
+    correlated: (f64, f64),
+    stated: f64,
+    jitter: f64,
+    step: f64,
+    late: f64,
+    bias: f64,
+    hold: usize,
+}
+
+const CLEAN: Errors = Errors {
+    rate: 4.0,
+    seconds: 1200.0,
+    white: 0.5,
+    correlated: (0.0, 1.0),
+    stated: 0.5,
+    jitter: 0.0,
+    step: 0.0,
+    late: 0.0,
+    bias: 0.0,
+    hold: 1,
+};
+
+/// Place and velocity at a time: a speed that changes, on a road that winds.
+fn motion(t: f64) -> (Vector3, Vector3) {
+    let speed = |t: f64| 12.0 + 5.0 * (t / 9.0).sin();
+    let course = |t: f64| 1.2 * (t / 23.0).sin() + t / 300.0;
+    let velocity = |t: f64| Vector3::new(course(t).cos(), course(t).sin(), 0.0) * speed(t);
+    // Simpson's rule from the last whole second on; whole seconds are summed once a call, which is quick enough.
+    let part = |a: f64, b: f64| {
+        (velocity(a) + velocity(0.5 * (a + b)) * 4.0 + velocity(b)) * ((b - a) / 6.0)
+    };
+    let whole = t.floor() as i64;
+    let sum: Vector3 = (0..whole).map(|k| part(k as f64, (k + 1) as f64)).sum();
+    (sum + part(whole as f64, t), velocity(t))
+}
+
+fn fixes(errors: &Errors, seed: u64) -> Vec<GnssFix> {
+    let mut generator = Xoshiro256PlusPlus::seed_from_u64(seed);
+    let mut normal = move || -> f64 { StandardNormal.sample(&mut generator) };
+    let origin = Geodetic::from_degrees(47.0, 8.0, 400.0);
+    let (sigma, tau) = errors.correlated;
+    let left = (-1.0 / (errors.rate * tau)).exp();
+    let mut correlated = Vector3::from_fn(|_, _| normal()) * sigma;
+    let mut fixes: Vec<GnssFix> = Vec::new();
+    for k in 0..(errors.seconds * errors.rate) as usize {
+        let time = k as f64 / errors.rate;
+        let drawn = Vector3::from_fn(|_, _| normal());
+        correlated = correlated * left + drawn * (sigma * (1.0 - left * left).sqrt());
+        let true_time = time + errors.jitter * normal();
+        let (place, _) = motion(true_time.max(0.0));
+        let (_, velocity) = motion((true_time - errors.late).max(0.0));
+        let white = Vector3::from_fn(|_, _| normal()) * errors.white;
+        let mut ned = place + correlated + white;
+        if errors.step > 0.0 {
+            ned = ned.map(|x| (x / errors.step).round() * errors.step);
+        }
+        let noise = Vector3::from_fn(|_, _| normal()) * 0.03;
+        let fix = GnssFix {
+            time,
+            position: Some((
+                Position::Baseline { base: origin, ned },
+                Matrix3::identity() * (errors.stated * errors.stated),
+            )),
+            velocity: Some((
+                velocity + noise + Vector3::x() * errors.bias,
+                Matrix3::identity() * (0.03 * 0.03),
+            )),
+            quality: FixQuality::Unknown,
+        };
+        fixes.push(match fixes.last() {
+            Some(last) if k % errors.hold != 0 => GnssFix { time, ..*last },
+            _ => fix,
+        });
+    }
+    fixes
+}
+
+fn studied(errors: &Errors, seed: u64) -> FixStudy {
+    study(fixes(errors, seed), &FixStudySettings::default()).expect("fixes enough")
+}
+
+#[test]
+fn fixes_that_are_as_they_state_are_left_alone() {
+    for seed in 1..=5 {
+        let seen = studied(&CLEAN, seed);
+        println!("seed {seed}: {seen:?}");
+        let errors = seen.errors;
+        assert_eq!((seen.interval, seen.repeated), (0.25, 0));
+        assert_eq!((errors.position_factor, errors.jitter), (1.0, 0.0));
+        assert_eq!(errors.step, Vector3::zeros());
+        assert_eq!(errors.velocity_bias, Vector3::zeros());
+        assert!(errors.correlated.is_none() && errors.known);
+    }
+}
+
+#[test]
+fn a_correlated_error_is_found_with_its_time() {
+    for (seed, (sigma, tau)) in (1..).zip([(5.0, 60.0), (2.0, 20.0), (1.0, 30.0), (5.0, 60.0)]) {
+        let errors = Errors {
+            white: 0.1 * sigma,
+            correlated: (sigma, tau),
+            stated: sigma,
+            seconds: 1800.0,
+            ..CLEAN
+        };
+        let found = studied(&errors, seed)
+            .errors
+            .correlated
+            .expect("correlated");
+        println!("σ {sigma} m, τ {tau} s: {found:?}");
+        assert!((0.9..=0.99).contains(&found.share), "{found:?}");
+        // Twice the time at which the differences have grown: a third of a decade either way for 30 to 90 spans.
+        let ratio = found.time / tau;
+        assert!((0.7..=4.0).contains(&ratio), "{found:?}");
+    }
+}
+
+#[test]
+fn white_noise_beyond_what_is_stated_is_measured() {
+    let errors = Errors {
+        white: 2.0,
+        stated: 0.1,
+        ..CLEAN
+    };
+    let factor = studied(&errors, 7).errors.position_factor;
+    // 4800 squares of the median: 3 %.
+    assert!((factor / 20.0 - 1.0).abs() < 0.05, "{factor}");
+}
+
+#[test]
+fn stamps_that_jitter_are_told_from_noise() {
+    let errors = Errors {
+        white: 0.02,
+        stated: 0.02,
+        jitter: 0.02,
+        ..CLEAN
+    };
+    let jitter = studied(&errors, 8).errors.jitter;
+    assert!((0.015..0.025).contains(&jitter), "{jitter}");
+}
+
+#[test]
+fn steps_repeats_latency_and_a_wrong_velocity_are_found() {
+    let steps = Errors {
+        white: 0.01,
+        stated: 0.02,
+        step: 1.0,
+        ..CLEAN
+    };
+    let step = studied(&steps, 9).errors.step;
+    assert!(
+        (step - Vector3::new(1.0, 1.0, 0.0)).xy().norm() < 1e-9,
+        "{step}"
+    );
+
+    let held = Errors { hold: 4, ..CLEAN };
+    let seen = studied(&held, 10);
+    assert_eq!((seen.interval, seen.repeated), (1.0, 3600));
+
+    let late = Errors {
+        late: 0.15,
+        white: 0.02,
+        stated: 0.02,
+        ..CLEAN
+    };
+    let (delay, error) = studied(&late, 11).velocity_late.expect("late");
+    assert!(
+        (delay - 0.15).abs() < 0.01 && error < 0.01,
+        "{delay} ± {error}"
+    );
+
+    let biased = Errors { bias: 0.5, ..CLEAN };
+    let bias = studied(&biased, 12).errors.velocity_bias;
+    assert!((bias - Vector3::x() * 0.5).norm() < 0.03, "{bias}");
+}
