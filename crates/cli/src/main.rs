@@ -18,6 +18,7 @@ mod setup;
 mod style;
 mod tables;
 mod terminal;
+mod tune;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;
@@ -67,6 +68,7 @@ enum Verb {
     Navigate(navigate::Arguments),
     Outages(outages::Arguments),
     Report(report::Arguments),
+    Tune(tune::Arguments),
     #[command(hide = true)]
     Completions(setup::Completions),
     #[command(hide = true)]
@@ -87,6 +89,7 @@ fn main() -> ExitCode {
         Verb::Navigate(arguments) => navigate::run(&arguments),
         Verb::Outages(arguments) => outages::run(&arguments),
         Verb::Report(arguments) => report::run(&arguments),
+        Verb::Tune(arguments) => tune::run(&arguments),
         Verb::Completions(arguments) => setup::completions(&arguments, Arguments::command()),
         Verb::Man(arguments) => setup::man(&arguments, Arguments::command()),
     };

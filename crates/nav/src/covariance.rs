@@ -444,7 +444,7 @@ impl Sensors {
 /// Runs `step` with vectors of four lanes where the processor has them. What is inlined into it is compiled
 /// once more for them: the same operations in the same order, none fused, hence the same numbers.
 #[inline(always)]
-fn four_lanes<T>(step: impl FnOnce() -> T) -> T {
+pub fn four_lanes<T>(step: impl FnOnce() -> T) -> T {
     #[cfg(all(feature = "simd", target_arch = "x86_64"))]
     if let Some(avx2) = pulp::x86::V3::try_new() {
         return avx2.vectorize(step);

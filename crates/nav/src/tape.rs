@@ -53,6 +53,19 @@ impl<const N: usize> Tape<N> {
         SMatrix::from_fn(|i, j| self.t[i][j])
     }
 
+    /// Of a span that begins with a correction of the attitude by `turn` \[rad\], as an update ends with one.
+    pub fn after(turn: &Vector3) -> Self {
+        let mut tape = Self::default();
+        let mut t = tape.transition();
+        turn_rows(&mut t, turn);
+        for i in 0..N {
+            for j in 0..N {
+                tape.t[i][j] = t[(i, j)];
+            }
+        }
+        tape
+    }
+
     /// Carries `λ` and `Λ` from the end of the span to its start.
     pub fn back(&self, lambda: &mut SVector<f64, N>, information: &mut SMatrix<f64, N, N>) {
         let t = self.transition();

@@ -19,6 +19,7 @@ mod report;
 mod simulate;
 mod stationarity;
 mod statistics;
+mod tune;
 
 #[pymodule]
 mod _undrift {
@@ -52,5 +53,6 @@ mod _undrift {
         statistics::{
             acf, detrend, jarque_bera, normality_tests, pacf, portmanteau, psd, spectral_lines,
         },
+        tune::tune,
     };
 }

@@ -3,6 +3,7 @@
 use super::{
     Block, Document, Section, fleet, identify, montecarlo, navigate, outages,
     parts::{Run, prefixed},
+    tune,
 };
 use std::path::PathBuf;
 use undrift::io::ReadError;
@@ -26,6 +27,7 @@ pub fn document(results: &[(PathBuf, Results)]) -> Document {
     versions.dedup();
     let (mut demos, mut identified, mut navigated) = (Vec::new(), Vec::new(), Vec::new());
     let (mut cut, mut fleets, mut simulated) = (Vec::new(), Vec::new(), Vec::new());
+    let mut tuned = Vec::new();
     for ((_, result), name) in results.iter().zip(names(results)) {
         match result {
             Results::Identify(one) => identified.push((name, one)),
@@ -34,6 +36,7 @@ pub fn document(results: &[(PathBuf, Results)]) -> Document {
             Results::MonteCarlo(one) => simulated.push((name, one)),
             Results::Demo(one) => demos.push((name, &**one)),
             Results::Fleet(one) => fleets.push((name, one)),
+            Results::Tune(one) => tuned.push((name, one)),
         }
     }
     let experiment = "The source paper's experiment, simulated";
@@ -46,6 +49,7 @@ pub fn document(results: &[(PathBuf, Results)]) -> Document {
             identified,
             identify::sections,
         ),
+        chapter("Noise in the vehicle", "Tuning", tuned, tune::sections),
         chapter("Navigation", "Navigation", navigated, navigate::sections),
         chapter("GNSS outages", "Outages", cut, outages::sections),
         chapter("Many logs", "Fleet", fleets, fleet::sections),
@@ -104,6 +108,7 @@ fn logs(result: &Results) -> Option<&str> {
         Results::Identify(identified) => &identified.record,
         Results::Navigate(navigated) => navigated.drive.file.as_ref()?,
         Results::Outages(cut) => cut.drive.file.as_ref()?,
+        Results::Tune(tuned) => tuned.drives.first()?.file.as_ref()?,
         _ => return None,
     };
     Some(name.as_str()).filter(|name| !name.is_empty())

@@ -182,8 +182,9 @@ pub fn drive_file(inspections: &[Inspection], home: &Path) -> String {
     let mut text = String::from(
         "# A starter drive file. What is marked \"guessed\" should be checked.\n\
          # All keys: docs/drive-file.md\n\n\
-         # Noise model of the IMU: a preset, or better the file that `undrift identify` writes\n\
-         # from a static recording of the sensor.\n\
+         # Noise model of the IMU at rest: a preset, or better the file that `undrift identify` writes\n\
+         # from a static recording of the sensor. `undrift tune` finds from this drive what it is in\n\
+         # the vehicle.\n\
          model = \"mpu6050\"\n",
     );
     for (table, needed) in [("imu", true), ("gnss", true), ("truth", false)] {

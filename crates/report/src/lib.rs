@@ -19,6 +19,7 @@ mod parts;
 mod plain;
 pub mod say;
 pub mod text;
+mod tune;
 
 pub use crate::figure::panel::{Axis, Panel, Series};
 pub use compare::{document, of_results};

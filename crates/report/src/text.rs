@@ -8,6 +8,7 @@ pub use crate::{
     montecarlo::plain as montecarlo,
     outages::plain as outages,
     plain::{Mark, unmarked},
+    tune::plain as tune,
 };
 pub use identify::{correlation_csv, identification, identify};
 pub use navigate::navigate;

@@ -40,6 +40,7 @@ pub(crate) use tables::{read_initial, read_switch};
 use crate::{
     align::AlignSettings,
     replay::{GnssUse, QualityStd},
+    settings::fix_errors::StdFactors,
     vehicle::Constraints,
 };
 use std::path::{Path, PathBuf};
@@ -91,6 +92,8 @@ pub struct Drive {
     pub quality: QualityStd,
     /// The time-correlated part of the position's error.
     pub correlation: Correlation,
+    /// Factors on the standard deviations of the two parts of the fixes' errors.
+    pub std_factors: StdFactors,
     /// Noise model of the IMU, if the file names one.
     pub model: Option<ImuModel>,
     /// Where its logs are.
@@ -167,6 +170,7 @@ impl Drive {
             adapt: tables::read_switch(&gnss, "adapt")?.unwrap_or(false),
             quality: gnss::read_quality(&gnss)?,
             correlation: gnss::read_correlation(&gnss)?,
+            std_factors: gnss::read_std_factors(&gnss)?,
             gnss: gnss::read_gnss(&gnss, &mut logs)?,
             truth: tables::read_truth(&top.section("truth")?, &mut logs)?,
             gnss_use,

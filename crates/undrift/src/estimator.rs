@@ -4,13 +4,14 @@
 //! [`Estimator`] only; nothing but this file knows the sizes.
 
 use nalgebra::{DMatrix, DMatrixView, DVector, SMatrix, SVector};
+use std::sync::mpsc::Sender;
 use undrift_nav::{
     Matrix3, Quaternion, Vector3,
     aiding::Observation,
     attitude,
     covariance::{AXES, NAV, Sensors},
     earth::Geodetic,
-    filter::{Filter, FilterError, Gate, InitialStd, Update},
+    filter::{Filter, FilterError, Gate, InitialStd, Outcome, Update},
     mechanisation::NavState,
     parameters::{Parameter, Parameters},
     sample::{ImuSample, Position},
@@ -65,6 +66,61 @@ pub enum Aiding {
     },
     /// Height by a barometer \[m\].
     Barometer(f64),
+}
+
+/// What an update belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Channel {
+    /// GNSS position.
+    Position,
+    /// GNSS velocity.
+    Velocity,
+    /// No velocity across the vehicle.
+    NonHolonomic,
+    /// Any other.
+    Other,
+}
+
+impl Aiding {
+    fn channel(&self) -> Channel {
+        match self {
+            Self::Position { .. } => Channel::Position,
+            Self::Velocity { .. } => Channel::Velocity,
+            Self::NonHolonomic(_) => Channel::NonHolonomic,
+            _ => Channel::Other,
+        }
+    }
+}
+
+/// What is written down of a filter's run ([`Estimator::log_to`]): with it the run can be done again under other
+/// noise, as a linear filter about the solution of this one.
+#[derive(Clone, Debug)]
+pub enum Logged {
+    /// Navigation began, at this time \[s\], with this covariance.
+    Start(f64, DMatrix<f64>),
+    /// An update was made.
+    Update(Box<LoggedUpdate>),
+}
+
+/// An update, and the way to it from the one before or the start.
+#[derive(Clone, Debug)]
+pub struct LoggedUpdate {
+    /// Time of the filter \[s\].
+    pub time: f64,
+    /// What was measured.
+    pub channel: Channel,
+    /// Transition of the error from after the update before.
+    pub transition: DMatrix<f64>,
+    /// Measurement matrix, a row for each component.
+    pub h: DMatrix<f64>,
+    /// Predicted less measured.
+    pub innovation: DVector<f64>,
+    /// Its covariance before weakening.
+    pub noise: DMatrix<f64>,
+    /// What the gate multiplied that by.
+    pub weakened: f64,
+    /// What was taken out of the solution.
+    pub correction: DVector<f64>,
 }
 
 /// What a smoother needs of a span of filtering ([`undrift_nav::tape`]).
@@ -193,6 +249,8 @@ pub trait Estimator: Send + Sync {
         correlated: &[Vector3; 2],
     );
 
+    /// From now on updates are written down there, until [`Estimator::record`] is called.
+    fn log_to(&mut self, log: Sender<Logged>);
     /// From now on what happens is recorded for [`Estimator::adjoint`].
     fn record(&mut self);
     /// What happened since [`Estimator::record`], if it was called.
@@ -232,13 +290,18 @@ fn sized<const N: usize>(
     parameters: Parameters,
 ) -> Result<Box<dyn Estimator>, FilterError> {
     let filter = Filter::<N>::new(nav, std, *sensors, parameters)?;
-    Ok(Box::new(Sized { filter, tape: None }))
+    Ok(Box::new(Sized {
+        filter,
+        tape: None,
+        log: None,
+    }))
 }
 
 struct Sized<const N: usize> {
     filter: Filter<N>,
-    /// Since the last call of `record`.
+    /// Since the last call of `record`, or since the last update that was logged.
     tape: Option<Box<Tape<N>>>,
+    log: Option<Sender<Logged>>,
 }
 
 /// A measurement as the filter takes it, by the number of its components.
@@ -299,15 +362,58 @@ impl<const N: usize> Sized<N> {
 
     fn take_in<const M: usize>(
         &mut self,
+        channel: Channel,
         observed: &Observation<M, N>,
         noise: &Matrix3,
         gate: &Gate,
     ) -> Result<Option<Update>, FilterError> {
         let r = noise.fixed_view::<M, M>(0, 0).into_owned();
+        if self.log.is_some() {
+            return self.take_in_logged(channel, observed, &r, gate).map(Some);
+        }
         let tape = self.tape.as_deref_mut();
         self.filter
             .update_recorded(observed, &r, gate, tape)
             .map(Some)
+    }
+
+    fn take_in_logged<const M: usize>(
+        &mut self,
+        channel: Channel,
+        observed: &Observation<M, N>,
+        r: &SMatrix<f64, M, M>,
+        gate: &Gate,
+    ) -> Result<Update, FilterError> {
+        let before = *self.filter.covariance();
+        let mut own = Tape::<N>::default();
+        let done = self
+            .filter
+            .update_recorded(observed, r, gate, Some(&mut own))?;
+        let factor = match done.outcome {
+            Outcome::Rejected => return Ok(done),
+            Outcome::Used => 1.0,
+            Outcome::Weakened(factor) => factor,
+        };
+        let correction = before * own.gradient;
+        let n = self.filter.states();
+        let turn = Vector3::new(correction[6], correction[7], correction[8]);
+        let tape = self.tape.replace(Box::new(Tape::after(&turn)));
+        let transition = tape.map_or_else(SMatrix::identity, |tape| tape.transition());
+        let update = LoggedUpdate {
+            time: self.filter.nav().time,
+            channel,
+            transition: DMatrix::from_fn(n, n, |i, j| transition[(i, j)]),
+            h: DMatrix::from_fn(M, n, |i, j| observed.h[(i, j)]),
+            innovation: DVector::from_column_slice(observed.innovation.as_slice()),
+            noise: DMatrix::from_fn(M, M, |i, j| r[(i, j)] + observed.extra[(i, j)]),
+            weakened: factor,
+            correction: DVector::from_fn(n, |i, _| correction[i]),
+        };
+        if let Some(log) = &self.log {
+            // Nobody listens any more: nor is it of use.
+            let _ = log.send(Logged::Update(Box::new(update)));
+        }
+        Ok(done)
     }
 }
 
@@ -418,11 +524,12 @@ impl<const N: usize> Estimator for Sized<N> {
         noise: &Matrix3,
         gate: &Gate,
     ) -> Result<Option<Update>, FilterError> {
+        let channel = aiding.channel();
         match self.observe(aiding) {
             None => Ok(None),
-            Some(Observed::One(observed)) => self.take_in(&observed, noise, gate),
-            Some(Observed::Two(observed)) => self.take_in(&observed, noise, gate),
-            Some(Observed::Three(observed)) => self.take_in(&observed, noise, gate),
+            Some(Observed::One(observed)) => self.take_in(channel, &observed, noise, gate),
+            Some(Observed::Two(observed)) => self.take_in(channel, &observed, noise, gate),
+            Some(Observed::Three(observed)) => self.take_in(channel, &observed, noise, gate),
         }
     }
 
@@ -473,7 +580,16 @@ impl<const N: usize> Estimator for Sized<N> {
         self.filter.share_fix_errors(&correlated[0], &correlated[1]);
     }
 
+    fn log_to(&mut self, log: Sender<Logged>) {
+        let n = self.filter.states();
+        let covariance = self.covariance().view((0, 0), (n, n)).into_owned();
+        let _ = log.send(Logged::Start(self.filter.nav().time, covariance));
+        self.log = Some(log);
+        self.tape = Some(Box::default());
+    }
+
     fn record(&mut self) {
+        self.log = None;
         self.tape = Some(Box::default());
     }
 
@@ -491,6 +607,7 @@ impl<const N: usize> Estimator for Sized<N> {
         Box::new(Self {
             filter: self.filter.clone(),
             tape: None,
+            log: None,
         })
     }
 }

@@ -177,6 +177,7 @@ pub fn tell(settings: &mut Settings, drive: &Drive, study: Option<&FixStudy>) {
         Correlation::Off => errors.correlated = None,
         Correlation::Given(given) => errors.correlated = Some(given),
     }
+    let errors = errors.scaled(&drive.std_factors);
     settings.parameters = errors.with_states(settings.parameters);
     settings.fix_errors = errors;
 }

@@ -15,6 +15,7 @@ mod number;
 mod outages;
 mod read;
 mod text;
+mod tune;
 
 pub use curve::{Curve, Track};
 pub use demo::Demo;
@@ -35,6 +36,7 @@ pub use number::{Number, Numbers};
 pub use outages::{Cut, Drift, ModelErrors, NisOfParts, OutageErrors, OutageSeries, Outages};
 pub use read::Results;
 pub use text::text;
+pub use tune::{Tune, TunedDrift, TunedParameter};
 
 pub use undrift_noise::{allan::Term, identify::Detrend};
 

@@ -134,8 +134,10 @@ settings! {
         spacing: f64 = 0.45,
         /// A sample longer than this ends the window \[s\].
         longest_sample: f64 = 0.2,
-        /// Between two searches \[s\].
+        /// Least time between two searches \[s\].
         every: f64 = 1.0,
+        /// Least time between two searches, as a share of the window, while none has succeeded.
+        pause: f64 = 0.1,
         /// Velocities needed for a search to be worth it.
         fewest: usize = 6,
         /// How far apart they must be \[m/s\].
@@ -428,6 +430,8 @@ settings! {
         weaken: f64 = 9.0,
         /// … and rejected: it contradicts the solution far beyond both.
         reject: f64 = 100.0,
+        /// NIS from which a rest that goes on by what the sensors alone say is a start: χ² of three at p = 10⁻⁴.
+        reject_rest: f64 = 21.1,
         /// The speed of a fix holds for so long \[s\].
         speed_holds: f64 = 1.5,
     }

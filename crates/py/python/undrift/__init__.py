@@ -13,6 +13,7 @@ from undrift._outages import Drift, ModelErrors, Outages, outages
 from undrift._simulate import GnssLog, GnssReceiver, ImuLog, Simulation, Truth, simulate
 from undrift._solution import Solution
 from undrift._told import report
+from undrift._tune import TunedDrift, TunedParameter, Tuning, tune
 from undrift._undrift import UndriftError, __version__
 from undrift.arma import pandit_wu
 from undrift.statistics import (
@@ -53,6 +54,9 @@ __all__ = [
     "Simulation",
     "Solution",
     "Truth",
+    "TunedDrift",
+    "TunedParameter",
+    "Tuning",
     "UndriftError",
     "__version__",
     "acf",
@@ -76,5 +80,6 @@ __all__ = [
     "simulate",
     "stationarity",
     "statistics",
+    "tune",
     "wavelet_variance",
 ]

@@ -41,6 +41,8 @@ UNITS: dict[str, dict[str, str]] = {
     "truth": {"time_offset": "s"},
     "vehicle": {
         "non_holonomic": "m/s",
+        "non_holonomic_down": "m/s",
+        "side_slip": "s",
         "mounting_std": "rad",
         "zero_velocity": "m/s",
         "zero_angular_rate": "rad/s",

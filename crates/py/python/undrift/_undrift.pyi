@@ -157,6 +157,9 @@ def outages(
     at: list[float] | None,
     smooth: bool,
 ) -> tuple[str, str, list[tuple[str, list[tuple[float, Floats, Floats]]]]]: ...
+def tune(
+    drives: Sequence[Drive], start: NoiseModel | None, hold_out: float | None
+) -> tuple[str, str, list[str], NoiseModel]: ...
 def report(
     results: Sequence[tuple[Path, str]], output: Path | None, folder: Path | None
 ) -> None: ...

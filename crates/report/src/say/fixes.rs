@@ -141,7 +141,7 @@ pub(super) fn one_sided(lean: &Lean) -> String {
 pub(super) fn correlated_innovations(of: Part, correlation: f64) -> String {
     let (part, _) = part(of);
     format!(
-        "the innovations of the {part} last from fix to fix (autocorrelation {correlation:.2}): attitude and sensor errors are larger than stated; the noise model of the IMU is too small for this vehicle, or the lever arm, the axes or the times are wrong"
+        "the innovations of the {part} last from fix to fix (autocorrelation {correlation:.2}): attitude and sensor errors are larger than stated; the noise model of the IMU is too small for this vehicle (`undrift tune` finds the right one), or the lever arm, the axes or the times are wrong"
     )
 }
 

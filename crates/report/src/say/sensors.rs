@@ -116,13 +116,13 @@ pub(super) fn heading_off([start, end]: [f64; 2], angle: f64, more: u64) -> Stri
 
 pub(super) fn optimistic_model(factor: f64) -> String {
     format!(
-        "the innovations are {factor:.1} times as large as predicted although the fixes agree with each other: the noise model of the IMU is too small for this vehicle, or the lever arm or the axes are wrong"
+        "the innovations are {factor:.1} times as large as predicted although the fixes agree with each other: the noise model of the IMU is too small for this vehicle (`undrift tune` finds the right one), or the lever arm or the axes are wrong"
     )
 }
 
 pub(super) fn optimistic_drift(model: &str, inside: f64) -> String {
     format!(
-        "only {:.0} % of the position errors in the outages lie inside three predicted standard deviations, by model {model}, which covers most: the noise is too small for this vehicle, or the lever arm, the axes or the mounting are wrong",
+        "only {:.0} % of the position errors in the outages lie inside three predicted standard deviations, by model {model}, which covers most: the noise is too small for this vehicle (`undrift tune` finds the right one), or the lever arm, the axes or the mounting are wrong",
         100.0 * inside
     )
 }

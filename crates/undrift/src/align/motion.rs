@@ -102,10 +102,15 @@ impl Motion {
             return None;
         }
         self.fixes.push_back(*fix);
-        if self
-            .searched
-            .is_some_and(|at| fix.time < at + self.set.every)
-        {
+        let window = self
+            .fixes
+            .front()
+            .map_or(0.0, |first| fix.time - first.time);
+        let pause = match self.solved {
+            Some(_) => self.set.every,
+            None => self.set.every.max(self.set.pause * window),
+        };
+        if self.searched.is_some_and(|at| fix.time < at + pause) {
             return None;
         }
         self.searched = Some(fix.time);

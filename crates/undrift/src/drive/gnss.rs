@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     replay::{GnssUse, QualityStd},
-    settings::fix_errors::Correlated,
+    settings::fix_errors::{Correlated, StdFactors},
 };
 use std::path::PathBuf;
 use undrift_io::{
@@ -54,6 +54,7 @@ pub(crate) fn read_gnss(
         "quality_std_factors",
         "correlation_time",
         "correlated_share",
+        "std_factors",
     ]
     .map(|key| section.get(key));
     let fixes = || -> Result<FixOptions, ConfigError> {
@@ -167,6 +168,27 @@ pub(super) fn read_correlation(section: &Section) -> Result<Correlation, ConfigE
         Some(_) => Err(section.error("correlated_share", "needs a correlation_time")),
         None => Ok(given),
     }
+}
+
+/// `std_factors = { position = 0.8, position_correlated = 1.2 }`, what `undrift tune` writes.
+pub(super) fn read_std_factors(section: &Section) -> Result<StdFactors, ConfigError> {
+    let factors = section.section("std_factors")?;
+    let factor = |key| {
+        let factor = factors.factor(key)?;
+        match factor {
+            Some(factor) if factor <= 0.0 => Err(factors.error(key, "must be above zero")),
+            given => Ok(given.unwrap_or(1.0)),
+        }
+    };
+    let read = StdFactors {
+        white: [factor("position")?, factor("velocity")?],
+        correlated: [
+            factor("position_correlated")?,
+            factor("velocity_correlated")?,
+        ],
+    };
+    factors.only_known()?;
+    Ok(read)
 }
 
 /// `base = "40.0966 deg, -105.1474 deg, 1601.5 m"`.

@@ -219,10 +219,18 @@ pub(super) fn read_vehicle(section: &Section) -> Result<(Constraints, Parameters
     };
     let slip = constraints.non_holonomic.map(|rule| rule.right);
     let lever = length("axle")?;
+    let down = section.quantity("non_holonomic_down", Quantity::Velocity)?;
+    let side_slip = section.quantity("side_slip", Quantity::Time)?;
+    for (key, value) in [("non_holonomic_down", down), ("side_slip", side_slip)] {
+        if value.is_some_and(|value| value < 0.0) {
+            return Err(section.error(key, "must not be negative"));
+        }
+    }
     constraints.non_holonomic =
         read_std(section, "non_holonomic", Quantity::Velocity, slip)?.map(|std| NonHolonomic {
             right: std,
-            down: std * NonHolonomic::CAR.down / NonHolonomic::CAR.right,
+            down: down.unwrap_or(std * NonHolonomic::CAR.down / NonHolonomic::CAR.right),
+            slip: side_slip.unwrap_or(NonHolonomic::CAR.slip),
             lever,
             ..NonHolonomic::CAR
         });

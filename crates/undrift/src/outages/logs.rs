@@ -94,6 +94,11 @@ impl Logs {
         })
     }
 
+    /// What the fixes show of themselves.
+    pub fn study(&self) -> Option<&FixStudy> {
+        self.study.as_ref()
+    }
+
     /// The outages of `length` \[s\] that a schedule asks for.
     ///
     /// # Errors

@@ -8,6 +8,8 @@ use undrift_nav::{Vector3, covariance::AXES, sample::ImuSample, shaping::Shaping
 pub(super) struct Block {
     /// Whether the vehicle stood.
     pub(super) rest: bool,
+    /// Whether GNSS says so, too.
+    pub(super) confirmed: bool,
     /// Mean angular rate as read [rad/s].
     pub(super) rate: Vector3,
     /// Length \[s\].
@@ -135,6 +137,7 @@ impl RestDetector {
         });
         Some(Block {
             rest: possible && steady && (quiet || stands),
+            confirmed: stands,
             rate: block_rate,
             duration,
         })

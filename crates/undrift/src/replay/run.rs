@@ -354,6 +354,9 @@ impl<'a> Run<'a> {
         let solution = self
             .solution
             .insert(Solution::new(aligned.filter, self.settings.engine.gaps));
+        if let Some(log) = &self.settings.log {
+            solution.filter.log_to(log.clone());
+        }
         solution.node(self.settings.nodes, observer)?;
         // The rest of this sample's interval.
         let rest = sample.time - fix.time;

@@ -25,6 +25,8 @@ pub(super) struct Vehicle {
     /// Time of the last fix, and the least and greatest speed over ground that it leaves possible.
     last_speed: Option<(f64, (f64, f64))>,
     last_constraint: f64,
+    /// Whether it stood in the last block, or has begun to move as smoothly as it stood.
+    stood: bool,
     positions: Positions,
 }
 
@@ -51,6 +53,7 @@ impl Vehicle {
             rest: RestDetector::new(&settings.sensors, settings.engine.rest),
             last_speed: None,
             last_constraint: f64::NEG_INFINITY,
+            stood: false,
             positions: Positions::new(settings.engine.derived_velocity),
         }
     }
@@ -131,7 +134,7 @@ impl Vehicle {
                 speed.map(|(_, speed)| speed),
             );
             if let Some(block) = block {
-                let rest = stand_still(filter, &block, settings, summary);
+                let rest = stand_still(filter, &block, &mut self.stood, settings, summary);
                 observer.judged(filter, rest);
             }
         }
@@ -178,19 +181,45 @@ fn readings_at_rest(filter: &dyn Estimator) -> (Vector3, Vector3) {
     (gyro + c_nb.tr_mul(&earth_rate), accel + c_nb.tr_mul(&up))
 }
 
+/// Updates with the velocity of a vehicle that stands, or `starts`, as smoothly as it stood.
+fn stand(
+    filter: &mut dyn Estimator,
+    std: f64,
+    starts: bool,
+    settings: &Settings,
+) -> Option<Update> {
+    let set = &settings.engine.constraints;
+    let gate = Gate {
+        weaken: set.weaken,
+        reject: if starts { set.reject_rest } else { set.reject },
+    };
+    let aiding = Aiding::ZeroVelocity;
+    filter.update(&aiding, &isotropic(std), &gate).ok()?
+}
+
 /// Updates at the end of a block; whether the vehicle stood.
 fn stand_still(
     filter: &mut dyn Estimator,
     block: &Block,
+    stood: &mut bool,
     settings: &Settings,
     summary: &mut Summary,
 ) -> bool {
     let mut rest = block.rest;
+    // A velocity that has come up since it stood is a start.
+    let starts = *stood && rest && !block.confirmed;
+    *stood = false;
     if let Some(std) = settings.constraints.zero_velocity.filter(|_| rest)
-        && let Some(done) = constrain(filter, &Aiding::ZeroVelocity, &isotropic(std), settings)
+        && let Some(done) = stand(filter, std, starts, settings)
     {
         // A solution that is sure to move is believed.
         rest = done.outcome != Outcome::Rejected;
+        *stood = match done.outcome {
+            Outcome::Used => true,
+            // The solution had not known before that it stands.
+            Outcome::Weakened(_) => false,
+            Outcome::Rejected => starts,
+        };
         summary.zero_velocity.add(done);
     }
     if let Some(std) = settings.constraints.zero_angular_rate.filter(|_| rest) {

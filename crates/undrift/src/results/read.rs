@@ -1,6 +1,6 @@
 //! Results read back from their JSON.
 
-use super::{Demo, Fleet, Identify, MonteCarlo, Navigate, Outages, SCHEMA};
+use super::{Demo, Fleet, Identify, MonteCarlo, Navigate, Outages, SCHEMA, Tune};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use std::path::Path;
 use undrift_io::ReadError;
@@ -22,6 +22,8 @@ pub enum Results {
     Demo(Box<Demo>),
     /// Of `fleet`.
     Fleet(Fleet),
+    /// Of `tune`.
+    Tune(Tune),
 }
 
 /// What every result begins with.
@@ -52,9 +54,10 @@ impl Results {
             "montecarlo" => Self::MonteCarlo(part(path, text)?),
             "demo" => Self::Demo(part(path, text)?),
             "fleet" => Self::Fleet(part(path, text)?),
+            "tune" => Self::Tune(part(path, text)?),
             other => {
                 let why = format!(
-                    "\"{other}\" is not one of the kinds identify, navigate, outages, montecarlo, demo, fleet"
+                    "\"{other}\" is not one of the kinds identify, navigate, outages, montecarlo, demo, fleet, tune"
                 );
                 return Err(not_a_result(path, &why).key("kind"));
             }
@@ -70,6 +73,7 @@ impl Results {
             Self::MonteCarlo(result) => &result.undrift,
             Self::Demo(result) => &result.undrift,
             Self::Fleet(result) => &result.undrift,
+            Self::Tune(result) => &result.undrift,
         }
     }
 }

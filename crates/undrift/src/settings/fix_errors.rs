@@ -16,6 +16,23 @@ pub struct Correlated {
     pub time: f64,
 }
 
+/// Factors on standard deviations, beyond what the fixes show of themselves: what a drive has told of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StdFactors {
+    /// On the white part of position and velocity.
+    pub white: [f64; 2],
+    /// On the time-correlated part of position and velocity, where they have one.
+    pub correlated: [f64; 2],
+}
+
+impl StdFactors {
+    /// None.
+    pub const ONE: Self = Self {
+        white: [1.0; 2],
+        correlated: [1.0; 2],
+    };
+}
+
 /// What fixes are wrong by, beyond what they state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FixErrors {
@@ -70,6 +87,25 @@ impl FixErrors {
             }
         }
         fix
+    }
+
+    /// With the two parts of the errors multiplied.
+    pub fn scaled(&self, factors: &StdFactors) -> Self {
+        let mut errors = *self;
+        let parts = [
+            (&mut errors.position_factor, &mut errors.correlated),
+            (&mut errors.velocity_factor, &mut errors.velocity_correlated),
+        ];
+        for (k, (factor, part)) in parts.into_iter().enumerate() {
+            let share = part.map_or(0.0, |part| part.share);
+            let white = (1.0 - share) * factors.white[k] * factors.white[k];
+            let correlated = share * factors.correlated[k] * factors.correlated[k];
+            *factor *= (white + correlated).sqrt();
+            if let Some(part) = part {
+                part.share = correlated / (white + correlated);
+            }
+        }
+        errors
     }
 
     /// The parameters with the states that the lasting parts need.

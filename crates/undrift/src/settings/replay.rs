@@ -1,7 +1,12 @@
 //! How a log is navigated.
 
 use super::{EngineSettings, fix_errors::FixErrors, quality::QualityStd};
-use crate::{align::settings::AlignSettings, estimator::STAMP_ROUNDING, vehicle::Constraints};
+use crate::{
+    align::settings::AlignSettings,
+    estimator::{Logged, STAMP_ROUNDING},
+    vehicle::Constraints,
+};
+use std::sync::mpsc::Sender;
 use undrift_nav::{
     Matrix3, Vector3, covariance::AXES, parameters::Parameters, shaping::ShapingFilter,
 };
@@ -75,6 +80,8 @@ pub struct Settings {
     /// Where a pass before has found the solution to go wrong: the covariance grows over these spans, in place of
     /// at the one instant at which that was found.
     pub doubts: Vec<Doubt>,
+    /// Where the filter's updates are written down.
+    pub log: Option<Sender<Logged>>,
     /// Limits and time constants of alignment and replay.
     pub engine: EngineSettings,
 }
@@ -100,6 +107,7 @@ impl Settings {
             nodes: None,
             start: None,
             doubts: Vec::new(),
+            log: None,
             engine: EngineSettings::default(),
         }
     }

@@ -15,4 +15,5 @@ mod settings;
 mod shaping_forms;
 mod smoothing;
 mod streams;
+mod tune;
 mod vehicle_drives;

@@ -3,7 +3,7 @@
 use std::{fs, path::Path};
 
 /// Files that may hold sentences, with the reason.
-const ALLOWED: [(&str, &str); 11] = [
+const ALLOWED: [(&str, &str); 14] = [
     ("demo.rs", "the name of a model"),
     ("drive", "messages of ConfigError, with file, line and key"),
     (
@@ -28,6 +28,15 @@ const ALLOWED: [(&str, &str); 11] = [
     ),
     ("record.rs", "messages of ReadError, with file and option"),
     ("results/drive.rs", "a value of gnss_use"),
+    (
+        "tune.rs",
+        "where a model comes from, stored in the model file",
+    ),
+    (
+        "tune/file.rs",
+        "a comment of the drive file that is written",
+    ),
+    ("tune/start.rs", "the name of a model"),
     (
         "results/read.rs",
         "messages of ReadError, with file, line and key",

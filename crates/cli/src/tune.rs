@@ -1,0 +1,149 @@
+//! `undrift tune`: the noise of the sensor in its vehicle, from drives.
+
+use crate::{
+    details,
+    output::Files,
+    progress::Bar,
+    report::ResultOutput,
+    style,
+    terminal::{self, detail, note, say, stage},
+};
+use anyhow::{Context, Result, anyhow, ensure};
+use clap::Args;
+use std::path::{Path, PathBuf};
+use undrift::{
+    drive::Drive,
+    noise::ImuModel,
+    results,
+    tune::{self, Options, Stage},
+};
+use undrift_report::{say as sentences, text};
+
+/// Identify the noise of a sensor in its vehicle from drives, and tune the filter with it.
+///
+/// Noise in a vehicle is several times that of a record at rest or of a data sheet, and differs by axis. It is found
+/// by what the fixes say at the end of spans of 1 to 30 s whose fixes are withheld. What it buys is measured on
+/// outages that the fit has not seen (docs/tune.md).
+#[derive(Args)]
+#[command(after_help = "Examples:
+  undrift tune drive.toml -o tuned.toml
+  undrift tune monday.toml tuesday.toml --model imu.toml --hold-out 0.3 --model-out vehicle.toml
+  undrift tune examples/rtk-drive-car.toml --data logs --json tune.json --report tune.html")]
+pub struct Arguments {
+    /// Drive files, of one sensor in one vehicle
+    #[arg(value_name = "DRIVE.toml", required = true)]
+    drives: Vec<PathBuf>,
+    /// Folder of the drives' log files, if not the drive file's own; with several drives one for each, in their order
+    #[arg(long, value_name = "DIR")]
+    data: Vec<PathBuf>,
+    /// The sensor at rest: a model file or a preset. Default: the first drive's own model, else what its quietest
+    /// seconds show
+    #[arg(long, value_name = "IMU.toml")]
+    model: Option<String>,
+    /// Keep this share at the end of each drive from the fit, 0 to 0.9. Default: the drift is measured on the second
+    /// half after a fit of the first, and the noise is that of the whole
+    #[arg(long, value_name = "SHARE")]
+    hold_out: Option<f64>,
+    /// Write the first drive file with what was found, ready for navigate and outages
+    #[arg(short, long, value_name = "tuned.toml", help_heading = "Output")]
+    output: Option<PathBuf>,
+    /// Write the model of the sensor in its vehicle
+    #[arg(long, value_name = "IMU.toml", help_heading = "Output")]
+    model_out: Option<PathBuf>,
+    #[command(flatten)]
+    result: ResultOutput,
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    if let Some(share) = arguments.hold_out {
+        ensure!(
+            (0.0..=0.9).contains(&share),
+            "--hold-out {share}: it must be 0 to 0.9, a share of each drive"
+        );
+    }
+    ensure!(
+        arguments.data.len() <= 1 || arguments.data.len() == arguments.drives.len(),
+        "--data is given {} times for {} drives: once, or once for each",
+        arguments.data.len(),
+        arguments.drives.len()
+    );
+    let mut drives = Vec::new();
+    for (k, path) in arguments.drives.iter().enumerate() {
+        let data = arguments.data.get(k).or(arguments.data.first());
+        let drive = Drive::load(path, data.map(PathBuf::as_path))?;
+        details::drive(path, &drive);
+        drives.push(drive);
+    }
+    let model = arguments.model.as_deref();
+    let start = model
+        .map(|name| ImuModel::resolve(name, Path::new("")))
+        .transpose()?;
+    let written = [&arguments.output, &arguments.model_out];
+    let written = written.into_iter().flatten().map(PathBuf::as_path);
+    let inputs = arguments.drives.iter().map(PathBuf::as_path);
+    let inputs = inputs.chain(drives.iter().flat_map(Drive::logs));
+    let files = Files::claim(
+        inputs.chain(model.map(Path::new)),
+        arguments.result.files().chain(written),
+    )?;
+    let options = Options {
+        start,
+        hold_out: arguments.hold_out,
+    };
+    let (found, logs) = stage("tuning", || {
+        let bar = Bar::new("evaluated", 0, "iterations");
+        let progress = |at: Stage| {
+            bar.add(1);
+            detail(1, || match at {
+                Stage::Reading => "reads the logs".to_owned(),
+                Stage::Fitting(value) => format!("fits: {value:.2}"),
+                Stage::Judging => "measures the drift on what the fit has not seen".to_owned(),
+            });
+        };
+        tune::tune(&drives, &options, &progress)
+            .map_err(|error| anyhow!(sentences::unsolved(error)))
+    })?;
+    for logs in &logs {
+        if let Some(mounting) = &logs.mounting {
+            note(format!(
+                "mounting estimated: {}",
+                sentences::mounting(mounting)
+            ));
+        }
+    }
+    let paths = arguments.drives.iter().map(PathBuf::as_path);
+    let result = found.result(paths.zip(&drives));
+    if !result.converged {
+        terminal::doubt();
+    }
+    let json = results::text(&result);
+    if !arguments.result.write(&files, &json)? {
+        say(text::tune(&result, style::heading))?;
+    }
+    let names: Vec<String> = arguments
+        .drives
+        .iter()
+        .map(|path| results::name(path))
+        .collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let model = found.model(&names);
+    if let Some(path) = &arguments.model_out {
+        files.write(path, &model.to_toml())?;
+    }
+    if let Some(path) = &arguments.output {
+        let first = &arguments.drives[0];
+        let text = std::fs::read_to_string(first)
+            .with_context(|| format!("cannot read {}", first.display()))?;
+        let home = |path: &Path| {
+            let folder = path.parent().filter(|folder| *folder != Path::new(""));
+            folder.unwrap_or(Path::new(".")).canonicalize()
+        };
+        // With --data the logs are where that says, as before.
+        let moved = arguments.data.is_empty() && home(first).ok() != home(path).ok();
+        let logs = moved.then(|| home(first)).transpose()?;
+        let text = tune::file::tuned(&text, &found, &model, logs.as_deref())
+            .with_context(|| format!("cannot change {}", first.display()))?;
+        files.write(path, &text)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,74 @@
+//! The noise of a sensor in its vehicle.
+
+use crate::{drive::Drive, error::error, model::NoiseModel, navigate::Failure};
+use pyo3::prelude::*;
+use std::path::Path;
+use undrift::{
+    drive, results,
+    tune::{self as tuning, Options},
+};
+use undrift_report::{say, text};
+
+/// Identifies the noise that drives have in common: the result as JSON, the terminal's table, what should be said of
+/// the drives and of the fit, and the model of the sensor.
+#[pyfunction]
+pub fn tune(
+    py: Python<'_>,
+    drives: Vec<Py<Drive>>,
+    start: Option<&NoiseModel>,
+    hold_out: Option<f64>,
+) -> PyResult<(String, String, Vec<String>, NoiseModel)> {
+    if let Some(share) = hold_out
+        && !(0.0..=0.9).contains(&share)
+    {
+        let problem = format!("hold_out {share}: it must be 0 to 0.9, a share of each drive");
+        return Err(error(problem));
+    }
+    let options = Options {
+        start: start.map(|model| model.0.clone()),
+        hold_out,
+    };
+    let given = drives.iter().map(Py::get);
+    let (files, drives): (Vec<&Path>, Vec<drive::Drive>) = given
+        .map(|of| (of.file.as_path(), of.drive.clone()))
+        .unzip();
+    py.detach(|| {
+        let (found, logs) = tuning::tune(&drives, &options, &|_| {}).map_err(say::unsolved)?;
+        let result = found.result(files.iter().copied().zip(&drives));
+        let names: Vec<String> = files.iter().map(|file| results::name(file)).collect();
+        let mut warnings = Vec::new();
+        for (name, logs) in names.iter().zip(&logs) {
+            let said = say::all(&logs.findings(&[])).into_iter();
+            match drives.len() {
+                1 => warnings.extend(said),
+                _ => warnings.extend(said.map(|sentence| format!("{name}: {sentence}"))),
+            }
+        }
+        warnings.extend(doubts(&result));
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        Ok::<_, Failure>((
+            results::text(&result),
+            text::tune(&result, text::unmarked),
+            warnings,
+            NoiseModel(found.model(&names)),
+        ))
+    })
+    .map_err(error)
+}
+
+/// Why the numbers are to be taken with care.
+fn doubts(result: &results::Tune) -> Vec<String> {
+    let doubts = [
+        (
+            result.guessed,
+            "the noise at rest is a guess from the quietest seconds of the first drive",
+        ),
+        (!result.converged, "the fit stopped before it converged"),
+        (
+            result.unseen.0 > 0.0 && result.drift.is_empty(),
+            "the drift was not measured: the drives are too short for outages that the fit has not seen",
+        ),
+    ];
+    let said = doubts.into_iter().filter(|(is_so, _)| *is_so);
+    said.map(|(_, sentence)| sentence.to_owned()).collect()
+}

@@ -1,0 +1,87 @@
+//! The noise of a sensor in its vehicle.
+
+use super::{Drive, Number};
+use serde::{Deserialize, Serialize};
+
+/// What drives say of the noise.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, tag = "kind", rename = "tune")]
+pub struct Tune {
+    /// Version of the program.
+    pub undrift: String,
+    /// Version of this schema.
+    pub schema: u32,
+    /// The drives.
+    pub drives: Vec<Drive>,
+    /// The sensor at rest that it began from.
+    pub start: String,
+    /// Whether that is a guess from the first drive itself.
+    pub guessed: bool,
+    /// Share at the end of each drive that the drift was measured on.
+    pub unseen: Number,
+    /// Whether the noise is that of the rest alone; else of the whole drives, and the drift that of a fit of the rest.
+    pub held_out: bool,
+    /// Parameter by parameter.
+    pub parameters: Vec<TunedParameter>,
+    /// Drift on outages that the fit had not seen, by length.
+    pub drift: Vec<TunedDrift>,
+    /// Windows whose fixes were scored.
+    pub windows: u64,
+    /// Evaluations of the objective.
+    pub evaluations: u64,
+    /// Whether nothing more was to be gained.
+    pub converged: bool,
+}
+
+/// One parameter: a standard deviation, a density or a factor on one.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct TunedParameter {
+    /// Its key in the model file or the drive file.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// At rest, or as stated; null where that says nothing.
+    pub start: Number,
+    /// The most likely value before the drives, and the 95 % interval then.
+    pub prior: Number,
+    /// See there.
+    pub prior_low: Number,
+    /// See there.
+    pub prior_high: Number,
+    /// The most likely value with them, and its 95 % interval.
+    pub value: Number,
+    /// See there.
+    pub low: Number,
+    /// See there.
+    pub high: Number,
+    /// Whether the drives determine it: the interval is less than half as wide as before.
+    pub determined: bool,
+}
+
+/// Drift over outages of one length.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct TunedDrift {
+    /// Length of the outages \[s\].
+    pub length_s: Number,
+    /// How many.
+    pub outages: u64,
+    /// Root mean square of the largest horizontal error of each, with the noise at rest \[m\].
+    pub before_m: Number,
+    /// With the noise found \[m\].
+    pub after_m: Number,
+    /// After over before, and its 95 % interval by the bootstrap over outages.
+    pub ratio: Number,
+    /// See there.
+    pub ratio_low: Number,
+    /// See there.
+    pub ratio_high: Number,
+    /// Shares of the position's errors at the ends inside one, two and three standard deviations, with the noise at rest.
+    pub before_within: [Number; 3],
+    /// With the noise found.
+    pub after_within: [Number; 3],
+}

@@ -1,0 +1,188 @@
+//! The noise of a sensor in its vehicle, identified from drives.
+//!
+//! A record on a table shows the table's noise; engine and road make it several times larger, axis by axis. What the
+//! fixes at the end of spans without any say of it is the objective ([`objective`]): the drive is replayed once and
+//! condensed ([`steps`]), the linear filter about that solution run under other noise with its exact gradient
+//! ([`filter`]), the most likely noise found with a prior that knows the sensor at rest ([`fit`], [`prior`]), and what
+//! it buys measured on outages that the fit has not seen ([`mod@judge`]). With figures: docs/tune.md.
+
+pub mod file;
+pub mod filter;
+pub mod fit;
+pub mod judge;
+pub mod noise;
+pub mod objective;
+pub mod prior;
+mod result;
+pub mod search;
+pub mod start;
+pub mod steps;
+
+use crate::{
+    drive::Drive,
+    navigate::{NavigateError, settings, tell},
+    outages::Logs,
+    replay::ReplayError,
+    results,
+    settings::{fix_errors::StdFactors, replay::Settings},
+};
+use fit::{Fit, Log, fit, under};
+use judge::{Judged, Unseen, judge};
+use noise::Noise;
+use prior::Prior;
+use start::Start;
+use undrift_noise::{BiasModel, ImuModel};
+
+/// What is asked for.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// The sensor at rest, in place of what the drives name.
+    pub start: Option<ImuModel>,
+    /// Share at the end of each drive that the fit does not see. Without it the second half judges a fit of the
+    /// first, and the noise is that of all.
+    pub hold_out: Option<f64>,
+}
+
+/// What was found.
+#[derive(Clone, Debug)]
+pub struct Tuned {
+    /// The sensor at rest.
+    pub start: Start,
+    /// What was known before.
+    pub prior: Prior,
+    /// What the drives say.
+    pub fit: Fit,
+    /// Share of each drive that judged.
+    pub unseen: f64,
+    /// Whether the noise is that of the seen part alone.
+    pub held_out: bool,
+    /// Drift on it.
+    pub judged: Vec<Judged>,
+}
+
+impl Tuned {
+    /// The sensor in the vehicle; `drives` are the names of the drives.
+    pub fn model(&self, drives: &[&str]) -> ImuModel {
+        let noise = &self.fit.noise;
+        let mut model = self.start.model(&noise.white, &noise.walk);
+        model.name = format!("{} in its vehicle", self.start.name);
+        model.source = format!(
+            "identified from {} by composite likelihood, with {} as the sensor at rest",
+            drives.join(", "),
+            self.start.name
+        );
+        model.provenance.program = Some(format!("undrift {}", results::VERSION));
+        model
+    }
+}
+
+/// What is told of the progress.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stage {
+    /// Logs are read.
+    Reading,
+    /// A fit goes on; its objective, the smaller the better.
+    Fitting(f64),
+    /// Outages are run.
+    Judging,
+}
+
+/// Share of each drive that judges where nothing is asked for.
+const HALF: f64 = 0.5;
+
+/// Identifies the noise that drives with the same sensor have in common.
+///
+/// # Errors
+/// A drive that cannot be read or navigated.
+pub fn tune(
+    drives: &[Drive],
+    options: &Options,
+    progress: &(dyn Fn(Stage) + Sync),
+) -> Result<(Tuned, Vec<Logs>), NavigateError> {
+    progress(Stage::Reading);
+    let first = drives.first().ok_or(NavigateError::NoModel)?;
+    let start = match options.start.as_ref().or(first.model.as_ref()) {
+        Some(model) => Start::of_model(model, first.sample_interval()?)?,
+        None => {
+            let samples = first.open_imu()?.collect::<Result<Vec<_>, _>>()?;
+            Start::of_samples(&samples).ok_or(NavigateError::NoModel)?
+        }
+    };
+    let mut loaded = Vec::new();
+    for drive in drives {
+        // The mounting is found under some noise: that of a vehicle.
+        let centre = Noise::new(&Prior::new(&start, &[]).centre);
+        let drive = Drive {
+            model: Some(start.model(&centre.white, &centre.walk)),
+            std_factors: StdFactors::ONE,
+            ..drive.clone()
+        };
+        loaded.push(Logs::load(&drive)?);
+    }
+    let unseen = options.hold_out.unwrap_or(HALF);
+    let mut logs = Vec::new();
+    let mut spans = Vec::new();
+    for all in &loaded {
+        let mut settings = settings(&all.drive, BiasModel::Arma)?;
+        tell(&mut settings, &all.drive, all.study());
+        let (first, last) = match (all.gnss.first(), all.gnss.last()) {
+            (Some(first), Some(last)) => (first.time, last.time),
+            _ => (0.0, 0.0),
+        };
+        let until = last - unseen * (last - first);
+        spans.push((until, last));
+        logs.push(Log {
+            imu: &all.imu,
+            aiding: &all.aiding,
+            settings,
+            until,
+        });
+    }
+    let of_drives: Vec<&Settings> = logs.iter().map(|log| &log.settings).collect();
+    let prior = Prior::new(&start, &of_drives);
+    let centre = Noise::new(&prior.centre);
+    let iteration = |value: f64| progress(Stage::Fitting(value));
+    let held_out = options.hold_out.is_some();
+    let seen = fit(&logs, &start, &prior, centre, held_out, &iteration)?;
+    progress(Stage::Judging);
+    let rest = options.start.as_ref().or(first.model.as_ref());
+    let rest = rest.map_or_else(|| start.model(&start.white, &start.walk), Clone::clone);
+    let mut drives_unseen = Vec::new();
+    for ((log, all), span) in logs.iter().zip(&loaded).zip(spans) {
+        let before = Settings {
+            sensors: rest.shaping(BiasModel::Arma, log.settings.sensors[0].interval)?,
+            ..log.settings.clone()
+        };
+        let after = under(&log.settings, &seen.noise, &start).map_err(ReplayError::from)?;
+        drives_unseen.push(Unseen {
+            log,
+            truth: &all.truth,
+            settings: [before, after],
+            span,
+        });
+    }
+    let judged = if unseen > 0.0 {
+        judge(&drives_unseen)
+    } else {
+        Vec::new()
+    };
+    drop(drives_unseen);
+    let fit = if held_out {
+        seen
+    } else {
+        for log in &mut logs {
+            log.until = f64::INFINITY;
+        }
+        fit(&logs, &start, &prior, seen.noise, true, &iteration)?
+    };
+    drop(logs);
+    let tuned = Tuned {
+        start,
+        prior,
+        fit,
+        unseen,
+        held_out,
+        judged,
+    };
+    Ok((tuned, loaded))
+}

@@ -1,0 +1,297 @@
+//! The most likely noise of some drives, and how sure that is.
+
+use super::{
+    filter::Fixed,
+    noise::{COUNT, Noise, Vector},
+    objective::{Objective, Plan, Score},
+    prior::Prior,
+    search::minimise,
+    start::Start,
+    steps::condense,
+};
+use crate::{
+    estimator::Logged,
+    replay::{Measurement, ReplayError, replay},
+    settings::replay::Settings,
+    vehicle::NonHolonomic,
+};
+use nalgebra::{DMatrix, DVector};
+use undrift_nav::{
+    covariance::NAV, filter::FilterError, parameters::Parameter, sample::ImuSample,
+    shaping::ShapingFilter,
+};
+
+/// A drive in memory.
+pub struct Log<'a> {
+    /// Inertial samples.
+    pub imu: &'a [ImuSample],
+    /// Fixes and what else there is.
+    pub aiding: &'a [Measurement],
+    /// How it is navigated, whatever the noise.
+    pub settings: Settings,
+    /// Nothing later than this is looked at \[s\].
+    pub until: f64,
+}
+
+/// What the drives say.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// The most likely noise.
+    pub noise: Noise,
+    /// Standard deviations of its logarithms; those of the prior where the drives say nothing.
+    pub std: Vector,
+    /// Windows that were scored.
+    pub windows: usize,
+    /// Evaluations of the objective.
+    pub evaluations: usize,
+    /// Whether nothing more was to be gained.
+    pub converged: bool,
+}
+
+/// Most replays about a better solution each.
+const REPLAYS: usize = 3;
+/// Most evaluations of the objective about one.
+const EVALUATIONS: usize = 60;
+/// A logarithm that changes by less from one replay to the next has come to rest.
+const SETTLED: f64 = 0.1;
+/// Length of the spans of which only neighbours depend on each other \[s\].
+const BLOCK: f64 = 45.0;
+/// A parameter is seen where the objective falls by so much when it is made smaller by this factor: of one that is
+/// too small to matter the curvature says nothing.
+const SEEN: (f64, f64) = (4.0, 4.0);
+/// Difference step for the curvature.
+const STEP: f64 = 0.05;
+/// The inverse of the first curvature.
+const FIRST: f64 = 0.05;
+
+/// The settings of a replay under a noise.
+///
+/// # Errors
+/// [`FilterError::BadMeasurement`] for a density that is negative or not finite.
+pub fn under(settings: &Settings, noise: &Noise, start: &Start) -> Result<Settings, FilterError> {
+    let mut settings = settings.clone();
+    let bad = |_| FilterError::BadMeasurement;
+    for (axis, sensor) in settings.sensors.iter_mut().enumerate() {
+        let interval = sensor.interval;
+        let white = ShapingFilter::white(noise.white[axis], interval).map_err(bad)?;
+        let walk = ShapingFilter::random_walk(noise.walk[axis], interval).map_err(bad)?;
+        *sensor = white.plus(&walk).map_err(bad)?;
+        sensor.p0[0][0] = start.turn_on[axis] * start.turn_on[axis];
+    }
+    settings.fix_errors = settings.fix_errors.scaled(&noise.factors);
+    if let Some(rule) = &mut settings.constraints.non_holonomic {
+        [rule.right, rule.down, rule.slip] = noise.rule;
+    }
+    Ok(settings)
+}
+
+/// Objectives of the drives about their solutions under a noise.
+struct Linear<const N: usize> {
+    drives: Vec<Objective<N>>,
+    about: Noise,
+}
+
+impl<const N: usize> Linear<N> {
+    fn new(logs: &[Log], about: Noise, start: &Start) -> Result<Self, ReplayError> {
+        let drive = |log: &Log| {
+            let (sender, receiver) = std::sync::mpsc::channel::<Logged>();
+            let settings = Settings {
+                log: Some(sender),
+                restart: false,
+                ..under(&log.settings, &about, start)?
+            };
+            let behind = NAV + settings.sensors.iter().map(|s| s.order).sum::<usize>();
+            let parameters = settings.parameters;
+            let at = |kind| parameters.start(kind).map(|at| behind + at);
+            let fixed = Fixed {
+                lasting: [at(Parameter::PositionError), at(Parameter::VelocityError)],
+                rule: settings
+                    .constraints
+                    .non_holonomic
+                    .unwrap_or(NonHolonomic::CAR),
+            };
+            let within = |sample: &&ImuSample| sample.time <= log.until;
+            let samples = &mut log.imu.iter().take_while(within).copied().map(Ok);
+            let aiding = &mut log.aiding.iter().copied().map(Ok);
+            replay(samples, aiding, &settings, &mut ())?;
+            drop(settings);
+            Ok(Objective::new(condense(receiver), fixed, Plan::default()))
+        };
+        let drives = logs.iter().map(drive).collect::<Result<_, ReplayError>>()?;
+        Ok(Self { drives, about })
+    }
+
+    fn score(&self, z: &Vector) -> Score {
+        self.sum(z, |drive, noise| drive.score(noise))
+    }
+
+    fn sum(&self, z: &Vector, of: impl Fn(&Objective<N>, &Noise) -> Score) -> Score {
+        let noise = Noise::new(z).against(&self.about);
+        let mut sum = Score {
+            value: 0.0,
+            gradient: [0.0; COUNT],
+        };
+        for drive in &self.drives {
+            let score = of(drive, &noise);
+            sum.value += score.value;
+            for (sum, part) in sum.gradient.iter_mut().zip(score.gradient) {
+                *sum += part;
+            }
+        }
+        sum
+    }
+
+    /// Gradients of spans of the drives that are taken as independent.
+    fn by_block(&self, z: &Vector) -> Vec<Vector> {
+        let noise = Noise::new(z).against(&self.about);
+        let mut blocks = Vec::new();
+        for drive in &self.drives {
+            let Some((first, last)) = drive.span() else {
+                continue;
+            };
+            let count = ((last - first) / BLOCK).ceil().max(1.0) as usize;
+            let length = (last - first) / count as f64;
+            for k in 0..count {
+                let from = first + k as f64 * length;
+                let to = if k + 1 == count {
+                    f64::INFINITY
+                } else {
+                    from + length
+                };
+                blocks.push(drive.score_between(&noise, from, to).gradient);
+            }
+        }
+        blocks
+    }
+}
+
+/// Finds the most likely noise, from `from` on; `goes_on` is told the iterations.
+///
+/// # Errors
+/// A drive that cannot be navigated.
+pub fn fit(
+    logs: &[Log],
+    start: &Start,
+    prior: &Prior,
+    from: Noise,
+    sure: bool,
+    iteration: &dyn Fn(f64),
+) -> Result<Fit, ReplayError> {
+    let states = |log: &Log| NAV + 6 + log.settings.parameters.states();
+    let fit = match logs.iter().map(states).max().unwrap_or(0) {
+        ..=24 => fit_sized::<24>,
+        25..=32 => fit_sized::<32>,
+        33..=40 => fit_sized::<40>,
+        _ => fit_sized::<56>,
+    };
+    fit(logs, start, prior, from, sure, iteration)
+}
+
+fn fit_sized<const N: usize>(
+    logs: &[Log],
+    start: &Start,
+    prior: &Prior,
+    from: Noise,
+    sure: bool,
+    iteration: &dyn Fn(f64),
+) -> Result<Fit, ReplayError> {
+    let mut fit = Fit {
+        noise: from,
+        std: std::array::from_fn(|i| prior.above[i]),
+        windows: 0,
+        evaluations: 0,
+        converged: false,
+    };
+    let mut before: Option<Noise> = None;
+    let mut inverse = DMatrix::from_diagonal_element(COUNT, COUNT, FIRST);
+    for _ in 0..REPLAYS {
+        let linear = Linear::<N>::new(logs, fit.noise, start)?;
+        fit.windows = linear.drives.iter().map(Objective::windows).sum();
+        let z = fit.noise.ln();
+        let rest = before.is_some_and(|before| {
+            let before = before.ln();
+            let moved = before.iter().zip(z).map(|(a, b)| (a - b).abs());
+            moved.fold(0.0, f64::max) < SETTLED
+        });
+        if rest || fit.windows == 0 {
+            if sure {
+                fit.std = uncertainty(&linear, prior, &z);
+            }
+            fit.converged = rest;
+            return Ok(fit);
+        }
+        let least = minimise(
+            |z| {
+                let z = std::array::from_fn(|i| z[i]);
+                let score = linear.score(&z);
+                let (penalty, slope) = prior.penalty(&z);
+                let by = |i: usize, _| slope[i] - score.gradient[i];
+                (penalty - score.value, DVector::from_fn(COUNT, by))
+            },
+            DVector::from_row_slice(&z),
+            &inverse,
+            EVALUATIONS,
+            |value| {
+                iteration(value);
+                true
+            },
+        );
+        inverse = least.inverse;
+        before = Some(fit.noise);
+        fit.noise = Noise::new(&std::array::from_fn(|i| least.z[i]));
+        fit.evaluations += least.evaluations;
+        fit.converged = least.converged;
+    }
+    if sure {
+        let linear = Linear::<N>::new(logs, fit.noise, start)?;
+        fit.std = uncertainty(&linear, prior, &fit.noise.ln());
+    }
+    Ok(fit)
+}
+
+/// Standard deviations by Godambe's sandwich `A⁻¹ (J + Λ) A⁻¹`, `A = −∂²ℓ + Λ`: Λ the prior's precision, J the scatter
+/// of the gradients of spans, with half of the products of neighbours (Newey & West 1987). Varin, Reid & Firth 2011,
+/// section 2.3.
+fn uncertainty<const N: usize>(linear: &Linear<N>, prior: &Prior, z: &Vector) -> Vector {
+    let at = linear.score(z).gradient;
+    let precision = |i: usize| prior.std(i, z[i]).powi(-2);
+    let mut a = DMatrix::<f64>::zeros(COUNT, COUNT);
+    for j in (0..COUNT).filter(|j| prior.used[*j]) {
+        let mut moved = *z;
+        moved[j] += STEP;
+        let there = linear.score(&moved).gradient;
+        for i in 0..COUNT {
+            a[(i, j)] = -(there[i] - at[i]) / STEP;
+        }
+    }
+    a = (&a + a.transpose()) * 0.5;
+    let blocks = linear.by_block(z);
+    let n = blocks.len() as f64;
+    let mut j = DMatrix::<f64>::zeros(COUNT, COUNT);
+    let mut before = DVector::<f64>::zeros(COUNT);
+    for block in &blocks {
+        let off = DVector::from_fn(COUNT, |i, _| block[i] - at[i] / n);
+        let across = &off * before.transpose() * 0.5;
+        j += (&off * off.transpose() + &across + across.transpose()) * (n / (n - 1.0).max(1.0));
+        before = off;
+    }
+    for i in 0..COUNT {
+        a[(i, i)] += precision(i);
+        j[(i, i)] += precision(i);
+    }
+    let Some(inverse) = a.try_inverse() else {
+        return std::array::from_fn(|i| prior.std(i, z[i]));
+    };
+    let covariance = &inverse * j * &inverse;
+    let value = linear.score(z).value;
+    std::array::from_fn(|i| {
+        let before = prior.std(i, z[i]);
+        let std = covariance[(i, i)].max(0.0).sqrt();
+        let mut smaller = *z;
+        smaller[i] -= SEEN.1.ln();
+        if !prior.used[i] || std >= before || value - linear.score(&smaller).value < SEEN.0 {
+            return before;
+        }
+        std
+    })
+}

@@ -1,0 +1,140 @@
+//! What a noise buys: drift on spans without fixes that the fit has not seen.
+
+use super::fit::Log;
+use crate::{
+    outages::run,
+    reference::{Coverage, HORIZONTAL},
+    replay::Outage,
+    settings::replay::Settings,
+};
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use undrift_nav::sample::TruthSample;
+
+/// Lengths of the outages \[s\].
+pub const LENGTHS: [f64; 3] = [10.0, 30.0, 60.0];
+/// They follow each other in so many runs, so that none begins before the filter has recovered.
+const RUNS: usize = 3;
+/// Resamples of the bootstrap.
+const RESAMPLES: usize = 2000;
+/// After the last fix that the fit has seen \[s\].
+const APART: f64 = 5.0;
+
+/// Drift over outages of one length.
+#[derive(Clone, Debug)]
+pub struct Judged {
+    /// Length \[s\].
+    pub length: f64,
+    /// Largest horizontal error of each outage, before and after \[m\].
+    pub drift: Vec<[f64; 2]>,
+    /// Shares of the position's errors inside one, two and three standard deviations, before and after.
+    pub within: [[f64; 3]; 2],
+}
+
+impl Judged {
+    /// Root mean squares before and after \[m\].
+    pub fn rms(&self) -> [f64; 2] {
+        rms(&self.drift)
+    }
+
+    /// After over before with its 95 % interval, by the bootstrap over outages (Efron & Tibshirani 1993, chapter 13),
+    /// with this seed.
+    pub fn ratio(&self, seed: u64) -> [f64; 3] {
+        let ratio = |drift: &[[f64; 2]]| {
+            let [before, after] = rms(drift);
+            after / before
+        };
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+        let n = self.drift.len();
+        let mut ratios: Vec<f64> = (0..RESAMPLES)
+            .map(|_| {
+                let drawn: Vec<_> = (0..n)
+                    .map(|_| self.drift[random.random_range(0..n)])
+                    .collect();
+                ratio(&drawn)
+            })
+            .collect();
+        ratios.sort_by(f64::total_cmp);
+        let at = |share: f64| ratios[((RESAMPLES - 1) as f64 * share) as usize];
+        [ratio(&self.drift), at(0.025), at(0.975)]
+    }
+}
+
+fn rms(drift: &[[f64; 2]]) -> [f64; 2] {
+    [0, 1].map(|k| {
+        let sum: f64 = drift.iter().map(|pair| pair[k] * pair[k]).sum();
+        (sum / drift.len() as f64).sqrt()
+    })
+}
+
+/// A drive to judge on.
+pub struct Unseen<'a> {
+    /// The drive.
+    pub log: &'a Log<'a>,
+    /// The reference; empty for the withheld fixes.
+    pub truth: &'a [TruthSample],
+    /// Settings before and after.
+    pub settings: [Settings; 2],
+    /// Fixes from the first to the last of these are not seen by the fit \[s\].
+    pub span: (f64, f64),
+}
+
+/// Outages of every length, one after the other over what the fit has not seen; lengths with fewer than two are left out.
+pub fn judge(drives: &[Unseen]) -> Vec<Judged> {
+    LENGTHS
+        .iter()
+        .filter_map(|&length| {
+            let mut drift = Vec::new();
+            let mut covered = [Coverage::default(), Coverage::default()];
+            for drive in drives {
+                one(drive, length, &mut drift, &mut covered);
+            }
+            let within = covered.map(|covered| covered.shares(0).unwrap_or([f64::NAN; 3]));
+            (drift.len() > 1).then_some(Judged {
+                length,
+                drift,
+                within,
+            })
+        })
+        .collect()
+}
+
+fn one(drive: &Unseen, length: f64, drift: &mut Vec<[f64; 2]>, covered: &mut [Coverage; 2]) {
+    let (from, to) = (drive.span.0 + APART, drive.span.1);
+    let count = ((to - from) / length).floor().max(0.0) as usize;
+    let outage = |k: usize| Outage {
+        start: from + k as f64 * length,
+        end: from + (k + 1) as f64 * length,
+    };
+    let mut runs = Vec::new();
+    for settings in &drive.settings {
+        for offset in 0..RUNS {
+            let outages = (offset..count).step_by(RUNS).map(outage).collect();
+            let settings = Settings {
+                outages,
+                ..settings.clone()
+            };
+            runs.push((String::new(), settings));
+        }
+    }
+    let done = run(drive.log.imu, drive.log.aiding, drive.truth, &runs, &|_| ());
+    let (before, after) = done.split_at(RUNS);
+    for ((_, before), (_, after)) in before.iter().zip(after) {
+        let (Ok(before), Ok(after)) = (before, after) else {
+            continue;
+        };
+        let pairs = before
+            .errors
+            .per_outage
+            .iter()
+            .zip(&after.errors.per_outage);
+        for (a, b) in pairs {
+            let pair = [a.max.0[HORIZONTAL], b.max.0[HORIZONTAL]];
+            if pair.iter().all(|drift| drift.is_finite()) {
+                drift.push(pair);
+                covered[0].add(&a.end, &a.sigma);
+                covered[1].add(&b.end, &b.sigma);
+            }
+        }
+    }
+}

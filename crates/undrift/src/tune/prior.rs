@@ -1,0 +1,97 @@
+//! What is known before the drive: the sensor at rest, and that a vehicle never makes it quieter.
+
+use super::{
+    noise::{COUNT, FIX, Noise, RULE, Vector, WALK, WHITE},
+    start::Start,
+};
+use crate::{
+    settings::{
+        fix_errors::{FixErrors, StdFactors},
+        replay::{GnssUse, Settings},
+    },
+    vehicle::NonHolonomic,
+};
+use undrift_nav::covariance::AXES;
+
+/// Noise in a vehicle against noise at rest, the middle of what has been seen: 3 to 30 times, seldom less than once.
+const LOUDER: f64 = 5.0;
+/// Standard deviation of its logarithm downwards …
+const LOUDER_BELOW: f64 = 0.8;
+/// … and upwards, and of random walks' both ways.
+const WIDE: f64 = 1.5;
+/// Least random walk that is expected of a sensor in a vehicle, gyro [rad/s/√s] and accelerometer [m/s²/√s].
+const LEAST_WALK: [f64; 2] = [5e-6, 5e-4];
+/// Standard deviation of the logarithm of what the fixes' errors are multiplied by: they have shown it themselves.
+const FIX_STD: f64 = 0.2;
+/// The same of the non-holonomic constraint.
+const RULE_STD: f64 = 0.7;
+
+/// Independent normal distributions of the logarithms, each of two halves.
+#[derive(Clone, Debug)]
+pub struct Prior {
+    /// Most likely values.
+    pub centre: Vector,
+    /// Standard deviation below them.
+    pub below: Vector,
+    /// Standard deviation above them.
+    pub above: Vector,
+    /// Whether the drives have the parameter at all.
+    pub used: [bool; COUNT],
+}
+
+impl Prior {
+    /// Of a sensor, in drives with these settings.
+    pub fn new(start: &Start, drives: &[&Settings]) -> Self {
+        let rule = drives.iter().find_map(|s| s.constraints.non_holonomic);
+        let of = rule.unwrap_or(NonHolonomic::CAR);
+        let centre = Noise {
+            white: start.white.map(|white| white * LOUDER),
+            walk: std::array::from_fn(|i| start.walk[i].max(LEAST_WALK[i / 3])),
+            factors: StdFactors::ONE,
+            rule: [of.right, of.down, of.slip.max(1e-3)],
+        };
+        let mut prior = Self {
+            centre: centre.ln(),
+            below: [WIDE; COUNT],
+            above: [WIDE; COUNT],
+            used: [true; COUNT],
+        };
+        prior.below[WHITE..WHITE + AXES].fill(LOUDER_BELOW);
+        for std in [&mut prior.below, &mut prior.above] {
+            std[FIX..RULE].fill(FIX_STD);
+            std[RULE..].fill(RULE_STD);
+        }
+        let any = |has: &dyn Fn(&Settings) -> bool| drives.iter().any(|s| has(s));
+        prior.used[FIX] = any(&|s| s.gnss_use != GnssUse::Velocity);
+        prior.used[FIX + 1] = any(&|s| s.gnss_use != GnssUse::Position);
+        let errors = |has: fn(&FixErrors) -> bool| any(&|s: &Settings| has(&s.fix_errors));
+        prior.used[FIX + 2] = errors(|errors| errors.correlated.is_some());
+        prior.used[FIX + 3] = errors(|errors| errors.velocity_correlated.is_some());
+        prior.used[RULE..].fill(rule.is_some());
+        prior
+    }
+
+    /// Standard deviation on the side of a value.
+    pub fn std(&self, i: usize, value: f64) -> f64 {
+        if value < self.centre[i] {
+            self.below[i]
+        } else {
+            self.above[i]
+        }
+    }
+
+    /// Minus the logarithm of the density, up to a constant, and its derivatives.
+    pub fn penalty(&self, z: &Vector) -> (f64, Vector) {
+        let mut value = 0.0;
+        let mut slope = [0.0; COUNT];
+        for i in 0..COUNT {
+            let off = z[i] - self.centre[i];
+            let std = self.std(i, z[i]);
+            value += 0.5 * (off / std).powi(2);
+            slope[i] = off / (std * std);
+        }
+        (value, slope)
+    }
+}
+
+const _: () = assert!(WALK == WHITE + AXES && FIX == WALK + AXES);

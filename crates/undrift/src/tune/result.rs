@@ -1,0 +1,106 @@
+//! What was found as a result.
+
+use super::{
+    Tuned,
+    noise::{COUNT, FIX, LASTING, RULE, WALK, WHITE},
+};
+use crate::{
+    drive::Drive,
+    results::{self, Number, SCHEMA, Tune, TunedDrift, TunedParameter, VERSION},
+};
+use std::path::Path;
+use undrift_noise::model_file::AXES;
+
+/// Seed of the bootstrap.
+const SEED: u64 = 1;
+/// Standard deviations to the ends of a 95 % interval.
+const INTERVAL: f64 = 1.96;
+/// An interval that has shrunk to less than this share is the drives' doing.
+const DETERMINED: f64 = 0.5;
+
+/// Key of a parameter in the model or drive file, and its unit.
+fn named(i: usize) -> (String, &'static str) {
+    const REST: [(&str, &str); COUNT - FIX] = [
+        ("gnss.std_factors.position", ""),
+        ("gnss.std_factors.velocity", ""),
+        ("gnss.std_factors.position_correlated", ""),
+        ("gnss.std_factors.velocity_correlated", ""),
+        ("vehicle.non_holonomic", "m/s"),
+        ("vehicle.non_holonomic_down", "m/s"),
+        ("vehicle.side_slip", "s"),
+    ];
+    let axis = |i: usize| AXES[i];
+    match i {
+        WHITE..WALK if i < 3 => (format!("{}.white_noise", axis(i)), "rad/s/√Hz"),
+        WHITE..WALK => (format!("{}.white_noise", axis(i)), "m/s²/√Hz"),
+        WALK..FIX if i - WALK < 3 => (format!("{}.random_walk", axis(i - WALK)), "rad/s/√s"),
+        WALK..FIX => (format!("{}.random_walk", axis(i - WALK)), "m/s²/√s"),
+        _ => (REST[i - FIX].0.to_owned(), REST[i - FIX].1),
+    }
+}
+
+const _: () = assert!(LASTING == FIX + 2 && RULE == FIX + 4 && COUNT == RULE + 3);
+
+impl Tuned {
+    /// The result; `drives` are the drive files.
+    pub fn result<'a>(&self, drives: impl IntoIterator<Item = (&'a Path, &'a Drive)>) -> Tune {
+        let z = self.fit.noise.ln();
+        let at_rest = |i: usize| match i {
+            WHITE..WALK => Some(self.start.white[i - WHITE]),
+            WALK..FIX => Some(self.start.walk[i - WALK]).filter(|walk| *walk > 0.0),
+            FIX..RULE => Some(1.0),
+            _ => Some(self.prior.centre[i].exp()),
+        };
+        let parameter = |i: usize| {
+            let (name, unit) = named(i);
+            let (prior, std) = (&self.prior, self.fit.std[i]);
+            TunedParameter {
+                name,
+                unit: unit.into(),
+                start: at_rest(i).into(),
+                prior: prior.centre[i].exp().into(),
+                prior_low: (prior.centre[i] - INTERVAL * prior.below[i]).exp().into(),
+                prior_high: (prior.centre[i] + INTERVAL * prior.above[i]).exp().into(),
+                value: z[i].exp().into(),
+                low: (z[i] - INTERVAL * std).exp().into(),
+                high: (z[i] + INTERVAL * std).exp().into(),
+                determined: std < DETERMINED * prior.std(i, z[i]),
+            }
+        };
+        let drift = |judged: &super::Judged| {
+            let [before, after] = judged.rms();
+            let [ratio, low, high] = judged.ratio(SEED);
+            TunedDrift {
+                length_s: judged.length.into(),
+                outages: judged.drift.len() as u64,
+                before_m: before.into(),
+                after_m: after.into(),
+                ratio: ratio.into(),
+                ratio_low: low.into(),
+                ratio_high: high.into(),
+                before_within: judged.within[0].map(Number),
+                after_within: judged.within[1].map(Number),
+            }
+        };
+        Tune {
+            undrift: VERSION.into(),
+            schema: SCHEMA,
+            drives: drives
+                .into_iter()
+                .map(|(file, drive)| results::Drive::of(file, drive))
+                .collect(),
+            start: self.start.name.clone(),
+            guessed: self.start.guessed,
+            unseen: self.unseen.into(),
+            held_out: self.held_out,
+            parameters: (0..COUNT)
+                .filter(|i| self.prior.used[*i])
+                .map(parameter)
+                .collect(),
+            drift: self.judged.iter().map(drift).collect(),
+            windows: self.fit.windows as u64,
+            evaluations: self.fit.evaluations as u64,
+            converged: self.fit.converged,
+        }
+    }
+}

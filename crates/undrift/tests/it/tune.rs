@@ -1,0 +1,220 @@
+//! Identification from drives: simulated ones of known noise, and the drive file that is written.
+
+use undrift::{
+    drive::Drive,
+    estimator::Logged,
+    nav::{parameters::Parameters, shaping::ShapingFilter},
+    noise::ImuModel,
+    replay::{Measurement, Settings, replay},
+    settings::fix_errors::{Correlated, FixErrors, StdFactors},
+    simulate::{GnssNoise, Simulation, Trajectory, simulate},
+    tune::{
+        Tuned, file,
+        filter::Fixed,
+        fit::{Fit, Log, fit, under},
+        noise::{COUNT, FIX, LASTING, Noise, RULE, Vector, WALK},
+        objective::{Objective, Plan},
+        prior::Prior,
+        start::Start,
+        steps::condense,
+    },
+    vehicle::{NonHolonomic, Profile},
+};
+
+const RATE: f64 = 50.0;
+
+fn start() -> Start {
+    let model = ImuModel::preset("mpu6050").unwrap();
+    let start = Start::of_model(&model, 1.0 / RATE).unwrap();
+    Start {
+        turn_on: [8.7e-3, 8.7e-3, 8.7e-3, 0.3, 0.3, 0.3],
+        ..start
+    }
+}
+
+/// Louder than the preset by another factor on each axis.
+fn truth(start: &Start) -> Noise {
+    let louder = [4.0, 12.0, 3.0, 8.0, 3.0, 6.0];
+    Noise {
+        white: std::array::from_fn(|i| start.white[i] * louder[i]),
+        walk: [2e-5, 1e-5, 1.5e-5, 1e-3, 2e-3, 1e-3],
+        factors: StdFactors::ONE,
+        rule: [0.2, 0.4, 0.15],
+    }
+}
+
+fn plain() -> Settings {
+    Settings {
+        parameters: Parameters::none(),
+        ..Settings::new([ShapingFilter::white(0.0, 1.0 / RATE).unwrap(); 6])
+    }
+}
+
+fn drive(settings: &Settings, seconds: f64, seed: u64) -> (Simulation, Vec<Measurement>) {
+    let receiver = GnssNoise {
+        position_std: [0.5, 0.5, 1.0],
+        velocity_std: [0.05; 3],
+        rate_hz: 1.0,
+        start: 0.2,
+        ..GnssNoise::default()
+    };
+    let trajectory = Trajectory::car(seconds, seed);
+    let log = simulate(&trajectory, RATE, Some(&settings.sensors), &receiver, seed).unwrap();
+    let fixes = log.gnss.iter().copied().map(Measurement::Gnss).collect();
+    (log, fixes)
+}
+
+/// Of every parameter, with correlated fixes and a car's constraint: central differences of the value.
+#[test]
+fn the_gradient_is_that_of_the_value() {
+    let start = start();
+    let truth = truth(&start);
+    let mut settings = plain();
+    settings.constraints = Profile::Car.constraints();
+    let lasting = Some(Correlated {
+        share: 0.6,
+        time: 20.0,
+    });
+    settings.fix_errors = FixErrors {
+        correlated: lasting,
+        velocity_correlated: lasting,
+        ..FixErrors::default()
+    };
+    settings.parameters = settings.fix_errors.with_states(settings.parameters);
+    let settings = under(&settings, &truth, &start).unwrap();
+    let (log, fixes) = drive(&settings, 240.0, 3);
+    let (sender, receiver) = std::sync::mpsc::channel::<Logged>();
+    let logged = Settings {
+        log: Some(sender),
+        ..settings.clone()
+    };
+    let (imu, aiding) = (log.imu.iter().copied(), fixes.iter().copied());
+    replay(&mut imu.map(Ok), &mut aiding.map(Ok), &logged, &mut ()).unwrap();
+    drop(logged);
+    let fixed = Fixed {
+        lasting: [Some(15), Some(18)],
+        rule: settings.constraints.non_holonomic.unwrap(),
+    };
+    let objective = Objective::<24>::new(condense(receiver), fixed, Plan::default());
+    assert!(objective.windows() > 50, "{}", objective.windows());
+    // Away from the noise of the replay.
+    let z: Vector = std::array::from_fn(|i| {
+        truth.ln()[i] * f64::from(u8::from(!(FIX..RULE).contains(&i))) + 0.1
+    });
+    let score = objective.score(&Noise::new(&z));
+    for i in 0..COUNT {
+        let moved = |by: f64| {
+            let mut z = z;
+            z[i] += by;
+            objective.score(&Noise::new(&z)).value
+        };
+        let difference = (moved(1e-4) - moved(-1e-4)) / 2e-4;
+        let error = (score.gradient[i] - difference).abs();
+        assert!(
+            error < 1e-5 * (1.0 + difference.abs()),
+            "{i}: {} against {difference}",
+            score.gradient[i]
+        );
+        assert!(difference != 0.0, "{i} does nothing");
+    }
+    // What the spans say adds up.
+    let (first, last) = objective.span().unwrap();
+    let middle = 0.5 * (first + last);
+    let noise = Noise::new(&z);
+    let halves = [
+        objective.score_between(&noise, f64::NEG_INFINITY, middle),
+        objective.score_between(&noise, middle, f64::INFINITY),
+    ];
+    for i in 0..COUNT {
+        let sum = halves[0].gradient[i] + halves[1].gradient[i];
+        assert!((sum - score.gradient[i]).abs() < 1e-6 * (1.0 + sum.abs()));
+    }
+}
+
+/// Two drives of 15 minutes: what is said to be determined lies inside four of its standard deviations.
+#[test]
+fn the_noise_of_a_simulated_drive_is_found() {
+    let start = start();
+    let truth = truth(&start);
+    let settings = under(&plain(), &truth, &start).unwrap();
+    for seed in [11, 12] {
+        let (log, fixes) = drive(&settings, 900.0, seed);
+        let prior = Prior::new(&start, &[&plain()]);
+        let logs = [Log {
+            imu: &log.imu,
+            aiding: &fixes,
+            settings: plain(),
+            until: f64::INFINITY,
+        }];
+        let from = Noise::new(&prior.centre);
+        let found = fit(&logs, &start, &prior, from, true, &|_| ()).unwrap();
+        assert!(found.converged && found.windows > 300, "{found:?}");
+        assert!(!prior.used[LASTING] && !prior.used[RULE]);
+        let (z, at) = (found.noise.ln(), truth.ln());
+        let determined = |i: &usize| prior.used[*i] && found.std[*i] < 0.5 * prior.std(*i, z[*i]);
+        let known: Vec<usize> = (0..COUNT).filter(determined).collect();
+        for i in &known {
+            let off = (z[*i] - at[*i]) / found.std[*i];
+            assert!(off.abs() < 4.0, "seed {seed}, parameter {i}: {off:.1} σ");
+        }
+        // White noise of most axes is seen, and by no more than a factor of two off.
+        let white = known.iter().filter(|i| **i < WALK);
+        assert!(white.clone().count() >= 4, "{known:?}");
+        for i in white {
+            assert!((z[*i] - at[*i]).abs() < 0.7, "seed {seed}, axis {i}");
+        }
+    }
+}
+
+/// The drive file: its own text where nothing is changed, readable, with the values found.
+#[test]
+fn the_drive_file_is_written() {
+    let text = "# Mine.\nmodel = \"mpu6050\"\n\n[imu]\nfile = \"imu.csv\" # the log\ntime = \"t\"\n\
+        gyro = [\"gx\", \"gy\", \"gz\"]\ngyro_unit = \"deg/s\"\naccel = [\"ax\", \"ay\", \"az\"]\naccel_unit = \"g\"\n\
+        rate = \"100 Hz\"\n\n[gnss]\nfile = \"gnss.csv\"\ntime = \"t\"\nposition = [\"lat\", \"lon\", \"h\"]\n\
+        position_std = \"1 m\"\n\n[vehicle]\nprofile = \"car\"\n";
+    let start = start();
+    let mut noise = truth(&start);
+    noise.factors.white = [0.8, 1.2];
+    noise.rule = [0.05, 0.15, 0.08];
+    let mut settings = plain();
+    settings.constraints.non_holonomic = Some(NonHolonomic::CAR);
+    let found = Tuned {
+        prior: Prior::new(&start, &[&settings]),
+        start,
+        fit: Fit {
+            noise,
+            std: [0.1; COUNT],
+            windows: 1,
+            evaluations: 1,
+            converged: true,
+        },
+        unseen: 0.5,
+        held_out: false,
+        judged: Vec::new(),
+    };
+    let model = found.model(&["drive.toml"]);
+    let folder = std::env::temp_dir();
+    let written = file::tuned(text, &found, &model, Some(&folder)).unwrap();
+    assert!(
+        written.starts_with("# Mine.") || written.contains("# the log"),
+        "{written}"
+    );
+    let drive = Drive::from_toml(&written, "tuned.toml", &folder, &folder).unwrap();
+    assert_eq!(drive.imu.0, folder.join("imu.csv"));
+    let rule = drive.constraints.non_holonomic.unwrap();
+    assert_eq!([rule.right, rule.down, rule.slip], noise.rule);
+    assert_eq!(drive.std_factors.white, [0.8, 1.2]);
+    assert_eq!(drive.std_factors.correlated, [1.0, 1.0]);
+    let read = drive.model.unwrap();
+    for (i, (name, axis)) in read.axes().into_iter().enumerate() {
+        let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12;
+        assert!(near(axis.white.unwrap(), noise.white[i]), "{name}");
+        assert!(near(axis.random_walk.unwrap(), noise.walk[i]), "{name}");
+        assert!(near(axis.turn_on, found.start.turn_on[i]), "{name}");
+    }
+    assert!(read.source.contains("drive.toml"));
+    // Once more: the same.
+    let again = file::tuned(&written, &found, &model, None).unwrap();
+    assert_eq!(again, written);
+}
