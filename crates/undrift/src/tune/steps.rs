@@ -3,7 +3,7 @@
 //! Between two updates the error of the replay's solution, estimate less truth, moves by a transition that does not
 //! depend on the noise, and at an update a known correction is taken out of it. With both, the measurements and the
 //! places where noise comes in, the filter can be run again under other noise, as a linear one for the error of that
-//! solution: some ten times cheaper than a replay, and differentiable ([`super::likelihood`]).
+//! solution: some ten times cheaper than a replay, and differentiable ([`super::objective`]).
 
 use crate::estimator::{Channel, Logged, LoggedUpdate};
 use undrift_nav::{
