@@ -137,7 +137,7 @@ def test_arguments_that_do_not_fit_are_refused(
 
 
 def test_it_becomes_a_table_a_report_and_a_copy(tuning: undrift.Tuning, tmp_path: Path) -> None:
-    assert "<table>" in tuning._repr_html_() and "gyro z white noise" in tuning.table
+    assert "<table>" in tuning._repr_html_() and "gyro_z.white_noise" in tuning.table
     text = repr(tuning)
     assert text.startswith("Tuning(") and "json" not in text and len(text) < 600
     assert f"<{len(tuning.parameters)} TunedParameter>" in text
