@@ -15,7 +15,7 @@ use std::{
     sync::atomic::{AtomicUsize, Ordering::Relaxed},
 };
 use undrift::{
-    fleet::{self, Choice, Job, Manifest, Options},
+    fleet::{self, Choice, Job, Manifest, Options, Verb},
     noise::BiasModel,
     results::{self, Fleet},
 };
@@ -28,6 +28,8 @@ enum Task {
     Outages,
     /// Navigate them, as `undrift navigate` does
     Navigate,
+    /// Identify the noise in each one's vehicle, as `undrift tune` does
+    Tune,
 }
 
 /// Process many logs: all cores, what is up to date left out, one table and one report.
@@ -63,6 +65,9 @@ pub struct Arguments {
     /// What is done with drives; the manifest's word or outages if absent
     #[arg(long, value_name = "VERB", value_enum)]
     task: Option<Task>,
+    /// The same as --task tune
+    #[arg(long, conflicts_with = "task")]
+    tune: bool,
     /// Serial number of the IMU; {stem}, {folder} and {parent} in it are parts of the log's name
     #[arg(long, value_name = "TEXT")]
     unit: Option<String>,
@@ -182,9 +187,13 @@ fn is_manifest(text: &str) -> bool {
 
 /// The command line has the last word.
 fn override_by(choice: &mut Choice, arguments: &Arguments) {
-    if let Some(task) = arguments.task {
-        choice.outages = task == Task::Outages;
-    }
+    choice.verb = match arguments.task {
+        _ if arguments.tune => Verb::Tune,
+        Some(Task::Outages) => Verb::Outages,
+        Some(Task::Navigate) => Verb::Navigate,
+        Some(Task::Tune) => Verb::Tune,
+        None => choice.verb,
+    };
     for (slot, stated) in [
         (&mut choice.unit, &arguments.unit),
         (&mut choice.data, &arguments.data),

@@ -55,6 +55,7 @@ fn what_was_done(run: &Fleet) -> String {
         let verb = match task.as_str() {
             "outages" => "driven with GNSS cut",
             "navigate" => "navigated",
+            "tune" => "tuned",
             _ => "identified from a record at rest",
         };
         format!("{} {verb}", many(*n, "log"))

@@ -19,7 +19,7 @@ mod table;
 
 pub use fingerprint::{fingerprint, inputs};
 pub use gather::gather;
-pub use manifest::{Choice, Manifest, Pattern, PatternError, drives};
+pub use manifest::{Choice, Manifest, Pattern, PatternError, Verb, drives};
 pub use outcome::{FleetOutcome, Row};
 pub use process::process;
 pub use run::{Done, FleetError, Options, job_path, process_on, run, shard};
@@ -72,6 +72,8 @@ pub enum Task {
         /// Whether the errors are those of the smoothed solution.
         smooth: bool,
     },
+    /// Identify the noise of a sensor in its vehicle.
+    Tune,
     /// Identify the noise of a static record.
     Identify(RecordSettings),
 }
@@ -82,6 +84,7 @@ impl Task {
         match self {
             Self::Navigate { .. } => "navigate",
             Self::Outages { .. } => "outages",
+            Self::Tune => "tune",
             Self::Identify(_) => "identify",
         }
     }

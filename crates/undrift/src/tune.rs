@@ -20,9 +20,10 @@ pub mod steps;
 
 use crate::{
     drive::Drive,
+    estimator::Estimator,
     navigate::{NavigateError, settings, tell},
     outages::Logs,
-    replay::ReplayError,
+    replay::{Observer, ReplayError, replay},
     results,
     settings::{fix_errors::StdFactors, replay::Settings},
 };
@@ -30,7 +31,9 @@ use fit::{Fit, Log, fit, under};
 use judge::{Judged, Unseen, judge};
 use noise::Noise;
 use prior::Prior;
-use start::Start;
+use start::{Start, idle};
+use std::cell::Cell;
+use undrift_nav::covariance::AXES;
 use undrift_noise::{BiasModel, ImuModel};
 
 /// What is asked for.
@@ -38,8 +41,8 @@ use undrift_noise::{BiasModel, ImuModel};
 pub struct Options {
     /// The sensor at rest, in place of what the drives name.
     pub start: Option<ImuModel>,
-    /// Share at the end of each drive that the fit does not see. Without it the second half judges a fit of the
-    /// first, and the noise is that of all.
+    /// Share at the end of each drive that the fit does not see. Without it the second half of what is navigated
+    /// judges a fit of the first, and the noise is that of all.
     pub hold_out: Option<f64>,
 }
 
@@ -90,6 +93,36 @@ pub enum Stage {
 /// Share of each drive that judges where nothing is asked for.
 const HALF: f64 = 0.5;
 
+/// When navigation begins \[s\].
+fn begins(logs: &Logs, settings: &Settings) -> Result<Option<f64>, ReplayError> {
+    struct Begun<'a>(&'a Cell<Option<f64>>);
+    impl Observer for Begun<'_> {
+        fn sample(&mut self, filter: &dyn Estimator) -> Result<(), ReplayError> {
+            self.0.set(self.0.get().or(Some(filter.nav().time)));
+            Ok(())
+        }
+    }
+    let begun = Cell::new(None);
+    let samples = logs.imu.iter().copied().map(Ok);
+    let mut samples = samples.take_while(|_| begun.get().is_none());
+    let aiding = &mut logs.aiding.iter().copied().map(Ok);
+    match replay(&mut samples, aiding, settings, &mut Begun(&begun)) {
+        Err(error) if begun.get().is_none() => Err(error),
+        _ => Ok(begun.get()),
+    }
+}
+
+/// Noise while the vehicle stands, of the drives' seen parts: the root mean square of those that have any.
+fn standing(logs: &[Log]) -> Option<[f64; AXES]> {
+    let seen = |log: &Log| {
+        let end = log.imu.partition_point(|s| s.time <= log.until);
+        idle(&log.imu[..end], log.aiding)
+    };
+    let found: Vec<_> = logs.iter().filter_map(seen).collect();
+    let square = |i: usize| found.iter().map(|d| d[i] * d[i]).sum::<f64>() / found.len() as f64;
+    (!found.is_empty()).then(|| std::array::from_fn(|i| square(i).sqrt()))
+}
+
 /// Identifies the noise that drives with the same sensor have in common.
 ///
 /// # Errors
@@ -101,7 +134,7 @@ pub fn tune(
 ) -> Result<(Tuned, Vec<Logs>), NavigateError> {
     progress(Stage::Reading);
     let first = drives.first().ok_or(NavigateError::NoModel)?;
-    let start = match options.start.as_ref().or(first.model.as_ref()) {
+    let mut start = match options.start.as_ref().or(first.model.as_ref()) {
         Some(model) => Start::of_model(model, first.sample_interval()?)?,
         None => {
             let samples = first.open_imu()?.collect::<Result<Vec<_>, _>>()?;
@@ -125,10 +158,13 @@ pub fn tune(
     for all in &loaded {
         let mut settings = settings(&all.drive, BiasModel::Arma)?;
         tell(&mut settings, &all.drive, all.study());
-        let (first, last) = match (all.gnss.first(), all.gnss.last()) {
+        let (mut first, last) = match (all.gnss.first(), all.gnss.last()) {
             (Some(first), Some(last)) => (first.time, last.time),
             _ => (0.0, 0.0),
         };
+        if options.hold_out.is_none() {
+            first = begins(all, &settings)?.unwrap_or(first);
+        }
         let until = last - unseen * (last - first);
         spans.push((until, last));
         logs.push(Log {
@@ -138,6 +174,7 @@ pub fn tune(
             until,
         });
     }
+    start.idle = standing(&logs);
     let of_drives: Vec<&Settings> = logs.iter().map(|log| &log.settings).collect();
     let prior = Prior::new(&start, &of_drives);
     let centre = Noise::new(&prior.centre);

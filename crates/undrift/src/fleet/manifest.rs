@@ -2,7 +2,7 @@
 
 mod choice;
 
-pub use choice::Choice;
+pub use choice::{Choice, Verb};
 pub(super) use choice::ZERO_CELSIUS;
 
 use super::{Job, Task};
@@ -38,17 +38,18 @@ impl Pattern {
             unit: choice.unit.as_ref().map(|unit| filled(unit, log)),
             temperature_c: choice.temperature_c,
             model: choice.model.clone(),
-            task: match (self.records, choice.outages) {
-                (true, _) => Task::Identify(choice.record.clone()),
-                (_, true) => Task::Outages {
+            task: match choice.verb {
+                _ if self.records => Task::Identify(choice.record.clone()),
+                Verb::Outages => Task::Outages {
                     bias_models: choice.bias_models.clone(),
                     plan: choice.plan.clone(),
                     smooth: choice.smooth,
                 },
-                (_, false) => Task::Navigate {
+                Verb::Navigate => Task::Navigate {
                     bias_models: choice.bias_models.clone(),
                     smooth: choice.smooth,
                 },
+                Verb::Tune => Task::Tune,
             },
         }
     }

@@ -18,7 +18,7 @@ pub struct FleetOutcome {
     pub sensor: Option<String>,
     /// Temperature [°C]: stated, else the mean of the log's own column.
     pub temperature_c: Option<f64>,
-    /// What was done: "navigate", "outages" or "identify".
+    /// What was done: "navigate", "outages", "tune" or "identify".
     pub task: String,
     /// Why nothing came of it.
     pub failed: Option<String>,
@@ -117,6 +117,14 @@ pub(super) fn columns(task: &str) -> Vec<String> {
             .into_iter()
             .chain(of("rms"))
             .collect(),
+        "tune" => words(&[
+            "length_s",
+            "white_noise",
+            "random_walk",
+            "white_noise_ratio",
+            "drift_before_m",
+            "drift_after_m",
+        ]),
         _ => words(&[
             "samples",
             "mean",

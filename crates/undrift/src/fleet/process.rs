@@ -13,6 +13,11 @@ use crate::{
     outages::{Logs, ScheduleError},
     record,
     reference::Errors,
+    tune::{
+        self,
+        noise::{WALK, WHITE},
+        tune,
+    },
 };
 use std::{
     any::Any,
@@ -25,7 +30,7 @@ use undrift_io::{
     imu::ImuSource,
     table::{Column, TableOptions},
 };
-use undrift_noise::{BiasModel, ImuModel};
+use undrift_noise::{BiasModel, ImuModel, model_file::AXES};
 
 /// Works a job out. Nothing but the job and the files that it names bears on the outcome; whatever goes
 /// wrong is told in [`FleetOutcome::failed`]. On all cores of the pool that it is called in.
@@ -48,6 +53,7 @@ pub fn process(job: &Job) -> FleetOutcome {
                 plan,
                 smooth,
             } => outages(job, bias_models, plan, *smooth, &mut outcome),
+            Task::Tune => tuned(job, &mut outcome),
             Task::Identify(settings) => identify(job, settings, &mut outcome),
         }
     });
@@ -286,6 +292,40 @@ fn navigate(
             .chain(errors(rms))
             .collect(),
         });
+    }
+    Ok(())
+}
+
+/// A row for each axis, null where the drive does not determine it, and one for the drift of each length.
+fn tuned(job: &Job, outcome: &mut FleetOutcome) -> Result<(), Failure> {
+    let drive = load(job, outcome)?;
+    let (tuned, _) = tune(&[drive], &tune::Options::default(), &|_| {})?;
+    outcome
+        .sensor
+        .get_or_insert_with(|| tuned.start.name.clone());
+    let row = |part: String, values: [f64; 6]| Row {
+        part,
+        outage: None,
+        note: None,
+        finding: None,
+        values: values.map(number).to_vec(),
+    };
+    for (axis, name) in AXES.iter().enumerate() {
+        let found = |i: usize, value: f64| match tuned.determined(i) {
+            true => value,
+            false => f64::NAN,
+        };
+        let white = found(WHITE + axis, tuned.fit.noise.white[axis]);
+        let walk = found(WALK + axis, tuned.fit.noise.walk[axis]);
+        let louder = white / tuned.start.white[axis];
+        let values = [f64::NAN, white, walk, louder, f64::NAN, f64::NAN];
+        outcome.rows.push(row((*name).to_owned(), values));
+    }
+    for judged in &tuned.judged {
+        let [before, after] = judged.rms();
+        let part = format!("{} s", judged.length);
+        let values = [judged.length, f64::NAN, f64::NAN, f64::NAN, before, after];
+        outcome.rows.push(row(part, values));
     }
     Ok(())
 }

@@ -47,7 +47,7 @@ fn rms(outcome: &FleetOutcome, rows: &[&Row], column: &str) -> Option<f64> {
 const ROOT_HOUR: f64 = 60.0;
 const DEGREE: f64 = 180.0 / std::f64::consts::PI;
 
-const MEASURES: [Measure; 9] = [
+const MEASURES: [Measure; 14] = [
     Measure {
         name: "drift",
         what: "largest horizontal error in an outage, root mean square over the outages of a log",
@@ -79,6 +79,46 @@ const MEASURES: [Measure; 9] = [
         task: "navigate",
         parts: "",
         of: |o, rows| only(o, rows, "nis_velocity", 1.0),
+    },
+    Measure {
+        name: "vehicle_gyro_white_noise",
+        what: "white noise of the gyros in the vehicle (angle random walk), where the drive determines it",
+        unit: "deg/√h",
+        task: "tune",
+        parts: "gyro",
+        of: |o, rows| only(o, rows, "white_noise", DEGREE * ROOT_HOUR),
+    },
+    Measure {
+        name: "vehicle_accel_white_noise",
+        what: "white noise of the accelerometers in the vehicle (velocity random walk), where the drive determines it",
+        unit: "m/s/√h",
+        task: "tune",
+        parts: "accel",
+        of: |o, rows| only(o, rows, "white_noise", ROOT_HOUR),
+    },
+    Measure {
+        name: "vehicle_gyro_random_walk",
+        what: "random walk of the gyros' biases in the vehicle, where the drive determines it",
+        unit: "deg/h/√h",
+        task: "tune",
+        parts: "gyro",
+        of: |o, rows| only(o, rows, "random_walk", DEGREE * ROOT_HOUR.powi(3)),
+    },
+    Measure {
+        name: "white_noise_ratio",
+        what: "white noise in the vehicle against that at rest, where the drive determines it",
+        unit: "",
+        task: "tune",
+        parts: "",
+        of: |o, rows| only(o, rows, "white_noise_ratio", 1.0),
+    },
+    Measure {
+        name: "tuned_drift",
+        what: "largest horizontal error in an outage that the fit has not seen, with the noise found, root mean square",
+        unit: "m",
+        task: "tune",
+        parts: "",
+        of: |o, rows| only(o, rows, "drift_after_m", 1.0),
     },
     Measure {
         name: "gyro_white_noise",

@@ -26,8 +26,15 @@ pub struct Table {
 impl Table {
     /// Starts a file that appears under its name at [`Table::finish`].
     pub fn create(path: &Path) -> io::Result<Self> {
-        let tasks = ["outages", "navigate", "identify"];
-        let numbers: Vec<String> = tasks.into_iter().flat_map(columns).collect();
+        let mut numbers: Vec<String> = Vec::new();
+        for name in ["outages", "navigate", "identify", "tune"]
+            .into_iter()
+            .flat_map(columns)
+        {
+            if !numbers.contains(&name) {
+                numbers.push(name);
+            }
+        }
         let text = |name| (name, Value::Text(None));
         let number = |name| (name, Value::Number(None));
         let mut columns: Vec<(&str, Value)> = TEXTS.into_iter().map(text).collect();

@@ -204,8 +204,8 @@ fn fit_sized<const N: usize>(
     };
     let mut before: Option<Noise> = None;
     let mut inverse = DMatrix::from_diagonal_element(COUNT, COUNT, FIRST);
-    for _ in 0..REPLAYS {
-        let linear = Linear::<N>::new(logs, fit.noise, start)?;
+    let mut linear = Linear::<N>::new(logs, fit.noise, start)?;
+    for replays in 1.. {
         fit.windows = linear.drives.iter().map(Objective::windows).sum();
         let z = fit.noise.ln();
         let rest = before.is_some_and(|before| {
@@ -213,12 +213,9 @@ fn fit_sized<const N: usize>(
             let moved = before.iter().zip(z).map(|(a, b)| (a - b).abs());
             moved.fold(0.0, f64::max) < SETTLED
         });
-        if rest || fit.windows == 0 {
-            if sure {
-                fit.std = uncertainty(&linear, prior, &z);
-            }
-            fit.converged = rest;
-            return Ok(fit);
+        fit.converged |= rest;
+        if rest || fit.windows == 0 || replays > REPLAYS {
+            break;
         }
         let least = minimise(
             |z| {
@@ -241,9 +238,16 @@ fn fit_sized<const N: usize>(
         fit.noise = Noise::new(&std::array::from_fn(|i| least.z[i]));
         fit.evaluations += least.evaluations;
         fit.converged = least.converged;
+        // Under the noise found the drive may be too short to align: then it is judged about what there is.
+        match Linear::<N>::new(logs, fit.noise, start) {
+            Ok(next) => linear = next,
+            Err(_) => {
+                fit.converged = false;
+                break;
+            }
+        }
     }
     if sure {
-        let linear = Linear::<N>::new(logs, fit.noise, start)?;
         fit.std = uncertainty(&linear, prior, &fit.noise.ln());
     }
     Ok(fit)
@@ -272,16 +276,22 @@ fn uncertainty<const N: usize>(linear: &Linear<N>, prior: &Prior, z: &Vector) ->
     for block in &blocks {
         let off = DVector::from_fn(COUNT, |i, _| block[i] - at[i] / n);
         let across = &off * before.transpose() * 0.5;
-        j += (&off * off.transpose() + &across + across.transpose()) * (n / (n - 1.0).max(1.0));
+        j += &off * off.transpose() + &across + across.transpose();
         before = off;
     }
+    let of_data = a.clone();
     for i in 0..COUNT {
         a[(i, i)] += precision(i);
-        j[(i, i)] += precision(i);
     }
     let Some(inverse) = a.try_inverse() else {
         return std::array::from_fn(|i| prior.std(i, z[i]));
     };
+    // The gradients are taken where their sum vanishes: of their scatter the fit took what its parameters could.
+    let fitted = (&inverse * of_data).trace().clamp(1.0, 0.75 * n.max(2.0));
+    j *= n / (n - fitted);
+    for i in 0..COUNT {
+        j[(i, i)] += precision(i);
+    }
     let covariance = &inverse * j * &inverse;
     let value = linear.score(z).value;
     std::array::from_fn(|i| {

@@ -19,6 +19,10 @@ const LOUDER: f64 = 5.0;
 const LOUDER_BELOW: f64 = 0.8;
 /// … and upwards, and of random walks' both ways.
 const WIDE: f64 = 1.5;
+/// Driving noise against that of the vehicle standing with its engine running: never below, and this much above …
+const DRIVING: f64 = 2.0;
+/// … within so much of the logarithm downwards.
+const DRIVING_BELOW: f64 = 0.4;
 /// Least random walk that is expected of a sensor in a vehicle, gyro [rad/s/√s] and accelerometer [m/s²/√s].
 const LEAST_WALK: [f64; 2] = [5e-6, 5e-4];
 /// Standard deviation of the logarithm of what the fixes' errors are multiplied by: they have shown it themselves.
@@ -44,8 +48,10 @@ impl Prior {
     pub fn new(start: &Start, drives: &[&Settings]) -> Self {
         let rule = drives.iter().find_map(|s| s.constraints.non_holonomic);
         let of = rule.unwrap_or(NonHolonomic::CAR);
+        let louder = start.white.map(|white| white * LOUDER);
+        let idle = start.idle.unwrap_or([0.0; AXES]);
         let centre = Noise {
-            white: start.white.map(|white| white * LOUDER),
+            white: std::array::from_fn(|i| louder[i].max(idle[i] * DRIVING)),
             walk: std::array::from_fn(|i| start.walk[i].max(LEAST_WALK[i / 3])),
             factors: StdFactors::ONE,
             rule: [of.right, of.down, of.slip.max(1e-3)],
@@ -56,7 +62,10 @@ impl Prior {
             above: [WIDE; COUNT],
             used: [true; COUNT],
         };
-        prior.below[WHITE..WHITE + AXES].fill(LOUDER_BELOW);
+        for i in 0..AXES {
+            let heard = idle[i] * DRIVING >= louder[i];
+            prior.below[WHITE + i] = if heard { DRIVING_BELOW } else { LOUDER_BELOW };
+        }
         for std in [&mut prior.below, &mut prior.above] {
             std[FIX..RULE].fill(FIX_STD);
             std[RULE..].fill(RULE_STD);

@@ -42,6 +42,11 @@ fn named(i: usize) -> (String, &'static str) {
 const _: () = assert!(LASTING == FIX + 2 && RULE == FIX + 4 && COUNT == RULE + 3);
 
 impl Tuned {
+    /// Whether the drives determine a parameter.
+    pub fn determined(&self, i: usize) -> bool {
+        self.fit.std[i] < DETERMINED * self.prior.std(i, self.fit.noise.ln()[i])
+    }
+
     /// The result; `drives` are the drive files.
     pub fn result<'a>(&self, drives: impl IntoIterator<Item = (&'a Path, &'a Drive)>) -> Tune {
         let z = self.fit.noise.ln();
@@ -64,7 +69,7 @@ impl Tuned {
                 value: z[i].exp().into(),
                 low: (z[i] - INTERVAL * std).exp().into(),
                 high: (z[i] + INTERVAL * std).exp().into(),
-                determined: std < DETERMINED * prior.std(i, z[i]),
+                determined: self.determined(i),
             }
         };
         let drift = |judged: &super::Judged| {

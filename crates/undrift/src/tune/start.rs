@@ -1,5 +1,6 @@
 //! The sensor before the drive: a model of it at rest, or what its quietest moments in the drive show.
 
+use crate::replay::Measurement;
 use undrift_nav::{covariance::AXES, sample::ImuSample};
 use undrift_noise::{AxisModel, BiasModel, ImuModel, ModelError};
 
@@ -10,6 +11,72 @@ const TURN_ON: [f64; 2] = [8.7e-3, 0.3];
 const QUIET: f64 = 1.0;
 /// The quietest is taken as this quantile of them, so that a stretch of repeated values is not.
 const QUIETEST: f64 = 0.02;
+
+/// Below this speed by the fixes the vehicle stands [m/s], if for so long \[s\].
+const STANDS: (f64, f64) = (0.15, 3.0);
+/// Length of the stretches whose means are compared at a standstill \[s\], and how many differences it takes.
+const IDLE: (f64, usize) = (1.0, 10);
+/// The median of squares of normal values of variance one.
+const MEDIAN_OF_SQUARES: f64 = 0.4549;
+
+/// Density of the white noise of each axis [unit·√s] while the vehicle stands, as it does it with the engine running:
+/// by the Allan deviation at one second, by medians, so that a door does not count. `None` where it hardly stands.
+pub fn idle(imu: &[ImuSample], aiding: &[Measurement]) -> Option<[f64; AXES]> {
+    let fixes = aiding.iter().filter_map(|m| match m {
+        Measurement::Gnss(fix) => Some((fix.time, fix.velocity?.0.norm())),
+        _ => None,
+    });
+    // Spans between fixes that say that it stands.
+    let mut spans: Vec<(f64, f64)> = Vec::new();
+    let mut before: Option<f64> = None;
+    for (time, speed) in fixes {
+        let stands = speed < STANDS.0;
+        match (before, spans.last_mut()) {
+            (Some(last), Some(span)) if stands && span.1 == last => span.1 = time,
+            (Some(last), _) if stands => spans.push((last, time)),
+            _ => {}
+        }
+        before = stands.then_some(time);
+    }
+    let mut squares: [Vec<f64>; AXES] = Default::default();
+    for (from, to) in spans {
+        if to - from < STANDS.1 {
+            continue;
+        }
+        // The last second may be that of pulling away, the first of braking.
+        let first = imu.partition_point(|s| s.time < from + IDLE.0);
+        let last = imu.partition_point(|s| s.time <= to - IDLE.0);
+        let stretches = imu.get(first..last).unwrap_or_default();
+        let mut before: Option<[f64; AXES]> = None;
+        let (mut sum, mut span) = ([0.0; AXES], 0.0);
+        for sample in stretches {
+            for i in 0..3 {
+                sum[i] += sample.dtheta[i];
+                sum[3 + i] += sample.dvel[i];
+            }
+            span += sample.dt;
+            if span >= IDLE.0 {
+                let mean = sum.map(|sum| sum / span);
+                if let Some(before) = before {
+                    for (list, (a, b)) in squares.iter_mut().zip(mean.iter().zip(before)) {
+                        list.push(0.5 * (a - b).powi(2) * span);
+                    }
+                }
+                before = Some(mean);
+                (sum, span) = ([0.0; AXES], 0.0);
+            }
+        }
+    }
+    let mut density = [0.0; AXES];
+    for (slot, mut list) in density.iter_mut().zip(squares) {
+        if list.len() < IDLE.1 {
+            return None;
+        }
+        list.sort_by(f64::total_cmp);
+        *slot = (list[list.len() / 2] / MEDIAN_OF_SQUARES).sqrt();
+    }
+    Some(density)
+}
 
 /// A sensor at rest.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +91,8 @@ pub struct Start {
     pub walk: [f64; AXES],
     /// Standard deviation of the turn-on constant [unit].
     pub turn_on: [f64; AXES],
+    /// White noise while the vehicle stands with its engine running [unit·√s], where it is known.
+    pub idle: Option<[f64; AXES]>,
 }
 
 impl Start {
@@ -46,6 +115,7 @@ impl Start {
                 given if given > 0.0 => given,
                 _ => TURN_ON[i / 3],
             }),
+            idle: None,
         })
     }
 
@@ -86,6 +156,7 @@ impl Start {
             white,
             walk: [0.0; AXES],
             turn_on: std::array::from_fn(|i| TURN_ON[i / 3]),
+            idle: None,
         })
     }
 

@@ -1,5 +1,6 @@
 //! Closing the loop on real noise: models identified from one static record, run through simulated
-//! drives whose sensor errors are stretches of other records of the same sensor.
+//! drives whose sensor errors are stretches of other records of the same sensor; beside them one that is
+//! identified from such a drive alone, with the data sheet as the sensor at rest.
 //!
 //! `cargo run --release -p undrift-lab --bin real_noise -- DATA/adis16405-static [DRIVES]`
 
@@ -16,7 +17,13 @@ use undrift::{
     record::{self, Record, RecordFormat},
     reference::{HORIZONTAL, rms},
     replay::{Measurement, Settings},
-    simulate::{GnssNoise, RecordedErrors, Trajectory, simulate},
+    simulate::{GnssNoise, RecordedErrors, Simulation, Trajectory, simulate},
+    tune::{
+        fit::{Log, fit},
+        noise::Noise,
+        prior::Prior,
+        start::Start,
+    },
 };
 
 const RATE: f64 = 100.0;
@@ -126,6 +133,46 @@ fn centred(record: &Record) -> Vec<Vec<f64>> {
         .collect()
 }
 
+fn receiver() -> GnssNoise {
+    GnssNoise {
+        rate_hz: 5.0,
+        ..GnssNoise::default()
+    }
+}
+
+/// An exact drive, and its samples with a stretch of the record's errors.
+fn with_errors(
+    axes: &[&[f64]; 6],
+    drive: usize,
+) -> Result<(Simulation, Vec<ImuSample>), Failure> {
+    let seed = drive as u64 + 1;
+    let trajectory = Trajectory::car(DURATION, seed);
+    let simulation = simulate(&trajectory, RATE, None, &receiver(), seed)?;
+    let mut noise = RecordedErrors::new(*axes, drive * (DURATION * RATE) as usize);
+    let imu = simulation.imu.iter().map_while(|s| noise.apply(s)).collect();
+    Ok((simulation, imu))
+}
+
+/// The model that the drive alone gives.
+fn tuned(drive: &Simulation, imu: &[ImuSample]) -> Result<ImuModel, Failure> {
+    let sheet = ImuModel::preset("adis16405").ok_or("no preset")?;
+    let start = Start::of_model(&sheet, 1.0 / RATE)?;
+    let settings = Settings {
+        lever_arm: receiver().lever_arm,
+        ..Settings::new(sheet.shaping(BiasModel::RandomWalk, 1.0 / RATE)?)
+    };
+    let prior = Prior::new(&start, &[&settings]);
+    let logs = [Log {
+        imu,
+        aiding: &Measurement::of_fixes(&drive.gnss),
+        settings,
+        until: f64::INFINITY,
+    }];
+    let from = Noise::new(&prior.centre);
+    let found = fit(&logs, &start, &prior, from, false, &|_| ())?;
+    Ok(start.model(&found.noise.white, &found.noise.walk))
+}
+
 fn ride(
     run: &str,
     errors: &[Vec<f64>],
@@ -143,24 +190,13 @@ fn ride(
     }
     println!();
     let mut sums = vec![vec![Vec::new(); lengths.len()]; models.len()];
-    for drive in 0..drives {
-        let gnss = GnssNoise {
-            rate_hz: 5.0,
-            ..GnssNoise::default()
-        };
-        let simulation = simulate(
-            &Trajectory::car(DURATION, drive as u64 + 1),
-            RATE,
-            None,
-            &gnss,
-            drive as u64 + 1,
-        )?;
-        let mut noise = RecordedErrors::new(axes, drive * (DURATION * RATE) as usize);
-        let imu: Vec<ImuSample> = simulation
-            .imu
-            .iter()
-            .map_while(|s| noise.apply(s))
-            .collect();
+    let mut models = models.to_vec();
+    // The first is the one tuned on: it does not judge.
+    let (first, imu) = with_errors(&axes, 0)?;
+    models.push(("tuned on a drive", tuned(&first, &imu)?, BiasModel::Arma));
+    for drive in 1..=drives {
+        let (simulation, imu) = with_errors(&axes, drive)?;
+        let gnss = receiver();
         let last = imu
             .last()
             .ok_or("the record is too short for so many drives")?

@@ -9,11 +9,22 @@ use undrift_io::table::Column;
 use undrift_nav::units::Quantity;
 use undrift_noise::BiasModel;
 
+/// What is done with drives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Verb {
+    /// Their GNSS is cut.
+    Outages,
+    /// They are navigated.
+    Navigate,
+    /// Their noise is identified, drive by drive.
+    Tune,
+}
+
 /// What is to be done with logs, and what is known of them; a log's own word goes before that of all.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
-    /// Cut the GNSS of drives; else navigate them.
-    pub outages: bool,
+    /// What is done with drives.
+    pub verb: Verb,
     /// Bias models for drives.
     pub bias_models: Vec<BiasModel>,
     /// Where GNSS is cut.
@@ -35,7 +46,7 @@ pub struct Choice {
 impl Default for Choice {
     fn default() -> Self {
         Self {
-            outages: true,
+            verb: Verb::Outages,
             bias_models: BiasModel::ALL.to_vec(),
             plan: Plan::default(),
             smooth: false,
@@ -57,9 +68,13 @@ pub(super) fn read_choice(
     unit: &str,
 ) -> Result<Choice, ConfigError> {
     let mut choice = before;
-    let tasks = [("outages", true), ("navigate", false)];
-    if let Some(outages) = section.word("task", &tasks)? {
-        choice.outages = outages;
+    let tasks = [
+        ("outages", Verb::Outages),
+        ("navigate", Verb::Navigate),
+        ("tune", Verb::Tune),
+    ];
+    if let Some(verb) = section.word("task", &tasks)? {
+        choice.verb = verb;
     }
     let models = BiasModel::ALL.map(|model| (model.name(), model));
     if let Some(models) = section.words("bias_models", &models)? {
