@@ -148,6 +148,8 @@ settings! {
         certain: f64 = 0.05,
         /// … and with which it need not be awaited what a longer window makes of it \[rad\]: the filter, unlike the window, cannot undo what it took from an attitude that was some degrees off.
         good: f64 = 0.017,
+        /// It is no longer awaited when the standard deviation is this many times the least so far.
+        worse: f64 = 1.1,
         /// Squared residuals for each degree of freedom, at most.
         fit: f64 = 10.0,
         /// Standard deviation of the filter's velocity and attitude before the window says what they are \[m/s, rad\].
@@ -430,6 +432,8 @@ settings! {
         weaken: f64 = 9.0,
         /// … and rejected: it contradicts the solution far beyond both.
         reject: f64 = 100.0,
+        /// What the standard deviation of a rest is multiplied by that only the sensors see: a soft start has begun before it shows.
+        rest_unconfirmed: f64 = 10.0,
         /// NIS from which a rest that goes on by what the sensors alone say is a start: χ² of three at p = 10⁻⁴.
         reject_rest: f64 = 21.1,
         /// The speed of a fix holds for so long \[s\].

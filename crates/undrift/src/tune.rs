@@ -112,13 +112,15 @@ fn begins(logs: &Logs, settings: &Settings) -> Result<Option<f64>, ReplayError> 
     }
 }
 
-/// Noise while the vehicle stands, of the drives' seen parts: the root mean square of those that have any.
+/// Noise while the vehicle stands, of the drives' seen parts: the root mean square of those that have any. What hovers
+/// or floats does not stand.
 fn standing(logs: &[Log]) -> Option<[f64; AXES]> {
     let seen = |log: &Log| {
         let end = log.imu.partition_point(|s| s.time <= log.until);
         idle(&log.imu[..end], log.aiding)
     };
-    let found: Vec<_> = logs.iter().filter_map(seen).collect();
+    let stands = |log: &&Log| log.settings.constraints.zero_velocity.is_some();
+    let found: Vec<_> = logs.iter().filter(stands).filter_map(seen).collect();
     let square = |i: usize| found.iter().map(|d| d[i] * d[i]).sum::<f64>() / found.len() as f64;
     (!found.is_empty()).then(|| std::array::from_fn(|i| square(i).sqrt()))
 }

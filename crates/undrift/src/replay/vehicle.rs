@@ -181,20 +181,11 @@ fn readings_at_rest(filter: &dyn Estimator) -> (Vector3, Vector3) {
     (gyro + c_nb.tr_mul(&earth_rate), accel + c_nb.tr_mul(&up))
 }
 
-/// Updates with the velocity of a vehicle that stands, or `starts`, as smoothly as it stood.
-fn stand(
-    filter: &mut dyn Estimator,
-    std: f64,
-    starts: bool,
-    settings: &Settings,
-) -> Option<Update> {
-    let set = &settings.engine.constraints;
-    let gate = Gate {
-        weaken: set.weaken,
-        reject: if starts { set.reject_rest } else { set.reject },
-    };
-    let aiding = Aiding::ZeroVelocity;
-    filter.update(&aiding, &isotropic(std), &gate).ok()?
+/// Normalised innovation squared of a rest, by the diagonal of the velocity's covariance.
+fn nis_of_rest(filter: &dyn Estimator, std: f64) -> f64 {
+    let (v_n, sigma) = (&filter.nav().v_n, filter.nav_std());
+    let term = |i: usize| v_n[i].powi(2) / (sigma[3 + i].powi(2) + std * std);
+    (0..3).map(term).sum()
 }
 
 /// Updates at the end of a block; whether the vehicle stood.
@@ -209,18 +200,22 @@ fn stand_still(
     // A velocity that has come up since it stood is a start.
     let starts = *stood && rest && !block.confirmed;
     *stood = false;
-    if let Some(std) = settings.constraints.zero_velocity.filter(|_| rest)
-        && let Some(done) = stand(filter, std, starts, settings)
-    {
-        // A solution that is sure to move is believed.
-        rest = done.outcome != Outcome::Rejected;
-        *stood = match done.outcome {
-            Outcome::Used => true,
-            // The solution had not known before that it stands.
-            Outcome::Weakened(_) => false,
-            Outcome::Rejected => starts,
-        };
-        summary.zero_velocity.add(done);
+    if let Some(std) = settings.constraints.zero_velocity.filter(|_| rest) {
+        let set = &settings.engine.constraints;
+        if starts && nis_of_rest(filter, std) > set.reject_rest {
+            *stood = true;
+            return false;
+        }
+        // What only the sensors see may be a start so soft that it does not show yet.
+        let unsure = if block.confirmed { 1.0 } else { set.rest_unconfirmed };
+        let noise = isotropic(std * unsure);
+        if let Some(done) = constrain(filter, &Aiding::ZeroVelocity, &noise, settings) {
+            // A solution that is sure to move is believed.
+            rest = done.outcome != Outcome::Rejected;
+            // One that is weakened had not known before that it stands.
+            *stood = done.outcome == Outcome::Used;
+            summary.zero_velocity.add(done);
+        }
     }
     if let Some(std) = settings.constraints.zero_angular_rate.filter(|_| rest) {
         let noise = Vector3::from_fn(|i, _| {

@@ -286,9 +286,10 @@ fn uncertainty<const N: usize>(linear: &Linear<N>, prior: &Prior, z: &Vector) ->
     let Some(inverse) = a.try_inverse() else {
         return std::array::from_fn(|i| prior.std(i, z[i]));
     };
-    // The gradients are taken where their sum vanishes: of their scatter the fit took what its parameters could.
-    let fitted = (&inverse * of_data).trace().clamp(1.0, 0.75 * n.max(2.0));
-    j *= n / (n - fitted);
+    // The gradients are taken where their sum vanishes. Of their scatter that took one span's where all tell of the same
+    // parameters, and one for each parameter where each tells of its own; here it is half of the parameters.
+    let fitted = 0.5 * (&inverse * of_data).trace();
+    j *= n / (n - fitted.clamp(1.0, 0.75 * n.max(2.0)));
     for i in 0..COUNT {
         j[(i, i)] += precision(i);
     }

@@ -1,6 +1,6 @@
 //! Closing the loop on real noise: models identified from one static record, run through simulated
 //! drives whose sensor errors are stretches of other records of the same sensor; beside them one that is
-//! identified from such a drive alone, with the data sheet as the sensor at rest.
+//! identified from three such drives alone, with the data sheet as the sensor at rest.
 //!
 //! `cargo run --release -p undrift-lab --bin real_noise -- DATA/adis16405-static [DRIVES]`
 
@@ -28,6 +28,8 @@ use undrift::{
 
 const RATE: f64 = 100.0;
 const DURATION: f64 = 500.0;
+/// Drives that one model is identified from.
+const TUNED: usize = 3;
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -153,8 +155,8 @@ fn with_errors(
     Ok((simulation, imu))
 }
 
-/// The model that the drive alone gives.
-fn tuned(drive: &Simulation, imu: &[ImuSample]) -> Result<ImuModel, Failure> {
+/// The model that drives alone give.
+fn tuned(drives: &[(Simulation, Vec<ImuSample>)]) -> Result<ImuModel, Failure> {
     let sheet = ImuModel::preset("adis16405").ok_or("no preset")?;
     let start = Start::of_model(&sheet, 1.0 / RATE)?;
     let settings = Settings {
@@ -162,12 +164,20 @@ fn tuned(drive: &Simulation, imu: &[ImuSample]) -> Result<ImuModel, Failure> {
         ..Settings::new(sheet.shaping(BiasModel::RandomWalk, 1.0 / RATE)?)
     };
     let prior = Prior::new(&start, &[&settings]);
-    let logs = [Log {
-        imu,
-        aiding: &Measurement::of_fixes(&drive.gnss),
-        settings,
-        until: f64::INFINITY,
-    }];
+    let aiding: Vec<_> = drives
+        .iter()
+        .map(|(drive, _)| Measurement::of_fixes(&drive.gnss))
+        .collect();
+    let logs: Vec<Log> = drives
+        .iter()
+        .zip(&aiding)
+        .map(|((_, imu), aiding)| Log {
+            imu,
+            aiding,
+            settings: settings.clone(),
+            until: f64::INFINITY,
+        })
+        .collect();
     let from = Noise::new(&prior.centre);
     let found = fit(&logs, &start, &prior, from, false, &|_| ())?;
     Ok(start.model(&found.noise.white, &found.noise.walk))
@@ -189,12 +199,14 @@ fn ride(
         print!(" {:>10}", format!("{length} s"));
     }
     println!();
-    let mut sums = vec![vec![Vec::new(); lengths.len()]; models.len()];
     let mut models = models.to_vec();
-    // The first is the one tuned on: it does not judge.
-    let (first, imu) = with_errors(&axes, 0)?;
-    models.push(("tuned on a drive", tuned(&first, &imu)?, BiasModel::Arma));
-    for drive in 1..=drives {
+    // Tuned on the first, which do not judge.
+    let seen = (0..TUNED)
+        .map(|drive| with_errors(&axes, drive))
+        .collect::<Result<Vec<_>, _>>()?;
+    models.push(("tuned on drives", tuned(&seen)?, BiasModel::Arma));
+    let mut sums = vec![vec![Vec::new(); lengths.len()]; models.len()];
+    for drive in TUNED..TUNED + drives {
         let (simulation, imu) = with_errors(&axes, drive)?;
         let gnss = receiver();
         let last = imu
