@@ -7,7 +7,7 @@ use crate::{
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
-use undrift::inspect;
+use undrift::{inspect, vehicle::Profile};
 use undrift_report::inspect as report;
 
 /// Describe log files and write a starter drive file.
@@ -16,6 +16,7 @@ use undrift_report::inspect as report;
 #[derive(Args)]
 #[command(after_help = "Examples:
   undrift inspect imu.csv gnss.pos -o drive.toml
+  undrift inspect imu.csv gnss.pos --vehicle car -o drive.toml
   undrift inspect flight.ulg --json -")]
 pub struct Arguments {
     /// Logs of an IMU, of a receiver, or of both
@@ -24,8 +25,22 @@ pub struct Arguments {
     /// Write a drive file that reads them
     #[arg(short, long, value_name = "DRIVE.toml", help_heading = "Output")]
     output: Option<PathBuf>,
+    /// Profile of the vehicle to write into the drive file
+    #[arg(long, value_name = "PROFILE", requires = "output", value_parser = profile)]
+    vehicle: Option<Profile>,
     #[command(flatten)]
     json: JsonOutput,
+}
+
+/// A vehicle's profile by its name.
+fn profile(name: &str) -> Result<Profile, String> {
+    let known = Profile::ALL.into_iter().find(|known| known.name() == name);
+    known.ok_or_else(|| {
+        format!(
+            "write one of {}",
+            Profile::ALL.map(Profile::name).join(", ")
+        )
+    })
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -38,16 +53,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut inspections = Vec::new();
     for file in &arguments.files {
         match inspect::inspect(file) {
-            Ok(mut inspection) => {
-                report::fill(&mut inspection);
-                inspections.push(inspection);
-            }
+            Ok(inspection) => inspections.push(inspection),
             Err(error) => terminal::error(&error.into()),
         }
     }
     if inspections.is_empty() {
         bail!("no file could be read");
     }
+    let motion = terminal::stage("aligning", || inspect::motion(&mut inspections));
+    inspections.iter_mut().for_each(report::fill);
     let json = serde_json::to_string_pretty(&inspections)?;
     let shown = arguments.json.write(&files, &json)?;
     if !shown {
@@ -57,7 +71,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     if let Some(file) = &arguments.output {
         let home = file.parent().unwrap_or(std::path::Path::new(""));
-        files.write(file, &report::drive_file(&inspections, home))?;
+        let text = report::drive_file(&inspections, home, arguments.vehicle, motion);
+        files.write(file, &text)?;
         terminal::say_beside(shown, format!("drive file: {}", file.display()))?;
     }
     if inspections.len() < arguments.files.len() {

@@ -1,7 +1,10 @@
 //! What files are, in words, and a starter `DRIVE.toml` for them.
 
 use std::path::Path;
-use undrift::inspect::{Content, Inspection, Known, Measured, Note, Part, about_gravity, quoted};
+use undrift::{
+    inspect::{Content, Inspection, Known, Measured, Motion, Note, Part, about_gravity, quoted},
+    vehicle::Profile,
+};
 
 /// Fills in the sentences of an inspection.
 pub fn fill(inspection: &mut Inspection) {
@@ -62,6 +65,20 @@ fn known(known: &Known) -> String {
         Known::PointsUp => {
             "the z axis points up; x forward and y left are assumed; with y forward, \"y,x,-z\""
         }
+        Known::Motion {
+            rpy_deg: [roll, pitch, yaw],
+            std_deg: [forward, right, down],
+            duration_s,
+        } => {
+            return format!(
+                "estimated from {duration_s:.0} s of this drive: roll {roll:.1}, pitch {pitch:.1}, yaw {yaw:.1} deg, ±{forward:.1}, ±{right:.1}, ±{down:.1} deg"
+            );
+        }
+        Known::Forces { std_deg } => {
+            return format!(
+                "estimated from forces, speeds and turns of this drive, yaw to ±{std_deg:.1} deg; \"auto\" is more accurate on a longer drive"
+            );
+        }
         Known::Tilted => "the z axis is not vertical; or give axes, such as \"z,y,-x\"",
     }
     .into()
@@ -81,6 +98,10 @@ fn note(note: &Note) -> String {
         } => format!(
             "the names say that accelerations are in {named}, but the median magnitude is {median:.4}, as in {size}"
         ),
+        Note::NoWheels => {
+            "the IMU moves along no single direction of its own: no wheeled vehicle, or the IMU is not fixed to it; x forward is assumed".into()
+        }
+        Note::NoMounting(why) => format!("the axes are a guess from gravity alone: {why}"),
         Note::Nothing => {
             "nothing in it is read here: no angular rates with specific forces, no positions".into()
         }
@@ -171,8 +192,14 @@ fn rate_and_gaps(m: &Measured) -> String {
 }
 
 /// The drive file, from filled inspections, that reads the first IMU, the first fixes and the first reference of the files.
-/// `home` is the folder where it will lie: files below it are named relative to it.
-pub fn drive_file(inspections: &[Inspection], home: &Path) -> String {
+/// `home` is the folder where it will lie: files below it are named relative to it. `vehicle` is its profile where that is
+/// known; where its `motion` is that of wheels the car's is proposed.
+pub fn drive_file(
+    inspections: &[Inspection],
+    home: &Path,
+    vehicle: Option<Profile>,
+    motion: Motion,
+) -> String {
     let first = |table: &str| {
         inspections.iter().find_map(|file| {
             let part = file.parts.iter().find(|part| part.table == table)?;
@@ -197,6 +224,19 @@ pub fn drive_file(inspections: &[Inspection], home: &Path) -> String {
             }
             None => {}
         }
+    }
+    if motion.heading {
+        text += "\n[initial]\nheading = \"auto\" # from the changes of the velocity, which this drive has enough of\n";
+    }
+    match vehicle {
+        Some(profile) => {
+            text += &format!("\n[vehicle]\nprofile = {}\n", quoted(profile.name()));
+        }
+        None if motion.wheels => {
+            text += "\n# It moves as a wheeled vehicle does: with these lines it drifts much less without GNSS.\n\
+                     # [vehicle]\n# profile = \"car\"\n";
+        }
+        None => {}
     }
     text
 }
@@ -270,7 +310,7 @@ mod tests {
             notes: Vec::new(),
         };
         fill(&mut inspection);
-        let text = drive_file(&[inspection], Path::new(""));
+        let text = drive_file(&[inspection], Path::new(""), None, Motion::default());
         assert!(
             text.contains("# the first of several; the others: gps"),
             "{text}"

@@ -47,32 +47,59 @@ impl Positions {
         {
             self.last.pop_front();
         }
-        let n = self.last.len();
-        let (first, origin) = *self.last.front()?;
-        if n < self.set.least || fix.time - first < 0.5 * self.set.span {
-            return None;
-        }
-        let places = self.last.iter();
-        let track = places.map(|(time, place)| (time - first, origin.offset_to(place)));
-        let track: Vec<(f64, Vector3)> = track.collect();
-        let count = n as f64;
-        let middle = track.iter().map(|(t, _)| t).sum::<f64>() / count;
-        let mean = track.iter().map(|(_, r)| r).sum::<Vector3>() / count;
-        let power: f64 = track.iter().map(|(t, _)| (t - middle).powi(2)).sum();
-        let slope = track.iter().map(|(t, r)| r * (t - middle));
-        let v_n = slope.sum::<Vector3>() / power;
-        let rest = track
-            .iter()
-            .map(|(t, r)| r - mean - v_n * (t - middle))
-            .map(|rest| rest.component_mul(&rest));
-        let variance = rest.sum::<Vector3>() / (count - 2.0) / power;
-        let floor = self.set.floor * self.set.floor;
-        Some(DerivedVelocity {
-            time: first + middle,
-            v_n,
-            covariance: Matrix3::from_diagonal(&variance.map(|v| v + floor)),
-        })
+        slope(self.last.make_contiguous(), &self.set)
     }
+}
+
+/// The slope of a straight line through positions, with the covariance that their scatter about it gives.
+fn slope(places: &[(f64, Geodetic)], set: &DerivedVelocitySettings) -> Option<DerivedVelocity> {
+    let (first, origin) = *places.first()?;
+    let (last, _) = *places.last()?;
+    if places.len() < set.least || last - first < 0.5 * set.span {
+        return None;
+    }
+    let track = places.iter();
+    let track = track.map(|(time, place)| (time - first, origin.offset_to(place)));
+    let track: Vec<(f64, Vector3)> = track.collect();
+    let count = track.len() as f64;
+    let middle = track.iter().map(|(t, _)| t).sum::<f64>() / count;
+    let mean = track.iter().map(|(_, r)| r).sum::<Vector3>() / count;
+    let power: f64 = track.iter().map(|(t, _)| (t - middle).powi(2)).sum();
+    let slope = track.iter().map(|(t, r)| r * (t - middle));
+    let v_n = slope.sum::<Vector3>() / power;
+    let rest = track
+        .iter()
+        .map(|(t, r)| r - mean - v_n * (t - middle))
+        .map(|rest| rest.component_mul(&rest));
+    let variance = rest.sum::<Vector3>() / (count - 2.0) / power;
+    let floor = set.floor * set.floor;
+    Some(DerivedVelocity {
+        time: first + middle,
+        v_n,
+        covariance: Matrix3::from_diagonal(&variance.map(|v| v + floor)),
+    })
+}
+
+/// Fixes of which none has a velocity, with the slope of the positions about each one: for what may look ahead.
+pub(crate) fn with_velocities(
+    mut fixes: Vec<GnssFix>,
+    set: &DerivedVelocitySettings,
+) -> Vec<GnssFix> {
+    if fixes.iter().any(|fix| fix.velocity.is_some()) {
+        return fixes;
+    }
+    let place = |fix: &GnssFix| Some((fix.time, antenna(fix)?));
+    let places: Vec<(f64, Geodetic)> = fixes.iter().filter_map(place).collect();
+    let half = 0.5 * set.span;
+    for fix in &mut fixes {
+        let from = places.partition_point(|(time, _)| *time < fix.time - half);
+        let to = places.partition_point(|(time, _)| *time <= fix.time + half);
+        let around = places.get(from..to).and_then(|around| slope(around, set));
+        // At the ends the line has its middle elsewhere.
+        let around = around.filter(|v| (v.time - fix.time).abs() < 0.25 * half);
+        fix.velocity = around.map(|velocity| (velocity.v_n, velocity.covariance));
+    }
+    fixes
 }
 
 #[cfg(test)]

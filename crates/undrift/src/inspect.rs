@@ -3,11 +3,13 @@
 mod columns;
 mod known;
 mod measure;
+mod motion;
 mod parts;
 mod units;
 
 pub use known::{Content, Known, Note};
 pub use measure::about_gravity;
+pub use motion::{Motion, motion};
 pub use parts::{Inspection, Line, Measured, Part, quoted};
 
 use crate::drive::Logs;

@@ -6,8 +6,15 @@
 //! their cross product. Side slip and the lever between rear axle and IMU show in turns, which are
 //! left out; hills turn both axes together and drop out.
 //!
+//! What never drives fast and straight for long has its turns taken too: there `v^b = s f + L ω × f` with the speed s,
+//! the forward axis f and the lever L from the axle forward to the IMU, which is estimated with it.
+//!
 //! `b` is the sensor's own axes here and `v` the vehicle's forward, right, down; `q_vb` takes the one
 //! to the other and is what `imu.mounting` states as roll, pitch, yaw (`docs/drive-file.md`).
+
+mod force;
+
+pub use force::by_force;
 
 use crate::{
     estimator::Estimator,
@@ -15,19 +22,27 @@ use crate::{
 };
 use undrift_nav::{Matrix3, Quaternion, Vector3, attitude::to_rpy};
 
-/// Speed above which the direction of motion counts [m/s].
+/// Speed above which the direction of motion counts on the straight [m/s].
 const MIN_SPEED: f64 = 5.0;
 /// Turn rate up to which driving is straight [rad/s].
 const STRAIGHT: f64 = 0.05;
+/// Speed above which it counts where turns do, too [m/s].
+const MIN_SPEED_SLOW: f64 = 0.7;
 /// Heading this uncertain \[rad\] or more says nothing of the forward axis.
 const HEADING_STD: f64 = 0.05;
 /// Driving that makes one value: errors of the attitude, bends and bumps live for about that long \[s\].
 const BLOCK: f64 = 5.0;
 /// Values needed.
-const MIN_BLOCKS: u32 = 6;
+const MIN_BLOCKS: usize = 6;
+/// Standard deviation of the lever before the drive \[m\] against that of the velocity [m/s], squared.
+const LEVER: f64 = 0.0025;
+/// Rounds in which forward axis and lever are found.
+const ROUNDS: usize = 10;
 /// What averages do not remove, one standard deviation \[rad\]: crown of the road and an uneven load
 /// in roll; squat at speed in pitch; side slip of one-sided bends in yaw.
 const FLOOR: [f64; 3] = [0.012, 0.004, 0.003];
+/// The same in yaw where turns count, which may all be to one side.
+const FLOOR_TURNING: f64 = 0.015;
 /// The part of the log that [`estimate`] looks at, from its first sample \[s\].
 pub const LONGEST_PASS: f64 = 900.0;
 
@@ -38,8 +53,10 @@ pub struct Mounting {
     pub q_vb: Quaternion,
     /// Standard deviations of the error angles about the vehicle's forward, right and down \[rad\].
     pub std: Vector3,
-    /// Straight driving that it rests on \[s\].
+    /// Driving that it rests on \[s\].
     pub duration: f64,
+    /// Whether that was straight; else it turned, slowly.
+    pub straight: bool,
 }
 
 impl Mounting {
@@ -59,9 +76,9 @@ impl Mounting {
 pub enum MountingError {
     /// Not enough straight driving.
     #[error(
-        "the mounting could not be estimated: {found:.0} s of straight driving above {MIN_SPEED} m/s with a known heading, \
+        "the mounting could not be estimated: {found:.0} s of driving above {MIN_SPEED_SLOW} m/s with a known heading, \
          {:.0} s are needed; give imu.mounting or imu.axes",
-        f64::from(MIN_BLOCKS) * BLOCK
+        MIN_BLOCKS as f64 * BLOCK
     )]
     TooLittle {
         /// What there was \[s\].
@@ -84,23 +101,170 @@ pub enum MountingError {
 /// Direction of motion beyond this standard deviation is no axis \[rad\].
 const WANDER: f64 = 0.2;
 
+/// Sums over some seconds of motion.
+#[derive(Clone, Copy, Debug, Default)]
+struct Block {
+    /// Length \[s\].
+    span: f64,
+    /// Of products of the velocity, of velocity and angular rate, of the angular rate; in sensor axes.
+    velocity: Matrix3,
+    mixed: Matrix3,
+    rate: Matrix3,
+    /// Of the velocity, reversed where it is against those before.
+    along: Vector3,
+    /// Of the direction of down.
+    down: Vector3,
+    /// Of the heading's variance.
+    variance: f64,
+    /// Time moving with `along` less time against it \[s\].
+    ahead: f64,
+}
+
+impl Block {
+    fn add(&mut self, dt: f64, motion: &Motion, forward: &Vector3) {
+        let Motion { v, omega, down, .. } = motion;
+        // Reversing counts as the same axis the other way round; most of the driving is forward.
+        let sign = if v.dot(forward) < 0.0 { -1.0 } else { 1.0 };
+        self.span += dt;
+        self.velocity += v * v.transpose() * dt;
+        self.mixed += v * omega.transpose() * dt;
+        self.rate += omega * omega.transpose() * dt;
+        self.along += v * (sign * dt);
+        self.down += down * dt;
+        self.variance += motion.heading_variance * dt;
+        self.ahead += sign * dt;
+    }
+
+    /// Products of the axle's velocity: less what the lever makes of turning.
+    fn of_axle(&self, forward: &Vector3, lever: f64) -> Matrix3 {
+        let cross = forward.cross_matrix();
+        let mixed = self.mixed * cross * lever;
+        self.velocity - mixed - mixed.transpose()
+            + cross.transpose() * self.rate * cross * (lever * lever)
+    }
+}
+
+/// What moves, in sensor axes.
+struct Motion {
+    v: Vector3,
+    omega: Vector3,
+    down: Vector3,
+    heading_variance: f64,
+}
+
+/// Blocks of motion of one kind.
+#[derive(Clone, Debug, Default)]
+struct Blocks {
+    present: Block,
+    whole: Vec<Block>,
+    sum: Block,
+}
+
+impl Blocks {
+    fn add(&mut self, dt: f64, motion: &Motion) {
+        let forward = self.sum.along + self.present.along;
+        self.present.add(dt, motion, &forward);
+        if self.present.span < BLOCK {
+            return;
+        }
+        let block = std::mem::take(&mut self.present);
+        let Block {
+            span,
+            velocity,
+            mixed,
+            rate,
+            along,
+            down,
+            variance,
+            ahead,
+        } = block;
+        let sum = &mut self.sum;
+        sum.span += span;
+        sum.velocity += velocity;
+        sum.mixed += mixed;
+        sum.rate += rate;
+        sum.along += along;
+        sum.down += down;
+        sum.variance += variance;
+        sum.ahead += ahead;
+        self.whole.push(block);
+    }
+
+    /// Driving so far \[s\].
+    fn duration(&self) -> f64 {
+        self.whole.len() as f64 * BLOCK
+    }
+
+    fn estimate(&self, straight: bool) -> Result<Mounting, MountingError> {
+        if self.whole.len() < MIN_BLOCKS {
+            return Err(MountingError::TooLittle {
+                found: self.duration(),
+            });
+        }
+        let n = self.whole.len() as f64;
+        let lost = || MountingError::Wanders { wander: WANDER };
+        let mut axis = self.sum.along.try_normalize(1e-9).ok_or_else(lost)?;
+        let mut lever = 0.0;
+        for _ in 0..ROUNDS {
+            let cross = axis.cross_matrix();
+            if !straight {
+                let turning = (cross.transpose() * self.sum.rate * cross).trace();
+                lever = (self.sum.mixed * cross).trace() / (turning + LEVER * self.sum.span);
+            }
+            let eigen = self.sum.of_axle(&axis, lever).symmetric_eigen();
+            let most = eigen.eigenvalues.imax();
+            let found: Vector3 = eigen.eigenvectors.column(most).into();
+            axis = found * found.dot(&axis).signum();
+        }
+        let sign = if self.sum.ahead < 0.0 { -1.0 } else { 1.0 };
+        let forward = axis * sign;
+        let right = self.sum.down.cross(&forward);
+        let right = right.try_normalize(1e-9).ok_or_else(lost)?;
+        let down = forward.cross(&right);
+        let c_vb = Matrix3::from_rows(&[forward.transpose(), right.transpose(), down.transpose()]);
+
+        // Scatter of the blocks' directions across forward, each with the weight that it has in the whole.
+        let (mut pitch, mut yaw, mut roll, mut weights) = (0.0, 0.0, 0.0, 0.0);
+        for block in &self.whole {
+            let products = block.of_axle(&axis, lever);
+            let weight = forward.dot(&(products * forward)).max(0.0);
+            pitch += down.dot(&(products * forward)).powi(2);
+            yaw += right.dot(&(products * forward)).powi(2);
+            roll += (block.down.dot(&right) / block.span).powi(2);
+            weights += weight;
+        }
+        let few = n / (n - 1.0) / (weights * weights);
+        let (pitch, yaw, roll) = (pitch * few, yaw * few, roll / (n - 1.0) / n);
+        let wander = (n * (pitch + yaw)).sqrt();
+        if wander > WANDER {
+            return Err(MountingError::Wanders { wander });
+        }
+        // The filter's heading error outlives a block; it is taken to be another one after a minute.
+        let minutes = (self.duration() / 60.0).max(1.0);
+        let heading = self.sum.variance / self.sum.span / minutes;
+        let floor = match straight {
+            true => FLOOR,
+            false => [FLOOR[0], FLOOR[1], FLOOR_TURNING],
+        };
+        let std = Vector3::new(roll, pitch, yaw + heading);
+        Ok(Mounting {
+            q_vb: Quaternion::from_matrix(&c_vb),
+            std: std.zip_map(&Vector3::from(floor), |variance, floor| {
+                (variance + floor * floor).sqrt()
+            }),
+            duration: self.duration(),
+            straight,
+        })
+    }
+}
+
 /// Gathers the directions of motion and of down. Streamed: only sums are kept.
 #[derive(Clone, Debug, Default)]
 pub struct MountingEstimator {
-    /// Of the present block: its length \[s\], the sums of the directions, of the attitude's variance.
-    span: f64,
-    forward: Vector3,
-    down: Vector3,
-    variance: f64,
-    /// Of the blocks: their number, the sums of their mean directions and of products of those.
-    blocks: u32,
-    forward_sum: Vector3,
-    forward_square: Matrix3,
-    down_sum: Vector3,
-    down_square: Matrix3,
-    variance_sum: f64,
-    /// Time moving with the sum of the directions less time against it \[s\].
-    ahead: f64,
+    /// Of driving fast and straight, by unit vectors.
+    straight: Blocks,
+    /// Of all driving, by velocities.
+    all: Blocks,
 }
 
 impl MountingEstimator {
@@ -115,40 +279,21 @@ impl MountingEstimator {
         attitude_std: &Vector3,
     ) {
         let speed = v_n.norm();
-        let usable =
-            speed > MIN_SPEED && omega_nb_b.norm() < STRAIGHT && attitude_std.z < HEADING_STD;
-        if !usable {
+        if speed < MIN_SPEED_SLOW || attitude_std.z >= HEADING_STD {
             return;
         }
-        let direction = q_nb.inverse() * v_n / speed;
-        // Reversing counts as the same axis the other way round; most of the driving is forward.
-        let sign = if direction.dot(&(self.forward_sum + self.forward)) < 0.0 {
-            -1.0
-        } else {
-            1.0
+        let v = q_nb.inverse() * v_n;
+        let motion = Motion {
+            v,
+            omega: *omega_nb_b,
+            down: q_nb.inverse() * Vector3::z(),
+            heading_variance: attitude_std.z * attitude_std.z,
         };
-        self.ahead += sign * dt;
-        self.span += dt;
-        self.forward += direction * (sign * dt);
-        self.down += q_nb.inverse() * Vector3::z() * dt;
-        self.variance += attitude_std.z * attitude_std.z * dt;
-        if self.span < BLOCK {
-            return;
+        self.all.add(dt, &motion);
+        if speed > MIN_SPEED && omega_nb_b.norm() < STRAIGHT {
+            let v = v / speed;
+            self.straight.add(dt, &Motion { v, ..motion });
         }
-        let (forward, down) = (self.forward / self.span, self.down / self.span);
-        self.blocks += 1;
-        self.forward_sum += forward;
-        self.forward_square += forward * forward.transpose();
-        self.down_sum += down;
-        self.down_square += down * down.transpose();
-        self.variance_sum += self.variance / self.span;
-        (self.span, self.variance) = (0.0, 0.0);
-        (self.forward, self.down) = (Vector3::zeros(), Vector3::zeros());
-    }
-
-    /// Straight driving so far \[s\].
-    pub fn duration(&self) -> f64 {
-        f64::from(self.blocks) * BLOCK
     }
 
     /// What is known now.
@@ -156,47 +301,10 @@ impl MountingEstimator {
     /// # Errors
     /// With too little driving, or where it has no one direction.
     pub fn estimate(&self) -> Result<Mounting, MountingError> {
-        let too_little = MountingError::TooLittle {
-            found: self.duration(),
-        };
-        if self.blocks < MIN_BLOCKS {
-            return Err(too_little);
+        match self.straight.estimate(true) {
+            Err(MountingError::TooLittle { .. }) => self.all.estimate(false),
+            found => found,
         }
-        let n = f64::from(self.blocks);
-        let (Some(axis), Some(right)) = (
-            self.forward_sum.try_normalize(1e-9),
-            self.down_sum.cross(&self.forward_sum).try_normalize(1e-9),
-        ) else {
-            return Err(MountingError::Wanders { wander: WANDER });
-        };
-        let sign = if self.ahead < 0.0 { -1.0 } else { 1.0 };
-        let (forward, right) = (axis * sign, right * sign);
-        let down = forward.cross(&right);
-        let c_vb = Matrix3::from_rows(&[forward.transpose(), right.transpose(), down.transpose()]);
-
-        // Scatter of the blocks' means along each axis.
-        let variance = |sum: &Vector3, square: &Matrix3, along: &Vector3| {
-            let mean = sum.dot(along) / n;
-            (along.dot(&(square * along)) / n - mean * mean).max(0.0) * n / (n - 1.0)
-        };
-        let pitch = variance(&self.forward_sum, &self.forward_square, &down);
-        let yaw = variance(&self.forward_sum, &self.forward_square, &right);
-        let roll = variance(&self.down_sum, &self.down_square, &right);
-        let wander = (pitch + yaw).sqrt();
-        if wander > WANDER {
-            return Err(MountingError::Wanders { wander });
-        }
-        // The filter's heading error outlives a block; it is taken to be another one after a minute.
-        let minutes = (self.duration() / 60.0).max(1.0);
-        let heading = self.variance_sum / n / minutes;
-        let std = Vector3::new(roll / n, pitch / n, yaw / n + heading);
-        Ok(Mounting {
-            q_vb: Quaternion::from_matrix(&c_vb),
-            std: std.zip_map(&Vector3::from(FLOOR), |variance, floor| {
-                (variance + floor * floor).sqrt()
-            }),
-            duration: self.duration(),
-        })
     }
 }
 
@@ -273,17 +381,36 @@ mod tests {
     }
 
     #[test]
-    fn slow_turning_or_lost_says_nothing() {
+    fn standing_or_lost_says_nothing() {
         let mut estimator = MountingEstimator::default();
         let q = Quaternion::identity();
         let east = Vector3::y();
         for _ in 0..1000 {
-            estimator.add(1.0, &q, &(east * 3.0), &Vector3::zeros(), &STD);
-            estimator.add(1.0, &q, &(east * 10.0), &(Vector3::z() * 0.1), &STD);
+            estimator.add(1.0, &q, &(east * 0.3), &Vector3::zeros(), &STD);
             estimator.add(1.0, &q, &(east * 10.0), &Vector3::zeros(), &(STD * 10.0));
         }
         let error = estimator.estimate().unwrap_err();
         assert!(matches!(error, MountingError::TooLittle { found } if found == 0.0));
+    }
+
+    #[test]
+    fn a_slow_robot_that_always_turns_has_a_forward_axis() {
+        let q_vb = from_rpy(&Vector3::new(0.1, -0.3, 2.2));
+        let (mut estimator, lever, mut heading) = (MountingEstimator::default(), 0.8, 0.0_f64);
+        for step in 0..3000 {
+            let rate = if step < 1000 { 0.4 } else { 0.25 };
+            heading += rate * 0.1;
+            let q_nv = from_rpy(&Vector3::new(0.0, 0.0, heading));
+            // Where the IMU sits before the axle it moves sideways.
+            let v_n = q_nv * Vector3::new(1.5, lever * rate, 0.0);
+            let omega = q_vb.inverse() * (Vector3::z() * rate);
+            estimator.add(0.1, &(q_nv * q_vb), &v_n, &omega, &STD);
+        }
+        let found = estimator.estimate().unwrap();
+        assert!(!found.straight);
+        // One speed and two turn rates tell side slip from a lever, but for the lever's prior.
+        assert!(found.q_vb.angle_to(&q_vb) < 0.02, "{:?}", found.rpy());
+        assert!(found.std.z > 0.01 && found.std.max() < 0.03, "{found:?}");
     }
 
     #[test]

@@ -12,6 +12,7 @@ pub use recording::Recording;
 use crate::{
     align::{AlignSettings, Heading},
     consistency::Consistency,
+    derived::with_velocities,
     drive::{Correlation, Drive, DriveError},
     findings::Log,
     fixes::{self, FixStudy},
@@ -199,6 +200,11 @@ pub fn resolve_mounting(drive: &Drive) -> Result<(Drive, Option<Mounting>), Navi
     } else {
         2
     };
+    let fixes = drive.open_gnss()?.collect::<Result<Vec<_>, _>>()?;
+    let fixes = with_velocities(
+        fixes,
+        &crate::settings::EngineSettings::default().derived_velocity,
+    );
     for _ in 0..passes {
         let mut settings = settings(drive, BiasModel::Arma)?;
         settings.align = AlignSettings {
@@ -208,7 +214,7 @@ pub fn resolve_mounting(drive: &Drive) -> Result<(Drive, Option<Mounting>), Navi
         settings.parameters = Parameters::none();
         settings.constraints = Constraints::default();
         settings.lever_arm = found.map_or(Vector3::zeros(), |m| m.q_vb.inverse() * drive.lever_arm);
-        let mut fixes = drive.open_gnss()?.map(|fix| fix.map(Measurement::Gnss));
+        let mut fixes = fixes.iter().map(|fix| Ok(Measurement::Gnss(*fix)));
         found = Some(mounting::estimate(
             &mut drive.open_imu()?,
             &mut fixes,

@@ -67,6 +67,19 @@ impl NonHolonomic {
 }
 
 impl Profile {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::None, Self::Car, Self::Aircraft, Self::Pedestrian];
+
+    /// Its name in a drive file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Car => "car",
+            Self::Aircraft => "aircraft",
+            Self::Pedestrian => "pedestrian",
+        }
+    }
+
     /// The constraints of the profile.
     pub fn constraints(self) -> Constraints {
         let rest = Constraints {

@@ -44,8 +44,15 @@ pub fn alignment(alignment: &Alignment) -> String {
 pub fn mounting(mounting: &Mounting) -> String {
     let [rpy, std] = [mounting.rpy(), mounting.std].map(|angles| angles.map(f64::to_degrees));
     format!(
-        "roll {:.2}, pitch {:.2}, yaw {:.2} deg; ±{:.2} about forward, ±{:.2} about right, ±{:.2} deg about down; from {:.0} s of straight driving",
-        rpy.x, rpy.y, rpy.z, std.x, std.y, std.z, mounting.duration
+        "roll {:.2}, pitch {:.2}, yaw {:.2} deg; ±{:.2} about forward, ±{:.2} about right, ±{:.2} deg about down; from {:.0} s of {}driving",
+        rpy.x,
+        rpy.y,
+        rpy.z,
+        std.x,
+        std.y,
+        std.z,
+        mounting.duration,
+        if mounting.straight { "straight " } else { "" }
     )
 }
 

@@ -205,12 +205,7 @@ const SCALE_FACTOR_STD: f64 = 0.02;
 
 /// The constraints, and the parameters that they ask for.
 pub(super) fn read_vehicle(section: &Section) -> Result<(Constraints, Parameters), ConfigError> {
-    let words = [
-        ("none", Profile::None),
-        ("car", Profile::Car),
-        ("aircraft", Profile::Aircraft),
-        ("pedestrian", Profile::Pedestrian),
-    ];
+    let words = Profile::ALL.map(|profile| (profile.name(), profile));
     let profile = section.word("profile", &words)?.unwrap_or_default();
     let mut constraints = profile.constraints();
     let length = |key| -> Result<Vector3, ConfigError> {

@@ -2,8 +2,8 @@
 
 mod choice;
 
-pub use choice::{Choice, Verb};
 pub(super) use choice::ZERO_CELSIUS;
+pub use choice::{Choice, Verb};
 
 use super::{Job, Task};
 use crate::drive::{ConfigError, DriveError, Section, parse, read_text};

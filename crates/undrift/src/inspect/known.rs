@@ -59,6 +59,20 @@ pub enum Known {
     PointsUp,
     /// The z axis is not vertical.
     Tilted,
+    /// Estimated from how a wheeled vehicle moved.
+    Motion {
+        /// Roll, pitch, yaw of the sensor in the vehicle \[deg\].
+        rpy_deg: [f64; 3],
+        /// Standard deviations of the error angles about forward, right and down \[deg\].
+        std_deg: [f64; 3],
+        /// Driving that it rests on \[s\].
+        duration_s: f64,
+    },
+    /// Estimated from forces, speeds and turns.
+    Forces {
+        /// Standard deviation of the yaw \[deg\].
+        std_deg: f64,
+    },
 }
 
 /// Something worth knowing about a file.
@@ -82,6 +96,10 @@ pub enum Note {
     },
     /// Neither inertial samples nor positions.
     Nothing,
+    /// The IMU moves along no one direction of its own: it is on no wheeled vehicle, or not fixed to it.
+    NoWheels,
+    /// How the IMU sits could not be estimated from the motion, and why.
+    NoMounting(String),
 }
 
 /// What a part of a file holds.

@@ -207,7 +207,11 @@ fn stand_still(
             return false;
         }
         // What only the sensors see may be a start so soft that it does not show yet.
-        let unsure = if block.confirmed { 1.0 } else { set.rest_unconfirmed };
+        let unsure = if block.confirmed {
+            1.0
+        } else {
+            set.rest_unconfirmed
+        };
         let noise = isotropic(std * unsure);
         if let Some(done) = constrain(filter, &Aiding::ZeroVelocity, &noise, settings) {
             // A solution that is sure to move is believed.

@@ -342,7 +342,7 @@ fn mounting_without_driving_is_refused() {
         .unwrap_err()
         .to_string();
     assert!(
-        error.contains("straight driving") && error.contains("imu.mounting"),
+        error.contains("of driving above") && error.contains("imu.mounting"),
         "{error}"
     );
 }

@@ -143,15 +143,16 @@ fn receiver() -> GnssNoise {
 }
 
 /// An exact drive, and its samples with a stretch of the record's errors.
-fn with_errors(
-    axes: &[&[f64]; 6],
-    drive: usize,
-) -> Result<(Simulation, Vec<ImuSample>), Failure> {
+fn with_errors(axes: &[&[f64]; 6], drive: usize) -> Result<(Simulation, Vec<ImuSample>), Failure> {
     let seed = drive as u64 + 1;
     let trajectory = Trajectory::car(DURATION, seed);
     let simulation = simulate(&trajectory, RATE, None, &receiver(), seed)?;
     let mut noise = RecordedErrors::new(*axes, drive * (DURATION * RATE) as usize);
-    let imu = simulation.imu.iter().map_while(|s| noise.apply(s)).collect();
+    let imu = simulation
+        .imu
+        .iter()
+        .map_while(|s| noise.apply(s))
+        .collect();
     Ok((simulation, imu))
 }
 

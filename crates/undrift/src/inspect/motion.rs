@@ -1,0 +1,132 @@
+//! How the IMU sits in its vehicle, by how it moves against the fixes.
+
+use super::{Content, Inspection, Known, Line, Note, Part, quoted};
+use crate::{
+    derived::with_velocities,
+    drive::Drive,
+    mounting::{Mounting, MountingError, by_force},
+    navigate::{NavigateError, resolve_mounting},
+    settings::EngineSettings,
+};
+use std::path::Path;
+use undrift_nav::Vector3;
+
+/// Model under which the logs are navigated for it: a consumer's sensor.
+const MODEL: &str = "mpu6050";
+
+/// What the motion shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Motion {
+    /// It is that of a wheeled vehicle.
+    pub wheels: bool,
+    /// The changes of the receiver's velocity give the heading.
+    pub heading: bool,
+}
+
+/// Looks at the first IMU and the first fixes of the files, and says how the IMU sits where a vehicle's motion shows it:
+/// in its part's lines, or why not in its notes.
+pub fn motion(inspections: &mut [Inspection]) -> Motion {
+    let readable = |table: &str| {
+        inspections.iter().enumerate().find_map(|(at, file)| {
+            let part = file.parts.iter().position(|part| part.table == table)?;
+            let problem = file.parts[part].problem.is_some();
+            (!problem).then_some((at, part))
+        })
+    };
+    let (Some(imu), Some(gnss)) = (readable("imu"), readable("gnss")) else {
+        return Motion::default();
+    };
+    let section = |(file, part): (usize, usize)| {
+        let file = &inspections[file];
+        section(&file.file, &file.parts[part])
+    };
+    let text = format!("model = \"{MODEL}\"\n{}{}", section(imu), section(gnss));
+    let fixes = &inspections[gnss.0].parts[gnss.1].measured;
+    let fixes = fixes.as_ref().and_then(|fixes| fixes.content.as_ref());
+    let heading = matches!(
+        fixes,
+        Some(Content::Fixes {
+            velocities: 1..,
+            ..
+        })
+    );
+    let file = &mut inspections[imu.0];
+    match mounted(&text) {
+        Ok(mounting) => {
+            let degrees = |angles: Vector3| angles.map(f64::to_degrees).into();
+            let known = Known::Motion {
+                rpy_deg: degrees(mounting.rpy()),
+                std_deg: degrees(mounting.std),
+                duration_s: mounting.duration,
+            };
+            let lines = &mut file.parts[imu.1].lines;
+            lines.retain(|line| !SITS.contains(&line.key));
+            lines.push(Line::text("mounting", "auto", known));
+            let wheels = true;
+            Motion { wheels, heading }
+        }
+        Err(NavigateError::Mounting(MountingError::Wanders { .. })) => {
+            file.found.push(Note::NoWheels);
+            let wheels = false;
+            Motion { wheels, heading }
+        }
+        Err(error) => {
+            let by_force = forces(&text);
+            if let Some((rpy, std)) = by_force {
+                let [roll, pitch, yaw] = rpy.map(f64::to_degrees).into();
+                let value = format!("{roll:.1}, {pitch:.1}, {yaw:.1} deg");
+                let std_deg = std.to_degrees();
+                let lines = &mut file.parts[imu.1].lines;
+                lines.retain(|line| !SITS.contains(&line.key));
+                lines.push(Line::text("mounting", &value, Known::Forces { std_deg }));
+            } else {
+                file.found.push(Note::NoMounting(error.to_string()));
+            }
+            Motion {
+                wheels: by_force.is_some(),
+                heading: false,
+            }
+        }
+    }
+}
+
+/// Keys that say how the IMU sits.
+const SITS: [&str; 2] = ["axes", "mounting"];
+
+/// The table of a drive file, in the sensor's own axes.
+fn section(file: &Path, part: &Part) -> String {
+    let lines = part.lines.iter().filter(|line| !SITS.contains(&line.key));
+    let lines = lines.map(|line| format!("{} = {}\n", line.key, line.value));
+    let sits = match part.table {
+        "imu" => "mounting = \"auto\"\n",
+        _ => "",
+    };
+    let file = quoted(&file.to_string_lossy());
+    format!(
+        "[{}]\nfile = {file}\n{sits}{}",
+        part.table,
+        lines.collect::<String>()
+    )
+}
+
+/// Roll, pitch, yaw and the standard deviation of the yaw \[rad\] where forces, speeds and turns show them.
+fn forces(text: &str) -> Option<(Vector3, f64)> {
+    let here = Path::new("");
+    let drive = Drive::from_toml(text, "", here, here).ok()?;
+    let imu = drive.open_imu().ok()?.collect::<Result<Vec<_>, _>>().ok()?;
+    let fixes = drive
+        .open_gnss()
+        .ok()?
+        .collect::<Result<Vec<_>, _>>()
+        .ok()?;
+    let set = EngineSettings::default().derived_velocity;
+    by_force(&imu, &with_velocities(fixes, &set))
+}
+
+fn mounted(text: &str) -> Result<Mounting, NavigateError> {
+    let here = Path::new("");
+    let drive = Drive::from_toml(text, "", here, here)?;
+    let (_, mounting) = resolve_mounting(&drive)?;
+    // It was asked for.
+    mounting.ok_or(NavigateError::NoModel)
+}
