@@ -134,14 +134,6 @@ impl Block {
         self.variance += motion.heading_variance * dt;
         self.ahead += sign * dt;
     }
-
-    /// Products of the axle's velocity: less what the lever makes of turning.
-    fn of_axle(&self, forward: &Vector3, lever: f64) -> Matrix3 {
-        let cross = forward.cross_matrix();
-        let mixed = self.mixed * cross * lever;
-        self.velocity - mixed - mixed.transpose()
-            + cross.transpose() * self.rate * cross * (lever * lever)
-    }
 }
 
 /// What moves, in sensor axes.
@@ -203,35 +195,52 @@ impl Blocks {
         }
         let n = self.whole.len() as f64;
         let lost = || MountingError::Wanders { wander: WANDER };
-        let mut axis = self.sum.along.try_normalize(1e-9).ok_or_else(lost)?;
+        let Block {
+            velocity,
+            mixed,
+            rate,
+            ..
+        } = &self.sum;
+        let mut forward = self.sum.along.try_normalize(1e-9).ok_or_else(lost)?;
         let mut lever = 0.0;
+        let across = |forward: &Vector3| {
+            let right = self.sum.down.cross(forward).try_normalize(1e-9);
+            right.map(|right| (right, forward.cross(&right)))
+        };
         for _ in 0..ROUNDS {
-            let cross = axis.cross_matrix();
-            if !straight {
-                let turning = (cross.transpose() * self.sum.rate * cross).trace();
-                lever = (self.sum.mixed * cross).trace() / (turning + LEVER * self.sum.span);
-            }
-            let eigen = self.sum.of_axle(&axis, lever).symmetric_eigen();
-            let most = eigen.eigenvalues.imax();
-            let found: Vector3 = eigen.eigenvectors.column(most).into();
-            axis = found * found.dot(&axis).signum();
+            let (right, down) = across(&forward).ok_or_else(lost)?;
+            // Least squares: velocity to the right is yaw times speed plus lever times turn rate, downwards pitch times speed.
+            let ahead = velocity * forward;
+            let turning = mixed * down;
+            let (speeds, both) = (forward.dot(&ahead), forward.dot(&turning));
+            let rates = down.dot(&(rate * down)) + LEVER * self.sum.span;
+            let (of_speed, of_rate) = (right.dot(&ahead), right.dot(&turning));
+            let yaw = if straight {
+                of_speed / speeds
+            } else {
+                let determinant = speeds * rates - both * both;
+                lever = (speeds * of_rate - both * of_speed) / determinant;
+                (rates * of_speed - both * of_rate) / determinant
+            };
+            let next = forward + right * yaw + down * (down.dot(&ahead) / speeds);
+            forward = next.try_normalize(1e-9).ok_or_else(lost)?;
         }
-        let sign = if self.sum.ahead < 0.0 { -1.0 } else { 1.0 };
-        let forward = axis * sign;
-        let right = self.sum.down.cross(&forward);
-        let right = right.try_normalize(1e-9).ok_or_else(lost)?;
-        let down = forward.cross(&right);
+        if self.sum.ahead < 0.0 {
+            forward = -forward;
+            lever = -lever;
+        }
+        let (right, down) = across(&forward).ok_or_else(lost)?;
         let c_vb = Matrix3::from_rows(&[forward.transpose(), right.transpose(), down.transpose()]);
 
         // Scatter of the blocks' directions across forward, each with the weight that it has in the whole.
         let (mut pitch, mut yaw, mut roll, mut weights) = (0.0, 0.0, 0.0, 0.0);
         for block in &self.whole {
-            let products = block.of_axle(&axis, lever);
-            let weight = forward.dot(&(products * forward)).max(0.0);
-            pitch += down.dot(&(products * forward)).powi(2);
-            yaw += right.dot(&(products * forward)).powi(2);
+            let ahead = block.velocity * forward;
+            let turning = lever * forward.dot(&(block.mixed * down));
+            pitch += down.dot(&ahead).powi(2);
+            yaw += (right.dot(&ahead) - turning).powi(2);
             roll += (block.down.dot(&right) / block.span).powi(2);
-            weights += weight;
+            weights += forward.dot(&ahead);
         }
         let few = n / (n - 1.0) / (weights * weights);
         let (pitch, yaw, roll) = (pitch * few, yaw * few, roll / (n - 1.0) / n);

@@ -148,8 +148,6 @@ settings! {
         certain: f64 = 0.05,
         /// … and with which it need not be awaited what a longer window makes of it \[rad\]: the filter, unlike the window, cannot undo what it took from an attitude that was some degrees off.
         good: f64 = 0.017,
-        /// It is no longer awaited when the standard deviation is this many times the least so far.
-        worse: f64 = 1.1,
         /// Squared residuals for each degree of freedom, at most.
         fit: f64 = 10.0,
         /// Standard deviation of the filter's velocity and attitude before the window says what they are \[m/s, rad\].

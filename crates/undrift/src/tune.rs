@@ -212,7 +212,9 @@ pub fn tune(
         for log in &mut logs {
             log.until = f64::INFINITY;
         }
-        fit(&logs, &start, &prior, seen.noise, true, &iteration)?
+        // Under what a part of the drive has found the whole of it may be too short to align.
+        fit(&logs, &start, &prior, seen.noise, true, &iteration)
+            .or_else(|_| fit(&logs, &start, &prior, centre, true, &iteration))?
     };
     drop(logs);
     let tuned = Tuned {

@@ -91,7 +91,7 @@ fn named_columns_in_degrees_and_g() {
         &[
             "gyro_unit = \"deg/s\" # guessed",
             "accel_unit = \"g\" # guessed",
-            "axes = \"x,y,z\"",
+            "mounting = \"0.0, 0.0, 0.0 deg\"",
             "position_std = \"3, 3, 6 m\" # guessed",
         ],
     );
@@ -111,7 +111,7 @@ fn numbers_without_names_in_milliseconds() {
             "accel = [2, 3, 4]",
             "gyro = [5, 6, 7]",
             "gyro_unit = \"rad/s\" # guessed",
-            "axes = \"x,-y,-z\"",
+            "mounting = \"180.0, 0.0, 0.0 deg\"",
         ],
     );
 }

@@ -37,8 +37,6 @@ pub(super) struct Motion {
     longest: f64,
     /// The solution so far, at the window's start; the window then grows from there to [`AlignmentMotionSettings::longest`].
     solved: Option<Guess>,
-    /// Least standard deviation of the attitude since then \[rad\].
-    least: f64,
     searched: Option<f64>,
     failure: MotionFailure,
     /// Largest spread of velocities in a window [m/s].
@@ -167,7 +165,6 @@ impl Motion {
         };
         // Noise larger than stated makes residuals and covariance larger, and a difference mean less.
         let fit = |cost: f64| (cost / (3 * (segments.len() - 1)) as f64).max(1.0);
-        let grows = self.solved.is_some();
         let guess = match self.solved.take() {
             Some(guess) => guess,
             None => {
@@ -203,10 +200,7 @@ impl Motion {
             return Err(MotionFailure::Uncertain(worst));
         }
         let last = *self.fixes.back().ok_or(MotionFailure::TooFew)?;
-        self.least = if grows { self.least.min(worst) } else { worst };
-        // Sensors that walk far do not become surer over a longer window.
-        let gains = worst <= self.set.worse * self.least;
-        if worst > self.set.good && gains && last.time - first.time < self.set.longest {
+        if worst > self.set.good && last.time - first.time < self.set.longest {
             self.solved = Some(solution.guess);
             return Err(MotionFailure::Settling(worst));
         }

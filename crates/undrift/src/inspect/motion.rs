@@ -36,6 +36,11 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
     let (Some(imu), Some(gnss)) = (readable("imu"), readable("gnss")) else {
         return Motion::default();
     };
+    // A pipe has been read, and is empty now.
+    let twice = |(file, _): (usize, usize)| inspections[file].file.is_file();
+    if !twice(imu) || !twice(gnss) {
+        return Motion::default();
+    }
     let section = |(file, part): (usize, usize)| {
         let file = &inspections[file];
         section(&file.file, &file.parts[part])
@@ -73,7 +78,9 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
         Err(error) => {
             let by_force = forces(&text);
             if let Some((rpy, std)) = by_force {
-                let [roll, pitch, yaw] = rpy.map(f64::to_degrees).into();
+                let [roll, pitch, yaw] = rpy
+                    .map(|angle| (10.0 * angle.to_degrees()).round() / 10.0 + 0.0)
+                    .into();
                 let value = format!("{roll:.1}, {pitch:.1}, {yaw:.1} deg");
                 let std_deg = std.to_degrees();
                 let lines = &mut file.parts[imu.1].lines;

@@ -210,6 +210,8 @@ impl<const N: usize> Objective<N> {
             }
             if update.is_none() {
                 state.skip(step);
+                // A covariance that is none any more: no noise to be found.
+                value = f64::NEG_INFINITY;
             }
             done.push(update);
             while next < windows.len() && windows[next].from == k {
@@ -297,6 +299,7 @@ impl<const N: usize> Objective<N> {
             let Some(update) = state.update(step, noise, &self.fixed) else {
                 state.skip(step);
                 done.push((place, None));
+                value = f64::NEG_INFINITY;
                 continue;
             };
             let mut own = None;
