@@ -34,8 +34,8 @@ const HEADING_STD: f64 = 0.05;
 const BLOCK: f64 = 5.0;
 /// Values needed.
 const MIN_BLOCKS: usize = 6;
-/// Standard deviation of the lever before the drive \[m\] against that of the velocity [m/s], squared.
-const LEVER: f64 = 0.0025;
+/// Variance of the velocity's error, 0.1 m/s, times its correlation time, 5 s, over that of the lever before the drive, 2 m.
+const LEVER: f64 = 0.0125;
 /// Rounds in which forward axis and lever are found.
 const ROUNDS: usize = 10;
 /// What averages do not remove, one standard deviation \[rad\]: crown of the road and an uneven load
@@ -213,7 +213,7 @@ impl Blocks {
             let ahead = velocity * forward;
             let turning = mixed * down;
             let (speeds, both) = (forward.dot(&ahead), forward.dot(&turning));
-            let rates = down.dot(&(rate * down)) + LEVER * self.sum.span;
+            let rates = down.dot(&(rate * down)) + LEVER;
             let (of_speed, of_rate) = (right.dot(&ahead), right.dot(&turning));
             let yaw = if straight {
                 of_speed / speeds
@@ -417,7 +417,6 @@ mod tests {
         }
         let found = estimator.estimate().unwrap();
         assert!(!found.straight);
-        // One speed and two turn rates tell side slip from a lever, but for the lever's prior.
         assert!(found.q_vb.angle_to(&q_vb) < 0.02, "{:?}", found.rpy());
         assert!(found.std.z > 0.01 && found.std.max() < 0.03, "{found:?}");
     }
