@@ -308,6 +308,7 @@ mod tests {
             }],
             found: Vec::new(),
             notes: Vec::new(),
+            held: None,
         };
         fill(&mut inspection);
         let text = drive_file(&[inspection], Path::new(""), None, Motion::default());

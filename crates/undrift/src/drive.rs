@@ -120,6 +120,21 @@ impl Drive {
     /// its line; [`DriveError::Model`] for the model; [`DriveError::Read`] where a log has to be looked into
     /// and cannot be read.
     pub fn from_toml(text: &str, file: &str, home: &Path, data: &Path) -> Result<Self, DriveError> {
+        let folder = data.to_path_buf();
+        let logs = Logs {
+            folder,
+            ..Logs::default()
+        };
+        Self::with_logs(text, file, home, logs)
+    }
+
+    /// As [`Drive::from_toml`], of logs that are held already.
+    pub(crate) fn with_logs(
+        text: &str,
+        file: &str,
+        home: &Path,
+        mut logs: Logs,
+    ) -> Result<Self, DriveError> {
         let table = parse(text, file)?;
         let top = Section::top(table.get_ref(), text, file);
         top.only(&[
@@ -134,11 +149,7 @@ impl Drive {
             "vehicle",
             "states",
         ])?;
-        let mut logs = Logs {
-            folder: data.to_path_buf(),
-            span: tables::read_span(&top.section("span")?)?,
-            ..Logs::default()
-        };
+        logs.span = tables::read_span(&top.section("span")?)?;
         let gnss = top.section("gnss")?;
         let gnss_use = gnss::read_use(&gnss)?;
         let lever_arm = gnss

@@ -352,7 +352,8 @@ impl Finding {
     /// How much it weighs.
     pub fn severity(&self) -> Severity {
         match self {
-            Self::Diverged { .. } => Severity::Unusable,
+            // Whatever is concluded is about another vehicle.
+            Self::Diverged { .. } | Self::WrongAxes { .. } => Severity::Unusable,
             Self::FarParameter { sigmas, .. } if *sigmas > VERY_FAR => Severity::Warning,
             Self::NoisyFixes { factor } if *factor > WRONG_UNIT => Severity::Warning,
             Self::Held { length, .. } if *length > LONG => Severity::Warning,
@@ -362,7 +363,6 @@ impl Finding {
             | Self::WrongTurnAxis { .. }
             | Self::NoTurns
             | Self::Late { .. }
-            | Self::WrongAxes { .. }
             | Self::WrongVelocity { .. }
             | Self::Restart { .. }
             | Self::WrongSign { .. }

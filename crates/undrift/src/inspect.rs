@@ -29,8 +29,9 @@ use undrift_io::{
 /// If the file cannot be opened or is no log. What cannot be read of it is told in the parts.
 pub fn inspect(path: &Path) -> Result<Inspection, ReadError> {
     let mut logs = Logs::default();
-    if let Some(held) = Opened::hold(path)? {
-        logs.memory.insert(path.to_path_buf(), held);
+    let held = Opened::hold(path)?;
+    if let Some(held) = &held {
+        logs.memory.insert(path.to_path_buf(), held.clone());
     }
     let opened = logs.open(path, &BytesRead::default())?;
     let format = opened.format();
@@ -42,6 +43,7 @@ pub fn inspect(path: &Path) -> Result<Inspection, ReadError> {
         parts: Vec::new(),
         found: Vec::new(),
         notes: Vec::new(),
+        held,
     };
     inspection.parts = match format {
         Format::Csv | Format::Parquet => columns::parts(opened, &mut inspection.found)?,

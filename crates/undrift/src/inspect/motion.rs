@@ -3,7 +3,7 @@
 use super::{Content, Inspection, Known, Line, Note, Part, quoted};
 use crate::{
     derived::with_velocities,
-    drive::Drive,
+    drive::{Drive, Logs},
     mounting::{Mounting, MountingError, by_force},
     navigate::{NavigateError, resolve_mounting},
     settings::EngineSettings,
@@ -36,10 +36,11 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
     let (Some(imu), Some(gnss)) = (readable("imu"), readable("gnss")) else {
         return Motion::default();
     };
-    // A pipe has been read, and is empty now.
-    let twice = |(file, _): (usize, usize)| inspections[file].file.is_file();
-    if !twice(imu) || !twice(gnss) {
-        return Motion::default();
+    let mut logs = Logs::default();
+    for (file, _) in [imu, gnss] {
+        let Inspection { file, held, .. } = &inspections[file];
+        logs.memory
+            .extend(held.iter().map(|held| (file.clone(), held.clone())));
     }
     let section = |(file, part): (usize, usize)| {
         let file = &inspections[file];
@@ -56,7 +57,7 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
         })
     );
     let file = &mut inspections[imu.0];
-    match mounted(&text) {
+    match mounted(&text, &logs) {
         Ok(mounting) => {
             let degrees = |angles: Vector3| angles.map(f64::to_degrees).into();
             let known = Known::Motion {
@@ -76,7 +77,7 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
             Motion { wheels, heading }
         }
         Err(error) => {
-            let by_force = forces(&text);
+            let by_force = forces(&text, &logs);
             if let Some((rpy, std)) = by_force {
                 let [roll, pitch, yaw] = rpy
                     .map(|angle| (10.0 * angle.to_degrees()).round() / 10.0 + 0.0)
@@ -117,9 +118,8 @@ fn section(file: &Path, part: &Part) -> String {
 }
 
 /// Roll, pitch, yaw and the standard deviation of the yaw \[rad\] where forces, speeds and turns show them.
-fn forces(text: &str) -> Option<(Vector3, f64)> {
-    let here = Path::new("");
-    let drive = Drive::from_toml(text, "", here, here).ok()?;
+fn forces(text: &str, logs: &Logs) -> Option<(Vector3, f64)> {
+    let drive = Drive::with_logs(text, "", Path::new(""), logs.clone()).ok()?;
     let imu = drive.open_imu().ok()?.collect::<Result<Vec<_>, _>>().ok()?;
     let fixes = drive
         .open_gnss()
@@ -130,9 +130,8 @@ fn forces(text: &str) -> Option<(Vector3, f64)> {
     by_force(&imu, &with_velocities(fixes, &set))
 }
 
-fn mounted(text: &str) -> Result<Mounting, NavigateError> {
-    let here = Path::new("");
-    let drive = Drive::from_toml(text, "", here, here)?;
+fn mounted(text: &str, logs: &Logs) -> Result<Mounting, NavigateError> {
+    let drive = Drive::with_logs(text, "", Path::new(""), logs.clone())?;
     let (_, mounting) = resolve_mounting(&drive)?;
     // It was asked for.
     mounting.ok_or(NavigateError::NoModel)

@@ -3,6 +3,7 @@
 use super::known::{Content, Known, Note};
 use serde::Serialize;
 use std::path::PathBuf;
+use undrift_io::Memory;
 
 /// What a file is.
 #[derive(Clone, Debug, Serialize)]
@@ -21,6 +22,9 @@ pub struct Inspection {
     pub found: Vec<Note>,
     /// The same in sentences; who shows it fills them in.
     pub notes: Vec<String>,
+    /// What a pipe had, which cannot be read again.
+    #[serde(skip)]
+    pub held: Option<Memory>,
 }
 
 /// A table of `DRIVE.toml` that reads something of the file.

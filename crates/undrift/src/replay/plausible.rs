@@ -45,7 +45,9 @@ impl Plausible {
         let set = settings.engine.plausibility;
         Self {
             set,
-            level: settings.align.attitude.is_none() && settings.align.heading == Heading::Course,
+            level: settings.align.attitude.is_none()
+                && (settings.align.heading == Heading::Course
+                    || settings.constraints.non_holonomic.is_some()),
             block: (Vector3::zeros(), 0.0),
             direction: Vector3::zeros(),
             logarithms: 0.0,
