@@ -4,6 +4,7 @@
 //! forward axis, and speed times turn rate, to its right: as complex numbers `F = c (v̇ + i v ω) + const` with the
 //! argument of c the direction of forward in the level plane of the sensor, found by least squares.
 
+use nalgebra::Complex;
 use undrift_nav::{
     Matrix3, Quaternion, Vector3,
     attitude::to_rpy,
@@ -32,7 +33,7 @@ pub fn by_force(imu: &[ImuSample], fixes: &[GnssFix]) -> Option<(Vector3, f64)> 
     let ahead = (ahead - down * down.dot(&ahead)).try_normalize(1e-9)?;
     let right = down.cross(&ahead);
 
-    let mut pairs: Vec<([f64; 2], [f64; 2])> = Vec::new();
+    let mut pairs: Vec<(Complex<f64>, Complex<f64>)> = Vec::new();
     let mut before: Option<(f64, Vector3)> = None;
     for (time, v_n) in fixes
         .iter()
@@ -59,46 +60,38 @@ pub fn by_force(imu: &[ImuSample], fixes: &[GnssFix]) -> Option<(Vector3, f64)> 
             continue;
         }
         let mean = samples.iter().map(|sample| sample.dvel).sum::<Vector3>() / covered;
-        let turned = v_last
-            .xy()
-            .perp(&v_n.xy())
-            .atan2(v_last.xy().dot(&v_n.xy()));
-        let motion = [(fast - slow) / span, 0.5 * (fast + slow) * turned / span];
-        pairs.push((motion, [mean.dot(&ahead), mean.dot(&right)]));
+        let turned = v_last.xy().perp(&v_n.xy());
+        let turned = turned.atan2(v_last.xy().dot(&v_n.xy()));
+        let motion = Complex::new(fast - slow, 0.5 * (fast + slow) * turned) / span;
+        pairs.push((motion, Complex::new(mean.dot(&ahead), mean.dot(&right))));
     }
     let n = pairs.len();
     if n < FEWEST {
         return None;
     }
-    let mean =
-        |of: &dyn Fn(&([f64; 2], [f64; 2])) -> f64| pairs.iter().map(of).sum::<f64>() / n as f64;
-    let motion = [mean(&|p| p.0[0]), mean(&|p| p.0[1])];
-    let force = [mean(&|p| p.1[0]), mean(&|p| p.1[1])];
-    let (mut real, mut imaginary, mut power, mut total) = (0.0, 0.0, 0.0, 0.0);
+    let (motion, force) = pairs.iter().fold(
+        Default::default(),
+        |sum: (Complex<f64>, Complex<f64>), pair| (sum.0 + pair.0, sum.1 + pair.1),
+    );
+    let (motion, force) = (motion / n as f64, force / n as f64);
+    let (mut product, mut power, mut total) = (Complex::new(0.0, 0.0), 0.0, 0.0);
     for (u, f) in &pairs {
-        let (u, f) = (
-            [u[0] - motion[0], u[1] - motion[1]],
-            [f[0] - force[0], f[1] - force[1]],
-        );
-        real += u[0] * f[0] + u[1] * f[1];
-        imaginary += u[0] * f[1] - u[1] * f[0];
-        power += u[0] * u[0] + u[1] * u[1];
-        total += f[0] * f[0] + f[1] * f[1];
+        let (u, f) = (u - motion, f - force);
+        product += u.conj() * f;
+        power += u.norm_sqr();
+        total += f.norm_sqr();
     }
-    let size = real.hypot(imaginary) / power;
+    let c = product / power;
+    let size = c.norm();
     let unexplained = (total - size * size * power).max(0.0) / (2 * n - 4) as f64;
     let std = (unexplained / power).sqrt() / size;
     if !(MAGNITUDE.0..MAGNITUDE.1).contains(&size) || std > CERTAIN {
         return None;
     }
-    let angle = imaginary.atan2(real);
     // What is left of the force where nothing changes: the level axes were not quite level.
-    let [along, across] = [
-        force[0] - size * (angle.cos() * motion[0] - angle.sin() * motion[1]),
-        force[1] - size * (angle.sin() * motion[0] + angle.cos() * motion[1]),
-    ];
-    let down = (down * STANDARD_GRAVITY - ahead * along - right * across).try_normalize(1e-9)?;
-    let forward = ahead * angle.cos() + right * angle.sin();
+    let tilt = force - c * motion;
+    let down = (down * STANDARD_GRAVITY - ahead * tilt.re - right * tilt.im).try_normalize(1e-9)?;
+    let forward = (ahead * c.re + right * c.im) / size;
     let forward = (forward - down * down.dot(&forward)).try_normalize(1e-9)?;
     let rows = [forward, down.cross(&forward), down].map(|axis| axis.transpose());
     let q_vb = Quaternion::from_matrix(&Matrix3::from_rows(&rows));
