@@ -52,7 +52,7 @@ const ACCEL: Units = Units {
     squares: "m²/s⁴",
     white: "m/s/√h",
     instability: "µg",
-    instability_scale: 1e6 / 9.806_65,
+    instability_scale: 1e6 / undrift::nav::earth::STANDARD_GRAVITY,
     walk: "µg/√h",
     drift: "m/s",
 };

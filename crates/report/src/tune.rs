@@ -135,7 +135,7 @@ fn drift(tune: &Tune) -> Table {
 
 /// A value in the unit that data sheets use.
 fn shown(parameter: &TunedParameter) -> (f64, &str) {
-    const G: f64 = 9.806_65;
+    const G: f64 = undrift::nav::earth::STANDARD_GRAVITY;
     match parameter.unit.as_str() {
         "rad/s/√Hz" => (1f64.to_degrees() * 1e3, "mdps/√Hz"),
         "m/s²/√Hz" => (1e6 / G, "µg/√Hz"),

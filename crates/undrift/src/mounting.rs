@@ -20,6 +20,7 @@ use crate::{
     estimator::Estimator,
     replay::{Measurements, Observer, ReplayError, Samples, Settings, replay},
 };
+use std::ops::AddAssign;
 use undrift_nav::{Matrix3, Quaternion, Vector3, attitude::to_rpy};
 
 /// Speed above which the direction of motion counts on the straight [m/s].
@@ -136,6 +137,19 @@ impl Block {
     }
 }
 
+impl AddAssign<&Block> for Block {
+    fn add_assign(&mut self, other: &Block) {
+        self.span += other.span;
+        self.velocity += other.velocity;
+        self.mixed += other.mixed;
+        self.rate += other.rate;
+        self.along += other.along;
+        self.down += other.down;
+        self.variance += other.variance;
+        self.ahead += other.ahead;
+    }
+}
+
 /// What moves, in sensor axes.
 struct Motion {
     v: Vector3,
@@ -160,25 +174,7 @@ impl Blocks {
             return;
         }
         let block = std::mem::take(&mut self.present);
-        let Block {
-            span,
-            velocity,
-            mixed,
-            rate,
-            along,
-            down,
-            variance,
-            ahead,
-        } = block;
-        let sum = &mut self.sum;
-        sum.span += span;
-        sum.velocity += velocity;
-        sum.mixed += mixed;
-        sum.rate += rate;
-        sum.along += along;
-        sum.down += down;
-        sum.variance += variance;
-        sum.ahead += ahead;
+        self.sum += &block;
         self.whole.push(block);
     }
 
@@ -267,7 +263,7 @@ impl Blocks {
     }
 }
 
-/// Gathers the directions of motion and of down. Streamed: only sums are kept.
+/// Gathers the directions of motion and of down. Streamed: kept are sums over blocks of 5 s.
 #[derive(Clone, Debug, Default)]
 pub struct MountingEstimator {
     /// Of driving fast and straight, by unit vectors.

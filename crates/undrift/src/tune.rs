@@ -144,9 +144,9 @@ pub fn tune(
         }
     };
     let mut loaded = Vec::new();
+    // The mounting is found under some noise: that of a vehicle.
+    let centre = Noise::new(&Prior::new(&start, &[]).centre);
     for drive in drives {
-        // The mounting is found under some noise: that of a vehicle.
-        let centre = Noise::new(&Prior::new(&start, &[]).centre);
         let drive = Drive {
             model: Some(start.model(&centre.white, &centre.walk)),
             std_factors: StdFactors::ONE,
@@ -186,26 +186,21 @@ pub fn tune(
     progress(Stage::Judging);
     let rest = options.start.as_ref().or(first.model.as_ref());
     let rest = rest.map_or_else(|| start.model(&start.white, &start.walk), Clone::clone);
-    let mut drives_unseen = Vec::new();
-    for ((log, all), span) in logs.iter().zip(&loaded).zip(spans) {
+    let of_drives = logs.iter().zip(&loaded).zip(spans);
+    let of_drives = of_drives.map(|((log, all), span)| {
         let before = Settings {
             sensors: rest.shaping(BiasModel::Arma, log.settings.sensors[0].interval)?,
             ..log.settings.clone()
         };
         let after = under(&log.settings, &seen.noise, &start).map_err(ReplayError::from)?;
-        drives_unseen.push(Unseen {
+        Ok(Unseen {
             log,
             truth: &all.truth,
             settings: [before, after],
             span,
-        });
-    }
-    let judged = if unseen > 0.0 {
-        judge(&drives_unseen)
-    } else {
-        Vec::new()
-    };
-    drop(drives_unseen);
+        })
+    });
+    let judged = judge(&of_drives.collect::<Result<Vec<_>, NavigateError>>()?);
     let fit = if held_out {
         seen
     } else {

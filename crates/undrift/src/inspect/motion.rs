@@ -4,7 +4,7 @@ use super::{Content, Inspection, Known, Line, Note, Part, quoted};
 use crate::{
     derived::with_velocities,
     drive::{Drive, Logs},
-    mounting::{Mounting, MountingError, by_force},
+    mounting::{MountingError, by_force},
     navigate::{NavigateError, resolve_mounting},
     settings::EngineSettings,
 };
@@ -57,17 +57,24 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
         })
     );
     let file = &mut inspections[imu.0];
-    match mounted(&text, &logs) {
-        Ok(mounting) => {
+    let drive = match Drive::with_logs(&text, "", Path::new(""), logs) {
+        Ok(drive) => drive,
+        Err(error) => {
+            file.found.push(Note::NoMounting(error.to_string()));
+            return Motion::default();
+        }
+    };
+    let found = resolve_mounting(&drive).map(|(_, mounting)| mounting);
+    match found {
+        Ok(None) => Motion::default(),
+        Ok(Some(mounting)) => {
             let degrees = |angles: Vector3| angles.map(f64::to_degrees).into();
             let known = Known::Motion {
                 rpy_deg: degrees(mounting.rpy()),
                 std_deg: degrees(mounting.std),
                 duration_s: mounting.duration,
             };
-            let lines = &mut file.parts[imu.1].lines;
-            lines.retain(|line| !SITS.contains(&line.key));
-            lines.push(Line::text("mounting", "auto", known));
+            sits(&mut file.parts[imu.1], "auto", known);
             let wheels = true;
             Motion { wheels, heading }
         }
@@ -77,16 +84,14 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
             Motion { wheels, heading }
         }
         Err(error) => {
-            let by_force = forces(&text, &logs);
+            let by_force = forces(&drive);
             if let Some((rpy, std)) = by_force {
                 let [roll, pitch, yaw] = rpy
                     .map(|angle| (10.0 * angle.to_degrees()).round() / 10.0 + 0.0)
                     .into();
                 let value = format!("{roll:.1}, {pitch:.1}, {yaw:.1} deg");
                 let std_deg = std.to_degrees();
-                let lines = &mut file.parts[imu.1].lines;
-                lines.retain(|line| !SITS.contains(&line.key));
-                lines.push(Line::text("mounting", &value, Known::Forces { std_deg }));
+                sits(&mut file.parts[imu.1], &value, Known::Forces { std_deg });
             } else {
                 file.found.push(Note::NoMounting(error.to_string()));
             }
@@ -100,6 +105,12 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
 
 /// Keys that say how the IMU sits.
 const SITS: [&str; 2] = ["axes", "mounting"];
+
+/// Writes how the IMU sits into its part.
+fn sits(imu: &mut Part, mounting: &str, known: Known) {
+    imu.lines.retain(|line| !SITS.contains(&line.key));
+    imu.lines.push(Line::text("mounting", mounting, known));
+}
 
 /// The table of a drive file, in the sensor's own axes.
 fn section(file: &Path, part: &Part) -> String {
@@ -118,8 +129,7 @@ fn section(file: &Path, part: &Part) -> String {
 }
 
 /// Roll, pitch, yaw and the standard deviation of the yaw \[rad\] where forces, speeds and turns show them.
-fn forces(text: &str, logs: &Logs) -> Option<(Vector3, f64)> {
-    let drive = Drive::with_logs(text, "", Path::new(""), logs.clone()).ok()?;
+fn forces(drive: &Drive) -> Option<(Vector3, f64)> {
     let imu = drive.open_imu().ok()?.collect::<Result<Vec<_>, _>>().ok()?;
     let fixes = drive
         .open_gnss()
@@ -128,11 +138,4 @@ fn forces(text: &str, logs: &Logs) -> Option<(Vector3, f64)> {
         .ok()?;
     let set = EngineSettings::default().derived_velocity;
     by_force(&imu, &with_velocities(fixes, &set))
-}
-
-fn mounted(text: &str, logs: &Logs) -> Result<Mounting, NavigateError> {
-    let drive = Drive::with_logs(text, "", Path::new(""), logs.clone())?;
-    let (_, mounting) = resolve_mounting(&drive)?;
-    // It was asked for.
-    mounting.ok_or(NavigateError::NoModel)
 }

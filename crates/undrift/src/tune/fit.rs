@@ -122,23 +122,8 @@ impl<const N: usize> Linear<N> {
     }
 
     fn score(&self, z: &Vector) -> Score {
-        self.sum(z, |drive, noise| drive.score(noise))
-    }
-
-    fn sum(&self, z: &Vector, of: impl Fn(&Objective<N>, &Noise) -> Score) -> Score {
         let noise = Noise::new(z).against(&self.about);
-        let mut sum = Score {
-            value: 0.0,
-            gradient: [0.0; COUNT],
-        };
-        for drive in &self.drives {
-            let score = of(drive, &noise);
-            sum.value += score.value;
-            for (sum, part) in sum.gradient.iter_mut().zip(score.gradient) {
-                *sum += part;
-            }
-        }
-        sum
+        self.drives.iter().map(|drive| drive.score(&noise)).sum()
     }
 
     /// Gradients of spans of the drives that are taken as independent.
@@ -165,7 +150,7 @@ impl<const N: usize> Linear<N> {
     }
 }
 
-/// Finds the most likely noise, from `from` on; `goes_on` is told the iterations.
+/// Finds the most likely noise, beginning with `from`; `iteration` gets the objective before each iteration.
 ///
 /// # Errors
 /// A drive that cannot be navigated.
@@ -228,10 +213,7 @@ fn fit_sized<const N: usize>(
             DVector::from_row_slice(&z),
             &inverse,
             EVALUATIONS,
-            |value| {
-                iteration(value);
-                true
-            },
+            iteration,
         );
         inverse = least.inverse;
         before = Some(fit.noise);
@@ -257,7 +239,10 @@ fn fit_sized<const N: usize>(
 /// of the gradients of spans, with half of the products of neighbours (Newey & West 1987). Varin, Reid & Firth 2011,
 /// section 2.3.
 fn uncertainty<const N: usize>(linear: &Linear<N>, prior: &Prior, z: &Vector) -> Vector {
-    let at = linear.score(z).gradient;
+    let Score {
+        value,
+        gradient: at,
+    } = linear.score(z);
     let precision = |i: usize| prior.std(i, z[i]).powi(-2);
     let mut a = DMatrix::<f64>::zeros(COUNT, COUNT);
     for j in (0..COUNT).filter(|j| prior.used[*j]) {
@@ -294,7 +279,6 @@ fn uncertainty<const N: usize>(linear: &Linear<N>, prior: &Prior, z: &Vector) ->
         j[(i, i)] += precision(i);
     }
     let covariance = &inverse * j * &inverse;
-    let value = linear.score(z).value;
     std::array::from_fn(|i| {
         let before = prior.std(i, z[i]);
         let std = covariance[(i, i)].max(0.0).sqrt();

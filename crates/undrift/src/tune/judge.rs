@@ -10,6 +10,7 @@ use crate::{
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use undrift_nav::sample::TruthSample;
+use undrift_noise::order_statistics::quantile;
 
 /// Lengths of the outages \[s\].
 pub const LENGTHS: [f64; 3] = [10.0, 30.0, 60.0];
@@ -46,7 +47,7 @@ impl Judged {
         };
         let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
         let n = self.drift.len();
-        let mut ratios: Vec<f64> = (0..RESAMPLES)
+        let ratios: Vec<f64> = (0..RESAMPLES)
             .map(|_| {
                 let drawn: Vec<_> = (0..n)
                     .map(|_| self.drift[random.random_range(0..n)])
@@ -54,9 +55,11 @@ impl Judged {
                 ratio(&drawn)
             })
             .collect();
-        ratios.sort_by(f64::total_cmp);
-        let at = |share: f64| ratios[((RESAMPLES - 1) as f64 * share) as usize];
-        [ratio(&self.drift), at(0.025), at(0.975)]
+        [
+            ratio(&self.drift),
+            quantile(&ratios, 0.025),
+            quantile(&ratios, 0.975),
+        ]
     }
 }
 
@@ -79,7 +82,8 @@ pub struct Unseen<'a> {
     pub span: (f64, f64),
 }
 
-/// Outages of every length, one after the other over what the fit has not seen; lengths with fewer than two are left out.
+/// Runs outages of every length, back to back over the spans that the fit has not seen; a length that fits fewer than twice
+/// is omitted.
 pub fn judge(drives: &[Unseen]) -> Vec<Judged> {
     LENGTHS
         .iter()
@@ -106,9 +110,10 @@ fn one(drive: &Unseen, length: f64, drift: &mut Vec<[f64; 2]>, covered: &mut [Co
         start: from + k as f64 * length,
         end: from + (k + 1) as f64 * length,
     };
+    let passes = RUNS.min(count);
     let mut runs = Vec::new();
     for settings in &drive.settings {
-        for offset in 0..RUNS {
+        for offset in 0..passes {
             let outages = (offset..count).step_by(RUNS).map(outage).collect();
             let settings = Settings {
                 outages,
@@ -118,7 +123,7 @@ fn one(drive: &Unseen, length: f64, drift: &mut Vec<[f64; 2]>, covered: &mut [Co
         }
     }
     let done = run(drive.log.imu, drive.log.aiding, drive.truth, &runs, &|_| ());
-    let (before, after) = done.split_at(RUNS);
+    let (before, after) = done.split_at(passes);
     for ((_, before), (_, after)) in before.iter().zip(after) {
         let (Ok(before), Ok(after)) = (before, after) else {
             continue;

@@ -13,6 +13,7 @@ use super::{
 };
 use crate::estimator::Channel;
 use rayon::prelude::*;
+use std::{iter::Sum, ops::AddAssign};
 use undrift_nav::covariance::four_lanes;
 
 /// How the objective is laid out.
@@ -76,6 +77,32 @@ pub struct Score {
     pub value: f64,
     /// Its derivative by the logarithms.
     pub gradient: Vector,
+}
+
+impl Score {
+    /// Of nothing.
+    pub const ZERO: Self = Self {
+        value: 0.0,
+        gradient: [0.0; COUNT],
+    };
+}
+
+impl AddAssign<&Score> for Score {
+    fn add_assign(&mut self, other: &Score) {
+        self.value += other.value;
+        for (sum, part) in self.gradient.iter_mut().zip(other.gradient) {
+            *sum += part;
+        }
+    }
+}
+
+impl Sum for Score {
+    fn sum<I: Iterator<Item = Self>>(scores: I) -> Self {
+        scores.fold(Self::ZERO, |mut sum, score| {
+            sum += &score;
+            sum
+        })
+    }
 }
 
 /// Where a step of a window is: among all, or among those that are joined.
@@ -157,7 +184,7 @@ impl<const N: usize> Objective<N> {
 
     /// Of the windows that begin, and the fixes, from one time to before another \[s\].
     pub fn score_between(&self, noise: &Noise, from: f64, to: f64) -> Score {
-        let parts: Vec<(f64, Vector)> = (0..self.segments.len())
+        let parts: Vec<Score> = (0..self.segments.len())
             .into_par_iter()
             .map(|index| {
                 four_lanes(
@@ -166,28 +193,17 @@ impl<const N: usize> Objective<N> {
                 )
             })
             .collect();
-        let mut score = Score {
-            value: 0.0,
-            gradient: [0.0; COUNT],
-        };
-        for (value, gradient) in parts {
-            score.value += value;
-            for (sum, part) in score.gradient.iter_mut().zip(gradient) {
-                *sum += part;
-            }
-        }
-        score
+        parts.into_iter().sum()
     }
 
     #[inline(always)]
-    fn segment(&self, index: usize, noise: &Noise, (from, to): (f64, f64)) -> (f64, Vector) {
+    fn segment(&self, index: usize, noise: &Noise, (from, to): (f64, f64)) -> Score {
         let segment = &self.segments[index];
         let settled = segment.start + self.plan.settled;
         let within = |time: f64| time >= from && time < to;
         let is_scored =
             |step: &Step<N>| is_fix(step.channel) && step.time >= settled && within(step.time);
-        let mut value = 0.0;
-        let mut gradient = [0.0; COUNT];
+        let mut score = Score::ZERO;
         let mut state = State {
             x: [0.0; N],
             p: *segment.covariance,
@@ -206,12 +222,12 @@ impl<const N: usize> Objective<N> {
             let update = state.update(step, noise, &self.fixed);
             if is_scored(step) {
                 let (loss, _) = update.as_ref().map_or((0.0, 0.0), |u| self.loss(u, step));
-                value += self.every_fix * loss;
+                score.value += self.every_fix * loss;
             }
             if update.is_none() {
                 state.skip(step);
-                // A covariance that is none any more: no noise to be found.
-                value = f64::NEG_INFINITY;
+                // The covariance has lost its definiteness: the search must turn back.
+                score.value = f64::NEG_INFINITY;
             }
             done.push(update);
             while next < windows.len() && windows[next].from == k {
@@ -219,7 +235,7 @@ impl<const N: usize> Objective<N> {
                 next += 1;
             }
         }
-        let mut seeds: Vec<(f64, Vector, Seed<N>)> = starts
+        let mut seeds: Vec<(Score, Seed<N>)> = starts
             .into_par_iter()
             .map(|(window, state)| {
                 four_lanes(
@@ -228,11 +244,8 @@ impl<const N: usize> Objective<N> {
                 )
             })
             .collect();
-        for (own, by, _) in &seeds {
-            value += own;
-            for (sum, part) in gradient.iter_mut().zip(by) {
-                *sum += part;
-            }
+        for (own, _) in &seeds {
+            score += own;
         }
         // Back through the filter that all begin from.
         let mut bar = State {
@@ -240,18 +253,19 @@ impl<const N: usize> Objective<N> {
             p: [[0.0; N]; N],
         };
         for (k, step) in segment.steps.iter().enumerate().rev() {
-            while seeds.last().is_some_and(|(.., seed)| seed.from == k) {
-                if let Some((.., seed)) = seeds.pop() {
+            while seeds.last().is_some_and(|(_, seed)| seed.from == k) {
+                if let Some((_, seed)) = seeds.pop() {
                     bar.add(&seed.state);
                 }
             }
             if let Some(update) = &done[k] {
                 let scored = is_scored(step).then(|| (self.every_fix, self.loss(update, step).1));
-                bar.back_update(step, update, scored, noise, &self.fixed, &mut gradient);
+                let gradient = &mut score.gradient;
+                bar.back_update(step, update, scored, noise, &self.fixed, gradient);
             }
-            bar.back_predict(step, noise, &self.fixed, &mut gradient);
+            bar.back_predict(step, noise, &self.fixed, &mut score.gradient);
         }
-        (value, gradient)
+        score
     }
 
     /// A window: its value, its gradient, and what it brings to where it begins.
@@ -262,9 +276,8 @@ impl<const N: usize> Objective<N> {
         window: &Window,
         mut state: State<N>,
         noise: &Noise,
-    ) -> (f64, Vector, Seed<N>) {
-        let mut value = 0.0;
-        let mut gradient = [0.0; COUNT];
+    ) -> (Score, Seed<N>) {
+        let mut score = Score::ZERO;
         let mut done: Vec<(Place, Option<Scored<N>>)> = Vec::new();
         let mut scored = [false; 2];
         let mut next = window.from + 1;
@@ -299,13 +312,13 @@ impl<const N: usize> Objective<N> {
             let Some(update) = state.update(step, noise, &self.fixed) else {
                 state.skip(step);
                 done.push((place, None));
-                value = f64::NEG_INFINITY;
+                score.value = f64::NEG_INFINITY;
                 continue;
             };
             let mut own = None;
             if ends {
                 let (loss, c) = self.loss(&update, step);
-                value += window.weight * loss;
+                score.value += window.weight * loss;
                 own = Some((window.weight, c));
                 scored[which] = true;
             }
@@ -327,15 +340,16 @@ impl<const N: usize> Objective<N> {
                 },
             };
             if let Some((update, scored)) = update {
-                bar.back_update(step, update, *scored, noise, &self.fixed, &mut gradient);
+                let gradient = &mut score.gradient;
+                bar.back_update(step, update, *scored, noise, &self.fixed, gradient);
             }
-            bar.back_predict(step, noise, &self.fixed, &mut gradient);
+            bar.back_predict(step, noise, &self.fixed, &mut score.gradient);
         }
         let seed = Seed {
             from: window.from,
             state: bar,
         };
-        (value, gradient, seed)
+        (score, seed)
     }
 
     /// Log-likelihood of a measurement, and the derivative of its loss.

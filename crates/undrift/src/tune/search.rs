@@ -21,18 +21,18 @@ pub struct Least {
     pub evaluations: usize,
     /// The inverse Hessian as far as it is known.
     pub inverse: DMatrix<f64>,
-    /// Whether nothing more was to be gained; else `most` evaluations were made or the search was stopped.
+    /// Whether nothing more was to be gained; else `most` evaluations were made.
     pub converged: bool,
 }
 
 /// Minimises `function`, which gives value and gradient, from `z` with `first` as the inverse Hessian to
-/// begin with. `goes_on` is asked before each iteration, with the value.
+/// begin with. `iteration` gets the value before each iteration.
 pub fn minimise(
     function: impl Fn(&DVector<f64>) -> (f64, DVector<f64>),
     mut z: DVector<f64>,
     first: &DMatrix<f64>,
     most: usize,
-    mut goes_on: impl FnMut(f64) -> bool,
+    mut iteration: impl FnMut(f64),
 ) -> Least {
     let n = z.len();
     let (mut value, mut slope) = function(&z);
@@ -40,7 +40,8 @@ pub fn minimise(
     let mut inverse = first.clone();
     let mut idle = 0;
     let mut converged = false;
-    while evaluations < most && goes_on(value) {
+    while evaluations < most {
+        iteration(value);
         let mut direction = -(&inverse * &slope);
         if direction.dot(&slope) >= 0.0 {
             inverse.clone_from(first);

@@ -2,7 +2,7 @@
 
 use crate::replay::Measurement;
 use undrift_nav::{covariance::AXES, sample::ImuSample};
-use undrift_noise::{AxisModel, BiasModel, ImuModel, ModelError};
+use undrift_noise::{AxisModel, BiasModel, ImuModel, ModelError, order_statistics::upper_median};
 
 /// Turn-on constants of a consumer's sensor, gyro [rad/s] and accelerometer [m/s²], one standard deviation: where
 /// nothing is known.
@@ -72,8 +72,7 @@ pub fn idle(imu: &[ImuSample], aiding: &[Measurement]) -> Option<[f64; AXES]> {
         if list.len() < IDLE.1 {
             return None;
         }
-        list.sort_by(f64::total_cmp);
-        *slot = (list[list.len() / 2] / MEDIAN_OF_SQUARES).sqrt();
+        *slot = (upper_median(&mut list) / MEDIAN_OF_SQUARES).sqrt();
     }
     Some(density)
 }
@@ -87,7 +86,7 @@ pub struct Start {
     pub guessed: bool,
     /// Density of the white noise of each axis [unit·√s].
     pub white: [f64; AXES],
-    /// Random walk, or what a Gauss-Markov process has of it over short times [unit/√s]; 0 where there is none.
+    /// Random walk [unit/√s]: the model's own, or that to which its Gauss-Markov process amounts over short times; else 0.
     pub walk: [f64; AXES],
     /// Standard deviation of the turn-on constant [unit].
     pub turn_on: [f64; AXES],
@@ -130,7 +129,7 @@ impl Start {
                 _ => s.dvel[i - 3] / s.dt,
             };
             for (i, list) in quiet.iter_mut().enumerate() {
-                // Half the variance of differences: slow motion is none of it.
+                // Half the variance of the differences, which slow motion hardly enters.
                 let pairs = stretch.windows(2);
                 let sum: f64 = pairs
                     .map(|w| (value(&w[1], i) - value(&w[0], i)).powi(2))
