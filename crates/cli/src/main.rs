@@ -15,6 +15,7 @@ mod print;
 mod progress;
 mod report;
 mod setup;
+mod signals;
 mod style;
 mod tables;
 mod terminal;
@@ -79,6 +80,7 @@ fn main() -> ExitCode {
     terminal::colour_from(std::env::args_os());
     let Arguments { verb, terminal } = Arguments::parse();
     terminal.apply();
+    signals::watch();
     let result = match verb {
         Verb::Demo(arguments) => demo::run(&arguments),
         Verb::Fleet(arguments) => fleet::run(&arguments),

@@ -5,10 +5,10 @@ use crate::{
     output::Files,
     progress::Bar,
     report::ResultOutput,
-    style,
+    signals, style,
     terminal::{self, detail, note, say, stage},
 };
-use anyhow::{Context, Result, anyhow, ensure};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use undrift::{
@@ -44,12 +44,16 @@ pub struct Arguments {
     /// half after a fit of the first, and the noise is that of the whole
     #[arg(long, value_name = "SHARE")]
     hold_out: Option<f64>,
-    /// Write the first drive file with what was found, ready for navigate and outages
-    #[arg(short, long, value_name = "tuned.toml", help_heading = "Output")]
+    /// Write the drive file with what was found, ready for navigate and outages; of several drives the first, or all
+    /// into a folder
+    #[arg(short, long, value_name = "tuned.toml|DIR", help_heading = "Output")]
     output: Option<PathBuf>,
     /// Write the model of the sensor in its vehicle
     #[arg(long, value_name = "IMU.toml", help_heading = "Output")]
     model_out: Option<PathBuf>,
+    /// On Ctrl-C end the fit and write the best so far; a second Ctrl-C ends the run
+    #[arg(long, help_heading = "Output")]
+    keep_best: bool,
     #[command(flatten)]
     result: ResultOutput,
 }
@@ -78,8 +82,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let start = model
         .map(|name| ImuModel::resolve(name, Path::new("")))
         .transpose()?;
-    let written = [&arguments.output, &arguments.model_out];
-    let written = written.into_iter().flatten().map(PathBuf::as_path);
+    let tuned = tuned_files(arguments)?;
+    let written = tuned.iter().map(|(_, to)| to.as_path());
+    let written = written.chain(arguments.model_out.as_deref());
     let inputs = arguments.drives.iter().map(PathBuf::as_path);
     let inputs = inputs.chain(drives.iter().flat_map(Drive::logs));
     let files = Files::claim(
@@ -90,6 +95,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         start,
         hold_out: arguments.hold_out,
     };
+    if arguments.keep_best {
+        signals::end_early();
+    }
     let (found, logs) = stage("tuning", || {
         let bar = Bar::new("evaluated", 0, "iterations");
         let progress = |at: Stage| {
@@ -99,6 +107,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
                 Stage::Fitting(value) => format!("fits: {value:.2}"),
                 Stage::Judging => "measures the drift on what the fit has not seen".to_owned(),
             });
+            !signals::asked_to_end()
         };
         tune::tune(&drives, &options, &progress)
             .map_err(|error| anyhow!(sentences::unsolved(error)))
@@ -113,7 +122,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let paths = arguments.drives.iter().map(PathBuf::as_path);
     let result = found.result(paths.zip(&drives));
-    if !result.converged {
+    if !result.converged || !result.unaligned.is_empty() {
         terminal::doubt();
     }
     let json = results::text(&result);
@@ -130,20 +139,48 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(path) = &arguments.model_out {
         files.write(path, &model.to_toml())?;
     }
-    if let Some(path) = &arguments.output {
-        let first = &arguments.drives[0];
-        let text = std::fs::read_to_string(first)
-            .with_context(|| format!("cannot read {}", first.display()))?;
-        let home = |path: &Path| {
-            let folder = path.parent().filter(|folder| *folder != Path::new(""));
-            folder.unwrap_or(Path::new(".")).canonicalize()
-        };
+    for (from, to) in tuned {
+        let text = std::fs::read_to_string(from)
+            .with_context(|| format!("cannot read {}", from.display()))?;
         // With --data the logs are where that says, as before.
-        let moved = arguments.data.is_empty() && home(first).ok() != home(path).ok();
-        let logs = moved.then(|| home(first)).transpose()?;
+        let moved = arguments.data.is_empty() && folder(from).ok() != folder(&to).ok();
+        let logs = moved.then(|| folder(from)).transpose()?;
         let text = tune::file::tuned(&text, &found, &model, logs.as_deref())
-            .with_context(|| format!("cannot change {}", first.display()))?;
-        files.write(path, &text)?;
+            .with_context(|| format!("cannot change {}", from.display()))?;
+        files.write(&to, &text)?;
     }
     Ok(())
+}
+
+fn folder(file: &Path) -> std::io::Result<PathBuf> {
+    let folder = file.parent().filter(|folder| *folder != Path::new(""));
+    folder.unwrap_or(Path::new(".")).canonicalize()
+}
+
+/// Drive files and where they are written with what was found.
+fn tuned_files(arguments: &Arguments) -> Result<Vec<(&Path, PathBuf)>> {
+    let Some(output) = &arguments.output else {
+        return Ok(Vec::new());
+    };
+    let drives = arguments.drives.iter().map(PathBuf::as_path);
+    if !output.is_dir() {
+        return Ok(drives
+            .take(1)
+            .map(|drive| (drive, output.clone()))
+            .collect());
+    }
+    let mut files: Vec<(&Path, PathBuf)> = Vec::new();
+    for drive in drives {
+        let to = output.join(drive.file_name().unwrap_or_default());
+        if let Some((other, _)) = files.iter().find(|(_, file)| *file == to) {
+            bail!(
+                "-o {}: {} and {} have the same file name; give one -o file, or rename one of them",
+                output.display(),
+                other.display(),
+                drive.display()
+            );
+        }
+        files.push((drive, to));
+    }
+    Ok(files)
 }

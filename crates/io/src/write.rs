@@ -23,5 +23,5 @@ mod thinning;
 
 pub use file::{SolutionFile, SolutionFormat, SolutionOptions, UnknownSolutionFormat};
 pub use fixed::write_fixed;
-pub use pending::{PendingFile, write_whole};
+pub use pending::{PendingFile, remove_unfinished, write_whole};
 pub use text_writer::TextWriter;

@@ -52,6 +52,15 @@ pub fn plain(tune: &Tune, mark: Mark) -> String {
 
 /// Whether it is of use, in a sentence.
 fn verdict(tune: &Tune) -> String {
+    if let [first, ..] = tune.unaligned.as_slice() {
+        return format!(
+            "not usable: under the noise found {first} cannot be aligned. Give `attitude` under [initial], or tune on a \
+             longer drive with more turns and changes of speed"
+        );
+    }
+    if tune.stopped {
+        return "not judged: stopped, the noise is the best so far".into();
+    }
     let judged = |length: f64| tune.drift.iter().find(|d| d.length_s.0 == length);
     let Some(drift) = judged(30.0).or_else(|| tune.drift.last()) else {
         return "not judged: the drives are too short for outages that the fit has not seen".into();
@@ -102,7 +111,7 @@ fn what_was_done(tune: &Tune) -> String {
     let ended = if tune.converged {
         "converged"
     } else {
-        "stopped before it converged"
+        "ended before it converged"
     };
     format!(
         "Start: {}{guess}. {drives}, {} windows without fixes, {} evaluations, {ended}; {unseen}.",

@@ -32,7 +32,10 @@ use judge::{Judged, Unseen, judge};
 use noise::Noise;
 use prior::Prior;
 use start::{Start, idle};
-use std::cell::Cell;
+use std::{
+    cell::Cell,
+    sync::atomic::{AtomicBool, Ordering::Relaxed},
+};
 use undrift_nav::covariance::AXES;
 use undrift_noise::{BiasModel, ImuModel};
 
@@ -61,6 +64,10 @@ pub struct Tuned {
     pub held_out: bool,
     /// Drift on it.
     pub judged: Vec<Judged>,
+    /// Whether each drive can be aligned under the noise.
+    pub aligns: Vec<bool>,
+    /// Whether it was stopped: the noise is the best so far, and nothing was judged after that.
+    pub stopped: bool,
 }
 
 impl Tuned {
@@ -79,7 +86,7 @@ impl Tuned {
     }
 }
 
-/// What is told of the progress.
+/// How far it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stage {
     /// Logs are read.
@@ -125,16 +132,22 @@ fn standing(logs: &[Log]) -> Option<[f64; AXES]> {
     (!found.is_empty()).then(|| std::array::from_fn(|i| square(i).sqrt()))
 }
 
-/// Identifies the noise that drives with the same sensor have in common.
+/// Identifies the noise that drives with the same sensor have in common. `goes_on` is asked along the way; once it
+/// says no, what has been found so far is returned.
 ///
 /// # Errors
 /// A drive that cannot be read or navigated.
 pub fn tune(
     drives: &[Drive],
     options: &Options,
-    progress: &(dyn Fn(Stage) + Sync),
+    goes_on: &(dyn Fn(Stage) -> bool + Sync),
 ) -> Result<(Tuned, Vec<Logs>), NavigateError> {
-    progress(Stage::Reading);
+    let stopped = AtomicBool::new(false);
+    let goes_on = |stage| {
+        stopped.fetch_or(!goes_on(stage), Relaxed);
+        !stopped.load(Relaxed)
+    };
+    goes_on(Stage::Reading);
     let first = drives.first().ok_or(NavigateError::NoModel)?;
     let mut start = match options.start.as_ref().or(first.model.as_ref()) {
         Some(model) => Start::of_model(model, first.sample_interval()?)?,
@@ -180,10 +193,10 @@ pub fn tune(
     let of_drives: Vec<&Settings> = logs.iter().map(|log| &log.settings).collect();
     let prior = Prior::new(&start, &of_drives);
     let centre = Noise::new(&prior.centre);
-    let iteration = |value: f64| progress(Stage::Fitting(value));
+    let iteration = |value: f64| goes_on(Stage::Fitting(value));
     let held_out = options.hold_out.is_some();
     let seen = fit(&logs, &start, &prior, centre, held_out, &iteration)?;
-    progress(Stage::Judging);
+    let judges = goes_on(Stage::Judging);
     let rest = options.start.as_ref().or(first.model.as_ref());
     let rest = rest.map_or_else(|| start.model(&start.white, &start.walk), Clone::clone);
     let of_drives = logs.iter().zip(&loaded).zip(spans);
@@ -200,8 +213,13 @@ pub fn tune(
             span,
         })
     });
-    let judged = judge(&of_drives.collect::<Result<Vec<_>, NavigateError>>()?);
-    let fit = if held_out {
+    let of_drives = of_drives.collect::<Result<Vec<_>, NavigateError>>()?;
+    let judged = if judges {
+        judge(&of_drives)
+    } else {
+        Vec::new()
+    };
+    let fit = if held_out || !judges {
         seen
     } else {
         for log in &mut logs {
@@ -211,6 +229,11 @@ pub fn tune(
         fit(&logs, &start, &prior, seen.noise, true, &iteration)
             .or_else(|_| fit(&logs, &start, &prior, centre, true, &iteration))?
     };
+    let aligns = logs.iter().zip(&loaded).map(|(log, all)| {
+        let settings = under(&log.settings, &fit.noise, &start).map_err(ReplayError::from)?;
+        Ok(matches!(begins(all, &settings), Ok(Some(_))))
+    });
+    let aligns = aligns.collect::<Result<_, NavigateError>>()?;
     drop(logs);
     let tuned = Tuned {
         start,
@@ -219,6 +242,8 @@ pub fn tune(
         unseen,
         held_out,
         judged,
+        aligns,
+        stopped: stopped.load(Relaxed),
     };
     Ok((tuned, loaded))
 }

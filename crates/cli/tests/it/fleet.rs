@@ -474,3 +474,46 @@ fn a_fleet_is_tuned_drive_by_drive() {
         assert!(drift < 3.0, "{log}");
     }
 }
+
+/// Tuned drive files of several drives go into a folder, each ready for a run.
+#[test]
+fn drives_are_tuned_into_a_folder() {
+    let logs = simulated("tuned-folder");
+    let undrift = |arguments: &[&str]| {
+        let done = Command::new(env!("CARGO_BIN_EXE_undrift"))
+            .args(arguments)
+            .current_dir(&logs)
+            .output()
+            .unwrap();
+        (done.status, String::from_utf8(done.stderr).unwrap())
+    };
+    let drives = std::fs::read_dir(logs.join("SN3")).unwrap();
+    let mut names: Vec<String> = drives
+        .map(|drive| drive.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    let files: Vec<String> = names[..2]
+        .iter()
+        .map(|name| {
+            let file = format!("SN3/{name}/{name}.toml");
+            std::fs::rename(
+                logs.join(format!("SN3/{name}/drive.toml")),
+                logs.join(&file),
+            )
+            .unwrap();
+            file
+        })
+        .collect();
+    std::fs::create_dir(logs.join("tuned")).unwrap();
+    let (status, stderr) = undrift(&["tune", &files[0], &files[1], "-o", "tuned"]);
+    assert!(status.success(), "{stderr}");
+    for name in &names[..2] {
+        let (status, stderr) = undrift(&["navigate", &format!("tuned/{name}.toml"), "--quiet"]);
+        assert!(status.success(), "{stderr}");
+    }
+    let (status, stderr) = undrift(&["tune", &files[0], &files[0], "-o", "tuned"]);
+    assert!(
+        !status.success() && stderr.contains("same file name"),
+        "{stderr}"
+    );
+}

@@ -2,10 +2,11 @@ use std::ffi::{OsStr, OsString};
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// A file that appears under its name only when it is finished: until then it is beside it under
-/// a temporary name, `.NAME.partPID`. Dropped unfinished, it is removed; a killed process leaves the
-/// temporary one, which goes when the same file is written again an hour later or more (on Linux, where
+/// a temporary name, `.NAME.partPID`. Dropped unfinished, it is removed; a process that is killed without
+/// [`remove_unfinished`] leaves the temporary one, which goes when the same file is written again an hour later or more (on Linux, where
 /// it can be told that the process is no more).
 ///
 /// A symbolic link stays and the file that it leads to is replaced; a file that is replaced hands on its
@@ -18,6 +19,23 @@ pub struct PendingFile {
     replacing: Option<Replacing>,
     /// Number of bytes written straight into what is there.
     written: u64,
+}
+
+/// Temporary files of this process.
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes all unfinished files, for a process that is about to end: from here on none can be started or finished.
+pub fn remove_unfinished() {
+    let mut files = unfinished();
+    for file in files.drain(..) {
+        // Nothing can be done about a file that cannot be removed.
+        let _ = fs::remove_file(file);
+    }
+    std::mem::forget(files);
 }
 
 /// The temporary file and the name that it gets.
@@ -56,8 +74,12 @@ impl PendingFile {
         remove_stale(&target, &hidden);
         hidden.push(std::process::id().to_string());
         let temporary = target.with_file_name(hidden);
+        let mut files = unfinished();
+        let file = File::create(&temporary)?;
+        files.push(temporary.clone());
+        drop(files);
         let file = Self {
-            file: File::create(&temporary)?,
+            file,
             replacing: Some(Replacing {
                 target,
                 temporary,
@@ -80,7 +102,9 @@ impl PendingFile {
             None => self.file.flush(),
             Some(replacing) => {
                 self.file.sync_data()?;
+                let mut files = unfinished();
                 fs::rename(&replacing.temporary, &replacing.target)?;
+                files.retain(|file| *file != replacing.temporary);
                 replacing.finished = true;
                 Ok(())
             }
@@ -216,6 +240,7 @@ impl Drop for PendingFile {
         {
             // Nothing can be done about a file that cannot be removed.
             let _ = fs::remove_file(&replacing.temporary);
+            unfinished().retain(|file| *file != replacing.temporary);
         }
     }
 }

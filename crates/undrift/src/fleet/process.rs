@@ -299,7 +299,7 @@ fn navigate(
 /// A row for each axis, null where the drive does not determine it, and one for the drift of each length.
 fn tuned(job: &Job, outcome: &mut FleetOutcome) -> Result<(), Failure> {
     let drive = load(job, outcome)?;
-    let (tuned, _) = tune(&[drive], &tune::Options::default(), &|_| {})?;
+    let (tuned, _) = tune(&[drive], &tune::Options::default(), &|_| true)?;
     outcome
         .sensor
         .get_or_insert_with(|| tuned.start.name.clone());

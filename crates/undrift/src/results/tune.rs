@@ -32,6 +32,10 @@ pub struct Tune {
     pub evaluations: u64,
     /// Whether nothing more was to be gained.
     pub converged: bool,
+    /// Whether it was stopped before its end; the noise is the best so far.
+    pub stopped: bool,
+    /// Drives that cannot be aligned under the noise.
+    pub unaligned: Vec<String>,
 }
 
 /// One parameter: a standard deviation, a density or a factor on one.

@@ -150,7 +150,8 @@ impl<const N: usize> Linear<N> {
     }
 }
 
-/// Finds the most likely noise, beginning with `from`; `iteration` gets the objective before each iteration.
+/// Finds the most likely noise, beginning with `from`; `goes_on` gets the objective before each iteration and says
+/// whether to make it: the fit ends with the best so far.
 ///
 /// # Errors
 /// A drive that cannot be navigated.
@@ -160,7 +161,7 @@ pub fn fit(
     prior: &Prior,
     from: Noise,
     sure: bool,
-    iteration: &dyn Fn(f64),
+    goes_on: &dyn Fn(f64) -> bool,
 ) -> Result<Fit, ReplayError> {
     let states = |log: &Log| NAV + 6 + log.settings.parameters.states();
     let fit = match logs.iter().map(states).max().unwrap_or(0) {
@@ -169,7 +170,7 @@ pub fn fit(
         33..=40 => fit_sized::<40>,
         _ => fit_sized::<56>,
     };
-    fit(logs, start, prior, from, sure, iteration)
+    fit(logs, start, prior, from, sure, goes_on)
 }
 
 fn fit_sized<const N: usize>(
@@ -178,7 +179,7 @@ fn fit_sized<const N: usize>(
     prior: &Prior,
     from: Noise,
     sure: bool,
-    iteration: &dyn Fn(f64),
+    goes_on: &dyn Fn(f64) -> bool,
 ) -> Result<Fit, ReplayError> {
     let mut fit = Fit {
         noise: from,
@@ -213,7 +214,7 @@ fn fit_sized<const N: usize>(
             DVector::from_row_slice(&z),
             &inverse,
             EVALUATIONS,
-            iteration,
+            goes_on,
         );
         inverse = least.inverse;
         before = Some(fit.noise);

@@ -87,13 +87,21 @@ impl Tuned {
                 after_within: judged.within[1].map(Number),
             }
         };
+        let drives: Vec<_> = drives
+            .into_iter()
+            .map(|(file, drive)| results::Drive::of(file, drive))
+            .collect();
+        let unaligned = drives
+            .iter()
+            .zip(&self.aligns)
+            .filter(|(_, aligns)| !**aligns);
         Tune {
             undrift: VERSION.into(),
             schema: SCHEMA,
-            drives: drives
-                .into_iter()
-                .map(|(file, drive)| results::Drive::of(file, drive))
+            unaligned: unaligned
+                .filter_map(|(drive, _)| drive.file.clone())
                 .collect(),
+            drives,
             start: self.start.name.clone(),
             guessed: self.start.guessed,
             unseen: self.unseen.into(),
@@ -106,6 +114,7 @@ impl Tuned {
             windows: self.fit.windows as u64,
             evaluations: self.fit.evaluations as u64,
             converged: self.fit.converged,
+            stopped: self.stopped,
         }
     }
 }

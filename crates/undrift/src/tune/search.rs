@@ -21,18 +21,18 @@ pub struct Least {
     pub evaluations: usize,
     /// The inverse Hessian as far as it is known.
     pub inverse: DMatrix<f64>,
-    /// Whether nothing more was to be gained; else `most` evaluations were made.
+    /// Whether nothing more was to be gained; else `most` evaluations were made or the search was stopped.
     pub converged: bool,
 }
 
 /// Minimises `function`, which gives value and gradient, from `z` with `first` as the inverse Hessian to
-/// begin with. `iteration` gets the value before each iteration.
+/// begin with. `goes_on` gets the value before each iteration and says whether to make it.
 pub fn minimise(
     function: impl Fn(&DVector<f64>) -> (f64, DVector<f64>),
     mut z: DVector<f64>,
     first: &DMatrix<f64>,
     most: usize,
-    mut iteration: impl FnMut(f64),
+    mut goes_on: impl FnMut(f64) -> bool,
 ) -> Least {
     let n = z.len();
     let (mut value, mut slope) = function(&z);
@@ -40,8 +40,7 @@ pub fn minimise(
     let mut inverse = first.clone();
     let mut idle = 0;
     let mut converged = false;
-    while evaluations < most {
-        iteration(value);
+    while evaluations < most && goes_on(value) {
         let mut direction = -(&inverse * &slope);
         if direction.dot(&slope) >= 0.0 {
             inverse.clone_from(first);

@@ -147,7 +147,7 @@ fn the_noise_of_a_simulated_drive_is_found() {
             until: f64::INFINITY,
         }];
         let from = Noise::new(&prior.centre);
-        let found = fit(&logs, &start, &prior, from, true, &|_| ()).unwrap();
+        let found = fit(&logs, &start, &prior, from, true, &|_| true).unwrap();
         assert!(found.converged && found.windows > 300, "{found:?}");
         assert!(!prior.used[LASTING] && !prior.used[RULE]);
         let (z, at) = (found.noise.ln(), truth.ln());
@@ -192,6 +192,8 @@ fn the_drive_file_is_written() {
         unseen: 0.5,
         held_out: false,
         judged: Vec::new(),
+        aligns: vec![true],
+        stopped: false,
     };
     let model = found.model(&["drive.toml"]);
     let folder = std::env::temp_dir();

@@ -180,7 +180,7 @@ fn tuned(drives: &[(Simulation, Vec<ImuSample>)]) -> Result<ImuModel, Failure> {
         })
         .collect();
     let from = Noise::new(&prior.centre);
-    let found = fit(&logs, &start, &prior, from, false, &|_| ())?;
+    let found = fit(&logs, &start, &prior, from, false, &|_| true)?;
     Ok(start.model(&found.noise.white, &found.noise.walk))
 }
 

@@ -158,3 +158,36 @@ fn a_killed_identify_leaves_no_half_model() {
     let arguments: Vec<&str> = arguments.split_whitespace().collect();
     kill(&case, &arguments, &["imu.toml", "found.json"], 3);
 }
+
+/// Interrupted, ended or hung up, the command takes its unfinished files with it and ends by the signal.
+#[cfg(unix)]
+#[test]
+fn signals_leave_nothing_behind() {
+    use std::os::unix::process::ExitStatusExt;
+
+    let case = Log::good().write("signals");
+    for (signal, number) in [("INT", 2), ("TERM", 15), ("HUP", 1)] {
+        case.put("nav.csv", OLD.as_bytes());
+        let met = (0..KILLS).any(|_| {
+            let mut child = Command::new(env!("CARGO_BIN_EXE_undrift"))
+                .args(["navigate", "drive.toml", "-o", "nav.csv"])
+                .current_dir(case.path(""))
+                .stdout(Stdio::null())
+                .stderr(Stdio::null())
+                .spawn()
+                .unwrap();
+            while parts(&case, "nav.csv").is_empty() && child.try_wait().unwrap().is_none() {
+                std::thread::yield_now();
+            }
+            let id = child.id().to_string();
+            let kill = Command::new("kill").args(["-s", signal, &id]).status();
+            assert!(kill.is_ok_and(|status| status.success()));
+            let ended = child.wait().unwrap().signal();
+            assert!(ended.is_none() || ended == Some(number), "{ended:?}");
+            assert!(parts(&case, "nav.csv").is_empty());
+            let found = std::fs::read(case.path("nav.csv")).unwrap();
+            ended.is_some() && found == OLD.as_bytes()
+        });
+        assert!(met, "no {signal} met a file half written");
+    }
+}
