@@ -42,8 +42,8 @@ const LONGEST: usize = 40;
 /// Most names that are suggested.
 const SUGGESTED: usize = 3;
 
-/// The presets whose names are near a name that is none of them, nearest first: of another spelling (`ADIS-16465`), with
-/// a few other characters, or longer.
+/// The presets nearest to a name that is not a preset's: those of another spelling (`ADIS-16465`), else with the fewest
+/// other characters, else those that go on after it.
 pub fn near(name: &str) -> Vec<&'static str> {
     let letters = |c: char| c.is_ascii_alphanumeric().then(|| c.to_ascii_lowercase());
     let wanted: String = name.chars().filter_map(letters).collect();
@@ -54,15 +54,15 @@ pub fn near(name: &str) -> Vec<&'static str> {
         edits if edits <= wanted.len() / 4 => Some(edits),
         _ => preset.starts_with(&wanted).then_some(wanted.len()),
     };
-    let mut near: Vec<_> = NAMES
+    let distances: Vec<_> = NAMES
         .iter()
         .filter_map(|preset| Some((distance(preset)?, *preset)))
         .collect();
-    near.sort_unstable();
-    near.into_iter()
-        .take(SUGGESTED)
-        .map(|(_, preset)| preset)
-        .collect()
+    let least = distances.iter().map(|(distance, _)| *distance).min();
+    let nearest = distances
+        .into_iter()
+        .filter(|(distance, _)| Some(*distance) == least);
+    nearest.map(|(_, preset)| preset).take(SUGGESTED).collect()
 }
 
 /// What a message says after a name that is no preset: names near it, and where all are.
@@ -81,9 +81,9 @@ mod tests {
     fn names_near_another() {
         for (name, presets) in [
             ("ADIS-16465", &["adis16465"][..]),
-            ("adis16466", &["adis16465", "adis16405"]),
+            ("adis16466", &["adis16465"]),
             ("ICM-42688-P", &["icm42688p"]),
-            ("icm42688", &["icm42688p", "icm20602"]),
+            ("icm42688", &["icm42688p"]),
             ("mpu6500", &["mpu6050"]),
             ("vn-110", &["vn100"]),
             ("mti", &["mti1", "mti300"]),
