@@ -11,6 +11,7 @@ mod navigate;
 mod outages;
 mod output;
 mod plot;
+mod presets;
 mod print;
 mod progress;
 mod report;

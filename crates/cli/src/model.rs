@@ -2,11 +2,14 @@
 
 use crate::{
     output::{Files, JsonOutput},
-    terminal,
+    presets, terminal,
 };
 use anyhow::Result;
 use clap::Args;
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 use undrift::noise::{ImuModel, ModelFormat};
 
 /// Write the noise model of an IMU as Kalibr, KF-GINS, ROS, PX4 or MATLAB read it.
@@ -14,13 +17,17 @@ use undrift::noise::{ImuModel, ModelFormat};
 #[command(after_help = "Examples:
   undrift model adis16465 --to kalibr --rate 200 -o imu.yaml
   undrift model mpu6050 --to px4
-  undrift model icm20602 --json -")]
+  undrift model icm20602 --json -
+  undrift model --list")]
 pub struct Arguments {
-    /// A model file or a preset (adis16405, adis16465, adis16488, icm20602, mpu6050)
-    #[arg(value_name = "IMU.toml")]
-    model: String,
+    /// A model file or a preset
+    #[arg(value_name = "IMU.toml", required_unless_present = "list")]
+    model: Option<String>,
+    /// Show the presets with their numbers; with --json, their model files
+    #[arg(long, conflicts_with_all = ["model", "to", "rate"])]
+    list: bool,
     /// Format: kalibr, kf-gins, ros, px4, matlab, or undrift for the model file with every value in it
-    #[arg(long, value_name = "NAME", required_unless_present = "json")]
+    #[arg(long, value_name = "NAME", required_unless_present_any = ["json", "list"])]
     to: Option<ModelFormat>,
     /// Rate of the samples [Hz], of EKF2's predictions for px4; if not that of the identified record
     #[arg(long, value_name = "HZ")]
@@ -38,20 +45,48 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .file()
         .into_iter()
         .chain(arguments.output.as_deref());
-    let files = Files::claim([Path::new(&arguments.model)], outputs)?;
-    let model = ImuModel::resolve(&arguments.model, Path::new(""))?;
+    let Some(name) = &arguments.model else {
+        return list(arguments, &Files::claim([], outputs)?);
+    };
+    let files = Files::claim([Path::new(name)], outputs)?;
+    let model = ImuModel::resolve(name, Path::new(""))?;
     if arguments.json.is_wanted() {
-        // The model file's own keys and values.
-        let keys: toml::Table = toml::from_str(&model.to_toml())?;
-        let json = serde_json::to_string_pretty(&keys)?;
+        let json = serde_json::to_string_pretty(&keys(&model)?)?;
         arguments.json.write(&files, &json)?;
     }
     let Some(format) = arguments.to else {
         return Ok(());
     };
-    let text = model.export(format, arguments.rate)?;
+    write(arguments, &files, &model.export(format, arguments.rate)?)
+}
+
+/// The presets as a table, as JSON, or both.
+fn list(arguments: &Arguments, files: &Files) -> Result<()> {
+    let presets: Vec<_> = ImuModel::preset_names()
+        .iter()
+        .filter_map(|name| Some((*name, ImuModel::preset(name)?)))
+        .collect();
+    if arguments.json.is_wanted() {
+        let all: BTreeMap<_, _> = presets
+            .iter()
+            .map(|(name, model)| Ok((*name, keys(model)?)))
+            .collect::<Result<_>>()?;
+        let json = serde_json::to_string_pretty(&all)?;
+        if arguments.json.write(files, &json)? && arguments.output.is_none() {
+            return Ok(());
+        }
+    }
+    write(arguments, files, &presets::table(&presets))
+}
+
+/// The model file's own keys and values.
+fn keys(model: &ImuModel) -> Result<toml::Table> {
+    Ok(toml::from_str(&model.to_toml())?)
+}
+
+fn write(arguments: &Arguments, files: &Files, text: &str) -> Result<()> {
     match &arguments.output {
-        Some(file) => files.write(file, &text),
+        Some(file) => files.write(file, text),
         None => terminal::result(text.trim_end()),
     }
 }

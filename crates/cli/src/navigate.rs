@@ -69,7 +69,7 @@ pub struct Common {
     /// Folder of the drive's log files, if not the drive file's own
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
-    /// Noise model of the IMU: a model file or a preset (adis16405, adis16465, adis16488, icm20602, mpu6050)
+    /// Noise model of the IMU: a model file or a preset (`undrift model --list`)
     #[arg(long, value_name = "IMU.toml")]
     model: Option<String>,
 }

@@ -264,7 +264,7 @@ impl ImuModel {
     /// The preset of that name, or the model file at that path relative to `base`.
     ///
     /// # Errors
-    /// As [`ImuModel::load`]; where there is no such file, the message names the presets.
+    /// As [`ImuModel::load`]; where there is no such file, the message names the presets near it.
     pub fn resolve(name_or_path: &str, base: &Path) -> Result<Self, ModelError> {
         if let Some(model) = Self::preset(name_or_path) {
             return Ok(model);
@@ -272,8 +272,8 @@ impl ImuModel {
         Self::load(&base.join(name_or_path)).map_err(|error| match error {
             ModelError::Read { file, error, .. } => {
                 let hint = format!(
-                    " (a model is a file or one of the presets {})",
-                    presets::NAMES.join(", ")
+                    " (a model is a file or a preset; {})",
+                    presets::suggestion(name_or_path)
                 );
                 ModelError::Read { file, error, hint }
             }
@@ -289,7 +289,7 @@ impl ImuModel {
 
     /// Names of the presets.
     pub fn preset_names() -> &'static [&'static str] {
-        &presets::NAMES
+        presets::NAMES
     }
 
     /// The text of a model file that reads back as this model.

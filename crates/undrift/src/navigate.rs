@@ -91,7 +91,10 @@ pub enum NavigateError {
     #[error(transparent)]
     Mounting(#[from] MountingError),
     /// No noise model is named.
-    #[error("no noise model: name one with --model or with model = \"…\" in the drive file; presets: {}", undrift_noise::ImuModel::preset_names().join(", "))]
+    #[error(
+        "no noise model: name one with --model or with model = \"…\" in the drive file; {}",
+        undrift_noise::presets::LISTED
+    )]
     NoModel,
 }
 

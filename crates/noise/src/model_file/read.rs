@@ -98,8 +98,8 @@ pub(super) fn model(top: &Table<'_>) -> Result<ImuModel, ModelError> {
     let mut sources = vec![top.clone()];
     if let Some(name) = top.text("preset")? {
         let text = presets::text(&name).ok_or_else(|| {
-            let known = presets::NAMES.join(", ");
-            top.error("preset", format!("no preset {name:?}; there are {known}"))
+            let suggestion = presets::suggestion(&name);
+            top.error("preset", format!("no preset {name:?}; {suggestion}"))
         })?;
         base = from_text(text, &name)?;
         parsed = parse(text, &name)?;

@@ -19,6 +19,7 @@ mod identify;
 mod model_file;
 mod model_file_properties;
 mod normality;
+mod presets;
 mod properties;
 mod screening;
 mod spectrum;

@@ -14,7 +14,7 @@ use undrift_nav::{
     shaping::ShapingFilter,
     units::Quantity,
 };
-use undrift_noise::{BiasModel, ImuModel, ModelError};
+use undrift_noise::{BiasModel, ImuModel, ModelError, presets::LISTED};
 
 /// Most samples of a drive: all runs share its noise-free samples, 64 bytes each.
 const MAX_SAMPLES: f64 = 20e6;
@@ -86,8 +86,12 @@ impl Spec {
         ])?;
         let names = BiasModel::ALL.map(|kind| (kind.name(), kind));
         let model = top.model("model", home)?.ok_or_else(|| {
-            let presets = ImuModel::preset_names().join(", ");
-            top.error("model", format!("missing: the sensors' noise model, one of the presets {presets}, a file, or a table"))
+            top.error(
+                "model",
+                format!(
+                    "missing: the sensors' noise model, a preset, a file, or a table; {LISTED}"
+                ),
+            )
         })?;
         let bias_model = top.word("bias_model", &names)?.unwrap_or(BiasModel::Arma);
 

@@ -106,7 +106,7 @@ fn mistakes_in_the_drive_file() {
             &[
                 "drive.toml line 1, model: ",
                 "adis99999",
-                "presets adis16405, adis16465",
+                "a model is a file or a preset; `undrift model --list` shows the presets",
             ],
         ),
         (
@@ -297,7 +297,11 @@ fn models_and_bias_models_on_the_command_line() {
     assert_eq!(outcome.code, Some(1));
     says(
         &outcome.stderr,
-        &["adis1", "a model is a file or one of the presets adis16405"],
+        &[
+            "adis1",
+            "a model is a file or a preset; did you mean adis16405 or adis16465 or adis16470?",
+            "`undrift model --list` shows the presets",
+        ],
     );
     assert!(run(&["--model", "mpu6050"]).succeeded());
 
@@ -351,7 +355,7 @@ fn models_and_bias_models_on_the_command_line() {
 }
 
 #[test]
-fn without_a_model_the_presets_are_named() {
+fn without_a_model_the_message_says_where_the_presets_are() {
     let mut log = Log::good();
     log.set("model = \"adis16465\"\n", "");
     let message = log.write("no_model").refusal();
@@ -359,7 +363,7 @@ fn without_a_model_the_presets_are_named() {
         &message,
         &[
             "no noise model: name one with --model",
-            "presets: adis16405",
+            "`undrift model --list` shows the presets",
         ],
     );
 }

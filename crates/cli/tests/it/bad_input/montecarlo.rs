@@ -82,13 +82,16 @@ fn mistakes_in_the_specification() {
             "",
             &[
                 "spec.toml, model: missing: the sensors' noise model",
-                "adis16405",
+                "`undrift model --list`",
             ],
         ),
         (
             "adis16465",
             "adis99999",
-            &["spec.toml line 1, model: ", "presets adis16405, adis16465"],
+            &[
+                "spec.toml line 1, model: ",
+                "a model is a file or a preset; `undrift model --list`",
+            ],
         ),
         (
             "[\"arma\", \"white\"]",
