@@ -164,7 +164,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let provenance = identify::provenance(&record, &name, rate_hz)?;
     let model = identified.model(base.as_ref(), &name, provenance)?;
     files.write(file, &model.to_toml())?;
-    terminal::say_beside(shown, format!("model: {}", file.display()))?;
+    terminal::say(format!("model: {}", file.display()))?;
     warn_of_unknown(file, &model, &identified.without_turn_on(base.as_ref()));
     Ok(())
 }

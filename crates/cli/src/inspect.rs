@@ -73,7 +73,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let home = file.parent().unwrap_or(std::path::Path::new(""));
         let text = report::drive_file(&inspections, home, arguments.vehicle, motion);
         files.write(file, &text)?;
-        terminal::say_beside(shown, format!("drive file: {}", file.display()))?;
+        terminal::say(format!("drive file: {}", file.display()))?;
     }
     if inspections.len() < arguments.files.len() {
         bail!("not every file could be read");

@@ -14,14 +14,32 @@ pub struct Files {
 
 impl Files {
     /// # Errors
-    /// If a result has no folder to be in, or would replace a file that it is made from.
+    /// If a result has no folder to be in, or would replace a file that it is made from or another result.
     pub fn claim<'a, 'b>(
         inputs: impl IntoIterator<Item = &'a Path>,
         outputs: impl IntoIterator<Item = &'b Path>,
     ) -> Result<Self> {
         let inputs = inputs.into_iter().filter_map(real).collect();
         let files = Self { inputs };
+        let mut places: Vec<(PathBuf, &Path)> = Vec::new();
         for file in outputs {
+            if let Some(place) = place(file) {
+                if let Some((_, other)) = places.iter().find(|(there, _)| *there == place) {
+                    bail!(
+                        "two results for {}: give each a name of its own",
+                        if is_standard(file) {
+                            "standard output (-)".into()
+                        } else {
+                            other.display().to_string()
+                        }
+                    );
+                }
+                places.push((place, file));
+            }
+            if is_standard(file) {
+                terminal::take_standard_output();
+                continue;
+            }
             match file.parent() {
                 Some(folder) if folder != Path::new("") && !folder.is_dir() => bail!(
                     "cannot write {}: there is no folder {}",
@@ -56,6 +74,24 @@ fn real(file: &Path) -> Option<PathBuf> {
     file.canonicalize().ok().filter(|real| real.is_file())
 }
 
+/// Whether a path stands for standard output.
+fn is_standard(file: &Path) -> bool {
+    file == Path::new("-")
+}
+
+/// Where a result will be, by which two with different spelling are known for the same; devices and pipes take several.
+fn place(file: &Path) -> Option<PathBuf> {
+    if is_standard(file) {
+        return Some(file.to_path_buf());
+    }
+    if let Ok(there) = file.canonicalize() {
+        return there.is_file().then_some(there);
+    }
+    let folder = file.parent().filter(|folder| *folder != Path::new(""));
+    let folder = folder.unwrap_or(Path::new(".")).canonicalize().ok()?;
+    Some(folder.join(file.file_name()?))
+}
+
 /// Makes a folder for results.
 pub fn make_folder(folder: &Path) -> Result<()> {
     std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))
@@ -75,16 +111,16 @@ impl JsonOutput {
         self.json.is_some()
     }
 
-    /// The file, if it is one.
+    /// Where to, to be claimed.
     pub fn file(&self) -> Option<&Path> {
-        self.json.as_deref().filter(|path| path.as_os_str() != "-")
+        self.json.as_deref()
     }
 
     /// Writes the result if it is wanted; whether it went to standard output.
     pub fn write(&self, files: &Files, json: &str) -> Result<bool> {
         match self.file() {
+            Some(path) if is_standard(path) => terminal::result(json).map(|()| true),
             Some(path) => files.write(path, json).map(|()| false),
-            None if self.is_wanted() => terminal::result(json).map(|()| true),
             None => Ok(false),
         }
     }

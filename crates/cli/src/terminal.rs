@@ -36,6 +36,8 @@ pub struct Options {
 static LEVEL: AtomicI16 = AtomicI16::new(0);
 /// Whether a result cannot be trusted.
 static DOUBT: AtomicBool = AtomicBool::new(false);
+/// Whether standard output is for a result.
+static TAKEN: AtomicBool = AtomicBool::new(false);
 
 impl Options {
     /// Puts the options into force.
@@ -87,8 +89,17 @@ pub fn is_quiet() -> bool {
     LEVEL.load(Relaxed) < 0
 }
 
-/// Prints a summary to standard output, unless quiet.
+/// From here on standard output is for a result; summaries go to standard error.
+pub fn take_standard_output() {
+    TAKEN.store(true, Relaxed);
+}
+
+/// Prints a summary, to standard output unless that is taken by a result; nothing if quiet.
 pub fn say(text: impl Display) -> Result<()> {
+    if TAKEN.load(Relaxed) {
+        note(text);
+        return Ok(());
+    }
     if is_quiet() {
         return Ok(());
     }
@@ -122,15 +133,6 @@ pub fn note(text: impl Display) {
     }
 }
 
-/// Prints a summary, or notes it where standard output is `taken` by a result.
-pub fn say_beside(taken: bool, text: impl Display) -> Result<()> {
-    if taken {
-        note(text);
-        return Ok(());
-    }
-    say(text)
-}
-
 /// Notes that the result cannot be trusted: --strict makes an exit code of it.
 pub fn doubt() {
     DOUBT.store(true, Relaxed);
@@ -143,6 +145,13 @@ pub fn doubted() -> bool {
 
 /// Tells why there is no result: the causes that are not in the text already follow it.
 pub fn error(error: &anyhow::Error) {
+    let broken = |cause: &(dyn std::error::Error + 'static)| {
+        let io = cause.downcast_ref::<std::io::Error>();
+        io.is_some_and(|io| io.kind() == std::io::ErrorKind::BrokenPipe)
+    };
+    if error.chain().any(broken) {
+        std::process::exit(0);
+    }
     let mut text = error.to_string();
     for cause in error.chain().skip(1).map(ToString::to_string) {
         if !text.contains(&cause) {

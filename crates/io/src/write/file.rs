@@ -139,7 +139,7 @@ impl SolutionFile<PendingFile> {
         Self::new(PendingFile::create(path)?, format, options)
     }
 
-    /// Starts a file at each path, in `format` or else in that of its extension.
+    /// Starts a file at each path, in `format` or else in that of its extension; standard output (`-`) as CSV.
     ///
     /// # Errors
     /// A sentence for the user when an extension names no format, a path is asked for twice or a file
@@ -155,7 +155,9 @@ impl SolutionFile<PendingFile> {
             if paths.iter().take(k).any(|other| other == path) {
                 return Err(format!("{name} is asked for twice"));
             }
-            let format = format.or_else(|| SolutionFormat::from_path(path)).ok_or_else(|| {
+            let format = format.or_else(|| SolutionFormat::from_path(path));
+            let format = format.or_else(|| (path == Path::new("-")).then_some(SolutionFormat::Csv));
+            let format = format.ok_or_else(|| {
                 format!("{name}: the extension names no format; there are csv, nav, nmea, kml, geojson, gpx, mcap, parquet, or give --format")
             })?;
             let file = Self::create(path, format, options);

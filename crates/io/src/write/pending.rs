@@ -11,7 +11,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 ///
 /// A symbolic link stays and the file that it leads to is replaced; a file that is replaced hands on its
 /// permissions. Devices, pipes and open descriptors (`/dev/null`, `/dev/stdout`, `/dev/fd/3`) are written
-/// into as they are; there [`Seek`] only gives the position.
+/// into as they are; there [`Seek`] only gives the position. `-` is standard output.
 #[derive(Debug)]
 pub struct PendingFile {
     file: File,
@@ -50,8 +50,8 @@ impl PendingFile {
     /// Starts a file; one that is already there stays untouched until [`PendingFile::finish`].
     ///
     /// # Errors
-    /// If the directory cannot be written to, the device or pipe cannot be opened, or the path names no
-    /// file.
+    /// If the directory cannot be written to, the device or pipe cannot be opened, the file is read-only, or the path
+    /// names no file.
     pub fn create(path: &Path) -> io::Result<Self> {
         let (target, descriptor) = followed(path)?;
         let there = fs::metadata(&target).ok();
@@ -61,6 +61,10 @@ impl PendingFile {
                 replacing: None,
                 written: 0,
             });
+        }
+        if there.as_ref().is_some_and(|it| it.permissions().readonly()) {
+            let message = format!("{} is read-only", path.display());
+            return Err(io::Error::new(io::ErrorKind::PermissionDenied, message));
         }
         let Some(name) = target.file_name() else {
             return Err(io::Error::new(
@@ -118,6 +122,9 @@ const LINKS: usize = 40;
 /// Where symbolic links lead, and the number of the open descriptor if they lead to one
 /// (`/dev/stdout`, `/dev/fd/N`): what is open must not be replaced under the one that opened it.
 fn followed(path: &Path) -> io::Result<(PathBuf, Option<u32>)> {
+    if path == Path::new("-") {
+        return Ok((path.to_path_buf(), Some(1)));
+    }
     let descriptors = fs::canonicalize("/dev/fd").ok();
     let mut path = path.to_path_buf();
     for _ in 0..LINKS {

@@ -504,3 +504,56 @@ fn keys_that_contradict_each_other() {
         says(&message, &["drive.toml ", told]);
     }
 }
+
+#[test]
+fn two_results_for_one_file_are_refused() {
+    let case = good().write("twice");
+    for arguments in [
+        &["navigate", "drive.toml", "-o", "a.csv", "-o", "./a.csv"][..],
+        &["navigate", "drive.toml", "-o", "a.csv", "--json", "a.csv"],
+    ] {
+        let done = case.run(arguments);
+        assert!(!done.succeeded());
+        says(
+            &done.stderr,
+            &["two results for a.csv: give each a name of its own"],
+        );
+    }
+    let done = case.run(&["navigate", "drive.toml", "-o", "-", "--json", "-"]);
+    assert!(!done.succeeded() && done.stdout.is_empty());
+    says(&done.stderr, &["two results for standard output (-)"]);
+}
+
+#[test]
+fn a_read_only_file_is_not_replaced() {
+    let case = good().write("read_only");
+    case.put("a.csv", b"mine");
+    let path = case.path("a.csv");
+    let mut permissions = std::fs::metadata(&path).unwrap().permissions();
+    permissions.set_readonly(true);
+    std::fs::set_permissions(&path, permissions).unwrap();
+    let done = case.run(&["navigate", "drive.toml", "-o", "a.csv"]);
+    assert!(!done.succeeded());
+    says(&done.stderr, &["cannot write a.csv", "read-only"]);
+    assert_eq!(std::fs::read(&path).unwrap(), b"mine");
+}
+
+#[test]
+fn a_dash_is_standard_output() {
+    let case = good().write("dash");
+    let to_file = case.run(&["navigate", "drive.toml", "-o", "a.csv"]);
+    assert!(to_file.succeeded(), "{}", to_file.stderr);
+    let piped = case.run(&["navigate", "drive.toml", "-o", "-"]);
+    assert!(piped.succeeded(), "{}", piped.stderr);
+    assert_eq!(
+        piped.stdout,
+        std::fs::read_to_string(case.path("a.csv")).unwrap()
+    );
+    let drive = case.run(&["inspect", "imu.csv", "gnss.csv", "-o", "-"]);
+    assert!(drive.succeeded(), "{}", drive.stderr);
+    assert!(
+        drive.stdout.contains("\n[imu]\n") && !drive.stdout.contains("drive file:"),
+        "{}",
+        drive.stdout
+    );
+}
