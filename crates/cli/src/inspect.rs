@@ -74,9 +74,21 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let text = report::drive_file(&inspections, home, arguments.vehicle, motion);
         files.write(file, &text)?;
         terminal::say(format!("drive file: {}", file.display()))?;
+        if has_both(&inspections) {
+            terminal::say(report::next(&inspections, file))?;
+        }
     }
     if inspections.len() < arguments.files.len() {
         bail!("not every file could be read");
     }
     Ok(())
+}
+
+/// Whether there is what a drive needs: an IMU and fixes.
+fn has_both(inspections: &[inspect::Inspection]) -> bool {
+    let has = |table| {
+        let mut parts = inspections.iter().flat_map(|file| &file.parts);
+        parts.any(|part| part.table == table && part.problem.is_none())
+    };
+    has("imu") && has("gnss")
 }

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 use undrift::{
-    inspect::{Content, Inspection, Known, Measured, Motion, Note, Part, about_gravity, quoted},
+    inspect::{
+        Content, Inspection, Known, Measured, Motion, Note, Part, about_gravity, model, quoted,
+    },
     vehicle::Profile,
 };
 
@@ -79,6 +81,9 @@ fn known(known: &Known) -> String {
                 "estimated from forces, speeds and turns of this drive, yaw to ±{std_deg:.1} deg; \"auto\" is more accurate on a longer drive"
             );
         }
+        Known::SensorName => "by the sensor's name in the log, or in its file's or folder's",
+        Known::Steps => "by the steps of its values",
+        Known::NoSensor => "guessed: nothing in the log shows the kind of sensor",
         Known::Tilted => "the z axis is not vertical; or give axes, such as \"z,y,-x\"",
     }
     .into()
@@ -191,6 +196,17 @@ fn rate_and_gaps(m: &Measured) -> String {
     )
 }
 
+/// The noise model that a drive file begins with, for a terminal, and what to do next; `drive` is the drive file's name.
+pub fn next(inspections: &[Inspection], drive: &Path) -> String {
+    let model = model(inspections);
+    let file = drive.display();
+    format!(
+        "model = {}   # {}\nnext: undrift tune {file} -o tuned.toml   # the noise of the sensor in its vehicle",
+        model.value,
+        known(&model.known)
+    )
+}
+
 /// The drive file, from filled inspections, that reads the first IMU, the first fixes and the first reference of the files.
 /// `home` is the folder where it will lie: files below it are named relative to it. `vehicle` is its profile where that is
 /// known; where its `motion` is that of wheels the car's is proposed.
@@ -210,10 +226,11 @@ pub fn drive_file(
         "# A starter drive file. What is marked \"guessed\" should be checked.\n\
          # All keys: docs/drive-file.md\n\n\
          # Noise model of the IMU at rest: a preset, or better the file that `undrift identify` writes\n\
-         # from a static recording of the sensor. `undrift tune` finds from this drive what it is in\n\
-         # the vehicle.\n\
-         model = \"mpu6050\"\n",
+         # from a static recording of the sensor. `undrift tune` identifies from this drive what it is\n\
+         # in the vehicle.\n",
     );
+    let model = model(inspections);
+    text += &format!("model = {} # {}\n", model.value, known(&model.known));
     for (table, needed) in [("imu", true), ("gnss", true), ("truth", false)] {
         match first(table) {
             Some((file, part)) => write_part(&mut text, file, part, home),

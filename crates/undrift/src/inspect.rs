@@ -5,12 +5,14 @@ mod known;
 mod measure;
 mod motion;
 mod parts;
+mod sensor;
 mod units;
 
 pub use known::{Content, Known, Note};
 pub use measure::about_gravity;
 pub use motion::{Motion, motion};
 pub use parts::{Inspection, Line, Measured, Part, quoted};
+pub use sensor::model;
 
 use crate::drive::Logs;
 use std::path::Path;

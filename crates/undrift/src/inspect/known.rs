@@ -68,6 +68,12 @@ pub enum Known {
         /// Driving that it rests on \[s\].
         duration_s: f64,
     },
+    /// By the sensor's name in the log, or in its file's or folder's.
+    SensorName,
+    /// By the steps of the values.
+    Steps,
+    /// Guessed, as nothing in the log shows the kind of sensor.
+    NoSensor,
     /// Estimated from forces, speeds and turns.
     Forces {
         /// Standard deviation of the yaw \[deg\].

@@ -1,5 +1,6 @@
 //! Reads a part of a file with the keys found for it, as a drive would.
 
+use super::sensor::Steps;
 use super::{
     known::{Content, Known},
     parts::{Line, Measured, Part, quoted},
@@ -119,8 +120,10 @@ pub fn about_gravity(force: [f64; 3]) -> bool {
 fn samples(mut reader: ImuReader) -> Result<(Measured, Option<Line>), ReadError> {
     let mut span = Span::default();
     let mut force = Vector3::zeros();
+    let mut steps = Steps::default();
     for sample in reader.by_ref() {
         let sample = sample?;
+        steps.add(&sample);
         span.add(sample.time);
         force += sample.dvel / sample.dt;
     }
@@ -138,6 +141,7 @@ fn samples(mut reader: ImuReader) -> Result<(Measured, Option<Line>), ReadError>
         });
     }
     let mut measured = span.measured(reader.skipped());
+    measured.steps_of = steps.sensor();
     measured.content = Some(Content::Force(force.into()));
     Ok((measured, axes))
 }
@@ -222,6 +226,7 @@ impl Span {
             longest_gap_s: gaps.longest.map(|gap| (gap.start, gap.length)),
             skipped: skipped.to_string(),
             untold_velocities: 0,
+            steps_of: None,
             content: None,
             remarks: Vec::new(),
         }

@@ -1,6 +1,6 @@
 //! How the IMU sits in its vehicle, by how it moves against the fixes.
 
-use super::{Content, Inspection, Known, Line, Note, Part, quoted};
+use super::{Content, Inspection, Known, Line, Note, Part, quoted, sensor::GUESS};
 use crate::{
     derived::with_velocities,
     drive::{Drive, Logs},
@@ -10,9 +10,6 @@ use crate::{
 };
 use std::path::Path;
 use undrift_nav::Vector3;
-
-/// Model under which the logs are navigated for it: a consumer's sensor.
-const MODEL: &str = "mpu6050";
 
 /// What the motion shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -46,7 +43,7 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
         let file = &inspections[file];
         section(&file.file, &file.parts[part])
     };
-    let text = format!("model = \"{MODEL}\"\n{}{}", section(imu), section(gnss));
+    let text = format!("model = \"{GUESS}\"\n{}{}", section(imu), section(gnss));
     let fixes = &inspections[gnss.0].parts[gnss.1].measured;
     let fixes = fixes.as_ref().and_then(|fixes| fixes.content.as_ref());
     let heading = matches!(

@@ -75,6 +75,8 @@ pub struct Measured {
     pub skipped: String,
     /// Velocities left out because the log does not tell how certain they are.
     pub untold_velocities: u64,
+    /// Preset of the sensor whose values have such steps.
+    pub steps_of: Option<&'static str>,
     /// What else it holds.
     pub content: Option<Content>,
     /// The same in sentences; who shows it fills them in.
