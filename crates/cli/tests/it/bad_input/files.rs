@@ -240,7 +240,7 @@ fn bags_without_messages_and_results_into_bags() {
     let case = good().write("bag");
     case.put(
         "drive.toml",
-        b"[imu]\nfile = \"bag\"\n[gnss]\nfile = \"bag\"\n",
+        b"model = \"adis16405\"\n[imu]\nfile = \"bag\"\n[gnss]\nfile = \"bag\"\n",
     );
     std::fs::create_dir(case.path("bag")).unwrap();
     let put = |from: &str, to: &str| {

@@ -43,8 +43,13 @@ impl Count {
         intervals.sort_by(f64::total_cmp);
         let usual = intervals.get(intervals.len() / 2).copied();
         usual.is_some_and(|usual| {
-            usual > 0.0 && self.messages as f64 * usual > COMPLETE * (self.last - self.first)
+            usual > 0.0 && self.messages as f64 * usual > COMPLETE * self.span()
         })
+    }
+
+    /// From the first to the last \[s\].
+    fn span(&self) -> f64 {
+        self.last - self.first
     }
 }
 
@@ -101,10 +106,6 @@ impl Survey {
         (self.weeks, self.ties.values().find_map(Ties::link))
     }
 
-    fn messages(&self, which: Which) -> u64 {
-        self.counts.get(&which).map_or(0, |count| count.messages)
-    }
-
     /// The streams that are read, with their messages and whether all samples are there.
     fn read(&self) -> Vec<(Which, u64, bool)> {
         let stream = |(&(kind, instance), count): (&Which, &Count)| {
@@ -117,28 +118,31 @@ impl Survey {
                 },
                 Kind::Imu | Kind::Gps => count.messages,
             };
-            let accel = self.counts.get(&(Kind::Accel, instance));
-            let complete = count.is_complete() && accel.is_some_and(Count::is_complete);
+            let of = |kind: Kind| self.counts.get(&(kind, instance));
+            // Raw samples are often logged for a part of the flight only.
+            let throughout = of(Kind::Imu).is_none_or(|imu| count.span() > COMPLETE * imu.span());
+            let accel = of(Kind::Accel).is_some_and(Count::is_complete);
+            let complete = throughout && accel && count.is_complete();
             Some(((kind, instance), messages, complete))
         };
         self.counts.iter().filter_map(stream).collect()
     }
 
     pub(super) fn streams(&self) -> Vec<Stream> {
-        let stream = |((kind, instance), messages, complete): (Which, u64, bool)| {
-            Stream {
+        let stream = |((kind, instance), messages, complete): (Which, u64, bool)| Stream {
             name: name((kind, instance)),
             kind: holds(kind),
             about: match kind {
-                Kind::Imu => "gyro and accelerometer as the filters of the autopilot leave them, forward-right-down",
-                Kind::Gyro if complete => "GYR and ACC, the samples of the sensor, forward-right-down",
-                Kind::Gyro => "GYR and ACC, the samples of the sensor with some lost, forward-right-down",
-                _ if self.messages((Kind::Accuracy, instance)) > 0 => "fixes of one receiver with accuracies of GPA",
+                Kind::Imu => "as the autopilot's filters leave it, forward-right-down",
+                Kind::Gyro if complete => "GYR and ACC of the sensor, forward-right-down",
+                Kind::Gyro => "GYR and ACC of the sensor, with gaps, forward-right-down",
+                _ if self.counts.contains_key(&(Kind::Accuracy, instance)) => {
+                    "fixes of one receiver, with accuracies"
+                }
                 _ => "fixes of one receiver",
             }
             .to_owned(),
             messages,
-        }
         };
         let other = |(name, messages): (&String, &u64)| Stream {
             name: name.clone(),
