@@ -47,6 +47,8 @@ pub(super) struct Parts {
     messages: u64,
     /// Messages up to the beginning of this part.
     before: u64,
+    /// The first thing that cannot be read.
+    damage: Option<String>,
     /// A log of changes beside a database that has not been written back.
     changes: Option<PathBuf>,
 }
@@ -68,6 +70,7 @@ impl Parts {
             read: read.clone(),
             messages: 0,
             before: 0,
+            damage: None,
             changes: None,
         };
         let mut first = None;
@@ -111,6 +114,15 @@ impl Parts {
         Some(turned)
     }
 
+    fn no_messages(&self) -> ReadError {
+        let error = ReadError::nameless("a ROS 2 bag without messages");
+        match (&self.changes, &self.damage) {
+            (Some(changes), _) => error.mend(unwritten(changes)),
+            (None, Some(damage)) => error.mend(damage.as_str()),
+            (None, None) => error,
+        }
+    }
+
     /// What there is to tell at the end of this part.
     fn end(&mut self) -> Option<Event> {
         self.present = None;
@@ -131,7 +143,7 @@ impl Events for Parts {
             let Some(events) = &mut self.present else {
                 match self.turn() {
                     Some(_) => continue,
-                    None if self.messages == 0 => return Err(no_messages(self.changes.as_deref())),
+                    None if self.messages == 0 => return Err(self.no_messages()),
                     None => return Ok(None),
                 }
             };
@@ -155,7 +167,11 @@ impl Events for Parts {
                         bytes,
                     }
                 }
-                Some(Event::Skipped(kind, detail)) => self.skipped(kind, &detail),
+                Some(Event::Skipped(kind, detail)) => {
+                    let skipped = self.skipped(kind, &detail);
+                    self.damage.get_or_insert(detail);
+                    skipped
+                }
                 None => match self.end() {
                     Some(event) => event,
                     None => continue,
@@ -169,14 +185,6 @@ impl Events for Parts {
         self.present
             .as_ref()
             .map_or(&[], |events| events.bytes(range))
-    }
-}
-
-fn no_messages(changes: Option<&Path>) -> ReadError {
-    let error = ReadError::nameless("a ROS 2 bag without messages");
-    match changes {
-        Some(changes) => error.mend(unwritten(changes)),
-        None => error,
     }
 }
 

@@ -159,6 +159,10 @@ fn what_is_no_bag_or_has_no_messages() {
     let text = error(&golden("make.py"));
     assert!(text.contains("neither SQLite nor MCAP"), "{text}");
 
+    // The tables are there, their pages are not.
+    let short = read(&bytes("plain.db3")[..30_000]).unwrap_err();
+    assert!(short.mend.contains("page 10 of the database"), "{short}");
+
     let mut other = bytes("no-messages.db3");
     while let Some(at) = memchr::memmem::find(&other, b"messages") {
         other[at] = b'x';
