@@ -7,9 +7,10 @@ use undrift::{
     io::{Opened, gnss::GnssSource, imu::ImuSource, source::BytesRead, truth::TruthSource},
 };
 
-/// Size of a file [bytes]; 0 where it has none.
+/// Size of a log [bytes]; 0 where it has none.
 pub fn size(path: &Path) -> u64 {
-    std::fs::metadata(path).map_or(0, |about| about.len())
+    let size = |path: &PathBuf| std::fs::metadata(path).map_or(0, |about| about.len());
+    Opened::files(path).iter().map(size).sum()
 }
 
 /// Tells of a log that is open: its size, and the format by its content.

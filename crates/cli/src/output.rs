@@ -4,7 +4,7 @@ use crate::terminal;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
-use undrift::io::write;
+use undrift::io::{Opened, write};
 
 /// The files of a run, claimed before its work: what is read, and what is written.
 pub struct Files {
@@ -19,7 +19,8 @@ impl Files {
         inputs: impl IntoIterator<Item = &'a Path>,
         outputs: impl IntoIterator<Item = &'b Path>,
     ) -> Result<Self> {
-        let inputs = inputs.into_iter().filter_map(real).collect();
+        let inputs = inputs.into_iter().flat_map(Opened::files);
+        let inputs = inputs.filter_map(|file| real(&file)).collect();
         let files = Self { inputs };
         let mut places: Vec<(PathBuf, &Path)> = Vec::new();
         for file in outputs {

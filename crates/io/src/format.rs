@@ -19,8 +19,12 @@ pub enum Format {
     RosBag,
     /// MCAP, as ROS 2 writes it.
     Mcap,
+    /// ROS 2 bag: a SQLite database, or a folder of such or of MCAP files.
+    RosBag2,
     /// PX4 ULog.
     ULog,
+    /// ArduPilot DataFlash, binary or text.
+    DataFlash,
     /// NaveGo's structures in a MATLAB file.
     NaveGo,
     /// GPX track.
@@ -30,7 +34,7 @@ pub enum Format {
 }
 
 /// Formats by the name that configuration files give them, and what they are called.
-pub const FORMATS: [(&str, Format, &str); 12] = [
+pub const FORMATS: [(&str, Format, &str); 14] = [
     ("csv", Format::Csv, "delimited text"),
     ("kf-gins", Format::KfGins, "KF-GINS text"),
     ("euroc", Format::Euroc, "EuRoC CSV"),
@@ -39,7 +43,9 @@ pub const FORMATS: [(&str, Format, &str); 12] = [
     ("ubx", Format::Ubx, "u-blox UBX"),
     ("rosbag", Format::RosBag, "a ROS 1 bag"),
     ("mcap", Format::Mcap, "MCAP"),
+    ("rosbag2", Format::RosBag2, "a ROS 2 bag"),
     ("ulog", Format::ULog, "PX4 ULog"),
+    ("dataflash", Format::DataFlash, "ArduPilot DataFlash"),
     ("navego", Format::NaveGo, "a NaveGo MATLAB file"),
     ("gpx", Format::Gpx, "GPX"),
     ("parquet", Format::Parquet, "Parquet"),

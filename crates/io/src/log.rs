@@ -8,12 +8,14 @@
 
 mod bag;
 mod bytes;
+mod dataflash;
 mod gpx;
 mod mcap;
 mod navego;
 mod nmea;
 mod receiver;
 mod ros;
+pub(crate) mod rosbag2;
 mod rtklib;
 mod ubx;
 mod ulog;
@@ -23,17 +25,19 @@ use crate::entry::Entries;
 pub use crate::entry::{Entry, Fix, ImuReading, Stream, StreamKind, Wanted, What};
 use crate::format::Format;
 use crate::skipped::{SkipKind, Skipped};
-use crate::source::{Again, Source};
+use crate::source::{Again, BytesRead, Source};
 
 /// Whether a log that begins so is of a format.
 type Detect = fn(&[u8]) -> bool;
 
 /// Formats and how they are known, in the order in which they are looked for: those with a mark at their
 /// beginning first, then text that may hold stray bytes of others.
-const FORMATS: [(Format, Detect); 8] = [
+const FORMATS: [(Format, Detect); 10] = [
     (Format::RosBag, bag::detect),
     (Format::Mcap, mcap::detect),
+    (Format::RosBag2, rosbag2::detect),
     (Format::ULog, ulog::detect),
+    (Format::DataFlash, dataflash::detect),
     (Format::NaveGo, navego::detect),
     (Format::Gpx, gpx::detect),
     (Format::Nmea, is_nmea),
@@ -62,6 +66,7 @@ fn entries(
         Format::RosBag => bag::entries(source, wanted),
         Format::Mcap => mcap::entries(source, wanted),
         Format::ULog => ulog::entries(source, again, wanted),
+        Format::DataFlash => dataflash::entries(source, again, wanted),
         Format::NaveGo => navego::entries(source, wanted),
         Format::Gpx => gpx::entries(source, wanted),
         Format::Nmea => nmea::entries(source, wanted),
@@ -77,6 +82,7 @@ pub(crate) fn streams(source: Source, format: Format) -> Result<Vec<Stream>, Rea
         Format::RosBag => bag::streams(source),
         Format::Mcap => mcap::streams(source),
         Format::ULog => ulog::streams(source),
+        Format::DataFlash => dataflash::streams(source),
         Format::NaveGo => navego::streams(source),
         Format::Gpx => gpx::streams(source),
         Format::Nmea => nmea::streams(source),
@@ -91,9 +97,9 @@ fn is_table(format: Format) -> ReadError {
     ReadError::nameless(format!("{what} is a table: its columns have to be named"))
 }
 
-/// Whether a log has to be read once more before: a ULog tells at its end only which streams it has.
+/// Whether a log has to be read once more before: these tell at their end only which streams they have.
 pub(crate) fn reads_twice(format: Format) -> bool {
-    format == Format::ULog
+    matches!(format, Format::ULog | Format::DataFlash)
 }
 
 /// A log being read for one purpose.
@@ -103,6 +109,18 @@ pub(crate) struct Log {
 }
 
 impl Log {
+    /// Reads a ROS 2 bag, which is not one stream.
+    pub(crate) fn of_bag(
+        parts: Vec<rosbag2::Part>,
+        read: &BytesRead,
+        wanted: &Wanted,
+    ) -> Result<Self, ReadError> {
+        Ok(Self {
+            entries: rosbag2::entries(parts, read, wanted)?,
+            skipped: Skipped::of_messages(),
+        })
+    }
+
     /// Reads a log for what is wanted of it.
     pub(crate) fn new(
         source: Source,

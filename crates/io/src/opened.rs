@@ -8,6 +8,7 @@ use crate::ReadError;
 use crate::detect;
 use crate::entry::{Stream, Wanted};
 use crate::format::Format;
+use crate::log::rosbag2::{self, Part};
 use crate::log::{self, Log};
 use crate::source::{self, BytesRead, Source};
 use crate::table::{self, Columns, Preview, Table, TableOptions, TableSource};
@@ -27,6 +28,7 @@ pub struct Opened {
     start: Vec<u8>,
     failure: Option<(io::ErrorKind, String)>,
     rest: Source,
+    read: BytesRead,
 }
 
 /// A log in memory; clones share it.
@@ -42,16 +44,18 @@ pub enum Memory {
 enum Origin {
     /// A regular file, which can be opened again.
     File,
+    /// A folder of files that belong together.
+    Folder,
     /// A stream that is read once.
     Once,
     Columns(Columns),
 }
 
 impl Opened {
-    /// Opens a file or pipe, plain or gzip; "-" is standard input.
+    /// Opens a file or pipe, plain or compressed, or the folder of a ROS 2 bag; "-" is standard input.
     ///
     /// # Errors
-    /// If the file is missing, is a directory or cannot be read.
+    /// If the file is missing or cannot be read, or a folder has no bag.
     pub fn open(path: &Path) -> Result<Self, ReadError> {
         Self::counted(path, &BytesRead::default())
     }
@@ -63,6 +67,14 @@ impl Opened {
     pub fn counted(path: &Path, read: &BytesRead) -> Result<Self, ReadError> {
         if path.as_os_str() == "-" {
             return Self::of(Path::new("standard input"), io::stdin(), read);
+        }
+        if path.is_dir() {
+            rosbag2::parts_of_folder(path)?;
+            return Ok(Self {
+                name: path.to_path_buf(),
+                origin: Origin::Folder,
+                ..Self::of(path, io::empty(), read)?
+            });
         }
         let file = source::file(path)?;
         let regular = file.metadata().is_ok_and(|about| about.is_file());
@@ -86,6 +98,7 @@ impl Opened {
         stream: impl Read + Send + 'static,
         read: &BytesRead,
     ) -> Result<Self, ReadError> {
+        read.restart();
         let (rest, compressed) = source::decompressed(name, stream, read)?;
         let mut opened = Self {
             name: name.to_path_buf(),
@@ -94,6 +107,7 @@ impl Opened {
             start: Vec::new(),
             failure: None,
             rest,
+            read: read.clone(),
         };
         opened.read_to(START as u64);
         Ok(opened)
@@ -113,6 +127,7 @@ impl Opened {
                 start: Vec::new(),
                 failure: None,
                 rest: Box::new(io::empty()),
+                read: read.clone(),
             }),
         }
     }
@@ -136,6 +151,15 @@ impl Opened {
         Ok(Some(Memory::Bytes(bytes.into())))
     }
 
+    /// The files that a log consists of: itself, or those of a ROS 2 bag in a folder.
+    pub fn files(path: &Path) -> Vec<PathBuf> {
+        let parts = match path.is_dir() {
+            true => rosbag2::parts_of_folder(path).unwrap_or_default(),
+            false => return vec![path.to_path_buf()],
+        };
+        parts.iter().map(|part| part.name().to_path_buf()).collect()
+    }
+
     /// What messages call it: the path as it was given.
     pub fn name(&self) -> &Path {
         &self.name
@@ -148,7 +172,10 @@ impl Opened {
 
     /// Its format, by the content: [`Format::Csv`] where no other format fits.
     pub fn format(&self) -> Format {
-        detect::format(&self.start)
+        match self.origin {
+            Origin::Folder => Format::RosBag2,
+            _ => detect::format(&self.start),
+        }
     }
 
     /// Columns of the first row of a text of numbers with blanks between; 0 for any other text.
@@ -164,6 +191,7 @@ impl Opened {
         self.read_to(rows.saturating_mul(ROW) as u64);
         let source = match &self.origin {
             Origin::Columns(columns) => TableSource::Columns(columns.clone()),
+            Origin::Folder => return Err(self.no_table()),
             _ if table::is_parquet(&self.start) => self.parquet()?,
             _ => TableSource::Text(self.beginning()),
         };
@@ -176,7 +204,12 @@ impl Opened {
     /// If it cannot be read, or is one whose columns have to be named.
     pub fn streams(self, format: Format) -> Result<Vec<Stream>, ReadError> {
         let name = self.name.clone();
-        log::streams(self.into_source(), format).map_err(|error| error.of(&name))
+        let streams = if self.is_bag(format) {
+            self.into_parts().and_then(rosbag2::streams)
+        } else {
+            log::streams(self.into_source(), format)
+        };
+        streams.map_err(|error| error.of(&name))
     }
 
     /// Reads it as a table, text or Parquet, and finds the wanted columns.
@@ -187,6 +220,7 @@ impl Opened {
         let name = self.name.clone();
         let source = match &self.origin {
             Origin::Columns(columns) => TableSource::Columns(columns.clone()),
+            Origin::Folder => return Err(self.no_table()),
             _ if table::is_parquet(&self.start) => self.parquet()?,
             _ => TableSource::Text(self.into_source()),
         };
@@ -196,6 +230,12 @@ impl Opened {
     /// Reads it as a log of the format.
     pub(crate) fn log(mut self, format: Format, wanted: &Wanted) -> Result<Log, ReadError> {
         let name = self.name.clone();
+        if self.is_bag(format) {
+            let read = self.read.clone();
+            let parts = self.into_parts();
+            let log = parts.and_then(|parts| Log::of_bag(parts, &read, wanted));
+            return log.map_err(|error| error.of(&name));
+        }
         let held: Option<Arc<[u8]>> = match self.origin {
             Origin::Once if log::reads_twice(format) => {
                 self.read_to(u64::MAX);
@@ -208,6 +248,31 @@ impl Opened {
             None => source::open(&name),
         };
         Log::new(self.into_source(), &again, format, wanted).map_err(|error| error.of(&name))
+    }
+
+    /// Whether it is read as a ROS 2 bag where a format is asked for.
+    fn is_bag(&self, format: Format) -> bool {
+        format == Format::RosBag2 || matches!(self.origin, Origin::Folder)
+    }
+
+    /// The files of a ROS 2 bag; what can be read once only is held in memory, since its parts are in any order.
+    fn into_parts(mut self) -> Result<Vec<Part>, ReadError> {
+        match self.origin {
+            Origin::Folder => rosbag2::parts_of_folder(&self.name),
+            Origin::File => Ok(vec![Part::File(self.name)]),
+            Origin::Once | Origin::Columns(_) => {
+                self.read_to(rosbag2::MOST_HELD + 1);
+                if self.start.len() as u64 > rosbag2::MOST_HELD {
+                    return Err(rosbag2::too_large());
+                }
+                Ok(vec![Part::Held(self.name, self.start)])
+            }
+        }
+    }
+
+    fn no_table(&self) -> ReadError {
+        ReadError::new(&self.name, "is the folder of a ROS 2 bag, not a table")
+            .mend("leave out the columns, or name a file")
     }
 
     /// Reads on until the beginning has so many bytes, or all that there are.

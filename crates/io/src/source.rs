@@ -19,6 +19,7 @@ pub(crate) type Again<'a> = &'a dyn Fn() -> Result<Source, ReadError>;
 /// Size of the read buffers \[bytes\].
 const BUFFER: usize = 256 * 1024;
 const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
+const ZSTD_MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 
 /// Bytes read of a log, as it is stored, for progress bars: clones count together.
 #[derive(Clone, Debug, Default)]
@@ -28,6 +29,11 @@ impl BytesRead {
     /// The number itself.
     pub fn bytes(&self) -> Arc<AtomicU64> {
         self.0.clone()
+    }
+
+    /// Counts from 0 again.
+    pub(crate) fn restart(&self) {
+        self.0.store(0, Relaxed);
     }
 }
 
@@ -52,8 +58,8 @@ pub(crate) fn file(path: &Path) -> Result<File, ReadError> {
     File::open(path).map_err(|error| cannot_open(path, error))
 }
 
-/// Reads a stream; one that starts with the gzip magic is decompressed (all its members), which the
-/// second value tells. `read` counts from 0.
+/// Reads a stream; one that starts with the magic of gzip or zstd is decompressed (all its members), which the
+/// second value tells. `read` counts on.
 ///
 /// # Errors
 /// If it cannot be read.
@@ -62,7 +68,6 @@ pub(crate) fn decompressed(
     stream: impl Read + Send + 'static,
     read: &BytesRead,
 ) -> Result<(Source, bool), ReadError> {
-    read.0.store(0, Relaxed);
     let counted = Counted {
         inner: stream,
         read: read.bytes(),
@@ -72,12 +77,15 @@ pub(crate) fn decompressed(
     if start.starts_with(&GZIP_MAGIC) {
         let inflated = MultiGzDecoder::new(reader);
         Ok((Box::new(BufReader::with_capacity(BUFFER, inflated)), true))
+    } else if start.starts_with(&ZSTD_MAGIC) {
+        let inflated = zstd::Decoder::with_buffer(reader).map_err(|e| cannot_open(name, e))?;
+        Ok((Box::new(BufReader::with_capacity(BUFFER, inflated)), true))
     } else {
         Ok((Box::new(reader), false))
     }
 }
 
-/// Opens a file, plain or gzip.
+/// Opens a file, plain or compressed.
 ///
 /// # Errors
 /// If it is missing, is a directory or cannot be read.
@@ -144,6 +152,7 @@ mod tests {
         let read = BytesRead::default();
         // The second time from 0 again.
         for _ in 0..2 {
+            read.restart();
             let mut text = String::new();
             let (mut source, compressed) =
                 decompressed(&path, file(&path).unwrap(), &read).unwrap();

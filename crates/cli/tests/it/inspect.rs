@@ -166,9 +166,20 @@ fn what_is_no_log_is_said() {
 }
 
 /// A golden file, what it is called, and what can be read of it.
-const SAMPLES: [(&str, &str, &[&str]); 10] = [
+const SAMPLES: [(&str, &str, &[&str]); 13] = [
     ("rosbag/bz2.bag", "a ROS 1 bag", &["imu", "gnss"]),
     ("mcap/zstd.mcap", "MCAP", &["imu", "gnss"]),
+    ("rosbag2/plain.db3", "a ROS 2 bag", &["imu", "gnss"]),
+    (
+        "dataflash/flight.BIN",
+        "ArduPilot DataFlash",
+        &["imu", "gnss"],
+    ),
+    (
+        "dataflash/flight.log",
+        "ArduPilot DataFlash",
+        &["imu", "gnss"],
+    ),
     ("ulog/old.ulg", "PX4 ULog", &["imu", "gnss", "truth"]),
     (
         "navego/compressed.mat",
@@ -182,6 +193,31 @@ const SAMPLES: [(&str, &str, &[&str]); 10] = [
     ("written/track.nav", "KF-GINS text", &["truth"]),
     ("euroc/imu.csv", "EuRoC CSV", &["imu"]),
 ];
+
+/// A folder is inspected as one log, and what is written for it can be navigated from.
+#[test]
+fn folders_of_bags_are_one_log() {
+    let dir = folder("bags");
+    let golden =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../testdata/golden/formats/rosbag2");
+    let golden = golden.to_str().unwrap();
+    for bag in ["split", "split-mcap"] {
+        let path = format!("{golden}/{bag}");
+        let report = text(&undrift(&["inspect", &path, "-o", "drive.toml"], &dir));
+        assert!(
+            report.starts_with(&format!("{path}: a ROS 2 bag\n")),
+            "{report}"
+        );
+        // Of all three files.
+        assert!(report.contains("[imu] 11 records"), "{report}");
+        let drive = fs::read_to_string(dir.join("drive.toml")).unwrap();
+        // The folder's own path, without the way there.
+        let named = format!("formats/rosbag2/{bag}\" # a ROS 2 bag");
+        assert_eq!(drive.matches(&named).count(), 2, "{drive}");
+        fs::remove_file(dir.join("drive.toml")).unwrap();
+    }
+    fs::remove_dir_all(&dir).unwrap();
+}
 
 fn gzipped(bytes: &[u8]) -> Vec<u8> {
     use std::io::Write;

@@ -76,6 +76,21 @@ pub(super) fn decompress(
     }
 }
 
+/// Decompresses a message of zstd that does not tell its size.
+///
+/// # Errors
+/// Why it cannot be.
+pub(super) fn unpack(packed: &[u8]) -> Result<Vec<u8>, String> {
+    let mut unpacked = Vec::new();
+    let done = zstd::Decoder::with_buffer(packed)
+        .and_then(|decoder| decoder.take(MOST + 1).read_to_end(&mut unpacked));
+    match done {
+        Ok(n) if n as u64 > MOST => Err(format!("a message of more than {MOST} bytes")),
+        Ok(_) => Ok(unpacked),
+        Err(error) => Err(format!("a message cannot be decompressed: {error}")),
+    }
+}
+
 /// Reads numbers and texts one after the other.
 #[derive(Clone, Debug)]
 pub(super) struct ByteFields<'a> {

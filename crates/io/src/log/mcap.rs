@@ -34,7 +34,7 @@ struct Mcap {
     schemas: HashMap<u16, String>,
 }
 
-fn open(source: Source) -> Result<Container, ReadError> {
+pub(super) fn open(source: Source) -> Result<Container, ReadError> {
     let mcap = Container::open(source, ::mcap::MAGIC, Mcap::default());
     mcap.map_err(|start| {
         let problem = match detect(&start) {

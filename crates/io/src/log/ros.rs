@@ -22,22 +22,22 @@ use crate::entry::{Entries, Fix, ImuReading, Stream, StreamKind, Unfit, Wanted, 
 use crate::skipped::SkipKind;
 use crate::time::WeekClock;
 
-pub(super) use container::{Container, Declared, Event, File, Packed, Records, Stop};
+pub(super) use container::{Container, Declared, Event, Events, File, Packed, Records, Stop};
 pub(super) use message::Encoding;
 
 use fixes::Waiting;
 use message::Type;
 use topics::{Choice, Topic, Topics};
 
-/// The streams of a container.
-pub(super) fn streams(mut container: Container) -> Result<Vec<Stream>, ReadError> {
+/// The streams of a recording.
+pub(super) fn streams(mut recording: impl Events) -> Result<Vec<Stream>, ReadError> {
     let mut topics = Topics::default();
-    while let Some(event) = container.next()? {
+    while let Some(event) = recording.next()? {
         match event {
             Event::Topic(topic) => topics.declare(topic),
             Event::Message { number, bytes, .. } => {
                 if let Some((_, topic, Some(encoding))) = topics.count(number) {
-                    note_frame(topic, encoding, container.bytes(bytes));
+                    note_frame(topic, encoding, recording.bytes(bytes));
                 }
             }
             Event::Skipped(..) => {}
@@ -46,14 +46,22 @@ pub(super) fn streams(mut container: Container) -> Result<Vec<Stream>, ReadError
     Ok(topics.streams())
 }
 
+/// Whether messages of a type have to be looked at, by its name.
+pub(super) fn reads(type_name: &str) -> bool {
+    Type::named(&message::of_ros1(type_name)).is_some()
+}
+
 fn note_frame(topic: &mut Topic, encoding: Encoding, bytes: &[u8]) {
     if topic.kind.is_some() && topic.frame.is_none() {
         topic.frame = message::header(encoding, bytes).map(|(header, _)| header.frame.into_owned());
     }
 }
 
-/// The entries of a container.
-pub(super) fn entries(container: Container, wanted: &Wanted) -> Result<Entries, ReadError> {
+/// The entries of a recording.
+pub(super) fn entries(
+    events: impl Events + 'static,
+    wanted: &Wanted,
+) -> Result<Entries, ReadError> {
     let choices = match wanted {
         Wanted::Imu(topic) => Choices {
             main: Choice::new("imu.topic", StreamKind::Imu, topic),
@@ -80,7 +88,7 @@ pub(super) fn entries(container: Container, wanted: &Wanted) -> Result<Entries, 
         }
     };
     let mut recording = Recording {
-        container,
+        events: Box::new(events),
         wanted: choices,
         topics: Topics::default(),
         weeks: WeekClock::default(),
@@ -129,7 +137,7 @@ impl Choices {
 
 /// A recording being read.
 struct Recording {
-    container: Container,
+    events: Box<dyn Events>,
     wanted: Choices,
     topics: Topics,
     weeks: WeekClock,
@@ -142,7 +150,7 @@ impl Recording {
     /// Takes in what the file tells next; false at its end. Where several topics could be meant, the rest
     /// is read for their names only.
     fn step(&mut self, ready: &mut Ready) -> Result<bool, ReadError> {
-        let Some(event) = self.container.next()? else {
+        let Some(event) = self.events.next()? else {
             self.wanted.verdict(&self.topics)?;
             while let Some((at, fix)) = self.waiting.next() {
                 ready.push(at, What::Fix(fix));
@@ -187,7 +195,7 @@ impl Recording {
         let (Some(kind), Some(encoding)) = (topic.kind, encoding) else {
             return Ok(None);
         };
-        let bytes = self.container.bytes(range);
+        let bytes = self.events.bytes(range);
         let Some((header, mut fields)) = message::header(encoding, bytes) else {
             let meant = self.wanted.takes(index, topic, None);
             return if meant {

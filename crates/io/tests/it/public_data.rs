@@ -90,6 +90,44 @@ fn place(fix: &GnssFix) -> Geodetic {
     }
 }
 
+/// A part of a flight, with IMU, IMU2, GPS and GPA; the numbers are those that pymavlink reads.
+#[test]
+fn ardupilot() {
+    let Some(path) = data("fixtures/ardupilot-test.BIN") else {
+        return;
+    };
+    assert_eq!(Opened::open(&path).unwrap().format(), Format::DataFlash);
+    let read = |topic: Option<&str>| {
+        let format = ImuFormat::log(Format::DataFlash, topic.map(str::to_owned));
+        let reader = ImuReader::open(&path, &format).unwrap();
+        reader.collect::<Result<Vec<ImuSample>, _>>().unwrap()
+    };
+    let samples = read(None);
+    assert_eq!((samples.len(), read(Some("IMU1")).len()), (45, 45));
+    let force = samples[1].dvel / samples[1].dt;
+    assert!((force.z + 9.945_431_709_289_55).abs() < 1e-9, "{force}");
+    let mut reader = GnssReader::open(&path, &GnssLog::new(Format::DataFlash).into()).unwrap();
+    let fixes: Vec<GnssFix> = reader.by_ref().map(Result::unwrap).collect();
+    // The first 64 KiB of a log, in the middle of a message.
+    assert_eq!(reader.skipped().count(SkipKind::EndsEarly), 1);
+    assert_eq!(reader.skipped().total(), 1);
+    assert_eq!(fixes.len(), 5);
+    assert_eq!(fixes[0].time, 6448.0);
+    assert_eq!(fixes[0].quality, FixQuality::Single);
+    let expected = Geodetic::from_degrees(-35.362_627_7, 149.165_303_4, 588.82);
+    let found = place(&fixes[0]);
+    assert!((found.lat - expected.lat).abs() < 1e-14 && (found.lon - expected.lon).abs() < 1e-14);
+    assert!((found.height - expected.height).abs() < 1e-9);
+    let (_, covariance) = fixes[0].position.unwrap();
+    assert!((covariance[(2, 2)] - 2.41 * 2.41).abs() < 1e-9);
+    // The samples begin with the first fix.
+    assert!(
+        (samples[0].time - 6448.0).abs() < 0.3,
+        "{}",
+        samples[0].time
+    );
+}
+
 #[test]
 fn navego() {
     let format = ImuFormat::new(

@@ -4,6 +4,7 @@ use super::{Job, Task};
 use crate::{drive, hash};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
+use undrift_io::Opened;
 use undrift_noise::ImuModel;
 
 /// What outcomes are like: another number makes all of them out of date.
@@ -49,8 +50,11 @@ pub fn fingerprint(job: &Job) -> String {
     // A job is text and numbers: it can always be written.
     sum.update(serde_json::to_string(&placeless).unwrap_or_default());
     for (key, path) in inputs(job) {
-        let content = hash::of_file(&path).unwrap_or_else(|error| error.kind().to_string());
-        sum.update(format!("\n{key} {content}"));
+        // A bag may be a folder of several files.
+        for file in Opened::files(&path) {
+            let content = hash::of_file(&file).unwrap_or_else(|error| error.kind().to_string());
+            sum.update(format!("\n{key} {content}"));
+        }
     }
     hash::hexadecimal(sum)
 }

@@ -40,7 +40,7 @@ pub fn process(job: &Job) -> FleetOutcome {
     let folders = [data, home, PathBuf::from(&job.folder)];
     let failed = isolated(|| {
         // Told here: who reads them tells of their neighbours too, which are no part of the job.
-        if let Some((_, path)) = inputs(job).iter().find(|(_, path)| !path.is_file()) {
+        if let Some((_, path)) = inputs(job).iter().find(|(_, path)| !path.exists()) {
             return Err(JobError::NoFile(path.clone()).into());
         }
         match &job.task {

@@ -3,6 +3,7 @@
 use super::drives::{good, is_sound};
 use super::log::{Log, says, table};
 use std::io::Write;
+use std::path::Path;
 use std::process::Command;
 
 const HEADER: &str = "t,gx,gy,gz,fx,fy,fz";
@@ -227,8 +228,38 @@ fn a_directory_in_place_of_a_file() {
     std::fs::create_dir(case.path("imu.csv")).unwrap();
     says(
         &case.refusal(),
-        &["error: imu.csv: is a directory, not a file"],
+        &["error: imu.csv: is a folder without a ROS 2 bag; neither a metadata.yaml"],
     );
+}
+
+/// A bag as its recorder leaves it when it is killed, and what it is made from is never replaced.
+#[test]
+fn bags_without_messages_and_results_into_bags() {
+    let golden =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../testdata/golden/formats/rosbag2");
+    let case = good().write("bag");
+    case.put(
+        "drive.toml",
+        b"model = \"adis16405\"\n[imu]\nfile = \"bag\"\n[gnss]\nfile = \"bag\"\n",
+    );
+    std::fs::create_dir(case.path("bag")).unwrap();
+    let put = |from: &str, to: &str| {
+        case.put(to, &std::fs::read(golden.join(from)).unwrap());
+    };
+    put("no-messages.db3", "bag/bag_0.db3");
+    says(
+        &case.refusal(),
+        &["error: bag: a ROS 2 bag without messages"],
+    );
+    put("unwritten/running.db3-wal", "bag/bag_0.db3-wal");
+    says(
+        &case.refusal(),
+        &["bag/bag_0.db3-wal back: open the bag once with ROS 2 or sqlite3"],
+    );
+    put("plain.db3", "bag/bag_0.db3");
+    let outcome = case.run(&["inspect", "bag", "-o", "bag/bag_0.db3"]);
+    assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
+    says(&outcome.stderr, &["bag_0.db3: it is read in this run"]);
 }
 
 #[cfg(unix)]

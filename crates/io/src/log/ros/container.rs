@@ -156,7 +156,16 @@ pub(in crate::log) struct Packed {
     pub(in crate::log) checksum: Option<u32>,
 }
 
-/// A container and where it is read.
+/// What a recording tells, one thing after the other.
+pub(in crate::log) trait Events: Send {
+    /// The next thing that it tells.
+    fn next(&mut self) -> Result<Option<Event>, ReadError>;
+
+    /// The bytes of the last message.
+    fn bytes(&self, range: Range<usize>) -> &[u8];
+}
+
+/// A container of records and where it is read.
 pub(in crate::log) struct Container {
     file: File,
     layout: Box<dyn Records>,
@@ -186,9 +195,10 @@ impl Container {
             layout: Box::new(layout),
         })
     }
+}
 
-    /// The next thing that the file tells.
-    pub(super) fn next(&mut self) -> Result<Option<Event>, ReadError> {
+impl Events for Container {
+    fn next(&mut self) -> Result<Option<Event>, ReadError> {
         loop {
             let file = &mut self.file;
             if file.at < file.data.len() {
@@ -237,8 +247,7 @@ impl Container {
         }
     }
 
-    /// The bytes of the last message.
-    pub(super) fn bytes(&self, range: Range<usize>) -> &[u8] {
+    fn bytes(&self, range: Range<usize>) -> &[u8] {
         self.file.data.get(range).unwrap_or_default()
     }
 }

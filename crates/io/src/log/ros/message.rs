@@ -53,6 +53,11 @@ impl Type {
     }
 }
 
+/// The name of a type as ROS 1 writes it, `package/Type`.
+pub(super) fn of_ros1(type_name: &str) -> String {
+    type_name.replacen("/msg/", "/", 1)
+}
+
 /// What every one of them starts with.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Header<'a> {

@@ -1,4 +1,4 @@
-//! Against recordings that other software wrote: testdata/golden/formats/rosbag and .../mcap.
+//! Against recordings that other software wrote: testdata/golden/formats/rosbag, .../mcap and .../rosbag2.
 
 use std::io::BufReader;
 use std::path::PathBuf;
@@ -9,12 +9,13 @@ use undrift_nav::{Matrix3, Vector3};
 
 use crate::ReadError;
 use crate::entry::{Entries, Entry, Fix, ImuReading, Stream, StreamKind, Wanted, What};
+use crate::log::rosbag2::{self, Part};
 use crate::log::{bag, mcap};
 use crate::skipped::SkipKind;
-use crate::source::{self, Source};
+use crate::source::{self, BytesRead, Source};
 
 /// All that hold the same recording.
-const SAME: [&str; 8] = [
+const SAME: [&str; 14] = [
     "rosbag/none.bag",
     "rosbag/bz2.bag",
     "rosbag/lz4.bag",
@@ -23,6 +24,12 @@ const SAME: [&str; 8] = [
     "mcap/lz4.mcap",
     "mcap/ros1.mcap",
     "mcap/big-endian.mcap",
+    "rosbag2/plain.db3",
+    "rosbag2/messages.db3",
+    "rosbag2/file.db3.zstd",
+    "rosbag2/small-pages.db3",
+    "rosbag2/split",
+    "rosbag2/split-mcap",
 ];
 
 fn golden(name: &str) -> PathBuf {
@@ -38,11 +45,26 @@ fn entries(name: &str, source: Source, wanted: &Wanted) -> Result<Entries, ReadE
     }
 }
 
+/// The parts of a bag of ROS 2.
+fn parts(name: &str) -> Option<Vec<Part>> {
+    let path = golden(name);
+    name.starts_with("rosbag2/").then(|| match path.is_dir() {
+        true => rosbag2::parts_of_folder(&path).unwrap(),
+        false => vec![Part::File(path)],
+    })
+}
+
 fn read(name: &str, wanted: &Wanted) -> Result<Vec<Entry>, ReadError> {
+    if let Some(parts) = parts(name) {
+        return rosbag2::entries(parts, &BytesRead::default(), wanted)?.collect();
+    }
     entries(name, source::open(&golden(name))?, wanted)?.collect()
 }
 
 fn streams(name: &str) -> Vec<Stream> {
+    if let Some(parts) = parts(name) {
+        return rosbag2::streams(parts).unwrap();
+    }
     let path = golden(name);
     let source = source::open(&path).unwrap();
     if name.ends_with(".bag") {
@@ -388,8 +410,9 @@ fn absurd_lengths_and_unknown_compressions() {
 
 #[test]
 fn formats_are_known_by_their_start() {
-    for name in SAME {
+    for name in SAME.into_iter().filter(|name| !golden(name).is_dir()) {
         let bytes = std::fs::read(golden(name)).unwrap();
+        assert_eq!(rosbag2::detect(&bytes), name.ends_with(".db3"));
         assert_eq!(bag::detect(&bytes), name.ends_with(".bag"));
         assert_eq!(mcap::detect(&bytes), name.ends_with(".mcap"));
     }

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::container::Declared;
-use super::message::{Encoding, Type};
+use super::message::{Encoding, Type, of_ros1};
 use crate::ReadError;
 use crate::entry::{Stream, StreamKind};
 use crate::error::the_file_has;
@@ -44,7 +44,7 @@ impl Topics {
             type_name,
             encoding,
         } = topic;
-        let type_name = type_name.replacen("/msg/", "/", 1);
+        let type_name = of_ros1(&type_name);
         let key = (name, type_name);
         let index = match self.by_name.get(&key) {
             Some(&index) => index,

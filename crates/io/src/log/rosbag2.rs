@@ -1,0 +1,43 @@
+//! Bags of ROS 2: a SQLite database (`.db3`), or a folder of such or of MCAP files that belong together.
+//! The messages are those that an MCAP holds: [`super::ros`].
+//!
+//! The database is read by its pages: its file format is documented by SQLite, and what a bag needs of it is
+//! reading two tables from their first row to their last. Pages that are missing or damaged are counted;
+//! all others are read.
+
+mod database;
+mod folder;
+mod pages;
+mod parts;
+mod row;
+#[cfg(test)]
+mod tests;
+
+pub(crate) use folder::parts as parts_of_folder;
+pub(crate) use parts::{MOST_HELD, Part, too_large};
+
+use parts::Parts;
+
+use super::ros;
+use crate::ReadError;
+use crate::entry::{Entries, Stream, Wanted};
+use crate::source::BytesRead;
+
+/// Whether a file that starts so is a SQLite database.
+pub(crate) fn detect(start: &[u8]) -> bool {
+    pages::detect(start)
+}
+
+/// The entries of a bag in one or several parts.
+pub(crate) fn entries(
+    parts: Vec<Part>,
+    read: &BytesRead,
+    wanted: &Wanted,
+) -> Result<Entries, ReadError> {
+    ros::entries(Parts::open(parts, read)?, wanted)
+}
+
+/// The streams of a bag in one or several parts.
+pub(crate) fn streams(parts: Vec<Part>) -> Result<Vec<Stream>, ReadError> {
+    ros::streams(Parts::open(parts, &BytesRead::default())?)
+}
