@@ -15,6 +15,8 @@ pub enum Format {
     Nmea,
     /// u-blox UBX.
     Ubx,
+    /// NovAtel OEM, ASCII and binary.
+    Novatel,
     /// ROS 1 bag.
     RosBag,
     /// MCAP, as ROS 2 writes it.
@@ -30,13 +32,14 @@ pub enum Format {
 }
 
 /// Formats by the name that configuration files give them, and what they are called.
-pub const FORMATS: [(&str, Format, &str); 12] = [
+pub const FORMATS: [(&str, Format, &str); 13] = [
     ("csv", Format::Csv, "delimited text"),
     ("kf-gins", Format::KfGins, "KF-GINS text"),
     ("euroc", Format::Euroc, "EuRoC CSV"),
     ("rtklib", Format::Rtklib, "an RTKLIB solution"),
     ("nmea", Format::Nmea, "NMEA 0183"),
     ("ubx", Format::Ubx, "u-blox UBX"),
+    ("novatel", Format::Novatel, "a NovAtel log"),
     ("rosbag", Format::RosBag, "a ROS 1 bag"),
     ("mcap", Format::Mcap, "MCAP"),
     ("ulog", Format::ULog, "PX4 ULog"),

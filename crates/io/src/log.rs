@@ -12,6 +12,7 @@ mod gpx;
 mod mcap;
 mod navego;
 mod nmea;
+mod novatel;
 mod receiver;
 mod ros;
 mod rtklib;
@@ -30,12 +31,13 @@ type Detect = fn(&[u8]) -> bool;
 
 /// Formats and how they are known, in the order in which they are looked for: those with a mark at their
 /// beginning first, then text that may hold stray bytes of others.
-const FORMATS: [(Format, Detect); 8] = [
+const FORMATS: [(Format, Detect); 9] = [
     (Format::RosBag, bag::detect),
     (Format::Mcap, mcap::detect),
     (Format::ULog, ulog::detect),
     (Format::NaveGo, navego::detect),
     (Format::Gpx, gpx::detect),
+    (Format::Novatel, novatel::detect),
     (Format::Nmea, is_nmea),
     (Format::Ubx, ubx::detect),
     (Format::Rtklib, rtklib::detect),
@@ -66,6 +68,7 @@ fn entries(
         Format::Gpx => gpx::entries(source, wanted),
         Format::Nmea => nmea::entries(source, wanted),
         Format::Ubx => ubx::entries(source, wanted),
+        Format::Novatel => novatel::entries(source, wanted),
         Format::Rtklib => rtklib::entries(source, wanted),
         table => Err(is_table(table)),
     }
@@ -81,6 +84,7 @@ pub(crate) fn streams(source: Source, format: Format) -> Result<Vec<Stream>, Rea
         Format::Gpx => gpx::streams(source),
         Format::Nmea => nmea::streams(source),
         Format::Ubx => ubx::streams(source),
+        Format::Novatel => novatel::streams(source),
         Format::Rtklib => rtklib::streams(source),
         table => Err(is_table(table)),
     }
