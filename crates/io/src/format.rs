@@ -17,6 +17,8 @@ pub enum Format {
     Ubx,
     /// NovAtel OEM, ASCII and binary.
     Novatel,
+    /// Septentrio Binary Format.
+    Sbf,
     /// ROS 1 bag.
     RosBag,
     /// MCAP, as ROS 2 writes it.
@@ -32,7 +34,7 @@ pub enum Format {
 }
 
 /// Formats by the name that configuration files give them, and what they are called.
-pub const FORMATS: [(&str, Format, &str); 13] = [
+pub const FORMATS: [(&str, Format, &str); 14] = [
     ("csv", Format::Csv, "delimited text"),
     ("kf-gins", Format::KfGins, "KF-GINS text"),
     ("euroc", Format::Euroc, "EuRoC CSV"),
@@ -40,6 +42,7 @@ pub const FORMATS: [(&str, Format, &str); 13] = [
     ("nmea", Format::Nmea, "NMEA 0183"),
     ("ubx", Format::Ubx, "u-blox UBX"),
     ("novatel", Format::Novatel, "a NovAtel log"),
+    ("sbf", Format::Sbf, "Septentrio SBF"),
     ("rosbag", Format::RosBag, "a ROS 1 bag"),
     ("mcap", Format::Mcap, "MCAP"),
     ("ulog", Format::ULog, "PX4 ULog"),

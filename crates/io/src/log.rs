@@ -16,6 +16,7 @@ mod novatel;
 mod receiver;
 mod ros;
 mod rtklib;
+mod sbf;
 mod ubx;
 mod ulog;
 
@@ -31,13 +32,14 @@ type Detect = fn(&[u8]) -> bool;
 
 /// Formats and how they are known, in the order in which they are looked for: those with a mark at their
 /// beginning first, then text that may hold stray bytes of others.
-const FORMATS: [(Format, Detect); 9] = [
+const FORMATS: [(Format, Detect); 10] = [
     (Format::RosBag, bag::detect),
     (Format::Mcap, mcap::detect),
     (Format::ULog, ulog::detect),
     (Format::NaveGo, navego::detect),
     (Format::Gpx, gpx::detect),
     (Format::Novatel, novatel::detect),
+    (Format::Sbf, sbf::detect),
     (Format::Nmea, is_nmea),
     (Format::Ubx, ubx::detect),
     (Format::Rtklib, rtklib::detect),
@@ -69,6 +71,7 @@ fn entries(
         Format::Nmea => nmea::entries(source, wanted),
         Format::Ubx => ubx::entries(source, wanted),
         Format::Novatel => novatel::entries(source, wanted),
+        Format::Sbf => sbf::entries(source, wanted),
         Format::Rtklib => rtklib::entries(source, wanted),
         table => Err(is_table(table)),
     }
@@ -85,6 +88,7 @@ pub(crate) fn streams(source: Source, format: Format) -> Result<Vec<Stream>, Rea
         Format::Nmea => nmea::streams(source),
         Format::Ubx => ubx::streams(source),
         Format::Novatel => novatel::streams(source),
+        Format::Sbf => sbf::streams(source),
         Format::Rtklib => rtklib::streams(source),
         table => Err(is_table(table)),
     }

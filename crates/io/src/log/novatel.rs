@@ -96,12 +96,15 @@ fn purpose(wanted: &Wanted, of_type: Option<&'static Type>) -> Purpose {
             given: false,
             rates: Rates::default(),
         })),
-        Wanted::Poses(name) if name.is_none() || is_solution(name) => Purpose::Poses(Only {
-            what: "solutions",
-            key: "truth.topic",
-            asked: name.clone(),
-            found: None,
-        }),
+        Wanted::Poses(name) if name.is_none() || is_solution(name) => Purpose::Poses(
+            Only {
+                what: "solutions",
+                key: "truth.topic",
+                asked: name.clone(),
+                found: None,
+            },
+            None,
+        ),
         Wanted::Poses(name) => Purpose::Fixes(Box::new(Receiver {
             position: pick(messages::names(&[Content::Position]), name),
             velocity: pick(messages::names(&[Content::Velocity]), &None),
@@ -154,7 +157,8 @@ struct Reader {
 /// What is made of the messages.
 enum Purpose {
     Imu(Box<Imu>),
-    Poses(Only),
+    /// Solutions, and the first message of positions that could serve in their place.
+    Poses(Only, Option<&'static str>),
     Fixes(Box<Receiver>),
 }
 
@@ -234,7 +238,21 @@ impl Reader {
             NextFrame::End => {
                 match &mut self.purpose {
                     Purpose::Imu(imu) => imu.end()?,
-                    Purpose::Poses(_) => {}
+                    Purpose::Poses(
+                        Only {
+                            asked: None,
+                            found: None,
+                            ..
+                        },
+                        Some(name),
+                    ) => {
+                        let problem = "no INSPVA, INSPVAS or INSPVAX in this log";
+                        let mend = format!(
+                            "topic = \"{name}\" takes the receiver's positions, without attitude"
+                        );
+                        return Err(ReadError::nameless(problem).key("truth.topic").mend(mend));
+                    }
+                    Purpose::Poses(..) => {}
                     Purpose::Fixes(receiver) => receiver.fixes.end(ready),
                 }
                 ready.ends_early(at, self.frames.failure());
@@ -265,7 +283,10 @@ impl Reader {
         let read = match &mut self.purpose {
             Purpose::Imu(imu) => imu.message(at, known, fields, &mut time, ready)?,
             Purpose::Fixes(receiver) => receiver.message(at, known, fields, &mut time, ready),
-            Purpose::Poses(only) => {
+            Purpose::Poses(only, positions) => {
+                if known.content == Content::Position {
+                    positions.get_or_insert(known.name);
+                }
                 if !POSES.contains(&known.content) || !only.is(known.name)? {
                     return Ok(());
                 }

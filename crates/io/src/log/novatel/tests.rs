@@ -212,6 +212,8 @@ fn the_inertial_systems_solutions_are_references() {
         [0.03125, 0.0625, 0.125].map(|s: f64| s * s)
     ));
     // The antenna's positions, if those are asked for.
+    let error = refused(&golden("novatel/fixes.asc"), &Wanted::Poses(None));
+    assert!(error.contains("topic = \"BESTPOS\""), "{error}");
     assert_eq!(
         poses(&golden("novatel/fixes.asc"), Some("BESTPOS")).len(),
         56
