@@ -73,7 +73,7 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
                 fixes: 0,
                 poses: false,
             },
-            _ => Purpose::Fixes(None),
+            _ => Purpose::Fixes(Box::default()),
         },
     };
     let mut reader = Reader {
@@ -142,7 +142,7 @@ enum Purpose {
         poses: bool,
     },
     /// The blocks of the last time.
-    Fixes(Option<Epoch>),
+    Fixes(Box<Option<Epoch>>),
 }
 
 /// The blocks of one time.
