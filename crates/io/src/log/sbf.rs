@@ -73,7 +73,7 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
                 fixes: 0,
                 poses: false,
             },
-            _ => Purpose::Fixes(Box::default()),
+            _ => Purpose::Fixes(Box::new(None)),
         },
     };
     let mut reader = Reader {
@@ -234,7 +234,7 @@ impl Reader {
             }
             (Purpose::Fixes(epoch), _) if number != blocks::SENSORS && number != blocks::INS => {
                 let time = time();
-                if number == blocks::END_OF_PVT || epoch.as_ref().is_some_and(|e| e.time != time) {
+                if number == blocks::END_OF_PVT || epoch.as_ref().as_ref().is_some_and(|e| e.time != time) {
                     end(epoch, ready);
                 }
                 if number == blocks::END_OF_PVT {
