@@ -234,7 +234,9 @@ impl Reader {
             }
             (Purpose::Fixes(epoch), _) if number != blocks::SENSORS && number != blocks::INS => {
                 let time = time();
-                if number == blocks::END_OF_PVT || epoch.as_ref().as_ref().is_some_and(|e| e.time != time) {
+                if number == blocks::END_OF_PVT
+                    || epoch.as_ref().as_ref().is_some_and(|e| e.time != time)
+                {
                     end(epoch, ready);
                 }
                 if number == blocks::END_OF_PVT {
