@@ -29,12 +29,14 @@ pub enum Format {
     NaveGo,
     /// GPX track.
     Gpx,
+    /// GnssLogger's text, of Android.
+    GnssLogger,
     /// Apache Parquet, whose columns have to be named.
     Parquet,
 }
 
 /// Formats by the name that configuration files give them, and what they are called.
-pub const FORMATS: [(&str, Format, &str); 14] = [
+pub const FORMATS: [(&str, Format, &str); 15] = [
     ("csv", Format::Csv, "delimited text"),
     ("kf-gins", Format::KfGins, "KF-GINS text"),
     ("euroc", Format::Euroc, "EuRoC CSV"),
@@ -48,6 +50,7 @@ pub const FORMATS: [(&str, Format, &str); 14] = [
     ("ulog", Format::ULog, "PX4 ULog"),
     ("navego", Format::NaveGo, "a NaveGo MATLAB file"),
     ("gpx", Format::Gpx, "GPX"),
+    ("gnsslogger", Format::GnssLogger, "a GnssLogger log"),
     ("parquet", Format::Parquet, "Parquet"),
 ];
 

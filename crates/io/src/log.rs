@@ -8,7 +8,9 @@
 
 mod bag;
 mod bytes;
+mod gnsslogger;
 mod gpx;
+mod join;
 mod mcap;
 mod navego;
 mod nmea;
@@ -32,12 +34,13 @@ type Detect = fn(&[u8]) -> bool;
 
 /// Formats and how they are known, in the order in which they are looked for: those with a mark at their
 /// beginning first, then text that may hold stray bytes of others.
-const FORMATS: [(Format, Detect); 10] = [
+const FORMATS: [(Format, Detect); 11] = [
     (Format::RosBag, bag::detect),
     (Format::Mcap, mcap::detect),
     (Format::ULog, ulog::detect),
     (Format::NaveGo, navego::detect),
     (Format::Gpx, gpx::detect),
+    (Format::GnssLogger, gnsslogger::detect),
     (Format::Novatel, novatel::detect),
     (Format::Sbf, sbf::detect),
     (Format::Nmea, is_nmea),
@@ -68,6 +71,7 @@ fn entries(
         Format::ULog => ulog::entries(source, again, wanted),
         Format::NaveGo => navego::entries(source, wanted),
         Format::Gpx => gpx::entries(source, wanted),
+        Format::GnssLogger => gnsslogger::entries(source, wanted),
         Format::Nmea => nmea::entries(source, wanted),
         Format::Ubx => ubx::entries(source, wanted),
         Format::Novatel => novatel::entries(source, wanted),
@@ -85,6 +89,7 @@ pub(crate) fn streams(source: Source, format: Format) -> Result<Vec<Stream>, Rea
         Format::ULog => ulog::streams(source),
         Format::NaveGo => navego::streams(source),
         Format::Gpx => gpx::streams(source),
+        Format::GnssLogger => gnsslogger::streams(source),
         Format::Nmea => nmea::streams(source),
         Format::Ubx => ubx::streams(source),
         Format::Novatel => novatel::streams(source),
@@ -121,7 +126,9 @@ impl Log {
         Ok(Self {
             entries: entries(source, again, format, wanted)?,
             skipped: match format {
-                Format::Nmea | Format::Gpx | Format::Rtklib => Skipped::default(),
+                Format::Nmea | Format::Gpx | Format::Rtklib | Format::GnssLogger => {
+                    Skipped::default()
+                }
                 _ => Skipped::of_messages(),
             },
         })
