@@ -11,6 +11,8 @@ pub enum Format {
     Euroc,
     /// RTKLIB solution.
     Rtklib,
+    /// Smoothed best estimate of trajectory (SBET).
+    Sbet,
     /// NMEA 0183 sentences.
     Nmea,
     /// u-blox UBX.
@@ -36,11 +38,12 @@ pub enum Format {
 }
 
 /// Formats by the name that configuration files give them, and what they are called.
-pub const FORMATS: [(&str, Format, &str); 15] = [
+pub const FORMATS: [(&str, Format, &str); 16] = [
     ("csv", Format::Csv, "delimited text"),
     ("kf-gins", Format::KfGins, "KF-GINS text"),
     ("euroc", Format::Euroc, "EuRoC CSV"),
     ("rtklib", Format::Rtklib, "an RTKLIB solution"),
+    ("sbet", Format::Sbet, "SBET"),
     ("nmea", Format::Nmea, "NMEA 0183"),
     ("ubx", Format::Ubx, "u-blox UBX"),
     ("novatel", Format::Novatel, "a NovAtel log"),

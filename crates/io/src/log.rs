@@ -18,6 +18,7 @@ mod novatel;
 mod receiver;
 mod ros;
 mod rtklib;
+mod sbet;
 mod sbf;
 mod ubx;
 mod ulog;
@@ -34,7 +35,7 @@ type Detect = fn(&[u8]) -> bool;
 
 /// Formats and how they are known, in the order in which they are looked for: those with a mark at their
 /// beginning first, then text that may hold stray bytes of others.
-const FORMATS: [(Format, Detect); 11] = [
+const FORMATS: [(Format, Detect); 12] = [
     (Format::RosBag, bag::detect),
     (Format::Mcap, mcap::detect),
     (Format::ULog, ulog::detect),
@@ -46,6 +47,7 @@ const FORMATS: [(Format, Detect); 11] = [
     (Format::Nmea, is_nmea),
     (Format::Ubx, ubx::detect),
     (Format::Rtklib, rtklib::detect),
+    (Format::Sbet, sbet::detect),
 ];
 
 /// Sentences without UBX messages that have more to say.
@@ -77,6 +79,7 @@ fn entries(
         Format::Novatel => novatel::entries(source, wanted),
         Format::Sbf => sbf::entries(source, wanted),
         Format::Rtklib => rtklib::entries(source, wanted),
+        Format::Sbet => sbet::entries(source, wanted),
         table => Err(is_table(table)),
     }
 }
@@ -95,6 +98,7 @@ pub(crate) fn streams(source: Source, format: Format) -> Result<Vec<Stream>, Rea
         Format::Novatel => novatel::streams(source),
         Format::Sbf => sbf::streams(source),
         Format::Rtklib => rtklib::streams(source),
+        Format::Sbet => sbet::streams(source),
         table => Err(is_table(table)),
     }
 }
