@@ -11,6 +11,8 @@ pub enum Format {
     Euroc,
     /// RTKLIB solution.
     Rtklib,
+    /// Text that Inertial Explorer exports.
+    Explorer,
     /// Smoothed best estimate of trajectory (SBET).
     Sbet,
     /// NMEA 0183 sentences.
@@ -38,11 +40,16 @@ pub enum Format {
 }
 
 /// Formats by the name that configuration files give them, and what they are called.
-pub const FORMATS: [(&str, Format, &str); 16] = [
+pub const FORMATS: [(&str, Format, &str); 17] = [
     ("csv", Format::Csv, "delimited text"),
     ("kf-gins", Format::KfGins, "KF-GINS text"),
     ("euroc", Format::Euroc, "EuRoC CSV"),
     ("rtklib", Format::Rtklib, "an RTKLIB solution"),
+    (
+        "inertial-explorer",
+        Format::Explorer,
+        "an Inertial Explorer export",
+    ),
     ("sbet", Format::Sbet, "SBET"),
     ("nmea", Format::Nmea, "NMEA 0183"),
     ("ubx", Format::Ubx, "u-blox UBX"),

@@ -8,6 +8,7 @@
 
 mod bag;
 mod bytes;
+mod explorer;
 mod gnsslogger;
 mod gpx;
 mod join;
@@ -35,7 +36,7 @@ type Detect = fn(&[u8]) -> bool;
 
 /// Formats and how they are known, in the order in which they are looked for: those with a mark at their
 /// beginning first, then text that may hold stray bytes of others.
-const FORMATS: [(Format, Detect); 12] = [
+const FORMATS: [(Format, Detect); 13] = [
     (Format::RosBag, bag::detect),
     (Format::Mcap, mcap::detect),
     (Format::ULog, ulog::detect),
@@ -47,6 +48,7 @@ const FORMATS: [(Format, Detect); 12] = [
     (Format::Nmea, is_nmea),
     (Format::Ubx, ubx::detect),
     (Format::Rtklib, rtklib::detect),
+    (Format::Explorer, explorer::detect),
     (Format::Sbet, sbet::detect),
 ];
 
@@ -79,6 +81,7 @@ fn entries(
         Format::Novatel => novatel::entries(source, wanted),
         Format::Sbf => sbf::entries(source, wanted),
         Format::Rtklib => rtklib::entries(source, wanted),
+        Format::Explorer => explorer::entries(source, wanted),
         Format::Sbet => sbet::entries(source, wanted),
         table => Err(is_table(table)),
     }
@@ -98,6 +101,7 @@ pub(crate) fn streams(source: Source, format: Format) -> Result<Vec<Stream>, Rea
         Format::Novatel => novatel::streams(source),
         Format::Sbf => sbf::streams(source),
         Format::Rtklib => rtklib::streams(source),
+        Format::Explorer => explorer::streams(source),
         Format::Sbet => sbet::streams(source),
         table => Err(is_table(table)),
     }
@@ -130,9 +134,11 @@ impl Log {
         Ok(Self {
             entries: entries(source, again, format, wanted)?,
             skipped: match format {
-                Format::Nmea | Format::Gpx | Format::Rtklib | Format::GnssLogger => {
-                    Skipped::default()
-                }
+                Format::Nmea
+                | Format::Gpx
+                | Format::Rtklib
+                | Format::GnssLogger
+                | Format::Explorer => Skipped::default(),
                 _ => Skipped::of_messages(),
             },
         })
