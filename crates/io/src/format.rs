@@ -33,6 +33,8 @@ pub enum Format {
     NaveGo,
     /// GPX track.
     Gpx,
+    /// A folder of the app Sensor Logger.
+    SensorLogger,
     /// GnssLogger's text, of Android.
     GnssLogger,
     /// Apache Parquet, whose columns have to be named.
@@ -40,7 +42,7 @@ pub enum Format {
 }
 
 /// Formats by the name that configuration files give them, and what they are called.
-pub const FORMATS: [(&str, Format, &str); 17] = [
+pub const FORMATS: [(&str, Format, &str); 18] = [
     ("csv", Format::Csv, "delimited text"),
     ("kf-gins", Format::KfGins, "KF-GINS text"),
     ("euroc", Format::Euroc, "EuRoC CSV"),
@@ -60,6 +62,11 @@ pub const FORMATS: [(&str, Format, &str); 17] = [
     ("ulog", Format::ULog, "PX4 ULog"),
     ("navego", Format::NaveGo, "a NaveGo MATLAB file"),
     ("gpx", Format::Gpx, "GPX"),
+    (
+        "sensor-logger",
+        Format::SensorLogger,
+        "a folder of Sensor Logger",
+    ),
     ("gnsslogger", Format::GnssLogger, "a GnssLogger log"),
     ("parquet", Format::Parquet, "Parquet"),
 ];

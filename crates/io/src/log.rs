@@ -11,16 +11,17 @@ mod bytes;
 mod explorer;
 mod gnsslogger;
 mod gpx;
-mod join;
 mod mcap;
 mod navego;
 mod nmea;
 mod novatel;
+mod phone;
 mod receiver;
 mod ros;
 mod rtklib;
 mod sbet;
 mod sbf;
+pub(crate) mod sensor_logger;
 mod ubx;
 mod ulog;
 
@@ -36,13 +37,14 @@ type Detect = fn(&[u8]) -> bool;
 
 /// Formats and how they are known, in the order in which they are looked for: those with a mark at their
 /// beginning first, then text that may hold stray bytes of others.
-const FORMATS: [(Format, Detect); 13] = [
+const FORMATS: [(Format, Detect); 14] = [
     (Format::RosBag, bag::detect),
     (Format::Mcap, mcap::detect),
     (Format::ULog, ulog::detect),
     (Format::NaveGo, navego::detect),
     (Format::Gpx, gpx::detect),
     (Format::GnssLogger, gnsslogger::detect),
+    (Format::SensorLogger, sensor_logger::detect),
     (Format::Novatel, novatel::detect),
     (Format::Sbf, sbf::detect),
     (Format::Nmea, is_nmea),
@@ -81,6 +83,7 @@ fn entries(
         Format::Novatel => novatel::entries(source, wanted),
         Format::Sbf => sbf::entries(source, wanted),
         Format::Rtklib => rtklib::entries(source, wanted),
+        Format::SensorLogger => sensor_logger::entries(source, wanted),
         Format::Explorer => explorer::entries(source, wanted),
         Format::Sbet => sbet::entries(source, wanted),
         table => Err(is_table(table)),
@@ -101,6 +104,7 @@ pub(crate) fn streams(source: Source, format: Format) -> Result<Vec<Stream>, Rea
         Format::Novatel => novatel::streams(source),
         Format::Sbf => sbf::streams(source),
         Format::Rtklib => rtklib::streams(source),
+        Format::SensorLogger => sensor_logger::streams(source),
         Format::Explorer => explorer::streams(source),
         Format::Sbet => sbet::streams(source),
         table => Err(is_table(table)),

@@ -64,6 +64,11 @@ impl Opened {
         if path.as_os_str() == "-" {
             return Self::of(Path::new("standard input"), io::stdin(), read);
         }
+        if path.is_dir()
+            && let Some(merged) = log::sensor_logger::folder(path)?
+        {
+            return Self::of(path, merged, read);
+        }
         let file = source::file(path)?;
         let regular = file.metadata().is_ok_and(|about| about.is_file());
         let mut opened = Self::of(path, file, read)?;

@@ -13,15 +13,12 @@
 
 use std::collections::BTreeMap;
 
-use undrift_nav::earth::Geodetic;
-use undrift_nav::sample::{FixQuality, Position};
-use undrift_nav::{Matrix3, Vector3};
+use undrift_nav::Vector3;
 
-use super::join::Join;
+use super::phone::{Join, Location};
 use super::receiver::{Ready, by_steps, check};
 use crate::ReadError;
-use crate::entry::{Entries, Fix, Stream, StreamKind, Wanted};
-use crate::fix::{independent, on_earth};
+use crate::entry::{Entries, Stream, StreamKind, Wanted};
 use crate::lines::{Lines, NextLine};
 use crate::number;
 use crate::skipped::{SkipKind, shown};
@@ -32,11 +29,6 @@ use crate::time::WeekClock;
 const PROVIDERS: [&str; 3] = ["GPS", "FLP", "NLP"];
 /// Gyroscopes, before and after the telephone's own corrections, and the accelerometers with them.
 const SENSORS: [[&str; 2]; 2] = [["UncalGyro", "UncalAccel"], ["Gyro", "Accel"]];
-/// Standard deviations of an axis in a radius that holds 68 %: √(−2 ln 0.32).
-const RADIUS: f64 = 1.509_592_185_452;
-/// A fix has no vertical speed: its standard deviation leaves that open [m/s].
-const VERTICAL: f64 = 20.0;
-
 /// What the columns that are read are called, in lower case.
 const COLUMNS: [(&str, &[&str]); 2] = [
     (
@@ -325,40 +317,16 @@ impl Reader {
             return Some(());
         }
         self.found = Some(provider);
-        let place = Geodetic::from_degrees(lat?, lon?, height?);
-        let place = ready.usable(at, on_earth(place));
-        let std = accuracy.zip(vertical).map(|(radius, vertical)| {
-            let each = radius / RADIUS;
-            Vector3::new(each, each, vertical)
-        });
-        let position = place.map(|place| {
-            (
-                Position::Geodetic(place),
-                std.and_then(|std| independent(&std)),
-            )
-        });
-        let velocity = speed.zip(bearing).map(|(speed, bearing)| {
-            let (east, north) = bearing.to_radians().sin_cos();
-            let turn = Matrix3::new(north, -east, 0.0, east, north, 0.0, 0.0, 0.0, 1.0);
-            // At rest the bearing says nothing, but the speed does in any direction.
-            let own = speed_std.zip(bearing_std).and_then(|(along, bearing)| {
-                let across = (speed * bearing.to_radians()).max(along);
-                independent(&Vector3::new(along, across, VERTICAL))
-            });
-            let velocity = turn * Vector3::new(speed, 0.0, 0.0);
-            (velocity, own.map(|own| turn * own * turn.transpose()))
-        });
-        if position.is_some() || velocity.is_some() {
-            ready.fix(
-                at,
-                Fix {
-                    time,
-                    position,
-                    velocity,
-                    quality: FixQuality::Unknown,
-                },
-            );
-        }
+        let location = Location {
+            place: [lat?, lon?, height?],
+            horizontal: accuracy,
+            vertical,
+            speed,
+            bearing,
+            speed_std,
+            bearing_std,
+        };
+        location.fix(at, time, ready);
         Some(())
     }
 

@@ -1,8 +1,9 @@
 use undrift_nav::sample::Position;
 use undrift_nav::{Matrix3, Vector3};
 
-use super::{RADIUS, detect, entries, streams};
+use super::{detect, entries, streams};
 use crate::entry::{ImuReading, StreamKind, Wanted, What};
+use crate::log::phone::RADIUS;
 use crate::log::receiver::testing::{
     FIXES, all, cut_at_every_byte, fixes, golden, source_of, table, try_all, whatever_the_source,
 };

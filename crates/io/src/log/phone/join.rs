@@ -8,10 +8,10 @@ use std::collections::VecDeque;
 
 use undrift_nav::Vector3;
 
-use super::receiver::Ready;
 use crate::ReadError;
 use crate::entry::{ImuReading, What};
 use crate::gaps::{Gap, GapWatch};
+use crate::log::receiver::Ready;
 use crate::skipped::SkipKind;
 
 /// Rates that differ by no more than this factor are alike.
@@ -27,11 +27,11 @@ const MOST: usize = 10_000;
 type Value = (u64, f64, Vector3);
 
 #[derive(Default)]
-pub(super) struct Join {
+pub(in crate::log) struct Join {
     gyro: VecDeque<Value>,
     accel: VecDeque<Value>,
     rates: [Rate; 2],
-    pub(super) given: bool,
+    pub(in crate::log) given: bool,
 }
 
 /// The usual interval of a sensor.
@@ -72,7 +72,11 @@ impl Join {
     ///
     /// # Errors
     /// If the two have different rates.
-    pub(super) fn gyro(&mut self, value: Value, ready: &mut Ready) -> Result<(), ReadError> {
+    pub(in crate::log) fn gyro(
+        &mut self,
+        value: Value,
+        ready: &mut Ready,
+    ) -> Result<(), ReadError> {
         self.add(0, value, ready)
     }
 
@@ -80,7 +84,11 @@ impl Join {
     ///
     /// # Errors
     /// If the two have different rates.
-    pub(super) fn accel(&mut self, value: Value, ready: &mut Ready) -> Result<(), ReadError> {
+    pub(in crate::log) fn accel(
+        &mut self,
+        value: Value,
+        ready: &mut Ready,
+    ) -> Result<(), ReadError> {
         self.add(1, value, ready)
     }
 
