@@ -1,6 +1,6 @@
 #![no_main]
 
-use undrift::io::gnss::{FixOptions, GnssFormat, GnssReader, Place};
+use undrift::io::gnss::{FixOptions, GnssFormat, GnssReader, Place, VelocityAxes};
 use undrift::io::layouts;
 use undrift::io::table::Column;
 use undrift::nav::earth::Geodetic;
@@ -12,6 +12,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let name = |name: &str| Column::Name(name.to_owned());
     let named = GnssFormat {
         time: name("t"),
+        date: None,
         place: Some(Place::Geodetic {
             columns: ["lat", "lon", "height"].map(name),
             angle_scale: 1f64.to_radians(),
@@ -30,7 +31,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
             base: Geodetic::from_degrees(40.0, -105.0, 1600.0),
         }),
         velocity: Some(number(8)),
-        velocity_up: true,
+        velocity_axes: VelocityAxes::Up,
         quality: Some(Column::Number(11)),
         fixes: FixOptions {
             velocity_std: Some([0.1, 0.1, 0.2]),

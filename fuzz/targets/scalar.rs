@@ -8,6 +8,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let speed = ScalarFormat {
         table: "odometer",
         time: Column::Number(1),
+        date: None,
         time_scale: 1.0,
         time_offset: 0.0,
         value: ("speed", Column::Number(2)),

@@ -1,5 +1,6 @@
 #![no_main]
 
+use undrift::io::gnss::VelocityAxes;
 use undrift::io::layouts;
 use undrift::io::table::Column;
 use undrift::io::truth::{TruthFormat, TruthReader};
@@ -12,7 +13,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
         time_scale: 1e-3,
         time_offset: -18.0,
         velocity: Some(["vn", "ve", "vu"].map(name)),
-        velocity_up: true,
+        velocity_axes: VelocityAxes::Up,
         span: Some((0.0, 1e6)),
         ..TruthFormat::degrees(name("t"), ["lat", "lon", "height"].map(name))
     };

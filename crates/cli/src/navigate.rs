@@ -43,10 +43,10 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME", default_value = "arma")]
     bias_model: BiasModel,
     /// Write the solution, in the format of the extension: csv (every sample, with standard deviations
-    /// and estimated sensor errors), nav (KF-GINS), nmea, kml, geojson, gpx, mcap, parquet; may be given again
+    /// and estimated sensor errors), nav (KF-GINS), nmea, kml, geojson, gpx, mcap, parquet, sbet; may be given again
     #[arg(short, long, value_name = "nav.csv", help_heading = "Output")]
     output: Vec<PathBuf>,
-    /// Format of the solution, whatever the extension: csv, kf-gins, nmea, kml, geojson, gpx, mcap or parquet
+    /// Format of the solution, whatever the extension: csv, kf-gins, nmea, kml, geojson, gpx, mcap, parquet or sbet
     #[arg(long, value_name = "NAME", help_heading = "Output")]
     format: Option<SolutionFormat>,
     /// GPS week in which the log begins, for formats with dates

@@ -27,6 +27,30 @@ pub(crate) fn finite(values: Vector3) -> Result<Vector3, Unfit> {
     Err((SkipKind::NotFinite, detail))
 }
 
+/// Along which axes the columns of a velocity are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum VelocityAxes {
+    /// North, east, down.
+    #[default]
+    Down,
+    /// North, east, up.
+    Up,
+    /// Earth-centred, Earth-fixed x, y, z.
+    Ecef,
+}
+
+impl VelocityAxes {
+    /// What turns such a velocity to north, east, down at a place; `None` where that takes a place and
+    /// there is none.
+    pub(crate) fn to_ned(self, place: Option<Geodetic>) -> Option<Matrix3> {
+        match self {
+            Self::Down => Some(Matrix3::identity()),
+            Self::Up => Some(Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, -1.0))),
+            Self::Ecef => place.map(|place| place.ned_from_ecef()),
+        }
+    }
+}
+
 /// What RTKLIB's solution status Q means: 1 fixed, 2 float, 3 SBAS, 4 differential, 5 single,
 /// 6 precise point positioning; anything else is unknown.
 pub fn quality_of_rtklib(q: f64) -> FixQuality {

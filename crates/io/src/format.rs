@@ -11,10 +11,18 @@ pub enum Format {
     Euroc,
     /// RTKLIB solution.
     Rtklib,
+    /// Text that Inertial Explorer exports.
+    Explorer,
+    /// Smoothed best estimate of trajectory (SBET).
+    Sbet,
     /// NMEA 0183 sentences.
     Nmea,
     /// u-blox UBX.
     Ubx,
+    /// NovAtel OEM, ASCII and binary.
+    Novatel,
+    /// Septentrio Binary Format.
+    Sbf,
     /// ROS 1 bag.
     RosBag,
     /// MCAP, as ROS 2 writes it.
@@ -29,18 +37,30 @@ pub enum Format {
     NaveGo,
     /// GPX track.
     Gpx,
+    /// A folder of the app Sensor Logger.
+    SensorLogger,
+    /// GnssLogger's text, of Android.
+    GnssLogger,
     /// Apache Parquet, whose columns have to be named.
     Parquet,
 }
 
 /// Formats by the name that configuration files give them, and what they are called.
-pub const FORMATS: [(&str, Format, &str); 14] = [
+pub const FORMATS: [(&str, Format, &str); 20] = [
     ("csv", Format::Csv, "delimited text"),
     ("kf-gins", Format::KfGins, "KF-GINS text"),
     ("euroc", Format::Euroc, "EuRoC CSV"),
     ("rtklib", Format::Rtklib, "an RTKLIB solution"),
+    (
+        "inertial-explorer",
+        Format::Explorer,
+        "an Inertial Explorer export",
+    ),
+    ("sbet", Format::Sbet, "SBET"),
     ("nmea", Format::Nmea, "NMEA 0183"),
     ("ubx", Format::Ubx, "u-blox UBX"),
+    ("novatel", Format::Novatel, "a NovAtel log"),
+    ("sbf", Format::Sbf, "Septentrio SBF"),
     ("rosbag", Format::RosBag, "a ROS 1 bag"),
     ("mcap", Format::Mcap, "MCAP"),
     ("rosbag2", Format::RosBag2, "a ROS 2 bag"),
@@ -48,6 +68,12 @@ pub const FORMATS: [(&str, Format, &str); 14] = [
     ("dataflash", Format::DataFlash, "ArduPilot DataFlash"),
     ("navego", Format::NaveGo, "a NaveGo MATLAB file"),
     ("gpx", Format::Gpx, "GPX"),
+    (
+        "sensor-logger",
+        Format::SensorLogger,
+        "a folder of Sensor Logger",
+    ),
+    ("gnsslogger", Format::GnssLogger, "a GnssLogger log"),
     ("parquet", Format::Parquet, "Parquet"),
 ];
 

@@ -12,7 +12,7 @@ use undrift_nav::sample::GnssFix;
 
 use crate::ReadError;
 use crate::entry::{Entry, Wanted, What};
-pub use crate::fix::quality_of_rtklib;
+pub use crate::fix::{VelocityAxes, quality_of_rtklib};
 use crate::reader::{Kind, Plan, Reader, Row, TableRow, Want};
 use crate::skipped::{SkipKind, Skipped};
 

@@ -76,7 +76,9 @@ impl Kind for Imu {
                 delimiter,
             } => {
                 let mut wanted = TableOptions::finite(*delimiter);
-                wanted.want("imu.time", time);
+                if let Some(time) = time {
+                    wanted.want_time("imu", time, format.date.as_ref(), format.time_scale);
+                }
                 wanted.want("imu.gyro", gyro);
                 wanted.want("imu.accel", accel);
                 Want::Table(wanted)

@@ -1,6 +1,6 @@
 //! Tables whose columns are known: what others' programs write, always the same.
 
-use crate::gnss::{FixOptions, GnssFormat, Place};
+use crate::gnss::{FixOptions, GnssFormat, Place, VelocityAxes};
 use crate::imu::ImuFormat;
 use crate::table::Column;
 use crate::truth::TruthFormat;
@@ -27,6 +27,7 @@ pub fn kf_gins_gnss(columns: usize) -> GnssFormat {
     let with_velocity = columns >= KF_GINS_WITH_VELOCITY;
     GnssFormat {
         time: Column::Number(1),
+        date: None,
         time_scale: 1.0,
         place: Some(Place::Geodetic {
             columns: three(2),
@@ -34,7 +35,7 @@ pub fn kf_gins_gnss(columns: usize) -> GnssFormat {
         }),
         position_std: Some(three(if with_velocity { 8 } else { 5 })),
         velocity: with_velocity.then(|| three(5)),
-        velocity_up: false,
+        velocity_axes: VelocityAxes::Down,
         velocity_std: with_velocity.then(|| three(11)),
         quality: None,
         delimiter: None,

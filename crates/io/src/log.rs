@@ -9,14 +9,21 @@
 mod bag;
 mod bytes;
 mod dataflash;
+mod explorer;
+mod gnsslogger;
 mod gpx;
 mod mcap;
 mod navego;
 mod nmea;
+mod novatel;
+mod phone;
 mod receiver;
 mod ros;
 pub(crate) mod rosbag2;
 mod rtklib;
+mod sbet;
+mod sbf;
+pub(crate) mod sensor_logger;
 mod ubx;
 mod ulog;
 
@@ -32,7 +39,7 @@ type Detect = fn(&[u8]) -> bool;
 
 /// Formats and how they are known, in the order in which they are looked for: those with a mark at their
 /// beginning first, then text that may hold stray bytes of others.
-const FORMATS: [(Format, Detect); 10] = [
+const FORMATS: [(Format, Detect); 16] = [
     (Format::RosBag, bag::detect),
     (Format::Mcap, mcap::detect),
     (Format::RosBag2, rosbag2::detect),
@@ -40,9 +47,15 @@ const FORMATS: [(Format, Detect); 10] = [
     (Format::DataFlash, dataflash::detect),
     (Format::NaveGo, navego::detect),
     (Format::Gpx, gpx::detect),
+    (Format::GnssLogger, gnsslogger::detect),
+    (Format::SensorLogger, sensor_logger::detect),
+    (Format::Novatel, novatel::detect),
+    (Format::Sbf, sbf::detect),
     (Format::Nmea, is_nmea),
     (Format::Ubx, ubx::detect),
     (Format::Rtklib, rtklib::detect),
+    (Format::Explorer, explorer::detect),
+    (Format::Sbet, sbet::detect),
 ];
 
 /// Sentences without UBX messages that have more to say.
@@ -69,9 +82,15 @@ fn entries(
         Format::DataFlash => dataflash::entries(source, again, wanted),
         Format::NaveGo => navego::entries(source, wanted),
         Format::Gpx => gpx::entries(source, wanted),
+        Format::GnssLogger => gnsslogger::entries(source, wanted),
         Format::Nmea => nmea::entries(source, wanted),
         Format::Ubx => ubx::entries(source, wanted),
+        Format::Novatel => novatel::entries(source, wanted),
+        Format::Sbf => sbf::entries(source, wanted),
         Format::Rtklib => rtklib::entries(source, wanted),
+        Format::SensorLogger => sensor_logger::entries(source, wanted),
+        Format::Explorer => explorer::entries(source, wanted),
+        Format::Sbet => sbet::entries(source, wanted),
         table => Err(is_table(table)),
     }
 }
@@ -85,9 +104,15 @@ pub(crate) fn streams(source: Source, format: Format) -> Result<Vec<Stream>, Rea
         Format::DataFlash => dataflash::streams(source),
         Format::NaveGo => navego::streams(source),
         Format::Gpx => gpx::streams(source),
+        Format::GnssLogger => gnsslogger::streams(source),
         Format::Nmea => nmea::streams(source),
         Format::Ubx => ubx::streams(source),
+        Format::Novatel => novatel::streams(source),
+        Format::Sbf => sbf::streams(source),
         Format::Rtklib => rtklib::streams(source),
+        Format::SensorLogger => sensor_logger::streams(source),
+        Format::Explorer => explorer::streams(source),
+        Format::Sbet => sbet::streams(source),
         table => Err(is_table(table)),
     }
 }
@@ -131,7 +156,11 @@ impl Log {
         Ok(Self {
             entries: entries(source, again, format, wanted)?,
             skipped: match format {
-                Format::Nmea | Format::Gpx | Format::Rtklib => Skipped::default(),
+                Format::Nmea
+                | Format::Gpx
+                | Format::Rtklib
+                | Format::GnssLogger
+                | Format::Explorer => Skipped::default(),
                 _ => Skipped::of_messages(),
             },
         })

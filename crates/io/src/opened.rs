@@ -69,6 +69,9 @@ impl Opened {
             return Self::of(Path::new("standard input"), io::stdin(), read);
         }
         if path.is_dir() {
+            if let Some(merged) = log::sensor_logger::folder(path)? {
+                return Self::of(path, merged, read);
+            }
             rosbag2::parts_of_folder(path)?;
             return Ok(Self {
                 name: path.to_path_buf(),

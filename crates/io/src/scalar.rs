@@ -23,6 +23,8 @@ pub struct ScalarFormat {
     pub table: &'static str,
     /// Time column.
     pub time: Column,
+    /// Column of dates, where that of times has times of day.
+    pub date: Option<Column>,
     /// Factor from the time column to seconds.
     pub time_scale: f64,
     /// Added to the time after scaling \[s\].
@@ -105,7 +107,8 @@ impl Kind for Scalars {
             }
         }
         let mut wanted = TableOptions::finite(format.delimiter);
-        wanted.want(&key("time"), [&format.time]);
+        let date = format.date.as_ref();
+        wanted.want_time(format.table, &format.time, date, format.time_scale);
         wanted.want(&key(format.value.0), [&format.value.1]);
         if let ScalarStd::Column(column, _) = &format.std.1 {
             wanted.want(&key(format.std.0), [column]);
@@ -199,6 +202,7 @@ mod tests {
         ScalarFormat {
             table: "odometer",
             time: Column::Number(1),
+            date: None,
             time_scale: 1.0,
             time_offset: 0.0,
             value: ("speed", Column::Number(2)),

@@ -25,6 +25,7 @@ mod fields;
 mod header;
 #[cfg(feature = "parquet")]
 mod parquet;
+mod stamps;
 #[cfg(test)]
 mod tests;
 mod text;
@@ -33,7 +34,7 @@ mod wanted;
 use std::path::{Path, PathBuf};
 
 pub use columns::Columns;
-pub use wanted::{Column, Preview, TableOptions};
+pub use wanted::{Column, Preview, Stamp, TableOptions};
 pub(crate) use wanted::{check_time_scale, three};
 
 use crate::ReadError;
@@ -84,6 +85,10 @@ impl Table {
         options: &TableOptions,
     ) -> Result<Self, ReadError> {
         let mut skipped = Skipped::default();
+        if let (Some((key, _)), false) = (options.date(), matches!(source, TableSource::Text(_))) {
+            let error = ReadError::new(name, "a column of dates is read from text alone");
+            return Err(error.key(key).mend("give times as numbers"));
+        }
         let rows = match source {
             TableSource::Columns(columns) => {
                 columns::MemoryTable::new(columns, options).map(Rows::Memory)

@@ -91,6 +91,35 @@ impl WeekClock {
         self.gps(day, seconds)
     }
 
+    /// Seconds of a date and time `yyyy-mm-ddThh:mm:ss.sss` with `Z`, `+hh:mm`, `+hhmm` or nothing behind it
+    /// (ISO 8601), which is UTC; a blank may stand for the T, strokes or points for the hyphens.
+    pub(crate) fn date_time(&mut self, text: &[u8]) -> Option<f64> {
+        let (date_part, rest) = text.split_at_checked(10)?;
+        let (b'T' | b't' | b' ', rest) = rest.split_first()? else {
+            return None;
+        };
+        let rest = rest.strip_suffix(b" UTC").unwrap_or(rest);
+        let zone_at = rest
+            .iter()
+            .position(|byte| matches!(byte, b'Z' | b'z' | b'+' | b'-'));
+        let (time, zone) = rest.split_at_checked(zone_at.unwrap_or(rest.len()))?;
+        let offset = match zone {
+            [] | b"Z" | b"z" => 0.0,
+            [sign, zone @ ..] => {
+                let (hour, minute) = match zone {
+                    [a, b] => ([a, b], b"00".as_slice()),
+                    [a, b, b':', rest @ ..] | [a, b, rest @ ..] => ([a, b], rest),
+                    _ => return None,
+                };
+                let size = of_day(&hour.map(|digit| *digit), minute, b"00")?;
+                if *sign == b'-' { -size } else { size }
+            }
+        };
+        let stroke = *date_part.get(4)?;
+        let day = date(date_part, stroke).filter(|_| matches!(stroke, b'-' | b'/' | b'.'))?;
+        Some(self.utc_day(day, time_of_day(time)? - offset))
+    }
+
     /// Seconds of a Unix time. One before the GPS epoch is that of a clock which does not know the
     /// date, and is given back as it is.
     pub(crate) fn unix(&mut self, seconds: i64, nanoseconds: u32) -> f64 {

@@ -1,12 +1,11 @@
 //! Reference trajectories from delimited text, or from logs that say themselves what they hold.
 
-use undrift_nav::Vector3;
 use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::TruthSample;
 
 use crate::ReadError;
 use crate::entry::{Entry, Wanted, What};
-use crate::fix::on_earth;
+use crate::fix::{VelocityAxes, on_earth};
 use crate::format::Format;
 use crate::reader::{Kind, Plan, Reader, Row, TableRow, Want};
 use crate::skipped::Skipped;
@@ -17,20 +16,24 @@ use crate::table::{Column, TableOptions, check_time_scale, three};
 pub struct TruthFormat {
     /// Time column.
     pub time: Column,
+    /// Column of dates, where that of times has times of day.
+    pub date: Option<Column>,
     /// Factor from the time column to seconds.
     pub time_scale: f64,
     /// Added to the time after scaling \[s\].
     pub time_offset: f64,
     /// GPS week, where the time is the second of it: times count on from the week of the first row.
     pub week: Option<Column>,
-    /// Latitude, longitude, and height above the ellipsoid \[m\].
+    /// Latitude, longitude, and height above the ellipsoid \[m\]; or Earth-centred, Earth-fixed x, y, z \[m\].
     pub position: [Column; 3],
+    /// It is Earth-centred, Earth-fixed.
+    pub ecef: bool,
     /// Factor from the columns of latitude and longitude to radians.
     pub angle_scale: f64,
-    /// Velocity north, east, down [m/s].
+    /// Velocity [m/s].
     pub velocity: Option<[Column; 3]>,
-    /// The third component of the velocity is up.
-    pub velocity_up: bool,
+    /// Its axes.
+    pub velocity_axes: VelocityAxes,
     /// Roll, pitch, yaw.
     pub attitude: Option<[Column; 3]>,
     /// Factor from the columns of the attitude to radians.
@@ -47,13 +50,15 @@ impl TruthFormat {
         let radians = 1f64.to_radians();
         Self {
             time,
+            date: None,
             time_scale: 1.0,
             time_offset: 0.0,
             week: None,
             position,
+            ecef: false,
             angle_scale: radians,
             velocity: None,
-            velocity_up: false,
+            velocity_axes: VelocityAxes::Down,
             attitude: None,
             attitude_scale: radians,
             delimiter: None,
@@ -174,8 +179,13 @@ impl TruthFormat {
     fn columns(&self) -> Result<TableOptions, ReadError> {
         check_time_scale(self.time_scale, "truth.time")?;
         let mut wanted = TableOptions::finite(self.delimiter);
-        wanted.want("truth.time", [&self.time]);
-        wanted.want("truth.position", &self.position);
+        wanted.want_time("truth", &self.time, self.date.as_ref(), self.time_scale);
+        let key = if self.ecef {
+            "truth.ecef"
+        } else {
+            "truth.position"
+        };
+        wanted.want(key, &self.position);
         wanted.want("truth.velocity", self.velocity.iter().flatten());
         wanted.want("truth.attitude", self.attitude.iter().flatten());
         wanted.want("truth.week", &self.week);
@@ -185,18 +195,25 @@ impl TruthFormat {
     /// The sample of a row, `weeks` \[s\] after the week of the first.
     fn sample(&self, row: &[f64], weeks: f64) -> TruthSample {
         let position = three(row, 1);
-        let up = if self.velocity_up { -1.0 } else { 1.0 };
+        let position = match self.ecef {
+            true => Geodetic::from_ecef(&position),
+            false => Geodetic {
+                lat: position.x * self.angle_scale,
+                lon: position.y * self.angle_scale,
+                height: position.z,
+            },
+        };
+        let turn = self
+            .velocity_axes
+            .to_ned(Some(position))
+            .unwrap_or_default();
         let v_n = self.velocity.as_ref().map(|_| three(row, 4));
         let attitude_at = if v_n.is_some() { 7 } else { 4 };
         let attitude = self.attitude.as_ref().map(|_| three(row, attitude_at));
         TruthSample {
             time: three(row, 0).x * self.time_scale + weeks + self.time_offset,
-            position: Geodetic {
-                lat: position.x * self.angle_scale,
-                lon: position.y * self.angle_scale,
-                height: position.z,
-            },
-            v_n: v_n.map(|v| Vector3::new(v.x, v.y, up * v.z)),
+            position,
+            v_n: v_n.map(|v_n| turn * v_n),
             rpy: attitude.map(|rpy| rpy * self.attitude_scale),
         }
     }
@@ -209,6 +226,7 @@ mod tests {
     use crate::skipped::SkipKind;
     use std::io::Cursor;
     use std::path::Path;
+    use undrift_nav::Vector3;
 
     fn group(from: usize) -> [Column; 3] {
         [0, 1, 2].map(|k| Column::Number(from + k))
@@ -232,7 +250,7 @@ mod tests {
         assert_eq!((samples[0].v_n, samples[0].rpy), (None, None));
         let full = TruthFormat {
             velocity: Some(group(5)),
-            velocity_up: true,
+            velocity_axes: VelocityAxes::Up,
             attitude: Some(group(8)),
             time_offset: 10.0,
             ..position_only.clone()
@@ -243,6 +261,17 @@ mod tests {
         let rpy = samples[1].rpy.unwrap();
         // One rounding of the factor π/180 and one of the product.
         assert!((rpy.z - std::f64::consts::PI).abs() < 1e-15 * 4.0);
+        // On the equator at 90° east, where x, y, z are west, up, north.
+        let earth_fixed = TruthFormat {
+            ecef: true,
+            velocity: Some(group(5)),
+            velocity_axes: VelocityAxes::Ecef,
+            ..position_only.clone()
+        };
+        let (samples, _) = all("1,0,6378237,0,1,2,3,0,0,0\n", &earth_fixed);
+        assert!((samples[0].position.height - 100.0).abs() < 1e-9);
+        let velocity = samples[0].v_n.unwrap() - Vector3::new(3.0, -1.0, -2.0);
+        assert!(velocity.amax() < 1e-9, "{velocity}");
         let attitude_only = TruthFormat {
             attitude: Some(group(8)),
             ..position_only

@@ -15,6 +15,7 @@ mod parquet;
 #[cfg(feature = "parquet")]
 pub mod parquet_table;
 mod pending;
+mod sbet;
 pub mod solution;
 mod spans;
 mod text;

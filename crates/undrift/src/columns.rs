@@ -18,6 +18,12 @@ pub enum Meaning {
     Longitude,
     /// Height.
     Height,
+    /// Date of a time of day.
+    Date,
+    /// Earth-centred, Earth-fixed x, y or z (0, 1, 2) of the position.
+    Ecef(usize),
+    /// The same of the velocity.
+    EcefVelocity(usize),
     /// Velocity north, east, down (0, 1, 2).
     Velocity(usize),
     /// Velocity up.
@@ -39,9 +45,11 @@ impl Meaning {
             Self::Gyro(_) => Quantity::AngularRate,
             Self::Accel(_) => Quantity::Acceleration,
             Self::Latitude | Self::Longitude | Self::Attitude(_) => Quantity::Angle,
-            Self::Height | Self::PositionStd(_) => Quantity::Length,
-            Self::Velocity(_) | Self::VelocityUp | Self::VelocityStd(_) => Quantity::Velocity,
-            Self::Temperature => return None,
+            Self::Height | Self::PositionStd(_) | Self::Ecef(_) => Quantity::Length,
+            Self::Velocity(_) | Self::VelocityUp | Self::VelocityStd(_) | Self::EcefVelocity(_) => {
+                Quantity::Velocity
+            }
+            Self::Temperature | Self::Date => return None,
         })
     }
 }
@@ -74,7 +82,7 @@ const SUFFIXES: [(&str, &str); 24] = [
     ("_hz", "Hz"),
 ];
 
-const TIMES: [&str; 12] = [
+const TIMES: [&str; 17] = [
     "t",
     "time",
     "timestamp",
@@ -84,6 +92,11 @@ const TIMES: [&str; 12] = [
     "sow",
     "gpstime",
     "gpssow",
+    "utc",
+    "utctime",
+    "datetime",
+    "utcdatetime",
+    "timeofday",
     "sec",
     "secs",
     "seconds",
@@ -117,6 +130,9 @@ const ACCELS: [&str; 13] = [
     "arss",
     "force",
 ];
+const DATES: [&str; 3] = ["date", "utcdate", "day"];
+const ECEFS: [&str; 3] = ["ecef", "ecefpos", "posecef"];
+const ECEF_VELOCITIES: [&str; 4] = ["ecefv", "vecef", "ecefvel", "velecef"];
 const LATITUDES: [&str; 2] = ["lat", "latitude"];
 const LONGITUDES: [&str; 4] = ["lon", "long", "lng", "longitude"];
 const HEIGHTS: [&str; 10] = [
@@ -187,6 +203,10 @@ fn of_letters(name: &str) -> Option<Meaning> {
     };
     if TIMES.contains(&name) {
         Some(Meaning::Time)
+    } else if DATES.contains(&name) {
+        Some(Meaning::Date)
+    } else if let Some(meaning) = ecef(name) {
+        Some(meaning)
     } else if let Some(axis) = axis(&GYROS).or("pqr".find(name).filter(|_| name.len() == 1)) {
         Some(Meaning::Gyro(axis))
     } else if let Some(axis) = axis(&ACCELS) {
@@ -215,6 +235,20 @@ fn of_letters(name: &str) -> Option<Meaning> {
             _ => None,
         }
     }
+}
+
+/// `ecef_x`, `x-ecef`, `vx_ecef`, `ecefVX`.
+fn ecef(name: &str) -> Option<Meaning> {
+    name.contains("ecef").then_some(())?;
+    let known = |stems: &[&str]| {
+        let without = |axis: char| name.replacen(axis, "", 1);
+        let is = |(_, axis): &(usize, char)| {
+            name.contains(*axis) && stems.contains(&without(*axis).as_str())
+        };
+        "xyz".chars().enumerate().find(is).map(|(place, _)| place)
+    };
+    let velocity = known(&ECEF_VELOCITIES).map(Meaning::EcefVelocity);
+    velocity.or_else(|| known(&ECEFS).map(Meaning::Ecef))
 }
 
 /// `vnstd`, `stdve`, `sdvn`.
@@ -313,7 +347,7 @@ mod tests {
     #[test]
     fn names_of_many_programs() {
         use Meaning::*;
-        let rows: [(&str, Option<Meaning>, Option<&str>); 34] = [
+        let rows: [(&str, Option<Meaning>, Option<&str>); 41] = [
             ("gx_dps", Some(Gyro(0)), Some("deg/s")),
             ("AZ_g", Some(Accel(2)), Some("g")),
             ("gyro_y", Some(Gyro(1)), None),
@@ -344,6 +378,13 @@ mod tests {
             ("temp", Some(Temperature), None),
             ("board_C", Some(Temperature), Some("degC")),
             ("T_degC", Some(Temperature), Some("degC")),
+            ("Date", Some(Date), None),
+            ("UTC_time", Some(Time), None),
+            ("ecefX", Some(Ecef(0)), None),
+            ("y-ecef(m)", Some(Ecef(1)), Some("m")),
+            ("ecef_z_m", Some(Ecef(2)), Some("m")),
+            ("vx_ecef", Some(EcefVelocity(0)), None),
+            ("ecefVZ", Some(EcefVelocity(2)), None),
             ("magx", None, None),
             ("", None, None),
             ("é", None, None),

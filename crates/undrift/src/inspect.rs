@@ -168,6 +168,24 @@ mod tests {
             ("accel_unit", "\"g\"".to_owned()),
         ];
         assert_eq!(told(&names), [expected]);
+        let names = [
+            "UTC_date",
+            "UTC_time",
+            "x-ecef(m)",
+            "y-ecef(m)",
+            "z-ecef(m)",
+            "vx_ecef",
+            "vy_ecef",
+            "vz_ecef",
+        ];
+        let earth_fixed = [
+            ("time", "\"UTC_time\""),
+            ("date", "\"UTC_date\""),
+            ("ecef", "[\"x-ecef(m)\", \"y-ecef(m)\", \"z-ecef(m)\"]"),
+            ("velocity", "[\"vx_ecef\", \"vy_ecef\", \"vz_ecef\"]"),
+            ("velocity_axes", "\"ecef\""),
+        ];
+        assert_eq!(told(&names), [earth_fixed.map(|(k, v)| (k, v.to_owned()))]);
         let fixes = told(&["time", "lat", "lon", "height"]);
         assert_eq!(fixes.concat().len(), 2, "time and position: {fixes:?}");
     }

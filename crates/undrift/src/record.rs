@@ -8,7 +8,7 @@ use undrift_io::{
     imu::{ImuFormat, ImuReader},
     layouts,
     skipped::Skipped,
-    table::{Column, Preview, TableOptions},
+    table::{Column, Preview, Stamp, TableOptions},
 };
 use undrift_nav::units::{Quantity, unit_factor};
 use undrift_noise::{
@@ -193,14 +193,11 @@ fn find(beginning: &Preview, format: &RecordFormat) -> Result<Found, String> {
     let keyed = axes
         .iter()
         .map(|axis| (AXES[axis.index].to_owned(), axis.column.clone()));
-    let wanted = TableOptions {
-        columns: keyed
-            .chain(temperature.map(|place| numbered("temperature", place)))
-            .chain(time.as_ref().map(|(place, _)| numbered("time", *place)))
-            .collect(),
-        ..TableOptions::default()
-    };
-    let time = time.map(|(place, unit)| match unit {
+    let columns: Vec<_> = keyed
+        .chain(temperature.map(|place| numbered("temperature", place)))
+        .chain(time.as_ref().map(|(place, _)| numbered("time", *place)))
+        .collect();
+    let time: Option<f64> = time.map(|(place, unit)| match unit {
         Some(unit) => unit_factor(&unit, Quantity::Time).unwrap_or(1.0),
         None => {
             let stamps = beginning
@@ -211,6 +208,16 @@ fn find(beginning: &Preview, format: &RecordFormat) -> Result<Found, String> {
             time_unit(&stamps, IMU_STEP).map_or(1.0, |(_, factor)| factor)
         }
     });
+    let stamp = time.map(|scale| Stamp {
+        place: columns.len() - 1,
+        scale,
+        date: None,
+    });
+    let wanted = TableOptions {
+        columns,
+        stamp,
+        ..TableOptions::default()
+    };
     Ok(Found { axes, time, wanted })
 }
 

@@ -6,7 +6,7 @@ use undrift_nav::{Matrix3, Vector3};
 
 use super::options::FixOptions;
 use crate::ReadError;
-use crate::fix::{diagonal, finite, on_earth, quality_of_rtklib};
+use crate::fix::{VelocityAxes, diagonal, finite, on_earth, quality_of_rtklib};
 use crate::reader::TableRow;
 use crate::skipped::{SkipKind, Skipped};
 use crate::table::{Column, TableOptions, check_time_scale, three};
@@ -16,17 +16,21 @@ use crate::table::{Column, TableOptions, check_time_scale, three};
 pub struct GnssFormat {
     /// Time column.
     pub time: Column,
+    /// Column of dates, where that of times has times of day.
+    pub date: Option<Column>,
     /// Factor from the time column to seconds.
     pub time_scale: f64,
     /// Position, if it is to be read.
     pub place: Option<Place>,
-    /// Standard deviations of the position north, east, down \[m\]; needed where the options have none.
+    /// Standard deviations of the position north, east, down, or along x, y, z of [`Place::Ecef`] \[m\];
+    /// needed where the options have none.
     pub position_std: Option<[Column; 3]>,
-    /// Velocity north, east, and down or up [m/s], if it is to be read.
+    /// Velocity [m/s], if it is to be read.
     pub velocity: Option<[Column; 3]>,
-    /// The third component of the velocity is up.
-    pub velocity_up: bool,
-    /// Standard deviations of the velocity north, east, down [m/s]; needed where the options have none.
+    /// Its axes.
+    pub velocity_axes: VelocityAxes,
+    /// Standard deviations of the velocity north, east, down, or along x, y, z of
+    /// [`VelocityAxes::Ecef`] [m/s]; needed where the options have none.
     pub velocity_std: Option<[Column; 3]>,
     /// Kind of solution, in RTKLIB's codes: see [`crate::gnss::quality_of_rtklib`].
     pub quality: Option<Column>,
@@ -46,6 +50,8 @@ pub enum Place {
         /// Factor from the columns of latitude and longitude to radians.
         angle_scale: f64,
     },
+    /// Earth-centred, Earth-fixed x, y, z \[m\].
+    Ecef([Column; 3]),
     /// Relative to a base station, north-east-down of the base \[m\].
     Baseline {
         /// Columns of north, east, down.
@@ -81,7 +87,8 @@ impl FixColumns {
             keep_not_finite: true,
             ..TableOptions::finite(format.delimiter)
         };
-        wanted.want("gnss.time", [&format.time]);
+        let date = format.date.as_ref();
+        wanted.want_time("gnss", &format.time, date, format.time_scale);
         let mut part = |name: &str,
                         values: &[Column; 3],
                         std: &Option<[Column; 3]>,
@@ -98,7 +105,9 @@ impl FixColumns {
             Ok(At { values, std })
         };
         let place = format.place.as_ref().map(|place| {
-            let (Place::Geodetic { columns, .. } | Place::Baseline { ned: columns, .. }) = place;
+            let (Place::Geodetic { columns, .. }
+            | Place::Baseline { ned: columns, .. }
+            | Place::Ecef(columns)) = place;
             part(
                 "position",
                 columns,
@@ -115,6 +124,13 @@ impl FixColumns {
             )
         });
         let (place, velocity) = (place.transpose()?, velocity.transpose()?);
+        let placed = format.place.as_ref();
+        let turned = velocity.is_some() && format.velocity_axes == VelocityAxes::Ecef;
+        if turned && placed.is_none_or(|place| matches!(place, Place::Baseline { .. })) {
+            let problem = "a velocity along Earth-fixed axes needs the place beside it";
+            let error = ReadError::nameless(problem).key("gnss.velocity_axes");
+            return Err(error.mend("give gnss.position or gnss.ecef"));
+        }
         if place.is_none() && velocity.is_none() {
             let problem = "neither position nor velocity is asked for";
             return Err(ReadError::nameless(problem).key("gnss"));
@@ -138,32 +154,33 @@ impl FixColumns {
             return None;
         }
         let quality = self.quality.and_then(|at| row.numbers.get(at));
+        let place = self.place(row, skipped)?;
+        let position = place.and_then(|place| self.position(place, row, skipped));
         Some(GnssFix {
             time: stamp * self.format.time_scale + self.format.fixes.time_offset,
-            position: self.position(row, skipped)?,
-            velocity: self.velocity(row, skipped),
+            position,
+            velocity: self.velocity(place, row, skipped),
             quality: quality.map_or(FixQuality::Unknown, |&q| quality_of_rtklib(q)),
         })
     }
 
-    /// The position; `Some(None)` without one, `None` if the row is to be skipped.
-    fn position(
-        &self,
-        row: TableRow,
-        skipped: &mut Skipped,
-    ) -> Option<Option<(Position, Matrix3)>> {
+    /// The place; `Some(None)` without one, `None` if the row is to be skipped.
+    fn place(&self, row: TableRow, skipped: &mut Skipped) -> Option<Option<Position>> {
         let (Some(place), Some(at)) = (&self.format.place, self.place) else {
             return Some(None);
         };
         let Some(values) = self.finite(row, at, skipped) else {
             return Some(None);
         };
-        let position = match place {
-            Place::Geodetic { angle_scale, .. } => {
-                let place = Geodetic {
-                    lat: values.x * angle_scale,
-                    lon: values.y * angle_scale,
-                    height: values.z,
+        Some(Some(match place {
+            Place::Geodetic { .. } | Place::Ecef(_) => {
+                let place = match place {
+                    Place::Geodetic { angle_scale, .. } => Geodetic {
+                        lat: values.x * angle_scale,
+                        lon: values.y * angle_scale,
+                        height: values.z,
+                    },
+                    _ => Geodetic::from_ecef(&values),
                 };
                 if on_earth(place).is_err() {
                     let detail = format_args!("{}, {}, {}", values.x, values.y, values.z);
@@ -181,21 +198,49 @@ impl FixColumns {
                 base: *base,
                 ned: values,
             },
-        };
-        let fixes = &self.format.fixes;
-        let std = at.std(row.numbers, fixes.position_std) * fixes.position_std_factor;
-        Some(diagonal(&std, row.line, skipped).map(|covariance| (position, covariance)))
+        }))
     }
 
-    fn velocity(&self, row: TableRow, skipped: &mut Skipped) -> Option<(Vector3, Matrix3)> {
+    /// The place with its covariance.
+    fn position(
+        &self,
+        place: Position,
+        row: TableRow,
+        skipped: &mut Skipped,
+    ) -> Option<(Position, Matrix3)> {
+        let (at, fixes) = (self.place?, &self.format.fixes);
+        let std = at.std(row.numbers, fixes.position_std) * fixes.position_std_factor;
+        let covariance = diagonal(&std, row.line, skipped)?;
+        let turn = match (place, &self.format.place) {
+            (Position::Geodetic(place), Some(Place::Ecef(_))) if at.std.is_some() => {
+                place.ned_from_ecef()
+            }
+            _ => Matrix3::identity(),
+        };
+        Some((place, turn * covariance * turn.transpose()))
+    }
+
+    fn velocity(
+        &self,
+        place: Option<Position>,
+        row: TableRow,
+        skipped: &mut Skipped,
+    ) -> Option<(Vector3, Matrix3)> {
         let at = self.velocity?;
-        let mut velocity = self.finite(row, at, skipped)?;
-        if self.format.velocity_up {
-            velocity.z = -velocity.z;
-        }
+        let velocity = self.finite(row, at, skipped)?;
+        let geodetic = match place {
+            Some(Position::Geodetic(place)) => Some(place),
+            _ => None,
+        };
+        let turn = self.format.velocity_axes.to_ned(geodetic)?;
         let fixes = &self.format.fixes;
         let std = at.std(row.numbers, fixes.velocity_std) * fixes.velocity_std_factor;
-        diagonal(&std, row.line, skipped).map(|covariance| (velocity, covariance))
+        let covariance = diagonal(&std, row.line, skipped)?;
+        let covariance = match (self.format.velocity_axes, at.std) {
+            (VelocityAxes::Ecef, Some(_)) => turn * covariance * turn.transpose(),
+            _ => covariance,
+        };
+        Some((turn * velocity, covariance))
     }
 
     /// Three numbers, if they are finite; counted where not.

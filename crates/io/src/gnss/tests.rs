@@ -17,6 +17,7 @@ fn group(from: usize) -> [Column; 3] {
 fn format() -> GnssFormat {
     GnssFormat {
         time: Column::Number(1),
+        date: None,
         time_scale: 1.0,
         place: Some(Place::Geodetic {
             columns: group(2),
@@ -24,7 +25,7 @@ fn format() -> GnssFormat {
         }),
         position_std: Some(group(8)),
         velocity: Some(group(5)),
-        velocity_up: true,
+        velocity_axes: VelocityAxes::Up,
         velocity_std: None,
         quality: Some(Column::Number(11)),
         delimiter: None,
@@ -153,4 +154,66 @@ fn unusable_formats_and_files_are_named() {
         "{error}"
     );
     assert!(none.next().is_none());
+}
+
+/// On the equator at 90° east the Earth-fixed axes are west, up and north, so all is known without rounding
+/// but that of the semi-major axis.
+#[test]
+fn earth_fixed_columns() {
+    let earth_fixed = GnssFormat {
+        place: Some(Place::Ecef(group(2))),
+        velocity_axes: VelocityAxes::Ecef,
+        velocity_std: Some(group(8)),
+        fixes: FixOptions::default(),
+        ..format()
+    };
+    let row = "7,0,6378237,0,1,2,3,0.5,0.25,2,1\n";
+    let (fixes, skipped) = all(row, &earth_fixed);
+    assert!(skipped.is_empty(), "{skipped}");
+    let near = |a: f64, b: f64| (a - b).abs() < 1e-9;
+    let (Position::Geodetic(place), covariance) = fixes[0].position.unwrap() else {
+        panic!("{fixes:?}");
+    };
+    assert!(near(place.lat, 0.0) && near(place.lon, std::f64::consts::FRAC_PI_2));
+    // 100 m above the semi-major axis of WGS-84, 6 378 137 m.
+    assert!(near(place.height, 100.0));
+    let squares = [4.0, 0.25, 0.0625];
+    let (velocity, of_velocity) = fixes[0].velocity.unwrap();
+    for covariance in [covariance, of_velocity] {
+        assert!(
+            covariance
+                .diagonal()
+                .iter()
+                .zip(squares)
+                .all(|(a, b)| near(*a, b))
+        );
+    }
+    assert!((velocity - Vector3::new(3.0, -1.0, -2.0)).amax() < 1e-9);
+    // Stated standard deviations are north, east, down.
+    let stated = GnssFormat {
+        fixes: FixOptions {
+            position_std: Some([1.0, 2.0, 3.0]),
+            velocity_std: Some([1.0, 2.0, 3.0]),
+            ..FixOptions::default()
+        },
+        ..earth_fixed.clone()
+    };
+    let (fixes, _) = all(row, &stated);
+    for covariance in [fixes[0].position.unwrap().1, fixes[0].velocity.unwrap().1] {
+        assert!((covariance.diagonal() - Vector3::new(1.0, 4.0, 9.0)).amax() < 1e-9);
+    }
+    // The Earth's middle is no place, and a velocity without a place cannot be turned.
+    assert!(
+        reader("7,0,0,0,1,2,3,1,1,1,1\n", &earth_fixed)
+            .unwrap()
+            .next()
+            .unwrap()
+            .is_err()
+    );
+    let unplaced = GnssFormat {
+        place: None,
+        ..earth_fixed
+    };
+    let error = reader(row, &unplaced).err().unwrap().to_string();
+    assert!(error.contains("gnss.velocity_axes"), "{error}");
 }

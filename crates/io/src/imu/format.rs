@@ -29,6 +29,8 @@ pub enum ImuSource {
 pub struct ImuFormat {
     /// Where they are.
     pub source: ImuSource,
+    /// Column of dates, where that of times has times of day.
+    pub date: Option<Column>,
     /// Factor from the time column to seconds; 1 for a log.
     pub time_scale: f64,
     /// Factor from the gyro columns to rad/s, or to rad for increments; 1 for a log in order.
@@ -80,6 +82,7 @@ impl ImuFormat {
     fn of(source: ImuSource) -> Self {
         Self {
             source,
+            date: None,
             time_scale: 1.0,
             gyro_scale: 1.0,
             accel_scale: 1.0,

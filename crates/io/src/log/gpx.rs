@@ -19,7 +19,7 @@ use crate::entry::{Entries, Fix, Stream, Wanted};
 use crate::fix::on_earth;
 use crate::skipped::SkipKind;
 use crate::source::Source;
-use crate::time::{self, WeekClock, time_of_day};
+use crate::time::WeekClock;
 use crate::{ReadError, number};
 use text::Text;
 
@@ -114,7 +114,7 @@ impl Point {
         let Some(position) = ready.usable(self.line, on_earth(position)) else {
             return;
         };
-        let Some(time) = seconds(weeks, self.time.as_bytes()) else {
+        let Some(time) = weeks.date_time(self.time.as_bytes()) else {
             return ready.skip(self.line, SkipKind::Text, format!("time {:?}", self.time));
         };
         let fix = Fix {
@@ -253,24 +253,6 @@ fn point(start: &BytesStart, line: u64) -> Point {
         lon: degrees("lon"),
         ..Point::default()
     }
-}
-
-/// Seconds of a time `yyyy-mm-ddThh:mm:ss.sss` with `Z`, `+hh:mm` or nothing behind it (ISO 8601,
-/// as XML Schema has it).
-fn seconds(weeks: &mut WeekClock, text: &[u8]) -> Option<f64> {
-    let (date, rest) = text.split_at_checked(text.iter().position(|byte| *byte == b'T')?)?;
-    let rest = rest.get(1..)?;
-    let zone_at = rest.iter().position(|byte| b"Z+-".contains(byte));
-    let (time, zone) = rest.split_at_checked(zone_at.unwrap_or(rest.len()))?;
-    let offset = match zone {
-        b"" | b"Z" => 0.0,
-        [sign, zone @ ..] => {
-            let size = time_of_day(&[zone, b":00"].concat())?;
-            if *sign == b'-' { -size } else { size }
-        }
-    };
-    let seconds = time_of_day(time)? - offset;
-    Some(weeks.utc_day(time::date(date, b'-')?, seconds))
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::stamps::Stamps;
 use crate::number;
 use crate::skipped::{SkipKind, shown};
 
@@ -214,11 +215,12 @@ pub(crate) fn parse_row(
     delimiter: Delimiter,
     wanted: &[(usize, usize)],
     keep_not_finite: bool,
+    stamps: Option<&mut Stamps>,
     out: &mut [f64],
 ) -> Result<(), Defect> {
     match delimiter {
         Delimiter::Byte(byte) if parse_plain_row(line, byte, wanted, out) => Ok(()),
-        _ => parse_any_row(line, delimiter, wanted, keep_not_finite, out),
+        _ => parse_any_row(line, delimiter, wanted, keep_not_finite, stamps, out),
     }
 }
 
@@ -267,11 +269,15 @@ fn parse_any_row(
     delimiter: Delimiter,
     wanted: &[(usize, usize)],
     keep_not_finite: bool,
+    mut stamps: Option<&mut Stamps>,
     out: &mut [f64],
 ) -> Result<(), Defect> {
     let mut fields = Fields::new(line, delimiter);
     let mut column = 0;
     let mut last = f64::NAN;
+    if let Some(stamps) = stamps.as_mut() {
+        stamps.start();
+    }
     for &(target, slot) in wanted {
         while column < target {
             if !fields.pass() {
@@ -286,7 +292,10 @@ fn parse_any_row(
                 Some(Ok(value)) => return Err(Defect::NotFinite(value)),
                 Some(Err(b"")) if keep_not_finite => f64::NAN,
                 Some(Err(b"")) => return Err(Defect::Empty { column: target + 1 }),
-                Some(Err(text)) => return Err(Defect::Text(shown(text))),
+                Some(Err(text)) => {
+                    let time = stamps.as_mut().and_then(|stamps| stamps.read(slot, text));
+                    time.ok_or_else(|| Defect::Text(shown(text)))?
+                }
                 None => return Err(too_few(column, target)),
             };
             column += 1;
@@ -295,7 +304,7 @@ fn parse_any_row(
             *place = last;
         }
     }
-    Ok(())
+    stamps.map_or(Ok(()), |stamps| stamps.finish(out))
 }
 
 #[cold]
@@ -336,7 +345,7 @@ mod tests {
         let wanted = [(0, 1), (2, 0), (2, 2)];
         let row = |line: &str, keep| {
             let mut out = [0.0; 3];
-            parse_row(line.as_bytes(), comma, &wanted, keep, &mut out).map(|()| out)
+            parse_row(line.as_bytes(), comma, &wanted, keep, None, &mut out).map(|()| out)
         };
         assert_eq!(row("1,x,-2.5e1,z", false), Ok([-25.0, 1.0, -25.0]));
         assert_eq!(row(" 1 ,x,\" 3 \"", false), Ok([3.0, 1.0, 3.0]));
@@ -379,7 +388,7 @@ mod tests {
             }
             let (mut short, mut long) = ([0.0; 4], [0.0; 4]);
             if parse_plain_row(line.as_bytes(), b',', &wanted, &mut short) {
-                let other = parse_any_row(line.as_bytes(), comma, &wanted, false, &mut long);
+                let other = parse_any_row(line.as_bytes(), comma, &wanted, false, None, &mut long);
                 assert_eq!((other, short), (Ok(()), long), "{line}");
                 plain += 1;
             }

@@ -1,6 +1,7 @@
 //! Finds the header of a table and the places of the wanted columns.
 
 use super::fields::{self, Delimiter, Fields};
+use super::stamps;
 use super::wanted::{Column, Preview, TableOptions, starts_a_row};
 use crate::ReadError;
 use crate::error::{NAMES_SHOWN, the_file_has};
@@ -8,6 +9,7 @@ use crate::lines::{Lines, MAX_LINE, NextLine};
 use crate::number;
 use crate::skipped::{SkipKind, Skipped, shown};
 use crate::source::Source;
+use crate::time::WeekClock;
 
 /// How to read the rows.
 pub(super) struct TextLayout {
@@ -36,7 +38,7 @@ pub(super) fn find(
         .delimiter
         .map_or_else(|| Delimiter::detect(&first), Delimiter::of);
     let by_name = |(_, column): &(String, Column)| matches!(column, Column::Name(_));
-    let named = options.columns.iter().any(by_name);
+    let named = options.columns.iter().chain(options.date()).any(by_name);
     let has_text = Fields::new(&first, delimiter).any(is_text);
     let own = has_text.then(|| Header {
         line: lines.number(),
@@ -56,7 +58,7 @@ pub(super) fn find(
         (None, Some(own)) => {
             let wanted = own.places(options)?;
             // A line with a number wherever one is wanted by number is a row, not a header.
-            let is_row = !named && reads_as_row(&first, delimiter, &wanted);
+            let is_row = !named && reads_as_row(&first, delimiter, &wanted, options);
             (wanted, is_row, named.then_some(own.names.len()))
         }
         (None, None) => {
@@ -132,13 +134,20 @@ fn comment_names(comment: &[u8], delimiter: Option<u8>) -> Vec<String> {
     names_of(text, asked.map_or(detected, Delimiter::of))
 }
 
-fn reads_as_row(line: &[u8], delimiter: Delimiter, wanted: &[(usize, usize)]) -> bool {
-    let mut out = vec![0.0; wanted.len()];
-    fields::parse_row(line, delimiter, wanted, false, &mut out).is_ok()
+fn reads_as_row(
+    line: &[u8],
+    delimiter: Delimiter,
+    wanted: &[(usize, usize)],
+    options: &TableOptions,
+) -> bool {
+    let mut out = vec![0.0; options.columns.len()];
+    let mut stamps = options.stamps();
+    fields::parse_row(line, delimiter, wanted, false, stamps.as_mut(), &mut out).is_ok()
 }
 
 fn missing(header: &Header, options: &TableOptions) -> bool {
-    options.columns.iter().any(|(_, column)| match column {
+    let mut all = options.columns.iter().chain(options.date());
+    all.any(|(_, column)| match column {
         Column::Name(name) => !header.names.iter().any(|present| present == name.trim()),
         Column::Number(_) => false,
     })
@@ -191,7 +200,8 @@ pub(crate) fn places(
         };
         Ok((index, slot))
     };
-    let places = options.columns.iter().enumerate().map(place);
+    let all = options.columns.iter().chain(options.date());
+    let places = all.enumerate().map(place);
     let mut places = places.collect::<Result<Vec<_>, _>>()?;
     places.sort_unstable();
     Ok(places)
@@ -213,18 +223,23 @@ pub(super) fn preview(source: Source, rows: usize) -> Result<Preview, ReadError>
     let delimiter = Delimiter::detect(&first);
     let own = names_of(&first, delimiter);
     let above = comment.map_or(Vec::new(), |(_, text)| comment_names(&text, None));
-    let is_header = Fields::new(&first, delimiter).all(|field| number::parse(field).is_none());
-    let has_text = Fields::new(&first, delimiter).any(is_text);
+    let of_time = |field: &[u8]| stamps::any(&mut WeekClock::default(), field);
+    let is_number = |field: &[u8]| number::parse(field).or_else(|| of_time(field)).is_some();
+    let is_header = !Fields::new(&first, delimiter).any(is_number);
+    let has_text =
+        Fields::new(&first, delimiter).any(|field| is_text(field) && of_time(field).is_none());
     let mut preview = Preview {
         header: if has_text { &own } else { &above }.clone(),
         names: if is_header { own } else { above },
         rows: Vec::new(),
     };
-    let numbers = |line: &[u8]| -> Vec<f64> {
-        let fields = Fields::new(line, delimiter);
-        fields
-            .map(|field| number::parse(field).unwrap_or(f64::NAN))
-            .collect()
+    let mut weeks = WeekClock::default();
+    let mut numbers = |line: &[u8]| -> Vec<f64> {
+        let mut number = |field: &[u8]| {
+            let parsed = number::parse(field).or_else(|| stamps::any(&mut weeks, field));
+            parsed.unwrap_or(f64::NAN)
+        };
+        Fields::new(line, delimiter).map(&mut number).collect()
     };
     if !is_header {
         preview.rows.push(numbers(&first));

@@ -212,3 +212,74 @@ fn a_cut_gzip_file_ends_early() {
     );
     assert_eq!(table.skipped().count(SkipKind::EndsEarly), 1);
 }
+
+/// Times of rows `time,value` and their skipped rows.
+fn times(text: &str, date: Option<Column>, scale: f64) -> (Vec<f64>, u64) {
+    let stamp = Stamp {
+        place: 0,
+        scale,
+        date: date.map(|column| ("imu.date".to_owned(), column)),
+    };
+    let options = TableOptions {
+        stamp: Some(stamp),
+        ..numbered(&[1, 2])
+    };
+    let mut table = from(text.as_bytes(), &options).unwrap();
+    let (mut out, mut row) = (Vec::new(), [0.0; 2]);
+    while let Ok(Some(_)) = table.next_row(&mut row) {
+        out.push(row[0] * scale);
+    }
+    (out, table.skipped().total())
+}
+
+/// 8 July 2025 19:34:00 UTC is second 243 258 of its GPS week, 18 leap seconds included: by
+/// `date -u -d 2025-07-08T19:34:00 +%s` = 1 752 003 240, less 315 964 800 of the GPS epoch, modulo 604 800.
+const TUESDAY: f64 = 243_258.0;
+
+#[test]
+fn dates_are_times() {
+    let text = "time,value\n2025-07-08T19:34:00.250Z,1\n2025-07-08 19:34:01,2\n2025/07/08 21:34:02.5+02:00,3\n\
+                2025-07-08T14:04:03-0530,4\n2025-07-08 19:34:04 UTC,5\n2025-07-08t21:34:05+02,6\n";
+    let expected = [0.25, 1.0, 2.5, 3.0, 4.0, 5.0].map(|s| TUESDAY + s);
+    // In whatever unit numbers in the column would be.
+    for scale in [1.0, 1e-3] {
+        let (found, skipped) = times(text, None, scale);
+        assert_eq!((found.len(), skipped), (6, 0));
+        for (found, expected) in found.iter().zip(expected) {
+            // One rounding of the quotient and one of the product.
+            assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+        }
+    }
+    // Without a header too; what is no date is skipped.
+    let rows =
+        "2025-07-08T19:34:00Z,1\n2025-13-08T19:34:00Z,1\n2025-07-08T19:34:01Z,1\n2025-07-08,1\n";
+    assert_eq!(times(rows, None, 1.0), (vec![TUESDAY, TUESDAY + 1.0], 2));
+    // Counting on past the end of the week, and over the leap second of 2016.
+    let week = "2025-07-12T23:59:41Z,1\n2025-07-12T23:59:43Z,1\n";
+    assert_eq!(times(week, None, 1.0).0, [604_799.0, 604_801.0]);
+    let leap = "2016-12-31T23:59:59Z,1\n2016-12-31T23:59:60Z,1\n2017-01-01T00:00:00Z,1\n";
+    let found = times(leap, None, 1.0).0;
+    assert_eq!([found[1] - found[0], found[2] - found[1]], [1.0, 1.0]);
+}
+
+#[test]
+fn times_of_day_count_on_and_take_their_date_from_a_column() {
+    let text = "23:59:59.5,1\n00:00:00.5,2\n23:59:59.75,3\n00:00:01,4\n";
+    let (found, _) = times(text, None, 1.0);
+    assert_eq!(found, [86_399.5, 86_400.5, 86_399.75, 86_401.0]);
+    let text = "t,v,d\n19:34:00.5,1,2025-07-08\n19:34:01,2,2025/07/08\n19:34:02,3,\n70443,4,2025-07-08\n19:34:04,5,8.7.2025\n";
+    let (found, skipped) = times(text, Some(Column::Number(3)), 1.0);
+    assert_eq!(found, [0.5, 1.0, 3.0].map(|s| TUESDAY + s));
+    assert_eq!(skipped, 2);
+    let memory = super::Columns::new("x".as_ref(), vec![("t".into(), vec![1.0])]).unwrap();
+    let options = TableOptions {
+        stamp: Some(Stamp {
+            place: 0,
+            scale: 1.0,
+            date: Some(("imu.date".into(), Column::Number(1))),
+        }),
+        ..numbered(&[1])
+    };
+    let refused = Table::new("x".as_ref(), super::TableSource::Columns(memory), &options);
+    assert!(refused.err().unwrap().to_string().contains("imu.date"));
+}

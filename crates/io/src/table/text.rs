@@ -2,6 +2,7 @@
 
 use super::fields::{self, Delimiter};
 use super::header;
+use super::stamps::Stamps;
 use super::wanted::{NextRow, TableOptions, starts_a_row};
 use crate::ReadError;
 use crate::lines::{self, Lines};
@@ -18,6 +19,8 @@ pub(super) struct TextTable {
     held: Option<Vec<u8>>,
     /// Number of names in the header, until a row was compared with it.
     names: Option<usize>,
+    /// Makes times of texts.
+    stamps: Option<Stamps>,
 }
 
 impl TextTable {
@@ -38,6 +41,7 @@ impl TextTable {
             wanted: layout.wanted,
             held: layout.first_row,
             names: layout.names,
+            stamps: options.stamps(),
         })
     }
 
@@ -49,7 +53,14 @@ impl TextTable {
     pub(super) fn step(&mut self, keep: bool, out: &mut [f64]) -> Result<NextRow, ReadError> {
         let delimiter = self.delimiter;
         if let Some(first) = self.held.take() {
-            let parsed = fields::parse_row(&first, delimiter, &self.wanted, keep, out);
+            let parsed = fields::parse_row(
+                &first,
+                delimiter,
+                &self.wanted,
+                keep,
+                self.stamps.as_mut(),
+                out,
+            );
             return Ok(NextRow::Row(self.lines.number(), parsed));
         }
         loop {
@@ -72,7 +83,14 @@ impl TextTable {
                     error.mend("write numbers with points, or ask for columns by number")
                 })?;
             }
-            let parsed = fields::parse_row(bytes, delimiter, &self.wanted, keep, out);
+            let parsed = fields::parse_row(
+                bytes,
+                delimiter,
+                &self.wanted,
+                keep,
+                self.stamps.as_mut(),
+                out,
+            );
             return Ok(NextRow::Row(line, parsed));
         }
     }

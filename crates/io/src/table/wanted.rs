@@ -5,6 +5,7 @@ use std::fmt;
 use undrift_nav::Vector3;
 
 use super::fields::Defect;
+use super::stamps::Stamps;
 use crate::ReadError;
 use crate::skipped::{SkipKind, Skipped};
 
@@ -36,6 +37,19 @@ pub struct TableOptions {
     pub delimiter: Option<u8>,
     /// Hand on rows with NaN, infinity or an empty field (as NaN) instead of skipping them.
     pub keep_not_finite: bool,
+    /// Which of the columns has times, that may be text.
+    pub stamp: Option<Stamp>,
+}
+
+/// A column of times: numbers, dates with times of day, or times of day.
+#[derive(Clone, Debug)]
+pub struct Stamp {
+    /// Its place among the wanted columns.
+    pub place: usize,
+    /// Factor from its numbers to seconds; texts are divided by it.
+    pub scale: f64,
+    /// The column of dates `yyyy-mm-dd` where it has times of day alone, and the key that asks for that.
+    pub date: Option<(String, Column)>,
 }
 
 impl TableOptions {
@@ -57,6 +71,32 @@ impl TableOptions {
         let keyed = columns.into_iter().map(|c| (key.to_owned(), c.clone()));
         self.columns.extend(keyed);
         from
+    }
+}
+
+impl TableOptions {
+    /// Wants the column of times, `time` of a table of the drive file, with that of dates.
+    pub(crate) fn want_time(
+        &mut self,
+        table: &str,
+        time: &Column,
+        date: Option<&Column>,
+        scale: f64,
+    ) {
+        let place = self.want(&format!("{table}.time"), [time]);
+        let date = date.map(|column| (format!("{table}.date"), column.clone()));
+        self.stamp = Some(Stamp { place, scale, date });
+    }
+
+    /// The date's column, which has no place in the row read.
+    pub(super) fn date(&self) -> Option<&(String, Column)> {
+        self.stamp.as_ref()?.date.as_ref()
+    }
+
+    pub(super) fn stamps(&self) -> Option<Stamps> {
+        let stamp = self.stamp.as_ref()?;
+        let date = stamp.date.as_ref().map(|_| self.columns.len());
+        Some(Stamps::new(stamp.place, date, stamp.scale))
     }
 }
 

@@ -11,7 +11,7 @@ use super::parquet_table::ParquetTableWriter;
 use super::solution::SolutionRow;
 use super::text_writer::TextWriter;
 use super::thinning::Thinning;
-use super::{PendingFile, csv, geojson, gpx, kf_gins, kml, nmea};
+use super::{PendingFile, csv, geojson, gpx, kf_gins, kml, nmea, sbet};
 use crate::time;
 
 /// A format of the navigation solution.
@@ -33,10 +33,12 @@ pub enum SolutionFormat {
     Mcap,
     /// Apache Parquet.
     Parquet,
+    /// SBET.
+    Sbet,
 }
 
 /// Formats, their names and the extensions of their files; the first is the usual one.
-const FORMATS: [(SolutionFormat, &str, &[&str]); 8] = [
+const FORMATS: [(SolutionFormat, &str, &[&str]); 9] = [
     (SolutionFormat::Csv, "csv", &["csv"]),
     (SolutionFormat::KfGins, "kf-gins", &["nav"]),
     (SolutionFormat::Nmea, "nmea", &["nmea"]),
@@ -45,6 +47,7 @@ const FORMATS: [(SolutionFormat, &str, &[&str]); 8] = [
     (SolutionFormat::Gpx, "gpx", &["gpx"]),
     (SolutionFormat::Mcap, "mcap", &["mcap"]),
     (SolutionFormat::Parquet, "parquet", &["parquet"]),
+    (SolutionFormat::Sbet, "sbet", &["sbet"]),
 ];
 
 impl SolutionFormat {
@@ -83,7 +86,9 @@ impl SolutionFormat {
 
 /// A name that is no format of solutions.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown format {0:?}; there are csv, kf-gins, nmea, kml, geojson, gpx, mcap, parquet")]
+#[error(
+    "unknown format {0:?}; there are csv, kf-gins, nmea, kml, geojson, gpx, mcap, parquet, sbet"
+)]
 pub struct UnknownSolutionFormat(pub String);
 
 impl std::str::FromStr for SolutionFormat {
@@ -158,7 +163,7 @@ impl SolutionFile<PendingFile> {
             let format = format.or_else(|| SolutionFormat::from_path(path));
             let format = format.or_else(|| (path == Path::new("-")).then_some(SolutionFormat::Csv));
             let format = format.ok_or_else(|| {
-                format!("{name}: the extension names no format; there are csv, nav, nmea, kml, geojson, gpx, mcap, parquet, or give --format")
+                format!("{name}: the extension names no format; there are csv, nav, nmea, kml, geojson, gpx, mcap, parquet, sbet, or give --format")
             })?;
             let file = Self::create(path, format, options);
             files.push(file.map_err(|e| format!("cannot write {name}: {e}"))?);
@@ -191,6 +196,7 @@ impl<W: Write + Seek + Send> SolutionFile<W> {
         let format = match format {
             SolutionFormat::Csv => csv::format(),
             SolutionFormat::KfGins => kf_gins::format(),
+            SolutionFormat::Sbet => sbet::format(),
             SolutionFormat::Nmea => nmea::format(),
             SolutionFormat::Kml => kml::format(name),
             SolutionFormat::GeoJson => geojson::format(name),

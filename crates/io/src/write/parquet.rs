@@ -62,6 +62,7 @@ mod tests {
             columns: (1..=31).map(column).collect(),
             delimiter: None,
             keep_not_finite: true,
+            stamp: None,
         };
         let mut table = Opened::open(path).unwrap().table(&options).unwrap();
         let (mut rows, mut row) = (Vec::new(), [0.0; 31]);

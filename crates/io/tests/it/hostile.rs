@@ -7,7 +7,7 @@ use undrift_io::Opened;
 use undrift_io::format::Format;
 use undrift_io::gnss::{GnssLog, GnssReader};
 use undrift_io::imu::{ImuFormat, ImuReader};
-use undrift_io::table::{Column, TableOptions};
+use undrift_io::table::{Column, Stamp, TableOptions};
 use undrift_nav::earth::Geodetic;
 
 const CASES: usize = 3000;
@@ -102,6 +102,11 @@ fn tables_of_arbitrary_bytes() {
                 .collect(),
             delimiter: [None, Some(b','), Some(b' '), Some(b'"')][case % 4],
             keep_not_finite: case % 2 == 0,
+            stamp: (case % 5 == 0).then(|| Stamp {
+                place: 0,
+                scale: 1.0,
+                date: (case % 2 == 0).then(|| ("key".to_owned(), Column::Number(2))),
+            }),
         };
         let source = Box::new(Cursor::new(bytes));
         let Ok(mut table) = Opened::stream("x".as_ref(), source)

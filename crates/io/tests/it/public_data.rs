@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use undrift_io::Opened;
 use undrift_io::format::Format;
-use undrift_io::gnss::{FixOptions, GnssFormat, GnssLog, GnssReader, Place};
+use undrift_io::gnss::{FixOptions, GnssFormat, GnssLog, GnssReader, Place, VelocityAxes};
 use undrift_io::imu::{ImuFormat, ImuReader};
 use undrift_io::skipped::SkipKind;
 use undrift_io::table::Column;
@@ -51,6 +51,7 @@ fn imu(file: &str, format: &ImuFormat) -> Option<(Vec<ImuSample>, u64)> {
 fn gnss_format(height: &str) -> GnssFormat {
     GnssFormat {
         time: name("t_s"),
+        date: None,
         time_scale: 1.0,
         place: Some(Place::Geodetic {
             columns: names(["lat_deg", "lon_deg", height]),
@@ -58,7 +59,7 @@ fn gnss_format(height: &str) -> GnssFormat {
         }),
         position_std: None,
         velocity: Some(names(["vn_mps", "ve_mps", "vd_mps"])),
-        velocity_up: false,
+        velocity_axes: VelocityAxes::Down,
         velocity_std: None,
         quality: None,
         delimiter: None,

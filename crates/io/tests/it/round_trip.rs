@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use undrift_io::Opened;
 use undrift_io::format::Format;
 use undrift_io::gnss::{FixOptions, GnssLog, GnssReader};
+use undrift_io::truth::{TruthLog, TruthReader};
 use undrift_io::write::solution::SolutionRow;
 use undrift_io::write::{SolutionFile, SolutionFormat, SolutionOptions};
 use undrift_nav::Vector3;
@@ -112,6 +113,43 @@ fn mcap() {
     let fixes = round_trip(SolutionFormat::Mcap, Format::Mcap);
     // Doubles in degrees: some roundings.
     compare(&fixes, 1e-14, 1e-9, Some(1e-9));
+}
+
+#[test]
+fn sbet() {
+    let options = SolutionOptions {
+        week: Some(WEEK),
+        ..SolutionOptions::default()
+    };
+    let out = std::io::Cursor::new(Vec::new());
+    let mut file = SolutionFile::new(out, SolutionFormat::Sbet, &options).unwrap();
+    for k in 0..60 {
+        file.write(&row(k), false).unwrap();
+    }
+    let bytes = file.into_inner().unwrap().into_inner();
+    // 17 doubles a record; the third velocity of the first is down.
+    assert_eq!(bytes.len(), 60 * 136);
+    let number = |k: usize| f64::from_le_bytes(bytes[8 * k..8 * k + 8].try_into().unwrap());
+    assert_eq!([number(4), number(5), number(6)], [2.0, -3.5, 0.0]);
+    assert_eq!(number(9), std::f64::consts::TAU - 1.0);
+    assert!((10..17).all(|k| number(k) == 0.0));
+    let opened = Opened::stream("track.sbet".as_ref(), std::io::Cursor::new(bytes)).unwrap();
+    assert_eq!(opened.format(), Format::Sbet);
+    let log = TruthLog {
+        format: Format::Sbet,
+        stream: None,
+        time_offset: 0.0,
+        span: None,
+    };
+    let samples = TruthReader::new(opened, &log.into()).unwrap();
+    let samples: Vec<_> = samples.map(Result::unwrap).collect();
+    assert_eq!(samples.len(), 60);
+    for (sample, k) in samples.iter().zip(0..) {
+        let row = row(k);
+        assert_eq!((sample.time, sample.position), (row.time, row.position));
+        // One turn more and less.
+        assert!((sample.rpy.unwrap() - row.rpy).amax() < 1e-15);
+    }
 }
 
 #[test]

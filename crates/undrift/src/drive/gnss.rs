@@ -89,7 +89,7 @@ pub(crate) fn read_gnss(
     let asked = read_use(section)?;
     if let GnssSource::Table(format) = &source {
         if format.place.is_none() {
-            return Err(section.error("position", "missing: the columns latitude, longitude, height, or baseline; a solution starts at a position").into());
+            return Err(section.error("position", "missing: the columns latitude, longitude, height, or ecef, or baseline; a solution starts at a position").into());
         }
         if asked == GnssUse::Velocity && format.velocity.is_none() {
             return Err(section
@@ -239,9 +239,13 @@ fn read_columns(section: &Section, fixes: FixOptions) -> Result<GnssFormat, Conf
         .column("time")?
         .ok_or_else(|| section.error("time", "missing: the time column"))?;
     let angle_scale = section.unit("position_unit", Quantity::Angle, 1f64.to_radians())?;
+    let ecef = section.columns("ecef")?;
     let place = match (section.columns("position")?, section.columns("baseline")?) {
         (Some(_), Some(_)) => {
             return Err(section.error("baseline", "give position or baseline, not both"));
+        }
+        (Some(_), _) | (_, Some(_)) if ecef.is_some() => {
+            return Err(section.error("ecef", "give position, baseline or ecef, one of them"));
         }
         (Some(columns), None) => Some(Place::Geodetic {
             columns,
@@ -256,7 +260,7 @@ fn read_columns(section: &Section, fixes: FixOptions) -> Result<GnssFormat, Conf
                 )
             })?,
         }),
-        (None, None) => None,
+        (None, None) => ecef.map(Place::Ecef),
     };
     let velocity = section.columns("velocity")?;
     let stds = |wanted: bool, stated, columns, unit| match wanted {
@@ -269,13 +273,14 @@ fn read_columns(section: &Section, fixes: FixOptions) -> Result<GnssFormat, Conf
     let velocity_std = stds(velocity.is_some(), stated, "velocity_std_columns", "m/s")?;
     Ok(GnssFormat {
         time,
+        date: section.column("date")?,
         time_scale: section.unit("time_unit", Quantity::Time, 1.0)?,
         place,
         position_std,
         velocity,
-        velocity_up: section
+        velocity_axes: section
             .word("velocity_axes", &VELOCITY_AXES)?
-            .unwrap_or(false),
+            .unwrap_or_default(),
         velocity_std,
         quality: section.column("quality")?,
         delimiter: read_delimiter(section)?,

@@ -109,6 +109,7 @@ fn read_columns(section: &Section) -> Result<ImuFormat, ConfigError> {
     format.gyro_scale = section.unit("gyro_unit", gyro_quantity, 1.0)?;
     format.accel_scale = section.unit("accel_unit", accel_quantity, 1.0)?;
     format.time_scale = section.unit("time_unit", Quantity::Time, 1.0)?;
+    format.date = section.column("date")?;
     Ok(format)
 }
 

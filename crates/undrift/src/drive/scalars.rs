@@ -196,6 +196,7 @@ fn read_format(
         time: section
             .column("time")?
             .ok_or_else(|| section.error("time", "missing: the time column"))?,
+        date: section.column("date")?,
         time_scale: section.unit("time_unit", Quantity::Time, 1.0)?,
         time_offset: section
             .quantity("time_offset", Quantity::Time)?

@@ -12,6 +12,7 @@ use crate::{
 use std::path::PathBuf;
 use undrift_io::{
     format::Format,
+    gnss::VelocityAxes,
     layouts,
     truth::{TruthFormat, TruthLog, TruthSource},
 };
@@ -21,9 +22,11 @@ use undrift_nav::{
     units::Quantity,
 };
 
-/// Whether the third component of a velocity is up.
-pub(super) const VELOCITY_AXES: [(&str, bool); 2] =
-    [("north,east,down", false), ("north,east,up", true)];
+pub(super) const VELOCITY_AXES: [(&str, VelocityAxes); 3] = [
+    ("north,east,down", VelocityAxes::Down),
+    ("north,east,up", VelocityAxes::Up),
+    ("ecef", VelocityAxes::Ecef),
+];
 
 pub(super) fn read_span(section: &Section) -> Result<Option<(f64, f64)>, ConfigError> {
     let start = section.quantity("start", Quantity::Time)?;
@@ -86,27 +89,34 @@ fn read_truth_columns(section: &Section) -> Result<TruthFormat, ConfigError> {
     let time = section
         .column("time")?
         .ok_or_else(|| section.error("time", "missing: the time column"))?;
-    let position = section.columns("position")?.ok_or_else(|| {
-        section.error(
-            "position",
-            "missing: the columns latitude, longitude, height",
-        )
-    })?;
+    let (position, ecef) = match (section.columns("position")?, section.columns("ecef")?) {
+        (Some(_), Some(_)) => {
+            return Err(section.error("ecef", "give position or ecef, not both"));
+        }
+        (Some(position), None) => (position, false),
+        (None, Some(ecef)) => (ecef, true),
+        (None, None) => {
+            let what = "missing: the columns latitude, longitude, height, or ecef";
+            return Err(section.error("position", what));
+        }
+    };
     let degree = 1f64.to_radians();
     Ok(TruthFormat {
         time,
+        date: section.column("date")?,
         time_scale: section.unit("time_unit", Quantity::Time, 1.0)?,
         time_offset: 0.0,
         week: None,
         position,
+        ecef,
         angle_scale: section.unit("position_unit", Quantity::Angle, degree)?,
         velocity: section.columns("velocity")?,
         attitude: section.columns("attitude")?,
         attitude_scale: section.unit("attitude_unit", Quantity::Angle, degree)?,
         delimiter: read_delimiter(section)?,
-        velocity_up: section
+        velocity_axes: section
             .word("velocity_axes", &VELOCITY_AXES)?
-            .unwrap_or(false),
+            .unwrap_or_default(),
         span: None,
     })
 }

@@ -20,7 +20,12 @@ struct Found {
     time: Option<usize>,
     gyro: [Option<usize>; 3],
     accel: [Option<usize>; 3],
+    /// Of the times, where these are times of day.
+    date: Option<usize>,
     place: [Option<usize>; 3],
+    /// Earth-centred, Earth-fixed.
+    ecef: [Option<usize>; 3],
+    ecef_velocity: [Option<usize>; 3],
     velocity: [Option<usize>; 3],
     up: bool,
     position_std: [Option<usize>; 3],
@@ -38,7 +43,7 @@ pub(super) fn parts(mut opened: Opened, notes: &mut Vec<Note>) -> Result<Vec<Par
 /// The same of a table's beginning.
 pub(super) fn parts_of(table: Preview, notes: &mut Vec<Note>) -> Vec<Part> {
     let mut found = by_names(&table);
-    if all(&found.gyro).is_none() && all(&found.place).is_none() {
+    if [&found.gyro, &found.place, &found.ecef].map(all) == [None; 3] {
         let by_numbers = by_numbers(&table);
         if by_numbers.accel[0].is_some() || by_numbers.place[0].is_some() {
             found = by_numbers;
@@ -49,7 +54,7 @@ pub(super) fn parts_of(table: Preview, notes: &mut Vec<Note>) -> Vec<Part> {
     if let (Some(gyro), Some(accel)) = (all(&columns.found.gyro), all(&columns.found.accel)) {
         parts.push(Part::new("imu", columns.imu(gyro, accel, notes)));
     }
-    if let Some(place) = all(&columns.found.place) {
+    if let Some(place) = columns.place_of() {
         let reference = all(&columns.found.attitude).filter(|_| parts.is_empty());
         parts.push(match reference {
             Some(attitude) => Part::new("truth", columns.truth(place, attitude)),
@@ -88,6 +93,9 @@ fn by_names(table: &Preview) -> Found {
             Some((Meaning::Latitude, _)) => &mut found.place[0],
             Some((Meaning::Longitude, _)) => &mut found.place[1],
             Some((Meaning::Height, _)) => &mut found.place[2],
+            Some((Meaning::Date, _)) => &mut found.date,
+            Some((Meaning::Ecef(axis), _)) => &mut found.ecef[axis],
+            Some((Meaning::EcefVelocity(axis), _)) => &mut found.ecef_velocity[axis],
             Some((Meaning::Velocity(ned), _)) => &mut found.velocity[ned],
             Some((Meaning::VelocityUp, _)) => {
                 found.up = true;
@@ -192,6 +200,11 @@ impl Columns {
         name.map_or((place + 1).to_string(), |name| quoted(name))
     }
 
+    /// The columns of the position: as angles, else Earth-fixed.
+    fn place_of(&self) -> Option<[usize; 3]> {
+        all(&self.found.place).or_else(|| all(&self.found.ecef))
+    }
+
     fn three(&self, key: &'static str, places: [usize; 3]) -> Line {
         let names = places.map(|place| self.name(place)).join(", ");
         let known = match self.found.known {
@@ -224,6 +237,9 @@ impl Columns {
             self.name(place),
             self.found.known.clone(),
         )];
+        if let Some(date) = self.found.date {
+            lines.push(Line::new("date", self.name(date), self.found.known.clone()));
+        }
         let stamps = self.stamps(place);
         let guess = time_unit(&stamps, longest);
         let (unit, known) = match (self.unit(place), guess) {
@@ -298,6 +314,9 @@ impl Columns {
 
     /// The lines of a place: columns and the unit of angles.
     fn place(&self, place: [usize; 3]) -> Vec<Line> {
+        if all(&self.found.place).is_none() {
+            return vec![self.three("ecef", place)];
+        }
         let mut lines = vec![self.three("position", place)];
         let angles = three_of(&self.table.rows, place);
         let small = angles.iter().all(|[lat, lon, _]| {
@@ -316,7 +335,11 @@ impl Columns {
 
     fn velocity(&self) -> Vec<Line> {
         let Some(velocity) = all(&self.found.velocity) else {
-            return Vec::new();
+            let Some(velocity) = all(&self.found.ecef_velocity) else {
+                return Vec::new();
+            };
+            let axes = Line::text("velocity_axes", "ecef", NAMES);
+            return vec![self.three("velocity", velocity), axes];
         };
         let mut lines = vec![self.three("velocity", velocity)];
         if self.found.up {

@@ -170,12 +170,16 @@ fn tempfile() -> (std::path::PathBuf, std::fs::File) {
 /// give is finite.
 #[test]
 fn random_mixtures() {
-    use crate::log::{gpx, nmea, ubx};
+    use crate::log::{gpx, nmea, novatel, sbf, ubx};
     let names = [
         "ubx/drive.ubx",
         "ubx/sensors.ubx",
         "nmea/drive.nmea",
         "gpx/track.gpx",
+        "novatel/fixes.bin",
+        "novatel/epson.asc",
+        "sbf/fixes.sbf",
+        "sbf/sensors.sbf",
     ];
     let parts = names.map(golden);
     let mut state = 1u64;
@@ -185,11 +189,17 @@ fn random_mixtures() {
         state ^= state << 17;
         (state % n as u64) as usize
     };
-    let readers: [Open; 3] = [ubx::entries, nmea::entries, gpx::entries];
+    let readers: [Open; 5] = [
+        ubx::entries,
+        nmea::entries,
+        gpx::entries,
+        novatel::entries,
+        sbf::entries,
+    ];
     for _ in 0..1000 {
         let mut bytes = b"<gpx>".to_vec();
         for _ in 0..8 {
-            let part = &parts[below(4)];
+            let part = &parts[below(parts.len())];
             let from = below(part.len());
             let to = from + below(600).min(part.len() - from);
             bytes.extend_from_slice(&part[from..to]);
@@ -214,5 +224,7 @@ fn random_mixtures() {
         ubx::detect(&bytes);
         nmea::detect(&bytes);
         gpx::detect(&bytes);
+        novatel::detect(&bytes);
+        sbf::detect(&bytes);
     }
 }

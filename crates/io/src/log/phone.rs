@@ -1,0 +1,81 @@
+//! What the recordings of telephones have in common.
+
+use undrift_nav::earth::Geodetic;
+use undrift_nav::sample::{FixQuality, Position};
+use undrift_nav::{Matrix3, Vector3};
+
+use super::receiver::Ready;
+use crate::entry::Fix;
+use crate::fix::{independent, on_earth};
+
+mod join;
+
+pub(super) use join::Join;
+
+/// Standard deviations of an axis in a radius that holds 68 %: √(−2 ln 0.32).
+pub(super) const RADIUS: f64 = 1.509_592_185_452;
+/// A fix has no vertical speed: its standard deviation leaves that open [m/s].
+const VERTICAL: f64 = 20.0;
+
+/// A place as the telephone's operating system tells it; the accuracies are radii or intervals of 68 %,
+/// and below zero or missing where they are not known.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Location {
+    /// Latitude and longitude \[deg\], height above the ellipsoid \[m\].
+    pub(super) place: [f64; 3],
+    /// \[m\]
+    pub(super) horizontal: Option<f64>,
+    /// \[m\]
+    pub(super) vertical: Option<f64>,
+    /// [m/s] and clockwise from north \[deg\].
+    pub(super) speed: Option<f64>,
+    pub(super) bearing: Option<f64>,
+    /// [m/s] and \[deg\].
+    pub(super) speed_std: Option<f64>,
+    pub(super) bearing_std: Option<f64>,
+}
+
+impl Location {
+    /// The fix that it is at a time \[s\].
+    pub(super) fn fix(&self, at: u64, time: f64, ready: &mut Ready) {
+        let [lat, lon, height] = self.place;
+        let place = ready.usable(at, on_earth(Geodetic::from_degrees(lat, lon, height)));
+        let std = self
+            .horizontal
+            .zip(self.vertical)
+            .map(|(radius, vertical)| {
+                let each = radius / RADIUS;
+                Vector3::new(each, each, vertical)
+            });
+        let covariance = std.and_then(|std| independent(&std));
+        let position = place.map(|place| (Position::Geodetic(place), covariance));
+        let velocity = self.velocity();
+        if position.is_some() || velocity.is_some() {
+            let quality = FixQuality::Unknown;
+            let fix = Fix {
+                time,
+                position,
+                velocity,
+                quality,
+            };
+            ready.fix(at, fix);
+        }
+    }
+
+    fn velocity(&self) -> Option<(Vector3, Option<Matrix3>)> {
+        let speed = self.speed.filter(|speed| *speed >= 0.0)?;
+        let bearing = self.bearing.filter(|bearing| *bearing >= 0.0)?;
+        let (east, north) = bearing.to_radians().sin_cos();
+        let turn = Matrix3::new(north, -east, 0.0, east, north, 0.0, 0.0, 0.0, 1.0);
+        let stds = self.speed_std.zip(self.bearing_std);
+        // At rest the bearing says nothing, but the speed does in any direction.
+        let own = stds
+            .filter(|(_, bearing)| *bearing >= 0.0)
+            .and_then(|(along, bearing)| {
+                let across = (speed * bearing.to_radians()).max(along);
+                independent(&Vector3::new(along, across, VERTICAL))
+            });
+        let velocity = turn * Vector3::new(speed, 0.0, 0.0);
+        Some((velocity, own.map(|own| turn * own * turn.transpose())))
+    }
+}

@@ -1,0 +1,337 @@
+//! Septentrio Binary Format: fixes of PVTGeodetic with PosCovGeodetic and VelCovGeodetic, inertial samples
+//! of ExtSensorMeas, and the receiver's own inertial solution, INSNavGeod, as reference.
+//!
+//! By the reference guides of the AsteRx and mosaic receivers. Blocks with the same time make one fix; what
+//! is between the blocks, NMEA or anything else, is passed over. Times are GPS seconds of the week in
+//! which the file starts.
+
+mod blocks;
+mod frames;
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use undrift_nav::Matrix3;
+use undrift_nav::sample::Position;
+
+use super::receiver::{Ready, by_steps, check};
+use crate::ReadError;
+use crate::entry::{Entries, Fix, ImuReading, Stream, StreamKind, Wanted, What};
+use crate::fix::on_earth;
+use crate::skipped::SkipKind;
+use crate::source::Source;
+use crate::time::WeekClock;
+use blocks::Pvt;
+use frames::{Frames, NextFrame};
+
+const PVT: &str = "PVTGeodetic";
+const INS: &str = "INSNavGeod";
+const SENSORS: &str = "ExtSensorMeas";
+
+/// Blocks that logs often have.
+const NAMES: [(u16, &str); 14] = [
+    (blocks::PVT, PVT),
+    (blocks::POSITION_COVARIANCE, "PosCovGeodetic"),
+    (blocks::VELOCITY_COVARIANCE, "VelCovGeodetic"),
+    (blocks::END_OF_PVT, "EndOfPVT"),
+    (blocks::SENSORS, SENSORS),
+    (blocks::INS, INS),
+    (4006, "PVTCartesian"),
+    (4027, "MeasEpoch"),
+    (4013, "ChannelStatus"),
+    (4014, "ReceiverStatus"),
+    (4225, "INSNavCart"),
+    (5904, "PVTGeodetic of version 1"),
+    (5914, "ReceiverTime"),
+    (5938, "AttEuler"),
+];
+
+/// Whether the first bytes of a file hold a block that is read here; a log of NMEA may have others in
+/// between.
+pub(crate) fn detect(start: &[u8]) -> bool {
+    let read = [blocks::PVT, blocks::SENSORS, blocks::INS];
+    frames::any(start, |number| read.contains(&number))
+}
+
+pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
+    check(wanted, "SBF", [&[SENSORS], &[PVT, INS], &[PVT, INS]])?;
+    let purpose = match wanted {
+        Wanted::Imu(_) => Purpose::Imu { source: None },
+        Wanted::Poses(None) => Purpose::Ins {
+            found: false,
+            fixes: 0,
+            poses: true,
+        },
+        Wanted::Poses(Some(name)) if name == INS => Purpose::Ins {
+            found: true,
+            fixes: 0,
+            poses: true,
+        },
+        _ => match wanted.one_stream()?.0 {
+            Some(name) if name == INS => Purpose::Ins {
+                found: true,
+                fixes: 0,
+                poses: false,
+            },
+            _ => Purpose::Fixes(Box::new(None)),
+        },
+    };
+    let mut reader = Reader {
+        frames: Frames::new(source),
+        weeks: WeekClock::default(),
+        purpose,
+    };
+    Ok(by_steps(wanted, move |ready| reader.step(ready)))
+}
+
+pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
+    let mut frames = Frames::new(source);
+    let mut counts = BTreeMap::<u16, u64>::new();
+    loop {
+        match frames.step() {
+            NextFrame::Block(number, _) => *counts.entry(number).or_default() += 1,
+            NextFrame::Damaged => {}
+            NextFrame::End => break,
+        }
+    }
+    let stream = |(number, messages)| {
+        let (kind, about) = described(number);
+        Stream {
+            name: name(number),
+            kind,
+            about: about.to_owned(),
+            messages,
+        }
+    };
+    Ok(counts.into_iter().map(stream).collect())
+}
+
+fn described(number: u16) -> (StreamKind, &'static str) {
+    match number {
+        blocks::PVT => (StreamKind::Fixes, "position and velocity"),
+        blocks::POSITION_COVARIANCE => (StreamKind::Other, "covariances of the position"),
+        blocks::VELOCITY_COVARIANCE => (StreamKind::Other, "covariances of the velocity"),
+        blocks::SENSORS => (StreamKind::Imu, "rates and specific forces of a sensor"),
+        blocks::INS => (StreamKind::Poses, "position, velocity and attitude"),
+        _ => (StreamKind::Other, ""),
+    }
+}
+
+fn name(number: u16) -> String {
+    let known = NAMES.iter().find(|(known, _)| *known == number);
+    known.map_or_else(|| format!("block {number}"), |(_, name)| (*name).to_owned())
+}
+
+struct Reader {
+    frames: Frames,
+    weeks: WeekClock,
+    purpose: Purpose,
+}
+
+/// What is made of the blocks.
+enum Purpose {
+    Imu {
+        /// The sensor whose samples are taken.
+        source: Option<u8>,
+    },
+    Ins {
+        /// Whether there was a block of it, or it is asked for.
+        found: bool,
+        /// Fixes that could serve in its place.
+        fixes: u64,
+        poses: bool,
+    },
+    /// The blocks of the last time.
+    Fixes(Box<Option<Epoch>>),
+}
+
+/// The blocks of one time.
+struct Epoch {
+    at: u64,
+    time: f64,
+    /// `None` inside without a fix.
+    pvt: Option<Option<Pvt>>,
+    /// Of position and velocity.
+    covariances: [Option<Matrix3>; 2],
+}
+
+impl Reader {
+    fn step(&mut self, ready: &mut Ready) -> Result<bool, ReadError> {
+        let step = self.frames.step();
+        let at = self.frames.number();
+        match step {
+            NextFrame::Block(number, range) => self.block(at, number, range, ready),
+            NextFrame::Damaged => ready.skip(at, SkipKind::Damaged, "no block behind $@"),
+            NextFrame::End => {
+                match &mut self.purpose {
+                    Purpose::Fixes(epoch) => end(epoch, ready),
+                    Purpose::Ins {
+                        found: false,
+                        fixes: 1..,
+                        ..
+                    } => return Err(without_ins()),
+                    Purpose::Ins { .. } | Purpose::Imu { .. } => {}
+                }
+                ready.ends_early(at, self.frames.failure());
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    fn block(&mut self, at: u64, number: u16, body: Range<usize>, ready: &mut Ready) {
+        let known = [
+            blocks::PVT,
+            blocks::POSITION_COVARIANCE,
+            blocks::VELOCITY_COVARIANCE,
+            blocks::END_OF_PVT,
+            blocks::SENSORS,
+            blocks::INS,
+        ];
+        if !known.contains(&number) {
+            return;
+        }
+        let body = self.frames.body(body);
+        // Without a time the receiver has no fix either.
+        let Some((milli, week)) = blocks::stamp(body) else {
+            return;
+        };
+        let weeks = &mut self.weeks;
+        let mut time = || weeks.gps(i64::from(week) * 7, f64::from(milli) * 1e-3);
+        let had = match (&mut self.purpose, number) {
+            (Purpose::Imu { source }, blocks::SENSORS) => {
+                let sample = blocks::sample(body, source);
+                match sample {
+                    Some(Some(blocks::Sample { gyro, accel })) => {
+                        let time = time();
+                        ready.push(at, What::Imu(ImuReading { time, gyro, accel }));
+                    }
+                    Some(None) => {
+                        ready.skip(at, SkipKind::MissingField, "a sample without all six axes");
+                    }
+                    None => {}
+                }
+                Some(Some(()))
+            }
+            (Purpose::Ins { found, poses, .. }, blocks::INS) => {
+                *found = true;
+                blocks::ins(body).map(|ins| {
+                    ins.map(|ins| {
+                        let time = time();
+                        match poses {
+                            true => ready.push(
+                                at,
+                                What::Pose(undrift_nav::sample::TruthSample { time, ..ins.pose }),
+                            ),
+                            false => fix_of(at, time, &ins, ready),
+                        }
+                    })
+                })
+            }
+            (Purpose::Ins { fixes, .. }, blocks::PVT) => {
+                *fixes += 1;
+                Some(Some(()))
+            }
+            (Purpose::Fixes(epoch), _) if number != blocks::SENSORS && number != blocks::INS => {
+                let time = time();
+                if number == blocks::END_OF_PVT
+                    || epoch.as_ref().as_ref().is_some_and(|e| e.time != time)
+                {
+                    end(epoch, ready);
+                }
+                if number == blocks::END_OF_PVT {
+                    return;
+                }
+                let epoch = epoch.get_or_insert_with(|| Epoch::new(at, time));
+                epoch.add(number, body).map(Some)
+            }
+            _ => Some(Some(())),
+        };
+        match had {
+            Some(Some(())) => {}
+            Some(None) => ready.skip(at, SkipKind::NoFix, name(number)),
+            None => ready.skip(at, SkipKind::MissingField, name(number)),
+        }
+    }
+}
+
+fn without_ins() -> ReadError {
+    ReadError::nameless("no INSNavGeod, the receiver's inertial solution, in this log")
+        .key("truth.topic")
+        .mend("topic = \"PVTGeodetic\" takes the receiver's positions and velocities, without attitude")
+}
+
+/// A fix of the inertial solution.
+fn fix_of(at: u64, time: f64, ins: &blocks::Ins, ready: &mut Ready) {
+    let [position, velocity] = ins.covariances;
+    let Some(place) = ready.usable(at, on_earth(ins.pose.position)) else {
+        return;
+    };
+    let fix = Fix {
+        time,
+        position: Some((Position::Geodetic(place), position)),
+        velocity: ins.pose.v_n.map(|v_n| (v_n, velocity)),
+        quality: ins.quality,
+    };
+    ready.fix(at, fix);
+}
+
+/// Makes a fix of what there is.
+fn end(epoch: &mut Option<Epoch>, ready: &mut Ready) {
+    let Some(Epoch {
+        at,
+        time,
+        pvt,
+        covariances,
+    }) = epoch.take()
+    else {
+        return;
+    };
+    let pvt = match pvt {
+        Some(Some(pvt)) => pvt,
+        Some(None) => return ready.skip(at, SkipKind::NoFix, PVT),
+        None => return,
+    };
+    let [of_position, of_velocity] = covariances;
+    let position = pvt.position.and_then(|place| {
+        let place = ready.usable(at, on_earth(place))?;
+        Some((Position::Geodetic(place), of_position.or(pvt.covariance)))
+    });
+    let velocity = pvt.velocity.map(|v_n| (v_n, of_velocity));
+    if position.is_some() || velocity.is_some() {
+        let quality = pvt.quality;
+        ready.fix(
+            at,
+            Fix {
+                time,
+                position,
+                velocity,
+                quality,
+            },
+        );
+    }
+}
+
+impl Epoch {
+    fn new(at: u64, time: f64) -> Self {
+        Self {
+            at,
+            time,
+            pvt: None,
+            covariances: [None; 2],
+        }
+    }
+
+    /// Takes in a block; `None` if it is too short.
+    fn add(&mut self, number: u16, body: &[u8]) -> Option<()> {
+        match number {
+            blocks::PVT => self.pvt = Some(blocks::pvt(body)?),
+            blocks::POSITION_COVARIANCE => self.covariances[0] = blocks::covariance(body)?,
+            _ => self.covariances[1] = blocks::covariance(body)?,
+        }
+        Some(())
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,360 @@
+//! Folders that the app Sensor Logger exports, unpacked: a file for each sensor, with columns
+//! `time,seconds_elapsed,z,y,x`, and `Location.csv`.
+//!
+//! [`folder`] makes one text of those that are read, in the order of their times, each row behind the name of
+//! its file; so all else reads it as any log. `time` is Unix time in nanoseconds. A sample is a rate of
+//! Gyroscope or GyroscopeUncalibrated, with the force of TotalAcceleration or AccelerometerUncalibrated on the
+//! straight line at its time. Accelerometer alone is refused: the app has taken gravity out of it.
+
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read};
+use std::path::Path;
+
+use undrift_nav::Vector3;
+
+use super::phone::{Join, Location};
+use super::receiver::{Ready, by_steps, check};
+use crate::ReadError;
+use crate::entry::{Entries, Stream, StreamKind, Wanted};
+use crate::lines::{Lines, MAX_LINE, NextLine};
+use crate::number;
+use crate::skipped::{SkipKind, shown};
+use crate::source::{self, Source};
+use crate::time::WeekClock;
+
+/// The first line of the text that is made of a folder.
+const MARK: &str = "# Sensor Logger";
+/// Gyroscopes, accelerometers and places; of each the first that is there.
+const GYROS: [&str; 2] = ["Gyroscope", "GyroscopeUncalibrated"];
+const ACCELS: [&str; 2] = ["TotalAcceleration", "AccelerometerUncalibrated"];
+const PLACES: [&str; 2] = ["LocationGps", "Location"];
+/// Without gravity.
+const LINEAR: &str = "Accelerometer";
+const AXES: [&str; 4] = ["time", "x", "y", "z"];
+const PLACE: [&str; 10] = [
+    "time",
+    "latitude",
+    "longitude",
+    "altitude",
+    "horizontalAccuracy",
+    "verticalAccuracy",
+    "speed",
+    "bearing",
+    "speedAccuracy",
+    "bearingAccuracy",
+];
+
+/// The text of a folder; `None` if it is none of such files.
+///
+/// # Errors
+/// If a file cannot be read.
+pub(crate) fn folder(path: &Path) -> Result<Option<Source>, ReadError> {
+    let mut text = format!("{MARK}\n");
+    let mut files = Vec::new();
+    for names in [GYROS, ACCELS, PLACES] {
+        let there = names
+            .into_iter()
+            .find(|name| path.join(format!("{name}.csv")).is_file());
+        let Some(name) = there else { continue };
+        let mut rows = Rows::open(path, name)?;
+        text += &format!("# {name},{}\n", rows.header);
+        rows.step()
+            .map_err(|error| source::cannot_open(path, error))?;
+        files.push(rows);
+    }
+    if path.join(format!("{LINEAR}.csv")).is_file() {
+        text += &format!("# {LINEAR}\n");
+    }
+    if files.is_empty() {
+        return Ok(None);
+    }
+    let merged = Merged {
+        files,
+        held: text.into_bytes(),
+        at: 0,
+    };
+    Ok(Some(Box::new(BufReader::new(merged))))
+}
+
+/// The rows of one file.
+struct Rows {
+    name: &'static str,
+    header: String,
+    lines: BufReader<File>,
+    /// The next row and its time.
+    next: Option<(f64, String)>,
+}
+
+impl Rows {
+    fn open(folder: &Path, name: &'static str) -> Result<Self, ReadError> {
+        let path = folder.join(format!("{name}.csv"));
+        let mut rows = Self {
+            name,
+            header: String::new(),
+            lines: BufReader::new(source::file(&path)?),
+            next: None,
+        };
+        let header = rows
+            .line()
+            .map_err(|error| source::cannot_open(&path, error))?;
+        rows.header = header.unwrap_or_default();
+        Ok(rows)
+    }
+
+    /// The next line, of no more bytes than a line may have.
+    fn line(&mut self) -> io::Result<Option<String>> {
+        let mut bytes = Vec::new();
+        (&mut self.lines)
+            .take(MAX_LINE as u64)
+            .read_until(b'\n', &mut bytes)?;
+        let text = String::from_utf8_lossy(bytes.trim_ascii()).into_owned();
+        Ok((!bytes.is_empty()).then_some(text))
+    }
+
+    fn step(&mut self) -> io::Result<()> {
+        let before = self.next.take().map_or(f64::MIN, |(time, _)| time);
+        if let Some(line) = self.line()? {
+            let time = line
+                .split(',')
+                .next()
+                .and_then(|field| number::parse(field.trim().as_bytes()));
+            // One that has no time comes at once.
+            self.next = Some((time.unwrap_or(before), line));
+        }
+        Ok(())
+    }
+}
+
+/// The rows of all files in the order of their times.
+struct Merged {
+    files: Vec<Rows>,
+    held: Vec<u8>,
+    at: usize,
+}
+
+impl Read for Merged {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        if self.at == self.held.len() {
+            let time = |rows: &Rows| rows.next.as_ref().map_or(f64::INFINITY, |(time, _)| *time);
+            let with_row = self.files.iter_mut().filter(|rows| rows.next.is_some());
+            let Some(rows) = with_row.min_by(|a, b| time(a).total_cmp(&time(b))) else {
+                return Ok(0);
+            };
+            let (_, row) = rows.next.as_ref().unwrap_or(&(0.0, String::new())).clone();
+            (self.held, self.at) = (format!("{},{row}\n", rows.name).into_bytes(), 0);
+            rows.step()?;
+        }
+        let rest = self.held.get(self.at..).unwrap_or_default();
+        let n = rest.len().min(into.len());
+        into.iter_mut().zip(rest).for_each(|(to, from)| *to = *from);
+        self.at += n;
+        Ok(n)
+    }
+}
+
+/// Whether a text is one of [`folder`].
+pub(crate) fn detect(start: &[u8]) -> bool {
+    start.starts_with(MARK.as_bytes())
+}
+
+pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
+    check(wanted, "a folder of Sensor Logger", [&GYROS, &PLACES, &[]])?;
+    let mut reader = Reader {
+        lines: Lines::new(source),
+        sensors: Vec::new(),
+        place: None,
+        weeks: WeekClock::default(),
+        linear: false,
+        join: matches!(wanted, Wanted::Imu(_)).then(Join::default),
+    };
+    Ok(by_steps(wanted, move |ready| reader.step(ready)))
+}
+
+pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
+    let mut lines = Lines::new(source);
+    let mut counts = [GYROS, ACCELS, PLACES]
+        .as_flattened()
+        .iter()
+        .map(|name| (*name, 0u64))
+        .collect::<Vec<_>>();
+    loop {
+        match lines.step() {
+            NextLine::Line(range) => {
+                let name = lines
+                    .bytes(range)
+                    .split(|&byte| byte == b',')
+                    .next()
+                    .unwrap_or_default();
+                let count = counts
+                    .iter_mut()
+                    .find(|(known, _)| known.as_bytes() == name);
+                if let Some((_, count)) = count {
+                    *count += 1;
+                }
+            }
+            NextLine::TooLong => {}
+            NextLine::End => break,
+        }
+    }
+    let stream = |(name, messages): (&str, u64)| {
+        let (kind, about) = match name {
+            name if GYROS.contains(&name) => (
+                StreamKind::Imu,
+                "rates, with the forces of the accelerometers",
+            ),
+            name if ACCELS.contains(&name) => (StreamKind::Other, "specific forces"),
+            _ => (StreamKind::Fixes, "fixes"),
+        };
+        (messages > 0).then(|| Stream {
+            name: name.to_owned(),
+            kind,
+            about: about.to_owned(),
+            messages,
+        })
+    };
+    Ok(counts.into_iter().filter_map(stream).collect())
+}
+
+struct Reader {
+    lines: Lines,
+    /// Sensors that are there, and where their columns are.
+    sensors: Vec<(String, [Option<usize>; 4])>,
+    place: Option<[Option<usize>; 10]>,
+    weeks: WeekClock,
+    /// Whether there are accelerations without gravity.
+    linear: bool,
+    join: Option<Join>,
+}
+
+impl Reader {
+    fn step(&mut self, ready: &mut Ready) -> Result<bool, ReadError> {
+        let step = self.lines.step();
+        let at = self.lines.number();
+        match step {
+            NextLine::Line(range) => {
+                let line = String::from_utf8_lossy(self.lines.bytes(range)).into_owned();
+                match line.strip_prefix("# ") {
+                    Some(header) => self.header(header),
+                    None => self.row(at, &line, ready)?,
+                }
+            }
+            NextLine::TooLong => ready.skip(at, SkipKind::TooLong, "no row of such a file"),
+            NextLine::End => {
+                self.end()?;
+                ready.ends_early(at, self.lines.failure());
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    fn header(&mut self, header: &str) {
+        let mut names = header.split(',');
+        let file = names.next().unwrap_or_default();
+        let names: Vec<&str> = names.map(str::trim).collect();
+        let place = |wanted: &str| names.iter().position(|name| *name == wanted).map(|k| k + 1);
+        if PLACES.contains(&file) {
+            self.place = Some(PLACE.map(place));
+        } else if !names.is_empty() {
+            self.sensors.push((file.to_owned(), AXES.map(place)));
+        }
+        self.linear |= file == LINEAR;
+    }
+
+    fn row(&mut self, at: u64, line: &str, ready: &mut Ready) -> Result<(), ReadError> {
+        let fields: Vec<&str> = line.split(',').map(str::trim).collect();
+        let file = fields.first().copied().unwrap_or_default();
+        let number = |place: Option<usize>| {
+            number::parse(fields.get(place?)?.as_bytes()).filter(|value| value.is_finite())
+        };
+        let is_place = PLACES.contains(&file);
+        let places = match is_place {
+            true => self.place.and_then(|places| places[0]),
+            false => self
+                .sensors
+                .iter()
+                .find(|(name, _)| name == file)
+                .and_then(|(_, places)| places[0]),
+        };
+        let stamp = places.and_then(|place| fields.get(place)?.parse::<i64>().ok());
+        let Some(stamp) = stamp else {
+            ready.skip(at, SkipKind::Text, shown(line.as_bytes()));
+            return Ok(());
+        };
+        let nanos = u32::try_from(stamp.rem_euclid(1_000_000_000)).unwrap_or_default();
+        let time = self.weeks.unix(stamp.div_euclid(1_000_000_000), nanos);
+        let missing =
+            |ready: &mut Ready| ready.skip(at, SkipKind::MissingField, shown(line.as_bytes()));
+        match (&mut self.join, is_place) {
+            (None, true) => {
+                let [_, lat, lon, height, rest @ ..] = self.place.unwrap_or_default();
+                let [horizontal, vertical, speed, bearing, speed_std, bearing_std] =
+                    rest.map(number);
+                let (Some(lat), Some(lon), Some(height)) =
+                    (number(lat), number(lon), number(height))
+                else {
+                    missing(ready);
+                    return Ok(());
+                };
+                let place = [lat, lon, height];
+                let location = Location {
+                    place,
+                    horizontal,
+                    vertical,
+                    speed,
+                    bearing,
+                    speed_std,
+                    bearing_std,
+                };
+                location.fix(at, time, ready);
+            }
+            (Some(join), false) => {
+                let places = self
+                    .sensors
+                    .iter()
+                    .find(|(name, _)| name == file)
+                    .map(|(_, places)| *places);
+                let [_, x, y, z] = places.unwrap_or_default().map(number);
+                let (Some(x), Some(y), Some(z)) = (x, y, z) else {
+                    missing(ready);
+                    return Ok(());
+                };
+                let value = (at, time, Vector3::new(x, y, z));
+                return if GYROS.contains(&file) {
+                    join.gyro(value, ready)
+                } else {
+                    join.accel(value, ready)
+                };
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Whether there was what is wanted.
+    fn end(&self) -> Result<(), ReadError> {
+        let has = |names: [&str; 2]| {
+            self.sensors
+                .iter()
+                .any(|(name, _)| names.contains(&name.as_str()))
+        };
+        match &self.join {
+            Some(join) if !join.given => {
+                let problem = match (has(GYROS), has(ACCELS)) {
+                    (true, false) if self.linear => {
+                        "Accelerometer.csv is without gravity, which an inertial solution needs"
+                    }
+                    (true, false) => "no accelerometers in this folder",
+                    (false, _) => "no gyroscopes in this folder",
+                    (true, true) => "gyroscopes and accelerometers at no common time",
+                };
+                let mend = "record Gyroscope and Total Acceleration or Accelerometer Uncalibrated";
+                Err(ReadError::nameless(problem).mend(mend))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,108 @@
+use std::path::{Path, PathBuf};
+
+use undrift_nav::Vector3;
+use undrift_nav::sample::Position;
+
+use crate::Opened;
+use crate::entry::StreamKind;
+use crate::format::Format;
+use crate::gnss::{GnssLog, GnssReader};
+use crate::imu::{ImuFormat, ImuReader};
+
+/// 8 July 2025 19:34:00 UTC in its GPS week, as the script has it by Unix time.
+const START: f64 = 243_258.0;
+
+fn golden() -> PathBuf {
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../../testdata/golden/formats");
+    Path::new(root).join("sensor-logger/drive")
+}
+
+/// A folder with these files of the golden one.
+fn folder(name: &str, files: &[&str]) -> PathBuf {
+    let path = std::env::temp_dir().join(format!("undrift-io-{}-{name}", std::process::id()));
+    std::fs::create_dir_all(&path).unwrap();
+    for file in files {
+        std::fs::copy(golden().join(file), path.join(file)).unwrap();
+    }
+    path
+}
+
+#[test]
+fn a_folder_is_one_log() {
+    assert_eq!(
+        Opened::open(&golden()).unwrap().format(),
+        Format::SensorLogger
+    );
+    let streams = Opened::open(&golden())
+        .unwrap()
+        .streams(Format::SensorLogger)
+        .unwrap();
+    let listed: Vec<_> = streams
+        .iter()
+        .map(|s| (s.name.as_str(), s.kind, s.messages))
+        .collect();
+    let expected = [
+        ("Gyroscope", StreamKind::Imu, 300),
+        ("TotalAcceleration", StreamKind::Other, 280),
+        ("Location", StreamKind::Fixes, 3),
+    ];
+    assert_eq!(listed, expected);
+    let imu = ImuFormat::log(Format::SensorLogger, None);
+    let mut reader = ImuReader::open(&golden(), &imu).unwrap();
+    let samples: Vec<_> = reader.by_ref().map(Result::unwrap).collect();
+    // The first rate has no force before it; the last force is at 3 ms + 279 · 10.526316 ms = 2.939842 s.
+    assert_eq!(samples.len(), 293);
+    for (sample, k) in samples.iter().zip(1..) {
+        let s = 0.01 * f64::from(k);
+        assert!((sample.time - START - s).abs() < 1e-9);
+        let gyro = Vector3::new(0.001 * f64::from(k), -0.125, 0.25);
+        assert!((sample.dtheta / sample.dt - gyro).amax() < 1e-9);
+        let force = Vector3::new(0.25 * s, 0.125 * s, 9.75 - 0.03125 * s);
+        assert!(
+            (sample.dvel / sample.dt - force).amax() < 1e-7,
+            "{sample:?}"
+        );
+    }
+    let fixes = GnssReader::open(&golden(), &GnssLog::new(Format::SensorLogger).into()).unwrap();
+    let fixes: Vec<_> = fixes.map(Result::unwrap).collect();
+    assert_eq!(fixes.len(), 3);
+    let Some((Position::Geodetic(place), _)) = fixes[1].position else {
+        panic!("{fixes:?}");
+    };
+    assert_eq!((fixes[1].time, place.height), (START + 1.0, 30.5));
+    assert!((fixes[1].velocity.unwrap().0 - Vector3::new(0.0, 12.5, 0.0)).amax() < 1e-12);
+    // Where the speed is not known it is −1.
+    assert!(fixes[2].velocity.is_none());
+}
+
+#[test]
+fn forces_without_gravity_and_folders_of_something_else_are_refused() {
+    let imu = ImuFormat::log(Format::SensorLogger, None);
+    let refused = |path: &Path| {
+        let error = ImuReader::open(path, &imu).and_then(|mut reader| reader.next().unwrap());
+        error.err().unwrap().to_string()
+    };
+    let linear = folder("linear", &["Gyroscope.csv", "Accelerometer.csv"]);
+    assert!(
+        refused(&linear).contains("without gravity"),
+        "{}",
+        refused(&linear)
+    );
+    let gyro = folder("gyro", &["Gyroscope.csv"]);
+    assert!(refused(&gyro).contains("no accelerometers"));
+    let nothing = folder("nothing", &[]);
+    assert!(refused(&nothing).contains("directory"));
+    // A file that breaks off, and one of arbitrary bytes.
+    let damaged = folder("damaged", &["Gyroscope.csv", "TotalAcceleration.csv"]);
+    let whole = std::fs::read(golden().join("Gyroscope.csv")).unwrap();
+    for k in (0..whole.len()).step_by(501) {
+        let mut bytes = whole[..k].to_vec();
+        bytes.extend([0xff, b'\n', b',', 0, b'"']);
+        std::fs::write(damaged.join("Gyroscope.csv"), bytes).unwrap();
+        let count = ImuReader::open(&damaged, &imu).map(|reader| reader.flatten().count());
+        assert!(count.is_ok_and(|count| count <= 300));
+    }
+    for path in [linear, gyro, nothing, damaged] {
+        std::fs::remove_dir_all(path).unwrap();
+    }
+}

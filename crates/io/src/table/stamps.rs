@@ -1,0 +1,105 @@
+//! Times that are text: a date with a time of day, a time of day alone, or one with the date in a column of its
+//! own.
+//!
+//! Dates are UTC and become GPS seconds of the week in which the file starts, as in the logs that have
+//! absolute times. Times of day without a date are seconds of the day in which the file starts, counting on
+//! past midnight.
+
+use super::fields::Defect;
+use crate::skipped::shown;
+use crate::time::{self, WeekClock};
+
+const DAY: f64 = 86_400.0;
+
+/// Makes numbers of the texts in the column of times.
+#[derive(Clone, Debug)]
+pub(super) struct Stamps {
+    /// Places of time and date in the row read; that of the date is behind all others.
+    time: usize,
+    date: Option<usize>,
+    /// What the numbers of the column are to be multiplied by for seconds.
+    scale: f64,
+    weeks: WeekClock,
+    /// Of this row: days from the GPS epoch, and the time of day where it is text \[s\].
+    day: Option<i64>,
+    of_day: Option<f64>,
+    /// The last time of day, and midnights since the first \[s\].
+    last: f64,
+    midnights: f64,
+}
+
+impl Stamps {
+    pub(super) fn new(time: usize, date: Option<usize>, scale: f64) -> Self {
+        Self {
+            time,
+            date,
+            scale,
+            weeks: WeekClock::default(),
+            day: None,
+            of_day: None,
+            last: 0.0,
+            midnights: 0.0,
+        }
+    }
+
+    /// Forgets the row before, which may have had one part alone.
+    pub(super) fn start(&mut self) {
+        (self.day, self.of_day) = (None, None);
+    }
+
+    /// The number that stands for a text in this place of the row read; `None` if it is no time.
+    pub(super) fn read(&mut self, slot: usize, text: &[u8]) -> Option<f64> {
+        if self.date == Some(slot) {
+            let stroke = text
+                .get(4)
+                .filter(|stroke| matches!(stroke, b'-' | b'/' | b'.'))?;
+            self.day = Some(time::date(text, *stroke)?);
+            return Some(0.0);
+        }
+        if self.time != slot {
+            return None;
+        }
+        if self.date.is_some() {
+            self.of_day = Some(time::time_of_day(text)?);
+            return Some(0.0);
+        }
+        let seconds = match self.weeks.date_time(text) {
+            Some(seconds) => seconds,
+            None => self.counted_on(time::time_of_day(text)?),
+        };
+        Some(seconds / self.scale)
+    }
+
+    /// A time of day, counting on past midnight.
+    fn counted_on(&mut self, of_day: f64) -> f64 {
+        // A step back by more than half a day is midnight, one forward by as much a row that overtook.
+        let step = ((of_day - self.last) / DAY).round();
+        if self.last + self.midnights > 0.0 {
+            self.midnights -= step * DAY;
+        }
+        self.last = of_day;
+        of_day + self.midnights
+    }
+
+    /// Puts the time of day and the date of a row together.
+    ///
+    /// # Errors
+    /// If the date is none.
+    pub(super) fn finish(&mut self, out: &mut [f64]) -> Result<(), Defect> {
+        let (day, of_day) = (self.day.take(), self.of_day.take());
+        let Some(place) = out.get_mut(self.time).filter(|_| self.date.is_some()) else {
+            return Ok(());
+        };
+        let Some(day) = day else {
+            return Err(Defect::Text(format!("no date {} …", shown(b"yyyy-mm-dd"))));
+        };
+        let seconds = of_day.unwrap_or(*place * self.scale);
+        *place = self.weeks.utc_day(day, seconds) / self.scale;
+        Ok(())
+    }
+}
+
+/// The number that a text in any column may stand for, to look at a table.
+pub(super) fn any(weeks: &mut WeekClock, text: &[u8]) -> Option<f64> {
+    weeks.date_time(text).or_else(|| time::time_of_day(text))
+}

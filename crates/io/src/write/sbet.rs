@@ -1,0 +1,36 @@
+//! The solution as a smoothed best estimate of trajectory (SBET) has it: records of 17 doubles, the lowest
+//! byte first.
+//!
+//! Second of the GPS week, latitude, longitude \[rad\], height \[m\], velocity north, east, down [m/s], roll, pitch,
+//! platform heading \[rad\], wander angle 0, so that the heading is the yaw; body accelerations and rates 0, since
+//! the solution has none.
+
+use std::io;
+
+use super::solution::SolutionRow;
+use super::text_writer::{Body, TextFormat};
+
+pub(super) fn format() -> TextFormat {
+    TextFormat {
+        head: String::new(),
+        body: Body::Rows(is_whole, |buf, row, _, _| write_row(buf, row)),
+        tail: "",
+    }
+}
+
+fn is_whole(row: &SolutionRow) -> bool {
+    let mut rest = row.v_n.iter().chain(row.rpy.iter());
+    row.has_position() && rest.all(|x| x.is_finite())
+}
+
+fn write_row(buf: &mut Vec<u8>, row: &SolutionRow) -> io::Result<()> {
+    let (p, v, a) = (&row.position, &row.v_n, &row.rpy);
+    let heading = a.z.rem_euclid(std::f64::consts::TAU);
+    let state = [
+        row.time, p.lat, p.lon, p.height, v.x, v.y, v.z, a.x, a.y, heading,
+    ];
+    for value in state.into_iter().chain([0.0; 7]) {
+        buf.extend_from_slice(&value.to_le_bytes());
+    }
+    Ok(())
+}
