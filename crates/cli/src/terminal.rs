@@ -87,6 +87,11 @@ pub fn is_quiet() -> bool {
     LEVEL.load(Relaxed) < 0
 }
 
+/// Whether details were asked for.
+pub fn is_verbose() -> bool {
+    LEVEL.load(Relaxed) > 0
+}
+
 /// Prints a summary to standard output, unless quiet.
 pub fn say(text: impl Display) -> Result<()> {
     if is_quiet() {
