@@ -214,7 +214,7 @@ fn a_model_that_was_written_drifts_as_before() {
             },
             GaussMarkov {
                 sigma: 2.718_281_828_4e-5,
-                tau_s: 1234.567_891_23,
+                tau_s: 1_234.567_891_23,
             },
         ],
         quantisation: Some(1.0 / 3e7),
@@ -285,7 +285,9 @@ fn a_model_that_was_written_drifts_as_before() {
         let digits = |c: &f64| format!("{c:e}").bytes().filter(u8::is_ascii_digit).count();
         let longest = back.ar.iter().chain(&back.ma).map(digits).max();
         // Twelve, and one or two of the exponent.
-        assert!(longest <= Some(14), "{what}: {text}");
+        // Two slow roots leave 1 − Σφ of 1e-8, which twelve digits do not hold: they are written in full.
+        let in_full = what == "two slow roots";
+        assert!(in_full || longest <= Some(14), "{what}: {text}");
     }
 }
 
