@@ -7,7 +7,7 @@ use crate::{
     progress::Bar,
     report::ResultOutput,
     style,
-    terminal::{self, detail, say, stage, warn},
+    terminal::{self, detail, note, say, stage, warn},
 };
 use anyhow::{Context, Result, bail};
 use clap::{
@@ -17,7 +17,7 @@ use clap::{
 use std::path::{Path, PathBuf};
 use undrift::{
     findings,
-    identify::{self, Trend},
+    identify::{self, NotStatic, Trend},
     io::{Opened, table::Column},
     noise::ImuModel,
     record::{self, Record, RecordFormat},
@@ -41,35 +41,44 @@ fn trends() -> impl TypedValueParser<Value = Trend> {
 
 /// Identify how a sensor errs from a record of it at rest, and write the model file.
 ///
-/// The noise of every axis is tested, its Allan deviation taken, and models of it are fitted on the
+/// A record that moves, or whose numbers are not in the units stated, is refused. The noise of every axis is tested, its Allan deviation taken, and models of it are fitted on the
 /// first half of the record; the one that is recommended leaves the least drift on the other half
 /// (docs/identify.md).
 #[derive(Args)]
 #[command(after_help = "Examples:
   undrift identify static.csv.gz --rate 100 --units \"deg/s,g\" -o imu.toml
+  undrift identify drive.toml --span 0,38 -o imu.toml
   undrift identify out/figure1-record.csv --units \"rad/s,m/s^2\" --plot
   undrift identify gyro.csv --columns 2 --axis gyro_z --rate 200 --base adis16465 -o imu.toml
 
-The second takes the record that \"undrift demo --out out\" writes.")]
+The third takes the record that \"undrift demo --out out\" writes.")]
 pub struct Arguments {
-    /// Static record: a table of six axes, or one, or a log in any format that `inspect` knows
+    /// Static record: a table of six axes, or one, a log in any format that `inspect` knows, or a drive file, of which
+    /// the log of [imu] is taken
     #[arg(value_name = "RECORD")]
     record: PathBuf,
     /// Sample rate [Hz]; told from the time stamps if the record has a column for them
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
-    /// Columns by name or number: gyro x,y,z, accelerometer x,y,z, or a single one; told from the header if absent
+    /// Columns by name or number: gyro x,y,z, accelerometer x,y,z, or a single one; by the header if absent, or guessed
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     columns: Vec<String>,
     /// Axis of a single column, gyro_x to accel_z
     #[arg(long, value_name = "AXIS")]
     axis: Option<String>,
-    /// Units of gyro and accelerometer columns, for instance "deg/s,g"; told from the header if absent
+    /// Units of gyro and accelerometer columns, for instance "deg/s,g" or "LSB/131 deg/s,LSB/16384 g" for raw counts; by
+    /// the header if absent, or guessed
     #[arg(long, value_name = "GYRO,ACCEL")]
     units: Option<String>,
     /// Stream of a log that has several of inertial samples
     #[arg(long, value_name = "NAME")]
     topic: Option<String>,
+    /// The part of the record to take, in seconds after its first sample
+    #[arg(long, value_name = "START,END", value_parser = span)]
+    span: Option<(f64, f64)>,
+    /// Identify a record that moves or has implausible units all the same; the model file says so
+    #[arg(long)]
+    force: bool,
     /// Largest n of ARMA(2n, 2n-1) in the Pandit-Wu table
     #[arg(long, value_name = "N", default_value_t = 2)]
     n_max: usize,
@@ -88,6 +97,16 @@ pub struct Arguments {
     plot: bool,
     #[command(flatten)]
     result: ResultOutput,
+}
+
+/// A span by its ends \[s\].
+fn span(text: &str) -> Result<(f64, f64), String> {
+    let ends = text
+        .split_once(',')
+        .and_then(|(start, end)| Some((start.trim().parse().ok()?, end.trim().parse().ok()?)));
+    let wanted = |(start, end): &(f64, f64)| *start >= 0.0 && end > start && end.is_finite();
+    ends.filter(wanted)
+        .ok_or_else(|| "write two times in seconds after the first sample, such as 120,480".into())
 }
 
 /// What the record's columns are.
@@ -123,28 +142,36 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let base = base
         .map(|name| ImuModel::resolve(name, Path::new("")))
         .transpose()?;
-    let opened = Opened::open(&arguments.record)?;
-    details::opened("record", &opened);
-    let record = stage("reading", || record::read(opened, &format))?;
+    let record = stage("reading", || read(arguments, &format))?;
+    let files = files.and_read(record.file.as_deref());
     if !record.skipped.is_empty() {
         warn(format!("{}: {}", record.name.display(), record.skipped));
     }
-    let uneven = findings::of_timing(record.timing.as_ref());
-    uneven.iter().map(sentences::say).for_each(warn);
     let rate_hz = identify::rate(arguments.rate, record.timing.as_ref())
         .with_context(|| record.name.display().to_string())?;
+    let record = match arguments.span {
+        Some(span) => record.within(span, rate_hz),
+        None => record,
+    };
+    let uneven = findings::of_timing(record.timing.as_ref());
+    uneven.iter().map(sentences::say).for_each(warn);
+    let forced = check(arguments, &record, rate_hz)?;
     let options = identify::options(&record, rate_hz, arguments.n_max, arguments.detrend);
     tell_settings(arguments, &record, rate_hz);
     let identified = stage("identification", || {
         let bar = Bar::new("identified", record.axes.len() as u64, "axes");
         identify::run(&record, &options, || bar.add(1))
     });
-    let name = results::name(&record.name);
+    let name = match arguments.span {
+        Some((start, end)) => format!("{}, {start} to {end} s", results::name(&record.name)),
+        None => results::name(&record.name),
+    };
     let result = identified.result(&name);
     let shown =
         arguments.result.is_wanted() && arguments.result.write(&files, &results::text(&result))?;
     if !shown {
-        say(text::identify(&result, style::heading))?;
+        let details = terminal::is_verbose();
+        say(text::identify(&result, details, style::heading).trim_end())?;
         if arguments.plot {
             say(plot::allan(&result))?;
         }
@@ -162,11 +189,68 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return Ok(());
     };
     let provenance = identify::provenance(&record, &name, rate_hz)?;
-    let model = identified.model(base.as_ref(), &name, provenance)?;
+    let mut model = identified.model(base.as_ref(), &name, provenance)?;
+    if let Some(problem) = forced {
+        model.source += &format!("; identified with --force although {problem}");
+    }
     files.write(file, &model.to_toml())?;
     terminal::say(format!("model: {}", file.display()))?;
     warn_of_unknown(file, &model, &identified.without_turn_on(base.as_ref()));
     Ok(())
+}
+
+/// Reads the record: of a drive file the log of its `[imu]`.
+fn read(arguments: &Arguments, format: &RecordFormat) -> Result<Record> {
+    let path = &arguments.record;
+    if path.extension().is_some_and(|ending| ending == "toml") {
+        let stated = [
+            ("--columns", !arguments.columns.is_empty()),
+            ("--units", arguments.units.is_some()),
+            ("--axis", arguments.axis.is_some()),
+            ("--topic", arguments.topic.is_some()),
+        ];
+        if let Some((option, _)) = stated.iter().find(|(_, stated)| *stated) {
+            bail!(
+                "{}: {option} is for a log; of a drive file change [imu]",
+                path.display()
+            );
+        }
+        if format.temperature {
+            bail!(
+                "{}: --detrend temperature takes a table, not a drive file",
+                path.display()
+            );
+        }
+        return Ok(record::read_drive(path)?);
+    }
+    let opened = Opened::open(path)?;
+    details::opened("record", &opened);
+    let record = record::read(opened, format)?;
+    if !record.guessed.is_empty() {
+        let options = record.guessed.iter();
+        let options = options.map(|(option, value)| format!("{option} \"{value}\""));
+        let options = options.collect::<Vec<_>>().join(" ");
+        note(format!("guessed by the numbers: {options}"));
+    }
+    Ok(record)
+}
+
+/// Refuses what is no static recording; with --force the problem is said and given back.
+fn check(arguments: &Arguments, record: &Record, rate_hz: f64) -> Result<Option<NotStatic>> {
+    let problem = identify::not_static(record, rate_hz);
+    match problem {
+        Some(problem) if !arguments.force => bail!(
+            "{}: {problem}; {}; --force identifies it as it is",
+            record.name.display(),
+            sentences::mend(&problem)
+        ),
+        Some(problem) => {
+            terminal::doubt();
+            warn(format!("{}: {problem}", record.name.display()));
+            Ok(Some(problem))
+        }
+        None => Ok(None),
+    }
 }
 
 fn tell_settings(arguments: &Arguments, record: &Record, rate_hz: f64) {

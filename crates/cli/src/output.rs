@@ -53,6 +53,12 @@ impl Files {
         Ok(files)
     }
 
+    /// With a file more that turned out to be read.
+    pub fn and_read(mut self, file: Option<&Path>) -> Self {
+        self.inputs.extend(file.and_then(real));
+        self
+    }
+
     fn spare_inputs(&self, file: &Path) -> Result<()> {
         if real(file).is_some_and(|real| self.inputs.contains(&real)) {
             bail!(

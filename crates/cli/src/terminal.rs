@@ -89,6 +89,11 @@ pub fn is_quiet() -> bool {
     LEVEL.load(Relaxed) < 0
 }
 
+/// Whether details were asked for.
+pub fn is_verbose() -> bool {
+    LEVEL.load(Relaxed) > 0
+}
+
 /// From here on standard output is for a result; summaries go to standard error.
 pub fn take_standard_output() {
     TAKEN.store(true, Relaxed);

@@ -7,6 +7,9 @@
 //! so `mg` is a thousandth of it, never a mass. A number without a unit is refused, except where
 //! the quantity has none.
 //!
+//! Raw counts of a sensor are a unit of columns ([`unit_factor`]): `LSB/131 deg/s` (131 counts are 1 deg/s), as data sheets write it
+//! `131 LSB/(deg/s)` or `8.75 mdps/LSB`, or by sensor and range `mpu6050/250dps`.
+//!
 //! ```
 //! use undrift_nav::units::{Quantity, parse, unit_factor};
 //! let density = parse("2 deg/sqrt(h)", Quantity::AngleRandomWalk)?; // [rad/√s]
@@ -16,6 +19,7 @@
 //! ```
 
 mod expression;
+mod sensor;
 
 use core::fmt;
 use expression::Dimension;
@@ -179,6 +183,8 @@ pub enum UnitErrorKind {
     Malformed(Word),
     /// The unit measures something else, named if it is one of [`Quantity`].
     WrongDimension(Option<Quantity>),
+    /// Raw counts: a unit of columns, and of no quantity but those that inertial sensors and wheels measure.
+    Counts,
 }
 
 impl fmt::Display for UnitError {
@@ -199,6 +205,9 @@ impl fmt::Display for UnitError {
             UnitErrorKind::WrongDimension(None) => {
                 f.write_str("the unit has a wrong dimension; ")?
             }
+            UnitErrorKind::Counts => {
+                f.write_str("raw counts (LSB) are a unit of columns of samples only; ")?
+            }
         }
         write!(
             f,
@@ -211,11 +220,17 @@ impl fmt::Display for UnitError {
 
 impl core::error::Error for UnitError {}
 
-/// The factor that turns a number in `unit` into SI and radians, e.g. π/180 for `"deg/s"`.
+/// The factor that turns a number in `unit` into SI and radians, e.g. π/180 for `"deg/s"`, and π/180/131 for
+/// the raw counts of `"LSB/131 deg/s"`.
 ///
 /// # Errors
 /// No unit where the quantity has one, a unit that cannot be read, or one of another dimension.
 pub fn unit_factor(unit: &str, quantity: Quantity) -> Result<f64, UnitError> {
+    factor(unit, quantity).map(|(factor, _)| factor)
+}
+
+/// The factor of a unit, and whether the unit is one of raw counts.
+fn factor(unit: &str, quantity: Quantity) -> Result<(f64, bool), UnitError> {
     let error = |kind| UnitError {
         expected: quantity,
         kind,
@@ -223,11 +238,27 @@ pub fn unit_factor(unit: &str, quantity: Quantity) -> Result<f64, UnitError> {
     let unit = unit.trim();
     if unit.is_empty() {
         return match quantity {
-            Quantity::Dimensionless => Ok(1.0),
+            Quantity::Dimensionless => Ok((1.0, false)),
             _ => Err(error(UnitErrorKind::NoUnit)),
         };
     }
-    let value = expression::read(unit).map_err(error)?;
+    let mut value = match sensor::read(unit) {
+        Some(of_sensor) => of_sensor.map_err(error)?,
+        None => expression::read(unit).map_err(error)?,
+    };
+    if value.counts != 0 {
+        use Quantity::{Acceleration, Angle, AngularRate, Velocity};
+        if !matches!(quantity, AngularRate | Acceleration | Angle | Velocity) {
+            return Err(error(UnitErrorKind::Counts));
+        }
+        // A sensitivity, counts a unit.
+        if value.counts == 2 && value.dimension == quantity.row().1.map(|exponent| -exponent) {
+            value.factor = 1.0 / value.factor;
+            value.dimension = quantity.row().1;
+        } else if value.counts.abs() != 2 {
+            return Err(error(UnitErrorKind::WrongDimension(None)));
+        }
+    }
     if value.dimension != quantity.row().1 {
         let found = QUANTITIES.iter().find(|row| row.1 == value.dimension);
         return Err(error(UnitErrorKind::WrongDimension(found.map(|row| row.0))));
@@ -235,7 +266,7 @@ pub fn unit_factor(unit: &str, quantity: Quantity) -> Result<f64, UnitError> {
     if !(value.factor.is_finite() && value.factor > 0.0) {
         return Err(error(UnitErrorKind::Malformed(Word::new(unit))));
     }
-    Ok(value.factor)
+    Ok((value.factor, value.counts != 0))
 }
 
 /// A number with its unit, in SI and radians: `parse("25 deg/h", Quantity::AngularRate)` is 1.2e-4.
@@ -257,7 +288,10 @@ pub fn parse(text: &str, quantity: Quantity) -> Result<f64, UnitError> {
     let number: f64 = digits[..end]
         .parse()
         .map_err(|_| error(UnitErrorKind::NoNumber))?;
-    let value = number * unit_factor(&digits[end..], quantity)?;
+    let value = match factor(&digits[end..], quantity)? {
+        (_, true) => return Err(error(UnitErrorKind::Counts)),
+        (factor, false) => number * factor,
+    };
     if !value.is_finite() {
         return Err(error(UnitErrorKind::NoNumber));
     }
@@ -334,6 +368,49 @@ mod tests {
                 (value - si).abs() <= RELATIVE * si.abs() * 2.0,
                 "{text}: {value} {si}"
             );
+        }
+    }
+
+    #[test]
+    fn raw_counts_are_a_unit_of_columns() {
+        let (d, g) = (PI / 180.0, STANDARD_GRAVITY);
+        for (unit, quantity, si) in [
+            ("LSB/131 deg/s", AngularRate, d / 131.0),
+            ("131 LSB/(deg/s)", AngularRate, d / 131.0),
+            ("131 LSB/dps", AngularRate, d / 131.0),
+            ("16.4 LSB/(°/s)", AngularRate, d / 16.4),
+            ("8.75 mdps/LSB", AngularRate, 8.75e-3 * d),
+            ("LSB/16384 g", Acceleration, g / 16384.0),
+            ("16384 LSB/g", Acceleration, g / 16384.0),
+            ("0.061 mg/LSB", Acceleration, 6.1e-5 * g),
+            ("250/32768 deg/s/LSB", AngularRate, 250.0 * d / 32768.0),
+            ("LSB/1e6 rad", Angle, 1e-6),
+            ("LSB/100 m/s", Velocity, 0.01),
+            ("mpu6050/250dps", AngularRate, 250.0 * d / 32768.0),
+            ("MPU6050/16 g", Acceleration, 16.0 * g / 32768.0),
+            ("lsm6dso/2000 deg/s", AngularRate, 0.07 * d),
+        ] {
+            let factor = unit_factor(unit, quantity).unwrap_or_else(|e| panic!("{unit}: {e}"));
+            assert!((factor / si - 1.0).abs() < 1e-14, "{unit}: {factor} {si}");
+        }
+        for (unit, quantity, message) in [
+            ("LSB", AngularRate, "a number without unit"),
+            ("LSB/131", AngularRate, "a number without unit"),
+            ("LSB/16384 g", AngularRate, "the unit of an acceleration"),
+            ("131 LSB/deg/s", AngularRate, "wrong dimension"),
+            ("LSB^2/131 deg/s", AngularRate, "wrong dimension"),
+            ("LSB/0 deg/s", AngularRate, "cannot be read"),
+            ("LSB/1000 s", Time, "columns of samples only"),
+            ("131 deg/s", AngularRate, "cannot be read at \"131 deg/s\""),
+            ("mpu6050/250", AngularRate, "the unit is missing"),
+            ("mpu6050/250 g", AngularRate, "the unit of an acceleration"),
+        ] {
+            let error = unit_factor(unit, quantity).unwrap_err().to_string();
+            assert!(error.contains(message), "{unit}: {error}");
+        }
+        // Is 131 the number or part of the unit?
+        for text in ["131 LSB/(deg/s)", "5 LSB/131 deg/s", "2 mpu6050/250dps"] {
+            assert!(parse(text, AngularRate).is_err(), "{text}");
         }
     }
 

@@ -66,7 +66,7 @@ pub(crate) fn units(name: &str) -> &'static Units {
 }
 
 /// "gyro x" of "gyro_x".
-fn spoken(name: &str) -> String {
+pub(crate) fn spoken(name: &str) -> String {
     name.replace("accel_", "accelerometer_").replace('_', " ")
 }
 

@@ -5,12 +5,14 @@
 mod fill;
 mod fixes;
 mod logs;
+mod recording;
 mod sensors;
 mod solution;
 mod start;
 mod words;
 
 pub use fill::{WHITE_CALIBRATED, all, cut, demo, navigated, outcome};
+pub use recording::mend;
 pub use solution::{cause, verdict};
 pub use start::{alignment, mounting, unsolved};
 

@@ -32,6 +32,7 @@ mod tests;
 
 pub use error::{ConfigError, DriveError};
 pub use gnss::Correlation;
+pub use imu::{ImuLog, load_imu};
 pub use logs::Logs;
 pub use section::Section;
 pub(crate) use section::{parse, read_text};

@@ -1,9 +1,11 @@
 //! A static record of six axes, or one, into a model file and the reasoning behind it.
 
+mod rest;
 mod result;
 mod series;
 mod settings;
 
+pub use rest::{Likely, NotStatic, not_static};
 pub use series::RecordSeries;
 pub use settings::{RecordingError, options, provenance, rate};
 pub use undrift_noise::screening::Trend;

@@ -89,6 +89,11 @@ pub fn by_names(names: &[String]) -> Vec<Part> {
     parts
 }
 
+/// What the names of a table's columns and its first rows show: the parts that they can serve.
+pub fn of_table(beginning: Preview) -> Vec<Part> {
+    columns::parts_of(beginning, &mut Vec::new())
+}
+
 /// Which of its three texts a file of KF-GINS is.
 fn kf_gins(path: &Path, columns: usize, logs: &mut Logs) -> &'static str {
     match columns {

@@ -1,6 +1,13 @@
-//! Static records: six axes, or one, from a table, or six from a log that says itself what it holds.
+//! Static records: six axes, or one, from a table; six from a log that says itself what it holds, or that a drive
+//! file describes.
 
-use crate::columns::{IMU_STEP, Meaning, meaning, time_unit};
+mod guess;
+
+use crate::{
+    columns::{IMU_STEP, Meaning, meaning, time_unit},
+    drive::{self, DriveError},
+};
+use guess::Guess;
 use std::path::{Path, PathBuf};
 use undrift_io::{
     Opened, ReadError,
@@ -8,6 +15,7 @@ use undrift_io::{
     imu::{ImuFormat, ImuReader},
     layouts,
     skipped::Skipped,
+    source::BytesRead,
     table::{Column, Preview, Stamp, TableOptions},
 };
 use undrift_nav::units::{Quantity, unit_factor};
@@ -45,8 +53,14 @@ pub struct Record {
     pub samples: Vec<Vec<f64>>,
     /// Temperature of each sample [°C or K], where it was asked for.
     pub temperature: Option<Vec<f64>>,
-    /// What the time stamps say, where the header names a time column.
+    /// Time stamps \[s\], where there are any.
+    pub stamps: Vec<f64>,
+    /// What they say.
     pub timing: Option<Timing>,
+    /// Units of gyro and accelerometer columns; `None` of a log that is in SI units.
+    pub units: Option<(String, String)>,
+    /// What nobody stated and no name says, guessed from the numbers: each with the option that would state it.
+    pub guessed: Vec<(&'static str, String)>,
     /// Rows left out.
     pub skipped: Skipped,
 }
@@ -64,8 +78,27 @@ fn named_axis(column: &str) -> Option<(usize, Option<String>)> {
     }
 }
 
-/// Rows that the unit of the time is guessed from.
-const BEGINNING: usize = 200;
+impl Record {
+    /// The part of a record at a rate \[Hz\] between two times after its first sample \[s\].
+    pub fn within(mut self, span: (f64, f64), rate_hz: f64) -> Self {
+        let length = self.samples.first().map_or(0, Vec::len);
+        // Beyond either end is the end.
+        let at = |time: f64| ((time * rate_hz).round() as usize).min(length);
+        let part = at(span.0)..at(span.1).max(at(span.0));
+        let cut = |values: &mut Vec<f64>| {
+            values.truncate(part.end);
+            values.drain(..part.start.min(values.len()));
+        };
+        self.samples.iter_mut().for_each(cut);
+        self.temperature.iter_mut().for_each(cut);
+        cut(&mut self.stamps);
+        self.timing = timing(&self.stamps).ok();
+        self
+    }
+}
+
+/// Rows that units and columns are guessed from.
+const BEGINNING: usize = 4000;
 
 /// Reads a record in one pass.
 ///
@@ -95,24 +128,39 @@ pub fn read(opened: Opened, format: &RecordFormat) -> Result<Record, ReadError> 
 }
 
 /// Reads a record whose columns and units are known.
-fn read_samples(
-    opened: Opened,
-    format: &ImuFormat,
-    mut record: Record,
-) -> Result<Record, ReadError> {
-    let mut reader = ImuReader::new(opened, format)?;
+fn read_samples(opened: Opened, format: &ImuFormat, record: Record) -> Result<Record, ReadError> {
+    let reader = ImuReader::new(opened, format)?;
+    of_samples(reader, record)
+}
+
+/// Reads the record that the table `[imu]` of a drive file describes, its `[span]` alone; axes are the body's.
+///
+/// # Errors
+/// If the drive file or the log cannot be read, or a key has a wrong value.
+pub fn read_drive(path: &Path) -> Result<Record, DriveError> {
+    let imu = drive::load_imu(path)?;
+    let opened = imu.logs.open(&imu.path, &BytesRead::default())?;
+    let record = Record {
+        name: imu.path.clone(),
+        file: opened.file().map(Path::to_path_buf),
+        units: imu.units,
+        ..Record::default()
+    };
+    Ok(read_samples(opened, &imu.format, record)?)
+}
+
+fn of_samples(mut reader: ImuReader, mut record: Record) -> Result<Record, ReadError> {
     record.axes = AXES.to_vec();
     record.samples = vec![Vec::new(); AXES.len()];
-    let mut stamps = Vec::new();
     for sample in reader.by_ref() {
         let sample = sample?;
         let (gyro, accel) = (sample.dtheta / sample.dt, sample.dvel / sample.dt);
         for (axis, value) in record.samples.iter_mut().zip(gyro.iter().chain(&accel)) {
             axis.push(*value);
         }
-        stamps.push(sample.time);
+        record.stamps.push(sample.time);
     }
-    record.timing = timing(&stamps).ok();
+    record.timing = timing(&record.stamps).ok();
     record.skipped = reader.skipped().clone();
     Ok(record)
 }
@@ -125,12 +173,15 @@ fn read_table(
 ) -> Result<Record, ReadError> {
     let beginning = opened.preview(BEGINNING)?;
     let found = find(&beginning, format);
-    let Found { axes, time, wanted } =
-        found.map_err(|problem| ReadError::new(&record.name, problem))?;
+    let Found {
+        axes,
+        time,
+        wanted,
+        guessed,
+    } = found.map_err(|problem| ReadError::new(&record.name, problem))?;
     let mut row = vec![0.0; wanted.columns.len()];
     let mut table = opened.table(&wanted)?;
     let mut temperature = format.temperature.then(Vec::new);
-    let mut stamps = Vec::new();
     record.samples = vec![Vec::new(); axes.len()];
     while table.next_row(&mut row)?.is_some() {
         for ((column, value), axis) in record.samples.iter_mut().zip(&row).zip(&axes) {
@@ -140,12 +191,18 @@ fn read_table(
             column.push(row[axes.len()]);
         }
         if let (Some(scale), Some(time)) = (time, row.last()) {
-            stamps.push(*time * scale);
+            record.stamps.push(*time * scale);
         }
     }
+    let unit = |gyro: bool| {
+        let mut units = axes.iter().filter(|axis| (axis.index < 3) == gyro);
+        units.find_map(|axis| axis.unit.clone()).unwrap_or_default()
+    };
+    record.units = Some((unit(true), unit(false)));
+    record.guessed = guessed;
     record.axes = axes.iter().map(|axis| AXES[axis.index]).collect();
     record.temperature = temperature;
-    record.timing = timing(&stamps).ok();
+    record.timing = timing(&record.stamps).ok();
     record.skipped = table.skipped().clone();
     Ok(record)
 }
@@ -155,7 +212,7 @@ struct Axis {
     /// Its place in [`AXES`].
     index: usize,
     column: Column,
-    /// The unit that its name tells.
+    /// Its unit: stated, by its name, or guessed.
     unit: Option<String>,
     /// From its unit to SI.
     scale: f64,
@@ -168,43 +225,64 @@ struct Found {
     time: Option<f64>,
     /// The axes, the temperature, the time.
     wanted: TableOptions,
+    guessed: Vec<(&'static str, String)>,
 }
 
-/// Finds the columns; `Err` says what is missing.
+/// Finds the columns; `Err` says what is missing. What neither the format nor the header says is guessed of six
+/// axes.
 fn find(beginning: &Preview, format: &RecordFormat) -> Result<Found, String> {
     let header = &beginning.header;
-    let mut axes = find_axes(header, format)?;
+    let mut guessed = Vec::new();
+    let mut guess = None;
+    let mut axes = match find_axes(header, format) {
+        Err(problem) if format.columns.is_empty() => {
+            guess = Guess::of(beginning);
+            let found = guess.as_ref().ok_or(problem)?.axes()?;
+            let columns: Vec<String> = found.iter().map(|axis| bare(&axis.column)).collect();
+            guessed.push(("--columns", columns.join(",")));
+            found
+        }
+        found => found?,
+    };
+    let unknown = axes.iter().any(|axis| axis.unit.is_none()) && format.units.is_none();
+    if unknown && axes.len() == AXES.len() && format.columns.is_empty() {
+        guess = guess.or_else(|| Guess::of(beginning));
+        if let Some(guess) = &guess {
+            guess.fill_units(&mut axes)?;
+            guessed.push(("--units", guess.units.join(",")));
+        }
+    }
     for axis in &mut axes {
         axis.scale = scale(axis, format)?;
     }
-    let time = header
+    let named = header
         .iter()
         .enumerate()
         .find_map(|(k, name)| match meaning(name) {
-            Some((Meaning::Time, unit)) => Some((k, unit)),
+            Some((Meaning::Time, unit)) => Some((Column::Number(k + 1), unit)),
             _ => None,
         });
+    let time = named.or_else(|| Some((guess?.time?, None)));
     let temperature = match header.iter().position(|name| is_temperature(name)) {
         _ if !format.temperature => None,
         None => return Err("no column is the temperature: the header must name one \"temp\", \"temperature\" or with the ending \"_C\"".into()),
         found => found,
     };
-    let numbered = |name: &str, place: usize| (name.to_owned(), Column::Number(place + 1));
     let keyed = axes
         .iter()
         .map(|axis| (AXES[axis.index].to_owned(), axis.column.clone()));
+    let temperature = temperature.map(|place| Column::Number(place + 1));
     let columns: Vec<_> = keyed
-        .chain(temperature.map(|place| numbered("temperature", place)))
-        .chain(time.as_ref().map(|(place, _)| numbered("time", *place)))
+        .chain(temperature.map(|column| ("temperature".to_owned(), column)))
+        .chain(
+            time.iter()
+                .map(|(column, _)| ("time".to_owned(), column.clone())),
+        )
         .collect();
-    let time: Option<f64> = time.map(|(place, unit)| match unit {
+    let time: Option<f64> = time.map(|(column, unit)| match unit {
         Some(unit) => unit_factor(&unit, Quantity::Time).unwrap_or(1.0),
         None => {
-            let stamps = beginning
-                .rows
-                .iter()
-                .filter_map(|row| row.get(place).copied());
-            let stamps: Vec<f64> = stamps.collect();
+            let stamps = values(beginning, &column);
             time_unit(&stamps, IMU_STEP).map_or(1.0, |(_, factor)| factor)
         }
     });
@@ -218,7 +296,30 @@ fn find(beginning: &Preview, format: &RecordFormat) -> Result<Found, String> {
         stamp,
         ..TableOptions::default()
     };
-    Ok(Found { axes, time, wanted })
+    Ok(Found {
+        axes,
+        time,
+        wanted,
+        guessed,
+    })
+}
+
+/// The first numbers of a column.
+fn values(beginning: &Preview, column: &Column) -> Vec<f64> {
+    let place = match column {
+        Column::Number(number) => number.checked_sub(1),
+        Column::Name(name) => beginning.header.iter().position(|known| known == name),
+    };
+    let rows = beginning.rows.iter();
+    rows.filter_map(|row| row.get(place?).copied()).collect()
+}
+
+/// A column as an option takes it.
+fn bare(column: &Column) -> String {
+    match column {
+        Column::Name(name) => name.clone(),
+        Column::Number(number) => number.to_string(),
+    }
 }
 
 /// The columns of the axes: as stated, else by the names in the header.
@@ -276,8 +377,8 @@ fn find_axes(header: &[String], format: &RecordFormat) -> Result<Vec<Axis>, Stri
     }
 }
 
-/// The factor from an axis's unit, stated or told by its name, to SI.
-fn scale(axis: &Axis, format: &RecordFormat) -> Result<f64, String> {
+/// The factor from an axis's unit, stated, by its name or guessed, to SI.
+fn scale(axis: &mut Axis, format: &RecordFormat) -> Result<f64, String> {
     let (quantity, stated) = match (axis.index < 3, &format.units) {
         (true, units) => (Quantity::AngularRate, units.as_ref().map(|(gyro, _)| gyro)),
         (false, units) => (
@@ -285,11 +386,10 @@ fn scale(axis: &Axis, format: &RecordFormat) -> Result<f64, String> {
             units.as_ref().map(|(_, accel)| accel),
         ),
     };
-    let unit = stated.or(axis.unit.as_ref()).ok_or_else(|| {
+    axis.unit = stated.or(axis.unit.as_ref()).cloned();
+    let unit = axis.unit.as_ref().ok_or_else(|| {
         let column = &axis.column;
-        format!(
-            "the unit of column {column} is not known; give --units, for instance \"deg/s,g\" (undrift inspect guesses it by the numbers)"
-        )
+        format!("the unit of column {column} is not known; give --units, for instance \"deg/s,g\"")
     })?;
     unit_factor(unit, quantity).map_err(|e| format!("--units \"{unit}\": {e}"))
 }

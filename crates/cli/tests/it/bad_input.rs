@@ -11,6 +11,7 @@ mod long;
 mod models;
 mod montecarlo;
 mod places;
+mod recordings;
 mod reliability;
 mod repeated;
 mod reports;

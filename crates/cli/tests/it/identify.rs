@@ -407,7 +407,9 @@ fn a_bad_axis_does_not_spoil_the_others() {
             }
         })
         .collect();
-    let arguments = ["--rate", "100", "--n-max", "1", "-o", "imu.toml"];
+    let arguments = [
+        "--rate", "100", "--n-max", "1", "-v", "--force", "-o", "imu.toml",
+    ];
     let output = identify(&folder, &text, &arguments);
     assert!(output.status.success(), "{output:?}");
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -445,8 +447,20 @@ fn what_is_no_record_is_said() {
     says(&constant, &["--rate", "100"], "constant");
     let nothing = format!("{HEADER}\n{}", "nan,nan,nan,nan,nan,nan\n".repeat(2000));
     says(&nothing, &[], "NaN");
-    says(&record("a,b,c,d,e,f", 2000), &[], "--columns");
-    says(&record("gx,gy,gz,ax,ay,az", 2000), &[], "--units");
+    let one = format!("a,b\n{}", "1,2\n3,5\n".repeat(1000));
+    says(&one, &[], "--columns");
+    // Of one axis nothing is guessed.
+    says(
+        &record("gx,gy,gz,ax,ay,az", 2000),
+        &["--columns", "gx"],
+        "--units",
+    );
+    for record in [
+        record("a,b,c,d,e,f", 2000),
+        record("gx,gy,gz,ax,ay,az", 2000),
+    ] {
+        says(&record, &[], "--rate");
+    }
     says(&record(HEADER, 2000), &["--units", "deg,g"], "angular rate");
     says(
         &record(HEADER, 2000),

@@ -7,15 +7,18 @@ use core::f64::consts::{PI, TAU};
 /// Twice the exponents of time, length and angle.
 pub(super) type Dimension = [i32; 3];
 
-/// Reads a whole unit.
+/// Reads a whole unit. Numbers belong to raw counts alone: `5 deg/s` is no unit, `LSB/131 deg/s` is one.
 pub(super) fn read(unit: &str) -> Result<Unit, UnitErrorKind> {
-    let mut reader = Reader { rest: unit };
+    let mut reader = Reader {
+        rest: unit,
+        number: None,
+    };
     let value = reader.product(0)?;
     reader.skip_space();
-    if reader.rest.is_empty() {
-        Ok(value)
-    } else {
-        Err(reader.malformed())
+    match reader.number {
+        _ if !reader.rest.is_empty() => Err(reader.malformed()),
+        Some(number) if value.counts == 0 => Err(UnitErrorKind::Malformed(number)),
+        _ => Ok(value),
     }
 }
 
@@ -48,19 +51,22 @@ pub(super) fn number_length(text: &str) -> usize {
 pub(super) struct Unit {
     pub(super) factor: f64,
     pub(super) dimension: Dimension,
+    /// Twice the exponent of raw counts.
+    pub(super) counts: i32,
 }
 
 impl Unit {
     /// To the power `halves / 2`; none if an exponent would be a quarter or absurdly large.
     fn power(self, halves: i32) -> Option<Self> {
+        let scaled = |exponent: i32| {
+            let scaled = exponent.checked_mul(halves)?;
+            (scaled % 2 == 0 && scaled.abs() <= 64).then_some(scaled / 2)
+        };
         let mut dimension = self.dimension;
         for exponent in &mut dimension {
-            let scaled = exponent.checked_mul(halves)?;
-            if scaled % 2 != 0 || scaled.abs() > 64 {
-                return None;
-            }
-            *exponent = scaled / 2;
+            *exponent = scaled(*exponent)?;
         }
+        let counts = scaled(self.counts)?;
         let base = if halves % 2 == 0 {
             self.factor
         } else {
@@ -74,6 +80,7 @@ impl Unit {
         Some(Self {
             factor: if count < 0 { 1.0 / factor } else { factor },
             dimension,
+            counts,
         })
     }
 
@@ -87,7 +94,11 @@ impl Unit {
         } else {
             self.factor * other.factor
         };
-        Self { factor, dimension }
+        Self {
+            factor,
+            dimension,
+            counts: self.counts.saturating_add(sign * other.counts),
+        }
     }
 }
 
@@ -96,6 +107,8 @@ const MAX_DEPTH: usize = 8;
 
 struct Reader<'a> {
     rest: &'a str,
+    /// The first number that is not 1 and no exponent.
+    number: Option<Word>,
 }
 
 impl Reader<'_> {
@@ -185,7 +198,7 @@ impl Reader<'_> {
         Ok(value)
     }
 
-    /// A parenthesis, a root, `1`, or a symbol.
+    /// A parenthesis, a root, a number, or a symbol.
     fn factor(&mut self, depth: usize) -> Result<Unit, UnitErrorKind> {
         if self.take("(") {
             let inside = self.product(depth + 1)?;
@@ -198,13 +211,19 @@ impl Reader<'_> {
         if self.take("√") {
             return self.root(depth);
         }
-        if self.take("1") {
+        self.skip_space();
+        if self.rest.starts_with(|c: char| c.is_ascii_digit()) {
+            let word = Word::new(self.rest);
+            let factor = self.number()?;
+            if factor != 1.0 {
+                self.number.get_or_insert(word);
+            }
             return Ok(Unit {
-                factor: 1.0,
+                factor,
                 dimension: [0; 3],
+                counts: 0,
             });
         }
-        self.skip_space();
         let length = self
             .rest
             .char_indices()
@@ -250,6 +269,13 @@ const DEG: f64 = PI / 180.0;
 /// One symbol with its prefix. `m` is the metre, `h` the hour, `g` standard gravity.
 fn symbol(word: &str) -> Option<Unit> {
     let (factor, dimension) = match word {
+        "LSB" | "lsb" | "counts" => {
+            return Some(Unit {
+                factor: 1.0,
+                dimension: [0; 3],
+                counts: 2,
+            });
+        }
         "s" | "sec" | "secs" | "second" | "seconds" => (1.0, TIME),
         "ms" | "msec" => (1e-3, TIME),
         "us" | "µs" | "μs" | "usec" => (1e-6, TIME),
@@ -294,5 +320,9 @@ fn symbol(word: &str) -> Option<Unit> {
         "ppm" => (1e-6, [0; 3]),
         _ => return None,
     };
-    Some(Unit { factor, dimension })
+    Some(Unit {
+        factor,
+        dimension,
+        counts: 0,
+    })
 }

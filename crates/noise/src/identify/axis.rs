@@ -137,7 +137,8 @@ impl Axis {
     pub fn model(&self) -> AxisModel {
         let chosen = self.recommended();
         let list = |of: fn(&HorizonScore) -> f64, scores: &[HorizonScore]| -> toml::Value {
-            scores.iter().map(of).collect::<Vec<f64>>().into()
+            let scores = scores.iter().map(of).map(four_digits);
+            scores.collect::<Vec<f64>>().into()
         };
         let scores = self.candidates.iter();
         let scores: toml::Table = scores
@@ -157,6 +158,11 @@ impl Axis {
             ..chosen.model.clone()
         }
     }
+}
+
+/// More than the sampling error of a score supports.
+fn four_digits(score: f64) -> f64 {
+    format!("{score:.3e}").parse().unwrap_or(score)
 }
 
 impl Candidate {

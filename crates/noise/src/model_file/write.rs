@@ -1,9 +1,14 @@
-//! Writing of model files, in the units of data sheets.
+//! Writing of model files, in the units of data sheets and in as few digits as carry what is known.
+
+mod round;
+mod value;
 
 use super::{AXES, AxisModel, FORMAT, ImuModel, VERSION};
 use crate::composite::GaussMarkov;
+use round::{coefficients, six_digits};
 use std::fmt::Write;
 use undrift_nav::units::{self, Quantity};
+use value::{as_key, filled, text};
 
 /// The units written: level at turn-on and in ARMA, slow bias, white noise, random walk, rounding of
 /// the integrated signal.
@@ -31,21 +36,22 @@ const ACCEL: Units = Units {
 };
 
 const HERTZ: (&str, Quantity) = ("Hz", Quantity::Frequency);
+const SECONDS: (&str, Quantity) = ("s", Quantity::Time);
 
 pub(super) fn to_text(model: &ImuModel) -> String {
     let mut out = String::new();
-    line(&mut out, "format", &quoted(FORMAT));
+    line(&mut out, "format", &text("format", FORMAT));
     line(&mut out, "version", &VERSION.to_string());
-    line(&mut out, "name", &quoted(&model.name));
-    line(&mut out, "source", &quoted(&model.source));
+    line(&mut out, "name", &text("name", &model.name));
+    line(&mut out, "source", &text("source", &model.source));
     let p = &model.provenance;
     if *p != super::Provenance::default() {
         out.push_str("\n[provenance]\n");
-        let text = |text: &Option<String>| text.as_deref().map(quoted);
+        let known = |key, value: &Option<String>| value.as_deref().map(|value| text(key, value));
         let entries = [
-            ("record", text(&p.record)),
-            ("sha256", text(&p.sha256)),
-            ("program", text(&p.program)),
+            ("record", known("record", &p.record)),
+            ("sha256", known("sha256", &p.sha256)),
+            ("program", known("program", &p.program)),
             ("rate", p.rate_hz.map(|rate| measure(rate, HERTZ))),
             ("samples", p.samples.map(|samples| samples.to_string())),
         ];
@@ -78,15 +84,20 @@ fn axis(out: &mut String, name: &str, axis: &AxisModel, units: &Units) {
     let _ = writeln!(out, "\n[{name}]");
     let one = |value: Option<f64>, unit| value.map(|value| measure(value, unit));
     let list = |of: fn(&GaussMarkov) -> f64, unit| {
-        let values: Vec<f64> = axis.instability.iter().map(of).collect();
-        (!values.is_empty()).then(|| measures(&values, unit))
+        let values = axis.instability.iter().map(|p| measure(of(p), unit));
+        let values: Vec<String> = values.collect();
+        match values.as_slice() {
+            [] => None,
+            [one] => Some(one.clone()),
+            several => Some(format!("[{}]", several.join(", "))),
+        }
     };
     let entries = [
         ("turn_on", one(Some(axis.turn_on), units.level)),
         ("white_noise", one(axis.white, units.noise)),
         ("quantisation", one(axis.quantisation, units.rounding)),
         ("bias_instability", list(|p| p.sigma, units.slow)),
-        ("correlation_time", list(|p| p.tau_s, ("s", Quantity::Time))),
+        ("correlation_time", list(|p| p.tau_s, SECONDS)),
         ("random_walk", one(axis.random_walk, units.walk)),
         ("paper_sigma", one(axis.paper_sigma, units.level)),
     ];
@@ -96,14 +107,31 @@ fn axis(out: &mut String, name: &str, axis: &AxisModel, units: &Units) {
     if let Some(arma) = &axis.arma {
         let _ = writeln!(out, "\n[{name}.arma]");
         line(out, "rate", &measure(arma.rate_hz, HERTZ));
-        line(out, "ar", &format!("{:?}", arma.ar));
-        line(out, "ma", &format!("{:?}", arma.ma));
+        let [ar, ma] = coefficients(arma);
+        line(out, "ar", &numbers("ar", &ar));
+        line(out, "ma", &numbers("ma", &ma));
         line(out, "sigma", &measure(arma.sigma, units.level));
     }
     if !axis.identification.is_empty() {
-        let _ = writeln!(out, "\n[{name}.identification]");
-        for (key, value) in &axis.identification {
-            line(out, &as_key(key), &value.to_string());
+        table(out, &format!("{name}.identification"), &axis.identification);
+    }
+}
+
+/// A table and the tables in it, each with a head of its own.
+fn table(out: &mut String, path: &str, entries: &toml::Table) {
+    let _ = writeln!(out, "\n[{path}]");
+    for (key, value) in entries.iter().filter(|(_, value)| !value.is_table()) {
+        let key = as_key(key);
+        let value = match value {
+            toml::Value::String(one) => text(&key, one),
+            toml::Value::Array(items) => filled(&key, items.iter().map(ToString::to_string)),
+            other => other.to_string(),
+        };
+        line(out, &key, &value);
+    }
+    for (key, value) in entries {
+        if let Some(entries) = value.as_table() {
+            table(out, &format!("{path}.{}", as_key(key)), entries);
         }
     }
 }
@@ -112,72 +140,16 @@ fn line(out: &mut String, key: &str, value: &str) {
     let _ = writeln!(out, "{key} = {value}");
 }
 
-fn quoted(text: &str) -> String {
-    toml::Value::String(text.to_owned()).to_string()
+fn numbers(key: &str, values: &[f64]) -> String {
+    filled(key, values.iter().map(|value| format!("{value:?}")))
 }
 
-/// A key, bare where it can be; a key in quotes is never of more than one line.
-fn as_key(key: &str) -> String {
-    let is_bare = |b: u8| b.is_ascii_alphanumeric() || b == b'_' || b == b'-';
-    if !key.is_empty() && key.bytes().all(is_bare) {
-        return key.to_owned();
+/// The number in six digits: what is read from the text is written as the same text.
+fn measure(value: f64, (unit, quantity): (&str, Quantity)) -> String {
+    let number = six_digits(value / units::unit_factor(unit, quantity).unwrap_or(1.0));
+    if number == 0.0 || (1e-5..1e7).contains(&number.abs()) {
+        format!("\"{number} {unit}\"")
+    } else {
+        format!("\"{number:e} {unit}\"")
     }
-    let mut out = String::from("\"");
-    for c in key.chars() {
-        match c {
-            '"' | '\\' => out.extend(['\\', c]),
-            c if c.is_control() => {
-                let _ = write!(out, "\\u{:04X}", u32::from(c));
-            }
-            c => out.push(c),
-        }
-    }
-    out.push('"');
-    out
-}
-
-/// One number as it is, several as a list.
-fn measures(values: &[f64], unit: (&str, Quantity)) -> String {
-    match values {
-        [one] => measure(*one, unit),
-        _ => {
-            let items: Vec<String> = values.iter().map(|v| measure(*v, unit)).collect();
-            format!("[{}]", items.join(", "))
-        }
-    }
-}
-
-/// The number in few digits: up to fifteen that read back as it to rounding, or as many as are needed
-/// to have it exactly. A number that no text reads back as, since the product with the unit's factor
-/// rounds, gives way to its neighbour. What is read from the text is written as the same text.
-fn measure(mut value: f64, (unit, quantity): (&str, Quantity)) -> String {
-    let factor = units::unit_factor(unit, quantity).unwrap_or(1.0);
-    let written = |number: f64, digits: usize| {
-        let rounded: f64 = format!("{number:.digits$e}").parse().unwrap_or(number);
-        if rounded == 0.0 || (1e-5..1e7).contains(&rounded.abs()) {
-            format!("{rounded} {unit}")
-        } else {
-            format!("{rounded:e} {unit}")
-        }
-    };
-    let read = |text: &String| units::parse(text, quantity).unwrap_or(f64::NAN);
-    for _ in 0..2 {
-        let number = value / factor;
-        // Two texts of fifteen digits are at least 1e-15 apart.
-        let is_near = |text: &String| (read(text) - value).abs() <= 5e-16 * value.abs();
-        let about = [number, number.next_down(), number.next_up()];
-        let found = (0..15)
-            .map(|digits| written(number, digits))
-            .find(is_near)
-            .or_else(|| {
-                (15..17)
-                    .flat_map(|digits| about.map(|number| written(number, digits)))
-                    .find(|text| read(text) == value)
-            });
-        if let Some(text) = found {
-            return quoted(&text);
-        }
-        value = read(&written(number, 16));
-    }
-    quoted(&written(value / factor, 16))
 }

@@ -1,5 +1,7 @@
 //! An identified record as text, and the source paper's Tables 2 and 3.
 
+mod terms;
+
 use crate::{
     identify::{drift_table, identified, pandit_wu, tests, units},
     plain::{Mark, plain_table},
@@ -7,8 +9,39 @@ use crate::{
 use std::fmt::Write as _;
 use undrift::results::{Axis, Detrend, Identify};
 
+/// Whether the record serves and the terms of each axis' model; `details` puts the tests and candidates of each
+/// axis before.
+pub fn identify(result: &Identify, details: bool, mark: Mark) -> String {
+    let verdict = wrapped(&terms::verdict(result));
+    let terms = terms::table(result, mark);
+    match details {
+        true => format!("{verdict}\n{}\n{terms}", every_axis(result, mark)),
+        false => format!("{verdict}\n{terms}"),
+    }
+}
+
+/// Characters of a line.
+const WIDTH: usize = 80;
+
+/// A text in lines, the later ones indented.
+fn wrapped(text: &str) -> String {
+    let (mut out, mut length) = (String::new(), 0);
+    for word in text.split(' ') {
+        let more = word.chars().count() + 1;
+        if length > 0 && length + more > WIDTH {
+            out.truncate(out.trim_end().len());
+            out += "\n  ";
+            length = 2;
+        }
+        out += word;
+        out.push(' ');
+        length += more;
+    }
+    format!("{}\n", out.trim_end())
+}
+
 /// What was found of each axis, with its candidates by their drift.
-pub fn identify(result: &Identify, mark: Mark) -> String {
+fn every_axis(result: &Identify, mark: Mark) -> String {
     let known = result.in_order().filter(|(_, axis)| axis.error.is_none());
     let texts = known.map(|(name, axis)| {
         let head = format!("{} samples at {} Hz", axis.samples, result.rate_hz.0);

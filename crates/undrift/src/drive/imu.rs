@@ -3,13 +3,50 @@
 use super::{
     error::{ConfigError, DriveError},
     logs::Logs,
-    section::Section,
-    tables::read_delimiter,
+    section::{Section, parse, read_text},
+    tables::{read_delimiter, read_span},
 };
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use toml::de::DeValue;
 use undrift_io::{format::Format, imu::ImuFormat, layouts};
 use undrift_nav::{Matrix3, Vector3, attitude::from_rpy, units::Quantity};
+
+/// The inertial log of a drive file.
+pub struct ImuLog {
+    /// Where it is, and the span of it that is read.
+    pub logs: Logs,
+    /// The file.
+    pub path: PathBuf,
+    /// What its samples are.
+    pub format: ImuFormat,
+    /// Units of gyro and accelerometer columns, as stated; of increments and logs `None`.
+    pub units: Option<(String, String)>,
+}
+
+/// Reads the tables `[imu]` and `[span]` of a drive file; the others may be missing.
+///
+/// # Errors
+/// As [`Drive::load`](super::Drive::load), for those tables.
+pub fn load_imu(path: &Path) -> Result<ImuLog, DriveError> {
+    let (text, file) = read_text(path)?;
+    let table = parse(&text, &file)?;
+    let top = Section::top(table.get_ref(), &text, &file);
+    let mut logs = Logs {
+        folder: path.parent().unwrap_or(Path::new("")).to_path_buf(),
+        span: read_span(&top.section("span")?)?,
+        ..Logs::default()
+    };
+    let section = top.section("imu")?;
+    let ((path, format), _) = read_imu(&section, &mut logs)?;
+    let unit = |key| Ok::<_, ConfigError>(section.text(key)?.map(str::to_owned));
+    let units = unit("gyro_unit")?.zip(unit("accel_unit")?);
+    Ok(ImuLog {
+        logs,
+        path,
+        units: units.filter(|_| !format.increments),
+        format,
+    })
+}
 
 pub(crate) fn read_imu(
     section: &Section,

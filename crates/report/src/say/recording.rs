@@ -1,0 +1,50 @@
+//! What to do about a record that is no static recording.
+
+use undrift::identify::{Likely, NotStatic};
+
+/// The mend of a record that was refused.
+pub fn mend(problem: &NotStatic) -> String {
+    match problem {
+        NotStatic::Force {
+            likely, gyro_unit, ..
+        } => force(*likely, gyro_unit),
+        NotStatic::Counts { accel_unit, .. } => {
+            let accel = match accel_unit.as_str() {
+                "" => "LSB/16384 g",
+                unit => unit,
+            };
+            format!(
+                "give the sensitivity of the data sheet, for instance --units \"LSB/131 deg/s,{accel}\" (gyro_unit of a drive file)"
+            )
+        }
+        NotStatic::Turning { .. } => {
+            "it turns, or the unit of the gyros is wrong (--units, gyro_unit of a drive file)"
+                .into()
+        }
+        NotStatic::Moving {
+            rest: Some((start, end)),
+            ..
+        } => format!("its longest rest is --span {start},{end}"),
+        NotStatic::Moving { rest: None, .. } => {
+            "it has no rest that is long enough: record it lying still".into()
+        }
+    }
+}
+
+fn force(likely: Likely, gyro: &str) -> String {
+    match likely {
+        Likely::Unit(unit) if gyro.is_empty() => format!("the unit is likely {unit}"),
+        Likely::Unit(unit) => format!(
+            "the unit is likely {unit}: --units \"{gyro},{unit}\" (accel_unit = \"{unit}\" in a drive file)"
+        ),
+        Likely::GravityRemoved => {
+            "gravity was removed from the samples: record the accelerometers' own output".into()
+        }
+        Likely::Increments => "the columns are velocity increments: describe them in a drive file, with data = \"increments\" \
+             in [imu], and give that instead"
+            .into(),
+        Likely::Unknown => {
+            "correct the unit (--units) or the order of the columns (--columns)".into()
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! Identified models in the terms of a data sheet.
+
+use crate::{
+    Cell, Table,
+    identify::spoken,
+    numbers::{short, span},
+    plain::{Mark, plain_table},
+};
+use std::f64::consts::PI;
+use undrift::results::{Axis, Identify, Number};
+
+/// Units of a sensor's terms, and their factors from SI.
+struct Units {
+    white: (&'static str, f64),
+    bias: (&'static str, f64),
+    walk: (&'static str, f64),
+    rounding: (&'static str, f64),
+    constant: (&'static str, f64),
+}
+
+const DEG: f64 = 180.0 / PI;
+const GYRO: Units = Units {
+    white: ("°/√h", DEG * 60.0),
+    bias: ("°/h", DEG * 3600.0),
+    walk: ("°/h/√h", DEG * 3600.0 * 60.0),
+    rounding: ("arcsec", DEG * 3600.0),
+    constant: ("°/s", DEG),
+};
+const MILLI_G: f64 = 1e3 / 9.806_65;
+const ACCEL: Units = Units {
+    white: ("m/s/√h", 60.0),
+    bias: ("mg", MILLI_G),
+    walk: ("mg/√h", MILLI_G * 60.0),
+    rounding: ("mm/s", 1e3),
+    constant: ("mg", MILLI_G),
+};
+
+/// Whether the record serves, and why not.
+pub(super) fn verdict(result: &Identify) -> String {
+    let axes: Vec<(&str, &Axis)> = result.in_order().collect();
+    let known = axes.iter().filter(|(_, axis)| axis.error.is_none());
+    let known: Vec<_> = known.collect();
+    let doubts: Vec<String> = axes
+        .iter()
+        .filter_map(|(name, axis)| doubt(name, axis))
+        .collect();
+    let doubts = doubts.join("; ");
+    let Some((_, first)) = known.first() else {
+        return format!("Not usable: {doubts}.");
+    };
+    let rate = result.rate_hz.0;
+    let of = match known.len() {
+        1 => "1 axis".to_owned(),
+        n => format!("{n} axes"),
+    };
+    let record = format!(
+        "{of}, {} at {} Hz",
+        span(first.samples as f64 / rate),
+        short(rate)
+    );
+    let horizon = first.chosen.drift_score.keys();
+    let longest = horizon
+        .filter_map(|key| key.parse::<f64>().ok())
+        .fold(0.0, f64::max);
+    let brief = match longest {
+        60.0.. => String::new(),
+        s => format!(" It is too short to judge drifts beyond {s} s."),
+    };
+    match doubts.as_str() {
+        "" => format!("Usable: {record}.{brief}"),
+        doubts => format!("Usable with care: {doubts} ({record}).{brief}"),
+    }
+}
+
+/// Why an axis is not to be trusted.
+fn doubt(name: &str, axis: &Axis) -> Option<String> {
+    let why = match &axis.error {
+        Some(error) => error.as_str(),
+        None if axis.moving == Some(true) => "the record is not static",
+        None if !axis.saturation.is_empty() => "the axis is saturated",
+        None if !axis.hanging.is_empty() => "the sensor hangs",
+        None => return None,
+    };
+    Some(format!("{}: {why}", spoken(name)))
+}
+
+/// A row for each axis below one of units for its sensor.
+pub(super) fn table(result: &Identify, mark: Mark) -> String {
+    let known = || result.in_order().filter(|(_, axis)| axis.error.is_none());
+    let mut rows: Vec<[String; 7]> = Vec::new();
+    for (sensor, units) in [("gyro", &GYRO), ("accel", &ACCEL)] {
+        let axes: Vec<_> = known()
+            .filter(|(name, _)| name.starts_with(sensor))
+            .collect();
+        if axes.is_empty() {
+            continue;
+        }
+        let heads = [
+            units.white,
+            units.bias,
+            ("s", 1.0),
+            units.walk,
+            units.rounding,
+            units.constant,
+        ];
+        let mut head = heads.map(|(unit, _)| unit.to_owned()).to_vec();
+        head.insert(0, String::new());
+        rows.extend(<[String; 7]>::try_from(head));
+        rows.extend(axes.into_iter().map(|(name, axis)| row(name, axis, units)));
+    }
+    if rows.is_empty() {
+        return String::new();
+    }
+    let heads = ["axis", "N", "B", "τ", "K", "Q", "turn-on"];
+    let table = Table {
+        name: String::new(),
+        caption: String::new(),
+        head: heads.map(str::to_owned).to_vec(),
+        rows: rows
+            .into_iter()
+            .map(|row| row.map(Cell::from).to_vec())
+            .collect(),
+    };
+    let text = plain_table(&table, mark);
+    let of_allan = known().any(|(_, axis)| is_arma(axis));
+    let note = match of_allan {
+        true => "* terms of the Allan deviation: the model recommended is an ARMA\n",
+        false => "",
+    };
+    format!("{text}{note}")
+}
+
+/// Whether the recommended model has no terms.
+fn is_arma(axis: &Axis) -> bool {
+    axis.chosen.white.get().is_none()
+}
+
+fn row(name: &str, axis: &Axis, units: &Units) -> [String; 7] {
+    let chosen = &axis.chosen;
+    let scaled = |number: Number, (_, factor): (&str, f64)| match number.get() {
+        Some(value) if value > 0.0 => short(value * factor),
+        _ => "–".to_owned(),
+    };
+    let allan = &axis.allan_terms;
+    let seen = |term: &undrift::results::Term| if term.seen { term.value } else { f64::NAN };
+    let (white, walk, rounding) = match is_arma(axis) {
+        true => (
+            allan.white.value.into(),
+            seen(&allan.random_walk).into(),
+            seen(&allan.quantisation).into(),
+        ),
+        false => (chosen.white, chosen.random_walk, chosen.quantisation),
+    };
+    let processes = |of: fn(&undrift::noise::GaussMarkov) -> f64, factor: f64| {
+        let values = chosen
+            .gauss_markov
+            .iter()
+            .map(|process| short(of(process) * factor));
+        match Vec::from_iter(values).join(", ") {
+            none if none.is_empty() => "–".to_owned(),
+            values => values,
+        }
+    };
+    let label = if is_arma(axis) {
+        format!("{} *", spoken(name))
+    } else {
+        spoken(name)
+    };
+    [
+        label,
+        scaled(white, units.white),
+        processes(|process| process.sigma, units.bias.1),
+        processes(|process| process.tau_s, 1.0),
+        scaled(walk, units.walk),
+        scaled(rounding, units.rounding),
+        scaled(chosen.turn_on, units.constant),
+    ]
+}

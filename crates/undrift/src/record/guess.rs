@@ -1,0 +1,66 @@
+//! What an inspection guesses of a table's columns and units.
+
+use super::Axis;
+use crate::{
+    drive::{Section, parse},
+    inspect,
+};
+use undrift_io::table::{Column, Preview};
+
+/// Six columns, their units and the time.
+pub(super) struct Guess {
+    gyro: [Column; 3],
+    accel: [Column; 3],
+    /// Of gyros and accelerometers.
+    pub(super) units: [String; 2],
+    pub(super) time: Option<Column>,
+    increments: bool,
+}
+
+const INCREMENTS: &str = "by their size the columns are increments: describe them in a drive file (undrift inspect FILE -o drive.toml) and give \
+     that instead";
+
+impl Guess {
+    /// By the names and the first rows of a table; `None` where they do not show six axes.
+    pub(super) fn of(beginning: &Preview) -> Option<Self> {
+        let parts = inspect::of_table(beginning.clone());
+        let imu = parts.into_iter().find(|part| part.table == "imu")?;
+        let lines = imu.lines.iter();
+        let text: String = lines
+            .map(|line| format!("{} = {}\n", line.key, line.value))
+            .collect();
+        let parsed = parse(&text, "").ok()?;
+        let keys = Section::top(parsed.get_ref(), &text, "");
+        let unit = |key| Some(keys.text(key).ok()??.to_owned());
+        Some(Self {
+            gyro: keys.columns("gyro").ok()??,
+            accel: keys.columns("accel").ok()??,
+            units: [unit("gyro_unit")?, unit("accel_unit")?],
+            time: keys.column("time").ok()?,
+            increments: keys.text("data").ok()? == Some("increments"),
+        })
+    }
+
+    /// The columns as the axes of a record.
+    pub(super) fn axes(&self) -> Result<Vec<Axis>, String> {
+        let columns = self.gyro.iter().chain(&self.accel).enumerate();
+        let axes = columns.map(|(index, column)| Axis {
+            index,
+            column: column.clone(),
+            unit: None,
+            scale: 1.0,
+        });
+        Ok(axes.collect())
+    }
+
+    /// Gives the axes without a unit the one that was guessed.
+    pub(super) fn fill_units(&self, axes: &mut [Axis]) -> Result<(), String> {
+        if self.increments {
+            return Err(INCREMENTS.into());
+        }
+        for axis in axes.iter_mut().filter(|axis| axis.unit.is_none()) {
+            axis.unit = Some(self.units[usize::from(axis.index > 2)].clone());
+        }
+        Ok(())
+    }
+}
