@@ -91,7 +91,7 @@ def test_hostile_records_are_refused_in_the_library_s_words(name: str, short: Fl
             call(x)
         return str(caught.value)
 
-    too_short = ("too short: ", "samples are too few", "samples are present", "the recording is constant")
+    too_short = ("too short: ", "too few samples", "samples are present", "the recording is constant")
     if name != "detrend":
         assert any(words in message([1.0]) for words in too_short)
     assert message([]).startswith(("too short: 0 samples", "0 samples"))

@@ -242,7 +242,7 @@ fn read_columns(section: &Section, fixes: FixOptions) -> Result<GnssFormat, Conf
             return Err(section.error("baseline", "set position or baseline, not both"));
         }
         (Some(_), _) | (_, Some(_)) if ecef.is_some() => {
-            return Err(section.error("ecef", "give position, baseline or ecef, one of them"));
+            return Err(section.error("ecef", "set only one of position, baseline and ecef"));
         }
         (Some(columns), None) => Some(Place::Geodetic {
             columns,

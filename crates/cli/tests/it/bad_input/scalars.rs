@@ -49,7 +49,7 @@ fn both_are_used_and_their_errors_found() {
     let (outcome, _) = drive("ticks", &format!("{ticks}{pressure}")).solution();
     says(
         &outcome.stdout,
-        &["OdometerScale [-0.0", "barometric height error: 4"],
+        &["odometer scale factor: -", "barometric height error: 4"],
     );
     // Outages leave them alone.
     let case = drive("outages", &format!("{WHEEL}{BARO}"));
@@ -213,7 +213,7 @@ fn mistakes_in_their_tables() {
         ),
         (
             baro("0.5 m", "0 m"),
-            &["barometer.std: must be a standard deviation above zero"],
+            &["barometer.std: must be a positive standard deviation"],
         ),
         (
             baro("std", "std_column = \"x\"\nstd"),
@@ -262,7 +262,7 @@ fn mistakes_in_their_tables() {
         ),
         (
             vehicle("zero_velocity = \"-1 m/s\""),
-            &["vehicle.zero_velocity: must be a standard deviation above zero, or \"off\""],
+            &["vehicle.zero_velocity: must be a positive standard deviation, or \"off\""],
         ),
         (
             vehicle("zero_angular_rate = \"1 m/s\""),

@@ -112,7 +112,7 @@ fn milliseconds_called_seconds() {
     log.set("time = \"t\"", "time = \"t\"\ntime_unit = \"ns\"");
     says(
         &log.write("s_imu").refusal(),
-        &["samples a second are none of an IMU"],
+        &["invalid sample rate for an IMU"],
     );
 }
 
