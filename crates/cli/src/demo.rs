@@ -20,8 +20,8 @@ use undrift_report::{figures, text};
 
 /// Simulate a drive, cut its GNSS 15 times, and compare the noise models.
 ///
-/// A static record and a 10-minute drive are simulated, the sensors identified from the record, and the
-/// noise models run through outages of 10 s: Tables 2, 3 and 4 of Wang, Lyu & Wu (2016).
+/// Simulates a static recording and a 10-minute drive, identifies the sensors from the recording, and runs the
+/// noise models through outages of 10 s: Tables 2, 3 and 4 of Wang, Lyu & Wu (2016).
 #[derive(Args)]
 #[command(after_help = "Examples:
   undrift demo
@@ -31,10 +31,10 @@ pub struct Arguments {
     /// Seed of the drive, the sensors and the receiver
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Take the models from the simulation's own parameters instead of identifying them
+    /// Use the simulation's own noise models instead of identified ones
     #[arg(long)]
     true_models: bool,
-    /// Write the tables' and figures' data and demo.svg into this folder
+    /// Write the data of tables and figures and demo.svg into this folder
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
     #[command(flatten)]

@@ -1,4 +1,4 @@
-//! What --verbose tells of what is read.
+//! What --verbose shows of the files that are read.
 
 use crate::terminal::detail;
 use std::path::{Path, PathBuf};
@@ -13,9 +13,9 @@ pub fn size(path: &Path) -> u64 {
     Opened::files(path).iter().map(size).sum()
 }
 
-/// Tells of a log that is open: its size, and the format by its content.
+/// Shows a log that is open: its size, and the format detected.
 pub fn opened(what: &str, log: &Opened) {
-    let format = || format!("{} by its content", log.format().describe());
+    let format = || format!("{} detected from its content", log.format().describe());
     described(what, log.name(), format);
 }
 
@@ -27,7 +27,7 @@ fn described(what: &str, path: &Path, format: impl FnOnce() -> String) {
     });
 }
 
-/// Tells of a drive: its files, and what is made of them.
+/// Shows a drive: its files and settings.
 pub fn drive(file: &Path, drive: &Drive) {
     detail(1, || format!("drive: {}", file.display()));
     let is_table = matches!(drive.imu.1.source, ImuSource::Table { .. });
@@ -54,26 +54,26 @@ pub fn drive(file: &Path, drive: &Drive) {
         let mounting = if drive.estimate_mounting {
             "to be estimated"
         } else {
-            "as stated"
+            "as specified"
         };
         format!(
-            "settings: lever arm {}, {}, {} m, gate {}, adapt {}, uses {:?}, mounting {mounting}",
+            "settings: lever arm {}, {}, {} m, gate {}, adapt {}, uses {}, mounting {mounting}",
             arm.x,
             arm.y,
             arm.z,
             on(drive.gating),
             on(drive.adapt),
-            drive.gnss_use,
+            drive.gnss_use.describe(),
         )
     });
     detail(2, || format!("{drive:#?}"));
 }
 
-/// A table is one because its columns are named; anything else tells itself what it is.
+/// A table has its columns in the drive file; anything else describes itself.
 fn log(drive: &Drive, what: &str, path: Option<&PathBuf>, is_table: bool) {
     let Some(path) = path else { return };
     if is_table {
-        let by = "a table by the columns that the drive file names";
+        let by = "a table with the columns of the drive file";
         described(what, path, || by.into());
     } else if let Ok(log) = drive.logs.open(path, &BytesRead::default()) {
         opened(what, &log);

@@ -21,7 +21,7 @@ use undrift::{
 };
 use undrift_report::{html, say as sentences, text};
 
-/// What is done with drives.
+/// What to do with the drives.
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum Task {
     /// Cut their GNSS, as `undrift outages` does
@@ -32,11 +32,11 @@ enum Task {
     Tune,
 }
 
-/// Process many logs: all cores, what is up to date left out, one table and one report.
+/// Process many logs on all cores into one table and one report; up-to-date results are skipped.
 ///
-/// The logs are those of a manifest (docs/fleet.md), or drive files by name or pattern. Each one's
-/// result is kept in a file of its own in the folder; one that fails stops none of the others, and a
-/// run that was ended goes on where it was.
+/// The logs come from a manifest (docs/fleet.md), or are drive files by name or pattern. Each result is
+/// kept in its own file in the folder. A log that fails does not stop the others, and an interrupted run
+/// can be resumed.
 #[derive(Args)]
 #[command(after_help = "Examples:
   undrift fleet fleet.toml -o out
@@ -50,28 +50,28 @@ pub struct Arguments {
     /// Write results.parquet, fleet.json, fleet.html and each log's result into this folder
     #[arg(short, long, value_name = "DIR", help_heading = "Output")]
     output: PathBuf,
-    /// Process one of N shards of the logs only, for N processes or machines that share the folder
+    /// Process only shard I of N, for N processes or machines that share the folder
     #[arg(long, value_name = "I/N", value_parser = shard, conflicts_with_all = ["gather", "json", "report", "figures"])]
     shard: Option<(usize, usize)>,
-    /// Process nothing, but make table and report of results that shards have left
+    /// Only make the table and report from the results of finished shards
     #[arg(long)]
     gather: bool,
-    /// Process again what failed
+    /// Process failed logs again
     #[arg(long, conflicts_with = "gather")]
     retry_failed: bool,
-    /// Threads, and logs at a time; 0 for as many as there are cores
+    /// Threads, each with one log at a time; 0: one per core
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(..=4096))]
     threads: u16,
-    /// What is done with drives; the manifest's word or outages if absent
+    /// What to do with the drives. Default: the manifest's task, else outages
     #[arg(long, value_name = "VERB", value_enum)]
     task: Option<Task>,
     /// The same as --task tune
     #[arg(long, conflicts_with = "task")]
     tune: bool,
-    /// Serial number of the IMU; {stem}, {folder} and {parent} in it are parts of the log's name
+    /// Serial number of the IMU; {stem}, {folder} and {parent} stand for parts of the log's name
     #[arg(long, value_name = "TEXT")]
     unit: Option<String>,
-    /// Folder of the drives' log files, if not the drive files' own; {stem}, {folder}, {parent} as above
+    /// Folder of the log files. Default: that of each drive file; {stem}, {folder}, {parent} as above
     #[arg(long, value_name = "DIR")]
     data: Option<String>,
     /// Noise model of the IMU: a model file or a preset
@@ -141,7 +141,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         if failed > 0 {
             terminal::doubt();
             warn(format!(
-                "{failed} logs of the shard failed; --gather tells which"
+                "{failed} logs of the shard failed; --gather lists them"
             ));
         }
         return say(format!("shard {which} of {of}: {line}"));
@@ -153,7 +153,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         say(line)?;
         say(text::fleet(&result, style::heading))?;
         say(format!(
-            "results.parquet, fleet.json and fleet.html: {}",
+            "results.parquet, fleet.json and fleet.html are in {}",
             folder.display()
         ))?;
     }
@@ -214,7 +214,7 @@ fn override_by(choice: &mut Choice, arguments: &Arguments) {
     }
 }
 
-/// What is shown one by one of a longer list.
+/// Entries shown of a longer list.
 const SHOWN: usize = 10;
 
 fn warn_of_troubles(result: &Fleet) {
@@ -222,7 +222,7 @@ fn warn_of_troubles(result: &Fleet) {
         terminal::doubt();
     }
     for troubles in [&result.failed, &result.untrusted] {
-        // Bias models or axes of one log that fail alike are named together.
+        // Bias models or axes of one log that fail alike are listed together.
         let alike = troubles.chunk_by(|a, b| a.log == b.log && a.why == b.why);
         for alike in alike.clone().take(SHOWN) {
             let parts = alike.iter().filter_map(|trouble| trouble.part.as_deref());
@@ -235,7 +235,7 @@ fn warn_of_troubles(result: &Fleet) {
         }
         let more = alike.skip(SHOWN).count();
         if more > 0 {
-            warn(format!("and {more} more; fleet.html names them"));
+            warn(format!("and {more} more; fleet.html lists them"));
         }
     }
 }

@@ -12,20 +12,20 @@ use undrift_report::inspect as report;
 
 /// Describe log files and write a starter drive file.
 ///
-/// Shown are format, streams, rate, gaps, units, and how they are known.
+/// Shows format, streams, rate, gaps and units, and how each is known.
 #[derive(Args)]
 #[command(after_help = "Examples:
   undrift inspect imu.csv gnss.pos -o drive.toml
   undrift inspect imu.csv gnss.pos --vehicle car -o drive.toml
   undrift inspect flight.ulg --json -")]
 pub struct Arguments {
-    /// Logs of an IMU, of a receiver, or of both
+    /// Logs of an IMU, a receiver, or both
     #[arg(value_name = "FILE", required = true)]
     files: Vec<PathBuf>,
     /// Write a drive file that reads them
     #[arg(short, long, value_name = "DRIVE.toml", help_heading = "Output")]
     output: Option<PathBuf>,
-    /// Profile of the vehicle to write into the drive file
+    /// Vehicle profile to write into the drive file
     #[arg(long, value_name = "PROFILE", requires = "output", value_parser = profile)]
     vehicle: Option<Profile>,
     #[command(flatten)]

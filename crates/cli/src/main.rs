@@ -36,13 +36,13 @@ Examples:
 
 Exit codes:
   0  done
-  1  failed: the message names file, line, key and what to do
-  2  the command line cannot be understood
-  3  done, but the result cannot be trusted; only with --strict, else 0 and a warning
+  1  failed: the message states file, line, key and what to do
+  2  invalid command line
+  3  done, but the result cannot be trusted; only with --strict, otherwise 0 and a warning
 
 Environment:
-  NO_COLOR        no colours, if it is set
-  CLICOLOR_FORCE  colours also where standard output is no terminal, if it is set and not 0";
+  NO_COLOR        if set, no colours
+  CLICOLOR_FORCE  if set and not 0, colours even if standard output is not a terminal";
 
 /// Exit code of a result that cannot be trusted.
 const UNTRUSTED: u8 = 3;
@@ -99,7 +99,7 @@ fn main() -> ExitCode {
     match result {
         Ok(()) if terminal.strict && terminal::doubted() => {
             terminal::error(&anyhow::anyhow!(
-                "the result cannot be trusted; the warnings say why"
+                "the result cannot be trusted; see the warnings"
             ));
             ExitCode::from(UNTRUSTED)
         }

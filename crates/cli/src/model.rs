@@ -12,7 +12,7 @@ use std::{
 };
 use undrift::noise::{ImuModel, ModelFormat};
 
-/// Write the noise model of an IMU as Kalibr, KF-GINS, ROS, PX4 or MATLAB read it.
+/// Write the noise model of an IMU for Kalibr, KF-GINS, ROS, PX4 or MATLAB.
 #[derive(Args)]
 #[command(after_help = "Examples:
   undrift model adis16465 --to kalibr --rate 200 -o imu.yaml
@@ -23,16 +23,16 @@ pub struct Arguments {
     /// A model file or a preset
     #[arg(value_name = "IMU.toml", required_unless_present = "list")]
     model: Option<String>,
-    /// Show the presets with their numbers; with --json, their model files
+    /// List the presets with their values; with --json, as model files
     #[arg(long, conflicts_with_all = ["model", "to", "rate"])]
     list: bool,
     /// Format: kalibr, kf-gins, ros, px4, matlab, or undrift for the model file with every value in it
     #[arg(long, value_name = "NAME", required_unless_present_any = ["json", "list"])]
     to: Option<ModelFormat>,
-    /// Rate of the samples [Hz], of EKF2's predictions for px4; if not that of the identified record
+    /// Sample rate [Hz]; for px4, the rate of EKF2's predictions. Default: that of the identified recording
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
-    /// Write into this file instead of to standard output
+    /// Write into this file instead of standard output
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: Option<PathBuf>,
     #[command(flatten)]

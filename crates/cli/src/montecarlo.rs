@@ -19,26 +19,26 @@ use undrift_report::{figures, text};
 
 /// Simulate a drive many times and compare the filter's errors with its own covariance (NEES, NIS).
 ///
-/// The motion is the same in every run; the noise is drawn anew. A filter that knows its own errors has
-/// an average NEES inside its bounds (docs/montecarlo.md).
+/// The motion is the same in every run; the noise differs. A consistent filter has an average NEES
+/// within its bounds (docs/montecarlo.md).
 #[derive(Args)]
 #[command(after_help = "Examples:
   undrift montecarlo examples/montecarlo-car.toml --runs 100 --json montecarlo.json
   undrift montecarlo examples/montecarlo-car.toml --runs 20 --bias-models arma --figure nees.svg")]
 pub struct Arguments {
-    /// What to simulate and what to tell the filter
+    /// Simulation and filter settings
     #[arg(value_name = "SPEC.toml")]
     spec: PathBuf,
     /// Number of runs
     #[arg(long, value_name = "N", default_value_t = 100)]
     runs: usize,
-    /// Seed of all runs' noise; the drive's own seed is in the SPEC
+    /// Seed of the noise of all runs; the SPEC has the seed of the drive
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Bias models to run, instead of the SPEC's
+    /// Bias models to run instead of the SPEC's
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     bias_models: Vec<BiasModel>,
-    /// Draw the average NEES over time with its bounds
+    /// Plot the average NEES over time with its bounds
     #[arg(long, value_name = "FILE.svg", help_heading = "Output")]
     figure: Option<PathBuf>,
     #[command(flatten)]

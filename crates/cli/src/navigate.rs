@@ -23,9 +23,8 @@ use undrift_report::{say as sentences, text};
 
 /// Navigate a drive: IMU and GNSS into position, velocity and attitude.
 ///
-/// The drive file says which columns of which files are what, in which units, and how the IMU sits
-/// (docs/drive-file.md). What came of it is told in a few lines; the solution itself is written where -o
-/// says.
+/// The drive file specifies the files, their columns and units, and the mounting of the IMU
+/// (docs/drive-file.md). A summary is printed; -o writes the solution.
 #[derive(Args)]
 #[command(after_help = "Examples:
   undrift navigate examples/rtk-drive.toml --data logs -o nav.csv -o nav.kml
@@ -43,30 +42,30 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME", default_value = "arma")]
     bias_model: BiasModel,
     /// Write the solution, in the format of the extension: csv (every sample, with standard deviations
-    /// and estimated sensor errors), nav (KF-GINS), nmea, kml, geojson, gpx, mcap, parquet, sbet; may be given again
+    /// and estimated sensor errors), nav (KF-GINS), nmea, kml, geojson, gpx, mcap, parquet, sbet; repeatable
     #[arg(short, long, value_name = "nav.csv", help_heading = "Output")]
     output: Vec<PathBuf>,
-    /// Format of the solution, whatever the extension: csv, kf-gins, nmea, kml, geojson, gpx, mcap, parquet or sbet
+    /// Format of the solution regardless of the extension: csv, kf-gins, nmea, kml, geojson, gpx, mcap, parquet or sbet
     #[arg(long, value_name = "NAME", help_heading = "Output")]
     format: Option<SolutionFormat>,
-    /// GPS week in which the log begins, for formats with dates
+    /// GPS week at the start of the log, for formats with dates
     #[arg(long, value_name = "N", help_heading = "Output", value_parser = clap::value_parser!(u32).range(..10_000))]
     week: Option<u32>,
-    /// Least time between rows of the solution [s]; 0 for every sample. Default: 0, but 0.1 for nmea,
+    /// Minimum time between rows of the solution [s]; 0: every sample. Default: 0, but 0.1 for nmea,
     /// kml, geojson and gpx
     #[arg(long, value_name = "S", help_heading = "Output")]
     every: Option<f64>,
-    /// Smooth: at every sample the best estimate given the whole log
+    /// Smooth: use the whole log for the estimate at every sample
     #[arg(long)]
     smooth: bool,
     #[command(flatten)]
     result: ResultOutput,
 }
 
-/// What every verb on a drive takes.
+/// Options of every verb on a drive.
 #[derive(Args)]
 pub struct Common {
-    /// Folder of the drive's log files, if not the drive file's own
+    /// Folder of the log files. Default: that of the drive file
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
     /// Noise model of the IMU: a model file or a preset (`undrift model --list`)
@@ -135,7 +134,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 /// The files that were asked for.
 fn outputs(arguments: &Arguments) -> Result<Vec<SolutionFile>> {
     if arguments.format.is_some() && arguments.output.len() > 1 {
-        bail!("--format is for one -o; of several, the extension of each says it");
+        bail!("--format needs a single -o; several are written by their extensions");
     }
     let options = SolutionOptions {
         week: arguments.week,

@@ -21,11 +21,10 @@ use undrift::{
 };
 use undrift_report::{figures, say as sentences, text};
 
-/// Cut GNSS again and again on a drive and measure how far each bias model drifts.
+/// Cut GNSS repeatedly on a drive and measure how far each bias model drifts.
 ///
-/// Every bias model navigates the drive with GNSS withheld during the outages. The errors inside them,
-/// against the truth or else against the fixes withheld, are told as maximum, RMS and median over the
-/// outages.
+/// Every bias model navigates the drive with GNSS withheld during the outages. Errors inside them, against
+/// the truth or else the withheld fixes, are reported as maximum, RMS and median over the outages.
 #[derive(Args)]
 #[command(after_help = "Examples:
   undrift outages examples/rtk-drive.toml --data logs --length 10 --every 30 --start 40
@@ -44,16 +43,16 @@ pub struct Arguments {
     bias_models: Vec<BiasModel>,
     #[command(flatten)]
     plan: Plan,
-    /// Starts of the outages in the GNSS file's own time base [s], instead of --start, --count and --every
+    /// Start times of the outages in the GNSS file's time [s], instead of --start, --count and --every
     #[arg(long, value_name = "T1,T2,…", value_delimiter = ',', conflicts_with_all = ["count", "every", "start"], help_heading = "Outages")]
     at: Option<Vec<f64>>,
-    /// Smooth: measure the errors that are left when the fixes after an outage are known too
+    /// Smooth: measure the errors when the fixes after an outage are used too
     #[arg(long)]
     smooth: bool,
     /// Write outages.json and outages.svg into this folder
     #[arg(short, long, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
-    /// Draw the truth, or the fixes, with the outages in another colour: kml, geojson or gpx by extension
+    /// Write the truth, or the fixes, with the outages marked: kml, geojson or gpx by extension
     #[arg(long, value_name = "track.kml")]
     track: Option<PathBuf>,
     #[command(flatten)]
@@ -66,7 +65,7 @@ pub struct Plan {
     /// Length of an outage [s]. Default: 10
     #[arg(long, value_name = "S", help_heading = "Outages")]
     pub length: Option<f64>,
-    /// Number of outages in each drive; evenly spread unless --every is given
+    /// Number of outages in each drive; evenly spread without --every
     #[arg(long, value_name = "N", help_heading = "Outages")]
     pub count: Option<usize>,
     /// From the start of one outage to the start of the next [s]
@@ -95,12 +94,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let logs = Logs::load(&drive).map_err(|error| anyhow!(sentences::unsolved(error)))?;
     if let Some(mounting) = &logs.mounting {
         note(format!(
-            "mounting estimated: {}",
+            "estimated mounting: {}",
             sentences::mounting(mounting)
         ));
     }
     let plan = Schedule::asked(arguments.at.clone(), every, count, start)
-        .context("say how many outages: --count N, --every SECONDS, or --at T1,T2,…")?;
+        .context("specify the outages: --count N, --every SECONDS, or --at T1,T2,…")?;
     let cuts = logs.plan(&plan, length)?;
     let outcomes = stage("navigation", || {
         let total = logs.imu.len() * arguments.bias_models.len();
@@ -150,12 +149,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 fn track_format(path: &Path) -> Result<SolutionFormat> {
     SolutionFormat::from_path(path)
         .filter(|format| format.is_map())
-        .with_context(|| {
-            format!(
-                "--track {}: a track is .kml, .geojson or .gpx",
-                path.display()
-            )
-        })
+        .with_context(|| format!("--track {}: must be .kml, .geojson or .gpx", path.display()))
 }
 
 fn write_track(path: &Path, track: &[TruthSample], cuts: &[Outage], drive: &Path) -> Result<()> {

@@ -43,7 +43,7 @@ impl Files {
             }
             match file.parent() {
                 Some(folder) if folder != Path::new("") && !folder.is_dir() => bail!(
-                    "cannot write {}: there is no folder {}",
+                    "cannot write {}: no such folder {}",
                     file.display(),
                     folder.display()
                 ),
@@ -62,7 +62,7 @@ impl Files {
     fn spare_inputs(&self, file: &Path) -> Result<()> {
         if real(file).is_some_and(|real| self.inputs.contains(&real)) {
             bail!(
-                "cannot write {}: it is read in this run; give the result another name",
+                "cannot write {}: this run reads it; choose another name for the result",
                 file.display()
             );
         }
@@ -76,7 +76,7 @@ impl Files {
     }
 }
 
-/// A regular file as the system calls it; devices and pipes may be read and written.
+/// A regular file by its canonical name; devices and pipes may be read and written.
 fn real(file: &Path) -> Option<PathBuf> {
     file.canonicalize().ok().filter(|real| real.is_file())
 }
@@ -101,13 +101,13 @@ fn place(file: &Path) -> Option<PathBuf> {
 
 /// Makes a folder for results.
 pub fn make_folder(folder: &Path) -> Result<()> {
-    std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))
+    std::fs::create_dir_all(folder).with_context(|| format!("cannot create {}", folder.display()))
 }
 
 /// Where a verb puts its result as JSON.
 #[derive(Args)]
 pub struct JsonOutput {
-    /// Write the whole result as JSON; "-" for standard output instead of the text
+    /// Write the whole result as JSON; "-": to standard output instead of the text
     #[arg(long, value_name = "FILE|-", help_heading = "Output")]
     json: Option<PathBuf>,
 }

@@ -6,7 +6,7 @@ use undrift::{
     results::Outages,
 };
 
-/// Tells which models could not be run, and which results cannot be trusted.
+/// Warns of models that could not be run, and of results that cannot be trusted.
 pub fn print_troubles(result: &Outages) {
     let names = result.order.iter();
     let doubtful =

@@ -9,8 +9,8 @@ use undrift_report::{Document, figures, html};
 
 /// Make a report of one result, or compare several.
 ///
-/// Results are what --json of the other verbs writes. Results of one kind are compared: tables side
-/// by side, curves over one another; those of different kinds follow each other.
+/// Results are the JSON files of the other verbs (--json). Results of one kind are compared: tables side
+/// by side, curves in one figure. Results of different kinds follow each other.
 #[derive(Args)]
 #[command(after_help = "Examples:
   undrift report demo.json -o demo.html
@@ -18,10 +18,10 @@ use undrift_report::{Document, figures, html};
 
 undrift demo --json demo.json makes the first one.")]
 pub struct Arguments {
-    /// Results
+    /// Result files
     #[arg(value_name = "RESULT.json", required = true)]
     results: Vec<PathBuf>,
-    /// Write the report, one HTML file that needs nothing else
+    /// Write the report as one self-contained HTML file
     #[arg(
         short,
         long,
@@ -29,7 +29,7 @@ pub struct Arguments {
         required_unless_present = "figures"
     )]
     output: Option<PathBuf>,
-    /// Write its figures into this folder, each as SVG; the report's page saves PNG
+    /// Write its figures into this folder as SVG; the report page can save PNG
     #[arg(long, value_name = "DIR")]
     figures: Option<PathBuf>,
     #[command(flatten)]
@@ -73,10 +73,10 @@ pub fn svg_only(path: Option<&Path>) -> Result<()> {
 pub struct ResultOutput {
     #[command(flatten)]
     json: JsonOutput,
-    /// Write a report with tables and figures, one HTML file that needs nothing else
+    /// Write a report with tables and figures as one self-contained HTML file
     #[arg(long, value_name = "FILE.html", help_heading = "Output")]
     report: Option<PathBuf>,
-    /// Write the report's figures into this folder, each as SVG; the report's page saves PNG
+    /// Write the report's figures into this folder as SVG; the report page can save PNG
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     figures: Option<PathBuf>,
 }

@@ -61,6 +61,6 @@ fn page(command: &Command) -> Result<String> {
     clap_mangen::Man::new(command.clone())
         .manual("undrift")
         .render(&mut text)
-        .context("cannot make the manual page")?;
+        .context("cannot create the manual page")?;
     Ok(String::from_utf8_lossy(&text).into_owned())
 }

@@ -18,16 +18,16 @@ use crate::style;
 #[derive(Args)]
 #[command(next_help_heading = "Terminal")]
 pub struct Options {
-    /// Say nothing but errors; results asked for on standard output still come
+    /// Print only errors, and results requested on standard output
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     quiet: bool,
-    /// Tell what is read, with which settings, and how long each stage took; twice tells all settings
+    /// Show the files read, the settings and the time of each stage; twice: all settings
     #[arg(short, long, global = true, action = ArgAction::Count)]
     verbose: u8,
-    /// Colours: on a terminal that has them, always or never
+    /// When to use colours
     #[arg(long, global = true, value_name = "WHEN", value_enum, default_value_t = ColorChoice::Auto)]
     color: ColorChoice,
-    /// End with exit code 3 when the result cannot be trusted
+    /// Exit with code 3 if the result cannot be trusted
     #[arg(long, global = true)]
     pub strict: bool,
 }
@@ -84,7 +84,7 @@ pub fn has_colours() -> bool {
     anstream::AutoStream::choice(&std::io::stdout()) != anstream::ColorChoice::Never
 }
 
-/// Whether only errors are told.
+/// Whether only errors are shown.
 pub fn is_quiet() -> bool {
     LEVEL.load(Relaxed) < 0
 }
@@ -124,14 +124,14 @@ fn written(outcome: std::io::Result<()>) -> Result<()> {
     }
 }
 
-/// Tells what should be known with a result, unless quiet.
+/// Warns, unless quiet.
 pub fn warn(text: impl Display) {
     if !is_quiet() {
         complain(format!("{} {text}", style::warning("warning:")));
     }
 }
 
-/// Tells what is worth knowing while standard output is for something else, unless quiet.
+/// Notes something on standard error while standard output is for something else, unless quiet.
 pub fn note(text: impl Display) {
     if !is_quiet() {
         complain(text.to_string());
@@ -148,7 +148,7 @@ pub fn doubted() -> bool {
     DOUBT.load(Relaxed)
 }
 
-/// Tells why there is no result: the causes that are not in the text already follow it.
+/// Shows why there is no result, followed by the causes that the text does not contain.
 pub fn error(error: &anyhow::Error) {
     let broken = |cause: &(dyn std::error::Error + 'static)| {
         let io = cause.downcast_ref::<std::io::Error>();
@@ -166,14 +166,14 @@ pub fn error(error: &anyhow::Error) {
     complain(format!("{} {text}", style::error("error:")));
 }
 
-/// Tells what is going on to those who asked for it `level` times.
+/// Shows a detail if --verbose was set at least `level` times.
 pub fn detail(level: i16, text: impl FnOnce() -> String) {
     if LEVEL.load(Relaxed) >= level {
         complain(text());
     }
 }
 
-/// Does something and tells how long it took to those who asked for details.
+/// Does something and shows how long it took with --verbose.
 pub fn stage<T>(name: &str, work: impl FnOnce() -> T) -> T {
     let start = Instant::now();
     let done = work();
@@ -183,7 +183,7 @@ pub fn stage<T>(name: &str, work: impl FnOnce() -> T) -> T {
     done
 }
 
-/// One line on standard error. Where that is closed there is nobody to tell.
+/// One line on standard error; ignored where that is closed.
 fn complain(line: String) {
     let _ = writeln!(anstream::stderr(), "{line}");
 }

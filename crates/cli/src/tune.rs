@@ -21,37 +21,37 @@ use undrift_report::{say as sentences, text};
 
 /// Identify the noise of a sensor in its vehicle from drives, and tune the filter with it.
 ///
-/// Noise in a vehicle is several times that of a record at rest or of a data sheet, and differs by axis. It is found
-/// by what the fixes say at the end of spans of 1 to 30 s whose fixes are withheld. What it buys is measured on
-/// outages that the fit has not seen (docs/tune.md).
+/// Noise in a vehicle is several times that of a static recording or a data sheet, and differs by axis. It is
+/// estimated from the errors at the end of spans of 1 to 30 s whose fixes are withheld. The gain is measured on
+/// held-out outages (docs/tune.md).
 #[derive(Args)]
 #[command(after_help = "Examples:
   undrift tune drive.toml -o tuned.toml
   undrift tune monday.toml tuesday.toml --model imu.toml --hold-out 0.3 --model-out vehicle.toml
   undrift tune examples/rtk-drive-car.toml --data logs --json tune.json --report tune.html")]
 pub struct Arguments {
-    /// Drive files, of one sensor in one vehicle
+    /// Drive files of one sensor in one vehicle
     #[arg(value_name = "DRIVE.toml", required = true)]
     drives: Vec<PathBuf>,
-    /// Folder of the drives' log files, if not the drive file's own; with several drives one for each, in their order
+    /// Folder of the log files, one for all drives or one for each in order. Default: that of the drive file
     #[arg(long, value_name = "DIR")]
     data: Vec<PathBuf>,
-    /// The sensor at rest: a model file or a preset. Default: the first drive's own model, else what its quietest
-    /// seconds show
+    /// The sensor at rest: a model file or a preset. Default: the first drive's model, else a guess from its quietest
+    /// seconds
     #[arg(long, value_name = "IMU.toml")]
     model: Option<String>,
-    /// Keep this share at the end of each drive from the fit, 0 to 0.9. Default: the drift is measured on the second
-    /// half after a fit of the first, and the noise is that of the whole
+    /// Hold out this share at the end of each drive, 0 to 0.9. Default: the drift is measured on the second half
+    /// after a fit of the first, and the noise is fitted to the whole
     #[arg(long, value_name = "SHARE")]
     hold_out: Option<f64>,
-    /// Write the drive file with what was found, ready for navigate and outages; of several drives the first, or all
-    /// into a folder
+    /// Write the tuned drive file for navigate and outages; with several drives the first, or all of them into a
+    /// folder
     #[arg(short, long, value_name = "tuned.toml|DIR", help_heading = "Output")]
     output: Option<PathBuf>,
     /// Write the model of the sensor in its vehicle
     #[arg(long, value_name = "IMU.toml", help_heading = "Output")]
     model_out: Option<PathBuf>,
-    /// On Ctrl-C end the fit and write the best so far; a second Ctrl-C ends the run
+    /// On Ctrl-C, stop the fit and write the best so far; a second Ctrl-C ends the run
     #[arg(long, help_heading = "Output")]
     keep_best: bool,
     #[command(flatten)]
@@ -62,12 +62,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(share) = arguments.hold_out {
         ensure!(
             (0.0..=0.9).contains(&share),
-            "--hold-out {share}: it must be 0 to 0.9, a share of each drive"
+            "--hold-out {share}: must be 0 to 0.9, a share of each drive"
         );
     }
     ensure!(
         arguments.data.len() <= 1 || arguments.data.len() == arguments.drives.len(),
-        "--data is given {} times for {} drives: once, or once for each",
+        "--data occurs {} times for {} drives: set it once, or once for each drive",
         arguments.data.len(),
         arguments.drives.len()
     );
@@ -103,9 +103,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let progress = |at: Stage| {
             bar.add(1);
             detail(1, || match at {
-                Stage::Reading => "reads the logs".to_owned(),
-                Stage::Fitting(value) => format!("fits: {value:.2}"),
-                Stage::Judging => "measures the drift on what the fit has not seen".to_owned(),
+                Stage::Reading => "reading the logs".to_owned(),
+                Stage::Fitting(value) => format!("fitting: objective {value:.2}"),
+                Stage::Judging => "measuring the drift on the held-out part".to_owned(),
             });
             !signals::asked_to_end()
         };
@@ -115,7 +115,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     for logs in &logs {
         if let Some(mounting) = &logs.mounting {
             note(format!(
-                "mounting estimated: {}",
+                "estimated mounting: {}",
                 sentences::mounting(mounting)
             ));
         }
@@ -142,7 +142,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     for (from, to) in tuned {
         let text = std::fs::read_to_string(from)
             .with_context(|| format!("cannot read {}", from.display()))?;
-        // With --data the logs are where that says, as before.
+        // With --data the logs stay there.
         let moved = arguments.data.is_empty() && folder(from).ok() != folder(&to).ok();
         let logs = moved.then(|| folder(from)).transpose()?;
         let text = tune::file::tuned(&text, &found, &model, logs.as_deref())
@@ -157,7 +157,7 @@ fn folder(file: &Path) -> std::io::Result<PathBuf> {
     folder.unwrap_or(Path::new(".")).canonicalize()
 }
 
-/// Drive files and where they are written with what was found.
+/// Drive files and where their tuned versions are written.
 fn tuned_files(arguments: &Arguments) -> Result<Vec<(&Path, PathBuf)>> {
     let Some(output) = &arguments.output else {
         return Ok(Vec::new());

@@ -88,14 +88,14 @@ impl Clock {
     fn set_back(&self, last: f64) -> ReadError {
         let jump = self.jump_to - last;
         let mend = if (jump + 604_800.0).abs() < 60.0 {
-            "this is the end of a GPS week: add 604800 s to what follows"
+            "the GPS week rolls over here: add 604800 s to the later times"
         } else if (jump + 86_400.0).abs() < 60.0 {
-            "this is midnight: add 86400 s to what follows"
+            "the day rolls over here: add 86400 s to the later times"
         } else {
-            "split the file there, or remove the rows with a wrong time before it"
+            "split the file there, or remove the earlier rows with wrong times"
         };
         ReadError::nameless(format!(
-            "time jumps back by {:.3} s, from {last} s to {} s, and stays behind",
+            "time jumps back by {:.3} s, from {last} s to {} s, and does not recover",
             -jump, self.jump_to
         ))
         .at(self.jump_line)

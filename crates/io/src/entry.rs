@@ -1,13 +1,14 @@
-//! What the logs that say themselves what they hold are made of: entries of streams.
+//! Self-describing logs consist of entries of streams.
 
 use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::{FixQuality, Position, TruthSample};
 use undrift_nav::{Matrix3, Vector3};
 
 use crate::ReadError;
+use crate::fix::{shown, three};
 use crate::skipped::SkipKind;
 
-/// One thing that a log says.
+/// One thing in a log.
 #[derive(Clone, Debug)]
 pub struct Entry {
     /// Where: the line in a text, the message's number in anything else, the first is 1.
@@ -61,6 +62,33 @@ impl What {
             Self::Skipped(..) => true,
         }
     }
+
+    /// Its numbers as messages show them.
+    pub(crate) fn shown(&self) -> String {
+        match self {
+            Self::Imu(reading) => format!(
+                "{} s, gyro {} rad/s, accelerometer {} m/s²",
+                reading.time,
+                three(&reading.gyro),
+                three(&reading.accel)
+            ),
+            Self::Fix(fix) => {
+                let position = fix.position.iter().map(|(place, _)| shown(place));
+                let velocity = fix.velocity.iter().map(|(v, _)| three(v) + " m/s");
+                let parts = [format!("{} s", fix.time)].into_iter();
+                let parts = parts.chain(position).chain(velocity);
+                Vec::from_iter(parts).join("; ")
+            }
+            Self::Pose(pose) => {
+                let velocity = pose.v_n.iter().map(|v| three(v) + " m/s");
+                let attitude = pose.rpy.iter().map(|rpy| three(rpy) + " rad");
+                let parts = [format!("{} s", pose.time)].into_iter();
+                let parts = parts.chain(velocity).chain(attitude);
+                Vec::from_iter(parts).join("; ")
+            }
+            Self::Skipped(_, detail) => detail.clone(),
+        }
+    }
 }
 
 /// Rates over the interval since the sample before, sensor axes as in the file.
@@ -74,7 +102,7 @@ pub struct ImuReading {
     pub accel: Vector3,
 }
 
-/// A fix whose uncertainty the log may not tell.
+/// A fix; the log may not state its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fix {
     /// Time of validity \[s\].
@@ -126,7 +154,7 @@ impl Wanted {
                     return Err(
                         ReadError::nameless("positions and velocities are in one stream")
                             .key("gnss.velocity_topic")
-                            .mend("leave it out"),
+                            .mend("omit it"),
                     );
                 }
                 let name = if position.is_some() {

@@ -1,7 +1,7 @@
 //! What the formats of fixes share: which places and uncertainties can be such.
 
 use undrift_nav::earth::Geodetic;
-use undrift_nav::sample::FixQuality;
+use undrift_nav::sample::{FixQuality, Position};
 use undrift_nav::{Matrix3, Vector3};
 
 use crate::entry::Unfit;
@@ -9,13 +9,26 @@ use crate::skipped::{SkipKind, Skipped};
 
 /// A place on Earth other than the 0°, 0° of a receiver without a fix.
 pub(crate) fn on_earth(place: Geodetic) -> Result<Geodetic, Unfit> {
-    let Geodetic { lat, lon, height } = place;
-    if place.is_valid() && !(lat == 0.0 && lon == 0.0) {
+    if place.is_valid() && !(place.lat == 0.0 && place.lon == 0.0) {
         return Ok(place);
     }
-    let (lat_deg, lon_deg) = (lat.to_degrees(), lon.to_degrees());
-    let detail = format!("{lat_deg}°, {lon_deg}°, {height} m");
-    Err((SkipKind::OutOfRange, detail))
+    Err((SkipKind::OutOfRange, shown(&Position::Geodetic(place))))
+}
+
+/// A position as messages show it.
+pub(crate) fn shown(position: &Position) -> String {
+    match position {
+        Position::Geodetic(Geodetic { lat, lon, height }) => {
+            let (lat_deg, lon_deg) = (lat.to_degrees(), lon.to_degrees());
+            format!("{lat_deg}°, {lon_deg}°, {height} m")
+        }
+        Position::Baseline { ned, .. } => format!("{} m", three(ned)),
+    }
+}
+
+/// Three numbers as messages show them.
+pub(crate) fn three(v: &Vector3) -> String {
+    format!("{}, {}, {}", v.x, v.y, v.z)
 }
 
 /// Three finite numbers.
@@ -23,8 +36,7 @@ pub(crate) fn finite(values: Vector3) -> Result<Vector3, Unfit> {
     if values.iter().all(|value| value.is_finite()) {
         return Ok(values);
     }
-    let detail = format!("{}, {}, {}", values.x, values.y, values.z);
-    Err((SkipKind::NotFinite, detail))
+    Err((SkipKind::NotFinite, three(&values)))
 }
 
 /// Along which axes the columns of a velocity are.
@@ -75,8 +87,7 @@ pub(crate) fn independent(std: &Vector3) -> Option<Matrix3> {
 pub(crate) fn diagonal(std: &Vector3, line: u64, skipped: &mut Skipped) -> Option<Matrix3> {
     let covariance = independent(std);
     if covariance.is_none() {
-        let detail = format_args!("{}, {}, {}", std.x, std.y, std.z);
-        skipped.add(SkipKind::Uncertainty, line, detail);
+        skipped.add(SkipKind::Uncertainty, line, three(std));
     }
     covariance
 }

@@ -129,7 +129,7 @@ impl Kind for Fixes {
     fn nothing(&self, skipped: &Skipped) -> ReadError {
         let error = ReadError::nameless("no usable fix");
         if skipped.count(SkipKind::OutOfRange) > 0 && matches!(self.0, Of::Columns(_)) {
-            let mend = "; are the columns latitude, longitude, height in this order and in gnss.position_unit, neither ECEF nor degrees and minutes?";
+            let mend = "; check that the columns are latitude, longitude, height in gnss.position_unit, not ECEF or degrees and minutes";
             return error.key("gnss.position").mend(mend);
         }
         error

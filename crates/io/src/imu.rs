@@ -128,11 +128,11 @@ impl Kind for Imu {
     ) -> Result<Option<ImuSample>, ReadError> {
         let stated = self.format.rate_hz.map(|rate| 1.0 / rate);
         let Some(dt) = row.dt.or(stated) else {
-            let problem = "only one sample, so its interval is unknown";
+            let problem = "only one sample, so the sample interval is unknown";
             return Err(ReadError::nameless(problem)
                 .at(row.line)
                 .key("imu.rate")
-                .mend("give the rate"));
+                .mend("set the rate"));
         };
         let covered = self.covered_by_increments(row.line, dt)?;
         // The first interval given out is either made up or reaches back before the span.
@@ -203,7 +203,7 @@ impl Imu {
             return Ok(nominal);
         }
         let problem = format!(
-            "increments {dt:.4} s apart, {GAPS_IN_A_ROW} in a row, where the rate is {:.2} Hz: what they cover is unknown",
+            "{GAPS_IN_A_ROW} consecutive increments {dt:.4} s apart at a rate of {:.2} Hz: the time that each covers is unknown",
             1.0 / nominal
         );
         Err(ReadError::nameless(problem)

@@ -119,10 +119,10 @@ pub(crate) fn streams(source: Source, format: Format) -> Result<Vec<Stream>, Rea
 
 fn is_table(format: Format) -> ReadError {
     let what = format.describe();
-    ReadError::nameless(format!("{what} is a table: its columns have to be named"))
+    ReadError::nameless(format!("{what} is a table: specify its columns"))
 }
 
-/// Whether a log has to be read once more before: these tell at their end only which streams they have.
+/// Whether a log has to be read once more before: only the end of these shows which streams they have.
 pub(crate) fn reads_twice(format: Format) -> bool {
     matches!(format, Format::ULog | Format::DataFlash)
 }
@@ -182,8 +182,8 @@ impl Log {
                 What::Skipped(kind, detail) => self.skipped.add(*kind, entry.at, detail),
                 what if what.is_finite() => return Ok(Some(entry)),
                 what => {
-                    let detail = format!("{what:?}");
-                    self.skipped.add(SkipKind::NotFinite, entry.at, detail);
+                    self.skipped
+                        .add(SkipKind::NotFinite, entry.at, what.shown());
                 }
             }
         }

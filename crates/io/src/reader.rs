@@ -254,7 +254,8 @@ impl<K: Kind> Reader<K> {
             _ if self.given > 0 => Ok(None),
             (Some((from, to)), Some((first, last))) if self.inside == 0 => {
                 let problem = format!("no record between {from} s and {to} s");
-                let mend = format!("what was read of the file covers {first} s to {last} s");
+                let mend =
+                    format!("the part of the file that was read covers {first} s to {last} s");
                 Err(ReadError::nameless(problem).mend(mend))
             }
             _ => {

@@ -102,7 +102,7 @@ impl Kind for Scalars {
             (format.std.0, *std),
         ] {
             if !(number.is_finite() && number > 0.0) {
-                let problem = format!("{number} where a number above zero is needed");
+                let problem = format!("{number} where a positive number is required");
                 return Err(ReadError::nameless(problem).key(&key(name)));
             }
         }

@@ -209,7 +209,7 @@ pub(crate) fn parquet(file: Option<std::fs::File>, all: &[u8]) -> Result<TableSo
     #[cfg(not(feature = "parquet"))]
     {
         let (_, _) = (file, all);
-        Err(ReadError::nameless("this build does not read Parquet")
+        Err(ReadError::nameless("this build cannot read Parquet")
             .mend("build with the feature parquet"))
     }
 }

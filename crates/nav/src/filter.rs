@@ -102,15 +102,15 @@ impl fmt::Display for FilterError {
             Self::TooManyStates { needed, capacity } => {
                 write!(
                     f,
-                    "the noise models need {needed} states, the filter holds {capacity}"
+                    "the noise models need {needed} states, the filter has {capacity}"
                 )
             }
             Self::BadMeasurement => {
                 f.write_str("the measurement's covariance is not positive definite")
             }
-            Self::Diverged => f.write_str(
-                "the solution diverged: position, velocity or covariance left the possible range",
-            ),
+            Self::Diverged => {
+                f.write_str("the solution diverged: position, velocity or covariance out of range")
+            }
         }
     }
 }

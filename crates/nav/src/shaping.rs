@@ -93,10 +93,10 @@ impl fmt::Display for ShapingError {
             ),
             Self::IntervalsDiffer => f.write_str("noise models of different sample rates cannot be added"),
             Self::NoRealLogarithm => f.write_str(
-                "the model cannot be carried to another sample rate (a pole at zero or on the negative real axis); identify it at the rate it will run at",
+                "the model cannot be converted to another sample rate (a pole at zero or on the negative real axis); identify it at the rate of use",
             ),
             Self::NoModelAtRate => f.write_str(
-                "the model has no valid spectrum at the sample rate asked for; identify it at the rate it will run at",
+                "the model has no valid spectrum at the requested sample rate; identify it at the rate of use",
             ),
         }
     }

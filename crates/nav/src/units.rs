@@ -190,11 +190,11 @@ pub enum UnitErrorKind {
 impl fmt::Display for UnitError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.kind {
-            UnitErrorKind::NoNumber => f.write_str("no finite number at the start; ")?,
+            UnitErrorKind::NoNumber => f.write_str("does not start with a finite number; ")?,
             UnitErrorKind::NoUnit => f.write_str("the unit is missing; ")?,
             UnitErrorKind::UnknownUnit(word) => write!(f, "unknown unit \"{}\"; ", word.as_str())?,
             UnitErrorKind::Malformed(word) if word.len == 0 => {
-                f.write_str("the unit ends too early; ")?
+                f.write_str("the unit is incomplete; ")?
             }
             UnitErrorKind::Malformed(word) => {
                 write!(f, "the unit cannot be read at \"{}\"; ", word.as_str())?
@@ -429,10 +429,10 @@ mod tests {
         assert!(message("3 m^7", Length).starts_with("the unit has a wrong dimension"));
         assert!(message("3 furlong", Length).starts_with("unknown unit \"furlong\""));
         assert!(message("3", Time).starts_with("the unit is missing"));
-        assert!(message("s", Time).starts_with("no finite number"));
-        assert!(message("1e999 s", Time).starts_with("no finite number"));
+        assert!(message("s", Time).starts_with("does not start with a finite number"));
+        assert!(message("1e999 s", Time).starts_with("does not start with a finite number"));
         assert!(message("1,5 s", Time).starts_with("the unit cannot be read at \",5 s\""));
-        assert!(message("3 deg/", AngularRate).starts_with("the unit ends too early"));
+        assert!(message("3 deg/", AngularRate).starts_with("the unit is incomplete"));
         assert!(message("3 s", Dimensionless).contains("a number without unit"));
     }
 

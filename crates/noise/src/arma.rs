@@ -55,7 +55,7 @@ pub const MAX_FIT_ORDER: usize = 24;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ArmaError {
     /// Fewer samples than the order needs.
-    #[error("{present} samples are too few: this order needs {needed}")]
+    #[error("too few samples: {present}, this order needs {needed}")]
     TooShort {
         /// Samples present (missing ones not counted).
         present: usize,
@@ -63,16 +63,16 @@ pub enum ArmaError {
         needed: usize,
     },
     /// All samples present are equal.
-    #[error("the record is constant")]
+    #[error("the recording is constant")]
     Constant,
     /// An infinite sample, or a mean that is not finite.
-    #[error("the record or its mean is not finite")]
+    #[error("the recording or its mean is not finite")]
     NotFinite,
     /// The method needs an unbroken record.
-    #[error("samples are missing, which this method cannot take")]
+    #[error("samples are missing, which this method does not support")]
     Missing,
     /// An order above [`MAX_FIT_ORDER`].
-    #[error("orders above 24 are not fitted")]
+    #[error("orders above 24 are not supported")]
     OrderTooHigh,
     /// An option outside its range.
     #[error("{0} is outside its range")]

@@ -87,7 +87,7 @@ impl fmt::Display for BiasModel {
 
 /// A name that is no bias model.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown bias model {0:?}; there are white, paper, gauss-markov, random-walk, ar, arma")]
+#[error("unknown bias model {0:?}; available: white, paper, gauss-markov, random-walk, ar, arma")]
 pub struct UnknownBiasModel(pub String);
 
 impl std::str::FromStr for BiasModel {
@@ -238,7 +238,7 @@ impl AxisModel {
         }
         match &self.arma {
             Some(arma) if !arma.is_white() => arma.split().map(|(_, slow)| slow).ok_or(Failure::Missing(
-                "bias_instability with correlation_time, or random_walk: the axis has only an ARMA, and none that is a first-order process plus white noise",
+                "bias_instability with correlation_time, or random_walk: the axis has only an ARMA that is not a first-order process plus white noise",
             )),
             _ => Ok(Slow::default()),
         }

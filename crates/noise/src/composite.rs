@@ -47,7 +47,7 @@ pub const MAX_GAUSS_MARKOV: usize = 2;
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum CompositeError {
     /// Fewer samples than needed (missing ones not counted).
-    #[error("{present} samples are too few, {needed} are needed")]
+    #[error("too few samples: {present}, {needed} are needed")]
     TooShort {
         /// Samples present.
         present: usize,
@@ -55,13 +55,13 @@ pub enum CompositeError {
         needed: usize,
     },
     /// All samples present are equal.
-    #[error("the record is constant")]
+    #[error("the recording is constant")]
     Constant,
     /// A sample or the result is infinite.
-    #[error("the record is not finite")]
+    #[error("the recording has values that are not finite")]
     NotFinite,
     /// The model gives a sample no variance at all.
-    #[error("the model leaves some sample without any variance")]
+    #[error("the model has zero variance at some sample")]
     NoVariance,
     /// The set of terms is empty or too large.
     #[error("a composite model needs at least one term and at most two Gauss-Markov processes")]

@@ -69,7 +69,7 @@ impl ModelFormat {
 
 /// A name that is no format of noise models.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown format {0:?}; there are kalibr, kf-gins, ros, px4, matlab, undrift")]
+#[error("unknown format {0:?}; available: kalibr, kf-gins, ros, px4, matlab, undrift")]
 pub struct UnknownModelFormat(pub String);
 
 impl std::str::FromStr for ModelFormat {

@@ -80,7 +80,7 @@ pub enum IdentifyError {
     #[error("the temperature cannot be used: {0}")]
     Temperature(RecordError),
     /// No horizon fits into the half that is scored.
-    #[error("{seconds:.1} s are too short to see a drift: record at least {needed:.0} s")]
+    #[error("{seconds:.1} s are too short to measure drift: record at least {needed:.0} s")]
     TooBrief {
         /// Length of the record \[s\].
         seconds: f64,
@@ -88,7 +88,7 @@ pub enum IdentifyError {
         needed: f64,
     },
     /// No candidate could be fitted.
-    #[error("no model could be fitted to the record")]
+    #[error("no model could be fitted to the recording")]
     NoCandidate,
     /// The sample rate is not one.
     #[error("the sample rate must be above 0 Hz")]

@@ -37,7 +37,7 @@ fn kind_of(name: &str) -> PyResult<DeviationKind> {
         "hadamard" => Ok(DeviationKind::Hadamard),
         "total" => Ok(DeviationKind::Total),
         _ => Err(error(format!(
-            "no deviation is called {name:?}: overlapping, modified, hadamard or total"
+            "unknown deviation {name:?}; available: overlapping, modified, hadamard, total"
         ))),
     }
 }
@@ -62,7 +62,7 @@ pub fn allan_deviation(
             "all" => Grid::All,
             _ => {
                 return Err(error(format!(
-                    "no grid of averaging times is called {name:?}: octave, decade or all"
+                    "unknown grid of averaging times {name:?}; available: octave, decade, all"
                 )));
             }
         }

@@ -100,7 +100,7 @@ pub fn arma_profile_interval(
     let root = match root {
         "ar" => Root::Ar,
         "ma" => Root::Ma,
-        _ => return Err(error(format!("no root is called {root:?}: ar or ma"))),
+        _ => return Err(error(format!("unknown root {root:?}; available: ar, ma"))),
     };
     let fit = ArmaFit::from(fit);
     let interval = py
@@ -128,7 +128,7 @@ pub fn arma_simulate(
     let mut record = Vec::new();
     record
         .try_reserve_exact(n)
-        .map_err(|_| error(format!("there is no memory for {n} samples")))?;
+        .map_err(|_| error(format!("not enough memory for {n} samples")))?;
     py.detach(|| {
         let noise = NoiseGenerator::new(&filter, seed);
         record.extend(noise.take(n).map(|value| mean + value));

@@ -8,7 +8,7 @@ pyo3::create_exception!(
     undrift,
     UndriftError,
     PyValueError,
-    "What is wrong with a record, a file or an argument, in the words of the terminal."
+    "An invalid recording, file or argument, in the words of the terminal."
 );
 
 /// An [`UndriftError`] with the text that the terminal prints: the causes joined by ": ".

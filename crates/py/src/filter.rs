@@ -76,12 +76,12 @@ fn sample(
 ) -> PyResult<ImuSample> {
     if !(dt > 0.0 && dt.is_finite() && time.is_finite()) {
         return Err(error(format!(
-            "a sample of {dt} s that ends at {time} s is none"
+            "invalid sample: dt = {dt} s at t = {time} s"
         )));
     }
     let (gyro, accel) = (Vector3::from(gyro), Vector3::from(accel));
     if gyro.iter().chain(&accel).any(|value| !value.is_finite()) {
-        return Err(error("a sample has a number that is not finite"));
+        return Err(error("a sample has a value that is not finite"));
     }
     let factor = if increments { 1.0 } else { dt };
     Ok(ImuSample {
@@ -109,13 +109,11 @@ impl Filter {
             let Some((_, kind)) = known else {
                 let names = PARAMETERS.map(|(name, _)| name).join(", ");
                 return Err(error(format!(
-                    "unknown parameter \"{name}\"; there are {names}"
+                    "unknown parameter \"{name}\"; available: {names}"
                 )));
             };
             if !(std > 0.0 && std.is_finite() && walk >= 0.0 && walk.is_finite()) {
-                return Err(error(format!(
-                    "{name}: a standard deviation of {std} is none"
-                )));
+                return Err(error(format!("{name}: invalid standard deviation {std}")));
             }
             asked = asked.with(
                 *kind,

@@ -53,7 +53,7 @@ pub fn identify(
 ) -> PyResult<Identified> {
     let trend = Trend::named(detrend).ok_or_else(|| {
         error(format!(
-            "unknown detrend \"{detrend}\"; there are constant, linear, temperature"
+            "unknown detrend \"{detrend}\"; available: constant, linear, temperature"
         ))
     })?;
     let format = RecordFormat {

@@ -85,7 +85,7 @@ pub fn outages<'py>(
         .map(|name| bias_model(name))
         .collect::<PyResult<Vec<_>>>()?;
     let plan = Schedule::asked(at, every, count, start)
-        .ok_or_else(|| error("say how many outages: count, every or at"))?;
+        .ok_or_else(|| error("specify the outages: count, every or at"))?;
     let (outcomes, result) = py
         .detach(|| {
             let logs = Logs::load(&drive.drive).map_err(say::unsolved)?;

@@ -41,7 +41,7 @@ impl Motion {
         } = *self;
         if !(0.0..=simulation::MAX_DURATION).contains(&duration) {
             return Err(error(format!(
-                "a drive of {duration} s cannot be simulated, it may last up to {} s",
+                "cannot simulate a drive of {duration} s; the maximum is {} s",
                 simulation::MAX_DURATION
             )));
         }
@@ -53,7 +53,7 @@ impl Motion {
             "turn" => Trajectory::constant_turn(speed, turn_rate, duration),
             other => {
                 return Err(error(format!(
-                    "unknown trajectory \"{other}\"; there are car, flight, rest, straight, turn"
+                    "unknown trajectory \"{other}\"; available: car, flight, rest, straight, turn"
                 )));
             }
         })

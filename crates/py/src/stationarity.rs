@@ -115,7 +115,7 @@ fn deterministic(regression: &str) -> PyResult<Deterministic> {
         "c" => Ok(Deterministic::Constant),
         "ct" => Ok(Deterministic::Trend),
         _ => Err(error(format!(
-            "no regression is called {regression:?}: n (nothing), c (a constant) or ct (a constant and a trend)"
+            "unknown regression {regression:?}; available: n (none), c (constant), ct (constant and trend)"
         ))),
     }
 }
@@ -138,7 +138,7 @@ pub fn adf(
             "t-stat" => Lags::LastSignificant(max_lags),
             _ => {
                 return Err(error(format!(
-                    "no rule for the lags is called {name:?}: aic, bic, t-stat or a number"
+                    "unknown lag rule {name:?}; available: aic, bic, t-stat or a number"
                 )));
             }
         },
@@ -161,7 +161,7 @@ pub fn kpss(py: Python<'_>, x: Record<'_>, regression: &str, lags: Rule) -> PyRe
             "short" => KpssLags::Short,
             _ => {
                 return Err(error(format!(
-                    "no rule for the lags is called {name:?}: auto, legacy, long, short or a number"
+                    "unknown lag rule {name:?}; available: auto, legacy, long, short or a number"
                 )));
             }
         },
@@ -210,8 +210,8 @@ pub fn verdict(
             Conclusion::UnitRoot => "unit root",
             Conclusion::Conflict => "conflict",
             Conclusion::Undecided => "undecided",
-            Conclusion::NothingSlowSeen => "nothing slow seen",
-            Conclusion::SlowPartSeen => "slow part seen",
+            Conclusion::NothingSlowSeen => "no slow part detected",
+            Conclusion::SlowPartSeen => "slow part detected",
         },
         sentence: verdict.sentence,
         adf: adf.into(),

@@ -138,7 +138,7 @@ pub fn pacf(py: Python<'_>, x: Record<'_>, lags: usize, method: &str) -> PyResul
         "burg" => Partial::Burg,
         _ => {
             return Err(error(format!(
-                "no method is called {method:?}: yule-walker, yule-walker-adjusted or burg"
+                "unknown method {method:?}; available: yule-walker, yule-walker-adjusted, burg"
             )));
         }
     };
@@ -225,10 +225,10 @@ pub fn detrend(
         }
         ("temperature", None) => Err(error("the trend over temperature needs the temperature")),
         ("constant" | "linear", Some(_)) => {
-            Err(error(format!("a {kind} trend takes no temperature")))
+            Err(error(format!("a {kind} trend does not use a temperature")))
         }
         _ => Err(error(format!(
-            "no trend is called {kind:?}: constant, linear or temperature"
+            "unknown trend {kind:?}; available: constant, linear, temperature"
         ))),
     })?;
     Ok(Detrended {

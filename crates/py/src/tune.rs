@@ -21,7 +21,7 @@ pub fn tune(
     if let Some(share) = hold_out
         && !(0.0..=0.9).contains(&share)
     {
-        let problem = format!("hold_out {share}: it must be 0 to 0.9, a share of each drive");
+        let problem = format!("hold_out {share}: must be 0 to 0.9, a share of each drive");
         return Err(error(problem));
     }
     let options = Options {
@@ -61,12 +61,12 @@ fn doubts(result: &results::Tune) -> Vec<String> {
     let doubts = [
         (
             result.guessed,
-            "the noise at rest is a guess from the quietest seconds of the first drive",
+            "the noise at rest was guessed from the quietest seconds of the first drive",
         ),
         (!result.converged, "the fit stopped before it converged"),
         (
             result.unseen.0 > 0.0 && result.drift.is_empty(),
-            "the drift was not measured: the drives are too short for outages that the fit has not seen",
+            "the drift was not measured: the drives are too short to hold out outages",
         ),
     ];
     let said = doubts.into_iter().filter(|(is_so, _)| *is_so);

@@ -122,7 +122,7 @@ def test_a_share_that_is_none_is_refused(saved: Path, share: float) -> None:
 def test_arguments_that_do_not_fit_are_refused(
     simulation: undrift.Simulation, saved: Path, tmp_path: Path
 ) -> None:
-    with pytest.raises(undrift.UndriftError, match="no drive is given"):
+    with pytest.raises(undrift.UndriftError, match="no drive specified"):
         undrift.tune([])
     with pytest.raises(undrift.UndriftError, match="data has 2 folders for 1 drives"):
         undrift.tune(saved, data=[tmp_path, tmp_path])

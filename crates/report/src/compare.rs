@@ -118,7 +118,7 @@ fn logs(result: &Results) -> Option<&str> {
 fn demo(demos: &[Run<'_, Demo>]) -> Vec<Section> {
     let intro = demos.iter().map(|(name, demo)| {
         let models = if demo.identification.is_some() {
-            "The noise of the sensors was identified from a simulated static record. The models found "
+            "The noise of the sensors was identified from a simulated static recording. The models found "
         } else {
             "The simulation's own noise models "
         };

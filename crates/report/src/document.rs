@@ -137,7 +137,8 @@ impl Table {
             let number = if column == 0 { alone } else { first };
             number.starts_with(|c: char| c.is_ascii_digit()) && number.parse::<f64>().is_ok()
         };
-        let is_gap = |cell: &Cell| matches!(cell.text.as_str(), "" | "–" | "—" | "-" | "not seen");
+        let is_gap =
+            |cell: &Cell| matches!(cell.text.as_str(), "" | "–" | "—" | "-" | "not detected");
         let cells = || self.rows.iter().filter_map(|row| row.get(column));
         cells().all(|cell| is_number(cell) || is_gap(cell))
             && cells().any(|cell| !cell.text.is_empty())

@@ -53,17 +53,17 @@ fn many(n: u64, one: &str) -> String {
 fn what_was_done(run: &Fleet) -> String {
     let task = |(task, n): (&String, &u64)| {
         let verb = match task.as_str() {
-            "outages" => "driven with GNSS cut",
+            "outages" => "run with GNSS outages",
             "navigate" => "navigated",
             "tune" => "tuned",
-            _ => "identified from a record at rest",
+            _ => "identified from a static recording",
         };
         format!("{} {verb}", many(*n, "log"))
     };
     let tasks: Vec<String> = run.tasks.iter().map(task).collect();
     let failed = match run.failed.len() as u64 {
-        0 => "All of them succeeded.".into(),
-        n => format!("{} failed; the last section says why.", count(n)),
+        0 => "All succeeded.".into(),
+        n => format!("{} failed; the last section lists the reasons.", count(n)),
     };
     format!("{}. {failed}", tasks.join(", "))
 }
@@ -100,7 +100,7 @@ fn troubles(run: &Fleet) -> Option<Section> {
     };
     let warned = Table::of(
         "warned",
-        &shortened("What was unusual about logs.", run.warned.len()),
+        &shortened("Warnings about logs.", run.warned.len()),
         run.warned.iter().take(ROWS),
         &[
             ("log", &|w| (&w.log).into()),

@@ -136,13 +136,13 @@ fn summary(runs: &[Run<'_, Identify>]) -> Option<Section> {
         .iter()
         .map(|(name, run)| text([prefixed(name, &normality(run))]));
     let blocks = failed.chain(done).chain(tables).chain(normality);
-    Section::of("Static record", blocks.flatten())
+    Section::of("Static recording", blocks.flatten())
 }
 
 fn models<'a>(axes: impl Iterator<Item = Named<'a>>) -> Table {
     Table::of(
         "models",
-        "What was found of each axis: terms of the Allan deviation, and the model recommended by its drift on the half of the record that was not fitted.",
+        "Each axis: terms of the Allan deviation, and the model recommended by its drift on the held-out half of the recording.",
         axes,
         &[
             ("axis", &|a| (&a.label).into()),
@@ -169,7 +169,7 @@ fn seen(term: &Term, scale: f64, unit: &str) -> Cell {
     if term.seen {
         format!("{} {unit}", short(term.value * scale)).into()
     } else {
-        "not seen".into()
+        "not detected".into()
     }
 }
 
@@ -181,7 +181,7 @@ pub(crate) fn tests<'a>(axes: impl Iterator<Item = Named<'a>>) -> Table {
     let plain = |test: &Test| with(test.statistic, test.critical_5);
     Table::of(
         "tests",
-        "Tests of stationarity and normality, as in the source paper's Table 2, with their 5 % points in brackets. ADF rejects a unit root below its point, KPSS rejects stationarity above it; the others reject normality above theirs.",
+        "Tests of stationarity and normality, as in the source paper's Table 2, with their 5 % critical values in brackets. ADF rejects a unit root below its value; KPSS rejects stationarity above it; the others reject normality above theirs.",
         axes,
         &[
             ("axis", &|a| (&a.label).into()),
@@ -205,7 +205,7 @@ fn what_was_done(name: &str, run: &Identify) -> Vec<String> {
     let samples = run.axes.values().map(|axis| axis.samples).max();
     let samples = samples.unwrap_or(0);
     let record = match run.record.as_str() {
-        "" => "A static record",
+        "" => "A static recording",
         record => record,
     };
     let axes = match run.axes.len() {
@@ -223,7 +223,7 @@ fn what_was_done(name: &str, run: &Identify) -> Vec<String> {
         0 => String::new(),
         rows => format!("{} rows were skipped.", count(rows)),
     };
-    let fitted = "Models were fitted to one half of it and judged on the other, by the drift that they leave in the integral of the samples.";
+    let fitted = "Models were fitted to one half and judged on the other by the drift that they leave in the integral of the samples.";
     vec![prefixed(name, &what), skipped, fitted.into()]
 }
 
@@ -234,12 +234,12 @@ fn normality(run: &Identify) -> String {
     });
     let rejected: Vec<Named<'_>> = rejected.collect();
     if rejected.is_empty() {
-        return "No axis is found to differ from a normal distribution at the 5 % level.".into();
+        return "No axis differs from a normal distribution at the 5 % level.".into();
     }
     let names: Vec<&str> = rejected.iter().map(|a| a.label.as_str()).collect();
     let on_a_grid = rejected.iter().any(|a| a.axis.quantisation_step.0 > 0.0);
     let grid = if on_a_grid {
-        " (samples on a grid of quantisation steps are never exactly normal, and a long record shows it)"
+        " (quantised samples are never exactly normal, which a long recording reveals)"
     } else {
         ""
     };
@@ -265,7 +265,7 @@ fn compared(name: &str, axes: &[(&str, &Axis)]) -> Option<Section> {
     let spectrum = (!spectrum.series.is_empty()).then_some(spectrum);
     let rows = Table::of(
         &format!("compared-{name}"),
-        "The recommended models, and the drift they leave after the longest horizon on the half that was not fitted.",
+        "Recommended models and the drift they leave after the longest horizon on the held-out half.",
         axes,
         &[
             ("record", &|(run, _)| (*run).into()),

@@ -25,47 +25,47 @@ pub fn fill(inspection: &mut Inspection) {
 fn known(known: &Known) -> String {
     match known {
         Known::Certain => "",
-        Known::Name { several: false } => "by its name",
-        Known::Name { several: true } => "by their names",
-        Known::Numbers { several: false } => "guessed by its numbers",
-        Known::Numbers { several: true } => "guessed by their numbers",
+        Known::Name { several: false } => "from its name",
+        Known::Name { several: true } => "from their names",
+        Known::Numbers { several: false } => "guessed from its values",
+        Known::Numbers { several: true } => "guessed from their values",
         Known::Guessed => "guessed",
-        Known::StampStep => "guessed by the step of the time stamps",
-        Known::NoTimes => "guessed: there is no column of times; write the real rate",
-        Known::NoNumbers => "NOT KNOWN: no number in the first rows",
+        Known::StampStep => "guessed from the step of the time stamps",
+        Known::NoTimes => "guessed: no time column; set the actual rate",
+        Known::NoNumbers => "UNKNOWN: no number in the first rows",
         Known::Gravity(median) => return format!("guessed: the median magnitude is {median:.4}"),
         Known::NotGravity(median) => {
             return format!(
-                "NOT KNOWN: the median magnitude is {median:.4}, which is gravity in none of m/s^2, g, mg"
+                "UNKNOWN: the median magnitude is {median:.4}, which is not gravity in m/s^2, g or mg"
             );
         }
         Known::Increments => "guessed: the accelerometers' magnitude is gravity times the interval",
         Known::LargestRate(largest) => return format!("guessed: rates reach {largest:.1}"),
         Known::LargeScatter(scatter) => {
             return format!(
-                "guessed: the quietest scatter is {scatter:.2e}, in rad/s it would be {:.1} deg/s",
+                "guessed: the lowest scatter is {scatter:.2e}; in rad/s it would be {:.1} deg/s",
                 scatter.to_degrees()
             );
         }
         Known::SmallScatter(scatter) => {
             return format!(
-                "guessed: the quietest scatter is {scatter:.2e}, in deg/s it would be less than such sensors have"
+                "guessed: the lowest scatter is {scatter:.2e}; in deg/s it would be too low for such a sensor"
             );
         }
-        Known::TooFew => "NOT KNOWN: too few samples",
-        Known::SmallPlaces => "guessed: no latitude is beyond pi/2 and no longitude beyond pi",
-        Known::SmallAngles => "guessed: no angle is beyond two pi",
-        Known::NoColumns => "guessed: no columns hold it; set what fits the receiver",
-        Known::NotInLog => "guessed: the log does not hold it; set what fits the receiver",
+        Known::TooFew => "UNKNOWN: too few samples",
+        Known::SmallPlaces => "guessed: no latitude exceeds pi/2 and no longitude exceeds pi",
+        Known::SmallAngles => "guessed: no angle exceeds 2 pi",
+        Known::NoColumns => "guessed: no such columns; set the receiver's accuracy",
+        Known::NotInLog => "guessed: not in the log; set the receiver's accuracy",
         Known::NotInNmea => {
-            "guessed: NMEA does not hold it; large for the vertical speed, which it lacks"
+            "guessed: not in NMEA; large for the vertical speed, which NMEA lacks"
         }
         Known::FirstOf(others) => {
-            return format!("the first of several; the others: {}", others.join(", "));
+            return format!("the first of several; the others are {}", others.join(", "));
         }
-        Known::PointsDown => "the z axis points down; x forward and y right are assumed",
+        Known::PointsDown => "the z axis points down; assumes x forward and y right",
         Known::PointsUp => {
-            "the z axis points up; x forward and y left are assumed; with y forward, \"y,x,-z\""
+            "the z axis points up; assumes x forward and y left (if y is forward: \"y,x,-z\")"
         }
         Known::Motion {
             rpy_deg: [roll, pitch, yaw],
@@ -81,10 +81,10 @@ fn known(known: &Known) -> String {
                 "estimated from forces, speeds and turns of this drive, yaw to ±{std_deg:.1} deg; \"auto\" is more accurate on a longer drive"
             );
         }
-        Known::SensorName => "by the sensor's name in the log, or in its file's or folder's",
-        Known::Steps => "by the steps of its values",
+        Known::SensorName => "from the sensor's name in the log, or in its file or folder name",
+        Known::Steps => "from the quantisation steps of its values",
         Known::NoSensor => "guessed: nothing in the log shows the kind of sensor",
-        Known::Tilted => "the z axis is not vertical; or give axes, such as \"z,y,-x\"",
+        Known::Tilted => "the z axis is not vertical; or set axes, such as \"z,y,-x\"",
     }
     .into()
 }
@@ -92,23 +92,23 @@ fn known(known: &Known) -> String {
 fn note(note: &Note) -> String {
     match note {
         Note::UnknownColumns => {
-            "no header names the columns, and their numbers do not show what they are".into()
+            "no header, and the columns cannot be identified from their values".into()
         }
-        Note::Columns(names) => format!("the columns are: {}", names.join(", ")),
-        Note::NoTimes => "no column of times was found".into(),
+        Note::Columns(names) => format!("columns: {}", names.join(", ")),
+        Note::NoTimes => "no time column found".into(),
         Note::UnitBySize {
             named,
             size,
             median,
         } => format!(
-            "the names say that accelerations are in {named}, but the median magnitude is {median:.4}, as in {size}"
+            "the column names specify accelerations in {named}, but their median magnitude is {median:.4}, as in {size}"
         ),
         Note::NoWheels => {
-            "the IMU moves along no single direction of its own: no wheeled vehicle, or the IMU is not fixed to it; x forward is assumed".into()
+            "the IMU has no fixed direction of motion: not a wheeled vehicle, or the IMU is not fixed to it; assumes x forward".into()
         }
-        Note::NoMounting(why) => format!("the axes are a guess from gravity alone: {why}"),
+        Note::NoMounting(why) => format!("axes guessed from gravity alone: {why}"),
         Note::Nothing => {
-            "nothing in it is read here: no angular rates with specific forces, no positions".into()
+            "nothing usable: neither positions nor angular rates with specific forces".into()
         }
     }
 }
@@ -122,9 +122,7 @@ fn content(content: &Content) -> String {
                 return shown;
             }
             let size = (x * x + y * y + z * z).sqrt();
-            format!(
-                "{shown}: of magnitude {size:.3} m/s^2, which is not gravity's: is the unit wrong, or was it no ordinary drive?"
-            )
+            format!("{shown}: its magnitude of {size:.3} m/s^2 is not gravity; check the unit")
         }
         Content::Fixes { kinds, velocities } => {
             let names = [
@@ -223,11 +221,11 @@ pub fn drive_file(
         })
     };
     let mut text = String::from(
-        "# A starter drive file. What is marked \"guessed\" should be checked.\n\
+        "# A starter drive file. Check what is marked \"guessed\".\n\
          # All keys: docs/drive-file.md\n\n\
          # Noise model of the IMU at rest: a preset, or better the file that `undrift identify` writes\n\
-         # from a static recording of the sensor. `undrift tune` identifies from this drive what it is\n\
-         # in the vehicle.\n",
+         # from a static recording of the sensor. `undrift tune` estimates the noise in the vehicle\n\
+         # from this drive.\n",
     );
     let model = model(inspections);
     text += &format!("model = {} # {}\n", model.value, known(&model.known));
@@ -243,14 +241,14 @@ pub fn drive_file(
         }
     }
     if motion.heading {
-        text += "\n[initial]\nheading = \"auto\" # from the changes of the velocity, which this drive has enough of\n";
+        text += "\n[initial]\nheading = \"auto\" # from changes of velocity, which suffice in this drive\n";
     }
     match vehicle {
         Some(profile) => {
             text += &format!("\n[vehicle]\nprofile = {}\n", quoted(profile.name()));
         }
         None if motion.wheels => {
-            text += "\n# It moves as a wheeled vehicle does: with these lines it drifts much less without GNSS.\n\
+            text += "\n# The motion is that of a wheeled vehicle: these lines greatly reduce the drift without GNSS.\n\
                      # [vehicle]\n# profile = \"car\"\n";
         }
         None => {}
@@ -330,7 +328,7 @@ mod tests {
         fill(&mut inspection);
         let text = drive_file(&[inspection], Path::new(""), None, Motion::default());
         assert!(
-            text.contains("# the first of several; the others: gps"),
+            text.contains("# the first of several; the others are gps"),
             "{text}"
         );
         let table: toml::Table = text.parse().unwrap();

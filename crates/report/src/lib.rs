@@ -2,6 +2,7 @@
 //! [`html`] file of it, and its [`figures`] as SVG.
 
 mod compare;
+mod constants;
 mod data;
 mod document;
 pub mod figure;

@@ -85,7 +85,7 @@ fn what_was_done(run: &MonteCarlo) -> String {
         "a simulated drive".into()
     };
     format!(
-        "{} runs of {what}, seed {}. The first {} of navigation are left out of averages and shares.",
+        "{} runs of {what}, seed {}. Averages and shares exclude the first {} of navigation.",
         run.runs,
         run.seed,
         span(run.settle_s.0)
@@ -106,7 +106,7 @@ fn summary(runs: &[Run<'_, MonteCarlo>], models: &[Model<'_>]) -> Option<Section
     });
     let blocks = [warnings(&diverged)].into_iter().chain(done);
     let blocks = blocks.chain([text(verdicts), nees(models).block()]);
-    Section::of("Does the filter know its own errors?", blocks.flatten())
+    Section::of("Normalised estimation errors (NEES)", blocks.flatten())
 }
 
 fn nees(models: &[Model<'_>]) -> Table {
@@ -115,7 +115,7 @@ fn nees(models: &[Model<'_>]) -> Table {
         .flat_map(|m| m.model.nees.iter().map(move |g| (m, g)));
     Table::of(
         "nees",
-        "Normalised estimation error squared: 1 per degree of freedom when the filter is right, more when it is optimistic; and the share of the epochs whose average over the runs is within its 95 % bounds.",
+        "Normalised estimation error squared per degree of freedom: 1 if the filter is consistent, more if it is optimistic; and the share of epochs whose average over the runs is within its 95 % bounds.",
         groups,
         &[
             ("model", &|(m, _)| (&m.name).into()),
@@ -161,7 +161,7 @@ fn verdict(model: &Model<'_>) -> String {
 /// NEES over time, a panel for each group of states.
 fn over_time(models: &[Model<'_>]) -> Option<Section> {
     let panels = GROUP.iter().filter_map(|(name, ..)| group(models, name));
-    let caption = "Average over the runs of the normalised estimation error squared per degree of freedom, with its 95 % bounds (dashed); the settling is shaded.";
+    let caption = "Average NEES per degree of freedom over the runs, with its 95 % bounds (dashed); settling shaded.";
     let figure = Figure::of("nees", caption, 2, panels);
     Section::of("Errors over time", figure)
 }
@@ -217,7 +217,7 @@ fn coverage(models: &[Model<'_>]) -> Table {
     let share = |of: &[Number], i: usize| percent(of.get(i).copied().unwrap_or_default()).into();
     Table::of(
         "coverage",
-        "Share of the errors within one, two and three of the standard deviations that the filter states: 68.3, 95.4 and 99.7 % when it is right.",
+        "Share of errors within one, two and three standard deviations reported by the filter: 68.3, 95.4 and 99.7 % if it is consistent.",
         components,
         &[
             ("model", &|(m, ..)| (&m.name).into()),

@@ -113,7 +113,7 @@ fn solution(shown: &Shown<'_>) -> Option<Section> {
     let blocks = [
         Figure::of(
             "trajectory",
-            &format!("The way driven, to scale, from its start{gaps}."),
+            &format!("Ground track from the start, to scale{gaps}."),
             1,
             [ground],
         ),
@@ -154,7 +154,7 @@ fn deviations(shown: &Shown<'_>) -> Option<Section> {
         ("velocity [m/s]", VELOCITY),
         ("attitude [°]", ATTITUDE),
     ];
-    let caption = shown.caption("Standard deviations (1σ) as the filter states them");
+    let caption = shown.caption("Standard deviations (1σ) reported by the filter");
     let panels = parts.into_iter().filter_map(panel);
     let figure = Figure::of("standard-deviations", &caption, 3, panels);
     Section::of("Standard deviations", figure)
@@ -166,7 +166,7 @@ fn sensors(shown: &Shown<'_>) -> Option<Section> {
         let mut caption = format!("Estimated {what} errors.");
         if shown.is_single() {
             caption = shown.caption(&format!(
-                "Estimated {what} errors, with three standard deviations to either side (band); the scale is that after settling"
+                "Estimated {what} errors with ±3σ (band); the scale fits the values after settling"
             ));
         }
         let panels = components.iter().filter_map(|c| sensor_panel(c, shown));

@@ -140,7 +140,7 @@ fn what_was_done(name: &str, run: &Outages) -> String {
         "solution"
     };
     let reference = match run.reference.as_str() {
-        "gnss" => "the fixes withheld from it",
+        "gnss" => "the withheld fixes",
         _ => "the truth",
     };
     let model = match drive.model.as_deref().unwrap_or_default() {
@@ -155,7 +155,7 @@ fn what_was_done(name: &str, run: &Outages) -> String {
     named(
         name,
         &format!(
-            "{what} GNSS was cut {cuts} times for {lengths} s. Inside the outages the {solution} was compared with {reference}{model}."
+            "{what} GNSS was cut {cuts} times for {lengths} s. During the outages the {solution} was compared with {reference}{model}."
         ),
     )
 }
@@ -182,9 +182,9 @@ fn findings(models: &[Model<'_>]) -> Vec<String> {
     let alike = ranked.partition_point(|m| m.rms() <= ALIKE * best.rms());
     let (first, rest) = ranked.split_at(alike);
     let names = listed(&first.iter().map(|m| m.spoken()).collect::<Vec<_>>());
-    let together = if alike > 1 { ", alike within 1 %" } else { "" };
+    let together = if alike > 1 { ", equal within 1 %," } else { "" };
     let mut found = vec![format!(
-        "The least horizontal drift is that of {names}{together}: {} m, the root mean square over the outages of each one's largest error.",
+        "Least horizontal drift: {names}{together} with {} m (RMS over the outages of the largest error of each).",
         short(best.rms())
     )];
     if let Some(second) = rest.first() {
@@ -193,7 +193,7 @@ fn findings(models: &[Model<'_>]) -> Vec<String> {
         let wins = pairs.iter().filter(|(a, b)| a < b).count();
         let clear = is_clear_lead(wins, pairs.len());
         found.push(format!(
-            "Next is {} with {} m; {} drifted less than it in {wins} of {} outages, {} than chance gives.",
+            "Next is {} with {} m; {} drifted less in {wins} of {} outages, {} than expected by chance.",
             second.spoken(),
             short(second.rms()),
             best.spoken(),
@@ -203,7 +203,7 @@ fn findings(models: &[Model<'_>]) -> Vec<String> {
     }
     if let Some(worst) = rest.last().filter(|_| rest.len() > 1) {
         found.push(format!(
-            "The most is that of {}: {} m, {} times as much as the least.",
+            "Most: {} with {} m, {} times the least.",
             worst.spoken(),
             short(worst.rms()),
             short(worst.rms() / best.rms())
@@ -255,7 +255,7 @@ pub fn plain(result: &Outages, mark: Mark) -> String {
 }
 
 /// What the table of [`consistency`] has.
-const COVERED: &str = "Errors inside 1, 2 and 3 predicted standard deviations [%] (68, 95, 99.7 when the covariance is right), and NEES per degree of freedom at the outages' end (1 when it is):";
+const COVERED: &str = "Share of errors within 1, 2 and 3 predicted standard deviations [%] (68, 95, 99.7 if the covariance is correct), and NEES per degree of freedom at the end of the outages (1 if correct):";
 
 /// How well each model's covariance covers its errors inside the outages.
 fn consistency(models: &[&Model<'_>]) -> Option<Table> {
@@ -285,18 +285,18 @@ fn tables(models: &[Model<'_>]) -> Option<Section> {
     let statistics: [(&str, &str, Statistic); 4] = [
         (
             "rms",
-            "Root mean square over the outages of each one's largest error.",
+            "RMS over the outages of the largest error of each.",
             rms,
         ),
-        ("maximum", "Largest error inside any outage.", |m| &m.max),
+        ("maximum", "Largest error in any outage.", |m| &m.max),
         (
             "median",
-            "Median over the outages of each one's largest error.",
+            "Median over the outages of the largest error of each.",
             |m| &m.median,
         ),
         (
             "at-the-end",
-            "Root mean square over the outages of the error at the end.",
+            "RMS over the outages of the error at the end.",
             |m| &m.end_rms,
         ),
     ];
@@ -347,7 +347,7 @@ mod tests {
         let models = [model("a", &a), model("b", &b)];
         let table = table_of("rms", "", &[&models[0], &models[1]], |m| &m.rms).unwrap();
         assert!(!table.rows[0][1].strong && table.rows[1][1].strong);
-        assert!(findings(&models)[0].contains("that of b: 1.00 m"));
+        assert!(findings(&models)[0].contains(": b with 1.00 m"));
 
         // What is a bound is neither best nor in the models' tables.
         let c = errors(0.1);
@@ -356,7 +356,7 @@ mod tests {
             ..model("c", &c)
         };
         let models = [model("a", &a), model("b", &b), bound];
-        assert!(findings(&models)[0].contains("that of b: 1.00 m"));
+        assert!(findings(&models)[0].contains(": b with 1.00 m"));
         let blocks = tables(&models).unwrap().blocks;
         let [Block::Table(rms), Block::Table(bound)] = &blocks[..] else {
             panic!("{} blocks", blocks.len());

@@ -23,7 +23,10 @@ pub fn sections(runs: &[Run<'_, Tune>]) -> Vec<Section> {
         ];
         let second = [parameters(tune).block(), text([undetermined(tune)])];
         [
-            Section::of(&prefixed(name, "What it buys"), first.into_iter().flatten()),
+            Section::of(
+                &prefixed(name, "Drift before and after"),
+                first.into_iter().flatten(),
+            ),
             Section::of(
                 &prefixed(name, "Noise in the vehicle"),
                 second.into_iter().flatten(),
@@ -54,32 +57,28 @@ pub fn plain(tune: &Tune, mark: Mark) -> String {
 fn verdict(tune: &Tune) -> String {
     if let [first, ..] = tune.unaligned.as_slice() {
         return format!(
-            "not usable: under the noise found {first} cannot be aligned. Give `attitude` under [initial], or tune on a \
+            "not usable: {first} cannot be aligned with the noise found. Set `attitude` under [initial], or tune on a \
              longer drive with more turns and changes of speed"
         );
     }
     if tune.stopped {
-        return "not judged: stopped, the noise is the best so far".into();
+        return "not judged: stopped early; the noise is the best so far".into();
     }
     let judged = |length: f64| tune.drift.iter().find(|d| d.length_s.0 == length);
     let Some(drift) = judged(30.0).or_else(|| tune.drift.last()) else {
-        return "not judged: the drives are too short for outages that the fit has not seen".into();
+        return "not judged: the drives are too short to hold out outages".into();
     };
     let (low, high) = (drift.ratio_low.0, drift.ratio_high.0);
     let is_honest = drift.after_within[1].0 >= 0.9;
     let found = match () {
         () if high < 1.0 && is_honest => "usable: less drift",
-        () if high < 1.0 => {
-            "usable with care: less drift, but the solution claims to be better than it is"
-        }
+        () if high < 1.0 => "usable with care: less drift, but the solution is optimistic",
         () if low > 1.0 => "not usable: more drift than with the noise at rest",
-        () if is_honest => "usable: the drift is the same within chance",
-        () => {
-            "usable with care: the drift is the same within chance, and the solution claims to be better than it is"
-        }
+        () if is_honest => "usable: no significant change of drift",
+        () => "usable with care: no significant change of drift, and the solution is optimistic",
     };
     format!(
-        "{found}. {} without GNSS: {} m, with the noise at rest {} m ({} times, 95 % interval {} to {}), in {} outages that the fit had not seen",
+        "{found}. {} without GNSS: {} m; with the noise at rest: {} m (ratio {}, 95 % interval {} to {}), over {} held-out outages",
         span(drift.length_s.0),
         short(drift.after_m.0),
         short(drift.before_m.0),
@@ -92,7 +91,7 @@ fn verdict(tune: &Tune) -> String {
 
 fn what_was_done(tune: &Tune) -> String {
     let guess = if tune.guessed {
-        ", whose noise at rest is a guess from the quietest seconds of the first drive"
+        ", with the noise at rest guessed from the quietest seconds of the first drive"
     } else {
         ""
     };
@@ -111,7 +110,7 @@ fn what_was_done(tune: &Tune) -> String {
     let ended = if tune.converged {
         "converged"
     } else {
-        "ended before it converged"
+        "stopped before it converged"
     };
     format!(
         "Start: {}{guess}. {drives}, {} windows without fixes, {} evaluations, {ended}; {unseen}.",
@@ -125,7 +124,7 @@ fn drift(tune: &Tune) -> Table {
     };
     Table::of(
         "drift",
-        "Largest horizontal error of an outage, root mean square, with the noise at rest and with the noise found; their ratio with its 95 % interval; and the share of the position's errors at the ends inside 1, 2 and 3 σ, of which 68, 95 and 99.7 % should be.",
+        "RMS of the largest horizontal error of an outage, with the noise at rest and with the noise found; their ratio with its 95 % interval; and the share of final position errors within 1, 2 and 3σ (68, 95 and 99.7 % expected).",
         &tune.drift,
         &[
             ("outage", &|d: &&TunedDrift| span(d.length_s.0).into()),
@@ -158,7 +157,7 @@ fn parameters(tune: &Tune) -> Table {
     let value = |p: &TunedParameter, value: f64| short(value * shown(p).0);
     Table::of(
         "parameters",
-        "Noise at rest or as stated, the 95 % interval that is expected of a vehicle, and what the drives say with its interval.",
+        "Noise at rest or as specified, the 95 % interval expected in a vehicle, and the estimate from the drives with its 95 % interval.",
         &tune.parameters,
         &[
             ("parameter", &|p: &&TunedParameter| (&p.name).into()),
@@ -191,7 +190,7 @@ fn undetermined(tune: &Tune) -> String {
     match names.as_slice() {
         [] => String::new(),
         names => format!(
-            "Not determined by these drives, near what was expected: {}.",
+            "Not determined by these drives, so close to their priors: {}.",
             names.join(", ")
         ),
     }
@@ -207,7 +206,7 @@ fn calibration(tune: &Tune) -> Option<Block> {
             Axis::new("share of the errors").within(0.0..1.05),
         );
         panel.series = vec![
-            Series::dashed("a right σ", 0, points(NORMAL)),
+            Series::dashed("a correct σ", 0, points(NORMAL)),
             Series::line("noise at rest", 1, points(drift.before_within.map(|n| n.0))),
             Series::thick("noise found", 2, points(drift.after_within.map(|n| n.0))),
         ];
@@ -215,7 +214,7 @@ fn calibration(tune: &Tune) -> Option<Block> {
     };
     Figure::of(
         "calibration",
-        "Share of the position's errors at the end of outages inside 1, 2 and 3 σ, against that of a normal distribution: below the dashed line σ is too small.",
+        "Share of final position errors of outages within 1, 2 and 3σ against that of a normal distribution; below the dashed line σ is too small.",
         3,
         tune.drift.iter().map(panel),
     )

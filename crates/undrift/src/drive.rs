@@ -158,7 +158,7 @@ impl Drive {
             .unwrap_or_else(Vector3::zeros);
         if lever_arm.norm() > MOST_LEVER_ARM {
             let message = format!(
-                "{:.0} m is longer than any vehicle: check its unit",
+                "{:.0} m is longer than any vehicle: check the unit",
                 lever_arm.norm()
             );
             return Err(gnss.error("lever_arm", message).into());
@@ -268,10 +268,13 @@ impl Drive {
             return Ok(interval);
         }
         let (key, mend) = match self.imu.1.has_times() {
-            true => ("imu.time_unit", "is the time column in ms, us or ns?"),
+            true => (
+                "imu.time_unit",
+                "check whether the time column is in ms, us or ns",
+            ),
             false => ("imu.rate", "correct the rate"),
         };
-        let problem = format!("{:.4} samples a second are none of an IMU", 1.0 / interval);
+        let problem = format!("invalid sample rate for an IMU: {:.4} Hz", 1.0 / interval);
         Err(ReadError::new(&self.imu.0, problem).key(key).mend(mend))
     }
 
@@ -290,7 +293,7 @@ impl Drive {
         match (stated, measured) {
             (Some(stated), Some(measured)) if !(0.8..1.25).contains(&(measured / stated)) => {
                 let problem = format!(
-                    "the time column has {:.2} samples a second, but imu.rate says {:.2} Hz",
+                    "the time column has {:.2} samples a second, but imu.rate is {:.2} Hz",
                     1.0 / measured,
                     1.0 / stated
                 );
@@ -302,7 +305,7 @@ impl Drive {
             (Some(interval), _) | (None, Some(interval)) => Ok(interval),
             (None, None) => Err(ReadError::new(
                 &self.imu.0,
-                "has no two samples to take a sample rate from",
+                "has too few samples to determine the sample rate",
             )),
         }
     }

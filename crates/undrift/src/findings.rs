@@ -144,7 +144,7 @@ pub enum Finding {
         /// The value of `imu.axes` that mends it, where one does.
         axes: Option<String>,
     },
-    /// Positions do not move as the velocities say.
+    /// Positions and velocities disagree.
     WrongVelocity {
         /// What would make them, where something simple does.
         mend: Option<FixMend>,
@@ -343,7 +343,7 @@ pub enum Finding {
 
 /// Prior standard deviations beyond which an estimated parameter is no parameter any more.
 const VERY_FAR: f64 = 7.0;
-/// A scatter so many times what is stated is a wrong unit rather than a modest receiver.
+/// A scatter this many times what is stated is a wrong unit rather than a modest receiver.
 const WRONG_UNIT: f64 = 20.0;
 /// An axis that holds a value for longer has a fault \[s\].
 const LONG: f64 = 1.0;

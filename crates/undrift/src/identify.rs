@@ -75,13 +75,13 @@ impl Identified {
     ) -> Result<ImuModel, RecordingError> {
         let mut model = base.cloned().unwrap_or_default();
         model.name = name.to_owned();
-        model.source = "identified from a static record".into();
+        model.source = "identified from a static recording".into();
         model.provenance = provenance;
         let bounded = self.without_turn_on(base);
         if !bounded.is_empty() {
             let axes = bounded.join(", ");
             model.source += &format!(
-                "; no data sheet: turn_on of {axes} is the largest that the record's means do not contradict (95 %)"
+                "; no data sheet: turn_on of {axes} is the largest consistent with the recording's means (95 %)"
             );
         }
         let mut any = false;

@@ -54,7 +54,7 @@ pub enum MonteCarloError {
     #[error(transparent)]
     Model(#[from] ModelError),
     /// Too few or too many runs.
-    #[error("{runs} runs of this drive: there must be {FEWEST_RUNS} to {most}")]
+    #[error("{runs} runs of this drive: must be {FEWEST_RUNS} to {most}")]
     Runs {
         /// How many were asked for.
         runs: usize,

@@ -77,8 +77,8 @@ impl Mounting {
 pub enum MountingError {
     /// Not enough straight driving.
     #[error(
-        "the mounting could not be estimated: {found:.0} s of driving above {MIN_SPEED_SLOW} m/s with a known heading, \
-         {:.0} s are needed; give imu.mounting or imu.axes",
+        "the mounting could not be estimated: only {found:.0} s of driving above {MIN_SPEED_SLOW} m/s with a known \
+         heading, {:.0} s are needed; set imu.mounting or imu.axes",
         MIN_BLOCKS as f64 * BLOCK
     )]
     TooLittle {
@@ -87,8 +87,8 @@ pub enum MountingError {
     },
     /// The vehicle does not move along one of the sensor's directions.
     #[error(
-        "the mounting could not be estimated: the direction of motion wanders by {:.0} deg in sensor axes, \
-         so this is no wheeled vehicle, or its IMU is not fixed to it", wander.to_degrees()
+        "the mounting could not be estimated: the direction of motion varies by {:.0} deg in sensor axes, \
+         so this is not a wheeled vehicle, or the IMU is not fixed to it", wander.to_degrees()
     )]
     Wanders {
         /// Standard deviation of its direction \[rad\].

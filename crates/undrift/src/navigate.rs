@@ -92,7 +92,7 @@ pub enum NavigateError {
     Mounting(#[from] MountingError),
     /// No noise model is named.
     #[error(
-        "no noise model: name one with --model or with model = \"…\" in the drive file; {}",
+        "no noise model: specify one with --model or with model = \"…\" in the drive file; {}",
         undrift_noise::presets::LISTED
     )]
     NoModel,

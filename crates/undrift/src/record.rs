@@ -120,7 +120,7 @@ pub fn read(opened: Opened, format: &RecordFormat) -> Result<Record, ReadError> 
     match known {
         Some(_) if format.temperature => Err(ReadError::new(
             &record.name,
-            "the temperature is read of tables only: name the columns",
+            "temperature is read from tables only: specify the columns",
         )),
         Some(imu) => read_samples(opened, &imu, record),
         None => read_table(opened, format, record),
@@ -265,7 +265,7 @@ fn find(beginning: &Preview, format: &RecordFormat) -> Result<Found, String> {
     let time = named.or_else(|| Some((guess?.time?, None)));
     let temperature = match header.iter().position(|name| is_temperature(name)) {
         _ if !format.temperature => None,
-        None => return Err("no column is the temperature: the header must name one \"temp\", \"temperature\" or with the ending \"_C\"".into()),
+        None => return Err("no temperature column: the header needs \"temp\", \"temperature\" or a name ending in \"_C\"".into()),
         found => found,
     };
     let keyed = axes
@@ -349,18 +349,18 @@ fn find_axes(header: &[String], format: &RecordFormat) -> Result<Vec<Axis>, Stri
                 names => format!("it has: {}", names.join(", ")),
             };
             Err(format!(
-                "the columns of the six axes cannot be told from the header ({there}); name them with --columns gx,gy,gz,ax,ay,az"
+                "the header does not identify the columns of the six axes ({there}); specify them with --columns gx,gy,gz,ax,ay,az"
             ))
         }
         [one] => {
             let known = named(one);
             let index = match &format.axis {
                 Some(name) => AXES.iter().position(|a| a == name).ok_or_else(|| {
-                    format!("\"{name}\" is no axis; axes are {}", AXES.join(", "))
+                    format!("unknown axis \"{name}\"; available: {}", AXES.join(", "))
                 })?,
                 None => known.as_ref().map(|n| n.0).ok_or_else(|| {
                     let axes = AXES.join(", ");
-                    format!("say which axis column {one} is with --axis, one of {axes}")
+                    format!("specify the axis of column {one} with --axis, one of {axes}")
                 })?,
             };
             Ok(vec![axis(index, one, known.and_then(|n| n.1))])
@@ -371,7 +371,7 @@ fn find_axes(header: &[String], format: &RecordFormat) -> Result<Vec<Axis>, Stri
             Ok(axes.collect())
         }
         other => Err(format!(
-            "{} columns named where six (gyro x, y, z, accelerometer x, y, z) or one are expected",
+            "{} columns specified; expected six (gyro x, y, z, accelerometer x, y, z) or one",
             other.len()
         )),
     }
@@ -389,7 +389,7 @@ fn scale(axis: &mut Axis, format: &RecordFormat) -> Result<f64, String> {
     axis.unit = stated.or(axis.unit.as_ref()).cloned();
     let unit = axis.unit.as_ref().ok_or_else(|| {
         let column = &axis.column;
-        format!("the unit of column {column} is not known; give --units, for instance \"deg/s,g\"")
+        format!("the unit of column {column} is unknown; set --units, for instance \"deg/s,g\"")
     })?;
     unit_factor(unit, quantity).map_err(|e| format!("--units \"{unit}\": {e}"))
 }

@@ -48,31 +48,31 @@ settings! {
         alignment_motion: AlignmentMotionSettings = AlignmentMotionSettings::default(),
         /// Gaps in the samples.
         gaps: GapSettings = GapSettings::default(),
-        /// Samples that cannot be right.
+        /// Implausible samples.
         samples: SampleSettings = SampleSettings::default(),
         /// Which fixes are accepted.
         gate: GateSettings = GateSettings::default(),
         /// How the accuracy of the fixes is adapted.
         adapt: AdaptSettings = AdaptSettings::default(),
-        /// What a receiver does wrong, and for how long it is not believed.
+        /// Receiver faults, and for how long its fixes are rejected.
         receiver: ReceiverSettings = ReceiverSettings::default(),
-        /// What is looked for in the fixes before navigation.
+        /// What is checked in the fixes before navigation.
         fix_study: FixStudySettings = FixStudySettings::default(),
         /// Standard deviations by the kind of solution.
         quality: QualitySettings = QualitySettings::default(),
-        /// How the course tells of a wrong heading.
+        /// How the course reveals a wrong heading.
         course: CourseWatchSettings = CourseWatchSettings::default(),
         /// When the covariance is too small for the innovations.
         fading: FadingSettings = FadingSettings::default(),
-        /// When a solution is no longer one.
+        /// When a solution has diverged.
         watch: WatchSettings = WatchSettings::default(),
         /// How rest is recognised while navigating.
         rest: RestSettings = RestSettings::default(),
-        /// Measurements beside the fixes.
+        /// Measurements other than the fixes.
         constraints: ConstraintSettings = ConstraintSettings::default(),
-        /// Velocities of positions, where the receiver tells none.
+        /// Velocities derived from positions, where the receiver reports none.
         derived_velocity: DerivedVelocitySettings = DerivedVelocitySettings::default(),
-        /// Units, axes, signs and times that cannot be right.
+        /// Implausible units, axes, signs and times.
         plausibility: PlausibilitySettings = PlausibilitySettings::default(),
     }
 
@@ -92,7 +92,7 @@ settings! {
         tilt_before: f64 = 0.5,
         /// Side slip of a vehicle and error of a course, one standard deviation \[rad\].
         course_floor: f64 = 0.035,
-        /// A course that is known worse than this is no heading \[rad\].
+        /// A course with a larger standard deviation does not serve as heading \[rad\].
         course_worst: f64 = 0.52,
         /// Fixes further apart than this are not a pair \[s\].
         pair_span: f64 = 2.5,
@@ -104,7 +104,7 @@ settings! {
         block: f64 = 0.5,
         /// Consecutive blocks that agree before they count as rest, or more where the noise asks for more.
         fewest_blocks: u32 = 2,
-        /// The same while GNSS does not say that the vehicle stands: a steady turn has steady readings too.
+        /// The same while GNSS does not show that the vehicle stands: a steady turn has steady readings too.
         blocks_unseen: u32 = 6,
         /// The same for rest with another gyro bias than before, GNSS at rest.
         new_bias_blocks: u32 = 10,
@@ -144,17 +144,17 @@ settings! {
         spread: f64 = 1.0,
         /// A second minimum is out of the question when the best one's squared residuals are less by this much.
         rival: f64 = 25.0,
-        /// Standard deviation of the attitude about any axis with which a solution is one \[rad\] …
+        /// Largest standard deviation of the attitude about any axis for an acceptable solution \[rad\] …
         certain: f64 = 0.05,
-        /// … and with which it need not be awaited what a longer window makes of it \[rad\]: the filter, unlike the window, cannot undo what it took from an attitude that was some degrees off.
+        /// … and for one that need not wait for a longer window \[rad\]: the filter, unlike the window, cannot undo what it took from an attitude that was some degrees off.
         good: f64 = 0.017,
         /// Squared residuals for each degree of freedom, at most.
         fit: f64 = 10.0,
-        /// Standard deviation of the filter's velocity and attitude before the window says what they are \[m/s, rad\].
+        /// Standard deviation of the filter's velocity and attitude before the window determines them \[m/s, rad\].
         wide: f64 = 100.0,
-        /// Standard deviation of what no model says of a gyro bias \[rad/s\]: nothing is known exactly.
+        /// Standard deviation of unmodelled gyro bias \[rad/s\]: nothing is known exactly.
         gyro_floor: f64 = 1e-4,
-        /// Standard deviation of what no model says of an accelerometer bias \[m/s²\].
+        /// Standard deviation of unmodelled accelerometer bias \[m/s²\].
         accel_floor: f64 = 1e-2,
         /// Iterations of one solution, at most.
         iterations: usize = 20,
@@ -166,7 +166,7 @@ settings! {
 
     /// Gaps in the samples.
     GapSettings {
-        /// A sample of more than so many intervals is not just late.
+        /// A sample after more than this many intervals is a gap, not just late.
         intervals: f64 = 1.5,
         /// A gap longer than this is too long to interpolate over \[s\].
         longest_bridge: f64 = 0.2,
@@ -174,15 +174,15 @@ settings! {
         accel: f64 = 2.0,
         /// … and turn rate \[rad/s\].
         rate: f64 = 0.2,
-        /// A gap longer than this ends the solution: nothing is left of the attitude by then \[s\].
+        /// A gap longer than this ends the solution: the attitude is lost by then \[s\].
         longest: f64 = 60.0,
     }
 
-    /// Samples that cannot be right.
+    /// Implausible samples.
     SampleSettings {
-        /// Values of an axis after which it is known what it usually does.
+        /// Values of an axis after which its usual behaviour is known.
         least_values: u64 = 500,
-        /// A spike is so many times further from the mean of its neighbours than nine in ten samples, …
+        /// A spike is this many times further from the mean of its neighbours than nine in ten samples, …
         spike_steps: f64 = 25.0,
         /// … by this rate \[rad/s\] …
         spike_rate: f64 = 1.0,
@@ -192,25 +192,25 @@ settings! {
         spike_apart: f64 = 0.3,
         /// An axis whose values usually last fewer samples than this never repeats one: …
         alone: f64 = 1.5,
-        /// … there a value so many times further from the one before, which comes again, is the end of its range.
+        /// … there a repeated value this many times further from the previous one is the end of its range.
         jump_steps: f64 = 5.0,
         /// By what part the usual distance to the neighbours' mean follows each sample.
         step_gain: f64 = 0.05,
-        /// What replaces a spike is in doubt by so many usual distances.
+        /// The replacement of a spike is uncertain by this many usual distances.
         replaced_steps: f64 = 5.0,
-        /// A frozen axis repeats a value for so long \[s\] …
+        /// A frozen axis repeats a value for this long \[s\] …
         frozen: f64 = 0.5,
-        /// … and for so many times the usual number of samples.
+        /// … and for this many times the usual number of samples.
         frozen_times: f64 = 20.0,
-        /// Of a sensor of which all axes repeat their values for so long at rest \[s\] repetitions say nothing.
+        /// If all axes of a sensor repeat their values for this long at rest \[s\], repetitions carry no information.
         noiseless: f64 = 5.0,
-        /// A saturated one repeats its largest or smallest value for so many times the usual number …
+        /// A saturated one repeats its largest or smallest value for this many times the usual number …
         saturated_times: f64 = 4.0,
-        /// … so many usual standard deviations from its mean.
+        /// … this many usual standard deviations from its mean.
         saturated_spread: f64 = 4.0,
-        /// What is usual of an axis is taken over so long \[s\].
+        /// Time over which the usual behaviour of an axis is averaged \[s\].
         usual: f64 = 60.0,
-        /// How long a turn or an acceleration lasts that a stuck axis misses \[s\].
+        /// Duration of a turn or an acceleration that a stuck axis misses \[s\].
         turn_lasts: f64 = 5.0,
         /// What a vehicle may at least do meanwhile: turn rate \[rad/s\] …
         rate: f64 = 0.3,
@@ -226,16 +226,16 @@ settings! {
         first_usual: f64 = 30.0,
         /// Usual NIS above which everything passes: twenty times the standard deviation.
         senseless: f64 = 400.0,
-        /// NIS relative to the usual from which a fix is weakened …
+        /// NIS relative to the usual from which a fix is down-weighted …
         weaken: f64 = 5.0,
         /// … and rejected, …
         reject: f64 = 30.0,
         /// … in an unconfirmed solution, where rejecting a right fix costs most: one in a million of
         /// right ones has 30.7 of 3.
         reject_unconfirmed: f64 = 10.2,
-        /// The solution is unconfirmed after so long without a fix \[s\] …
+        /// The solution is unconfirmed after this long without a fix \[s\] …
         gap: f64 = 3.0,
-        /// … until it has accepted so many.
+        /// … until it has accepted this many.
         confirm: u32 = 3,
         /// Innovations agree when they differ by less than this part of their size …
         agree: f64 = 0.3,
@@ -257,9 +257,9 @@ settings! {
         settle: u64 = 40,
     }
 
-    /// What a receiver does wrong, and for how long it is not believed.
+    /// Receiver faults, and for how long its fixes are rejected.
     ReceiverSettings {
-        /// A receiver that repeats a position while the solution moves by more than so many of its standard deviations is frozen …
+        /// A receiver that repeats a position while the solution moves by more than this many of its standard deviations is frozen …
         frozen_sigmas: f64 = 3.0,
         /// … if the solution is faster than this \[m/s\].
         frozen_speed: f64 = 1.0,
@@ -269,7 +269,7 @@ settings! {
         odd_speed: f64 = 1.0,
         /// … and this acceleration \[m/s²\] …
         odd_accel: f64 = 5.0,
-        /// … and so many standard deviations.
+        /// … and this many standard deviations.
         odd_sigmas: f64 = 5.0,
         /// For how long fixes that agree with each other are rejected before a confirmed solution follows them \[s\]: a receiver finds position and velocity in different ways, so where velocity or both contradict the solution, the solution is more likely to be wrong.
         patience: f64 = 3.0,
@@ -281,11 +281,11 @@ settings! {
         patience_frozen: f64 = 60.0,
         /// Tilt that a contradiction is taken to stand for, at most \[rad\].
         most_tilt: f64 = 0.1,
-        /// A solution that followed contradicting positions and velocities three times within so long is no longer one \[s\].
+        /// A solution that followed contradicting positions and velocities three times within this time has diverged \[s\].
         three_times: f64 = 90.0,
     }
 
-    /// How the course tells of a wrong heading.
+    /// How the course reveals a wrong heading.
     CourseWatchSettings {
         /// Speed above which there is a course \[m/s\].
         speed: f64 = 4.0,
@@ -303,7 +303,7 @@ settings! {
         known: f64 = 0.05,
         /// Least spread of the usual difference \[rad\]: wind and slip.
         least_spread: f64 = 0.01,
-        /// The heading is wrong where the difference has changed by so many spreads …
+        /// The heading is wrong where the difference has changed by this many spreads …
         spreads: f64 = 4.0,
         /// … and standard deviations of the heading.
         sigmas: f64 = 2.0,
@@ -315,7 +315,7 @@ settings! {
         from: f64 = 4.0,
         /// By at most this factor an update.
         most: f64 = 1.5,
-        /// One innovation counts up to so many times the usual NIS.
+        /// One innovation counts up to this many times the usual NIS.
         clip: f64 = 10.0,
         /// Autocorrelation of innovations from which they may be correlated measurements.
         correlated: f64 = 0.3,
@@ -329,15 +329,15 @@ settings! {
         most_heading: f64 = 0.5,
     }
 
-    /// What is looked for in the fixes before navigation.
+    /// What is checked in the fixes before navigation.
     FixStudySettings {
         /// Fixes that are looked at: an hour and a half at 4 Hz.
         most: usize = 20_000,
-        /// Fewer tell nothing.
+        /// Fewer carry no information.
         least: usize = 80,
         /// Pairs of fixes for a mean square to be worth something.
         least_pairs: usize = 40,
-        /// White noise so many times the stated one is told to the filter.
+        /// White noise this many times the stated one is reported to the filter.
         factor: f64 = 2.0,
         /// Velocities that the positions show to be better than this share of their stated standard deviations are
         /// taken as that good, …
@@ -356,17 +356,17 @@ settings! {
         shortest: f64 = 5.0,
         /// The velocities' own error makes the differences grow sooner, by about this factor.
         sooner: f64 = 2.0,
-        /// A velocity that the positions contradict by so many standard errors …
+        /// A velocity that the positions contradict by this many standard errors …
         bias_errors: f64 = 5.0,
-        /// … so many of its own standard deviations …
+        /// … this many of its own standard deviations …
         bias_sigmas: f64 = 0.5,
         /// … and by this is wrong \[m/s\].
         least_bias: f64 = 0.15,
-        /// Longer than this is all the same \[s\].
+        /// Longer times are treated as equal \[s\].
         longest: f64 = 1000.0,
         /// Speed above which there is an along and an across \[m/s\].
         moves: f64 = 3.0,
-        /// Differences along the track so many times those across it are errors of the stamps.
+        /// Along-track differences this many times the cross-track ones are errors of the stamps.
         along: f64 = 2.0,
         /// Steps whose variance is below this share of the stated one are how numbers are written.
         step_share: f64 = 0.25,
@@ -376,27 +376,27 @@ settings! {
     QualitySettings {
         /// Typical horizontal standard deviations of fixed, float, differential and single solutions under an open sky \[m\] (Teunissen & Montenbruck 2017, chapters 21 and 26).
         typical: [f64; 4] = [0.0, 0.3, 0.7, 2.5],
-        /// Vertical ones are so many times as large.
+        /// Vertical ones are this many times as large.
         vertical: f64 = 1.5,
     }
 
-    /// When a solution is no longer one. NIS is per degree of freedom.
+    /// When a solution has diverged. NIS is per degree of freedom.
     WatchSettings {
-        /// NIS over so many updates …
+        /// NIS over this many updates …
         suspect_updates: u32 = 20,
         /// … and above this makes a solution suspect of divergence.
         suspect_nis: f64 = 25.0,
         /// NIS of a sound solution.
         sound_nis: f64 = 4.0,
-        /// A solution that was sound and has been suspect for so long is re-initialised \[s\].
+        /// A solution that was sound and has been suspect for this long is re-initialised \[s\].
         sick: f64 = 30.0,
         /// Fixes in a block over which innovations are averaged for a lean to one side.
         lean_block: usize = 40,
-        /// The mean over a block leans when it is so many times the usual and the expected size, squared.
+        /// The mean over a block leans when it is this many times the usual and the expected size, squared.
         leans: f64 = 60.0,
         /// Blocks after which their usual size is known.
         least_blocks: usize = 5,
-        /// Whitened innovations count up to this size: an outlier alone does not make a lean.
+        /// Whitened innovations count up to this size: a single outlier does not make a lean.
         clip: f64 = 4.0,
     }
 
@@ -414,7 +414,7 @@ settings! {
         force: f64 = 0.06,
         /// The mean specific force is the solution's gravity to this much at rest \[m/s²\]: 3° of wrong level, while a car that pulls away smoothly has twice that.
         level: f64 = 0.5,
-        /// Both may be off by so many times more where GNSS says that the vehicle stands.
+        /// Both limits grow by this factor where GNSS shows that the vehicle stands.
         unsure: f64 = 5.0,
         /// Speed that GNSS calls standing, where its accuracy leaves no doubt \[m/s\].
         stands: f64 = 0.1,
@@ -424,17 +424,17 @@ settings! {
         learn: f64 = 0.1,
     }
 
-    /// Measurements beside the fixes.
+    /// Measurements other than the fixes.
     ConstraintSettings {
-        /// NIS from which a constraint, wheel speed or height is weakened …
+        /// NIS from which a constraint, wheel speed or height is down-weighted …
         weaken: f64 = 9.0,
         /// … and rejected: it contradicts the solution far beyond both.
         reject: f64 = 100.0,
         /// What the standard deviation of a rest is multiplied by that only the sensors see: a soft start has begun before it shows.
         rest_unconfirmed: f64 = 10.0,
-        /// NIS from which a rest that goes on by what the sensors alone say is a start: χ² of three at p = 10⁻⁴.
+        /// NIS from which a rest that only the sensors confirm is a start: χ² of three at p = 10⁻⁴.
         reject_rest: f64 = 21.1,
-        /// The speed of a fix holds for so long \[s\].
+        /// The speed of a fix holds for this long \[s\].
         speed_holds: f64 = 1.5,
     }
 
@@ -444,7 +444,7 @@ settings! {
         span: f64 = 2.0,
         /// … or longer, up to this \[s\], …
         longest: f64 = 5.0,
-        /// … to have so many.
+        /// … to have this many.
         least: usize = 5,
         /// What their scatter does not show, one standard deviation \[m/s\].
         floor: f64 = 0.1,
@@ -452,7 +452,7 @@ settings! {
         braking: f64 = 2.0,
     }
 
-    /// Units, axes, signs and times that cannot be right.
+    /// Implausible units, axes, signs and times.
     PlausibilitySettings {
         /// Length of the blocks that specific force is averaged over \[s\].
         block: f64 = 1.0,

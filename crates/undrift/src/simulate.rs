@@ -60,7 +60,7 @@ pub enum SimulationError {
     #[error("the sampling rate must be positive")]
     Rate,
     /// The start is no place on the Earth, or within a degree of a pole.
-    #[error("the start must be a place at least one degree from the poles")]
+    #[error("the start must be at least one degree from the poles")]
     Start,
     /// More than [`MAX_SAMPLES`].
     #[error("more than {MAX_SAMPLES} samples: lower the rate or the duration")]

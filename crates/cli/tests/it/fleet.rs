@@ -247,7 +247,7 @@ fn threads_and_shards_do_not_show() {
     let (code, _, stderr) = run(&logs, &shards, &["--gather"]);
     assert_eq!(code, Some(1));
     assert!(
-        stderr.contains("6 of 12 logs are not done yet, the first is SN0/01/drive.toml"),
+        stderr.contains("6 of 12 logs are not processed yet, first SN0/01/drive.toml"),
         "{stderr}"
     );
     done(&logs, &shards, &["--shard", "2/2"]);

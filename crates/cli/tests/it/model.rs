@@ -75,7 +75,7 @@ fn what_is_wrong_is_said() {
         (&["adis16465", "--to", "kalibr"][..], "--rate HZ"),
         (
             &["adis16465", "--to", "kalibre"],
-            "there are kalibr, kf-gins",
+            "available: kalibr, kf-gins",
         ),
         (
             &["nothing.toml", "--to", "ros"],

@@ -228,7 +228,7 @@ fn verbose_tells_what_is_read_and_how_long_it_took() {
     let record = record(&folder("verbose"), 3000);
     let verbose = said(&mut undrift(&identify(&record, &["-v"])));
     for part in [
-        "delimited text by its content",
+        "delimited text detected from its content",
         "reading: ",
         "1 axes of 3000 samples at 100 Hz (as stated), gyro_z",
         "identification: ",
@@ -279,7 +279,7 @@ fn exit_codes() {
     for line in [
         "  0  done",
         "  1  failed",
-        "  2  the command line",
+        "  2  invalid command line",
         "  3  done, but",
     ] {
         assert!(help.contains(line), "{help}");

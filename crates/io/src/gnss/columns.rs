@@ -132,7 +132,7 @@ impl FixColumns {
             return Err(error.mend("give gnss.position or gnss.ecef"));
         }
         if place.is_none() && velocity.is_none() {
-            let problem = "neither position nor velocity is asked for";
+            let problem = "neither position nor velocity requested";
             return Err(ReadError::nameless(problem).key("gnss"));
         }
         let quality = format.quality.as_ref();

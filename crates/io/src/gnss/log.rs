@@ -7,7 +7,7 @@ use undrift_nav::{Matrix3, Vector3};
 use super::options::FixOptions;
 use crate::ReadError;
 use crate::entry::Fix;
-use crate::fix::on_earth;
+use crate::fix::{on_earth, shown};
 use crate::format::Format;
 use crate::skipped::{SkipKind, Skipped};
 
@@ -63,11 +63,11 @@ impl LogFixes {
     pub(super) fn end(&self) -> Result<(), ReadError> {
         match self.unknown {
             Some(at) if self.positions == 0 => Err(ReadError::nameless(
-                "the log does not tell how certain its positions are",
+                "the log does not report the accuracy of its positions",
             )
             .at(at)
             .key("gnss.position_std")
-            .mend("give it: position_std = \"1, 1, 2 m\"")),
+            .mend("set position_std = \"1, 1, 2 m\"")),
             _ => Ok(()),
         }
     }
@@ -77,9 +77,8 @@ impl LogFixes {
             Position::Geodetic(place) => on_earth(*place).is_ok(),
             Position::Baseline { .. } => true,
         });
-        if place.is_none() && fix.position.is_some() {
-            let detail = format!("{:?}", fix.position);
-            skipped.add(SkipKind::OutOfRange, at, detail);
+        if let (None, Some((position, _))) = (&place, &fix.position) {
+            skipped.add(SkipKind::OutOfRange, at, shown(position));
         }
         let options = &self.options;
         let mut certain =
@@ -88,7 +87,7 @@ impl LogFixes {
                     stated.map(|std| Matrix3::from_diagonal(&Vector3::from(std).map(|s| s * s)));
                 let covariance = stated.or(own).map(|p| p * (factor * factor));
                 if covariance.is_none() {
-                    skipped.add(SkipKind::Untold, at, format_args!("give {key}"));
+                    skipped.add(SkipKind::Untold, at, format_args!("set {key}"));
                 }
                 covariance
             };

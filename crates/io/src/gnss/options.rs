@@ -42,7 +42,7 @@ impl FixOptions {
         ] {
             let mut all = constants.into_iter().flatten().chain([factor]);
             if let Some(bad) = all.find(|value| !positive(value)) {
-                let problem = format!("{bad} cannot be a standard deviation or a factor on one");
+                let problem = format!("invalid standard deviation or factor: {bad}");
                 return Err(ReadError::nameless(problem).key(key));
             }
         }

@@ -71,7 +71,7 @@ impl fmt::Display for Defect {
         match self {
             Self::Text(text) => f.write_str(text),
             Self::TooFew { fields, wanted } => {
-                write!(f, "{fields} fields, column {wanted} is wanted")
+                write!(f, "{fields} fields, but column {wanted} is needed")
             }
             Self::Empty { column } => write!(f, "column {column} is empty"),
             Self::NotFinite(value) => write!(f, "{value}"),

@@ -171,7 +171,7 @@ pub(crate) fn places(
         };
         let index = match (column, names) {
             (Column::Number(0), _) => {
-                let problem = "column 0 is asked for".to_owned();
+                let problem = "column 0 requested".to_owned();
                 return error(problem, "the first column is 1".to_owned());
             }
             (Column::Number(number), Some(names)) if *number > names.len() => {
@@ -180,8 +180,8 @@ pub(crate) fn places(
             }
             (Column::Number(number), _) => number - 1,
             (Column::Name(_), None) => {
-                let problem = format!("no header that could name the column {column}");
-                let mend = "ask for columns by number, the first is 1";
+                let problem = format!("no header, so there is no column {column}");
+                let mend = "specify columns by number; the first is 1";
                 return error(problem, mend.to_owned());
             }
             (Column::Name(name), Some(names)) => {
@@ -192,7 +192,7 @@ pub(crate) fn places(
                     (Some((a, _)), Some((b, _))) => {
                         let (a, b) = (a + 1, b + 1);
                         let problem = format!("columns {a} and {b} are both called {column}");
-                        return error(problem, "ask for one by its number".to_owned());
+                        return error(problem, "specify one by its number".to_owned());
                     }
                     (None, _) => return error(format!("no column {column}"), listing(names)),
                 }

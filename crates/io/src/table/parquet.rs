@@ -305,7 +305,7 @@ fn read<T: DataType>(
 fn open(bytes: Bytes) -> Result<SerializedFileReader<Bytes>, ReadError> {
     let length = bytes.len();
     let unreadable =
-        |error| ReadError::nameless(format!("is no Parquet file that can be read: {error}"));
+        |error| ReadError::nameless(format!("is not a readable Parquet file: {error}"));
     if !headers::footer_is_sound(&bytes).is_ok_and(|sound| sound) {
         return Err(unreadable(ParquetError::General(
             "the footer is damaged".into(),
@@ -315,7 +315,9 @@ fn open(bytes: Bytes) -> Result<SerializedFileReader<Bytes>, ReadError> {
     let groups = reader.metadata().row_groups().iter();
     let mut chunks = groups.flat_map(|group| group.columns());
     if !chunks.all(|chunk| is_inside(chunk, length)) {
-        return Err(ReadError::nameless("has columns outside of the file"));
+        return Err(ReadError::nameless(
+            "has columns beyond the end of the file",
+        ));
     }
     Ok(reader)
 }

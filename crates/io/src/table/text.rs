@@ -80,7 +80,7 @@ impl TextTable {
             if let Some(names) = self.names.take() {
                 fits(bytes, delimiter, names).map_err(|problem| {
                     let error = ReadError::nameless(problem).at(line);
-                    error.mend("write numbers with points, or ask for columns by number")
+                    error.mend("write decimal points, or specify columns by number")
                 })?;
             }
             let parsed = fields::parse_row(
@@ -104,7 +104,7 @@ fn fits(row: &[u8], delimiter: Delimiter, names: usize) -> Result<(), String> {
         .last();
     match last {
         Some((k, _)) if k >= names => Err(format!(
-            "the row has {} fields, the header names {names}: decimal commas, or a column without a name",
+            "the row has {} fields, the header {names}: decimal commas, or an unnamed column",
             k + 1
         )),
         _ => Ok(()),

@@ -134,7 +134,7 @@ pub(crate) fn check_time_scale(scale: f64, key: &str) -> Result<(), ReadError> {
     if scale.is_finite() && scale > 0.0 {
         return Ok(());
     }
-    let problem = format!("a time scale of {scale} makes no times");
+    let problem = format!("invalid time scale: {scale}");
     Err(ReadError::nameless(problem).key(key))
 }
 
@@ -174,7 +174,7 @@ pub(super) fn no_rows(seen: u64, skipped: &Skipped) -> ReadError {
     let problem = if seen == 0 {
         "no row of data"
     } else {
-        "no row with a number in every wanted column"
+        "no row with a number in every required column"
     };
     let mut mend = skipped.to_string().replace('\n', "; ");
     let text = skipped.iter().find(|(kind, _)| *kind == SkipKind::Text);

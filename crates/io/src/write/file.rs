@@ -87,7 +87,7 @@ impl SolutionFormat {
 /// A name that is no format of solutions.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "unknown format {0:?}; there are csv, kf-gins, nmea, kml, geojson, gpx, mcap, parquet, sbet"
+    "unknown format {0:?}; available: csv, kf-gins, nmea, kml, geojson, gpx, mcap, parquet, sbet"
 )]
 pub struct UnknownSolutionFormat(pub String);
 
@@ -158,12 +158,12 @@ impl SolutionFile<PendingFile> {
         for (k, path) in paths.iter().enumerate() {
             let name = path.display();
             if paths.iter().take(k).any(|other| other == path) {
-                return Err(format!("{name} is asked for twice"));
+                return Err(format!("{name} is requested twice"));
             }
             let format = format.or_else(|| SolutionFormat::from_path(path));
             let format = format.or_else(|| (path == Path::new("-")).then_some(SolutionFormat::Csv));
             let format = format.ok_or_else(|| {
-                format!("{name}: the extension names no format; there are csv, nav, nmea, kml, geojson, gpx, mcap, parquet, sbet, or give --format")
+                format!("{name}: unknown extension; use csv, nav, nmea, kml, geojson, gpx, mcap, parquet or sbet, or set --format")
             })?;
             let file = Self::create(path, format, options);
             files.push(file.map_err(|e| format!("cannot write {name}: {e}"))?);
@@ -188,7 +188,7 @@ impl<W: Write + Seek + Send> SolutionFile<W> {
     pub fn new(out: W, format: SolutionFormat, options: &SolutionOptions) -> io::Result<Self> {
         let every = options.every.unwrap_or(format.usual_every());
         if !(every >= 0.0 && every.is_finite()) {
-            let message = format!("rows {every} s apart cannot be written");
+            let message = format!("invalid row interval: {every} s");
             return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
         }
         let (name, week) = (&options.name, options.week);
@@ -213,7 +213,7 @@ impl<W: Write + Seek + Send> SolutionFile<W> {
             }
             #[cfg(not(feature = "parquet"))]
             SolutionFormat::Parquet => {
-                let message = format!("a solution as {} is not built in", format.name());
+                let message = format!("this build cannot write {}", format.name());
                 return Err(io::Error::new(io::ErrorKind::Unsupported, message));
             }
         };

@@ -286,7 +286,7 @@ fn stamp(start: f64, time: f64) -> io::Result<(i32, u32)> {
     let carry = (nanoseconds / 1e9).floor();
     let seconds = start.floor() + time.floor() + carry;
     if !(f64::from(i32::MIN)..=f64::from(i32::MAX)).contains(&seconds) {
-        return Err(invalid(format!("a time of {seconds} s is no stamp")));
+        return Err(invalid(format!("invalid time stamp: {seconds} s")));
     }
     Ok((seconds as i32, (nanoseconds - carry * 1e9) as u32))
 }

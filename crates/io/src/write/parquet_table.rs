@@ -190,7 +190,7 @@ impl<W: Write + Send> ParquetTableWriter<W> {
             fits &= values.next().is_some_and(|value| column.push(value));
         }
         if !fits || values.next().is_some() {
-            let wrong = "a row whose values are not those of the columns";
+            let wrong = "the row's values do not match the columns";
             return Err(io::Error::new(io::ErrorKind::InvalidInput, wrong));
         }
         self.rows += 1;

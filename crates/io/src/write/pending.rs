@@ -69,7 +69,7 @@ impl PendingFile {
         let Some(name) = target.file_name() else {
             return Err(io::Error::new(
                 io::ErrorKind::InvalidInput,
-                format!("{} names no file", path.display()),
+                format!("{} is not a file name", path.display()),
             ));
         };
         let mut hidden = OsString::from(".");

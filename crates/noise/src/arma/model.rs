@@ -129,21 +129,21 @@ impl fmt::Display for Warning {
                 "an autoregressive and a moving-average root nearly cancel: {distance:.2e} apart"
             ),
             Self::FlatLikelihood => f.write_str(
-                "the likelihood is flat in some direction: the coefficients are not well determined, what they predict is",
+                "the likelihood is flat in some direction: the coefficients are poorly determined, but their predictions are not",
             ),
             Self::UnitRoot { distance } => write!(
                 f,
-                "an autoregressive root is 1 as far as the record can tell ({distance:.1e} from it): a random walk in effect"
+                "an autoregressive root is indistinguishable from 1 ({distance:.1e} away): effectively a random walk"
             ),
             Self::MovingAverageUnitRoot { distance } => write!(
                 f,
-                "a moving-average root is on the unit circle as far as the record can tell ({distance:.1e} from it)"
+                "a moving-average root is indistinguishable from the unit circle ({distance:.1e} away)"
             ),
             Self::NoStandardErrors => {
-                f.write_str("no standard errors: the likelihood is singular at its best")
+                f.write_str("no standard errors: the likelihood is singular at its maximum")
             }
-            Self::NotConverged => f.write_str("the search stopped before it met its tolerance"),
-            Self::ShortRecord => f.write_str("fewer than ten samples a parameter"),
+            Self::NotConverged => f.write_str("the search stopped before reaching its tolerance"),
+            Self::ShortRecord => f.write_str("fewer than ten samples per parameter"),
         }
     }
 }

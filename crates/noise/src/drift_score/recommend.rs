@@ -126,13 +126,13 @@ pub fn recommend(candidates: &[Scored]) -> Option<Recommendation> {
     if let Some(&(index, chosen)) = simplest {
         let reason = if best.iter().all(|b| std::ptr::eq(*b, chosen)) {
             format!(
-                "{} ({}) drifts least at {span} s, and no simpler candidate comes within the sampling error of it.",
+                "{} ({}) drifts least at {span} s, and no simpler candidate is within its sampling error.",
                 chosen.name,
                 sizes(chosen)
             )
         } else {
             format!(
-                "{} ({}) is the simplest candidate whose drift is within the sampling error of the least at {span} s (at most {:.1} % above it).",
+                "{} ({}) is the simplest candidate within the sampling error of the least drift at {span} s (at most {:.1} % above it).",
                 chosen.name,
                 sizes(chosen),
                 percent(worst(chosen))
@@ -146,7 +146,7 @@ pub fn recommend(candidates: &[Scored]) -> Option<Recommendation> {
     least.map(|&(index, chosen)| Recommendation {
         index,
         reason: format!(
-            "No candidate is within the sampling error of the least drift at all of {span} s; {} ({}) is worst off least, {:.1} % above it.",
+            "No candidate is within the sampling error of the least drift at all of {span} s; {} ({}) has the smallest excess, at most {:.1} %.",
             chosen.name,
             sizes(chosen),
             percent(worst(chosen))

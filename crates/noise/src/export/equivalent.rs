@@ -67,7 +67,7 @@ impl Equivalent {
                     axis.slow.walk = Some(unseen_walk(axis.white, length));
                 }
                 remarks.push(format!(
-                    "{sensor}: no slow bias was seen in the {length:.0} s of the record. Their random walk is the largest that could have stayed unseen, 10 √3 N / T: an upper bound, which a longer record lowers."
+                    "{sensor}: no slow bias was detected in {length:.0} s of recording. The random walk is the largest that could go undetected, 10 √3 N / T: an upper bound, which a longer recording lowers."
                 ));
             }
         }
@@ -112,13 +112,13 @@ fn equivalent(
             Some(arma) => match arma.split() {
                 Some((_, slow)) => {
                     remarks.push(format!(
-                        "{name}: the terms that its ARMA(1,1) is the sum of, exactly."
+                        "{name}: the terms whose sum is exactly its ARMA(1,1)."
                     ));
                     slow
                 }
                 None => {
                     remarks.push(format!(
-                        "{name}: from an ARMA that is no sum of such terms; same variance and same spectrum at long times, its innovations taken as the white noise."
+                        "{name}: approximates an ARMA that is not a sum of such terms: same variance and same spectrum at long times, with its innovations as white noise."
                     ));
                     slow_of(arma)?
                 }
@@ -131,7 +131,7 @@ fn equivalent(
         ));
     }
     if axis.quantisation.is_some() {
-        remarks.push(format!("{name}: its quantisation is left out."));
+        remarks.push(format!("{name}: its quantisation is omitted."));
     }
     Ok(Axis {
         white,

@@ -16,7 +16,7 @@ pub(super) fn kalibr(imu: &Equivalent, rate_hz: f64) -> String {
     let process = |axis: &Axis| !axis.slow.processes.is_empty();
     if imu.gyro.iter().chain(&imu.accel).any(process) {
         out.comment(
-            "The bias is a Gauss-Markov process (σ, τ), for which Kalibr has no place: its random walk is the noise that drives it, σ √(2/τ), right over times short against τ.",
+            "Kalibr has no Gauss-Markov bias (σ, τ): its random walk is the driving noise σ √(2/τ), valid for times much shorter than τ.",
         );
     }
     for (sensor, axes, unit) in [
@@ -36,7 +36,7 @@ pub(super) fn kalibr(imu: &Equivalent, rate_hz: f64) -> String {
 pub(super) fn kf_gins(imu: &Equivalent) -> String {
     let mut out = Text::about(imu, "#");
     out.comment(
-        "There is one correlation time for all: the longest. The standard deviations of the biases are those at which the driving noise 2σ²/τ of each axis is kept.",
+        "One correlation time for all axes: the longest. The standard deviations of the biases preserve the driving noise 2σ²/τ of each axis.",
     );
     let tau = common_tau(imu.gyro.iter().chain(&imu.accel)).unwrap_or(HOUR);
     let degree = 1f64.to_radians();
@@ -52,7 +52,7 @@ pub(super) fn kf_gins(imu: &Equivalent) -> String {
     let abstd = list(&imu.accel, MILLIGAL, &std);
     out.body += &format!("imunoise:\n  arw: {arw}  # deg/√h\n  vrw: {vrw}  # m/s/√h\n");
     out.body += &format!("  gbstd: {gbstd}  # deg/h\n  abstd: {abstd}  # mGal\n");
-    out.body += "  gsstd: [0.0, 0.0, 0.0]  # ppm; a noise model says nothing of scale factors\n";
+    out.body += "  gsstd: [0.0, 0.0, 0.0]  # ppm; not part of a noise model\n";
     out.body += "  asstd: [0.0, 0.0, 0.0]  # ppm\n";
     out.body += &format!("  corrtime: {}  # h\n", number(tau / HOUR));
     for (key, axes, unit, unit_name) in [
@@ -73,7 +73,7 @@ pub(super) fn ros(imu: &Equivalent, rate_hz: f64) -> String {
     let mut out = Text::about(imu, "#");
     let rate = number(rate_hz);
     out.comment(&format!(
-        "Covariances of one sample at {rate} Hz, N² rate on the diagonal; a bias has no place in them. The same in axes forward-left-up (REP 103) as in forward-right-down."
+        "Covariances of one sample at {rate} Hz, N² rate on the diagonal, without biases. They are the same in forward-left-up (REP 103) and forward-right-down axes."
     ));
     out.body += "imu:\n  ros__parameters:\n";
     for (quantity, axes, unit) in [
@@ -101,7 +101,7 @@ pub(super) fn px4(imu: &Equivalent, rate_hz: f64) -> String {
     let mut out = Text::about(imu, "#");
     let rate = number(rate_hz);
     out.comment(&format!(
-        "Each number is the root mean square of the three axes, as a standard deviation per prediction at {rate} Hz, N/√dt (EKF2_PREDICT_US). Of a Gauss-Markov bias, the noise that drives it. Vibration is not in a noise model: PX4's defaults leave room for it."
+        "Each number is the root mean square of the three axes, as a standard deviation per prediction at {rate} Hz, N/√dt (EKF2_PREDICT_US). For a Gauss-Markov bias it is the driving noise. A noise model does not include vibration, which PX4's defaults allow for."
     ));
     let root = rate_hz.sqrt();
     let white = |axis: &Axis| axis.white * root;

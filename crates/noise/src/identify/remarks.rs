@@ -15,14 +15,14 @@ pub(super) fn of_record(of: &Screened, samples: usize, rate_hz: f64) -> Vec<Stri
     if let Some(motion) = of.motion.as_ref().filter(|m| m.moving) {
         let first = motion.moving_windows.first().copied().unwrap_or(0);
         remarks.push(format!(
-            "the record is not static: the variance of its mean over windows of a second is {:.0} times what the noise inside them allows, from {:.1} s on; cut it to where the sensor rests",
-            motion.ratio,
-            second(first)
+            "the recording is not static: from {:.1} s on, the variance of one-second means is {:.1} times what their noise allows; cut it to where the sensor rests",
+            second(first),
+            motion.ratio
         ));
     }
     for stop in &of.saturation {
         remarks.push(format!(
-            "the axis is saturated: {} samples ({:.2} %) are {} exactly, the end of what it reads; its noise is cut off there",
+            "the axis is saturated: {} samples ({:.2} %) are exactly {}, the end of its range, which clips the noise",
             stop.samples,
             100.0 * stop.samples as f64 / samples as f64,
             stop.value
@@ -30,14 +30,14 @@ pub(super) fn of_record(of: &Screened, samples: usize, rate_hz: f64) -> Vec<Stri
     }
     if let Some(&Hanging { index, samples }) = of.hanging.first() {
         remarks.push(format!(
-            "the sensor hangs: {samples} equal samples from {:.2} s on, {} such stretches in all",
+            "the sensor is frozen: {samples} equal samples from {:.2} s on, {} such stretches in all",
             second(index),
             of.hanging.len()
         ));
     }
     if let Some(first) = of.outliers.first() {
         remarks.push(format!(
-            "{} samples lie more than 8 robust standard deviations off and were left out, the first at {:.2} s",
+            "rejected {} samples more than 8 robust standard deviations off, the first at {:.2} s",
             of.outliers.len(),
             second(first.index)
         ));
@@ -58,7 +58,7 @@ pub(super) fn of_arma(fit: &ArmaFit) -> Vec<String> {
 }
 
 const HELD: &str = "one autoregressive root is held at 1";
-const NOT_CONVERGED: &str = "the search stopped before it met its tolerance";
+const NOT_CONVERGED: &str = "the search stopped before reaching its tolerance";
 
 /// Remarks on a composite fit.
 pub(super) fn of_composite(fit: &CompositeFit) -> Vec<String> {
@@ -76,14 +76,14 @@ pub(super) fn of_composite(fit: &CompositeFit) -> Vec<String> {
     fit.flags
         .iter()
         .map(|flag| match flag {
-            Flag::Vanished(term) => format!("the likelihood does not want {}", named(term)),
+            Flag::Vanished(term) => format!("the likelihood does not support {}", named(term)),
             Flag::NotNeeded(term) => format!("{} is not needed at the 5 % level", named(term)),
             Flag::LongCorrelation(i) => format!(
-                "{} is a random walk in effect: its correlation time exceeds a tenth of the record",
+                "{} is effectively a random walk: its correlation time exceeds a tenth of the recording",
                 named(&Term::GaussMarkov(*i))
             ),
             Flag::ShortMemory(ratio) => format!(
-                "the sensor has a short memory that this model does not describe: at one sample its wavelet variance is {ratio:.2} times the model's"
+                "short-term correlation that this model does not describe: the wavelet variance at one sample is {ratio:.2} times the model's"
             ),
             Flag::Undetermined => {
                 "the likelihood is flat in some direction: no standard errors".into()
@@ -98,14 +98,14 @@ pub(super) fn of_scale(fit: &ScaleFit) -> Vec<String> {
     let say = |flag: &scales::Flag| match flag {
         scales::Flag::TooFewAverages => "fewer than 200 averages",
         scales::Flag::NoFit => "the averages could not be fitted",
-        scales::Flag::NoSlowPart => "the averages have no slow part",
-        scales::Flag::NoWhite => "the averages leave no white noise",
+        scales::Flag::NoSlowPart => "the averages show no slow part",
+        scales::Flag::NoWhite => "the averages show no white noise",
         scales::Flag::LongCorrelation => {
-            "a unit root as far as the record can tell: the correlation time exceeds a tenth of it"
+            "indistinguishable from a unit root: the correlation time exceeds a tenth of the recording"
         }
         scales::Flag::FastForBlock => "the correlation time is below two blocks",
         scales::Flag::NotDistinguishable => {
-            "the roots nearly cancel: the slow part is not distinguishable from none"
+            "the roots nearly cancel: the slow part is not significant"
         }
     };
     fit.flags.iter().map(|flag| say(flag).to_owned()).collect()

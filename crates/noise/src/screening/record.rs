@@ -4,7 +4,7 @@
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum RecordError {
     /// Fewer samples than the statistic needs.
-    #[error("too short: {got} samples where at least {needed} are needed")]
+    #[error("too short: {got} samples, at least {needed} are needed")]
     TooShort {
         /// Samples needed.
         needed: usize,
@@ -18,7 +18,7 @@ pub enum RecordError {
         index: usize,
     },
     /// All samples are the same, to rounding.
-    #[error("the record is constant")]
+    #[error("the recording is constant")]
     Constant,
     /// An argument other than the record is out of its range.
     #[error("{0}")]

@@ -89,7 +89,7 @@ pub fn remove_temperature(x: &[f64], temperature_c: &[f64]) -> Result<Detrended,
     check(temperature_c, 3)?;
     if x.len() != temperature_c.len() {
         return Err(RecordError::Argument(
-            "there must be one temperature a sample",
+            "one temperature per sample is needed",
         ));
     }
     let (centre, squares) = mean_and_squares(temperature_c);

@@ -275,7 +275,7 @@ impl Products {
     /// the residual deviation of the model up to it is the t of that column there.
     fn solve(&self, order: &[Column]) -> Result<(Vec<f64>, Vec<f64>), RecordError> {
         let degenerate = Err(RecordError::Argument(
-            "the regression is degenerate: the record is a line or a pattern",
+            "the regression is degenerate: the recording is a straight line or a repeating pattern",
         ));
         let size = order.len();
         let scale: Vec<f64> = order.iter().map(|&c| self.product(c, c).sqrt()).collect();

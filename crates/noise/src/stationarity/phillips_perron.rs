@@ -70,7 +70,7 @@ pub fn phillips_perron(
     let (variance, gamma0) = (squares / freedom, squares / count);
     if !(long_run > 0.0 && squares > rounding) {
         return Err(RecordError::Argument(
-            "the regression is degenerate: the record is a line or a pattern",
+            "the regression is degenerate: the recording is a straight line or a repeating pattern",
         ));
     }
     let error = (variance / level_level).sqrt();

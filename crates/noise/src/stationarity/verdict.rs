@@ -15,12 +15,12 @@ pub enum Conclusion {
     UnitRoot,
     /// Both are rejected: white noise hides a slow bias, or memory is long.
     Conflict,
-    /// Neither is rejected: the record is too short to tell.
+    /// Neither is rejected: the recording is too short to decide.
     Undecided,
-    /// A moving-average root near 1 makes the unit-root tests worthless, and KPSS sees nothing slow.
+    /// A moving-average root near 1 makes the unit-root tests uninformative, and KPSS detects no slow part.
     NothingSlowSeen,
-    /// A moving-average root near 1 makes the unit-root tests worthless, and KPSS sees something slow:
-    /// a unit root or a long correlation time, which no test tells apart.
+    /// A moving-average root near 1 makes the unit-root tests uninformative, and KPSS detects a slow part:
+    /// a unit root or a long correlation time, which no test distinguishes.
     SlowPartSeen,
 }
 
@@ -57,16 +57,16 @@ pub fn verdict(
     );
     if let Some(root) = ma_root.filter(|root| *root > NEAR_CANCELLING) {
         let (conclusion, rest) = if kpss_rejects {
-            let rest = "KPSS rejects stationarity: there is a slow part, and whether it is a random walk or has a \
-                        correlation time is for the fitted model to say";
+            let rest = "KPSS rejects stationarity: there is a slow part; the fitted model shows whether it is a \
+                        random walk or has a correlation time";
             (Conclusion::SlowPartSeen, rest)
         } else {
-            let rest = "KPSS does not reject stationarity: nothing slow stands out of the noise at this length";
+            let rest = "KPSS does not reject stationarity: no slow part is detected at this length";
             (Conclusion::NothingSlowSeen, rest)
         };
         let sentence = format!(
-            "{numbers}. With a moving-average root of {root:.4} Dickey-Fuller and Phillips-Perron reject a unit root \
-             whether or not there is one, so they are worthless here; {rest}."
+            "{numbers}. With a moving-average root of {root:.4}, Dickey-Fuller and Phillips-Perron reject a unit root \
+             whether or not there is one, so they carry no information here; {rest}."
         );
         return Verdict {
             conclusion,
@@ -75,7 +75,7 @@ pub fn verdict(
     }
     let finds = |rejects: bool| if rejects { "rejects" } else { "accepts" };
     let disagree = format!(
-        "the unit-root tests disagree (Dickey-Fuller {}, Phillips-Perron {}) and KPSS {} stationarity: trust no single one",
+        "the unit-root tests disagree (Dickey-Fuller {}, Phillips-Perron {}) and KPSS {} stationarity: do not rely on a single one",
         finds(adf_rejects),
         finds(pp_rejects),
         if kpss_rejects {
@@ -87,20 +87,20 @@ pub fn verdict(
     let (conclusion, reading) = match (adf_rejects, pp_rejects, kpss_rejects) {
         (true, true, false) => (
             Conclusion::Stationary,
-            "the record is stationary at this length",
+            "the recording is stationary at this length",
         ),
         (false, false, true) => (
             Conclusion::UnitRoot,
-            "the record has a unit root: difference it",
+            "the recording has a unit root: difference it",
         ),
         (false, false, false) => (
             Conclusion::Undecided,
-            "neither hypothesis falls: the record is too short to tell",
+            "neither hypothesis is rejected: the recording is too short to decide",
         ),
         (true, true, true) => (
             Conclusion::Conflict,
-            "both hypotheses fall: a slow bias below white noise, long memory or a break; fit a model and look at its \
-             moving-average root",
+            "both hypotheses are rejected: a slow bias below white noise, long memory or a break; fit a model and \
+             check its moving-average root",
         ),
         _ => (Conclusion::Conflict, disagree.as_str()),
     };

@@ -197,11 +197,11 @@ fn an_arma_becomes_the_terms_of_its_spectrum() {
     // IMA(1,1) is a random walk of (1 − θ)σ a step and white noise of √θ σ, exactly.
     let (white, walk, text) = kalibr("[1.0]", "[0.81]");
     close(&[white, walk], &[0.02 * 0.9 / 10.0, 0.02 * 0.19 * 10.0]);
-    assert!(text.contains("gyro_x: the terms that its ARMA(1,1) is the sum of, exactly."));
+    assert!(text.contains("gyro_x: the terms whose sum is exactly its ARMA(1,1)."));
     // (1 − B)(1 − 0.5 B) x = (1 − 0.9 B) a: at low frequencies a random walk of σ 0.1/0.5 a step.
     let (white, walk, text) = kalibr("[1.5, -0.5]", "[0.9]");
     close(&[white, walk], &[0.02 / 10.0, 0.02 * 0.2 * 10.0]);
-    assert!(text.contains("no sum of such terms"));
+    assert!(text.contains("not a sum of such terms"));
     // AR(1) with φ = 0.8: the predictable part has the variance φ²/(1 − φ²) σ² = 16/9 σ², the
     // spectrum at zero is 25 σ² T: τ = 24/(2 · 16/9) T, and σ_b² 2/τ = (2 · 16/9)²/24 σ²/T.
     let (white, walk, _) = kalibr("[0.8]", "[]");

@@ -1,6 +1,6 @@
 """Noise models of low-cost inertial sensors, carried exactly into a GNSS/INS filter.
 
-SI units and radians, unless a name says otherwise; arrays are numpy's, ``float64``.
+SI units and radians, unless a name states otherwise; arrays are numpy's, ``float64``.
 """
 
 from undrift import arma, fleet, statistics

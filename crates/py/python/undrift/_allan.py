@@ -38,7 +38,7 @@ class AllanTerm(Result):
         return self.value
 
     def __repr__(self) -> str:
-        return f"{self.value:.6g} ± {self.standard_error:.2g}{'' if self.seen else ' (not seen)'}"
+        return f"{self.value:.6g} ± {self.standard_error:.2g}{'' if self.seen else ' (not detected)'}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -215,7 +215,7 @@ def allan(
 ) -> AllanDeviation:
     """Allan deviation of rates (angular rate [rad/s], specific force [m/s²]) sampled at ``rate`` [Hz].
 
-    ``kind``: overlapping, modified (tells white phase noise from flicker phase), hadamard (blind to a
+    ``kind``: overlapping, modified (separates white phase noise from flicker phase), hadamard (blind to a
     ramp) or total (better confidence at the longest τ). ``taus``: octave (1, 2, 4, … samples), decade
     (1, 2, 5, 10, …), all, or averaging times [s], each taken to the nearest whole number of samples. All of
     the overlapping kind take N log² N time and deviations are within 5e-10 of the definition; all of

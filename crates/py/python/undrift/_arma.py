@@ -63,9 +63,9 @@ class ArmaFit(Result):
     flat_likelihood: bool
     """Some direction of the parameters is hardly determined."""
     unit_root: bool
-    """An AR root is 1 as far as the record can tell."""
+    """An AR root is indistinguishable from 1."""
     warnings: tuple[str, ...]
-    """All that should be said with the result."""
+    """Warnings about the result."""
 
     @property
     def order(self) -> Order:
@@ -132,9 +132,9 @@ class Likelihood(Result):
     sigma2: float
     """Sum of squares over the number of samples [u²]."""
     mean: float
-    """Mean, given or estimated [u]."""
+    """Mean, specified or estimated [u]."""
     mean_standard_error: float
-    """Standard error of an estimated mean [u]; 0 of a given one."""
+    """Standard error of an estimated mean [u]; 0 of a specified one."""
     n: int
     """Samples that count."""
 

@@ -11,7 +11,7 @@ Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 
-def record(x: npt.ArrayLike, name: str = "the record") -> Floats:
+def record(x: npt.ArrayLike, name: str = "the recording") -> Floats:
     """One-dimensional contiguous ``float64``: the array itself where it is that, else a copy.
 
     Lists, other number types, strides, pandas and polars series are taken; a masked or missing value

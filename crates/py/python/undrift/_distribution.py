@@ -38,7 +38,7 @@ def jarque_bera(x: npt.ArrayLike) -> JarqueBera:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Normality(Result):
-    """Everything said about the distribution of a record, u its unit."""
+    """Statistics of the distribution of a recording, u its unit."""
 
     samples: int
     """Samples."""
@@ -65,7 +65,7 @@ class Normality(Result):
     lilliefors_p: float
     """p of Lilliefors' test."""
     quantisation_step: float | None
-    """Step of the grid that the samples lie on [u]; None where there is none."""
+    """Step of the grid that the samples lie on [u]; None without a grid."""
     levels: int | None
     """Different values, where there is a grid."""
 

@@ -63,7 +63,7 @@ UNITS: dict[str, dict[str, str]] = {
     "span": {"start": "s", "end": "s"},
 }
 
-#: Keys that can be given without their table, and the table.
+#: Keys that can be set without their table, and the table.
 _SHORT = {
     **dict.fromkeys(
         (
@@ -112,7 +112,7 @@ class Drive:
 
     ``Drive.load("drive.toml")`` reads a drive file. ``Drive(imu, gnss, model)`` has the logs in files
     or in memory: data frames, Arrow tables, structured arrays or dicts of arrays, in a dict also
-    arrays of n × 3. Every key of the drive file (docs/drive-file.md) can be given:
+    arrays of n × 3. Every key of the drive file (docs/drive-file.md) can be set:
 
     * a log with its keys is a dict with the log as ``file``:
       ``imu={"file": frame, "gyro": ["gx", "gy", "gz"], "gyro_unit": "deg/s", …}``;
@@ -125,7 +125,7 @@ class Drive:
     * a number with a dimension is a text with its unit, ``"0.1, 0, -1.2 m"``, or a number or three
       of them in SI units and radians, ``(0.1, 0, -1.2)``.
 
-    Columns of a table in memory that are not stated are those whose names tell what they are, as
+    Columns of a table in memory that are not specified are found by their names, as
     ``gx_dps``, ``accel_x [m/s^2]``, ``lat_deg``: nothing is guessed by the numbers.
     """
 
@@ -212,7 +212,7 @@ class Drive:
 def _log(
     table: str, log: Log, short: Mapping[str, Any], memory: list[tuple[str, Columns]]
 ) -> str:
-    """The table of a log in the drive file; its columns are added to ``memory`` if it is none of files."""
+    """The table of a log in the drive file; its columns are added to ``memory`` if it is in memory."""
     keys: dict[str, Any] = {}
     if isinstance(log, Mapping) and "file" in log:
         keys.update({key: item for key, item in log.items() if key != "file"})
@@ -245,7 +245,7 @@ def _stated(key: str, keys: Mapping[str, Any]) -> bool:
 
 
 def _told(table: str, names: list[str]) -> dict[str, str]:
-    """What the names of columns tell of a table of the drive file."""
+    """The keys of a drive file's table that follow from the names of columns."""
     parts = dict(_undrift.told_by_names(names))
     if table in parts:
         return dict(parts[table])

@@ -84,7 +84,7 @@ class Filter:
     velocity_time_offset.
 
     Every update returns an :class:`Innovation`; ``gate`` = (weaken, reject) are limits of its NIS:
-    above the first the measurement's covariance grows, above the second it is left out.
+    above the first the measurement's covariance grows, above the second it is rejected.
     """
 
     def __init__(

@@ -58,7 +58,7 @@ class AxisIdentified(Result):
     reason: str
     """Why it is recommended."""
     stationarity: str
-    """What ADF, KPSS and Phillips-Perron say together."""
+    """The conclusion from ADF, KPSS and Phillips-Perron."""
     taus: Floats
     """Averaging times of the Allan deviation [s]."""
     adev: Floats
@@ -72,7 +72,7 @@ class AxisIdentified(Result):
     tests: Mapping[str, Any] = field(repr=False)
     """The tests by name: adf, kpss, phillips_perron, jarque_bera, ks, lilliefors, ljung_box, pandit_wu, box_jenkins …"""
     warnings: tuple[str, ...]
-    """What should be said of the axis."""
+    """Warnings about the axis."""
 
     def plot(self, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
         """The Allan deviation with its interval, and the fit. Needs ``undrift[plot]``."""
@@ -109,7 +109,7 @@ class Identified(Told):
     rate: float
     """Sample rate [Hz]."""
     warnings: tuple[str, ...]
-    """What should be said of the record and its axes."""
+    """Warnings about the recording and its axes."""
     json: str = field(repr=False)
     """The result as ``undrift identify --json -`` prints it."""
     _found: _undrift.Identified | None = field(repr=False)
@@ -179,7 +179,7 @@ def identify(
     ``record`` is a file; a table in memory (data frame, Arrow table, structured array, dict of
     arrays); or an array, of one axis (then ``axis`` names it) or of n × 6 columns in the order of
     gyro x, y, z, accelerometer x, y, z, in SI units. ``columns`` and ``units``, ``"deg/s,g"``, are
-    told by the names of columns where they tell; ``rate`` [Hz] by the time stamps, if there are any.
+    found from the names of columns where possible; ``rate`` [Hz] by the time stamps, if there are any.
     ``detrend`` is constant, linear or temperature; ``n_max`` the largest n of ARMA(2n, 2n−1) in the
     Pandit-Wu table. docs/identify.md has the steps.
     """
@@ -227,7 +227,7 @@ def _bare(record: npt.NDArray[Any], axis: str | None) -> list[tuple[str, Floats]
     """The columns of an array without names."""
     if record.ndim == 1:
         if axis is None:
-            raise TypeError(f"say which axis the record is of: axis={AXES[0]!r} … {AXES[-1]!r}")
+            raise TypeError(f"specify the axis of the recording: axis={AXES[0]!r} … {AXES[-1]!r}")
         return [(axis, np.asarray(record, dtype=np.float64))]
     if record.ndim == 2 and record.shape[1] == len(AXES):
         return [

@@ -164,7 +164,7 @@ class NoiseModel:
 
     @property
     def axes(self) -> dict[str, AxisNoise]:
-        """What is known of each axis, ``gyro_x`` … ``accel_z``; an axis of which nothing is known is left out."""
+        """The known axes, ``gyro_x`` … ``accel_z``; unknown axes are omitted."""
         return {name: _axis(terms) for name, terms in self._model.axes() if terms is not None}
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -236,7 +236,7 @@ def _axis(terms: dict[str, Any]) -> AxisNoise:
 
 
 def _stated(keys: Mapping[str, Any], units: Mapping[str, str]) -> dict[str, Any]:
-    """The keys with the units of numbers that are given in SI."""
+    """The keys with the units of numbers in SI."""
     stated: dict[str, Any] = {}
     for key, item in keys.items():
         if key == "arma" and isinstance(item, ArmaNoise):

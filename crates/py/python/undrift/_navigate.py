@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Navigation(Solution, Told):
-    """A navigated drive: the solution at every sample, and what is to be said of it."""
+    """A navigated drive: the solution at every sample, with its warnings."""
 
     bias_model: str
     """Name of the bias model."""
@@ -35,13 +35,13 @@ class Navigation(Solution, Told):
     rmse: Mapping[str, float] | None
     """Root-mean-square error against the truth by component: [m], [m/s], [deg]; None without a truth."""
     nis: Mapping[str, float | None]
-    """NIS per degree of freedom of ``position`` and ``velocity``: 1 when the model is right."""
+    """NIS per degree of freedom of ``position`` and ``velocity``: 1 if the model is correct."""
     nees: Mapping[str, float | None]
     """NEES per degree of freedom against the truth, once a second: 1 when the covariance is right."""
     diverged: float | None
     """Time at which the solution came to an end [s]; None if it did not."""
     warnings: tuple[str, ...]
-    """What should be said with the solution, in sentences."""
+    """Warnings about the solution, in sentences."""
     json: str = field(repr=False)
     """The result as ``undrift navigate --json -`` prints it."""
 
@@ -70,7 +70,7 @@ def drive_of(
             raise TypeError("data goes with a drive file: give the paths of the logs instead")
         return Drive(drive, gnss, model, **keys)
     if keys:
-        raise TypeError(f"{', '.join(keys)}: goes with logs, of which gnss is not given")
+        raise TypeError(f"{', '.join(keys)}: needs logs, but gnss is missing")
     if isinstance(model, Mapping):
         raise TypeError("the model of a drive is a name, a file or a NoiseModel")
     if isinstance(drive, Simulation):
@@ -105,7 +105,7 @@ def navigate(
 
     ``bias_model`` is white, paper, gauss-markov, random-walk, ar or arma. With ``smooth`` the
     solution is at every sample the best estimate given the whole log. ``output`` are files to write
-    it to, in the ``format`` of the extension or the one given; ``week`` is the GPS week in which the
+    it to, in the ``format`` of the extension or the specified one; ``week`` is the GPS week in which the
     log begins, ``every`` the least time between rows of the files [s]. Without ``solution`` the
     arrays are empty: 31 numbers a sample, for long logs.
     """

@@ -46,7 +46,7 @@ class Selection(_Fits):
     """The fits of a grid of orders and the orders that the criteria choose. ``selection[p, q]`` is a fit."""
 
     fits: tuple[ArmaFit, ...]
-    """By p, then q; an order that the record is too short for is left out."""
+    """By p, then q; orders that the recording is too short for are omitted."""
     by_aic: Order
     """Order of least AIC."""
     by_aicc: Order
@@ -165,7 +165,7 @@ def pandit_wu(
 ) -> PanditWu:
     """Fits ARMA(2n, 2n-1) for n = 1, 2, … ``n_max`` until F tests see nothing more, then steps down.
 
-    The F test leads to orders that are too high more often than its ``level`` says: weigh
+    The F test leads to orders that are too high more often than its ``level`` implies: weigh
     ``by_bic_step_down`` beside it. Pandit & Wu (1983), sections 4.4 and 4.5.
     """
     found = _undrift.arma_pandit_wu(record(x), n_max, level, mean, unit_root, effort)

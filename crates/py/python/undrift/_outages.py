@@ -45,11 +45,11 @@ class ModelErrors(Result):
     max: Mapping[str, float | None]
     """Largest magnitude over all samples inside the outages."""
     rms: Mapping[str, float | None]
-    """Root mean square over the outages of each one's largest error."""
+    """RMS over the outages of the largest error of each."""
     median: Mapping[str, float | None]
-    """Median over the outages of each one's largest error."""
+    """Median over the outages of the largest error of each."""
     end_rms: Mapping[str, float | None]
-    """Root mean square over the outages of the error at the end."""
+    """RMS over the outages of the error at the end."""
     outages: tuple[Drift, ...] = field(repr=False)
     """Outage by outage."""
     mean_drift: Drift
@@ -73,7 +73,7 @@ class Outages(Told):
     smooth: bool
     """Whether the errors are those of the smoothed solutions."""
     warnings: tuple[str, ...]
-    """What should be said of the logs and of the models."""
+    """Warnings about the logs and the models."""
     table: str = field(repr=False)
     """The table that the terminal prints."""
     json: str = field(repr=False)
@@ -125,7 +125,7 @@ def outages(
 
     ``drive``, ``gnss``, ``model``, ``data`` and further keys are those of :func:`navigate`. An
     outage lasts ``length`` [s]; the first starts ``start`` [s] after the first fix. ``count`` of them
-    are spread evenly, or stand ``every`` so many seconds from start to start; ``at`` are starts in
+    are spread evenly, or start ``every`` seconds; ``at`` are starts in
     the logs' time base instead. With ``smooth`` the errors are those that are left when the fixes
     after an outage are known too.
     """

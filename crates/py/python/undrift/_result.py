@@ -16,14 +16,14 @@ if TYPE_CHECKING:
     from pandas import DataFrame
     from pyarrow import Table
 
-#: Rows that the table of a notebook shows of a long result: so many at the start and at the end.
+#: Rows that the table of a notebook shows of a long result: this many at the start and at the end.
 _SHOWN = 5
 
 
 def optional(module: str, extra: str) -> ModuleType:
     """A module of an optional dependency.
 
-    Raises ImportError that says what to install.
+    Raises ImportError that states what to install.
     """
     try:
         return importlib.import_module(module)
@@ -35,7 +35,7 @@ def optional(module: str, extra: str) -> ModuleType:
 
 
 def axes(ax: Axes | None) -> Axes:
-    """The axes given, or those of a figure of their own."""
+    """The specified axes, or those of a new figure."""
     pyplot = optional("matplotlib.pyplot", "plot")
     if ax is not None:
         return ax
@@ -80,7 +80,7 @@ class Result:
         return f"{type(self).__name__}({', '.join(parts)})"
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: the single values, then the table, its middle left out."""
+        """What a notebook shows: the single values, then the table, without its middle."""
         title = html.escape(type(self).__name__)
         single = "".join(
             f"<tr><th>{html.escape(name)}</th><td>{html.escape(_text(value))}</td></tr>"

@@ -35,7 +35,7 @@ class GnssReceiver:
     start: float = 1.0
     """Time of the first fix [s], before ``time_offset``."""
     time_offset: float = 0.0
-    """Offset of every fix [s]; those before 0 are left out."""
+    """Offset of every fix [s]; those before 0 are omitted."""
     lever_arm: Three = (0.0, 0.0, 0.0)
     """From the IMU to the antenna, body axes [m]."""
     position: bool = True
@@ -140,7 +140,7 @@ class Simulation(Result):
         return path
 
     def _logs(self, truth: bool) -> dict[str, tuple[list[tuple[str, Floats]], dict[str, Any]]]:
-        """The logs as a drive file has them: columns by name, and the keys that say what they are."""
+        """The logs as a drive file has them: columns by name, and the keys that describe them."""
         imu, gnss, reference = self.imu, self.gnss, self.truth
         rates, forces = ("gx_radps", "gy_radps", "gz_radps"), ("fx_mps2", "fy_mps2", "fz_mps2")
         place, velocity = ("lat_deg", "lon_deg", "height_m"), ("vn_mps", "ve_mps", "vd_mps")
@@ -185,7 +185,7 @@ class Simulation(Result):
         return logs
 
     def plot(self, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
-        """The way driven, east over north from its start [m]. Needs ``undrift[plot]``."""
+        """The ground track, east over north from its start [m]. Needs ``undrift[plot]``."""
         return self.truth.plot(ax)
 
 

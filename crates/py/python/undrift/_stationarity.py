@@ -29,7 +29,7 @@ class Adf(Result):
     critical: dict[str, float]
     """Critical values at 1%, 5% and 10% by MacKinnon (2010)."""
     criterion: float | None
-    """AIC, BIC or |t| of the lag chosen; None where the lags were given."""
+    """AIC, BIC or |t| of the lag chosen; None where the lags were specified."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -71,7 +71,7 @@ class Stationarity(Result):
     """The three tests weighed at 5 %."""
 
     conclusion: str
-    """stationary, unit root, conflict, undecided, nothing slow seen or slow part seen."""
+    """stationary, unit root, conflict, undecided, no slow part detected or slow part detected."""
     sentence: str
     """The reasoning."""
     adf: Adf
@@ -114,17 +114,17 @@ def kpss(
 def phillips_perron(
     x: npt.ArrayLike, *, regression: Regression = "c", lags: int | None = None
 ) -> PhillipsPerron:
-    """Phillips-Perron test of a unit root, with ⌈12 (n/100)^¼⌉ lags unless told."""
+    """Phillips-Perron test of a unit root, with ⌈12 (n/100)^¼⌉ lags by default."""
     return PhillipsPerron(**_undrift.phillips_perron(record(x), regression, lags))
 
 
 def stationarity(
     x: npt.ArrayLike, *, lags: int = 20, ma_root: float | None = None
 ) -> Stationarity:
-    """The three tests and what they say together at 5 %.
+    """The three tests and their joint conclusion at 5 %.
 
     ``lags`` of the Dickey-Fuller test. ``ma_root``: the largest inverse moving-average root of a fitted
-    model (θ of an ARMA(1,1)); near 1 it makes the two unit-root tests worthless, and the sentence says so.
+    model (θ of an ARMA(1,1)); near 1 it makes the two unit-root tests uninformative, as the sentence then states.
     """
     found = _undrift.verdict(record(x), lags, ma_root)
     return Stationarity(

@@ -36,7 +36,7 @@ def _named(data: Any) -> Iterator[tuple[str, Any]]:
         yield from ((str(name), column) for name, column in data.items())
     elif isinstance(data, np.ndarray):
         if data.dtype.names is None:
-            raise TypeError("an array needs named fields; or give a dict of arrays")
+            raise TypeError("an array needs named fields; or use a dict of arrays")
         yield from ((name, data[name]) for name in data.dtype.names)
     elif hasattr(data, "column_names"):
         for name in data.column_names:
@@ -54,7 +54,7 @@ def _columns(name: str, column: Any) -> Columns:
         return [(f"{name}_{axis}", _numbers(name, part)) for axis, part in parts]
     if array.ndim != 1:
         shape = " x ".join(map(str, array.shape))
-        raise TypeError(f"column {name}: an array of {shape} is none")
+        raise TypeError(f"column {name}: invalid shape {shape}")
     return [(name, _numbers(name, array))]
 
 

@@ -41,7 +41,7 @@ def _key(name: object) -> str:
 
 
 def table(name: str, keys: Mapping[str, Any], units: Mapping[str, str] | None = None) -> str:
-    """A table and its keys, in their order; those that are ``None`` are left out."""
+    """A table and its keys, in their order; those that are ``None`` are omitted."""
     lines = [f"[{name}]"]
     for key, item in keys.items():
         if item is not None:

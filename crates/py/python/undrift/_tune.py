@@ -28,7 +28,7 @@ class TunedParameter(Result):
     unit: str
     """Its unit, SI; empty for a factor."""
     start: float | None
-    """At rest, or as stated; None where that says nothing."""
+    """At rest, or as specified; None where that is unknown."""
     prior: float
     """The most likely value before the drives."""
     prior_low: float
@@ -47,7 +47,7 @@ class TunedParameter(Result):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TunedDrift(Result):
-    """Drift over outages of one length that the fit has not seen."""
+    """Drift over held-out outages of one length."""
 
     length_s: float
     """Length of the outages [s]."""
@@ -71,12 +71,12 @@ class TunedDrift(Result):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Tuning(Told):
-    """What drives say of the noise of a sensor in its vehicle, and what it buys."""
+    """The noise of a sensor in its vehicle, estimated from drives, and the drift before and after."""
 
     parameters: tuple[TunedParameter, ...]
     """Parameter by parameter: of the axes, of the fixes, of the constraints."""
     drift: tuple[TunedDrift, ...]
-    """Drift on outages that the fit had not seen, by length."""
+    """Drift on held-out outages, by length."""
     model: NoiseModel
     """The sensor in its vehicle, for :func:`navigate` and :func:`outages`."""
     start: str
@@ -94,7 +94,7 @@ class Tuning(Told):
     evaluations: int
     """Evaluations of the objective."""
     warnings: tuple[str, ...]
-    """What should be said of the logs and of the fit."""
+    """Warnings about the logs and the fit."""
     table: str = field(repr=False)
     """What the terminal prints."""
     json: str = field(repr=False)
@@ -131,7 +131,7 @@ def tune(
     """
     several = list(drive) if isinstance(drive, (list, tuple)) else [drive]
     if not several:
-        raise _undrift.UndriftError("no drive is given")
+        raise _undrift.UndriftError("no drive specified")
     if gnss is not None and isinstance(drive, (list, tuple)):
         raise TypeError("gnss goes with the IMU log of one drive: several are drive files or Drives")
     folders = [data] * len(several) if data is None or isinstance(data, (str, os.PathLike)) else list(data)

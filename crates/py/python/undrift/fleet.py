@@ -45,7 +45,7 @@ class Fleet(Result):
     processed: int
     #: Logs that were up to date.
     skipped: int
-    #: Logs that failed; ``summary["failed"]`` says why.
+    #: Logs that failed; ``summary["failed"]`` has the reasons.
     failed: int
     #: Logs whose workers died or could not read them again and again, and why: run again.
     lost: dict[str, str]
@@ -99,7 +99,7 @@ def fingerprint(job: str) -> str:
 def process(job: str, threads: int = 1) -> str:
     """The outcome of a job, as JSON: nothing but the job and the files that it names bears on it.
 
-    A log that nothing comes of has an outcome too, which says why. Inputs that cannot be fetched raise.
+    A log that fails has an outcome too, with the reason. Inputs that cannot be fetched raise.
     """
     with _local(job) as here:
         return _undrift.fleet_process(here, threads)
@@ -173,9 +173,9 @@ def run(
 ) -> Fleet:
     """Works a manifest's logs out on the workers of a ``dask.distributed.Client``.
 
-    What is kept in ``output`` is left out. Every outcome is kept as soon as it is there, so that a run
+    What is kept in ``output`` is skipped. Every outcome is kept as soon as it is complete, so that a run
     that ends goes on where it was. A log is done again, on another worker, when its worker dies or its
-    inputs cannot be read, ``retries`` times; its outcome counts once, whoever worked it out.
+    inputs cannot be read, ``retries`` times; its outcome counts once, whichever worker computed it.
 
     ``threads`` are those of one log; Dask decides how many logs a worker has at a time. ``progress`` is
     told on the terminal, or to a function of the numbers done and to do. The workers must see the

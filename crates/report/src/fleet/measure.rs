@@ -54,7 +54,7 @@ pub(super) fn findings(measure: &Measure) -> Vec<String> {
     let best = least(measure).filter(|_| are_models(measure) && measure.parts.len() > 1);
     let best = best.map(|best| {
         format!(
-            "{} has the least, and is the best on {} of the {} that all models were run on.",
+            "{} has the least and is best on {} of the {} run with all models.",
             best.part,
             count(wins(measure, best)),
             many(measure.best.values().sum(), "log")
@@ -84,11 +84,11 @@ fn of_temperature(measure: &Measure) -> Option<String> {
     let trends: Vec<String> = trends.collect();
     Some(if trends.is_empty() {
         format!(
-            "It shows no trend with temperature: rank correlations are within ±{bound:.2}, as by chance."
+            "It shows no trend with temperature: rank correlations are within ±{bound:.2}, as expected by chance."
         )
     } else {
         format!(
-            "{} (rank correlation; by chance it stays within ±{bound:.2} nineteen times out of twenty).",
+            "{} (rank correlation; 95 % bound by chance: ±{bound:.2}).",
             trends.join("; ")
         )
     })
@@ -155,7 +155,7 @@ pub(super) fn overview(run: &Fleet, measure: &Measure) -> Table {
     let mut rows = Table::of(
         &measure.name,
         &format!(
-            "The {}. A log stands out above the limit: {} robust standard deviations of the logarithm (1.4826 times its median absolute deviation) above its median, and {:.0} % or more above the median; of fewer than {} logs none does.",
+            "The {}. A log stands out above the limit: {} robust standard deviations of the logarithm (1.4826 times its median absolute deviation) above its median, and {:.0} % or more above the median; with fewer than {} logs, outliers are not reported.",
             measure.what,
             short(rule.deviations.0),
             100.0 * rule.share.0,
@@ -207,7 +207,7 @@ fn spread(run: &Fleet, measure: &Measure) -> Option<Block> {
     }
     Figure::of(
         &format!("{}-spread", measure.name),
-        "The logs: box from the first to the third quartile with the median in it, whiskers to the least and the largest.",
+        "The logs: box from the first to the third quartile with the median, whiskers to the extremes.",
         1,
         [panel],
     )
@@ -221,14 +221,14 @@ fn outliers(run: &Fleet, measure: &Measure) -> Option<Block> {
         let enough = measure.parts.iter().any(|p| p.limit.0.is_finite());
         let least = run.outlier_rule.least;
         return text([if enough {
-            "No log stands out of the others.".to_owned()
+            "No log stands out.".to_owned()
         } else {
-            format!("With fewer than {least} logs none is said to stand out.")
+            format!("With fewer than {least} logs, outliers are not reported.")
         }]);
     }
     let rows = Table::of(
         &format!("{}-outliers", measure.name),
-        &shortened("Logs that stand out of the others.", all.len()),
+        &shortened("Logs that stand out.", all.len()),
         all.iter().take(ROWS),
         &[
             ("of", &|(part, _)| (&part.part).into()),
@@ -282,7 +282,7 @@ fn groups(measure: &Measure, what: &str, groups: &[Group]) -> Vec<Block> {
         return Vec::new();
     }
     let caption = format!(
-        "Median over the logs of each {what}, the largest of {by} first; bold stands out among the {what}s."
+        "Median over the logs of each {what}, sorted by {by}, largest first; bold: stands out among the {what}s."
     );
     let shown = || sorted.iter().copied().take(ROWS);
     let mut rows = Table::of(

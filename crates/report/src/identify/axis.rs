@@ -23,12 +23,12 @@ pub(super) fn of_axis(name: &str, axis: &Axis) -> Option<Section> {
         text([axis.stationarity.clone(), whiteness(axis), reason]),
         figure(
             "record",
-            "The record over time, and how its values are distributed beside a normal distribution of the same mean and standard deviation.",
+            "The recording over time, and the distribution of its values against a normal distribution of the same mean and standard deviation.",
             found([record(axis, unit), histogram(axis, unit)]),
         ),
         figure(
             "correlation",
-            "Autocorrelation and partial autocorrelation of the record, and of what a model leaves of it, with their 95 % bounds for white noise.",
+            "Autocorrelation and partial autocorrelation of the recording and of a model's residuals, with 95 % bounds for white noise.",
             correlations(axis),
         ),
         figure(
@@ -50,7 +50,7 @@ fn whiteness(axis: &Axis) -> String {
         "Its samples are correlated (Ljung-Box at 20 lags): white noise alone does not describe it."
             .into()
     } else {
-        "Its samples are white as far as 20 lags tell (Ljung-Box).".into()
+        "Its samples are white over 20 lags (Ljung-Box).".into()
     }
 }
 
@@ -93,11 +93,11 @@ fn histogram(axis: &Axis, unit: &Units) -> Option<Panel> {
 fn correlations(axis: &Axis) -> Vec<Panel> {
     let s = &axis.series;
     let residuals = s.residuals.iter().map(|r| {
-        let of = format!("what {} leaves", r.model);
+        let of = format!("residuals of {}", r.model);
         (of, &r.acf, &r.pacf, r.bound.0)
     });
     let record = (
-        "the record".into(),
+        "the recording".into(),
         &axis.acf,
         &axis.pacf,
         s.correlation_bound.0,
@@ -215,7 +215,7 @@ pub(crate) fn pandit_wu(name: &str, axis: &Axis) -> Table {
     let squares = format!("sum of squares [{}]", units(name).squares);
     let mut rows = Table::of(
         &format!("pandit-wu-{name}"),
-        "Pandit and Wu's procedure, as in the source paper's Table 3. F tests each order against the one before: above its 5 % point the larger order is better. The least AIC and BIC stand out.",
+        "Pandit and Wu's procedure, as in the source paper's Table 3. F tests each order against the previous one: above its 5 % critical value the larger order is better. The smallest AIC and BIC are highlighted.",
         &axis.pandit_wu,
         &[
             ("model", &|row| format!("ARMA{}", row.order).into()),
@@ -225,8 +225,12 @@ pub(crate) fn pandit_wu(name: &str, axis: &Axis) -> Table {
             ("F", &|row| {
                 Cell::number(row.f.0, 2).strong_if(row.f.0 > row.f_critical.0)
             }),
-            ("5 % point", &|row| Cell::number(row.f_critical.0, 2)),
-            ("paper's point", &|row| Cell::number(row.f_paper.0, 2)),
+            ("5 % critical value", &|row| {
+                Cell::number(row.f_critical.0, 2)
+            }),
+            ("paper's critical value", &|row| {
+                Cell::number(row.f_paper.0, 2)
+            }),
         ],
     );
     for (column, of) in [(2, (|r| r.aic.0) as fn(&OrderRow) -> f64), (3, |r| r.bic.0)] {
@@ -277,7 +281,7 @@ fn candidates(name: &str, axis: &Axis, unit: &Units) -> Table {
     let mut rows = Table::of(
         &format!("candidates-{name}"),
         &format!(
-            "Candidates by their drift: root mean square error [{}] of the predicted integral on the half that was not fitted, its standard error, and in brackets what the model expects of itself. The recommended one stands out.",
+            "Candidates by drift: RMS error [{}] of the predicted integral on the held-out half, its standard error, and in brackets the model's own prediction. The recommended one is highlighted.",
             unit.drift
         ),
         &ranked,

@@ -27,7 +27,7 @@ pub(super) fn accuracy(runs: &[Run<'_, Navigate>], shown: &Shown<'_>) -> Option<
     }
     let sentences = compared.iter().map(|(name, run, rms)| {
         let sentence = format!(
-            "The horizontal position is {} m off the truth in the root mean square over {} samples.",
+            "The RMS horizontal position error is {} m over {} samples.",
             short(get(rms, "horizontal_m")),
             count(run.compared_samples.unwrap_or(0))
         );
@@ -35,7 +35,7 @@ pub(super) fn accuracy(runs: &[Run<'_, Navigate>], shown: &Shown<'_>) -> Option<
     });
     let mut errors = Table::of(
         "rms-errors",
-        "Root mean square error against the truth over all samples that have one.",
+        "RMS error against the truth over all samples with a truth.",
         &compared,
         &[(if runs.len() == 1 { "" } else { "run" }, &|(name, ..)| {
             let name = Some(*name).filter(|name| !name.is_empty());
@@ -51,7 +51,7 @@ pub(super) fn accuracy(runs: &[Run<'_, Navigate>], shown: &Shown<'_>) -> Option<
         let mut caption = format!("{part} error against the truth");
         let mut bounds = None;
         if let [(_, single)] = shown.series.as_slice() {
-            caption += ", and three standard deviations to either side as the filter states them (band); the scale is that after settling";
+            caption += ", with the ±3σ reported by the filter (band); the scale fits the values after settling";
             bounds = Some(&single.std);
         }
         let panels = components.iter().filter_map(|c| {
@@ -87,12 +87,12 @@ fn nees(run: &Navigate) -> String {
     let verdict = match (beyond(OPTIMISTIC), beyond(SLIGHTLY)) {
         (over, _) if !over.is_empty() => format!("the filter is optimistic in {over}"),
         (_, over) if !over.is_empty() => {
-            format!("the errors are a little larger than the filter says in {over}")
+            format!("the errors in {over} are slightly larger than the filter reports")
         }
-        _ => "the errors are no larger than the filter says".into(),
+        _ => "the errors are no larger than the filter reports".into(),
     };
     format!(
-        "NEES per degree of freedom, 1 when the covariance is right: {}; {verdict}.",
+        "NEES per degree of freedom (1 if the covariance is correct): {}; {verdict}.",
         known.join(", ")
     )
 }

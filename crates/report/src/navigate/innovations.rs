@@ -18,7 +18,7 @@ type OfRun<'a> = (&'a str, &'a BTreeMap<String, Curve>);
 pub(super) fn innovations(runs: &[Run<'_, Navigate>], shown: &Shown<'_>) -> Option<Section> {
     let fixes = runs.iter().map(|(_, run)| run.summary.fixes).max();
     let thinned = if fixes.is_some_and(|fixes| fixes > undrift::series::BUCKETS as u64) {
-        "; of each stretch its smallest and largest"
+        "; thinned to the smallest and largest of each stretch"
     } else {
         ""
     };
@@ -39,7 +39,7 @@ pub(super) fn innovations(runs: &[Run<'_, Navigate>], shown: &Shown<'_>) -> Opti
         let y = Axis::logarithmic("NIS / degrees of freedom");
         let nis = panel(&with, "nis", y, &[1.0], shown);
         let caption = shown.caption(&format!(
-            "Innovations of the {part} over their predicted standard deviations, with 95 % bounds (dashed), and NIS per degree of freedom, 1 on average when the model is right{thinned}"
+            "Innovations of the {part} divided by their predicted standard deviations, with 95 % bounds (dashed), and NIS per degree of freedom, 1 on average if the model is correct{thinned}"
         ));
         let panels = panels.into_iter().chain([nis]);
         Figure::of(&format!("innovations-{part}"), &caption, 2, panels)

@@ -1,14 +1,14 @@
 //! What was done and how it went, in words and counts.
 
-use super::DEGREES;
 use crate::{
     Cell, Section, Table,
+    constants::{Constant, constant},
     numbers::{bounded, count, error, short, span},
     parts::{Run, named, of_which, prefixed, text, warnings},
 };
 use undrift::results::{Innovations, Navigate, Nis, Number, Parameter};
 
-/// NIS per degree of freedom that is told as right.
+/// NIS per degree of freedom that is reported as correct.
 const PLAUSIBLE: std::ops::RangeInclusive<f64> = 0.6..=1.6;
 
 /// What was done and how it went, in words and counts.
@@ -35,12 +35,12 @@ fn what_was_done(name: &str, run: &Navigate) -> Vec<String> {
             Some(model) => format!("the noise model \"{model}\""),
         };
         let smoothed = if run.smooth {
-            ", and smoothed: every sample knows the fixes after it too"
+            ", and smoothed: every estimate also uses the later fixes"
         } else {
             ""
         };
         let what = format!(
-            "{imu} at {} Hz was navigated with the {} of {gnss}, with {model} run as {}{smoothed}.",
+            "{imu} at {} Hz was navigated with the {} of {gnss}, using {model} as {}{smoothed}.",
             short(drive.rate_hz.0),
             drive.gnss_use.as_deref().unwrap_or("fixes"),
             run.bias_model,
@@ -60,7 +60,7 @@ fn what_was_done(name: &str, run: &Navigate) -> Vec<String> {
         done.push(format!("Start: {}.", s.alignment));
     }
     let mounting = run.mounting.as_ref();
-    done.extend(mounting.map(|m| format!("Mounting estimated: {m}.")));
+    done.extend(mounting.map(|m| format!("Estimated mounting: {m}.")));
     let parts = [("position", &run.position), ("velocity", &run.velocity)];
     done.extend(parts.map(|(part, nis)| verdict(part, nis)));
     done
@@ -89,7 +89,7 @@ fn verdict(part: &str, nis: &Nis) -> String {
         c if !c.is_finite() => "",
         c if c.abs() <= bound => ", and white",
         c if c.abs() > 0.5 => {
-            "; they are strongly correlated from fix to fix, so that the errors of fixes or model last longer than the filter assumes"
+            "; they are strongly correlated from fix to fix, so errors of the fixes or the model last longer than the filter assumes"
         }
         c if c.abs() > 0.2 => "; they are correlated from fix to fix",
         _ => "; they are slightly correlated from fix to fix",
@@ -115,7 +115,7 @@ fn updates(runs: &[Run<'_, Navigate>]) -> Table {
     });
     Table::of(
         "updates",
-        "Measurements used. NIS / dof is the normalised innovation squared per degree of freedom, 1 when the model is right; the autocorrelation is that of the innovations from one fix to the next, with its 95 % bound for white ones. Left out are those far from the prediction; weakened those that were doubtful and counted less.",
+        "Measurements used. NIS / dof: normalised innovation squared per degree of freedom, 1 if the model is correct. Autocorrelation: that of successive innovations, with its 95 % bound for white ones. Rejected: far from the prediction. Down-weighted: doubtful, used with less weight.",
         rows,
         &[
             ("measurement", &|(name, ..)| name.into()),
@@ -127,7 +127,7 @@ fn updates(runs: &[Run<'_, Navigate>]) -> Table {
                 bounded(nis.autocorrelation, nis.autocorrelation_bound).into()
             }),
             ("rejected", &|(_, counts, _)| counts.rejected.into()),
-            ("weakened", &|(_, counts, _)| counts.weakened.into()),
+            ("down-weighted", &|(_, counts, _)| counts.weakened.into()),
         ],
     )
 }
@@ -142,44 +142,22 @@ fn parameters(runs: &[Run<'_, Navigate>]) -> Table {
         let texts: Vec<String> = numbers.iter().map(|n| text(factor * n.0)).collect();
         texts.join(", ").into()
     };
-    type Row<'a> = (&'a String, (&'a str, &'static str, f64), &'a Parameter);
+    type Row<'a> = (&'a String, Constant<'a>, &'a Parameter);
     Table::of(
         "parameters",
-        "Constants estimated beside the sensors' errors, with their standard deviations at the end.",
+        "Constants estimated in addition to the sensor errors, with their final standard deviations.",
         parameters,
         &[
-            ("constant", &|(name, (constant, ..), _): &Row<'_>| {
-                named(name, constant).into()
+            ("constant", &|(name, constant, _): &Row<'_>| {
+                named(name, &constant.named()).into()
             }),
-            ("unit", &|(_, (_, unit, _), _)| (*unit).into()),
-            ("estimate", &|(_, (.., factor), of)| {
-                list(&of.value, *factor, short)
+            ("unit", &|(_, constant, _)| constant.unit.into()),
+            ("estimate", &|(_, constant, of)| {
+                list(&of.value, constant.factor, short)
             }),
-            ("standard deviation", &|(_, (.., factor), of)| {
-                list(&of.std, *factor, error)
+            ("standard deviation", &|(_, constant, of)| {
+                list(&of.std, constant.factor, error)
             }),
         ],
     )
-}
-
-/// A kind of [`undrift::nav::parameters::Parameter`] in words, its unit in the report, and what that is of SI.
-fn constant(kind: &str) -> (&str, &'static str, f64) {
-    match kind {
-        "GyroScale" => ("gyro scale factors x, y, z", "%", 100.0),
-        "AccelScale" => ("accelerometer scale factors x, y, z", "%", 100.0),
-        "GyroMisalignment" => ("gyro axes xy, xz, yx, yz, zx, zy", "°", DEGREES),
-        "AccelMisalignment" => ("accelerometer axes xy, xz, yx, yz, zx, zy", "°", DEGREES),
-        "LeverArm" => (
-            "lever arm forward, right, down, beyond the configured",
-            "m",
-            1.0,
-        ),
-        "TimeOffset" => ("positions later than stamped by", "ms", 1e3),
-        "VelocityTimeOffset" => ("velocities later than stamped by", "ms", 1e3),
-        "Mounting" => ("vehicle against body: pitch, yaw", "°", DEGREES),
-        "Axle" => ("fixed axle further forward by", "m", 1.0),
-        "OdometerScale" => ("odometer scale factor", "%", 100.0),
-        "BarometerBias" => ("error of the barometric height", "m", 1.0),
-        other => (other, "SI", 1.0),
-    }
 }

@@ -52,7 +52,7 @@ fn curves(models: &[&Model<'_>]) -> Option<Block> {
     for model in models.iter().filter(|m| !m.drift.is_empty()) {
         panel.add(model.line(model.drift.clone()));
     }
-    let caption = "Horizontal error since the cut, root mean square over the outages.";
+    let caption = "Horizontal error since the cut, RMS over the outages.";
     Figure::of("drift", caption, 1, [panel])
 }
 
@@ -95,7 +95,7 @@ fn spread(models: &[&Model<'_>]) -> Option<Block> {
         }
     }
     panel.add(Series::dots("root mean square", 0, squares));
-    let caption = "The models compared by the largest horizontal error of each outage: box from the first to the third quartile with the median in it, whiskers to the least and the largest; dots: root mean square.";
+    let caption = "Largest horizontal error of each outage, by model: box from the first to the third quartile with the median, whiskers to the extremes; dots: RMS.";
     Figure::of("models", caption, 1, [panel])
 }
 
@@ -115,6 +115,6 @@ fn outage_by_outage(models: &[&Model<'_>]) -> Option<Block> {
         panel.add(model.line(points.clone()));
         panel.add(Series::dots("", model.colour, points));
     }
-    let caption = "Largest horizontal error of each outage, at the time of its start.";
+    let caption = "Largest horizontal error of each outage, plotted at its start.";
     Figure::of("outage-by-outage", caption, 1, [panel])
 }

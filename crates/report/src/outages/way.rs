@@ -18,7 +18,7 @@ pub(super) fn way(runs: &[Run<'_, Outages>]) -> Option<Section> {
         }
     }
     let panels = drawn.iter().map(|(name, run)| panel(name, run));
-    let caption = "The way driven, to scale, from its start; without GNSS in orange.";
+    let caption = "Ground track from the start, to scale; without GNSS in orange.";
     let figure = Figure::of("trajectory", caption, drawn.len().min(2), panels);
     Section::of("Where GNSS was cut", figure)
 }

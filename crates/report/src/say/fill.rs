@@ -11,8 +11,8 @@ use undrift::{
 };
 
 /// What [`demo::WHITE_CALIBRATED`] is.
-pub const WHITE_CALIBRATED: &str = "\"white, no constants\" is no model to choose but a bound: white on \
-    samples whose turn-on constants were removed beforehand, which nobody knows of a real drive.";
+pub const WHITE_CALIBRATED: &str = "\"white, no constants\" is a bound, not a model to choose: white noise on \
+    samples whose turn-on biases were removed beforehand, which is impossible on a real drive.";
 
 /// The sentences of findings.
 pub fn all(findings: &[Finding]) -> Vec<String> {

@@ -13,30 +13,30 @@ pub(super) fn bad_covariance(fixes: u64) -> String {
 
 pub(super) fn wrong_velocity(mend: Option<FixMend>) -> String {
     format!(
-        "positions do not move as the velocities say: {}; check gnss.position, gnss.velocity and their units",
-        mend.map_or("one of the two is wrong", fix_mend)
+        "GNSS positions and velocities disagree: {}; check gnss.position, gnss.velocity and their units",
+        mend.map_or("one of them is wrong", fix_mend)
     )
 }
 
 pub(super) fn more_rejected(spans: u64, accepted: u64) -> String {
     format!(
-        "and {spans} more such spans, after {accepted} of which the fixes were accepted; --json lists them"
+        "rejected fixes in {spans} more spans, then accepted them in {accepted}; --json lists all"
     )
 }
 
 pub(super) fn wrong_sign(axis: usize) -> String {
     format!(
-        "the velocity {} seems to have the wrong sign: its innovations are minus twice its value; check gnss.velocity and gnss.velocity_axes",
+        "the velocity {} appears to have the wrong sign (its innovations are -2 times its value): check gnss.velocity and gnss.velocity_axes",
         ["north", "east", "down"].get(axis).unwrap_or(&"")
     )
 }
 
 pub(super) fn repeated(fixes: u64, interval: f64) -> String {
     format!(
-        "{} skipped: the receiver measures every {} s",
+        "skipped {}: the receiver measures every {} s",
         match fixes {
-            1 => "1 fix repeats the one before and was".into(),
-            n => format!("{n} fixes repeat the one before and were"),
+            1 => "1 fix that repeats the previous one".into(),
+            n => format!("{n} fixes that repeat the previous one"),
         },
         short(interval)
     )
@@ -44,40 +44,40 @@ pub(super) fn repeated(fixes: u64, interval: f64) -> String {
 
 pub(super) fn rounded(step: f64) -> String {
     format!(
-        "positions come in steps of {} m; their covariance is that much larger",
+        "positions are rounded to steps of {} m; their covariance was increased accordingly",
         short(step)
     )
 }
 
 pub(super) fn jitter(std: f64) -> String {
     format!(
-        "the stamps of the fixes jitter by {:.0} ms; the covariance of the positions along the track is that much larger",
+        "time stamps of the fixes jitter by {:.0} ms; the along-track covariance of the positions was increased accordingly",
         std * 1e3
     )
 }
 
 pub(super) fn correlated(share: f64, time: f64) -> String {
     format!(
-        "the position's error is correlated over {time:.0} s ({:.0} % of its variance); it is estimated",
+        "position errors are correlated over {time:.0} s ({:.0} % of their variance); the correlated part is estimated",
         100.0 * share
     )
 }
 
 pub(super) fn noisy(factor: f64) -> String {
     format!(
-        "positions scatter {factor:.1} times as much as stated; their standard deviations were multiplied by that"
+        "positions scatter {factor:.1} times as much as stated; their standard deviations were scaled accordingly"
     )
 }
 
 pub(super) fn modest_velocity(factor: f64) -> String {
     format!(
-        "velocities agree with the motion of the positions to {factor:.2} of their stated standard deviations, which were multiplied by that; a part of the error lasts and is estimated"
+        "velocities match the changes of position to {factor:.2} of their stated standard deviations, which were scaled accordingly; the lasting part of their error is estimated"
     )
 }
 
 pub(super) fn velocity_bias([north, east, down]: [f64; 3]) -> String {
     format!(
-        "the velocity differs from the motion of the positions by {north:.2}, {east:.2}, {down:.2} m/s north, east, down all along: it or the positions are wrong; gnss.use = \"position\" does without it"
+        "velocities differ from the changes of position by a constant {north:.2}, {east:.2}, {down:.2} m/s north, east, down: one of them is wrong; gnss.use = \"position\" ignores the velocities"
     )
 }
 
@@ -106,18 +106,22 @@ pub(super) fn rejected(fixes: &Contradiction) -> String {
     } else {
         let changed = if last < first { "fell" } else { "grew" };
         let mut how = format!(
-            "error {changed} from {} to {} {unit}, by {} {unit} a second",
+            "error {changed} from {} to {} {unit}, at {} {}",
             size(first),
             size(last),
-            short(fixes.growth.abs())
+            short(fixes.growth.abs()),
+            match fixes.part {
+                Part::Position => "m/s",
+                Part::Velocity => "m/s²",
+            }
         );
         if largest > 1.05 * first.max(last) {
-            how += &format!(", {} {unit} at most", size(largest));
+            how += &format!(", at most {} {unit}", size(largest));
         }
         (format!("{}-{}", at(fixes.start), at(fixes.end)), how)
     };
     let why = if fixes.frozen {
-        ": the receiver repeated itself while the solution moved"
+        ": the receiver repeated its fix while the solution moved"
     } else {
         ""
     };
@@ -133,7 +137,7 @@ pub(super) fn one_sided(lean: &Lean) -> String {
     let (part, unit) = part(lean.part);
     let [north, east, down] = lean.mean;
     format!(
-        "from {:.1} to {:.1} s the {part} differs from the solution to one side, on average by up to {:.2}, {:.2}, {:.2} {unit} north, east, down: a slow drift of the fixes (multipath, spoofing) or of the sensors",
+        "from {:.1} to {:.1} s the GNSS {part} differs from the solution to one side, on average by up to {:.2}, {:.2}, {:.2} {unit} north, east, down: the fixes drift slowly (multipath, spoofing), or the sensors do",
         lean.start, lean.end, -north, -east, -down
     )
 }
@@ -141,7 +145,7 @@ pub(super) fn one_sided(lean: &Lean) -> String {
 pub(super) fn correlated_innovations(of: Part, correlation: f64) -> String {
     let (part, _) = part(of);
     format!(
-        "the innovations of the {part} last from fix to fix (autocorrelation {correlation:.2}): attitude and sensor errors are larger than stated; the noise model of the IMU is too small for this vehicle (`undrift tune` finds the right one), or the lever arm, the axes or the times are wrong"
+        "{part} innovations are correlated from fix to fix (autocorrelation {correlation:.2}), so attitude and sensor errors are larger than predicted: the IMU's noise model is too optimistic for this vehicle (run `undrift tune`), or the lever arm, the axes or the times are wrong"
     )
 }
 
@@ -153,16 +157,14 @@ pub(super) fn wrong_accuracy(of: Part, factor: f64, adapted: bool, correlated: b
         (1.0 / factor, "large")
     };
     let mut text = format!(
-        "the stated standard deviations of the {part} are about {times:.1} times too {direction} for the innovations"
+        "stated {part} standard deviations are about {times:.1} times too {direction} for the innovations"
     );
     if adapted {
         return text + "; they were adapted";
     }
-    text += &format!(
-        ": set gnss.{part}_std_factor to {factor:.2} times what it is, or gnss.adapt = true"
-    );
+    text += &format!(": multiply gnss.{part}_std_factor by {factor:.2}, or set gnss.adapt = true");
     if correlated && factor > 1.0 {
-        text += "; but the innovations are correlated from fix to fix, so the noise model, the mounting, the lever arm or the times may be wrong rather than the accuracy";
+        text += "; but the innovations are correlated from fix to fix, so the noise model, the mounting, the lever arm or the times may be wrong instead";
     }
     text
 }

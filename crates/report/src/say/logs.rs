@@ -9,7 +9,7 @@ pub(super) fn skipped(log: Log, kinds: &str) -> String {
 
 pub(super) fn set_back(log: Log, line: u64, step: f64) -> String {
     format!(
-        "{} log: the clock steps back by {step:.3} s at row {line} of the file and goes on from there, so that all that follows is early by that: add it to the times of those rows",
+        "{} log: the clock steps back by {step:.3} s at row {line}, so all later rows are stamped early: add {step:.3} s to their times",
         name(log)
     )
 }
@@ -25,14 +25,14 @@ pub(super) fn gaps(log: Log, gaps: u64, start: f64, length: f64) -> String {
 
 pub(super) fn unused(log: Log) -> String {
     format!(
-        "{0} log: nothing of it was used; compare its times with the IMU's, {0}.time_offset moves them",
+        "{0} log: no record was used; compare its times with the IMU's, or set {0}.time_offset",
         name(log)
     )
 }
 
 pub(super) fn outliers(log: Log, rejected: u64, weakened: u64) -> String {
     format!(
-        "{}: rejected {}, used {weakened} with less weight, all far from the prediction",
+        "{}: rejected {} and down-weighted {weakened}, all far from the prediction",
         name(log),
         many(rejected, "measurement")
     )
@@ -40,7 +40,7 @@ pub(super) fn outliers(log: Log, rejected: u64, weakened: u64) -> String {
 
 pub(super) fn uneven(gaps: usize, jitter_rms: f64, interval: f64) -> String {
     format!(
-        "the time stamps are not evenly spaced: {}, jitter {:.2} ms RMS of {:.2} ms; the recording is used as if they were",
+        "time stamps are unevenly spaced ({}, jitter {:.2} ms RMS at an interval of {:.2} ms); they are treated as evenly spaced",
         many(gaps as u64, "gap"),
         jitter_rms * 1e3,
         interval * 1e3

@@ -1,11 +1,14 @@
 //! Sentences: what the inertial sensors show.
 
 use super::words::{at, many};
-use crate::numbers::short;
+use crate::{
+    constants::{Constant, constant},
+    numbers::short,
+};
 
 pub(super) fn frozen(start: f64, length: f64, samples: u64) -> String {
     format!(
-        "all six axes of the IMU repeat their values for {length:.2} s from {} s ({samples} samples): the log or the sensor is frozen",
+        "all six IMU axes repeat the same values for {length:.2} s from {} s ({samples} samples): the log or the sensor is frozen",
         at(start)
     )
 }
@@ -19,13 +22,13 @@ pub(super) fn held(
     saturated: bool,
 ) -> String {
     format!(
-        "{} reads {value} for {length:.2} s from {} s ({samples} samples), {}",
+        "{} stays at {value} (as logged) for {length:.2} s from {} s ({samples} samples){}",
         name(axis),
         at(start),
         if saturated {
-            "its largest or smallest value: the sensor is saturated or too coarse"
+            ", its largest or smallest value: the sensor is saturated or too coarse"
         } else {
-            "and nothing else: the sensor is frozen, not connected or too coarse"
+            ": the sensor is frozen, disconnected or too coarse"
         }
     )
 }
@@ -40,9 +43,9 @@ pub(super) fn wrong_gravity(ratio: f64) -> String {
             short(ratio)
         },
         match ratio {
-            0.09..0.115 => "imu.accel_unit, the numbers look like g",
-            8.5..11.5 => "imu.accel_unit, the numbers look like m/s^2",
-            90.0..115.0 => "imu.accel_unit, the numbers look like mg or cm/s^2",
+            0.09..0.115 => "imu.accel_unit (the numbers look like g)",
+            8.5..11.5 => "imu.accel_unit (the numbers look like m/s^2)",
+            90.0..115.0 => "imu.accel_unit (the numbers look like mg or cm/s^2)",
             _ => "imu.accel, imu.accel_unit and imu.data",
         }
     )
@@ -50,20 +53,20 @@ pub(super) fn wrong_gravity(ratio: f64) -> String {
 
 pub(super) fn not_down(down: [f64; 3]) -> String {
     format!(
-        "gravity points along {:.2}, {:.2}, {:.2} of the body axes, which should be forward, right, down: check imu.axes and the order and signs of imu.accel; the attitude is that of the axes as given",
+        "gravity points along {:.2}, {:.2}, {:.2} in the body axes forward, right, down, not along down: check imu.axes and the order and signs of imu.accel; the attitude refers to the axes as specified",
         down[0], down[1], down[2]
     )
 }
 
 pub(super) fn wrong_turn_rate(ratio: f64) -> String {
     format!(
-        "the GNSS course turns {} times as fast as the gyros measure: check {}",
+        "the GNSS course turns at {} times the rate of the gyros: check {}",
         short(ratio),
         match ratio {
             -1.7..-0.6 => "the signs of imu.gyro and imu.axes",
-            0.01..0.03 => "imu.gyro_unit, the numbers look like deg/s",
-            34.0..97.0 => "imu.gyro_unit, the numbers look like rad/s",
-            0.0006..0.0017 => "imu.gyro_unit, the numbers are a thousand times too large",
+            0.01..0.03 => "imu.gyro_unit (the numbers look like deg/s)",
+            34.0..97.0 => "imu.gyro_unit (the numbers look like rad/s)",
+            0.0006..0.0017 => "imu.gyro_unit (the numbers are a thousand times too large)",
             _ => "imu.gyro_unit and imu.axes",
         }
     )
@@ -71,20 +74,20 @@ pub(super) fn wrong_turn_rate(ratio: f64) -> String {
 
 pub(super) fn wrong_turn_axis(axis: usize) -> String {
     format!(
-        "the turns of the GNSS course show in the gyro about body {}, not in the vertical one: check the order of imu.gyro, and imu.axes",
+        "turns of the GNSS course show in the gyro about body {}, not in the vertical one: check imu.axes and the order of imu.gyro",
         ["forward", "right", "down"].get(axis).unwrap_or(&"")
     )
 }
 
-pub(super) const NO_TURNS: &str = "the gyros do not measure the turns of the GNSS course: check imu.gyro, and the times of both logs (gnss.time_offset)";
+pub(super) const NO_TURNS: &str = "the gyros do not measure the turns of the GNSS course: check imu.gyro and the times of both logs (gnss.time_offset)";
 
 pub(super) fn late(delay: f64) -> String {
     format!(
-        "the gyros measure the turns of the GNSS course {:.2} s {} than its stamps: set gnss.time_offset = \"{delay:.2} s\" more than it is{}",
+        "GNSS is stamped {:.2} s too {} for the turns that the gyros measure: add {delay:.2} s to gnss.time_offset{}",
         delay.abs(),
-        if delay < 0.0 { "earlier" } else { "later" },
+        if delay < 0.0 { "late" } else { "early" },
         if (delay.abs() - LEAP_SECONDS).abs() < 0.5 {
-            "; GPS time and UTC are mixed"
+            " (GPS time and UTC are mixed)"
         } else {
             ""
         }
@@ -93,7 +96,7 @@ pub(super) fn late(delay: f64) -> String {
 
 pub(super) fn spikes(axis: usize, samples: u64, start: f64) -> String {
     format!(
-        "replaced {} of {} that cannot be right, the first at {} s",
+        "replaced {} of {} as implausible, the first at {} s",
         many(samples, "sample"),
         name(axis),
         at(start)
@@ -107,7 +110,7 @@ pub(super) fn heading_off([start, end]: [f64; 2], angle: f64, more: u64) -> Stri
         n => format!(", and in {}", many(n, "more span")),
     };
     format!(
-        "the course contradicts the heading by up to {:.1} deg, {}-{} s{more}: the bias or the scale of the vertical gyro changed, or the IMU was turned; the heading's standard deviation covers it",
+        "the heading disagrees with the GNSS course by up to {:.1} deg, {}-{} s{more}: the bias or the scale of the vertical gyro changed, or the IMU was moved; the heading's standard deviation accounts for it",
         angle.to_degrees().abs(),
         at(start),
         at(end)
@@ -116,21 +119,24 @@ pub(super) fn heading_off([start, end]: [f64; 2], angle: f64, more: u64) -> Stri
 
 pub(super) fn optimistic_model(factor: f64) -> String {
     format!(
-        "the innovations are {factor:.1} times as large as predicted although the fixes agree with each other: the noise model of the IMU is too small for this vehicle (`undrift tune` finds the right one), or the lever arm or the axes are wrong"
+        "innovations are {factor:.1} times as large as predicted although the fixes are consistent: the IMU's noise model is too optimistic for this vehicle (run `undrift tune`), or the lever arm or the axes are wrong"
     )
 }
 
 pub(super) fn optimistic_drift(model: &str, inside: f64) -> String {
     format!(
-        "only {:.0} % of the position errors in the outages lie inside three predicted standard deviations, by model {model}, which covers most: the noise is too small for this vehicle (`undrift tune` finds the right one), or the lever arm, the axes or the mounting are wrong",
+        "only {:.0} % of the position errors in the outages lie within 3σ as predicted, even with model {model}: the IMU's noise model is too optimistic for this vehicle (run `undrift tune`), or the lever arm, the axes or the mounting are wrong",
         100.0 * inside
     )
 }
 
 pub(super) fn far_parameter(parameter: &str, value: f64, sigmas: f64) -> String {
+    let Constant {
+        name, unit, factor, ..
+    } = constant(parameter);
     format!(
-        "the estimated {parameter} of {} is {sigmas:.0} standard deviations from what was known of it: check what it stands for",
-        short(value)
+        "{name}: the estimate of {} {unit} is {sigmas:.0} prior standard deviations from zero; check the setting that it corrects",
+        short(value * factor)
     )
 }
 
@@ -151,11 +157,11 @@ pub(super) fn wrong_axes(forward: Option<i8>, right: Option<i8>, axes: Option<&s
         _ => None,
     };
     if let Some((faces, yaw)) = yaw {
-        let mend = axes.map_or("turn imu.axes by that".into(), |axes| {
-            format!("set imu.axes = \"{axes}\"")
+        let mend = axes.map_or("rotate imu.axes by that angle, or set".into(), |axes| {
+            format!("set imu.axes = \"{axes}\" or")
         });
         return format!(
-            "GNSS shows that the IMU faces {faces} (yaw {yaw}°): {mend} or imu.mounting = \"auto\""
+            "GNSS shows that the IMU faces {faces} (yaw {yaw}°): {mend} imu.mounting = \"auto\""
         );
     }
     let axis = |number| match number {
@@ -178,7 +184,7 @@ pub(super) fn wrong_axes(forward: Option<i8>, right: Option<i8>, axes: Option<&s
     });
     let seen: Vec<String> = speeds_up.into_iter().chain(turns).collect();
     format!(
-        "GNSS shows that the IMU's axes are not the vehicle's: {}; check imu.axes and the order and signs of imu.accel and imu.gyro",
+        "GNSS shows that the IMU's axes do not match the vehicle's: {}; check imu.axes and the order and signs of imu.accel and imu.gyro",
         seen.join(", and ")
     )
 }

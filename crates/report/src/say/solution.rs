@@ -36,12 +36,13 @@ pub(super) fn not_compared(
             "the truth has no two samples within 2 s of each other during the solution"
         }
     };
-    let started = started.map_or("nowhere".into(), at);
+    let solution = started.map_or("no solution".into(), |started| {
+        format!("solution {}-{} s", at(started), at(ended))
+    });
     format!(
-        "no error against the truth: {why}; the truth runs from {} to {} s, the solution from {started} to {} s; compare the time columns, truth.time_offset moves one",
+        "no errors against the truth: {why} (truth {}-{} s, {solution}); check the time columns, or set truth.time_offset",
         at(truth[0]),
-        at(truth[1]),
-        at(ended)
+        at(truth[1])
     )
 }
 
@@ -51,7 +52,7 @@ pub(super) fn bridged(gaps: u64) -> String {
 
 pub(super) fn long_gaps(gaps: u64, first: f64, longest: f64) -> String {
     format!(
-        "{} between samples, the first at {} s, the longest {longest:.3} s; the covariance grew over each of up to a minute",
+        "{} between samples, the first at {} s, the longest {longest:.3} s; the covariance was propagated across gaps of up to a minute",
         many(gaps, "long gap"),
         at(first)
     )
@@ -66,31 +67,31 @@ pub(super) fn without_gnss(start: f64, length: f64) -> String {
 
 pub(super) fn restart(time: f64, why: RestartCause, resumed: Option<f64>) -> String {
     format!(
-        "gave up the solution at {} s: {}; {}",
+        "discarded the solution at {} s: {}; {}",
         at(time),
         cause(why),
         match resumed {
             Some(time) => format!("re-initialised at {} s", at(time)),
-            None => "it could not be re-initialised".into(),
+            None => "could not be re-initialised".into(),
         }
     )
 }
 
 pub(super) fn large_innovations(start: f64) -> String {
     format!(
-        "the innovations from {start:.1} s on are far beyond their predicted size: the solution diverges from the fixes, or the noise model or the stated GNSS accuracy is wrong"
+        "innovations far exceed their predicted size from {start:.1} s on: the solution diverges from the fixes, or the noise model or the stated GNSS accuracy is wrong"
     )
 }
 
 pub(super) fn started_late(time: f64) -> String {
     format!(
-        "navigation began at {time:.1} s, after the start of the first outage; begin the outages later"
+        "navigation started at {time:.1} s, after the first outage began: start the outages later"
     )
 }
 
 pub(super) fn no_reference(outages: usize) -> String {
     format!(
-        "{} without a reference inside",
+        "{} without reference samples",
         many(outages as u64, "outage")
     )
 }
@@ -98,11 +99,11 @@ pub(super) fn no_reference(outages: usize) -> String {
 /// Why a solution was given up.
 pub fn cause(cause: RestartCause) -> &'static str {
     match cause {
-        RestartCause::Impossible => "position, velocity or covariance left the possible range",
+        RestartCause::Impossible => "position, velocity or covariance out of range",
         RestartCause::NoSamples => "no inertial samples for more than a minute",
         RestartCause::LargeInnovations => {
-            "the innovations were far beyond their predicted size for half a minute"
+            "the innovations far exceeded their predicted size for half a minute"
         }
-        RestartCause::GaveWayOften => "it rejected fixes and then accepted them again and again",
+        RestartCause::GaveWayOften => "it repeatedly rejected fixes and then accepted them",
     }
 }

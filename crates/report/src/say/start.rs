@@ -11,20 +11,20 @@ use undrift::{
 /// How the first attitude was found.
 pub fn alignment(alignment: &Alignment) -> String {
     let how = match alignment.source {
-        AttitudeSource::Given => return "attitude as given".into(),
+        AttitudeSource::Given => return "attitude as specified".into(),
         AttitudeSource::Rest { duration, heading } => {
             let heading = match heading {
-                HeadingSource::Given => "heading as given",
-                HeadingSource::Course => "heading from the course",
+                HeadingSource::Given => "heading as specified",
+                HeadingSource::Course => "heading from the GNSS course",
             };
-            format!("level at rest, {heading}; {duration:.1} s of rest")
+            format!("levelled during {duration:.1} s of rest, {heading}")
         }
         AttitudeSource::Motion {
             duration,
             bias_at_rest,
         } => {
             let bias = if bias_at_rest {
-                ", gyro bias at rest"
+                ", gyro bias from rest"
             } else {
                 ""
             };

@@ -51,7 +51,7 @@ fn every_finding_has_its_sentence() {
                 started: Some(100.0),
                 ended: 200.5,
             },
-            "no error against the truth: the truth does not overlap the solution; the truth runs from 0 to 50 s, the solution from 100 to 200.5 s; compare the time columns, truth.time_offset moves one",
+            "no errors against the truth: the truth does not overlap the solution (truth 0-50 s, solution 100-200.5 s); check the time columns, or set truth.time_offset",
         ),
         (Finding::Bridged { gaps: 1 }, "bridged 1 short gap between samples"),
         (
@@ -60,7 +60,7 @@ fn every_finding_has_its_sentence() {
                 first: 20.0,
                 longest: 4.5,
             },
-            "2 long gaps between samples, the first at 20 s, the longest 4.500 s; the covariance grew over each of up to a minute",
+            "2 long gaps between samples, the first at 20 s, the longest 4.500 s; the covariance was propagated across gaps of up to a minute",
         ),
         (
             Finding::WithoutGnss { start, length },
@@ -76,41 +76,41 @@ fn every_finding_has_its_sentence() {
                 length,
                 samples: 300,
             },
-            "all six axes of the IMU repeat their values for 3.00 s from 12.5 s (300 samples): the log or the sensor is frozen",
+            "all six IMU axes repeat the same values for 3.00 s from 12.5 s (300 samples): the log or the sensor is frozen",
         ),
         (
             held(2, false),
-            "gyro z reads 2 for 3.00 s from 12.5 s (300 samples), and nothing else: the sensor is frozen, not connected or too coarse",
+            "gyro z stays at 2 (as logged) for 3.00 s from 12.5 s (300 samples): the sensor is frozen, disconnected or too coarse",
         ),
         (
             held(4, true),
-            "accelerometer y reads 2 for 3.00 s from 12.5 s (300 samples), its largest or smallest value: the sensor is saturated or too coarse",
+            "accelerometer y stays at 2 (as logged) for 3.00 s from 12.5 s (300 samples), its largest or smallest value: the sensor is saturated or too coarse",
         ),
         (
             Finding::WrongGravity { ratio: 0.102 },
-            "the accelerometers measure 0.102 times gravity on average: check imu.accel_unit, the numbers look like g",
+            "the accelerometers measure 0.102 times gravity on average: check imu.accel_unit (the numbers look like g)",
         ),
         (
             Finding::NotDown {
                 down: [0.0, 0.0, -1.0],
             },
-            "gravity points along 0.00, 0.00, -1.00 of the body axes, which should be forward, right, down: check imu.axes and the order and signs of imu.accel; the attitude is that of the axes as given",
+            "gravity points along 0.00, 0.00, -1.00 in the body axes forward, right, down, not along down: check imu.axes and the order and signs of imu.accel; the attitude refers to the axes as specified",
         ),
         (
             Finding::WrongTurnRate { ratio: -1.0 },
-            "the GNSS course turns -1.00 times as fast as the gyros measure: check the signs of imu.gyro and imu.axes",
+            "the GNSS course turns at -1.00 times the rate of the gyros: check the signs of imu.gyro and imu.axes",
         ),
         (
             Finding::WrongTurnAxis { axis: 0 },
-            "the turns of the GNSS course show in the gyro about body forward, not in the vertical one: check the order of imu.gyro, and imu.axes",
+            "turns of the GNSS course show in the gyro about body forward, not in the vertical one: check imu.axes and the order of imu.gyro",
         ),
         (
             Finding::NoTurns,
-            "the gyros do not measure the turns of the GNSS course: check imu.gyro, and the times of both logs (gnss.time_offset)",
+            "the gyros do not measure the turns of the GNSS course: check imu.gyro and the times of both logs (gnss.time_offset)",
         ),
         (
             Finding::Late { delay: -18.0 },
-            "the gyros measure the turns of the GNSS course 18.00 s earlier than its stamps: set gnss.time_offset = \"-18.00 s\" more than it is; GPS time and UTC are mixed",
+            "GNSS is stamped 18.00 s too late for the turns that the gyros measure: add -18.00 s to gnss.time_offset (GPS time and UTC are mixed)",
         ),
         (
             Finding::WrongAxes {
@@ -126,13 +126,13 @@ fn every_finding_has_its_sentence() {
                 right: Some(-2),
                 axes: None,
             },
-            "GNSS shows that the IMU's axes are not the vehicle's: it is pushed along body left instead of right in turns to the right; check imu.axes and the order and signs of imu.accel and imu.gyro",
+            "GNSS shows that the IMU's axes do not match the vehicle's: it is pushed along body left instead of right in turns to the right; check imu.axes and the order and signs of imu.accel and imu.gyro",
         ),
         (
             Finding::WrongVelocity {
                 mend: Some(FixMend::Knots),
             },
-            "positions do not move as the velocities say: the velocity is in knots; check gnss.position, gnss.velocity and their units",
+            "GNSS positions and velocities disagree: the velocity is in knots; check gnss.position, gnss.velocity and their units",
         ),
         (
             Finding::Restart {
@@ -140,11 +140,11 @@ fn every_finding_has_its_sentence() {
                 why: RestartCause::NoSamples,
                 resumed: Some(95.2),
             },
-            "gave up the solution at 80 s: no inertial samples for more than a minute; re-initialised at 95.2 s",
+            "discarded the solution at 80 s: no inertial samples for more than a minute; re-initialised at 95.2 s",
         ),
         (
             Finding::Rejected(jump()),
-            "rejected 15 positions, 243311-243315 s (error grew from 2.3 to 17 m, by 3.68 m a second); then accepted them",
+            "rejected 15 positions, 243311-243315 s (error grew from 2.3 to 17 m, at 3.68 m/s); then accepted them",
         ),
         (
             Finding::Rejected(Contradiction {
@@ -155,14 +155,14 @@ fn every_finding_has_its_sentence() {
                 frozen: true,
                 ..jump()
             }),
-            "rejected 1 velocity, 243311 s (error 0.50 m/s): the receiver repeated itself while the solution moved",
+            "rejected 1 velocity, 243311 s (error 0.50 m/s): the receiver repeated its fix while the solution moved",
         ),
         (
             Finding::MoreRejected {
                 spans: 7,
                 accepted: 2,
             },
-            "and 7 more such spans, after 2 of which the fixes were accepted; --json lists them",
+            "rejected fixes in 7 more spans, then accepted them in 2; --json lists all",
         ),
         (
             Finding::OneSided(Lean {
@@ -171,23 +171,23 @@ fn every_finding_has_its_sentence() {
                 end: 40.0,
                 mean: [1.0, -2.0, 0.5],
             }),
-            "from 12.5 to 40.0 s the position differs from the solution to one side, on average by up to -1.00, 2.00, -0.50 m north, east, down: a slow drift of the fixes (multipath, spoofing) or of the sensors",
+            "from 12.5 to 40.0 s the GNSS position differs from the solution to one side, on average by up to -1.00, 2.00, -0.50 m north, east, down: the fixes drift slowly (multipath, spoofing), or the sensors do",
         ),
         (
             Finding::WrongSign { axis: 2 },
-            "the velocity down seems to have the wrong sign: its innovations are minus twice its value; check gnss.velocity and gnss.velocity_axes",
+            "the velocity down appears to have the wrong sign (its innovations are -2 times its value): check gnss.velocity and gnss.velocity_axes",
         ),
         (
             Finding::LargeInnovations { start },
-            "the innovations from 12.5 s on are far beyond their predicted size: the solution diverges from the fixes, or the noise model or the stated GNSS accuracy is wrong",
+            "innovations far exceed their predicted size from 12.5 s on: the solution diverges from the fixes, or the noise model or the stated GNSS accuracy is wrong",
         ),
         (
             accuracy(Part::Position, 2.0, false, true),
-            "the stated standard deviations of the position are about 2.0 times too small for the innovations: set gnss.position_std_factor to 2.00 times what it is, or gnss.adapt = true; but the innovations are correlated from fix to fix, so the noise model, the mounting, the lever arm or the times may be wrong rather than the accuracy",
+            "stated position standard deviations are about 2.0 times too small for the innovations: multiply gnss.position_std_factor by 2.00, or set gnss.adapt = true; but the innovations are correlated from fix to fix, so the noise model, the mounting, the lever arm or the times may be wrong instead",
         ),
         (
             accuracy(Part::Velocity, 0.5, true, false),
-            "the stated standard deviations of the velocity are about 2.0 times too large for the innovations; they were adapted",
+            "stated velocity standard deviations are about 2.0 times too large for the innovations; they were adapted",
         ),
         (
             Finding::Skipped {
@@ -210,7 +210,7 @@ fn every_finding_has_its_sentence() {
             Finding::Unused {
                 log: Log::Barometer,
             },
-            "barometer log: nothing of it was used; compare its times with the IMU's, barometer.time_offset moves them",
+            "barometer log: no record was used; compare its times with the IMU's, or set barometer.time_offset",
         ),
         (
             Finding::Outliers {
@@ -218,15 +218,15 @@ fn every_finding_has_its_sentence() {
                 rejected: 1,
                 weakened: 2,
             },
-            "odometer: rejected 1 measurement, used 2 with less weight, all far from the prediction",
+            "odometer: rejected 1 measurement and down-weighted 2, all far from the prediction",
         ),
         (
             Finding::StartedLate { time: 30.0 },
-            "navigation began at 30.0 s, after the start of the first outage; begin the outages later",
+            "navigation started at 30.0 s, after the first outage began: start the outages later",
         ),
         (
             Finding::NoReference { outages: 2 },
-            "2 outages without a reference inside",
+            "2 outages without reference samples",
         ),
         (
             Finding::Uneven {
@@ -234,7 +234,7 @@ fn every_finding_has_its_sentence() {
                 jitter_rms: 1e-3,
                 interval: 0.01,
             },
-            "the time stamps are not evenly spaced: 1 gap, jitter 1.00 ms RMS of 10.00 ms; the recording is used as if they were",
+            "time stamps are unevenly spaced (1 gap, jitter 1.00 ms RMS at an interval of 10.00 ms); they are treated as evenly spaced",
         ),
     ] {
         assert_eq!(say(&finding), sentence);
@@ -268,29 +268,29 @@ fn what_fixes_and_samples_show_of_themselves() {
                 samples: 2,
                 start: 12.5,
             },
-            "replaced 2 samples of accelerometer z that cannot be right, the first at 12.5 s",
+            "replaced 2 samples of accelerometer z as implausible, the first at 12.5 s",
         ),
         (
             Finding::RepeatedFixes {
                 fixes: 1,
                 interval: 1.0,
             },
-            "1 fix repeats the one before and was skipped: the receiver measures every 1.00 s",
+            "skipped 1 fix that repeats the previous one: the receiver measures every 1.00 s",
         ),
         (
             Finding::RoundedFixes { step: 1.11 },
-            "positions come in steps of 1.11 m; their covariance is that much larger",
+            "positions are rounded to steps of 1.11 m; their covariance was increased accordingly",
         ),
         (
             Finding::CorrelatedFixes {
                 share: 0.9,
                 time: 60.0,
             },
-            "the position's error is correlated over 60 s (90 % of its variance); it is estimated",
+            "position errors are correlated over 60 s (90 % of their variance); the correlated part is estimated",
         ),
         (
             Finding::NoisyFixes { factor: 3.0 },
-            "positions scatter 3.0 times as much as stated; their standard deviations were multiplied by that",
+            "positions scatter 3.0 times as much as stated; their standard deviations were scaled accordingly",
         ),
         (
             Finding::HeadingOff {
@@ -299,7 +299,7 @@ fn what_fixes_and_samples_show_of_themselves() {
                 angle: -0.1,
                 more: 1,
             },
-            "the course contradicts the heading by up to 5.7 deg, 10-30.5 s, and in 1 more span: the bias or the scale of the vertical gyro changed, or the IMU was turned; the heading's standard deviation covers it",
+            "the heading disagrees with the GNSS course by up to 5.7 deg, 10-30.5 s, and in 1 more span: the bias or the scale of the vertical gyro changed, or the IMU was moved; the heading's standard deviation accounts for it",
         ),
     ];
     for (finding, sentence) in sentences {
@@ -320,7 +320,9 @@ fn the_verdict_names_the_cause() {
     };
     let innovations = Finding::LargeInnovations { start: 62.0 };
     let found = undrift::findings::ranked(vec![innovations, held]);
-    assert!(verdict(&found).starts_with("usable with care: gyro z reads 0 for 20.00 s"));
+    assert!(
+        verdict(&found).starts_with("usable with care: gyro z stays at 0 (as logged) for 20.00 s")
+    );
     assert_eq!(verdict(&[Finding::Bridged { gaps: 2 }]), "usable");
     let ended = [Finding::Diverged { time: 9.0 }];
     assert_eq!(

@@ -101,14 +101,14 @@ pub fn identification(result: &Identify, axis: &str, mark: Mark) -> String {
         let table = plain_table(&pandit_wu(axis, found), mark);
         let chosen = found.pandit_wu_orders.map_or(String::new(), |orders| {
             format!(
-                "chosen by F, stepping down, {}; by AIC {}; by BIC {}\n",
+                "order chosen by the F test, stepping down: {}; by AIC: {}; by BIC: {}\n",
                 orders.by_f, orders.by_aic, orders.by_bic
             )
         });
         format!("Table 3, {axis}\n{table}{chosen}\n")
     });
     let mut text = format!(
-        "Table 2\n{tests}\n{orders}Recommended by the drift after 1, 10, 60 s on the half that was not fitted:\n"
+        "Table 2\n{tests}\n{orders}Recommended by drift after 1, 10 and 60 s on the held-out half:\n"
     );
     for (name, axis) in result.in_order() {
         let recommended = axis.error.as_ref().unwrap_or(&axis.chosen.name);

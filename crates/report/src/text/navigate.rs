@@ -1,17 +1,22 @@
 //! A navigated drive as text.
 
-use crate::{numbers::get, parts::COMPONENTS, say};
-use undrift::results::{Innovations, Navigate, Numbers};
+use crate::{
+    constants::constant,
+    numbers::{error, get, short},
+    parts::COMPONENTS,
+    say,
+};
+use undrift::results::{Innovations, Navigate, Number, Numbers};
 
 /// How a drive was navigated, line by line.
 pub fn navigate(result: &Navigate) -> String {
     let s = &result.summary;
     let mut lines = vec![say::verdict(&result.findings)];
     let mounting = result.mounting.as_ref();
-    lines.extend(mounting.map(|mounting| format!("mounting estimated: {mounting}")));
+    lines.extend(mounting.map(|mounting| format!("estimated mounting: {mounting}")));
     lines.push(format!("bias model {}; {}", result.bias_model, s.alignment));
     lines.push(format!(
-        "navigated {} samples from {:.3} s to {:.3} s; {} samples and {} fixes before that",
+        "navigated {} samples from {:.3} s to {:.3} s, after {} samples and {} fixes for alignment",
         s.samples, s.started.0, s.ended.0, s.align_samples, s.fixes_before
     ));
     lines.push(format!("{} fixes used", s.fixes));
@@ -34,9 +39,18 @@ pub fn navigate(result: &Navigate) -> String {
         }
     }
     for (kind, parameter) in &s.parameters {
-        let [value, std] = [&parameter.value, &parameter.std]
-            .map(|numbers| numbers.iter().map(|n| n.0).collect::<Vec<f64>>());
-        lines.push(format!("{kind} {value:.4?} ± {std:.4?}"));
+        let constant = constant(kind);
+        let list = |numbers: &[Number], text: fn(f64) -> String| {
+            let texts = numbers.iter().map(|n| text(constant.factor * n.0));
+            Vec::from_iter(texts).join(", ")
+        };
+        lines.push(format!(
+            "{}: {} ± {} {}",
+            constant.named(),
+            list(&parameter.value, short),
+            list(&parameter.std, error),
+            constant.unit
+        ));
     }
     if let (Some(errors), Some(n)) = (&result.rms_error, result.compared_samples) {
         let errors = known(errors, COMPONENTS.map(|(name, _)| name), 4);
@@ -54,7 +68,7 @@ pub fn navigate(result: &Navigate) -> String {
     let nees = known(&result.nees_per_dof, groups, 2).replace('_', " ");
     if !nees.is_empty() {
         lines.push(format!(
-            "NEES per degree of freedom against the truth, once a second (1 when the covariance is right): {nees}"
+            "NEES per degree of freedom against the truth, once a second (1 if the covariance is correct): {nees}"
         ));
     }
     lines.join("\n")
@@ -71,13 +85,16 @@ fn known<const N: usize>(numbers: &Numbers, names: [&str; N], digits: usize) -> 
 /// NIS, counts and autocorrelation in a line.
 fn innovations(sums: &Innovations) -> String {
     let mut text = format!(
-        "NIS per degree of freedom {} (1 when the model is right)",
+        "NIS per degree of freedom {} (1 if the model is correct)",
         nis(sums)
     );
     if let Some((correlation, bound)) = sums.autocorrelation() {
         text += &format!(", autocorrelation {correlation:.2} (±{bound:.2})");
     }
-    text + &format!("; {} rejected, {} weakened", sums.rejected, sums.weakened)
+    text + &format!(
+        "; {} rejected, {} down-weighted",
+        sums.rejected, sums.weakened
+    )
 }
 
 fn nis(sums: &Innovations) -> String {

@@ -50,12 +50,10 @@ pub enum AlignmentFailure {
     #[error("no fix within the inertial log has a usable position")]
     NoPosition,
     /// No fix lies within the inertial log.
-    #[error("no usable GNSS position fell within the inertial log; compare the two time columns")]
+    #[error("no usable GNSS position within the inertial log; check the two time columns")]
     NoOverlap,
     /// The attitude is given, but no fix has a velocity and no two are close enough to make one.
-    #[error(
-        "the fixes carry no velocity and no two are close enough to make one; set initial.velocity"
-    )]
+    #[error("the fixes have no velocity and are too sparse to derive one; set initial.velocity")]
     NoVelocity,
     /// Neither rest nor motion gave the attitude.
     #[error("{0}, and {1}")]
@@ -66,11 +64,11 @@ pub enum AlignmentFailure {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum RestFailure {
     /// There was no rest.
-    #[error("there was no rest to level on (set initial.attitude)")]
+    #[error("no rest to level the IMU (set initial.attitude)")]
     NoRest,
     /// The course is the heading above a speed that was never reached.
     #[error(
-        "the speed never reached {min_speed:.1} m/s (fastest {fastest:.1} m/s), so the course gives no heading (set initial.min_speed, initial.heading or initial.attitude)"
+        "the speed never reached {min_speed:.1} m/s (maximum {fastest:.1} m/s), so the course gives no heading (set initial.min_speed, initial.heading or initial.attitude)"
     )]
     TooSlow {
         /// That speed \[m/s\].
@@ -87,7 +85,7 @@ pub enum RestFailure {
         min_speed: f64,
     },
     /// Nothing gives the heading.
-    #[error("there was rest, but no heading (set initial.heading or initial.attitude)")]
+    #[error("no heading after the rest (set initial.heading or initial.attitude)")]
     NoHeading,
 }
 
@@ -96,16 +94,14 @@ pub enum RestFailure {
 pub enum MotionFailure {
     /// The fixes have no velocity.
     #[default]
-    #[error("the fixes carry no velocity, which an alignment in motion needs")]
+    #[error("alignment in motion needs velocities, which the fixes lack")]
     NoVelocity,
     /// There were never enough fixes with a velocity one after the other.
-    #[error(
-        "there were never enough fixes with a velocity one after the other for an alignment in motion"
-    )]
+    #[error("alignment in motion needs more consecutive fixes with a velocity")]
     TooFew,
     /// The velocity hardly changed.
     #[error(
-        "the velocity changed by {change:.1} m/s at most within {within:.0} s, which says too little of the heading: an alignment in motion needs speeding up, braking or turning"
+        "alignment in motion needs speeding up, braking or turning: the velocity changed by at most {change:.1} m/s within {within:.0} s"
     )]
     TooSteady {
         /// By how much at most \[m/s\] …
@@ -115,20 +111,20 @@ pub enum MotionFailure {
     },
     /// The velocity changes fit more than one attitude.
     #[error(
-        "the velocity changes fit more than one attitude: an alignment in motion needs more speeding up, braking or turning"
+        "alignment in motion needs more speeding up, braking or turning: the velocity changes fit more than one attitude"
     )]
     Ambiguous,
     /// They give the attitude with too large a standard deviation \[rad\].
     #[error(
-        "the velocity changes give the attitude to {:.1} deg only: an alignment in motion needs more speeding up, braking or turning, or the noise model is too modest", .0.to_degrees()
+        "the attitude from velocity changes is uncertain by {:.1} deg: alignment in motion needs more speeding up, braking or turning, or the noise model is too pessimistic", .0.to_degrees()
     )]
     Uncertain(f64),
     /// The log ended while the attitude had this standard deviation \[rad\].
-    #[error("the log ended while the attitude was known to {:.1} deg", .0.to_degrees())]
+    #[error("the log ended while the attitude was still uncertain by {:.1} deg", .0.to_degrees())]
     Settling(f64),
     /// Samples and fixes do not fit together: the squared residuals over what they should be.
     #[error(
-        "samples and fixes do not fit together (squared residuals {0:.0} times what they should be): compare axes, units, time columns and standard deviations"
+        "samples and fixes are inconsistent (squared residuals {0:.0} times the expected): check axes, units, time columns and standard deviations"
     )]
     Misfit(f64),
 }

@@ -20,7 +20,7 @@ pub struct ConfigError {
 /// Why a drive cannot be set up.
 #[derive(Debug, thiserror::Error)]
 pub enum DriveError {
-    /// `DRIVE.toml` says something it cannot.
+    /// `DRIVE.toml` is invalid.
     #[error(transparent)]
     Config(#[from] ConfigError),
     /// A log cannot be read.
@@ -29,7 +29,7 @@ pub enum DriveError {
     /// A log that a key names has to be looked into and cannot be read.
     #[error("{at}{error}")]
     Log {
-        /// Where it is named.
+        /// Where it is specified.
         at: ConfigError,
         /// Why it cannot be read.
         error: Box<ReadError>,

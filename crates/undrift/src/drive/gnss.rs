@@ -89,13 +89,13 @@ pub(crate) fn read_gnss(
     let asked = read_use(section)?;
     if let GnssSource::Table(format) = &source {
         if format.place.is_none() {
-            return Err(section.error("position", "missing: the columns latitude, longitude, height, or ecef, or baseline; a solution starts at a position").into());
+            return Err(section.error("position", "missing: set position (columns latitude, longitude, height), ecef or baseline; a solution needs a start position").into());
         }
         if asked == GnssUse::Velocity && format.velocity.is_none() {
             return Err(section
                 .error(
                     "use",
-                    "\"velocity\" needs the velocity's columns: give gnss.velocity",
+                    "\"velocity\" needs velocity columns: set gnss.velocity",
                 )
                 .into());
         }
@@ -155,10 +155,7 @@ pub(super) fn read_correlation(section: &Section) -> Result<Correlation, ConfigE
         Some(_) => {
             let time = section.quantity("correlation_time", Quantity::Time)?;
             let time = time.filter(|time| *time > 0.0).ok_or_else(|| {
-                section.error(
-                    "correlation_time",
-                    "must be above zero, \"auto\" or \"off\"",
-                )
+                section.error("correlation_time", "must be positive, \"auto\" or \"off\"")
             })?;
             let share = share.unwrap_or(SHARE);
             return Ok(Correlation::Given(Correlated { share, time }));
@@ -176,7 +173,7 @@ pub(super) fn read_std_factors(section: &Section) -> Result<StdFactors, ConfigEr
     let factor = |key| {
         let factor = factors.factor(key)?;
         match factor {
-            Some(factor) if factor <= 0.0 => Err(factors.error(key, "must be above zero")),
+            Some(factor) if factor <= 0.0 => Err(factors.error(key, "must be positive")),
             given => Ok(given.unwrap_or(1.0)),
         }
     };
@@ -210,7 +207,7 @@ fn read_base(section: &Section) -> Result<Option<Geodetic>, ConfigError> {
     if base.is_valid() {
         Ok(Some(base))
     } else {
-        Err(wrong(&"is not a place on the Earth"))
+        Err(wrong(&"is not a position on Earth"))
     }
 }
 
@@ -223,7 +220,7 @@ fn read_stds<'a>(
 ) -> Result<Option<[Column; 3]>, ConfigError> {
     match (stated, section.columns(columns)?) {
         (Some(_), Some(_)) => {
-            Err(section.error(columns, format!("give {constant} or {columns}, not both")))
+            Err(section.error(columns, format!("set {constant} or {columns}, not both")))
         }
         (None, None) => Err(section.error(
             constant,
@@ -242,10 +239,10 @@ fn read_columns(section: &Section, fixes: FixOptions) -> Result<GnssFormat, Conf
     let ecef = section.columns("ecef")?;
     let place = match (section.columns("position")?, section.columns("baseline")?) {
         (Some(_), Some(_)) => {
-            return Err(section.error("baseline", "give position or baseline, not both"));
+            return Err(section.error("baseline", "set position or baseline, not both"));
         }
         (Some(_), _) | (_, Some(_)) if ecef.is_some() => {
-            return Err(section.error("ecef", "give position, baseline or ecef, one of them"));
+            return Err(section.error("ecef", "set only one of position, baseline and ecef"));
         }
         (Some(columns), None) => Some(Place::Geodetic {
             columns,
@@ -296,7 +293,7 @@ fn constant_std<'a>(
 ) -> Result<Option<[f64; 3]>, ConfigError> {
     match section.vector(key, quantity)? {
         Some(v) if v.iter().any(|std| *std <= 0.0) => {
-            Err(section.error(key, "standard deviations must be above zero"))
+            Err(section.error(key, "standard deviations must be positive"))
         }
         other => Ok(other.map(|v| [v.x, v.y, v.z])),
     }

@@ -67,7 +67,7 @@ pub(crate) fn read_imu(
         return Err(section
             .error(
                 "time",
-                "missing: give the time column, or rate where there is none",
+                "missing: set the time column, or rate if there is none",
             )
             .into());
     }
@@ -85,8 +85,8 @@ pub(crate) fn read_imu(
     if estimate_mounting {
         for key in ["axes", "gyro_offset", "accel_offset"] {
             if section.get(key).is_some() {
-                let message = "is along body axes, which are not known before the mounting is: \
-                               leave it out, or give imu.mounting as angles";
+                let message = "refers to body axes, which are unknown until the mounting is estimated: \
+                               omit it, or set imu.mounting as angles";
                 return Err(section.error(key, message).into());
             }
         }
@@ -94,7 +94,7 @@ pub(crate) fn read_imu(
     format.rotation = match (section.text("axes")?, mounting) {
         (Some(_), Some(_)) => {
             return Err(section
-                .error("mounting", "give axes or mounting, not both")
+                .error("mounting", "set axes or mounting, not both")
                 .into());
         }
         (Some(axes), None) => rotation_of_axes(axes).map_err(|m| section.error("axes", m))?,
@@ -152,7 +152,7 @@ fn read_columns(section: &Section) -> Result<ImuFormat, ConfigError> {
 
 /// `"x,-y,-z"`: body forward, right and down, each one of the sensor's axes or its opposite.
 fn rotation_of_axes(axes: &str) -> Result<Matrix3, String> {
-    let wrong = || format!("\"{axes}\" is not three of x, y, z with signs, such as \"y,x,-z\"");
+    let wrong = || format!("\"{axes}\" is not three signed axes, such as \"y,x,-z\"");
     let mut rotation = Matrix3::zeros();
     let parts: Vec<&str> = axes.split(',').map(str::trim).collect();
     if parts.len() != 3 {
@@ -179,6 +179,6 @@ fn rotation_of_axes(axes: &str) -> Result<Matrix3, String> {
             "\"{axes}\" is left-handed: one sign is wrong or two axes are swapped"
         ))
     } else {
-        Err(format!("\"{axes}\" names an axis twice"))
+        Err(format!("\"{axes}\" contains an axis twice"))
     }
 }

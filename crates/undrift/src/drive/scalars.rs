@@ -48,12 +48,11 @@ pub(super) fn read_odometer(
     let (value, reading, std_unit) = match (section.column("speed")?, section.column("ticks")?) {
         (Some(_), Some(_)) => {
             return Err(section
-                .error("ticks", "give speed or ticks, not both")
+                .error("ticks", "set speed or ticks, not both")
                 .into());
         }
         (None, None) => {
-            let what =
-                "missing: the column of the wheel's speed, or ticks, that of a running count";
+            let what = "missing: the column of the wheel's speed, or ticks for a running count";
             return Err(section.error("speed", what).into());
         }
         (Some(speed), None) => {
@@ -65,9 +64,8 @@ pub(super) fn read_odometer(
             (("speed", speed), Reading::Scaled(unit), unit)
         }
         (None, Some(ticks)) => {
-            let per_metre = per_metre.ok_or_else(|| {
-                section.error("ticks_per_metre", "missing: how many ticks make a metre")
-            })?;
+            let per_metre = per_metre
+                .ok_or_else(|| section.error("ticks_per_metre", "missing: ticks per metre"))?;
             (("ticks", ticks), Reading::Count(1.0 / per_metre), 1.0)
         }
     };
@@ -104,11 +102,11 @@ pub(super) fn read_barometer(
     {
         (Some(_), Some(_)) => {
             return Err(section
-                .error("pressure", "give height or pressure, not both")
+                .error("pressure", "set height or pressure, not both")
                 .into());
         }
         (None, None) => {
-            let what = "missing: the column of the height, or pressure, that of the air's pressure";
+            let what = "missing: the column of the height, or pressure for air pressure";
             return Err(section.error("height", what).into());
         }
         (Some(height), None) => (
@@ -172,10 +170,10 @@ fn read_scalar_std<'a>(
         section.column(column)?,
     ) {
         (Some(_), Some(_)) => {
-            Err(section.error(column, format!("give {constant} or {column}, not both")))
+            Err(section.error(column, format!("set {constant} or {column}, not both")))
         }
         (Some(std), None) if std <= 0.0 => {
-            Err(section.error(constant, "must be a standard deviation above zero"))
+            Err(section.error(constant, "must be a positive standard deviation"))
         }
         (std, None) => Ok((constant, ScalarStd::Constant(std.unwrap_or(default)))),
         (None, Some(at)) => Ok((column, ScalarStd::Column(at, unit))),

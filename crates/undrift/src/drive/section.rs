@@ -241,14 +241,11 @@ impl<'a> Section<'a> {
     pub fn file(&self, key: &'a str) -> Result<&'a str, ConfigError> {
         match self.text(key)? {
             Some(name) if !name.is_empty() => Ok(name),
-            Some(_) => Err(self.error(key, "the name of the file is empty")),
-            None if self.exists() => Err(self.error(key, "missing: the name of the file")),
+            Some(_) => Err(self.error(key, "the file name is empty")),
+            None if self.exists() => Err(self.error(key, "missing: the file name")),
             None => Err(self.error(
                 key,
-                format!(
-                    "missing: there is no [{}] table with the name of a file",
-                    self.path
-                ),
+                format!("missing: no [{}] table with a file name", self.path),
             )),
         }
     }
@@ -369,7 +366,7 @@ impl<'a> Section<'a> {
         };
         match number {
             Some(x) => Ok(Some(x)),
-            None => Err(self.error(key, "must be a whole number from 0 on")),
+            None => Err(self.error(key, "must be a whole number, 0 or more")),
         }
     }
 
@@ -388,7 +385,7 @@ impl<'a> Section<'a> {
         };
         match number.filter(|x: &f64| x.is_finite() && *x > 0.0) {
             Some(x) => Ok(Some(x)),
-            None => Err(self.error(key, "must be a number above zero")),
+            None => Err(self.error(key, "must be a positive number")),
         }
     }
 

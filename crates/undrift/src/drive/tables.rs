@@ -196,7 +196,7 @@ pub(super) fn read_std<'a>(
     };
     match std {
         Some(std) if std > 0.0 => Ok(Some(std)),
-        Some(_) => Err(section.error(key, "must be a standard deviation above zero, or \"off\"")),
+        Some(_) => Err(section.error(key, "must be a positive standard deviation, or \"off\"")),
         None => Ok(otherwise),
     }
 }

@@ -109,7 +109,7 @@ impl Manifest {
                 _ => {
                     return Err(log.error(
                         "drive",
-                        "give drive, the name of a drive file, or record, that of a static record; * stands for any",
+                        "set drive (a drive file) or record (a static recording); * is a wildcard",
                     ));
                 }
             };

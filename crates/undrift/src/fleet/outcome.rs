@@ -84,7 +84,7 @@ impl FleetOutcome {
             file: file.to_owned(),
             line: Some(error.line()),
             key: String::new(),
-            message: format!("not the outcome of a log: {error}; remove the file and run again"),
+            message: format!("not the result of a log: {error}; remove the file and run again"),
         })
     }
 

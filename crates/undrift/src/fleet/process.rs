@@ -92,7 +92,7 @@ enum JobError {
     #[error("there is no result")]
     NoResult,
     /// A fault in the program: a panic, with its message.
-    #[error("a fault in the program: {0}")]
+    #[error("internal error: {0}")]
     Panic(String),
 }
 
@@ -405,9 +405,9 @@ mod tests {
     #[test]
     fn a_panic_is_an_error() {
         let formatted = isolated(|| panic!("{} is wrong", 3)).unwrap_err();
-        assert_eq!(formatted.to_string(), "a fault in the program: 3 is wrong");
+        assert_eq!(formatted.to_string(), "internal error: 3 is wrong");
         let plain = isolated(|| panic!("plain")).unwrap_err();
-        assert_eq!(plain.to_string(), "a fault in the program: plain");
+        assert_eq!(plain.to_string(), "internal error: plain");
         assert!(isolated(|| Ok(())).is_ok());
     }
 

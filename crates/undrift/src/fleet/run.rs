@@ -30,7 +30,7 @@ pub enum FleetError {
     Outcome(#[from] ConfigError),
     /// Outcomes are missing.
     #[error(
-        "{missing} of {all} logs are not done yet, the first is {first}; run without --gather, or the shards that are left"
+        "{missing} of {all} logs are not processed yet, first {first}; run without --gather, or run the remaining shards"
     )]
     Missing {
         /// How many.

@@ -66,7 +66,7 @@ const MEASURES: [Measure; 14] = [
     },
     Measure {
         name: "nis_position",
-        what: "normalised innovation squared of the position per degree of freedom, 1 when the model is right",
+        what: "normalised innovation squared of the position per degree of freedom, 1 if the model is correct",
         unit: "",
         task: "navigate",
         parts: "",
@@ -74,7 +74,7 @@ const MEASURES: [Measure; 14] = [
     },
     Measure {
         name: "nis_velocity",
-        what: "normalised innovation squared of the velocity per degree of freedom, 1 when the model is right",
+        what: "normalised innovation squared of the velocity per degree of freedom, 1 if the model is correct",
         unit: "",
         task: "navigate",
         parts: "",
@@ -82,7 +82,7 @@ const MEASURES: [Measure; 14] = [
     },
     Measure {
         name: "vehicle_gyro_white_noise",
-        what: "white noise of the gyros in the vehicle (angle random walk), where the drive determines it",
+        what: "white noise of the gyros in the vehicle (angle random walk), if the drive determines it",
         unit: "deg/√h",
         task: "tune",
         parts: "gyro",
@@ -90,7 +90,7 @@ const MEASURES: [Measure; 14] = [
     },
     Measure {
         name: "vehicle_accel_white_noise",
-        what: "white noise of the accelerometers in the vehicle (velocity random walk), where the drive determines it",
+        what: "white noise of the accelerometers in the vehicle (velocity random walk), if the drive determines it",
         unit: "m/s/√h",
         task: "tune",
         parts: "accel",
@@ -98,7 +98,7 @@ const MEASURES: [Measure; 14] = [
     },
     Measure {
         name: "vehicle_gyro_random_walk",
-        what: "random walk of the gyros' biases in the vehicle, where the drive determines it",
+        what: "random walk of the gyros' biases in the vehicle, if the drive determines it",
         unit: "deg/h/√h",
         task: "tune",
         parts: "gyro",
@@ -106,7 +106,7 @@ const MEASURES: [Measure; 14] = [
     },
     Measure {
         name: "white_noise_ratio",
-        what: "white noise in the vehicle against that at rest, where the drive determines it",
+        what: "white noise in the vehicle relative to that at rest, if the drive determines it",
         unit: "",
         task: "tune",
         parts: "",
@@ -114,7 +114,7 @@ const MEASURES: [Measure; 14] = [
     },
     Measure {
         name: "tuned_drift",
-        what: "largest horizontal error in an outage that the fit has not seen, with the noise found, root mean square",
+        what: "largest horizontal error in a held-out outage, with the noise found, root mean square",
         unit: "m",
         task: "tune",
         parts: "",
@@ -130,7 +130,7 @@ const MEASURES: [Measure; 14] = [
     },
     Measure {
         name: "gyro_bias_instability",
-        what: "bias instability of the gyros, where the record shows it",
+        what: "bias instability of the gyros, if the recording shows it",
         unit: "deg/h",
         task: "identify",
         parts: "gyro",
@@ -154,7 +154,7 @@ const MEASURES: [Measure; 14] = [
     },
     Measure {
         name: "accel_bias_instability",
-        what: "bias instability of the accelerometers, where the record shows it",
+        what: "bias instability of the accelerometers, if the recording shows it",
         unit: "mg",
         task: "identify",
         parts: "accel",

@@ -15,12 +15,12 @@ const RATE_TOLERANCE: f64 = 0.01;
 pub enum RecordingError {
     /// Nothing gives the sample rate.
     #[error(
-        "the recording has no time column; state its sample rate (--rate, or identify.rate of a manifest)"
+        "the recording has no time column; set its sample rate (--rate, or identify.rate in a manifest)"
     )]
     NoRate,
     /// The stated rate is not that of the time stamps.
     #[error(
-        "the stated rate (--rate) is {stated} Hz, the time stamps say {stamps:.3} Hz; leave it out or mend the stamps"
+        "--rate is {stated} Hz but the time stamps give {stamps:.3} Hz; omit it or correct the stamps"
     )]
     WrongRate {
         /// As stated \[Hz\].

@@ -37,7 +37,7 @@ pub enum Known {
     LargestRate(f64),
     /// Guessed: in rad/s the scatter of the quietest stretch would be too much.
     LargeScatter(f64),
-    /// Guessed: in deg/s it would be less than such sensors have.
+    /// Guessed: in deg/s it would be too low for such a sensor.
     SmallScatter(f64),
     /// Not known: there are too few samples.
     TooFew,

@@ -112,7 +112,7 @@ impl Spec {
         let states = top.section("states")?;
         let std = |key, quantity| match states.quantity(key, quantity)? {
             Some(std) if std < 0.0 => {
-                Err(states.error(key, "a standard deviation is not negative"))
+                Err(states.error(key, "standard deviations must not be negative"))
             }
             std => Ok(std.unwrap_or(0.0)),
         };
@@ -124,12 +124,12 @@ impl Spec {
         let truth_std = initial.vector("truth_std", Quantity::Angle)?;
         if truth_std.is_some_and(|std| std.iter().any(|s| *s <= 0.0)) {
             return Err(initial
-                .error("truth_std", "standard deviations must be above zero")
+                .error("truth_std", "standard deviations must be positive")
                 .into());
         }
         if truth_std.is_some() && initial.get("attitude").is_some() {
             return Err(initial
-                .error("attitude", "give truth_std or attitude, not both")
+                .error("attitude", "set truth_std or attitude, not both")
                 .into());
         }
         let align = read_initial(&initial)?;
@@ -153,7 +153,7 @@ impl Spec {
             return Err(epochs
                 .error(
                     "settle",
-                    format!("must leave something of the {duration} s of the drive"),
+                    format!("must be shorter than the drive of {duration} s"),
                 )
                 .into());
         }
@@ -249,7 +249,7 @@ fn read_gnss(
     let mut gnss = GnssNoise::default();
     let std = |key, quantity, default: [f64; 3]| match section.vector(key, quantity)? {
         Some(v) if v.iter().any(|s| *s <= 0.0) => {
-            Err(section.error(key, "standard deviations must be above zero"))
+            Err(section.error(key, "standard deviations must be positive"))
         }
         Some(v) => Ok([v.x, v.y, v.z]),
         None => Ok(default),

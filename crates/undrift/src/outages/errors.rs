@@ -28,11 +28,11 @@ pub struct OutageErrors {
 pub struct ModelErrors {
     /// Largest magnitude over all samples inside the outages.
     pub max: Errors,
-    /// Root mean square over the outages of each one's largest error.
+    /// RMS over the outages of the largest error of each.
     pub rms: Errors,
-    /// Median over the outages of each one's largest error.
+    /// Median over the outages of the largest error of each.
     pub median: Errors,
-    /// Root mean square over the outages of the error at the end.
+    /// RMS over the outages of the error at the end.
     pub end_rms: Errors,
     /// Mean over the outages of the normalised error squared at the end per degree of freedom, of
     /// [`crate::reference::GROUPS`].
@@ -57,5 +57,5 @@ pub struct ModelRun {
     pub summary: Summary,
 }
 
-/// A model's name with what came of it.
+/// A model's name with its result.
 pub type ModelOutcome = (String, Result<ModelRun, ReplayError>);

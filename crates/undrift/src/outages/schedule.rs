@@ -55,7 +55,7 @@ const MOST_OUTAGES: usize = 100_000;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ScheduleError {
     /// There is nothing to count the outages from.
-    #[error("{} holds no usable fix", .0.display())]
+    #[error("{} contains no usable fix", .0.display())]
     NoFix(PathBuf),
     /// The length is not above zero.
     #[error("an outage must last longer than 0 s, not {0} s")]
@@ -70,10 +70,10 @@ pub enum ScheduleError {
     #[error("the number of outages must be above 0")]
     Zero,
     /// Too many are asked for.
-    #[error("more than {MOST_OUTAGES} outages; make them fewer")]
+    #[error("more than {MOST_OUTAGES} outages; reduce the number")]
     TooMany,
     /// They do not fit apart from each other.
-    #[error("the outages overlap: {count} of {length} s do not fit apart from each other")]
+    #[error("the outages overlap: {count} of {length} s do not fit")]
     Overlap {
         /// How many.
         count: usize,
@@ -93,7 +93,7 @@ pub enum ScheduleError {
         end: f64,
     },
     /// Not all fit.
-    #[error("only {fits} of the {count} outages fit before the fixes end")]
+    #[error("only {fits} of the {count} outages fit before the last fix")]
     TooFew {
         /// How many do.
         fits: usize,
@@ -114,7 +114,7 @@ pub enum ScheduleError {
     },
     /// An outage reaches beyond the truth.
     #[error(
-        "the truth covers {:.3} to {:.3} s, not the outage from {:.3} to {:.3} s; compare the time columns, or leave the truth out to measure against the withheld fixes",
+        "the truth covers {:.3} to {:.3} s, not the outage from {:.3} to {:.3} s; check the time columns, or omit the truth to use the withheld fixes",
         truth[0], truth[1], outage.start, outage.end
     )]
     BeyondTruth {

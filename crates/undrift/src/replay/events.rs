@@ -40,19 +40,19 @@ pub struct Contradiction {
     pub part: Part,
     /// Time of the first \[s\].
     pub start: f64,
-    /// Time of the last \[s\], with those soon after the solution gave way.
+    /// Time of the last \[s\], with those soon after the solution accepted the fixes.
     pub end: f64,
     /// How many.
     pub fixes: u64,
     /// How far the first was from the solution \[m, m/s\].
     pub first: f64,
-    /// How far the last was, at the end or when the solution first gave way \[m, m/s\].
+    /// How far the last was, at the end or when the solution first accepted the fixes \[m, m/s\].
     pub last: f64,
     /// How fast it grew \[m/s, m/s²\].
     pub growth: f64,
     /// How far the furthest was \[m, m/s\].
     pub largest: f64,
-    /// Whether the receiver repeated itself while the solution moved.
+    /// Whether the receiver repeated its fix while the solution moved.
     pub frozen: bool,
     /// Whether they were accepted in the end.
     pub gave_way: bool,
@@ -122,13 +122,13 @@ pub enum Implausible {
     Gravity(f64),
     /// Gravity lies along another axis than body down, which is `[0, 0, 1]` of it.
     Down([f64; 3]),
-    /// The course turns by this multiple of what the gyros say.
+    /// The course turns by this multiple of the turns of the gyros.
     TurnScale(f64),
-    /// The course turns as the gyro of this axis says (0 to 2), which is not the vertical one.
+    /// The course turns with the gyro of this axis (0 to 2), which is not the vertical one.
     TurnAxis(usize),
     /// The gyros do not see the turns of the course.
     NoTurn,
-    /// The gyros saw the turns so much later than the course's stamps say \[s\].
+    /// The gyros measure the turns this much later than the course's stamps \[s\].
     Late(f64),
     /// The body axis along which the vehicle accelerates and the one along which it is pushed in turns to
     /// the right: 1 forward, 2 right, with sign, as far as that is seen.
@@ -138,11 +138,11 @@ pub enum Implausible {
         /// In turns to the right: to be 2.
         right: Option<i8>,
     },
-    /// Positions move as the velocities say only if something is changed; `None` where nothing simple is.
+    /// Positions and velocities agree only if something is changed; `None`: nothing simple.
     Velocity(Option<FixMend>),
 }
 
-/// What makes the positions of the fixes move as their velocities say.
+/// What makes positions and velocities of the fixes agree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]

@@ -76,7 +76,7 @@ pub enum ReplayError {
 #[error(
     "the log could not be aligned: {failure}{}",
     .times.map_or(String::new(), |[from, to, fixes]| format!(
-        "; the samples run from {from:.3} s to {to:.3} s, the fixes from {fixes:.3} s on"
+        "; samples: {from:.3} s to {to:.3} s, fixes: from {fixes:.3} s"
     ))
 )]
 pub struct NotAligned {

@@ -25,7 +25,7 @@ pub struct Innovations {
     pub dof_sum: u64,
     /// Measurements used with less weight than stated.
     pub weakened: u64,
-    /// Measurements left out.
+    /// Measurements rejected.
     pub rejected: u64,
     /// Sums of the products of whitened innovations with those of the update before, of the squares,
     /// and their number: for their autocorrelation.
@@ -60,7 +60,7 @@ impl Innovations {
         self.last = Some(update.whitened);
     }
 
-    /// NIS per degree of freedom: 1 when the model is right. `None` without updates.
+    /// NIS per degree of freedom: 1 if the model is correct. `None` without updates.
     pub fn per_dof(&self) -> Option<f64> {
         (self.dof_sum > 0).then(|| self.nis_sum / self.dof_sum as f64)
     }
@@ -94,7 +94,7 @@ pub struct Summary {
     pub fixes_before: u64,
     /// Fixes that could not be used because their covariance is not one.
     pub bad_fixes: u64,
-    /// Fixes that were the one before again, held by whoever wrote the log: not used.
+    /// Fixes that repeat the previous one, held by the logger: not used.
     pub repeated: u64,
     /// Position updates.
     pub position: Innovations,
@@ -110,9 +110,9 @@ pub struct Summary {
     pub barometer: Innovations,
     /// Parameters estimated: their last values and standard deviations, in the units of [`Parameter`].
     pub parameters: Vec<(Parameter, Vec<f64>, Vec<f64>)>,
-    /// Fixes that were left out, run by run; the first [`MOST_EVENTS`].
+    /// Fixes that were rejected, run by run; the first [`MOST_EVENTS`].
     pub contradictions: Vec<Contradiction>,
-    /// Runs of fixes left out beyond those.
+    /// Runs of rejected fixes beyond those.
     pub more_contradictions: u64,
     /// Spans in which innovations leaned to one side; the first [`MOST_EVENTS`].
     pub leans: Vec<Lean>,
@@ -134,7 +134,7 @@ pub struct Summary {
     pub longest_without_gnss: (f64, f64),
     /// Units, axes, signs or times that cannot be right.
     pub implausible: Vec<Implausible>,
-    /// Where the solution gave way to fixes that contradict its velocity or both of its parts; the first
+    /// Where the solution accepted fixes that contradict its velocity or both of its parts; the first
     /// [`MOST_EVENTS`].
     pub doubts: Vec<Doubt>,
     /// Parameters that ended far from what was known of them: estimate, and prior standard deviations that it is off.
@@ -152,7 +152,7 @@ pub struct Summary {
     pub suspect: Option<f64>,
 }
 
-/// Fixes left out within so long after the solution gave way belong to what went before \[s\].
+/// Fixes rejected within this time after the solution accepted others belong to the run before \[s\].
 const GOES_ON: f64 = 3.0;
 /// Events of a kind that are kept one by one.
 pub const MOST_EVENTS: usize = 1000;
@@ -247,7 +247,7 @@ impl Summary {
         }
     }
 
-    /// Notes a run of fixes left out; where the solution has just given way to others of the kind, it is
+    /// Notes a run of rejected fixes; where the solution has just accepted others of the kind, it is
     /// the same one that goes on.
     pub(super) fn contradicted(&mut self, what: Contradiction) {
         let same = |c: &&mut Contradiction| c.part == what.part;

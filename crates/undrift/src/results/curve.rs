@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 pub struct Curve {
     /// Times \[s\].
     pub time_s: Vec<Number>,
-    /// Values, in the unit that the curve's name says.
+    /// Values, in the unit of the curve's name.
     pub value: Vec<Number>,
 }
 

@@ -45,14 +45,9 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// Of a drive file and what it says.
+    /// Of a drive file and its content.
     pub fn of(file: &Path, drive: &drive::Drive) -> Self {
         let interval = drive.sample_interval().ok();
-        let gnss_use = match drive.gnss_use {
-            GnssUse::Both => "position and velocity",
-            GnssUse::Position => "position",
-            GnssUse::Velocity => "velocity",
-        };
         Self {
             simulated: None,
             file: Some(name(file)),
@@ -64,9 +59,20 @@ impl Drive {
             rate_hz: interval.map(|interval| to_digits(1.0 / interval)).into(),
             model: drive.model.as_ref().map(|model| model.name.clone()),
             lever_arm_m: Some(<[f64; 3]>::from(drive.lever_arm).map(Number)),
-            gnss_use: Some(gnss_use.into()),
+            gnss_use: Some(drive.gnss_use.describe().into()),
             gating: Some(drive.gating),
             adapt: Some(drive.adapt),
+        }
+    }
+}
+
+impl GnssUse {
+    /// The parts in words.
+    pub fn describe(self) -> &'static str {
+        match self {
+            Self::Both => "position and velocity",
+            Self::Position => "position",
+            Self::Velocity => "velocity",
         }
     }
 }

@@ -54,11 +54,11 @@ pub struct Warned {
     pub log: String,
     /// Serial number of its IMU.
     pub unit: Option<String>,
-    /// What should be said of it, in sentences.
+    /// Remarks, in sentences.
     pub warnings: Vec<String>,
 }
 
-/// A value is an outlier beyond so many robust standard deviations of the logarithm, …
+/// A value is an outlier beyond this many robust standard deviations of the logarithm, …
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
@@ -67,7 +67,7 @@ pub struct OutlierRule {
     pub deviations: Number,
     /// … if it is above the median by this share too, …
     pub share: Number,
-    /// … among so many values or more.
+    /// … among this many values or more.
     pub least: u64,
 }
 
@@ -135,7 +135,7 @@ pub struct FleetOutlier {
 pub struct Temperature {
     /// Spearman's rank correlation.
     pub correlation: Number,
-    /// What it stays below 19 times out of 20 where there is none.
+    /// Its 95 % bound by chance where there is none.
     pub bound: Number,
     /// By temperature.
     pub bins: Vec<Bin>,

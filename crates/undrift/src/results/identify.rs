@@ -35,7 +35,7 @@ pub struct Identify {
     pub record: String,
     /// Sample rate \[Hz\].
     pub rate_hz: Number,
-    /// What the time stamps say, where there are any.
+    /// Timing from the time stamps, where there are any.
     pub timing: Option<Timing>,
     /// Rows of the record that were skipped.
     pub skipped_rows: u64,
@@ -106,7 +106,7 @@ pub struct Axis {
     pub kpss: Kpss,
     /// Phillips-Perron test.
     pub phillips_perron: PhillipsPerron,
-    /// What these three say together, as a sentence.
+    /// The conclusion from these three, as a sentence.
     pub stationarity: String,
     /// Jarque-Bera test of normality.
     pub jarque_bera: normality::Test,
@@ -146,7 +146,7 @@ pub struct Axis {
     pub ranking: Vec<String>,
     /// The recommended one.
     pub chosen: Candidate,
-    /// What should be said of the axis, in sentences.
+    /// Remarks on the axis, in sentences.
     pub warnings: Vec<String>,
     /// For plots.
     pub series: AxisSeries,

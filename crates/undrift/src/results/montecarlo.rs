@@ -17,7 +17,7 @@ pub struct MonteCarlo {
     pub runs: u64,
     /// Seed they were drawn from.
     pub seed: u64,
-    /// Beginning of the navigation that is left out of averages and shares \[s\].
+    /// Beginning of the navigation that averages and shares exclude \[s\].
     pub settle_s: Number,
     /// What was simulated.
     pub drive: MonteCarloDrive,
@@ -68,16 +68,16 @@ pub struct MonteCarloModel {
     pub nis: Vec<NisKind>,
 }
 
-/// What the filter says of itself against what it does.
+/// The reported against the actual accuracy of the filter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
-    /// As good as it says.
+    /// As accurate as reported.
     Consistent,
-    /// Worse than it says.
+    /// Less accurate than reported.
     Optimistic,
-    /// Better than it says.
+    /// More accurate than reported.
     Pessimistic,
 }
 

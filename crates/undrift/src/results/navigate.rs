@@ -21,7 +21,7 @@ pub struct Navigate {
     pub bias_model: String,
     /// Whether the solution is the smoothed one.
     pub smooth: bool,
-    /// How the IMU sits in words, where that was estimated; who shows results fills it in.
+    /// The mounting in words, where it was estimated; filled in where results are shown.
     pub mounting: Option<String>,
     /// Innovations of the positions.
     pub position: Nis,
@@ -44,7 +44,7 @@ pub struct Navigate {
     /// What was found out about logs and solution.
     #[serde(deserialize_with = "known")]
     pub findings: Vec<Finding>,
-    /// The same in sentences; who shows results fills them in.
+    /// The same in sentences; filled in where results are shown.
     pub warnings: Vec<String>,
     /// For plots.
     pub series: Option<NavigateSeries>,
@@ -55,7 +55,7 @@ pub struct Navigate {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Nis {
-    /// NIS per degree of freedom, 1 when the model is right.
+    /// NIS per degree of freedom, 1 if the model is correct.
     pub nis_per_dof: Number,
     /// Autocorrelation of the whitened innovations from one update to the next.
     pub autocorrelation: Number,
@@ -85,7 +85,7 @@ pub struct Summary {
     pub align_samples: u64,
     /// When navigation began \[s\].
     pub started: Number,
-    /// How the first attitude was found, in words; who shows results fills it in.
+    /// How the first attitude was found, in words; filled in where results are shown.
     pub alignment: String,
     /// Time of the last sample \[s\].
     pub ended: Number,

@@ -7,7 +7,7 @@ use undrift_noise::OrNull;
 /// Numbers by name.
 pub type Numbers = BTreeMap<String, Number>;
 
-/// A number; where there is none it is NaN here and null in JSON. Two missing numbers are equal.
+/// A number; a missing one is NaN here and null in JSON. Two missing numbers are equal.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "schema", schemars(inline))]

@@ -33,7 +33,7 @@ pub struct Outages {
     /// What was found out about the logs.
     #[serde(deserialize_with = "known")]
     pub findings: Vec<Finding>,
-    /// The same in sentences; who shows results fills them in.
+    /// The same in sentences; filled in where results are shown.
     pub warnings: Vec<String>,
     /// For plots.
     pub series: OutageSeries,
@@ -57,11 +57,11 @@ pub struct Cut {
 pub struct ModelErrors {
     /// Largest magnitude over all samples inside the outages.
     pub max: Numbers,
-    /// Root mean square over the outages of each one's largest error.
+    /// RMS over the outages of the largest error of each.
     pub rms: Numbers,
-    /// Median over the outages of each one's largest error.
+    /// Median over the outages of the largest error of each.
     pub median: Numbers,
-    /// Root mean square over the outages of the error at the end.
+    /// RMS over the outages of the error at the end.
     pub end_rms: Numbers,
     /// Mean over the outages of the normalised error squared at the end per degree of freedom, 1 when the
     /// covariance is right: of position, velocity and attitude.
@@ -76,7 +76,7 @@ pub struct ModelErrors {
     /// Why the numbers cannot be trusted, if so.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub finding: Option<Finding>,
-    /// The same as a sentence; who shows results fills it in.
+    /// The same as a sentence; filled in where results are shown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub warning: Option<String>,
 }
@@ -98,7 +98,7 @@ pub struct OutageErrors {
     pub nees: Numbers,
 }
 
-/// NIS per degree of freedom, 1 when the model is right.
+/// NIS per degree of freedom, 1 if the model is correct.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
@@ -114,7 +114,7 @@ pub struct NisOfParts {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct OutageSeries {
-    /// The truth, or the fixes where there is none.
+    /// The truth, or else the fixes.
     pub track: Track,
     /// Drift of each model.
     pub drift: BTreeMap<String, Drift>,

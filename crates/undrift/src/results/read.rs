@@ -29,7 +29,7 @@ pub enum Results {
 /// What every result begins with.
 #[derive(Deserialize)]
 struct Head {
-    #[expect(dead_code, reason = "what has none is no result")]
+    #[expect(dead_code, reason = "without it, this is not a result")]
     undrift: String,
     kind: String,
     #[serde(default)]
@@ -44,7 +44,7 @@ impl Results {
     pub fn read(path: &Path, text: &str) -> Result<Self, ReadError> {
         let head: Head = part(path, text)?;
         if head.schema > SCHEMA {
-            let problem = format!("schema {} is of a later version of undrift", head.schema);
+            let problem = format!("schema {} is from a later version of undrift", head.schema);
             return Err(ReadError::new(path, problem).key("schema"));
         }
         Ok(match head.kind.as_str() {
@@ -57,7 +57,7 @@ impl Results {
             "tune" => Self::Tune(part(path, text)?),
             other => {
                 let why = format!(
-                    "\"{other}\" is not one of the kinds identify, navigate, outages, montecarlo, demo, fleet, tune"
+                    "unknown kind \"{other}\"; known: identify, navigate, outages, montecarlo, demo, fleet, tune"
                 );
                 return Err(not_a_result(path, &why).key("kind"));
             }

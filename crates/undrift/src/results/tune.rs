@@ -3,7 +3,7 @@
 use super::{Drive, Number};
 use serde::{Deserialize, Serialize};
 
-/// What drives say of the noise.
+/// The noise estimated from drives.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, tag = "kind", rename = "tune")]
@@ -24,7 +24,7 @@ pub struct Tune {
     pub held_out: bool,
     /// Parameter by parameter.
     pub parameters: Vec<TunedParameter>,
-    /// Drift on outages that the fit had not seen, by length.
+    /// Drift on held-out outages, by length.
     pub drift: Vec<TunedDrift>,
     /// Windows whose fixes were scored.
     pub windows: u64,
@@ -47,7 +47,7 @@ pub struct TunedParameter {
     pub name: String,
     /// Its unit.
     pub unit: String,
-    /// At rest, or as stated; null where that says nothing.
+    /// At rest, or as specified; null where that is unknown.
     pub start: Number,
     /// The most likely value before the drives, and the 95 % interval then.
     pub prior: Number,

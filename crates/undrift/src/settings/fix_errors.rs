@@ -16,7 +16,7 @@ pub struct Correlated {
     pub time: f64,
 }
 
-/// Factors on standard deviations, beyond what the fixes show of themselves: what a drive has told of them.
+/// Factors on standard deviations, beyond what the fixes show of themselves, as learned from a drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StdFactors {
     /// On the white part of position and velocity.

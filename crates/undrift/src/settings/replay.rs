@@ -33,7 +33,7 @@ impl Outage {
 pub struct Doubt {
     /// Time of the last fix that agreed with the solution \[s\].
     pub start: f64,
-    /// Time of the fix that the solution gave way to \[s\].
+    /// Time of the fix that the solution then accepted \[s\].
     pub end: f64,
     /// Of the position \[m\].
     pub position: f64,
@@ -72,7 +72,7 @@ pub struct Settings {
     pub quality: QualityStd,
     /// What the fixes are wrong by beyond what they state.
     pub fix_errors: FixErrors,
-    /// Longest span between two nodes that a smoother is told of \[s\]; without it, none.
+    /// Longest span between two nodes for a smoother \[s\]; `None`: no nodes.
     pub nodes: Option<f64>,
     /// What the first attitude, sensor states and parameters after alignment are off by, as a smoother
     /// has found in a run before: taken out before navigation begins.

@@ -64,7 +64,7 @@ pub fn tuned(
         }
     }
     Ok(format!(
-        "{head}{}\n\n# What `undrift tune` found in this vehicle.\n[model]\n{}",
+        "{head}{}\n\n# Identified by `undrift tune` in this vehicle.\n[model]\n{}",
         file.to_string().trim_end(),
         inner(model)
     ))

@@ -92,7 +92,7 @@ fn one(seed: u64, seconds: f64) -> ([Option<f64>; COUNT], [f64; 2]) {
         &prior,
         Noise::new(&prior.centre),
         true,
-        &|_| (),
+        &|_| true,
     )
     .expect("a fit");
     let (z, at) = (found.noise.ln(), truth.ln());

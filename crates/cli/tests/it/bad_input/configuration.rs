@@ -54,7 +54,7 @@ fn mistakes_in_the_drive_file() {
             "no_position",
             "position = [\"lat\", \"lon\", \"height\"]\nposition_std_columns = [\"sn\", \"se\", \"sd\"]\n",
             "",
-            &["line 9, gnss.position: missing: the columns latitude, longitude, height"],
+            &["line 9, gnss.position: missing: set position (columns latitude, longitude, height)"],
         ),
         (
             "no_velocity",
@@ -127,7 +127,7 @@ fn mistakes_in_the_drive_file() {
             "axes_twice",
             "gyro_unit",
             "axes = \"x,x,z\"\ngyro_unit",
-            &["imu.axes", "names an axis twice"],
+            &["imu.axes", "contains an axis twice"],
         ),
         (
             "axes_two",
@@ -139,7 +139,7 @@ fn mistakes_in_the_drive_file() {
             "axes_both",
             "gyro_unit",
             "axes = \"x,y,z\"\nmounting = \"0, 0, 9 deg\"\ngyro_unit",
-            &["line 7, imu.mounting: give axes or mounting, not both"],
+            &["line 7, imu.mounting: set axes or mounting, not both"],
         ),
         (
             "column",
@@ -206,7 +206,7 @@ fn mistakes_in_the_drive_file() {
             "file_none",
             "file = \"imu.csv\"\n",
             "",
-            &["line 2, imu.file: missing: the name of the file"],
+            &["line 2, imu.file: missing: the file name"],
         ),
         (
             "time_none",
@@ -290,7 +290,7 @@ fn models_and_bias_models_on_the_command_line() {
     says(
         &outcome.stderr,
         &[
-            "unknown bias model \"markov\"; there are white, paper, gauss-markov, random-walk, ar, arma",
+            "unknown bias model \"markov\"; available: white, paper, gauss-markov, random-walk, ar, arma",
         ],
     );
     let outcome = run(&["--model", "adis1"]);
@@ -362,7 +362,7 @@ fn without_a_model_the_message_says_where_the_presets_are() {
     says(
         &message,
         &[
-            "no noise model: name one with --model",
+            "no noise model: specify one with --model",
             "`undrift model --list` shows the presets",
         ],
     );

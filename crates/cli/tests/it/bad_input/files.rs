@@ -74,7 +74,7 @@ fn decimal_commas() {
     );
     says(
         &refusal("decimal_comma", text.replace('.', ",").as_bytes()),
-        &["imu.csv line 2: the row has 14 fields, the header names 7: decimal commas"],
+        &["imu.csv line 2: the row has 14 fields, the header 7: decimal commas"],
     );
 }
 
@@ -98,7 +98,7 @@ fn a_header_that_is_missing() {
     says(
         &refusal("headless", rows.as_bytes()),
         &[
-            "imu.csv line 1: no header that could name the column \"t\" (key imu.time)",
+            "imu.csv line 1: no header, so there is no column \"t\" (key imu.time)",
             "by number",
         ],
     );
@@ -142,7 +142,7 @@ fn columns_that_are_missing_or_too_many() {
     says(
         &refusal("column_unnamed", numbered.as_bytes()),
         &[
-            "imu.csv line 2: the row has 8 fields, the header names 7",
+            "imu.csv line 2: the row has 8 fields, the header 7",
             "a column without a name",
         ],
     );
@@ -326,7 +326,7 @@ fn a_result_never_replaces_what_it_is_made_from() {
             &outcome.stderr,
             &[
                 "cannot write",
-                "it is read in this run; give the result another name",
+                "this run reads it; choose another name for the result",
             ],
         );
         assert!(case.read("nav.csv").is_none());
@@ -379,7 +379,7 @@ fn a_folder_that_cannot_hold_the_result() {
         assert_eq!(outcome.code, Some(1));
         says(
             &outcome.stderr,
-            &[&format!("cannot write {target}: there is no folder")],
+            &[&format!("cannot write {target}: no such folder")],
         );
         // Told before the work: nothing was navigated.
         assert_eq!(outcome.stdout, "");
@@ -514,7 +514,7 @@ fn keys_that_contradict_each_other() {
         (
             "two_stds",
             "position_std = \"1 m\"\n",
-            "line 13, gnss.position_std_columns: give position_std or position_std_columns, not both",
+            "line 13, gnss.position_std_columns: set position_std or position_std_columns, not both",
         ),
         (
             "std_column",
@@ -524,7 +524,7 @@ fn keys_that_contradict_each_other() {
         (
             "two_places",
             "baseline = [\"vn\", \"ve\", \"vd\"]\n",
-            "line 16, gnss.baseline: give position or baseline, not both",
+            "line 16, gnss.baseline: set position or baseline, not both",
         ),
         ("two_times", "time = \"t\"\n", "line 16: duplicate key"),
         ("word", "use = 3\n", "line 16, gnss.use: must be a"),

@@ -20,7 +20,7 @@ fn late(by: f64) -> Log {
     changed(|row| *row = row.at(row.time + by))
 }
 
-const COLUMNS: &str = "are the columns latitude, longitude, height in this order and in gnss.position_unit, neither ECEF nor degrees and minutes?";
+const COLUMNS: &str = "check that the columns are latitude, longitude, height in gnss.position_unit, not ECEF or degrees and minutes";
 
 #[test]
 fn latitude_and_longitude_swapped() {
@@ -31,7 +31,7 @@ fn latitude_and_longitude_swapped() {
         &message,
         &[
             "gnss.csv: no usable fix (key gnss.position)",
-            "279 rows with a value out of its range",
+            "279 rows with a value out of range",
             COLUMNS,
         ],
     );
@@ -41,9 +41,8 @@ fn latitude_and_longitude_swapped() {
         row.put(2, &[longitude]);
         row.fields.swap(1, 2);
     });
-    log.write("lat_lon_valid").doubted(&[
-        "positions do not move as the velocities say: latitude and longitude are swapped",
-    ]);
+    log.write("lat_lon_valid")
+        .doubted(&["GNSS positions and velocities disagree: latitude and longitude are swapped"]);
 }
 
 #[test]
@@ -88,7 +87,9 @@ fn degrees_times_ten_million() {
 fn radians_called_degrees() {
     changed(|row| row.put(1, &[row.number(1).to_radians(), row.number(2).to_radians()]))
         .write("radians")
-        .doubted(&["positions do not move as the velocities say: latitude and longitude are in rad, not deg"]);
+        .doubted(&[
+            "GNSS positions and velocities disagree: latitude and longitude are in rad, not deg",
+        ]);
 }
 
 #[test]
@@ -134,7 +135,7 @@ fn height_with_the_wrong_sign() {
 #[test]
 fn velocity_east_north_up() {
     velocities(|[n, e, d]| [e, n, -d]).write("enu").doubted(&[
-        "positions do not move as the velocities say: the velocity is east, north, not north, east",
+        "GNSS positions and velocities disagree: the velocity is east, north, not north, east",
     ]);
 }
 
@@ -142,12 +143,10 @@ fn velocity_east_north_up() {
 fn velocity_with_the_wrong_sign() {
     velocities(|[n, e, d]| [n, -e, d])
         .write("west")
-        .doubted(&["positions do not move as the velocities say: the velocity east (or the longitude) has the wrong sign"]);
+        .doubted(&["GNSS positions and velocities disagree: the velocity east (or the longitude) has the wrong sign"]);
     velocities(|[n, e, d]| [-n, -e, d])
         .write("backward")
-        .doubted(&[
-            "positions do not move as the velocities say: the velocity has the wrong signs",
-        ]);
+        .doubted(&["GNSS positions and velocities disagree: the velocity has the wrong signs"]);
 }
 
 #[test]
@@ -167,7 +166,7 @@ fn velocity_in_another_unit() {
         says(
             &outcome.stderr,
             &[&format!(
-                "positions do not move as the velocities say: the velocity is in {unit}"
+                "GNSS positions and velocities disagree: the velocity is in {unit}"
             )],
         );
     }
@@ -180,7 +179,7 @@ fn a_velocity_that_is_always_zero() {
         &message,
         &[
             "could not be aligned: the speed never reached",
-            "positions do not move as the velocities say",
+            "GNSS positions and velocities disagree",
         ],
     );
 }
@@ -198,7 +197,7 @@ fn standard_deviations_in_another_unit() {
     says(
         &outcome.stderr,
         &[
-            "standard deviations of the position",
+            "stated position standard deviations",
             "times too large",
             "position_std_factor",
         ],
@@ -238,8 +237,8 @@ fn standard_deviations_beyond_all_measure() {
 fn utc_and_gps_time_mixed() {
     for by in [18.0, -18.0] {
         let warnings = late(by).write(&format!("leap_{by}")).doubted(&[
-            "the gyros measure the turns of the GNSS course 18.",
-            &format!("gnss.time_offset = \"{:.2} s\"", -by),
+            "GNSS is stamped 18.",
+            &format!("add {:.2} s to gnss.time_offset", -by),
             "GPS time and UTC are mixed",
         ]);
         assert!(
@@ -257,7 +256,7 @@ fn utc_and_gps_time_mixed() {
 fn a_second_late() {
     late(1.0)
         .write("second_late")
-        .doubted(&["the gyros measure the turns of the GNSS course 1.00 s earlier"]);
+        .doubted(&["GNSS is stamped 1.00 s too late"]);
 }
 
 #[test]
@@ -267,7 +266,10 @@ fn a_tenth_of_a_second_late() {
     assert_eq!(outcome.stderr, "");
     says(
         &outcome.stdout,
-        &["TimeOffset [-0.", "VelocityTimeOffset [-0."],
+        &[
+            "time offset of the positions (true less stamped): -",
+            "time offset of the velocities (true less stamped): -",
+        ],
     );
     assert!(outcome.rms("horizontal_m") < 1.0);
 }
@@ -279,8 +281,8 @@ fn another_week_or_day() {
         says(
             &message,
             &[
-                "no usable GNSS position fell within the inertial log; compare the two time columns",
-                "the fixes from",
+                "no usable GNSS position within the inertial log; check the two time columns",
+                "fixes: from",
             ],
         );
     }
@@ -294,7 +296,7 @@ fn milliseconds_called_seconds() {
     says(
         &message,
         &[
-            "no usable GNSS position fell within",
+            "no usable GNSS position within",
             "the fixes from 1000.000 s on",
         ],
     );
@@ -310,7 +312,7 @@ fn a_leap_second_within_the_log() {
     let warnings = log.write("gnss_leap").doubted(&["rejected "]);
     says(
         &warnings.join("\n"),
-        &["GNSS log: 1 row with a time before that of the last row"],
+        &["GNSS log: 1 row with a time before the previous one"],
     );
 }
 
@@ -322,7 +324,7 @@ fn a_receiver_that_repeats_itself() {
         *row = frozen.at(row.time);
     }
     log.write("repeats")
-        .doubted(&["the receiver repeated itself while the solution moved"]);
+        .doubted(&["the receiver repeated its fix while the solution moved"]);
 }
 
 #[test]
@@ -333,7 +335,11 @@ fn too_few_fixes() {
         let message = log.write(&format!("fixes_{count}")).refusal();
         says(
             &message,
-            &[told, "there were never enough fixes", "initial.attitude"],
+            &[
+                told,
+                "alignment in motion needs more consecutive fixes",
+                "initial.attitude",
+            ],
         );
         assert!(!message.contains("the speed never reached"), "{message}");
     }
@@ -354,7 +360,7 @@ fn a_receiver_without_a_fix() {
         &message,
         &[
             "gnss.csv: no usable fix",
-            "279 rows with a value out of its range",
+            "279 rows with a value out of range",
         ],
     );
 }

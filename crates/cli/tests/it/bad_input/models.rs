@@ -113,7 +113,7 @@ fn noise_of_none_or_of_everything() {
         assert_eq!(outcome.code, Some(3), "{value} {}", outcome.stderr);
         says(
             &outcome.stderr,
-            &["GyroScale", "standard deviations from what was known"],
+            &["gyro scale factors", "prior standard deviations from zero"],
         );
     }
     case.put("imu.toml", model("1e6").as_bytes());

@@ -136,7 +136,7 @@ fn mistakes_in_the_specification() {
         (
             "\"50 Hz\"",
             "\"50 Hz\"\nseed = -1",
-            &["line 8, drive.seed: must be a whole number from 0 on"],
+            &["line 8, drive.seed: must be a whole number, 0 or more"],
         ),
         (
             "\"1 Hz\"",
@@ -146,7 +146,7 @@ fn mistakes_in_the_specification() {
         (
             "\"1 Hz\"",
             "\"1 Hz\"\nposition_std = \"1, 0, 1 m\"",
-            &["line 10, gnss.position_std: standard deviations must be above zero"],
+            &["line 10, gnss.position_std: standard deviations must be positive"],
         ),
         (
             "\"1 Hz\"",
@@ -156,7 +156,7 @@ fn mistakes_in_the_specification() {
         (
             "settle = \"30 s\"",
             "settle = \"150 s\"",
-            &["line 11, epochs.settle: must leave something of the 150 s"],
+            &["line 11, epochs.settle: must be shorter than the drive of 150 s"],
         ),
         (
             "settle = \"30 s\"",
@@ -166,12 +166,12 @@ fn mistakes_in_the_specification() {
         (
             "[epochs]",
             "[initial]\ntruth_std = \"1 deg\"\nattitude = \"0 deg\"\n[epochs]",
-            &["line 12, initial.attitude: give truth_std or attitude, not both"],
+            &["line 12, initial.attitude: set truth_std or attitude, not both"],
         ),
         (
             "[epochs]",
             "[initial]\ntruth_std = \"0 deg\"\n[epochs]",
-            &["line 11, initial.truth_std: standard deviations must be above zero"],
+            &["line 11, initial.truth_std: standard deviations must be positive"],
         ),
         ("[epochs]", "[epoch]", &["line 10, epoch: unknown key"]),
         ("[drive]", "[drive", &["spec.toml line 4"]),
@@ -193,7 +193,7 @@ fn runs_that_cannot_be() {
     for runs in ["0", "1", "99999999999"] {
         let outcome = case.run(&["montecarlo", "spec.toml", "--runs", runs]);
         assert_eq!(outcome.code, Some(1));
-        says(&outcome.stderr, &["runs of this drive: there must be 2 to"]);
+        says(&outcome.stderr, &["runs of this drive: must be 2 to"]);
     }
     let outcome = case.run(&["montecarlo", "sepc.toml"]);
     assert_eq!(outcome.code, Some(1));

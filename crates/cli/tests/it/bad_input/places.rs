@@ -37,10 +37,7 @@ fn at_the_poles() {
             row.fields[1] = latitude.into();
         }
         let message = log.write(&format!("pole_{latitude}")).refusal();
-        says(
-            &message,
-            &["position, velocity or covariance left the possible range"],
-        );
+        says(&message, &["position, velocity or covariance out of range"]);
     }
 }
 
@@ -104,6 +101,6 @@ fn a_lever_arm_in_millimetres() {
     let message = log.write("lever_mm").refusal();
     says(
         &message,
-        &["drive.toml line 16, gnss.lever_arm: 1700 m is longer than any vehicle: check its unit"],
+        &["drive.toml line 16, gnss.lever_arm: 1700 m is longer than any vehicle: check the unit"],
     );
 }

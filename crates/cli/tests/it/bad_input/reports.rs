@@ -86,12 +86,12 @@ fn the_report_of_a_verb_is_that_of_its_json() {
                 "--bias-models",
                 "white,arma",
             ],
-            "The least horizontal drift is that of",
+            "Least horizontal drift: ",
         ),
         (
             "montecarlo",
             &["montecarlo", "spec.toml", "--runs", "3"],
-            "know its own errors",
+            "Normalised estimation error squared",
         ),
         (
             "identify",
@@ -280,7 +280,7 @@ fn a_file_that_is_no_result_is_refused() {
         (
             "unknown.json",
             pretty(&unknown),
-            "\"dance\" is not one of the kinds identify, navigate",
+            "unknown kind \"dance\"; known: identify, navigate",
         ),
     ] {
         case.put(name, damaged.as_bytes());

@@ -37,8 +37,8 @@ fn both_are_used_and_their_errors_found() {
         &[
             "odometer: ",
             "barometer: ",
-            "OdometerScale [0.009",
-            "BarometerBias [4",
+            "odometer scale factor: 0.9",
+            "barometric height error: 4",
         ],
     );
     let ticks = WHEEL.replace(
@@ -49,7 +49,7 @@ fn both_are_used_and_their_errors_found() {
     let (outcome, _) = drive("ticks", &format!("{ticks}{pressure}")).solution();
     says(
         &outcome.stdout,
-        &["OdometerScale [-0.0", "BarometerBias [4"],
+        &["odometer scale factor: -", "barometric height error: 4"],
     );
     // Outages leave them alone.
     let case = drive("outages", &format!("{WHEEL}{BARO}"));
@@ -64,8 +64,8 @@ fn logs_that_are_damaged_or_of_another_time() {
     says(
         &outcome.stderr,
         &[
-            "odometer log: nothing of it was used",
-            "odometer.time_offset moves them",
+            "odometer log: no record was used",
+            "set odometer.time_offset",
         ],
     );
     let case = drive("damaged", WHEEL);
@@ -79,14 +79,14 @@ fn logs_that_are_damaged_or_of_another_time() {
         &[
             "odometer log: 1 row with text where a number belongs, at line 3: \"x\"",
             "1 row with NaN or infinity, at line 4",
-            "1 row with a value out of its range, at line 5",
+            "1 row with a value out of range, at line 5",
         ],
     );
     let case = drive("none", WHEEL);
     case.put("wheel.csv", b"t,v\n40,9999\n");
     says(
         &case.refusal(),
-        &["wheel.csv: no usable value", "out of its range"],
+        &["wheel.csv: no usable value", "out of range"],
     );
 }
 
@@ -137,7 +137,7 @@ fn mistakes_in_their_tables() {
         ),
         (
             wheel("0.05 m/s", "-0.05 m/s"),
-            &["line 27, odometer.speed_std: must be a standard deviation above zero"],
+            &["line 27, odometer.speed_std: must be a positive standard deviation"],
         ),
         (
             wheel("\"0.05 m/s\"", "0.05"),
@@ -145,7 +145,7 @@ fn mistakes_in_their_tables() {
         ),
         (
             wheel("speed_std", "speed_std_column = \"s\"\nspeed_std"),
-            &["odometer.speed_std_column: give speed_std or speed_std_column, not both"],
+            &["odometer.speed_std_column: set speed_std or speed_std_column, not both"],
         ),
         (
             wheel("speed_std = \"0.05 m/s\"", "speed_std_column = \"sigma\""),
@@ -153,19 +153,19 @@ fn mistakes_in_their_tables() {
         ),
         (
             wheel("speed_std", "ticks = \"n\"\nspeed_std"),
-            &["odometer.ticks: give speed or ticks, not both"],
+            &["odometer.ticks: set speed or ticks, not both"],
         ),
         (
             wheel("speed = \"v\"", "ticks = \"n\""),
-            &["odometer.ticks_per_metre: missing: how many ticks make a metre"],
+            &["odometer.ticks_per_metre: missing: ticks per metre"],
         ),
         (
             wheel("speed_std", "ticks_per_metre = -3\nspeed_std"),
-            &["odometer.ticks_per_metre: must be a number above zero"],
+            &["odometer.ticks_per_metre: must be a positive number"],
         ),
         (
             wheel("speed_std", "scale_std = -0.1\nspeed_std"),
-            &["odometer.scale_std: must be a number above zero"],
+            &["odometer.scale_std: must be a positive number"],
         ),
         (
             wheel("speed_std", "scale_std = \"1 m\"\nspeed_std"),
@@ -191,7 +191,7 @@ fn mistakes_in_their_tables() {
         ),
         (
             baro("std", "pressure = \"p\"\nstd"),
-            &["barometer.pressure: give height or pressure, not both"],
+            &["barometer.pressure: set height or pressure, not both"],
         ),
         (
             baro(
@@ -202,7 +202,7 @@ fn mistakes_in_their_tables() {
         ),
         (
             baro("height = \"h\"", "pressure = \"p\"\npressure_unit = \"Pa\""),
-            &["baro.csv: no usable value", "out of its range"],
+            &["baro.csv: no usable value", "out of range"],
         ),
         (
             baro("std", "height_unit = \"hPa\"\nstd"),
@@ -213,7 +213,7 @@ fn mistakes_in_their_tables() {
         ),
         (
             baro("0.5 m", "0 m"),
-            &["barometer.std: must be a standard deviation above zero"],
+            &["barometer.std: must be a positive standard deviation"],
         ),
         (
             baro("std", "std_column = \"x\"\nstd"),
@@ -221,7 +221,7 @@ fn mistakes_in_their_tables() {
         ),
         (
             baro("std", "bias_std = \"-1 m\"\nstd"),
-            &["barometer.bias_std: must be a standard deviation above zero, or \"off\""],
+            &["barometer.bias_std: must be a positive standard deviation, or \"off\""],
         ),
         (
             baro("std", "bias_walk = \"1 m/s\"\nstd"),
@@ -262,7 +262,7 @@ fn mistakes_in_their_tables() {
         ),
         (
             vehicle("zero_velocity = \"-1 m/s\""),
-            &["vehicle.zero_velocity: must be a standard deviation above zero, or \"off\""],
+            &["vehicle.zero_velocity: must be a positive standard deviation, or \"off\""],
         ),
         (
             vehicle("zero_angular_rate = \"1 m/s\""),
@@ -286,7 +286,7 @@ fn mistakes_in_their_tables() {
         ),
         (
             states("scale_factor = -1"),
-            &["line 23, states.scale_factor: must be a number above zero"],
+            &["line 23, states.scale_factor: must be a positive number"],
         ),
         (
             states("misalignment = \"1 m\""),

@@ -100,7 +100,7 @@ fn outages_that_cannot_be_are_refused() {
             &["--at", "inf", "--length", "5"],
             &["does not lie within the fixes"],
         ),
-        (&["--length", "5"], &["say how many outages: --count N"]),
+        (&["--length", "5"], &["specify the outages: --count N"]),
     ] {
         let arguments: Vec<String> = arguments
             .chunks(2)
@@ -141,7 +141,7 @@ fn outages_before_the_solution_starts_are_said() {
     let outcome = case.outages(&["--at", "5,50", "--length", "5"]);
     says(
         &outcome.stderr,
-        &["navigation began at", "begin the outages later"],
+        &["navigation started at", "start the outages later"],
     );
 }
 

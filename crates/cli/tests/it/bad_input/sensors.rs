@@ -32,8 +32,8 @@ fn changed(change: impl Fn(f64, [f64; 6]) -> [f64; 6]) -> Log {
 fn gyro_in_degrees_called_radians() {
     let case = times(&GYRO, 180.0 / std::f64::consts::PI).write("gyro_deg");
     case.doubted(&[
-        "the GNSS course turns 0.017",
-        "imu.gyro_unit, the numbers look like deg/s",
+        "the GNSS course turns at 0.017",
+        "imu.gyro_unit (the numbers look like deg/s)",
     ]);
 }
 
@@ -43,8 +43,8 @@ fn gyro_in_radians_called_degrees() {
     log.set("\"rad/s\"", "\"deg/s\"");
     let case = log.write("gyro_rad");
     case.doubted(&[
-        "the GNSS course turns 57",
-        "imu.gyro_unit, the numbers look like rad/s",
+        "the GNSS course turns at 57",
+        "imu.gyro_unit (the numbers look like rad/s)",
     ]);
 }
 
@@ -57,7 +57,7 @@ fn gyro_in_millidegrees_called_radians() {
         &message,
         &[
             "could not be aligned",
-            "compare axes, units",
+            "check axes, units",
             "check imu.gyro_unit",
         ],
     );
@@ -67,7 +67,7 @@ fn gyro_in_millidegrees_called_radians() {
 fn accelerometer_in_g_called_metres() {
     let warnings = times(&ACCEL, 1.0 / 9.80665).write("accel_g").doubted(&[
         "the accelerometers measure 0.1",
-        "imu.accel_unit, the numbers look like g",
+        "imu.accel_unit (the numbers look like g)",
     ]);
     // With a wrong unit the innovations say nothing of the receiver.
     assert!(
@@ -82,7 +82,7 @@ fn accelerometer_in_metres_called_g() {
     log.set("\"m/s^2\"", "\"g\"");
     log.write("accel_mps2").doubted(&[
         "the accelerometers measure 9.",
-        "imu.accel_unit, the numbers look like m/s^2",
+        "imu.accel_unit (the numbers look like m/s^2)",
     ]);
 }
 
@@ -90,7 +90,7 @@ fn accelerometer_in_metres_called_g() {
 fn accelerometer_in_mg_called_metres() {
     times(&ACCEL, 1000.0 / 9.80665).write("accel_mg").doubted(&[
         "the accelerometers measure 10",
-        "imu.accel_unit, the numbers look like mg",
+        "imu.accel_unit (the numbers look like mg",
     ]);
 }
 
@@ -158,7 +158,7 @@ fn mounted_upside_down() {
         &outcome.stderr,
         &[
             "gravity points along",
-            "-1.00 of the body axes",
+            "-1.00 in the body axes",
             "check imu.axes",
         ],
     );
@@ -181,7 +181,7 @@ fn gyros_with_the_wrong_sign() {
     for (name, columns) in [("gyro_sign", &GYRO[..]), ("gyro_z_sign", &[3])] {
         times(columns, -1.0)
             .write(name)
-            .doubted(&["the GNSS course turns -0.99", "the signs of imu.gyro"]);
+            .doubted(&["the GNSS course turns at -0.99", "the signs of imu.gyro"]);
     }
 }
 
@@ -190,7 +190,10 @@ fn a_gyro_that_is_silent() {
     let warnings = times(&[3], 0.0)
         .write("gyro_z_silent")
         .doubted(&["the gyros do not measure the turns of the GNSS course: check imu.gyro"]);
-    says(&warnings.join("\n"), &["gyro z reads 0 for 139.99 s"]);
+    says(
+        &warnings.join("\n"),
+        &["gyro z stays at 0 (as logged) for 139.99 s"],
+    );
 }
 
 #[test]
@@ -204,7 +207,7 @@ fn all_sensors_silent() {
     says(
         &outcome.stderr,
         &[
-            "all six axes of the IMU repeat their values",
+            "all six IMU axes repeat the same values",
             "measure 0 times gravity",
         ],
     );
@@ -220,7 +223,7 @@ fn one_axis_of_nan() {
     says(
         &message,
         &[
-            "imu.csv: no row with a number in every wanted column",
+            "imu.csv: no row with a number in every required column",
             "14000 rows with NaN",
         ],
     );
@@ -242,7 +245,7 @@ fn one_axis_of_nan_for_a_while() {
         &[
             "IMU log: 200 rows with NaN or infinity",
             "1 long gap between samples",
-            "covariance grew",
+            "covariance was propagated",
         ],
     );
     // Two seconds unseen at 2 m/s².
@@ -266,7 +269,7 @@ fn frozen(columns: &[usize], from: f64, to: f64) -> Log {
 #[test]
 fn a_frozen_gyro() {
     frozen(&[3], 60.0, 80.0).write("frozen_gyro").doubted(&[
-        "gyro z read",
+        "gyro z stays at",
         "for 19.9",
         "s from 60",
         "(2000 samples)",
@@ -279,7 +282,7 @@ fn a_frozen_accelerometer() {
     let (outcome, _) = frozen(&[4], 20.0, 24.0).write("frozen_accel").solution();
     says(
         &outcome.stderr,
-        &["accelerometer x read", "for 3.99 s from 20 s", "frozen"],
+        &["accelerometer x stays at", "for 3.99 s from 20 s", "frozen"],
     );
 }
 
@@ -287,10 +290,7 @@ fn a_frozen_accelerometer() {
 fn a_frozen_imu() {
     frozen(&[1, 2, 3, 4, 5, 6], 60.0, 80.0)
         .write("frozen_imu")
-        .doubted(&[
-            "all six axes of the IMU repeat their values for 19.9",
-            "frozen",
-        ]);
+        .doubted(&["all six IMU axes repeat the same values for 19.9", "frozen"]);
 }
 
 #[test]
@@ -298,7 +298,10 @@ fn a_saturated_gyro() {
     // Turns are at 0.3 rad/s.
     changed(|_, [a, b, c, d, e, f]| [a, b, c.clamp(-0.2, 0.2), d, e, f])
         .write("saturated")
-        .doubted(&["gyro z reads 0.2 for", "the sensor is saturated"]);
+        .doubted(&[
+            "gyro z stays at 0.2 (as logged) for",
+            "the sensor is saturated",
+        ]);
 }
 
 #[test]
@@ -308,7 +311,10 @@ fn a_saturated_accelerometer() {
     let warnings = log
         .write("saturated_accel")
         .doubted(&["the sensor is saturated"]);
-    says(&warnings.join("\n"), &["accelerometer y reads ", "2 for"]);
+    says(
+        &warnings.join("\n"),
+        &["accelerometer y stays at ", "2 for"],
+    );
 }
 
 #[test]
@@ -325,8 +331,8 @@ fn coarse_rounding() {
     says(
         &outcome.stderr,
         &[
-            "gyro x reads 0 for 139.99 s",
-            "frozen, not connected or too coarse",
+            "gyro x stays at 0 (as logged) for 139.99 s",
+            "frozen, disconnected or too coarse",
         ],
     );
     is_sound(&outcome);

@@ -81,7 +81,7 @@ fn outages_are_drawn() {
     assert_eq!(lost, [(40.0, 45.0), (60.0, 65.0)]);
     let outcome = case.outages(&[&cuts[..], &["t.csv"]].concat());
     assert_eq!(outcome.code, Some(1));
-    says(&outcome.stderr, &["a track is .kml, .geojson or .gpx"]);
+    says(&outcome.stderr, &["must be .kml, .geojson or .gpx"]);
 }
 
 #[test]
@@ -98,7 +98,7 @@ fn files_that_cannot_be_meant() {
         (&["-o", "n.kml", "--format", "kmz"], &["unknown format"]),
         (
             &["-o", "n.kml", "--every", "nan"],
-            &["n.kml", "NaN s apart"],
+            &["n.kml", "row interval: NaN s"],
         ),
         (&["-o", "n.gpx", "--week", "10000"], &["10000"]),
         (&["-o", "none/n.gpx"], &["cannot write none/n.gpx"]),

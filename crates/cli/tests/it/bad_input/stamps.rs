@@ -33,7 +33,7 @@ fn a_gap_of_ten_seconds() {
         &[
             "1 long gap between samples",
             "the longest 10.010 s",
-            "covariance grew",
+            "covariance was propagated",
         ],
     );
     assert!(nav.at(53.0, "yaw_std_deg") > 20.0);
@@ -86,7 +86,7 @@ fn stamps_of_whole_seconds() {
         *row = row.at(row.time.floor());
     }
     let case = log.write("whole_seconds");
-    case.doubted(&["rows with the same time as the last row"]);
+    case.doubted(&["rows with a repeated time"]);
 }
 
 #[test]
@@ -99,9 +99,9 @@ fn milliseconds_called_seconds() {
     says(
         &message,
         &[
-            "imu.csv: 0.1000 samples a second are none of an IMU",
+            "imu.csv: invalid sample rate for an IMU: 0.1000 Hz",
             "key imu.time_unit",
-            "ms, us or ns?",
+            "ms, us or ns",
         ],
     );
     // And the right unit mends it.
@@ -112,7 +112,7 @@ fn milliseconds_called_seconds() {
     log.set("time = \"t\"", "time = \"t\"\ntime_unit = \"ns\"");
     says(
         &log.write("s_imu").refusal(),
-        &["samples a second are none of an IMU"],
+        &["invalid sample rate for an IMU"],
     );
 }
 
@@ -161,7 +161,7 @@ fn a_clock_of_the_imu_that_jumps() {
         *row = row.at(row.time - 1.0);
     }
     log.write("imu_leap")
-        .doubted(&["99 rows with a time before that of the last row"]);
+        .doubted(&["99 rows with a time before the previous one"]);
 }
 
 #[test]
@@ -204,7 +204,7 @@ fn no_motion_to_align_with() {
 fn one_and_two_samples() {
     for (count, told) in [
         (1, "only one sample"),
-        (2, "no usable GNSS position fell within"),
+        (2, "no usable GNSS position within"),
     ] {
         let mut log = good();
         log.imu.truncate(count);

@@ -149,7 +149,11 @@ fn what_cannot_be_read_is_said_with_its_key() {
         ),
         ("empty", Vec::new(), "no row of data"),
         ("text", b"time,gyro".to_vec(), "no row of data"),
-        ("cut", bytes[..bytes.len() - 1].to_vec(), "that can be read"),
+        (
+            "cut",
+            bytes[..bytes.len() - 1].to_vec(),
+            "not a readable Parquet file",
+        ),
     ] {
         let path = temporary(name, &bytes);
         let message = refused(&path, "time");

@@ -76,9 +76,9 @@ pub(super) fn verdict(result: &Identify) -> String {
 fn doubt(name: &str, axis: &Axis) -> Option<String> {
     let why = match &axis.error {
         Some(error) => error.as_str(),
-        None if axis.moving == Some(true) => "the record is not static",
+        None if axis.moving == Some(true) => "the recording is not static",
         None if !axis.saturation.is_empty() => "the axis is saturated",
-        None if !axis.hanging.is_empty() => "the sensor hangs",
+        None if !axis.hanging.is_empty() => "the sensor is frozen",
         None => return None,
     };
     Some(format!("{}: {why}", spoken(name)))

@@ -89,7 +89,7 @@ pub(super) fn read_choice(
         ("unit", &mut choice.unit, unit),
     ] {
         match section.text(key)? {
-            Some("") => return Err(section.error(key, format!("is empty; give {what}"))),
+            Some("") => return Err(section.error(key, format!("is empty; set {what}"))),
             Some(text) => *slot = Some(text.to_owned()),
             None => {}
         }
@@ -107,9 +107,14 @@ pub(super) fn read_choice(
 
 fn read_plan(section: &Section, plan: &mut Plan) -> Result<(), ConfigError> {
     let time = |key, most: bool| match section.quantity(key, Quantity::Time)? {
-        Some(time) if time < 0.0 || (most && time == 0.0) => {
-            Err(section.error(key, "must be longer than that"))
-        }
+        Some(time) if time < 0.0 || (most && time == 0.0) => Err(section.error(
+            key,
+            if most {
+                "must be longer than 0 s"
+            } else {
+                "must not be negative"
+            },
+        )),
         time => Ok(time),
     };
     if let Some(length) = time("length", true)? {
@@ -145,12 +150,14 @@ fn read_record(section: &Section, record: &mut RecordSettings) -> Result<(), Con
             record.columns = gyro.into_iter().chain(accel).map(name).collect();
         }
         (None, None) => {}
-        _ => return Err(section.error("gyro", "give gyro and accel, or neither")),
+        _ => return Err(section.error("gyro", "set both gyro and accel, or neither")),
     }
     match (section.text("gyro_unit")?, section.text("accel_unit")?) {
         (Some(gyro), Some(accel)) => record.units = Some((gyro.into(), accel.into())),
         (None, None) => {}
-        _ => return Err(section.error("gyro_unit", "give gyro_unit and accel_unit, or neither")),
+        _ => {
+            return Err(section.error("gyro_unit", "set both gyro_unit and accel_unit, or neither"));
+        }
     }
     if let Some(topic) = section.text("topic")? {
         record.topic = Some(topic.to_owned());

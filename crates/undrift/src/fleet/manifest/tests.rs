@@ -90,10 +90,10 @@ fn a_log_has_the_last_word() {
 fn mistakes_are_told_with_their_line() {
     for (text, wanted) in [
         ("", "fleet.toml, log: missing"),
-        ("[[log]]\n", "fleet.toml line 1, log.drive: give drive"),
+        ("[[log]]\n", "fleet.toml line 1, log.drive: set drive"),
         (
             "[[log]]\ndrive='a'\nrecord='b'\n",
-            "fleet.toml line 2, log.drive: give drive",
+            "fleet.toml line 2, log.drive: set drive",
         ),
         (
             "[[log]]\ndrive='a'\ncolour=1\n",
@@ -129,7 +129,7 @@ fn mistakes_are_told_with_their_line() {
         ),
         (
             "[outages]\nevery='0 s'\n[[log]]\ndrive='a'\n",
-            "fleet.toml line 2, outages.every: must be longer",
+            "fleet.toml line 2, outages.every: must be longer than 0 s",
         ),
         (
             "[[log]]\ndrive='a'\noutages={count=0}\n",
@@ -139,10 +139,7 @@ fn mistakes_are_told_with_their_line() {
             "bias_models=[]\n[[log]]\ndrive='a'\n",
             "must be a list of words",
         ),
-        (
-            "[[log]]\ndrive=''\n",
-            "log.drive: the name of the file is empty",
-        ),
+        ("[[log]]\ndrive=''\n", "log.drive: the file name is empty"),
     ] {
         let error = jobs(text).unwrap_err().to_string();
         assert!(error.contains(wanted), "{text}: {error}");

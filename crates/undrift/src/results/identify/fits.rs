@@ -145,7 +145,7 @@ pub struct Candidate {
     pub drift_score_error: Numbers,
     /// What the model predicts \[unit·s\].
     pub drift_predicted: Numbers,
-    /// What should be said of the fit, in sentences.
+    /// Remarks on the fit, in sentences.
     pub warnings: Vec<String>,
     /// Autoregressive order, if it is an ARMA model.
     pub p: Option<u64>,
@@ -169,7 +169,7 @@ pub struct Candidate {
     pub turn_on: Number,
     /// How it was fitted: "allan", "burg", "maximum likelihood" or "block averages".
     pub method: String,
-    /// What the fit says of itself.
+    /// What the fit reports of itself.
     #[serde(flatten)]
     pub origin: Option<Origin>,
     /// Why it is recommended, if it is.
@@ -177,7 +177,7 @@ pub struct Candidate {
     pub reason: Option<String>,
 }
 
-/// What a fit says of itself, by its method.
+/// What a fit reports of itself, by its method.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
