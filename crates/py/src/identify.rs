@@ -50,6 +50,7 @@ pub fn identify(
     rate: Option<f64>,
     n_max: usize,
     detrend: &str,
+    force: bool,
 ) -> PyResult<Identified> {
     let trend = Trend::named(detrend).ok_or_else(|| {
         error(format!(
@@ -81,9 +82,17 @@ pub fn identify(
             None => Opened::open(&path)?,
         };
         let record = record::read(opened, &format)?;
-        let warnings = warnings(&path, &record);
+        let mut warnings = warnings(&path, &record);
         let rate = identification::rate(rate, record.timing.as_ref())
             .map_err(|problem| format!("{}: {problem}", path.display()))?;
+        if let Some(problem) = identification::not_static(&record, rate) {
+            let message = format!("{}: {problem}", path.display());
+            if !force {
+                let mend = say::mend(&problem);
+                return Err(format!("{message}; {mend}; force=True identifies it as it is").into());
+            }
+            warnings.push(message);
+        }
         let options = identification::options(&record, rate, n_max, trend);
         let found = identification::run(&record, &options, || ());
         if found.axes.iter().all(|(_, axis)| axis.is_err()) {
@@ -114,6 +123,12 @@ fn warnings(path: &Path, record: &Record) -> Vec<String> {
     if !record.skipped.is_empty() {
         said.push(format!("{}: {}", path.display(), record.skipped));
     }
+    said.extend(record.guessed.iter().map(|(option, value)| {
+        format!(
+            "{}: guessed by the numbers: {option} {value}",
+            path.display()
+        )
+    }));
     said.extend(
         findings::of_timing(record.timing.as_ref())
             .as_ref()

@@ -173,6 +173,7 @@ def identify(
     topic: str | None = None,
     n_max: int = 2,
     detrend: str = "constant",
+    force: bool = False,
 ) -> Identified:
     """Identifies how a sensor errs from a record of it at rest.
 
@@ -181,7 +182,8 @@ def identify(
     gyro x, y, z, accelerometer x, y, z, in SI units. ``columns`` and ``units``, ``"deg/s,g"``, are
     found from the names of columns where possible; ``rate`` [Hz] by the time stamps, if there are any.
     ``detrend`` is constant, linear or temperature; ``n_max`` the largest n of ARMA(2n, 2n−1) in the
-    Pandit-Wu table. docs/identify.md has the steps.
+    Pandit-Wu table. What is no static recording is refused; ``force`` identifies it as it is.
+    docs/identify.md has the steps.
     """
     if isinstance(units, str):
         parts = [part.strip() for part in units.split(",")]
@@ -200,7 +202,7 @@ def identify(
     else:
         memory = columns_of(record)
     found = _undrift.identify(
-        path, memory, list(columns), axis, units, topic, rate, n_max, detrend
+        path, memory, list(columns), axis, units, topic, rate, n_max, detrend, force
     )
     text = found.json()
     told = json.loads(text)

@@ -108,6 +108,7 @@ def identify(
     rate: float | None,
     n_max: int,
     detrend: str,
+    force: bool,
 ) -> Identified: ...
 
 # Drives

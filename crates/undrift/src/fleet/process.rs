@@ -355,6 +355,9 @@ fn identify(
     let timing = record.timing.as_ref();
     outcome.findings.extend(findings::of_timing(timing));
     let rate_hz = identify::rate(settings.rate_hz, timing)?;
+    if let Some(problem) = identify::not_static(&record, rate_hz) {
+        return Err(problem.into());
+    }
     let options = identify::options(&record, rate_hz, settings.n_max, settings.detrend);
     let identified = identify::run(&record, &options, || {});
     for (name, found) in &identified.axes {
