@@ -5,5 +5,6 @@ mod fleet;
 mod identify;
 mod inspect;
 mod model;
+mod raw_logs;
 mod schema;
 mod terminal;
