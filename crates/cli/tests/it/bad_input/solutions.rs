@@ -90,10 +90,10 @@ fn files_that_cannot_be_meant() {
     for (arguments, parts) in [
         (&["-o", "nav.txt"][..], &["nav.txt", "--format"][..]),
         (&["-o", "nav"], &["--format"]),
-        (&["-o", "n.kml", "-o", "n.kml"], &["n.kml", "twice"]),
+        (&["-o", "n.kml", "-o", "n.kml"], &["two results for n.kml"]),
         (
             &["-o", "n.kml", "-o", "n.gpx", "--format", "csv"],
-            &["one -o"],
+            &["single -o"],
         ),
         (&["-o", "n.kml", "--format", "kmz"], &["unknown format"]),
         (
