@@ -83,7 +83,7 @@ def test_one_axis_with_stamps_and_a_unit_in_its_name(noise: dict[str, Any]) -> N
 def test_what_is_wrong_is_said(noise: dict[str, Any]) -> None:
     with pytest.raises(undrift.UndriftError, match="<record>: the recording has no time column"):
         undrift.identify(noise["gyro_z"], axis="gyro_z")
-    with pytest.raises(TypeError, match="say which axis"):
+    with pytest.raises(TypeError, match="specify the axis"):
         undrift.identify(noise["gyro_z"], rate=RATE)
     with pytest.raises(undrift.UndriftError, match="<record>: the columns of the six axes cannot be told"):
         undrift.identify({"u": noise["gyro_z"]}, rate=RATE)

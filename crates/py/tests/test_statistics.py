@@ -162,7 +162,7 @@ def test_a_mask_is_not_looked_through(short: Floats) -> None:
             "the number of samples",
         ),
         (lambda x: undrift.arma.simulate(10, [1.2], [], 1.0), "unstable"),
-        (lambda x: undrift.arma.simulate(2**60, [], [], 1.0), "no memory"),
+        (lambda x: undrift.arma.simulate(2**60, [], [], 1.0), "not enough memory"),
         (lambda x: undrift.arma.simulate(10, [], [], -1.0), "not negative"),
     ],
 )

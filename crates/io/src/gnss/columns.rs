@@ -129,7 +129,7 @@ impl FixColumns {
         if turned && placed.is_none_or(|place| matches!(place, Place::Baseline { .. })) {
             let problem = "a velocity along Earth-fixed axes needs the place beside it";
             let error = ReadError::nameless(problem).key("gnss.velocity_axes");
-            return Err(error.mend("give gnss.position or gnss.ecef"));
+            return Err(error.mend("set gnss.position or gnss.ecef"));
         }
         if place.is_none() && velocity.is_none() {
             let problem = "neither position nor velocity requested";

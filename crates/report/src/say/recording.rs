@@ -41,7 +41,7 @@ fn force(likely: Likely, gyro: &str) -> String {
             "gravity was removed from the samples: record the accelerometers' own output".into()
         }
         Likely::Increments => "the columns are velocity increments: describe them in a drive file, with data = \"increments\" \
-             in [imu], and give that instead"
+             in [imu], and use that instead"
             .into(),
         Likely::Unknown => {
             "correct the unit (--units) or the order of the columns (--columns)".into()

@@ -6,7 +6,7 @@ use crate::{
     parts::COMPONENTS,
     say,
 };
-use undrift::results::{Innovations, Navigate, Number, Numbers};
+use undrift::results::{Innovations, Navigate, Numbers};
 
 /// How a drive was navigated, line by line.
 pub fn navigate(result: &Navigate) -> String {
@@ -40,15 +40,15 @@ pub fn navigate(result: &Navigate) -> String {
     }
     for (kind, parameter) in &s.parameters {
         let constant = constant(kind);
-        let list = |numbers: &[Number], text: fn(f64) -> String| {
-            let texts = numbers.iter().map(|n| text(constant.factor * n.0));
-            Vec::from_iter(texts).join(", ")
-        };
+        let pairs = parameter.value.iter().zip(&parameter.std);
+        let pairs = pairs.map(|(value, std)| {
+            let [value, std] = [value, std].map(|number| constant.factor * number.0);
+            format!("{} ± {}", short(value), error(std))
+        });
         lines.push(format!(
-            "{}: {} ± {} {}",
+            "{}: {} {}",
             constant.named(),
-            list(&parameter.value, short),
-            list(&parameter.std, error),
+            Vec::from_iter(pairs).join(", "),
             constant.unit
         ));
     }

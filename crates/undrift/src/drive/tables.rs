@@ -91,7 +91,7 @@ fn read_truth_columns(section: &Section) -> Result<TruthFormat, ConfigError> {
         .ok_or_else(|| section.error("time", "missing: the time column"))?;
     let (position, ecef) = match (section.columns("position")?, section.columns("ecef")?) {
         (Some(_), Some(_)) => {
-            return Err(section.error("ecef", "give position or ecef, not both"));
+            return Err(section.error("ecef", "set position or ecef, not both"));
         }
         (Some(position), None) => (position, false),
         (None, Some(ecef)) => (ecef, true),

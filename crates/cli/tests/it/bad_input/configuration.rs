@@ -60,13 +60,13 @@ fn mistakes_in_the_drive_file() {
             "no_velocity",
             "velocity = [\"vn\", \"ve\", \"vd\"]\n",
             "use = \"velocity\"\n",
-            &["line 14, gnss.use: \"velocity\" needs the velocity's columns"],
+            &["line 14, gnss.use: \"velocity\" needs velocity columns"],
         ),
         (
             "std_zero",
             "\"0.05 m/s\"",
             "\"0.05, 0, 0.05 m/s\"",
-            &["gnss.velocity_std", "above zero"],
+            &["gnss.velocity_std", "must be positive"],
         ),
         (
             "two_of_three",
@@ -221,7 +221,7 @@ fn mistakes_in_the_drive_file() {
             &[
                 "imu.csv: the time column has",
                 "50.00 samples a second",
-                "imu.rate says 200.00 Hz (key imu.rate)",
+                "imu.rate is 200.00 Hz (key imu.rate)",
             ],
         ),
         (

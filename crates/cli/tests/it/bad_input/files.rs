@@ -143,7 +143,7 @@ fn columns_that_are_missing_or_too_many() {
         &refusal("column_unnamed", numbered.as_bytes()),
         &[
             "imu.csv line 2: the row has 8 fields, the header 7",
-            "a column without a name",
+            "an unnamed column",
         ],
     );
 }
@@ -259,7 +259,7 @@ fn bags_without_messages_and_results_into_bags() {
     put("plain.db3", "bag/bag_0.db3");
     let outcome = case.run(&["inspect", "bag", "-o", "bag/bag_0.db3"]);
     assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
-    says(&outcome.stderr, &["bag_0.db3: it is read in this run"]);
+    says(&outcome.stderr, &["bag_0.db3: this run reads it"]);
 }
 
 #[cfg(unix)]
@@ -519,7 +519,7 @@ fn keys_that_contradict_each_other() {
         (
             "std_column",
             "velocity_std_columns = [\"vn\", \"ve\", \"vd\"]\n",
-            "line 16, gnss.velocity_std_columns: give velocity_std or velocity_std_columns, not both",
+            "line 16, gnss.velocity_std_columns: set velocity_std or velocity_std_columns, not both",
         ),
         (
             "two_places",

@@ -217,7 +217,7 @@ fn mistakes_in_their_tables() {
         ),
         (
             baro("std", "std_column = \"x\"\nstd"),
-            &["barometer.std_column: give std or std_column, not both"],
+            &["barometer.std_column: set std or std_column, not both"],
         ),
         (
             baro("std", "bias_std = \"-1 m\"\nstd"),

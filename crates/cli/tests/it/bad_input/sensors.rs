@@ -313,7 +313,7 @@ fn a_saturated_accelerometer() {
         .doubted(&["the sensor is saturated"]);
     says(
         &warnings.join("\n"),
-        &["accelerometer y stays at ", "2 for"],
+        &["accelerometer y stays at ", "2 (as logged) for"],
     );
 }
 

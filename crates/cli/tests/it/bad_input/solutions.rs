@@ -93,7 +93,7 @@ fn files_that_cannot_be_meant() {
         (&["-o", "n.kml", "-o", "n.kml"], &["two results for n.kml"]),
         (
             &["-o", "n.kml", "-o", "n.gpx", "--format", "csv"],
-            &["one -o"],
+            &["single -o"],
         ),
         (&["-o", "n.kml", "--format", "kmz"], &["unknown format"]),
         (

@@ -180,7 +180,7 @@ fn the_end_of_the_week() {
         &message,
         &[
             "time jumps back by 604799.",
-            "the end of a GPS week: add 604800 s",
+            "the GPS week rolls over here: add 604800 s",
         ],
     );
 }
@@ -219,6 +219,9 @@ fn samples_in_disorder() {
     let message = log.write("reversed").refusal();
     says(
         &message,
-        &["imu.csv line 3: time jumps back by 0.010 s", "stays behind"],
+        &[
+            "imu.csv line 3: time jumps back by 0.010 s",
+            "does not recover",
+        ],
     );
 }

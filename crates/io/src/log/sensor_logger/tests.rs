@@ -91,7 +91,7 @@ fn forces_without_gravity_and_folders_of_something_else_are_refused() {
     let gyro = folder("gyro", &["Gyroscope.csv"]);
     assert!(refused(&gyro).contains("no accelerometers"));
     let nothing = folder("nothing", &[]);
-    assert!(refused(&nothing).contains("metadata.yaml"));
+    assert!(refused(&nothing).contains("is a folder"));
     // A file that breaks off, and one of arbitrary bytes.
     let damaged = folder("damaged", &["Gyroscope.csv", "TotalAcceleration.csv"]);
     let whole = std::fs::read(golden().join("Gyroscope.csv")).unwrap();
