@@ -256,7 +256,9 @@ fn mistakes_in_the_drive_file() {
             "mounting_twice",
             "time = \"t\"\n",
             "time = \"t\"\nmounting = \"auto\"\ngyro_offset = \"1 deg/s\"\n",
-            &["imu.gyro_offset: is along body axes, which are not known before the mounting is"],
+            &[
+                "imu.gyro_offset: refers to body axes, which are unknown until the mounting is estimated",
+            ],
         ),
     ];
     for (name, from, to, parts) in cases {

@@ -278,7 +278,7 @@ fn mistakes_in_their_tables() {
         ),
         (
             vehicle("mounting_std = \"0 deg\""),
-            &["vehicle.mounting_std: must be a standard deviation above zero, or \"off\""],
+            &["vehicle.mounting_std: must be a positive standard deviation, or \"off\""],
         ),
         (
             vehicle("axle_std = \"1 s\""),
@@ -298,7 +298,7 @@ fn mistakes_in_their_tables() {
         ),
         (
             states("time_offset = \"-1 ms\""),
-            &["states.time_offset: must be a standard deviation above zero, or \"off\""],
+            &["states.time_offset: must be a positive standard deviation, or \"off\""],
         ),
     ];
     for (k, (tables, parts)) in cases.iter().enumerate() {
