@@ -20,7 +20,9 @@ RATE = 50.0
 @pytest.fixture(scope="module")
 def noise() -> dict[str, Any]:
     model = undrift.NoiseModel.load("adis16405")
-    return model.simulate(4_000, RATE, seed=2)
+    record = model.simulate(4_000, RATE, seed=2)
+    record["accel_z"] = record["accel_z"] - 9.80665
+    return record
 
 
 @pytest.fixture(scope="module")
@@ -85,7 +87,7 @@ def test_what_is_wrong_is_said(noise: dict[str, Any]) -> None:
         undrift.identify(noise["gyro_z"], axis="gyro_z")
     with pytest.raises(TypeError, match="specify the axis"):
         undrift.identify(noise["gyro_z"], rate=RATE)
-    with pytest.raises(undrift.UndriftError, match="<record>: the columns of the six axes cannot be told"):
+    with pytest.raises(undrift.UndriftError, match="<record>: the header does not identify the columns of the six axes"):
         undrift.identify({"u": noise["gyro_z"]}, rate=RATE)
     with pytest.raises(undrift.UndriftError, match="no axis could be identified"):
         undrift.identify(np.zeros(5000), axis="gyro_z", rate=RATE)
@@ -104,3 +106,14 @@ def test_results_pickle_and_copy(found: undrift.Identified) -> None:
     for name, shaping in model.shaping("white", RATE).items():
         # By way of the model file, whose numbers are good to 1e-15 of them; r is a square of such.
         assert unpickled[name].r == pytest.approx(shaping.r, rel=5e-15)
+
+
+def test_what_is_no_static_recording_is_refused(noise: dict[str, Any]) -> None:
+    in_g = {**noise, "accel_z": noise["accel_z"] / 9.80665}
+    with pytest.raises(undrift.UndriftError, match="specific force is .* not 9.81.*force=True"):
+        undrift.identify(in_g, rate=RATE, units="rad/s,m/s^2")
+    forced = undrift.identify(in_g, rate=RATE, units="rad/s,m/s^2", force=True)
+    assert any("specific force" in warning for warning in forced.warnings)
+    # The errors alone, as a model simulates them.
+    undrift.identify(undrift.NoiseModel.load("adis16405").simulate(4_000, RATE, seed=3), rate=RATE,
+                     units="rad/s,m/s^2")

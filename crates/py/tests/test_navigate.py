@@ -329,5 +329,5 @@ def test_columns_of_all_kinds() -> None:
     assert same is own
     masked = np.ma.masked_array([1, 2], mask=[False, True])
     assert np.isnan(columns({"m": masked})[0][1][1])
-    with pytest.raises(TypeError, match="column g: an array of 2 x 2"):
+    with pytest.raises(TypeError, match="column g: invalid shape 2 x 2"):
         columns({"g": np.zeros((2, 2))})

@@ -57,7 +57,7 @@ def test_receivers_without_position_or_velocity(tmp_path: Path) -> None:
 
 
 def test_what_cannot_be_is_said() -> None:
-    with pytest.raises(undrift.UndriftError, match='unknown trajectory "boat"; there are car, flight'):
+    with pytest.raises(undrift.UndriftError, match='unknown trajectory "boat"; available: car, flight'):
         undrift.simulate("boat")
     with pytest.raises(undrift.UndriftError, match="the sampling rate must be positive"):
         undrift.simulate(rate=0.0, model=None)
