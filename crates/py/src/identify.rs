@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
 use undrift::{
     findings,
-    identify::{self as identification, Likely, NotStatic, Trend},
+    identify::{self as identification, Trend},
     io::{Memory, Opened, source::BytesRead, table::Column},
     noise::Provenance,
     record::{self, Record, RecordFormat},
@@ -73,7 +73,6 @@ pub fn identify(
     let memory = memory
         .map(|named| columns::columns(&path, named))
         .transpose()?;
-    let in_memory = memory.is_some();
     let name = results::name(&path);
     let work = || -> Result<Identified, Box<dyn std::error::Error + Send + Sync>> {
         let opened = match memory {
@@ -86,13 +85,7 @@ pub fn identify(
         let mut warnings = warnings(&path, &record);
         let rate = identification::rate(rate, record.timing.as_ref())
             .map_err(|problem| format!("{}: {problem}", path.display()))?;
-        // Arrays may be a sensor's errors alone, as a model simulates them.
-        let errors_alone = |problem: &NotStatic| {
-            let removed = Likely::GravityRemoved;
-            in_memory && matches!(problem, NotStatic::Force { likely, .. } if *likely == removed)
-        };
-        let problem = identification::not_static(&record, rate);
-        if let Some(problem) = problem.filter(|problem| !errors_alone(problem)) {
+        if let Some(problem) = identification::not_static(&record, rate) {
             let message = format!("{}: {problem}", path.display());
             if !force {
                 let mend = say::mend(&problem);
