@@ -72,6 +72,9 @@ fn known(known: &Known) -> String {
             std_deg: [forward, right, down],
             duration_s,
         } => {
+            // Without the sign of a zero.
+            let [roll, pitch, yaw] =
+                [roll, pitch, yaw].map(|angle| (angle * 10.0).round() / 10.0 + 0.0);
             return format!(
                 "estimated from {duration_s:.0} s of this drive: roll {roll:.1}, pitch {pitch:.1}, yaw {yaw:.1} deg, ±{forward:.1}, ±{right:.1}, ±{down:.1} deg"
             );
