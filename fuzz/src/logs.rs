@@ -17,7 +17,8 @@ const STREAMS: usize = 4;
 /// Reads everything of a log of the format.
 pub fn log(format: Format, data: &[u8]) {
     with_file(data, |path| {
-        let streams = opened(Opened::open(path).and_then(|log| log.streams(format))).unwrap_or_default();
+        let streams =
+            opened(Opened::open(path).and_then(|log| log.streams(format))).unwrap_or_default();
         imu(ImuReader::open(path, &ImuFormat::log(format, None)));
         fixes(path, &GnssLog::new(format));
         fixes(path, &with_stds(GnssLog::new(format)));

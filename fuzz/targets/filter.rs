@@ -164,7 +164,13 @@ fn step_by_step(kind: BiasModel, parameters: bool, events: &[Event]) {
         }
         let p = filter.covariance();
         let std = filter.nav_std();
-        sound(filter.nav(), &std, &filter.sensor_error(), STATES, |i, j| p[(i, j)]);
+        sound(
+            filter.nav(),
+            &std,
+            &filter.sensor_error(),
+            STATES,
+            |i, j| p[(i, j)],
+        );
         assert!(filter.sensor_error_std().iter().all(|s| s.is_finite()));
     }
 }
@@ -291,7 +297,9 @@ impl Observer for Watch {
     fn sample(&mut self, filter: &dyn Estimator) -> Result<(), ReplayError> {
         let p = filter.covariance();
         let (std, error) = (filter.nav_std(), filter.sensor_error());
-        sound(filter.nav(), &std, &error, filter.states(), |i, j| p[(i, j)]);
+        sound(filter.nav(), &std, &error, filter.states(), |i, j| {
+            p[(i, j)]
+        });
         assert!(filter.sensor_error_std().iter().all(|s| s.is_finite()));
         Ok(())
     }

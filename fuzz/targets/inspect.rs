@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use undrift::inspect::{Inspection, inspect};
+use undrift::inspect::{Inspection, Motion, inspect};
 use undrift_fuzz::with_file;
 use undrift_report::inspect::{drive_file, fill};
 
@@ -32,7 +32,12 @@ fn check(inspection: &Inspection) {
         ];
         assert!(numbers.iter().all(|x| x.is_finite()), "{measured:?}");
     }
-    let text = drive_file(std::slice::from_ref(inspection), Path::new("/"));
+    let text = drive_file(
+        std::slice::from_ref(inspection),
+        Path::new("/"),
+        None,
+        Motion::default(),
+    );
     let drive = text.parse::<toml::Table>();
     assert!(drive.is_ok(), "{drive:?} of\n{text}");
 }

@@ -1,7 +1,7 @@
 #![no_main]
 
-use undrift::io::imu::{ImuFormat, ImuReader};
 use undrift::io::Opened;
+use undrift::io::imu::{ImuFormat, ImuReader};
 use undrift::io::table::{Column, Table, TableOptions};
 use undrift_fuzz::{imu, with_file};
 
