@@ -54,6 +54,6 @@ fn ignored() -> u64 {
     mask.map_or(0, |mask| u64::from_str_radix(mask.trim(), 16).unwrap_or(0))
 }
 
-/// There are none here.
+/// This system has no such signals.
 #[cfg(not(unix))]
 pub fn watch() {}

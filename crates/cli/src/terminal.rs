@@ -108,20 +108,12 @@ pub fn say(text: impl Display) -> Result<()> {
     if is_quiet() {
         return Ok(());
     }
-    written(writeln!(anstream::stdout(), "{text}"))
+    Ok(writeln!(anstream::stdout(), "{text}")?)
 }
 
 /// Prints a result that was asked for on standard output, as it is.
 pub fn result(text: impl Display) -> Result<()> {
-    written(writeln!(std::io::stdout(), "{text}"))
-}
-
-/// A reader that went away (`undrift … | head`) ends the program quietly.
-fn written(outcome: std::io::Result<()>) -> Result<()> {
-    match outcome {
-        Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => std::process::exit(0),
-        other => Ok(other?),
-    }
+    Ok(writeln!(std::io::stdout(), "{text}")?)
 }
 
 /// Warns, unless quiet.
@@ -148,7 +140,8 @@ pub fn doubted() -> bool {
     DOUBT.load(Relaxed)
 }
 
-/// Shows why there is no result, followed by the causes that the text does not contain.
+/// Shows why there is no result, followed by the causes that the text does not contain. A reader of
+/// standard output that went away (`undrift … | head`) ends the program quietly.
 pub fn error(error: &anyhow::Error) {
     let broken = |cause: &(dyn std::error::Error + 'static)| {
         let io = cause.downcast_ref::<std::io::Error>();

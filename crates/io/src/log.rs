@@ -10,6 +10,7 @@ mod bag;
 mod bytes;
 mod dataflash;
 mod explorer;
+mod frames;
 mod gnsslogger;
 mod gpx;
 mod mcap;

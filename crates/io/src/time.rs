@@ -147,7 +147,7 @@ pub(crate) struct Utc {
 const DAY_MS: i64 = 86_400_000;
 
 /// UTC of a GPS time: a week, and seconds from its beginning, which may be outside of it. `None` for
-/// times that are none.
+/// texts that are not times.
 pub(crate) fn utc(week: u32, seconds: f64) -> Option<Utc> {
     if week >= 10_000 || seconds.is_nan() || seconds.abs() > 1e9 {
         return None;

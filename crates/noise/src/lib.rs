@@ -15,7 +15,7 @@ pub mod export;
 pub mod identify;
 pub mod model_file;
 pub mod normality;
-mod number;
+pub mod number;
 pub mod order_statistics;
 pub mod pandit_wu;
 mod prediction;

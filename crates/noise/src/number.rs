@@ -1,6 +1,13 @@
-//! Numbers of results that may not be finite.
+//! Numbers of results: rounded ones, and those that may not be finite.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// A number rounded to so many significant digits.
+pub fn rounded(number: f64, digits: usize) -> f64 {
+    format!("{number:.*e}", digits - 1)
+        .parse()
+        .unwrap_or(number)
+}
 
 /// For `#[serde(with = "OrNull")]`: a number that is not finite is null, and null is NaN.
 pub struct OrNull;

@@ -15,6 +15,7 @@ mod messages;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use super::frames::{Frames, NextFrame, any};
 use super::receiver::{Ready, by_steps, check};
 use crate::ReadError;
 use crate::entry::{Entries, ImuReading, Stream, Wanted, What};
@@ -23,7 +24,7 @@ use crate::source::Source;
 use crate::time::WeekClock;
 use fields::Fields;
 use fixes::Fixes;
-use frames::{Frames, Head, NextFrame};
+use frames::{Head, LAYOUT};
 use imu::{Rates, Raw, Type};
 use messages::{Content, Known};
 
@@ -33,8 +34,8 @@ const POSES: [Content; 2] = [Content::Solution, Content::Extended];
 
 /// Whether the first bytes of a file hold a message that is read here.
 pub(crate) fn detect(start: &[u8]) -> bool {
-    frames::any(start, |kind| {
-        messages::of(&kind).is_some_and(|known| known.content != Content::Other)
+    any(start, &LAYOUT, |Head { kind, .. }| {
+        messages::of(kind).is_some_and(|known| known.content != Content::Other)
     })
 }
 
@@ -48,7 +49,7 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
     velocities.extend(&solutions);
     check(&wanted, "a NovAtel log", [&raw, &positions, &velocities])?;
     let mut reader = Reader {
-        frames: Frames::new(source),
+        frames: Frames::new(source, &LAYOUT),
         weeks: WeekClock::default(),
         purpose: purpose(&wanted, of_type),
     };
@@ -123,7 +124,7 @@ fn purpose(wanted: &Wanted, of_type: Option<&'static Type>) -> Purpose {
 }
 
 pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
-    let mut frames = Frames::new(source);
+    let mut frames = Frames::new(source, &LAYOUT);
     let mut counts = BTreeMap::new();
     loop {
         match frames.step() {
@@ -149,7 +150,7 @@ pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
 }
 
 struct Reader {
-    frames: Frames,
+    frames: Frames<Head>,
     weeks: WeekClock,
     purpose: Purpose,
 }

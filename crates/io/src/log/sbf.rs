@@ -14,6 +14,7 @@ use std::ops::Range;
 use undrift_nav::Matrix3;
 use undrift_nav::sample::Position;
 
+use super::frames::{Frames, NextFrame, any};
 use super::receiver::{Ready, by_steps, check};
 use crate::ReadError;
 use crate::entry::{Entries, Fix, ImuReading, Stream, StreamKind, Wanted, What};
@@ -22,7 +23,7 @@ use crate::skipped::SkipKind;
 use crate::source::Source;
 use crate::time::WeekClock;
 use blocks::Pvt;
-use frames::{Frames, NextFrame};
+use frames::LAYOUT;
 
 const PVT: &str = "PVTGeodetic";
 const INS: &str = "INSNavGeod";
@@ -50,7 +51,7 @@ const NAMES: [(u16, &str); 14] = [
 /// between.
 pub(crate) fn detect(start: &[u8]) -> bool {
     let read = [blocks::PVT, blocks::SENSORS, blocks::INS];
-    frames::any(start, |number| read.contains(&number))
+    any(start, &LAYOUT, |number| read.contains(number))
 }
 
 pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
@@ -77,7 +78,7 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
         },
     };
     let mut reader = Reader {
-        frames: Frames::new(source),
+        frames: Frames::new(source, &LAYOUT),
         weeks: WeekClock::default(),
         purpose,
     };
@@ -85,11 +86,11 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
 }
 
 pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
-    let mut frames = Frames::new(source);
+    let mut frames = Frames::new(source, &LAYOUT);
     let mut counts = BTreeMap::<u16, u64>::new();
     loop {
         match frames.step() {
-            NextFrame::Block(number, _) => *counts.entry(number).or_default() += 1,
+            NextFrame::Message(number, _) => *counts.entry(number).or_default() += 1,
             NextFrame::Damaged => {}
             NextFrame::End => break,
         }
@@ -123,7 +124,7 @@ fn name(number: u16) -> String {
 }
 
 struct Reader {
-    frames: Frames,
+    frames: Frames<u16>,
     weeks: WeekClock,
     purpose: Purpose,
 }
@@ -160,7 +161,7 @@ impl Reader {
         let step = self.frames.step();
         let at = self.frames.number();
         match step {
-            NextFrame::Block(number, range) => self.block(at, number, range, ready),
+            NextFrame::Message(number, range) => self.block(at, number, range, ready),
             NextFrame::Damaged => ready.skip(at, SkipKind::Damaged, "no block behind $@"),
             NextFrame::End => {
                 match &mut self.purpose {

@@ -44,7 +44,7 @@ const PLACE: [&str; 10] = [
     "bearingAccuracy",
 ];
 
-/// The text of a folder; `None` if it is none of such files.
+/// The text of a folder; `None` if no such file is in it.
 ///
 /// # Errors
 /// If a file cannot be read.

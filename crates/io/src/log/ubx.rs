@@ -14,6 +14,7 @@ mod imu;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use super::frames::{Frames, NextFrame, any};
 use super::receiver::{Ready, by_steps, check};
 use crate::ReadError;
 use crate::entry::{Entries, ImuReading, Stream, StreamKind, Wanted, What};
@@ -21,7 +22,7 @@ use crate::skipped::SkipKind;
 use crate::source::Source;
 use clock::SensorClock;
 use epoch::{Epoch, POSITIONS, VELOCITIES, Weeks};
-use frames::{Frames, NextFrame};
+use frames::LAYOUT;
 use imu::{Sample, Sensors};
 
 /// End of a navigation epoch.
@@ -59,13 +60,13 @@ const NAMES: [([u8; 2], &str); 22] = [
 /// bytes of their own, since a recording may hold UBX messages, and for NMEA, which may have some
 /// in between.
 pub(crate) fn detect(start: &[u8]) -> bool {
-    frames::any(start, |_| true)
+    any(start, &LAYOUT, |_| true)
 }
 
 /// Whether the first bytes of a file hold a UBX message that is read here; a log of NMEA may have
 /// others in between, answers to commands.
 pub(super) fn has_data(start: &[u8]) -> bool {
-    frames::any(start, |kind| {
+    any(start, &LAYOUT, |&kind| {
         imu_stream(kind).is_some() || matches!(kind, epoch::PVT | epoch::HPPOSLLH | epoch::POSLLH)
     })
 }
@@ -87,7 +88,7 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
         Wanted::Poses(name) => Purpose::Fixes([name, None]),
     };
     let mut reader = Reader {
-        frames: Frames::new(source),
+        frames: Frames::new(source, &LAYOUT),
         weeks: Weeks::default(),
         epoch: None,
         purpose,
@@ -96,7 +97,7 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
 }
 
 pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
-    let mut frames = Frames::new(source);
+    let mut frames = Frames::new(source, &LAYOUT);
     let mut counts = BTreeMap::<[u8; 2], u64>::new();
     loop {
         match frames.step() {
@@ -143,7 +144,7 @@ fn name(kind: [u8; 2]) -> String {
 }
 
 struct Reader {
-    frames: Frames,
+    frames: Frames<[u8; 2]>,
     weeks: Weeks,
     epoch: Option<Epoch>,
     purpose: Purpose,
@@ -190,12 +191,12 @@ impl Reader {
         range: Range<usize>,
         ready: &mut Ready,
     ) -> Result<(), ReadError> {
-        let tow = epoch::time_of_week(kind, self.frames.payload(range.clone()));
+        let tow = epoch::time_of_week(kind, self.frames.body(range.clone()));
         let current = self.epoch.as_ref().map(|epoch| epoch.time_of_week);
         if kind == NAV_EOE || (tow.is_some() && tow != current) {
             self.end_epoch(ready)?;
         }
-        let payload = self.frames.payload(range);
+        let payload = self.frames.body(range);
         let imu = match &mut self.purpose {
             Purpose::Imu(imu) => Some(imu),
             Purpose::Fixes(_) => None,

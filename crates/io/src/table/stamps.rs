@@ -84,7 +84,7 @@ impl Stamps {
     /// Puts the time of day and the date of a row together.
     ///
     /// # Errors
-    /// If the date is none.
+    /// If there is no such date.
     pub(super) fn finish(&mut self, out: &mut [f64]) -> Result<(), Defect> {
         let (day, of_day) = (self.day.take(), self.of_day.take());
         let Some(place) = out.get_mut(self.time).filter(|_| self.date.is_some()) else {

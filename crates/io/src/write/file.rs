@@ -135,7 +135,7 @@ impl SolutionFile<PendingFile> {
     /// Starts a file that appears under its name at [`SolutionFile::finish`].
     ///
     /// # Errors
-    /// If the file cannot be created, the options are none or the format is not built in.
+    /// If the file cannot be created, the options are wrong or the format is not built in.
     pub fn create(
         path: &Path,
         format: SolutionFormat,
@@ -174,7 +174,7 @@ impl SolutionFile<PendingFile> {
     /// Writes what is left and gives the file its name.
     ///
     /// # Errors
-    /// If the file cannot be written or renamed; there is none under the name then.
+    /// If the file cannot be written or renamed; then there is no file of that name.
     pub fn finish(self) -> io::Result<()> {
         self.into_inner()?.finish()
     }
@@ -184,7 +184,7 @@ impl<W: Write + Seek + Send> SolutionFile<W> {
     /// Starts writing into any stream.
     ///
     /// # Errors
-    /// If the options are none or the format is not built in.
+    /// If the options are wrong or the format is not built in.
     pub fn new(out: W, format: SolutionFormat, options: &SolutionOptions) -> io::Result<Self> {
         let every = options.every.unwrap_or(format.usual_every());
         if !(every >= 0.0 && every.is_finite()) {

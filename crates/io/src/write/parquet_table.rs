@@ -144,7 +144,7 @@ impl ParquetTableWriter<PendingFile> {
     /// Writes what is left and gives the file its name.
     ///
     /// # Errors
-    /// If the file cannot be written or renamed; there is none under the name then.
+    /// If the file cannot be written or renamed; then there is no file of that name.
     pub fn finish(self) -> io::Result<()> {
         self.into_inner()?.finish()
     }

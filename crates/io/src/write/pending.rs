@@ -368,7 +368,7 @@ mod tests {
         put(format!(".out.csv.part{}", dead.id()));
         let others = [
             format!(".out.csv.part{}", living.id()),
-            // Another file's, and names that are none of ours.
+            // Another file's, and names that this program does not give.
             format!(".out.csv.gz.part{}", dead.id()),
             format!(".out.csv.part{}x", dead.id()),
             ".out.csv.part".to_owned(),

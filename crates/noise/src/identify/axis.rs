@@ -8,6 +8,7 @@ use crate::{
     drift_score::HorizonScore,
     model_file::AxisModel,
     normality::Normality,
+    number::rounded,
     pandit_wu::PanditWu,
     scales::{ScaleFit, Scales},
     screening::{Hanging, Motion, Outlier, Saturation},
@@ -137,7 +138,7 @@ impl Axis {
     pub fn model(&self) -> AxisModel {
         let chosen = self.recommended();
         let list = |of: fn(&HorizonScore) -> f64, scores: &[HorizonScore]| -> toml::Value {
-            let scores = scores.iter().map(of).map(four_digits);
+            let scores = scores.iter().map(of).map(|score| rounded(score, DIGITS));
             scores.collect::<Vec<f64>>().into()
         };
         let scores = self.candidates.iter();
@@ -160,10 +161,8 @@ impl Axis {
     }
 }
 
-/// More than the sampling error of a score supports.
-fn four_digits(score: f64) -> f64 {
-    format!("{score:.3e}").parse().unwrap_or(score)
-}
+/// Digits of a score: more than its sampling error supports.
+const DIGITS: usize = 4;
 
 impl Candidate {
     /// The ARMA fit it comes from, if it does.

@@ -6,7 +6,7 @@ use undrift_nav::{
     earth::STANDARD_GRAVITY,
     units::{Quantity, unit_factor},
 };
-use undrift_noise::{identify::SHORTEST, order_statistics::upper_median};
+use undrift_noise::{identify::SHORTEST, number::rounded, order_statistics::upper_median};
 
 /// Least samples of a window, which is a second else.
 const WINDOW: usize = 20;
@@ -51,7 +51,7 @@ pub enum Likely {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NotStatic {
     /// Gravity has a wrong size.
-    #[error("the specific force is {} m/s², not 9.81", four(*force))]
+    #[error("the specific force is {} m/s², not 9.81", rounded(*force, 4))]
     Force {
         /// Median magnitude [m/s²].
         force: f64,
@@ -73,7 +73,7 @@ pub enum NotStatic {
         range: [f64; 2],
     },
     /// An axis turns faster than a constant of the sensor explains.
-    #[error("{axis} reads {} deg/s on average, more than any sensor at rest", four(rate.to_degrees()))]
+    #[error("{axis} reads {} deg/s on average, more than any sensor at rest", rounded(rate.to_degrees(), 4))]
     Turning {
         /// The axis.
         axis: &'static str,
@@ -90,11 +90,6 @@ pub enum NotStatic {
         /// Longest rest, from its start to its end after the record's first sample \[s\].
         rest: Option<(f64, f64)>,
     },
-}
-
-/// A number in four digits.
-fn four(number: f64) -> f64 {
-    format!("{number:.3e}").parse().unwrap_or(number)
 }
 
 /// Why a record at a rate \[Hz\] is no static recording, if it is none. Of the axes that there are, those that

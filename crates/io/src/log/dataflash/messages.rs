@@ -137,7 +137,7 @@ impl Messages {
         }
     }
 
-    /// Ends the log; `within` a message or bytes that are none.
+    /// Ends the log; `within`: inside a message, or in bytes that are not one.
     fn end(&mut self, within: bool) -> Next {
         self.ended = true;
         let from = self.lost.take();

@@ -9,6 +9,7 @@ use undrift_nav::sample::{FixQuality, Position};
 
 use super::*;
 use crate::entry::{Entry, Fix, ImuReading, What};
+use crate::log::receiver::testing::{wanted_fixes as fixes, wanted_imu as imu};
 use crate::skipped::SkipKind;
 
 fn golden(name: &str) -> PathBuf {
@@ -30,18 +31,6 @@ fn source(bytes: &[u8]) -> Source {
 fn of_bytes(bytes: &[u8], wanted: &Wanted) -> Result<Vec<Entry>, ReadError> {
     let again = || Ok(source(bytes));
     entries(source(bytes), &again, wanted)?.collect()
-}
-
-fn imu(name: Option<&str>) -> Wanted {
-    Wanted::Imu(name.map(str::to_owned))
-}
-
-fn fixes(name: Option<&str>) -> Wanted {
-    Wanted::Fixes {
-        position: name.map(str::to_owned),
-        velocity: None,
-        base: None,
-    }
 }
 
 fn readings(entries: &[Entry]) -> Vec<ImuReading> {

@@ -2,29 +2,16 @@ use undrift_nav::sample::Position;
 use undrift_nav::{Matrix3, Vector3};
 
 use super::{detect, entries, streams};
-use crate::entry::{ImuReading, StreamKind, Wanted, What};
+use crate::entry::{StreamKind, Wanted};
 use crate::log::phone::RADIUS;
 use crate::log::receiver::testing::{
-    FIXES, all, cut_at_every_byte, fixes, golden, source_of, table, try_all, whatever_the_source,
+    FIXES, all, cut_at_every_byte, fixes, golden, imu, refused, source_of, table, try_all,
+    whatever_the_source,
 };
 use crate::skipped::SkipKind;
 
 /// The telephone's clock since boot, 1e5 s in nanoseconds, and GPS times of 6e5 s: some roundings.
 const TIME: f64 = 1e-9;
-
-fn imu(bytes: &[u8]) -> Vec<ImuReading> {
-    let (entries, _) = all(entries, bytes, &Wanted::Imu(None));
-    let reading = |what: What| match what {
-        What::Imu(reading) => reading,
-        other => panic!("{other:?}"),
-    };
-    entries.into_iter().map(|e| reading(e.what)).collect()
-}
-
-fn refused(bytes: &[u8], wanted: &Wanted) -> String {
-    let (_, _, error) = try_all(entries, source_of(bytes), wanted);
-    error.unwrap().to_string()
-}
 
 #[test]
 fn fixes_of_the_satellites() {
@@ -75,9 +62,9 @@ fn another_provider_can_be_asked_for() {
         .split_inclusive('\n')
         .filter(|line| !line.starts_with("Fix,GPS"))
         .collect();
-    let error = refused(fused.as_bytes(), &FIXES);
+    let error = refused(entries, fused.as_bytes(), &FIXES);
     assert!(error.contains("topic = \"FLP\""), "{error}");
-    assert!(refused(b"", &wanted("SBAS")).contains("GPS, FLP, NLP"));
+    assert!(refused(entries, b"", &wanted("SBAS")).contains("GPS, FLP, NLP"));
 }
 
 #[test]
@@ -93,7 +80,7 @@ fn old_versions_have_fewer_columns() {
 
 #[test]
 fn two_sensors_are_one_stream() {
-    let readings = imu(&golden("gnsslogger/phone.txt"));
+    let readings = imu(entries, &golden("gnsslogger/phone.txt"), None);
     let expected = table("gnsslogger/samples.csv");
     assert_eq!(readings.len(), expected.len());
     for (reading, row) in readings.iter().zip(&expected) {
@@ -116,7 +103,7 @@ fn sensors_of_other_rates_or_alone_are_refused() {
         &mut slow,
     )
     .unwrap();
-    let error = refused(&slow, &Wanted::Imu(None));
+    let error = refused(entries, &slow, &Wanted::Imu(None));
     assert!(
         error.contains("100.0 Hz") && error.contains("20.0 Hz"),
         "{error}"
@@ -126,12 +113,12 @@ fn sensors_of_other_rates_or_alone_are_refused() {
         .split_inclusive('\n')
         .filter(|line| !line.starts_with("UncalAccel"))
         .collect();
-    let error = refused(gyro.as_bytes(), &Wanted::Imu(None));
+    let error = refused(entries, gyro.as_bytes(), &Wanted::Imu(None));
     assert!(error.contains("no UncalAccel lines"), "{error}");
     let both = text
         .replace("\nUncalAccel", "\nAccel")
         .replacen("\nUncalGyro", "\nGyro", 3);
-    let error = refused(both.as_bytes(), &Wanted::Imu(None));
+    let error = refused(entries, both.as_bytes(), &Wanted::Imu(None));
     assert!(error.contains("Gyro and UncalGyro"), "{error}");
 }
 
@@ -147,7 +134,7 @@ fn a_gap_of_the_accelerometers_is_not_bridged() {
         })
         .collect();
     let (found, skipped) = all(entries, with_gap.as_bytes(), &Wanted::Imu(None));
-    let whole = imu(text.as_bytes());
+    let whole = imu(entries, text.as_bytes(), None);
     // 91 intervals of 90 Hz are 1.01 s: 101 rates of 100 Hz.
     let lost = whole.len() - found.len();
     assert!((100..=102).contains(&lost), "{lost}");

@@ -5,6 +5,7 @@ use serde_json::Value;
 use undrift_nav::sample::Position;
 
 use super::*;
+use crate::log::receiver::testing::{wanted_fixes as fixes, wanted_imu as imu};
 use crate::source;
 
 fn golden(name: &str) -> PathBuf {
@@ -27,18 +28,6 @@ fn expected(variable: &str) -> Vec<Vec<f64>> {
         .iter()
         .map(row)
         .collect()
-}
-
-fn imu(name: Option<&str>) -> Wanted {
-    Wanted::Imu(name.map(str::to_owned))
-}
-
-fn fixes(name: Option<&str>) -> Wanted {
-    Wanted::Fixes {
-        position: name.map(str::to_owned),
-        velocity: None,
-        base: None,
-    }
 }
 
 fn all_of(file: &str, wanted: &Wanted) -> Result<Vec<Entry>, ReadError> {

@@ -4,19 +4,16 @@
 //! `#NAMEA,…;…*` or, with the short header, `%NAMEA,…;…*`, and the CRC in hexadecimal digits. Both have
 //! the CRC-32 of Ethernet's polynomial that begins with 0 and is not inverted.
 
-use std::ops::Range;
-
 use memchr::{memchr, memchr3};
 
-use crate::lines::Window;
+use crate::log::frames::{Frame, Layout};
 use crate::number;
-use crate::source::Source;
 
 /// Longest messages that are believed, binary and ASCII \[bytes\]: twice those of raw measurements of 200
 /// signals. A length beyond it is a damaged one.
 const MAX_BINARY: usize = 16 * 1024;
 const MAX_ASCII: usize = 64 * 1024;
-/// The buffer \[bytes\]: the longest message and several reads fit.
+/// \[bytes\]
 const BUFFER: usize = 512 * 1024;
 const SYNC: [u8; 2] = [0xaa, 0x44];
 const LONG: u8 = 0x12;
@@ -24,11 +21,6 @@ const SHORT: u8 = 0x13;
 /// Bytes of the CRC, binary and ASCII.
 const CRC: usize = 4;
 const DIGITS: usize = 8;
-
-pub(super) struct Frames {
-    window: Window,
-    number: u64,
-}
 
 /// Which message, when, and how it is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,101 +44,20 @@ pub(super) enum MessageKind {
 /// Longest name \[bytes\].
 pub(super) const NAME: usize = 24;
 
-pub(super) enum NextFrame {
-    /// A message and where its body is: read it with [`Frames::body`].
-    Message(Head, Range<usize>),
-    /// What looked like the beginning of a message is none, or a damaged one.
-    Damaged,
-    /// Nothing more; [`Frames::failure`] tells whether the file broke off.
-    End,
-}
-
-/// What stands at the beginning of some bytes that start like a message.
-enum Frame {
-    /// A message with so many bytes before its body, of its body, and after it.
-    Message(Head, [usize; 3]),
-    Damaged,
-    /// A character of something else.
-    Other,
-    /// More bytes than there are.
-    Longer,
-}
-
-impl Frames {
-    pub(super) fn new(source: Source) -> Self {
-        Self {
-            window: Window::new(source, BUFFER),
-            number: 0,
-        }
-    }
-
-    /// Number of the message last stepped to, damaged ones included, the first is 1.
-    pub(super) fn number(&self) -> u64 {
-        self.number
-    }
-
-    /// The input error that ended the file before its end, if any.
-    pub(super) fn failure(&self) -> Option<String> {
-        self.window.failure().map(ToString::to_string)
-    }
-
-    pub(super) fn body(&self, range: Range<usize>) -> &[u8] {
-        self.window.part(range)
-    }
-
-    pub(super) fn step(&mut self) -> NextFrame {
-        loop {
-            self.window.pass(to_start(self.window.bytes()));
-            let bytes = self.window.bytes();
-            match frame(bytes) {
-                Frame::Message(head, [before, length, after]) => {
-                    self.window.pass(before);
-                    let body = self.window.pass(length);
-                    self.window.pass(after);
-                    self.number += 1;
-                    return NextFrame::Message(head, body);
-                }
-                Frame::Longer if !self.window.at_end() => self.window.refill(),
-                Frame::Longer if bytes.is_empty() => return NextFrame::End,
-                Frame::Damaged => {
-                    self.window.pass(1);
-                    self.number += 1;
-                    return NextFrame::Damaged;
-                }
-                Frame::Longer if bytes.starts_with(&SYNC) => {
-                    self.window.pass(1);
-                    self.number += 1;
-                    return NextFrame::Damaged;
-                }
-                Frame::Other | Frame::Longer => {
-                    self.window.pass(1);
-                }
-            }
-        }
-    }
-}
-
-/// Whether some bytes hold a whole message that is `wanted`.
-pub(super) fn any(bytes: &[u8], wanted: impl Fn(MessageKind) -> bool) -> bool {
-    let mut from = 0;
-    while let Some(rest) = bytes.get(from..).filter(|rest| !rest.is_empty()) {
-        let at = to_start(rest);
-        from += at;
-        match frame(rest.get(at..).unwrap_or_default()) {
-            Frame::Message(head, _) if wanted(head.kind) => return true,
-            Frame::Message(_, lengths) => from += lengths.iter().sum::<usize>(),
-            Frame::Damaged | Frame::Other | Frame::Longer => from += 1,
-        }
-    }
-    false
-}
+/// Messages, ASCII and binary.
+pub(super) const LAYOUT: Layout<Head> = Layout {
+    sync: SYNC,
+    start: to_start,
+    frame,
+    buffer: BUFFER,
+};
 
 /// How many bytes stand before the first that may begin a message.
 fn to_start(bytes: &[u8]) -> usize {
     memchr3(SYNC[0], b'#', b'%', bytes).unwrap_or(bytes.len())
 }
 
-fn frame(bytes: &[u8]) -> Frame {
+fn frame(bytes: &[u8]) -> Frame<Head> {
     match bytes.first() {
         Some(b'#' | b'%') => ascii(bytes),
         Some(_) => binary(bytes),
@@ -154,7 +65,7 @@ fn frame(bytes: &[u8]) -> Frame {
     }
 }
 
-fn binary(bytes: &[u8]) -> Frame {
+fn binary(bytes: &[u8]) -> Frame<Head> {
     let Some(start) = bytes.first_chunk::<4>() else {
         let begins = bytes.iter().zip(SYNC).all(|(byte, sync)| *byte == sync);
         return if begins { Frame::Longer } else { Frame::Other };
@@ -205,7 +116,7 @@ fn binary(bytes: &[u8]) -> Frame {
     }
 }
 
-fn ascii(bytes: &[u8]) -> Frame {
+fn ascii(bytes: &[u8]) -> Frame<Head> {
     // Names are in capitals: anything else is a comment, a per cent sign or a byte of another message.
     match bytes.get(1) {
         Some(first) if !first.is_ascii_uppercase() => return Frame::Other,

@@ -1,48 +1,14 @@
 use undrift_nav::Vector3;
 use undrift_nav::earth::Geodetic;
-use undrift_nav::sample::{FixQuality, Position, TruthSample};
+use undrift_nav::sample::{FixQuality, Position};
 
 use super::{detect, entries, streams};
-use crate::entry::{ImuReading, StreamKind, Wanted, What};
+use crate::entry::{StreamKind, Wanted, What};
 use crate::log::receiver::testing::{
-    FIXES, all, cut_at_every_byte, fixes, flip_every_byte, golden, source_of, table, try_all,
-    whatever_the_source,
+    FIXES, all, cut_at_every_byte, fixes, flip_every_byte, golden, imu, near, poses, refused, same,
+    source_of, table, try_all, whatever_the_source,
 };
 use crate::skipped::SkipKind;
-
-/// Some roundings of numbers of degrees and metres.
-const ROUNDING: f64 = 1e-12;
-
-fn near(a: f64, b: f64) -> bool {
-    (a - b).abs() <= ROUNDING * b.abs().max(1.0)
-}
-
-fn same(a: Vector3, b: [f64; 3]) -> bool {
-    a.iter().zip(b).all(|(a, b)| near(*a, b))
-}
-
-fn poses(bytes: &[u8], name: Option<&str>) -> Vec<TruthSample> {
-    let (entries, _) = all(entries, bytes, &Wanted::Poses(name.map(str::to_owned)));
-    let pose = |what: What| match what {
-        What::Pose(pose) => pose,
-        other => panic!("{other:?}"),
-    };
-    entries.into_iter().map(|entry| pose(entry.what)).collect()
-}
-
-fn imu(bytes: &[u8], name: Option<&str>) -> Vec<ImuReading> {
-    let (entries, _) = all(entries, bytes, &Wanted::Imu(name.map(str::to_owned)));
-    let reading = |what: What| match what {
-        What::Imu(reading) => reading,
-        other => panic!("{other:?}"),
-    };
-    entries.into_iter().map(|e| reading(e.what)).collect()
-}
-
-fn refused(bytes: &[u8], wanted: &Wanted) -> String {
-    let (_, _, error) = try_all(entries, source_of(bytes), wanted);
-    error.unwrap().to_string()
-}
 
 #[test]
 fn messages_of_one_time_are_one_fix() {
@@ -97,7 +63,7 @@ fn a_worse_stream_can_be_asked_for() {
     });
     assert_eq!(with_position.count(), 52);
     let unknown = Wanted::Poses(Some("INSATT".to_owned()));
-    assert!(refused(b"", &unknown).contains("read are: BESTGNSSPOS"));
+    assert!(refused(entries, b"", &unknown).contains("read are: BESTGNSSPOS"));
 }
 
 #[test]
@@ -116,7 +82,7 @@ fn late_velocities_belong_to_the_time_before() {
 #[test]
 fn counts_become_rates() {
     for (name, expected) in [("raw.bin", "raw.csv"), ("epson.asc", "epson.csv")] {
-        let readings = imu(&golden(&format!("novatel/{name}")), None);
+        let readings = imu(entries, &golden(&format!("novatel/{name}")), None);
         let expected = table(&format!("novatel/{expected}"));
         assert_eq!(readings.len(), expected.len(), "{name}");
         for (reading, row) in readings.iter().zip(&expected) {
@@ -137,7 +103,7 @@ fn counts_become_rates() {
 fn a_receivers_own_messages_are_read() {
     // Examples of NovAtel's documentation.
     let text = b"%RAWIMUSXA,2209,491674.014;04,41,2209,491674.013699,ea59fe00,329308016,-2706935,4508389,196192,417138,-1000837*038422a7\r\n";
-    let readings = imu(text, None);
+    let readings = imu(entries, text, None);
     assert_eq!(readings[0].time, 491_674.013_699);
     // It is at rest, about upright.
     assert!((readings[0].accel.norm() - 9.8).abs() < 0.1, "{readings:?}");
@@ -158,10 +124,14 @@ fn without_the_type_of_the_imu_counts_are_refused() {
         .filter(|line| line.starts_with(b"%RAWIMUSA"))
         .collect::<Vec<_>>()
         .concat();
-    let error = refused(&raw, &Wanted::Imu(None));
+    let error = refused(entries, &raw, &Wanted::Imu(None));
     assert!(error.contains("RAWIMUSX or INSCONFIG"), "{error}");
-    assert_eq!(imu(&raw, Some("RAWIMUS:EPSON_G320")).len(), 40);
-    let error = refused(&raw, &Wanted::Imu(Some("RAWIMUS:MPU6050".to_owned())));
+    assert_eq!(imu(entries, &raw, Some("RAWIMUS:EPSON_G320")).len(), 40);
+    let error = refused(
+        entries,
+        &raw,
+        &Wanted::Imu(Some("RAWIMUS:MPU6050".to_owned())),
+    );
     assert!(error.contains("EPSON_G320"), "{error}");
     // A type without public scale factors.
     let example = "RAWIMUSXA,2209,491674.014;04,99,2209,491674.013699,00000000,1,2,3,4,5,6";
@@ -171,7 +141,7 @@ fn without_the_type_of_the_imu_counts_are_refused() {
         })
     });
     let text = format!("%{example}*{sum:08x}\n");
-    let error = refused(text.as_bytes(), &Wanted::Imu(None));
+    let error = refused(entries, text.as_bytes(), &Wanted::Imu(None));
     assert!(error.contains("IMU of type 99"), "{error}");
 }
 
@@ -179,7 +149,7 @@ fn without_the_type_of_the_imu_counts_are_refused() {
 fn the_inertial_systems_solutions_are_references() {
     let bytes = golden("novatel/reference.bin");
     for (name, expected) in [("INSPVAS", "reference.csv"), ("INSPVAX", "extended.csv")] {
-        let poses = poses(&bytes, Some(name));
+        let poses = poses(entries, &bytes, Some(name));
         let expected = table(&format!("novatel/{expected}"));
         assert_eq!(poses.len(), expected.len(), "{name}");
         for (pose, row) in poses.iter().zip(&expected) {
@@ -193,7 +163,7 @@ fn the_inertial_systems_solutions_are_references() {
             assert!(same(pose.rpy.unwrap(), rpy));
         }
     }
-    let error = refused(&bytes, &Wanted::Poses(None));
+    let error = refused(entries, &bytes, &Wanted::Poses(None));
     assert!(error.contains("INSPVAS and INSPVAX"), "{error}");
     // As fixes, with the standard deviations of INSPVAX.
     let wanted = Wanted::Fixes {
@@ -212,10 +182,10 @@ fn the_inertial_systems_solutions_are_references() {
         [0.03125, 0.0625, 0.125].map(|s: f64| s * s)
     ));
     // The antenna's positions, if those are asked for.
-    let error = refused(&golden("novatel/fixes.asc"), &Wanted::Poses(None));
+    let error = refused(entries, &golden("novatel/fixes.asc"), &Wanted::Poses(None));
     assert!(error.contains("topic = \"BESTPOS\""), "{error}");
     assert_eq!(
-        poses(&golden("novatel/fixes.asc"), Some("BESTPOS")).len(),
+        poses(entries, &golden("novatel/fixes.asc"), Some("BESTPOS")).len(),
         56
     );
 }
@@ -257,7 +227,7 @@ fn damage_costs_only_itself() {
         whatever_the_source(entries, &bytes);
     }
     let bytes = golden("novatel/raw.bin");
-    let whole = imu(&bytes, None).len();
+    let whole = imu(entries, &bytes, None).len();
     for k in (0..bytes.len()).step_by(97) {
         let mut flipped = bytes.clone();
         flipped[k] ^= 1 << (k % 8);
@@ -265,6 +235,6 @@ fn damage_costs_only_itself() {
             let (found, _, _) = try_all(entries, source_of(&flipped), &wanted);
             assert!(found.len() <= whole);
         }
-        assert!(imu(&flipped, None).len() + 1 >= whole, "byte {k}");
+        assert!(imu(entries, &flipped, None).len() + 1 >= whole, "byte {k}");
     }
 }

@@ -4,8 +4,11 @@ use std::collections::HashMap;
 use std::io::{BufReader, Cursor, Read, Write};
 use std::path::Path;
 
+use undrift_nav::Vector3;
+use undrift_nav::sample::TruthSample;
+
 use crate::ReadError;
-use crate::entry::{Entries, Entry, Fix, Wanted, What};
+use crate::entry::{Entries, Entry, Fix, ImuReading, Wanted, What};
 use crate::number;
 use crate::skipped::Skipped;
 use crate::source::{self, Source};
@@ -13,11 +16,36 @@ use crate::source::{self, Source};
 /// A reader's function.
 pub(in crate::log) type Open = fn(Source, &Wanted) -> Result<Entries, ReadError>;
 
+/// The inertial samples of the stream of this name.
+pub(in crate::log) fn wanted_imu(name: Option<&str>) -> Wanted {
+    Wanted::Imu(name.map(str::to_owned))
+}
+
+/// The fixes of the stream of this name.
+pub(in crate::log) fn wanted_fixes(name: Option<&str>) -> Wanted {
+    Wanted::Fixes {
+        position: name.map(str::to_owned),
+        velocity: None,
+        base: None,
+    }
+}
+
+/// Some roundings of numbers of degrees, radians and metres.
+pub(in crate::log) const ROUNDING: f64 = 1e-12;
+
 pub(in crate::log) const FIXES: Wanted = Wanted::Fixes {
     position: None,
     velocity: None,
     base: None,
 };
+
+pub(in crate::log) fn near(a: f64, b: f64) -> bool {
+    (a - b).abs() <= ROUNDING * b.abs().max(1.0)
+}
+
+pub(in crate::log) fn same(a: Vector3, b: [f64; 3]) -> bool {
+    a.iter().zip(b).all(|(a, b)| near(*a, b))
+}
 
 fn golden_path(name: &str) -> std::path::PathBuf {
     let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../../testdata/golden/formats");
@@ -99,6 +127,32 @@ fn fix(entry: &Entry) -> Fix {
         What::Fix(fix) => fix,
         _ => panic!("no fix: {entry:?}"),
     }
+}
+
+/// The inertial samples of a stream.
+pub(in crate::log) fn imu(open: Open, bytes: &[u8], name: Option<&str>) -> Vec<ImuReading> {
+    let (entries, _) = all(open, bytes, &wanted_imu(name));
+    let reading = |entry: Entry| match entry.what {
+        What::Imu(reading) => reading,
+        other => panic!("{other:?}"),
+    };
+    entries.into_iter().map(reading).collect()
+}
+
+/// The reference solutions of a stream.
+pub(in crate::log) fn poses(open: Open, bytes: &[u8], name: Option<&str>) -> Vec<TruthSample> {
+    let (entries, _) = all(open, bytes, &Wanted::Poses(name.map(str::to_owned)));
+    let pose = |entry: Entry| match entry.what {
+        What::Pose(pose) => pose,
+        other => panic!("{other:?}"),
+    };
+    entries.into_iter().map(pose).collect()
+}
+
+/// The error that ends the entries.
+pub(in crate::log) fn refused(open: Open, bytes: &[u8], wanted: &Wanted) -> String {
+    let (_, _, error) = try_all(open, source_of(bytes), wanted);
+    error.unwrap().to_string()
 }
 
 /// Whatever is cut off, what is before it stays as it is: all but the last fix, which lacks

@@ -17,7 +17,7 @@ const MOST: usize = 60_000;
 /// The files of a bag's folder in their order: as its list has them, else all by their names.
 ///
 /// # Errors
-/// If there is none, or the folder cannot be read.
+/// If it holds no bag, or the folder cannot be read.
 pub(crate) fn parts(folder: &Path) -> Result<Vec<Part>, ReadError> {
     let mut files = listed(folder);
     if !files.iter().any(|file| file.exists()) {

@@ -57,7 +57,7 @@ impl Parts {
     /// Opens the first part that can be read.
     ///
     /// # Errors
-    /// If there is none.
+    /// If no part is found.
     pub(super) fn open(parts: Vec<Part>, read: &BytesRead) -> Result<Self, ReadError> {
         read.restart();
         let mut bag = Self {

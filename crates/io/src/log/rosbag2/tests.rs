@@ -1,4 +1,4 @@
-//! Bags that are damaged or are none; what whole ones hold is tested with the other recordings of ROS.
+//! Damaged bags, and files that are not bags; what whole ones hold is tested with the other recordings of ROS.
 
 use std::path::{Path, PathBuf};
 

@@ -4,21 +4,10 @@ use undrift_nav::sample::{FixQuality, Position};
 use super::{entries, streams};
 use crate::entry::{StreamKind, Wanted, What};
 use crate::log::receiver::testing::{
-    FIXES, all, cut_at_every_byte, fixes, flip_every_byte, golden, source_of, table, try_all,
-    whatever_the_source,
+    FIXES, all, cut_at_every_byte, fixes, flip_every_byte, golden, near, same, source_of, table,
+    try_all, whatever_the_source,
 };
 use crate::skipped::SkipKind;
-
-/// Some roundings of radians and metres.
-const ROUNDING: f64 = 1e-12;
-
-fn near(a: f64, b: f64) -> bool {
-    (a - b).abs() <= ROUNDING * b.abs().max(1.0)
-}
-
-fn same(a: Vector3, b: [f64; 3]) -> bool {
-    a.iter().zip(b).all(|(a, b)| near(*a, b))
-}
 
 #[test]
 fn blocks_of_one_time_are_one_fix() {
@@ -158,7 +147,7 @@ fn the_inertial_solution_is_a_reference() {
             stated.then_some(velocity)
         );
     }
-    // Where there is none, what could serve is told; if it is asked for, it is taken.
+    // Without them, the message names what could serve; if that is asked for, it is taken.
     let fixes = golden("sbf/fixes.sbf");
     let (_, _, error) = try_all(entries, source_of(&fixes), &Wanted::Poses(None));
     assert!(error.unwrap().to_string().contains("\"PVTGeodetic\""));

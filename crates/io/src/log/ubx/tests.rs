@@ -5,17 +5,10 @@ use undrift_nav::{Matrix3, Vector3};
 use super::{detect, entries, streams};
 use crate::entry::{Fix, ImuReading, StreamKind, Wanted, What};
 use crate::log::receiver::testing::{
-    all, cut_at_every_byte, fixes, flip_every_byte, golden, source_of, table, try_all,
-    whatever_the_source,
+    ROUNDING, all, cut_at_every_byte, fixes, flip_every_byte, golden, near, source_of, table,
+    try_all, whatever_the_source,
 };
 use crate::skipped::SkipKind;
-
-/// Some roundings of numbers of degrees and metres.
-const ROUNDING: f64 = 1e-12;
-
-fn near(a: f64, b: f64) -> bool {
-    (a - b).abs() <= ROUNDING * b.abs().max(1.0)
-}
 
 fn place(fix: &Fix) -> (Geodetic, Option<Matrix3>) {
     match fix.position.unwrap() {

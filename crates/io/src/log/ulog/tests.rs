@@ -6,6 +6,7 @@ use undrift_nav::sample::{FixQuality, Position};
 
 use super::*;
 use crate::entry::{Entry, What};
+use crate::log::receiver::testing::{wanted_fixes as fixes, wanted_imu as imu};
 use crate::skipped::SkipKind;
 use crate::source;
 
@@ -27,18 +28,6 @@ fn rows(value: &Value) -> Vec<Vec<f64>> {
         numbers.map(|x| x.as_f64().unwrap()).collect()
     };
     value.as_array().unwrap().iter().map(row).collect()
-}
-
-fn imu(name: Option<&str>) -> Wanted {
-    Wanted::Imu(name.map(str::to_owned))
-}
-
-fn fixes(name: Option<&str>) -> Wanted {
-    Wanted::Fixes {
-        position: name.map(str::to_owned),
-        velocity: None,
-        base: None,
-    }
 }
 
 fn all_of(log: &str, wanted: &Wanted) -> Result<Vec<Entry>, ReadError> {

@@ -2,6 +2,7 @@
 //! near 1 mean their difference from it.
 
 use super::super::Arma;
+use crate::number::rounded;
 use std::f64::consts::PI;
 use undrift_nav::shaping::ShapingFilter;
 
@@ -16,12 +17,6 @@ const FREQUENCIES: usize = 1000;
 /// The number in six significant digits.
 pub(super) fn six_digits(number: f64) -> f64 {
     rounded(number, 6)
-}
-
-fn rounded(number: f64, digits: usize) -> f64 {
-    format!("{number:.*e}", digits - 1)
-        .parse()
-        .unwrap_or(number)
 }
 
 /// AR and MA coefficients with the fewest digits, six or more, that keep the power spectrum; those that have

@@ -26,7 +26,7 @@ const GYRO: Units = Units {
     rounding: ("arcsec", DEG * 3600.0),
     constant: ("°/s", DEG),
 };
-const MILLI_G: f64 = 1e3 / 9.806_65;
+const MILLI_G: f64 = 1e3 / undrift::nav::earth::STANDARD_GRAVITY;
 const ACCEL: Units = Units {
     white: ("m/s/√h", 60.0),
     bias: ("mg", MILLI_G),
