@@ -1,5 +1,5 @@
-//! Composite models: sums of independent terms, white noise, quantisation, random walk and up to two
-//! Gauss-Markov processes, and their exact likelihood.
+//! Composite models: sums of independent terms, white noise, quantisation, random walk, flicker noise and up to
+//! two Gauss-Markov processes, and their exact likelihood.
 //!
 //! The parameters are those of the continuous terms (IEEE Std 952-1997 annex C: Q, N, K; Groves 2013
 //! section 14.2.6 for σ and τ), so one set of terms serves every sample rate;
@@ -26,6 +26,7 @@
 
 mod blocks;
 mod fit;
+mod interval;
 mod likelihood;
 pub(crate) mod predictor;
 pub(crate) mod search;
@@ -33,12 +34,17 @@ pub(crate) mod search;
 pub(crate) use blocks::Span;
 pub use blocks::{average_in_blocks, block_average};
 pub use fit::{CompositeFit, FitOptions, Flag, Term, fit};
+pub use interval::{Parameter, ParameterInterval, intervals};
 pub(crate) use likelihood::present_mean;
 pub use likelihood::{Level, RecordLikelihood, log_likelihood};
 
 use nalgebra::DMatrix;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use undrift_nav::shaping::{MAX_ORDER, ShapingError, ShapingFilter};
+
+/// Correlation times \[s\] of the Gauss-Markov processes that make flicker noise, a decade apart; what is slower
+/// is a random walk.
+pub const FLICKER_TAUS: [f64; 4] = [1.0, 10.0, 100.0, 1000.0];
 
 /// Most Gauss-Markov processes in one model.
 pub const MAX_GAUSS_MARKOV: usize = 2;
@@ -106,6 +112,8 @@ pub struct CompositeTerms {
     pub quantisation: f64,
     /// Random walk coefficient K [unit/√s].
     pub random_walk: f64,
+    /// Coefficient B of flicker noise (bias instability) [unit], of power density `B²/(2πf)`; see [`flicker`].
+    pub flicker: f64,
     /// Gauss-Markov processes, by growing correlation time after a fit.
     #[serde(serialize_with = "list", deserialize_with = "listed")]
     #[cfg_attr(feature = "schema", schemars(with = "Vec<GaussMarkov>"))]
@@ -141,8 +149,32 @@ pub(crate) fn quantisation(q: f64, interval: f64) -> Result<ShapingFilter, Shapi
     Ok(filter)
 }
 
+/// Flicker noise of coefficient B [unit] as a sum: Gauss-Markov processes at [`FLICKER_TAUS`] and the coefficient
+/// [unit/√s] of the random walk that the slower ones are over any drive. Processes of one σ, spaced by a factor ρ in τ, sum
+/// to the power density `σ²/(2 f ln ρ)` within 5 % for ρ = 10, so `σ² = B² ln ρ/π`; those of τ = 10⁴, 10⁵… s drive
+/// `K² = Σ 2σ²/τ`. Keshner 1982; IEEE Std 952-1997, C.1.1 for B.
+pub fn flicker(b: f64) -> ([GaussMarkov; FLICKER_TAUS.len()], f64) {
+    let sigma = b * (10f64.ln() / std::f64::consts::PI).sqrt();
+    let next = 10.0 * FLICKER_TAUS[FLICKER_TAUS.len() - 1];
+    let walk = sigma * (2.0 / (0.9 * next)).sqrt();
+    (FLICKER_TAUS.map(|tau_s| GaussMarkov { sigma, tau_s }), walk)
+}
+
 impl CompositeTerms {
-    /// The shaping filter of the sum at a sample interval \[s\]: states in the order Gauss-Markov,
+    /// The terms with flicker noise as the sum that stands for it: all Gauss-Markov processes, and the random walk
+    /// [unit/√s].
+    pub fn slow(&self) -> (Vec<GaussMarkov>, f64) {
+        let mut processes: Vec<GaussMarkov> = self.gauss_markov.to_vec();
+        processes.retain(|process| process.sigma != 0.0);
+        if self.flicker == 0.0 {
+            return (processes, self.random_walk);
+        }
+        let (decades, walk) = flicker(self.flicker);
+        processes.extend(decades);
+        (processes, self.random_walk.hypot(walk))
+    }
+
+    /// The shaping filter of the sum at a sample interval \[s\]: states in the order Gauss-Markov (flicker noise last),
     /// random walk (starting at zero), quantisation. At another rate build it anew from the terms:
     /// the quantisation's pole at 0 keeps `ShapingFilter::at_interval` from it.
     ///
@@ -150,14 +182,13 @@ impl CompositeTerms {
     /// A term or the interval is negative or not finite.
     pub fn to_shaping(&self, interval: f64) -> Result<ShapingFilter, ShapingError> {
         let mut sum = ShapingFilter::white(self.white, interval)?;
-        for process in &self.gauss_markov {
-            if process.sigma != 0.0 {
-                let part = ShapingFilter::gauss_markov(process.sigma, process.tau_s, interval)?;
-                sum = sum.plus(&part)?;
-            }
+        let (processes, walk) = self.slow();
+        for process in processes {
+            let part = ShapingFilter::gauss_markov(process.sigma, process.tau_s, interval)?;
+            sum = sum.plus(&part)?;
         }
-        if self.random_walk != 0.0 {
-            sum = sum.plus(&ShapingFilter::random_walk(self.random_walk, interval)?)?;
+        if walk != 0.0 {
+            sum = sum.plus(&ShapingFilter::random_walk(walk, interval)?)?;
         }
         if self.quantisation != 0.0 {
             sum = sum.plus(&quantisation(self.quantisation, interval)?)?;
@@ -171,6 +202,7 @@ impl CompositeTerms {
             white: self.white != 0.0,
             quantisation: self.quantisation != 0.0,
             random_walk: self.random_walk != 0.0,
+            flicker: self.flicker != 0.0,
             gauss_markov: self.gauss_markov.iter().filter(|g| g.sigma != 0.0).count(),
         }
     }
@@ -185,6 +217,7 @@ impl CompositeTerms {
             white: self.white * factor,
             quantisation: self.quantisation * factor,
             random_walk: self.random_walk * factor,
+            flicker: self.flicker * factor,
             gauss_markov: self.gauss_markov.map(process),
         }
     }
@@ -199,6 +232,8 @@ pub struct TermSet {
     pub quantisation: bool,
     /// Random walk.
     pub random_walk: bool,
+    /// Flicker noise.
+    pub flicker: bool,
     /// Number of Gauss-Markov processes, at most [`MAX_GAUSS_MARKOV`].
     pub gauss_markov: usize,
 }
@@ -214,6 +249,7 @@ impl TermSet {
         usize::from(self.white)
             + usize::from(self.quantisation)
             + usize::from(self.random_walk)
+            + usize::from(self.flicker)
             + self.gauss_markov
     }
 
@@ -224,7 +260,7 @@ impl TermSet {
         Ok(())
     }
 
-    /// Search coordinates: the logarithms of N, Q, K, of each process's drive σ√(2/τ), then of each
+    /// Search coordinates: the logarithms of N, Q, K, B, of each process's drive σ√(2/τ), then of each
     /// τ. The drive, unlike σ, stays determined when τ is beyond the record.
     pub(crate) fn coordinates(&self, terms: &CompositeTerms) -> Vec<f64> {
         let mut z = Vec::with_capacity(self.parameters());
@@ -236,6 +272,9 @@ impl TermSet {
         }
         if self.random_walk {
             z.push(terms.random_walk.ln());
+        }
+        if self.flicker {
+            z.push(terms.flicker.ln());
         }
         let processes = &terms.gauss_markov[..self.gauss_markov];
         z.extend(processes.iter().map(|g| g.drive().ln()));
@@ -254,6 +293,7 @@ impl TermSet {
             white: next(self.white),
             quantisation: next(self.quantisation),
             random_walk: next(self.random_walk),
+            flicker: next(self.flicker),
             ..CompositeTerms::default()
         };
         let drives: [f64; MAX_GAUSS_MARKOV] = std::array::from_fn(|i| next(i < self.gauss_markov));
@@ -281,6 +321,7 @@ impl TermSet {
             white: next(self.white),
             quantisation: next(self.quantisation),
             random_walk: next(self.random_walk),
+            flicker: next(self.flicker),
             ..CompositeTerms::default()
         };
         let first = self.amplitudes() - self.gauss_markov;

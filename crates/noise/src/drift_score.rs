@@ -22,7 +22,7 @@ use crate::composite::{CompositeError, present_mean};
 use undrift_nav::shaping::ShapingFilter;
 
 /// Horizons of docs/theory.md, section 6 \[s\].
-pub const HORIZONS_S: [f64; 3] = [1.0, 10.0, 60.0];
+pub const HORIZONS_S: [f64; 4] = [1.0, 10.0, 60.0, 300.0];
 
 /// Most batches that the origins are divided into for the sampling error.
 pub const MAX_BATCHES: usize = 32;
@@ -135,6 +135,39 @@ pub fn score(
     }
 }
 
+/// Scores of a model on several parts of a record, pooled horizon by horizon.
+pub fn pooled(parts: &[Vec<HorizonScore>]) -> Vec<HorizonScore> {
+    let horizons = parts.iter().map(Vec::len).min().unwrap_or(0);
+    let pool = |h: usize| {
+        let of = |value: fn(&HorizonScore) -> f64| parts.iter().map(move |part| value(&part[h]));
+        let origins: usize = parts.iter().map(|part| part[h].origins).sum();
+        let mean = |value: fn(&HorizonScore) -> f64| of(value).sum::<f64>() / origins as f64;
+        let rms = mean(|s| s.origins as f64 * s.rms * s.rms).sqrt();
+        let windows: f64 = of(|s| s.windows).sum();
+        let batches: Vec<f64> = parts.iter().flat_map(|p| p[h].batches.clone()).collect();
+        HorizonScore {
+            horizon_s: parts[0][h].horizon_s,
+            rms,
+            standard_error: standard_error(rms, windows, &batches),
+            predicted_rms: mean(|s| s.origins as f64 * s.predicted_rms * s.predicted_rms).sqrt(),
+            origins,
+            windows,
+            batches,
+        }
+    };
+    (0..horizons).map(pool).collect()
+}
+
+/// See [`HorizonScore::standard_error`].
+fn standard_error(rms: f64, windows: f64, batches: &[f64]) -> f64 {
+    // d rms = d(rms²) / (2 rms)
+    let from_batches = match rms > 0.0 {
+        true => recommend::standard_error(batches) / (2.0 * rms),
+        false => 0.0,
+    };
+    from_batches.max(rms / (2.0 * windows.max(1.0)).sqrt())
+}
+
 /// The filter with `variance` \[unit²\] added to the start of every state that is a random walk or a
 /// constant of its own.
 fn free_start(filter: &ShapingFilter, variance: f64) -> ShapingFilter {
@@ -150,4 +183,32 @@ fn free_start(filter: &ShapingFilter, variance: f64) -> ShapingFilter {
         }
     }
     started
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pooled_scores_weigh_by_origins() {
+        let part = |rms: f64, origins: usize| {
+            vec![HorizonScore {
+                horizon_s: 1.0,
+                rms,
+                standard_error: 0.1,
+                predicted_rms: 2.0 * rms,
+                origins,
+                windows: origins as f64 / 10.0,
+                batches: vec![rms * rms; 4],
+            }]
+        };
+        let pooled = &pooled(&[part(1.0, 300), part(3.0, 100)])[0];
+        // (300 · 1 + 100 · 9) / 400.
+        assert!((pooled.rms - 3f64.sqrt()).abs() < 1e-12);
+        assert!((pooled.predicted_rms - 12f64.sqrt()).abs() < 1e-12);
+        assert_eq!((pooled.origins, pooled.windows), (400, 40.0));
+        // Eight batches of 1 and 9: their scatter is above that of forty independent windows.
+        let from_batches = (128.0 / 56.0f64).sqrt() / (2.0 * 3f64.sqrt());
+        assert!((pooled.standard_error - from_batches).abs() < 1e-12);
+    }
 }

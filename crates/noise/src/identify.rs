@@ -2,7 +2,8 @@
 //! candidates scored by the drift they leave, a recommendation.
 //!
 //! `docs/theory.md`, sections 1 and 6: the order of the source paper's part 1, and beyond it the choice by the
-//! prediction error of the integrated signal on the half of the record that was not fitted.
+//! prediction error of the integrated signal on the half of the record that was not fitted, and by likelihood among
+//! those that the drift does not tell apart.
 
 mod axis;
 mod candidates;
@@ -174,15 +175,16 @@ pub fn identify(
     let coarse = normality
         .quantisation
         .is_some_and(|q| q.step_over_deviation > COARSE);
-    let half = candidates::Half {
+    let task = candidates::Task {
         record: &screened.cleaned,
-        first: record.len() / 2,
         rate_hz: rate,
+        allan: allan_terms,
         turn_on: turn_on_of(screened.mean, accelerometer),
         horizons,
         quantised: coarse || allan_terms.quantisation.seen,
+        n_max: options.n_max,
     };
-    let tried = candidates::candidates(&half, options.n_max, &allan_terms);
+    let tried = candidates::candidates(&task);
     let candidates = tried.candidates;
     let recommended = drift_score::recommend(&scored(&candidates));
     let recommended = recommended.ok_or(IdentifyError::NoCandidate)?;
@@ -215,10 +217,11 @@ pub fn identify(
         allan_gauss_markov: allan::fit_gauss_markov(&curve).ok(),
         allan: curve,
         allan_terms,
-        residuals: residuals::of_models(tried.pandit_wu.as_ref(), chosen, half.fitted()),
+        residuals: residuals::of_models(tried.pandit_wu.as_ref(), chosen, &screened.cleaned),
         pandit_wu: tried.pandit_wu,
         box_jenkins: tried.box_jenkins,
         scales: tried.scales,
+        intervals: candidates::intervals(&task, chosen),
         chosen: recommended.index,
         reason: recommended.reason,
         candidates,
@@ -231,6 +234,7 @@ fn scored(candidates: &[Candidate]) -> Vec<Scored> {
         name: candidate.name.clone(),
         states: candidate.states,
         parameters: candidate.parameters,
+        aic: candidate.aic,
         horizons: candidate.score.clone(),
     };
     candidates.iter().map(scored).collect()

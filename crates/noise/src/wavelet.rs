@@ -145,10 +145,11 @@ pub fn gauss_markov_variance(process: &GaussMarkov, m: usize, interval: f64) -> 
 /// Wavelet variance \[unit²\] of composite terms at a scale of `m` samples of `interval` \[s\].
 pub fn model_variance(terms: &CompositeTerms, m: usize, interval: f64) -> f64 {
     let scale_s = m.max(1) as f64 * interval;
-    let processes = terms.gauss_markov.iter();
+    let (processes, walk) = terms.slow();
+    let processes = processes.iter();
     white_variance(terms.white, scale_s)
         + quantisation_variance(terms.quantisation, scale_s)
-        + random_walk_variance(terms.random_walk, m, interval)
+        + random_walk_variance(walk, m, interval)
         + processes
             .map(|g| gauss_markov_variance(g, m, interval))
             .sum::<f64>()

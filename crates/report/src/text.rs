@@ -10,5 +10,6 @@ pub use crate::{
     plain::{Mark, unmarked},
     tune::plain as tune,
 };
+pub(crate) use identify::bounds;
 pub use identify::{correlation_csv, identification, identify};
 pub use navigate::navigate;

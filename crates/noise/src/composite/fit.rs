@@ -17,8 +17,9 @@ const NEEDED: f64 = 1.92;
 /// A term whose removal costs less than this is not there: it would be a state without effect.
 const VANISHED: f64 = 0.01;
 /// All terms, the slow ones first.
-const TERMS: [Term; 3 + MAX_GAUSS_MARKOV] = [
+const TERMS: [Term; 4 + MAX_GAUSS_MARKOV] = [
     Term::RandomWalk,
+    Term::Flicker,
     Term::GaussMarkov(1),
     Term::GaussMarkov(0),
     Term::Quantisation,
@@ -33,16 +34,21 @@ const SAME_WHITE: f64 = 3.0;
 const KNOWN: f64 = 0.1;
 
 /// How to fit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FitOptions {
     /// A longer record is averaged in blocks until so many points or fewer are left.
     pub max_points: usize,
+    /// Terms near which the optimum lies: the search starts there alone.
+    pub start: Option<CompositeTerms>,
 }
 
 impl Default for FitOptions {
     /// 50 000 points.
     fn default() -> Self {
-        Self { max_points: 50_000 }
+        Self {
+            max_points: 50_000,
+            start: None,
+        }
     }
 }
 
@@ -55,6 +61,8 @@ pub enum Term {
     Quantisation,
     /// Random walk.
     RandomWalk,
+    /// Flicker noise.
+    Flicker,
     /// The Gauss-Markov process of this index.
     GaussMarkov(usize),
 }
@@ -89,7 +97,7 @@ pub struct CompositeFit {
     /// Standard errors of the logarithm of each parameter, from the curvature of the blocks'
     /// likelihood at its optimum.
     pub relative_errors: Option<CompositeTerms>,
-    /// Exact log-likelihood of the block averages, at its optimum.
+    /// Exact restricted log-likelihood of the block averages, at its optimum.
     pub log_likelihood: f64,
     /// `−2 log L + 2k`, the level counted as a parameter.
     pub aic: f64,
@@ -157,7 +165,11 @@ pub fn fit(
         interval,
     };
     let length_s = record.len() as f64 * interval;
-    let best = search(&averages, set, &moments, full.ok(), length_s)?;
+    let starts = match &options.start {
+        Some(terms) => vec![set.coordinates(terms)],
+        None => starts(set, &moments, full.ok(), length_s),
+    };
+    let best = search(&averages, set, starts, length_s)?;
 
     let mut flags = Vec::new();
     if !best.converged {
@@ -166,9 +178,10 @@ pub fn fit(
     let mut terms = set.terms(&best.z);
     sort_processes(&mut terms, None);
     let found = averages.likelihood(&terms)?;
-    terms = without_useless(terms, found.log_likelihood, &averages, &mut flags);
+    let log_likelihood = found.restricted();
+    terms = without_useless(terms, log_likelihood, &averages, &mut flags);
     let left = terms.set();
-    let top = Point::new(left.coordinates(&terms), -found.log_likelihood);
+    let top = Point::new(left.coordinates(&terms), -log_likelihood);
     let costs = |z: &[Vec<f64>]| z.iter().map(|z| averages.cost(&left.terms(z))).collect();
     let relative_errors = covariance(&mut Objective::new(&costs, SCALES), &top)
         .map(|covariance| left.relative_errors(&covariance));
@@ -200,9 +213,9 @@ pub fn fit(
         white_full_rate,
         terms,
         relative_errors,
-        log_likelihood: found.log_likelihood,
-        aic: -2.0 * found.log_likelihood + 2.0 * k,
-        bic: -2.0 * found.log_likelihood + k * n.ln(),
+        log_likelihood,
+        aic: -2.0 * log_likelihood + 2.0 * k,
+        bic: -2.0 * log_likelihood + k * n.ln(),
         parameters,
         block,
         points: found.observations,
@@ -213,10 +226,10 @@ pub fn fit(
 }
 
 /// A record as the likelihood sees it: averages over blocks of samples `interval` \[s\] apart.
-struct Averages {
-    values: Vec<f64>,
-    block: usize,
-    interval: f64,
+pub(super) struct Averages {
+    pub(super) values: Vec<f64>,
+    pub(super) block: usize,
+    pub(super) interval: f64,
 }
 
 impl Averages {
@@ -225,25 +238,36 @@ impl Averages {
         log_likelihood(&self.values, &filter, Level::Estimated)
     }
 
-    /// The negative log-likelihood, +∞ where there is none.
-    fn cost(&self, terms: &CompositeTerms) -> f64 {
+    /// The negative restricted log-likelihood, +∞ without one.
+    pub(super) fn cost(&self, terms: &CompositeTerms) -> f64 {
         self.likelihood(terms)
-            .map_or(f64::INFINITY, |l| -l.log_likelihood)
+            .map_or(f64::INFINITY, |l| -l.restricted())
     }
 }
 
-/// The most likely terms, from starts about the moments of the blocks' scales and, since only they see a
-/// fast process though a short memory pulls them, the moments of all scales.
-fn search(
-    averages: &Averages,
+/// Starts about the moments of the blocks' scales and, since only they see a fast process though a short memory
+/// pulls them, the moments of all scales.
+fn starts(
     set: TermSet,
     moments: &MomentFit,
     full: Option<MomentFit>,
     length_s: f64,
+) -> Vec<Vec<f64>> {
+    let mut starts = variants(&set.coordinates(&moments.terms), set, length_s);
+    starts.extend(full.map(|m| set.coordinates(&m.terms)));
+    starts
+}
+
+/// The most likely terms; the first start is the centre of what is searched.
+fn search(
+    averages: &Averages,
+    set: TermSet,
+    starts: Vec<Vec<f64>>,
+    length_s: f64,
 ) -> Result<Point, CompositeError> {
     let first_tau = set.amplitudes();
     let tau_range = (0.05 * averages.interval).ln()..(1e3 * length_s).ln();
-    let centre = set.coordinates(&moments.terms);
+    let centre = starts[0].clone();
     let cost = |z: &Vec<f64>| {
         let near = z.iter().zip(&centre).all(|(a, b)| (a - b).abs() < 25.0);
         if near && z[first_tau..].iter().all(|t| tau_range.contains(t)) {
@@ -253,8 +277,6 @@ fn search(
         }
     };
     let costs = |z: &[Vec<f64>]| z.iter().map(cost).collect();
-    let mut starts = variants(&centre, set, length_s);
-    starts.extend(full.map(|m| set.coordinates(&m.terms)));
     best_of(&mut Objective::new(&costs, SCALES), starts, 2, 1e-5, 100)
         .ok_or(CompositeError::NoOptimum)
 }
@@ -317,6 +339,7 @@ fn less(terms: &CompositeTerms, term: Term) -> CompositeTerms {
         Term::White => without.white = 0.0,
         Term::Quantisation => without.quantisation = 0.0,
         Term::RandomWalk => without.random_walk = 0.0,
+        Term::Flicker => without.flicker = 0.0,
         Term::GaussMarkov(i) => without.gauss_markov[i] = GaussMarkov::default(),
     }
     without

@@ -26,6 +26,19 @@ pub struct RecordLikelihood {
 }
 
 impl RecordLikelihood {
+    /// The logarithm of the restricted likelihood: the level integrated out under a flat prior, not put at its
+    /// best value. Unlike the profile it has a limit where a correlation time grows beyond the record, that
+    /// of the random walk (Harville 1974; Chen & Deo 2009 for its tests near a unit root).
+    pub fn restricted(&self) -> f64 {
+        let freedom = match self.level_standard_error {
+            error if error > 0.0 && error.is_finite() => {
+                (error * std::f64::consts::TAU.sqrt()).ln()
+            }
+            _ => 0.0,
+        };
+        self.log_likelihood + freedom
+    }
+
     /// Log-likelihood with all variances of the model scaled by the best common factor
     /// `Σ(v²/V)/n`.
     pub fn with_best_scale(&self) -> f64 {

@@ -183,17 +183,10 @@ impl<const N: usize> Horizon<N> {
         let batches: Vec<f64> = self.batches.iter().map(mean_of).collect();
         let rms = mean_square.sqrt();
         let windows = origins / self.length as f64;
-        // d rms = d(rms²) / (2 rms)
-        let from_batches = if rms > 0.0 {
-            super::recommend::standard_error(&batches) / (2.0 * rms)
-        } else {
-            0.0
-        };
-        let independent = rms / (2.0 * windows.max(1.0)).sqrt();
         Some(HorizonScore {
             horizon_s: self.length as f64 * interval,
             rms,
-            standard_error: from_batches.max(independent),
+            standard_error: super::standard_error(rms, windows, &batches),
             predicted_rms: (scale * self.predicted / origins).max(0.0).sqrt(),
             origins: self.seen,
             windows,

@@ -7,8 +7,9 @@ use super::HorizonScore;
 const ERRORS: f64 = 3.0;
 /// A score worse by less than this share is as good as the best, however precise the comparison.
 const SAME: f64 = 0.01;
-/// A score worse by more than this share is not as good as the best, however imprecise.
-const WORSE: f64 = 0.05;
+
+/// Candidates whose Akaike criteria differ by less are as likely (Burnham & Anderson 2002, section 2.6).
+const EQUAL_AIC: f64 = 2.0;
 
 /// Fewest batches whose scatter means anything; with fewer the best score's own error decides.
 const FEWEST: usize = 4;
@@ -22,6 +23,8 @@ pub struct Scored {
     pub states: usize,
     /// Fitted parameters.
     pub parameters: usize,
+    /// Akaike's criterion, on the same data for every candidate.
+    pub aic: f64,
     /// Scores, the same horizons in the same order for every candidate.
     pub horizons: Vec<HorizonScore>,
 }
@@ -52,14 +55,11 @@ pub(super) fn standard_error(batches: &[f64]) -> f64 {
 }
 
 /// Whether a score is within the sampling error of the best: the difference of their mean squares is
-/// within three standard errors, from the differences batch by batch (both saw the same record), and
-/// the RMS within 5 %; or the RMS is within 1 % anyway.
+/// within three standard errors, from the differences batch by batch (both saw the same record); or the RMS is
+/// within 1 % anyway.
 fn is_as_good(score: &HorizonScore, best: &HorizonScore) -> bool {
     if score.rms <= (1.0 + SAME) * best.rms {
         return true;
-    }
-    if score.rms > (1.0 + WORSE) * best.rms {
-        return false;
     }
     if score.batches.len() < FEWEST {
         return score.rms - best.rms <= best.standard_error;
@@ -70,10 +70,11 @@ fn is_as_good(score: &HorizonScore, best: &HorizonScore) -> bool {
     gap <= ERRORS * standard_error(&differences)
 }
 
-/// The simplest candidate (fewest states, then fewest parameters, then the best sum of relative
-/// scores) that is within the sampling error of the best at every horizon; where none is at all of
-/// them, the one whose worst ratio to the best is least. None of an empty list, or where scores are
-/// missing or not finite in every candidate.
+/// The choice among models of one record. Of the candidates whose drift is within the sampling error of the least at
+/// every horizon, those whose Akaike criterion is within 2 of the least; of these the one with the fewest parameters, then states,
+/// then the first. The windows of a long horizon are few: where drift does not tell two models apart, the likelihood may.
+/// Where no candidate is as good as the best everywhere, the one whose worst ratio to the best is least. None of an empty list,
+/// or where scores are missing or not finite in every candidate.
 pub fn recommend(candidates: &[Scored]) -> Option<Recommendation> {
     let horizons = candidates.iter().map(|c| c.horizons.len()).max()?;
     let valid =
@@ -96,15 +97,15 @@ pub fn recommend(candidates: &[Scored]) -> Option<Recommendation> {
     let ratio =
         |c: &Scored, h: usize| c.horizons[h].rms / best[h].horizons[h].rms.max(f64::MIN_POSITIVE);
     let worst = |c: &Scored| (0..horizons).map(|h| ratio(c, h)).fold(0.0, f64::max);
-    let total = |c: &Scored| -> f64 { (0..horizons).map(|h| ratio(c, h)).sum() };
     let good = |c: &Scored| (0..horizons).all(|h| is_as_good(&c.horizons[h], &best[h].horizons[h]));
+    // The likelihood sees more of a record than the few windows of a long horizon do.
+    let least_aic = usable.iter().filter(|(_, c)| good(c)).map(|(_, c)| c.aic);
+    let least_aic = least_aic.fold(f64::INFINITY, f64::min);
+    let likely = |c: &Scored| c.aic <= least_aic + EQUAL_AIC;
     let simplest = usable
         .iter()
-        .filter(|(_, c)| good(c))
-        .min_by(|(_, a), (_, b)| {
-            let size = |c: &Scored| (c.states, c.parameters);
-            size(a).cmp(&size(b)).then(total(a).total_cmp(&total(b)))
-        });
+        .filter(|(_, c)| good(c) && likely(c))
+        .min_by_key(|(_, c)| (c.parameters, c.states));
     let percent = |ratio: f64| 100.0 * (ratio - 1.0);
     let counted = |n: usize, what: &str| match n {
         1 => format!("1 {what}"),
@@ -126,13 +127,13 @@ pub fn recommend(candidates: &[Scored]) -> Option<Recommendation> {
     if let Some(&(index, chosen)) = simplest {
         let reason = if best.iter().all(|b| std::ptr::eq(*b, chosen)) {
             format!(
-                "{} ({}) drifts least at {span} s, and no simpler candidate is within its sampling error.",
+                "{} ({}) drifts least at {span} s, and no simpler candidate is as likely.",
                 chosen.name,
                 sizes(chosen)
             )
         } else {
             format!(
-                "{} ({}) is the simplest candidate within the sampling error of the least drift at {span} s (at most {:.1} % above it).",
+                "{} ({}) is the simplest of the likeliest candidates whose drift at {span} s is within the sampling error of the least (at most {:.1} % above it).",
                 chosen.name,
                 sizes(chosen),
                 percent(worst(chosen))
@@ -174,6 +175,7 @@ mod tests {
             name: name.into(),
             states,
             parameters: 2 * states + 1,
+            aic: f64::INFINITY,
             horizons: horizons.collect(),
         }
     }

@@ -4,13 +4,13 @@ use super::{Detrend, Residuals};
 use crate::{
     allan::{Curve, GaussMarkovFit, Interval, Terms},
     arma::{ArmaFit, Selection},
-    composite::CompositeFit,
+    composite::{CompositeFit, ParameterInterval},
     drift_score::HorizonScore,
     model_file::AxisModel,
     normality::Normality,
     number::rounded,
     pandit_wu::PanditWu,
-    scales::{ScaleFit, Scales},
+    scales::Scales,
     screening::{Hanging, Motion, Outlier, Saturation},
     spectrum::{Density, Line},
     stationarity::{Adf, Kpss, PhillipsPerron, Verdict},
@@ -32,7 +32,10 @@ pub struct Candidate {
     pub origin: Origin,
     /// Ljung-Box p of its residuals at 20 lags, for ARMA and AR models.
     pub ljung_box_p: Option<f64>,
-    /// RMS prediction error of the integrated signal at each horizon.
+    /// Akaike's criterion of block averages of the record: comparable among all candidates.
+    pub aic: f64,
+    /// RMS prediction error of the integrated signal at each horizon: fitted on one half of the record, scored on the
+    /// other, both ways.
     pub score: Vec<HorizonScore>,
     /// What should be said with it.
     pub warnings: Vec<String>,
@@ -49,8 +52,6 @@ pub enum Origin {
     Burg,
     /// Maximum likelihood of a sum of terms, with the wavelet moments it started from.
     Composite(Box<CompositeFit>),
-    /// ARMA(1,1) of block averages carried back to the full rate.
-    Scale(Box<ScaleFit>),
 }
 
 /// Everything found of one axis. SI units.
@@ -108,10 +109,12 @@ pub struct Axis {
     /// What is left by the model that the paper's procedure chose, and by the recommended one where
     /// that is another ARMA.
     pub residuals: Vec<Residuals>,
-    /// The fits of block averages, which are candidates too.
+    /// The fits of block averages: whether the slow part is the same at every scale.
     pub scales: Option<Scales>,
     /// Candidates with their scores, in the order tried.
     pub candidates: Vec<Candidate>,
+    /// 95 % intervals of the recommended candidate's parameters, if it is a sum of terms.
+    pub intervals: Vec<ParameterInterval>,
     /// Index of the recommended candidate.
     pub chosen: usize,
     /// Why, in one sentence.

@@ -1,42 +1,58 @@
-//! The candidate models of an axis, fitted on the first half of its record, scored on the second.
+//! The candidate models of an axis: fitted on the whole of its record, scored crosswise on its halves.
+//!
+//! A candidate's drift is honest where the scored half has not been fitted: each is fitted on the first half
+//! and scored on the second, and the other way round, on the record reversed in time (the models are normal
+//! processes, which look the same in either direction). Fitted on the whole, it is the model that is given out.
 
 use super::screened::bridge;
 use super::{Candidate, GRID_ORDER, HIGH_ORDER_SAMPLES, Origin, SEARCH_SAMPLES, remarks};
 use crate::{
     BiasModel,
-    allan::Terms,
+    allan::{self, DeviationKind, Grid, Terms},
     arma::{self, ArmaFit, FitOptions, Selection},
-    composite::{self, CompositeTerms, Flag, TermSet},
-    drift_score,
+    composite::{self, CompositeTerms, Flag, Level, ParameterInterval, TermSet},
+    drift_score::{self, HorizonScore},
     model_file::{Arma, AxisModel},
     pandit_wu::{self, PanditWu, PanditWuOptions},
-    scales::{self, ScaleFit, Scales},
+    scales::{self, Scales},
     whiteness,
 };
+use rayon::prelude::*;
+use undrift_nav::shaping::ShapingFilter;
 
 /// Effort of the search over orders.
 const SEARCH_EFFORT: f64 = 0.3;
-/// Effort of fitting an order again to the whole half.
+/// Effort of fitting an order again to the whole record.
 const REFINE_EFFORT: f64 = 0.2;
 /// Effort of each fit of the grid of orders: each starts from its neighbours' optima besides.
 const GRID_EFFORT: f64 = 0.03;
 /// Effort of each fit of block averages.
 const SCALE_EFFORT: f64 = 0.1;
+/// Effort of each fit of a half, which starts from the optimum of the whole besides.
+const HALF_EFFORT: f64 = 0.01;
 /// Highest order of the autoregressive candidate: with the turn-on constant it fills an axis.
 const MOST_AR: usize = 5;
+/// Probability of the intervals of the recommended candidate's parameters.
+const PROBABILITY: f64 = 0.95;
+/// Block averages that the candidates' likelihoods are compared on, at most…
+const COMPARED: usize = 20_000;
+/// …each at least so long \[s\]: a fourth of the shortest horizon, below which nothing drifts.
+const COMPARED_S: f64 = 0.25;
 
-/// The record split for fitting and scoring.
-pub(super) struct Half<'a> {
+/// The record and how it is judged.
+pub(super) struct Task<'a> {
     /// Screened record about its mean, NaN where a sample was left out.
     pub(super) record: &'a [f64],
-    /// Samples of the first half, which is fitted.
-    pub(super) first: usize,
     pub(super) rate_hz: f64,
+    /// Terms of the record's Allan deviation.
+    pub(super) allan: Terms,
     /// Standard deviation of the turn-on constant [unit].
     pub(super) turn_on: f64,
     pub(super) horizons: Vec<f64>,
     /// Quantisation is large enough to be a term.
     pub(super) quantised: bool,
+    /// Largest n of ARMA(2n, 2n−1).
+    pub(super) n_max: usize,
 }
 
 /// All that was tried.
@@ -47,96 +63,222 @@ pub(super) struct Tried {
     pub(super) candidates: Vec<Candidate>,
 }
 
-impl Half<'_> {
-    pub(super) fn fitted(&self) -> &[f64] {
-        &self.record[..self.first]
+/// What is fitted.
+#[derive(Clone, Copy, PartialEq)]
+enum Recipe {
+    /// White noise of the Allan deviation.
+    White,
+    /// White noise and random walk of the Allan deviation.
+    AllanWalk,
+    /// A sum of terms by maximum likelihood.
+    Terms(TermSet),
+    /// ARMA(p, q) by maximum likelihood.
+    Arma(usize, usize),
+    /// ARMA(1,1) with a unit root.
+    UnitRoot,
+    /// AR(p) by Burg's method.
+    Burg(usize),
+}
+
+/// A recipe fitted.
+struct Fitted {
+    model: AxisModel,
+    parameters: usize,
+    origin: Origin,
+}
+
+/// A record, or half of one.
+struct Part<'a> {
+    samples: &'a [f64],
+    rate_hz: f64,
+    allan: Terms,
+}
+
+/// A half to fit and the record to score: its first part is that half.
+struct Fold<'a> {
+    half: Part<'a>,
+    record: &'a [f64],
+}
+
+impl Recipe {
+    fn name(self) -> String {
+        match self {
+            Self::White => "white".to_owned(),
+            Self::AllanWalk => "white + random walk (Allan)".to_owned(),
+            Self::Terms(set) => name_of(set),
+            Self::Arma(p, q) => format!("ARMA({p},{q})"),
+            Self::UnitRoot => "ARMA(1,1), unit root".to_owned(),
+            Self::Burg(p) => format!("AR({p}), Burg"),
+        }
     }
 
-    /// The part of the first half that a search over orders sees.
-    fn searched(&self) -> &[f64] {
-        &self.record[..self.first.min(SEARCH_SAMPLES)]
+    /// Parameters beside the level.
+    fn parameters(self) -> usize {
+        match self {
+            Self::White => 1,
+            Self::AllanWalk | Self::UnitRoot => 2,
+            Self::Terms(set) => set.parameters(),
+            Self::Arma(p, q) => p + q + 1,
+            Self::Burg(p) => p + 1,
+        }
     }
 
-    /// A candidate with its score on the second half; `None` where the model makes no filter.
-    fn candidate(
-        &self,
-        name: String,
-        mut model: AxisModel,
-        parameters: usize,
-        origin: Origin,
-    ) -> Option<Candidate> {
-        model.turn_on = self.turn_on;
-        let filter = model.shaping(BiasModel::Arma, 1.0 / self.rate_hz).ok()?;
-        let score = drift_score::score(self.record, self.first, &filter, &self.horizons).ok()?;
-        let warnings = match &origin {
-            Origin::Allan | Origin::Burg => Vec::new(),
-            Origin::Arma(fit) => remarks::of_arma(fit),
-            Origin::Composite(fit) => remarks::of_composite(fit),
-            Origin::Scale(fit) => remarks::of_scale(fit),
+    /// Fits a part of the record, from the optimum of the whole where that is known; `known`: coefficients
+    /// near which that of an ARMA may lie.
+    fn fit(
+        self,
+        part: &Part,
+        whole: Option<&Fitted>,
+        known: &[(Vec<f64>, Vec<f64>)],
+    ) -> Option<Fitted> {
+        let effort = |of_whole| with_effort(whole.map_or(of_whole, |_| HALF_EFFORT));
+        let (model, origin) = match self {
+            Self::White => (white(&part.allan), Origin::Allan),
+            Self::AllanWalk => {
+                let walk = part.allan.random_walk.value;
+                let model = AxisModel {
+                    random_walk: (walk > 0.0).then_some(walk),
+                    ..white(&part.allan)
+                };
+                // A half may show no walk; the whole has to.
+                (walk > 0.0 || whole.is_some()).then_some((model, Origin::Allan))?
+            }
+            Self::Terms(set) => {
+                let fit = terms(set, part, whole)?;
+                (in_terms(&fit.terms), Origin::Composite(Box::new(fit)))
+            }
+            Self::Arma(p, q) => {
+                let known = whole.map_or(known.to_vec(), Fitted::coefficients);
+                let most = if p > 1 {
+                    HIGH_ORDER_SAMPLES
+                } else {
+                    usize::MAX
+                };
+                let samples = &part.samples[..part.samples.len().min(most)];
+                let fit = arma::fit_from(samples, p, q, &effort(REFINE_EFFORT), &known).ok()?;
+                arma_of(fit, part.rate_hz)
+            }
+            Self::UnitRoot => {
+                let options = FitOptions {
+                    unit_root: true,
+                    ..effort(REFINE_EFFORT)
+                };
+                let known = whole.map_or(Vec::new(), Fitted::coefficients);
+                let fit = arma::fit_from(part.samples, 1, 1, &options, &known).ok()?;
+                arma_of(fit, part.rate_hz)
+            }
+            Self::Burg(p) => (burg(p, part)?, Origin::Burg),
         };
-        Some(Candidate {
-            name,
-            states: filter.order,
+        // The level is one.
+        let parameters = self.parameters() + 1;
+        Some(Fitted {
             model,
             parameters,
             origin,
-            ljung_box_p: None,
-            score,
+        })
+    }
+}
+
+impl Fitted {
+    /// φ and θ, as a start.
+    fn coefficients(&self) -> Vec<(Vec<f64>, Vec<f64>)> {
+        match &self.origin {
+            Origin::Arma(fit) => vec![(fit.ar.clone(), fit.ma.clone())],
+            _ => Vec::new(),
+        }
+    }
+
+    fn shaping(&self, turn_on: f64, rate_hz: f64) -> Option<ShapingFilter> {
+        let model = AxisModel {
+            turn_on,
+            ..self.model.clone()
+        };
+        model.shaping(BiasModel::Arma, 1.0 / rate_hz).ok()
+    }
+}
+
+impl<'a> Part<'a> {
+    fn new(samples: &'a [f64], rate_hz: f64) -> Option<Self> {
+        let bridged = bridge(samples);
+        let curve = allan::deviations(&bridged, rate_hz, DeviationKind::Overlapping, Grid::Octave);
+        let allan = allan::fit_terms(&curve.ok()?).ok()?;
+        Some(Self {
+            samples,
+            rate_hz,
+            allan,
+        })
+    }
+}
+
+impl<'a> Fold<'a> {
+    fn new(record: &'a [f64], first: usize, rate_hz: f64) -> Option<Self> {
+        let half = Part::new(&record[..first], rate_hz)?;
+        Some(Self { half, record })
+    }
+}
+
+impl Task<'_> {
+    /// The part of the record that a search over orders sees.
+    fn searched(&self) -> &[f64] {
+        &self.record[..self.record.len().min(SEARCH_SAMPLES)]
+    }
+
+    /// The candidate of a fit of the whole, scored on the halves; `None` where it makes no filter or cannot
+    /// be fitted to each half.
+    fn candidate(&self, recipe: Recipe, whole: Fitted, folds: &[Fold]) -> Option<Candidate> {
+        let filter = whole.shaping(self.turn_on, self.rate_hz)?;
+        let scores = folds.iter().map(|fold| {
+            let found = recipe.fit(&fold.half, Some(&whole), &[])?;
+            let filter = found.shaping(self.turn_on, self.rate_hz)?;
+            let first = fold.half.samples.len();
+            drift_score::score(fold.record, first, &filter, &self.horizons).ok()
+        });
+        let scores: Vec<Vec<HorizonScore>> = scores.collect::<Option<_>>()?;
+        let warnings = match &whole.origin {
+            Origin::Allan | Origin::Burg => Vec::new(),
+            Origin::Arma(fit) => remarks::of_arma(fit),
+            Origin::Composite(fit) => remarks::of_composite(fit),
+        };
+        let ljung_box_p = match &whole.origin {
+            Origin::Arma(fit) => self.ljung_box(fit),
+            _ => None,
+        };
+        Some(Candidate {
+            name: recipe.name(),
+            states: filter.order,
+            parameters: whole.parameters,
+            aic: self.aic(&whole, recipe.parameters()),
+            ljung_box_p,
+            score: drift_score::pooled(&scores),
             warnings,
+            model: AxisModel {
+                turn_on: self.turn_on,
+                ..whole.model
+            },
+            origin: whole.origin,
         })
     }
 
-    fn arma(&self, fit: &ArmaFit, name: String) -> Option<Candidate> {
-        let arma = Arma {
-            ar: fit.ar.clone(),
-            ma: fit.ma.clone(),
-            sigma: fit.sigma,
-            rate_hz: self.rate_hz,
+    /// Akaike's criterion of block averages of the record, the same of every candidate; infinite without one.
+    fn aic(&self, fitted: &Fitted, parameters: usize) -> f64 {
+        let shortest = (COMPARED_S * self.rate_hz).round() as usize;
+        let block = self.record.len().div_ceil(COMPARED).max(shortest);
+        let likelihood = || {
+            let filter = fitted.shaping(0.0, self.rate_hz)?;
+            let filter = composite::block_average(&filter, block).ok()?;
+            let averages = composite::average_in_blocks(self.record, block).ok()?;
+            composite::log_likelihood(&averages, &filter, Level::Estimated).ok()
         };
-        let model = AxisModel {
-            arma: Some(arma),
-            ..AxisModel::default()
-        };
-        let origin = Origin::Arma(Box::new(fit.clone()));
-        let mut candidate = self.candidate(name, model, fit.parameters, origin)?;
-        candidate.ljung_box_p = fit.residuals(self.searched()).ok().and_then(|residuals| {
-            let present: Vec<f64> = residuals.into_iter().filter(|r| r.is_finite()).collect();
-            let fitted = fit.ar.len() + fit.ma.len();
-            whiteness::portmanteau(&present, &[20], fitted)
-                .ok()
-                .map(|t| t[0].ljung_box_p)
-        });
-        Some(candidate)
+        likelihood().map_or(f64::INFINITY, |l| {
+            2.0 * parameters as f64 - 2.0 * l.restricted()
+        })
     }
 
-    /// None too where the likelihood leaves a term out: the model without it is a candidate itself.
-    fn composite(&self, set: TermSet) -> Option<Candidate> {
-        let interval = 1.0 / self.rate_hz;
-        let fit = composite::fit(
-            self.fitted(),
-            interval,
-            set,
-            &composite::FitOptions::default(),
-        )
-        .ok()?;
-        if fit.flags.iter().any(|f| matches!(f, Flag::Vanished(_))) {
-            return None;
-        }
-        let (model, parameters) = (in_terms(&fit.terms), fit.parameters);
-        self.candidate(
-            name_of(set),
-            model,
-            parameters,
-            Origin::Composite(Box::new(fit)),
-        )
-    }
-
-    /// The model of a block scale at the full rate; none where it has no slow part.
-    fn scale(&self, fit: &ScaleFit) -> Option<Candidate> {
-        let model = in_terms(&fit.lifted?.terms());
-        let name = format!("ARMA(1,1) of means of {}", fit.block);
-        // φ, θ, σ and the mean.
-        self.candidate(name, model, 4, Origin::Scale(Box::new(fit.clone())))
+    fn ljung_box(&self, fit: &ArmaFit) -> Option<f64> {
+        let residuals = fit.residuals(self.searched()).ok()?;
+        let present: Vec<f64> = residuals.into_iter().filter(|r| r.is_finite()).collect();
+        let test = whiteness::portmanteau(&present, &[20], fit.ar.len() + fit.ma.len());
+        Some(test.ok()?[0].ljung_box_p)
     }
 }
 
@@ -151,48 +293,171 @@ fn name_of(set: TermSet) -> String {
         1 => name += " + Gauss-Markov",
         _ => name += " + two Gauss-Markov",
     }
+    if set.flicker {
+        name += " + flicker";
+    }
     if set.random_walk {
         name += " + random walk";
     }
     name
 }
 
-/// A composite model in the terms of the model file.
-fn in_terms(terms: &CompositeTerms) -> AxisModel {
-    let processes = terms.gauss_markov.iter().filter(|g| g.sigma > 0.0);
+fn white(terms: &Terms) -> AxisModel {
     AxisModel {
-        white: Some(terms.white),
-        quantisation: (terms.quantisation > 0.0).then_some(terms.quantisation),
-        instability: processes.copied().collect(),
-        random_walk: (terms.random_walk > 0.0).then_some(terms.random_walk),
+        white: Some(terms.white.value.max(f64::MIN_POSITIVE)),
         ..AxisModel::default()
     }
 }
 
-/// All candidates, fitted on the first half and scored on the second.
-pub(super) fn candidates(half: &Half, n_max: usize, terms: &Terms) -> Tried {
-    let mut candidates = allan(half, terms);
-    candidates.extend(composites(half));
+/// A composite model in the terms of the model file.
+fn in_terms(terms: &CompositeTerms) -> AxisModel {
+    let (instability, walk) = terms.slow();
+    AxisModel {
+        white: Some(terms.white),
+        quantisation: (terms.quantisation > 0.0).then_some(terms.quantisation),
+        instability,
+        random_walk: (walk > 0.0).then_some(walk),
+        ..AxisModel::default()
+    }
+}
+
+/// A sum of terms by maximum likelihood. None too where the likelihood of the whole leaves a term out: the
+/// model without it is a candidate itself. A half may leave one out.
+fn terms(set: TermSet, part: &Part, whole: Option<&Fitted>) -> Option<composite::CompositeFit> {
+    let start = whole.and_then(|whole| match &whole.origin {
+        Origin::Composite(fit) => Some(fit.terms),
+        _ => None,
+    });
+    let options = composite::FitOptions {
+        start,
+        ..composite::FitOptions::default()
+    };
+    let fit = composite::fit(part.samples, 1.0 / part.rate_hz, set, &options).ok()?;
+    let is_smaller = fit.flags.iter().any(|f| matches!(f, Flag::Vanished(_)));
+    (whole.is_some() || !is_smaller).then_some(fit)
+}
+
+fn arma_of(fit: ArmaFit, rate_hz: f64) -> (AxisModel, Origin) {
+    let arma = Arma {
+        ar: fit.ar.clone(),
+        ma: fit.ma.clone(),
+        sigma: fit.sigma,
+        rate_hz,
+    };
+    let model = AxisModel {
+        arma: Some(arma),
+        ..AxisModel::default()
+    };
+    (model, Origin::Arma(Box::new(fit)))
+}
+
+fn burg(p: usize, part: &Part) -> Option<AxisModel> {
+    let fit = arma::burg(&bridge(part.samples), p).ok()?;
+    let arma = Arma {
+        ar: fit.ar,
+        ma: Vec::new(),
+        sigma: fit.variance.sqrt(),
+        rate_hz: part.rate_hz,
+    };
+    Some(AxisModel {
+        arma: Some(arma),
+        ..AxisModel::default()
+    })
+}
+
+/// All candidates.
+pub(super) fn candidates(task: &Task) -> Tried {
     let search = PanditWuOptions {
-        n_max,
+        n_max: task.n_max,
         fit: with_effort(SEARCH_EFFORT),
         ..PanditWuOptions::default()
     };
-    let pandit_wu = pandit_wu::pandit_wu(half.searched(), &search).ok();
-    candidates.extend(armas(half, pandit_wu.as_ref()));
-    candidates.extend(autoregression(half));
-    // The averages of one sample are the ARMA(1,1) above.
+    let pandit_wu = pandit_wu::pandit_wu(task.searched(), &search).ok();
+    // The averages of one sample are the ARMA(1,1) of the full rate.
     let blocks = &scales::BLOCKS[1..];
-    let scales = scales::identify(half.fitted(), 1.0 / half.rate_hz, blocks, SCALE_EFFORT).ok();
-    let fits = scales.iter().flat_map(|s| &s.scales);
-    candidates.extend(fits.filter_map(|fit| half.scale(fit)));
+    let whole = Part {
+        samples: task.record,
+        rate_hz: task.rate_hz,
+        allan: task.allan,
+    };
+    let scales = scales::identify(task.record, 1.0 / task.rate_hz, blocks, SCALE_EFFORT).ok();
+    let known = |(p, q)| {
+        let fit = pandit_wu.as_ref().and_then(|table| table.fit((p, q)));
+        let known = fit.iter().map(|fit| (fit.ar.clone(), fit.ma.clone()));
+        known.collect::<Vec<_>>()
+    };
+    let fit = |recipe: Recipe| match recipe {
+        Recipe::Arma(p, q) => recipe.fit(&whole, None, &known((p, q))),
+        _ => recipe.fit(&whole, None, &[]),
+    };
+    let reversed: Vec<f64> = task.record.iter().rev().copied().collect();
+    let middle = task.record.len() / 2;
+    let fold = |record, first| Fold::new(record, first, task.rate_hz);
+    let folds = [
+        fold(task.record, middle),
+        fold(&reversed, task.record.len() - middle),
+    ];
+    let folds: Vec<Fold> = folds.into_iter().flatten().collect();
+    let recipes = recipes(task, pandit_wu.as_ref());
+    let candidates = recipes
+        .into_par_iter()
+        .filter_map(|recipe| task.candidate(recipe, fit(recipe)?, &folds))
+        .collect();
     let grid = with_effort(GRID_EFFORT);
     Tried {
-        box_jenkins: arma::select(half.searched(), GRID_ORDER, GRID_ORDER, &grid).ok(),
+        box_jenkins: arma::select(task.searched(), GRID_ORDER, GRID_ORDER, &grid).ok(),
         pandit_wu,
         scales,
         candidates,
     }
+}
+
+/// Intervals of a candidate's parameters; none of one that is not a sum of terms.
+pub(super) fn intervals(task: &Task, of: &Candidate) -> Vec<ParameterInterval> {
+    let found = of
+        .composite()
+        .map(|fit| composite::intervals(task.record, 1.0 / task.rate_hz, fit, PROBABILITY));
+    found.and_then(Result::ok).unwrap_or_default()
+}
+
+/// What is tried, in the order of tables.
+fn recipes(task: &Task, table: Option<&PanditWu>) -> Vec<Recipe> {
+    let mut list = vec![Recipe::White];
+    let plain = [(0, true), (1, false), (1, true), (2, false), (2, true)];
+    let rounded = [(0, true), (1, false)];
+    let rounded = rounded.iter().filter(|_| task.quantised);
+    let sets = plain.iter().map(|of| (false, of));
+    let sets = sets.chain(rounded.map(|of| (true, of)));
+    list.extend(sets.map(|(quantisation, &(gauss_markov, random_walk))| {
+        Recipe::Terms(TermSet {
+            white: true,
+            quantisation,
+            random_walk,
+            gauss_markov,
+            ..TermSet::default()
+        })
+    }));
+    list.extend([false, true].map(|random_walk| {
+        Recipe::Terms(TermSet {
+            white: true,
+            flicker: true,
+            random_walk,
+            ..TermSet::default()
+        })
+    }));
+    list.extend([Recipe::AllanWalk, Recipe::Arma(1, 1), Recipe::Arma(2, 1)]);
+    for (p, q) in table.iter().flat_map(|t| [t.by_f, t.by_aic, t.by_bic]) {
+        let recipe = Recipe::Arma(p, q);
+        if !list.contains(&recipe) {
+            list.push(recipe);
+        }
+    }
+    list.push(Recipe::UnitRoot);
+    let bridged = bridge(task.searched());
+    if let Ok(p) = arma::order_by_aicc(&bridged, MOST_AR) {
+        list.push(Recipe::Burg(p.max(1)));
+    }
+    list
 }
 
 fn with_effort(effort: f64) -> FitOptions {
@@ -200,99 +465,4 @@ fn with_effort(effort: f64) -> FitOptions {
         effort,
         ..FitOptions::default()
     }
-}
-
-/// The white noise of the Allan deviation, and its random walk beside it.
-fn allan(half: &Half, terms: &Terms) -> Vec<Candidate> {
-    let white = AxisModel {
-        white: Some(terms.white.value.max(f64::MIN_POSITIVE)),
-        ..AxisModel::default()
-    };
-    let walk = terms.random_walk.value;
-    let walk = (walk > 0.0).then(|| AxisModel {
-        random_walk: Some(walk),
-        ..white.clone()
-    });
-    let walk = walk.and_then(|model| {
-        half.candidate(
-            "white + random walk (Allan)".into(),
-            model,
-            2,
-            Origin::Allan,
-        )
-    });
-    let white = half.candidate("white".into(), white, 1, Origin::Allan);
-    white.into_iter().chain(walk).collect()
-}
-
-/// Sums of terms.
-fn composites(half: &Half) -> Vec<Candidate> {
-    let plain = [(0, true), (1, false), (1, true), (2, false), (2, true)];
-    let rounded = [(0, true), (1, false)];
-    let rounded = rounded.iter().filter(|_| half.quantised);
-    let sets = plain.iter().map(|of| (false, of));
-    let sets = sets.chain(rounded.map(|of| (true, of)));
-    let fit = |(quantisation, &(gauss_markov, random_walk))| {
-        half.composite(TermSet {
-            white: true,
-            quantisation,
-            random_walk,
-            gauss_markov,
-        })
-    };
-    sets.filter_map(fit).collect()
-}
-
-/// ARMA models of the orders that the table chooses and of two that are always tried, and one with a unit root.
-fn armas(half: &Half, table: Option<&PanditWu>) -> Vec<Candidate> {
-    let mut orders = vec![(1, 1), (2, 1)];
-    for order in table.iter().flat_map(|t| [t.by_f, t.by_aic, t.by_bic]) {
-        if !orders.contains(&order) {
-            orders.push(order);
-        }
-    }
-    // The search has found the place; the whole half only moves it a little.
-    let refine = with_effort(REFINE_EFFORT);
-    let fit = |(p, q)| {
-        let known = table.and_then(|table| table.fit((p, q)));
-        let known: Vec<_> = known
-            .iter()
-            .map(|fit| (fit.ar.clone(), fit.ma.clone()))
-            .collect();
-        let samples = if p > 1 {
-            half.first.min(HIGH_ORDER_SAMPLES)
-        } else {
-            half.first
-        };
-        let fit = arma::fit_from(&half.fitted()[..samples], p, q, &refine, &known).ok()?;
-        half.arma(&fit, format!("ARMA({p},{q})"))
-    };
-    let mut list: Vec<Candidate> = orders.into_iter().filter_map(fit).collect();
-    let walk = FitOptions {
-        unit_root: true,
-        ..refine
-    };
-    if let Ok(fit) = arma::fit(half.fitted(), 1, 1, &walk) {
-        list.extend(half.arma(&fit, "ARMA(1,1), unit root".into()));
-    }
-    list
-}
-
-/// AR(p) by Burg's method, p by AICc.
-fn autoregression(half: &Half) -> Option<Candidate> {
-    let bridged = bridge(half.fitted());
-    let searched = &bridged[..half.searched().len()];
-    let p = arma::order_by_aicc(searched, MOST_AR).ok()?.max(1);
-    let fit = arma::burg(&bridged, p).ok()?;
-    let arma = Arma {
-        ar: fit.ar,
-        ma: Vec::new(),
-        sigma: fit.variance.sqrt(),
-        rate_hz: half.rate_hz,
-    };
-    let model = AxisModel {
-        arma: Some(arma),
-        ..AxisModel::default()
-    };
-    half.candidate(format!("AR({p}), Burg"), model, p + 1, Origin::Burg)
 }

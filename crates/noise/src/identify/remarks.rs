@@ -4,7 +4,6 @@ use super::screened::Screened;
 use crate::{
     arma::{ArmaFit, Warning},
     composite::{CompositeFit, Flag, Term},
-    scales::{self, ScaleFit},
     screening::Hanging,
 };
 
@@ -66,6 +65,7 @@ pub(super) fn of_composite(fit: &CompositeFit) -> Vec<String> {
         Term::White => "the white noise".to_owned(),
         Term::Quantisation => "the quantisation".to_owned(),
         Term::RandomWalk => "the random walk".to_owned(),
+        Term::Flicker => "the flicker noise".to_owned(),
         Term::GaussMarkov(i) => match fit.terms.gauss_markov.get(*i) {
             Some(process) if process.sigma > 0.0 => {
                 format!("the Gauss-Markov process of {:.3} s", process.tau_s)
@@ -91,22 +91,4 @@ pub(super) fn of_composite(fit: &CompositeFit) -> Vec<String> {
             Flag::NotConverged => NOT_CONVERGED.into(),
         })
         .collect()
-}
-
-/// Remarks on a block scale.
-pub(super) fn of_scale(fit: &ScaleFit) -> Vec<String> {
-    let say = |flag: &scales::Flag| match flag {
-        scales::Flag::TooFewAverages => "fewer than 200 averages",
-        scales::Flag::NoFit => "the averages could not be fitted",
-        scales::Flag::NoSlowPart => "the averages show no slow part",
-        scales::Flag::NoWhite => "the averages show no white noise",
-        scales::Flag::LongCorrelation => {
-            "indistinguishable from a unit root: the correlation time exceeds a tenth of the recording"
-        }
-        scales::Flag::FastForBlock => "the correlation time is below two blocks",
-        scales::Flag::NotDistinguishable => {
-            "the roots nearly cancel: the slow part is not significant"
-        }
-    };
-    fit.flags.iter().map(|flag| say(flag).to_owned()).collect()
 }

@@ -196,6 +196,7 @@ fn grid(points: &[WaveletPoint], set: TermSet, drift: bool, interval: f64) -> Ve
             keep(set.white, &mut only.white);
             keep(set.quantisation, &mut only.quantisation);
             keep(set.random_walk, &mut only.random_walk);
+            keep(set.flicker, &mut only.flicker);
             for (i, GaussMarkov { sigma, .. }) in only.gauss_markov.iter_mut().enumerate() {
                 keep(i < set.gauss_markov, sigma);
             }
@@ -256,6 +257,7 @@ mod tests {
             random_walk: true,
             quantisation: true,
             white: true,
+            flicker: false,
         };
         let short = wavelet_variance(&record[..40], 0.01).unwrap();
         assert!(fit_moments(&short, crowded, false).is_err());

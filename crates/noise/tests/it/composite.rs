@@ -3,8 +3,8 @@
 use undrift_nav::shaping::ShapingFilter;
 use undrift_noise::arma::{self, Mean};
 use undrift_noise::composite::{
-    self, CompositeError, CompositeFit, CompositeTerms, FitOptions, Flag, GaussMarkov, Level, Term,
-    TermSet, log_likelihood,
+    self, CompositeError, CompositeFit, CompositeTerms, FitOptions, Flag, GaussMarkov, Level,
+    Parameter, Term, TermSet, log_likelihood,
 };
 use undrift_noise::synthesis::NoiseGenerator;
 use undrift_noise::wavelet::{MomentFit, fit_moments, wavelet_variance};
@@ -238,7 +238,7 @@ fn likelihood_and_moments_find_the_truth() {
         for other in [truth, found.moments.terms] {
             let model = composite::block_average(&other.to_shaping(T).unwrap(), 4).unwrap();
             let at = log_likelihood(&averages, &model, Level::Estimated).unwrap();
-            assert!(at.log_likelihood <= found.log_likelihood + 1e-3);
+            assert!(at.restricted() <= found.log_likelihood + 1e-3);
         }
         // Moments: as sure of themselves, less precise.
         let moments = moment_fit(&record, truth.set());
@@ -289,7 +289,10 @@ fn blocks_and_the_full_rate_agree() {
     let truth = white_and_two();
     let record = draw(&truth, 100_000, 21);
     let fit_with = |max_points| {
-        let options = FitOptions { max_points };
+        let options = FitOptions {
+            max_points,
+            start: None,
+        };
         composite::fit(&record, T, truth.set(), &options).unwrap()
     };
     let (full, blocks) = (fit_with(100_000), fit_with(10_000));
@@ -347,6 +350,7 @@ fn a_term_too_many_is_said_not_to_be_needed() {
         quantisation: true,
         random_walk: true,
         gauss_markov: 1,
+        ..TermSet::default()
     };
     let found = likelihood_fit(&draw(&white, 50_000, 1), set);
     let needed = |f: &&Flag| !matches!(f, Flag::NotNeeded(_) | Flag::Vanished(_));
@@ -358,7 +362,10 @@ fn a_term_too_many_is_said_not_to_be_needed() {
     let slow = ShapingFilter::gauss_markov(0.003, 20.0, T).unwrap();
     let mut record = vec![0.0; 200_000];
     NoiseGenerator::new(&arma.plus(&slow).unwrap(), 6).fill(&mut record);
-    let options = FitOptions { max_points: 10_000 };
+    let options = FitOptions {
+        max_points: 10_000,
+        start: None,
+    };
     let found = composite::fit(&record, T, white_and_gauss_markov().set(), &options).unwrap();
     assert!(
         found
@@ -441,4 +448,84 @@ fn bad_input_is_an_error() {
         Err(CompositeError::NoVariance)
     );
     assert!(log_likelihood(&wave, &none, Level::Known(f64::NAN)).is_err());
+}
+
+#[test]
+fn profile_intervals_hold_the_truth_and_open_where_the_record_ends() {
+    let with = |tau_s| CompositeTerms {
+        white: 1.0,
+        gauss_markov: [GaussMarkov { sigma: 0.4, tau_s }, GaussMarkov::default()],
+        ..CompositeTerms::default()
+    };
+    let bounds = |terms: &CompositeTerms, seed| {
+        let mut record = vec![0.0; 72_000];
+        NoiseGenerator::new(&terms.to_shaping(0.05).unwrap(), seed).fill(&mut record);
+        let found = composite::fit(&record, 0.05, terms.set(), &FitOptions::default()).unwrap();
+        composite::intervals(&record, 0.05, &found, 0.95).unwrap()
+    };
+    // 120 correlation times: bounded, each estimate inside.
+    let terms = with(30.0);
+    let found = bounds(&terms, 1);
+    let of = |parameter| found.iter().find(|b| b.parameter == parameter).unwrap();
+    for (parameter, truth) in [
+        (Parameter::White, 1.0),
+        (Parameter::Sigma(0), 0.4),
+        (Parameter::Tau(0), 30.0),
+    ] {
+        let bound = of(parameter);
+        assert!(bound.is_determined(), "{bound:?}");
+        assert!(bound.low < bound.estimate && bound.estimate < bound.high);
+        // Seed 1 is none of the one in twenty.
+        assert!(bound.low < truth && truth < bound.high, "{bound:?}");
+    }
+    // From the full rate: 1.96 · ½ √(3/72 000) either side.
+    let white = of(Parameter::White);
+    let half = 0.5 * (white.high / white.low).ln();
+    assert!((half / 0.00632 - 1.0).abs() < 0.02, "{half}");
+    // A tenth of a correlation time: no upper end.
+    let found = bounds(&with(36_000.0), 2);
+    let tau = found
+        .iter()
+        .find(|b| b.parameter == Parameter::Tau(0))
+        .unwrap();
+    assert!(tau.low > 100.0 && tau.high.is_infinite(), "{tau:?}");
+}
+
+#[test]
+fn flicker_is_one_over_f_and_its_coefficient_is_found() {
+    let truth = CompositeTerms {
+        flicker: 0.15,
+        ..CompositeTerms::default()
+    };
+    // The power density of the sum, against B²/(2πf): the ripple of one process a decade.
+    let (processes, walk) = composite::flicker(0.15);
+    for f in [1e-5, 1e-4, 1e-3, 0.01, 0.1] {
+        let omega = std::f64::consts::TAU * f;
+        let process =
+            |g: &GaussMarkov| 2.0 * g.sigma * g.sigma * g.tau_s / (1.0 + (omega * g.tau_s).powi(2));
+        let sum = processes.iter().map(process).sum::<f64>() + (walk / omega).powi(2);
+        let density = 0.15f64.powi(2) / omega;
+        let ratio = sum / density;
+        // Below 1/(2π 3000 s) it is a random walk, which is more.
+        // At 0.1 Hz the processes faster than 1 s begin to be missed.
+        let range = match f {
+            ..4e-5 => 0.9..4.0,
+            0.05.. => 0.9..1.0,
+            _ => 0.93..1.07,
+        };
+        assert!(range.contains(&ratio), "{f}: {ratio}");
+    }
+    let with_white = CompositeTerms {
+        white: 1.0,
+        ..truth
+    };
+    let mut record = vec![0.0; 200_000];
+    NoiseGenerator::new(&with_white.to_shaping(0.05).unwrap(), 3).fill(&mut record);
+    let found = composite::fit(&record, 0.05, with_white.set(), &FitOptions::default()).unwrap();
+    let error = found.relative_errors.unwrap().flicker;
+    // Four standard errors; B of so long a record is known to some percent.
+    assert!(
+        error < 0.1 && (found.terms.flicker / 0.15).ln().abs() < 4.0 * error,
+        "{found:?}"
+    );
 }

@@ -145,6 +145,7 @@ fn candidates(record: &[f64], first: usize, sets: &[(&str, TermSet)]) -> Vec<Sco
                 name: name.into(),
                 states: filter.order,
                 parameters: set.parameters(),
+                aic: f64::INFINITY,
                 horizons: score(record, first, &filter, &HORIZONS_S).unwrap(),
             }
         })
@@ -162,6 +163,7 @@ const fn set(gauss_markov: usize, random_walk: bool) -> TermSet {
     TermSet {
         white: true,
         quantisation: false,
+        flicker: false,
         random_walk,
         gauss_markov,
     }
@@ -372,6 +374,7 @@ fn the_slow_bias_of_a_real_gyro() {
                 name: name.into(),
                 states: filter.order,
                 parameters: 3,
+                aic: f64::INFINITY,
                 horizons: score(&record, 500_000, &filter, &HORIZONS_S).unwrap(),
             });
         }

@@ -79,6 +79,7 @@ fn a_composite_model_is_the_sum_of_its_terms() {
             sigma: gyro.instability[i].sigma,
             tau_s: gyro.instability[i].tau_s,
         }),
+        ..CompositeTerms::default()
     };
     let (mut found, mut expected) = ([0.0; 50], [0.0; 50]);
     let mut still = filter;

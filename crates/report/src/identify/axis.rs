@@ -5,6 +5,7 @@ use crate::{
     Axis as PlotAxis, Cell, Figure, Panel, Section, Series, Table,
     numbers::{error, exact, get, probability, short},
     parts::{Clock, capital, points, run_colour, text, warnings},
+    text::bounds,
 };
 use std::f64::consts::{LN_2, PI, TAU};
 use undrift::noise::order_statistics::quantile;
@@ -38,6 +39,7 @@ pub(super) fn of_axis(name: &str, axis: &Axis) -> Option<Section> {
         ),
         pandit_wu(name, axis).block(),
         candidates(name, axis, unit).block(),
+        parameters(name, axis).block(),
     ];
     Section::of(&capital(&super::spoken(name)), blocks.into_iter().flatten())
 }
@@ -278,10 +280,12 @@ fn add_drift(table: &mut Table, ranked: &[Ranked<'_>], cell: impl Fn(&Candidate,
 /// The candidates by their drift.
 fn candidates(name: &str, axis: &Axis, unit: &Units) -> Table {
     let ranked = ranked(axis);
+    let least = axis.candidates.iter().filter_map(|c| c.aic.get());
+    let least = least.fold(f64::INFINITY, f64::min);
     let mut rows = Table::of(
         &format!("candidates-{name}"),
         &format!(
-            "Candidates by drift: RMS error [{}] of the predicted integral on the held-out half, its standard error, and in brackets the model's own prediction. The recommended one is highlighted.",
+            "Candidates by drift: RMS error [{}] of the predicted integral, fitted on one half of the recording and scored on the other, both ways; its standard error; in brackets the model's own prediction. AIC is above the least, from block averages of the whole recording. The recommended one is highlighted.",
             unit.drift
         ),
         &ranked,
@@ -291,6 +295,7 @@ fn candidates(name: &str, axis: &Axis, unit: &Units) -> Table {
             }),
             ("states", &|(c, _)| c.states.into()),
             ("parameters", &|(c, _)| c.parameters.into()),
+            ("AIC", &|(c, _)| Cell::number(c.aic.0 - least, 1)),
             ("Ljung-Box p", &|(c, _)| probability(c.ljung_box_p.0).into()),
         ],
     );
@@ -302,6 +307,21 @@ fn candidates(name: &str, axis: &Axis, unit: &Units) -> Table {
         format!("{drift} ± {std} ({predicted})").into()
     });
     rows
+}
+
+/// The parameters of the recommended model with their intervals.
+fn parameters(name: &str, axis: &Axis) -> Table {
+    Table::of(
+        &format!("parameters-{name}"),
+        "Parameters of the recommended model fitted to the whole recording, with the 95 % intervals of the profile likelihood.",
+        &bounds(name, axis),
+        &[
+            ("parameter", &|b| (&b.parameter).into()),
+            ("unit", &|b| b.unit.into()),
+            ("estimate", &|b| short(b.estimate).into()),
+            ("95 % interval", &|b| b.interval().into()),
+        ],
+    )
 }
 
 /// The candidates' drift alone, for a terminal.

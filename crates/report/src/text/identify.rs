@@ -2,6 +2,8 @@
 
 mod terms;
 
+pub(crate) use terms::bounds;
+
 use crate::{
     identify::{drift_table, identified, pandit_wu, tests, units},
     plain::{Mark, plain_table},
@@ -86,6 +88,14 @@ fn of_axis(name: &str, axis: &Axis, mark: Mark) -> String {
     let candidates = plain_table(&drift_table(name, axis), mark);
     lines.extend(candidates.lines().map(str::to_owned));
     lines.extend(axis.chosen.reason.clone());
+    let bounds = terms::bounds(name, axis);
+    lines.extend(bounds.iter().map(|bound| {
+        let (parameter, unit) = (&bound.parameter, bound.unit);
+        format!(
+            "{parameter}: {} {unit} with a probability of 95 %",
+            bound.interval()
+        )
+    }));
     lines.extend(
         axis.warnings
             .iter()

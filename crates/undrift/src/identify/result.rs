@@ -3,10 +3,11 @@
 use super::Identified;
 use crate::results::{
     self, Adf, Allan, ArmaOrigin, BoxJenkins, GridFit, Identify, Number, Numbers, OrderRow, Origin,
-    PanditWuOrders, SCHEMA, ScaleOrigin, VERSION, numbers,
+    PanditWuOrders, SCHEMA, VERSION, numbers,
 };
 use undrift_noise::{
     arma::Selection,
+    composite::{Parameter, ParameterInterval},
     drift_score::HorizonScore,
     identify::{Axis, Candidate, GRID_ORDER, Origin as Found},
     pandit_wu::PAPER_CRITICAL,
@@ -97,6 +98,7 @@ fn axis(name: &str, axis: &Axis) -> results::Axis {
             reason: Some(axis.reason.clone()),
             ..candidate(axis.recommended())
         },
+        intervals: intervals(axis),
         warnings: axis.warnings.clone(),
         series: results::AxisSeries::default(),
     }
@@ -165,10 +167,13 @@ fn candidate(candidate: &Candidate) -> results::Candidate {
     let model = &candidate.model;
     let arma = model.arma.as_ref();
     let (method, origin) = origin(&candidate.origin);
+    let flicker = candidate.composite().map(|fit| fit.terms.flicker);
+    let flicker = flicker.filter(|b| *b > 0.0);
     results::Candidate {
         name: candidate.name.clone(),
         states: candidate.states as u64,
         parameters: candidate.parameters as u64,
+        aic: candidate.aic.into(),
         ljung_box_p: candidate.ljung_box_p.into(),
         drift_score: by_horizon(|s| s.rms),
         drift_score_error: by_horizon(|s| s.standard_error),
@@ -182,12 +187,37 @@ fn candidate(candidate: &Candidate) -> results::Candidate {
         white: model.white.into(),
         quantisation: model.quantisation.into(),
         random_walk: model.random_walk.into(),
+        flicker: flicker.into(),
         gauss_markov: model.instability.clone(),
         turn_on: model.turn_on.into(),
         method: method.into(),
         origin,
         reason: None,
     }
+}
+
+fn intervals(axis: &Axis) -> Vec<results::ParameterInterval> {
+    let fit = axis.recommended().composite();
+    let several = fit.is_some_and(|fit| fit.terms.set().gauss_markov > 1);
+    let numbered = |letter: &str, i: usize| match several {
+        true => format!("{letter}{}", i + 1),
+        false => letter.to_owned(),
+    };
+    let name = |parameter| match parameter {
+        Parameter::White => "N".to_owned(),
+        Parameter::Quantisation => "Q".to_owned(),
+        Parameter::RandomWalk => "K".to_owned(),
+        Parameter::Flicker => "B".to_owned(),
+        Parameter::Sigma(i) => numbered("σ", i),
+        Parameter::Tau(i) => numbered("τ", i),
+    };
+    let interval = |found: &ParameterInterval| results::ParameterInterval {
+        parameter: name(found.parameter),
+        estimate: found.estimate.into(),
+        low: found.low.into(),
+        high: found.high.into(),
+    };
+    axis.intervals.iter().map(interval).collect()
 }
 
 fn origin(found: &Found) -> (&'static str, Option<Origin>) {
@@ -207,19 +237,5 @@ fn origin(found: &Found) -> (&'static str, Option<Origin>) {
             })),
         ),
         Found::Composite(fit) => ("maximum likelihood", Some(Origin::Composite(fit.clone()))),
-        Found::Scale(fit) => {
-            let e = &fit.relative_errors;
-            let errors = [("white", e.white), ("sigma", e.sigma), ("tau_s", e.tau_s)];
-            let relative_errors = errors.map(|(name, error)| (name.to_owned(), error.into()));
-            (
-                "block averages",
-                Some(Origin::Scale(ScaleOrigin {
-                    block: fit.block,
-                    phi: fit.phi,
-                    theta: fit.theta,
-                    relative_errors: relative_errors.into(),
-                })),
-            )
-        }
     }
 }

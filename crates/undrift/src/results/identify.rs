@@ -4,7 +4,7 @@ mod fits;
 
 pub use fits::{
     Allan, ArmaOrigin, BoxJenkins, Candidate, GridFit, Order, OrderRow, Origin, PanditWuOrders,
-    ScaleOrigin,
+    ParameterInterval,
 };
 
 use super::{Curve, Number};
@@ -146,6 +146,9 @@ pub struct Axis {
     pub ranking: Vec<String>,
     /// The recommended one.
     pub chosen: Candidate,
+    /// 95 % intervals of its parameters, if it is a sum of terms.
+    #[serde(default)]
+    pub intervals: Vec<ParameterInterval>,
     /// Remarks on the axis, in sentences.
     pub warnings: Vec<String>,
     /// For plots.

@@ -7,7 +7,7 @@ use crate::{
     plain::{Mark, plain_table},
 };
 use std::f64::consts::PI;
-use undrift::results::{Axis, Identify, Number};
+use undrift::results::{Axis, Identify, Number, ParameterInterval};
 
 /// Units of a sensor's terms, and their factors from SI.
 struct Units {
@@ -135,6 +135,54 @@ fn is_arma(axis: &Axis) -> bool {
     axis.chosen.white.get().is_none()
 }
 
+/// What the record says of the parameters of an axis' model, each with its unit and factor from SI.
+pub(crate) fn bounds(name: &str, axis: &Axis) -> Vec<Bound> {
+    let units = if name.starts_with("gyro") {
+        &GYRO
+    } else {
+        &ACCEL
+    };
+    let bound = |found: &ParameterInterval| {
+        let (unit, factor) = match found.parameter.chars().next() {
+            Some('N') => units.white,
+            Some('K') => units.walk,
+            Some('Q') => units.rounding,
+            Some('τ') => ("s", 1.0),
+            _ => units.bias,
+        };
+        let end = |end: Number| end.get().filter(|end| *end > 0.0).map(|end| end * factor);
+        Bound {
+            parameter: found.parameter.clone(),
+            unit,
+            estimate: found.estimate.0 * factor,
+            low: end(found.low),
+            high: end(found.high),
+        }
+    };
+    axis.intervals.iter().map(bound).collect()
+}
+
+/// A parameter and its 95 % interval; an end that is missing is not bounded by the record.
+pub(crate) struct Bound {
+    pub parameter: String,
+    pub unit: &'static str,
+    pub estimate: f64,
+    pub low: Option<f64>,
+    pub high: Option<f64>,
+}
+
+impl Bound {
+    /// "1.2 to 3.4", "above 1.2", "below 3.4" or "anything".
+    pub(crate) fn interval(&self) -> String {
+        match (self.low, self.high) {
+            (Some(low), Some(high)) => format!("{} to {}", short(low), short(high)),
+            (Some(low), None) => format!("above {}", short(low)),
+            (None, Some(high)) => format!("below {}", short(high)),
+            (None, None) => "not determined".to_owned(),
+        }
+    }
+}
+
 fn row(name: &str, axis: &Axis, units: &Units) -> [String; 7] {
     let chosen = &axis.chosen;
     let scaled = |number: Number, (_, factor): (&str, f64)| match number.get() {
@@ -161,6 +209,17 @@ fn row(name: &str, axis: &Axis, units: &Units) -> [String; 7] {
             values => values,
         }
     };
+    let mut processes = [
+        processes(|process| process.sigma, units.bias.1),
+        processes(|process| process.tau_s, 1.0),
+    ];
+    let mut walk = scaled(walk, units.walk);
+    if chosen.flicker.get().is_some() {
+        // What stands for it is no finding of its own.
+        processes = [scaled(chosen.flicker, units.bias), "1/f".to_owned()];
+        walk = "–".to_owned();
+    }
+    let [bias, tau] = processes;
     let label = if is_arma(axis) {
         format!("{} *", spoken(name))
     } else {
@@ -169,9 +228,9 @@ fn row(name: &str, axis: &Axis, units: &Units) -> [String; 7] {
     [
         label,
         scaled(white, units.white),
-        processes(|process| process.sigma, units.bias.1),
-        processes(|process| process.tau_s, 1.0),
-        scaled(walk, units.walk),
+        bias,
+        tau,
+        walk,
         scaled(rounding, units.rounding),
         scaled(chosen.turn_on, units.constant),
     ]

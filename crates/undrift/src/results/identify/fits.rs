@@ -137,9 +137,11 @@ pub struct Candidate {
     pub states: u64,
     /// Parameters fitted.
     pub parameters: u64,
+    /// Akaike's criterion of block averages of the record, comparable among all candidates.
+    pub aic: Number,
     /// Ljung and Box's p-value of its residuals.
     pub ljung_box_p: Number,
-    /// Drift of the integral on the second half of the record by horizon, root mean square \[unit·s\].
+    /// Drift of the integral by horizon, root mean square, fitted on one half of the record and scored on the other, both ways \[unit·s\].
     pub drift_score: Numbers,
     /// Standard error of it \[unit·s\].
     pub drift_score_error: Numbers,
@@ -163,11 +165,13 @@ pub struct Candidate {
     pub quantisation: Number,
     /// Random walk \[unit/√s\].
     pub random_walk: Number,
+    /// Coefficient B of flicker noise \[unit\], for which the Gauss-Markov processes and the random walk then stand.
+    pub flicker: Number,
     /// Gauss-Markov processes.
     pub gauss_markov: Vec<GaussMarkov>,
     /// Standard deviation of the turn-on constant \[unit\].
     pub turn_on: Number,
-    /// How it was fitted: "allan", "burg", "maximum likelihood" or "block averages".
+    /// How it was fitted: "allan", "burg" or "maximum likelihood".
     pub method: String,
     /// What the fit reports of itself.
     #[serde(flatten)]
@@ -175,6 +179,22 @@ pub struct Candidate {
     /// Why it is recommended, if it is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
+}
+
+/// What the record says of a parameter of the recommended model, with a probability of 95 %.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct ParameterInterval {
+    /// "N" \[unit/√Hz\], "Q" \[unit·s\], "K" \[unit/√s\], "B" \[unit\], or "σ" \[unit\] and "τ" \[s\] of a Gauss-Markov process,
+    /// numbered if there are two.
+    pub parameter: String,
+    /// Most likely value, in the parameter's unit as the ends.
+    pub estimate: Number,
+    /// Lower end; 0 where the record does not bound it.
+    pub low: Number,
+    /// Upper end; null where the record does not bound it.
+    pub high: Number,
 }
 
 /// What a fit reports of itself, by its method.
@@ -186,8 +206,6 @@ pub enum Origin {
     Arma(ArmaOrigin),
     /// Maximum likelihood of a composite model; that of block means, not comparable to an ARMA's.
     Composite(Box<CompositeFit>),
-    /// ARMA(1,1) of block averages.
-    Scale(ScaleOrigin),
 }
 
 /// The fit of an ARMA model.
@@ -208,18 +226,4 @@ pub struct ArmaOrigin {
     pub flat_likelihood: bool,
     /// Whether a pole is on the unit circle.
     pub unit_root: bool,
-}
-
-/// The fit to block averages.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct ScaleOrigin {
-    /// Block length \[samples\].
-    pub block: usize,
-    /// Autoregressive coefficient.
-    pub phi: f64,
-    /// Coefficient of the moving average.
-    pub theta: f64,
-    /// Relative standard errors of "white", "sigma" and "tau_s".
-    pub relative_errors: Numbers,
 }

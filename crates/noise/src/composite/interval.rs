@@ -1,0 +1,260 @@
+//! Intervals of a composite model's parameters from the profile of its restricted likelihood.
+//!
+//! A correlation time that is not short against the record is far from normally distributed about its estimate, in
+//! any scale: a standard error says little of it, and the record may not contradict a random walk at all. A profile
+//! interval holds the values that the record does not contradict (Pawitan 2001, section 3.4); with the level integrated
+//! out, its probability holds up to a unit root (Chen & Deo 2009).
+
+use super::fit::{Averages, CompositeFit};
+use super::search::SCALES;
+use super::{CompositeError, TermSet, average_in_blocks};
+use crate::quasi_newton::{Objective, Point, bfgs};
+use serde::{Deserialize, Serialize};
+use statrs::distribution::{ContinuousCDF, Normal};
+
+/// Block averages that the profile is of, at most…
+const POINTS: usize = 10_000;
+/// …but so many to the shortest correlation time.
+const RESOLVED: f64 = 10.0;
+/// Predicted decrease at which the search over the other parameters stops.
+const TOLERANCE: f64 = 1e-3;
+/// Accuracy of an end, as a share of its distance from the estimate.
+const SHARE: f64 = 0.01;
+/// An end so far away, in logarithms, is open.
+const OPEN: f64 = 14.0;
+/// First step from the estimate without a standard error, in logarithms.
+const STEP: f64 = 0.5;
+
+/// A parameter of composite terms.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Parameter {
+    /// White noise N [unit·√s].
+    White,
+    /// Quantisation Q [unit·s].
+    Quantisation,
+    /// Random walk K [unit/√s].
+    RandomWalk,
+    /// Flicker noise B [unit].
+    Flicker,
+    /// σ [unit] of the Gauss-Markov process of this index.
+    Sigma(usize),
+    /// τ \[s\] of it.
+    Tau(usize),
+}
+
+/// What a record says of a parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ParameterInterval {
+    /// The parameter.
+    pub parameter: Parameter,
+    /// Its most likely value, in the parameter's unit as the ends.
+    pub estimate: f64,
+    /// Lower end; 0 where the record does not bound it.
+    pub low: f64,
+    /// Upper end; infinite where the record does not bound it.
+    pub high: f64,
+}
+
+impl ParameterInterval {
+    /// Whether both ends are bounded.
+    pub fn is_determined(&self) -> bool {
+        self.low > 0.0 && self.high.is_finite()
+    }
+}
+
+/// Intervals of all parameters of a fit to `record`, sampled every `interval` \[s\], with probability
+/// `level` (0.95, say). Hundreds of likelihood evaluations of 10 000 block averages each.
+///
+/// # Errors
+/// A record that is not that of the fit; a likelihood that is not finite at its optimum.
+pub fn intervals(
+    record: &[f64],
+    interval: f64,
+    fit: &CompositeFit,
+    level: f64,
+) -> Result<Vec<ParameterInterval>, CompositeError> {
+    let set = fit.terms.set();
+    let taus = fit.terms.gauss_markov.iter().filter(|g| g.sigma > 0.0);
+    let shortest = taus.map(|g| g.tau_s).fold(f64::INFINITY, f64::min);
+    let most = (shortest / (RESOLVED * interval)).clamp(1.0, 1e9) as usize;
+    let block = if set.quantisation {
+        1
+    } else {
+        record.len().div_ceil(POINTS).min(most)
+    };
+    let block = block.max(fit.block);
+    let averages = Averages {
+        values: average_in_blocks(record, block)?,
+        block,
+        interval,
+    };
+    let half = 0.5 * Normal::standard().inverse_cdf(0.5 + 0.5 * level).powi(2);
+    let profile = Profile {
+        averages: &averages,
+        set,
+        tau_range: (0.05 * interval).ln()..(1e3 * record.len() as f64 * interval).ln(),
+    };
+    let start = profile.coordinates(fit);
+    let cost = |w: &[Vec<f64>]| w.iter().map(|w| profile.cost(w)).collect();
+    let mut objective = Objective::new(&cost, SCALES);
+    let start = Point::new(start.clone(), profile.cost(&start));
+    let best = bfgs(&mut objective, &start, TOLERANCE, 60);
+    if !best.value.is_finite() {
+        return Err(CompositeError::NoOptimum);
+    }
+    let ends =
+        |at: usize| [-1.0, 1.0].map(|sign| profile.end(&best, at, sign, half).map(|end| end.exp()));
+    let parameters = profile.parameters().into_iter().enumerate();
+    let interval_of = |(at, parameter): (usize, Parameter)| {
+        if parameter == Parameter::White {
+            return white(record, fit, level);
+        }
+        let [low, high] = ends(at);
+        ParameterInterval {
+            parameter,
+            estimate: best.z[at].exp(),
+            low: low.unwrap_or(0.0),
+            high: high.unwrap_or(f64::INFINITY),
+        }
+    };
+    let mut found: Vec<ParameterInterval> = parameters.map(interval_of).collect();
+    // A τ that may be a hundred records may be any, and then σ too, which grows with its root.
+    let longest = 100.0 * record.len() as f64 * interval;
+    for i in 0..set.gauss_markov {
+        let is_open = |b: &ParameterInterval| b.parameter == Parameter::Tau(i) && b.high > longest;
+        if found.iter().any(is_open) {
+            let of_it = [Parameter::Tau(i), Parameter::Sigma(i)];
+            let open = found.iter_mut().filter(|b| of_it.contains(&b.parameter));
+            open.for_each(|b| b.high = f64::INFINITY);
+        }
+    }
+    Ok(found)
+}
+
+/// The white density is known so well that its logarithm is normal, better than from the profile's averages: from
+/// the full rate its squared coefficients have the variance 3/n of so many samples, relatively, else from the fit's curvature.
+fn white(record: &[f64], fit: &CompositeFit, level: f64) -> ParameterInterval {
+    let estimate = fit.terms.white;
+    let samples = record.iter().filter(|value| !value.is_nan()).count();
+    let error = match fit.relative_errors {
+        _ if estimate == fit.white_full_rate => 0.5 * (3.0 / samples as f64).sqrt(),
+        Some(errors) => errors.white,
+        None => f64::INFINITY,
+    };
+    let reach = (error * Normal::standard().inverse_cdf(0.5 + 0.5 * level)).exp();
+    ParameterInterval {
+        parameter: Parameter::White,
+        estimate,
+        low: estimate / reach,
+        high: estimate * reach,
+    }
+}
+
+struct Profile<'a> {
+    averages: &'a Averages,
+    set: TermSet,
+    tau_range: std::ops::Range<f64>,
+}
+
+impl Profile<'_> {
+    /// In the order of the coordinates: logarithms of the parameters themselves.
+    fn parameters(&self) -> Vec<Parameter> {
+        let set = &self.set;
+        let amplitudes = [
+            (set.white, Parameter::White),
+            (set.quantisation, Parameter::Quantisation),
+            (set.random_walk, Parameter::RandomWalk),
+            (set.flicker, Parameter::Flicker),
+        ];
+        let amplitudes = amplitudes.into_iter().filter(|(there, _)| *there);
+        let mut list: Vec<Parameter> = amplitudes.map(|(_, parameter)| parameter).collect();
+        list.extend((0..set.gauss_markov).map(Parameter::Sigma));
+        list.extend((0..set.gauss_markov).map(Parameter::Tau));
+        list
+    }
+
+    /// The search coordinates with σ in place of the drive σ√(2/τ).
+    fn coordinates(&self, fit: &CompositeFit) -> Vec<f64> {
+        let mut w = self.set.coordinates(&fit.terms);
+        let tau = self.set.amplitudes();
+        for i in 0..self.set.gauss_markov {
+            w[tau - self.set.gauss_markov + i] = fit.terms.gauss_markov[i].sigma.ln();
+        }
+        w
+    }
+
+    fn cost(&self, w: &[f64]) -> f64 {
+        let (tau, count) = (self.set.amplitudes(), self.set.gauss_markov);
+        if w[tau..].iter().any(|t| !self.tau_range.contains(t)) {
+            return f64::INFINITY;
+        }
+        let mut z = w.to_vec();
+        for i in 0..count {
+            z[tau - count + i] += 0.5 * (2f64.ln() - w[tau + i]);
+        }
+        self.averages.cost(&self.set.terms(&z))
+    }
+
+    /// The end of one parameter's interval on one side, where the profile has fallen by `half`; none where
+    /// it does not.
+    fn end(&self, best: &Point, at: usize, sign: f64, half: f64) -> Option<f64> {
+        let others = |w: &[f64]| -> Vec<f64> {
+            w.iter()
+                .enumerate()
+                .filter(|(i, _)| *i != at)
+                .map(|(_, v)| *v)
+                .collect()
+        };
+        let mut from = others(&best.z);
+        // √(2 fall) is about linear in the distance.
+        let mut root_fall = |distance: f64| {
+            let with = |free: &Vec<f64>| {
+                let mut w = free.clone();
+                w.insert(at, best.z[at] + sign * distance);
+                self.cost(&w)
+            };
+            let cost = |w: &[Vec<f64>]| w.iter().map(with).collect();
+            let start = Point::new(from.clone(), with(&from));
+            let least = bfgs(&mut Objective::new(&cost, SCALES), &start, TOLERANCE, 40);
+            if least.value.is_finite() {
+                from = least.z;
+            }
+            (least.value - best.value).max(0.0).sqrt()
+        };
+        let wanted = half.sqrt();
+        let (mut near, mut near_fall) = (0.0, 0.0);
+        let (mut far, mut far_fall) = (STEP, root_fall(STEP));
+        while far_fall < wanted {
+            if far > OPEN {
+                return None;
+            }
+            // As far as the slope says, and a little more; twice as far at most.
+            let slope = (far_fall - near_fall) / (far - near);
+            let step = (1.1 * (wanted - far_fall) / slope.max(1e-6)).min(far);
+            (near, near_fall) = (far, far_fall);
+            far += step;
+            far_fall = root_fall(far);
+        }
+        for _ in 0..20 {
+            if far - near < SHARE * far {
+                break;
+            }
+            let linear = match far_fall.is_finite() {
+                true => near + (far - near) * (wanted - near_fall) / (far_fall - near_fall),
+                false => 0.5 * (near + far),
+            };
+            let margin = 0.1 * (far - near);
+            let middle = linear.clamp(near + margin, far - margin);
+            let fall = root_fall(middle);
+            if fall < wanted {
+                (near, near_fall) = (middle, fall);
+            } else {
+                (far, far_fall) = (middle, fall);
+            }
+        }
+        Some(best.z[at] + sign * 0.5 * (near + far))
+    }
+}
