@@ -5,6 +5,7 @@ use undrift_nav::sample::{FixQuality, Position, TruthSample};
 use undrift_nav::{Matrix3, Vector3};
 
 use crate::ReadError;
+use crate::epoch::Epoch;
 use crate::fix::{shown, three};
 use crate::skipped::SkipKind;
 
@@ -197,4 +198,39 @@ pub struct Stream {
 }
 
 /// The entries of a log in the order of the file. An error ends them.
-pub(crate) type Entries = Box<dyn Iterator<Item = Result<Entry, ReadError>> + Send>;
+pub(crate) struct Entries {
+    entries: Box<dyn Iterator<Item = Result<Dated, ReadError>> + Send>,
+    epoch: Option<Epoch>,
+}
+
+/// An entry, and what its time counts from as far as that is known.
+type Dated = (Entry, Option<Epoch>);
+
+impl Entries {
+    /// Of entries that each tell what their times count from.
+    pub(crate) fn dated(
+        entries: impl Iterator<Item = Result<Dated, ReadError>> + Send + 'static,
+    ) -> Self {
+        Self {
+            entries: Box::new(entries),
+            epoch: None,
+        }
+    }
+
+    /// What the times count from, as far as the entries so far tell it.
+    pub(crate) fn epoch(&self) -> Option<Epoch> {
+        self.epoch
+    }
+}
+
+impl Iterator for Entries {
+    type Item = Result<Entry, ReadError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let next = self.entries.next()?;
+        Some(next.map(|(entry, epoch)| {
+            self.epoch = self.epoch.or(epoch);
+            entry
+        }))
+    }
+}

@@ -7,6 +7,7 @@
 //! Numbers leave this crate in the units and frames of `undrift-nav`: SI and radians,
 //! north-east-down and forward-right-down; whatever a file has is scaled and rotated on reading.
 
+pub mod epoch;
 pub mod format;
 pub mod gaps;
 pub mod gnss;

@@ -31,6 +31,7 @@ mod ulog;
 use crate::ReadError;
 use crate::entry::Entries;
 pub use crate::entry::{Entry, Fix, ImuReading, Stream, StreamKind, Wanted, What};
+use crate::epoch::Epoch;
 use crate::format::Format;
 use crate::skipped::{SkipKind, Skipped};
 use crate::source::{Again, BytesRead, Source};
@@ -173,6 +174,11 @@ impl Log {
 
     pub(crate) fn skipped_mut(&mut self) -> &mut Skipped {
         &mut self.skipped
+    }
+
+    /// What the times count from, where the entries so far tell it.
+    pub(crate) fn epoch(&self) -> Option<Epoch> {
+        self.entries.epoch()
     }
 
     /// The next entry that can be used.

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use crate::ReadError;
 use crate::clock::{Clock, Tick};
 use crate::entry::{Entry, Wanted};
+use crate::epoch::Epoch;
 use crate::format::Format;
 use crate::log::Log;
 use crate::opened::Opened;
@@ -94,6 +95,11 @@ pub trait Kind: Sized {
         skipped: &mut Skipped,
     ) -> Result<Option<Self::Record>, ReadError>;
 
+    /// What the times count from, where columns beside the time's tell it.
+    fn epoch(&self) -> Option<Epoch> {
+        None
+    }
+
     /// What is wrong with a log that was read to its end.
     ///
     /// # Errors
@@ -172,6 +178,16 @@ impl<K: Kind> Reader<K> {
             Input::Table(table, _) => table.skipped(),
             Input::Log(log) => log.skipped(),
         }
+    }
+
+    /// What the file's own times count from, without the offset of the options, as far as the records read
+    /// tell it.
+    pub fn epoch(&self) -> Option<Epoch> {
+        let of_rows = match &self.rows {
+            Input::Table(table, _) => table.epoch(),
+            Input::Log(log) => log.epoch(),
+        };
+        self.kind.epoch().or(of_rows)
     }
 
     pub(crate) fn kind(&self) -> &K {

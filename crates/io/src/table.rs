@@ -38,6 +38,7 @@ pub use wanted::{Column, Preview, Stamp, TableOptions};
 pub(crate) use wanted::{check_time_scale, three};
 
 use crate::ReadError;
+use crate::epoch::Epoch;
 use crate::lines::MAX_LINE;
 use crate::skipped::{SkipKind, Skipped};
 use crate::source::Source;
@@ -64,6 +65,9 @@ pub struct Table {
     rows_seen: u64,
     finished: bool,
     skipped: Skipped,
+    stamp: Option<Stamp>,
+    /// What the times count from, found by the first row that can be used.
+    epoch: Option<Epoch>,
 }
 
 /// Boxed: a reader holds its place in the file and a row.
@@ -108,6 +112,8 @@ impl Table {
             rows_seen: 0,
             finished: false,
             skipped,
+            stamp: options.stamp.clone(),
+            epoch: None,
         })
     }
 
@@ -134,6 +140,9 @@ impl Table {
                 Ok(NextRow::Row(line, Ok(()))) => {
                     self.rows_seen += 1;
                     self.rows_read += 1;
+                    if let Some(stamp) = self.stamp.take() {
+                        self.epoch = self.epoch_by(&stamp, out);
+                    }
                     return Ok(Some(line));
                 }
                 Ok(NextRow::Row(line, Err(defect))) => {
@@ -171,6 +180,21 @@ impl Table {
     /// Rows met so far, the skipped ones included.
     pub fn rows_seen(&self) -> u64 {
         self.rows_seen
+    }
+
+    /// What the times count from, if they are dates or Unix times; known after the first row.
+    pub fn epoch(&self) -> Option<Epoch> {
+        self.epoch
+    }
+
+    /// The same of the first row.
+    fn epoch_by(&self, stamp: &Stamp, row: &[f64]) -> Option<Epoch> {
+        let by_text = match &self.rows {
+            Rows::Text(table) => table.epoch(),
+            _ => None,
+        };
+        let first = row.get(stamp.place)? * stamp.scale;
+        by_text.or_else(|| Epoch::of_number(first, &stamp.column))
     }
 
     pub(crate) fn skipped_mut(&mut self) -> &mut Skipped {

@@ -3,6 +3,7 @@
 
 use chrono::{Datelike, NaiveDate};
 
+use crate::epoch::{ClockSource, Epoch};
 use crate::number;
 
 const DAY: f64 = 86_400.0;
@@ -41,13 +42,16 @@ const EPOCH: i64 = 722_820;
 /// Days from the Unix to the GPS epoch.
 const EPOCHS: i64 = 3657;
 
-/// Unix time of the beginning of a GPS week, not rolled over \[s\].
-pub(crate) fn unix_of_week(week: u32) -> f64 {
-    let day = i64::from(week) * 7;
-    (day + EPOCHS) as f64 * DAY - leap_seconds(day)
-}
+/// Unix time of the GPS epoch \[ns\].
+pub(crate) const GPS_EPOCH_UNIX_NS: i64 = EPOCHS * DAY_MS * NS_OF_MS;
 
 impl WeekClock {
+    /// What the seconds count from, once a time was given.
+    pub(crate) fn epoch(&self, clock: ClockSource) -> Option<Epoch> {
+        let week = u32::try_from(self.start?.div_euclid(7)).ok()?;
+        Some(Epoch::of_week(week, clock))
+    }
+
     /// Seconds of the time that two fields give: date and time of day, or week and second.
     pub(crate) fn seconds(
         &mut self,
@@ -145,21 +149,28 @@ pub(crate) struct Utc {
 }
 
 const DAY_MS: i64 = 86_400_000;
+const NS_OF_MS: i64 = 1_000_000;
 
-/// UTC of a GPS time: a week, and seconds from its beginning, which may be outside of it. `None` for
-/// texts that are not times.
-pub(crate) fn utc(week: u32, seconds: f64) -> Option<Utc> {
-    if week >= 10_000 || seconds.is_nan() || seconds.abs() > 1e9 {
-        return None;
-    }
-    let gps = i64::from(week) * 7 * DAY_MS + (seconds * 1e3).round() as i64;
-    let leap = |day: i64| leap_seconds(day) as i64 * 1000;
-    // The day in UTC, by the difference of a time at most some seconds later.
-    let day = (gps - leap(gps.div_euclid(DAY_MS))).div_euclid(DAY_MS);
-    Some(Utc {
+/// Day in UTC, counted from the GPS epoch, of a GPS time \[ms\] since then.
+fn utc_day(gps_ms: i64) -> i64 {
+    let leap = leap_seconds(gps_ms.div_euclid(DAY_MS)) as i64 * 1000;
+    // By the difference of a time at most some seconds later.
+    (gps_ms - leap).div_euclid(DAY_MS)
+}
+
+/// UTC of a GPS time: nanoseconds since 6 January 1980.
+pub(crate) fn utc(gps_ns: i64) -> Utc {
+    let gps = gps_ns.div_euclid(NS_OF_MS) + i64::from(gps_ns.rem_euclid(NS_OF_MS) * 2 >= NS_OF_MS);
+    let day = utc_day(gps);
+    Utc {
         day,
-        milli: gps - leap(day) - day * DAY_MS,
-    })
+        milli: gps - leap_seconds(day) as i64 * 1000 - day * DAY_MS,
+    }
+}
+
+/// GPS time less UTC \[s\] at a GPS time: nanoseconds since 6 January 1980.
+pub(crate) fn leap_seconds_at(gps_ns: i64) -> f64 {
+    leap_seconds(utc_day(gps_ns.div_euclid(NS_OF_MS)))
 }
 
 /// The time of day of a clock that counts seconds from a midnight.
@@ -342,12 +353,12 @@ mod tests {
         assert_eq!(weeks.utc(2025, 7, 8, 70_440.5), Some(243_258.5));
         assert_eq!(weeks.utc(2025, 7, 32, 0.0), None);
         assert_eq!(weeks.unix(12, 250_000_000), 12.25);
-        assert_eq!(unix_of_week(2374) + 243_258.5, 1_752_003_240.5);
     }
 
     #[test]
     fn gps_times_become_dates() {
-        let iso = |week, seconds| utc(week, seconds).unwrap().iso();
+        let utc = |week, seconds| Epoch::of_week(week, ClockSource::Gnss).utc(seconds);
+        let iso = |week, seconds| utc(week, seconds).iso();
         assert_eq!(iso(2374, 243_258.5), "2025-07-08T19:34:00.500Z");
         assert_eq!(iso(0, 0.0), "1980-01-06T00:00:00.000Z");
         // 29 February 2024, a Thursday, 18 s of leap seconds later.
@@ -358,16 +369,13 @@ mod tests {
         assert_eq!(utc(2373, WEEK + 5.0), utc(2374, 5.0));
         assert_eq!(utc(2375, 5.0 - WEEK), utc(2374, 5.0));
         // The leap second before 1 January 2017, a Sunday of GPS week 1930.
-        let leap = utc(1930, 17.25).unwrap();
+        let leap = utc(1930, 17.25);
         assert_eq!(
             (leap.date(), leap.hms()),
             ([2016, 12, 31], [23, 59, 60_250])
         );
         assert_eq!(iso(1930, 18.0), "2017-01-01T00:00:00.000Z");
         assert_eq!(iso(1930, 16.999), "2016-12-31T23:59:59.999Z");
-        for (week, seconds) in [(10_000, 0.0), (1, f64::NAN), (1, f64::INFINITY)] {
-            assert_eq!(utc(week, seconds), None);
-        }
     }
 
     #[test]
@@ -386,7 +394,7 @@ mod tests {
         #[test]
         fn any_gps_time_survives_its_date(week in 0u32..9_000, milli in 0i64..604_800_000) {
             let seconds = milli as f64 / 1e3;
-            let there = utc(week, seconds).unwrap();
+            let there = Epoch::of_week(week, ClockSource::Gnss).utc(seconds);
             let ([year, month, day], [hour, minute, rest]) = (there.date(), there.hms());
             let of_day = (hour * 3600 + minute * 60) as f64 + rest as f64 / 1e3;
             let mut weeks = WeekClock::default();

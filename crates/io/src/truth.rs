@@ -5,6 +5,7 @@ use undrift_nav::sample::TruthSample;
 
 use crate::ReadError;
 use crate::entry::{Entry, Wanted, What};
+use crate::epoch::{ClockSource, Epoch};
 use crate::fix::{VelocityAxes, on_earth};
 use crate::format::Format;
 use crate::reader::{Kind, Plan, Reader, Row, TableRow, Want};
@@ -156,6 +157,12 @@ impl Kind for Truth {
         _: &mut Skipped,
     ) -> Result<Option<TruthSample>, ReadError> {
         Ok(Some(row.values))
+    }
+
+    fn epoch(&self) -> Option<Epoch> {
+        // 0 is what programs write that do not know it.
+        let week = self.week.filter(|week| (1.0..10_000.0).contains(week))?;
+        Some(Epoch::of_week(week as u32, ClockSource::Gnss))
     }
 
     fn nothing(&self, _: &Skipped) -> ReadError {

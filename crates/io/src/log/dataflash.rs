@@ -63,7 +63,10 @@ pub(super) fn entries(source: Source, again: Again, wanted: &Wanted) -> Result<E
         error.mend(the_file_has(&names, NAMES_SHOWN))
     })?;
     let mut reader = Reader::new(Messages::open(source)?, kind, instance, survey.clock());
-    Ok(by_steps(wanted, move |ready| Ok(reader.step(ready))))
+    Ok(by_steps(wanted, move |ready| {
+        let more = reader.step(ready);
+        Ok((more, reader.epoch()))
+    }))
 }
 
 pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {

@@ -13,6 +13,7 @@ use undrift_nav::sample::TruthSample;
 use super::receiver::{Ready, by_steps, check};
 use crate::ReadError;
 use crate::entry::{Entries, Stream, StreamKind, Wanted, What};
+use crate::epoch::ClockSource;
 use crate::fix::on_earth;
 use crate::lines::{Lines, NextLine};
 use crate::number;
@@ -104,7 +105,10 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
         columns: None,
         weeks: WeekClock::default(),
     };
-    Ok(by_steps(wanted, move |ready| reader.step(ready)))
+    Ok(by_steps(wanted, move |ready| {
+        let more = reader.step(ready)?;
+        Ok((more, reader.weeks.epoch(ClockSource::Gnss)))
+    }))
 }
 
 pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {

@@ -19,6 +19,7 @@ use super::phone::{Join, Location};
 use super::receiver::{Ready, by_steps, check};
 use crate::ReadError;
 use crate::entry::{Entries, Stream, StreamKind, Wanted};
+use crate::epoch::ClockSource;
 use crate::lines::{Lines, NextLine};
 use crate::number;
 use crate::skipped::{SkipKind, shown};
@@ -116,7 +117,10 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
         others: None,
         join: matches!(wanted, Wanted::Imu(_)).then(Join::default),
     };
-    Ok(by_steps(wanted, move |ready| reader.step(ready)))
+    Ok(by_steps(wanted, move |ready| {
+        let more = reader.step(ready)?;
+        Ok((more, reader.weeks.epoch(ClockSource::Host)))
+    }))
 }
 
 pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {

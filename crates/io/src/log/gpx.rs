@@ -16,6 +16,7 @@ use undrift_nav::sample::{FixQuality, Position};
 
 use super::receiver::{Ready, by_steps, check, one_stream};
 use crate::entry::{Entries, Fix, Stream, Wanted};
+use crate::epoch::ClockSource;
 use crate::fix::on_earth;
 use crate::skipped::SkipKind;
 use crate::source::Source;
@@ -46,16 +47,19 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
     let mut points = Points::new(source);
     let mut weeks = WeekClock::default();
     Ok(by_steps(wanted, move |ready| {
-        match points.next()? {
-            Next::Inside => return Ok(true),
-            Next::Point(point) => point.entry(&mut weeks, ready),
-            Next::End => return Ok(false),
+        let more = match points.next()? {
+            Next::Inside => true,
+            Next::Point(point) => {
+                point.entry(&mut weeks, ready);
+                true
+            }
+            Next::End => false,
             Next::EndsEarly(detail) => {
                 ready.skip(points.line(), SkipKind::EndsEarly, detail);
-                return Ok(false);
+                false
             }
-        }
-        Ok(true)
+        };
+        Ok((more, weeks.epoch(ClockSource::Utc)))
     }))
 }
 

@@ -88,7 +88,9 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
         at: count.max(1) as u64,
         what: What::Skipped(SkipKind::EndsEarly, problem),
     });
-    Ok(Box::new(rows.chain(early).map(Ok)))
+    Ok(Entries::dated(
+        rows.chain(early).map(|entry| Ok((entry, None))),
+    ))
 }
 
 pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {

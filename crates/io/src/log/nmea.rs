@@ -50,7 +50,10 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
         heights: Heights::default(),
         times: Times::new(matches!(wanted, Wanted::Poses(_))),
     };
-    Ok(by_steps(wanted, move |ready| Ok(reader.step(ready))))
+    Ok(by_steps(wanted, move |ready| {
+        let more = reader.step(ready);
+        Ok((more, reader.times.epoch()))
+    }))
 }
 
 pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {

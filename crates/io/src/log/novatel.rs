@@ -19,6 +19,7 @@ use super::frames::{Frames, NextFrame, any};
 use super::receiver::{Ready, by_steps, check};
 use crate::ReadError;
 use crate::entry::{Entries, ImuReading, Stream, Wanted, What};
+use crate::epoch::ClockSource;
 use crate::skipped::SkipKind;
 use crate::source::Source;
 use crate::time::WeekClock;
@@ -53,7 +54,10 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
         weeks: WeekClock::default(),
         purpose: purpose(&wanted, of_type),
     };
-    Ok(by_steps(&wanted, move |ready| reader.step(ready)))
+    Ok(by_steps(&wanted, move |ready| {
+        let more = reader.step(ready)?;
+        Ok((more, reader.weeks.epoch(ClockSource::Gnss)))
+    }))
 }
 
 /// What is wanted, with the type of the IMU taken from the stream's name.

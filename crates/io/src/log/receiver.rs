@@ -6,6 +6,7 @@ use undrift_nav::sample::{Position, TruthSample};
 
 use crate::ReadError;
 use crate::entry::{Entries, Entry, Fix, Stream, StreamKind, Unfit, Wanted, What};
+use crate::epoch::Epoch;
 use crate::skipped::SkipKind;
 
 /// Entries that are ready to be given out.
@@ -56,20 +57,23 @@ impl Ready {
 }
 
 /// Entries of what is wanted by steps that make none, one or several of them, until one says that it was
-/// the last.
+/// the last. A step also tells what the times count from, as soon as that is known.
 pub(super) fn by_steps(
     wanted: &Wanted,
-    mut step: impl FnMut(&mut Ready) -> Result<bool, ReadError> + Send + 'static,
+    mut step: impl FnMut(&mut Ready) -> Result<(bool, Option<Epoch>), ReadError> + Send + 'static,
 ) -> Entries {
     let mut ready = Ready {
         entries: VecDeque::new(),
         poses: matches!(wanted, Wanted::Poses(_)),
     };
-    let mut more = true;
-    Box::new(std::iter::from_fn(move || {
+    let (mut more, mut known) = (true, None);
+    Entries::dated(std::iter::from_fn(move || {
         while more && ready.entries.is_empty() {
             match step(&mut ready) {
-                Ok(goes_on) => more = goes_on,
+                Ok((goes_on, epoch)) => {
+                    more = goes_on;
+                    known = epoch;
+                }
                 Err(error) => {
                     more = false;
                     ready.entries.clear();
@@ -77,7 +81,7 @@ pub(super) fn by_steps(
                 }
             }
         }
-        ready.entries.pop_front().map(Ok)
+        ready.entries.pop_front().map(|entry| Ok((entry, known)))
     }))
 }
 

@@ -19,6 +19,7 @@ use undrift_nav::sample::{FixQuality, Position};
 use super::receiver::{Ready, by_steps};
 use crate::ReadError;
 use crate::entry::{Entries, Fix, ImuReading, Stream, StreamKind, Unfit, Wanted, What};
+use crate::epoch::ClockSource;
 use crate::skipped::SkipKind;
 use crate::time::WeekClock;
 
@@ -92,10 +93,17 @@ pub(super) fn entries(
         wanted: choices,
         topics: Topics::default(),
         weeks: WeekClock::default(),
+        clock: None,
         messages: 0,
         waiting: Waiting::default(),
     };
-    Ok(by_steps(wanted, move |ready| recording.step(ready)))
+    Ok(by_steps(wanted, move |ready| {
+        let more = recording.step(ready)?;
+        let epoch = recording
+            .clock
+            .and_then(|clock| recording.weeks.epoch(clock));
+        Ok((more, epoch))
+    }))
 }
 
 /// The topics that are meant.
@@ -141,6 +149,8 @@ struct Recording {
     wanted: Choices,
     topics: Topics,
     weeks: WeekClock,
+    /// Whose the first stamp of a topic that is meant was.
+    clock: Option<ClockSource>,
     /// Messages of all topics so far.
     messages: u64,
     waiting: Waiting,
@@ -205,9 +215,9 @@ impl Recording {
             };
         };
         // Every stamp is given to the clock, so that all readings of a file count from one week.
-        let (seconds, nanoseconds) = match header.stamp {
-            (0, 0) => recorded,
-            stamp => stamp,
+        let ((seconds, nanoseconds), clock) = match header.stamp {
+            (0, 0) => (recorded, ClockSource::Receipt),
+            stamp => (stamp, ClockSource::Host),
         };
         let in_second = nanoseconds < 1_000_000_000;
         let time = in_second.then(|| self.weeks.unix(seconds, nanoseconds));
@@ -218,6 +228,7 @@ impl Recording {
             let detail = format!("stamp of {nanoseconds} ns");
             (SkipKind::OutOfRange, detail)
         })?;
+        self.clock.get_or_insert(clock);
         let at = self.messages;
         let fix = match kind {
             Type::Imu => {

@@ -16,6 +16,7 @@ use undrift_nav::{Matrix3, Vector3};
 
 use super::receiver::{Ready, by_steps, check};
 use crate::entry::{Entries, Fix, Stream, StreamKind, Wanted};
+use crate::epoch::ClockSource;
 use crate::fix::{finite, independent, on_earth, quality_of_rtklib};
 use crate::lines::{Lines, MAX_LINE, NextLine};
 use crate::skipped::{SkipKind, shown};
@@ -65,7 +66,10 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
         weeks: WeekClock::default(),
         values: Vec::with_capacity(32),
     };
-    Ok(by_steps(wanted, move |ready| Ok(reader.step(ready))))
+    Ok(by_steps(wanted, move |ready| {
+        let more = reader.step(ready);
+        Ok((more, reader.weeks.epoch(ClockSource::Gnss)))
+    }))
 }
 
 pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {

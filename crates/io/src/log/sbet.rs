@@ -44,18 +44,18 @@ pub(super) fn entries(mut source: Source, wanted: &Wanted) -> Result<Entries, Re
     Ok(by_steps(wanted, move |ready| {
         let read = bytes::read(&mut source, RECORD as u64, &mut record);
         if record.is_empty() && read.is_err() && bytes::at_end(&mut source) {
-            return Ok(false);
+            return Ok((false, None));
         }
         at += 1;
         match (read, pose(&record)) {
             (Err(why), _) => {
                 ready.skip(at, SkipKind::EndsEarly, why);
-                return Ok(false);
+                return Ok((false, None));
             }
             (Ok(()), Some(pose)) => ready.push(at, What::Pose(pose)),
             (Ok(()), None) => ready.skip(at, SkipKind::Damaged, "no state of a vehicle"),
         }
-        Ok(true)
+        Ok((true, None))
     }))
 }
 

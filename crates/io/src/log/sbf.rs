@@ -18,6 +18,7 @@ use super::frames::{Frames, NextFrame, any};
 use super::receiver::{Ready, by_steps, check};
 use crate::ReadError;
 use crate::entry::{Entries, Fix, ImuReading, Stream, StreamKind, Wanted, What};
+use crate::epoch::ClockSource;
 use crate::fix::on_earth;
 use crate::skipped::SkipKind;
 use crate::source::Source;
@@ -82,7 +83,10 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
         weeks: WeekClock::default(),
         purpose,
     };
-    Ok(by_steps(wanted, move |ready| reader.step(ready)))
+    Ok(by_steps(wanted, move |ready| {
+        let more = reader.step(ready)?;
+        Ok((more, reader.weeks.epoch(ClockSource::Gnss)))
+    }))
 }
 
 pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {

@@ -44,7 +44,7 @@ const NAMES: [([u8; 2], &str); 22] = [
     (NAV_EOE, "NAV-EOE"),
     ([0x01, 0x04], "NAV-DOP"),
     ([0x01, 0x05], "NAV-ATT"),
-    ([0x01, 0x20], "NAV-TIMEGPS"),
+    (epoch::TIMEGPS, "NAV-TIMEGPS"),
     ([0x01, 0x21], "NAV-TIMEUTC"),
     ([0x01, 0x35], "NAV-SAT"),
     ([0x01, 0x3c], "NAV-RELPOSNED"),
@@ -93,7 +93,9 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
         epoch: None,
         purpose,
     };
-    Ok(by_steps(wanted, move |ready| reader.step(ready)))
+    Ok(by_steps(wanted, move |ready| {
+        Ok((reader.step(ready)?, reader.weeks.epoch()))
+    }))
 }
 
 pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
@@ -229,7 +231,7 @@ impl Reader {
         let Some(epoch) = self.epoch.take() else {
             return Ok(());
         };
-        let time = epoch.has_fix().then(|| self.weeks.seconds(epoch.seconds()));
+        let time = epoch.has_fix().then(|| self.weeks.seconds(&epoch));
         match (&mut self.purpose, time) {
             (Purpose::Imu(imu), Some(time)) => imu.tie(&epoch, time, ready)?,
             (Purpose::Fixes(names), Some(time)) => {

@@ -21,9 +21,10 @@
 //!
 //! Times are seconds since the start of the system: `timestamp_sample` where it is set, else
 //! `timestamp`. A fix without `timestamp_sample` has the time at which it arrived, some 0.1 s after
-//! its validity; the log does not tell how much. `timestamp_time_relative` is about the time of UTC
-//! and not used.
+//! its validity; the log does not tell how much. The date of time zero is that of the receiver's
+//! `time_utc_usec`.
 
+mod date;
 mod layout;
 mod messages;
 mod reader;
@@ -65,7 +66,10 @@ pub(super) fn entries(source: Source, again: Again, wanted: &Wanted) -> Result<E
     }
     let poses = kind == StreamKind::Poses;
     let mut reader = Reader::new(Messages::open(source)?, stream, key, poses);
-    Ok(by_steps(wanted, move |ready| reader.step(ready)))
+    let epoch = date::epoch(again()?);
+    Ok(by_steps(wanted, move |ready| {
+        Ok((reader.step(ready)?, epoch))
+    }))
 }
 
 pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {

@@ -288,7 +288,12 @@ fn parse_any_row(
         // A column that is wanted twice has been read already.
         if column == target {
             last = match fields.number() {
-                Some(Ok(value)) if value.is_finite() || keep_not_finite => value,
+                Some(Ok(value)) if value.is_finite() || keep_not_finite => {
+                    if let Some(stamps) = stamps.as_mut() {
+                        stamps.number(slot, value);
+                    }
+                    value
+                }
                 Some(Ok(value)) => return Err(Defect::NotFinite(value)),
                 Some(Err(b"")) if keep_not_finite => f64::NAN,
                 Some(Err(b"")) => return Err(Defect::Empty { column: target + 1 }),

@@ -1,11 +1,13 @@
 //! Times that are text: a date with a time of day, a time of day alone, or one with the date in a column of its
-//! own.
+//! own,
+//! or with the GPS week there.
 //!
 //! Dates are UTC and become GPS seconds of the week in which the file starts, as in the logs that have
-//! absolute times. Times of day without a date are seconds of the day in which the file starts, counting on
+//! absolute times; GPS weeks with seconds of the week are GPS time. Times of day without a date are seconds of the day in which the file starts, counting on
 //! past midnight.
 
 use super::fields::Defect;
+use crate::epoch::{ClockSource, Epoch};
 use crate::skipped::shown;
 use crate::time::{self, WeekClock};
 
@@ -20,7 +22,10 @@ pub(super) struct Stamps {
     /// What the numbers of the column are to be multiplied by for seconds.
     scale: f64,
     weeks: WeekClock,
-    /// Of this row: days from the GPS epoch, and the time of day where it is text \[s\].
+    /// What the first date was.
+    clock: Option<ClockSource>,
+    /// Of this row: the GPS week, days from the GPS epoch, and the time of day where it is text \[s\].
+    week: Option<i64>,
     day: Option<i64>,
     of_day: Option<f64>,
     /// The last time of day, and midnights since the first \[s\].
@@ -35,6 +40,8 @@ impl Stamps {
             date,
             scale,
             weeks: WeekClock::default(),
+            clock: None,
+            week: None,
             day: None,
             of_day: None,
             last: 0.0,
@@ -44,7 +51,20 @@ impl Stamps {
 
     /// Forgets the row before, which may have had one part alone.
     pub(super) fn start(&mut self) {
-        (self.day, self.of_day) = (None, None);
+        (self.week, self.day, self.of_day) = (None, None, None);
+    }
+
+    /// What the dates count from, once there was one.
+    pub(super) fn epoch(&self) -> Option<Epoch> {
+        self.weeks.epoch(self.clock?)
+    }
+
+    /// Takes a number in this place of the row read: in the column of dates it is a GPS week.
+    pub(super) fn number(&mut self, slot: usize, value: f64) {
+        let is_week = value.fract() == 0.0 && (1.0..10_000.0).contains(&value);
+        if self.date == Some(slot) && is_week {
+            self.week = Some(value as i64);
+        }
     }
 
     /// The number that stands for a text in this place of the row read; `None` if it is no time.
@@ -64,7 +84,10 @@ impl Stamps {
             return Some(0.0);
         }
         let seconds = match self.weeks.date_time(text) {
-            Some(seconds) => seconds,
+            Some(seconds) => {
+                self.clock.get_or_insert(zone(text));
+                seconds
+            }
             None => self.counted_on(time::time_of_day(text)?),
         };
         Some(seconds / self.scale)
@@ -86,16 +109,34 @@ impl Stamps {
     /// # Errors
     /// If there is no such date.
     pub(super) fn finish(&mut self, out: &mut [f64]) -> Result<(), Defect> {
-        let (day, of_day) = (self.day.take(), self.of_day.take());
+        let (week, day, of_day) = (self.week.take(), self.day.take(), self.of_day.take());
         let Some(place) = out.get_mut(self.time).filter(|_| self.date.is_some()) else {
             return Ok(());
         };
-        let Some(day) = day else {
-            return Err(Defect::Text(format!("no date {} …", shown(b"yyyy-mm-dd"))));
-        };
         let seconds = of_day.unwrap_or(*place * self.scale);
-        *place = self.weeks.utc_day(day, seconds) / self.scale;
+        let (time, clock) = match (day, week.filter(|_| of_day.is_none())) {
+            (Some(day), _) => (self.weeks.utc_day(day, seconds), ClockSource::NoZone),
+            (None, Some(week)) => (self.weeks.gps(week * 7, seconds), ClockSource::Gnss),
+            (None, None) => {
+                let wanted = shown(b"yyyy-mm-dd");
+                return Err(Defect::Text(format!("no date {wanted} … or GPS week")));
+            }
+        };
+        self.clock.get_or_insert(clock);
+        *place = time / self.scale;
         Ok(())
+    }
+}
+
+/// Whether a date and time states its zone.
+fn zone(text: &[u8]) -> ClockSource {
+    let time = text.get(10..).unwrap_or_default();
+    match time
+        .iter()
+        .any(|byte| matches!(byte, b'Z' | b'z' | b'+' | b'-' | b'C'))
+    {
+        true => ClockSource::Utc,
+        false => ClockSource::NoZone,
     }
 }
 

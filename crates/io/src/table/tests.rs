@@ -217,6 +217,7 @@ fn a_cut_gzip_file_ends_early() {
 fn times(text: &str, date: Option<Column>, scale: f64) -> (Vec<f64>, u64) {
     let stamp = Stamp {
         place: 0,
+        column: String::new(),
         scale,
         date: date.map(|column| ("imu.date".to_owned(), column)),
     };
@@ -275,6 +276,7 @@ fn times_of_day_count_on_and_take_their_date_from_a_column() {
     let options = TableOptions {
         stamp: Some(Stamp {
             place: 0,
+            column: String::new(),
             scale: 1.0,
             date: Some(("imu.date".into(), Column::Number(1))),
         }),

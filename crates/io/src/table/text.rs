@@ -5,6 +5,7 @@ use super::header;
 use super::stamps::Stamps;
 use super::wanted::{NextRow, TableOptions, starts_a_row};
 use crate::ReadError;
+use crate::epoch::Epoch;
 use crate::lines::{self, Lines};
 use crate::skipped::Skipped;
 use crate::source::Source;
@@ -43,6 +44,11 @@ impl TextTable {
             names: layout.names,
             stamps: options.stamps(),
         })
+    }
+
+    /// What the dates read so far count from.
+    pub(super) fn epoch(&self) -> Option<Epoch> {
+        self.stamps.as_ref()?.epoch()
     }
 
     /// Reads the next row into `out`, in the order of the wanted columns.

@@ -46,9 +46,11 @@ pub struct TableOptions {
 pub struct Stamp {
     /// Its place among the wanted columns.
     pub place: usize,
+    /// Its name, or its number.
+    pub column: String,
     /// Factor from its numbers to seconds; texts are divided by it.
     pub scale: f64,
-    /// The column of dates `yyyy-mm-dd` where it has times of day alone, and the key that asks for that.
+    /// The column of dates `yyyy-mm-dd` where it has times of day alone, or of GPS weeks, and the key that asks for that.
     pub date: Option<(String, Column)>,
 }
 
@@ -85,7 +87,12 @@ impl TableOptions {
     ) {
         let place = self.want(&format!("{table}.time"), [time]);
         let date = date.map(|column| (format!("{table}.date"), column.clone()));
-        self.stamp = Some(Stamp { place, scale, date });
+        self.stamp = Some(Stamp {
+            place,
+            column: time.to_string(),
+            scale,
+            date,
+        });
     }
 
     /// The date's column, which has no place in the row read.

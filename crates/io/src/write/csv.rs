@@ -1,10 +1,10 @@
-//! The navigation solution as CSV: the columns of [`super::solution`].
+//! The navigation solution as CSV: the columns of [`super::solution`], and Unix time.
 
 use std::io::{self, Write};
 
-use super::solution::{COLUMNS, SolutionRow, YAW};
+use super::solution::{COLUMNS, SolutionRow, UNIX_TIME, YAW};
 use super::text::write_turn;
-use super::text_writer::{Body, TextFormat, TextWriter};
+use super::text_writer::{Beside, Body, TextFormat, TextWriter};
 use super::write_fixed;
 
 impl<W: Write> TextWriter<W> {
@@ -17,13 +17,13 @@ impl<W: Write> TextWriter<W> {
 /// Rows of numbers behind a header; what is not finite becomes `nan`.
 pub(super) fn format() -> TextFormat {
     TextFormat {
-        head: COLUMNS.map(|(name, ..)| name).join(",") + "\n",
-        body: Body::Rows(|_| true, |buf, row, _, _| write_row(buf, row)),
+        head: COLUMNS.map(|(name, ..)| name).join(",") + "," + UNIX_TIME + "\n",
+        body: Body::Rows(|_| true, write_row),
         tail: "",
     }
 }
 
-fn write_row(buf: &mut Vec<u8>, row: &SolutionRow) -> io::Result<()> {
+fn write_row(buf: &mut Vec<u8>, row: &SolutionRow, beside: &Beside) -> io::Result<()> {
     for (k, (_, decimals, value)) in COLUMNS.iter().enumerate() {
         if k > 0 {
             buf.push(b',');
@@ -34,6 +34,8 @@ fn write_row(buf: &mut Vec<u8>, row: &SolutionRow) -> io::Result<()> {
             write_fixed(buf, value(row), *decimals);
         }
     }
+    buf.push(b',');
+    write_fixed(buf, row.unix_time(beside.epoch), 6);
     buf.push(b'\n');
     Ok(())
 }
@@ -76,7 +78,7 @@ mod tests {
         assert_eq!(lines.len(), 2);
         let names: Vec<&str> = lines[0].split(',').collect();
         let fields: Vec<&str> = lines[1].split(',').collect();
-        assert_eq!((names.len(), fields.len()), (31, 31));
+        assert_eq!((names.len(), fields.len()), (32, 32));
         let get = |name: &str| fields[names.iter().position(|n| *n == name).unwrap()];
         assert_eq!(get("time_s"), "1.5000");
         assert_eq!(get("lat_deg"), "40.09662680000");
@@ -92,6 +94,7 @@ mod tests {
         assert_eq!(get("accel_bias_z_mps2"), "-0.0000001");
         assert_eq!(get("gyro_bias_x_std_dps"), "1.00000000");
         assert_eq!(get("accel_bias_z_std_mps2"), "3.0000000");
+        assert_eq!(get("unix_time_s"), "nan");
     }
 
     #[test]

@@ -12,7 +12,7 @@ use super::solution::SolutionRow;
 use super::text_writer::TextWriter;
 use super::thinning::Thinning;
 use super::{PendingFile, csv, geojson, gpx, kf_gins, kml, nmea, sbet};
-use crate::time;
+use crate::epoch::Epoch;
 
 /// A format of the navigation solution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -106,9 +106,9 @@ impl std::str::FromStr for SolutionFormat {
 /// What a format may need beside the rows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SolutionOptions {
-    /// GPS week from whose beginning the times of the rows are counted, not rolled over. Without it
-    /// there are no dates, and the times are those of any clock.
-    pub week: Option<u32>,
+    /// What the times of the rows count from. Without it there are no dates, and the times are those of any
+    /// clock.
+    pub epoch: Option<Epoch>,
     /// What the track is called.
     pub name: String,
     /// Least time from one row to the next \[s\]; 0 for every row, without it
@@ -128,7 +128,7 @@ enum Writer<W: Write + Seek + Send> {
     Text(Box<TextWriter<W>>),
     Mcap(Box<McapWriter<W>>),
     #[cfg(feature = "parquet")]
-    Parquet(Box<ParquetTableWriter<W>>),
+    Parquet(Box<ParquetTableWriter<W>>, Option<Epoch>),
 }
 
 impl SolutionFile<PendingFile> {
@@ -191,7 +191,7 @@ impl<W: Write + Seek + Send> SolutionFile<W> {
             let message = format!("invalid row interval: {every} s");
             return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
         }
-        let (name, week) = (&options.name, options.week);
+        let (name, epoch) = (&options.name, options.epoch);
         let thinning = Thinning::new(every);
         let format = match format {
             SolutionFormat::Csv => csv::format(),
@@ -202,13 +202,13 @@ impl<W: Write + Seek + Send> SolutionFile<W> {
             SolutionFormat::GeoJson => geojson::format(name),
             SolutionFormat::Gpx => gpx::format(name),
             SolutionFormat::Mcap => {
-                let writer = McapWriter::new(out, week.map(time::unix_of_week))?;
+                let writer = McapWriter::new(out, epoch)?;
                 let writer = Writer::Mcap(Box::new(writer));
                 return Ok(Self { writer, thinning });
             }
             #[cfg(feature = "parquet")]
             SolutionFormat::Parquet => {
-                let writer = Writer::Parquet(Box::new(parquet::create(out)?));
+                let writer = Writer::Parquet(Box::new(parquet::create(out)?), epoch);
                 return Ok(Self { writer, thinning });
             }
             #[cfg(not(feature = "parquet"))]
@@ -217,7 +217,7 @@ impl<W: Write + Seek + Send> SolutionFile<W> {
                 return Err(io::Error::new(io::ErrorKind::Unsupported, message));
             }
         };
-        let writer = Writer::Text(Box::new(TextWriter::new(out, format, week, every)));
+        let writer = Writer::Text(Box::new(TextWriter::new(out, format, epoch, every)));
         Ok(Self { writer, thinning })
     }
 
@@ -231,7 +231,7 @@ impl<W: Write + Seek + Send> SolutionFile<W> {
             _ if !self.thinning.takes(row.time) => Ok(()),
             Writer::Mcap(writer) => writer.write(row),
             #[cfg(feature = "parquet")]
-            Writer::Parquet(writer) => writer.write(parquet::values(row)),
+            Writer::Parquet(writer, epoch) => writer.write(parquet::values(row, *epoch)),
         }
     }
 
@@ -244,7 +244,7 @@ impl<W: Write + Seek + Send> SolutionFile<W> {
             Writer::Text(writer) => writer.into_inner(),
             Writer::Mcap(writer) => writer.into_inner(),
             #[cfg(feature = "parquet")]
-            Writer::Parquet(writer) => writer.into_inner(),
+            Writer::Parquet(writer, _) => writer.into_inner(),
         }
     }
 }

@@ -1,11 +1,12 @@
 //! The track as GeoJSON, RFC 7946: a `LineString` of longitude, latitude and height above the
-//! ellipsoid for each span with and without GNSS, which the property `gnss` tells apart.
+//! ellipsoid for each span with and without GNSS, which the property `gnss` tells apart, and its start and end in UTC where the log has a date.
 
 use std::io::{self, Write};
 
 use super::spans::Piece;
 use super::text::place;
 use super::text_writer::{Body, TextFormat};
+use crate::epoch::Epoch;
 
 pub(super) fn format(name: &str) -> TextFormat {
     TextFormat {
@@ -18,7 +19,7 @@ pub(super) fn format(name: &str) -> TextFormat {
     }
 }
 
-fn write_piece(buf: &mut Vec<u8>, piece: Piece<'_>) -> io::Result<()> {
+fn write_piece(buf: &mut Vec<u8>, piece: Piece<'_>, epoch: Option<Epoch>) -> io::Result<()> {
     match piece {
         Piece::Begin { row, first, .. } => write!(
             buf,
@@ -27,10 +28,17 @@ fn write_piece(buf: &mut Vec<u8>, piece: Piece<'_>) -> io::Result<()> {
             place(&row.position)
         ),
         Piece::Point(row) => write!(buf, ",\n[{}]", place(&row.position)),
-        Piece::End { start, end, outage } => write!(
-            buf,
-            "\n]}},\"properties\":{{\"gnss\":{},\"start_s\":{start:.3},\"end_s\":{end:.3}}}}}",
-            !outage
-        ),
+        Piece::End { start, end, outage } => {
+            write!(
+                buf,
+                "\n]}},\"properties\":{{\"gnss\":{},\"start_s\":{start:.3},\"end_s\":{end:.3}",
+                !outage
+            )?;
+            if let Some(epoch) = epoch {
+                let [start, end] = [start, end].map(|time| epoch.iso(time));
+                write!(buf, ",\"start\":\"{start}\",\"end\":\"{end}\"")?;
+            }
+            write!(buf, "}}}}")
+        }
     }
 }

@@ -1,12 +1,11 @@
-//! The track as GPX 1.1: one segment, times in UTC where the GPS week is known, and the kind of fix,
+//! The track as GPX 1.1: one segment, times in UTC where the log has a date, and the kind of fix,
 //! `none` without GNSS. Elevations are heights above the ellipsoid.
 
 use std::io::{self, Write};
 
 use super::solution::SolutionRow;
 use super::text::{map_degrees, xml};
-use super::text_writer::{Body, TextFormat};
-use crate::time;
+use super::text_writer::{Beside, Body, TextFormat};
 
 pub(super) fn format(name: &str) -> TextFormat {
     TextFormat {
@@ -19,21 +18,16 @@ pub(super) fn format(name: &str) -> TextFormat {
     }
 }
 
-fn write_point(
-    buf: &mut Vec<u8>,
-    row: &SolutionRow,
-    week: Option<u32>,
-    outage: bool,
-) -> io::Result<()> {
+fn write_point(buf: &mut Vec<u8>, row: &SolutionRow, beside: &Beside) -> io::Result<()> {
     let [lat, lon] = map_degrees(&row.position);
     let ele = row.position.height;
     write!(
         buf,
         "<trkpt lat=\"{lat:.9}\" lon=\"{lon:.9}\"><ele>{ele:.3}</ele>"
     )?;
-    if let Some(utc) = week.and_then(|week| time::utc(week, row.time)) {
-        write!(buf, "<time>{}</time>", utc.iso())?;
+    if let Some(epoch) = beside.epoch {
+        write!(buf, "<time>{}</time>", epoch.iso(row.time))?;
     }
-    let fix = if outage { "none" } else { "3d" };
+    let fix = if beside.outage { "none" } else { "3d" };
     writeln!(buf, "<fix>{fix}</fix></trkpt>")
 }

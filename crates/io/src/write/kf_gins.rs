@@ -2,20 +2,19 @@
 //! week \[s\], latitude, longitude \[deg\], height \[m\], velocity north, east, down [m/s], roll, pitch, yaw
 //! \[deg\], between spaces, no header.
 //!
-//! Without a week the first column is 0, as KF-GINS itself has it, and the second the time as it is.
+//! Without a date the first column is 0, as KF-GINS itself has it, and the second the time as it is.
 
 use std::io;
 
 use super::solution::SolutionRow;
 use super::text::write_turn;
-use super::text_writer::{Body, TextFormat};
+use super::text_writer::{Beside, Body, TextFormat};
 use super::write_fixed;
-use crate::time::WEEK;
 
 pub(super) fn format() -> TextFormat {
     TextFormat {
         head: String::new(),
-        body: Body::Rows(is_whole, |buf, row, week, _| write_row(buf, row, week)),
+        body: Body::Rows(is_whole, write_row),
         tail: "",
     }
 }
@@ -25,19 +24,14 @@ fn is_whole(row: &SolutionRow) -> bool {
     row.has_position() && rest.all(|x| x.is_finite())
 }
 
-fn write_row(buf: &mut Vec<u8>, row: &SolutionRow, week: Option<u32>) -> io::Result<()> {
-    let (week, second) = match week {
-        Some(week) => {
-            let weeks = (row.time / WEEK).floor();
-            (f64::from(week) + weeks, row.time - weeks * WEEK)
-        }
-        None => (0.0, row.time),
-    };
+fn write_row(buf: &mut Vec<u8>, row: &SolutionRow, beside: &Beside) -> io::Result<()> {
+    let dated = beside.epoch.map(|epoch| epoch.week_second(row.time));
+    let (week, second) = dated.unwrap_or((0, row.time));
     let (p, v, a) = (&row.position, &row.v_n, &row.rpy);
     let deg = f64::to_degrees;
     // A micrometre in 1e-11 deg, a microsecond in the time.
     for (value, decimals) in [
-        (week, 0),
+        (week as f64, 0),
         (second, 6),
         (deg(p.lat), 11),
         (deg(p.lon), 11),

@@ -1,17 +1,20 @@
-//! The track as KML 2.2: a line for each span with and without GNSS, in green and red.
+//! The track as KML 2.2: a line for each span with and without GNSS, in green and red; where the log has a
+//! date a `gx:Track`, each place behind its instant in UTC.
 //!
 //! Lines lie on the ground, since KML counts absolute altitudes from the sea level and the heights
 //! here are above the ellipsoid; the coordinates have them nevertheless.
 
 use std::io::{self, Write};
 
+use super::solution::SolutionRow;
 use super::spans::Piece;
 use super::text::{place, xml};
 use super::text_writer::{Body, TextFormat};
+use crate::epoch::Epoch;
 
 pub(super) fn format(name: &str) -> TextFormat {
     let mut head = format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\">\n<Document>\n<name>{}</name>\n",
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\" xmlns:gx=\"http://www.google.com/kml/ext/2.2\">\n<Document>\n<name>{}</name>\n",
         xml(name)
     );
     // Colours are alpha, blue, green, red.
@@ -27,21 +30,40 @@ pub(super) fn format(name: &str) -> TextFormat {
     }
 }
 
-fn write_piece(buf: &mut Vec<u8>, piece: Piece<'_>) -> io::Result<()> {
-    match piece {
-        Piece::Begin { row, outage, .. } => {
+fn write_piece(buf: &mut Vec<u8>, piece: Piece<'_>, epoch: Option<Epoch>) -> io::Result<()> {
+    match (piece, epoch) {
+        (Piece::Begin { row, outage, .. }, epoch) => {
             let (name, style) = match outage {
                 true => ("Without GNSS", "no-gnss"),
                 false => ("With GNSS", "gnss"),
             };
-            write!(
+            writeln!(
                 buf,
-                "<Placemark><name>{name} from {:.1} s</name><styleUrl>#{style}</styleUrl>\n<LineString><tessellate>1</tessellate><coordinates>\n{}",
-                row.time,
-                place(&row.position)
-            )
+                "<Placemark><name>{name} from {:.1} s</name><styleUrl>#{style}</styleUrl>",
+                row.time
+            )?;
+            match epoch {
+                Some(epoch) => {
+                    writeln!(buf, "<gx:Track>")?;
+                    write_instant(buf, row, epoch)
+                }
+                None => write!(
+                    buf,
+                    "<LineString><tessellate>1</tessellate><coordinates>\n{}",
+                    place(&row.position)
+                ),
+            }
         }
-        Piece::Point(row) => write!(buf, "\n{}", place(&row.position)),
-        Piece::End { .. } => writeln!(buf, "\n</coordinates></LineString></Placemark>"),
+        (Piece::Point(row), Some(epoch)) => write_instant(buf, row, epoch),
+        (Piece::Point(row), None) => write!(buf, "\n{}", place(&row.position)),
+        (Piece::End { .. }, Some(_)) => writeln!(buf, "</gx:Track></Placemark>"),
+        (Piece::End { .. }, None) => writeln!(buf, "\n</coordinates></LineString></Placemark>"),
     }
+}
+
+/// A place of a track and when that was.
+fn write_instant(buf: &mut Vec<u8>, row: &SolutionRow, epoch: Epoch) -> io::Result<()> {
+    let place = place(&row.position).replace(',', " ");
+    let when = epoch.iso(row.time);
+    writeln!(buf, "<when>{when}</when><gx:coord>{place}</gx:coord>")
 }

@@ -14,16 +14,18 @@
 
 mod cdr;
 
+use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI, SQRT_2};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 
-use ::mcap::records::MessageHeader;
+use ::mcap::records::{MessageHeader, Metadata};
 use ::mcap::{McapError, WriteOptions, Writer};
 use undrift_nav::attitude;
 use undrift_nav::earth::Geodetic;
 use undrift_nav::{Matrix3, Quaternion, Vector3};
 
 use super::solution::SolutionRow;
+use crate::epoch::{Epoch, nanoseconds};
 use cdr::Cdr;
 
 /// Topics: name, type and definition, which is followed by those of the types that it needs.
@@ -55,8 +57,7 @@ pub struct McapWriter<W: Write + Seek> {
     /// Absent only while the writer is being finished.
     out: Option<Writer<BufWriter<W>>>,
     topics: [u16; 3],
-    /// Unix time of time zero \[s\].
-    start: f64,
+    epoch: Option<Epoch>,
     /// Position of the first row.
     origin: Option<Geodetic>,
     rows: u32,
@@ -64,16 +65,12 @@ pub struct McapWriter<W: Write + Seek> {
 }
 
 impl<W: Write + Seek> McapWriter<W> {
-    /// Starts with the definitions. The messages are buffered here; `out` needs no buffer. `start_unix_s` is
-    /// the Unix time \[s\] of the rows' time zero; without it the stamps are the rows' own times.
+    /// Starts with the definitions. The messages are buffered here; `out` needs no buffer. `epoch` is what the
+    /// rows' times count from; without it the stamps are the rows' own times, and the metadata say so.
     ///
     /// # Errors
-    /// If `out` does not take them, or the start is not finite.
-    pub fn new(mut out: W, start_unix_s: Option<f64>) -> io::Result<Self> {
-        let start = start_unix_s.unwrap_or(0.0);
-        if !start.is_finite() {
-            return Err(invalid("the start is not finite".to_owned()));
-        }
+    /// If `out` does not take them.
+    pub fn new(mut out: W, epoch: Option<Epoch>) -> io::Result<Self> {
         // Into a pipe the chunks are collected in memory, since their heads hold their lengths.
         let start_again = out
             .stream_position()
@@ -87,11 +84,16 @@ impl<W: Write + Seek> McapWriter<W> {
         let mut this = Self {
             out: Some(options.create(BufWriter::new(out)).map_err(io_error)?),
             topics: [0; 3],
-            start,
+            epoch,
             origin: None,
             rows: 0,
             message: Cdr::default(),
         };
+        let about = Metadata {
+            name: "undrift".to_owned(),
+            metadata: about_time(epoch),
+        };
+        this.out()?.write_metadata(&about).map_err(io_error)?;
         for (k, [name, type_name, definition]) in TOPICS.into_iter().enumerate() {
             let out = this.out()?;
             let schema = out.add_schema(type_name, "ros2msg", definition.as_bytes());
@@ -118,7 +120,7 @@ impl<W: Write + Seek> McapWriter<W> {
         if !row.position.is_valid() || !finite(&row.v_n) || !finite(&row.rpy) {
             return Err(invalid(format!("no solution at {} s", row.time)));
         }
-        let stamp = stamp(self.start, row.time)?;
+        let stamp = stamp(self.epoch, row.time)?;
         let origin = *self.origin.get_or_insert(row.position);
         let [fix, odometry, imu] = self.topics;
         self.rows = self.rows.wrapping_add(1);
@@ -278,17 +280,27 @@ fn blocks(first: &Matrix3, second: &Matrix3) -> [f64; 36] {
     all
 }
 
-/// Seconds and nanoseconds of Unix time.
-fn stamp(start: f64, time: f64) -> io::Result<(i32, u32)> {
-    // Whole seconds apart, which are exact.
-    let fraction = (start - start.floor()) + (time - time.floor());
-    let nanoseconds = (fraction * 1e9).round();
-    let carry = (nanoseconds / 1e9).floor();
-    let seconds = start.floor() + time.floor() + carry;
-    if !(f64::from(i32::MIN)..=f64::from(i32::MAX)).contains(&seconds) {
-        return Err(invalid(format!("invalid time stamp: {seconds} s")));
-    }
-    Ok((seconds as i32, (nanoseconds - carry * 1e9) as u32))
+/// What the stamps are, in words for other programs.
+fn about_time(epoch: Option<Epoch>) -> BTreeMap<String, String> {
+    let stamps = match epoch {
+        Some(_) => "Unix time (UTC)",
+        None => "seconds of the log's own clock: its date is unknown",
+    };
+    let mut about = BTreeMap::from([("stamps".to_owned(), stamps.to_owned())]);
+    about.extend(epoch.map(|epoch| ("clock".to_owned(), epoch.clock.name().to_owned())));
+    about
+}
+
+/// Seconds and nanoseconds of Unix time, or of the log's own where it has no date.
+fn stamp(epoch: Option<Epoch>, time: f64) -> io::Result<(i32, u32)> {
+    let ns = match epoch {
+        Some(epoch) => epoch.unix_ns(time),
+        None => nanoseconds(time),
+    };
+    let seconds = ns.div_euclid(1_000_000_000);
+    let whole = i32::try_from(seconds);
+    let whole = whole.map_err(|_| invalid(format!("invalid time stamp: {seconds} s")))?;
+    Ok((whole, ns.rem_euclid(1_000_000_000) as u32))
 }
 
 fn invalid(problem: String) -> io::Error {

@@ -1,14 +1,14 @@
 //! The solution as NMEA 0183: RMC, GGA, GST and HDT of every epoch.
 //!
 //! Heights are above the ellipsoid: GGA has them as its altitude with a geoid separation of 0, so that
-//! their sum is right. Without GNSS the quality is 6 and the mode E, estimated. Without a GPS week the
-//! date is empty and the time of day that of the row, no leap seconds taken off.
+//! their sum is right. Without GNSS the quality is 6 and the mode E, estimated. Where the log has no date it
+//! is empty and the time of day that of the row, no leap seconds taken off.
 
 use std::io::{self, Write};
 
 use super::solution::SolutionRow;
 use super::text::write_turn;
-use super::text_writer::{Body, TextFormat};
+use super::text_writer::{Beside, Body, TextFormat};
 use crate::time;
 
 /// Knots of one m/s.
@@ -24,13 +24,8 @@ pub(super) fn format() -> TextFormat {
     }
 }
 
-fn write_epoch(
-    buf: &mut Vec<u8>,
-    row: &SolutionRow,
-    week: Option<u32>,
-    outage: bool,
-) -> io::Result<()> {
-    let utc = week.and_then(|week| time::utc(week, row.time));
+fn write_epoch(buf: &mut Vec<u8>, row: &SolutionRow, beside: &Beside) -> io::Result<()> {
+    let utc = beside.epoch.map(|epoch| epoch.utc(row.time));
     let Some(clock) = utc.or_else(|| time::time_of_clock(row.time)) else {
         return Ok(());
     };
@@ -39,7 +34,7 @@ fn write_epoch(
     let time = format!("{hour:02}{minute:02}{second:02}.{milli:03}");
     let (lat, lon) = (row.position.lat, row.position.lon);
     let place = format!("{},{}", arc(lat, 2, ["N", "S"]), arc(lon, 3, ["E", "W"]));
-    let (mode, quality) = if outage { ("E", 6) } else { ("A", 1) };
+    let (mode, quality) = if beside.outage { ("E", 6) } else { ("A", 1) };
 
     let speed = row.v_n.x.hypot(row.v_n.y);
     let motion = if speed.is_finite() {

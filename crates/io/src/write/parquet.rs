@@ -4,24 +4,32 @@
 use std::io::{self, Write};
 
 use super::parquet_table::{ParquetTableWriter, Value};
-use super::solution::{COLUMNS, SolutionRow, YAW};
+use super::solution::{COLUMNS, SolutionRow, UNIX_TIME, YAW};
+use crate::epoch::Epoch;
 
 /// Starts with the head of the file.
 pub(super) fn create<W: Write + Send>(out: W) -> io::Result<ParquetTableWriter<W>> {
-    let columns = COLUMNS.map(|(name, ..)| (name, Value::Exact(0.0)));
+    let names = COLUMNS.map(|(name, ..)| name).into_iter();
+    let columns = names
+        .chain([UNIX_TIME])
+        .map(|name| (name, Value::Exact(0.0)));
     ParquetTableWriter::new(out, "solution", columns)
 }
 
 /// The values of a row.
-pub(super) fn values(row: &SolutionRow) -> impl Iterator<Item = Value<'static>> {
-    COLUMNS.iter().enumerate().map(|(k, (.., value))| {
+pub(super) fn values(
+    row: &SolutionRow,
+    epoch: Option<Epoch>,
+) -> impl Iterator<Item = Value<'static>> {
+    let state = COLUMNS.iter().enumerate().map(|(k, (.., value))| {
         let value = match value(row) {
             // Just below a full turn rounds to one.
             yaw if k == YAW => yaw.rem_euclid(360.0) % 360.0,
             value => value,
         };
         Value::Exact(if value.is_finite() { value } else { f64::NAN })
-    })
+    });
+    state.chain([Value::Exact(row.unix_time(epoch))])
 }
 
 #[cfg(test)]
@@ -89,7 +97,8 @@ mod tests {
         assert!(!path.exists());
         writer.finish().unwrap();
         let names = Opened::open(&path).unwrap().preview(0).unwrap().names;
-        assert_eq!(names, COLUMNS.map(|(name, ..)| name));
+        assert_eq!(names[..31], COLUMNS.map(|(name, ..)| name));
+        assert_eq!(names[31..], [UNIX_TIME]);
         let rows = read(&path);
         std::fs::remove_file(&path).unwrap();
         assert_eq!(
@@ -132,7 +141,7 @@ mod tests {
         create(&path).finish().unwrap();
         assert_eq!(
             Opened::open(&path).unwrap().preview(0).unwrap().names.len(),
-            COLUMNS.len()
+            COLUMNS.len() + 1
         );
         std::fs::remove_file(&path).unwrap();
         // Dropped unfinished, there is no file.

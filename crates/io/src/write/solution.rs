@@ -3,6 +3,8 @@
 use undrift_nav::Vector3;
 use undrift_nav::earth::Geodetic;
 
+use crate::epoch::Epoch;
+
 /// A column: its name, its decimals, and its number in a row, in its unit.
 pub(super) type Column = (&'static str, usize, fn(&SolutionRow) -> f64);
 
@@ -41,6 +43,8 @@ pub(super) static COLUMNS: [Column; 31] = [
     ("accel_bias_y_std_mps2", 7, |r| r.error_std[4]),
     ("accel_bias_z_std_mps2", 7, |r| r.error_std[5]),
 ];
+/// The last column: Unix time \[s\], NaN where the log has no date.
+pub(super) const UNIX_TIME: &str = "unix_time_s";
 /// The column of the yaw.
 pub(super) const YAW: usize = 9;
 
@@ -80,6 +84,13 @@ impl SolutionRow {
             accel_error: unknown,
             error_std: [f64::NAN; 6],
         }
+    }
+
+    /// Unix time \[s\]; NaN without an epoch.
+    pub(super) fn unix_time(&self, epoch: Option<Epoch>) -> f64 {
+        epoch
+            .filter(|_| self.time.is_finite())
+            .map_or(f64::NAN, |epoch| epoch.unix(self.time))
     }
 
     /// Whether time and position are numbers.

@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use super::solution::SolutionRow;
 use super::spans::{Piece, Spans};
 use super::thinning::Thinning;
+use crate::epoch::Epoch;
 
 /// Text is collected up to this size before it is written \[bytes\].
 const BLOCK: usize = 64 * 1024;
@@ -19,15 +20,26 @@ pub(super) struct TextFormat {
     pub tail: &'static str,
 }
 
-/// Appends a row to a text: its GPS week, if that is known, and whether it is without GNSS.
-type WriteRow = fn(&mut Vec<u8>, &SolutionRow, Option<u32>, bool) -> io::Result<()>;
+/// Appends a row to a text.
+type WriteRow = fn(&mut Vec<u8>, &SolutionRow, &Beside) -> io::Result<()>;
+
+/// What belongs to a row beside its numbers.
+#[derive(Clone, Copy)]
+pub(super) struct Beside {
+    /// What the times count from, where that is known.
+    pub epoch: Option<Epoch>,
+    /// Time of the first row \[s\].
+    pub start: f64,
+    /// Whether it is without GNSS.
+    pub outage: bool,
+}
 
 /// What is made of rows.
 pub(super) enum Body {
     /// Each row by itself, of those that have what the format needs.
     Rows(fn(&SolutionRow) -> bool, WriteRow),
     /// Lines with and without GNSS.
-    Lines(fn(&mut Vec<u8>, Piece<'_>) -> io::Result<()>),
+    Lines(fn(&mut Vec<u8>, Piece<'_>, Option<Epoch>) -> io::Result<()>),
 }
 
 /// Writes solution rows as text. They are collected into blocks here; `out` needs no buffer.
@@ -36,14 +48,15 @@ pub struct TextWriter<W: Write> {
     block: Vec<u8>,
     body: Body,
     tail: &'static str,
-    week: Option<u32>,
+    epoch: Option<Epoch>,
+    start: Option<f64>,
     thinning: Thinning,
     spans: Spans,
 }
 
 impl<W: Write> TextWriter<W> {
     /// Starts with the head of a format; `every` \[s\] is the least time from one row to the next.
-    pub(super) fn new(out: W, format: TextFormat, week: Option<u32>, every: f64) -> Self {
+    pub(super) fn new(out: W, format: TextFormat, epoch: Option<Epoch>, every: f64) -> Self {
         let mut block = Vec::with_capacity(BLOCK + 1024);
         block.extend_from_slice(format.head.as_bytes());
         Self {
@@ -51,7 +64,8 @@ impl<W: Write> TextWriter<W> {
             block,
             body: format.body,
             tail: format.tail,
-            week,
+            epoch,
+            start: None,
             thinning: Thinning::new(every),
             spans: Spans::new(every),
         }
@@ -62,15 +76,23 @@ impl<W: Write> TextWriter<W> {
     /// # Errors
     /// If `out` does not take it.
     pub fn write(&mut self, row: &SolutionRow, outage: bool) -> io::Result<()> {
+        let epoch = self.epoch;
         match self.body {
             Body::Rows(usable, write) => {
                 if usable(row) && self.thinning.takes(row.time) {
-                    write(&mut self.block, row, self.week, outage)?;
+                    let start = *self.start.get_or_insert(row.time);
+                    let beside = Beside {
+                        epoch,
+                        start,
+                        outage,
+                    };
+                    write(&mut self.block, row, &beside)?;
                 }
             }
             Body::Lines(write) => {
                 let block = &mut self.block;
-                self.spans.push(row, outage, |piece| write(block, piece))?;
+                self.spans
+                    .push(row, outage, |piece| write(block, piece, epoch))?;
             }
         }
         if self.block.len() >= BLOCK {
@@ -86,8 +108,8 @@ impl<W: Write> TextWriter<W> {
     /// If `out` does not take it.
     pub fn into_inner(mut self) -> io::Result<W> {
         if let Body::Lines(write) = self.body {
-            let block = &mut self.block;
-            self.spans.finish(|piece| write(block, piece))?;
+            let (block, epoch) = (&mut self.block, self.epoch);
+            self.spans.finish(|piece| write(block, piece, epoch))?;
         }
         self.block.extend_from_slice(self.tail.as_bytes());
         self.out.write_all(&self.block)?;

@@ -103,6 +103,7 @@ fn tables_of_arbitrary_bytes() {
             delimiter: [None, Some(b','), Some(b' '), Some(b'"')][case % 4],
             keep_not_finite: case % 2 == 0,
             stamp: (case % 5 == 0).then(|| Stamp {
+                column: "time".into(),
                 place: 0,
                 scale: 1.0,
                 date: (case % 2 == 0).then(|| ("key".to_owned(), Column::Number(2))),

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use undrift_io::Opened;
+use undrift_io::epoch::{ClockSource, Epoch};
 use undrift_io::format::Format;
 use undrift_io::gnss::{GnssLog, GnssReader};
 use undrift_io::number;
@@ -133,7 +134,7 @@ prop_compose! {
 
 fn read_back(format: SolutionFormat, log: Format, week: u32, rows: &[SolutionRow]) -> Vec<GnssFix> {
     let options = SolutionOptions {
-        week: Some(week),
+        epoch: Some(Epoch::of_week(week, ClockSource::Gnss)),
         name: "a <track> & more".into(),
         every: Some(0.0),
     };

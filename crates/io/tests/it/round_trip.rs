@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use undrift_io::Opened;
+use undrift_io::epoch::{ClockSource, Epoch};
 use undrift_io::format::Format;
 use undrift_io::gnss::{FixOptions, GnssLog, GnssReader};
 use undrift_io::truth::{TruthLog, TruthReader};
@@ -39,7 +40,7 @@ fn round_trip(format: SolutionFormat, log: Format) -> Vec<GnssFix> {
         format.name()
     ));
     let options = SolutionOptions {
-        week: Some(WEEK),
+        epoch: Some(Epoch::of_week(WEEK, ClockSource::Gnss)),
         name: "track".into(),
         every: None,
     };
@@ -118,7 +119,7 @@ fn mcap() {
 #[test]
 fn sbet() {
     let options = SolutionOptions {
-        week: Some(WEEK),
+        epoch: Some(Epoch::of_week(WEEK, ClockSource::Gnss)),
         ..SolutionOptions::default()
     };
     let out = std::io::Cursor::new(Vec::new());

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use quick_xml::events::Event;
 use undrift_io::Opened;
+use undrift_io::epoch::{ClockSource, Epoch};
 use undrift_io::table::Column;
 use undrift_io::truth::{TruthFormat, TruthReader};
 use undrift_io::write::solution::SolutionRow;
@@ -43,7 +44,7 @@ fn row(k: u32) -> SolutionRow {
 
 fn options() -> SolutionOptions {
     SolutionOptions {
-        week: Some(WEEK),
+        epoch: Some(Epoch::of_week(WEEK, ClockSource::Gnss)),
         name: NAME.into(),
         every: None,
     }
@@ -102,7 +103,7 @@ fn equal_to_what_was_checked() {
 fn kf_gins_reads_back() {
     // Without a week, the time goes on past the end of the week.
     let mut options = options();
-    options.week = None;
+    options.epoch = None;
     let text = text_of(track(), SolutionFormat::KfGins, &options);
     let group = |from: usize| [0, 1, 2].map(|k| Column::Number(from + k));
     let format = TruthFormat {
@@ -251,7 +252,7 @@ fn gpx_has_times_where_the_week_is_known() {
     let fixes = elements(&text, "fix");
     assert_eq!(fixes.iter().filter(|fix| *fix == "none").count(), 40);
     let mut options = options();
-    options.week = None;
+    options.epoch = None;
     let text = text_of(track(), SolutionFormat::Gpx, &options);
     assert!(elements(&text, "time").is_empty());
 }

@@ -10,6 +10,7 @@ use super::formats::{Kind, Values, time};
 use super::link::Link;
 use super::messages::{Messages, Next};
 use crate::entry::{Fix, ImuReading, Unfit, What};
+use crate::epoch::{ClockSource, Epoch};
 use crate::fix::{finite, independent, on_earth};
 use crate::log::receiver::Ready;
 use crate::skipped::SkipKind;
@@ -85,6 +86,12 @@ impl Reader {
             }
         }
         true
+    }
+
+    /// What the times count from, where there are fixes.
+    pub(super) fn epoch(&self) -> Option<Epoch> {
+        let is_gps = self.kind == Kind::Gps || self.link.is_some();
+        self.weeks.epoch(ClockSource::Gnss).filter(|_| is_gps)
     }
 
     /// GPS time of the autopilot's, or that itself \[s\].

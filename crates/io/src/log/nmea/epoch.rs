@@ -6,6 +6,7 @@ use undrift_nav::{Matrix3, Vector3};
 
 use super::sentence::{Sentence, date};
 use crate::entry::Fix;
+use crate::epoch::ClockSource;
 use crate::fix::on_earth;
 use crate::log::receiver::Ready;
 use crate::skipped::SkipKind;
@@ -230,6 +231,11 @@ impl Times {
             poses,
             ..Self::default()
         }
+    }
+
+    /// What the times count from, once there was a date.
+    pub(super) fn epoch(&self) -> Option<crate::epoch::Epoch> {
+        self.weeks.epoch(ClockSource::Gnss)
     }
 
     /// Goes on to an epoch.

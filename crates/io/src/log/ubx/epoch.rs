@@ -12,11 +12,13 @@ use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::{FixQuality, Position};
 use undrift_nav::{Matrix3, Vector3};
 
-use super::bytes::{i1, i4, r4, u1, u4};
+use super::bytes::{i1, i4, r4, u1, u2, u4};
 use crate::entry::Fix;
+use crate::epoch::ClockSource;
 use crate::fix::on_earth;
 use crate::log::receiver::Ready;
 use crate::skipped::SkipKind;
+use crate::time::{WEEK, WeekClock};
 
 pub(super) const PVT: [u8; 2] = [0x01, 0x07];
 pub(super) const HPPOSLLH: [u8; 2] = [0x01, 0x14];
@@ -25,13 +27,13 @@ pub(super) const VELNED: [u8; 2] = [0x01, 0x12];
 pub(super) const COV: [u8; 2] = [0x01, 0x36];
 pub(super) const STATUS: [u8; 2] = [0x01, 0x03];
 pub(super) const SOL: [u8; 2] = [0x01, 0x06];
+pub(super) const TIMEGPS: [u8; 2] = [0x01, 0x20];
 
 /// Messages with a position, the best first.
 pub(super) const POSITIONS: [&str; 3] = ["NAV-HPPOSLLH", "NAV-PVT", "NAV-POSLLH"];
 /// Messages with a velocity, the best first.
 pub(super) const VELOCITIES: [&str; 2] = ["NAV-PVT", "NAV-VELNED"];
 
-const WEEK: f64 = 604_800.0;
 /// The time of week of a message is rounded to 1 ms; what NAV-PVT adds may not be more \[s\].
 const ROUNDED: f64 = 1e-3;
 
@@ -39,7 +41,7 @@ const ROUNDED: f64 = 1e-3;
 pub(super) fn time_of_week(kind: [u8; 2], payload: &[u8]) -> Option<u32> {
     match kind {
         HPPOSLLH => u4(payload, 4),
-        PVT | POSLLH | VELNED | COV | STATUS | SOL => u4(payload, 0),
+        PVT | POSLLH | VELNED | COV | STATUS | SOL | TIMEGPS => u4(payload, 0),
         _ => None,
     }
 }
@@ -53,16 +55,52 @@ pub(super) fn startup(kind: [u8; 2], payload: &[u8]) -> Option<u32> {
 #[derive(Default)]
 pub(super) struct Weeks {
     last: Option<f64>,
+    /// GPS week from whose beginning the times count.
+    start: Option<i64>,
 }
 
 impl Weeks {
-    pub(super) fn seconds(&mut self, time_of_week: f64) -> f64 {
+    /// Time of an epoch \[s\].
+    pub(super) fn seconds(&mut self, epoch: &Epoch) -> f64 {
+        let time_of_week = epoch.seconds();
         let last = *self.last.get_or_insert(time_of_week);
         // The week in which it is nearest to the time before.
-        let time = time_of_week + WEEK * ((last - time_of_week) / WEEK).round();
+        let later = ((last - time_of_week) / WEEK).round();
+        let time = time_of_week + WEEK * later;
         self.last = Some(time);
+        if let (Some(week), None) = (epoch.week, self.start) {
+            self.start = Some(week - later as i64);
+        }
         time
     }
+
+    /// What the times count from, once a message had the date.
+    pub(super) fn epoch(&self) -> Option<crate::epoch::Epoch> {
+        let week = u32::try_from(self.start?).ok()?;
+        Some(crate::epoch::Epoch::of_week(week, ClockSource::Gnss))
+    }
+}
+
+/// GPS week of an epoch from UTC's date and time of NAV-PVT, if it says that they are valid.
+fn week_of_date(payload: &[u8], time_of_week: u32) -> Option<i64> {
+    let valid = u1(payload, 11)? & 0b11 == 0b11;
+    let [month, day, hour, minute, second] = [
+        u1(payload, 6)?,
+        u1(payload, 7)?,
+        u1(payload, 8)?,
+        u1(payload, 9)?,
+        u1(payload, 10)?,
+    ]
+    .map(i64::from);
+    let of_day = (hour * 3600 + minute * 60 + second) as f64;
+    let mut weeks = WeekClock::default();
+    let seconds = weeks
+        .utc(u2(payload, 4)?.into(), month, day, of_day)
+        .filter(|_| valid)?;
+    let (week, second) = weeks.epoch(ClockSource::Gnss)?.week_second(seconds);
+    // Leap seconds that the receiver does not know yet may put it into the week beside.
+    let whole = (second - f64::from(time_of_week) * 1e-3) / WEEK;
+    Some(week + whole.round() as i64)
 }
 
 /// A position and its standard deviations north, east, down \[m\].
@@ -75,6 +113,8 @@ pub(super) struct Epoch {
     pub(super) at: u64,
     /// Time of week \[ms\].
     pub(super) time_of_week: u32,
+    /// GPS week, where a message tells it.
+    week: Option<i64>,
     /// The sensors' counter when its first message came \[s\].
     pub(super) counter: Option<f64>,
     /// The sensors' counter at its time \[s\], where the messages tell that.
@@ -105,6 +145,7 @@ impl Epoch {
         match kind {
             PVT => {
                 let flags = u1(payload, 21)?;
+                self.week = week_of_date(payload, self.time_of_week).or(self.week);
                 self.fix = Some((fixed(u1(payload, 20)?, flags), quality(flags, flags >> 6)));
                 let invalid = u1(payload, 78)? & 1 != 0;
                 *with_velocity = (!invalid).then_some(place(payload, 24, [40, 44], 1e-3)?);
@@ -142,8 +183,15 @@ impl Epoch {
             }
             SOL => {
                 let flags = u1(payload, 11)?;
+                // Week number valid.
+                let week = i64::from(u2(payload, 8)?);
+                self.week = self.week.or((flags & 4 != 0).then_some(week));
                 let said = (fixed(u1(payload, 10)?, flags), quality(flags, 0));
                 self.fix.get_or_insert(said);
+            }
+            // Week number valid.
+            TIMEGPS if u1(payload, 11)? & 2 != 0 => {
+                self.week = Some(u2(payload, 8)?.into());
             }
             _ => {}
         }

@@ -1,0 +1,223 @@
+//! The date of a log: what its time zero is in GPS time and UTC.
+
+use crate::time::{self, Utc, WEEK, WeekClock};
+
+const NANOS: f64 = 1e9;
+/// Nanoseconds of a week.
+const WEEK_NS: i64 = 604_800_000_000_000;
+/// Numbers of a table that are Unix times \[s\]: 2001 to 2096.
+const UNIX_TIMES: std::ops::Range<f64> = 1e9..4e9;
+/// GPS seconds since 1980 up to 2030, which are Unix times too: up to 2020.
+const GPS_TIMES: std::ops::Range<f64> = 1e9..1.6e9;
+
+/// What tells the date of a log.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ClockSource {
+    /// A GNSS receiver.
+    Gnss,
+    /// Dates of UTC, or Unix times, whatever clock they are from.
+    Utc,
+    /// The clock of the computer or telephone that recorded.
+    Host,
+    /// That clock at the time of receipt: the records have no stamps of their own.
+    Receipt,
+    /// Dates without a time zone, read as UTC.
+    NoZone,
+    /// The user.
+    Stated,
+}
+
+impl ClockSource {
+    /// Its name in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Gnss => "gnss",
+            Self::Utc => "utc",
+            Self::Host => "host",
+            Self::Receipt => "receipt",
+            Self::NoZone => "no-zone",
+            Self::Stated => "stated",
+        }
+    }
+}
+
+/// Time zero of a log. From there its times go on as GPS time does, without leap seconds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Epoch {
+    /// GPS time: nanoseconds since 6 January 1980.
+    gps_ns: i64,
+    /// What tells it.
+    pub clock: ClockSource,
+}
+
+impl Epoch {
+    /// The beginning of a GPS week, not rolled over.
+    pub fn of_week(week: u32, clock: ClockSource) -> Self {
+        Self {
+            gps_ns: i64::from(week) * WEEK_NS,
+            clock,
+        }
+    }
+
+    /// Of a log whose time `at` \[s\] is the Unix time `unix` \[s\]; `None` before 1980.
+    pub fn of_unix(unix: f64, at: f64, clock: ClockSource) -> Option<Self> {
+        let mut weeks = WeekClock::default();
+        let plausible = (0.0..1e11).contains(&unix) && at.is_finite() && at.abs() < 1e10;
+        let whole = unix.floor();
+        let nanos = ((unix - whole) * NANOS) as u32;
+        let seconds = plausible.then(|| weeks.unix(whole as i64, nanos))?;
+        Some(weeks.epoch(clock)?.shifted(seconds - at))
+    }
+
+    /// Of a table's first time \[s\], if that is a Unix time; not where its column's name speaks of GPS and the
+    /// number may be seconds since 1980.
+    pub(crate) fn of_number(first: f64, column: &str) -> Option<Self> {
+        let ambiguous = column.to_ascii_lowercase().contains("gps") && GPS_TIMES.contains(&first);
+        if ambiguous || !UNIX_TIMES.contains(&first) {
+            return None;
+        }
+        Self::of_unix(first, first, ClockSource::Utc)
+    }
+
+    /// As users state it: a date and time of day in UTC, or `week 2374` of GPS.
+    pub fn stated(text: &str) -> Option<Self> {
+        let clock = ClockSource::Stated;
+        if let Some(week) = text.trim().strip_prefix("week ") {
+            let week = week.trim().parse().ok().filter(|week| *week < 10_000)?;
+            return Some(Self::of_week(week, clock));
+        }
+        let mut weeks = WeekClock::default();
+        let seconds = weeks.date_time(text.trim().as_bytes())?;
+        Some(weeks.epoch(clock)?.shifted(seconds))
+    }
+
+    /// The epoch of times that count from `seconds` \[s\] later.
+    #[must_use]
+    pub fn shifted(self, seconds: f64) -> Self {
+        Self {
+            gps_ns: self.gps_ns.saturating_add(nanoseconds(seconds)),
+            ..self
+        }
+    }
+
+    /// How much later than another epoch it is \[s\]: what is added to times of this one for those of the other.
+    pub fn after(self, other: Self) -> f64 {
+        let ns = self.gps_ns.saturating_sub(other.gps_ns);
+        (ns / 1_000_000_000) as f64 + (ns % 1_000_000_000) as f64 / NANOS
+    }
+
+    /// GPS week and the seconds of it at a time of the log \[s\].
+    pub fn week_second(self, time: f64) -> (i64, f64) {
+        let (weeks, second) = (
+            self.gps_ns.div_euclid(WEEK_NS),
+            self.gps_ns.rem_euclid(WEEK_NS) as f64 / NANOS + time,
+        );
+        let more = (second / WEEK).floor();
+        (weeks + more as i64, second - more * WEEK)
+    }
+
+    /// GPS time less UTC at a time of the log \[s\].
+    pub fn leap_seconds(self, time: f64) -> f64 {
+        time::leap_seconds_at(self.gps_ns(time))
+    }
+
+    /// Nanoseconds of Unix time at a time of the log \[s\].
+    pub fn unix_ns(self, time: f64) -> i64 {
+        let unix = self.gps_ns(time).saturating_add(time::GPS_EPOCH_UNIX_NS);
+        unix.saturating_sub((self.leap_seconds(time) * NANOS) as i64)
+    }
+
+    /// Unix time at a time of the log \[s\].
+    pub fn unix(self, time: f64) -> f64 {
+        let ns = self.unix_ns(time);
+        ns.div_euclid(1_000_000_000) as f64 + ns.rem_euclid(1_000_000_000) as f64 / NANOS
+    }
+
+    /// UTC at a time of the log \[s\] as `yyyy-mm-ddThh:mm:ss.sssZ`.
+    pub fn iso(self, time: f64) -> String {
+        self.utc(time).iso()
+    }
+
+    /// UTC at a time of the log \[s\].
+    pub(crate) fn utc(self, time: f64) -> Utc {
+        time::utc(self.gps_ns(time))
+    }
+
+    fn gps_ns(self, time: f64) -> i64 {
+        self.gps_ns.saturating_add(nanoseconds(time))
+    }
+}
+
+/// Seconds in nanoseconds, the whole ones exactly.
+pub(crate) fn nanoseconds(seconds: f64) -> i64 {
+    let whole = seconds.floor();
+    (whole as i64)
+        .saturating_mul(1_000_000_000)
+        .saturating_add(((seconds - whole) * NANOS).round() as i64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GNSS: ClockSource = ClockSource::Gnss;
+
+    #[test]
+    fn one_instant_by_every_clock() {
+        // 8 July 2025 19:34:00.5 UTC: week 2374, second 243258.5; Unix time by `date -u +%s`.
+        let unix = 1_752_003_240.5;
+        let week = Epoch::of_week(2374, GNSS);
+        assert_eq!(week.iso(243_258.5), "2025-07-08T19:34:00.500Z");
+        assert_eq!(week.unix(243_258.5), unix);
+        assert_eq!(week.unix_ns(243_258.5), 1_752_003_240_500_000_000);
+        assert_eq!(week.leap_seconds(243_258.5), 18.0);
+        let boot = Epoch::of_unix(unix, 12.25, GNSS).unwrap();
+        assert_eq!(boot.iso(12.25), "2025-07-08T19:34:00.500Z");
+        assert_eq!(boot.after(week), 243_258.5 - 12.25);
+        assert_eq!(boot.week_second(12.25), (2374, 243_258.5));
+        let numbers = Epoch::of_number(unix, "timestamp").unwrap();
+        assert_eq!(numbers.unix(unix + 60.0), unix + 60.0);
+        let stated = Epoch::stated("2025-07-08T21:34:00.5+02:00").unwrap();
+        assert_eq!(stated.after(week), 243_258.5);
+        assert_eq!(Epoch::stated("week 2374").unwrap().after(week), 0.0);
+        assert_eq!(week.shifted(1.5).after(week), 1.5);
+        assert_eq!(week.after(week.shifted(1.5)), -1.5);
+    }
+
+    #[test]
+    fn numbers_that_are_no_dates() {
+        for (number, column) in [
+            (243_258.5, "t"),
+            (1.4e9, "GPSTime"),
+            (5e9, "t"),
+            (-1.0, "t"),
+        ] {
+            assert_eq!(Epoch::of_number(number, column), None, "{column} {number}");
+        }
+        assert!(Epoch::of_number(1.7e9, "gps_time").is_some());
+        assert_eq!(Epoch::of_unix(12.0, 0.0, GNSS), None);
+        assert_eq!(Epoch::of_unix(f64::NAN, 0.0, GNSS), None);
+        for text in [
+            "",
+            "week",
+            "week x",
+            "week 10000",
+            "2374",
+            "2025-13-01T00:00:00Z",
+            "12:00:00",
+        ] {
+            assert_eq!(Epoch::stated(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_leap_second_is_counted() {
+        // The end of 2016: week 1930 began 17 s before it.
+        let week = Epoch::of_week(1930, GNSS);
+        assert_eq!(week.leap_seconds(16.9), 17.0);
+        assert_eq!(week.leap_seconds(18.1), 18.0);
+        assert_eq!(week.iso(18.0), "2017-01-01T00:00:00.000Z");
+        assert_eq!(week.unix(18.0), 1_483_228_800.0);
+        assert_eq!(week.unix(16.0), 1_483_228_799.0);
+    }
+}
