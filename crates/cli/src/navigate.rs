@@ -48,9 +48,6 @@ pub struct Arguments {
     /// Format of the solution regardless of the extension: csv, kf-gins, nmea, kml, geojson, gpx, mcap, parquet or sbet
     #[arg(long, value_name = "NAME", help_heading = "Output")]
     format: Option<SolutionFormat>,
-    /// GPS week at the start of the log, for formats with dates
-    #[arg(long, value_name = "N", help_heading = "Output", value_parser = clap::value_parser!(u32).range(..10_000))]
-    week: Option<u32>,
     /// Minimum time between rows of the solution [s]; 0: every sample. Default: 0, but 0.1 for nmea,
     /// kml, geojson and gpx
     #[arg(long, value_name = "S", help_heading = "Output")]
@@ -103,7 +100,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             "bytes",
         );
         let wanted = Wanted {
-            files: outputs(arguments)?,
+            files: outputs(arguments, &drive)?,
             smooth: arguments.smooth,
             recording,
             rows: false,
@@ -132,12 +129,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// The files that were asked for.
-fn outputs(arguments: &Arguments) -> Result<Vec<SolutionFile>> {
+fn outputs(arguments: &Arguments, drive: &Drive) -> Result<Vec<SolutionFile>> {
     if arguments.format.is_some() && arguments.output.len() > 1 {
         bail!("--format needs a single -o; several are written by their extensions");
     }
     let options = SolutionOptions {
-        week: arguments.week,
+        epoch: drive.epoch,
         name: stem(&arguments.drive),
         every: arguments.every,
     };

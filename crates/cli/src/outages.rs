@@ -13,7 +13,6 @@ use std::path::{Path, PathBuf};
 use undrift::{
     fleet::Choice,
     io::write::{SolutionFile, SolutionFormat, SolutionOptions, solution::SolutionRow},
-    nav::sample::TruthSample,
     noise::BiasModel,
     outages::{Logs, Schedule},
     replay::{Outage, STAMP_ROUNDING},
@@ -136,7 +135,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         )?;
     }
     if let Some(path) = &arguments.track {
-        write_track(path, &logs.track(), &cuts, &arguments.drive)
+        write_track(path, &logs, &cuts, &arguments.drive)
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
     if result.models.is_empty() {
@@ -152,13 +151,14 @@ fn track_format(path: &Path) -> Result<SolutionFormat> {
         .with_context(|| format!("--track {}: must be .kml, .geojson or .gpx", path.display()))
 }
 
-fn write_track(path: &Path, track: &[TruthSample], cuts: &[Outage], drive: &Path) -> Result<()> {
+fn write_track(path: &Path, logs: &Logs, cuts: &[Outage], drive: &Path) -> Result<()> {
     let options = SolutionOptions {
+        epoch: logs.drive.epoch,
         name: navigate::stem(drive),
         ..SolutionOptions::default()
     };
     let mut file = SolutionFile::create(path, track_format(path)?, &options)?;
-    for sample in track {
+    for sample in logs.track() {
         let next = cuts.partition_point(|cut| cut.end + STAMP_ROUNDING < sample.time);
         let outage = cuts.get(next).is_some_and(|cut| cut.contains(sample.time));
         file.write(&SolutionRow::at(sample.time, sample.position), outage)?;

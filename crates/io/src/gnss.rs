@@ -31,6 +31,16 @@ pub enum GnssSource {
     Log(GnssLog),
 }
 
+impl GnssSource {
+    /// What is added to the file's times \[s\].
+    pub fn time_offset(&mut self) -> &mut f64 {
+        match self {
+            Self::Table(format) => &mut format.fixes.time_offset,
+            Self::Log(log) => &mut log.fixes.time_offset,
+        }
+    }
+}
+
 impl From<GnssFormat> for GnssSource {
     fn from(format: GnssFormat) -> Self {
         Self::Table(Box::new(format))

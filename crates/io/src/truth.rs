@@ -90,6 +90,16 @@ pub enum TruthSource {
     Log(TruthLog),
 }
 
+impl TruthSource {
+    /// What is added to the file's times \[s\].
+    pub fn time_offset(&mut self) -> &mut f64 {
+        match self {
+            Self::Table(format) => &mut format.time_offset,
+            Self::Log(log) => &mut log.time_offset,
+        }
+    }
+}
+
 impl From<TruthFormat> for TruthSource {
     fn from(format: TruthFormat) -> Self {
         Self::Table(Box::new(format))

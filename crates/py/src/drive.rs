@@ -6,7 +6,7 @@ use crate::{
     model::NoiseModel,
 };
 use pyo3::prelude::*;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use undrift::{drive, inspect, io::Memory, results};
 
 /// A drive, ready to be read; `undrift.Drive` wraps it.
@@ -31,13 +31,13 @@ impl Drive {
     /// Reads the text of a drive file, called `file`; `memory` has the columns of the logs that are no files.
     #[staticmethod]
     fn from_toml(text: &str, file: PathBuf, memory: Vec<(PathBuf, Named<'_>)>) -> PyResult<Self> {
-        let here = PathBuf::new();
-        let name = file.to_string_lossy();
-        let mut drive = drive::Drive::from_toml(text, &name, &here, &here).map_err(error)?;
+        let mut logs = drive::Logs::default();
         for (path, named) in memory {
             let columns = columns::columns(&path, named)?;
-            drive.logs.memory.insert(path, Memory::Columns(columns));
+            logs.memory.insert(path, Memory::Columns(columns));
         }
+        let name = file.to_string_lossy();
+        let drive = drive::Drive::with_logs(text, &name, Path::new(""), logs).map_err(error)?;
         Ok(Self { drive, file })
     }
 

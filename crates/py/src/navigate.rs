@@ -28,7 +28,6 @@ pub fn navigate<'py>(
     smooth: bool,
     output: Vec<PathBuf>,
     format: Option<&str>,
-    week: Option<u32>,
     every: Option<f64>,
     solution: bool,
 ) -> PyResult<(String, Bound<'py, PyDict>)> {
@@ -36,7 +35,7 @@ pub fn navigate<'py>(
     let format: Option<SolutionFormat> = format.map(str::parse).transpose().map_err(error)?;
     let name = drive.file.file_stem().unwrap_or_default();
     let options = SolutionOptions {
-        week,
+        epoch: drive.drive.epoch,
         name: name.to_string_lossy().into_owned(),
         every,
     };

@@ -1,9 +1,11 @@
 //! What files are, in words, and a starter `DRIVE.toml` for them.
 
+use crate::date;
 use std::path::Path;
 use undrift::{
     inspect::{
-        Content, Inspection, Known, Measured, Motion, Note, Part, about_gravity, model, quoted,
+        Content, Inspection, Known, Measured, Motion, Note, Part, Start, about_gravity, model,
+        quoted,
     },
     vehicle::Profile,
 };
@@ -169,6 +171,7 @@ pub fn text(inspection: &Inspection) -> String {
             let remarks = m.remarks.iter().map(String::as_str);
             remarks.chain(m.skipped.lines())
         });
+        lines.extend(measured.map(|m| format!("    {}", start(m.start.as_ref()))));
         lines.extend(remarks.map(|remark| format!("    {remark}")));
         let problem = part.problem.as_ref();
         lines.extend(problem.map(|problem| format!("    cannot be read: {problem}")));
@@ -180,6 +183,19 @@ pub fn text(inspection: &Inspection) -> String {
             .map(|note| format!("  note: {note}")),
     );
     lines.join("\n")
+}
+
+/// When a part starts.
+fn start(start: Option<&Start>) -> String {
+    let Some(start) = start else {
+        return "no date: times are those of the log's own clock".into();
+    };
+    format!(
+        "starts {} ({}; GPS time is {} s ahead)",
+        date::utc(&start.utc),
+        date::clock(start.clock),
+        start.leap_seconds
+    )
 }
 
 fn rate_and_gaps(m: &Measured) -> String {

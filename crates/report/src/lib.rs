@@ -4,6 +4,7 @@
 mod compare;
 mod constants;
 mod data;
+mod date;
 mod document;
 pub mod figure;
 pub mod figures;

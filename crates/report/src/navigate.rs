@@ -9,6 +9,7 @@ use super::{
     Axis, Block, Figure, Panel, Section, Series,
     parts::{Clock, Run, on_the_ground, origin, run_colour},
 };
+use crate::date;
 use accuracy::accuracy;
 use innovations::innovations;
 use panels::{Shown, component_panel, panel_over_time, sensor_panel};
@@ -54,8 +55,14 @@ pub fn sections(runs: &[Run<'_, Navigate>]) -> Vec<Section> {
     let started = runs.iter().map(|(_, run)| run.summary.started.0);
     let series = runs.iter();
     let series = series.filter_map(|(name, run)| Some((name.as_str(), run.series.as_ref()?)));
+    let clock = Clock::starting(started.fold(f64::INFINITY, f64::min));
+    let zero = match runs {
+        [(_, only)] => date::of_axis(&only.drive, clock.zero()),
+        _ => None,
+    };
     let shown = Shown {
-        clock: Clock::starting(started.fold(f64::INFINITY, f64::min)),
+        clock,
+        zero,
         series: series.collect(),
     };
     let sections = [

@@ -9,6 +9,7 @@ use super::{
     parts::{COMPONENTS, Run, model_colour, named, of_which, points, prefixed, text, warnings},
 };
 use crate::{
+    date,
     plain::{Mark, plain_table},
     say,
 };
@@ -152,10 +153,15 @@ fn what_was_done(name: &str, run: &Outages) -> String {
         }
     };
     let cuts = run.outages.len();
+    let first = run.outages.first().map_or(f64::NAN, |cut| cut.start_s.0);
+    let date = date::of_drive(drive, first);
+    let date = date.map_or(String::new(), |date| {
+        format!(" Start of the first: {date}.")
+    });
     named(
         name,
         &format!(
-            "{what} GNSS was cut {cuts} times for {lengths} s. During the outages the {solution} was compared with {reference}{model}."
+            "{what} GNSS was cut {cuts} times for {lengths} s. During the outages the {solution} was compared with {reference}{model}.{date}"
         ),
     )
 }

@@ -154,6 +154,11 @@ impl Clock {
         })
     }
 
+    /// Where the axis begins, in the log's own time \[s\].
+    pub fn zero(self) -> f64 {
+        self.0
+    }
+
     /// What the axis says.
     pub fn label(self) -> String {
         if self.0 == 0.0 {

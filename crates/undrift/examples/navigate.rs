@@ -45,7 +45,11 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // Every model is a shaping filter per axis; `Arma` runs whatever the model file describes.
     let solution = file.with_file_name("nav.csv");
-    let csv = SolutionFile::create(&solution, SolutionFormat::Csv, &SolutionOptions::default())?;
+    let options = SolutionOptions {
+        epoch: drive.epoch,
+        ..SolutionOptions::default()
+    };
+    let csv = SolutionFile::create(&solution, SolutionFormat::Csv, &options)?;
     let wanted = navigate::Wanted {
         files: vec![csv],
         ..Default::default()

@@ -20,6 +20,7 @@
 //!
 //! All keys are in `docs/drive-file.md`.
 
+mod epoch;
 mod error;
 pub(crate) mod gnss;
 pub(crate) mod imu;
@@ -47,6 +48,7 @@ use crate::{
 use std::path::{Path, PathBuf};
 use undrift_io::{
     ReadError,
+    epoch::Epoch,
     gnss::{GnssReader, GnssSource},
     imu::{ImuFormat, ImuReader},
     reader::{Kind, Reader},
@@ -97,6 +99,8 @@ pub struct Drive {
     pub std_factors: StdFactors,
     /// Noise model of the IMU, if the file names one.
     pub model: Option<ImuModel>,
+    /// What the times of the samples count from, where a log or the drive file tells it.
+    pub epoch: Option<Epoch>,
     /// Where its logs are.
     pub logs: Logs,
 }
@@ -130,7 +134,10 @@ impl Drive {
     }
 
     /// As [`Drive::from_toml`], of logs that are held already.
-    pub(crate) fn with_logs(
+    ///
+    /// # Errors
+    /// As [`Drive::from_toml`].
+    pub fn with_logs(
         text: &str,
         file: &str,
         home: &Path,
@@ -140,6 +147,7 @@ impl Drive {
         let top = Section::top(table.get_ref(), text, file);
         top.only(&[
             "model",
+            "epoch",
             "imu",
             "gnss",
             "odometer",
@@ -170,7 +178,7 @@ impl Drive {
             scalars::read_odometer(&top.section("odometer")?, &mut logs, parameters)?;
         let (barometer, parameters) =
             scalars::read_barometer(&top.section("barometer")?, &mut logs, parameters)?;
-        let drive = Self {
+        let mut drive = Self {
             parameters,
             odometer,
             barometer,
@@ -189,8 +197,10 @@ impl Drive {
             lever_arm,
             align: tables::read_initial(&top.section("initial")?)?,
             model: top.model("model", home)?,
+            epoch: None,
             logs,
         };
+        drive.date(epoch::read_epoch(&top)?);
         Ok(drive)
     }
 

@@ -11,7 +11,7 @@ mod units;
 pub use known::{Content, Known, Note};
 pub use measure::about_gravity;
 pub use motion::{Motion, motion};
-pub use parts::{Inspection, Line, Measured, Part, quoted};
+pub use parts::{Inspection, Line, Measured, Part, Start, quoted};
 pub use sensor::model;
 
 use crate::drive::Logs;

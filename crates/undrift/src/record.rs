@@ -288,6 +288,7 @@ fn find(beginning: &Preview, format: &RecordFormat) -> Result<Found, String> {
     });
     let stamp = time.map(|scale| Stamp {
         place: columns.len() - 1,
+        column: String::new(),
         scale,
         date: None,
     });

@@ -1,6 +1,7 @@
 //! The command on damaged logs and wrong settings: what it says, how it ends, what it leaves behind.
 
 mod configuration;
+mod dates;
 mod drives;
 mod files;
 mod fixes;

@@ -1,4 +1,5 @@
-//! The navigation solution as CSV: the columns of [`super::solution`], and Unix time.
+//! The navigation solution as CSV: the columns of [`super::solution`], and Unix time where the log has
+//! a date.
 
 use std::io::{self, Write};
 
@@ -10,14 +11,16 @@ use super::write_fixed;
 impl<W: Write> TextWriter<W> {
     /// Starts a CSV with a header, of every row.
     pub fn csv(out: W) -> Self {
-        Self::new(out, format(), None, 0.0)
+        Self::new(out, format(false), None, 0.0)
     }
 }
 
-/// Rows of numbers behind a header; what is not finite becomes `nan`.
-pub(super) fn format() -> TextFormat {
+/// Rows of numbers behind a header, with Unix time where they are dated; what is not finite becomes `nan`.
+pub(super) fn format(dated: bool) -> TextFormat {
+    let names = COLUMNS.map(|(name, ..)| name).into_iter();
+    let names = names.chain(dated.then_some(UNIX_TIME));
     TextFormat {
-        head: COLUMNS.map(|(name, ..)| name).join(",") + "," + UNIX_TIME + "\n",
+        head: Vec::from_iter(names).join(",") + "\n",
         body: Body::Rows(|_| true, write_row),
         tail: "",
     }
@@ -34,8 +37,10 @@ fn write_row(buf: &mut Vec<u8>, row: &SolutionRow, beside: &Beside) -> io::Resul
             write_fixed(buf, value(row), *decimals);
         }
     }
-    buf.push(b',');
-    write_fixed(buf, row.unix_time(beside.epoch), 6);
+    if let Some(epoch) = beside.epoch {
+        buf.push(b',');
+        write_fixed(buf, row.unix_time(epoch), 6);
+    }
     buf.push(b'\n');
     Ok(())
 }
@@ -78,7 +83,7 @@ mod tests {
         assert_eq!(lines.len(), 2);
         let names: Vec<&str> = lines[0].split(',').collect();
         let fields: Vec<&str> = lines[1].split(',').collect();
-        assert_eq!((names.len(), fields.len()), (32, 32));
+        assert_eq!((names.len(), fields.len()), (31, 31));
         let get = |name: &str| fields[names.iter().position(|n| *n == name).unwrap()];
         assert_eq!(get("time_s"), "1.5000");
         assert_eq!(get("lat_deg"), "40.09662680000");
@@ -94,7 +99,6 @@ mod tests {
         assert_eq!(get("accel_bias_z_mps2"), "-0.0000001");
         assert_eq!(get("gyro_bias_x_std_dps"), "1.00000000");
         assert_eq!(get("accel_bias_z_std_mps2"), "3.0000000");
-        assert_eq!(get("unix_time_s"), "nan");
     }
 
     #[test]

@@ -194,7 +194,7 @@ impl<W: Write + Seek + Send> SolutionFile<W> {
         let (name, epoch) = (&options.name, options.epoch);
         let thinning = Thinning::new(every);
         let format = match format {
-            SolutionFormat::Csv => csv::format(),
+            SolutionFormat::Csv => csv::format(epoch.is_some()),
             SolutionFormat::KfGins => kf_gins::format(),
             SolutionFormat::Sbet => sbet::format(),
             SolutionFormat::Nmea => nmea::format(),
@@ -208,7 +208,8 @@ impl<W: Write + Seek + Send> SolutionFile<W> {
             }
             #[cfg(feature = "parquet")]
             SolutionFormat::Parquet => {
-                let writer = Writer::Parquet(Box::new(parquet::create(out)?), epoch);
+                let writer =
+                    Writer::Parquet(Box::new(parquet::create(out, epoch.is_some())?), epoch);
                 return Ok(Self { writer, thinning });
             }
             #[cfg(not(feature = "parquet"))]

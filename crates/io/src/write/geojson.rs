@@ -5,8 +5,7 @@ use std::io::{self, Write};
 
 use super::spans::Piece;
 use super::text::place;
-use super::text_writer::{Body, TextFormat};
-use crate::epoch::Epoch;
+use super::text_writer::{Aside, Body, TextFormat};
 
 pub(super) fn format(name: &str) -> TextFormat {
     TextFormat {
@@ -19,7 +18,7 @@ pub(super) fn format(name: &str) -> TextFormat {
     }
 }
 
-fn write_piece(buf: &mut Vec<u8>, piece: Piece<'_>, epoch: Option<Epoch>) -> io::Result<()> {
+fn write_piece(buf: &mut Vec<u8>, piece: Piece<'_>, aside: &mut Aside) -> io::Result<()> {
     match piece {
         Piece::Begin { row, first, .. } => write!(
             buf,
@@ -34,7 +33,7 @@ fn write_piece(buf: &mut Vec<u8>, piece: Piece<'_>, epoch: Option<Epoch>) -> io:
                 "\n]}},\"properties\":{{\"gnss\":{},\"start_s\":{start:.3},\"end_s\":{end:.3}",
                 !outage
             )?;
-            if let Some(epoch) = epoch {
+            if let Some(epoch) = aside.epoch {
                 let [start, end] = [start, end].map(|time| epoch.iso(time));
                 write!(buf, ",\"start\":\"{start}\",\"end\":\"{end}\"")?;
             }

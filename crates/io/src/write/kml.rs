@@ -1,5 +1,5 @@
 //! The track as KML 2.2: a line for each span with and without GNSS, in green and red; where the log has a
-//! date a `gx:Track`, each place behind its instant in UTC.
+//! date a `gx:MultiTrack`, with the instants in UTC.
 //!
 //! Lines lie on the ground, since KML counts absolute altitudes from the sea level and the heights
 //! here are above the ellipsoid; the coordinates have them nevertheless.
@@ -9,8 +9,11 @@ use std::io::{self, Write};
 use super::solution::SolutionRow;
 use super::spans::Piece;
 use super::text::{place, xml};
-use super::text_writer::{Body, TextFormat};
+use super::text_writer::{Aside, Body, TextFormat};
 use crate::epoch::Epoch;
+
+/// Points of a track, whose places are held until its instants are written; the next one joins it.
+const TRACK: usize = 1000;
 
 pub(super) fn format(name: &str) -> TextFormat {
     let mut head = format!(
@@ -30,8 +33,8 @@ pub(super) fn format(name: &str) -> TextFormat {
     }
 }
 
-fn write_piece(buf: &mut Vec<u8>, piece: Piece<'_>, epoch: Option<Epoch>) -> io::Result<()> {
-    match (piece, epoch) {
+fn write_piece(buf: &mut Vec<u8>, piece: Piece<'_>, aside: &mut Aside) -> io::Result<()> {
+    match (piece, aside.epoch) {
         (Piece::Begin { row, outage, .. }, epoch) => {
             let (name, style) = match outage {
                 true => ("Without GNSS", "no-gnss"),
@@ -42,28 +45,50 @@ fn write_piece(buf: &mut Vec<u8>, piece: Piece<'_>, epoch: Option<Epoch>) -> io:
                 "<Placemark><name>{name} from {:.1} s</name><styleUrl>#{style}</styleUrl>",
                 row.time
             )?;
-            match epoch {
-                Some(epoch) => {
-                    writeln!(buf, "<gx:Track>")?;
-                    write_instant(buf, row, epoch)
-                }
-                None => write!(
+            let Some(epoch) = epoch else {
+                let place = place(&row.position);
+                return write!(
                     buf,
-                    "<LineString><tessellate>1</tessellate><coordinates>\n{}",
-                    place(&row.position)
-                ),
-            }
+                    "<LineString><tessellate>1</tessellate><coordinates>\n{place}"
+                );
+            };
+            write!(
+                buf,
+                "<gx:MultiTrack><gx:interpolate>1</gx:interpolate><gx:Track>"
+            )?;
+            write_instant(buf, row, epoch, aside)
         }
-        (Piece::Point(row), Some(epoch)) => write_instant(buf, row, epoch),
+        (Piece::Point(row), Some(epoch)) => {
+            if aside.points >= TRACK {
+                end_track(buf, aside);
+                buf.extend_from_slice(b"<gx:Track>");
+            }
+            write_instant(buf, row, epoch, aside)
+        }
         (Piece::Point(row), None) => write!(buf, "\n{}", place(&row.position)),
-        (Piece::End { .. }, Some(_)) => writeln!(buf, "</gx:Track></Placemark>"),
+        (Piece::End { .. }, Some(_)) => {
+            end_track(buf, aside);
+            writeln!(buf, "</gx:MultiTrack></Placemark>")
+        }
         (Piece::End { .. }, None) => writeln!(buf, "\n</coordinates></LineString></Placemark>"),
     }
 }
 
-/// A place of a track and when that was.
-fn write_instant(buf: &mut Vec<u8>, row: &SolutionRow, epoch: Epoch) -> io::Result<()> {
+/// An instant of a track, and its place for behind all of them.
+fn write_instant(
+    buf: &mut Vec<u8>,
+    row: &SolutionRow,
+    epoch: Epoch,
+    aside: &mut Aside,
+) -> io::Result<()> {
+    aside.points += 1;
     let place = place(&row.position).replace(',', " ");
-    let when = epoch.iso(row.time);
-    writeln!(buf, "<when>{when}</when><gx:coord>{place}</gx:coord>")
+    write!(aside.later, "\n<gx:coord>{place}</gx:coord>")?;
+    write!(buf, "\n<when>{}</when>", epoch.iso(row.time))
+}
+
+fn end_track(buf: &mut Vec<u8>, aside: &mut Aside) {
+    buf.append(&mut aside.later);
+    aside.points = 0;
+    buf.extend_from_slice(b"\n</gx:Track>");
 }

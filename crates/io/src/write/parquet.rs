@@ -1,5 +1,5 @@
 //! The navigation solution as Parquet: the columns of [`super::solution`] as doubles, with the same
-//! names and units, not rounded; what is not finite is NaN.
+//! names and units, not rounded, and Unix time where the log has a date; what is not finite is NaN.
 
 use std::io::{self, Write};
 
@@ -8,10 +8,10 @@ use super::solution::{COLUMNS, SolutionRow, UNIX_TIME, YAW};
 use crate::epoch::Epoch;
 
 /// Starts with the head of the file.
-pub(super) fn create<W: Write + Send>(out: W) -> io::Result<ParquetTableWriter<W>> {
+pub(super) fn create<W: Write + Send>(out: W, dated: bool) -> io::Result<ParquetTableWriter<W>> {
     let names = COLUMNS.map(|(name, ..)| name).into_iter();
     let columns = names
-        .chain([UNIX_TIME])
+        .chain(dated.then_some(UNIX_TIME))
         .map(|name| (name, Value::Exact(0.0)));
     ParquetTableWriter::new(out, "solution", columns)
 }
@@ -29,7 +29,7 @@ pub(super) fn values(
         };
         Value::Exact(if value.is_finite() { value } else { f64::NAN })
     });
-    state.chain([Value::Exact(row.unix_time(epoch))])
+    state.chain(epoch.map(|epoch| Value::Exact(row.unix_time(epoch))))
 }
 
 #[cfg(test)]
@@ -97,8 +97,7 @@ mod tests {
         assert!(!path.exists());
         writer.finish().unwrap();
         let names = Opened::open(&path).unwrap().preview(0).unwrap().names;
-        assert_eq!(names[..31], COLUMNS.map(|(name, ..)| name));
-        assert_eq!(names[31..], [UNIX_TIME]);
+        assert_eq!(names, COLUMNS.map(|(name, ..)| name));
         let rows = read(&path);
         std::fs::remove_file(&path).unwrap();
         assert_eq!(
@@ -141,7 +140,7 @@ mod tests {
         create(&path).finish().unwrap();
         assert_eq!(
             Opened::open(&path).unwrap().preview(0).unwrap().names.len(),
-            COLUMNS.len() + 1
+            COLUMNS.len()
         );
         std::fs::remove_file(&path).unwrap();
         // Dropped unfinished, there is no file.

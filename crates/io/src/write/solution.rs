@@ -43,7 +43,7 @@ pub(super) static COLUMNS: [Column; 31] = [
     ("accel_bias_y_std_mps2", 7, |r| r.error_std[4]),
     ("accel_bias_z_std_mps2", 7, |r| r.error_std[5]),
 ];
-/// The last column: Unix time \[s\], NaN where the log has no date.
+/// The last column where the log has a date: Unix time \[s\].
 pub(super) const UNIX_TIME: &str = "unix_time_s";
 /// The column of the yaw.
 pub(super) const YAW: usize = 9;
@@ -86,11 +86,12 @@ impl SolutionRow {
         }
     }
 
-    /// Unix time \[s\]; NaN without an epoch.
-    pub(super) fn unix_time(&self, epoch: Option<Epoch>) -> f64 {
-        epoch
-            .filter(|_| self.time.is_finite())
-            .map_or(f64::NAN, |epoch| epoch.unix(self.time))
+    /// Unix time \[s\].
+    pub(super) fn unix_time(&self, epoch: Epoch) -> f64 {
+        match self.time.is_finite() {
+            true => epoch.unix(self.time),
+            false => f64::NAN,
+        }
     }
 
     /// Whether time and position are numbers.

@@ -39,7 +39,17 @@ pub(super) enum Body {
     /// Each row by itself, of those that have what the format needs.
     Rows(fn(&SolutionRow) -> bool, WriteRow),
     /// Lines with and without GNSS.
-    Lines(fn(&mut Vec<u8>, Piece<'_>, Option<Epoch>) -> io::Result<()>),
+    Lines(fn(&mut Vec<u8>, Piece<'_>, &mut Aside) -> io::Result<()>),
+}
+
+/// What belongs to a line beside its points.
+#[derive(Default)]
+pub(super) struct Aside {
+    /// What the times count from, where that is known.
+    pub epoch: Option<Epoch>,
+    /// Text that comes later, and of how many points.
+    pub later: Vec<u8>,
+    pub points: usize,
 }
 
 /// Writes solution rows as text. They are collected into blocks here; `out` needs no buffer.
@@ -48,7 +58,7 @@ pub struct TextWriter<W: Write> {
     block: Vec<u8>,
     body: Body,
     tail: &'static str,
-    epoch: Option<Epoch>,
+    aside: Aside,
     start: Option<f64>,
     thinning: Thinning,
     spans: Spans,
@@ -64,7 +74,10 @@ impl<W: Write> TextWriter<W> {
             block,
             body: format.body,
             tail: format.tail,
-            epoch,
+            aside: Aside {
+                epoch,
+                ..Aside::default()
+            },
             start: None,
             thinning: Thinning::new(every),
             spans: Spans::new(every),
@@ -76,13 +89,12 @@ impl<W: Write> TextWriter<W> {
     /// # Errors
     /// If `out` does not take it.
     pub fn write(&mut self, row: &SolutionRow, outage: bool) -> io::Result<()> {
-        let epoch = self.epoch;
         match self.body {
             Body::Rows(usable, write) => {
                 if usable(row) && self.thinning.takes(row.time) {
                     let start = *self.start.get_or_insert(row.time);
                     let beside = Beside {
-                        epoch,
+                        epoch: self.aside.epoch,
                         start,
                         outage,
                     };
@@ -90,9 +102,9 @@ impl<W: Write> TextWriter<W> {
                 }
             }
             Body::Lines(write) => {
-                let block = &mut self.block;
+                let (block, aside) = (&mut self.block, &mut self.aside);
                 self.spans
-                    .push(row, outage, |piece| write(block, piece, epoch))?;
+                    .push(row, outage, |piece| write(block, piece, aside))?;
             }
         }
         if self.block.len() >= BLOCK {
@@ -108,8 +120,8 @@ impl<W: Write> TextWriter<W> {
     /// If `out` does not take it.
     pub fn into_inner(mut self) -> io::Result<W> {
         if let Body::Lines(write) = self.body {
-            let (block, epoch) = (&mut self.block, self.epoch);
-            self.spans.finish(|piece| write(block, piece, epoch))?;
+            let (block, aside) = (&mut self.block, &mut self.aside);
+            self.spans.finish(|piece| write(block, piece, aside))?;
         }
         self.block.extend_from_slice(self.tail.as_bytes());
         self.out.write_all(&self.block)?;

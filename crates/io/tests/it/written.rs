@@ -198,7 +198,9 @@ fn numbers(text: &str) -> Vec<f64> {
 
 #[test]
 fn kml_has_a_line_for_each_span() {
-    let text = written(SolutionFormat::Kml);
+    let mut options = options();
+    options.epoch = None;
+    let text = text_of(track(), SolutionFormat::Kml, &options);
     let names = elements(&text, "name");
     assert_eq!(names[0], "Harbour &lt;1&gt; &amp; &quot;back&quot;");
     assert_eq!(names[2], "Without GNSS from 604798.0 s");
@@ -219,6 +221,28 @@ fn kml_has_a_line_for_each_span() {
     assert_eq!(lines[0][120..], lines[1][..3]);
     assert_eq!(lines[1][120..], lines[2][..3]);
     assert_eq!(lines[1][..3], [151.199_84, -33.859_92, 25.8]);
+    assert!(elements(&text, "when").is_empty());
+}
+
+#[test]
+fn kml_has_instants_where_the_date_is_known() {
+    let text = written(SolutionFormat::Kml);
+    let (instants, places) = (elements(&text, "when"), elements(&text, "gx:coord"));
+    assert_eq!((instants.len(), places.len()), (123, 123));
+    // As GPX: GPS second 604794 of the week is Saturday 23:59:54, less 18 s.
+    assert_eq!(instants[0], "2025-07-12T23:59:36.000Z");
+    assert_eq!(instants[122], "2025-07-12T23:59:48.000Z");
+    assert_eq!(numbers(&places[0].replace(' ', ",")), [151.2, -33.86, 25.0]);
+    // Tracks have so many points, and all of them are there.
+    let rows = (0..2500).map(|k| (row(k), false));
+    let every = SolutionOptions {
+        every: Some(0.0),
+        ..options()
+    };
+    let text = text_of(rows, SolutionFormat::Kml, &every);
+    assert_eq!(text.matches("<gx:Track>").count(), 3);
+    assert_eq!(elements(&text, "when").len(), 2500);
+    assert_eq!(elements(&text, "gx:coord").len(), 2500);
 }
 
 #[test]
@@ -243,7 +267,7 @@ fn geojson_has_a_line_for_each_span() {
 }
 
 #[test]
-fn gpx_has_times_where_the_week_is_known() {
+fn gpx_has_times_where_the_date_is_known() {
     let text = written(SolutionFormat::Gpx);
     let times = elements(&text, "time");
     assert_eq!(times.len(), 121);

@@ -92,7 +92,6 @@ def navigate(
     smooth: bool = False,
     output: str | os.PathLike[str] | Iterable[str | os.PathLike[str]] = (),
     format: str | None = None,
-    week: int | None = None,
     every: float | None = None,
     solution: bool = True,
     **keys: Any,
@@ -105,14 +104,13 @@ def navigate(
 
     ``bias_model`` is white, paper, gauss-markov, random-walk, ar or arma. With ``smooth`` the
     solution is at every sample the best estimate given the whole log. ``output`` are files to write
-    it to, in the ``format`` of the extension or the specified one; ``week`` is the GPS week in which the
-    log begins, ``every`` the least time between rows of the files [s]. Without ``solution`` the
-    arrays are empty: 31 numbers a sample, for long logs.
+    it to, in the ``format`` of the extension or the specified one; ``every`` is the least time between
+    rows of the files [s]. Without ``solution`` the arrays are empty: 31 numbers a sample, for long logs.
     """
     made = drive_of(drive, gnss, model, data, keys)
     files = [output] if isinstance(output, (str, os.PathLike)) else list(output)
     text, arrays = _undrift.navigate(
-        made._drive, bias_model, smooth, files, format, week, every, solution
+        made._drive, bias_model, smooth, files, format, every, solution
     )
     told = json.loads(text)
     summary = told["summary"]

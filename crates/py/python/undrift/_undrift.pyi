@@ -144,7 +144,6 @@ def navigate(
     smooth: bool,
     output: Sequence[Path],
     format: str | None,
-    week: int | None,
     every: float | None,
     solution: bool,
 ) -> tuple[str, Fields]: ...

@@ -15,6 +15,8 @@ const SETTLING: f64 = 0.05;
 /// The runs that have series, by name, and the time that they count from.
 pub(super) struct Shown<'a> {
     pub clock: Clock,
+    /// UTC there, of a single run with a date.
+    pub zero: Option<String>,
     pub series: Vec<(&'a str, &'a NavigateSeries)>,
 }
 
@@ -31,10 +33,14 @@ impl Shown<'_> {
 
     /// A caption, which says what is shaded where something is.
     pub fn caption(&self, caption: &str) -> String {
+        let zero = self.zero.as_ref();
+        let zero = zero.map_or(String::new(), |utc| {
+            format!("; 0 on the time axis is {utc}")
+        });
         if self.has_gaps() {
-            format!("{caption}; spans without a usable fix shaded.")
+            format!("{caption}; spans without a usable fix shaded{zero}.")
         } else {
-            format!("{caption}.")
+            format!("{caption}{zero}.")
         }
     }
 }

@@ -3,6 +3,7 @@
 use crate::{
     Cell, Section, Table,
     constants::{Constant, constant},
+    date,
     numbers::{bounded, count, error, short, span},
     parts::{Run, named, of_which, prefixed, text, warnings},
 };
@@ -55,6 +56,9 @@ fn what_was_done(name: &str, run: &Navigate) -> Vec<String> {
             span(to - from),
             count(s.fixes)
         ));
+    }
+    if let Some(start) = date::of_drive(drive, from) {
+        done.push(format!("Date at the start: {start}."));
     }
     if !s.alignment.is_empty() {
         done.push(format!("Start: {}.", s.alignment));

@@ -2,6 +2,7 @@
 
 use crate::{
     constants::constant,
+    date,
     numbers::{error, get, short},
     parts::COMPONENTS,
     say,
@@ -19,6 +20,8 @@ pub fn navigate(result: &Navigate) -> String {
         "navigated {} samples from {:.3} s to {:.3} s, after {} samples and {} fixes for alignment",
         s.samples, s.started.0, s.ended.0, s.align_samples, s.fixes_before
     ));
+    let start = date::of_drive(&result.drive, s.started.0);
+    lines.extend(start.map(|start| format!("start: {start}")));
     lines.push(format!("{} fixes used", s.fixes));
     for (name, sums) in [("position", &s.position), ("velocity", &s.velocity)] {
         if sums.updates + sums.rejected > 0 {

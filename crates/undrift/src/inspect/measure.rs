@@ -3,12 +3,13 @@
 use super::sensor::Steps;
 use super::{
     known::{Content, Known},
-    parts::{Line, Measured, Part, quoted},
+    parts::{Line, Measured, Part, Start, quoted},
 };
 use crate::drive::{DriveError, Logs, Section, gnss, imu, parse, tables};
 use std::path::Path;
 use undrift_io::{
     ReadError,
+    epoch::Epoch,
     format::Format,
     gaps::{Gap, GapWatch},
     gnss::GnssReader,
@@ -140,7 +141,7 @@ fn samples(mut reader: ImuReader) -> Result<(Measured, Option<Line>), ReadError>
             Line::text("mounting", "auto", Known::Tilted)
         });
     }
-    let mut measured = span.measured(reader.skipped());
+    let mut measured = span.measured(reader.skipped(), reader.epoch());
     measured.steps_of = steps.sensor();
     measured.content = Some(Content::Force(force.into()));
     Ok((measured, axes))
@@ -165,7 +166,7 @@ fn fixes(mut reader: GnssReader) -> Result<Measured, ReadError> {
             *count += u64::from(fix.quality == kind);
         }
     }
-    let mut measured = span.measured(reader.skipped());
+    let mut measured = span.measured(reader.skipped(), reader.epoch());
     measured.content = Some(Content::Fixes { kinds, velocities });
     measured.untold_velocities = reader.untold_velocities();
     Ok(measured)
@@ -180,7 +181,7 @@ fn poses(mut reader: TruthReader) -> Result<Measured, ReadError> {
         velocities += u64::from(sample.v_n.is_some());
         attitudes += u64::from(sample.rpy.is_some());
     }
-    let mut measured = span.measured(reader.skipped());
+    let mut measured = span.measured(reader.skipped(), reader.epoch());
     measured.content = Some(Content::Poses {
         velocities,
         attitudes,
@@ -212,10 +213,15 @@ impl Span {
         self.last = time;
     }
 
-    fn measured(&self, skipped: &Skipped) -> Measured {
+    fn measured(&self, skipped: &Skipped, epoch: Option<Epoch>) -> Measured {
         let gaps = self.gaps.summary();
         Measured {
             records: self.records,
+            start: epoch.map(|epoch| Start {
+                utc: epoch.iso(self.first),
+                leap_seconds: epoch.leap_seconds(self.first),
+                clock: epoch.clock.name(),
+            }),
             first_s: self.first,
             last_s: self.last,
             rate_hz: match gaps.nominal_interval {

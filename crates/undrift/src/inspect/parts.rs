@@ -61,6 +61,8 @@ pub struct Line {
 pub struct Measured {
     /// Samples, fixes or reference solutions.
     pub records: u64,
+    /// When it starts, where the file has a date.
+    pub start: Option<Start>,
     /// First time \[s\].
     pub first_s: f64,
     /// Last time \[s\].
@@ -81,6 +83,17 @@ pub struct Measured {
     pub content: Option<Content>,
     /// The same in sentences; who shows it fills them in.
     pub remarks: Vec<String>,
+}
+
+/// When something starts.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Start {
+    /// UTC, `yyyy-mm-ddThh:mm:ss.sssZ`.
+    pub utc: String,
+    /// GPS time less UTC then \[s\].
+    pub leap_seconds: f64,
+    /// What tells it, as in results.
+    pub clock: &'static str,
 }
 
 impl Line {

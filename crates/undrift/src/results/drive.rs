@@ -4,6 +4,7 @@ use super::Number;
 use crate::{drive, replay::GnssUse, series::to_digits};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+use undrift_io::epoch;
 
 /// A drive, logged or simulated. Files go by their names without folders.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -26,6 +27,9 @@ pub struct Drive {
     pub odometer: Option<String>,
     /// The log of heights.
     pub barometer: Option<String>,
+    /// What the times count from; missing where no log has a date.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub epoch: Option<Epoch>,
     /// Inertial samples a second \[Hz\].
     pub rate_hz: Number,
     /// Noise model of the IMU.
@@ -44,6 +48,40 @@ pub struct Drive {
     pub adapt: Option<bool>,
 }
 
+/// Time zero of a drive. Its times go on without leap seconds.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Epoch {
+    /// UTC of time 0, `yyyy-mm-ddThh:mm:ss.sssZ`, rounded.
+    pub utc: String,
+    /// Unix time of time 0, by the leap seconds then \[s\].
+    pub unix_s: Number,
+    /// What tells it: "gnss", a receiver; "utc", dates of UTC or Unix times; "host", the clock of the recording
+    /// computer or telephone; "receipt", that clock when the records came; "no-zone", dates without a time zone
+    /// read as UTC; "stated", the drive file.
+    pub clock: String,
+}
+
+impl From<epoch::Epoch> for Epoch {
+    fn from(epoch: epoch::Epoch) -> Self {
+        Self {
+            utc: epoch.iso(0.0),
+            unix_s: Number(epoch.unix(0.0)),
+            clock: epoch.clock.name().into(),
+        }
+    }
+}
+
+impl Epoch {
+    /// UTC at a time \[s\], `yyyy-mm-ddThh:mm:ss.sssZ`.
+    pub fn at(&self, time: f64) -> Option<String> {
+        let clock = epoch::ClockSource::Stated;
+        let epoch = epoch::Epoch::of_unix(self.unix_s.0, 0.0, clock)?;
+        time.is_finite().then(|| epoch.iso(time))
+    }
+}
+
 impl Drive {
     /// Of a drive file and its content.
     pub fn of(file: &Path, drive: &drive::Drive) -> Self {
@@ -56,6 +94,7 @@ impl Drive {
             truth: drive.truth.as_ref().map(|(path, _)| name(path)),
             odometer: drive.odometer.as_ref().map(|(path, _)| name(path)),
             barometer: drive.barometer.as_ref().map(|(path, _)| name(path)),
+            epoch: drive.epoch.map(Epoch::from),
             rate_hz: interval.map(|interval| to_digits(1.0 / interval)).into(),
             model: drive.model.as_ref().map(|model| model.name.clone()),
             lever_arm_m: Some(<[f64; 3]>::from(drive.lever_arm).map(Number)),

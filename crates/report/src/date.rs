@@ -1,0 +1,40 @@
+//! Dates in words.
+
+use undrift::results::Drive;
+
+/// An instant `yyyy-mm-ddThh:mm:ss.sssZ` as people read it.
+pub fn utc(iso: &str) -> String {
+    iso.replace('T', " ").replace('Z', " UTC")
+}
+
+/// What tells a date, by its name in results.
+pub fn clock(name: &str) -> &str {
+    match name {
+        "gnss" => "from the GNSS receiver",
+        "utc" => "from dates in UTC or Unix times",
+        "host" => "from the clock of the recording device",
+        "receipt" => "from the clock of the recording device at receipt",
+        "no-zone" => "local or UTC: no time zone in the file, read as UTC",
+        "stated" => "from the drive file",
+        other => other,
+    }
+}
+
+/// A time of a drive \[s\] as a date, and what tells it; without a date, that there is none.
+pub fn of_drive(drive: &Drive, time: f64) -> Option<String> {
+    if drive.simulated.is_some() || !time.is_finite() {
+        return None;
+    }
+    let dated = drive.epoch.as_ref();
+    let dated = dated.and_then(|epoch| Some((epoch.at(time)?, clock(&epoch.clock))));
+    Some(dated.map_or_else(
+        || "no date in the logs: times are those of their own clock".into(),
+        |(iso, clock)| format!("{} ({clock})", utc(&iso)),
+    ))
+}
+
+/// A time of a drive \[s\] as UTC to a second, if its date is known.
+pub fn of_axis(drive: &Drive, time: f64) -> Option<String> {
+    let iso = drive.epoch.as_ref()?.at(time)?;
+    Some(utc(&format!("{}Z", iso.get(..19)?)))
+}

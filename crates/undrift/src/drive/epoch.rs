@@ -1,0 +1,76 @@
+//! The date of a drive, and its logs on one clock.
+
+use super::{Drive, error::ConfigError, logs::Logs, section::Section};
+use std::path::PathBuf;
+use undrift_io::{
+    epoch::Epoch, gnss::Fixes, imu::Imu, reader::Kind, scalar::Scalars, truth::Truth,
+};
+
+/// A `time_offset` of so much or more \[s\] puts a log onto the clock of another: its own dates do not count.
+const OTHER_CLOCK: f64 = 3600.0;
+/// Records that are read for a date.
+const RECORDS: usize = 100;
+
+/// `epoch = "2025-07-08T19:34:00Z"`, UTC of the IMU's time zero, or `epoch = "week 2374"`.
+pub(super) fn read_epoch(top: &Section) -> Result<Option<Epoch>, ConfigError> {
+    let Some(text) = top.text("epoch")? else {
+        return Ok(None);
+    };
+    let epoch = Epoch::stated(text).ok_or_else(|| {
+        let wanted = "\"2025-07-08T19:34:00Z\", the UTC of time 0, or \"week 2374\" of GPS";
+        top.error("epoch", format!("\"{text}\": write {wanted}"))
+    })?;
+    Ok(Some(epoch))
+}
+
+impl Drive {
+    /// Finds the date: that which is stated, else the IMU's, else that of the first other log that has one. The
+    /// times of logs that count from other dates are brought onto it. What cannot be read is left as it is.
+    pub(super) fn date(&mut self, stated: Option<Epoch>) {
+        let logs = &self.logs;
+        let (path, imu) = &self.imu;
+        let imu = stated.or_else(|| epoch_of::<Imu>(logs, (path, imu), imu.time_offset));
+        let (path, gnss) = &mut self.gnss;
+        let offset = *gnss.time_offset();
+        let mut others = vec![(
+            epoch_of::<Fixes>(logs, (path, gnss), offset),
+            gnss.time_offset(),
+        )];
+        if let Some((path, truth)) = &mut self.truth {
+            let offset = *truth.time_offset();
+            let epoch = epoch_of::<Truth>(logs, (path, truth), offset);
+            others.push((epoch, truth.time_offset()));
+        }
+        for (path, format) in [&mut self.odometer, &mut self.barometer]
+            .into_iter()
+            .flatten()
+        {
+            let epoch = epoch_of::<Scalars>(logs, (path, format), format.time_offset);
+            others.push((epoch, &mut format.time_offset));
+        }
+        self.epoch = imu.or_else(|| others.iter().find_map(|(epoch, _)| *epoch));
+        for (epoch, offset) in others {
+            if let (Some(epoch), Some(of_drive)) = (epoch, self.epoch) {
+                *offset += epoch.after(of_drive);
+            }
+        }
+    }
+}
+
+/// What the times of a log count from, if it tells that and its offset does not move it onto another clock.
+fn epoch_of<K: Kind>(
+    logs: &Logs,
+    (path, options): (&PathBuf, &K::Options),
+    offset: f64,
+) -> Option<Epoch> {
+    if offset.abs() >= OTHER_CLOCK {
+        return None;
+    }
+    let mut reader = logs.read::<K>(path, options).ok()?;
+    for _ in 0..RECORDS {
+        if reader.epoch().is_some() || !matches!(reader.next(), Some(Ok(_))) {
+            break;
+        }
+    }
+    reader.epoch()
+}
