@@ -22,11 +22,11 @@ pub fn clock(name: &str) -> &str {
 
 /// A time of a drive \[s\] as a date, and what tells it; without a date, that there is none.
 pub fn of_drive(drive: &Drive, time: f64) -> Option<String> {
-    if drive.simulated.is_some() || !time.is_finite() {
+    if drive.file.is_none() || !time.is_finite() {
         return None;
     }
-    let dated = drive.epoch.as_ref();
-    let dated = dated.and_then(|epoch| Some((epoch.at(time)?, clock(&epoch.clock))));
+    let start = drive.start.as_ref();
+    let dated = start.and_then(|start| Some((start.at(time)?, clock(&start.clock))));
     Some(dated.map_or_else(
         || "no date in the logs: times are those of their own clock".into(),
         |(iso, clock)| format!("{} ({clock})", utc(&iso)),
@@ -35,6 +35,6 @@ pub fn of_drive(drive: &Drive, time: f64) -> Option<String> {
 
 /// A time of a drive \[s\] as UTC to a second, if its date is known.
 pub fn of_axis(drive: &Drive, time: f64) -> Option<String> {
-    let iso = drive.epoch.as_ref()?.at(time)?;
+    let iso = drive.start.as_ref()?.at(time)?;
     Some(utc(&format!("{}Z", iso.get(..19)?)))
 }

@@ -19,7 +19,7 @@ mod tune;
 
 pub use curve::{Curve, Track};
 pub use demo::Demo;
-pub use drive::{Drive, Epoch, name};
+pub use drive::{Drive, Start, name};
 pub use fleet::{
     Bin, Fleet, FleetGroup, FleetLog, FleetMeasure, FleetOutlier, FleetPart, OutlierRule,
     Temperature, Trouble, Warned,

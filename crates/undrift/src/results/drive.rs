@@ -4,7 +4,10 @@ use super::Number;
 use crate::{drive, replay::GnssUse, series::to_digits};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
-use undrift_io::epoch;
+use undrift_io::{
+    epoch::{ClockSource, Epoch},
+    imu::Imu,
+};
 
 /// A drive, logged or simulated. Files go by their names without folders.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -27,9 +30,9 @@ pub struct Drive {
     pub odometer: Option<String>,
     /// The log of heights.
     pub barometer: Option<String>,
-    /// What the times count from; missing where no log has a date.
+    /// When it starts; missing where no log has a date.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub epoch: Option<Epoch>,
+    pub start: Option<Start>,
     /// Inertial samples a second \[Hz\].
     pub rate_hz: Number,
     /// Noise model of the IMU.
@@ -48,14 +51,16 @@ pub struct Drive {
     pub adapt: Option<bool>,
 }
 
-/// Time zero of a drive. Its times go on without leap seconds.
+/// When a drive starts. From there its times go on as GPS time does, without leap seconds.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
-pub struct Epoch {
-    /// UTC of time 0, `yyyy-mm-ddThh:mm:ss.sssZ`, rounded.
+pub struct Start {
+    /// Time of the first inertial sample \[s\].
+    pub time_s: Number,
+    /// UTC then, `yyyy-mm-ddThh:mm:ss.sssZ`, rounded.
     pub utc: String,
-    /// Unix time of time 0, by the leap seconds then \[s\].
+    /// Unix time then \[s\].
     pub unix_s: Number,
     /// What tells it: "gnss", a receiver; "utc", dates of UTC or Unix times; "host", the clock of the recording
     /// computer or telephone; "receipt", that clock when the records came; "no-zone", dates without a time zone
@@ -63,22 +68,25 @@ pub struct Epoch {
     pub clock: String,
 }
 
-impl From<epoch::Epoch> for Epoch {
-    fn from(epoch: epoch::Epoch) -> Self {
-        Self {
-            utc: epoch.iso(0.0),
-            unix_s: Number(epoch.unix(0.0)),
+impl Start {
+    /// Of a drive with a date, whose samples can be read.
+    fn of(drive: &drive::Drive) -> Option<Self> {
+        let epoch = drive.epoch?;
+        let (path, format) = &drive.imu;
+        let mut samples = drive.logs.read::<Imu>(path, format).ok()?;
+        let time = samples.next()?.ok()?.time;
+        Some(Self {
+            time_s: Number(time),
+            utc: epoch.iso(time),
+            unix_s: Number(epoch.unix(time)),
             clock: epoch.clock.name().into(),
-        }
+        })
     }
-}
 
-impl Epoch {
     /// UTC at a time \[s\], `yyyy-mm-ddThh:mm:ss.sssZ`.
     pub fn at(&self, time: f64) -> Option<String> {
-        let clock = epoch::ClockSource::Stated;
-        let epoch = epoch::Epoch::of_unix(self.unix_s.0, 0.0, clock)?;
-        time.is_finite().then(|| epoch.iso(time))
+        let start = Epoch::of_unix(self.unix_s.0, self.time_s.0, ClockSource::Stated)?;
+        time.is_finite().then(|| start.iso(time))
     }
 }
 
@@ -94,7 +102,7 @@ impl Drive {
             truth: drive.truth.as_ref().map(|(path, _)| name(path)),
             odometer: drive.odometer.as_ref().map(|(path, _)| name(path)),
             barometer: drive.barometer.as_ref().map(|(path, _)| name(path)),
-            epoch: drive.epoch.map(Epoch::from),
+            start: Start::of(drive),
             rate_hz: interval.map(|interval| to_digits(1.0 / interval)).into(),
             model: drive.model.as_ref().map(|model| model.name.clone()),
             lever_arm_m: Some(<[f64; 3]>::from(drive.lever_arm).map(Number)),

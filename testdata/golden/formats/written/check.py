@@ -172,13 +172,16 @@ def kml():
     assert [p.style_url.url for p in places] == ["#gnss", "#no-gnss", "#gnss"]
     for placemark, (first, last, gnss) in zip(places, SPANS):
         assert placemark.name.startswith("With GNSS" if gnss else "Without GNSS")
-        points = placemark.geometry.coords
+        points = [item for track in placemark.kml_geometry.tracks for item in track.track_items]
         for point, k in zip(points, range(first, last + 1, 2), strict=True):
-            near(point, k)
-    print("track.kml: valid by the schema of KML 2.2, three lines (fastkml, lxml)")
+            near(point.coord.coords[0], k)
+            assert point.when.dt == utc(k), (point.when.dt, utc(k))
+    print("track.kml: valid by the schema of KML 2.2, three tracks with instants (fastkml, lxml)")
 
 
 def geo():
+    from datetime import datetime
+
     import geojson
     from shapely.geometry import shape
 
@@ -189,6 +192,8 @@ def geo():
     for feature, (first, last, gnss) in zip(collection.features, SPANS, strict=True):
         assert feature.properties["gnss"] is gnss
         close(feature.properties["start_s"], START + 0.05 * first, relative=1e-12)
+        for key, k in [("start", first), ("end", last)]:
+            assert datetime.fromisoformat(feature.properties[key]) == utc(k), feature.properties
         line = shape(feature.geometry)
         assert line.has_z and line.is_valid and line.geom_type == "LineString"
         for point, k in zip(line.coords, range(first, last + 1, 2), strict=True):

@@ -36,7 +36,9 @@ fn start_of(case: &Case, file: &str) -> Value {
     let outcome = case.run(&["inspect", file, "--json", "i.json"]);
     assert!(outcome.succeeded(), "{}", outcome.stderr);
     let found: Value = serde_json::from_str(&case.read("i.json").unwrap()).unwrap();
-    found[0]["parts"][0]["measured"]["start"]["utc"].clone()
+    let parts = found[0]["parts"].as_array().unwrap();
+    let fixes = parts.iter().find(|part| part["table"] == "gnss").unwrap();
+    fixes["measured"]["start"]["utc"].clone()
 }
 
 #[test]
@@ -58,8 +60,10 @@ fn unix_times_of_the_imu_and_gps_weeks_of_the_receiver_are_one_date_to_the_end()
     case.put("gnss.csv", gnss.as_bytes());
     navigated(&case);
     let result = result(&case);
-    let epoch = &result["drive"]["epoch"];
-    assert_eq!(epoch["clock"], "utc");
+    let start = &result["drive"]["start"];
+    assert_eq!(start["clock"], "utc");
+    assert_eq!(start["utc"], "2025-07-08T23:59:50.020Z");
+    assert_eq!(start["time_s"], start["unix_s"]);
     assert!(result["summary"]["fixes"].as_u64().unwrap() > 100);
 
     // The first row of each, against that of the CSV: its Unix time is its time here.
@@ -116,7 +120,7 @@ fn without_a_date_nothing_claims_one_and_the_drive_file_can_state_it() {
     let mut log = Log::good();
     let case = log.write("dates_none");
     navigated(&case);
-    assert!(result(&case)["drive"].get("epoch").is_none());
+    assert!(result(&case)["drive"].get("start").is_none());
     for file in ["nav.gpx", "nav.kml", "nav.csv"] {
         let text = case.read(file).unwrap();
         for date in ["<time>", "<when>", "1970-", "1980-", "unix_time_s"] {
@@ -131,13 +135,13 @@ fn without_a_date_nothing_claims_one_and_the_drive_file_can_state_it() {
     let case = log.write("dates_stated");
     navigated(&case);
     let stated = result(&case);
-    assert_eq!(stated["drive"]["epoch"]["utc"], "2025-07-08T23:59:50.000Z");
+    assert_eq!(stated["drive"]["start"]["utc"], "2025-07-08T23:59:50.020Z");
     says(&case.read("nav.gpx").unwrap(), &["<time>2025-07-09T00:"]);
     log.set("2025-07-08T23:59:50Z", "yesterday");
     let message = log.write("dates_wrong").refusal();
     says(
         &message,
-        &["drive.toml:1", "epoch", "yesterday", "week 2374"],
+        &["drive.toml line 1", "epoch", "yesterday", "week 2374"],
     );
 }
 
