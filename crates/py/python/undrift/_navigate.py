@@ -8,6 +8,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from undrift import _undrift
 from undrift._drive import Drive, Log
 from undrift._model import ModelLike
@@ -18,6 +20,7 @@ from undrift._told import Told
 
 if TYPE_CHECKING:
     import matplotlib.axes
+    import numpy.typing as npt
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -44,6 +47,15 @@ class Navigation(Solution, Told):
     """Warnings about the solution, in sentences."""
     json: str = field(repr=False)
     """The result as ``undrift navigate --json -`` prints it."""
+
+    @property
+    def utc(self) -> npt.NDArray[np.datetime64] | None:
+        """Times in UTC, ``datetime64[us]``; None where no log has a date."""
+        start = json.loads(self.json)["drive"].get("start")
+        if start is None:
+            return None
+        unix = self.time + (start["unix_s"] - start["time_s"])
+        return np.round(unix * 1e6).astype(np.int64).astype("datetime64[us]")
 
     def plot_std(self, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
         """Standard deviation of the position over time. Needs ``undrift[plot]``."""

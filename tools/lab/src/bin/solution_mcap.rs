@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use undrift_io::epoch::{ClockSource, Epoch};
 use undrift_io::write::PendingFile;
 use undrift_io::write::mcap::McapWriter;
 use undrift_io::write::solution::SolutionRow;
@@ -15,7 +16,7 @@ fn main() -> std::io::Result<()> {
         .unwrap_or("solution.mcap".to_owned());
     let mut writer = McapWriter::new(
         PendingFile::create(Path::new(&path))?,
-        Some(1_752_003_240.25),
+        Epoch::of_unix(1_752_003_240.25, 0.0, ClockSource::Gnss),
     )?;
     for k in 0..3 {
         let t = f64::from(k);
