@@ -107,7 +107,8 @@ fn unix_times_of_the_imu_and_gps_weeks_of_the_receiver_are_one_date_to_the_end()
     assert!(html.succeeded(), "{}", html.stderr);
     let day = utc.replace('T', " ").replace('Z', " UTC");
     says(&case.read("r.html").unwrap(), &[&day]);
-    let outages = case.outages(&["--length", "10", "--count", "2", "--track", "cuts.gpx"]);
+    let at = (UNIX + 50.0).to_string();
+    let outages = case.outages(&["--length", "10", "--at", &at, "--track", "cuts.gpx"]);
     assert!(outages.succeeded(), "{}", outages.stderr);
     says(
         &case.read("cuts.gpx").unwrap(),
