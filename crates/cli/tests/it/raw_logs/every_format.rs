@@ -1,0 +1,191 @@
+//! Every shared drive in every format that can hold it.
+//!
+//! Left out:
+//! * ROS 2's `.db3`: SQLite's pages take a writer of their own, and its messages are those of the MCAP.
+//! * EuRoC, GPX, SBET, Inertial Explorer: they hold samples alone, positions alone at whole seconds, or references.
+//! * Trial06 of the car with position-only fixes: most of its positions are bad.
+
+use super::{
+    autopilots::{dataflash, ulog},
+    drives::{Found, How, Shared, WITHIN_DEG, angle_deg, compared, drift, inspect, scratch},
+    log::{Log, text},
+    matlab::navego,
+    phones::{gnss_logger, sensor_logger},
+    receivers::{novatel, sbf, ubx},
+    robots::{bag, mcap},
+    tables::{dates, degrees_and_g, kf_gins, nmea, parquet, rtklib, unix_ms},
+};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+/// A format: how it is written, and to what it holds numbers.
+struct Format {
+    name: &'static str,
+    write: fn(&Log, &Path) -> Vec<PathBuf>,
+    /// Times of samples against those of fixes \[s\].
+    time: f64,
+    /// Angular rate [rad/s] and specific force [m/s²].
+    sensors: [f64; 2],
+    /// \[m\]
+    place: f64,
+    /// Horizontal [m/s].
+    velocity: f64,
+}
+
+const EXACT: [f64; 2] = [1e-9, 1e-7];
+const SINGLE: [f64; 2] = [1e-5, 1e-4];
+
+#[rustfmt::skip]
+const FORMATS: [Format; 17] = [
+    Format { name: "CSV, deg/s and g", write: degrees_and_g, time: 1e-6, sensors: EXACT, place: 1e-3, velocity: 1e-6 },
+    Format { name: "CSV, dates, semicolons", write: dates, time: 2e-4, sensors: EXACT, place: 1e-3, velocity: 1e-6 },
+    Format { name: "CSV, Unix ms", write: unix_ms, time: 2e-3, sensors: EXACT, place: 1e-3, velocity: 1e-6 },
+    Format { name: "Parquet", write: parquet, time: 1e-6, sensors: EXACT, place: 1e-3, velocity: 1e-6 },
+    Format { name: "KF-GINS", write: kf_gins, time: 1e-6, sensors: SINGLE, place: 1e-3, velocity: 1e-6 },
+    Format { name: "RTKLIB beside CSV", write: rtklib, time: 2e-4, sensors: EXACT, place: 1e-3, velocity: 1e-6 },
+    Format { name: "NMEA beside CSV", write: nmea, time: 2e-3, sensors: EXACT, place: 2e-3, velocity: 0.01 },
+    Format { name: "UBX", write: ubx, time: 0.02, sensors: [3e-6, 6e-4], place: 0.02, velocity: 2e-3 },
+    Format { name: "NovAtel ASCII", write: novatel, time: 2e-3, sensors: SINGLE, place: 1e-3, velocity: 1e-6 },
+    Format { name: "SBF", write: sbf, time: 2e-3, sensors: EXACT, place: 1e-3, velocity: 1e-5 },
+    Format { name: "ROS 1 bag", write: bag, time: 1e-6, sensors: EXACT, place: 1e-3, velocity: 1e-6 },
+    Format { name: "ROS 2 MCAP", write: mcap, time: 1e-6, sensors: EXACT, place: 1e-3, velocity: 1e-6 },
+    Format { name: "ULog", write: ulog, time: 2e-6, sensors: SINGLE, place: 1e-3, velocity: 1e-5 },
+    Format { name: "DataFlash", write: dataflash, time: 2e-3, sensors: SINGLE, place: 0.02, velocity: 1e-4 },
+    Format { name: "GnssLogger", write: gnss_logger, time: 2e-3, sensors: EXACT, place: 1e-3, velocity: 1e-6 },
+    Format { name: "Sensor Logger", write: sensor_logger, time: 1e-6, sensors: EXACT, place: 1e-3, velocity: 1e-6 },
+    Format { name: "NaveGo", write: navego, time: 1e-6, sensors: EXACT, place: 1e-3, velocity: 1e-6 },
+];
+
+/// Which runs of `outages` there are: of the first format, or of all.
+#[derive(PartialEq)]
+enum Outages {
+    First,
+    All,
+}
+
+fn formats(name: &'static str, outages: Outages) {
+    let Some(shared) = Shared::find(name) else {
+        return;
+    };
+    let work = scratch(&format!("formats-{name}"));
+    let (log, truth) = (shared.log(), shared.mounting());
+    let (by_hand, model) = shared.drift_by_hand(&work);
+    let mut failed = Vec::new();
+    for (k, format) in FORMATS.iter().enumerate() {
+        let folder = work.join(k.to_string());
+        fs::create_dir_all(&folder).unwrap();
+        let drive = folder.join("drive.toml");
+        let files = (format.write)(&log, &folder);
+        let found = inspect(&files, shared.car, &drive);
+        let off = angle_deg(&found.mounting, &truth);
+        let mut row = format!("| {name} | {} | {:?} {off:.2} |", format.name, found.how);
+        let read = std::panic::catch_unwind(|| Log::read(&text(&drive), &folder));
+        match read {
+            Err(_) => failed.push(format!("{}: not read", format.name)),
+            Ok(read) => failed.extend(differences(&log, &read, format)),
+        }
+        failed.extend(verdict(&found, off).map(|why| format!("{}: {why}", format.name)));
+        if (k == 0 || outages == Outages::All) && found.how != How::Gravity || !shared.car && k == 0 {
+            let (got, wanted, n) = compared(&drift(&drive, &model, &[]), &by_hand);
+            row += &format!(" {got:.2} / {wanted:.2} m, {n} outages |");
+            if n < 2 || got > 1.1 * wanted {
+                failed.push(format!("{}: drift {got:.2} m, by hand {wanted:.2} m", format.name));
+            }
+        }
+        println!("{row}");
+        if std::env::var("KEEP").is_err() { fs::remove_dir_all(&folder).unwrap(); }
+    }
+    if std::env::var("KEEP").is_err() { fs::remove_dir_all(&work).unwrap(); }
+    assert!(failed.is_empty(), "{name}:\n{}", failed.join("\n"));
+}
+
+/// What is wrong with the mounting found.
+fn verdict(found: &Found, off: f64) -> Option<String> {
+    (off > WITHIN_DEG).then(|| format!("{off:.1} deg off by {:?}; {}", found.how, found.notes))
+}
+
+/// What a log lost on its way through a format.
+fn differences(log: &Log, read: &Log, format: &Format) -> Vec<String> {
+    let mut found = Vec::new();
+    let mut check = |what: &str, worst: f64, limit: f64| {
+        if worst > limit {
+            found.push(format!("{}: {what} off by {worst:.3e}", format.name));
+        }
+    };
+    // A clock of its own, the same of samples and fixes.
+    let shift = read.fixes[0].time - log.fixes[0].time;
+    let (mut rates, mut forces, mut times, mut alike) = (0f64, 0f64, 0f64, 0);
+    let mut at = 0;
+    for sample in &read.samples {
+        let time = sample.time - shift;
+        let off = |k: usize| (log.samples[k].time - time).abs();
+        while at + 1 < log.samples.len() && off(at + 1) <= off(at) {
+            at += 1;
+        }
+        // The nearest by value among the neighbours, where the clock is off by a sample.
+        let near = at.saturating_sub(2)..(at + 3).min(log.samples.len());
+        let unlike = |k: &usize| {
+            let of = &log.samples[*k];
+            (of.gyro - sample.gyro).norm() + (of.accel - sample.accel).norm() + 1e-6 * off(*k)
+        };
+        let same = near.min_by(|a, b| unlike(a).total_cmp(&unlike(b))).unwrap();
+        rates = rates.max((log.samples[same].gyro - sample.gyro).amax());
+        forces = forces.max((log.samples[same].accel - sample.accel).amax());
+        times = times.max(off(same));
+        alike += 1;
+    }
+    check("rates", rates, format.sensors[0]);
+    check("forces", forces, format.sensors[1]);
+    check("times", times, format.time);
+    let lost = log.samples.len() as f64 - f64::from(alike);
+    check("number of samples", lost.abs(), 0.001 * log.samples.len() as f64 + 3.0);
+    let lost = log.fixes.len() as f64 - read.fixes.len() as f64;
+    check("number of fixes", lost.abs(), 2.0);
+    let (mut places, mut velocities) = (0f64, 0f64);
+    for (fix, of) in read.fixes.iter().zip(&log.fixes) {
+        let [north, east] = [0, 1].map(|k| (fix.place[k] - of.place[k]) * 111_320.0);
+        places = places.max(north.abs()).max(east.abs()).max((fix.place[2] - of.place[2]).abs());
+        let unlike = match (fix.velocity, of.velocity) {
+            (Some(fix), Some(of)) => (fix.xy() - of.xy()).amax(),
+            (None, None) => 0.0,
+            _ => f64::INFINITY,
+        };
+        velocities = velocities.max(unlike);
+    }
+    check("places", places, format.place);
+    check("velocities", velocities, format.velocity);
+    found
+}
+
+macro_rules! drives {
+    ($($test:ident: $name:literal, $outages:ident;)*) => { $(
+        #[test]
+        #[ignore = "slow: 17 formats"]
+        fn $test() {
+            formats($name, Outages::$outages);
+        }
+    )* };
+}
+
+drives! {
+    rtk_drive: "rtk-drive", First;
+    long_drive: "ublox-drives/mixed-road-long-drive-nominal-001", First;
+    parking_lot: "ublox-drives/parkinglot-maneuvers", First;
+    stop_and_go: "ublox-drives/urban-stop-go-tight-turns-nominal-001", First;
+    figure_of_eight: "ublox-drives-more/parking-lot-figure8-nominal-001", First;
+    long_loop: "ublox-drives-more/urban-long-turn-loop-nominal-001", First;
+    low_speed: "ublox-drives-more/urban-low-speed-low-signal-001", First;
+    medium_loop: "ublox-drives-more/urban-medium-turn-loop-nominal-001", All;
+    short_loop: "ublox-drives-more/urban-short-turn-loop-nominal-001", First;
+    car_02: "wid-car/trial02", First;
+    car_03: "wid-car/trial03", First;
+    car_04: "wid-car/trial04", First;
+    car_07: "wid-car/trial07", First;
+    car_09: "wid-car/trial09", First;
+    car_10: "wid-car/trial10", First;
+    aeroplane: "uav-flight", First;
+    quadcopter: "apm-quad/quad106", First;
+    quadcopter_with_a_glitch: "apm-quad/f450_glitch_log", First;
+}
