@@ -54,6 +54,11 @@ fn known(known: &Known) -> String {
                 "guessed: the lowest scatter is {scatter:.2e}; in deg/s it would be too low for such a sensor"
             );
         }
+        Known::Turns(ratio) => {
+            return format!(
+                "from the turns of the GNSS course: in the other unit the gyros would turn {ratio:.2} times as fast"
+            );
+        }
         Known::TooFew => "UNKNOWN: too few samples",
         Known::SmallPlaces => "guessed: no latitude exceeds pi/2 and no longitude exceeds pi",
         Known::SmallAngles => "guessed: no angle exceeds 2 pi",

@@ -14,7 +14,7 @@
 
 mod force;
 
-pub use force::by_force;
+pub use force::{by_force, turn_ratio};
 
 use crate::{
     estimator::Estimator,
@@ -88,7 +88,7 @@ pub enum MountingError {
     /// The vehicle does not move along one of the sensor's directions.
     #[error(
         "the mounting could not be estimated: the direction of motion varies by {:.0} deg in sensor axes, \
-         so this is not a wheeled vehicle, or the IMU is not fixed to it", wander.to_degrees()
+         so this is not a wheeled vehicle, or the IMU is not fixed to it; set imu.mounting or imu.axes", wander.to_degrees()
     )]
     Wanders {
         /// Standard deviation of its direction \[rad\].

@@ -39,6 +39,8 @@ pub enum Known {
     LargeScatter(f64),
     /// Guessed: in deg/s it would be too low for such a sensor.
     SmallScatter(f64),
+    /// By the turns of the course: in the other unit the gyros would turn this many times as fast as it does.
+    Turns(f64),
     /// Not known: there are too few samples.
     TooFew,
     /// Guessed: no latitude is beyond π/2 and no longitude beyond π.

@@ -4,12 +4,15 @@ use super::{Content, Inspection, Known, Line, Note, Part, quoted, sensor::GUESS}
 use crate::{
     derived::with_velocities,
     drive::{Drive, Logs},
-    mounting::{MountingError, by_force},
+    mounting::{MountingError, by_force, turn_ratio},
     navigate::{NavigateError, resolve_mounting},
     settings::EngineSettings,
 };
 use std::path::Path;
-use undrift_nav::Vector3;
+use undrift_nav::{
+    Vector3,
+    sample::{GnssFix, ImuSample},
+};
 
 /// What the motion shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -39,11 +42,20 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
         logs.memory
             .extend(held.iter().map(|held| (file.clone(), held.clone())));
     }
-    let section = |(file, part): (usize, usize)| {
-        let file = &inspections[file];
-        section(&file.file, &file.parts[part])
+    let drive = |inspections: &[Inspection]| {
+        let section = |(file, part): (usize, usize)| {
+            let file = &inspections[file];
+            section(&file.file, &file.parts[part])
+        };
+        let text = format!("model = \"{GUESS}\"\n{}{}", section(imu), section(gnss));
+        Drive::with_logs(&text, "", Path::new(""), logs.clone())
     };
-    let text = format!("model = \"{GUESS}\"\n{}{}", section(imu), section(gnss));
+    let mut found = drive(inspections);
+    if let Ok(drive_so_far) = &found
+        && other_unit(&mut inspections[imu.0].parts[imu.1], drive_so_far)
+    {
+        found = drive(inspections);
+    }
     let fixes = &inspections[gnss.0].parts[gnss.1].measured;
     let fixes = fixes.as_ref().and_then(|fixes| fixes.content.as_ref());
     let heading = matches!(
@@ -54,7 +66,7 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
         })
     );
     let file = &mut inspections[imu.0];
-    let drive = match Drive::with_logs(&text, "", Path::new(""), logs) {
+    let drive = match found {
         Ok(drive) => drive,
         Err(error) => {
             file.found.push(Note::NoMounting(error.to_string()));
@@ -81,7 +93,7 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
             Motion { wheels, heading }
         }
         Err(error) => {
-            let by_force = forces(&drive);
+            let by_force = records(&drive).and_then(|(imu, fixes)| by_force(&imu, &fixes));
             if let Some((rpy, std)) = by_force {
                 let [roll, pitch, yaw] = rpy
                     .map(|angle| (10.0 * angle.to_degrees()).round() / 10.0 + 0.0)
@@ -125,8 +137,8 @@ fn section(file: &Path, part: &Part) -> String {
     )
 }
 
-/// Roll, pitch, yaw and the standard deviation of the yaw \[rad\] where forces, speeds and turns show them.
-fn forces(drive: &Drive) -> Option<(Vector3, f64)> {
+/// Samples, and fixes with velocities.
+fn records(drive: &Drive) -> Option<(Vec<ImuSample>, Vec<GnssFix>)> {
     let imu = drive.open_imu().ok()?.collect::<Result<Vec<_>, _>>().ok()?;
     let fixes = drive
         .open_gnss()
@@ -134,5 +146,31 @@ fn forces(drive: &Drive) -> Option<(Vector3, f64)> {
         .collect::<Result<Vec<_>, _>>()
         .ok()?;
     let set = EngineSettings::default().derived_velocity;
-    by_force(&imu, &with_velocities(fixes, &set))
+    Some((imu, with_velocities(fixes, &set)))
+}
+
+/// Takes the other unit of the gyros where theirs was guessed by their scatter and they turn 57 times as fast or as
+/// slowly as the course.
+fn other_unit(imu: &mut Part, drive: &Drive) -> bool {
+    let guessed = imu.lines.iter_mut().find(|line| {
+        let scatter = matches!(line.known, Known::LargeScatter(_) | Known::SmallScatter(_));
+        line.key == "gyro_unit" && scatter
+    });
+    let Some((line, (samples, fixes))) = guessed.zip(records(drive)) else {
+        return false;
+    };
+    let degree = 1f64.to_radians();
+    let Some(ratio) = turn_ratio(&samples, &fixes) else {
+        return false;
+    };
+    // Nearer to the other unit than to this one.
+    let other = match line.value.as_str() {
+        "\"rad/s\"" if ratio * degree.sqrt() > 1.0 => "deg/s",
+        "\"rad\"" if ratio * degree.sqrt() > 1.0 => "deg",
+        "\"deg/s\"" if ratio < degree.sqrt() => "rad/s",
+        "\"deg\"" if ratio < degree.sqrt() => "rad",
+        _ => return false,
+    };
+    *line = Line::text("gyro_unit", other, Known::Turns(ratio));
+    true
 }

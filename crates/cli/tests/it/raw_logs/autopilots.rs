@@ -6,9 +6,18 @@ use std::{
     fs,
     path::{Path, PathBuf},
 };
+use undrift::nav::Vector3;
 
 fn micros(time: f64) -> u64 {
     ((time + START) * 1e6).round() as u64
+}
+
+/// One number each for the horizontal axes of a position \[m\] and for a velocity [m/s], which the autopilots take for each axis.
+fn each(place: &Vector3, velocity: &Vector3) -> (f64, f64) {
+    (
+        place.x.hypot(place.y) / 2f64.sqrt(),
+        velocity.norm() / 3f64.sqrt(),
+    )
 }
 
 /// sensor_combined and sensor_gps as PX4 1.14 defines them.
@@ -37,17 +46,26 @@ pub fn ulog(log: &Log, folder: &Path) -> Vec<PathBuf> {
     for event in log.in_order() {
         let mut body = Vec::new();
         match event {
-            Event::Sample(Sample { time, dt, gyro, accel }) => {
+            Event::Sample(Sample {
+                time,
+                dt,
+                gyro,
+                accel,
+            }) => {
                 let dt = (dt * 1e6).round() as u32;
                 let [gx, gy, gz]: [f32; 3] = gyro.map(|x| x as f32).into();
                 let [ax, ay, az]: [f32; 3] = accel.map(|x| x as f32).into();
                 pack!(body; 0u16, micros(*time), gx, gy, gz, dt, 0i32, ax, ay, az, dt, 0u8);
             }
-            Event::Fix(Fix { time, place: [lat, lon, height], velocity, std: [place, of_velocity] }) => {
+            Event::Fix(Fix {
+                time,
+                place: [lat, lon, height],
+                velocity,
+                std: [place, of_velocity],
+            }) => {
                 let micros = micros(*time);
                 let [n, e, d]: [f32; 3] = velocity.unwrap_or_default().map(|x| x as f32).into();
-                // One number each for what is horizontal and for the velocity.
-                let (horizontal, all) = (place.x.hypot(place.y), of_velocity.norm() / 3f64.sqrt());
+                let (horizontal, all) = each(place, of_velocity);
                 pack!(body; 1u16, micros, micros, *lat, *lon, *height, *height, 3u32);
                 pack!(body; all as f32, horizontal as f32, place.z as f32, n, e, d, 3u8, u8::from(velocity.is_some()));
             }
@@ -70,11 +88,22 @@ FMT, 175, 21, GPA, QBCCCCB, TimeUS,I,VDop,HAcc,VAcc,SAcc,VV
     .to_owned();
     for event in log.in_order() {
         match event {
-            Event::Sample(Sample { time, gyro: g, accel: a, .. }) => {
+            Event::Sample(Sample {
+                time,
+                gyro: g,
+                accel: a,
+                ..
+            }) => {
                 let _ = writeln!(
                     out,
                     "IMU, {}, 0, {}, {}, {}, {}, {}, {}",
-                    micros(*time), g.x as f32, g.y as f32, g.z as f32, a.x as f32, a.y as f32, a.z as f32
+                    micros(*time),
+                    g.x as f32,
+                    g.y as f32,
+                    g.z as f32,
+                    a.x as f32,
+                    a.y as f32,
+                    a.z as f32
                 );
             }
             Event::Fix(fix) => {
@@ -84,12 +113,19 @@ FMT, 175, 21, GPA, QBCCCCB, TimeUS,I,VDop,HAcc,VAcc,SAcc,VV
                 let _ = writeln!(
                     out,
                     "GPS, {now}, 0, 3, {}, {WEEK}, 14, 0.70, {lat:.7}, {lon:.7}, {height:.2}, {}, {}, {}, 0, 1",
-                    week_ms(fix.time), speed as f32, course as f32, down as f32
+                    week_ms(fix.time),
+                    speed as f32,
+                    course as f32,
+                    down as f32
                 );
                 let [place, velocity] = fix.std;
-                let (horizontal, all) = (place.x.hypot(place.y), velocity.norm() / 3f64.sqrt());
+                let (horizontal, all) = each(&place, &velocity);
                 let valid = u8::from(fix.velocity.is_some());
-                let _ = writeln!(out, "GPA, {now}, 0, 1.20, {horizontal:.2}, {:.2}, {all:.2}, {valid}", place.z);
+                let _ = writeln!(
+                    out,
+                    "GPA, {now}, 0, 1.20, {horizontal:.2}, {:.2}, {all:.2}, {valid}",
+                    place.z
+                );
             }
         }
     }

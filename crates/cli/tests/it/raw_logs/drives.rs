@@ -142,6 +142,16 @@ pub fn undrift(arguments: &[&str]) -> Value {
     serde_json::from_slice(&done.stdout).unwrap_or_else(|e| panic!("{arguments:?}: {e}\n{errors}"))
 }
 
+/// What the command prints where it refuses.
+pub fn refusal(arguments: &[&str]) -> String {
+    let done = Command::new(env!("CARGO_BIN_EXE_undrift"))
+        .args(arguments)
+        .output()
+        .unwrap();
+    assert_eq!(done.status.code(), Some(1), "{arguments:?}");
+    String::from_utf8(done.stderr).unwrap()
+}
+
 /// How `inspect` knows how the IMU sits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum How {
@@ -171,11 +181,15 @@ pub fn inspect(files: &[PathBuf], car: bool, drive: &Path) -> Found {
     }
     let found = undrift(&arguments);
     let all = found.as_array().unwrap().iter();
-    let parts = all.clone().flat_map(|file| file["parts"].as_array().unwrap());
+    let parts = all
+        .clone()
+        .flat_map(|file| file["parts"].as_array().unwrap());
     let imu = parts.clone().find(|part| part["table"] == "imu");
     let imu = imu.unwrap_or_else(|| panic!("no IMU: {found:#}"));
     let lines = imu["lines"].as_array().unwrap();
-    let line = lines.iter().find(|line| line["key"] == "mounting" || line["key"] == "axes");
+    let line = lines
+        .iter()
+        .find(|line| line["key"] == "mounting" || line["key"] == "axes");
     let line = line.unwrap_or_else(|| panic!("no axes: {found:#}"));
     let rpy = &line["known"]["motion"]["rpy_deg"];
     let (how, mounting) = if rpy.is_array() {
@@ -183,7 +197,9 @@ pub fn inspect(files: &[PathBuf], car: bool, drive: &Path) -> Found {
         let mounting = from_rpy(&Vector3::from(rpy)).to_rotation_matrix();
         (How::Motion, mounting.into_inner())
     } else {
-        let value: toml::Table = format!("of = {}", line["value"].as_str().unwrap()).parse().unwrap();
+        let value: toml::Table = format!("of = {}", line["value"].as_str().unwrap())
+            .parse()
+            .unwrap();
         let mounting = rotation(value["of"].as_str().unwrap());
         let how = match &line["known"]["forces"] {
             Value::Null => How::Gravity,
@@ -195,7 +211,10 @@ pub fn inspect(files: &[PathBuf], car: bool, drive: &Path) -> Found {
     Found {
         how,
         mounting,
-        notes: notes.map(|note| note.as_str().unwrap()).collect::<Vec<_>>().join("\n"),
+        notes: notes
+            .map(|note| note.as_str().unwrap())
+            .collect::<Vec<_>>()
+            .join("\n"),
     }
 }
 
@@ -208,15 +227,30 @@ pub fn angle_deg(a: &Matrix3, b: &Matrix3) -> f64 {
 pub fn drift(drive: &Path, model: &Path, extra: &[&str]) -> Vec<Option<f64>> {
     let [drive, model] = [drive, model].map(|path| path.to_str().unwrap());
     let run = ["outages", drive, "--model", model, "--json", "-"];
-    let cuts = ["--length", "10", "--every", "20", "--start", "40", "--bias-models", "arma"];
+    let cuts = [
+        "--length",
+        "10",
+        "--every",
+        "20",
+        "--start",
+        "40",
+        "--bias-models",
+        "arma",
+    ];
     let result = undrift(&[&run[..], &cuts, extra].concat());
     let each = result["models"]["arma"]["per_outage"].as_array().unwrap();
-    each.iter().map(|outage| outage["max"]["horizontal_m"].as_f64()).collect()
+    each.iter()
+        .map(|outage| outage["max"]["horizontal_m"].as_f64())
+        .collect()
 }
 
 /// Root mean squares of two drifts over the outages that both measured, and how many these are.
 pub fn compared(a: &[Option<f64>], b: &[Option<f64>]) -> (f64, f64, usize) {
-    let pairs: Vec<(f64, f64)> = a.iter().zip(b).filter_map(|(a, b)| Some(((*a)?, (*b)?))).collect();
+    let pairs: Vec<(f64, f64)> = a
+        .iter()
+        .zip(b)
+        .filter_map(|(a, b)| Some(((*a)?, (*b)?)))
+        .collect();
     let mean = |of: fn(&(f64, f64)) -> f64| {
         (pairs.iter().map(|pair| of(pair).powi(2)).sum::<f64>() / pairs.len() as f64).sqrt()
     };

@@ -1,12 +1,14 @@
 //! The sensor turned in every way that takes axes to axes.
 
 use super::{
-    drives::{Shared, WITHIN_DEG, angle_deg, compared, drift, inspect, scratch},
+    drives::{
+        Found, How, Shared, WITHIN_DEG, angle_deg, compared, drift, inspect, refusal, scratch,
+    },
     log::Log,
     tables::degrees_and_g,
 };
-use std::fs;
-use undrift::nav::Matrix3;
+use std::{fs, path::PathBuf};
+use undrift::nav::{Matrix3, Vector3};
 
 /// The 24 turns that take axes to axes.
 fn turns() -> Vec<Matrix3> {
@@ -32,37 +34,114 @@ fn turns() -> Vec<Matrix3> {
     turns
 }
 
-/// Inspects a drive in every `each`th turn; the drift of every 8th is that of the drive file written by hand.
-fn turned(name: &'static str, each: usize) {
-    let Some(shared) = Shared::find(name) else {
-        return;
-    };
-    let work = scratch(&format!("turns-{name}"));
-    let (log, truth) = (shared.log(), shared.mounting());
-    let (by_hand, model) = shared.drift_by_hand(&work);
+/// Inspects a drive in every `each`th turn; `check` has the number of the turn, the turn, what was found and the drive file.
+fn turned(shared: &Shared, each: usize, mut check: impl FnMut(usize, &Matrix3, Found, PathBuf)) {
+    let work = scratch(&format!("turns-{}", shared.name));
+    let log = shared.log();
     for (k, turn) in turns().iter().enumerate().step_by(each) {
         let raw = Log {
             samples: log.turned(turn),
             fixes: Vec::new(),
         };
         let imu = degrees_and_g(&raw, &work).remove(0);
-        let drive = work.join(format!("{k}.toml"));
+        let drive = work.join("drive.toml");
         let [_, gnss] = shared.files();
         let found = inspect(&[imu, gnss], shared.car, &drive);
+        check(k, turn, found, drive);
+    }
+    fs::remove_dir_all(&work).unwrap();
+}
+
+/// The mounting of a car is found in every `each`th turn, and the drift of every 8th is that of the drive file written by hand.
+fn car(name: &'static str, each: usize) {
+    let Some(shared) = Shared::find(name) else {
+        return;
+    };
+    let work = scratch(&format!("by-hand-{name}"));
+    let (by_hand, model) = shared.drift_by_hand(&work);
+    let truth = shared.mounting();
+    turned(&shared, each, |k, turn, found, drive| {
         let off = angle_deg(&found.mounting, &(truth * turn.transpose()));
         println!("{name}, turn {k}: {off:.2} deg off, by {:?}", found.how);
         assert!(off < WITHIN_DEG, "{name}, turn {k}: {off:.2} deg off");
         if k % 8 == 0 {
             let (got, wanted, n) = compared(&drift(&drive, &model, &[]), &by_hand);
             println!("drift {got:.2} m, by hand {wanted:.2} m, of {n} outages");
-            assert!(got < 1.1 * wanted, "{name}, turn {k}: {got} m, by hand {wanted} m");
+            assert!(
+                got < 1.1 * wanted,
+                "{name}, turn {k}: {got} m, by hand {wanted} m"
+            );
         }
-    }
+    });
     fs::remove_dir_all(&work).unwrap();
+}
+
+/// No motion shows the forward axis of what flies. Where gravity is along z that is shown and x taken as forward; else
+/// the drive is refused until the axes are given.
+fn aircraft(name: &'static str) {
+    let Some(shared) = Shared::find(name) else {
+        return;
+    };
+    turned(&shared, 4, |k, turn, found, drive| {
+        assert_eq!(found.how, How::Gravity, "{name}, turn {k}");
+        assert!(
+            found.notes.contains("assumes x forward"),
+            "{name}, turn {k}: {}",
+            found.notes
+        );
+        let down = turn * Vector3::z();
+        if down.z.abs() > 0.5 {
+            let off = (found.mounting * down).angle(&Vector3::z()).to_degrees();
+            assert!(off < WITHIN_DEG, "{name}, turn {k}: down {off:.1} deg off");
+        } else {
+            let refusal = refusal(&["outages", drive.to_str().unwrap()]);
+            assert!(
+                refusal.contains("set imu.mounting or imu.axes"),
+                "{name}, turn {k}: {refusal}"
+            );
+        }
+    });
 }
 
 #[test]
 #[ignore = "slow: 24 logs"]
 fn every_turn_of_the_sensor_in_a_car() {
-    turned("rtk-drive", 1);
+    car("rtk-drive", 1);
+}
+
+macro_rules! six_turns {
+    ($kind:ident; $($test:ident: $name:literal;)*) => { $(
+        #[test]
+        #[ignore = "slow: 6 logs"]
+        fn $test() {
+            $kind($name);
+        }
+    )* };
+}
+
+fn six(name: &'static str) {
+    car(name, 4);
+}
+
+six_turns! { six;
+    long_drive: "ublox-drives/mixed-road-long-drive-nominal-001";
+    parking_lot: "ublox-drives/parkinglot-maneuvers";
+    stop_and_go: "ublox-drives/urban-stop-go-tight-turns-nominal-001";
+    figure_of_eight: "ublox-drives-more/parking-lot-figure8-nominal-001";
+    long_loop: "ublox-drives-more/urban-long-turn-loop-nominal-001";
+    low_speed: "ublox-drives-more/urban-low-speed-low-signal-001";
+    medium_loop: "ublox-drives-more/urban-medium-turn-loop-nominal-001";
+    short_loop: "ublox-drives-more/urban-short-turn-loop-nominal-001";
+    car_02: "wid-car/trial02";
+    car_03: "wid-car/trial03";
+    car_04: "wid-car/trial04";
+    car_07: "wid-car/trial07";
+    car_09: "wid-car/trial09";
+    car_10: "wid-car/trial10";
+}
+
+six_turns! { aircraft;
+    aeroplane: "uav-flight";
+    quadcopter: "apm-quad/quad106";
+    quadcopter_with_a_glitch: "apm-quad/f450_glitch_log";
 }

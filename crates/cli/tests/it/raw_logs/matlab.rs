@@ -18,7 +18,11 @@ fn matrix(class: u32, shape: [usize; 2], name: &str, rest: &[u8]) -> Vec<u8> {
     let (mut flags, mut dimensions) = (Vec::new(), Vec::new());
     pack!(flags; class, 0u32);
     shape.iter().for_each(|n| pack!(dimensions; *n as i32));
-    let head = [element(6, &flags), element(5, &dimensions), element(1, name.as_bytes())];
+    let head = [
+        element(6, &flags),
+        element(5, &dimensions),
+        element(1, name.as_bytes()),
+    ];
     element(14, &[&head.concat(), rest].concat())
 }
 
@@ -29,7 +33,11 @@ fn structure(name: &str, fields: &[(&str, usize, Vec<f64>)]) -> Vec<u8> {
         name.resize(8, 0);
         name
     });
-    let mut rest = [element(5, &8i32.to_le_bytes()), element(1, &Vec::from_iter(names))].concat();
+    let mut rest = [
+        element(5, &8i32.to_le_bytes()),
+        element(1, &Vec::from_iter(names)),
+    ]
+    .concat();
     for (_, width, rows) in fields {
         let height = rows.len() / width;
         let mut bytes = Vec::new();
@@ -42,18 +50,33 @@ fn structure(name: &str, fields: &[(&str, usize, Vec<f64>)]) -> Vec<u8> {
 }
 
 pub fn navego(log: &Log, folder: &Path) -> Vec<PathBuf> {
-    let of = |value: fn(&Sample) -> &[f64]| log.samples.iter().flat_map(|s| value(s).to_vec()).collect();
+    let of =
+        |value: fn(&Sample) -> &[f64]| log.samples.iter().flat_map(|s| value(s).to_vec()).collect();
     let imu = structure(
         "imu",
         &[
-            ("t", 1, log.samples.iter().map(|sample| sample.time).collect()),
+            (
+                "t",
+                1,
+                log.samples.iter().map(|sample| sample.time).collect(),
+            ),
             ("fb", 3, of(|sample| sample.accel.as_slice())),
             ("wb", 3, of(|sample| sample.gyro.as_slice())),
         ],
     );
     let place = |k: usize| log.fixes.iter().map(move |fix| fix.place[k]);
-    let std = |k: usize| log.fixes.iter().flat_map(|fix| fix.std[k].as_slice().to_vec()).collect();
-    let velocity: Vec<f64> = log.fixes.iter().filter_map(|fix| fix.velocity).flat_map(|v| v.as_slice().to_vec()).collect();
+    let std = |k: usize| {
+        log.fixes
+            .iter()
+            .flat_map(|fix| fix.std[k].as_slice().to_vec())
+            .collect()
+    };
+    let velocity: Vec<f64> = log
+        .fixes
+        .iter()
+        .filter_map(|fix| fix.velocity)
+        .flat_map(|v| v.as_slice().to_vec())
+        .collect();
     let mut fields = vec![
         ("t", 1, log.fixes.iter().map(|fix| fix.time).collect()),
         ("lat", 1, place(0).map(f64::to_radians).collect()),

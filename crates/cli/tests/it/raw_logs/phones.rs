@@ -19,7 +19,10 @@ fn joined(values: &[f64]) -> String {
 fn accuracies(fix: &Fix) -> [f64; 4] {
     let [place, velocity] = fix.std;
     let horizontal = |std: &undrift::nav::Vector3| (0.5 * std.xy().norm_squared()).sqrt();
-    let (speed, along) = (fix.course().map_or(0.0, |(speed, _)| speed), horizontal(&velocity));
+    let (speed, along) = (
+        fix.course().map_or(0.0, |(speed, _)| speed),
+        horizontal(&velocity),
+    );
     let bearing = (along / speed.max(along).max(1e-3)).to_degrees();
     [RADIUS * horizontal(&place), place.z, along, bearing]
 }
@@ -38,21 +41,35 @@ pub fn gnss_logger(log: &Log, folder: &Path) -> Vec<PathBuf> {
     .to_owned();
     for event in log.in_order() {
         match event {
-            Event::Sample(Sample { time, gyro, accel, .. }) => {
+            Event::Sample(Sample {
+                time, gyro, accel, ..
+            }) => {
                 let (utc, boot) = (unix_ms(*time), boot(*time));
                 for (name, values) in [("UncalAccel", accel), ("UncalGyro", gyro)] {
-                    let _ = writeln!(out, "{name},{utc},{boot},{},0.0,0.0,0.0", joined(values.as_slice()));
+                    let _ = writeln!(
+                        out,
+                        "{name},{utc},{boot},{},0.0,0.0,0.0",
+                        joined(values.as_slice())
+                    );
                 }
             }
             Event::Fix(fix) => {
                 let (utc, boot) = (unix_ms(fix.time), boot(fix.time));
                 let [horizontal, vertical, along, turn] = accuracies(fix);
                 let (speed, bearing, along, turn) = match fix.course() {
-                    Some((speed, course)) => (speed.to_string(), course.to_string(), along.to_string(), turn.to_string()),
+                    Some((speed, course)) => (
+                        speed.to_string(),
+                        course.to_string(),
+                        along.to_string(),
+                        turn.to_string(),
+                    ),
                     None => Default::default(),
                 };
                 let place = joined(&fix.place);
-                let _ = writeln!(out, "Fix,GPS,{place},{speed},{horizontal},{bearing},{utc},{along},{turn},{boot},{vertical},0");
+                let _ = writeln!(
+                    out,
+                    "Fix,GPS,{place},{speed},{horizontal},{bearing},{utc},{along},{turn},{boot},{vertical},0"
+                );
             }
         }
     }
@@ -65,10 +82,18 @@ pub fn sensor_logger(log: &Log, folder: &Path) -> Vec<PathBuf> {
     let folder = folder.join("phone");
     fs::create_dir_all(&folder).unwrap();
     // Whole seconds and the rest apart: a double holds no Unix time to the nanosecond.
-    let stamp = |time: f64| ((UNIX + START) as i64 * 1_000_000_000 + (time * 1e9).round() as i64, time);
+    let stamp = |time: f64| {
+        (
+            (UNIX + START) as i64 * 1_000_000_000 + (time * 1e9).round() as i64,
+            time,
+        )
+    };
     let header = "time,seconds_elapsed,z,y,x\n";
     let [mut gyros, mut accels] = [header.to_owned(), header.to_owned()];
-    for Sample { time, gyro, accel, .. } in &log.samples {
+    for Sample {
+        time, gyro, accel, ..
+    } in &log.samples
+    {
         let (ns, elapsed) = stamp(*time);
         for (out, v) in [(&mut gyros, gyro), (&mut accels, accel)] {
             let _ = writeln!(out, "{ns},{elapsed},{},{},{}", v.z, v.y, v.x);
@@ -78,11 +103,20 @@ pub fn sensor_logger(log: &Log, folder: &Path) -> Vec<PathBuf> {
     for fix in &log.fixes {
         let ((ns, elapsed), [lat, lon, height]) = (stamp(fix.time), fix.place);
         let [horizontal, vertical, along, turn] = accuracies(fix);
-        let motion = fix.course().map_or([-1.0; 4], |(speed, course)| [speed, course, along, turn]);
+        let motion = fix
+            .course()
+            .map_or([-1.0; 4], |(speed, course)| [speed, course, along, turn]);
         let [speed, bearing, along, turn] = motion;
-        let _ = writeln!(places, "{ns},{elapsed},{turn},{along},{vertical},{horizontal},{speed},{bearing},{height},{lon},{lat}");
+        let _ = writeln!(
+            places,
+            "{ns},{elapsed},{turn},{along},{vertical},{horizontal},{speed},{bearing},{height},{lon},{lat}"
+        );
     }
-    for (name, text) in [("Gyroscope", gyros), ("TotalAcceleration", accels), ("Location", places)] {
+    for (name, text) in [
+        ("Gyroscope", gyros),
+        ("TotalAcceleration", accels),
+        ("Location", places),
+    ] {
         fs::write(folder.join(format!("{name}.csv")), text).unwrap();
     }
     vec![folder]

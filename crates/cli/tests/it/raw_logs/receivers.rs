@@ -38,12 +38,17 @@ pub fn ubx(log: &Log, folder: &Path) -> Vec<PathBuf> {
     let mut out = Vec::new();
     for event in log.in_order() {
         match event {
-            Event::Sample(Sample { time, gyro, accel, .. }) => {
+            Event::Sample(Sample {
+                time, gyro, accel, ..
+            }) => {
                 let tag = ((time + START) / TICK).round() as u64 as u32 & 0x00FF_FFFF;
                 let rates = rounded(&gyro.map(f64::to_degrees), 1.0 / 4096.0);
                 let forces = rounded(accel, 1.0 / 1024.0);
                 let mut payload = vec![0; 4];
-                for (kind, value) in [14u32, 13, 5, 16, 17, 18].into_iter().zip([rates, forces].concat()) {
+                for (kind, value) in [14u32, 13, 5, 16, 17, 18]
+                    .into_iter()
+                    .zip([rates, forces].concat())
+                {
                     pack!(payload; kind << 24 | value as u32 & 0x00FF_FFFF, tag);
                 }
                 ubx_message(&mut out, [0x10, 0x03], &payload);
@@ -86,7 +91,9 @@ pub fn novatel(log: &Log, folder: &Path) -> Vec<PathBuf> {
     let mut out = String::new();
     for event in log.in_order() {
         match event {
-            Event::Sample(Sample { time, gyro, accel, .. }) => {
+            Event::Sample(Sample {
+                time, gyro, accel, ..
+            }) => {
                 let seconds = time + START;
                 let [gx, gy, gz] = rounded(gyro, gyro_unit);
                 let [ax, ay, az] = rounded(accel, accel_unit);
@@ -99,15 +106,23 @@ pub fn novatel(log: &Log, folder: &Path) -> Vec<PathBuf> {
             Event::Fix(fix) => {
                 let mut message = |name: &str, body: String| {
                     let seconds = fix.time + START;
-                    let text = format!("{name}A,COM1,0,58.5,FINESTEERING,{WEEK},{seconds:.3},02000020,cdba,16809;SOL_COMPUTED,SINGLE,{body}");
+                    let text = format!(
+                        "{name}A,COM1,0,58.5,FINESTEERING,{WEEK},{seconds:.3},02000020,cdba,16809;SOL_COMPUTED,SINGLE,{body}"
+                    );
                     let _ = writeln!(out, "#{text}*{:08x}\r", crc_32(text.as_bytes()));
                 };
                 let ([lat, lon, height], std) = (fix.place, fix.std[0]);
                 let satellites = "\"TSTR\",0.000,0.000,20,19,19,18,00,00,7f,37";
-                let body = format!("{lat},{lon},{height},0.0,WGS84,{},{},{},{satellites}", std.x, std.y, std.z);
+                let body = format!(
+                    "{lat},{lon},{height},0.0,WGS84,{},{},{},{satellites}",
+                    std.x, std.y, std.z
+                );
                 message("BESTPOS", body);
                 if let (Some(velocity), Some((speed, course))) = (fix.velocity, fix.course()) {
-                    message("BESTVEL", format!("0.000,0.000,{speed},{course},{},0.0", -velocity.z));
+                    message(
+                        "BESTVEL",
+                        format!("0.000,0.000,{speed},{course},{},0.0", -velocity.z),
+                    );
                 }
             }
         }
@@ -131,7 +146,9 @@ pub fn sbf(log: &Log, folder: &Path) -> Vec<PathBuf> {
     for event in log.in_order() {
         let mut body = Vec::new();
         match event {
-            Event::Sample(Sample { time, gyro, accel, .. }) => {
+            Event::Sample(Sample {
+                time, gyro, accel, ..
+            }) => {
                 pack!(body; 2u8, 28u8);
                 for (kind, values) in [(0u8, *accel), (1, gyro.map(f64::to_degrees))] {
                     pack!(body; 1u8, 11u8, kind, 0u8, values.x, values.y, values.z);

@@ -30,7 +30,9 @@ impl Message {
     }
 
     fn numbers<'a>(&mut self, numbers: impl IntoIterator<Item = &'a f64>) {
-        numbers.into_iter().for_each(|n| self.number(n.to_le_bytes()));
+        numbers
+            .into_iter()
+            .for_each(|n| self.number(n.to_le_bytes()));
     }
 
     /// Begins with a header.
@@ -39,7 +41,11 @@ impl Message {
         let mut message = Self { bytes, cdr };
         message.number(((nanos / 1_000_000_000) as u32).to_le_bytes());
         message.number(((nanos % 1_000_000_000) as u32).to_le_bytes());
-        let frame = if cdr { format!("{frame}\0") } else { frame.to_owned() };
+        let frame = if cdr {
+            format!("{frame}\0")
+        } else {
+            frame.to_owned()
+        };
         message.number((frame.len() as u32).to_le_bytes());
         message.bytes.extend(frame.as_bytes());
         message
@@ -54,11 +60,15 @@ fn covariance(std: &Vector3) -> [f64; 9] {
 
 /// The messages: place of the topic, time \[ns\], content.
 fn messages(log: &Log, cdr: bool) -> Vec<(usize, u64, Vec<u8>)> {
-    let nanos = |time: f64| ((UNIX + START) as u64 * 1_000_000_000).wrapping_add_signed((time * 1e9).round() as i64);
+    let nanos = |time: f64| {
+        ((UNIX + START) as u64 * 1_000_000_000).wrapping_add_signed((time * 1e9).round() as i64)
+    };
     let mut messages = Vec::new();
     for event in log.in_order() {
         match event {
-            Event::Sample(Sample { time, gyro, accel, .. }) => {
+            Event::Sample(Sample {
+                time, gyro, accel, ..
+            }) => {
                 let mut message = Message::new(cdr, nanos(*time), "imu_link");
                 message.numbers(&[0.0, 0.0, 0.0, 1.0]);
                 let [mut orientation, known] = [[0.0; 9], [0.0; 9]];
@@ -70,7 +80,12 @@ fn messages(log: &Log, cdr: bool) -> Vec<(usize, u64, Vec<u8>)> {
                 }
                 messages.push((0, nanos(*time), message.bytes));
             }
-            Event::Fix(Fix { time, place, velocity, std }) => {
+            Event::Fix(Fix {
+                time,
+                place,
+                velocity,
+                std,
+            }) => {
                 let mut message = Message::new(cdr, nanos(*time), "gps");
                 message.number([0]);
                 message.number(1u16.to_le_bytes());
@@ -103,7 +118,10 @@ fn package(kind: &str) -> &'static str {
 
 /// A record of a bag: named fields and data, each behind its length.
 fn record(out: &mut Vec<u8>, fields: &[(&str, &[u8])], data: &[u8]) {
-    let header: Vec<u8> = fields.iter().flat_map(|(name, value)| field(name, value)).collect();
+    let header: Vec<u8> = fields
+        .iter()
+        .flat_map(|(name, value)| field(name, value))
+        .collect();
     pack!(*out; header.len() as u32);
     out.extend(header);
     pack!(*out; data.len() as u32);
@@ -124,9 +142,17 @@ pub fn bag(log: &Log, folder: &Path) -> Vec<PathBuf> {
     let connection = |out: &mut Vec<u8>, number: usize| {
         let (topic, kind) = TOPICS[number];
         let kind = format!("{}/{kind}", package(kind));
-        let data = [field("topic", topic.as_bytes()), field("type", kind.as_bytes())].concat();
+        let data = [
+            field("topic", topic.as_bytes()),
+            field("type", kind.as_bytes()),
+        ]
+        .concat();
         let number = (number as u32).to_le_bytes();
-        record(out, &[("op", &[7]), ("conn", &number), ("topic", topic.as_bytes())], &data);
+        record(
+            out,
+            &[("op", &[7]), ("conn", &number), ("topic", topic.as_bytes())],
+            &data,
+        );
     };
     let messages = messages(log, false);
     let chunks: Vec<_> = messages.chunks(PER_CHUNK).collect();
@@ -147,13 +173,23 @@ pub fn bag(log: &Log, folder: &Path) -> Vec<PathBuf> {
             let mut time = Vec::new();
             pack!(time; (nanos / 1_000_000_000) as u32, (nanos % 1_000_000_000) as u32);
             let number = (*topic as u32).to_le_bytes();
-            record(&mut data, &[("op", &[2]), ("conn", &number), ("time", &time)], content);
+            record(
+                &mut data,
+                &[("op", &[2]), ("conn", &number), ("time", &time)],
+                content,
+            );
         }
         let size = (data.len() as u32).to_le_bytes();
-        record(&mut out, &[("op", &[5]), ("compression", b"none"), ("size", &size)], &data);
+        record(
+            &mut out,
+            &[("op", &[5]), ("compression", b"none"), ("size", &size)],
+            &data,
+        );
     }
     (0..TOPICS.len()).for_each(|number| connection(&mut out, number));
-    chunks.iter().for_each(|_| record(&mut out, &[("op", &[6])], &[]));
+    chunks
+        .iter()
+        .for_each(|_| record(&mut out, &[("op", &[6])], &[]));
     let file = folder.join("drive.bag");
     fs::write(&file, out).unwrap();
     vec![file]
