@@ -84,10 +84,10 @@ fn ubx_fix(out: &mut Vec<u8>, fix: &Fix) {
     ubx_message(out, [0x01, 0x07], &payload);
 }
 
-/// RAWIMUSX of an Epson G320, BESTPOS and BESTVEL.
+/// RAWIMUSX of an Epson G370, BESTPOS and BESTVEL.
 pub fn novatel(log: &Log, folder: &Path) -> Vec<PathBuf> {
-    let gyro_unit = 0.008f64.to_radians() / 65_536.0;
-    let accel_unit = 0.2e-3 * 9.80665 / 65_536.0;
+    let gyro_unit = 0.015_151_5f64.to_radians() / 65_536.0;
+    let accel_unit = 0.4e-3 * 9.80665 / 65_536.0;
     let mut out = String::new();
     for event in log.in_order() {
         match event {
@@ -98,7 +98,7 @@ pub fn novatel(log: &Log, folder: &Path) -> Vec<PathBuf> {
                 let [gx, gy, gz] = rounded(gyro, gyro_unit);
                 let [ax, ay, az] = rounded(accel, accel_unit);
                 let text = format!(
-                    "RAWIMUSXA,{WEEK},{seconds:.3};00,41,{WEEK},{seconds:.6},00000000,{az},{},{ax},{gz},{},{gx}",
+                    "RAWIMUSXA,{WEEK},{seconds:.3};00,61,{WEEK},{seconds:.6},00000000,{az},{},{ax},{gz},{},{gx}",
                     -ay, -gy
                 );
                 let _ = writeln!(out, "%{text}*{:08x}\r", crc_32(text.as_bytes()));
