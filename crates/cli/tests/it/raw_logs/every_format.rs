@@ -3,6 +3,7 @@
 //! Left out:
 //! * ROS 2's `.db3`: SQLite's pages take a writer of their own, and its messages are those of the MCAP.
 //! * EuRoC, GPX, SBET, Inertial Explorer: they hold samples alone, positions alone at whole seconds, or references.
+//! * The quadcopters in KF-GINS: stamps alone tell what increments cover, and theirs jitter by more than what counts as a gap.
 //! * Trial06 of the car with position-only fixes: most of its positions are bad, which has to be reported.
 
 use super::{
@@ -76,6 +77,9 @@ fn formats(name: &'static str, outages: Outages) {
     let (by_hand, model) = shared.drift_by_hand(&work);
     let mut failed = Vec::new();
     for (k, format) in FORMATS.iter().enumerate() {
+        if name.starts_with("apm-quad") && format.name == "KF-GINS" {
+            continue;
+        }
         let folder = work.join(k.to_string());
         fs::create_dir_all(&folder).unwrap();
         let drive = folder.join("drive.toml");
