@@ -92,7 +92,7 @@ fn named_columns_in_degrees_and_g() {
             "gyro_unit = \"deg/s\" # guessed",
             "accel_unit = \"g\" # guessed",
             // The side force of 1 mg is a tilt.
-            "mounting = \"-0.1, 0.0, 0.0 deg\"",
+            "mounting = \"-0.1, -0.1, 0.0 deg\"",
             "position_std = \"3, 3, 6 m\" # guessed",
         ],
     );
@@ -112,7 +112,7 @@ fn numbers_without_names_in_milliseconds() {
             "accel = [2, 3, 4]",
             "gyro = [5, 6, 7]",
             "gyro_unit = \"rad/s\" # guessed",
-            "mounting = \"-179.9, 0.0, 0.0 deg\"",
+            "mounting = \"-179.9, -0.1, 0.0 deg\"",
         ],
     );
 }

@@ -280,7 +280,7 @@ fn add_drift(table: &mut Table, ranked: &[Ranked<'_>], cell: impl Fn(&Candidate,
 /// The candidates by their drift.
 fn candidates(name: &str, axis: &Axis, unit: &Units) -> Table {
     let ranked = ranked(axis);
-    let least = axis.candidates.iter().filter_map(|c| c.aic.get());
+    let least = axis.candidates.iter().filter_map(|c| c.block_aic.get());
     let least = least.fold(f64::INFINITY, f64::min);
     let mut rows = Table::of(
         &format!("candidates-{name}"),
@@ -295,7 +295,7 @@ fn candidates(name: &str, axis: &Axis, unit: &Units) -> Table {
             }),
             ("states", &|(c, _)| c.states.into()),
             ("parameters", &|(c, _)| c.parameters.into()),
-            ("AIC", &|(c, _)| Cell::number(c.aic.0 - least, 1)),
+            ("AIC", &|(c, _)| Cell::number(c.block_aic.0 - least, 1)),
             ("Ljung-Box p", &|(c, _)| probability(c.ljung_box_p.0).into()),
         ],
     );

@@ -173,7 +173,7 @@ fn candidate(candidate: &Candidate) -> results::Candidate {
         name: candidate.name.clone(),
         states: candidate.states as u64,
         parameters: candidate.parameters as u64,
-        aic: candidate.aic.into(),
+        block_aic: candidate.aic.into(),
         ljung_box_p: candidate.ljung_box_p.into(),
         drift_score: by_horizon(|s| s.rms),
         drift_score_error: by_horizon(|s| s.standard_error),

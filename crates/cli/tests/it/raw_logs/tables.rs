@@ -7,6 +7,7 @@ use std::{
     path::{Path, PathBuf},
 };
 use undrift::{
+    io::epoch::{ClockSource, Epoch},
     io::write::{
         SolutionFile, SolutionFormat, SolutionOptions,
         parquet_table::{ParquetTableWriter, Value},
@@ -270,7 +271,7 @@ pub fn rtklib(log: &Log, folder: &Path) -> Vec<PathBuf> {
 pub fn nmea(log: &Log, folder: &Path) -> Vec<PathBuf> {
     let file = folder.join("gnss.nmea");
     let options = SolutionOptions {
-        week: Some(WEEK),
+        epoch: Some(Epoch::of_week(WEEK, ClockSource::Gnss)),
         every: Some(0.0),
         ..SolutionOptions::default()
     };

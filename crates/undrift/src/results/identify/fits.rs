@@ -138,7 +138,7 @@ pub struct Candidate {
     /// Parameters fitted.
     pub parameters: u64,
     /// Akaike's criterion of block averages of the record, comparable among all candidates.
-    pub aic: Number,
+    pub block_aic: Number,
     /// Ljung and Box's p-value of its residuals.
     pub ljung_box_p: Number,
     /// Drift of the integral by horizon, root mean square, fitted on one half of the record and scored on the other, both ways \[unit·s\].
