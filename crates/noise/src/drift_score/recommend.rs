@@ -7,6 +7,10 @@ use super::HorizonScore;
 const ERRORS: f64 = 3.0;
 /// A score worse by less than this share is as good as the best, however precise the comparison.
 const SAME: f64 = 0.01;
+/// A score worse by more than this share is not as good as the best, however much a few batches scatter…
+const WORSE: f64 = 0.05;
+/// …unless so many sampling errors of independent windows are more.
+const INDEPENDENT_ERRORS: f64 = 2.0;
 
 /// Candidates whose Akaike criteria differ by less are as likely (Burnham & Anderson 2002, section 2.6).
 const EQUAL_AIC: f64 = 2.0;
@@ -55,11 +59,15 @@ pub(super) fn standard_error(batches: &[f64]) -> f64 {
 }
 
 /// Whether a score is within the sampling error of the best: the difference of their mean squares is
-/// within three standard errors, from the differences batch by batch (both saw the same record); or the RMS is
-/// within 1 % anyway.
+/// within three standard errors, from the differences batch by batch (both saw the same record), and the RMS
+/// within 5 %, or two sampling errors of as many independent windows; or the RMS is within 1 % anyway.
 fn is_as_good(score: &HorizonScore, best: &HorizonScore) -> bool {
     if score.rms <= (1.0 + SAME) * best.rms {
         return true;
+    }
+    let chance = INDEPENDENT_ERRORS / (2.0 * best.windows.max(1.0)).sqrt();
+    if score.rms > (1.0 + chance.max(WORSE)) * best.rms {
+        return false;
     }
     if score.batches.len() < FEWEST {
         return score.rms - best.rms <= best.standard_error;
