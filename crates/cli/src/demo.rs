@@ -73,7 +73,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         if !shown {
             say(format!(
                 "\nWritten to {}: outages.json, demo.svg and the data of the figures",
-                folder.display()
+                output::shown(folder)
             ))?;
         }
     }

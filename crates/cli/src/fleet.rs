@@ -154,7 +154,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         say(text::fleet(&result, style::heading))?;
         say(format!(
             "results.parquet, fleet.json and fleet.html are in {}",
-            folder.display()
+            output::shown(folder)
         ))?;
     }
     warn_of_troubles(&result);

@@ -2,7 +2,7 @@
 
 use crate::{
     details,
-    output::Files,
+    output::{self, Files},
     plot,
     progress::Bar,
     report::ResultOutput,
@@ -144,8 +144,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .transpose()?;
     let record = stage("reading", || read(arguments, &format))?;
     let files = files.and_read(record.file.as_deref());
-    if !record.skipped.is_empty() {
-        warn(format!("{}: {}", record.name.display(), record.skipped));
+    for kind in record.skipped.to_string().lines() {
+        warn(format!("{}: {kind}", record.name.display()));
     }
     let rate_hz = identify::rate(arguments.rate, record.timing.as_ref())
         .with_context(|| record.name.display().to_string())?;
@@ -194,7 +194,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         model.source += &format!("; identified with --force although {problem}");
     }
     files.write(file, &model.to_toml())?;
-    terminal::say(format!("model: {}", file.display()))?;
+    terminal::say(format!("model: {}", output::shown(file)))?;
     warn_of_unknown(file, &model, &identified.without_turn_on(base.as_ref()));
     Ok(())
 }

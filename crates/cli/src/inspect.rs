@@ -1,7 +1,7 @@
 //! `undrift inspect`: what a file is, and a starter drive file for it.
 
 use crate::{
-    output::{Files, JsonOutput},
+    output::{self, Files, JsonOutput},
     terminal,
 };
 use anyhow::{Result, bail};
@@ -73,7 +73,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let home = file.parent().unwrap_or(std::path::Path::new(""));
         let text = report::drive_file(&inspections, home, arguments.vehicle, motion);
         files.write(file, &text)?;
-        terminal::say(format!("drive file: {}", file.display()))?;
+        terminal::say(format!("drive file: {}", output::shown(file)))?;
         if has_both(&inspections) {
             terminal::say(report::next(&inspections, file))?;
         }

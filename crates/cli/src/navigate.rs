@@ -2,7 +2,7 @@
 
 use crate::{
     details,
-    output::Files,
+    output::{self, Files},
     print,
     progress::Bar,
     report::ResultOutput,
@@ -119,7 +119,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let found = findings.filter(|(of, _)| of.severity() < Severity::Unusable);
         found.for_each(|(_, sentence)| warn(sentence));
         for path in &arguments.output {
-            say(format!("solution: {}", path.display()))?;
+            say(format!("solution: {}", output::shown(path)))?;
         }
     }
     match result.summary.diverged {

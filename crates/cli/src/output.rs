@@ -4,7 +4,7 @@ use crate::terminal;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
-use undrift::io::{Opened, write};
+use undrift::io::{Opened, visible, write};
 
 /// The files of a run, claimed before its work: what is read, and what is written.
 pub struct Files {
@@ -97,6 +97,11 @@ fn place(file: &Path) -> Option<PathBuf> {
     let folder = file.parent().filter(|folder| *folder != Path::new(""));
     let folder = folder.unwrap_or(Path::new(".")).canonicalize().ok()?;
     Some(folder.join(file.file_name()?))
+}
+
+/// A path as a summary shows it, in one line.
+pub fn shown(path: &Path) -> String {
+    visible(&path.to_string_lossy()).into_owned()
 }
 
 /// Makes a folder for results.

@@ -1,6 +1,9 @@
 //! What goes to the terminal: how much, in which colours, and what a script is told at the end.
 //!
 //! Results go to standard output; warnings, details and progress to standard error.
+//!
+//! Text may quote names from files. Characters that act on a terminal are escaped here: all of them in warnings and
+//! errors, which are lines of their own; in other text all but line ends and the styles of [`crate::style`].
 
 use anyhow::Result;
 use clap::{ArgAction, Args, ColorChoice};
@@ -13,6 +16,7 @@ use std::{
 };
 
 use crate::style;
+use undrift::io::visible;
 
 /// Options of every verb.
 #[derive(Args)]
@@ -108,6 +112,8 @@ pub fn say(text: impl Display) -> Result<()> {
     if is_quiet() {
         return Ok(());
     }
+    let text = styled(&text.to_string());
+    let text = fitted(&text, width_of(&console::Term::stdout()), 0);
     Ok(writeln!(anstream::stdout(), "{text}")?)
 }
 
@@ -119,14 +125,15 @@ pub fn result(text: impl Display) -> Result<()> {
 /// Warns, unless quiet.
 pub fn warn(text: impl Display) {
     if !is_quiet() {
-        complain(format!("{} {text}", style::warning("warning:")));
+        let text = visible(&text.to_string()).into_owned();
+        complain(&format!("{} {text}", style::warning("warning:")), 2);
     }
 }
 
 /// Notes something on standard error while standard output is for something else, unless quiet.
 pub fn note(text: impl Display) {
     if !is_quiet() {
-        complain(text.to_string());
+        complain(&styled(&text.to_string()), 0);
     }
 }
 
@@ -156,13 +163,13 @@ pub fn error(error: &anyhow::Error) {
             text = format!("{text}: {cause}");
         }
     }
-    complain(format!("{} {text}", style::error("error:")));
+    complain(&format!("{} {}", style::error("error:"), visible(&text)), 2);
 }
 
 /// Shows a detail if --verbose was set at least `level` times.
 pub fn detail(level: i16, text: impl FnOnce() -> String) {
     if LEVEL.load(Relaxed) >= level {
-        complain(text());
+        complain(&styled(&text()), 2);
     }
 }
 
@@ -176,7 +183,127 @@ pub fn stage<T>(name: &str, work: impl FnOnce() -> T) -> T {
     done
 }
 
-/// One line on standard error; ignored where that is closed.
-fn complain(line: String) {
-    let _ = writeln!(anstream::stderr(), "{line}");
+/// Text on standard error, wrapped on a terminal; ignored where that is closed.
+fn complain(text: &str, indent: usize) {
+    let text = fitted(text, width_of(&console::Term::stderr()), indent);
+    let _ = writeln!(anstream::stderr(), "{text}");
+}
+
+/// Columns of a terminal; `None` of anything else, whose lines stay whole.
+fn width_of(terminal: &console::Term) -> Option<usize> {
+    let (_, columns) = terminal.size_checked()?;
+    (columns > 0 && terminal.features().is_attended())
+        .then_some(usize::from(columns).max(NARROWEST))
+}
+
+/// Narrower terminals wrap by themselves.
+const NARROWEST: usize = 40;
+
+/// Text without the characters that act on a terminal, but with its lines and with our styles.
+fn styled(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for (at, line) in text.split('\n').enumerate() {
+        if at > 0 {
+            out.push('\n');
+        }
+        for (at, part) in line.split(ESCAPE).enumerate() {
+            if at > 0 {
+                let style = style_at(part);
+                out.push_str(if style { "\x1b" } else { "\\u{1b}" });
+            }
+            out.push_str(&visible(part));
+        }
+    }
+    out
+}
+
+const ESCAPE: char = '\x1b';
+
+/// Whether a text behind an escape character is one of our styles: bold, a colour, or their end.
+fn style_at(text: &str) -> bool {
+    let code = text.strip_prefix('[').and_then(|rest| rest.split_once('m'));
+    code.is_some_and(|(code, _)| {
+        matches!(
+            code,
+            "0" | "1" | "30" | "31" | "32" | "33" | "34" | "35" | "36" | "37"
+        )
+    })
+}
+
+/// Prose broken between words at a width, the lines that follow indented; rows of tables, which have two blanks on
+/// end between their columns, stay whole.
+fn fitted(text: &str, width: Option<usize>, indent: usize) -> String {
+    let Some(width) = width else {
+        return text.to_owned();
+    };
+    let lines = text.split('\n').map(|line| {
+        let shown = console::measure_text_width(line);
+        match shown <= width || line.trim_start().contains("  ") {
+            true => line.to_owned(),
+            false => broken(line, width, indent),
+        }
+    });
+    Vec::from_iter(lines).join("\n")
+}
+
+fn broken(line: &str, width: usize, indent: usize) -> String {
+    let own = line.len() - line.trim_start().len();
+    let indent = " ".repeat(own + indent);
+    let (mut out, mut column) = (String::new(), 0);
+    for word in line.trim_start().split(' ') {
+        let length = console::measure_text_width(word);
+        if column == 0 {
+            out.push_str(&indent[..own]);
+            column = own;
+        } else if column + 1 + length > width {
+            out.push('\n');
+            out.push_str(&indent);
+            column = indent.len();
+        } else {
+            out.push(' ');
+            column += 1;
+        }
+        out.push_str(word);
+        column += length;
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_our_styles_and_lines_reach_the_terminal() {
+        let own = style::heading("head") + "\n" + &style::warning("warning:");
+        assert_eq!(styled(&own), own);
+        for (text, shown) in [
+            ("a\x1b[2Jb", "a\\u{1b}[2Jb"),
+            ("a\x1b]0;title\x07", "a\\u{1b}]0;title\\u{7}"),
+            ("a\x1b[8mb\rc", "a\\u{1b}[8mb\\rc"),
+            ("a\u{202e}\n\x1b", "a\\u{202e}\n\\u{1b}"),
+        ] {
+            assert_eq!(styled(text), shown);
+        }
+    }
+
+    #[test]
+    fn prose_is_wrapped_between_words_and_tables_stay_whole() {
+        let prose = style::error("error:") + " one two three four five";
+        let wrapped = fitted(&prose, Some(15), 2);
+        let lines: Vec<String> = wrapped
+            .lines()
+            .map(|line| console::strip_ansi_codes(line).into_owned())
+            .collect();
+        assert_eq!(lines, ["error: one two", "  three four", "  five"]);
+        let table = "name      value     unit";
+        assert_eq!(fitted(table, Some(10), 2), table);
+        assert_eq!(fitted("    a bb ccc", Some(8), 2), "    a bb\n      ccc");
+        // A word longer than the line is not cut: names of files are to be copied.
+        assert_eq!(
+            fitted("a /very/long/name b", Some(8), 0),
+            "a\n/very/long/name\nb"
+        );
+        assert_eq!(fitted(&prose, None, 2), prose);
+    }
 }

@@ -1,3 +1,4 @@
+use crate::visible;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -5,7 +6,7 @@ use std::path::{Path, PathBuf};
 ///
 /// Displayed as `imu.csv.gz line 1: no column "gx" (key imu.gyro); the file has: t_s, gx_radps`.
 #[derive(Debug, thiserror::Error)]
-#[error("{}{}: {problem}{}{}", .path.display(), on_line(.line), of_key(.key), with_mend(.mend))]
+#[error("{}{}: {problem}{}{}", visible(&.path.to_string_lossy()), on_line(.line), of_key(.key), with_mend(.mend))]
 pub struct ReadError {
     /// The file, as it was given.
     pub path: PathBuf,
@@ -40,7 +41,7 @@ impl ReadError {
     }
 
     /// Of the log with this name, where it has none yet.
-    pub(crate) fn of(mut self, name: &Path) -> Self {
+    pub fn of(mut self, name: &Path) -> Self {
         if self.path.as_os_str().is_empty() {
             self.path = name.to_path_buf();
         }

@@ -8,6 +8,7 @@
 //! north-east-down and forward-right-down; whatever a file has is scaled and rotated on reading.
 
 pub mod epoch;
+pub mod foreign;
 pub mod format;
 pub mod gaps;
 pub mod gnss;
@@ -33,6 +34,8 @@ mod fix;
 mod lines;
 mod opened;
 mod time;
+mod visible;
 
 pub use error::ReadError;
 pub use opened::{Memory, Opened};
+pub use visible::{is_hidden, visible};

@@ -7,13 +7,14 @@ use std::sync::Arc;
 use crate::ReadError;
 use crate::detect;
 use crate::entry::{Stream, Wanted};
+use crate::foreign;
 use crate::format::Format;
 use crate::log::rosbag2::{self, Part};
 use crate::log::{self, Log};
 use crate::source::{self, BytesRead, Source};
 use crate::table::{self, Columns, Preview, Table, TableOptions, TableSource};
 
-/// Bytes that the format is told by.
+/// Bytes that the format is detected from.
 const START: usize = 64 * 1024;
 /// Bytes that a row of a preview has at most, on average.
 const ROW: usize = 1024;
@@ -66,11 +67,11 @@ impl Opened {
     /// As [`Opened::open`].
     pub fn counted(path: &Path, read: &BytesRead) -> Result<Self, ReadError> {
         if path.as_os_str() == "-" {
-            return Self::of(Path::new("standard input"), io::stdin(), read);
+            return Self::of(Path::new("standard input"), io::stdin(), read)?.a_log();
         }
         if path.is_dir() {
             if let Some(merged) = log::sensor_logger::folder(path)? {
-                return Self::of(path, merged, read);
+                return Self::of(path, merged, read)?.a_log();
             }
             rosbag2::parts_of_folder(path)?;
             return Ok(Self {
@@ -85,7 +86,7 @@ impl Opened {
         if regular {
             opened.origin = Origin::File;
         }
-        Ok(opened)
+        opened.a_log()
     }
 
     /// Reads a log from any stream, plain or gzip; `name` is what messages call it.
@@ -93,7 +94,7 @@ impl Opened {
     /// # Errors
     /// If it cannot be read.
     pub fn stream(name: &Path, stream: impl Read + Send + 'static) -> Result<Self, ReadError> {
-        Self::of(name, stream, &BytesRead::default())
+        Self::of(name, stream, &BytesRead::default())?.a_log()
     }
 
     fn of(
@@ -116,13 +117,30 @@ impl Opened {
         Ok(opened)
     }
 
+    /// Refuses what is known to be no log.
+    fn a_log(self) -> Result<Self, ReadError> {
+        // Damaged compression is reported where the log is read.
+        let foreign = match self.failure.is_none() && self.format() == Format::Csv {
+            true => foreign::known(&self.start),
+            false => None,
+        };
+        foreign.map_or(Ok(()), |foreign| Err(foreign.in_place_of_a_log(&self.name)))?;
+        Ok(self)
+    }
+
+    /// Refuses what is no text of rows.
+    fn rows(&self) -> Result<(), ReadError> {
+        let foreign = foreign::not_rows(&self.start);
+        foreign.map_or(Ok(()), |foreign| Err(foreign.in_place_of_a_log(&self.name)))
+    }
+
     /// Reads a log in memory, called `name`; `read` counts its bytes.
     ///
     /// # Errors
     /// If it cannot be decompressed.
     pub fn memory(name: &Path, memory: Memory, read: &BytesRead) -> Result<Self, ReadError> {
         match memory {
-            Memory::Bytes(bytes) => Self::of(name, Cursor::new(bytes), read),
+            Memory::Bytes(bytes) => Self::of(name, Cursor::new(bytes), read)?.a_log(),
             Memory::Columns(columns) => Ok(Self {
                 name: name.to_path_buf(),
                 origin: Origin::Columns(columns),
@@ -196,7 +214,10 @@ impl Opened {
             Origin::Columns(columns) => TableSource::Columns(columns.clone()),
             Origin::Folder => return Err(self.no_table()),
             _ if table::is_parquet(&self.start) => self.parquet()?,
-            _ => TableSource::Text(self.beginning()),
+            _ => {
+                self.rows()?;
+                TableSource::Text(self.beginning())
+            }
         };
         table::preview(source, rows).map_err(|error| error.of(&self.name))
     }
@@ -225,7 +246,10 @@ impl Opened {
             Origin::Columns(columns) => TableSource::Columns(columns.clone()),
             Origin::Folder => return Err(self.no_table()),
             _ if table::is_parquet(&self.start) => self.parquet()?,
-            _ => TableSource::Text(self.into_source()),
+            _ => {
+                self.rows()?;
+                TableSource::Text(self.into_source())
+            }
         };
         Table::new(&name, source, options)
     }

@@ -99,6 +99,13 @@ pub(crate) fn cannot_open(path: &Path, error: io::Error) -> ReadError {
         io::ErrorKind::NotFound => return missing(path),
         io::ErrorKind::PermissionDenied => "no permission to read",
         io::ErrorKind::IsADirectory => "is a directory, not a file",
+        io::ErrorKind::OutOfMemory => {
+            return ReadError::new(
+                path,
+                "does not fit into memory, where what comes by a pipe is held",
+            )
+            .mend("write it into a file");
+        }
         _ => {
             let problem = format!("cannot be read: {error}");
             return ReadError::new(path, problem).caused_by(error);

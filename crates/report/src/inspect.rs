@@ -7,6 +7,7 @@ use undrift::{
         Content, Inspection, Known, Measured, Motion, Note, Part, Start, about_gravity, model,
         quoted,
     },
+    io::visible,
     vehicle::Profile,
 };
 
@@ -187,7 +188,8 @@ pub fn text(inspection: &Inspection) -> String {
             .iter()
             .map(|note| format!("  note: {note}")),
     );
-    lines.join("\n")
+    let lines = lines.iter().map(|line| visible(line));
+    Vec::from_iter(lines).join("\n")
 }
 
 /// When a part starts.
@@ -221,7 +223,8 @@ fn rate_and_gaps(m: &Measured) -> String {
 /// The noise model that a drive file begins with, for a terminal, and what to do next; `drive` is the drive file's name.
 pub fn next(inspections: &[Inspection], drive: &Path) -> String {
     let model = model(inspections);
-    let file = drive.display();
+    let file = drive.to_string_lossy();
+    let file = visible(&file);
     format!(
         "model = {}   # {}\nnext: undrift tune {file} -o tuned.toml   # the noise of the sensor in its vehicle",
         model.value,
@@ -301,8 +304,7 @@ fn write_part(text: &mut String, inspection: &Inspection, part: &Part, home: &Pa
 
 /// A text as the comment of one line, whatever a column or stream is called.
 fn comment(text: &str) -> String {
-    let one = |c: char| if c.is_control() { ' ' } else { c };
-    text.chars().map(one).collect()
+    visible(text).into_owned()
 }
 
 /// The file as seen from the folder: relative if it is below it, else whole.

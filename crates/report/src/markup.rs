@@ -1,6 +1,9 @@
 //! Text in HTML and SVG, and names of files.
 
-/// Text as it stands in an element or a quoted attribute, without the characters that XML has no place for.
+use undrift::io::is_hidden;
+
+/// Text as it stands in an element or a quoted attribute, without the characters that XML has no place for or that
+/// act on the text around them.
 pub(crate) fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -11,7 +14,8 @@ pub(crate) fn escape(text: &str) -> String {
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&#39;"),
             '\n' | '\t' => out.push(c),
-            '\0'..'\u{20}' | '\u{fffe}' | '\u{ffff}' => out.push('\u{fffd}'),
+            '\u{fffe}' | '\u{ffff}' => out.push('\u{fffd}'),
+            c if is_hidden(c) => out.push('\u{fffd}'),
             c => out.push(c),
         }
     }

@@ -1,6 +1,7 @@
 //! Tables as plain text.
 
 use crate::{Cell, Table};
+use undrift::io::visible;
 
 /// How a terminal marks what stands out; another place takes [`unmarked`].
 pub type Mark = fn(&str) -> String;
@@ -14,7 +15,15 @@ pub fn unmarked(text: &str) -> String {
 /// stands out.
 pub(crate) fn plain_table(table: &Table, mark: Mark) -> String {
     let heads: Vec<Cell> = table.head.iter().map(|head| head.as_str().into()).collect();
-    let rows = || std::iter::once(&heads).chain(&table.rows);
+    let one_line = |cell: &Cell| Cell {
+        text: visible(&cell.text).into_owned(),
+        ..cell.clone()
+    };
+    let rows: Vec<Vec<Cell>> = std::iter::once(&heads)
+        .chain(&table.rows)
+        .map(|row| row.iter().map(one_line).collect())
+        .collect();
+    let rows = || rows.iter();
     let length = |text: &str| text.chars().count();
     let columns: Vec<(bool, usize)> = (0..heads.len())
         .map(|i| {

@@ -8,7 +8,10 @@ use crate::{
     drive::{self, DriveError},
 };
 use guess::Guess;
-use std::path::{Path, PathBuf};
+use std::{
+    path::{Path, PathBuf},
+    slice,
+};
 use undrift_io::{
     Opened, ReadError,
     format::Format,
@@ -155,11 +158,12 @@ fn of_samples(mut reader: ImuReader, mut record: Record) -> Result<Record, ReadE
     for sample in reader.by_ref() {
         let sample = sample?;
         let (gyro, accel) = (sample.dtheta / sample.dt, sample.dvel / sample.dt);
-        for (axis, value) in record.samples.iter_mut().zip(gyro.iter().chain(&accel)) {
-            axis.push(*value);
-        }
-        record.stamps.push(sample.time);
+        let values = gyro.iter().chain(&accel);
+        let room = push(&mut record.samples, values.copied());
+        let room = room.and_then(|()| push(slice::from_mut(&mut record.stamps), [sample.time]));
+        room.map_err(|problem| problem.of(&record.name))?;
     }
+    room_to_work(&record)?;
     record.timing = timing(&record.stamps).ok();
     record.skipped = reader.skipped().clone();
     Ok(record)
@@ -183,17 +187,20 @@ fn read_table(
     let mut table = opened.table(&wanted)?;
     let mut temperature = format.temperature.then(Vec::new);
     record.samples = vec![Vec::new(); axes.len()];
+    let mut row_of = |row: &[f64]| {
+        let values = row.iter().zip(&axes);
+        push(
+            &mut record.samples,
+            values.map(|(value, axis)| value * axis.scale),
+        )?;
+        push(temperature.as_mut_slice(), row.get(axes.len()).copied())?;
+        let time = time.zip(row.last()).map(|(scale, time)| time * scale);
+        push(slice::from_mut(&mut record.stamps), time)
+    };
     while table.next_row(&mut row)?.is_some() {
-        for ((column, value), axis) in record.samples.iter_mut().zip(&row).zip(&axes) {
-            column.push(value * axis.scale);
-        }
-        if let Some(column) = &mut temperature {
-            column.push(row[axes.len()]);
-        }
-        if let (Some(scale), Some(time)) = (time, row.last()) {
-            record.stamps.push(*time * scale);
-        }
+        row_of(&row).map_err(|problem| problem.of(&record.name))?;
     }
+    room_to_work(&record)?;
     let unit = |gyro: bool| {
         let mut units = axes.iter().filter(|axis| (axis.index < 3) == gyro);
         units.find_map(|axis| axis.unit.clone()).unwrap_or_default()
@@ -205,6 +212,36 @@ fn read_table(
     record.timing = timing(&record.stamps).ok();
     record.skipped = table.skipped().clone();
     Ok(record)
+}
+
+/// Samples of a record at most: a day and a half at 400 Hz, hours of work.
+const MOST: usize = 50_000_000;
+
+/// Adds a value to each column.
+fn push(columns: &mut [Vec<f64>], values: impl IntoIterator<Item = f64>) -> Result<(), ReadError> {
+    for (column, value) in columns.iter_mut().zip(values) {
+        if column.len() >= MOST {
+            return Err(too_large(format!(
+                "has more than {} million samples",
+                MOST / 1_000_000
+            )));
+        }
+        let room = column.try_reserve(1);
+        room.map_err(|_| too_large("does not fit into memory".to_owned()))?;
+        column.push(value);
+    }
+    Ok(())
+}
+
+/// Refuses a record that leaves no memory for copies of all axes, which its identification makes.
+fn room_to_work(record: &Record) -> Result<(), ReadError> {
+    let samples = record.samples.iter().map(Vec::len).sum::<usize>();
+    let room = Vec::<f64>::new().try_reserve_exact(2 * samples);
+    room.map_err(|_| too_large("does not fit into memory".to_owned()).of(&record.name))
+}
+
+fn too_large(problem: String) -> ReadError {
+    ReadError::new(Path::new(""), problem).mend("cut the file, or average it to a lower rate")
 }
 
 /// A column of a record.

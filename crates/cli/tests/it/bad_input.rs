@@ -2,11 +2,11 @@
 
 mod configuration;
 mod dates;
-mod drives;
+pub mod drives;
 mod files;
 mod fixes;
 mod killed;
-mod log;
+pub mod log;
 mod logs;
 mod long;
 mod models;

@@ -4,6 +4,7 @@ mod bad_input;
 mod fleet;
 mod identify;
 mod inspect;
+mod mistakes;
 mod model;
 mod raw_logs;
 mod schema;

@@ -1,12 +1,19 @@
 //! Access to one table of a TOML file, with errors that name file, line, key and what was expected.
 
 use super::error::{ConfigError, DriveError};
-use std::{cell::RefCell, path::Path};
+use std::{
+    cell::RefCell,
+    io::{ErrorKind, Read},
+    path::Path,
+};
 use toml::{
     Spanned,
     de::{DeTable, DeValue},
 };
-use undrift_io::table::Column;
+use undrift_io::{
+    foreign::{self, Foreign},
+    table::Column,
+};
 use undrift_nav::{
     Vector3,
     units::{self, Quantity},
@@ -42,18 +49,61 @@ pub fn line_at(text: &str, offset: usize) -> usize {
 /// The text of a configuration file and what messages call it.
 pub(crate) fn read_text(path: &Path) -> Result<(String, String), ConfigError> {
     let file = path.display().to_string();
-    match std::fs::read_to_string(path) {
-        Ok(text) => Ok((text, file)),
-        Err(e) => Err(ConfigError {
+    text_of(path)
+        .map(|text| (text, file.clone()))
+        .map_err(|message| ConfigError {
             file,
             line: None,
             key: String::new(),
-            message: match (e.kind(), undrift_io::nearby::names(path)) {
-                (std::io::ErrorKind::NotFound, Some(names)) => format!("no such file; {names}"),
-                (std::io::ErrorKind::NotFound, None) => "no such file".into(),
-                _ => format!("cannot be read: {e}"),
-            },
-        }),
+            message,
+        })
+}
+
+/// Size of a configuration file at most \[bytes\]: a manifest of 100 000 logs has some 10 MB.
+const MOST: u64 = 16 << 20;
+
+fn text_of(path: &Path) -> Result<String, String> {
+    let mut bytes = Vec::new();
+    let file = std::fs::File::open(path);
+    let read = file.and_then(|file| file.take(MOST + 1).read_to_end(&mut bytes));
+    match read.map_err(|error| (error.kind(), error)) {
+        Err((ErrorKind::NotFound, _)) => {
+            let names = undrift_io::nearby::names(path).map(|names| format!("; {names}"));
+            return Err(format!("no such file{}", names.unwrap_or_default()));
+        }
+        Err((ErrorKind::IsADirectory, _)) => return Err(format!("is a folder; {EXPECTED}")),
+        Err((_, error)) => return Err(format!("cannot be read: {error}")),
+        Ok(_) => {}
+    }
+    match foreign::known(&bytes) {
+        Some(Foreign { what, .. }) if !what.contains(" file") => {
+            return Err(format!("is {what}; {EXPECTED}"));
+        }
+        _ if bytes.len() as u64 > MOST => {
+            return Err(format!("is larger than {} MB; {EXPECTED}", MOST >> 20));
+        }
+        _ => {}
+    }
+    String::from_utf8(bytes).map_err(|_| format!("is not UTF-8 text; {EXPECTED}"))
+}
+
+/// What is expected of a file that is none of configuration.
+const EXPECTED: &str = "expected a text in TOML, such as the drive file that `undrift inspect LOG -o drive.toml` writes";
+
+/// What the parser of TOML refuses, with the remedy of common mistakes.
+fn not_toml(text: &str, error: &toml::de::Error) -> String {
+    let start = error.span().map_or(0, |span| span.start);
+    let line = text
+        .lines()
+        .nth(line_at(text, start) - 1)
+        .unwrap_or_default();
+    let message = error.message();
+    if !line.contains(['=', '[']) {
+        return format!("is not TOML ({message}); {EXPECTED}");
+    }
+    match line.contains('\\') {
+        true => format!("{message}; write paths with / or between single quotes"),
+        false => format!("not TOML: {message}"),
     }
 }
 
@@ -63,7 +113,7 @@ pub(crate) fn parse<'a>(text: &'a str, file: &str) -> Result<Spanned<DeTable<'a>
         file: file.to_owned(),
         line: e.span().map(|s| line_at(text, s.start)),
         key: String::new(),
-        message: e.message().to_owned(),
+        message: not_toml(text, &e),
     })
 }
 

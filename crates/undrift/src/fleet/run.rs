@@ -207,12 +207,10 @@ fn one(
         return Ok(step(State::Twice, None));
     }
     let path = job_path(folder, &fingerprint);
-    let again = || {
-        let known = std::fs::read_to_string(&path).ok();
-        let known = known.and_then(|text| FleetOutcome::from_json(&text, "").ok());
-        known.is_none_or(|outcome| outcome.failed.is_some())
-    };
-    if path.is_file() && !(options.retry_failed && again()) {
+    // A damaged outcome is that of a log that is not processed yet.
+    let known = std::fs::read_to_string(&path).ok();
+    let known = known.and_then(|text| FleetOutcome::from_json(&text, "").ok());
+    if known.is_some_and(|outcome| !(options.retry_failed && outcome.failed.is_some())) {
         return Ok(step(State::UpToDate, None));
     }
     if options.look_only {

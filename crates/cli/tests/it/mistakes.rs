@@ -1,0 +1,125 @@
+//! Mistakes that users make, and the first line of what the command answers: docs/mistakes.md.
+//!
+//! `UNDRIFT_BLESS=1` writes the page; read its difference before it is committed. The drive is that of
+//! `bad_input`, simulated by a fixed seed.
+
+mod cases;
+
+use super::bad_input::{
+    drives::good,
+    log::{Case, Log},
+};
+use cases::cases;
+use std::path::Path;
+
+/// A mistake and how to make it.
+struct Mistake {
+    what: &'static str,
+    /// The command line after `undrift`, words with blanks between.
+    command: &'static str,
+    log: fn(&mut Log),
+    files: fn(&Case),
+}
+
+/// A mistake in the command line alone.
+fn mistake(what: &'static str, command: &'static str) -> Mistake {
+    Mistake {
+        what,
+        command,
+        log: |_| (),
+        files: |_| (),
+    }
+}
+
+/// `undrift navigate` of a drive that is changed so.
+fn drive(what: &'static str, log: fn(&mut Log)) -> Mistake {
+    let navigate = mistake(what, "navigate drive.toml");
+    Mistake { log, ..navigate }
+}
+
+impl Mistake {
+    /// With files that are changed after the drive was written.
+    fn files(self, files: fn(&Case)) -> Self {
+        Self { files, ..self }
+    }
+
+    /// The row of the page.
+    fn row(&self, number: usize) -> String {
+        let mut log = good();
+        (self.log)(&mut log);
+        let case = log.write(&format!("mistake_{number}"));
+        (self.files)(&case);
+        let words: Vec<&str> = self.command.split_whitespace().collect();
+        let done = case.run(&words);
+        let code = done.code.unwrap_or(-1);
+        let message = match done.stderr.is_empty() {
+            true => first(&done.stdout),
+            false => first(&done.stderr),
+        };
+        assert!(!message.is_empty(), "{}: no message", self.what);
+        format!(
+            "| {number} | {} | `{}` | {code} | `{}` |",
+            self.what,
+            self.command,
+            message.replace('|', "\\|")
+        )
+    }
+}
+
+/// The first message, and the tip that follows a wrong command line.
+fn first(stderr: &str) -> String {
+    let mut lines = stderr.lines().map(str::trim);
+    let first = lines.next().unwrap_or_default().to_owned();
+    let tip = lines.find(|line| line.starts_with("tip:") || line.starts_with("[possible values"));
+    match tip {
+        Some(tip) if first.starts_with("error:") => format!("{first} {tip}"),
+        _ => first,
+    }
+}
+
+const HEAD: &str = "\
+# Mistakes and their messages
+
+What goes wrong when a log is used for the first time, and the first line of the answer: the cause, and what to do.
+`crates/cli/tests/it/mistakes.rs` makes each mistake with the real command on a simulated drive and compares this page;
+`UNDRIFT_BLESS=1` writes it. The exit code is 1 for a failure, 2 for an invalid command line, 0 for a warning
+([the command](terminal.md)). Damaged files are in [reliability.md](reliability.md).
+";
+
+#[test]
+fn each_mistake_has_its_message() {
+    let groups = cases();
+    let all: Vec<&Mistake> = groups.iter().flat_map(|(_, mistakes)| mistakes).collect();
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let share = all.len().div_ceil(cores);
+    let rows_of = |(part, of): (usize, &[&Mistake])| -> Vec<String> {
+        let numbers = part * share + 1..;
+        let rows = of.iter().zip(numbers);
+        rows.map(|(mistake, number)| mistake.row(number)).collect()
+    };
+    let rows = std::thread::scope(|scope| {
+        let start = |part| scope.spawn(move || rows_of(part));
+        let threads = Vec::from_iter(all.chunks(share).enumerate().map(start));
+        let ended = threads.into_iter().map(|thread| thread.join().unwrap());
+        Vec::from_iter(ended.flatten())
+    });
+    let mut page = HEAD.to_owned();
+    let mut rows = rows.into_iter();
+    for (name, mistakes) in &groups {
+        page += &format!(
+            "\n## {name}\n\n| | mistake | command | exit | first line |\n|---|---|---|---|---|\n"
+        );
+        for row in rows.by_ref().take(mistakes.len()) {
+            page += &(row + "\n");
+        }
+    }
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/mistakes.md");
+    if std::env::var_os("UNDRIFT_BLESS").is_some() {
+        std::fs::write(&path, &page).unwrap();
+    }
+    let kept = std::fs::read_to_string(&path).unwrap();
+    for (now, kept) in page.lines().zip(kept.lines()) {
+        assert_eq!(now, kept);
+    }
+    assert_eq!(page, kept, "docs/mistakes.md is not up to date");
+}

@@ -1,0 +1,244 @@
+//! Files that are no logs, known by their beginning, so that a message can state what they are instead of
+//! quoting them.
+
+use crate::ReadError;
+use crate::lines::MAX_LINE;
+use std::path::Path;
+
+/// What a file is, and what to do about it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Foreign {
+    /// "an HTML page"
+    pub what: &'static str,
+    /// What to do; without a full stop.
+    pub mend: &'static str,
+}
+
+const fn foreign(what: &'static str, mend: &'static str) -> Foreign {
+    Foreign { what, mend }
+}
+
+const EMPTY: Foreign = foreign("empty (0 bytes)", "copy or record it again");
+const HTML: Foreign = foreign(
+    "an HTML page",
+    "download the file itself: this is a login or error page, or a preview",
+);
+const POINTER: Foreign = foreign("a Git LFS pointer", "fetch the content with `git lfs pull`");
+const ARCHIVE: Foreign = foreign("an archive", "extract it first");
+const IMAGE: Foreign = foreign("an image", "use the log that it was made from");
+const RINEX: Foreign = foreign(
+    "a RINEX file of raw observations",
+    "compute positions with RTKLIB or another program first",
+);
+const DRIVE: Foreign = foreign("a drive file", "give a log here");
+const MODEL: Foreign = foreign("a model file", "give a log here");
+const SHEET: Foreign = foreign(
+    "a ZIP archive or a workbook",
+    "extract it, or save the sheet as CSV",
+);
+const LONG: Foreign = foreign(
+    "no table: its first line is longer than 65536 bytes",
+    "end each row with a line feed (LF or CR LF)",
+);
+const RETURNS: Foreign = foreign(
+    "text with lines that end in CR alone",
+    "convert them to LF or CR LF",
+);
+const BINARY: Foreign = foreign(
+    "binary data of an unknown format",
+    "convert it to CSV or another supported format (docs/formats.md)",
+);
+
+/// Bytes that such files begin with.
+const MARKS: [(&[u8], Foreign); 18] = [
+    (
+        b"%PDF-",
+        foreign("a PDF document", "export the table as CSV"),
+    ),
+    (b"PK\x03\x04", SHEET),
+    (b"PK\x05\x06", SHEET),
+    (
+        b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1",
+        foreign("an old workbook or document", "save the sheet as CSV"),
+    ),
+    (b"Rar!\x1a\x07", ARCHIVE),
+    (b"7z\xbc\xaf\x27\x1c", ARCHIVE),
+    (
+        b"\xfd7zXZ\0",
+        foreign("compressed by xz", "decompress it, or use gzip or zstd"),
+    ),
+    (
+        b"BZh",
+        foreign("compressed by bzip2", "decompress it, or use gzip or zstd"),
+    ),
+    (b"\x89PNG\r\n\x1a\n", IMAGE),
+    (b"\xff\xd8\xff", IMAGE),
+    (b"GIF8", IMAGE),
+    (b"\x7fELF", foreign("a program", "give a log here")),
+    (
+        b"\x89HDF\r\n\x1a\n",
+        foreign(
+            "an HDF5 file",
+            "save as MATLAB version 7 or earlier, or as CSV",
+        ),
+    ),
+    (b"version https://git-lfs", POINTER),
+    (b"<!doctype html", HTML),
+    (b"<html", HTML),
+    (
+        b"<?xml",
+        foreign("an XML file, and not GPX", "convert it to CSV or GPX"),
+    ),
+    (b"format = \"undrift-imu\"", MODEL),
+];
+
+/// What a file that begins so is, if it is known to be no log; `start` is decompressed, and not the start of any
+/// format that is read.
+pub fn known(start: &[u8]) -> Option<Foreign> {
+    if start.is_empty() {
+        return Some(EMPTY);
+    }
+    let text = start
+        .strip_prefix(b"\xef\xbb\xbf")
+        .unwrap_or(start)
+        .trim_ascii_start();
+    let begins = |mark: &[u8]| {
+        let begin = |bytes: &[u8]| {
+            bytes
+                .get(..mark.len())
+                .is_some_and(|b| b.eq_ignore_ascii_case(mark))
+        };
+        begin(start) || begin(text)
+    };
+    if let Some((_, foreign)) = MARKS.iter().find(|(mark, _)| begins(mark)) {
+        return Some(*foreign);
+    }
+    if start.get(257..262) == Some(b"ustar") {
+        return Some(ARCHIVE);
+    }
+    let first = first_line(start);
+    if first
+        .windows(20)
+        .any(|part| part == b"RINEX VERSION / TYPE")
+    {
+        return Some(RINEX);
+    }
+    let line_is = |wanted: &[u8]| {
+        start
+            .split(|byte| *byte == b'\n')
+            .take(400)
+            .any(|line| line.trim_ascii() == wanted)
+    };
+    if line_is(b"[imu]") || line_is(b"[gnss]") {
+        return Some(DRIVE);
+    }
+    let json = match text {
+        [b'{', ..] => true,
+        [b'[', rest @ ..] => matches!(rest.trim_ascii_start(), [b'{' | b'[' | b'"', ..]),
+        _ => false,
+    };
+    json.then_some(foreign("JSON", "convert it to CSV"))
+}
+
+/// What a file that is to be a text of rows is instead, by the same beginning.
+pub(crate) fn not_rows(start: &[u8]) -> Option<Foreign> {
+    let utf_16 = start.starts_with(&[0xff, 0xfe]) || start.starts_with(&[0xfe, 0xff]);
+    let first = first_line(start);
+    if utf_16 || start.is_empty() {
+        return None;
+    }
+    let sample = String::from_utf8_lossy(&first[..first.len().min(4096)]);
+    let all = sample.chars().count();
+    let is_odd =
+        |c: &char| c.is_control() && !c.is_whitespace() || *c == char::REPLACEMENT_CHARACTER;
+    let odd = sample.chars().filter(is_odd).count();
+    if sample.contains('\0') || 10 * odd > 3 * all {
+        return Some(BINARY);
+    }
+    let ends_in_return = |line: &[u8]| line.iter().filter(|byte| **byte == b'\r').count() > 1;
+    match first {
+        first if first.len() == start.len() && ends_in_return(first) => Some(RETURNS),
+        first if first.len() >= MAX_LINE => Some(LONG),
+        _ => None,
+    }
+}
+
+fn first_line(start: &[u8]) -> &[u8] {
+    start
+        .split(|byte| *byte == b'\n')
+        .next()
+        .unwrap_or_default()
+}
+
+impl Foreign {
+    /// That a log was expected in its place.
+    pub(crate) fn in_place_of_a_log(self, name: &Path) -> ReadError {
+        let Self { what, mend } = self;
+        let log = match self {
+            EMPTY | LONG => "",
+            _ => ", not a log",
+        };
+        ReadError::new(name, format!("is {what}{log}")).mend(mend)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_that_are_no_logs_are_known_by_their_beginning() {
+        let rinex = format!(
+            "{:20}{:40}RINEX VERSION / TYPE\n",
+            "     3.04", "OBSERVATION DATA"
+        );
+        let tar = [&[b'a'; 257][..], b"ustar\0"].concat();
+        for (start, what) in [
+            (&b""[..], "empty"),
+            (b"\n <!DOCTYPE html>\n<html>", "an HTML page"),
+            (b"\xef\xbb\xbf<HTML><body>", "an HTML page"),
+            (b"%PDF-1.7\n%\xe2", "a PDF"),
+            (b"PK\x03\x04\x14\0", "a ZIP archive or a workbook"),
+            (b"\x89PNG\r\n\x1a\n\0", "an image"),
+            (
+                b"version https://git-lfs.github.com/spec/v1\noid",
+                "a Git LFS pointer",
+            ),
+            (b"{\"t\": [1, 2]}", "JSON"),
+            (b"[\n {\"t\": 1}]", "JSON"),
+            (
+                b"model = \"adis16405\"\n[imu]\nfile = \"a\"\n",
+                "a drive file",
+            ),
+            (b"format = \"undrift-imu\"\n", "a model file"),
+            (rinex.as_bytes(), "a RINEX file"),
+            (&tar, "an archive"),
+        ] {
+            let found = known(start).unwrap_or_else(|| panic!("{what} is unknown"));
+            assert!(found.what.starts_with(what), "{found:?}");
+        }
+        for log in [
+            "t,gx,gy,gz\n1,2,3,4\n",
+            "1 2 3\n",
+            "# [imu] and a comment\n1,2\n",
+            "[s],[rad/s]\n1,2\n",
+        ] {
+            assert_eq!(known(log.as_bytes()), None, "{log}");
+            assert_eq!(not_rows(log.as_bytes()), None, "{log}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_text_of_rows() {
+        // An odd character in a header is damage, not another format.
+        assert_eq!(not_rows(b"t,\xb0C,g\x1bx\n1,2,3\n"), None);
+        assert_eq!(not_rows(b"\xff\xfet\0,\0"), None);
+        assert_eq!(not_rows(b"t,a\0,b\n1,2,3\n"), Some(BINARY));
+        let noise: Vec<u8> = (0..900u32)
+            .map(|k| (k.wrapping_mul(2_654_435_761) >> 13) as u8 | 0x80)
+            .collect();
+        assert_eq!(not_rows(&noise), Some(BINARY));
+        assert_eq!(not_rows(b"t,a\r1,2\r2,3\r"), Some(RETURNS));
+        assert_eq!(not_rows(&[b'7'; MAX_LINE]), Some(LONG));
+    }
+}
