@@ -86,7 +86,7 @@ fn print_tables(arguments: &Arguments, result: &results::Demo) -> Result<()> {
     let (sensor, rate, seed) = (demo::PRESET, demo::RATE_HZ, arguments.seed);
     if let Some(identified) = &result.identification {
         say(format!(
-            "Simulated static record of {:.0} s, {sensor} at {rate:.0} Hz, seed {seed}.\n\n{}",
+            "Simulated static recording of {:.0} s, {sensor} at {rate:.0} Hz, seed {seed}.\n\n{}",
             demo::STATIC_DURATION,
             text::identification(identified, "gyro_z", style::heading)
         ))?;

@@ -39,7 +39,7 @@ fn trends() -> impl TypedValueParser<Value = Trend> {
     .map(|name| Trend::named(&name).unwrap_or_default())
 }
 
-/// Identify how a sensor errs from a record of it at rest, and write the model file.
+/// Identify the errors of a sensor from a static recording, and write the model file.
 ///
 /// A record that moves, or whose numbers are not in the units stated, is refused. The noise of every axis is tested, its Allan deviation taken, and models of it are fitted on the
 /// first half of the record; the one that is recommended leaves the least drift on the other half
@@ -51,45 +51,46 @@ fn trends() -> impl TypedValueParser<Value = Trend> {
   undrift identify out/figure1-record.csv --units \"rad/s,m/s^2\" --plot
   undrift identify gyro.csv --columns 2 --axis gyro_z --rate 200 --base adis16465 -o imu.toml
 
-The third takes the record that \"undrift demo --out out\" writes.")]
+The third takes the recording that \"undrift demo --out out\" writes.")]
 pub struct Arguments {
-    /// Static record: a table of six axes, or one, a log in any format that `inspect` knows, or a drive file, of which
-    /// the log of [imu] is taken
+    /// Static recording: a table of one axis or six, a log in any format that `inspect` knows, or a drive file, of
+    /// which the log of [imu] is used
     #[arg(value_name = "RECORD")]
     record: PathBuf,
-    /// Sample rate [Hz]; told from the time stamps if the record has a column for them
+    /// Sample rate [Hz]. Default: from the time column
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
-    /// Columns by name or number: gyro x,y,z, accelerometer x,y,z, or a single one; by the header if absent, or guessed
+    /// Columns by name or number: gyro x,y,z, accelerometer x,y,z, or a single one. Default: from the
+    /// header, else guessed
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     columns: Vec<String>,
     /// Axis of a single column, gyro_x to accel_z
     #[arg(long, value_name = "AXIS")]
     axis: Option<String>,
-    /// Units of gyro and accelerometer columns, for instance "deg/s,g" or "LSB/131 deg/s,LSB/16384 g" for raw counts; by
-    /// the header if absent, or guessed
+    /// Units of gyro and accelerometer columns, for instance "deg/s,g" or "LSB/131 deg/s,LSB/16384 g" for raw counts.
+    /// Default: from the header, else guessed
     #[arg(long, value_name = "GYRO,ACCEL")]
     units: Option<String>,
     /// Stream of a log that has several of inertial samples
     #[arg(long, value_name = "NAME")]
     topic: Option<String>,
-    /// The part of the record to take, in seconds after its first sample
+    /// The part of the recording to use, in seconds after its first sample
     #[arg(long, value_name = "START,END", value_parser = span)]
     span: Option<(f64, f64)>,
-    /// Identify a record that moves or has implausible units all the same; the model file says so
+    /// Identify a recording although it moves or has implausible units; the model file records this
     #[arg(long)]
     force: bool,
     /// Largest n of ARMA(2n, 2n-1) in the Pandit-Wu table
     #[arg(long, value_name = "N", default_value_t = 2)]
     n_max: usize,
-    /// What is taken out of every axis before its noise is identified
+    /// What is removed from each axis before its noise is identified
     #[arg(long, value_name = "TREND", value_parser = trends(), default_value = "constant")]
     detrend: Trend,
-    /// The sensor's data sheet, a preset or a file: how far its constant differs from one turn-on to the
-    /// next, and the axes that the record does not have
+    /// The sensor's data sheet, a preset or a file: the σ of its bias at turn-on, and the axes that the
+    /// recording does not have
     #[arg(long, value_name = "PRESET|FILE")]
     base: Option<String>,
-    /// Write the model file; without --base it has the record's axes only
+    /// Write the model file; without --base it has the recording's axes only
     #[arg(short, long, value_name = "imu.toml", help_heading = "Output")]
     output: Option<PathBuf>,
     /// Plot the Allan deviations in the terminal
@@ -109,12 +110,17 @@ fn span(text: &str) -> Result<(f64, f64), String> {
         .ok_or_else(|| "write two times in seconds after the first sample, such as 120,480".into())
 }
 
+/// Samples of a record.
+fn length(record: &Record) -> usize {
+    record.samples.first().map_or(0, Vec::len)
+}
+
 /// What the record's columns are.
 fn format(arguments: &Arguments) -> Result<RecordFormat> {
     let units = |text: &String| {
         let parts: Vec<&str> = text.split(',').map(str::trim).collect();
         match parts[..] {
-            [one] => Ok((one.to_owned(), one.to_owned())),
+            [one] if arguments.axis.is_some() => Ok((one.to_owned(), one.to_owned())),
             [gyro, accel] => Ok((gyro.to_owned(), accel.to_owned())),
             _ => bail!(
                 "--units takes the gyros' and the accelerometers' unit, for instance \"deg/s,g\""
@@ -150,6 +156,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let rate_hz = identify::rate(arguments.rate, record.timing.as_ref())
         .with_context(|| record.name.display().to_string())?;
     let record = match arguments.span {
+        Some((start, _)) if start * rate_hz >= length(&record) as f64 => bail!(
+            "{}: --span begins at {start} s, after the end of the recording at {:.1} s",
+            record.name.display(),
+            length(&record) as f64 / rate_hz
+        ),
         Some(span) => record.within(span, rate_hz),
         None => record,
     };
@@ -175,6 +186,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         if arguments.plot {
             say(plot::allan(&result))?;
         }
+    }
+    let errors = Vec::from_iter(result.in_order().map(|(_, axis)| axis.error.as_ref()));
+    if let Some(Some(error)) = errors.first()
+        && errors.iter().all(|other| *other == Some(error))
+    {
+        let name = record.name.display();
+        bail!("{name}: no axis could be identified: {error}");
     }
     for (name, axis) in result.in_order() {
         if let Some(error) = &axis.error {
@@ -230,12 +248,12 @@ fn read(arguments: &Arguments, format: &RecordFormat) -> Result<Record> {
         let options = record.guessed.iter();
         let options = options.map(|(option, value)| format!("{option} \"{value}\""));
         let options = options.collect::<Vec<_>>().join(" ");
-        note(format!("guessed by the numbers: {options}"));
+        note(format!("guessed from the values: {options}"));
     }
     Ok(record)
 }
 
-/// Refuses what is no static recording; with --force the problem is said and given back.
+/// Refuses a recording that is not static; with --force the problem is a warning and returned.
 fn check(arguments: &Arguments, record: &Record, rate_hz: f64) -> Result<Option<NotStatic>> {
     let problem = identify::not_static(record, rate_hz);
     match problem {
@@ -261,19 +279,19 @@ fn tell_settings(arguments: &Arguments, record: &Record, rate_hz: f64) {
             record.samples.first().map_or(0, Vec::len),
             match arguments.rate {
                 Some(_) => "as stated",
-                None => "by its time stamps",
+                None => "from its time stamps",
             },
             record.axes.join(" ")
         )
     });
     detail(1, || {
         format!(
-            "settings: ARMA(2n, 2n-1) for n up to {}, {} taken out",
+            "settings: ARMA(2n, 2n-1) for n up to {}, {} removed",
             arguments.n_max,
             match arguments.detrend {
                 Trend::Constant => "the mean",
                 Trend::Linear => "a straight line",
-                Trend::Temperature => "the temperature's part",
+                Trend::Temperature => "the part that follows the temperature",
             }
         )
     });
@@ -288,14 +306,14 @@ fn warn_of_unknown(file: &Path, model: &ImuModel, bounded: &[&str]) {
     if !unknown.is_empty() {
         let unknown = unknown.join(", ");
         warn(format!(
-            "{file} has no {unknown}: a run needs all six axes; give the others with --base PRESET or FILE"
+            "{file} has no {unknown}: a run needs all six axes; add the others with --base PRESET or FILE"
         ));
     }
     if !bounded.is_empty() {
         let bounded = bounded.join(", ");
         warn(format!(
-            "{file}: one record bounds the turn-on σ of {bounded} only from below; the file has the largest that the means \
-             do not contradict (95 %): give the data sheet's with --base PRESET or FILE"
+            "{file}: one recording gives only a lower bound of the turn-on σ of {bounded}; the file has the largest that the means \
+             do not contradict (95 %): set the data sheet's with --base PRESET or FILE"
         ));
     }
 }

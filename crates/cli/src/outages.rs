@@ -43,7 +43,7 @@ pub struct Arguments {
     #[command(flatten)]
     plan: Plan,
     /// Start times of the outages in the GNSS file's time [s], instead of --start, --count and --every
-    #[arg(long, value_name = "T1,T2,…", value_delimiter = ',', conflicts_with_all = ["count", "every", "start"], help_heading = "Outages")]
+    #[arg(long, value_name = "T1,T2,…", allow_negative_numbers = true, value_delimiter = ',', conflicts_with_all = ["count", "every", "start"], help_heading = "Outages")]
     at: Option<Vec<f64>>,
     /// Smooth: measure the errors when the fixes after an outage are used too
     #[arg(long)]

@@ -41,6 +41,12 @@ impl Files {
                 terminal::take_standard_output();
                 continue;
             }
+            if file.is_dir() {
+                bail!(
+                    "cannot write {}: it is a folder; add the name of a file",
+                    file.display()
+                );
+            }
             match file.parent() {
                 Some(folder) if folder != Path::new("") && !folder.is_dir() => bail!(
                     "cannot write {}: no such folder {}",

@@ -68,13 +68,26 @@ pub fn svg_only(path: Option<&Path>) -> Result<()> {
     }
 }
 
+/// The name of a report, which is HTML.
+fn html_file(name: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(name);
+    let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    match ending.as_deref() {
+        None | Some("html" | "htm") => Ok(path),
+        Some(_) => Err(format!(
+            "a report is HTML: name it {}; a browser prints it as PDF",
+            path.with_extension("html").display()
+        )),
+    }
+}
+
 /// Where a verb puts its result beside the terminal: as JSON, as a report, as figures.
 #[derive(Args)]
 pub struct ResultOutput {
     #[command(flatten)]
     json: JsonOutput,
     /// Write a report with tables and figures as one self-contained HTML file
-    #[arg(long, value_name = "FILE.html", help_heading = "Output")]
+    #[arg(long, value_name = "FILE.html", help_heading = "Output", value_parser = html_file)]
     report: Option<PathBuf>,
     /// Write the report's figures into this folder as SVG; the report page can save PNG
     #[arg(long, value_name = "DIR", help_heading = "Output")]

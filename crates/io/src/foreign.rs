@@ -2,7 +2,6 @@
 //! quoting them.
 
 use crate::ReadError;
-use crate::lines::MAX_LINE;
 use std::path::Path;
 
 /// What a file is, and what to do about it.
@@ -30,15 +29,11 @@ const RINEX: Foreign = foreign(
     "a RINEX file of raw observations",
     "compute positions with RTKLIB or another program first",
 );
-const DRIVE: Foreign = foreign("a drive file", "give a log here");
+const DRIVE: Foreign = foreign("a drive file", "give its logs instead");
 const MODEL: Foreign = foreign("a model file", "give a log here");
 const SHEET: Foreign = foreign(
     "a ZIP archive or a workbook",
     "extract it, or save the sheet as CSV",
-);
-const LONG: Foreign = foreign(
-    "no table: its first line is longer than 65536 bytes",
-    "end each row with a line feed (LF or CR LF)",
 );
 const RETURNS: Foreign = foreign(
     "text with lines that end in CR alone",
@@ -158,7 +153,6 @@ pub(crate) fn not_rows(start: &[u8]) -> Option<Foreign> {
     let ends_in_return = |line: &[u8]| line.iter().filter(|byte| **byte == b'\r').count() > 1;
     match first {
         first if first.len() == start.len() && ends_in_return(first) => Some(RETURNS),
-        first if first.len() >= MAX_LINE => Some(LONG),
         _ => None,
     }
 }
@@ -175,7 +169,7 @@ impl Foreign {
     pub(crate) fn in_place_of_a_log(self, name: &Path) -> ReadError {
         let Self { what, mend } = self;
         let log = match self {
-            EMPTY | LONG => "",
+            EMPTY => "",
             _ => ", not a log",
         };
         ReadError::new(name, format!("is {what}{log}")).mend(mend)
@@ -239,6 +233,5 @@ mod tests {
             .collect();
         assert_eq!(not_rows(&noise), Some(BINARY));
         assert_eq!(not_rows(b"t,a\r1,2\r2,3\r"), Some(RETURNS));
-        assert_eq!(not_rows(&[b'7'; MAX_LINE]), Some(LONG));
     }
 }

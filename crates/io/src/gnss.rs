@@ -139,10 +139,34 @@ impl Kind for Fixes {
     fn nothing(&self, skipped: &Skipped) -> ReadError {
         let error = ReadError::nameless("no usable fix");
         if skipped.count(SkipKind::OutOfRange) > 0 && matches!(self.0, Of::Columns(_)) {
-            let mend = "; check that the columns are latitude, longitude, height in gnss.position_unit, not ECEF or degrees and minutes";
-            return error.key("gnss.position").mend(mend);
+            let mut entries = skipped.iter();
+            let first = entries.find(|(kind, _)| *kind == SkipKind::OutOfRange);
+            let mend = first.and_then(|(_, entry)| guess(&entry.first_detail));
+            return error
+                .key("gnss.position")
+                .mend(format!("; {}", mend.unwrap_or(POSITIONS)));
         }
         error
+    }
+}
+
+const POSITIONS: &str = "check that the columns are latitude, longitude, height in gnss.position_unit, not ECEF or degrees and minutes";
+
+/// What explains a position that is out of range, as it was counted: three numbers.
+fn guess(detail: &str) -> Option<&'static str> {
+    let numbers = detail.split(", ").map(str::parse);
+    let numbers = numbers.collect::<Result<Vec<f64>, _>>().ok()?;
+    match *numbers.as_slice() {
+        [a, b, _] if a == 0.0 && b == 0.0 => {
+            Some("the receiver had no fix: its positions are 0, 0")
+        }
+        [a, b, _] if (90.0..=180.0).contains(&a.abs()) && b.abs() < 90.0 => {
+            Some("latitude and longitude are exchanged: gnss.position lists the latitude first")
+        }
+        [a, b, _] if a.abs().max(b.abs()) > 1e8 => {
+            Some("the numbers look like 1e-7 deg: divide them by 1e7")
+        }
+        _ => None,
     }
 }
 

@@ -4,8 +4,8 @@ use std::path::Path;
 
 /// Entries of a folder that are looked at.
 const MOST: usize = 10_000;
-/// Names that are told.
-const TOLD: usize = 3;
+/// Names that are shown.
+const SHOWN: usize = 3;
 /// Longest name that is compared \[bytes\].
 const LONGEST: usize = 255;
 
@@ -25,8 +25,21 @@ pub fn names(path: &Path) -> Option<String> {
         })
         .collect();
     near.sort();
-    let names: Vec<String> = near.into_iter().take(TOLD).map(|(_, name)| name).collect();
+    let names: Vec<String> = near.into_iter().take(SHOWN).map(|(_, name)| name).collect();
     (!names.is_empty()).then(|| format!("did you mean {}?", names.join(" or ")))
+}
+
+/// "did you mean gyro_unit?", of the known names that are near one that is unknown; `None` without such.
+pub fn known<'a>(unknown: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    let near = known
+        .into_iter()
+        .filter_map(|name| Some((distance(unknown, name)?, name)));
+    let mut near = Vec::from_iter(near);
+    near.sort_unstable();
+    near.dedup();
+    let names = near.into_iter().take(SHOWN).map(|(_, name)| name);
+    let names = Vec::from_iter(names).join(" or ");
+    (!names.is_empty()).then(|| format!("did you mean {names}?"))
 }
 
 /// How far a name is from the wanted one, small first; `None` for too far.
@@ -52,6 +65,19 @@ fn edits(a: &str, b: &str) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn known_names_near_an_unknown_one() {
+        let columns = ["t", "gx", "gyro_unit", "gnss"];
+        for (unknown, mend) in [
+            ("gyro_units", Some("did you mean gyro_unit?")),
+            ("gnns", Some("did you mean gnss?")),
+            ("GX", Some("did you mean gx?")),
+            ("accelerometer", None),
+        ] {
+            assert_eq!(known(unknown, columns).as_deref(), mend);
+        }
+    }
 
     #[test]
     fn near_and_far() {

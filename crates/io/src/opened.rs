@@ -299,7 +299,7 @@ impl Opened {
 
     fn no_table(&self) -> ReadError {
         ReadError::new(&self.name, "is the folder of a ROS 2 bag, not a table")
-            .mend("leave out the columns, or name a file")
+            .mend("remove the columns, or give a file")
     }
 
     /// Reads on until the beginning has so many bytes, or all that there are.

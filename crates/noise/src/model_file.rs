@@ -36,6 +36,7 @@ mod write;
 
 use crate::composite::GaussMarkov;
 use crate::presets;
+use std::io::{ErrorKind, Read};
 use std::path::Path;
 use undrift_nav::shaping::{MAX_ORDER, ShapingError};
 
@@ -123,7 +124,7 @@ pub struct Arma {
 #[derive(Debug, thiserror::Error)]
 pub enum ModelError {
     /// The file cannot be read.
-    #[error("{file}: {error}{hint}")]
+    #[error("{file}: {}{hint}", unread(error))]
     Read {
         /// Path of the file.
         file: String,
@@ -176,13 +177,13 @@ pub enum ModelError {
         needs: &'static str,
     },
     /// The model cannot be written in a format without a sample rate.
-    #[error("{format} needs the sample rate, which the model does not say: give it as --rate HZ")]
+    #[error("{format} needs the sample rate, which the model does not have; set --rate HZ")]
     NoRate {
         /// Name of the format.
         format: &'static str,
     },
     /// The sample rate asked for is none.
-    #[error("a sample rate of {0} Hz is none")]
+    #[error("invalid sample rate: {0} Hz")]
     BadRate(f64),
     /// The shaping filter cannot be made.
     #[error("{}the {model} model: {error}", axis_prefix(*axis))]
@@ -251,7 +252,7 @@ impl ImuModel {
     /// [`ModelError::Read`] where the file cannot be read or is no UTF-8, else as [`ImuModel::from_toml`].
     pub fn load(path: &Path) -> Result<Self, ModelError> {
         let file = path.display().to_string();
-        match std::fs::read_to_string(path) {
+        match text_of(path) {
             Ok(text) => Self::from_toml(&text, &file),
             Err(error) => Err(ModelError::Read {
                 file,
@@ -272,7 +273,7 @@ impl ImuModel {
         Self::load(&base.join(name_or_path)).map_err(|error| match error {
             ModelError::Read { file, error, .. } => {
                 let hint = format!(
-                    " (a model is a file or a preset; {})",
+                    "; a model is a file or a preset: {}",
                     presets::suggestion(name_or_path)
                 );
                 ModelError::Read { file, error, hint }
@@ -328,5 +329,32 @@ impl AxisModel {
     /// Whether anything is known of the axis: white noise or an ARMA.
     pub fn is_known(&self) -> bool {
         self.white.is_some() || self.arma.is_some()
+    }
+}
+
+/// Size of a model file at most \[bytes\]; those of long ARMA models have some kB.
+const MOST: u64 = 4 << 20;
+
+fn text_of(path: &Path) -> std::io::Result<String> {
+    let mut bytes = Vec::new();
+    let file = std::fs::File::open(path)?;
+    file.take(MOST + 1).read_to_end(&mut bytes)?;
+    let invalid = |why: String| std::io::Error::new(ErrorKind::InvalidData, why);
+    if bytes.len() as u64 > MOST {
+        return Err(invalid(format!(
+            "larger than {} MB, so not a model file",
+            MOST >> 20
+        )));
+    }
+    String::from_utf8(bytes).map_err(|_| invalid("not UTF-8 text, so not a model file".into()))
+}
+
+/// Why a file cannot be read, without the system's number.
+fn unread(error: &std::io::Error) -> String {
+    match error.kind() {
+        ErrorKind::NotFound => "no such file".into(),
+        ErrorKind::IsADirectory => "is a folder, not a model file".into(),
+        ErrorKind::PermissionDenied => "no permission to read".into(),
+        _ => error.to_string(),
     }
 }

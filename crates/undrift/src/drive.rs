@@ -339,7 +339,7 @@ pub fn files_named(text: &str) -> Vec<(&'static str, String)> {
 }
 
 /// Longest lever arm \[m\]: the largest ships are 400 m long.
-const MOST_LEVER_ARM: f64 = 500.0;
+const MOST_LEVER_ARM: f64 = 100.0;
 
 /// Sample intervals that a log of an IMU may have \[s\].
 const INTERVALS: std::ops::RangeInclusive<f64> = 2e-5..=1.0;

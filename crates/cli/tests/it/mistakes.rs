@@ -52,10 +52,7 @@ impl Mistake {
         let words: Vec<&str> = self.command.split_whitespace().collect();
         let done = case.run(&words);
         let code = done.code.unwrap_or(-1);
-        let message = match done.stderr.is_empty() {
-            true => first(&done.stdout),
-            false => first(&done.stderr),
-        };
+        let message = first(code, &done.stdout, &done.stderr);
         assert!(!message.is_empty(), "{}: no message", self.what);
         format!(
             "| {number} | {} | `{}` | {code} | `{}` |",
@@ -66,15 +63,23 @@ impl Mistake {
     }
 }
 
-/// The first message, and the tip that follows a wrong command line.
-fn first(stderr: &str) -> String {
-    let mut lines = stderr.lines().map(str::trim);
-    let first = lines.next().unwrap_or_default().to_owned();
-    let tip = lines.find(|line| line.starts_with("tip:") || line.starts_with("[possible values"));
-    match tip {
-        Some(tip) if first.starts_with("error:") => format!("{first} {tip}"),
-        _ => first,
+/// The error with what explains a wrong command line; else the verdict unless it is good, else the first warning.
+fn first(code: i32, stdout: &str, stderr: &str) -> String {
+    let lines = || stderr.lines().map(str::trim);
+    let verdict = stdout.lines().next().unwrap_or_default();
+    if code == 0 {
+        return match stderr.lines().next() {
+            Some(warning) if verdict == "usable" => warning.to_owned(),
+            _ => verdict.to_owned(),
+        };
     }
+    let mut error = lines().skip_while(|line| !line.starts_with("error:"));
+    let mut shown = error.next().unwrap_or_default().to_owned();
+    if shown.ends_with(':') {
+        shown = format!("{shown} {}", error.next().unwrap_or_default());
+    }
+    let tip = lines().find(|line| line.starts_with("tip:"));
+    tip.map_or(shown.clone(), |tip| format!("{shown}; {tip}"))
 }
 
 const HEAD: &str = "\

@@ -104,15 +104,13 @@ impl ImuFormat {
     pub(super) fn check(&self) -> Result<(), ReadError> {
         if let Some(rate) = self.rate_hz {
             if !(rate.is_normal() && rate > 0.0) {
-                let problem = format!("a rate of {rate} Hz makes no times");
+                let problem = format!("invalid rate: {rate} Hz");
                 return Err(ReadError::nameless(problem).key("imu.rate"));
             }
         } else if !self.has_times() {
-            return Err(
-                ReadError::nameless("neither a time column nor a rate is given")
-                    .key("imu.time")
-                    .mend("give imu.time or imu.rate"),
-            );
+            return Err(ReadError::nameless("no time column and no rate")
+                .key("imu.time")
+                .mend("set imu.time or imu.rate"));
         }
         check_time_scale(self.time_scale, "imu.time")
     }

@@ -162,7 +162,7 @@ impl Records for Bag {
             return match self.index {
                 Some(0) => Ok(None),
                 _ => Err(Stop::Early(
-                    "there is no index, which closes a bag".to_owned(),
+                    "the index at the end of the bag is missing".to_owned(),
                 )),
             };
         }
@@ -171,7 +171,7 @@ impl Records for Bag {
             return Err(Stop::Early(format!("damaged: a header of {n} bytes")));
         }
         let header = Header::parse(file.header(u64::from(n))?)
-            .ok_or_else(|| Stop::Early("damaged: a header that is none".to_owned()))?;
+            .ok_or_else(|| Stop::Early("damaged: an invalid header".to_owned()))?;
         let n = u64::from(length(file)?);
         if !matches!(header.op, op::MESSAGE | op::CHUNK | op::CONNECTION) {
             self.note(&header)?;

@@ -35,7 +35,7 @@ pub(super) fn at_end(source: &mut Source) -> bool {
 fn enough(got: io::Result<u64>, wanted: u64) -> Result<(), String> {
     match got {
         Ok(got) if got == wanted => Ok(()),
-        Ok(_) => Err("the file breaks off within a record".to_owned()),
+        Ok(_) => Err("the file ends within a record".to_owned()),
         Err(error) => Err(error.to_string()),
     }
 }

@@ -98,7 +98,7 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
     )?;
     if !matches!(wanted, Wanted::Poses(_)) {
         let problem = "an export of Inertial Explorer is a solution, not a log of fixes";
-        return Err(ReadError::nameless(problem).mend("name it in [truth]"));
+        return Err(ReadError::nameless(problem).mend("use it in [truth]"));
     }
     let mut reader = Reader {
         lines: Lines::new(source),

@@ -151,7 +151,7 @@ pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
     let stream = |(name, messages): (String, u64)| {
         let (kind, about) = match name.as_str() {
             "GPS" => (StreamKind::Fixes, "fixes by satellites"),
-            "FLP" => (StreamKind::Fixes, "fixes by all that the telephone has"),
+            "FLP" => (StreamKind::Fixes, "fused fixes of the telephone"),
             "NLP" => (StreamKind::Fixes, "fixes by cells and Wi-Fi"),
             "UncalGyro" => (StreamKind::Imu, "rates, with the forces of UncalAccel"),
             "Gyro" => (StreamKind::Imu, "corrected rates, with the forces of Accel"),
@@ -250,7 +250,7 @@ impl Reader {
                 let problem = format!("two streams of inertial samples: {taken} and {gyro}");
                 return Err(ReadError::nameless(problem)
                     .key("imu.topic")
-                    .mend("name the one that is meant"));
+                    .mend("choose one with topic"));
             }
             return Ok(());
         }

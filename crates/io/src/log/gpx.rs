@@ -112,7 +112,7 @@ impl Point {
         let (Some(lat), Some(lon), Some(elevation), Some(geoid)) =
             (self.lat, self.lon, finite(&self.elevation), geoid)
         else {
-            return ready.skip(self.line, SkipKind::Text, "a place that is no number");
+            return ready.skip(self.line, SkipKind::Text, "a position that is not a number");
         };
         let position = Geodetic::from_degrees(lat, lon, elevation + geoid);
         let Some(position) = ready.usable(self.line, on_earth(position)) else {

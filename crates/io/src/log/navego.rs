@@ -63,7 +63,7 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
         }
         if let Some((first, _)) = &found {
             let problem = format!("{first} and {} are both {}", variable.name, fields_of(kind));
-            return Err(error(problem).mend("name the one that is meant"));
+            return Err(error(problem).mend("choose one with topic"));
         }
         let name = variable.name.clone();
         let rows = rows(variable, kind).map_err(|problem| error(format!("{name}: {problem}")))?;

@@ -72,7 +72,7 @@ fn with_type(wanted: &Wanted) -> Result<(Wanted, Option<&'static Type>), ReadErr
         let names: Vec<&str> = imu::TYPES.iter().map(|known| known.name).collect();
         let problem = format!("no IMU type \"{of_type}\" whose scale factors are public");
         let error = ReadError::nameless(problem).key("imu.topic");
-        return Err(error.mend(format!("known are: {}", names.join(", "))));
+        return Err(error.mend(format!("known types: {}", names.join(", "))));
     };
     Ok((Wanted::Imu(Some(name.to_owned())), Some(known)))
 }
@@ -188,7 +188,7 @@ impl Only {
         let problem = format!("two {}: {found} and {name}", self.what);
         Err(ReadError::nameless(problem)
             .key(self.key)
-            .mend("name the one that is meant"))
+            .mend("choose one with topic"))
     }
 }
 
@@ -390,12 +390,12 @@ impl Imu {
         };
         let of_type = match raw.code {
             Some(code) if !self.stated => Some(imu::by_code(code).ok_or_else(|| {
-                let problem = format!("IMU of type {code}: its scale factors are not known here");
+                let problem = format!("IMU of type {code}: unknown scale factors");
                 ReadError::nameless(problem)
                     .at(at)
                     .key("imu.topic")
                     .mend(format!(
-                        "if it counts as a known type does, name that: topic = \"{}{OF_TYPE}{}\"",
+                        "if its counts are those of a known type, set topic = \"{}{OF_TYPE}{}\"",
                         known.name,
                         imu::TYPES[0].name
                     ))
@@ -434,13 +434,11 @@ impl Imu {
     fn end(&self) -> Result<(), ReadError> {
         match (self.untyped, self.given) {
             (Some(at), false) => Err(ReadError::nameless(
-                "the log does not tell the type of the IMU, so what its counts are worth is unknown",
+                "the log does not have the type of the IMU, so its scale factors are unknown",
             )
             .at(at)
             .key("imu.topic")
-            .mend(
-                "log RAWIMUSX or INSCONFIG, or name the type: topic = \"RAWIMUS:ADIS16488\"",
-            )),
+            .mend("log RAWIMUSX or INSCONFIG, or set the type: topic = \"RAWIMUS:ADIS16488\"")),
             _ => Ok(()),
         }
     }

@@ -107,9 +107,9 @@ pub(super) fn check(
         Some(name) if !known.contains(&name.as_str()) => {
             let problem = format!("no {what} \"{name}\" in {format}");
             let offer = if known.is_empty() {
-                format!("it has no {what} at all")
+                format!("it has no {what}")
             } else {
-                format!("read are: {}", known.join(", "))
+                format!("available: {}", known.join(", "))
             };
             Err(ReadError::nameless(problem).mend(offer))
         }

@@ -84,7 +84,7 @@ pub(super) fn entries(
             return Err(
                 ReadError::nameless("recordings of ROS have no reference solution")
                     .key("truth.file")
-                    .mend("nav_msgs/Odometry is in a local frame whose place is not told"),
+                    .mend("nav_msgs/Odometry is in a local frame of unknown origin"),
             );
         }
     };

@@ -38,7 +38,7 @@ pub(super) fn entries(mut source: Source, wanted: &Wanted) -> Result<Entries, Re
     check(wanted, "SBET", [&[], &[STREAM], &[]])?;
     if !matches!(wanted, Wanted::Poses(_)) {
         let problem = "SBET is a solution, not a log of fixes";
-        return Err(ReadError::nameless(problem).mend("name it in [truth]"));
+        return Err(ReadError::nameless(problem).mend("use it in [truth]"));
     }
     let (mut at, mut record) = (0, Vec::new());
     Ok(by_steps(wanted, move |ready| {

@@ -264,7 +264,7 @@ impl Imu {
                 return Ok(());
             }
             let problem = format!("two streams of inertial samples: {}", INERTIAL.join(", "));
-            return Err(ReadError::nameless(problem).mend("name the one that is meant"));
+            return Err(ReadError::nameless(problem).mend("choose one with topic"));
         }
         if self.sensors.changes(kind, payload) {
             for _ in 0..self.clock.restart() {
@@ -291,7 +291,7 @@ impl Imu {
         tied.map_err(|clock::TooLate| {
             ReadError::nameless("the first fix comes after ten minutes of inertial samples")
                 .at(epoch.at)
-                .mend("cut off what is before it: nothing tells its time")
+                .mend("remove the samples before it: their GPS time is unknown")
         })
     }
 }

@@ -3,13 +3,13 @@
 use super::fields::{self, Delimiter, Fields};
 use super::stamps;
 use super::wanted::{Column, Preview, TableOptions, starts_a_row};
-use crate::ReadError;
 use crate::error::{NAMES_SHOWN, the_file_has};
 use crate::lines::{Lines, MAX_LINE, NextLine};
 use crate::number;
 use crate::skipped::{SkipKind, Skipped, shown};
 use crate::source::Source;
 use crate::time::WeekClock;
+use crate::{ReadError, nearby, visible};
 
 /// How to read the rows.
 pub(super) struct TextLayout {
@@ -105,7 +105,10 @@ fn first_line(lines: &mut Lines, skipped: &mut Skipped) -> Result<FirstLine, Rea
                 let problem = match lines.failure() {
                     Some(failure) => format!("cannot be read: {failure}"),
                     None if skipped.is_empty() => "no row of data".to_owned(),
-                    None => format!("no row of data; {skipped}"),
+                    None => {
+                        let error = ReadError::nameless(format!("no row of data; {skipped}"));
+                        return Err(error.mend("end each row with a line feed (LF or CR LF)"));
+                    }
                 };
                 return Err(ReadError::nameless(problem));
             }
@@ -194,7 +197,12 @@ pub(crate) fn places(
                         let problem = format!("columns {a} and {b} are both called {column}");
                         return error(problem, "specify one by its number".to_owned());
                     }
-                    (None, _) => return error(format!("no column {column}"), listing(names)),
+                    (None, _) => {
+                        let near = nearby::known(name.trim(), names.iter().map(String::as_str));
+                        let near =
+                            near.map_or(String::new(), |near| visible(&near).into_owned() + " ");
+                        return error(format!("no column {column}"), near + &listing(names));
+                    }
                 }
             }
         };

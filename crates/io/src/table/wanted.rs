@@ -178,19 +178,22 @@ pub(super) fn starts_a_row(line: &[u8]) -> bool {
 
 /// Why a table without one usable row cannot be used.
 pub(super) fn no_rows(seen: u64, skipped: &Skipped) -> ReadError {
-    let problem = if seen == 0 {
-        "no row of data"
-    } else {
-        "no row with a number in every required column"
-    };
-    let mut mend = skipped.to_string().replace('\n', "; ");
+    let mend = skipped.to_string().replace('\n', "; ");
     let text = skipped.iter().find(|(kind, _)| *kind == SkipKind::Text);
     let is_decimal = |text: &str| {
         let text = text.trim_matches('"');
         text.contains(',') && text.replacen(',', ".", 1).parse::<f64>().is_ok()
     };
-    if text.is_some_and(|(_, entry)| is_decimal(&entry.first_detail)) {
-        mend += "; write numbers with decimal points";
-    }
+    let (problem, mend) = match text {
+        _ if seen == 0 && mend.is_empty() => (
+            "no row of data",
+            "it has a header or comments alone: record or export it again".to_owned(),
+        ),
+        _ if seen == 0 => ("no row of data", mend),
+        Some((_, entry)) if is_decimal(&entry.first_detail) => {
+            ("decimal commas", format!("write decimal points: {mend}"))
+        }
+        _ => ("no row with a number in every required column", mend),
+    };
     ReadError::nameless(problem).mend(mend)
 }

@@ -63,7 +63,7 @@ impl PendingFile {
             });
         }
         if there.as_ref().is_some_and(|it| it.permissions().readonly()) {
-            let message = format!("{} is read-only", path.display());
+            let message = "it is read-only; choose another name";
             return Err(io::Error::new(io::ErrorKind::PermissionDenied, message));
         }
         let Some(name) = target.file_name() else {

@@ -42,16 +42,30 @@ const ARMA_KEYS: [&str; 4] = ["rate", "ar", "ma", "sigma"];
 const PROVENANCE_KEYS: [&str; 5] = ["record", "rate", "samples", "sha256", "program"];
 
 fn parse<'a>(text: &'a str, file: &str) -> Result<Spanned<DeTable<'a>>, ModelError> {
-    DeTable::parse(text).map_err(|error| ModelError::Syntax {
-        file: file.to_owned(),
-        line: error.span().map_or(1, |span| line_at(text, span.start)),
-        message: error.message().to_owned(),
+    DeTable::parse(text).map_err(|error| {
+        let line = error.span().map_or(1, |span| line_at(text, span.start));
+        let stands = text.lines().nth(line - 1).unwrap_or_default();
+        ModelError::Syntax {
+            file: file.to_owned(),
+            line,
+            message: match stands.contains(['=', '[']) {
+                true => error.message().to_owned(),
+                false => format!("not TOML; expected {A_MODEL}"),
+            },
+        }
     })
 }
+
+/// What is expected of a file that is no model.
+const A_MODEL: &str = "a model file, such as `undrift identify -o imu.toml` writes, or a preset";
 
 pub(super) fn from_text(text: &str, file: &str) -> Result<ImuModel, ModelError> {
     let table = parse(text, file)?;
     let top = Table::top(table.get_ref(), Some(text), file, "");
+    if top.get("imu").is_some() {
+        let message = format!("belongs into a drive file; expected {A_MODEL}");
+        return Err(top.error("imu", message));
+    }
     for (key, example) in [
         ("format", format!("\"{FORMAT}\"")),
         ("version", VERSION.to_string()),
@@ -80,7 +94,7 @@ pub(super) fn model(top: &Table<'_>) -> Result<ImuModel, ModelError> {
     if let Some(format) = top.text("format")?
         && format != FORMAT
     {
-        let message = format!("{format:?} is no noise model; expected \"{FORMAT}\"");
+        let message = format!("{format:?} is not a noise model; expected \"{FORMAT}\"");
         return Err(top.error("format", message));
     }
     let said = match top.get("version") {
@@ -89,8 +103,9 @@ pub(super) fn model(top: &Table<'_>) -> Result<ImuModel, ModelError> {
         Some(other) => format!("a {}", other.type_str()),
     };
     if said != VERSION.to_string() {
-        let message =
-            format!("this program reads version {VERSION} of the format, the file says {said}");
+        let message = format!(
+            "this program reads version {VERSION} of the format, the file has version {said}"
+        );
         return Err(top.error("version", message));
     }
     let mut base = ImuModel::default();

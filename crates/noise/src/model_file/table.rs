@@ -88,7 +88,10 @@ impl<'a> Table<'a> {
         let mut keys = self.layers.iter().flat_map(|(table, _)| table.keys());
         match keys.find(|key| !known.contains(&key.get_ref().as_ref())) {
             Some(key) => {
-                let message = format!("unknown key; known here: {}", known.join(", "));
+                let near = |known: &&&str| strsim::osa_distance(known, key.get_ref()) < 3;
+                let near = known.iter().find(near);
+                let near = near.map_or(String::new(), |near| format!("did you mean {near}? "));
+                let message = format!("unknown key; {near}known here: {}", known.join(", "));
                 Err(self.error(key.get_ref(), message))
             }
             None => Ok(()),

@@ -12,6 +12,7 @@ use toml::{
 };
 use undrift_io::{
     foreign::{self, Foreign},
+    nearby,
     table::Column,
 };
 use undrift_nav::{
@@ -76,7 +77,10 @@ fn text_of(path: &Path) -> Result<String, String> {
         Ok(_) => {}
     }
     match foreign::known(&bytes) {
-        Some(Foreign { what, .. }) if !what.contains(" file") => {
+        Some(Foreign { what, .. }) if what == "a model file" => {
+            return Err("is a model file; set model = to its name in a drive file".into());
+        }
+        Some(Foreign { what, .. }) if what != "a drive file" => {
             return Err(format!("is {what}; {EXPECTED}"));
         }
         _ if bytes.len() as u64 > MOST => {
@@ -88,7 +92,8 @@ fn text_of(path: &Path) -> Result<String, String> {
 }
 
 /// What is expected of a file that is none of configuration.
-const EXPECTED: &str = "expected a text in TOML, such as the drive file that `undrift inspect LOG -o drive.toml` writes";
+const EXPECTED: &str =
+    "expected TOML, such as the drive file that `undrift inspect LOG -o drive.toml` writes";
 
 /// What the parser of TOML refuses, with the remedy of common mistakes.
 fn not_toml(text: &str, error: &toml::de::Error) -> String {
@@ -97,13 +102,19 @@ fn not_toml(text: &str, error: &toml::de::Error) -> String {
         .lines()
         .nth(line_at(text, start) - 1)
         .unwrap_or_default();
-    let message = error.message();
-    if !line.contains(['=', '[']) {
-        return format!("is not TOML ({message}); {EXPECTED}");
-    }
-    match line.contains('\\') {
-        true => format!("{message}; write paths with / or between single quotes"),
-        false => format!("not TOML: {message}"),
+    let value = line.split_once('=').map_or("", |(_, value)| value.trim());
+    match error.message() {
+        _ if !line.contains(['=', '[']) => format!("not TOML; {EXPECTED}"),
+        _ if value.contains('\\') => {
+            "a backslash starts an escape sequence; write paths with / or between single quotes"
+                .into()
+        }
+        _ if value.starts_with(char::is_alphabetic) => {
+            let text = value.split(" #").next().unwrap_or(value).trim();
+            format!("text needs quotes: write \"{text}\"")
+        }
+        "duplicate key" => "this key or table occurs twice; merge them".into(),
+        message => format!("not TOML: {message}"),
     }
 }
 
@@ -204,8 +215,14 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// An error at a key of this table.
+    /// An error at a key of this table; of a key that is missing it shows one that is there and nearly so called.
     pub fn error(&self, key: &str, message: impl Into<String>) -> ConfigError {
+        let mut message = message.into();
+        if message.starts_with("missing")
+            && let Some(there) = self.nearly(key)
+        {
+            message = format!("missing, but there is \"{there}\": did you mean {key}?");
+        }
         let found = self
             .table
             .and_then(|t| t.iter().find(|(k, _)| k.get_ref().as_ref() == key));
@@ -215,8 +232,15 @@ impl<'a> Section<'a> {
                 .map(|(k, _)| line_at(self.text, k.span().start))
                 .or(self.line),
             key: self.dotted(key),
-            message: message.into(),
+            message,
         }
+    }
+
+    /// A key that is there, was not asked for and is nearly so called.
+    fn nearly(&self, key: &str) -> Option<&'a str> {
+        let asked = self.asked.borrow();
+        let mut keys = self.table?.keys().map(|there| there.get_ref().as_ref());
+        keys.find(|there| !asked.contains(there) && nearby::known(key, [*there]).is_some())
     }
 
     /// Refuses keys that are not in `known`.
@@ -243,9 +267,11 @@ impl<'a> Section<'a> {
                 let mut known: Vec<&str> = asked.clone();
                 known.sort_unstable();
                 known.dedup();
+                let near = nearby::known(key.get_ref(), known.iter().copied());
+                let near = near.map_or(String::new(), |near| near + " ");
                 Err(self.error(
                     key.get_ref(),
-                    format!("unknown key; known here: {}", known.join(", ")),
+                    format!("unknown key; {near}known here: {}", known.join(", ")),
                 ))
             }
         }
@@ -295,7 +321,10 @@ impl<'a> Section<'a> {
             None if self.exists() => Err(self.error(key, "missing: the file name")),
             None => Err(self.error(
                 key,
-                format!("missing: no [{}] table with a file name", self.path),
+                format!(
+                    "missing: add a [{}] table with file = \"NAME OF THE LOG\"",
+                    self.path
+                ),
             )),
         }
     }
@@ -500,7 +529,7 @@ impl<'a> Section<'a> {
             Some((DeValue::String(text), _)) => units::parse(text, quantity)
                 .map(Some)
                 .map_err(|e| self.error(key, format!("\"{text}\": {e}"))),
-            Some(_) => Err(self.error(key, needs_unit(quantity))),
+            Some((value, _)) => Err(self.error(key, needs_unit(value, quantity))),
         }
     }
 
@@ -528,14 +557,8 @@ impl<'a> Section<'a> {
         let text = match self.get(key) {
             None => return Ok(None),
             Some((DeValue::String(text), _)) => text,
-            Some(_) => {
-                return Err(self.error(
-                    key,
-                    format!(
-                        "write a string such as \"1, 2, 3 unit\": {}",
-                        needs_unit(quantity)
-                    ),
-                ));
+            Some((value, _)) => {
+                return Err(self.error(key, needs_unit(value, quantity)));
             }
         };
         let wrong = |e: &dyn std::fmt::Display| self.error(key, format!("\"{text}\": {e}"));
@@ -572,10 +595,20 @@ impl<'a> Section<'a> {
     }
 }
 
-fn needs_unit(quantity: Quantity) -> String {
+fn needs_unit(value: &DeValue, quantity: Quantity) -> String {
+    let number = match value {
+        DeValue::Float(number) => number.as_str(),
+        DeValue::Integer(number) => number.as_str(),
+        _ => "1",
+    };
+    let unit = quantity
+        .examples()
+        .split('"')
+        .nth(1)
+        .unwrap_or_default()
+        .to_owned();
     format!(
-        "the number needs a unit: write {} as a string such as {}",
-        quantity.name(),
-        quantity.examples()
+        "{} needs a unit: write \"{number} {unit}\"",
+        quantity.name()
     )
 }

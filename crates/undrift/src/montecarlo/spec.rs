@@ -74,6 +74,10 @@ impl Spec {
     pub fn from_toml(text: &str, file: &str, home: &Path) -> Result<Self, DriveError> {
         let table = parse(text, file)?;
         let top = Section::top(table.get_ref(), text, file);
+        if table.get_ref().contains_key("imu") {
+            let message = "belongs into a drive file; a specification describes a simulated drive (docs/montecarlo.md)";
+            return Err(top.error("imu", message).into());
+        }
         top.only(&[
             "model",
             "bias_model",

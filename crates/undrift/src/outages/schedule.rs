@@ -73,7 +73,9 @@ pub enum ScheduleError {
     #[error("more than {MOST_OUTAGES} outages; reduce the number")]
     TooMany,
     /// They do not fit apart from each other.
-    #[error("the outages overlap: {count} of {length} s do not fit")]
+    #[error(
+        "{count} outages of {length} s do not fit without overlap; reduce the number or the length"
+    )]
     Overlap {
         /// How many.
         count: usize,

@@ -96,6 +96,9 @@ fn part<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, ReadError> {
         let key = error.path().to_string();
         let error = error.into_inner();
         let full = error.to_string();
+        if !text.trim_start().starts_with('{') {
+            return not_a_result(path, "not JSON; give a file that --json wrote");
+        }
         // The line is part of the error itself.
         let why = full.split(" at line ").next().unwrap_or(&full);
         let failed = not_a_result(path, why).at(error.line() as u64);

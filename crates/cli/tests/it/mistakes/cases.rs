@@ -121,7 +121,7 @@ fn drive_file() -> Vec<Mistake> {
             log.set("gyro_unit = \"rad/s\"\n", "");
         }),
         drive("misspelt unit", |log| {
-            log.set("\"rad/s\"", "\"deg/sec\"");
+            log.set("\"rad/s\"", "\"degs\"");
         }),
         drive("a unit of another quantity", |log| {
             log.set("\"rad/s\"", "\"m/s\"");
@@ -430,9 +430,12 @@ fn verbs() -> Vec<Mistake> {
     vec![
         mistake(
             "--length longer than the drive",
-            "outages drive.toml --length 600",
+            "outages drive.toml --length 600 --count 2",
         ),
-        mistake("--start after the end", "outages drive.toml --start 500"),
+        mistake(
+            "--start after the end",
+            "outages drive.toml --start 500 --count 2",
+        ),
         mistake("--at before the first fix", "outages drive.toml --at -20"),
         mistake(
             "too many outages",

@@ -133,7 +133,7 @@ impl Survey {
             name: name((kind, instance)),
             kind: holds(kind),
             about: match kind {
-                Kind::Imu => "as the autopilot's filters leave it, forward-right-down",
+                Kind::Imu => "filtered by the autopilot, forward-right-down",
                 Kind::Gyro if complete => "GYR and ACC of the sensor, forward-right-down",
                 Kind::Gyro => "GYR and ACC of the sensor, with gaps, forward-right-down",
                 _ if self.counts.contains_key(&(Kind::Accuracy, instance)) => {

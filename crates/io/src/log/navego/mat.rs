@@ -116,7 +116,7 @@ impl Variables {
         let big_endian = match header.get(126..128) {
             Some(b"IM") => false,
             Some(b"MI") => true,
-            _ => return resave("is no MATLAB file of version 5 to 7"),
+            _ => return resave("is not a MATLAB file of version 5 to 7"),
         };
         let version = header.get(124..126).unwrap_or_default();
         if version != [u8::from(big_endian), u8::from(!big_endian)] {

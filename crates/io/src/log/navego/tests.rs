@@ -224,7 +224,7 @@ fn what_is_no_such_file_is_refused_and_gzip_is_read() {
     .concat();
     let text = message(&hdf5);
     assert!(text.contains("version 7.3; save it with -v7"), "{text}");
-    assert!(message(&[b' '; 200]).contains("no MATLAB file"));
+    assert!(message(&[b' '; 200]).contains("not a MATLAB file"));
     let bytes = std::fs::read(golden("compressed.mat")).unwrap();
     assert!(detect(&bytes) && detect(&hdf5) && !detect(b"MATLAB"));
     assert!(message(&bytes[..128]).contains("no structure with t, fb, wb"));

@@ -216,7 +216,7 @@ fn streams_and_names() {
             .to_string()
     };
     assert!(refused(Wanted::Imu(None)).contains("no inertial samples"));
-    assert!(refused(Wanted::Poses(Some("/fix".into()))).contains("read are: NMEA"));
+    assert!(refused(Wanted::Poses(Some("/fix".into()))).contains("available: NMEA"));
     let velocity = Wanted::Fixes {
         position: None,
         velocity: Some("NMEA".into()),

@@ -63,7 +63,7 @@ fn a_worse_stream_can_be_asked_for() {
     });
     assert_eq!(with_position.count(), 52);
     let unknown = Wanted::Poses(Some("INSATT".to_owned()));
-    assert!(refused(entries, b"", &unknown).contains("read are: BESTGNSSPOS"));
+    assert!(refused(entries, b"", &unknown).contains("available: BESTGNSSPOS"));
 }
 
 #[test]

@@ -168,7 +168,7 @@ fn alike(gyro: f64, accel: f64) -> Result<(), ReadError> {
         return Ok(());
     }
     let problem = format!(
-        "gyroscopes at {:.1} Hz and accelerometers at {:.1} Hz: values of one cannot be told between those of the other",
+        "gyroscopes at {:.1} Hz and accelerometers at {:.1} Hz: samples of one cannot be interpolated to the other",
         1.0 / gyro,
         1.0 / accel
     );

@@ -25,7 +25,7 @@ pub(crate) fn parts(folder: &Path) -> Result<Vec<Part>, ReadError> {
     }
     if files.is_empty() {
         let problem = "is a folder without a ROS 2 bag";
-        let mend = "neither a metadata.yaml that lists files nor *.db3 or *.mcap are in it; name a file, or the bag's own folder";
+        let mend = "neither a metadata.yaml that lists files nor *.db3 or *.mcap are in it; give a file, or the bag's own folder";
         return Err(ReadError::new(folder, problem).mend(mend));
     }
     Ok(files.into_iter().map(Part::File).collect())

@@ -146,7 +146,7 @@ fn baselines_need_their_base() {
 #[test]
 fn a_file_without_header_is_refused() {
     for text in [
-        "",
+        "\n",
         "2374 1 40 -105 100 1 9\n",
         "% program\n2374 1 40 -105 100\n",
     ] {

@@ -45,7 +45,7 @@ impl Messages {
             return Err(ReadError::nameless("is empty"));
         }
         if read < HEADER || !header.starts_with(&MAGIC) {
-            return Err(ReadError::nameless("is no ULog file"));
+            return Err(ReadError::nameless("is not a ULog file"));
         }
         Ok(Self {
             source,

@@ -35,7 +35,7 @@ pub(super) fn appended(flags: &[u8]) -> Result<Vec<u64>, ReadError> {
         return Ok(Vec::new());
     };
     if first & !1 != 0 || rest.iter().any(|byte| *byte != 0) {
-        return Err(ReadError::nameless("uses a ULog of an unknown kind")
+        return Err(ReadError::nameless("uses an unknown kind of ULog")
             .mend("its flags ask for a later reader"));
     }
     let offsets = flags.get(16..40).unwrap_or_default().chunks_exact(8);
