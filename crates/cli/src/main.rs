@@ -22,6 +22,7 @@ mod tables;
 mod terminal;
 mod tune;
 
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -79,7 +80,8 @@ enum Verb {
 
 fn main() -> ExitCode {
     terminal::colour_from(std::env::args_os());
-    let Arguments { verb, terminal } = Arguments::parse();
+    let parsed = Arguments::try_parse().map_err(with_verbs);
+    let Arguments { verb, terminal } = parsed.unwrap_or_else(|error| error.exit());
     terminal.apply();
     signals::watch();
     let result = match verb {
@@ -109,6 +111,24 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// Of an option that is unknown here, the verbs that have it.
+fn with_verbs(mut error: clap::Error) -> clap::Error {
+    let Some(ContextValue::String(option)) = error.get(ContextKind::InvalidArg) else {
+        return error;
+    };
+    let long = option.trim_start_matches('-').to_owned();
+    let command = Arguments::command();
+    let has = |verb: &&clap::Command| verb.get_arguments().any(|it| it.get_long() == Some(&long));
+    let verbs = command.get_subcommands().filter(has);
+    let verbs = Vec::from_iter(verbs.map(clap::Command::get_name)).join(", ");
+    if error.kind() == ErrorKind::UnknownArgument && !verbs.is_empty() {
+        let tip = format!("'--{long}' is an option of {verbs}");
+        let tips = ContextValue::StyledStrs(vec![tip.into()]);
+        error.insert(ContextKind::Suggested, tips);
+    }
+    error
 }
 
 #[cfg(test)]

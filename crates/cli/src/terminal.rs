@@ -169,7 +169,12 @@ pub fn error(error: &anyhow::Error) {
 /// Shows a detail if --verbose was set at least `level` times.
 pub fn detail(level: i16, text: impl FnOnce() -> String) {
     if LEVEL.load(Relaxed) >= level {
-        complain(&styled(&text()), 2);
+        // Details are lines of their own; all settings are several.
+        let text = text();
+        match level {
+            1 => complain(&visible(&text), 2),
+            _ => complain(&styled(&text), 2),
+        }
     }
 }
 

@@ -42,6 +42,11 @@ pub fn known<'a>(unknown: &str, known: impl IntoIterator<Item = &'a str>) -> Opt
     (!names.is_empty()).then(|| format!("did you mean {names}?"))
 }
 
+/// Whether a name is another with one or two letters wrong.
+pub fn misspelt(name: &str, known: &str) -> bool {
+    known.len() > 3 && edits(name, known).is_some_and(|edits| edits <= 2)
+}
+
 /// How far a name is from the wanted one, small first; `None` for too far.
 fn distance(wanted: &str, name: &str) -> Option<usize> {
     let (wanted, name) = (wanted.to_lowercase(), name.to_lowercase());
@@ -77,6 +82,8 @@ mod tests {
         ] {
             assert_eq!(known(unknown, columns).as_deref(), mend);
         }
+        assert!(misspelt("gyro_units", "gyro_unit") && misspelt("tiem", "time"));
+        assert!(!misspelt("position_unit", "position_std") && !misspelt("x", "y"));
     }
 
     #[test]

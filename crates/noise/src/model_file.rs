@@ -273,7 +273,7 @@ impl ImuModel {
         Self::load(&base.join(name_or_path)).map_err(|error| match error {
             ModelError::Read { file, error, .. } => {
                 let hint = format!(
-                    "; a model is a file or a preset: {}",
+                    "; a model is a file or a preset; {}",
                     presets::suggestion(name_or_path)
                 );
                 ModelError::Read { file, error, hint }

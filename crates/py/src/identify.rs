@@ -125,7 +125,7 @@ fn warnings(path: &Path, record: &Record) -> Vec<String> {
     }
     said.extend(record.guessed.iter().map(|(option, value)| {
         format!(
-            "{}: guessed by the numbers: {option} {value}",
+            "{}: guessed from the values: {option} {value}",
             path.display()
         )
     }));

@@ -178,6 +178,20 @@ fn one_broken_log_stops_none_and_a_second_run_does_nothing() {
     );
     assert_eq!(files(&out), before);
     assert_eq!(run(&logs, &out, &["--strict"]).0, Some(3));
+    // A damaged outcome is worked out again, to the same bytes.
+    let kept = files(&out.join("jobs"));
+    let mut names = kept.keys();
+    for damage in [&b""[..], b"{\"log\": \"SN0", b"\0\0\0\0"] {
+        std::fs::write(out.join("jobs").join(names.next().unwrap()), damage).unwrap();
+    }
+    let (code, _, stderr) = run(&logs, &out, &["--gather"]);
+    assert_eq!(code, Some(1));
+    assert!(
+        stderr.contains("3 of 12 logs are not processed yet"),
+        "{stderr}"
+    );
+    assert_eq!(done(&logs, &out, &[]), "3 logs processed, 9 up to date");
+    assert_eq!(files(&out), before);
 
     // One changed, one mended, and nothing else.
     let imu = logs.join("SN0/01/imu.csv");

@@ -434,9 +434,9 @@ fn resolve_takes_a_preset_or_a_file() {
     let error = ImuModel::resolve("none.toml", &folder).unwrap_err();
     assert!(matches!(error, ModelError::Read { .. }));
     assert!(
-        error.to_string().ends_with(
-            " (a model is a file or a preset; `undrift model --list` shows the presets)"
-        ),
+        error
+            .to_string()
+            .ends_with("; a model is a file or a preset; `undrift model --list` shows the presets"),
         "{error}"
     );
     let error = ImuModel::resolve("MPU-6500", &folder).unwrap_err();

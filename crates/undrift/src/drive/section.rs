@@ -77,7 +77,10 @@ fn text_of(path: &Path) -> Result<String, String> {
         Ok(_) => {}
     }
     match foreign::known(&bytes) {
-        Some(Foreign { what, .. }) if what == "a model file" => {
+        Some(Foreign {
+            what: "a model file",
+            ..
+        }) => {
             return Err("is a model file; set model = to its name in a drive file".into());
         }
         Some(Foreign { what, .. }) if what != "a drive file" => {
@@ -240,7 +243,7 @@ impl<'a> Section<'a> {
     fn nearly(&self, key: &str) -> Option<&'a str> {
         let asked = self.asked.borrow();
         let mut keys = self.table?.keys().map(|there| there.get_ref().as_ref());
-        keys.find(|there| !asked.contains(there) && nearby::known(key, [*there]).is_some())
+        keys.find(|there| !asked.contains(there) && nearby::misspelt(there, key))
     }
 
     /// Refuses keys that are not in `known`.
@@ -601,14 +604,7 @@ fn needs_unit(value: &DeValue, quantity: Quantity) -> String {
         DeValue::Integer(number) => number.as_str(),
         _ => "1",
     };
-    let unit = quantity
-        .examples()
-        .split('"')
-        .nth(1)
-        .unwrap_or_default()
-        .to_owned();
-    format!(
-        "{} needs a unit: write \"{number} {unit}\"",
-        quantity.name()
-    )
+    let examples = quantity.examples();
+    let unit = examples.split('"').nth(1).unwrap_or_default();
+    format!("the number needs a unit: write \"{number} {unit}\"")
 }

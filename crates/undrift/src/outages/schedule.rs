@@ -74,7 +74,7 @@ pub enum ScheduleError {
     TooMany,
     /// They do not fit apart from each other.
     #[error(
-        "{count} outages of {length} s do not fit without overlap; reduce the number or the length"
+        "the outages overlap: {count} of {length} s do not fit; reduce the number or the length"
     )]
     Overlap {
         /// How many.

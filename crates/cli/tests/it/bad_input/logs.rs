@@ -303,7 +303,7 @@ fn empty_files_and_headers_without_rows_are_refused() {
     ] {
         let case = Log::good().write(name);
         case.put(file, b"");
-        says(&case.refusal(), &[file, "no row of data"]);
+        says(&case.refusal(), &[file, "is empty (0 bytes)"]);
         let header = if file == "imu.csv" {
             "t,gx,gy,gz,fx,fy,fz\n"
         } else {

@@ -75,7 +75,9 @@ fn mistakes_in_the_specification() {
         (
             "model =",
             "modell =",
-            &["spec.toml line 1, modell: unknown key; known here: bias_model, drive"],
+            &[
+                "spec.toml line 1, modell: unknown key; did you mean model? known here: bias_model, drive",
+            ],
         ),
         (
             "model = \"adis16465\"\n",

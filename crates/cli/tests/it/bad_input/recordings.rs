@@ -182,7 +182,7 @@ fn a_drive_file_or_a_guess_says_what_the_columns_are() {
     assert!(output.status.success(), "{guessed}");
     assert!(
         guessed
-            .contains("guessed by the numbers: --columns \"5,6,7,2,3,4\" --units \"rad/s,m/s^2\""),
+            .contains("guessed from the values: --columns \"5,6,7,2,3,4\" --units \"rad/s,m/s^2\""),
         "{guessed}"
     );
     let white = |name: &str| {

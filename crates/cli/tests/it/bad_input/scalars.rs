@@ -248,7 +248,7 @@ fn mistakes_in_their_tables() {
         ),
         (
             vehicle("odometer_wheel = 1"),
-            &["vehicle.odometer_wheel: write a string such as"],
+            &["vehicle.odometer_wheel: the number needs a unit: write \"1 m\""],
         ),
         (
             vehicle("non_holonomic = true"),
