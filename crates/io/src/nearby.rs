@@ -29,16 +29,14 @@ pub fn names(path: &Path) -> Option<String> {
     (!names.is_empty()).then(|| format!("did you mean {}?", names.join(" or ")))
 }
 
-/// "did you mean gyro_unit?", of the known names that are near one that is unknown; `None` without such.
+/// "did you mean gyro_unit?", of the known names that are one that is unknown in another case or misspelt; `None`
+/// without such.
 pub fn known<'a>(unknown: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
-    let near = known
-        .into_iter()
-        .filter_map(|name| Some((distance(unknown, name)?, name)));
-    let mut near = Vec::from_iter(near);
-    near.sort_unstable();
+    let near = |name: &&str| name.eq_ignore_ascii_case(unknown) || misspelt(unknown, name);
+    let mut near = Vec::from_iter(known.into_iter().filter(near));
+    near.sort_unstable_by_key(|name| (edits(unknown, name), *name));
     near.dedup();
-    let names = near.into_iter().take(SHOWN).map(|(_, name)| name);
-    let names = Vec::from_iter(names).join(" or ");
+    let names = Vec::from_iter(near.into_iter().take(SHOWN)).join(" or ");
     (!names.is_empty()).then(|| format!("did you mean {names}?"))
 }
 
@@ -79,6 +77,7 @@ mod tests {
             ("gnns", Some("did you mean gnss?")),
             ("GX", Some("did you mean gx?")),
             ("accelerometer", None),
+            ("gy", None),
         ] {
             assert_eq!(known(unknown, columns).as_deref(), mend);
         }

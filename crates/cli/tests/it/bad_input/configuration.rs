@@ -79,7 +79,7 @@ fn mistakes_in_the_drive_file() {
             "gyro_unit",
             "axis = \"x,y,z\"\ngyro_unit",
             &[
-                "drive.toml line 6, imu.axis: unknown key; known here: ",
+                "drive.toml line 6, imu.axis: unknown key; did you mean axes? known here: ",
                 "accel_unit",
                 "axes",
                 "mounting",

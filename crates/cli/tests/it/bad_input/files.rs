@@ -560,7 +560,11 @@ fn keys_that_contradict_each_other() {
             "baseline = [\"vn\", \"ve\", \"vd\"]\n",
             "line 16, gnss.baseline: set position or baseline, not both",
         ),
-        ("two_times", "time = \"t\"\n", "line 16: this key or table occurs twice"),
+        (
+            "two_times",
+            "time = \"t\"\n",
+            "line 16: this key or table occurs twice",
+        ),
         ("word", "use = 3\n", "line 16, gnss.use: must be a"),
     ] {
         let mut log: Log = good();

@@ -263,7 +263,11 @@ fn a_file_that_is_no_result_is_refused() {
     unknown["kind"] = "dance".into();
     let pretty = |value: &Value| format!("{value:#}");
     for (name, damaged, told) in [
-        ("empty.json", String::new(), "EOF while parsing"),
+        (
+            "empty.json",
+            String::new(),
+            "not JSON; give a file that --json wrote",
+        ),
         (
             "half.json",
             good[..good.len() / 2].to_owned(),
