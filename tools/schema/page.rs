@@ -26,6 +26,7 @@ pub(crate) enum Takes {
     Vector(Quantity),
     Unit(Quantity),
     Table,
+    Tables,
     Model,
 }
 
@@ -191,6 +192,9 @@ impl Tables<'_> {
                 "type": ["string", "array"], "items": {"type": "string"}, "minItems": 1,
             }),
             Takes::Table => self.table(&(self.inside)(name, key)),
+            Takes::Tables => {
+                json!({"type": "array", "items": self.table(&(self.inside)(name, key))})
+            }
             Takes::Model => json!({"anyOf": [
                 {"type": "string"}, {"$ref": "imu.schema.json#/$defs/model"},
             ]}),

@@ -44,6 +44,7 @@ pub(crate) use fit::climb_to;
 pub use fit::{FitOptions, fit, fit_from, log_likelihood};
 pub use likelihood::{Likelihood, Mean};
 pub use model::{ArmaFit, Warning};
+pub(crate) use polynomial::inverse_roots;
 pub use profile::{ProfileInterval, Root, profile_interval};
 pub(crate) use search::Ladder;
 pub use selection::{Selection, select};

@@ -22,6 +22,7 @@
 
 mod equivalent;
 mod formats;
+mod poles;
 
 use crate::model_file::{ImuModel, ModelError};
 use equivalent::Equivalent;

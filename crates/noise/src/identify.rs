@@ -43,8 +43,6 @@ const ADF_LAGS: usize = 20;
 /// Quantisation steps above this share of the standard deviation are tried as a term: rounding of
 /// the integrated signal would then be more than 1 % of the variance of a sample, step²/6.
 const COARSE: f64 = 0.25;
-/// A spectral line stands out of its neighbourhood's median by this factor.
-const LINE_FACTOR: f64 = 10.0;
 
 /// What is identified, and how much is tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -158,8 +156,12 @@ pub fn identify(
         return Err(RecordError::TooShort { needed, got }.into());
     }
     let horizons = horizons(record.len(), rate)?;
-    let screened = screened::screened(record, options)?;
+    let mut screened = screened::screened(record, options)?;
     let mut warnings = remarks::of_record(&screened, record.len(), rate);
+    // The spectrum shows the lines; everything else is of the record without them.
+    let segment = spectrum::default_segment(record.len());
+    let psd = spectrum::welch(&screened.bridged, rate, segment)?;
+    let lines = screened.take_out_lines(rate);
     let bridged = &screened.bridged;
 
     let (adf, adf_chosen) = dickey_fuller(bridged)?;
@@ -168,7 +170,6 @@ pub fn identify(
     let mut normality = normality::normality(bridged)?;
     // Bridged, or less a trend, the samples no longer lie on their grid.
     normality.quantisation = normality::quantisation(record);
-    let psd = spectrum::welch(bridged, rate, spectrum::default_segment(record.len()))?;
     let curve = allan::deviations(bridged, rate, DeviationKind::Overlapping, Grid::Octave)?;
     let allan_terms = allan::fit_terms(&curve)?;
 
@@ -211,7 +212,7 @@ pub fn identify(
         acf: correlation::autocorrelation(bridged, LAGS)?,
         pacf: correlation::partial_autocorrelation(bridged, LAGS, Partial::YuleWalker)?,
         whiteness: whiteness::portmanteau(bridged, &[20], 0)?[0],
-        lines: spectrum::lines(&psd, LINE_FACTOR),
+        lines,
         psd,
         allan_intervals: allan::intervals(bridged, &curve, 0.683)?,
         allan_gauss_markov: allan::fit_gauss_markov(&curve).ok(),

@@ -17,6 +17,9 @@
 //! ar = [1.0]
 //! ma = [0.9994]
 //! sigma = "0.4714 deg/s"
+//! [[gyro.line]]                     # a spectral line, kept and used by no filter
+//! frequency = "7.3 Hz"
+//! amplitude = "0.02 deg/s"
 //! [accel]                           # the same keys
 //! white_noise = "0.2 m/s/sqrt(h)"
 //! ```
@@ -101,10 +104,23 @@ pub struct AxisModel {
     pub random_walk: Option<f64>,
     /// ARMA of the whole error less its constant, beside the terms above, not added to them.
     pub arma: Option<Arma>,
+    /// Spectral lines and narrow resonances beside all of the above; no filter has states for them.
+    pub lines: Vec<Line>,
     /// σ of the `paper` model [unit]; without it the white noise per sample is taken.
     pub paper_sigma: Option<f64>,
     /// What identification found out about the axis (chosen, runner-up, scores …), kept as it is.
     pub identification: toml::Table,
+}
+
+/// A spectral line, or with a width a narrow resonance.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Line {
+    /// Frequency, of a resonance its centre \[Hz\].
+    pub frequency_hz: f64,
+    /// Amplitude, of a resonance that of a sine with its power [unit].
+    pub amplitude: f64,
+    /// Full width of a resonance at half its power \[Hz\]; 0 of a line.
+    pub width_hz: f64,
 }
 
 /// `x_t − ar_1 x_{t−1} − … = a_t − ma_1 a_{t−1} − …`, `a_t ~ N(0, sigma²)`.

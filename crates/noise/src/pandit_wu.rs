@@ -43,11 +43,19 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 /// F_0.05(2, ∞), with which the source paper compares at every step: −ln 0.05.
 pub const PAPER_CRITICAL: f64 = 2.995_732_273_553_991;
 
+/// Largest n.
+const MOST: usize = 12;
+/// Effort of the fits that only the table shows.
+const TABLE_EFFORT: f64 = 0.05;
+
 /// How far and how to fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PanditWuOptions {
-    /// Largest n of ARMA(2n, 2n−1), 1 to 12.
+    /// Largest n of ARMA(2n, 2n−1) that may be chosen, 1 to 12.
     pub n_max: usize,
+    /// Rows of the table go on to this n, at most 12, to show what larger orders bring. They change no choice and are
+    /// searched with little effort.
+    pub table: usize,
     /// Level of the tests; 0.05 in the paper.
     pub level: f64,
     /// How each order is fitted.
@@ -55,10 +63,11 @@ pub struct PanditWuOptions {
 }
 
 impl Default for PanditWuOptions {
-    /// n up to 3, 5 %, mean estimated.
+    /// n up to 3, 5 %, mean estimated; no further rows.
     fn default() -> Self {
         Self {
             n_max: 3,
+            table: 0,
             level: 0.05,
             fit: FitOptions::default(),
         }
@@ -95,7 +104,7 @@ pub struct OrderTest {
 /// One order of the table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OrderRow {
-    /// n of ARMA(2n, 2n−1); 0 for the row of AR(1) before them, which is for comparison only.
+    /// n of ARMA(2n, 2n−1); 0 for ARMA(1,1), with which the source paper's table begins.
     pub n: usize,
     /// The fit: sum of squares, AIC, BIC, coefficients.
     pub fit: ArmaFit,
@@ -108,13 +117,21 @@ impl OrderRow {
     pub fn order(&self) -> (usize, usize) {
         self.fit.order()
     }
+
+    /// ln(A/N) + 2r/N, r = p + q + 1 with an estimated mean: Akaike's criterion for one sample without its constant 1 + ln 2π, as the source
+    /// paper's Table 3 has it.
+    pub fn aic_per_sample(&self) -> f64 {
+        let n = self.fit.n as f64;
+        let fitted = self.fit.parameters as f64 - 1.0;
+        (self.fit.residual_sum_of_squares / n).ln() + 2.0 * fitted / n
+    }
 }
 
 /// The whole procedure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PanditWu {
-    /// AR(1), then ARMA(2n, 2n−1), each tested against the row before. Ends with the first order
-    /// that brings nothing significant, or with n_max.
+    /// ARMA(1,1), then ARMA(2n, 2n−1), each tested against the row before. Ends with the first order
+    /// that brings nothing significant, or with n_max, unless `table` asks for more.
     pub rows: Vec<OrderRow>,
     /// n of the last significant order: where the paper's loop stops.
     pub n: usize,
@@ -128,8 +145,7 @@ pub struct PanditWu {
     pub fits: Vec<ArmaFit>,
     /// Order chosen by the F tests, after stepping down.
     pub by_f: (usize, usize),
-    /// Order of least BIC on the whole way down, (2n, 2n−1), (2n−1, 2n−2), …, (2,1), (1,1); of AR(1)
-    /// no account is taken, as in the step down by F.
+    /// Order of least BIC on the whole way down, (2n, 2n−1), (2n−1, 2n−2), …, (2,1), (1,1).
     pub by_bic_step_down: (usize, usize),
     /// Order of least AIC among `fits`.
     pub by_aic: (usize, usize),
@@ -233,7 +249,7 @@ impl Fits<'_> {
 /// As [`crate::arma::fit`] where not even ARMA(2,1) can be fitted; [`ArmaError::BadOption`] for a
 /// level outside (0, 1) or n_max outside 1…12.
 pub fn pandit_wu(samples: &[f64], options: &PanditWuOptions) -> Result<PanditWu, ArmaError> {
-    if !(1..=12).contains(&options.n_max) {
+    if !(1..=MOST).contains(&options.n_max) {
         return Err(ArmaError::BadOption("n_max"));
     }
     if !(options.level > 0.0 && options.level < 1.0) {
@@ -246,9 +262,11 @@ pub fn pandit_wu(samples: &[f64], options: &PanditWuOptions) -> Result<PanditWu,
         ladder: Ladder::default(),
         made: Vec::new(),
     };
+    // Smaller than all of the table, and a start for each.
+    fits.at(1, 0)?;
     let mut rows = vec![OrderRow {
         n: 0,
-        fit: fits.at(1, 0)?,
+        fit: fits.at(1, 1)?,
         test: None,
     }];
     let mut n = 1;
@@ -296,11 +314,24 @@ pub fn pandit_wu(samples: &[f64], options: &PanditWuOptions) -> Result<PanditWu,
             neighbours.extend(f_test(&smaller, &larger, level));
         }
     }
-    let made = fits.made;
+    let made = fits.made.clone();
     let least = |score: fn(&ArmaFit) -> f64| {
         let best = made.iter().min_by(|a, b| score(a).total_cmp(&score(b)));
         best.map_or((1, 0), ArmaFit::order)
     };
+    let cheap = FitOptions {
+        effort: options.fit.effort.min(TABLE_EFFORT),
+        ..options.fit
+    };
+    fits.options = &cheap;
+    let first = rows.last().map_or(1, |row| row.n + 1);
+    for n in first..=options.table.min(MOST) {
+        let Ok(fit) = fits.at(2 * n, 2 * n - 1) else {
+            break;
+        };
+        let test = rows.last().and_then(|row| f_test(&row.fit, &fit, level));
+        rows.push(OrderRow { n, fit, test });
+    }
     Ok(PanditWu {
         rows,
         n,

@@ -14,6 +14,7 @@
 //! # Ok::<(), undrift_noise::screening::RecordError>(())
 //! ```
 
+pub(crate) mod bridge;
 pub mod motion;
 pub mod outlier;
 pub mod record;

@@ -140,6 +140,7 @@ fn terms<'py>(py: Python<'py>, axis: &AxisModel) -> PyResult<Bound<'py, PyDict>>
         random_walk,
         arma,
         paper_sigma,
+        lines: _,
         identification: _,
     } = axis;
     let sigmas: Vec<f64> = instability.iter().map(|of| of.sigma).collect();

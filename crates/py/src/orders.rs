@@ -107,6 +107,7 @@ pub fn arma_pandit_wu(
         n_max,
         level,
         fit: options(mean, unit_root, effort),
+        ..PanditWuOptions::default()
     };
     let table = py
         .detach(|| pandit_wu::pandit_wu(x, &options))

@@ -192,7 +192,7 @@ pub fn spectral_lines(
     if density.frequency_hz.len() != density.density.len() {
         return Err(error("one density is needed for each frequency"));
     }
-    let lines = spectrum::lines(&density, factor);
+    let lines = spectrum::peaks(&density, factor);
     Ok(Lines {
         frequency: lines.iter().map(|l| l.frequency_hz).collect(),
         amplitude: lines.iter().map(|l| l.amplitude).collect(),

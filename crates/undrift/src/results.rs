@@ -26,7 +26,7 @@ pub use fleet::{
 };
 pub use identify::{
     Adf, Allan, ArmaOrigin, Axis, AxisSeries, BoxJenkins, Candidate, GridFit, Histogram, Identify,
-    Order, OrderRow, Origin, PanditWuOrders, ParameterInterval, Psd, Residuals,
+    Order, OrderRow, OrderTest, Origin, PanditWuOrders, ParameterInterval, Psd, Residuals,
 };
 pub use montecarlo::{Group, MonteCarlo, MonteCarloDrive, MonteCarloModel, NisKind, Verdict};
 pub(crate) use navigate::known;

@@ -83,7 +83,7 @@ pub(super) fn less_unit_root(c: &[f64]) -> Vec<f64> {
 
 /// Inverse roots ρ of the polynomial, `∏(1 − ρ_i B)`: all inside the unit circle when it is stable.
 /// Aberth's simultaneous iteration; zeros for trailing zero coefficients.
-pub(super) fn inverse_roots(c: &[f64]) -> Vec<Complex64> {
+pub(crate) fn inverse_roots(c: &[f64]) -> Vec<Complex64> {
     let degree = c.iter().rposition(|v| *v != 0.0).map_or(0, |k| k + 1);
     let start = |k: usize| Complex64::from_polar(0.8, 2.4 * k as f64 + 0.4);
     let mut roots: Vec<Complex64> = (0..degree).map(start).collect();

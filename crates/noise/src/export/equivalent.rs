@@ -1,13 +1,14 @@
 //! What a model is in the terms that every program knows: white noise, a slow process, a constant.
 
 use super::ModelFormat;
+use super::poles::{self, SLOW};
 use crate::bias_model::{Slow, UNIT_ROOT_TAU};
 use crate::composite::GaussMarkov;
 use crate::model_file::{Arma, AxisModel, ImuModel, ModelError};
-use undrift_nav::shaping::{ShapingError, ShapingFilter};
+use crate::number::rounded;
 
-/// Sum of φ this close to one is a unit root, as for [`ShapingFilter::arma`].
-const UNIT_ROOT: f64 = 1e-13;
+/// A density below this share of the innovations' is rounding: a bias alone has none.
+const ROUNDING: f64 = 1e-9;
 
 /// A model in terms of white noise and slow processes.
 pub(super) struct Equivalent {
@@ -39,11 +40,7 @@ impl Equivalent {
         let mut remarks = Vec::new();
         let mut axes: [Axis; 6] = Default::default();
         for ((name, axis), slot) in model.known_axes()?.into_iter().zip(&mut axes) {
-            *slot = equivalent(name, axis, &mut remarks).map_err(|error| ModelError::Shaping {
-                axis: Some(name),
-                model: "arma",
-                error,
-            })?;
+            *slot = equivalent(name, axis, &mut remarks);
         }
         let [gx, gy, gz, ax, ay, az] = axes;
         let (mut gyro, mut accel) = ([gx, gy, gz], [ax, ay, az]);
@@ -95,36 +92,32 @@ fn unseen_walk(white: f64, length: f64) -> f64 {
     3f64.sqrt() * white / (0.1 * length)
 }
 
-fn equivalent(
-    name: &str,
-    axis: &AxisModel,
-    remarks: &mut Vec<String>,
-) -> Result<Axis, ShapingError> {
-    let white = axis.white_density();
-    let slow = if !axis.instability.is_empty() || axis.random_walk.is_some() {
-        Slow {
-            processes: axis.instability.clone(),
-            walk: axis.random_walk,
-        }
-    } else {
-        match axis.arma.as_ref().filter(|arma| !arma.is_white()) {
-            None => Slow::default(),
-            Some(arma) => match arma.split() {
-                Some((_, slow)) => {
-                    remarks.push(format!(
-                        "{name}: the terms whose sum is exactly its ARMA(1,1)."
-                    ));
-                    slow
-                }
-                None => {
-                    remarks.push(format!(
-                        "{name}: approximates an ARMA that is not a sum of such terms: same variance and same spectrum at long times, with its innovations as white noise."
-                    ));
-                    slow_of(arma)?
-                }
-            },
-        }
-    };
+fn equivalent(name: &str, axis: &AxisModel, remarks: &mut Vec<String>) -> Axis {
+    let has_terms = !axis.instability.is_empty() || axis.random_walk.is_some();
+    let arma = axis.arma.as_ref().filter(|_| !has_terms);
+    let (of_arma, slow) = arma.map(|arma| of_arma(name, arma, remarks)).unzip();
+    let white = axis
+        .white
+        .or(of_arma)
+        .unwrap_or_else(|| axis.white_density());
+    let mut slow = slow.unwrap_or_else(|| Slow {
+        processes: axis.instability.clone(),
+        walk: axis.random_walk,
+    });
+    // White noise over all times that matter: 2σ²τ is its density at frequency 0.
+    let (slow_ones, fast): (Vec<_>, Vec<_>) =
+        slow.processes.into_iter().partition(|of| of.tau_s >= SLOW);
+    slow.processes = slow_ones;
+    let density = |of: &GaussMarkov| 2.0 * of.sigma * of.sigma * of.tau_s;
+    let white = fast
+        .iter()
+        .map(density)
+        .fold(white * white, |sum, of| sum + of)
+        .sqrt();
+    if !fast.is_empty() {
+        let times = list(fast.iter().map(|of| of.tau_s), "s");
+        remarks.push(format!("{name}: a bias of less than {SLOW} s of correlation time ({times}) counts as white noise."));
+    }
     if slow.processes.len() + usize::from(slow.walk.is_some()) > 1 {
         remarks.push(format!(
             "{name}: of several slow terms, the slowest Gauss-Markov process and the random walk are used."
@@ -133,44 +126,63 @@ fn equivalent(
     if axis.quantisation.is_some() {
         remarks.push(format!("{name}: its quantisation is omitted."));
     }
-    Ok(Axis {
+    if !axis.lines.is_empty() {
+        let lines = list(axis.lines.iter().map(|line| line.frequency_hz), "Hz");
+        remarks.push(format!(
+            "{name}: its lines and narrow resonances are omitted: {lines}."
+        ));
+    }
+    Axis {
         white,
         turn_on: axis.turn_on,
         slow,
-    })
+    }
 }
 
-/// The slow process with the variance of the predictable part of an ARMA and its spectral density
-/// at frequency zero beyond that of the innovations, σ²T ((θ(1)/φ(1))² − 1) = 2 σ_b² τ; with a unit
-/// root φ(z) = (1 − z) c(z), the random walk of the same spectrum at low frequencies,
-/// K² T = σ² (θ(1)/c(1))². Anti-persistent noise has none.
-fn slow_of(arma: &Arma) -> Result<Slow, ShapingError> {
-    let interval = 1.0 / arma.rate_hz;
-    let theta: f64 = 1.0 - arma.ma.iter().sum::<f64>();
-    let phi: f64 = 1.0 - arma.ar.iter().sum::<f64>();
-    if phi.abs() < UNIT_ROOT {
-        // −φ'(1), the sum of i φ_i.
-        let c: f64 = (1..).zip(&arma.ar).map(|(i, ar)| f64::from(i) * ar).sum();
-        return Ok(Slow {
-            walk: Some((arma.sigma * theta / c).abs() * arma.rate_hz.sqrt()),
-            ..Slow::default()
-        });
+/// White density [unit·√s] and bias of an ARMA, and what of it is in neither.
+fn of_arma(name: &str, arma: &Arma, remarks: &mut Vec<String>) -> (f64, Slow) {
+    let innovations = arma.sigma / arma.rate_hz.sqrt();
+    if arma.is_white() {
+        return (innovations, Slow::default());
     }
-    let filter = ShapingFilter::arma(&arma.ar, &arma.ma, arma.sigma, interval)?;
-    // H = [1 0 …]: the predictable part's variance.
-    let variance = filter.p0[0][0];
-    let excess = arma.sigma * arma.sigma * interval * ((theta / phi).powi(2) - 1.0);
-    let persistent = variance > 0.0 && excess > 0.0;
-    Ok(Slow {
-        processes: persistent
-            .then(|| GaussMarkov {
-                sigma: variance.sqrt(),
-                tau_s: 0.5 * excess / variance,
-            })
-            .into_iter()
-            .collect(),
-        walk: None,
-    })
+    if let Some(split) = arma.split() {
+        remarks.push(format!(
+            "{name}: the terms whose sum is exactly its ARMA(1,1)."
+        ));
+        return split;
+    }
+    let parts = poles::parts(arma);
+    let mut remark = |what: String| remarks.push(format!("{name}: {what}"));
+    remark("the bias is the slow real poles of its ARMA; white noise is the density at low frequencies of all others.".into());
+    if !parts.pairs.is_empty() {
+        let pairs = list(parts.pairs.iter().copied(), "Hz");
+        remark(format!(
+            "complex poles of its ARMA are no bias and are omitted beyond that: {pairs}."
+        ));
+    }
+    if !parts.fast.is_empty() {
+        remark(format!(
+            "poles of its ARMA with less than {SLOW} s of correlation time are no bias and are omitted beyond that: {}.",
+            list(parts.fast.iter().copied(), "s")
+        ));
+    }
+    if !parts.negative.is_empty() {
+        remark(format!(
+            "slow poles of its ARMA that lower its spectrum are omitted: {}.",
+            list(parts.negative.iter().copied(), "s")
+        ));
+    }
+    if parts.white > ROUNDING * innovations * innovations {
+        return (parts.white.sqrt(), parts.slow);
+    }
+    remark("without its bias its ARMA has no noise at low frequencies; its innovations serve as white noise.".into());
+    (innovations, parts.slow)
+}
+
+/// Three digits each, with the unit.
+fn list(values: impl Iterator<Item = f64>, unit: &str) -> String {
+    let values = values.map(|value| format!("{} {unit}", rounded(value, 3)));
+    Vec::from_iter(values).join(", ")
 }
 
 /// Root mean square over the three axes.

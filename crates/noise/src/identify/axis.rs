@@ -6,7 +6,7 @@ use crate::{
     arma::{ArmaFit, Selection},
     composite::{CompositeFit, ParameterInterval},
     drift_score::HorizonScore,
-    model_file::AxisModel,
+    model_file::{self, AxisModel},
     normality::Normality,
     number::rounded,
     pandit_wu::PanditWu,
@@ -89,9 +89,9 @@ pub struct Axis {
     pub pacf: Vec<f64>,
     /// Ljung-Box of the record at 20 lags.
     pub whiteness: Portmanteau,
-    /// Welch power spectral density.
+    /// Welch power spectral density, lines included.
     pub psd: Density,
-    /// Lines that stand out of it.
+    /// Lines and narrow resonances, which were taken out for everything below and for the tests above.
     pub lines: Vec<Line>,
     /// Overlapping Allan deviation at octaves.
     pub allan: Curve,
@@ -158,9 +158,19 @@ impl Axis {
         let runner_up = runner_up.map(|i| ("runner_up", self.candidates[i].name.as_str().into()));
         let note = note.into_iter().chain(runner_up);
         AxisModel {
+            lines: self.lines.iter().map(in_model).collect(),
             identification: note.map(|(key, value)| (key.to_owned(), value)).collect(),
             ..chosen.model.clone()
         }
+    }
+}
+
+/// A line as the model file has it.
+fn in_model(line: &Line) -> model_file::Line {
+    model_file::Line {
+        frequency_hz: line.frequency_hz,
+        amplitude: line.amplitude,
+        width_hz: line.width_hz,
     }
 }
 

@@ -4,7 +4,6 @@
 //! and scored on the second, and the other way round, on the record reversed in time (the models are normal
 //! processes, which look the same in either direction). Fitted on the whole, it is the model that is given out.
 
-use super::screened::bridge;
 use super::{Candidate, GRID_ORDER, HIGH_ORDER_SAMPLES, Origin, SEARCH_SAMPLES, remarks};
 use crate::{
     BiasModel,
@@ -15,6 +14,7 @@ use crate::{
     model_file::{Arma, AxisModel},
     pandit_wu::{self, PanditWu, PanditWuOptions},
     scales::{self, Scales},
+    screening::bridge::bridge,
     whiteness,
 };
 use rayon::prelude::*;
@@ -22,6 +22,8 @@ use undrift_nav::shaping::ShapingFilter;
 
 /// Effort of the search over orders.
 const SEARCH_EFFORT: f64 = 0.3;
+/// The table of orders goes on to this many times the n that is searched: (8,7) for n up to 2.
+const TABLE: usize = 2;
 /// Effort of fitting an order again to the whole record.
 const REFINE_EFFORT: f64 = 0.2;
 /// Effort of each fit of the grid of orders: each starts from its neighbours' optima besides.
@@ -369,6 +371,7 @@ fn burg(p: usize, part: &Part) -> Option<AxisModel> {
 pub(super) fn candidates(task: &Task) -> Tried {
     let search = PanditWuOptions {
         n_max: task.n_max,
+        table: TABLE * task.n_max,
         fit: with_effort(SEARCH_EFFORT),
         ..PanditWuOptions::default()
     };

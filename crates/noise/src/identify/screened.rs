@@ -3,7 +3,9 @@
 use super::{IdentifyError, Options, SHORTEST};
 use crate::screening::{
     self, Detrended, Hanging, Motion, MotionRule, Outlier, OutlierRule, Saturation, Trend,
+    bridge::bridge,
 };
+use crate::spectrum::{self, Line};
 use serde::{Deserialize, Serialize};
 
 /// Equal samples in a row that a sensor at work does not give.
@@ -45,6 +47,17 @@ pub(super) struct Screened {
     pub(super) motion: Option<Motion>,
     pub(super) saturation: Vec<Saturation>,
     pub(super) hanging: Vec<Hanging>,
+}
+
+impl Screened {
+    /// Takes lines and narrow resonances out.
+    pub(super) fn take_out_lines(&mut self, rate_hz: f64) -> Vec<Line> {
+        let lines = spectrum::take_out(&mut self.cleaned, rate_hz);
+        if !lines.is_empty() {
+            self.bridged = bridge(&self.cleaned);
+        }
+        lines
+    }
 }
 
 pub(super) fn screened(record: &[f64], options: &Options<'_>) -> Result<Screened, IdentifyError> {
@@ -91,32 +104,4 @@ fn detrended(record: &[f64], options: &Options<'_>) -> Result<(Detrended, Detren
         }
         _ => (screening::remove_constant(record)?, Detrend::Constant),
     })
-}
-
-/// Missing samples replaced by the straight line between their neighbours.
-pub(super) fn bridge(cleaned: &[f64]) -> Vec<f64> {
-    let mut whole = cleaned.to_vec();
-    let mut last: Option<usize> = None;
-    let mut at = 0;
-    while at < whole.len() {
-        if whole[at].is_nan() {
-            at += 1;
-            continue;
-        }
-        if let Some(from) = last
-            && at - from > 1
-        {
-            let (a, b) = (whole[from], whole[at]);
-            for k in from + 1..at {
-                whole[k] = a + (b - a) * (k - from) as f64 / (at - from) as f64;
-            }
-        }
-        last = Some(at);
-        at += 1;
-    }
-    // Missing at either end: the mean.
-    for value in whole.iter_mut().filter(|v| v.is_nan()) {
-        *value = 0.0;
-    }
-    whole
 }

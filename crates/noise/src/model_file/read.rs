@@ -2,7 +2,8 @@
 
 use super::table::{Table, line_at};
 use super::{
-    AXES, Arma, AxisModel, FORMAT, ImuModel, MAX_PROCESSES, ModelError, Provenance, VERSION, group,
+    AXES, Arma, AxisModel, FORMAT, ImuModel, Line, MAX_PROCESSES, ModelError, Provenance, VERSION,
+    group,
 };
 use crate::composite::GaussMarkov;
 use crate::presets;
@@ -27,7 +28,7 @@ const TOP_KEYS: [&str; 14] = [
     "accel_y",
     "accel_z",
 ];
-const AXIS_KEYS: [&str; 9] = [
+const AXIS_KEYS: [&str; 10] = [
     "white_noise",
     "bias_instability",
     "correlation_time",
@@ -36,8 +37,10 @@ const AXIS_KEYS: [&str; 9] = [
     "turn_on",
     "paper_sigma",
     "arma",
+    "line",
     "identification",
 ];
+const LINE_KEYS: [&str; 3] = ["frequency", "amplitude", "width"];
 const ARMA_KEYS: [&str; 4] = ["rate", "ar", "ma", "sigma"];
 const PROVENANCE_KEYS: [&str; 5] = ["record", "rate", "samples", "sha256", "program"];
 
@@ -192,6 +195,9 @@ fn axis_model(table: &Table<'_>, gyro: bool) -> Result<AxisModel, ModelError> {
     let white = table.measure("white_noise", noise)?;
     let arma = table.table("arma")?;
     let arma = arma.map(|inside| arma_of(&inside, level)).transpose()?;
+    let lines = table.tables("line")?;
+    let lines = lines.iter().map(|inside| line_of(inside, level));
+    let lines = lines.collect::<Result<_, _>>()?;
     if white.is_none() && arma.is_none() {
         let example = noise.examples();
         let message =
@@ -205,6 +211,7 @@ fn axis_model(table: &Table<'_>, gyro: bool) -> Result<AxisModel, ModelError> {
         instability,
         random_walk: table.measure("random_walk", walk)?,
         arma,
+        lines,
         paper_sigma: table.measure("paper_sigma", level)?,
         identification: table.free("identification")?,
     })
@@ -245,18 +252,34 @@ fn processes(table: &Table<'_>, level: Quantity) -> Result<Vec<GaussMarkov>, Mod
     }
 }
 
+fn line_of(table: &Table<'_>, level: Quantity) -> Result<Line, ModelError> {
+    table.only(&LINE_KEYS)?;
+    Ok(Line {
+        frequency_hz: needed(table, "frequency", Quantity::Frequency, "a line")?,
+        amplitude: needed(table, "amplitude", level, "a line")?,
+        width_hz: table.measure("width", Quantity::Frequency)?.unwrap_or(0.0),
+    })
+}
+
+/// A number above zero that `whose` table cannot do without.
+fn needed(
+    table: &Table<'_>,
+    key: &str,
+    quantity: Quantity,
+    whose: &str,
+) -> Result<f64, ModelError> {
+    table.positive(key, quantity)?.ok_or_else(|| {
+        let (name, example) = (quantity.name(), quantity.examples());
+        let message = format!("missing; {whose} needs {name} such as {example}");
+        table.error(key, message)
+    })
+}
+
 fn arma_of(table: &Table<'_>, level: Quantity) -> Result<Arma, ModelError> {
     table.only(&ARMA_KEYS)?;
-    let needed = |key: &str, quantity: Quantity| {
-        table.positive(key, quantity)?.ok_or_else(|| {
-            let (name, example) = (quantity.name(), quantity.examples());
-            let message = format!("missing; an arma table needs {name} such as {example}");
-            table.error(key, message)
-        })
-    };
     let arma = Arma {
-        rate_hz: needed("rate", Quantity::Frequency)?,
-        sigma: needed("sigma", level)?,
+        rate_hz: needed(table, "rate", Quantity::Frequency, "an arma table")?,
+        sigma: needed(table, "sigma", level, "an arma table")?,
         ar: table.numbers("ar")?,
         ma: table.numbers("ma")?,
     };

@@ -116,6 +116,32 @@ impl<'a> Table<'a> {
         }
     }
 
+    /// The tables of a list, `[[key]]`; none where there is no such key.
+    pub(super) fn tables(&self, key: &str) -> Result<Vec<Self>, ModelError> {
+        #[cfg(test)]
+        page::note(&self.path, key, Takes::Tables);
+        let Some((value, (_, text))) = self.find(key) else {
+            return Ok(Vec::new());
+        };
+        let items = match value.get_ref() {
+            DeValue::Array(items) => items.iter(),
+            other => {
+                let found = other.type_str();
+                return Err(self.error(key, format!("must be tables [[{key}]], not {found}")));
+            }
+        };
+        let inside = |item: &'a Spanned<DeValue<'a>>| match item.get_ref() {
+            DeValue::Table(inside) => Ok(Self {
+                layers: vec![(inside, text)],
+                path: self.dotted(key),
+                line: text.map(|text| line_at(text, item.span().start)),
+                file: self.file,
+            }),
+            other => Err(self.error(key, format!("must be tables, not {}", other.type_str()))),
+        };
+        items.map(inside).collect()
+    }
+
     /// A table of free form; empty where there is none.
     pub(super) fn free(&self, key: &str) -> Result<toml::Table, ModelError> {
         let value = self.table(key)?.and_then(|_| self.find(key));

@@ -112,6 +112,14 @@ fn axis(out: &mut String, name: &str, axis: &AxisModel, units: &Units) {
         line(out, "ma", &numbers("ma", &ma));
         line(out, "sigma", &measure(arma.sigma, units.level));
     }
+    for of in &axis.lines {
+        let _ = writeln!(out, "\n[[{name}.line]]");
+        line(out, "frequency", &measure(of.frequency_hz, HERTZ));
+        line(out, "amplitude", &measure(of.amplitude, units.level));
+        if of.width_hz > 0.0 {
+            line(out, "width", &measure(of.width_hz, HERTZ));
+        }
+    }
     if !axis.identification.is_empty() {
         table(out, &format!("{name}.identification"), &axis.identification);
     }

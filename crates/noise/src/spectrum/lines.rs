@@ -1,60 +1,113 @@
-//! Spectral lines: peaks that stand out of the local median.
+//! Spectral lines and narrow resonances of a record: found by a test with a stated false-alarm probability,
+//! estimated, and taken out.
+//!
+//! A peak of the periodogram (Hann window, the whole record) counts where its ratio to the medians of its
+//! neighbours on both sides exceeds what the F distribution allows in [`FALSE_ALARM`] of all records,
+//! whatever frequency it has. A line is then a sine by least squares, frequency included. What
+//! is broader than the record resolves, or stands beside a line because its phase or amplitude
+//! wanders, is a narrow resonance: a process of the spectrum H/(1 + (2(f − f₀)/w)²) on a flat background, which a
+//! notch filter with the resonance's damped pair of poles as its zeros makes flat again.
+//!
+//! ```
+//! use undrift_noise::spectrum;
+//! let noise = |k: i32| f64::from(k * 7919 % 101) / 101.0;
+//! let mut x: Vec<f64> = (0..4096).map(|k| 0.5 * (0.5 * f64::from(k)).sin() + noise(k * k % 1009)).collect();
+//! let lines = spectrum::take_out(&mut x, 100.0);
+//! assert!((lines[0].frequency_hz - 0.5 * 100.0 / std::f64::consts::TAU).abs() < 1e-3);
+//! assert!((lines[0].amplitude - 0.5).abs() < 0.03 && lines[0].width_hz == 0.0);
+//! ```
 
-use super::welch::Density;
-use crate::order_statistics::upper_median;
+mod periodogram;
+mod resonance;
+mod sine;
+
+use crate::screening::bridge::bridge;
+use periodogram::{Peak, Periodogram};
+use resonance::Resonance;
 use serde::{Deserialize, Serialize};
+use sine::Sine;
 
-/// Bins on either side of the one looked at that the median is taken over.
-const REACH: usize = 25;
+/// Probability that a record without lines shows one, over all frequencies and widths looked at.
+pub const FALSE_ALARM: f64 = 1e-3;
+/// Most lines and resonances of a record.
+pub const MOST: usize = 20;
+/// Shortest record that has room for a peak and what is beside it \[samples\].
+const FEWEST: usize = 128;
+/// Looks at a record: each sees what the ones before have left.
+const ROUNDS: usize = 12;
+/// A peak this near to a line that was taken out belongs to it [steps of 1/(length of the record)].
+const BESIDE: f64 = 8.0;
+/// Lines this near to a resonance are part of it [the same].
+const PART: f64 = 64.0;
 
-/// Bins on either side of a peak that a Hann window spreads a sine over.
-const LOBE: usize = 2;
-
-/// A narrow line.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// A line, or a narrow resonance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
 pub struct Line {
-    /// Frequency \[Hz\], the power-weighted mean over the peak.
+    /// Frequency, of a resonance its centre \[Hz\].
     pub frequency_hz: f64,
-    /// Amplitude of a sine with the peak's power [unit].
+    /// Amplitude, of a resonance that of a sine with its power \[unit\].
     pub amplitude: f64,
-    /// Density of the peak over the local median.
-    #[serde(skip)]
-    pub over_median: f64,
+    /// Full width of a resonance at half its power \[Hz\]; 0 of a line.
+    pub width_hz: f64,
+    /// Phase φ of A cos(2πft + φ), t from the first sample on \[rad\]; a resonance has none.
+    pub phase: Option<f64>,
+    /// Standard error of a line's frequency \[Hz\].
+    pub frequency_error_hz: Option<f64>,
+    /// Standard error of a line's amplitude \[unit\].
+    pub amplitude_error: Option<f64>,
 }
 
-/// The peaks above `factor` times the median of the 51 bins around them, strongest first. The average
-/// of n segments scatters by 1/√n about its mean, so a factor of 5 is plenty from 10 segments on;
-/// bins 0 to 2 are left out (the mean, and what leaks of a drift).
-pub fn lines(density: &Density, factor: f64) -> Vec<Line> {
-    let power = &density.density;
-    let mut found = Vec::new();
-    let mut around = Vec::with_capacity(2 * REACH + 1);
-    for k in LOBE + 1..power.len().saturating_sub(1) {
-        let peak = power[k] > power[k - 1] && power[k] >= power[k + 1];
-        if !peak {
-            continue;
-        }
-        around.clear();
-        around.extend_from_slice(
-            &power[k.saturating_sub(REACH).max(1)..(k + REACH + 1).min(power.len())],
-        );
-        let median = upper_median(&mut around);
-        if !(power[k] > factor * median && median > 0.0) {
-            continue;
-        }
-        let (mut sum, mut moment) = (0.0, 0.0);
-        for j in k - LOBE..=(k + LOBE).min(power.len() - 1) {
-            let excess = (power[j] - median).max(0.0);
-            sum += excess;
-            moment += excess * density.frequency_hz[j];
-        }
-        found.push(Line {
-            frequency_hz: moment / sum,
-            amplitude: (2.0 * sum * density.resolution_hz()).sqrt(),
-            over_median: power[k] / median,
-        });
+/// Takes lines and narrow resonances out of a record sampled at `rate_hz` \[Hz\], NaN where a sample is missing,
+/// and returns them by growing frequency. One FFT of the record where there are none, at most a dozen where there are.
+pub fn take_out(record: &mut [f64], rate_hz: f64) -> Vec<Line> {
+    if record.len() < FEWEST {
+        return Vec::new();
     }
-    found.sort_by(|a, b| b.over_median.total_cmp(&a.over_median));
-    found
+    let step = 1.0 / record.len() as f64;
+    let (mut lines, mut resonances): (Vec<Sine>, Vec<Resonance>) = (Vec::new(), Vec::new());
+    for _ in 0..ROUNDS {
+        let room = MOST.saturating_sub(lines.len() + resonances.len());
+        let mut peaks = Periodogram::of(&bridge(record)).peaks(FALSE_ALARM);
+        // What the fit of a resonance has left of it is no line.
+        peaks.retain(|peak| peak.is_broad || !resonances.iter().any(|of| of.reaches(peak, step)));
+        if peaks.is_empty() || room == 0 {
+            break;
+        }
+        let is_beside = |peak: &&Peak| {
+            let near = |line: &Sine| (line.frequency - peak.frequency).abs() < BESIDE * step;
+            peak.is_broad || lines.iter().any(near)
+        };
+        if let Some(peak) = peaks.iter().find(is_beside) {
+            let is_part = |line: &mut Sine| (line.frequency - peak.frequency).abs() < PART * step;
+            for line in lines.extract_if(.., is_part) {
+                line.add_to(record, 1.0);
+            }
+            let whole = bridge(record);
+            let resonance = Resonance::fitted(&Periodogram::of(&whole), peak);
+            resonance.notch(&whole, record);
+            resonances.push(resonance);
+        } else {
+            let first = lines.len();
+            for peak in peaks.iter().take(room) {
+                let line = Sine::fitted(record, peak.frequency, peak.background);
+                line.add_to(record, -1.0);
+                lines.push(line);
+            }
+            // Again, without the others of this round.
+            if peaks.len() > 1 {
+                for line in &mut lines[first..] {
+                    line.add_to(record, 1.0);
+                    *line = Sine::fitted(record, line.frequency, line.background);
+                    line.add_to(record, -1.0);
+                }
+            }
+        }
+    }
+    let lines = lines.iter().map(|line| line.result(record.len(), rate_hz));
+    let resonances = resonances.iter().map(|of| of.result(rate_hz));
+    let mut all: Vec<Line> = lines.chain(resonances).collect();
+    all.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+    all
 }

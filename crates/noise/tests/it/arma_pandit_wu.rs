@@ -93,6 +93,26 @@ fn a_strong_43_is_kept_and_bic_agrees_with_a_true_21() {
         );
         assert!(sums.1 <= sums.0);
     }
+    // Rows beyond the choice change nothing of it, and never have the larger sum of squares.
+    let longer = PanditWuOptions {
+        table: 3,
+        ..options
+    };
+    let more = pandit_wu(&series(&reference, "f_arma43"), &longer).unwrap();
+    assert_eq!(
+        (more.n, more.by_f, more.by_bic),
+        (table.n, table.by_f, table.by_bic)
+    );
+    assert_eq!((more.fits.len(), more.rows.len()), (table.fits.len(), 4));
+    assert_eq!(more.rows[3].order(), (6, 5));
+    assert!(more.rows[3].test.unwrap().f > 0.0);
+    let row = &more.rows[2];
+    // Akaike's criterion without 1 + ln 2π a sample and the variance's own parameter, where σ² is A/N.
+    let n = row.fit.n as f64;
+    let constant = 1.0 + std::f64::consts::TAU.ln() + 2.0 / n;
+    let expected = row.fit.aic / n - constant;
+    // |log det| of the start's variance is in the likelihood and not in A.
+    assert!((row.aic_per_sample() - expected).abs() < 0.02, "{expected}");
     let table = pandit_wu(&series(&reference, "f_arma21"), &options).unwrap();
     assert_eq!(table.by_bic, (2, 1));
     assert_eq!(table.by_bic_step_down, (2, 1));

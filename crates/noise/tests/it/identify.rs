@@ -300,3 +300,62 @@ fn the_grid_of_orders_and_the_warnings_of_each_candidate_are_there() {
     let rules: Vec<&str> = axis.adf_chosen.iter().map(|(rule, _)| *rule).collect();
     assert_eq!(rules, ["aic", "bic", "last_significant"]);
 }
+
+/// White noise, a walk and a line of twice the white noise: the model is that of the record without the line, and
+/// so is every export.
+#[test]
+fn a_line_is_taken_out_and_no_export_shows_it() {
+    // 0.6 deg/√h; 206 deg/h of a process of one hour is σ √(2/τ) a root second.
+    let white = 0.6f64.to_radians() / 60.0;
+    let walk = 206f64.to_radians() / 3600.0 * (2.0 / 3600.0f64).sqrt();
+    let amplitude = 2.0 * white * RATE.sqrt();
+    for seed in [21, 22] {
+        let mut record = simulated(white, walk, 72_000, seed);
+        for (k, x) in record.iter_mut().enumerate() {
+            *x += amplitude * (std::f64::consts::TAU * 7.3 * k as f64 / RATE).cos();
+        }
+        let axis = identify(&record, false, &OPTIONS).unwrap();
+        let [line] = axis.lines[..] else {
+            panic!("{:?}", axis.lines);
+        };
+        // Cramér-Rao: 2e-6 Hz and 0.26 % of the amplitude; four of them.
+        assert!((line.frequency_hz - 7.3).abs() < 8e-6 && line.width_hz == 0.0);
+        assert!((line.amplitude / amplitude - 1.0).abs() < 0.011);
+        let model = axis.model();
+        assert_eq!(model.lines.len(), 1);
+        let plain = undrift_noise::AxisModel {
+            lines: Vec::new(),
+            ..model.clone()
+        };
+        // The filter is the same without the entry.
+        let filter = |of: &undrift_noise::AxisModel| of.shaping(BiasModel::Arma, 0.01).unwrap();
+        assert_eq!(filter(&model), filter(&plain));
+        let all = std::array::from_fn(|_| model.clone());
+        let mut imu = ImuModel::default();
+        (imu.gyro, imu.accel) = (all.clone(), all);
+        let text = imu
+            .export(undrift_noise::ModelFormat::KfGins, None)
+            .unwrap();
+        let first = |key: &str| -> f64 {
+            let (_, after) = text.split_once(key).unwrap();
+            after
+                .split([',', '[', ' '])
+                .find_map(|word| word.parse().ok())
+                .unwrap()
+        };
+        let (arw, drive) = (
+            first("arw:"),
+            first("gbstd:") * (2.0 / (3600.0 * first("corrtime:"))).sqrt(),
+        );
+        println!(
+            "{}: {arw} {drive} {}",
+            axis.recommended().name,
+            first("gbstd:")
+        );
+        // Half a record gives N to 0.4 %, terms beside it take some of it: 2 %. The walk is above the white noise from 13 s
+        // on: 28 such spans in half a record give K to 20 %; three of them.
+        assert!((arw / 0.6 - 1.0).abs() < 0.02, "{arw}");
+        let truth = 206.0 * (2.0 / 3600.0f64).sqrt();
+        assert!((0.5..1.7).contains(&(drive / truth)), "{}", drive / truth);
+    }
+}

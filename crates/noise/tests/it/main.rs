@@ -16,6 +16,7 @@ mod correlation;
 mod drift_score;
 mod export;
 mod identify;
+mod lines;
 mod model_file;
 mod model_file_properties;
 mod normality;

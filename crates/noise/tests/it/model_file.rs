@@ -37,6 +37,13 @@ chosen = "ARMA(1,1)"
 drift_score = { "1" = 0.5, "10" = 2.5 }
 [accel]
 white_noise = "100 ug/sqrt(Hz)"
+[[gyro.line]]
+frequency = "7.3 Hz"
+amplitude = "0.2 deg/s"
+[[gyro.line]]
+frequency = "30 Hz"
+amplitude = "18 deg/s"
+width = "0.5 Hz"
 "#;
 
 /// Everything that a composite identification finds.
@@ -145,6 +152,13 @@ fn every_term_in_si() {
         (&[1.0][..], &[0.9994][..], 200.0)
     );
     near(arma.sigma, 0.4714 * degree);
+    let [line, resonance] = gyro.lines[..] else {
+        panic!("{:?}", gyro.lines);
+    };
+    assert_eq!((line.frequency_hz, line.width_hz), (7.3, 0.0));
+    near(line.amplitude, 0.2 * degree);
+    assert_eq!((resonance.frequency_hz, resonance.width_hz), (30.0, 0.5));
+    assert_eq!(model.gyro[2].lines, gyro.lines);
     // The third axis overrides one key and keeps the others.
     near(model.gyro[2].turn_on, degree);
     assert_eq!(model.gyro[2].white, gyro.white);
@@ -247,6 +261,25 @@ fn errors_name_line_key_and_mend() {
         (
             with("turn_on = \"1 deg/s\"", "white = \"1 deg/s\""),
             &["imu.toml:26: gyro_z.white: unknown key", "white_noise"],
+        ),
+        (
+            with("amplitude = \"0.2 deg/s\"\n", ""),
+            &["imu.toml:33: gyro.line.amplitude: missing; a line needs"],
+        ),
+        (
+            with("amplitude = \"0.2 deg/s\"", "amplitude = \"0 deg/s\""),
+            &["imu.toml:35: gyro.line.amplitude: must be greater than zero"],
+        ),
+        (
+            with("frequency = \"7.3 Hz\"", "hertz = 7.3"),
+            &[
+                "gyro.line.hertz: unknown key",
+                "frequency, amplitude, width",
+            ],
+        ),
+        (
+            with("[accel]", "[gyro_x]\nline = 7.3\n[accel]"),
+            &["gyro_x.line: must be tables [[line]], not float"],
         ),
         (
             with("correlation_time = \"100 s\"\n", ""),

@@ -2,7 +2,7 @@
 
 use crate::common::generators::{seeded, stable};
 use proptest::prelude::*;
-use undrift_noise::model_file::MAX_PROCESSES;
+use undrift_noise::model_file::{Line, MAX_PROCESSES};
 use undrift_noise::{Arma, AxisModel, BiasModel, GaussMarkov, ImuModel, Provenance};
 
 /// A positive number of any usual size.
@@ -49,6 +49,12 @@ prop_compose! {
 }
 
 prop_compose! {
+    fn line()(frequency_hz in positive(), amplitude in positive(), width_hz in level()) -> Line {
+        Line { frequency_hz, amplitude, width_hz }
+    }
+}
+
+prop_compose! {
     fn axis()(
         turn_on in level(),
         white in level(),
@@ -56,6 +62,7 @@ prop_compose! {
         instability in prop::collection::vec((level(), positive()), 0..=MAX_PROCESSES),
         random_walk in prop::option::of(level()),
         arma in prop::option::of(arma()),
+        lines in prop::collection::vec(line(), 0..3),
         paper_sigma in prop::option::of(level()),
         identification in prop::collection::hash_map(text(), value(), 0..4),
         whether in any::<bool>(),
@@ -68,6 +75,7 @@ prop_compose! {
             instability: instability.into_iter().map(|(sigma, tau_s)| GaussMarkov { sigma, tau_s }).collect(),
             random_walk,
             arma,
+            lines,
             paper_sigma,
             identification: identification.into_iter().collect(),
         }

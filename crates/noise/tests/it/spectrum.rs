@@ -1,8 +1,8 @@
-//! Power spectral densities against scipy, lines against sines that were put in.
+//! Power spectral densities against scipy, peaks against sines that were put in.
 
 use crate::common::{self, close, near, number, numbers, reference, series, white_noise};
 use std::f64::consts::TAU;
-use undrift_noise::spectrum::{lines, welch};
+use undrift_noise::spectrum::{peaks, welch};
 
 #[test]
 fn densities_are_those_of_scipy() {
@@ -77,7 +77,7 @@ fn sines_are_found_with_frequency_and_amplitude() {
         }
     }
     let density = welch(&x, 100.0, 16_384).unwrap();
-    let mut found = lines(&density, 8.0);
+    let mut found = peaks(&density, 8.0);
     assert_eq!(found.len(), 3, "{found:?}");
     found.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
     for (line, (frequency, amplitude)) in found.iter().zip(wanted) {
@@ -91,7 +91,7 @@ fn sines_are_found_with_frequency_and_amplitude() {
         close(line.amplitude, amplitude, 0.05, "amplitude");
     }
     assert!(
-        lines(
+        peaks(
             &welch(&white_noise(4, 300_000), 100.0, 16_384).unwrap(),
             8.0
         )
@@ -105,7 +105,7 @@ fn the_accelerometers_of_the_real_record_have_their_line() {
         return;
     }
     let axes = common::columns("adis16405-static/run1.csv.gz");
-    let found = lines(&welch(&axes[3], 100.0, 16_384).unwrap(), 8.0);
+    let found = peaks(&welch(&axes[3], 100.0, 16_384).unwrap(), 8.0);
     assert!(
         found.iter().any(|l| (l.frequency_hz - 0.56).abs() < 0.02),
         "{found:?}"
@@ -120,9 +120,9 @@ fn bad_records_are_errors() {
         for segment in 4..50 {
             let density = welch(&white_noise(1, count), 1.0, segment).unwrap();
             assert!(density.segments >= 1);
-            let _ = lines(&density, 1.0);
+            let _ = peaks(&density, 1.0);
         }
     }
     // A constant has no power and no lines.
-    assert!(lines(&welch(&[0.1; 100], 1.0, 16).unwrap(), 5.0).is_empty());
+    assert!(peaks(&welch(&[0.1; 100], 1.0, 16).unwrap(), 5.0).is_empty());
 }

@@ -121,7 +121,7 @@ class PanditWu(_Fits):
     paper_critical: float
     """The critical value that the source paper takes at every step."""
     rows: tuple[tuple[Order, OrderTest | None], ...]
-    """AR(1), then ARMA(2n, 2n-1), each with its test against the one before."""
+    """ARMA(1,1), then ARMA(2n, 2n-1), each with its test against the one before."""
     step_down: tuple[OrderTest, ...]
     """The tests of stepping down from (2n, 2n-1)."""
     neighbours: tuple[OrderTest, ...]

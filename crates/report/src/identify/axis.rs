@@ -1,15 +1,16 @@
 //! One axis of an identified record in all detail.
 
+use super::orders::{adequacy, pandit_wu};
 use super::{LEVEL, Units, units};
 use crate::{
     Axis as PlotAxis, Cell, Figure, Panel, Section, Series, Table,
-    numbers::{error, exact, get, probability, short},
+    numbers::{error, get, probability, short},
     parts::{Clock, capital, points, run_colour, text, warnings},
     text::bounds,
 };
 use std::f64::consts::{LN_2, PI, TAU};
 use undrift::noise::order_statistics::quantile;
-use undrift::results::{Axis, Candidate, Number, OrderRow, Term};
+use undrift::results::{Axis, Candidate, Number, Term};
 
 /// One axis in all detail.
 pub(super) fn of_axis(name: &str, axis: &Axis) -> Option<Section> {
@@ -38,6 +39,7 @@ pub(super) fn of_axis(name: &str, axis: &Axis) -> Option<Section> {
             found([allan(axis, unit), psd(axis, unit)]),
         ),
         pandit_wu(name, axis).block(),
+        adequacy(name, axis).block(),
         candidates(name, axis, unit).block(),
         parameters(name, axis).block(),
     ];
@@ -210,39 +212,6 @@ fn psd(axis: &Axis, unit: &Units) -> Option<Panel> {
         panel.add(Series::thin("", run_colour(0), points));
         panel
     })
-}
-
-/// Table 3.
-pub(crate) fn pandit_wu(name: &str, axis: &Axis) -> Table {
-    let squares = format!("sum of squares [{}]", units(name).squares);
-    let mut rows = Table::of(
-        &format!("pandit-wu-{name}"),
-        "Pandit and Wu's procedure, as in the source paper's Table 3. F tests each order against the previous one: above its 5 % critical value the larger order is better. The smallest AIC and BIC are highlighted.",
-        &axis.pandit_wu,
-        &[
-            ("model", &|row| format!("ARMA{}", row.order).into()),
-            (&squares, &|row| exact(row.rss.0).into()),
-            ("AIC", &|row| Cell::number(row.aic.0, 1)),
-            ("BIC", &|row| Cell::number(row.bic.0, 1)),
-            ("F", &|row| {
-                Cell::number(row.f.0, 2).strong_if(row.f.0 > row.f_critical.0)
-            }),
-            ("5 % critical value", &|row| {
-                Cell::number(row.f_critical.0, 2)
-            }),
-            ("paper's critical value", &|row| {
-                Cell::number(row.f_paper.0, 2)
-            }),
-        ],
-    );
-    for (column, of) in [(2, (|r| r.aic.0) as fn(&OrderRow) -> f64), (3, |r| r.bic.0)] {
-        let orders = axis.pandit_wu.iter().map(of).enumerate();
-        let finite = orders.filter(|(_, v)| v.is_finite());
-        if let Some((least, _)) = finite.min_by(|a, b| a.1.total_cmp(&b.1)) {
-            rows.rows[least][column].strong = true;
-        }
-    }
-    rows
 }
 
 /// A candidate with its rank.

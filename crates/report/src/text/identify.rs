@@ -5,7 +5,7 @@ mod terms;
 pub(crate) use terms::bounds;
 
 use crate::{
-    identify::{drift_table, identified, pandit_wu, tests, units},
+    identify::{adequacy_line, drift_table, identified, lines, pandit_wu, tests, units},
     plain::{Mark, plain_table},
 };
 use std::fmt::Write as _;
@@ -15,7 +15,15 @@ use undrift::results::{Axis, Detrend, Identify};
 /// axis before.
 pub fn identify(result: &Identify, details: bool, mark: Mark) -> String {
     let verdict = wrapped(&terms::verdict(result));
-    let terms = terms::table(result, mark);
+    let lines = lines(identified("", result));
+    let lines = match lines.rows.is_empty() {
+        true => String::new(),
+        false => format!(
+            "\nLines and narrow resonances, not in the terms above:\n{}",
+            plain_table(&lines, mark)
+        ),
+    };
+    let terms = terms::table(result, mark) + &lines;
     match details {
         true => format!("{verdict}\n{}\n{terms}", every_axis(result, mark)),
         false => format!("{verdict}\n{terms}"),
@@ -79,6 +87,7 @@ fn of_axis(name: &str, axis: &Axis, mark: Mark) -> String {
         axis.skewness.0,
         axis.kurtosis_excess.0
     ));
+    lines.extend(adequacy_line(axis));
     lines.extend(axis.box_jenkins.as_ref().map(|grid| {
         format!(
             "Box-Jenkins, p, q ≤ {}, first {} samples: ARMA{} by AICc, {} by BIC",

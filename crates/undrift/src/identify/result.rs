@@ -2,8 +2,8 @@
 
 use super::Identified;
 use crate::results::{
-    self, Adf, Allan, ArmaOrigin, BoxJenkins, GridFit, Identify, Number, Numbers, OrderRow, Origin,
-    PanditWuOrders, SCHEMA, VERSION, numbers,
+    self, Adf, Allan, ArmaOrigin, BoxJenkins, GridFit, Identify, Number, Numbers, OrderRow,
+    OrderTest, Origin, PanditWuOrders, SCHEMA, VERSION, numbers,
 };
 use undrift_noise::{
     arma::Selection,
@@ -85,6 +85,7 @@ fn axis(name: &str, axis: &Axis) -> results::Axis {
         allan: deviation(axis),
         allan_terms: axis.allan_terms,
         pandit_wu: pandit_wu(axis),
+        adequacy: adequacy(axis),
         pandit_wu_orders: axis.pandit_wu.as_ref().map(|table| PanditWuOrders {
             by_f: table.by_f.into(),
             by_aic: table.by_aic.into(),
@@ -126,6 +127,7 @@ fn pandit_wu(axis: &Axis) -> Vec<OrderRow> {
         order: row.order().into(),
         rss: row.fit.residual_sum_of_squares.into(),
         aic: row.fit.aic.into(),
+        aic_per_sample: row.aic_per_sample().into(),
         bic: row.fit.bic.into(),
         ar: values(&row.fit.ar),
         ma: values(&row.fit.ma),
@@ -134,6 +136,19 @@ fn pandit_wu(axis: &Axis) -> Vec<OrderRow> {
         f_paper: PAPER_CRITICAL.into(),
     })
     .collect()
+}
+
+fn adequacy(axis: &Axis) -> Vec<OrderTest> {
+    let tests = axis.pandit_wu.iter().flat_map(|t| &t.neighbours);
+    tests
+        .map(|test| OrderTest {
+            smaller: test.smaller.into(),
+            larger: test.larger.into(),
+            f: test.f.into(),
+            f_critical: test.critical.into(),
+            p_value: test.p_value.into(),
+        })
+        .collect()
 }
 
 fn box_jenkins(selection: &Selection) -> BoxJenkins {

@@ -3,8 +3,8 @@
 mod fits;
 
 pub use fits::{
-    Allan, ArmaOrigin, BoxJenkins, Candidate, GridFit, Order, OrderRow, Origin, PanditWuOrders,
-    ParameterInterval,
+    Allan, ArmaOrigin, BoxJenkins, Candidate, GridFit, Order, OrderRow, OrderTest, Origin,
+    PanditWuOrders, ParameterInterval,
 };
 
 use super::{Curve, Number};
@@ -126,7 +126,7 @@ pub struct Axis {
     pub pacf: Vec<Number>,
     /// Ljung and Box's test of whiteness.
     pub ljung_box: Portmanteau,
-    /// Lines of the spectrum.
+    /// Lines and narrow resonances of the spectrum, taken out of the record before all tests and fits.
     pub lines: Vec<Line>,
     /// Allan deviation.
     pub allan: Allan,
@@ -134,6 +134,8 @@ pub struct Axis {
     pub allan_terms: allan::Terms,
     /// Pandit and Wu's table of ARMA(2n, 2n−1).
     pub pandit_wu: Vec<OrderRow>,
+    /// The F tests of the source paper's adequacy: (1,1) against (2,1), (2,1) against (3,2), (1,1) against (3,2).
+    pub adequacy: Vec<OrderTest>,
     /// The orders that it chooses.
     pub pandit_wu_orders: Option<PanditWuOrders>,
     /// The grid of orders of Box and Jenkins.

@@ -36,6 +36,8 @@ pub struct OrderRow {
     pub rss: Number,
     /// Akaike's criterion.
     pub aic: Number,
+    /// ln(A/N) + 2r/N, as the source paper prints it: A the sum of squares, N samples, r parameters.
+    pub aic_per_sample: Number,
     /// Bayesian criterion.
     pub bic: Number,
     /// Autoregressive coefficients.
@@ -48,6 +50,23 @@ pub struct OrderRow {
     pub f_critical: Number,
     /// What the source paper compares it with.
     pub f_paper: Number,
+}
+
+/// An F test of an order against a larger one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct OrderTest {
+    /// The smaller order.
+    pub smaller: Order,
+    /// The larger one.
+    pub larger: Order,
+    /// F.
+    pub f: Number,
+    /// Its critical value at 5 %.
+    pub f_critical: Number,
+    /// Probability of a larger F, were it F-distributed.
+    pub p_value: Number,
 }
 
 /// Orders of an ARMA model.

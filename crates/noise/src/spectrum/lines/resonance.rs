@@ -1,0 +1,194 @@
+//! A narrow resonance: its spectrum by Whittle's likelihood, and the notch filter that takes it out.
+
+use super::Line;
+use super::periodogram::{Peak, Periodogram};
+use crate::screening::record::mean;
+use nalgebra::{Matrix2, Matrix4, Vector2, Vector4};
+use std::f64::consts::{PI, TAU};
+
+/// Bins on either side of the peak that are fitted, and bands that they are averaged to.
+const REACH: f64 = 64.0;
+const BANDS: usize = 512;
+const STEPS: usize = 100;
+/// How far a resonance reaches on either side: widths, and bins at least.
+const WIDTHS: f64 = 3.0;
+const BINS: f64 = 16.0;
+/// The notch is at most this share of its frequency, and of what is left to half the sample rate, broad.
+const BROADEST: f64 = 0.5;
+/// The start of the record from which the filter's state is estimated [decay times].
+const START: f64 = 5.0;
+
+/// A spectrum B + H/(1 + (2(f − f₀)/w)²) about its centre, in the scale of the periodogram.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Resonance {
+    /// f₀ \[1/sample\].
+    frequency: f64,
+    /// w \[1/sample\].
+    width: f64,
+    /// H [unit²].
+    height: f64,
+    /// B [unit²].
+    background: f64,
+}
+
+impl Resonance {
+    /// By scoring from a peak: log S + P/S summed over the bins about it is least.
+    pub(super) fn fitted(of: &Periodogram, peak: &Peak) -> Self {
+        let reach = (REACH * peak.width.max(of.frequency(1.0))).min(0.5 * peak.frequency);
+        let last = of.power.len() - 2;
+        let from = of.bin(peak.frequency - reach).max(1);
+        let to = of.bin(peak.frequency + reach).min(last);
+        let each = (to - from) / BANDS + 1;
+        let bands = of.power[from..=to].chunks(each).enumerate();
+        let bands: Vec<(f64, f64, f64)> = bands
+            .map(|(k, band)| {
+                let bins = band.len() as f64;
+                let centre = (from + k * each) as f64 + 0.5 * (bins - 1.0);
+                (of.frequency(centre), band.iter().sum::<f64>() / bins, bins)
+            })
+            .collect();
+        let mut best = Self {
+            frequency: peak.frequency,
+            width: peak.width,
+            height: peak.power,
+            background: peak.background,
+        };
+        let mut least = best.deviance(&bands);
+        let (lowest, step) = (of.frequency(0.5), of.frequency(1.0));
+        for _ in 0..STEPS {
+            let Some(by) = best.scoring(&bands) else {
+                break;
+            };
+            // Half of the step as long as it goes too far.
+            let tried = (0..12).map(|halvings| best.moved(&by, 0.5f64.powi(halvings), lowest));
+            let tried = tried.map(|next| (next.deviance(&bands), next));
+            let Some((deviance, next)) = tried.into_iter().find(|(deviance, _)| *deviance < least)
+            else {
+                break;
+            };
+            let (fall, moved) = (least - deviance, (next.frequency - best.frequency).abs());
+            (best, least) = (next, deviance);
+            if fall < 1e-6 && moved < 1e-3 * step {
+                break;
+            }
+        }
+        best
+    }
+
+    /// Whether a peak is within it, in a record of the resolution `step` \[1/sample\].
+    pub(super) fn reaches(&self, peak: &Peak, step: f64) -> bool {
+        (peak.frequency - self.frequency).abs() < (WIDTHS * self.width).max(BINS * step)
+    }
+
+    fn density(&self, frequency: f64) -> f64 {
+        let u = 2.0 * (frequency - self.frequency) / self.width;
+        self.background + self.height / (1.0 + u * u)
+    }
+
+    fn deviance(&self, bands: &[(f64, f64, f64)]) -> f64 {
+        let of = |(f, power, bins): &(f64, f64, f64)| {
+            let density = self.density(*f);
+            bins * (density.ln() + power / density)
+        };
+        bands.iter().map(of).sum()
+    }
+
+    /// Fisher's scoring: the step of f₀/w, ln w, ln H and ln B.
+    fn scoring(&self, bands: &[(f64, f64, f64)]) -> Option<Vector4<f64>> {
+        let (mut information, mut score) = (Matrix4::zeros(), Vector4::zeros());
+        for (f, power, bins) in bands {
+            let u = 2.0 * (f - self.frequency) / self.width;
+            let shape = 1.0 / (1.0 + u * u);
+            let density = self.density(*f);
+            let part = self.height * shape;
+            let gradient = Vector4::new(
+                4.0 * part * shape * u,
+                2.0 * part * shape * u * u,
+                part,
+                self.background,
+            ) / density;
+            information += gradient * gradient.transpose() * *bins;
+            score += gradient * (bins * (power / density - 1.0));
+        }
+        information.cholesky().map(|of| of.solve(&score))
+    }
+
+    fn moved(&self, by: &Vector4<f64>, share: f64, lowest: f64) -> Self {
+        let factor = |by: f64| (share * by).clamp(-2.0, 2.0).exp();
+        let shift = (share * by[0] * self.width).clamp(-2.0 * self.width, 2.0 * self.width);
+        Self {
+            frequency: (self.frequency + shift).clamp(lowest, 0.5 - lowest),
+            width: (self.width * factor(by[1])).max(lowest),
+            height: self.height * factor(by[2]),
+            background: self.background * factor(by[3]),
+        }
+    }
+
+    /// Amplitude of a sine with the power 2·H·πw/2 of both peaks.
+    pub(super) fn result(&self, rate_hz: f64) -> Line {
+        Line {
+            frequency_hz: self.frequency * rate_hz,
+            amplitude: (TAU * self.width * self.height).sqrt(),
+            width_hz: self.width * rate_hz,
+            ..Line::default()
+        }
+    }
+
+    /// Filters the resonance out of a whole record and stores the samples that `record` has.
+    pub(super) fn notch(&self, whole: &[f64], record: &mut [f64]) {
+        let room = BROADEST * self.frequency.min(0.5 - self.frequency);
+        let broad = (self.width * (1.0 + self.height / self.background).sqrt()).min(room);
+        let filter = Notch::new(self.frequency, self.width.min(broad), broad);
+        // About the mean of the start, which the filter passes.
+        let start = ((START / (PI * broad)).ceil() as usize).clamp(1, whole.len());
+        let level = mean(&whole[..start]);
+        // Of the states that the record may begin with, the one after which the start varies least.
+        let (mut now, mut units) = ([0.0; 2], [[1.0, 0.0], [0.0, 1.0]]);
+        let (mut normal, mut right) = (Matrix2::zeros(), Vector2::zeros());
+        for x in &whole[..start] {
+            let y = filter.next(&mut now, x - level);
+            let row = Vector2::from(units.each_mut().map(|state| filter.next(state, 0.0)));
+            normal += row * row.transpose();
+            right -= row * y;
+        }
+        let state = normal.lu().solve(&right).unwrap_or_default();
+        let mut state = [state[0], state[1]];
+        for (x, slot) in whole.iter().zip(record) {
+            let y = level + filter.next(&mut state, x - level);
+            if slot.is_finite() {
+                *slot = y;
+            }
+        }
+    }
+}
+
+/// Zeros on the poles of a resonance, poles of a peak that is broader by √(1 + H/B): its gain is √(B/S), and 1 at
+/// frequency 0.
+struct Notch {
+    gain: f64,
+    zeros: [f64; 2],
+    poles: [f64; 2],
+}
+
+impl Notch {
+    fn new(frequency: f64, narrow: f64, broad: f64) -> Self {
+        let pair = |width: f64| {
+            let radius = (-PI * width).exp();
+            [-2.0 * radius * (TAU * frequency).cos(), radius * radius]
+        };
+        let (zeros, poles) = (pair(narrow), pair(broad));
+        let gain = (1.0 + poles[0] + poles[1]) / (1.0 + zeros[0] + zeros[1]);
+        Self { gain, zeros, poles }
+    }
+
+    /// The next output; the transposed second direct form.
+    fn next(&self, state: &mut [f64; 2], x: f64) -> f64 {
+        let x = self.gain * x;
+        let y = x + state[0];
+        *state = [
+            state[1] + self.zeros[0] * x - self.poles[0] * y,
+            self.zeros[1] * x - self.poles[1] * y,
+        ];
+        y
+    }
+}

@@ -1,0 +1,112 @@
+//! A sine of unknown frequency by least squares.
+
+use super::Line;
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
+use std::f64::consts::TAU;
+
+/// Steps of Gauss and Newton; from an interpolated peak two are enough.
+const STEPS: usize = 6;
+/// Samples between exact sines and cosines; the rotation between them loses a digit.
+const EXACT: usize = 256;
+
+/// a cos(2πf(k − c)) + b sin(2πf(k − c)), c the middle of the record.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sine {
+    /// f \[1/sample\].
+    pub(super) frequency: f64,
+    cosine: f64,
+    sine: f64,
+    /// Power beside the line, the variance of white noise [unit²].
+    pub(super) background: f64,
+}
+
+impl Sine {
+    /// To the samples that are not missing, from a frequency \[1/sample\] within half a step of 1/(length).
+    pub(super) fn fitted(record: &[f64], frequency: f64, background: f64) -> Self {
+        let (mut normal, mut right) = (Matrix2::zeros(), Vector2::zeros());
+        each(record, frequency, |x, _, c, s| {
+            normal += Matrix2::new(c * c, c * s, c * s, s * s);
+            right += Vector2::new(c * x, s * x);
+        });
+        let start = normal.lu().solve(&right).unwrap_or_default();
+        let mut of = Self {
+            frequency,
+            cosine: start[0],
+            sine: start[1],
+            background,
+        };
+        // Within the lobe: no step goes beyond it.
+        let most = 0.5 / record.len() as f64;
+        for _ in 0..STEPS {
+            let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
+            let scale = record.len() as f64;
+            each(record, of.frequency, |x, time, c, s| {
+                let slope = time / scale * (of.sine * c - of.cosine * s);
+                let row = Vector3::new(c, s, slope);
+                normal += row * row.transpose();
+                right += row * (x - of.cosine * c - of.sine * s);
+            });
+            let Some(step) = normal.cholesky().map(|normal| normal.solve(&right)) else {
+                break;
+            };
+            let by = (step[2] / (TAU * scale)).clamp(-most, most);
+            of.frequency += by;
+            of.cosine += step[0];
+            of.sine += step[1];
+            if by.abs() < 1e-6 * most {
+                break;
+            }
+        }
+        of
+    }
+
+    fn amplitude(&self) -> f64 {
+        self.cosine.hypot(self.sine)
+    }
+
+    /// Adds a multiple of it to a record.
+    pub(super) fn add_to(&self, record: &mut [f64], factor: f64) {
+        let (a, b) = (factor * self.cosine, factor * self.sine);
+        rotate(record.len(), self.frequency, |k, _, c, s| {
+            record[k] += a * c + b * s
+        });
+    }
+
+    /// With the Cramér-Rao bounds of both: var A = 2σ²/N, var ω = 24σ²/(A²N³) (Rife & Boorstyn 1974).
+    pub(super) fn result(&self, samples: usize, rate_hz: f64) -> Line {
+        let (n, amplitude) = (samples as f64, self.amplitude());
+        let sigma = self.background.sqrt();
+        let middle = 0.5 * (n - 1.0);
+        let phase = -self.sine.atan2(self.cosine) - TAU * (self.frequency * middle).fract();
+        Line {
+            frequency_hz: self.frequency * rate_hz,
+            amplitude,
+            width_hz: 0.0,
+            phase: Some(phase - TAU * (phase / TAU).round()),
+            frequency_error_hz: Some(rate_hz / TAU * (24.0 / n).sqrt() * sigma / (amplitude * n)),
+            amplitude_error: Some((2.0 / n).sqrt() * sigma),
+        }
+    }
+}
+
+/// Calls with each sample there is, its time from the middle, cosine and sine.
+fn each(record: &[f64], frequency: f64, mut with: impl FnMut(f64, f64, f64, f64)) {
+    rotate(record.len(), frequency, |k, time, c, s| {
+        let x = record[k];
+        if x.is_finite() {
+            with(x, time, c, s);
+        }
+    });
+}
+
+fn rotate(samples: usize, frequency: f64, mut with: impl FnMut(usize, f64, f64, f64)) {
+    let middle = 0.5 * (samples as f64 - 1.0);
+    let (turn_s, turn_c) = (TAU * frequency).sin_cos();
+    for start in (0..samples).step_by(EXACT) {
+        let (mut s, mut c) = (TAU * (frequency * (start as f64 - middle)).fract()).sin_cos();
+        for k in start..samples.min(start + EXACT) {
+            with(k, k as f64 - middle, c, s);
+            (c, s) = (c * turn_c - s * turn_s, s * turn_c + c * turn_s);
+        }
+    }
+}
