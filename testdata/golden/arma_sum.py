@@ -48,3 +48,18 @@ show("ARMA(4,3)", ([(4e-6 * (1 - phi**2), [1]), (1e-4, [1]), (1e-6, [1])], [[1.0
 show("ARMA(2,2)", ([(1e-8, [1]), (1e-4, [1]), (1e-4, [1])], [walk, [1.0], [1.0, 0.5]]))
 # White noise that is the difference of the last two draws, and a walk: q > p.
 show("ARMA(1,3)", ([(1e-8, [1]), (1e-4, [1.0, 0.5, 0.0, 0.25])], [walk, [1.0]]))
+# White noise of 0.01 a sample and a bias that swings: two slow complex poles, 300 s and a decay of 100 s, driven through a
+# zero so that it moves like a random walk over short times. Its drive is the second difference of its autocovariance at 0.
+rho, turn = np.exp(-0.01 / 100), 2 * np.pi * 0.01 / 300
+swing = [1.0, -2 * rho * np.cos(turn), rho**2]
+zero = [1.0, -np.exp(-0.01 / 50)]
+show("ARMA(2,2)", ([(1e-4, [1]), (1e-8, zero)], [[1.0], swing]))
+# Autocovariance by the impulse response, then -2 c ln(lambda) by a fit of its two exponentials: slope at lag 0+.
+response = np.zeros(400_000)
+response[0], response[1] = 1.0, zero[1] + 2 * rho * np.cos(turn)
+for k in range(2, len(response)):
+    response[k] = 2 * rho * np.cos(turn) * response[k - 1] - rho**2 * response[k - 2]
+lags = [1e-8 * np.dot(response[: len(response) - k], response[k:]) for k in range(3)]
+# The slope at 0 of the exponentials through lags 1 and 2, and through lag 0 as q < p: a parabola is exact to 1e-8.
+slope = (-3 * lags[0] + 4 * lags[1] - lags[2]) / 2
+print("drive", float(np.sqrt(-2 * slope * 100)))

@@ -80,7 +80,7 @@ pub struct Arguments {
     /// Identify a recording although it moves or has implausible units; the model file records this
     #[arg(long)]
     force: bool,
-    /// Largest n of ARMA(2n, 2n-1) in the Pandit-Wu table
+    /// Largest n of ARMA(2n, 2n-1) that the Pandit-Wu search may choose
     #[arg(long, value_name = "N", default_value_t = 2)]
     n_max: usize,
     /// What is removed from each axis before its noise is identified

@@ -49,7 +49,7 @@ const COARSE: f64 = 0.25;
 pub struct Options<'a> {
     /// Sample rate \[Hz\].
     pub rate_hz: f64,
-    /// Largest n of ARMA(2n, 2n−1) in the Pandit-Wu table.
+    /// Largest n of ARMA(2n, 2n−1) that the Pandit-Wu search may choose.
     pub n_max: usize,
     /// What is taken out first.
     pub trend: Trend,

@@ -151,7 +151,7 @@ pub struct RecordSettings {
     pub topic: Option<String>,
     /// What is taken out beside the mean.
     pub detrend: Trend,
-    /// Largest n of ARMA(2n, 2n−1) in the Pandit-Wu table.
+    /// Largest n of ARMA(2n, 2n−1) that the Pandit-Wu search may choose.
     pub n_max: usize,
 }
 

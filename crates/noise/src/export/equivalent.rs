@@ -153,7 +153,7 @@ fn of_arma(name: &str, arma: &Arma, remarks: &mut Vec<String>) -> (f64, Slow) {
     }
     let parts = poles::parts(arma);
     let mut remark = |what: String| remarks.push(format!("{name}: {what}"));
-    remark("the bias is the slow real poles of its ARMA; white noise is the density at low frequencies of all others.".into());
+    remark("the bias is the slow poles of its ARMA; white noise is the density at low frequencies of all others.".into());
     if !parts.pairs.is_empty() {
         let pairs = list(parts.pairs.iter().copied(), "Hz");
         remark(format!(
@@ -166,11 +166,8 @@ fn of_arma(name: &str, arma: &Arma, remarks: &mut Vec<String>) -> (f64, Slow) {
             list(parts.fast.iter().copied(), "s")
         ));
     }
-    if !parts.negative.is_empty() {
-        remark(format!(
-            "slow poles of its ARMA that lower its spectrum are omitted: {}.",
-            list(parts.negative.iter().copied(), "s")
-        ));
+    if parts.is_joined {
+        remark("the slow poles of its ARMA are no sum of Gauss-Markov processes; over short times they are the random walk used.".into());
     }
     if parts.white > ROUNDING * innovations * innovations {
         return (parts.white.sqrt(), parts.slow);

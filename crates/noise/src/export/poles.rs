@@ -1,8 +1,10 @@
-//! An ARMA as a sum over its poles: slow real ones are bias processes, the rest is noise.
+//! An ARMA as a sum over its poles: slow ones are the bias, the rest is noise.
 //!
 //! With φ(z) = ∏(1 − λᵢz) and ψ = θ/φ, the autocovariance at lags from max(1, q − p + 1) on is Σ cᵢ λᵢᵏ, where
 //! cᵢ = σ² rᵢ ψ(λᵢ) and rᵢ = θ(1/λᵢ)/∏_{l≠i}(1 − λ_l/λᵢ). A real λ between 0 and 1 with cᵢ > 0 is a sampled
-//! Gauss-Markov process of variance cᵢ and correlation time −T/ln λ, for λ = 1 a random walk.
+//! Gauss-Markov process of variance cᵢ and correlation time −T/ln λ, for λ = 1 a random walk. Slow poles that are
+//! complex or have cᵢ < 0 are no process of their own; over short times all slow ones together are a random walk, which moves in
+//! a sample by the variance Σ qᵢ, qᵢ = −2 cᵢ ln λᵢ.
 
 use crate::arma::inverse_roots;
 use crate::bias_model::Slow;
@@ -22,12 +24,12 @@ pub(super) struct Parts {
     pub(super) white: f64,
     /// The bias.
     pub(super) slow: Slow,
-    /// Frequencies of complex pairs of poles \[Hz\].
+    /// Frequencies of complex pairs of poles that are no bias \[Hz\].
     pub(super) pairs: Vec<f64>,
     /// Correlation times of real poles that are too fast for a bias, or on the negative axis \[s\].
     pub(super) fast: Vec<f64>,
-    /// Correlation times of slow poles that take from the spectrum and are no process of their own \[s\].
-    pub(super) negative: Vec<f64>,
+    /// The slow poles are a random walk over short times alone.
+    pub(super) is_joined: bool,
 }
 
 /// 1 − Σ cᵢ zⁱ.
@@ -36,108 +38,99 @@ fn polynomial(coefficients: &[f64], z: Complex64) -> Complex64 {
     1.0 - inner.fold(Complex64::ZERO, |sum, c| (sum + c) * z)
 }
 
-/// A slow pole with its driving variance c(1 − λ²), which is finite at λ = 1.
-struct Driven {
-    pole: f64,
-    variance: f64,
+/// A pole with its share of the spectrum.
+struct Part {
+    pole: Complex64,
+    /// c(1 − λ²), which is finite at λ = 1 [unit²].
+    drive: Complex64,
 }
 
-impl Driven {
-    /// Spectrum at an angle, c(1 − λ²)/|1 − λe^{iω}|² [unit²].
-    fn spectrum(&self, angle: f64) -> f64 {
-        self.variance / (1.0 - Complex64::from_polar(self.pole, angle)).norm_sqr()
+impl Part {
+    fn of(arma: &Arma, poles: &[Complex64], at: usize) -> Self {
+        let pole = poles[at];
+        let others = poles.iter().enumerate().filter(|(l, _)| *l != at);
+        let product: Complex64 = others
+            .map(|(_, other)| (1.0 - other / pole) * (1.0 - other * pole))
+            .product();
+        let numerator = polynomial(&arma.ma, pole.inv()) * polynomial(&arma.ma, pole);
+        let drive = arma.sigma * arma.sigma * numerator / product;
+        Self { pole, drive }
     }
+
+    /// Spectrum at an angle, c(1 − λ²)/((1 − λe^{iω})(1 − λe^{−iω})); its real part, summed over a pair [unit²].
+    fn spectrum(&self, angle: f64) -> f64 {
+        let z = Complex64::from_polar(1.0, angle);
+        (self.drive / ((1.0 - self.pole * z) * (1.0 - self.pole * z.conj()))).re
+    }
+
+    /// A real one of a slow process.
+    fn is_process(&self) -> bool {
+        is_real(self.pole) && self.drive.re > 0.0
+    }
+
+    /// −2c ln λ; its real part, summed over a pair [unit²].
+    fn step(&self) -> f64 {
+        let (decay, whole) = (-2.0 * self.pole.ln(), 1.0 - self.pole * self.pole);
+        match whole.norm() < UNIT_ROOT {
+            true => self.drive.re,
+            false => (self.drive * decay / whole).re,
+        }
+    }
+}
+
+/// Rounding leaves a trace of an imaginary part at a real root.
+fn is_real(pole: Complex64) -> bool {
+    pole.im.abs() < 1e-9
 }
 
 pub(super) fn parts(arma: &Arma) -> Parts {
-    let (interval, variance) = (1.0 / arma.rate_hz, arma.sigma * arma.sigma);
+    let interval = 1.0 / arma.rate_hz;
     let poles = inverse_roots(&arma.ar);
-    let mut parts = Parts {
-        white: 0.0,
-        slow: Slow::default(),
-        pairs: Vec::new(),
-        fast: Vec::new(),
-        negative: Vec::new(),
-    };
-    let mut driven = Vec::new();
-    for (i, pole) in poles.iter().enumerate() {
-        if pole.norm() == 0.0 {
-            continue;
-        }
-        // Rounding leaves a trace of an imaginary part at a real root.
-        if pole.im.abs() > 1e-9 {
-            if pole.im > 0.0 {
-                parts.pairs.push(pole.arg() / TAU * arma.rate_hz);
+    let tau_s = |pole: Complex64| interval / pole.norm().min(1.0).ln().abs();
+    // It decays slowly, and no oscillation is faster than that.
+    let is_slow = |pole: Complex64| tau_s(pole) >= SLOW && pole.arg().abs() * SLOW <= interval;
+    let all = (0..poles.len()).filter(|i| poles[*i].norm() > 0.0);
+    let all = all.map(|i| Part::of(arma, &poles, i));
+    let (slow, rest): (Vec<Part>, Vec<Part>) = all.partition(|part| is_slow(part.pole));
+    let mut bias = Slow::default();
+    let is_joined = !slow.iter().all(Part::is_process);
+    if is_joined {
+        let step: f64 = slow.iter().map(Part::step).sum();
+        bias.walk = (step > 0.0).then(|| (step / interval).sqrt());
+    } else {
+        for part in &slow {
+            let (lambda, drive) = (part.pole.re, part.drive.re);
+            if 1.0 - lambda < UNIT_ROOT {
+                bias.walk = Some((drive / interval).sqrt());
+            } else {
+                let sigma = (drive / ((1.0 - lambda) * (1.0 + lambda))).sqrt();
+                let tau_s = tau_s(part.pole);
+                bias.processes.push(GaussMarkov { sigma, tau_s });
             }
-            continue;
-        }
-        let lambda = pole.re;
-        let tau_s = interval / lambda.abs().min(1.0).ln().abs();
-        if lambda <= 0.0 || tau_s < SLOW {
-            parts.fast.push(tau_s);
-            continue;
-        }
-        let others = poles.iter().enumerate().filter(|(l, _)| *l != i);
-        let others = others.map(|(_, other)| (1.0 - other / pole) * (1.0 - other * pole));
-        let product: Complex64 = others.product();
-        let numerator = polynomial(&arma.ma, pole.inv()) * polynomial(&arma.ma, *pole);
-        let driving = variance * (numerator / product).re;
-        if !(driving > 0.0 && driving.is_finite()) {
-            parts.negative.push(tau_s);
-            continue;
-        }
-        driven.push(Driven {
-            pole: lambda,
-            variance: driving,
-        });
-        if 1.0 - lambda < UNIT_ROOT {
-            parts.slow.walk = Some((driving / interval).sqrt());
-        } else {
-            let sigma = (driving / ((1.0 - lambda) * (1.0 + lambda))).sqrt();
-            parts.slow.processes.push(GaussMarkov { sigma, tau_s });
         }
     }
-    parts.white = interval * rest(arma, &poles, &driven);
-    parts
+    let pairs = rest.iter().filter(|part| part.pole.im > 1e-9);
+    let fast = rest.iter().filter(|part| is_real(part.pole));
+    Parts {
+        white: interval * density(arma, &slow, &rest),
+        slow: bias,
+        pairs: pairs
+            .map(|part| part.pole.arg() / TAU * arma.rate_hz)
+            .collect(),
+        fast: fast.map(|part| tau_s(part.pole)).collect(),
+        is_joined,
+    }
 }
 
-/// Spectrum at frequency 0 less that of the slow poles, over the sample interval [unit²]. Nothing large is subtracted:
-/// the other poles' sums are 1/(1 − λ), and what is left is a polynomial of cosines of degree q − p, known from as
-/// many frequencies away from 0.
-fn rest(arma: &Arma, poles: &[Complex64], driven: &[Driven]) -> f64 {
-    let variance = arma.sigma * arma.sigma;
-    let is_driven = |pole: &Complex64| {
-        let same = |of: &Driven| of.pole == pole.re && pole.im.abs() <= 1e-9;
-        driven.iter().any(same)
-    };
-    let others: Vec<(Complex64, Complex64)> = poles
-        .iter()
-        .enumerate()
-        .filter(|(_, pole)| pole.norm() > 0.0 && !is_driven(pole))
-        .map(|(i, pole)| {
-            let rest = poles.iter().enumerate().filter(|(l, _)| *l != i);
-            let residue: Complex64 = rest.map(|(_, other)| 1.0 - other / pole).product();
-            let psi = polynomial(&arma.ma, *pole) / polynomial(&arma.ar, *pole);
-            (
-                *pole,
-                variance * polynomial(&arma.ma, pole.inv()) / residue * psi,
-            )
-        })
-        .collect();
-    // c (1 + Σ λᵏ(zᵏ + z⁻ᵏ)), its real part summed over the pairs.
-    let of_others = |angle: f64| -> f64 {
-        let z = Complex64::from_polar(1.0, angle);
-        let one = |(pole, c): &(Complex64, Complex64)| {
-            let (ahead, back) = (1.0 - pole * z, 1.0 - pole * z.conj());
-            (c * (1.0 - pole * pole) / (ahead * back)).re
-        };
-        others.iter().map(one).sum()
-    };
+/// Spectrum at frequency 0 less that of the slow poles [unit²]. Nothing large is subtracted: to the other poles' sums
+/// comes a polynomial of cosines of degree q − p, known from as many frequencies away from 0.
+fn density(arma: &Arma, slow: &[Part], rest: &[Part]) -> f64 {
+    let sum =
+        |parts: &[Part], angle: f64| -> f64 { parts.iter().map(|part| part.spectrum(angle)).sum() };
     let left = |angle: f64| {
         let z = Complex64::from_polar(1.0, angle);
         let all = (polynomial(&arma.ma, z) / polynomial(&arma.ar, z)).norm_sqr();
-        let slow: f64 = driven.iter().map(|of| of.spectrum(angle)).sum();
-        variance * all - slow - of_others(angle)
+        arma.sigma * arma.sigma * all - sum(slow, angle) - sum(rest, angle)
     };
     let degree = arma.ma.len().saturating_sub(arma.ar.len());
     let count = 2 * degree + 1;
@@ -146,5 +139,5 @@ fn rest(arma: &Arma, poles: &[Complex64], driven: &[Driven]) -> f64 {
         let kernel: f64 = (1..=degree).map(|k| 2.0 * (k as f64 * angle).cos()).sum();
         left(angle) * (1.0 + kernel) / count as f64
     };
-    (0..count).map(at_zero).sum::<f64>() + of_others(0.0)
+    (0..count).map(at_zero).sum::<f64>() + sum(rest, 0.0)
 }

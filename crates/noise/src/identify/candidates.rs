@@ -22,8 +22,9 @@ use undrift_nav::shaping::ShapingFilter;
 
 /// Effort of the search over orders.
 const SEARCH_EFFORT: f64 = 0.3;
-/// The table of orders goes on to this many times the n that is searched: (8,7) for n up to 2.
-const TABLE: usize = 2;
+/// Up to so many samples the table of orders goes on to twice the n that is searched, (8,7) for n up to 2: that takes a
+/// second or two, and grows with the samples.
+const TABLE_SAMPLES: usize = 10_000;
 /// Effort of fitting an order again to the whole record.
 const REFINE_EFFORT: f64 = 0.2;
 /// Effort of each fit of the grid of orders: each starts from its neighbours' optima besides.
@@ -369,9 +370,10 @@ fn burg(p: usize, part: &Part) -> Option<AxisModel> {
 
 /// All candidates.
 pub(super) fn candidates(task: &Task) -> Tried {
+    let is_short = task.searched().len() <= TABLE_SAMPLES;
     let search = PanditWuOptions {
         n_max: task.n_max,
-        table: TABLE * task.n_max,
+        table: if is_short { 2 * task.n_max } else { task.n_max },
         fit: with_effort(SEARCH_EFFORT),
         ..PanditWuOptions::default()
     };

@@ -279,6 +279,22 @@ fn complex_and_fast_poles_are_no_bias() {
     );
     let white = 1e-4 + 1e-4 / 2.25;
     all_are(in_every_format(&negative).0, (0.01f64 * white).sqrt(), 1e-3);
+    // A bias that swings, period 300 s and decay 100 s, under white noise: over short times a random walk.
+    let swing = with_sigma(
+        "[1.9997999661391446, -0.9998000199986667]",
+        "[1.9898550741037186, -0.989857064436698]",
+        0.010050098704609826,
+    );
+    let (found, text) = in_every_format(&swing);
+    for (n, k) in found {
+        // The poles are 1e-4 from each other and from 1: half of sixteen digits are left.
+        assert!((n / 1e-3 - 1.0).abs() < 1e-4, "{n:e}");
+        assert!((k / 1.000000026938099e-3 - 1.0).abs() < 1e-3, "{k:e}");
+    }
+    assert!(
+        text.contains("over short times they are the random walk used"),
+        "{text}"
+    );
     // More zeros than poles.
     let zeros = with_sigma(
         "[1.0]",

@@ -29,7 +29,7 @@ pub(crate) fn pandit_wu(name: &str, axis: &Axis) -> Table {
     let of_paper = name == PAPER_AXIS;
     let mut caption = "Pandit and Wu's procedure, as in the source paper's Table 3. F tests each order against the previous one: above its 5 % critical value the larger order is better. AIC per sample is ln(A/N) + 2r/N, A the sum of squares, N samples, r parameters. The smallest AIC and BIC are highlighted.".to_owned();
     if of_paper {
-        caption += " The paper's values are of its own record; its F is printed one row higher. An F below 0 means that its fit of the larger order did not reach the optimum.";
+        caption += " The paper's values are of its own record; its F is printed one row higher. An F far below 0 means that the fit of the larger order did not reach its optimum.";
     }
     let f = |row: &&OrderRow| Cell::number(row.f.0, 2).strong_if(row.f.0 > row.f_critical.0);
     let mut rows = Table::of(
