@@ -4,10 +4,15 @@ use super::units;
 use crate::{Cell, Table, numbers::exact};
 use undrift::results::{Axis, Order, OrderRow, OrderTest};
 
+/// p and q.
+type Pq = (u64, u64);
+/// An order with two numbers that are printed of it.
+type Printed = (Pq, f64, f64);
+
 /// The paper's axis.
 const PAPER_AXIS: &str = "gyro_z";
 /// The paper's Table 3: order, AIC, and F in the row of the larger model, where the paper has it in that of the smaller.
-const PAPER: [((u64, u64), f64, f64); 5] = [
+const PAPER: [Printed; 5] = [
     ((1, 1), -10.1943, f64::NAN),
     ((2, 1), -10.1971, 2887.9970),
     ((4, 3), -10.1971, 0.5050),
@@ -15,10 +20,9 @@ const PAPER: [((u64, u64), f64, f64); 5] = [
     ((8, 7), -10.1971, -10.7150),
 ];
 /// The paper's adequacy: order, larger order, F.
-const PAPER_ADEQUACY: [((u64, u64), (u64, u64), f64); 2] =
-    [((1, 1), (2, 1), -10.1905), ((2, 1), (3, 2), -19.5435)];
+const PAPER_ADEQUACY: [(Pq, Pq, f64); 2] = [((1, 1), (2, 1), -10.1905), ((2, 1), (3, 2), -19.5435)];
 
-fn is(order: Order, of: (u64, u64)) -> bool {
+fn is(order: Order, of: Pq) -> bool {
     (order.p, order.q) == of
 }
 
@@ -54,7 +58,7 @@ pub(crate) fn pandit_wu(name: &str, axis: &Axis) -> Table {
         ],
     );
     if of_paper {
-        let of = |value: fn(&((u64, u64), f64, f64)) -> f64| {
+        let of = |value: fn(&Printed) -> f64| {
             let values = axis
                 .pandit_wu
                 .iter()
