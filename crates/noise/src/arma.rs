@@ -38,10 +38,12 @@ mod profile;
 mod search;
 mod selection;
 mod starts;
+mod whittle;
 
 pub use autoregressive::{ArFit, burg, order_by_aicc, yule_walker};
 pub(crate) use fit::climb_to;
 pub use fit::{FitOptions, fit, fit_from, log_likelihood};
+pub(crate) use kernel::vector;
 pub use likelihood::{Likelihood, Mean};
 pub use model::{ArmaFit, Warning};
 pub(crate) use polynomial::inverse_roots;

@@ -25,6 +25,7 @@ pub mod scales;
 pub mod screening;
 pub mod spectrum;
 pub mod stationarity;
+mod steady;
 pub mod synthesis;
 mod transform;
 pub mod wavelet;

@@ -87,7 +87,12 @@ pub fn log_likelihood(
     }
     let (centre, present) = screen(samples, 0)?;
     let problem = about(centre, unit_root || present < samples.len());
-    problem.likelihood(ar, ma).ok_or(ArmaError::NotStationary)
+    let found = if problem.gaps {
+        kalman::filtered(samples, mean, centre, ar, ma, unit_root)
+    } else {
+        problem.likelihood(ar, ma)
+    };
+    found.ok_or(ArmaError::NotStationary)
 }
 
 /// φ with the factor (1 − B) divided out, or `None` where 1 is not a root.

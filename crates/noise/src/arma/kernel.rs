@@ -23,10 +23,12 @@
 //! Several points (φ, θ) share one pass over the record, so that it is read and rearranged once.
 
 mod loops;
+mod power;
 mod run;
-mod vector;
+pub(crate) mod vector;
 
 use loops::{SumsAbout, Turn};
+pub(super) use power::PowerSum;
 use run::{Run, Scratch};
 use vector::{total, vectorised};
 

@@ -155,12 +155,17 @@ pub(super) fn screen(samples: &[f64], parameters: usize) -> Result<(f64, usize),
     let mut present = samples.len();
     if size.is_nan() {
         // Samples are missing (or infinite): the slow way.
-        (sum, size, present) = (0.0, 0.0, 0);
-        for x in samples.iter().filter(|x| !x.is_nan()) {
-            sum += x - first;
-            size += (x - first).abs();
-            present += 1;
+        let (mut sums, mut sizes, mut missing) = ([0.0; 8], [0.0; 8], 0);
+        for eight in samples.chunks(8) {
+            for (l, x) in eight.iter().enumerate() {
+                let off = if x.is_nan() { 0.0 } else { x - first };
+                sums[l] += off;
+                sizes[l] += off.abs();
+                missing += usize::from(x.is_nan());
+            }
         }
+        (sum, size) = (sums.iter().sum(), sizes.iter().sum());
+        present = samples.len() - missing;
     }
     if !size.is_finite() {
         return Err(ArmaError::NotFinite);

@@ -7,6 +7,7 @@ use super::likelihood::{self, Likelihood, Mean};
 use super::optimise::{SCALES, nelder_mead};
 use super::polynomial::{from_search, multiply};
 use super::starts;
+use super::whittle::Whittle;
 use crate::quasi_newton::{Objective, Point, bfgs};
 
 /// The record and what is asked of it. With a unit root `p` counts the other AR roots only, and an
@@ -33,11 +34,20 @@ impl Problem<'_> {
         }
     }
 
+    /// The same without the unit root.
+    fn plain(z: &[f64], p: usize) -> Coefficients {
+        (from_search(&z[..p]), from_search(&z[p..]))
+    }
+
     /// The likelihood at several points of the same order: of an unbroken record in one pass.
     pub(super) fn likelihoods(&self, points: &[Coefficients]) -> Vec<Option<Likelihood>> {
         if !self.gaps {
             return likelihood::unbroken(self.samples, self.mean, self.centre, points);
         }
+        self.one_by_one(points)
+    }
+
+    fn one_by_one(&self, points: &[Coefficients]) -> Vec<Option<Likelihood>> {
         let one = |(phi, theta): &Coefficients| {
             kalman::with_gaps(
                 self.samples,
@@ -59,7 +69,15 @@ impl Problem<'_> {
     /// Negative log-likelihoods at search coordinates, +∞ where there is none.
     pub(super) fn objective(&self, z: &[Vec<f64>], p: usize) -> Vec<f64> {
         let points: Vec<_> = z.iter().map(|z| self.coefficients(z, p)).collect();
-        let found = self.likelihoods(&points);
+        // Of one root the steady state loses no digits, and does without a response that may last for long.
+        let single = points
+            .iter()
+            .all(|(phi, theta)| phi.len().max(theta.len()) == 1);
+        let found = if single {
+            self.one_by_one(&points)
+        } else {
+            self.likelihoods(&points)
+        };
         found
             .iter()
             .map(|at| at.map_or(f64::INFINITY, |at| -at.log_likelihood))
@@ -69,28 +87,28 @@ impl Problem<'_> {
     /// Whether the Kalman filter finds the same likelihood there, on the first part of a long record. Where roots nearly
     /// coincide on the edge of the invertible region, that of an unbroken record may be rounding: no optimum.
     fn is_confirmed(&self, z: &[f64], p: usize) -> bool {
-        if self.gaps {
-            return true;
-        }
         let part = Problem {
             samples: &self.samples[..self.samples.len().min(GLANCE)],
             ..*self
         };
-        let filter = Problem { gaps: true, ..part };
         let (phi, theta) = self.coefficients(z, p);
-        match (
-            part.likelihood(&phi, &theta),
-            filter.likelihood(&phi, &theta),
-        ) {
+        let (mean, centre) = (self.mean, self.centre);
+        let exact = kalman::filtered(part.samples, mean, centre, &phi, &theta, self.unit_root);
+        match (part.likelihood(&phi, &theta), exact) {
             (Some(at), Some(exact)) => (at.log_likelihood - exact.log_likelihood).abs() < SAME,
             _ => true,
         }
     }
 
+    /// Evaluations of the approximate likelihood that a search may spend.
+    fn screening_budget(dimension: usize, effort: f64) -> f64 {
+        (effort * 30_000.0).max(40.0 * (dimension + 2) as f64)
+    }
+
     /// Likelihood evaluations that a search may spend: seconds for a long record, thoroughness
     /// for a short one.
     fn budget(&self, dimension: usize, effort: f64) -> f64 {
-        let per_sample = if self.gaps { 20.0 } else { 1.0 } * (1.0 + 0.5 * dimension as f64);
+        let per_sample = if self.gaps { 2.0 } else { 1.0 } * (1.0 + 0.5 * dimension as f64);
         let cost = self.samples.len() as f64 * per_sample + 3_000.0;
         (effort * 2e9 / cost).clamp(40.0 * (dimension + 2) as f64, effort * 100_000.0)
     }
@@ -100,6 +118,10 @@ impl Problem<'_> {
 pub(super) const TOLERANCE: f64 = 1e-5;
 /// Optima this close in log-likelihood count as the same one.
 const SAME: f64 = 1e-4;
+/// An optimum of the approximate likelihood so far below the best does not become the best.
+const HOPELESS: f64 = 30.0;
+/// The same after a few steps by the exact likelihood.
+const NEAR: f64 = 5.0;
 /// Local optima handed to the next order.
 const KEPT: usize = 4;
 /// Samples of a long record on which starts of short memory are ranked.
@@ -109,6 +131,8 @@ const GLANCE: usize = 25_000;
 #[derive(Default)]
 pub(crate) struct Ladder {
     rungs: Vec<((usize, usize), Vec<Point>)>,
+    /// Approximate likelihood of the record, once it is there.
+    whittle: Option<Option<Whittle>>,
 }
 
 impl Ladder {
@@ -133,6 +157,24 @@ impl Ladder {
         effort: f64,
         known: &[Vec<f64>],
     ) -> Result<&[Point], ArmaError> {
+        let whittle = self
+            .whittle
+            .take()
+            .unwrap_or_else(|| Whittle::new(problem.samples, problem.centre, problem.unit_root));
+        let climbed = self.climb_all(problem, (p, q), effort, known, whittle.as_ref());
+        self.whittle = Some(whittle);
+        climbed?;
+        self.at(p, q).ok_or(ArmaError::NoOptimum)
+    }
+
+    fn climb_all(
+        &mut self,
+        problem: &Problem,
+        (p, q): (usize, usize),
+        effort: f64,
+        known: &[Vec<f64>],
+        whittle: Option<&Whittle>,
+    ) -> Result<(), ArmaError> {
         let lowest = p.min(q);
         for down in (0..=lowest).rev() {
             let (p, q) = (p - down, q - down);
@@ -150,11 +192,12 @@ impl Ladder {
                 starts,
                 one.unwrap_or_default(),
                 two.unwrap_or_default(),
+                whittle,
             )?;
             self.rungs.retain(|(order, _)| *order != (p, q));
             self.rungs.push(((p, q), found));
         }
-        self.at(p, q).ok_or(ArmaError::NoOptimum)
+        Ok(())
     }
 }
 
@@ -165,6 +208,7 @@ fn optima(
     known: &[Vec<f64>],
     one_below: &[Point],
     two_below: &[Point],
+    whittle: Option<&Whittle>,
 ) -> Result<Vec<Point>, ArmaError> {
     let function = |z: &[Vec<f64>]| problem.objective(z, p);
     let mut objective = Objective::new(&function, SCALES);
@@ -184,14 +228,38 @@ fn optima(
     real_starts(problem, one_below, (p, q), &mut candidates);
     let mut lines = Vec::new();
     line_starts(problem.samples.len(), two_below, p, &mut lines);
-    candidates.extend(glance(problem, lines, p, budget));
-    let mut found = distinct(rounds(
-        &mut objective,
-        candidates,
-        privileged,
-        budget,
-        dimension,
-    ));
+    let found =
+        match whittle.filter(|_| dimension > 0) {
+            Some(whittle) => {
+                candidates.extend(lines);
+                let mut narrow = Vec::new();
+                for optimum in two_below.iter().take(1) {
+                    let (phi, theta) = Problem::plain(&optimum.z, p - 2);
+                    narrow.extend(whittle.narrow(&phi, &theta).iter().map(|n| {
+                        starts::with_complex_pair(&optimum.z, p - 2, n.omega, n.ar, n.ma)
+                    }));
+                }
+                let approximate = |z: &[Vec<f64>]| {
+                    let points: Vec<_> = z.iter().map(|z| Problem::plain(z, p)).collect();
+                    whittle.objective(&points)
+                };
+                let mut approximate = Objective::new(&approximate, SCALES);
+                let budget = Problem::screening_budget(dimension, effort);
+                screened(
+                    &mut objective,
+                    &mut approximate,
+                    candidates,
+                    privileged,
+                    narrow,
+                    (budget, effort),
+                )
+            }
+            None => {
+                candidates.extend(glance(problem, lines, p, budget));
+                rounds(&mut objective, candidates, privileged, budget, dimension)
+            }
+        };
+    let mut found = distinct(found);
     let confirmed: Vec<bool> = found
         .iter()
         .map(|point| problem.is_confirmed(&point.z, p))
@@ -270,6 +338,53 @@ fn glance(problem: &Problem, candidates: Vec<Vec<f64>>, p: usize, budget: f64) -
     let mut points = distinct(objective.points(candidates));
     points.truncate((budget / 20.0) as usize);
     points.into_iter().map(|point| point.z).collect()
+}
+
+/// The search over all starts by the approximate likelihood; the exact one from its optima.
+fn screened(
+    objective: &mut Objective,
+    approximate: &mut Objective,
+    candidates: Vec<Vec<f64>>,
+    privileged: usize,
+    narrow: Vec<Vec<f64>>,
+    (budget, effort): (f64, f64),
+) -> Vec<Point> {
+    let dimension = candidates[0].len();
+    let mut starts = candidates[..privileged].to_vec();
+    starts.extend(narrow);
+    let mut starts = objective.points(starts);
+    let mut seen = rounds(approximate, candidates, privileged, budget, dimension);
+    let values = seen.iter().map(|point| point.z.clone()).collect();
+    for (point, exact) in seen.iter_mut().zip(objective.points(values)) {
+        point.value = exact.value;
+    }
+    starts.extend(seen);
+    starts = distinct(starts);
+    let keep = match effort {
+        ..0.25 => KEPT / 2,
+        ..1.0 => KEPT,
+        _ => 2 * KEPT,
+    };
+    // What a few steps bring nowhere near the best is not finished.
+    for (iterations, behind) in [(4, HOPELESS), (60, NEAR)] {
+        let best = starts.first().map_or(f64::INFINITY, |best| best.value);
+        starts.retain(|start| start.value < best + behind);
+        starts.truncate(keep);
+        let searched = starts
+            .iter()
+            .map(|start| bfgs(objective, start, 1e-3, iterations));
+        starts = distinct(searched.collect());
+    }
+    if let Some(best) = starts.first_mut() {
+        let end = bfgs(objective, best, TOLERANCE, 200);
+        if end.value <= best.value {
+            *best = end;
+        }
+        if effort >= 1.0 {
+            polish(objective, best, dimension);
+        }
+    }
+    starts
 }
 
 /// Short searches from many starts; the best quarter goes on, longer; the last few to the end.

@@ -3,6 +3,7 @@
 use super::CompositeError;
 use super::predictor::{Predictor, dot};
 pub use crate::arma::Mean as Level;
+use crate::steady;
 use undrift_nav::shaping::ShapingFilter;
 
 /// Likelihood of a record under a model.
@@ -21,8 +22,6 @@ pub struct RecordLikelihood {
     pub level: f64,
     /// Its standard error [unit]; 0 where it is given, infinite where the record says nothing of it.
     pub level_standard_error: f64,
-    /// Samples after which gain and variance were constant; none if they never were.
-    pub settled_at: Option<usize>,
 }
 
 impl RecordLikelihood {
@@ -50,8 +49,7 @@ impl RecordLikelihood {
 
 /// Exact log-likelihood of `record` under `filter`, started at `p0`: a random walk starts at zero
 /// above the level, so with [`Level::Estimated`] its start is free (the profile of the diffuse
-/// likelihood). NaN is a missing sample, exactly accounted for. O(N), no memory beyond the state:
-/// once the gain has settled only the state is carried on.
+/// likelihood). NaN is a missing sample, exactly accounted for. O(N), no memory beyond the state.
 ///
 /// # Errors
 /// Fewer than 3 samples present; an infinite one; a model that leaves a sample without variance.
@@ -69,13 +67,13 @@ pub fn log_likelihood(
     }
     let free = level == Level::Estimated;
     let sums = match filter.order {
-        0 => pass::<0>(record, filter, centre, free),
-        1 => pass::<1>(record, filter, centre, free),
-        2 => pass::<2>(record, filter, centre, free),
-        3 => pass::<3>(record, filter, centre, free),
-        4 => pass::<4>(record, filter, centre, free),
-        5 => pass::<5>(record, filter, centre, free),
-        _ => pass::<6>(record, filter, centre, free),
+        0 => sums::<0>(record, filter, centre),
+        1 => sums::<1>(record, filter, centre),
+        2 => sums::<2>(record, filter, centre),
+        3 => sums::<3>(record, filter, centre),
+        4 => sums::<4>(record, filter, centre),
+        5 => sums::<5>(record, filter, centre),
+        _ => sums::<6>(record, filter, centre),
     }
     .ok_or(CompositeError::NoVariance)?;
     if sums.observations < 3 {
@@ -108,7 +106,6 @@ pub fn log_likelihood(
         observations: sums.observations,
         level: centre + shift,
         level_standard_error: error,
-        settled_at: sums.settled_at,
     })
 }
 
@@ -134,56 +131,44 @@ pub(crate) fn present_mean(record: &[f64]) -> Result<(f64, usize), CompositeErro
     }
 }
 
-#[derive(Default)]
 struct Sums {
     squares: f64,
     ones_cross: f64,
     ones_squares: f64,
     log_determinant: f64,
     observations: usize,
-    settled_at: Option<usize>,
 }
 
-/// Samples whose squares are summed before they join the total.
-const STRETCH: usize = 512;
+fn sums<const N: usize>(record: &[f64], filter: &ShapingFilter, centre: f64) -> Option<Sums> {
+    let steady = steady::steady_state::<N>(filter).and_then(|(model, v)| {
+        let p0 = std::array::from_fn(|i| std::array::from_fn(|j| filter.p0[i][j] / v));
+        let sums = steady::sums(record, centre, &model, &p0)?;
+        Some(Sums {
+            squares: sums.squares / v,
+            ones_cross: sums.cross / v,
+            ones_squares: sums.ones / v,
+            log_determinant: sums.log_determinant + sums.present as f64 * v.ln(),
+            observations: sums.present,
+        })
+    });
+    steady.or_else(|| pass(record, Predictor::<N>::new(filter), centre))
+}
 
-fn pass<const N: usize>(
-    record: &[f64],
-    filter: &ShapingFilter,
-    centre: f64,
-    free: bool,
-) -> Option<Sums> {
-    let mut sums = Sums::default();
-    let mut filter = Predictor::<N>::new(filter);
+/// One sample after the other, for a model that has no steady state.
+fn pass<const N: usize>(record: &[f64], mut filter: Predictor<N>, centre: f64) -> Option<Sums> {
+    let mut sums = Sums {
+        squares: 0.0,
+        ones_cross: 0.0,
+        ones_squares: 0.0,
+        log_determinant: 0.0,
+        observations: 0,
+    };
     // The same filter run over a record of ones: v of the record is linear in the level.
     let mut ones = [0.0; N];
-    let mut ones_error = 1.0;
-    let mut ones_still = !free;
-    let mut at = 0;
-    while at < record.len() {
-        if filter.settled && ones_still {
-            sums.settled_at.get_or_insert(at);
-            let end = record.len().min(at + STRETCH);
-            let run = steady(&mut filter, &record[at..end], centre);
-            let variance = filter.variance;
-            sums.squares += run.squares / variance;
-            sums.log_determinant += run.count as f64 * variance.ln();
-            sums.observations += run.count;
-            if free {
-                sums.ones_cross += ones_error * run.sum / variance;
-                sums.ones_squares += ones_error * ones_error * run.count as f64 / variance;
-            }
-            at += run.count;
-            if at == end {
-                continue;
-            }
-        }
-        let y = record[at];
-        at += 1;
+    for &y in record {
         if y.is_nan() {
             filter.skip();
             ones = filter.advance(&ones);
-            ones_still = !free;
             continue;
         }
         let (variance, gain) = (filter.variance, filter.gain);
@@ -191,60 +176,18 @@ fn pass<const N: usize>(
             return None;
         }
         let v = filter.observe(y - centre);
+        let error = 1.0 - dot(&filter.h, &ones);
         sums.squares += v * v / variance;
         sums.log_determinant += variance.ln();
         sums.observations += 1;
-        if free {
-            ones_error = 1.0 - dot(&filter.h, &ones);
-            sums.ones_cross += ones_error * v / variance;
-            sums.ones_squares += ones_error * ones_error / variance;
-            let mut next = filter.advance(&ones);
-            let mut change = 0.0f64;
-            let mut size = 0.0f64;
-            for i in 0..N {
-                next[i] += gain[i] * ones_error;
-                change = change.max((next[i] - ones[i]).abs());
-                size = size.max(next[i].abs());
-            }
-            ones = next;
-            ones_still = filter.settled && change <= 1e-15 * size;
+        sums.ones_cross += error * v / variance;
+        sums.ones_squares += error * error / variance;
+        ones = filter.advance(&ones);
+        for i in 0..N {
+            ones[i] += gain[i] * error;
         }
     }
     Some(sums)
-}
-
-struct Run {
-    squares: f64,
-    sum: f64,
-    count: usize,
-}
-
-/// The state recursion alone, up to the end or a missing sample.
-fn steady<const N: usize>(filter: &mut Predictor<N>, stretch: &[f64], centre: f64) -> Run {
-    let (a, gain, h) = (filter.closed, filter.gain, filter.h);
-    let mut x = filter.x;
-    let mut run = Run {
-        squares: 0.0,
-        sum: 0.0,
-        count: stretch.len(),
-    };
-    for (k, &sample) in stretch.iter().enumerate() {
-        if sample.is_nan() {
-            run.count = k;
-            break;
-        }
-        let y = sample - centre;
-        let v = y - dot(&h, &x);
-        run.squares += v * v;
-        run.sum += v;
-        let mut next = [0.0; N];
-        for i in 0..N {
-            next[i] = dot(&a[i], &x) + gain[i] * y;
-        }
-        x = next;
-    }
-    filter.x = x;
-    run
 }
 
 #[cfg(test)]
@@ -254,7 +197,7 @@ mod tests {
     use crate::synthesis::NoiseGenerator;
 
     #[test]
-    fn settling_changes_nothing() {
+    fn the_steady_state_changes_nothing() {
         let terms = CompositeTerms {
             white: 0.002,
             gauss_markov: [
@@ -273,8 +216,6 @@ mod tests {
         let mut record = vec![0.0; 60_000];
         NoiseGenerator::new(&filter, 5).fill(&mut record);
         let found = log_likelihood(&record, &filter, Level::Known(0.0)).unwrap();
-        let settled = found.settled_at.unwrap();
-        assert!((1000..40_000).contains(&settled), "{settled}");
         let mut predictor = Predictor::<2>::new(&filter);
         let mut sum = 0.0;
         for &y in &record {

@@ -139,7 +139,6 @@ fn arma11_and_its_decomposition_have_one_likelihood() {
             }
             // 700 000 of log-likelihood in 1e-16: 1e-10 a sum, and 1 − φ is stored to 2e-12.
             assert!(miss.abs() < 1e-6, "φ {phi}, gap {gap}: {miss:e}");
-            assert!(a.settled_at.is_some() && b.settled_at.is_some());
             if !gap && phi < 1.0 {
                 let best = arma::log_likelihood(&record, &[phi], &[theta], Mean::Known(0.0), false);
                 let miss = b.with_best_scale() - best.unwrap().log_likelihood;

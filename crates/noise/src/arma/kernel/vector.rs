@@ -4,12 +4,12 @@ use super::{LANES, Row};
 
 /// A loop that is compiled twice: for every processor, and for those with 256-bit vectors and
 /// fused multiply-add, where they are found at run time. The two differ by rounding.
-pub(super) trait Task {
+pub(crate) trait Task {
     type Output;
     fn run<const FUSED: bool>(self) -> Self::Output;
 }
 
-pub(super) fn vectorised<T: Task>(task: T) -> T::Output {
+pub(crate) fn vectorised<T: Task>(task: T) -> T::Output {
     #[cfg(target_arch = "x86_64")]
     {
         struct Fused<T>(T);
@@ -34,7 +34,7 @@ pub(super) fn total(row: Row) -> f64 {
 }
 
 #[inline(always)]
-pub(super) fn multiply_add<const FUSED: bool, const L: usize>(
+pub(crate) fn multiply_add<const FUSED: bool, const L: usize>(
     sum: &mut [f64; L],
     a: f64,
     b: &[f64; L],

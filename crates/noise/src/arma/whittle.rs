@@ -1,0 +1,140 @@
+//! Whittle's likelihood: what a search over many starts looks at first.
+//!
+//! In the frequency domain the likelihood of N samples is nearly that of independent periodogram
+//! ordinates of mean `σ² g(ω)`, `g = |θ(e^{−iω})|²/|φ(e^{−iω})|²` (Whittle 1953). Ordinates are summed in
+//! [`bins`], narrow towards zero, where slow errors differ, and no wider than a line elsewhere: an evaluation costs
+//! the same whatever the length of the record. It is approximate, most of all at the lowest frequencies; only the
+//! exact likelihood decides. A sine taper keeps a slow error from leaking over the others.
+
+use super::kernel::{Coefficients, PowerSum};
+use realfft::RealFftPlanner;
+use std::f64::consts::PI;
+
+/// Shortest record of which it is a fair picture.
+const SHORTEST: usize = 256;
+/// Growth of the bins from one to the next.
+const GROWTH: f64 = 0.06;
+/// No bin is wider than this share of all frequencies.
+const FINEST: usize = 384;
+/// Ordinates of the bands that are looked at for lines.
+const WIDTHS: [usize; 5] = [2, 5, 12, 30, 100];
+/// Samples at the start of a record that it sees.
+const MOST: usize = 1 << 21;
+
+/// The periodogram of a record, in bins.
+pub(crate) struct Whittle {
+    samples: f64,
+    sums: PowerSum,
+    /// The ordinates themselves, from that of one cycle a record on.
+    ordinates: Vec<f64>,
+}
+
+/// What a model leaves out of a narrow band: a resonance, or a notch.
+pub(super) struct Narrow {
+    /// Middle of the band [rad/sample].
+    pub(super) omega: f64,
+    /// Radius of the AR and of the MA roots that make it.
+    pub(super) ar: f64,
+    pub(super) ma: f64,
+}
+
+impl Whittle {
+    /// Of a record about `centre`; missing samples are bridged by the one before. None of a short record.
+    pub(super) fn new(record: &[f64], centre: f64, differenced: bool) -> Option<Self> {
+        let record = &record[..record.len().min(MOST)];
+        let mut last = 0.0;
+        let mut x: Vec<f64> = Vec::with_capacity(record.len());
+        for value in record {
+            let before = last;
+            if !value.is_nan() {
+                last = value - centre;
+            }
+            x.push(if differenced { last - before } else { last });
+        }
+        let n = x.len();
+        if n < SHORTEST {
+            return None;
+        }
+        if differenced {
+            x[0] = 0.0;
+        }
+        let step = PI / n as f64;
+        for (t, value) in x.iter_mut().enumerate() {
+            *value *= std::f64::consts::SQRT_2 * ((t as f64 + 0.5) * step).sin();
+        }
+        let plan = RealFftPlanner::<f64>::new().plan_fft_forward(n);
+        let mut spectrum = plan.make_output_vec();
+        plan.process(&mut x, &mut spectrum).ok()?;
+        let mut sums = PowerSum::default();
+        for (first, end) in bins(spectrum.len()) {
+            let power: f64 = spectrum[first..end].iter().map(|v| v.norm_sqr()).sum();
+            // Every frequency stands for its negative too.
+            sums.push(step * (first + end - 1) as f64, 2.0 * power / n as f64);
+        }
+        let samples = n as f64;
+        let ordinates = spectrum[1..].iter().map(|v| v.norm_sqr() / samples);
+        let ordinates = ordinates.collect();
+        Some(Self {
+            samples,
+            sums,
+            ordinates,
+        })
+    }
+
+    /// The bands of several widths in which a model's power is most wrong, one of each width: where a
+    /// factor m on the power of w ordinates gains most, `w (m − 1 − ln m)`.
+    pub(super) fn narrow(&self, phi: &[f64], theta: &[f64]) -> Vec<Narrow> {
+        let step = 2.0 * PI / self.samples;
+        let (squares, _) = self.sums.over(phi, theta, step);
+        let variance = squares / self.samples;
+        let mut sums = Vec::with_capacity(self.ordinates.len() + 1);
+        let mut sum = 0.0;
+        sums.push(sum);
+        for (j, power) in self.ordinates.iter().enumerate() {
+            sum += power / (variance * PowerSum::gain(phi, theta, (j + 1) as f64 * step));
+            sums.push(sum);
+        }
+        let band = |width: usize| {
+            let gain = |first: usize| {
+                let mean = (sums[first + width] - sums[first]) / width as f64;
+                mean - 1.0 - mean.ln()
+            };
+            let last = sums.len().checked_sub(width + 1)?;
+            let first = (1..=last).max_by(|&a, &b| gain(a).total_cmp(&gain(b)))?;
+            let mean = (sums[first + width] - sums[first]) / width as f64;
+            let distance = (0.25 * step * width as f64).min(0.3);
+            // A line may be narrower than what an ordinate resolves.
+            Some([1.0, 0.2].map(|share| {
+                let distance = share * distance;
+                Narrow {
+                    omega: step * (first as f64 + 0.5 * (width + 1) as f64),
+                    ar: 1.0 - distance,
+                    ma: 1.0 - (distance * mean.sqrt()).clamp(0.05 * distance, 0.5),
+                }
+            }))
+        };
+        WIDTHS.into_iter().filter_map(band).flatten().collect()
+    }
+
+    /// Negative log-likelihoods, but for a constant.
+    pub(super) fn objective(&self, points: &[Coefficients]) -> Vec<f64> {
+        let one = |(phi, theta): &Coefficients| {
+            let (squares, lowest) = self.sums.over(phi, theta, 1.0 / self.samples);
+            // The logarithms of g over all N frequencies add up to nothing (Szegő); zero is not among ours.
+            0.5 * (self.samples * (squares / self.samples).ln() - lowest.ln())
+        };
+        points.iter().map(one).collect()
+    }
+}
+
+/// First ordinate and end of each bin; the mean, ordinate 0, is in none.
+fn bins(ordinates: usize) -> impl Iterator<Item = (usize, usize)> {
+    let widest = ordinates.div_ceil(FINEST);
+    let mut at = 1;
+    std::iter::from_fn(move || {
+        let first = at;
+        let width = ((GROWTH * first as f64) as usize).clamp(1, widest);
+        at = (first + width).min(ordinates);
+        (first < ordinates).then_some((first, at))
+    })
+}

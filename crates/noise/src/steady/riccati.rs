@@ -1,0 +1,85 @@
+//! The steady state of a shaping filter's prediction.
+
+use super::Innovations;
+use super::matrix::{Matrix, Vector, add, apply, dot, identity, product, solve, transposed};
+use undrift_nav::shaping::ShapingFilter;
+
+/// Most doublings: 2⁶⁰ samples.
+const DOUBLINGS: usize = 60;
+/// Relative change at which the doubling has ended.
+const STILL: f64 = 1e-15;
+/// Share of P∞ by which one step more may change it.
+const EXACT: f64 = 1e-11;
+
+/// The innovations form, its P, Q in units of V, and V \[unit²\]. N must be the filter's order. `None` where no steady
+/// state was found, or the filter has no noise of a sample's own.
+///
+/// `P = A P (I + HᵀH P/r)⁻¹ Aᵀ + q`, A and q freed of the correlation with the sample's own noise, by the doubling of
+/// Anderson 1978 (Int. J. Control 28).
+pub(crate) fn steady_state<const N: usize>(
+    filter: &ShapingFilter,
+) -> Option<(Innovations<N>, f64)> {
+    let r = filter.r;
+    if !(r > 0.0 && r.is_finite()) {
+        return None;
+    }
+    let leading = |a: &[[f64; 6]; 6]| -> Matrix<N> {
+        std::array::from_fn(|i| std::array::from_fn(|j| a[i][j]))
+    };
+    let (f, driving) = (leading(&filter.f), leading(&filter.q));
+    let h: Vector<N> = std::array::from_fn(|i| filter.h[i]);
+    let s: Vector<N> = std::array::from_fn(|i| filter.s[i]);
+    let freed: Matrix<N> =
+        std::array::from_fn(|i| std::array::from_fn(|j| f[i][j] - s[i] * h[j] / r));
+    let own: Matrix<N> =
+        std::array::from_fn(|i| std::array::from_fn(|j| driving[i][j] - s[i] * s[j] / r));
+    let information: Matrix<N> = std::array::from_fn(|i| std::array::from_fn(|j| h[i] * h[j] / r));
+    let (mut a, mut g, mut p) = (transposed(&freed), information, own);
+    let mut still = N == 0;
+    for _ in 0..DOUBLINGS {
+        if still {
+            break;
+        }
+        let weight = add(&identity(), &product(&g, &p), 1.0);
+        let (wa, _) = solve(&weight, &a)?;
+        let (wg, _) = solve(&weight, &g)?;
+        let turned = transposed(&a);
+        let next = symmetric(&add(&p, &product(&turned, &product(&p, &wa)), 1.0));
+        still = (0..N).all(|i| (next[i][i] - p[i][i]).abs() <= STILL * next[i][i].abs());
+        g = symmetric(&add(&g, &product(&a, &product(&wg, &turned)), 1.0));
+        a = product(&a, &wa);
+        p = next;
+    }
+    let ph = apply(&p, &h);
+    let v = dot(&h, &ph) + r;
+    if !(still && v > 0.0 && v.is_finite()) {
+        return None;
+    }
+    let gain: Vector<N> = std::array::from_fn(|i| (dot(&f[i], &ph) + s[i]) / v);
+    // One step of the filter must leave P where it is.
+    let after: Matrix<N> =
+        std::array::from_fn(|i| std::array::from_fn(|j| p[i][j] - ph[i] * ph[j] / v));
+    let after = add(
+        &product(&freed, &product(&after, &transposed(&freed))),
+        &own,
+        1.0,
+    );
+    let seen = |i: usize| h[i] * h[i] * (after[i][i] - p[i][i]).abs();
+    let exact = (0..N)
+        .all(|i| (after[i][i] - p[i][i]).abs() <= EXACT * p[i][i].abs() || seen(i) <= 1e-15 * v);
+    exact.then(|| {
+        let in_v = |m: &Matrix<N>| m.map(|row| row.map(|value| value / v));
+        let model = Innovations {
+            f,
+            h,
+            gain,
+            q: in_v(&driving),
+            p: in_v(&p),
+        };
+        (model, v)
+    })
+}
+
+fn symmetric<const N: usize>(a: &Matrix<N>) -> Matrix<N> {
+    std::array::from_fn(|i| std::array::from_fn(|j| 0.5 * (a[i][j] + a[j][i])))
+}
