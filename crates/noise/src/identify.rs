@@ -86,6 +86,20 @@ pub enum IdentifyError {
         /// Length needed \[s\].
         needed: f64,
     },
+    /// Rounding leaves nothing of the noise.
+    #[error(
+        "only {off} of {samples} samples differ from the most common value, at least 30 are needed: at steps of {step:.3e} the noise of a sample is hidden and below {hidden:.2e}; record at a finer range or without the sensor's low-pass filter"
+    )]
+    Coarse {
+        /// Step of the samples [unit].
+        step: f64,
+        /// Samples off the most common value.
+        off: usize,
+        /// Samples.
+        samples: usize,
+        /// Largest standard deviation before rounding [unit].
+        hidden: f64,
+    },
     /// No candidate could be fitted.
     #[error("no model could be fitted to the recording")]
     NoCandidate,
@@ -169,7 +183,7 @@ pub fn identify(
     let phillips_perron = stationarity::phillips_perron(bridged, Deterministic::Constant, None)?;
     let mut normality = normality::normality(bridged)?;
     // Bridged, or less a trend, the samples no longer lie on their grid.
-    normality.quantisation = normality::quantisation(record);
+    normality.quantisation = screened.quantisation;
     let curve = allan::deviations(bridged, rate, DeviationKind::Overlapping, Grid::Octave)?;
     let allan_terms = allan::fit_terms(&curve)?;
 

@@ -18,7 +18,9 @@ pub(crate) mod bridge;
 pub mod motion;
 pub mod outlier;
 pub mod record;
+pub mod rounding;
 pub mod saturation;
+mod tail;
 pub mod timing;
 pub mod trend;
 

@@ -34,10 +34,17 @@ pub(super) fn of_record(of: &Screened, samples: usize, rate_hz: f64) -> Vec<Stri
             of.hanging.len()
         ));
     }
+    if let (Some(grid), Some(deviation)) = (of.quantisation, of.before_rounding) {
+        remarks.push(format!(
+            "the steps of the samples are {:.1} times the noise before rounding: the white noise is that of the rounded samples, and a slow error smaller than a step shows only in part",
+            grid.step / deviation
+        ));
+    }
     if let Some(first) = of.outliers.first() {
         remarks.push(format!(
-            "rejected {} samples more than 8 robust standard deviations off, the first at {:.2} s",
+            "rejected {} samples more than {:.0} robust standard deviations off, the first at {:.2} s",
             of.outliers.len(),
+            of.threshold,
             second(first.index)
         ));
     }

@@ -1,6 +1,8 @@
 //! What is done to a record before anything is identified of it: its trend, its outliers, whether it rests.
 
 use super::{IdentifyError, Options, SHORTEST};
+use crate::normality::{self, Quantisation};
+use crate::screening::rounding::{self, FEWEST_OFF};
 use crate::screening::{
     self, Detrended, Hanging, Motion, MotionRule, Outlier, OutlierRule, Saturation, Trend,
     bridge::bridge,
@@ -47,6 +49,11 @@ pub(super) struct Screened {
     pub(super) motion: Option<Motion>,
     pub(super) saturation: Vec<Saturation>,
     pub(super) hanging: Vec<Hanging>,
+    /// Robust standard deviations beyond which a sample was an outlier.
+    pub(super) threshold: f64,
+    /// The grid of the samples, and their standard deviation before rounding where the steps are coarse and it shows.
+    pub(super) quantisation: Option<Quantisation>,
+    pub(super) before_rounding: Option<f64>,
 }
 
 impl Screened {
@@ -62,10 +69,34 @@ impl Screened {
 
 pub(super) fn screened(record: &[f64], options: &Options<'_>) -> Result<Screened, IdentifyError> {
     let (plain, removed) = detrended(record, options)?;
-    let found = screening::outliers(&plain.residuals, OutlierRule::default())?;
+    let quantisation = normality::quantisation(record);
+    // By differences of neighbours, that a slow error over many steps does not matter.
+    let squares: f64 = record.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum();
+    let variance = 0.5 * squares / record.len() as f64;
+    let coarse = quantisation.filter(|grid| grid.step * grid.step > variance);
+    let mut hanging = HANGING;
+    if let Some(grid) = coarse {
+        let (samples, off) = (record.len(), rounding::off_the_mode(record));
+        if off < FEWEST_OFF {
+            return Err(IdentifyError::Coarse {
+                step: grid.step,
+                off,
+                samples,
+                hidden: rounding::largest_hidden(grid.step, off, samples),
+            });
+        }
+        // While the mean is amid a step, a sensor at work gives long stretches too.
+        hanging = hanging.max(samples / 4);
+    }
+    let rule = OutlierRule {
+        step: quantisation.map_or(0.0, |grid| grid.step),
+        ..OutlierRule::default()
+    };
+    let found = screening::outliers(&plain.residuals, rule)?;
     let bridged = bridge(&found.cleaned);
     let rule = MotionRule {
         window: (options.rate_hz.round() as usize).max(2),
+        step: quantisation.map_or(0.0, |grid| grid.step),
         ..MotionRule::default()
     };
     Ok(Screened {
@@ -76,7 +107,10 @@ pub(super) fn screened(record: &[f64], options: &Options<'_>) -> Result<Screened
         bridged,
         outliers: found.outliers,
         saturation: screening::saturation(record),
-        hanging: screening::constant_runs(record, HANGING),
+        hanging: screening::constant_runs(record, hanging),
+        threshold: found.threshold,
+        quantisation,
+        before_rounding: coarse.and_then(|grid| rounding::before_rounding(record, grid.step)),
     })
 }
 

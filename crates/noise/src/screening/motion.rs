@@ -14,6 +14,8 @@ pub struct MotionRule {
     pub factor: f64,
     /// The record moves where more than this share of its windows does.
     pub share: f64,
+    /// Step of quantised samples [unit], 0 where there is none: a mean that goes from one level to the next does not move.
+    pub step: f64,
 }
 
 impl Default for MotionRule {
@@ -24,6 +26,7 @@ impl Default for MotionRule {
             window: 100,
             factor: 50.0,
             share: 0.01,
+            step: 0.0,
         }
     }
 }
@@ -64,7 +67,7 @@ pub fn motion(x: &[f64], rule: MotionRule) -> Result<Motion, RecordError> {
         .map(|w| 0.5 * (w[1].0 - w[0].0).powi(2))
         .collect();
     let total = changes.iter().sum::<f64>() / changes.len() as f64;
-    let allowed = inside / width;
+    let allowed = (inside / width).max(rule.step * rule.step / rule.factor);
     let ratio = if total == 0.0 { 0.0 } else { total / allowed };
     let moving_windows: Vec<usize> = changes
         .iter()

@@ -2,6 +2,7 @@
 //! Statistical Association 69, 1974).
 
 use super::record::{RecordError, check};
+use super::tail;
 use crate::order_statistics::upper_median;
 use serde::{Deserialize, Serialize};
 
@@ -16,8 +17,10 @@ const CAP: f64 = 5.0;
 pub struct OutlierRule {
     /// Samples of the moving window.
     pub window: usize,
-    /// Robust standard deviations from the window's median.
+    /// Robust standard deviations from the window's median; more where the noise's own tail is heavier than normal.
     pub sigmas: f64,
+    /// Step of quantised samples [unit], 0 where there is none: no deviation counts as smaller.
+    pub step: f64,
 }
 
 impl Default for OutlierRule {
@@ -27,6 +30,7 @@ impl Default for OutlierRule {
         Self {
             window: 1000,
             sigmas: 8.0,
+            step: 0.0,
         }
     }
 }
@@ -50,12 +54,15 @@ pub struct Outliers {
     pub outliers: Vec<Outlier>,
     /// The record with NaN, that is missing, in their places [unit].
     pub cleaned: Vec<f64>,
+    /// Robust standard deviations beyond which a sample is an outlier.
+    pub threshold: f64,
 }
 
 /// Finds the outliers of a record. Each half window is held against the median and the deviation of
 /// the window around it: O(N). The median deviation of quantised samples jumps by whole steps: it is
 /// not let below half of its median over all windows (below the mean absolute deviation of the record,
-/// where that is 0), nor below the root mean square of the window with squares capped at five of it.
+/// where that is 0), nor below the root mean square of the window with squares capped at five of it, nor below the
+/// step. Of heavy-tailed noise nothing is an outlier that Student's t with the tail of the bulk can have made.
 ///
 /// # Errors
 /// Fewer than 5 samples, a sample that is not finite, a window below 5 or a threshold that
@@ -101,14 +108,27 @@ pub fn outliers(x: &[f64], rule: OutlierRule) -> Result<Outliers, RecordError> {
             .iter()
             .map(|v| (v - *centre).clamp(-most, most).powi(2))
             .sum();
-        *deviation = deviation.max((squares / window as f64).sqrt());
+        *deviation = deviation
+            .max((squares / window as f64).sqrt())
+            .max(rule.step);
     }
+    let sigmas = |index: usize| {
+        let (centre, deviation) = windows[index / step];
+        (x[index] - centre) / deviation
+    };
+    // Of samples on a coarse grid the quantiles are those of the grid.
+    let coarse = rule.step > 0.0 && windows.iter().any(|w| w.1 < 2.0 * rule.step);
+    let threshold = if coarse {
+        rule.sigmas
+    } else {
+        let distances = (0..x.len()).map(|index| sigmas(index).abs());
+        tail::bound(distances.filter(|d| !d.is_nan()).collect(), rule.sigmas)
+    };
     let (mut found, mut cleaned) = (Vec::new(), x.to_vec());
     for (index, &value) in x.iter().enumerate() {
-        let (centre, deviation) = windows[index / step];
-        let sigmas = (value - centre) / deviation;
+        let sigmas = sigmas(index);
         // 0/0 of a constant record is no outlier.
-        if sigmas.abs() > rule.sigmas {
+        if sigmas.abs() > threshold {
             found.push(Outlier {
                 index,
                 value,
@@ -120,5 +140,6 @@ pub fn outliers(x: &[f64], rule: OutlierRule) -> Result<Outliers, RecordError> {
     Ok(Outliers {
         outliers: found,
         cleaned,
+        threshold,
     })
 }

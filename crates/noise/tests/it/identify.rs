@@ -359,3 +359,79 @@ fn a_line_is_taken_out_and_no_export_shows_it() {
         assert!((0.5..1.7).contains(&(drive / truth)), "{}", drive / truth);
     }
 }
+
+/// Student's t of ν degrees of freedom and standard deviation `sigma`: z/√(χ²/ν), χ² of ν normal numbers.
+fn student(freedom: usize, sigma: f64, samples: usize, seed: u64) -> Vec<f64> {
+    let z = simulated(RATE.sqrt().recip(), 0.0, samples * (freedom + 1), seed);
+    let scale = sigma * ((freedom - 2) as f64).sqrt();
+    let of = |draws: &[f64]| {
+        let squares: f64 = draws[1..].iter().map(|v| v * v).sum();
+        scale * draws[0] / squares.sqrt()
+    };
+    z.chunks_exact(freedom + 1).map(of).collect()
+}
+
+#[test]
+fn heavy_tails_are_no_outliers() {
+    for (freedom, seed) in [(3, 41), (4, 43), (5, 44)] {
+        let record = student(freedom, 0.01, 72_000, seed);
+        let axis = identify(&record, false, &OPTIONS).unwrap();
+        assert!(
+            axis.outliers.is_empty(),
+            "{freedom} {seed}: {:?}",
+            axis.outliers
+        );
+        let squares: f64 = record.iter().map(|v| v * v).sum();
+        let white = (squares / record.len() as f64 / RATE).sqrt();
+        let found = axis.allan_terms.white.value;
+        // The Allan deviation of short times, fitted: what the samples have, to the 0.5 % asked for.
+        assert!(
+            (found / white - 1.0).abs() < 5e-3,
+            "{freedom} {seed}: {found} {white}"
+        );
+    }
+}
+
+#[test]
+fn steps_larger_than_the_noise_leave_a_model() {
+    let sigma = 0.01;
+    for (seed, steps) in [(51, 3.7), (52, 5.0), (53, 10.0)] {
+        // Noise of σ about a slow error that crosses twelve steps, so that it is everywhere on the grid.
+        let step = steps * sigma;
+        let noise = simulated(sigma / RATE.sqrt(), 0.0, 72_000, seed);
+        let slow = |k: usize| 12.0 * step * k as f64 / 72_000.0;
+        let record = noise
+            .iter()
+            .enumerate()
+            .map(|(k, e)| ((e + slow(k)) / step).round() * step);
+        let axis = identify(&record.collect::<Vec<f64>>(), false, &OPTIONS).unwrap();
+        assert!(axis.outliers.is_empty() && axis.hanging.is_empty());
+        // Mean variance of a normal variable rounded to steps far larger than it, everywhere on the grid:
+        // step² ∫ Φ(1 − Φ) σ dz/step = step σ/√π; at 3.7 σ still to 1 %.
+        let expected = (step * sigma / core::f64::consts::PI.sqrt() / RATE).sqrt();
+        let squares: f64 = axis.allan.points[0].deviation.powi(2) / RATE;
+        assert!(
+            (squares.sqrt() / expected - 1.0).abs() < 0.03,
+            "{steps}: {} {expected}",
+            squares.sqrt()
+        );
+    }
+    // The mean amid a step of 12 σ: two samples of 10⁹ would leave it.
+    let record: Vec<f64> = simulated(sigma / RATE.sqrt(), 0.0, 72_000, 54)
+        .iter()
+        .enumerate()
+        .map(|(k, e)| {
+            if k == 7 {
+                0.12
+            } else {
+                (e / 0.12).round() * 0.12
+            }
+        })
+        .collect();
+    let refused = identify(&record, false, &OPTIONS).unwrap_err();
+    let IdentifyError::Coarse { off: 1, hidden, .. } = refused else {
+        panic!("{refused}");
+    };
+    // 4 of 72 000 beyond edges: P(|z| > 4.03) = 5.6e-5, so σ is below 0.06/4.03.
+    assert!((hidden / (0.06 / 4.03) - 1.0).abs() < 0.01, "{hidden}");
+}
