@@ -40,9 +40,10 @@ pub fn known<'a>(unknown: &str, known: impl IntoIterator<Item = &'a str>) -> Opt
     (!names.is_empty()).then(|| format!("did you mean {names}?"))
 }
 
-/// Whether a name is another with one or two letters wrong.
+/// Whether a name is another with a letter wrong, or two of six and more.
 pub fn misspelt(name: &str, known: &str) -> bool {
-    known.len() > 3 && edits(name, known).is_some_and(|edits| edits <= 2)
+    let most = (known.len() / 3).min(2);
+    known.len() > 3 && edits(name, known).is_some_and(|edits| edits <= most)
 }
 
 /// How far a name is from the wanted one, small first; `None` for too far.

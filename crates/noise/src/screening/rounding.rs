@@ -42,7 +42,7 @@ fn of_window(x: &[f64], step: f64) -> Option<f64> {
     let edges = (1..n).filter(|&k| levels[k] > levels[k - 1]);
     let mut edges = edges.filter(|k| (FEWEST..=n - FEWEST).contains(k));
     let first = edges.next()?;
-    let last = edges.last()?;
+    let last = edges.next_back()?;
     let normal = Normal::standard();
     let place = |below: usize| normal.inverse_cdf(below as f64 / n as f64);
     let apart = levels[last - 1] - levels[first - 1];
