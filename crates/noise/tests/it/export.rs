@@ -343,7 +343,7 @@ fn what_is_missing_is_named() {
     assert!(error(one, ModelFormat::KfGins, None).contains("gyro_y"));
     assert!(error(white, ModelFormat::Ros, None).contains("--rate HZ"));
     for rate in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        assert!(error(white, ModelFormat::Ros, Some(rate)).contains("none"));
+        assert!(error(white, ModelFormat::Ros, Some(rate)).contains("invalid sample rate"));
     }
     // Anti-persistent noise has no bias that moves.
     let error = with_arma("[]", "[0.5]")

@@ -34,7 +34,9 @@ class Candidate(Result):
     states: int
     """States of its shaping filter, the turn-on constant's included."""
     drift: Mapping[str, float]
-    """RMS error of the predicted integral [unit·s] by the horizon in seconds, on the second half of the record."""
+    """RMS error of the predicted integral [unit·s] by the horizon in seconds.
+
+    Fitted on one half of the record and scored on the other, both ways."""
     drift_error: Mapping[str, float]
     """Standard errors of these."""
     parameters: Mapping[str, Any] = field(repr=False)
@@ -54,7 +56,7 @@ class AxisIdentified(Result):
     candidates: tuple[Candidate, ...] = field(repr=False)
     """The candidates, the least drift after the longest time first."""
     recommended: Candidate
-    """The simplest candidate within the sampling error of the best."""
+    """The simplest of the likeliest candidates that drift as little as the best."""
     reason: str
     """Why it is recommended."""
     stationarity: str

@@ -147,7 +147,7 @@ fn what_cannot_be_read_is_said_with_its_key() {
             encoder.finish().unwrap(),
             "is compressed as a whole; decompress it",
         ),
-        ("empty", Vec::new(), "no row of data"),
+        ("empty", Vec::new(), "is empty"),
         ("text", b"time,gyro".to_vec(), "no row of data"),
         (
             "cut",
