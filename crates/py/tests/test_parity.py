@@ -39,11 +39,6 @@ def plain(record: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
     return undrift.detrend(record).residuals
 
 
-@pytest.fixture(scope="module")
-def half(plain: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    return plain[: plain.size // 2]
-
-
 def null(value: float) -> float | None:
     """A number as JSON has it."""
     return value if math.isfinite(value) else None
@@ -134,9 +129,9 @@ def test_allan(found: Any, plain: npt.NDArray[np.float64]) -> None:
 
 
 def test_pandit_wu_and_the_fit_that_follows(
-    found: Any, half: npt.NDArray[np.float64]
+    found: Any, plain: npt.NDArray[np.float64]
 ) -> None:
-    table = undrift.pandit_wu(half, 2, effort=SEARCH_EFFORT)
+    table = undrift.pandit_wu(plain, 2, effort=SEARCH_EFFORT)
     # The result's table goes on to (8,7).
     rows = found["pandit_wu"][: len(table.rows)]
     for (order, test), theirs in zip(table.rows, rows, strict=True):
@@ -154,12 +149,12 @@ def test_pandit_wu_and_the_fit_that_follows(
             c for c in found["candidates"] if c["name"] == f"ARMA({order[0]},{order[1]})"
         )
         known = [(one.ar, one.ma) for one in table if one.order == order]
-        same_fit(undrift.arma.fit(half, order, effort=REFINE_EFFORT, starts=known), theirs)
+        same_fit(undrift.arma.fit(plain, order, effort=REFINE_EFFORT, starts=known), theirs)
 
 
-def test_unit_root_fit(found: Any, half: npt.NDArray[np.float64]) -> None:
+def test_unit_root_fit(found: Any, plain: npt.NDArray[np.float64]) -> None:
     (theirs,) = (c for c in found["candidates"] if c["name"] == "ARMA(1,1), unit root")
-    same_fit(undrift.arma.fit(half, (1, 1), effort=REFINE_EFFORT, unit_root=True), theirs)
+    same_fit(undrift.arma.fit(plain, (1, 1), effort=REFINE_EFFORT, unit_root=True), theirs)
 
 
 def same_fit(fit: undrift.arma.ArmaFit, theirs: Any) -> None:
@@ -177,8 +172,8 @@ def same_fit(fit: undrift.arma.ArmaFit, theirs: Any) -> None:
         assert list(fit.warnings) == theirs["warnings"]
 
 
-def test_grid_of_orders(found: Any, half: npt.NDArray[np.float64]) -> None:
-    grid, theirs = undrift.arma.select(half, (3, 3), effort=GRID_EFFORT), found["box_jenkins"]
+def test_grid_of_orders(found: Any, plain: npt.NDArray[np.float64]) -> None:
+    grid, theirs = undrift.arma.select(plain, (3, 3), effort=GRID_EFFORT), found["box_jenkins"]
     for name in ("by_aic", "by_aicc", "by_bic"):
         assert getattr(grid, name) == (theirs[name]["p"], theirs[name]["q"])
     for fit, one in zip(grid.fits, theirs["grid"], strict=True):
@@ -187,9 +182,9 @@ def test_grid_of_orders(found: Any, half: npt.NDArray[np.float64]) -> None:
         assert (fit.aic, fit.aicc, fit.bic) == (one["aic"], one["aicc"], one["bic"])
 
 
-def test_burg(found: Any, half: npt.NDArray[np.float64]) -> None:
-    order = max(undrift.arma.order_by_aicc(half, 5), 1)
+def test_burg(found: Any, plain: npt.NDArray[np.float64]) -> None:
+    order = max(undrift.arma.order_by_aicc(plain, 5), 1)
     (theirs,) = (c for c in found["candidates"] if c["name"] == f"AR({order}), Burg")
-    fit = undrift.arma.burg(half, order)
+    fit = undrift.arma.burg(plain, order)
     assert fit.ar.tolist() == theirs["ar"]
     assert math.sqrt(fit.sigma2) == theirs["sigma"]
