@@ -4,7 +4,9 @@ use crate::terminal::detail;
 use std::path::{Path, PathBuf};
 use undrift::{
     drive::Drive,
-    io::{Opened, gnss::GnssSource, imu::ImuSource, source::BytesRead, truth::TruthSource},
+    io::{
+        Opened, gnss::GnssSource, imu::ImuSource, source::BytesRead, truth::TruthSource, visible,
+    },
 };
 
 /// Size of a log [bytes]; 0 where it has none.
@@ -66,7 +68,16 @@ pub fn drive(file: &Path, drive: &Drive) {
             drive.gnss_use.describe(),
         )
     });
-    detail(2, || format!("{drive:#?}"));
+    text(file);
+}
+
+/// Shows a file of settings as it stands.
+pub fn text(file: &Path) {
+    detail(2, || {
+        let text = std::fs::read_to_string(file).unwrap_or_default();
+        let lines = text.lines().map(|line| format!("\n  {}", visible(line)));
+        format!("{}:{}", file.display(), lines.collect::<String>())
+    });
 }
 
 /// A table has its columns in the drive file; anything else describes itself.

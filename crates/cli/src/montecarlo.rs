@@ -1,11 +1,12 @@
 //! `undrift montecarlo`: does the filter know its own errors?
 
 use crate::{
+    details,
     output::Files,
     progress::Bar,
     report::{ResultOutput, svg_only, write_drawn},
     style,
-    terminal::{self, detail, say, stage},
+    terminal::{self, say, stage},
 };
 use anyhow::Result;
 use clap::Args;
@@ -53,7 +54,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if !arguments.bias_models.is_empty() {
         spec.bias_models.clone_from(&arguments.bias_models);
     }
-    detail(2, || format!("{spec:#?}"));
+    details::text(&arguments.spec);
     let result = stage("simulation and navigation", || {
         let bar = Bar::new("simulated", arguments.runs as u64, "runs");
         montecarlo::run(&spec, arguments.runs, arguments.seed, || bar.add(1))

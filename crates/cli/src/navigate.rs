@@ -13,7 +13,7 @@ use clap::Args;
 use std::path::{Path, PathBuf};
 use undrift::{
     drive::Drive,
-    findings::{Finding, Severity},
+    findings::Finding,
     io::write::{SolutionFile, SolutionFormat, SolutionOptions},
     navigate::{self, Wanted},
     noise::{BiasModel, ImuModel},
@@ -116,7 +116,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         say(text::navigate(&result))?;
         // How it ends comes last.
         let findings = result.findings.iter().zip(&result.warnings);
-        let found = findings.filter(|(of, _)| of.severity() < Severity::Unusable);
+        let found = findings.filter(|(of, _)| !matches!(of, Finding::Diverged { .. }));
         found.for_each(|(_, sentence)| warn(sentence));
         for path in &arguments.output {
             say(format!("solution: {}", output::shown(path)))?;

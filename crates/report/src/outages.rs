@@ -16,6 +16,7 @@ use crate::{
 use drift::drift;
 use undrift::{
     demo::WHITE_CALIBRATED,
+    findings::{Severity, verdict},
     noise::order_statistics::quantile,
     outages::is_clear_lead,
     results::{ModelErrors, Numbers, Outages},
@@ -34,6 +35,8 @@ struct Model<'a> {
     errors: &'a ModelErrors,
     drift: Vec<(f64, f64)>,
     colour: usize,
+    /// Whether its run can be concluded from.
+    usable: bool,
 }
 
 impl Model<'_> {
@@ -93,6 +96,7 @@ fn models<'a>(runs: &[Run<'a, Outages>]) -> Vec<Model<'a>> {
                     points(&d.since_cut_s, &d.horizontal_rms_m, 1.0)
                 }),
                 colour: model_colour(key, models.len()),
+                usable: verdict(&result.findings).0 < Severity::Unusable,
             });
         }
     }
@@ -181,9 +185,14 @@ const ALIKE: f64 = 1.01;
 fn findings(models: &[Model<'_>]) -> Vec<String> {
     let mut ranked: Vec<&Model<'_>> = models.iter().filter(|m| m.rms().is_finite()).collect();
     ranked.retain(|m| !m.is_bound());
+    let finished = !ranked.is_empty();
+    ranked.retain(|m| m.usable);
     ranked.sort_by(|a, b| a.rms().total_cmp(&b.rms()));
     let Some(best) = ranked.first().copied() else {
-        return vec!["No model has an error inside every outage.".into()];
+        return vec![match finished {
+            true => "No conclusion: the result is not usable.".into(),
+            false => "No model has an error inside every outage.".into(),
+        }];
     };
     let alike = ranked.partition_point(|m| m.rms() <= ALIKE * best.rms());
     let (first, rest) = ranked.split_at(alike);
@@ -323,7 +332,12 @@ fn table_of(name: &str, caption: &str, models: &[&Model<'_>], of: Statistic) -> 
     for (key, head) in COMPONENTS {
         let values: Vec<f64> = models.iter().map(|m| get(of(m.errors), key)).collect();
         if values.iter().any(|v| v.is_finite()) {
-            table.add_ranked(head.into(), &values);
+            table.add(head.into(), values.iter().map(|v| short(*v).into()));
+            let ranked = models.iter().zip(values);
+            let ranked: Vec<f64> = ranked
+                .map(|(m, v)| if m.usable { v } else { f64::NAN })
+                .collect();
+            table.mark_least(table.head.len() - 1, &ranked);
         }
     }
     (table.head.len() > 1).then_some(table)
@@ -348,12 +362,23 @@ mod tests {
             errors,
             drift: Vec::new(),
             colour: 0,
+            usable: true,
         };
         // Built in place: models borrow their errors.
         let models = [model("a", &a), model("b", &b)];
         let table = table_of("rms", "", &[&models[0], &models[1]], |m| &m.rms).unwrap();
         assert!(!table.rows[0][1].strong && table.rows[1][1].strong);
         assert!(findings(&models)[0].contains(": b with 1.00 m"));
+
+        // Nothing is concluded from a run with the wrong axes.
+        let models = models.map(|m| Model { usable: false, ..m });
+        let table = table_of("rms", "", &[&models[0], &models[1]], |m| &m.rms).unwrap();
+        assert!(table.rows.iter().flatten().all(|cell| !cell.strong));
+        assert_eq!(
+            findings(&models),
+            ["No conclusion: the result is not usable."]
+        );
+        let models = models.map(|m| Model { usable: true, ..m });
 
         // What is a bound is neither best nor in the models' tables.
         let c = errors(0.1);
@@ -363,6 +388,16 @@ mod tests {
         };
         let models = [model("a", &a), model("b", &b), bound];
         assert!(findings(&models)[0].contains(": b with 1.00 m"));
+
+        // Nothing is concluded from a run with the wrong axes.
+        let models = models.map(|m| Model { usable: false, ..m });
+        let table = table_of("rms", "", &[&models[0], &models[1]], |m| &m.rms).unwrap();
+        assert!(table.rows.iter().flatten().all(|cell| !cell.strong));
+        assert_eq!(
+            findings(&models),
+            ["No conclusion: the result is not usable."]
+        );
+        let models = models.map(|m| Model { usable: true, ..m });
         let blocks = tables(&models).unwrap().blocks;
         let [Block::Table(rms), Block::Table(bound)] = &blocks[..] else {
             panic!("{} blocks", blocks.len());

@@ -11,6 +11,7 @@ pub use collect::{
 
 use crate::replay::{Contradiction, FixMend, Lean, Part, RestartCause};
 use serde::{Deserialize, Serialize};
+use std::ops::RangeInclusive;
 
 /// How much a finding weighs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -345,22 +346,29 @@ pub enum Finding {
 const VERY_FAR: f64 = 7.0;
 /// A scatter this many times what is stated is a wrong unit rather than a modest receiver.
 const WRONG_UNIT: f64 = 20.0;
-/// An axis that holds a value for longer has a fault \[s\].
+/// Measured over true, beyond which no scale factor but a wrong unit, sign or column explains a sensor.
+const RIGHT_UNIT: RangeInclusive<f64> = 0.5..=2.0;
+/// An axis that holds a value for longer has a fault, and a log that has no samples \[s\].
 const LONG: f64 = 1.0;
 
 impl Finding {
     /// How much it weighs.
     pub fn severity(&self) -> Severity {
         match self {
-            // Whatever is concluded is about another vehicle.
-            Self::Diverged { .. } | Self::WrongAxes { .. } => Severity::Unusable,
+            Self::Diverged { .. } => Severity::Unusable,
+            // Whatever is concluded is about another vehicle or another sensor.
+            Self::WrongAxes { .. } | Self::WrongTurnAxis { .. } => Severity::Unusable,
+            Self::WrongGravity { ratio } | Self::WrongTurnRate { ratio }
+                if !RIGHT_UNIT.contains(ratio) =>
+            {
+                Severity::Unusable
+            }
             Self::FarParameter { sigmas, .. } if *sigmas > VERY_FAR => Severity::Warning,
             Self::NoisyFixes { factor } if *factor > WRONG_UNIT => Severity::Warning,
             Self::Held { length, .. } if *length > LONG => Severity::Warning,
             Self::Frozen { .. } => Severity::Warning,
             Self::WrongGravity { .. }
             | Self::WrongTurnRate { .. }
-            | Self::WrongTurnAxis { .. }
             | Self::NoTurns
             | Self::Late { .. }
             | Self::WrongVelocity { .. }
@@ -394,6 +402,7 @@ impl Finding {
             | Self::WrongVelocity { .. }
             | Self::WrongSign { .. } => 1,
             Self::NoisyFixes { factor } if *factor > WRONG_UNIT => 1,
+            Self::LongGaps { longest, .. } if *longest > LONG => 2,
             Self::Frozen { .. }
             | Self::Held { .. }
             | Self::SetBack { .. }

@@ -53,7 +53,7 @@ pub(crate) enum Defect {
     Text(String),
     TooFew { fields: usize, wanted: usize },
     Empty { column: usize },
-    NotFinite(f64),
+    NotFinite { value: f64, column: usize },
 }
 
 impl Defect {
@@ -61,7 +61,7 @@ impl Defect {
         match self {
             Self::Text(_) => SkipKind::Text,
             Self::TooFew { .. } | Self::Empty { .. } => SkipKind::MissingField,
-            Self::NotFinite(_) => SkipKind::NotFinite,
+            Self::NotFinite { .. } => SkipKind::NotFinite,
         }
     }
 }
@@ -74,7 +74,7 @@ impl fmt::Display for Defect {
                 write!(f, "{fields} fields, but column {wanted} is needed")
             }
             Self::Empty { column } => write!(f, "column {column} is empty"),
-            Self::NotFinite(value) => write!(f, "{value}"),
+            Self::NotFinite { value, column } => write!(f, "{value} in column {column}"),
         }
     }
 }
@@ -294,7 +294,10 @@ fn parse_any_row(
                     }
                     value
                 }
-                Some(Ok(value)) => return Err(Defect::NotFinite(value)),
+                Some(Ok(value)) => {
+                    let column = target + 1;
+                    return Err(Defect::NotFinite { value, column });
+                }
                 Some(Err(b"")) if keep_not_finite => f64::NAN,
                 Some(Err(b"")) => return Err(Defect::Empty { column: target + 1 }),
                 Some(Err(text)) => {
@@ -363,7 +366,13 @@ mod tests {
                 wanted: 3
             })
         );
-        assert_eq!(row("1,x,inf", false), Err(Defect::NotFinite(f64::INFINITY)));
+        assert_eq!(
+            row("1,x,inf", false),
+            Err(Defect::NotFinite {
+                value: f64::INFINITY,
+                column: 3
+            })
+        );
         assert_eq!(
             row("1,x,1e999", false).unwrap_err().kind(),
             SkipKind::NotFinite

@@ -116,7 +116,10 @@ pub(super) fn fill(
     for (slot, index, number) in numbers {
         let number = match number {
             Some(number) if number.is_finite() || keep_not_finite => number,
-            Some(number) => return Err(Defect::NotFinite(number)),
+            Some(value) => {
+                let column = index + 1;
+                return Err(Defect::NotFinite { value, column });
+            }
             None if keep_not_finite => f64::NAN,
             None => return Err(Defect::Empty { column: index + 1 }),
         };

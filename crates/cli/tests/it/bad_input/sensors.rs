@@ -101,7 +101,7 @@ fn gyros_and_accelerometers_swapped() {
     assert_eq!(outcome.code, Some(0));
     says(
         &outcome.stdout,
-        &["usable with care: the accelerometers measure 0.00146 times gravity"],
+        &["not usable: the accelerometers measure 0.00146 times gravity"],
     );
     says(
         &outcome.stderr,
