@@ -10,8 +10,10 @@
 //!
 //! ```
 //! use undrift_noise::spectrum;
-//! let noise = |k: i32| f64::from(k * 7919 % 101) / 101.0;
-//! let mut x: Vec<f64> = (0..4096).map(|k| 0.5 * (0.5 * f64::from(k)).sin() + noise(k * k % 1009)).collect();
+//! // Uniform noise, σ = 0.29, of a linear congruential generator.
+//! let states = std::iter::successors(Some(1_u32), |s| Some(s.wrapping_mul(1_664_525).wrapping_add(1_013_904_223)));
+//! let noise = states.map(|s| f64::from(s) / f64::from(u32::MAX) - 0.5);
+//! let mut x = Vec::from_iter((0..4096).zip(noise).map(|(k, noise)| 0.5 * (0.5 * f64::from(k)).sin() + noise));
 //! let lines = spectrum::take_out(&mut x, 100.0);
 //! assert!((lines[0].frequency_hz - 0.5 * 100.0 / std::f64::consts::TAU).abs() < 1e-3);
 //! assert!((lines[0].amplitude - 0.5).abs() < 0.03 && lines[0].width_hz == 0.0);

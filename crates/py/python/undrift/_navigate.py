@@ -54,7 +54,7 @@ class Navigation(Solution, Told):
         start = json.loads(self.json)["drive"].get("start")
         if start is None:
             return None
-        unix = self.time + (start["unix_s"] - start["time_s"])
+        unix: npt.NDArray[np.float64] = self.time + (start["unix_s"] - start["time_s"])
         return np.round(unix * 1e6).astype(np.int64).astype("datetime64[us]")
 
     def plot_std(self, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
