@@ -41,8 +41,8 @@ mod starts;
 mod whittle;
 
 pub use autoregressive::{ArFit, burg, order_by_aicc, yule_walker};
-pub(crate) use fit::climb_to;
 pub use fit::{FitOptions, fit, fit_from, log_likelihood};
+pub(crate) use fit::{climb_to, refit};
 pub(crate) use kernel::vector;
 pub use likelihood::{Likelihood, Mean};
 pub use model::{ArmaFit, Warning};

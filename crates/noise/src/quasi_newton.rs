@@ -119,37 +119,30 @@ impl<'a> Objective<'a> {
         (gradient, DMatrix::from_diagonal(&metric))
     }
 
-    /// Hessian by central second differences with a step for each coordinate, or `None` where it is not
-    /// finite.
-    pub(crate) fn second_differences(&mut self, z: &[f64], steps: &[f64]) -> Option<DMatrix<f64>> {
+    /// Hessian by second differences of a point, its value, a step for each coordinate and the values at plus and
+    /// minus that step; `None` where it is not finite.
+    pub(crate) fn second_differences(
+        &mut self,
+        z: &[f64],
+        value: f64,
+        steps: &[f64],
+        beside: &[[f64; 2]],
+    ) -> Option<DMatrix<f64>> {
         let n = z.len();
-        // For each pair the points (+, +), (+, −), (−, +), (−, −); both moves add up where i = j.
-        const SIGNS: [(f64, f64); 4] = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
-        let pairs: Vec<_> = (0..n).flat_map(|i| (0..=i).map(move |j| (i, j))).collect();
-        let corners: Vec<_> = pairs
-            .iter()
-            .flat_map(|&(i, j)| {
-                SIGNS.map(move |(a, b)| {
-                    let mut moved = z.to_vec();
-                    // (±1, ±1) on the diagonal: h and −h, and twice the point itself.
-                    let half = if i == j { 0.5 } else { 1.0 };
-                    moved[i] += half * a * steps[i];
-                    moved[j] += half * b * steps[j];
-                    moved
-                })
-            })
-            .collect();
-        let mut out = DMatrix::zeros(n, n);
-        for (&(i, j), v) in pairs.iter().zip(self.at_all(&corners).chunks(4)) {
-            let scale = if i == j { 1.0 } else { 4.0 };
-            let curvature = (v[0] - v[1] - v[2] + v[3]) / (scale * steps[i] * steps[j]);
-            if !curvature.is_finite() {
-                return None;
-            }
-            out[(i, j)] = curvature;
-            out[(j, i)] = curvature;
+        let pairs: Vec<_> = (0..n).flat_map(|i| (0..i).map(move |j| (i, j))).collect();
+        let corners = pairs.iter().flat_map(|&(i, j)| {
+            [1.0, -1.0].map(|sign| moved(&moved(z, i, sign * steps[i]), j, sign * steps[j]))
+        });
+        let corners = self.at_all(&Vec::from_iter(corners));
+        let rise = |[plus, minus]: [f64; 2]| plus + minus - 2.0 * value;
+        let mut out = DMatrix::from_fn(n, n, |i, _| rise(beside[i]) / (steps[i] * steps[i]));
+        for (&(i, j), corner) in pairs.iter().zip(corners.chunks(2)) {
+            // Abramowitz & Stegun 25.3.27: both moves at once less each alone.
+            let both = rise([corner[0], corner[1]]) - rise(beside[i]) - rise(beside[j]);
+            out[(i, j)] = both / (2.0 * steps[i] * steps[j]);
+            out[(j, i)] = out[(i, j)];
         }
-        Some(out)
+        out.iter().all(|c| c.is_finite()).then_some(out)
     }
 
     /// Goes from `here` along `direction`, of `slope` below zero, by at most `share` of it.

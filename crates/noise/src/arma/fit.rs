@@ -8,7 +8,7 @@ use super::optimise::{SCALES, newton};
 use super::polynomial::{is_stable, less_unit_root, multiply};
 use super::search::{Ladder, Problem, TOLERANCE};
 use super::{ArmaError, MAX_FIT_ORDER};
-use crate::quasi_newton::Objective;
+use crate::quasi_newton::{Objective, Point, Scales, bfgs};
 
 /// How to fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -155,31 +155,10 @@ pub(crate) fn climb_to(
     {
         return Err(ArmaError::NotFinite);
     }
-    let (centre, present) = screen(samples, p + q)?;
+    let mut differences = Vec::new();
     let searched = p - usize::from(options.unit_root);
-    let mut problem = Problem {
-        samples,
-        mean: options.mean,
-        centre: match options.mean {
-            Mean::Known(value) if !options.unit_root => value,
-            _ => centre,
-        },
-        gaps: present < samples.len(),
-        unit_root: options.unit_root,
-    };
-    let differences: Vec<f64>;
+    let (problem, centre) = problem(samples, (p, q), options, &mut differences)?;
     let differenced = options.unit_root && !problem.gaps;
-    if differenced {
-        differences = samples.windows(2).map(|w| w[1] - w[0]).collect();
-        screen(&differences, searched + q)?;
-        problem = Problem {
-            samples: &differences,
-            mean: Mean::Known(0.0),
-            centre: 0.0,
-            gaps: false,
-            unit_root: false,
-        };
-    }
     let start = |(phi, theta): &(Vec<f64>, Vec<f64>)| {
         diagnosis::padded_start(phi, theta, searched, q, options.unit_root)
     };
@@ -212,6 +191,76 @@ pub(crate) fn climb_to(
     fit.converged = best.converged;
     diagnosis::examine(&problem, &best, covariance_z, searched, lower, &mut fit);
     Ok(fit)
+}
+
+/// The record as the search sees it: with a unit root and no gaps the `differences` that are made of it. And the
+/// record's centre.
+fn problem<'a>(
+    samples: &'a [f64],
+    (p, q): (usize, usize),
+    options: &FitOptions,
+    differences: &'a mut Vec<f64>,
+) -> Result<(Problem<'a>, f64), ArmaError> {
+    let (centre, present) = screen(samples, p + q)?;
+    let gaps = present < samples.len();
+    if options.unit_root && !gaps {
+        differences.extend(samples.windows(2).map(|w| w[1] - w[0]));
+        screen(differences, p - 1 + q)?;
+        let problem = Problem {
+            samples: differences,
+            mean: Mean::Known(0.0),
+            centre: 0.0,
+            gaps: false,
+            unit_root: false,
+        };
+        return Ok((problem, centre));
+    }
+    let problem = Problem {
+        samples,
+        mean: options.mean,
+        centre: match options.mean {
+            Mean::Known(value) if !options.unit_root => value,
+            _ => centre,
+        },
+        gaps,
+        unit_root: options.unit_root,
+    };
+    Ok((problem, centre))
+}
+
+/// Log-likelihood within which [`refit`] is at its optimum: nothing that a record tells of its own parameters.
+const NEAR: f64 = 1e-2;
+
+/// The same order fitted to another record of the same process, mean estimated: the optimum next to `known`, without
+/// standard errors and diagnosis.
+///
+/// # Errors
+/// A record too short for the order, constant or infinite.
+pub(crate) fn refit(samples: &[f64], known: &ArmaFit) -> Result<ArmaFit, ArmaError> {
+    let (p, q) = (known.ar.len(), known.ma.len());
+    let options = FitOptions {
+        unit_root: known.has_unit_root,
+        ..FitOptions::default()
+    };
+    let mut differences = Vec::new();
+    let (problem, _) = problem(samples, (p, q), &options, &mut differences)?;
+    let searched = p - usize::from(options.unit_root);
+    let start = diagnosis::padded_start(&known.ar, &known.ma, searched, q, options.unit_root);
+    let function = |z: &[Vec<f64>]| problem.objective(z, searched);
+    let scales = Scales {
+        curved: true,
+        ..SCALES
+    };
+    let mut objective = Objective::new(&function, scales);
+    let start = start.ok_or(ArmaError::NoOptimum)?;
+    let start = Point::new(start.clone(), objective.at(&start));
+    let found = bfgs(&mut objective, &start, NEAR, 60);
+    let (mut ar, ma) = problem.coefficients(&found.z, searched);
+    let at = problem.likelihood(&ar, &ma).ok_or(ArmaError::NoOptimum)?;
+    if options.unit_root && !problem.gaps {
+        ar = multiply(&ar, &[1.0]);
+    }
+    Ok(unexamined(ar, ma, &at, known.parameters))
 }
 
 /// A fit of which nothing is known but its likelihood.

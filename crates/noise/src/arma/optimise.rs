@@ -95,8 +95,10 @@ pub(super) fn newton(
     tolerance: f64,
 ) -> Option<DMatrix<f64>> {
     const STEPS: usize = 5;
+    let mut known = best.inverse.take();
     for _ in 0..STEPS {
-        let inverse = scaled_inverse(&hessian(objective, &best.z, best.value)?)?;
+        let curvature = hessian(objective, &best.z, best.value, known.as_ref())?;
+        let inverse = scaled_inverse(&curvature)?;
         let (gradient, _) = objective.differences(&best.z, best.value, true);
         let direction = -(&inverse * &gradient);
         let slope = direction.dot(&gradient);
@@ -113,9 +115,11 @@ pub(super) fn newton(
         if gained < tolerance {
             return Some(inverse);
         }
+        known = Some(inverse);
     }
     best.converged = false;
-    scaled_inverse(&hessian(objective, &best.z, best.value)?)
+    let curvature = hessian(objective, &best.z, best.value, known.as_ref())?;
+    scaled_inverse(&curvature)
 }
 
 /// Inverse of a positive definite matrix scaled to unit diagonal first, `None` where it is
@@ -135,17 +139,30 @@ fn scaled_inverse(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     (exact && !large).then(|| inverse.component_div(&scales))
 }
 
-/// Hessian by central second differences with steps that change the function by about `rise`, or
-/// `None` where it is not finite.
-fn hessian(objective: &mut Objective, z: &[f64], value: f64) -> Option<DMatrix<f64>> {
+/// Hessian by central second differences with steps that change the function by about 1e-2, or `None` where it is
+/// not finite. `inverse`: what is known of its inverse.
+fn hessian(
+    objective: &mut Objective,
+    z: &[f64],
+    value: f64,
+    inverse: Option<&DMatrix<f64>>,
+) -> Option<DMatrix<f64>> {
     let n = z.len();
-    let mut steps = vec![0.0; n];
+    let known = inverse.filter(|inverse| inverse.nrows() == n);
+    let (mut steps, mut beside) = (vec![0.0; n], vec![[value; 2]; n]);
     for i in 0..n {
         // Steps that raise the function by 1e-3 to 1e-1: far above rounding, near the optimum.
-        let mut h = 1e-2;
+        let about = known.map_or(1e-2, |inverse| (2e-2 * inverse[(i, i)]).sqrt());
+        let mut h = if about.is_finite() {
+            about.clamp(1e-5, 0.3)
+        } else {
+            1e-2
+        };
         for _ in 0..12 {
-            let beside = objective.at_all(&[h, -h].map(|by| moved(z, i, by)));
-            let rise = 0.5 * beside.iter().map(|v| v - value).sum::<f64>();
+            steps[i] = h;
+            let around = objective.at_all(&[h, -h].map(|by| moved(z, i, by)));
+            beside[i] = [around[0], around[1]];
+            let rise = 0.5 * around.iter().map(|v| v - value).sum::<f64>();
             if rise > 0.1 {
                 h *= 0.3;
             } else if rise < 1e-3 && h < 0.3 {
@@ -154,9 +171,8 @@ fn hessian(objective: &mut Objective, z: &[f64], value: f64) -> Option<DMatrix<f
                 break;
             }
         }
-        steps[i] = h;
     }
-    objective.second_differences(z, &steps)
+    objective.second_differences(z, value, &steps, &beside)
 }
 
 #[cfg(test)]
@@ -211,7 +227,7 @@ mod tests {
         let one = |z: &Vec<f64>| 2.0 * z[0] * z[0] + z[0] * z[1] + 50.0 * z[1] * z[1];
         let quadratic = |z: &[Vec<f64>]| z.iter().map(one).collect();
         let mut objective = Objective::new(&quadratic, SCALES);
-        let found = hessian(&mut objective, &[0.0, 0.0], 0.0).unwrap();
+        let found = hessian(&mut objective, &[0.0, 0.0], 0.0, None).unwrap();
         for (ours, exact) in found.iter().zip([4.0, 1.0, 1.0, 100.0]) {
             assert!((ours - exact).abs() < 1e-8);
         }

@@ -1,6 +1,6 @@
 //! How a smooth function of a few logarithms is minimised, and how certain its minimum is.
 
-use crate::quasi_newton::{Objective, Point, Scales};
+use crate::quasi_newton::{Objective, Point, Scales, moved};
 use nalgebra::DMatrix;
 
 /// Functions are log-likelihoods of logarithms, with curvatures 0.1 to 1e6.
@@ -17,7 +17,11 @@ pub(crate) const SCALES: Scales = Scales {
 pub(crate) fn covariance(objective: &mut Objective, least: &Point) -> Option<DMatrix<f64>> {
     let (_, metric) = objective.differences(&least.z, least.value, true);
     let steps = metric.diagonal().map(|m| (0.2 * m).sqrt().min(0.3));
-    let hessian = objective.second_differences(&least.z, steps.as_slice())?;
+    let around =
+        (0..steps.len()).flat_map(|i| [1.0, -1.0].map(|s| moved(&least.z, i, s * steps[i])));
+    let around = objective.at_all(&Vec::from_iter(around));
+    let beside = Vec::from_iter(around.chunks(2).map(|pair| [pair[0], pair[1]]));
+    let hessian = objective.second_differences(&least.z, least.value, steps.as_slice(), &beside)?;
     Some(hessian.cholesky()?.inverse())
 }
 

@@ -21,7 +21,7 @@ use rayon::prelude::*;
 use undrift_nav::shaping::ShapingFilter;
 
 /// Effort of the search over orders.
-const SEARCH_EFFORT: f64 = 0.3;
+const SEARCH_EFFORT: f64 = 0.2;
 /// Up to so many samples the table of orders goes on to twice the n that is searched, (8,7) for n up to 2: that takes a
 /// second or two, and grows with the samples.
 const TABLE_SAMPLES: usize = 10_000;
@@ -31,8 +31,6 @@ const REFINE_EFFORT: f64 = 0.2;
 const GRID_EFFORT: f64 = 0.03;
 /// Effort of each fit of block averages.
 const SCALE_EFFORT: f64 = 0.1;
-/// Effort of each fit of a half, which starts from the optimum of the whole besides.
-const HALF_EFFORT: f64 = 0.01;
 /// Highest order of the autoregressive candidate: with the turn-on constant it fills an axis.
 const MOST_AR: usize = 5;
 /// Probability of the intervals of the recommended candidate's parameters.
@@ -134,7 +132,10 @@ impl Recipe {
         whole: Option<&Fitted>,
         known: &[(Vec<f64>, Vec<f64>)],
     ) -> Option<Fitted> {
-        let effort = |of_whole| with_effort(whole.map_or(of_whole, |_| HALF_EFFORT));
+        let of_whole = whole.and_then(|whole| match &whole.origin {
+            Origin::Arma(fit) => Some(fit),
+            _ => None,
+        });
         let (model, origin) = match self {
             Self::White => (white(&part.allan), Origin::Allan),
             Self::AllanWalk => {
@@ -151,24 +152,28 @@ impl Recipe {
                 (in_terms(&fit.terms), Origin::Composite(Box::new(fit)))
             }
             Self::Arma(p, q) => {
-                let known = whole.map_or(known.to_vec(), Fitted::coefficients);
                 let most = if p > 1 {
                     HIGH_ORDER_SAMPLES
                 } else {
                     usize::MAX
                 };
                 let samples = &part.samples[..part.samples.len().min(most)];
-                let fit = arma::fit_from(samples, p, q, &effort(REFINE_EFFORT), &known).ok()?;
-                arma_of(fit, part.rate_hz)
+                let fit = match of_whole {
+                    Some(whole) => arma::refit(samples, whole),
+                    None => arma::fit_from(samples, p, q, &with_effort(REFINE_EFFORT), known),
+                };
+                arma_of(fit.ok()?, part.rate_hz)
             }
             Self::UnitRoot => {
                 let options = FitOptions {
                     unit_root: true,
-                    ..effort(REFINE_EFFORT)
+                    ..with_effort(REFINE_EFFORT)
                 };
-                let known = whole.map_or(Vec::new(), Fitted::coefficients);
-                let fit = arma::fit_from(part.samples, 1, 1, &options, &known).ok()?;
-                arma_of(fit, part.rate_hz)
+                let fit = match of_whole {
+                    Some(whole) => arma::refit(part.samples, whole),
+                    None => arma::fit(part.samples, 1, 1, &options),
+                };
+                arma_of(fit.ok()?, part.rate_hz)
             }
             Self::Burg(p) => (burg(p, part)?, Origin::Burg),
         };
@@ -183,14 +188,6 @@ impl Recipe {
 }
 
 impl Fitted {
-    /// φ and θ, as a start.
-    fn coefficients(&self) -> Vec<(Vec<f64>, Vec<f64>)> {
-        match &self.origin {
-            Origin::Arma(fit) => vec![(fit.ar.clone(), fit.ma.clone())],
-            _ => Vec::new(),
-        }
-    }
-
     fn shaping(&self, turn_on: f64, rate_hz: f64) -> Option<ShapingFilter> {
         let model = AxisModel {
             turn_on,
