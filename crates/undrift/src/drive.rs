@@ -37,7 +37,7 @@ pub use imu::{ImuLog, load_imu};
 pub use logs::Logs;
 pub use section::Section;
 pub(crate) use section::{parse, read_text};
-pub(crate) use tables::{read_initial, read_switch};
+pub(crate) use tables::{AXLE_STD, read_initial, read_switch};
 
 use crate::{
     align::AlignSettings,

@@ -43,7 +43,7 @@ const ROUNDS: usize = 10;
 /// in roll; squat at speed in pitch; side slip of one-sided bends in yaw.
 const FLOOR: [f64; 3] = [0.012, 0.004, 0.003];
 /// The same in yaw where turns count, which may all be to one side.
-const FLOOR_TURNING: f64 = 0.015;
+pub(crate) const FLOOR_TURNING: f64 = 0.015;
 /// The part of the log that [`estimate`] looks at, from its first sample \[s\].
 pub const LONGEST_PASS: f64 = 900.0;
 

@@ -205,7 +205,7 @@ pub(super) fn read_std<'a>(
 /// along it \[m\], given and not.
 const MOUNTING_STD: f64 = 0.05;
 const AXLE_STD_GIVEN: f64 = 0.3;
-const AXLE_STD: f64 = 2.0;
+pub(crate) const AXLE_STD: f64 = 2.0;
 
 /// How far fixes are from their stamps, as a rule \[s\], and how much that changes [s/√s]: clocks drift, hosts stamp late.
 const TIME_OFFSET_STD: f64 = 0.1;

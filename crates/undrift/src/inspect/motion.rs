@@ -3,16 +3,21 @@
 use super::{Content, Inspection, Known, Line, Note, Part, quoted, sensor::GUESS};
 use crate::{
     derived::with_velocities,
+    drive::AXLE_STD,
     drive::{Drive, Logs},
-    mounting::{MountingError, by_force, turn_ratio},
-    navigate::{NavigateError, resolve_mounting},
+    mounting::{FLOOR_TURNING, MountingError, by_force, turn_ratio},
+    navigate::{NavigateError, Wanted, navigate, resolve_mounting},
     settings::EngineSettings,
+    vehicle::Profile,
 };
 use std::path::Path;
 use undrift_nav::{
     Vector3,
+    attitude::{from_rotation_vector, from_rpy, to_rpy},
+    parameters::{Parameter, Prior},
     sample::{GnssFix, ImuSample},
 };
+use undrift_noise::BiasModel;
 
 /// What the motion shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -95,6 +100,7 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
         Err(error) => {
             let by_force = records(&drive).and_then(|(imu, fixes)| by_force(&imu, &fixes));
             if let Some((rpy, std)) = by_force {
+                let (rpy, std) = refined(drive, &rpy, std).unwrap_or((rpy, std));
                 let [roll, pitch, yaw] = rpy
                     .map(|angle| (10.0 * angle.to_degrees()).round() / 10.0 + 0.0)
                     .into();
@@ -135,6 +141,28 @@ fn section(file: &Path, part: &Part) -> String {
         part.table,
         lines.collect::<String>()
     )
+}
+
+/// Standard deviation of the mounting while the filter refines it \[rad\]: what the forces have shown is not told to it
+/// again.
+const LOOSE: f64 = 0.12;
+
+/// Roll, pitch and yaw of the sensor in the vehicle and the standard deviation of the yaw \[rad\]: what the filter makes
+/// of the mounting as it is about, where it drives as a car does. `None` where it knows it no better or contradicts.
+fn refined(mut drive: Drive, rpy: &Vector3, std: f64) -> Option<(Vector3, f64)> {
+    let about = from_rpy(rpy);
+    drive.estimate_mounting = false;
+    drive.imu.1.rotation = about.to_rotation_matrix().into_inner();
+    drive.constraints = Profile::Car.constraints();
+    for (kind, std) in [(Parameter::Mounting, LOOSE), (Parameter::Axle, AXLE_STD)] {
+        drive.parameters = drive.parameters.with(kind, Prior::constant(std));
+    }
+    let report = navigate(&drive, BiasModel::Arma, Wanted::default()).ok()?;
+    let mut estimated = report.summary.parameters.into_iter();
+    let (_, turn, of_turn) = estimated.find(|(kind, ..)| *kind == Parameter::Mounting)?;
+    let known = of_turn[1].hypot(FLOOR_TURNING);
+    let q_vb = from_rotation_vector(&-Vector3::new(0.0, turn[0], turn[1])) * about;
+    (known < std && turn[1].abs() < 3.0 * std).then(|| (to_rpy(&q_vb), known))
 }
 
 /// Samples, and fixes with velocities.

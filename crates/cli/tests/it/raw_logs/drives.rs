@@ -168,8 +168,6 @@ pub struct Found {
     pub how: How,
     /// Takes the sensor's axes to the vehicle's.
     pub mounting: Matrix3,
-    /// What it may be off by: by forces two standard deviations, where these are more \[deg\].
-    pub within: f64,
     pub notes: String,
 }
 
@@ -210,11 +208,9 @@ pub fn inspect(files: &[PathBuf], car: bool, drive: &Path) -> Found {
         (how, mounting.unwrap_or_else(Matrix3::zeros))
     };
     let notes = all.flat_map(|file| file["notes"].as_array().unwrap());
-    let stated = line["known"]["forces"]["std_deg"].as_f64();
     Found {
         how,
         mounting,
-        within: stated.map_or(WITHIN_DEG, |std| WITHIN_DEG.max(2.0 * std)),
         notes: notes
             .map(|note| note.as_str().unwrap())
             .collect::<Vec<_>>()

@@ -8,7 +8,9 @@
 
 use super::{
     autopilots::{dataflash, ulog},
-    drives::{Found, How, Shared, angle_deg, compared, drift, inspect, scratch, undrift},
+    drives::{
+        Found, How, Shared, WITHIN_DEG, angle_deg, compared, drift, inspect, scratch, undrift,
+    },
     log::{Log, text},
     matlab::navego,
     phones::{gnss_logger, sensor_logger},
@@ -112,7 +114,7 @@ fn formats(name: &'static str, outages: Outages) {
 
 /// What is wrong with the mounting found.
 fn verdict(found: &Found, off: f64) -> Option<String> {
-    (off > found.within).then(|| format!("{off:.1} deg off by {:?}; {}", found.how, found.notes))
+    (off > WITHIN_DEG).then(|| format!("{off:.1} deg off by {:?}; {}", found.how, found.notes))
 }
 
 /// What a log lost on its way through a format.

@@ -63,7 +63,7 @@ fn car(name: &'static str, each: usize) {
     turned(&shared, each, |k, turn, found, drive| {
         let off = angle_deg(&found.mounting, &(truth * turn.transpose()));
         println!("{name}, turn {k}: {off:.2} deg off, by {:?}", found.how);
-        assert!(off < found.within, "{name}, turn {k}: {off:.2} deg off");
+        assert!(off < WITHIN_DEG, "{name}, turn {k}: {off:.2} deg off");
         if k % 8 == 0 {
             let (got, wanted, n) = compared(&drift(&drive, &model, &[]), &by_hand);
             println!("drift {got:.2} m, by hand {wanted:.2} m, of {n} outages");
