@@ -189,18 +189,18 @@ struct Outcome {
     predicted: [f64; 4],
     seconds: f64,
     inside: Vec<(&'static str, bool, bool)>,
-    notes: String,
 }
 
-/// Which intervals hold the truth, of the parameters that the recommended model shares with it.
-fn inside(axis: &Axis, truth: &CompositeTerms) -> Vec<(&'static str, bool, bool)> {
+/// Which intervals hold the truth, of the parameters that the recommended model shares with it; `rounding`: the density
+/// of its error, white where steps are no larger than the noise (Sheppard).
+fn inside(axis: &Axis, truth: &CompositeTerms, rounding: f64) -> Vec<(&'static str, bool, bool)> {
     let same = |fit: &CompositeFit| fit.terms.set() == truth.set();
     if !axis.recommended().composite().is_some_and(same) {
         return Vec::new();
     }
     let judged = |found: &ParameterInterval| {
         let (name, truth) = match found.parameter {
-            Parameter::White => ("N", truth.white),
+            Parameter::White => ("N", truth.white.hypot(rounding)),
             Parameter::RandomWalk => ("K", truth.random_walk),
             Parameter::Flicker => ("B", truth.flicker),
             Parameter::Sigma(_) => ("sigma", truth.gauss_markov[0].sigma),
@@ -233,9 +233,11 @@ fn outcome(kind: &Kind, seed: u64) -> Result<Outcome, Failure> {
     let mut truth = kind
         .truth
         .plus(&ShapingFilter::constant(1e3 * WHITE, interval)?)?;
-    if let Done::Rounded(step) = kind.done {
-        truth.r += (step * WHITE).powi(2) / interval / 12.0;
-    }
+    let rounding = match kind.done {
+        Done::Rounded(step) => step * WHITE / 12f64.sqrt(),
+        _ => 0.0,
+    };
+    truth.r += rounding * rounding / interval;
     let fresh: Vec<Vec<f64>> = (1..=FRESH)
         .map(|k| {
             let (mut fresh, temperature) = series(kind, kind.samples, seed + k * 1_000_000_000);
@@ -259,39 +261,9 @@ fn outcome(kind: &Kind, seed: u64) -> Result<Outcome, Failure> {
         drift: std::array::from_fn(|h| found[h].rms / best[h].rms),
         predicted: std::array::from_fn(|h| found[h].predicted_rms / found[h].rms),
         seconds,
-        inside: kind.terms.map_or(Vec::new(), |truth| inside(&axis, &truth)),
-        notes: axis
-            .candidates
-            .iter()
-            .map(|c| {
-                let drift = c
-                    .model
-                    .shaping(BiasModel::Arma, interval)
-                    .ok()
-                    .and_then(|f| score(&f).ok());
-                let drift: Vec<f64> = drift
-                    .iter()
-                    .flatten()
-                    .zip(&best)
-                    .map(|(a, b)| (a.rms / b.rms * 1e4).round() / 1e4)
-                    .collect();
-                let own: Vec<f64> = c
-                    .score
-                    .iter()
-                    .map(|s| (s.rms * 1e4).round() / 1e4)
-                    .collect();
-                let se: Vec<f64> = c
-                    .score
-                    .iter()
-                    .map(|s| (s.standard_error * 1e4).round() / 1e4)
-                    .collect();
-                let batches: Vec<&Vec<f64>> = c.score.iter().map(|s| &s.batches).collect();
-                format!(
-                    "\n@{}\t{seed}\t{}\t{:.3}\t{}\t{}\t{own:?}\t{se:?}\t{drift:?}\t{batches:?}",
-                    kind.name, c.name, c.aic, c.states, c.parameters
-                )
-            })
-            .collect(),
+        inside: kind
+            .terms
+            .map_or(Vec::new(), |truth| inside(&axis, &truth, rounding)),
     })
 }
 
@@ -362,11 +334,6 @@ fn main() -> Result<(), Failure> {
                 .map(|(why, n)| format!(" | {n} failed: {why}"))
                 .collect::<String>(),
         );
-        if std::env::var_os("NOTES").is_some() {
-            for outcome in &good {
-                println!("{}", outcome.notes);
-            }
-        }
     }
     Ok(())
 }
