@@ -7,7 +7,7 @@ use crate::{
     progress::Bar,
     report::ResultOutput,
     style,
-    terminal::{self, detail, note, say, stage, warn},
+    terminal::{self, Invalid, detail, note, say, stage, warn},
 };
 use anyhow::{Context, Result, bail};
 use clap::{
@@ -19,6 +19,7 @@ use undrift::{
     findings,
     identify::{self, NotStatic, Trend},
     io::{Opened, table::Column},
+    nav::units::{Quantity, unit_factor},
     noise::ImuModel,
     record::{self, Record, RecordFormat},
     results,
@@ -117,14 +118,23 @@ fn length(record: &Record) -> usize {
 
 /// What the record's columns are.
 fn format(arguments: &Arguments) -> Result<RecordFormat> {
+    let known = |unit: &str, quantity| {
+        let factor = unit_factor(unit, quantity);
+        factor.map_err(|error| Invalid(format!("--units \"{unit}\": {error}")))
+    };
     let units = |text: &String| {
         let parts: Vec<&str> = text.split(',').map(str::trim).collect();
         match parts[..] {
             [one] if arguments.axis.is_some() => Ok((one.to_owned(), one.to_owned())),
-            [gyro, accel] => Ok((gyro.to_owned(), accel.to_owned())),
-            _ => bail!(
+            [gyro, accel] => {
+                known(gyro, Quantity::AngularRate)?;
+                known(accel, Quantity::Acceleration)?;
+                Ok((gyro.to_owned(), accel.to_owned()))
+            }
+            _ => bail!(Invalid(
                 "--units takes the gyros' and the accelerometers' unit, for instance \"deg/s,g\""
-            ),
+                    .into()
+            )),
         }
     };
     let column = |text: &String| {
@@ -192,7 +202,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         && errors.iter().all(|other| *other == Some(error))
     {
         let name = record.name.display();
-        bail!("{name}: no axis could be identified: {error}");
+        bail!("{name}: {error}");
     }
     for (name, axis) in result.in_order() {
         if let Some(error) = &axis.error {
@@ -256,9 +266,17 @@ fn read(arguments: &Arguments, format: &RecordFormat) -> Result<Record> {
 /// Refuses a recording that is not static; with --force the problem is a warning and returned.
 fn check(arguments: &Arguments, record: &Record, rate_hz: f64) -> Result<Option<NotStatic>> {
     let problem = identify::not_static(record, rate_hz);
+    let guessed = record
+        .guessed
+        .iter()
+        .any(|(option, _)| *option == "--columns");
     match problem {
+        Some(_) if guessed && !arguments.force => bail!(
+            "{}: the column names do not show which are gyros and accelerometers; specify them with --columns and --units",
+            record.name.display()
+        ),
         Some(problem) if !arguments.force => bail!(
-            "{}: {problem}; {}; --force identifies it as it is",
+            "{}: {problem}; {}, or use --force to identify it anyway",
             record.name.display(),
             sentences::mend(&problem)
         ),

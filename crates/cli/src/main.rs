@@ -45,6 +45,8 @@ Environment:
   NO_COLOR        if set, no colours
   CLICOLOR_FORCE  if set and not 0, colours even if standard output is not a terminal";
 
+/// Exit code of an invalid command line.
+const INVALID: u8 = 2;
 /// Exit code of a result that cannot be trusted.
 const UNTRUSTED: u8 = 3;
 
@@ -108,13 +110,28 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             terminal::error(&error);
-            ExitCode::FAILURE
+            match error.is::<terminal::Invalid>() {
+                true => ExitCode::from(INVALID),
+                false => ExitCode::FAILURE,
+            }
         }
     }
 }
 
-/// Of an option that is unknown here, the verbs that have it.
+/// What the help calls a drive file.
+const DRIVE: &str = "DRIVE.toml";
+
+/// Of an option that is unknown here, the verbs that have it; where the drive file is missing, what writes one.
 fn with_verbs(mut error: clap::Error) -> clap::Error {
+    let of_missing = |missing: &[String]| missing.iter().any(|name| name.contains(DRIVE));
+    match error.get(ContextKind::InvalidArg) {
+        Some(ContextValue::Strings(missing)) if of_missing(missing) => {
+            let tip = "`undrift inspect LOG -o drive.toml` writes a drive file".to_owned();
+            let tips = ContextValue::StyledStrs(vec![tip.into()]);
+            error.insert(ContextKind::Suggested, tips);
+        }
+        _ => {}
+    }
     let Some(ContextValue::String(option)) = error.get(ContextKind::InvalidArg) else {
         return error;
     };

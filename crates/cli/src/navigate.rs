@@ -6,7 +6,7 @@ use crate::{
     print,
     progress::Bar,
     report::ResultOutput,
-    terminal::{say, stage, warn},
+    terminal::{Invalid, say, stage, warn},
 };
 use anyhow::{Result, anyhow, bail};
 use clap::Args;
@@ -138,8 +138,15 @@ fn outputs(arguments: &Arguments, drive: &Drive) -> Result<Vec<SolutionFile>> {
         name: stem(&arguments.drive),
         every: arguments.every,
     };
-    SolutionFile::create_all(&arguments.output, arguments.format, &options)
-        .map_err(anyhow::Error::msg)
+    let unknown = |path: &PathBuf| {
+        let is_standard = path == Path::new("-");
+        arguments.format.is_none() && !is_standard && SolutionFormat::from_path(path).is_none()
+    };
+    let files = SolutionFile::create_all(&arguments.output, arguments.format, &options);
+    files.map_err(|problem| match arguments.output.iter().any(unknown) {
+        true => Invalid(problem).into(),
+        false => anyhow!(problem),
+    })
 }
 
 /// The name of a file without folder and extension.

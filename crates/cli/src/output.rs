@@ -1,6 +1,6 @@
 //! Where results go.
 
-use crate::terminal;
+use crate::terminal::{self, Invalid};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -26,14 +26,14 @@ impl Files {
         for file in outputs {
             if let Some(place) = place(file) {
                 if let Some((_, other)) = places.iter().find(|(there, _)| *there == place) {
-                    bail!(
-                        "two results for {}: give each a name of its own",
+                    bail!(Invalid(format!(
+                        "two results are to be written to {}: give each its own file",
                         if is_standard(file) {
                             "standard output (-)".into()
                         } else {
                             other.display().to_string()
                         }
-                    );
+                    )));
                 }
                 places.push((place, file));
             }
@@ -49,7 +49,7 @@ impl Files {
             }
             match file.parent() {
                 Some(folder) if folder != Path::new("") && !folder.is_dir() => bail!(
-                    "cannot write {}: no such folder {}",
+                    "cannot write {}: the folder {} does not exist; create it first",
                     file.display(),
                     folder.display()
                 ),

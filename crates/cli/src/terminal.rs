@@ -18,6 +18,18 @@ use std::{
 use crate::style;
 use undrift::io::visible;
 
+/// A value of an option that cannot be, beyond what the parser of the command line sees: exit code 2.
+#[derive(Debug)]
+pub struct Invalid(pub String);
+
+impl Display for Invalid {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Invalid {}
+
 /// Options of every verb.
 #[derive(Args)]
 #[command(next_help_heading = "Terminal")]

@@ -6,7 +6,7 @@ use crate::{
     progress::Bar,
     report::ResultOutput,
     signals, style,
-    terminal::{self, detail, note, say, stage},
+    terminal::{self, Invalid, detail, note, say, stage},
 };
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use clap::Args;
@@ -60,10 +60,8 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(share) = arguments.hold_out {
-        ensure!(
-            (0.0..=0.9).contains(&share),
-            "--hold-out {share}: must be 0 to 0.9, a share of each drive"
-        );
+        let problem = format!("--hold-out {share}: must be 0 to 0.9, a share of each drive");
+        ensure!((0.0..=0.9).contains(&share), Invalid(problem));
     }
     ensure!(
         arguments.data.len() <= 1 || arguments.data.len() == arguments.drives.len(),

@@ -12,11 +12,17 @@ const SET_BACK: u32 = 5;
 /// Keeps the time of the last accepted record and what came out of order after it.
 pub(crate) struct Clock {
     last: Option<f64>,
+    first_line: u64,
+    /// Records accepted so far.
+    accepted: u64,
     /// Records in a row earlier than `last` that mean the clock was set back for good.
     patience: u32,
     behind: u32,
     jump_line: u64,
     jump_to: f64,
+    /// The last record behind, and whether each was earlier than the one before.
+    behind_at: f64,
+    descends: bool,
 }
 
 /// A record's place in time.
@@ -32,10 +38,14 @@ impl Clock {
     pub(crate) fn new(patience: u32) -> Self {
         Self {
             last: None,
+            first_line: 0,
+            accepted: 0,
             patience,
             behind: 0,
             jump_line: 0,
             jump_to: 0.0,
+            behind_at: 0.0,
+            descends: false,
         }
     }
 
@@ -55,11 +65,12 @@ impl Clock {
             return Ok(Tick::Skip);
         }
         let Some(last) = self.last else {
-            self.last = Some(time);
+            (self.last, self.first_line, self.accepted) = (Some(time), line, 1);
             return Ok(Tick::Forward(None));
         };
         if time > last {
             self.last = Some(time);
+            self.accepted += 1;
             self.behind = 0;
             return Ok(Tick::Forward(Some(time - last)));
         }
@@ -69,7 +80,10 @@ impl Clock {
         }
         if self.behind == 0 {
             (self.jump_line, self.jump_to) = (line, time);
+            (self.behind_at, self.descends) = (last, true);
         }
+        self.descends &= time < self.behind_at;
+        self.behind_at = time;
         self.behind += 1;
         skipped.add(
             SkipKind::TimeBackwards,
@@ -86,6 +100,13 @@ impl Clock {
     }
 
     fn set_back(&self, last: f64) -> ReadError {
+        if self.accepted == 1 && self.descends {
+            let problem = format!(
+                "the rows are in reverse order ({last} s in line {}, then {} s)",
+                self.first_line, self.jump_to
+            );
+            return ReadError::nameless(problem).mend("sort them by time");
+        }
         let jump = self.jump_to - last;
         let mend = if (jump + 604_800.0).abs() < 60.0 {
             "the GPS week rolls over here: add 604800 s to the later times"
@@ -155,5 +176,17 @@ mod tests {
             "{error}"
         );
         assert!(error.to_string().contains("GPS week"), "{error}");
+    }
+
+    #[test]
+    fn rows_in_reverse_order_are_not_a_clock_that_was_set_back() {
+        let reversed = |times: &[f64]| {
+            let (_, _, error) = run(times, 4);
+            error.unwrap().to_string().contains("reverse order")
+        };
+        assert!(reversed(&[5.0, 4.5, 4.0, 3.5, 3.0]));
+        // A file after another, and a first row with a wrong time.
+        assert!(!reversed(&[4.0, 5.0, 4.5, 4.0, 3.5, 3.0]));
+        assert!(!reversed(&[5.0, 0.0, 0.5, 1.0, 1.5]));
     }
 }

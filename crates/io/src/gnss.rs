@@ -14,7 +14,7 @@ use crate::ReadError;
 use crate::entry::{Entry, Wanted, What};
 pub use crate::fix::{VelocityAxes, quality_of_rtklib};
 use crate::reader::{Kind, Plan, Reader, Row, TableRow, Want};
-use crate::skipped::{SkipKind, Skipped};
+use crate::skipped::{SkipEntry, SkipKind, Skipped};
 
 use columns::FixColumns;
 pub use columns::{GnssFormat, Place};
@@ -137,37 +137,52 @@ impl Kind for Fixes {
     }
 
     fn nothing(&self, skipped: &Skipped) -> ReadError {
+        let of_columns = matches!(self.0, Of::Columns(_));
+        let mut entries = skipped.iter();
+        let first = entries.find(|(kind, _)| *kind == SkipKind::OutOfRange && of_columns);
+        let cause = first.and_then(|(_, entry)| cause(entry));
         let error = ReadError::nameless("no usable fix");
-        if skipped.count(SkipKind::OutOfRange) > 0 && matches!(self.0, Of::Columns(_)) {
-            let mut entries = skipped.iter();
-            let first = entries.find(|(kind, _)| *kind == SkipKind::OutOfRange);
-            let mend = first.and_then(|(_, entry)| guess(&entry.first_detail));
-            return error
-                .key("gnss.position")
-                .mend(format!("; {}", mend.unwrap_or(POSITIONS)));
+        match (cause, first) {
+            (Some(cause), _) => cause,
+            (None, Some(_)) => {
+                let mend = format!("{}; {POSITIONS}", skipped.in_one_line());
+                error.key("gnss.position").mend(mend)
+            }
+            (None, None) => error,
         }
-        error
     }
 }
 
 const POSITIONS: &str = "check that the columns are latitude, longitude, height in gnss.position_unit, not ECEF or degrees and minutes";
 
-/// What explains a position that is out of range, as it was counted: three numbers.
-fn guess(detail: &str) -> Option<&'static str> {
-    let numbers = detail.split(", ").map(str::parse);
+/// What explains positions that are out of range, by the first of them as it was counted: three numbers.
+fn cause(out: &SkipEntry) -> Option<ReadError> {
+    let numbers = out.first_detail.split(", ").map(str::parse);
     let numbers = numbers.collect::<Result<Vec<f64>, _>>().ok()?;
-    match *numbers.as_slice() {
-        [a, b, _] if a == 0.0 && b == 0.0 => {
-            Some("the receiver had no fix: its positions are 0, 0")
-        }
-        [a, b, _] if (90.0..=180.0).contains(&a.abs()) && b.abs() < 90.0 => {
-            Some("latitude and longitude are exchanged: gnss.position lists the latitude first")
-        }
-        [a, b, _] if a.abs().max(b.abs()) > 1e8 => {
-            Some("the numbers look like 1e-7 deg: divide them by 1e7")
-        }
-        _ => None,
-    }
+    let [a, b, _] = *numbers.as_slice() else {
+        return None;
+    };
+    let at = format!("(line {}: {a:.2}, {b:.2})", out.first_line);
+    let (problem, mend) = if a == 0.0 && b == 0.0 {
+        let rows = match out.count {
+            1 => String::new(),
+            count => format!("{count} rows such as "),
+        };
+        let problem = format!(
+            "the receiver never had a fix ({rows}line {}: 0, 0)",
+            out.first_line
+        );
+        (problem, "record again with a clear view of the sky")
+    } else if (90.0..=180.0).contains(&a.abs()) && b.abs() < 90.0 {
+        let problem = format!("latitude and longitude are exchanged {at}");
+        (problem, "list the latitude first in gnss.position")
+    } else if a.abs().max(b.abs()) > 1e8 {
+        let problem = format!("latitude and longitude are in 1e-7 deg {at}");
+        (problem, "divide them by 1e7")
+    } else {
+        return None;
+    };
+    Some(ReadError::nameless(problem).mend(mend))
 }
 
 /// A fix of which something can be used.

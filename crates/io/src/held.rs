@@ -15,6 +15,8 @@ pub struct Held {
     pub samples: u64,
     /// Whether it is the largest or smallest value of the axis, and not the only one.
     pub saturated: bool,
+    /// Whether the axis never had another value.
+    pub constant: bool,
 }
 
 /// A frozen axis holds a value for so many samples, so long \[s\] …
@@ -107,6 +109,7 @@ impl Axis {
             length: of.end - of.start,
             samples: of.samples,
             saturated: varies && extreme(&of),
+            constant: !varies,
         })
     }
 }
@@ -173,7 +176,7 @@ mod tests {
             (1, 0.25, 150)
         );
         assert!((held[1].start - 3.0).abs() < 1e-9 && (held[1].length - 1.49).abs() < 1e-9);
-        assert!(held.iter().all(|held| !held.saturated));
+        assert!(held.iter().all(|held| !held.saturated && !held.constant));
         // Half a second is too short to tell.
         assert_eq!(
             watch(|k| if (300..350).contains(&k) {
@@ -189,7 +192,7 @@ mod tests {
     fn one_value_for_ever() {
         let held = watch(|_| 0.0);
         assert_eq!((held.len(), held[0].samples), (6, 1000));
-        assert!(!held[0].saturated);
+        assert!(!held[0].saturated && held[0].constant);
     }
 
     #[test]

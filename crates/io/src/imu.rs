@@ -128,11 +128,8 @@ impl Kind for Imu {
     ) -> Result<Option<ImuSample>, ReadError> {
         let stated = self.format.rate_hz.map(|rate| 1.0 / rate);
         let Some(dt) = row.dt.or(stated) else {
-            let problem = "only one sample, so the sample interval is unknown";
-            return Err(ReadError::nameless(problem)
-                .at(row.line)
-                .key("imu.rate")
-                .mend("set the rate"));
+            let problem = "only one row of data";
+            return Err(ReadError::nameless(problem).mend("record or export it again"));
         };
         let covered = self.covered_by_increments(row.line, dt)?;
         // The first interval given out is either made up or reaches back before the span.

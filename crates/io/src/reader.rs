@@ -108,7 +108,7 @@ pub trait Kind: Sized {
         Ok(())
     }
 
-    /// That there is no record at all; what was left out is added to it.
+    /// That there is no record at all; without a mend it gets what was left out.
     fn nothing(&self, skipped: &Skipped) -> ReadError;
 }
 
@@ -269,15 +269,20 @@ impl<K: Kind> Reader<K> {
         match (self.span, self.covered) {
             _ if self.given > 0 => Ok(None),
             (Some((from, to)), Some((first, last))) if self.inside == 0 => {
-                let problem = format!("no record between {from} s and {to} s");
-                let mend =
-                    format!("the part of the file that was read covers {first} s to {last} s");
-                Err(ReadError::nameless(problem).mend(mend))
+                let problem = if first > to {
+                    format!("begins at {first} s, after [span] ends at {to} s")
+                } else if last < from {
+                    format!("ends at {last} s, before [span] begins at {from} s")
+                } else {
+                    format!("no record in [span], {from} s to {to} s")
+                };
+                Err(ReadError::nameless(problem).mend("correct [span]"))
             }
             _ => {
-                let left_out = self.skipped().to_string().replace('\n', "; ");
                 let mut error = self.kind.nothing(self.skipped());
-                error.mend = left_out + &error.mend;
+                if error.mend.is_empty() {
+                    error.mend = self.skipped().in_one_line();
+                }
                 Err(error)
             }
         }

@@ -141,6 +141,23 @@ impl Skipped {
         self.kinds.is_empty()
     }
 
+    /// All kinds in one line.
+    pub(crate) fn in_one_line(&self) -> String {
+        self.to_string().replace('\n', "; ")
+    }
+
+    /// The records of one kind, if there are any.
+    pub fn entry(&self, kind: SkipKind) -> Option<&SkipEntry> {
+        self.kinds.get(&kind)
+    }
+
+    /// The others.
+    pub fn without(&self, kind: SkipKind) -> Self {
+        let mut others = self.clone();
+        others.kinds.remove(&kind);
+        others
+    }
+
     /// Number of skipped records of all kinds.
     pub fn total(&self) -> u64 {
         self.kinds.values().map(|entry| entry.count).sum()

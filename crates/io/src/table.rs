@@ -42,6 +42,7 @@ use crate::epoch::Epoch;
 use crate::lines::MAX_LINE;
 use crate::skipped::{SkipKind, Skipped};
 use crate::source::Source;
+use fields::Defect;
 use wanted::{NextRow, no_rows};
 
 /// What a table is read from.
@@ -59,7 +60,9 @@ pub(crate) enum TableSource {
 pub struct Table {
     name: PathBuf,
     rows: Rows,
-    width: usize,
+    columns: Vec<(String, Column)>,
+    /// A place in the row read without a finite number in so many rows, every one up to now.
+    empty: Option<(usize, u64)>,
     keep_not_finite: bool,
     rows_read: u64,
     rows_seen: u64,
@@ -106,7 +109,8 @@ impl Table {
         Ok(Self {
             name: name.to_path_buf(),
             rows: rows.map_err(|error| error.of(name))?,
-            width: options.columns.len(),
+            columns: options.columns.clone(),
+            empty: None,
             keep_not_finite: options.keep_not_finite,
             rows_read: 0,
             rows_seen: 0,
@@ -125,8 +129,8 @@ impl Table {
     /// columns.
     #[inline]
     pub fn next_row(&mut self, out: &mut [f64]) -> Result<Option<u64>, ReadError> {
-        if out.len() != self.width {
-            let problem = format!("{} places for {} columns", out.len(), self.width);
+        if out.len() != self.columns.len() {
+            let problem = format!("{} places for {} columns", out.len(), self.columns.len());
             return Err(ReadError::new(&self.name, problem));
         }
         while !self.finished {
@@ -147,6 +151,10 @@ impl Table {
                 }
                 Ok(NextRow::Row(line, Err(defect))) => {
                     self.rows_seen += 1;
+                    if let Defect::NotFinite { slot, .. } = defect {
+                        let (place, rows) = self.empty.unwrap_or((slot, 0));
+                        self.empty = Some((place, rows + u64::from(place == slot)));
+                    }
                     self.skipped.add(defect.kind(), line, &defect);
                 }
                 Ok(NextRow::TooLong(line)) => {
@@ -169,7 +177,22 @@ impl Table {
         if self.rows_read > 0 {
             return Ok(());
         }
-        Err(no_rows(self.rows_seen, &self.skipped).of(&self.name))
+        let error = match self.empty {
+            Some((slot, rows)) if rows == self.rows_seen => self.never_a_number(slot),
+            _ => None,
+        };
+        let error = error.unwrap_or_else(|| no_rows(self.rows_seen, &self.skipped));
+        Err(error.of(&self.name))
+    }
+
+    /// That a wanted column has no number in any row.
+    fn never_a_number(&self, slot: usize) -> Option<ReadError> {
+        let (key, column) = self.columns.get(slot)?;
+        let problem = format!(
+            "column {column} (key {key}) is NaN or infinite in all {} rows",
+            self.rows_seen
+        );
+        Some(ReadError::nameless(problem).mend("choose another column or export it again"))
     }
 
     /// What was left out so far.

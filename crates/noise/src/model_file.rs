@@ -150,7 +150,7 @@ pub enum ModelError {
         hint: String,
     },
     /// The text is no TOML.
-    #[error("{file}:{line}: {message}")]
+    #[error("{file} line {line}: {message}")]
     Syntax {
         /// Name of the text.
         file: String,
@@ -160,7 +160,7 @@ pub enum ModelError {
         message: String,
     },
     /// An entry is missing, unknown or has a wrong value.
-    #[error("{}: {key}: {message}", place(file, *line))]
+    #[error("{}{}{key}: {message}", place(file, *line), if key.is_empty() { "" } else { ", " })]
     Entry {
         /// Name of the text.
         file: String,
@@ -215,7 +215,7 @@ pub enum ModelError {
 
 fn place(file: &str, line: Option<usize>) -> String {
     match line {
-        Some(line) => format!("{file}:{line}"),
+        Some(line) => format!("{file} line {line}"),
         None => file.to_owned(),
     }
 }

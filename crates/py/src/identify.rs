@@ -89,7 +89,9 @@ pub fn identify(
             let message = format!("{}: {problem}", path.display());
             if !force {
                 let mend = say::mend(&problem);
-                return Err(format!("{message}; {mend}; force=True identifies it as it is").into());
+                return Err(
+                    format!("{message}; {mend}, or use force=True to identify it anyway").into(),
+                );
             }
             warnings.push(message);
         }

@@ -53,6 +53,11 @@ pub fn say(finding: &Finding) -> String {
             samples,
             saturated,
         } => sensors::held(*axis, *value, [*start, *length], *samples, *saturated),
+        F::Constant {
+            axis,
+            value,
+            samples,
+        } => sensors::always(*axis, *value, *samples),
         F::WrongGravity { ratio } => sensors::wrong_gravity(*ratio),
         F::NotDown { down } => sensors::not_down(*down),
         F::WrongTurnRate { ratio } => sensors::wrong_turn_rate(*ratio),
@@ -105,6 +110,12 @@ pub fn say(finding: &Finding) -> String {
             correlated,
         } => fixes::wrong_accuracy(*part, *factor, *adapted, *correlated),
         F::Skipped { log, kinds, .. } => logs::skipped(*log, kinds),
+        F::OutOfOrder { log, rows, line } => logs::out_of_order(*log, *rows, *line),
+        F::SharedStamps {
+            log,
+            rows,
+            interval,
+        } => logs::shared_stamps(*log, *rows, *interval),
         F::SetBack { log, line, step } => logs::set_back(*log, *line, *step),
         F::Gaps {
             log,

@@ -62,11 +62,12 @@ fn verdict(tune: &Tune) -> String {
         );
     }
     if tune.stopped {
-        return "not judged: stopped early; the noise is the best so far".into();
+        return "usable with care: stopped early and not tested; the noise is the best so far"
+            .into();
     }
     let judged = |length: f64| tune.drift.iter().find(|d| d.length_s.0 == length);
     let Some(drift) = judged(30.0).or_else(|| tune.drift.last()) else {
-        return "not judged: the drives are too short to hold out outages".into();
+        return "usable with care: not tested, because the drives are too short to hold out outages; tune on longer drives".into();
     };
     let (low, high) = (drift.ratio_low.0, drift.ratio_high.0);
     let is_honest = drift.after_within[1].0 >= 0.9;

@@ -8,6 +8,7 @@
 //! and a bounded window are kept.
 
 mod basis;
+mod clocks;
 mod motion;
 mod rest;
 mod result;
@@ -15,6 +16,7 @@ mod segments;
 pub(crate) mod settings;
 mod wahba;
 
+pub use clocks::{ClockFault, Stamps, compare};
 pub use result::{
     Alignment, AlignmentFailure, AttitudeSource, HeadingSource, MotionFailure, RestFailure,
 };

@@ -41,6 +41,7 @@ pub(crate) use tables::{AXLE_STD, read_initial, read_switch};
 
 use crate::{
     align::AlignSettings,
+    columns::{IMU_STEP, time_unit},
     replay::{GnssUse, QualityStd},
     settings::fix_errors::StdFactors,
     vehicle::Constraints,
@@ -277,15 +278,21 @@ impl Drive {
         if INTERVALS.contains(&interval) {
             return Ok(interval);
         }
-        let (key, mend) = match self.imu.1.has_times() {
-            true => (
-                "imu.time_unit",
-                "check whether the time column is in ms, us or ns",
-            ),
-            false => ("imu.rate", "correct the rate"),
+        let rate = 1.0 / interval;
+        let wrong = match interval > *INTERVALS.end() {
+            true => "slow",
+            false => "fast",
         };
-        let problem = format!("invalid sample rate for an IMU: {:.4} Hz", 1.0 / interval);
-        Err(ReadError::new(&self.imu.0, problem).key(key).mend(mend))
+        let unit = time_unit(&[0.0, interval], IMU_STEP).filter(|(unit, _)| *unit != "s");
+        let mend = match (self.imu.1.has_times(), unit) {
+            (true, Some((unit, _))) => {
+                format!("the times look like {unit}: set imu.time_unit = \"{unit}\"")
+            }
+            (true, None) => "correct imu.time_unit".to_owned(),
+            (false, _) => "correct imu.rate".to_owned(),
+        };
+        let problem = format!("{} Hz is too {wrong} for an IMU", short(rate));
+        Err(ReadError::new(&self.imu.0, problem).mend(mend))
     }
 
     fn any_interval(&self) -> Result<f64, ReadError> {
@@ -303,14 +310,11 @@ impl Drive {
         match (stated, measured) {
             (Some(stated), Some(measured)) if !(0.8..1.25).contains(&(measured / stated)) => {
                 let problem = format!(
-                    "the time column has {:.2} samples a second, but imu.rate is {:.2} Hz",
-                    1.0 / measured,
-                    1.0 / stated
+                    "the time column gives {} Hz, but imu.rate is {} Hz",
+                    short(1.0 / measured),
+                    short(1.0 / stated)
                 );
-                Err(ReadError {
-                    key: Some("imu.rate".into()),
-                    ..ReadError::new(&self.imu.0, problem)
-                })
+                Err(ReadError::new(&self.imu.0, problem).mend("correct imu.rate or remove it"))
             }
             (Some(interval), _) | (None, Some(interval)) => Ok(interval),
             (None, None) => Err(ReadError::new(
@@ -343,6 +347,12 @@ const MOST_LEVER_ARM: f64 = 100.0;
 
 /// Sample intervals that a log of an IMU may have \[s\].
 const INTERVALS: std::ops::RangeInclusive<f64> = 2e-5..=1.0;
+
+/// A rate \[Hz\] to four digits.
+fn short(rate: f64) -> f64 {
+    let unit = 10f64.powi(3 - rate.abs().max(1e-9).log10().floor() as i32);
+    (rate * unit).round() / unit
+}
 
 /// Samples looked at for the rate.
 const PROBE: usize = 2000;

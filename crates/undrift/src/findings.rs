@@ -6,7 +6,7 @@ mod collect;
 pub use crate::replay::Log;
 pub use collect::{
     WITHOUT_GNSS, of_accuracy, of_correlation, of_disagreement, of_drift, of_fixes, of_health,
-    of_held, of_scalar, of_skipped, of_timing, with_axes,
+    of_held, of_order, of_scalar, of_skipped, of_timing, with_axes,
 };
 
 use crate::replay::{Contradiction, FixMend, Lean, Part, RestartCause};
@@ -108,6 +108,15 @@ pub enum Finding {
         /// Whether it is the largest or smallest value of the axis.
         saturated: bool,
     },
+    /// An axis of the IMU has the same value from end to end.
+    Constant {
+        /// 0 to 2 for the sensor's gyros x, y, z, 3 to 5 for its accelerometers.
+        axis: usize,
+        /// The value as it is in the log.
+        value: f64,
+        /// How many samples.
+        samples: u64,
+    },
     /// The mean specific force is not gravity.
     WrongGravity {
         /// Mean specific force over gravity.
@@ -199,6 +208,24 @@ pub enum Finding {
         records: u64,
         /// How many of each kind, and the first, as the reader reports them.
         kinds: String,
+    },
+    /// Rows of a log are out of the order of time and were skipped.
+    OutOfOrder {
+        /// Of which log.
+        log: Log,
+        /// How many.
+        rows: u64,
+        /// Line or message of the first.
+        line: u64,
+    },
+    /// Most rows of a log repeat the time stamp of the one before and were skipped.
+    SharedStamps {
+        /// Of which log.
+        log: Log,
+        /// How many.
+        rows: u64,
+        /// Usual interval of the stamps \[s\].
+        interval: f64,
     },
     /// The clock of a log was set back and went on from there.
     SetBack {
@@ -350,6 +377,12 @@ const WRONG_UNIT: f64 = 20.0;
 const RIGHT_UNIT: RangeInclusive<f64> = 0.5..=2.0;
 /// An axis that holds a value for longer has a fault, and a log that has no samples \[s\].
 const LONG: f64 = 1.0;
+/// Clocks that are further apart are two, and not one with a delay \[s\].
+const TWO_CLOCKS: f64 = 3.0;
+/// So many rows out of order are a log that was written so, rather than single ones that were overtaken.
+const DISORDER: u64 = 10;
+/// Gravity along body up, by its component along body down.
+const UPSIDE_DOWN: f64 = -0.5;
 
 impl Finding {
     /// How much it weighs.
@@ -358,6 +391,9 @@ impl Finding {
             Self::Diverged { .. } => Severity::Unusable,
             // Whatever is concluded is about another vehicle or another sensor.
             Self::WrongAxes { .. } | Self::WrongTurnAxis { .. } => Severity::Unusable,
+            Self::WrongVelocity { mend: Some(_) } => Severity::Unusable,
+            Self::Constant { axis, .. } if *axis < 3 => Severity::Unusable,
+            Self::Late { delay } if delay.abs() > TWO_CLOCKS => Severity::Unusable,
             Self::WrongGravity { ratio } | Self::WrongTurnRate { ratio }
                 if !RIGHT_UNIT.contains(ratio) =>
             {
@@ -366,7 +402,11 @@ impl Finding {
             Self::FarParameter { sigmas, .. } if *sigmas > VERY_FAR => Severity::Warning,
             Self::NoisyFixes { factor } if *factor > WRONG_UNIT => Severity::Warning,
             Self::Held { length, .. } if *length > LONG => Severity::Warning,
-            Self::Frozen { .. } => Severity::Warning,
+            Self::OutOfOrder { rows, .. } if *rows >= DISORDER => Severity::Warning,
+            Self::NotDown { down } if down[2] < UPSIDE_DOWN => Severity::Warning,
+            Self::Frozen { .. } | Self::Constant { .. } | Self::SharedStamps { .. } => {
+                Severity::Warning
+            }
             Self::WrongGravity { .. }
             | Self::WrongTurnRate { .. }
             | Self::NoTurns
@@ -392,7 +432,10 @@ impl Finding {
     fn rank(&self) -> u8 {
         match self {
             Self::Diverged { .. } | Self::NotCompared { .. } => 0,
-            Self::WrongGravity { .. }
+            Self::OutOfOrder { rows, .. } if *rows >= DISORDER => 1,
+            Self::Constant { .. }
+            | Self::SharedStamps { .. }
+            | Self::WrongGravity { .. }
             | Self::NotDown { .. }
             | Self::WrongTurnRate { .. }
             | Self::WrongTurnAxis { .. }
@@ -432,7 +475,11 @@ pub fn verdict(found: &[Finding]) -> (Severity, Option<&Finding>) {
     let at = |level| found.iter().find(|of| of.severity() >= level);
     let cause = match severity {
         Severity::Note => None,
-        Severity::Unusable => found.iter().find(|of| of.rank() == 1).or(at(severity)),
+        Severity::Unusable => {
+            let mut causes = found.iter().filter(|of| of.rank() == 1);
+            let surely = causes.clone().find(|of| of.severity() == severity);
+            surely.or(causes.next()).or(at(severity))
+        }
         Severity::Warning => {
             let worst = at(severity);
             // A fault of the sensors explains what the solution shows.

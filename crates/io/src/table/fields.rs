@@ -51,9 +51,19 @@ impl Delimiter {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Defect {
     Text(String),
-    TooFew { fields: usize, wanted: usize },
-    Empty { column: usize },
-    NotFinite { value: f64, column: usize },
+    TooFew {
+        fields: usize,
+        wanted: usize,
+    },
+    Empty {
+        column: usize,
+    },
+    /// Its column's number, and its place in the row read.
+    NotFinite {
+        value: f64,
+        column: usize,
+        slot: usize,
+    },
 }
 
 impl Defect {
@@ -74,7 +84,7 @@ impl fmt::Display for Defect {
                 write!(f, "{fields} fields, but column {wanted} is needed")
             }
             Self::Empty { column } => write!(f, "column {column} is empty"),
-            Self::NotFinite { value, column } => write!(f, "{value} in column {column}"),
+            Self::NotFinite { value, column, .. } => write!(f, "{value} in column {column}"),
         }
     }
 }
@@ -296,7 +306,11 @@ fn parse_any_row(
                 }
                 Some(Ok(value)) => {
                     let column = target + 1;
-                    return Err(Defect::NotFinite { value, column });
+                    return Err(Defect::NotFinite {
+                        value,
+                        column,
+                        slot,
+                    });
                 }
                 Some(Err(b"")) if keep_not_finite => f64::NAN,
                 Some(Err(b"")) => return Err(Defect::Empty { column: target + 1 }),
@@ -370,7 +384,8 @@ mod tests {
             row("1,x,inf", false),
             Err(Defect::NotFinite {
                 value: f64::INFINITY,
-                column: 3
+                column: 3,
+                slot: 0
             })
         );
         assert_eq!(

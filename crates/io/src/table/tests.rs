@@ -32,7 +32,7 @@ type Rows = Vec<(u64, Vec<f64>)>;
 
 fn drain(table: &mut Table) -> Result<Rows, ReadError> {
     let mut rows = Vec::new();
-    let mut row = vec![0.0; table.width];
+    let mut row = vec![0.0; table.columns.len()];
     while let Some(line) = table.next_row(&mut row)? {
         rows.push((line, row.clone()));
     }

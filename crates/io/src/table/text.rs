@@ -84,10 +84,7 @@ impl TextTable {
                 continue;
             }
             if let Some(names) = self.names.take() {
-                fits(bytes, delimiter, names).map_err(|problem| {
-                    let error = ReadError::nameless(problem).at(line);
-                    error.mend("write decimal points, or specify columns by number")
-                })?;
+                fits(bytes, delimiter, names).map_err(|error| error.at(line))?;
             }
             let parsed = fields::parse_row(
                 bytes,
@@ -103,16 +100,22 @@ impl TextTable {
 }
 
 /// Whether a row has no more fields than its header names; empty ones at the end do not count.
-fn fits(row: &[u8], delimiter: Delimiter, names: usize) -> Result<(), String> {
+fn fits(row: &[u8], delimiter: Delimiter, names: usize) -> Result<(), ReadError> {
     let last = fields::Fields::new(row, delimiter)
         .enumerate()
         .filter(|(_, field)| !field.is_empty())
         .last();
-    match last {
-        Some((k, _)) if k >= names => Err(format!(
-            "the row has {} fields, the header {names}: decimal commas, or an unnamed column",
-            k + 1
-        )),
-        _ => Ok(()),
+    let Some(fields) = last.map(|(k, _)| k + 1).filter(|fields| *fields > names) else {
+        return Ok(());
+    };
+    if fields == 2 * names && matches!(delimiter, Delimiter::Byte(b',')) {
+        let problem = format!("{fields} fields, twice the header's {names}");
+        let mend = "commas are both separators and decimal marks: export with decimal points";
+        return Err(ReadError::nameless(problem).mend(mend));
     }
+    let problem = format!(
+        "{fields} fields, but the header has {names}: decimal commas, or an unnamed column"
+    );
+    let mend = "export with decimal points, or specify columns by number";
+    Err(ReadError::nameless(problem).mend(mend))
 }

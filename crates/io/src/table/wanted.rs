@@ -118,7 +118,11 @@ pub(super) fn fill(
             Some(number) if number.is_finite() || keep_not_finite => number,
             Some(value) => {
                 let column = index + 1;
-                return Err(Defect::NotFinite { value, column });
+                return Err(Defect::NotFinite {
+                    value,
+                    column,
+                    slot,
+                });
             }
             None if keep_not_finite => f64::NAN,
             None => return Err(Defect::Empty { column: index + 1 }),
@@ -181,7 +185,7 @@ pub(super) fn starts_a_row(line: &[u8]) -> bool {
 
 /// Why a table without one usable row cannot be used.
 pub(super) fn no_rows(seen: u64, skipped: &Skipped) -> ReadError {
-    let mend = skipped.to_string().replace('\n', "; ");
+    let mend = skipped.in_one_line();
     let text = skipped.iter().find(|(kind, _)| *kind == SkipKind::Text);
     let is_decimal = |text: &str| {
         let text = text.trim_matches('"');
@@ -189,8 +193,8 @@ pub(super) fn no_rows(seen: u64, skipped: &Skipped) -> ReadError {
     };
     let (problem, mend) = match text {
         _ if seen == 0 && mend.is_empty() => (
-            "no row of data",
-            "it has a header or comments alone: record or export it again".to_owned(),
+            "no data, only a header or comments",
+            "record or export it again".to_owned(),
         ),
         _ if seen == 0 => ("no row of data", mend),
         Some((_, entry)) if is_decimal(&entry.first_detail) => {

@@ -60,14 +60,41 @@ fn parse<'a>(text: &'a str, file: &str) -> Result<Spanned<DeTable<'a>>, ModelErr
 }
 
 /// What is expected of a file that is no model.
-const A_MODEL: &str = "a model file, such as `undrift identify -o imu.toml` writes, or a preset";
+const A_MODEL: &str = "a model file (`undrift identify` writes one) or a preset";
+
+fn not_a_model(what: &str, file: &str) -> ModelError {
+    ModelError::Entry {
+        file: file.to_owned(),
+        line: None,
+        key: String::new(),
+        message: format!("is {what}, not a model; give {A_MODEL}"),
+    }
+}
+
+/// Whether a text begins as a table of numbers does.
+fn is_log(text: &str) -> bool {
+    let is_row = |line: &str| {
+        let mut fields = line.split([',', ';', '\t']).map(str::trim);
+        let mut number = || {
+            fields
+                .next()
+                .is_some_and(|field| field.parse::<f64>().is_ok())
+        };
+        number() && number()
+    };
+    let mut lines = text.lines().filter(|line| !line.starts_with(['#', '%']));
+    let first = lines.next().unwrap_or_default();
+    !first.contains(['=', '[']) && (is_row(first) || lines.next().is_some_and(is_row))
+}
 
 pub(super) fn from_text(text: &str, file: &str) -> Result<ImuModel, ModelError> {
+    if is_log(text) {
+        return Err(not_a_model("a log", file));
+    }
     let table = parse(text, file)?;
     let top = Table::top(table.get_ref(), Some(text), file, "");
     if top.get("imu").is_some() {
-        let message = format!("belongs into a drive file; expected {A_MODEL}");
-        return Err(top.error("imu", message));
+        return Err(not_a_model("a drive file", file));
     }
     for (key, example) in [
         ("format", format!("\"{FORMAT}\"")),

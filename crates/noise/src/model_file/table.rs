@@ -231,7 +231,9 @@ fn with_unit(value: &DeValue, quantity: Quantity) -> Result<f64, String> {
     match value {
         DeValue::String(text) => match units::parse(text, quantity) {
             Ok(value) if value >= 0.0 => Ok(value),
-            Ok(_) => Err(format!("{text:?} is negative")),
+            Ok(_) => Err(format!(
+                "{text:?} must not be negative; remove the minus sign"
+            )),
             Err(error) => Err(format!("{text:?}: {error}")),
         },
         DeValue::Integer(_) | DeValue::Float(_) => Err(format!(

@@ -4,7 +4,7 @@
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum RecordError {
     /// Fewer samples than the statistic needs.
-    #[error("too short: {got} samples, at least {needed} are needed")]
+    #[error("too short: {got} samples, but at least {needed} are needed; record for longer")]
     TooShort {
         /// Samples needed.
         needed: usize,

@@ -184,7 +184,7 @@ def identify(
     gyro x, y, z, accelerometer x, y, z, in SI units. ``columns`` and ``units``, ``"deg/s,g"``, are
     found from the names of columns where possible; ``rate`` [Hz] by the time stamps, if there are any.
     ``detrend`` is constant, linear or temperature; ``n_max`` the largest n of ARMA(2n, 2n−1) in the
-    Pandit-Wu table. What is no static recording is refused; ``force`` identifies it as it is.
+    Pandit-Wu table. What is no static recording is refused; ``force`` identifies it anyway.
     docs/identify.md has the steps.
     """
     if isinstance(units, str):

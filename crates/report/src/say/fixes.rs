@@ -12,10 +12,11 @@ pub(super) fn bad_covariance(fixes: u64) -> String {
 }
 
 pub(super) fn wrong_velocity(mend: Option<FixMend>) -> String {
-    format!(
-        "GNSS positions and velocities disagree: {}; check gnss.position, gnss.velocity and their units",
-        mend.map_or("one of them is wrong", fix_mend)
+    mend.map_or(
+        "GNSS positions and velocities disagree: check gnss.position, gnss.velocity and their units",
+        fix_mend,
     )
+    .into()
 }
 
 pub(super) fn more_rejected(spans: u64, accepted: u64) -> String {
@@ -171,16 +172,38 @@ pub(super) fn wrong_accuracy(of: Part, factor: f64, adapted: bool, correlated: b
 
 fn fix_mend(mend: FixMend) -> &'static str {
     match mend {
-        FixMend::VelocityEastNorth => "the velocity is east, north, not north, east",
-        FixMend::PositionSwapped => "latitude and longitude are swapped",
-        FixMend::EastReversed => "the velocity east (or the longitude) has the wrong sign",
-        FixMend::NorthReversed => "the velocity north (or the latitude) has the wrong sign",
-        FixMend::VelocityReversed => "the velocity has the wrong signs",
-        FixMend::KilometresPerHour => "the velocity is in km/h",
-        FixMend::Knots => "the velocity is in knots",
-        FixMend::FeetPerSecond => "the velocity is in ft/s",
-        FixMend::CentimetresPerSecond => "the velocity is in cm/s",
-        FixMend::MillimetresPerSecond => "the velocity is in mm/s",
-        FixMend::PositionInRadians => "latitude and longitude are in rad, not deg",
+        FixMend::VelocityEastNorth => {
+            "the GNSS velocity is east, north, not north, east: list the north column first in gnss.velocity"
+        }
+        FixMend::PositionSwapped => {
+            "latitude and longitude are exchanged: list the latitude first in gnss.position"
+        }
+        FixMend::EastReversed => {
+            "the GNSS velocity east (or the longitude) has the wrong sign: check gnss.velocity and gnss.position"
+        }
+        FixMend::NorthReversed => {
+            "the GNSS velocity north (or the latitude) has the wrong sign: check gnss.velocity and gnss.position"
+        }
+        FixMend::VelocityReversed => {
+            "the GNSS velocity has the wrong signs: check gnss.velocity, which is north, east, down"
+        }
+        FixMend::KilometresPerHour => {
+            "the GNSS velocity is in km/h, not m/s: convert the columns of gnss.velocity to m/s"
+        }
+        FixMend::Knots => {
+            "the GNSS velocity is in knots, not m/s: convert the columns of gnss.velocity to m/s"
+        }
+        FixMend::FeetPerSecond => {
+            "the GNSS velocity is in ft/s, not m/s: convert the columns of gnss.velocity to m/s"
+        }
+        FixMend::CentimetresPerSecond => {
+            "the GNSS velocity is in cm/s, not m/s: convert the columns of gnss.velocity to m/s"
+        }
+        FixMend::MillimetresPerSecond => {
+            "the GNSS velocity is in mm/s, not m/s: convert the columns of gnss.velocity to m/s"
+        }
+        FixMend::PositionInRadians => {
+            "latitude and longitude are in rad, not deg: set gnss.position_unit = \"rad\""
+        }
     }
 }

@@ -1,10 +1,39 @@
 //! Sentences: what was found of the logs.
 
 use super::words::{at, many};
+use crate::numbers::short;
 use undrift::findings::Log;
 
 pub(super) fn skipped(log: Log, kinds: &str) -> String {
     format!("{} log: {}", name(log), kinds.replace('\n', "; "))
+}
+
+pub(super) fn out_of_order(log: Log, rows: u64, line: u64) -> String {
+    let (rows, at) = match rows {
+        1 => ("1 row is".to_owned(), "at"),
+        n => (format!("{n} rows are"), "first at"),
+    };
+    format!(
+        "{} log: {rows} out of time order, {at} line {line}; sort the file by time",
+        name(log)
+    )
+}
+
+/// Rows that share a stamp, at the usual interval of the stamps \[s\].
+pub(super) fn shared_stamps(log: Log, rows: u64, interval: f64) -> String {
+    let stamps = if (interval - 1.0).abs() < 1e-6 {
+        "time stamps are whole seconds".to_owned()
+    } else {
+        format!("time stamps are {} s apart", short(interval))
+    };
+    let rate = match log {
+        Log::Imu => ", or set imu.rate instead of imu.time",
+        _ => "",
+    };
+    format!(
+        "{} log: {stamps} and {rows} rows repeat one: export times with more decimals{rate}",
+        name(log)
+    )
 }
 
 pub(super) fn set_back(log: Log, line: u64, step: f64) -> String {

@@ -24,7 +24,7 @@ pub fn mend(problem: &NotStatic) -> String {
         NotStatic::Moving {
             rest: Some((start, end)),
             ..
-        } => format!("its longest rest is --span {start},{end}"),
+        } => format!("use its longest rest, --span {start},{end}"),
         NotStatic::Moving { rest: None, .. } => {
             "it has no rest that is long enough: record it lying still".into()
         }

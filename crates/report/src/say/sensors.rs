@@ -33,6 +33,14 @@ pub(super) fn held(
     )
 }
 
+pub(super) fn always(axis: usize, value: f64, samples: u64) -> String {
+    let key = if axis < 3 { "imu.gyro" } else { "imu.accel" };
+    format!(
+        "{} is constant ({value}) in all {samples} samples: check {key}; if the column is right, the sensor is faulty",
+        name(axis)
+    )
+}
+
 pub(super) fn wrong_gravity(ratio: f64) -> String {
     format!(
         "the accelerometers measure {} times gravity on average: check {}",
@@ -52,9 +60,23 @@ pub(super) fn wrong_gravity(ratio: f64) -> String {
 }
 
 pub(super) fn not_down(down: [f64; 3]) -> String {
+    let (place, size) = (0..3)
+        .map(|k| (k, down[k]))
+        .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+        .unwrap_or((2, 1.0));
+    let towards = match (place, size > 0.0) {
+        (0, true) => "forward",
+        (0, false) => "backward",
+        (1, true) => "right",
+        (1, false) => "left",
+        (_, true) => "down",
+        (_, false) => {
+            return "the IMU seems to be upside down (gravity points up in the body axes): check the signs in imu.axes, or set imu.mounting = \"auto\"".into();
+        }
+    };
+    let tilt = down[2].clamp(-1.0, 1.0).acos().to_degrees();
     format!(
-        "gravity points along {:.2}, {:.2}, {:.2} in the body axes forward, right, down, not along down: check imu.axes and the order and signs of imu.accel; the attitude refers to the axes as specified",
-        down[0], down[1], down[2]
+        "the IMU seems to be tilted by {tilt:.0}° (gravity points {towards} in the body axes): check imu.axes and the order of imu.accel, or set imu.mounting = \"auto\""
     )
 }
 
@@ -167,24 +189,29 @@ pub(super) fn wrong_axes(forward: Option<i8>, right: Option<i8>, axes: Option<&s
     let axis = |number| match number {
         1 => "forward",
         -1 => "backward",
-        2 => "right",
-        _ => "left",
+        2 => "to the right",
+        _ => "to the left",
     };
-    let speeds_up = forward.filter(|number| *number != 1).map(|number| {
-        format!(
-            "it accelerates along body {} instead of forward",
-            axis(number)
-        )
-    });
+    let speeds_up = forward
+        .filter(|number| *number != 1)
+        .map(|number| format!("GNSS accelerates forward, the IMU {}", axis(number)));
     let turns = right.filter(|number| *number != 2).map(|number| {
         format!(
-            "it is pushed along body {} instead of right in turns to the right",
+            "in turns GNSS is pushed to the right, the IMU {}",
             axis(number)
         )
     });
-    let seen: Vec<String> = speeds_up.into_iter().chain(turns).collect();
-    format!(
-        "GNSS shows that the IMU's axes do not match the vehicle's: {}; check imu.axes and the order and signs of imu.accel and imu.gyro",
-        seen.join(", and ")
-    )
+    let seen = speeds_up.or(turns).unwrap_or_default();
+    // What no rotation of the IMU does is in the columns of the accelerometers.
+    let wrong = match (forward, right) {
+        (Some(2 | -2), Some(1 | -1)) => "the accelerometer's forward and right axes seem exchanged",
+        (Some(1), Some(-2)) => "the accelerometer's right axis seems to have the wrong sign",
+        (Some(-1), Some(2)) => "the accelerometer's forward axis seems to have the wrong sign",
+        _ => {
+            return format!(
+                "the IMU's axes are not the vehicle's ({seen}): check imu.axes and the order and signs of imu.accel"
+            );
+        }
+    };
+    format!("{wrong} ({seen}): check the order and signs of imu.accel")
 }

@@ -51,11 +51,14 @@ pub(super) fn bridged(gaps: u64) -> String {
 }
 
 pub(super) fn long_gaps(gaps: u64, first: f64, longest: f64) -> String {
-    format!(
-        "{} between samples, the first at {} s, the longest {longest:.3} s; the covariance was propagated across gaps of up to a minute",
-        many(gaps, "long gap"),
-        at(first)
-    )
+    let first = at(first);
+    let gaps = match gaps {
+        1 => format!("no samples for {longest:.1} s from {first} s"),
+        n => {
+            format!("{n} gaps without samples, the first at {first} s, the longest {longest:.1} s")
+        }
+    };
+    format!("IMU log: {gaps}; do not trust the solution there, or leave it out with [span]")
 }
 
 pub(super) fn without_gnss(start: f64, length: f64) -> String {

@@ -50,13 +50,13 @@ pub enum AlignmentFailure {
     #[error("no fix within the inertial log has a usable position")]
     NoPosition,
     /// No fix lies within the inertial log.
-    #[error("no usable GNSS position within the inertial log; check the two time columns")]
+    #[error("no GNSS fix lies within the IMU log: check both time columns")]
     NoOverlap,
     /// The attitude is given, but no fix has a velocity and no two are close enough to make one.
     #[error("the fixes have no velocity and are too sparse to derive one; set initial.velocity")]
     NoVelocity,
     /// Neither rest nor motion gave the attitude.
-    #[error("{0}, and {1}")]
+    #[error("{}", of_attitude(.0, .1))]
     NoAttitude(RestFailure, MotionFailure),
 }
 
@@ -67,9 +67,7 @@ pub enum RestFailure {
     #[error("no rest to level the IMU (set initial.attitude)")]
     NoRest,
     /// The course is the heading above a speed that was never reached.
-    #[error(
-        "the speed never reached {min_speed:.1} m/s (maximum {fastest:.1} m/s), so the course gives no heading (set initial.min_speed, initial.heading or initial.attitude)"
-    )]
+    #[error("{}", too_slow(*min_speed, *fastest))]
     TooSlow {
         /// That speed \[m/s\].
         min_speed: f64,
@@ -127,6 +125,31 @@ pub enum MotionFailure {
         "samples and fixes are inconsistent (squared residuals {0:.0} times the expected): check axes, units, time columns and standard deviations"
     )]
     Misfit(f64),
+}
+
+/// Slower is rest [m/s].
+const STANDS: f64 = 0.5;
+
+fn too_slow(min_speed: f64, fastest: f64) -> String {
+    if fastest < STANDS {
+        return format!(
+            "the vehicle never moved (at most {fastest:.1} m/s), so its heading is unknown: set initial.heading, or use a log with motion"
+        );
+    }
+    format!(
+        "the vehicle never reached {min_speed:.1} m/s (at most {fastest:.1} m/s), so the course gives no heading: set initial.min_speed or initial.heading"
+    )
+}
+
+/// Without speed there is no change of velocity either: one reason is enough.
+fn of_attitude(rest: &RestFailure, motion: &MotionFailure) -> String {
+    match (rest, motion) {
+        (
+            RestFailure::TooSlow { .. },
+            MotionFailure::NoVelocity | MotionFailure::TooFew | MotionFailure::TooSteady { .. },
+        ) => rest.to_string(),
+        _ => format!("{rest}, and {motion}"),
+    }
 }
 
 impl MotionFailure {

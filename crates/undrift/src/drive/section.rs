@@ -81,7 +81,10 @@ fn text_of(path: &Path) -> Result<String, String> {
             what: "a model file",
             ..
         }) => {
-            return Err("is a model file; set model = to its name in a drive file".into());
+            return Err(format!(
+                "is a model file, not a drive file; give the drive file here, and the model with --model {}",
+                path.display()
+            ));
         }
         Some(Foreign { what, .. }) if what != "a drive file" => {
             return Err(format!("is {what}; {EXPECTED}"));
@@ -91,7 +94,27 @@ fn text_of(path: &Path) -> Result<String, String> {
         }
         _ => {}
     }
-    String::from_utf8(bytes).map_err(|_| format!("is not UTF-8 text; {EXPECTED}"))
+    let text = String::from_utf8(bytes).map_err(|_| format!("is not UTF-8 text; {EXPECTED}"))?;
+    if is_table(&text) {
+        return Err(format!(
+            "is a log, not a drive file; `undrift inspect {} -o drive.toml` writes one",
+            path.display()
+        ));
+    }
+    Ok(text)
+}
+
+/// Whether a text begins as a table of numbers does.
+fn is_table(text: &str) -> bool {
+    let is_number = |field: &str| field.trim().parse::<f64>().is_ok();
+    let is_row = |line: &str| {
+        let mut fields = line.split([',', ';', '\t']);
+        let (first, second) = (fields.next(), fields.next());
+        first.is_some_and(is_number) && second.is_some_and(is_number)
+    };
+    let mut lines = text.lines().filter(|line| !line.starts_with(['#', '%']));
+    let first = lines.next().unwrap_or_default();
+    !first.contains(['=', '[']) && (is_row(first) || lines.next().is_some_and(is_row))
 }
 
 /// What is expected of a file that is none of configuration.
@@ -116,9 +139,41 @@ fn not_toml(text: &str, error: &toml::de::Error) -> String {
             let text = value.split(" #").next().unwrap_or(value).trim();
             format!("text needs quotes: write \"{text}\"")
         }
-        "duplicate key" => "this key or table occurs twice; merge them".into(),
+        "duplicate key" => already(text, start),
         message => format!("not TOML: {message}"),
     }
+}
+
+/// That what stands at an offset was there before: a table, or a key.
+fn already(text: &str, start: usize) -> String {
+    let here = line_at(text, start);
+    let lines = || text.lines().map(str::trim).zip(1..).take(here - 1);
+    let line = text.lines().nth(here - 1).unwrap_or_default().trim();
+    let stands = |line: &str| {
+        line.split(['=', '#'])
+            .next()
+            .unwrap_or_default()
+            .trim()
+            .to_owned()
+    };
+    let what = stands(line);
+    // A key is of the table above it.
+    let table = lines().filter(|(line, _)| line.starts_with('[')).last();
+    let from = match (what.starts_with('['), table) {
+        (false, Some((_, at))) => at,
+        _ => 0,
+    };
+    let before = lines().find(|(line, at)| *at > from && stands(line) == what);
+    match before {
+        Some((_, at)) => format!("{what} is already defined at line {at}; merge the two"),
+        None => format!("{what} is defined twice; merge the two"),
+    }
+}
+
+/// The unit that lacks its stroke: "deg/s" of "degs".
+fn per_second(unit: &str, quantity: Quantity) -> Option<String> {
+    let meant = format!("{}/s", unit.strip_suffix('s')?);
+    units::unit_factor(&meant, quantity).ok().map(|_| meant)
 }
 
 /// The tables of a configuration file's text; `file` is what messages call it.
@@ -220,11 +275,11 @@ impl<'a> Section<'a> {
 
     /// An error at a key of this table; of a key that is missing it shows one that is there and nearly so called.
     pub fn error(&self, key: &str, message: impl Into<String>) -> ConfigError {
-        let mut message = message.into();
+        let message = message.into();
         if message.starts_with("missing")
             && let Some(there) = self.nearly(key)
         {
-            message = format!("missing, but there is \"{there}\": did you mean {key}?");
+            return self.error(there, format!("unknown key; did you mean {key}?"));
         }
         let found = self
             .table
@@ -545,8 +600,16 @@ impl<'a> Section<'a> {
         self.note(key, Takes::Unit(quantity));
         match self.string(key)? {
             None => Ok(default),
-            Some(unit) => units::unit_factor(unit, quantity)
-                .map_err(|e| self.error(key, format!("\"{unit}\": {e}"))),
+            Some(unit) => units::unit_factor(unit, quantity).map_err(|e| {
+                let message = match per_second(unit, quantity) {
+                    Some(meant) => format!(
+                        "\"{unit}\" is not {}; did you mean \"{meant}\"?",
+                        quantity.name()
+                    ),
+                    None => format!("\"{unit}\": {e}"),
+                };
+                self.error(key, message)
+            }),
         }
     }
 

@@ -10,7 +10,7 @@ use crate::{
 use undrift_io::{
     held::Held,
     imu::GapSummary,
-    skipped::{SetBack, Skipped},
+    skipped::{SetBack, SkipKind, Skipped},
 };
 use undrift_nav::{Matrix3, Vector3, covariance::AXES};
 use undrift_noise::screening::Timing;
@@ -73,13 +73,20 @@ pub fn of_held(held: &[Held]) -> Vec<Finding> {
         }
         _ => held
             .iter()
-            .map(|of| Finding::Held {
-                axis: of.axis,
-                value: of.value,
-                start: of.start,
-                length: of.length,
-                samples: of.samples,
-                saturated: of.saturated,
+            .map(|of| match of.constant {
+                true => Finding::Constant {
+                    axis: of.axis,
+                    value: of.value,
+                    samples: of.samples,
+                },
+                false => Finding::Held {
+                    axis: of.axis,
+                    value: of.value,
+                    start: of.start,
+                    length: of.length,
+                    samples: of.samples,
+                    saturated: of.saturated,
+                },
             })
             .collect(),
     }
@@ -279,6 +286,31 @@ pub fn of_scalar(
     found
 }
 
+/// Rows of a log out of the order of time, or under a time stamp that they share; `interval` is the usual one \[s\],
+/// and so many records were accepted.
+pub fn of_order(log: Log, skipped: &Skipped, interval: f64, accepted: u64) -> Vec<Finding> {
+    let mut found = Vec::new();
+    if let (Some(behind), None) = (
+        skipped.entry(SkipKind::TimeBackwards),
+        skipped.largest_set_back(),
+    ) {
+        found.push(Finding::OutOfOrder {
+            log,
+            rows: behind.count,
+            line: behind.first_line,
+        });
+    }
+    let shared = skipped.count(SkipKind::DuplicateTime);
+    if shared > accepted {
+        found.push(Finding::SharedStamps {
+            log,
+            rows: shared,
+            interval,
+        });
+    }
+    found
+}
+
 /// What was skipped in each log.
 pub fn of_skipped(logs: &[(Log, &Skipped)]) -> Vec<Finding> {
     let any = logs.iter().filter(|(_, skipped)| !skipped.is_empty());
@@ -357,6 +389,59 @@ pub fn of_drift(models: &[(&str, &ModelErrors)]) -> Option<Finding> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::findings::Severity;
+
+    #[test]
+    fn rows_out_of_order_and_stamps_that_are_shared() {
+        let mut skipped = Skipped::default();
+        let none = |skipped: &Skipped| of_order(Log::Imu, skipped, 1.0, 10).is_empty();
+        (0..10).for_each(|k| skipped.add(SkipKind::DuplicateTime, 3 + k, ""));
+        assert!(none(&skipped));
+        skipped.add(SkipKind::DuplicateTime, 20, "");
+        assert_eq!(
+            of_order(Log::Imu, &skipped, 1.0, 10),
+            [Finding::SharedStamps {
+                log: Log::Imu,
+                rows: 11,
+                interval: 1.0
+            }]
+        );
+        let mut skipped = Skipped::default();
+        skipped.add(SkipKind::TimeBackwards, 7, "");
+        skipped.add(SkipKind::TimeBackwards, 9, "");
+        assert_eq!(
+            of_order(Log::Gnss, &skipped, 1.0, 10),
+            [Finding::OutOfOrder {
+                log: Log::Gnss,
+                rows: 2,
+                line: 7
+            }]
+        );
+    }
+
+    #[test]
+    fn a_constant_axis_is_not_one_that_held_its_value_for_a_while() {
+        let held = |constant| Held {
+            axis: 2,
+            value: 0.5,
+            start: 1.0,
+            length: 9.0,
+            samples: 900,
+            saturated: false,
+            constant,
+        };
+        let constant = Finding::Constant {
+            axis: 2,
+            value: 0.5,
+            samples: 900,
+        };
+        assert_eq!(constant.severity(), Severity::Unusable);
+        assert_eq!(of_held(&[held(true)]), [constant]);
+        assert!(matches!(
+            of_held(&[held(false)])[..],
+            [Finding::Held { .. }]
+        ));
+    }
 
     #[test]
     fn axes_that_mend_a_turned_sensor() {

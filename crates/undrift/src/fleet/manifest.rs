@@ -196,8 +196,13 @@ pub enum PatternError {
     #[error("\"{0}\": {1}")]
     Malformed(String, glob::PatternError),
     /// It matches no file.
-    #[error("\"{0}\" matches no file")]
-    NoMatch(String),
+    #[error("\"{pattern}\" matches no file{hint}")]
+    NoMatch {
+        /// As it was given.
+        pattern: String,
+        /// What was meant, where that can be told.
+        hint: &'static str,
+    },
 }
 
 /// The jobs of drive files by their names or patterns, without a manifest.
@@ -220,7 +225,12 @@ pub fn drives(patterns: &[String], choice: &Choice) -> Result<Vec<Job>, PatternE
             vec![pattern.clone()]
         };
         if names.is_empty() {
-            return Err(PatternError::NoMatch(pattern.clone()));
+            let hint = match pattern.ends_with(".tml") {
+                true => "; did you mean \"*.toml\"?",
+                false => "; give drive files or patterns such as \"drives/*.toml\"",
+            };
+            let pattern = pattern.clone();
+            return Err(PatternError::NoMatch { pattern, hint });
         }
         jobs.extend(names.iter().map(|name| log.job("", name)));
     }

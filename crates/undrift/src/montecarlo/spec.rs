@@ -75,8 +75,14 @@ impl Spec {
         let table = parse(text, file)?;
         let top = Section::top(table.get_ref(), text, file);
         if table.get_ref().contains_key("imu") {
-            let message = "belongs into a drive file; a specification describes a simulated drive (docs/montecarlo.md)";
-            return Err(top.error("imu", message).into());
+            let message = "is a drive file; montecarlo needs a specification of a simulated drive (docs/montecarlo.md)";
+            return Err(ConfigError {
+                file: file.to_owned(),
+                line: None,
+                key: String::new(),
+                message: message.to_owned(),
+            }
+            .into());
         }
         top.only(&[
             "model",

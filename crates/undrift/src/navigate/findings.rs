@@ -20,6 +20,23 @@ impl Report {
         }
         found.extend(findings::of_health(s));
         found.extend(findings::of_held(&self.held));
+        let interval = self.study.as_ref().map_or(0.0, |study| study.interval);
+        let samples = s.samples + s.align_samples;
+        let logs = [
+            (
+                Log::Imu,
+                &self.imu_skipped,
+                self.gaps.nominal_interval,
+                samples,
+            ),
+            (Log::Gnss, &self.gnss_skipped, interval, s.fixes),
+        ];
+        found.extend(
+            logs.into_iter()
+                .flat_map(|(log, skipped, interval, accepted)| {
+                    findings::of_order(log, skipped, interval, accepted)
+                }),
+        );
         let disagreements = findings::of_disagreement(s);
         found.extend(findings::with_axes(disagreements, &self.rotation));
         for (log, skipped, gaps) in &self.scalars {

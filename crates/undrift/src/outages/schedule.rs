@@ -83,9 +83,7 @@ pub enum ScheduleError {
         length: f64,
     },
     /// Not one fits between the start and the last fix.
-    #[error(
-        "no outage of {length} s fits between {start} s after the first fix and the last fix at {end:.1} s"
-    )]
+    #[error("{}", no_room(*length, *start, *end))]
     NoRoom {
         /// Length of an outage \[s\].
         length: f64,
@@ -103,7 +101,7 @@ pub enum ScheduleError {
         count: usize,
     },
     /// An outage reaches beyond the fixes.
-    #[error("an outage of {length} s at {time} does not lie within the fixes, {first} to {last}")]
+    #[error("{}", beyond(*length, *time, *first, *last))]
     BeyondFixes {
         /// Length \[s\].
         length: f64,
@@ -125,6 +123,33 @@ pub enum ScheduleError {
         /// The outage.
         outage: Outage,
     },
+}
+
+/// An outage that has no room after a start, where the last fix is so long after the first \[s\].
+fn no_room(length: f64, start: f64, end: f64) -> String {
+    if start >= end {
+        return format!(
+            "--start {start}: the last fix is only {end:.0} s after the first; reduce --start"
+        );
+    }
+    format!(
+        "--length {length}: only {:.0} s lie between --start {start} and the last fix; reduce --length or --start",
+        end - start
+    )
+}
+
+/// An outage at a time beyond the fixes \[s\].
+fn beyond(length: f64, time: f64, first: f64, last: f64) -> String {
+    if last - first < length {
+        return format!(
+            "--length {length}: the fixes cover only {:.0} s; reduce --length",
+            last - first
+        );
+    }
+    format!(
+        "--at {time}: a {length} s outage must begin between {first} s and {} s, within the fixes",
+        ((last - length) * 1e3).floor() / 1e3
+    )
 }
 
 /// The outages of `length` \[s\] a schedule asks for, given the first and last fix \[s\].

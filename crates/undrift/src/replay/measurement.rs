@@ -191,9 +191,9 @@ impl<E, I: Iterator<Item = Result<Measurement, E>>> Queue<I> {
         self.repeats.count()
     }
 
-    /// Time of the next fix, whenever it comes \[s\].
+    /// Takes the next fix, whenever it comes, and gives its time \[s\].
     pub(super) fn next_fix(&mut self) -> Option<f64> {
-        let held = self.fixes.front().map(|fix| fix.time);
+        let held = self.fixes.pop_front().map(|fix| fix.time);
         held.or_else(|| {
             self.stream.find_map(|m| match m {
                 Ok(Measurement::Gnss(fix)) => Some(fix.time),

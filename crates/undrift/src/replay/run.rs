@@ -15,7 +15,7 @@ use super::{
     watch::Streak,
 };
 use crate::{
-    align::{Aligner, Heading},
+    align::{Aligner, Heading, Stamps},
     estimator::STAMP_ROUNDING,
     settings::replay::{GnssUse, Settings},
 };
@@ -54,9 +54,10 @@ struct Alignment {
 /// What of the log went by.
 #[derive(Default)]
 struct Log {
-    /// Time of the first sample, and of the first fix \[s\].
+    /// Time of the first sample \[s\].
     first_sample: Option<f64>,
-    first_fix: Option<f64>,
+    /// Stamps of the fixes read so far.
+    stamps: Option<Stamps>,
     /// Fixes within the samples.
     fixes: u64,
     previous: Option<ImuSample>,
@@ -147,7 +148,7 @@ impl<'a> Run<'a> {
             let start = sample.time - sample.dt - STAMP_ROUNDING;
             while let Some(before) = aiding.next_until(start, Latency::default()) {
                 if let (Measurement::Gnss(fix), _) = before? {
-                    self.log.first_fix.get_or_insert(fix.time);
+                    self.log.stamps = Some(Stamps::and(self.log.stamps, fix.time));
                     self.summary.fixes_before += 1;
                 }
             }
@@ -159,8 +160,8 @@ impl<'a> Run<'a> {
             let (measurement, part) = due?;
             match measurement {
                 Measurement::Gnss(fix) => {
-                    self.log.first_fix.get_or_insert(fix.time);
                     if begins(&fix, part) {
+                        self.log.stamps = Some(Stamps::and(self.log.stamps, fix.time));
                         self.log.fixes += 1;
                         self.plausible.fix(&fix);
                     }
@@ -200,11 +201,18 @@ impl<'a> Run<'a> {
             return Ok(self.summary);
         }
         if self.solution.is_none() && self.summary.restarts.is_empty() {
-            let first_fix = self.log.first_fix.or_else(|| aiding.next_fix());
-            let (samples, ended) = (self.log.first_sample, self.summary.ended);
+            let mut fixes = self.log.stamps;
+            while let Some(time) = aiding.next_fix() {
+                fixes = Some(Stamps::and(fixes, time));
+            }
+            let samples = self.log.first_sample.map(|first| Stamps {
+                first,
+                last: self.summary.ended,
+                count: self.summary.align_samples,
+            });
             return Err(ReplayError::NotAligned(Box::new(NotAligned {
                 failure: self.alignment.aligner.failure(self.log.fixes),
-                times: samples.zip(first_fix).map(|(imu, gnss)| [imu, ended, gnss]),
+                times: samples.zip(fixes).map(|(imu, gnss)| [imu, gnss]),
                 implausible: self.summary.implausible,
                 skipped: Vec::new(),
             })));

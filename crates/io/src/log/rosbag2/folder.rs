@@ -24,8 +24,9 @@ pub(crate) fn parts(folder: &Path) -> Result<Vec<Part>, ReadError> {
         files = found(folder)?;
     }
     if files.is_empty() {
-        let problem = "is a folder without a ROS 2 bag";
-        let mend = "neither a metadata.yaml that lists files nor *.db3 or *.mcap are in it; give a file, or the bag's own folder";
+        let problem =
+            "is a folder, not a log, and has no ROS 2 bag (metadata.yaml, *.db3, *.mcap) in it";
+        let mend = "give a log file, or the bag's own folder";
         return Err(ReadError::new(folder, problem).mend(mend));
     }
     Ok(files.into_iter().map(Part::File).collect())

@@ -7,7 +7,10 @@ use crate::{
     plain::{Mark, plain_table},
 };
 use std::f64::consts::PI;
-use undrift::results::{Axis, Identify, Number, ParameterInterval};
+use undrift::{
+    noise::screening::RecordError,
+    results::{Axis, Identify, Number, ParameterInterval},
+};
 
 /// Units of a sensor's terms, and their factors from SI.
 struct Units {
@@ -50,6 +53,7 @@ pub(super) fn verdict(result: &Identify) -> String {
     };
     let rate = result.rate_hz.0;
     let of = match known.len() {
+        n if n < axes.len() => format!("{n} of {} axes", axes.len()),
         1 => "1 axis".to_owned(),
         n => format!("{n} axes"),
     };
@@ -75,6 +79,12 @@ pub(super) fn verdict(result: &Identify) -> String {
 /// Why an axis is not to be trusted.
 fn doubt(name: &str, axis: &Axis) -> Option<String> {
     let why = match &axis.error {
+        Some(error) if *error == RecordError::Constant.to_string() => {
+            let name = spoken(name);
+            return Some(format!(
+                "{name} is constant and was left out; check its column or the sensor"
+            ));
+        }
         Some(error) => error.as_str(),
         None if axis.moving == Some(true) => "the recording is not static",
         None if !axis.saturation.is_empty() => "the axis is saturated",
