@@ -338,7 +338,7 @@ mod tests {
             outside
                 .unwrap_err()
                 .to_string()
-                .contains("covers 1 s to 1 s")
+                .contains("ends at 1 s, before [span] begins at 5 s")
         );
     }
 }

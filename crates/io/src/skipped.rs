@@ -151,13 +151,6 @@ impl Skipped {
         self.kinds.get(&kind)
     }
 
-    /// The others.
-    pub fn without(&self, kind: SkipKind) -> Self {
-        let mut others = self.clone();
-        others.kinds.remove(&kind);
-        others
-    }
-
     /// Number of skipped records of all kinds.
     pub fn total(&self) -> u64 {
         self.kinds.values().map(|entry| entry.count).sum()

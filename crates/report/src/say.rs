@@ -57,6 +57,7 @@ pub fn say(finding: &Finding) -> String {
             axis,
             value,
             samples,
+            ..
         } => sensors::always(*axis, *value, *samples),
         F::WrongGravity { ratio } => sensors::wrong_gravity(*ratio),
         F::NotDown { down } => sensors::not_down(*down),

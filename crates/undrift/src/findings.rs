@@ -116,6 +116,8 @@ pub enum Finding {
         value: f64,
         /// How many samples.
         samples: u64,
+        /// Whether it is the gyro that measures the turns of the vehicle.
+        vertical: bool,
     },
     /// The mean specific force is not gravity.
     WrongGravity {
@@ -379,8 +381,6 @@ const RIGHT_UNIT: RangeInclusive<f64> = 0.5..=2.0;
 const LONG: f64 = 1.0;
 /// Clocks that are further apart are two, and not one with a delay \[s\].
 const TWO_CLOCKS: f64 = 3.0;
-/// So many rows out of order are a log that was written so, rather than single ones that were overtaken.
-const DISORDER: u64 = 10;
 /// Gravity along body up, by its component along body down.
 const UPSIDE_DOWN: f64 = -0.5;
 
@@ -392,7 +392,7 @@ impl Finding {
             // Whatever is concluded is about another vehicle or another sensor.
             Self::WrongAxes { .. } | Self::WrongTurnAxis { .. } => Severity::Unusable,
             Self::WrongVelocity { mend: Some(_) } => Severity::Unusable,
-            Self::Constant { axis, .. } if *axis < 3 => Severity::Unusable,
+            Self::Constant { vertical: true, .. } => Severity::Unusable,
             Self::Late { delay } if delay.abs() > TWO_CLOCKS => Severity::Unusable,
             Self::WrongGravity { ratio } | Self::WrongTurnRate { ratio }
                 if !RIGHT_UNIT.contains(ratio) =>
@@ -402,11 +402,11 @@ impl Finding {
             Self::FarParameter { sigmas, .. } if *sigmas > VERY_FAR => Severity::Warning,
             Self::NoisyFixes { factor } if *factor > WRONG_UNIT => Severity::Warning,
             Self::Held { length, .. } if *length > LONG => Severity::Warning,
-            Self::OutOfOrder { rows, .. } if *rows >= DISORDER => Severity::Warning,
             Self::NotDown { down } if down[2] < UPSIDE_DOWN => Severity::Warning,
-            Self::Frozen { .. } | Self::Constant { .. } | Self::SharedStamps { .. } => {
-                Severity::Warning
-            }
+            Self::Frozen { .. }
+            | Self::Constant { .. }
+            | Self::OutOfOrder { .. }
+            | Self::SharedStamps { .. } => Severity::Warning,
             Self::WrongGravity { .. }
             | Self::WrongTurnRate { .. }
             | Self::NoTurns
@@ -432,8 +432,8 @@ impl Finding {
     fn rank(&self) -> u8 {
         match self {
             Self::Diverged { .. } | Self::NotCompared { .. } => 0,
-            Self::OutOfOrder { rows, .. } if *rows >= DISORDER => 1,
             Self::Constant { .. }
+            | Self::OutOfOrder { .. }
             | Self::SharedStamps { .. }
             | Self::WrongGravity { .. }
             | Self::NotDown { .. }

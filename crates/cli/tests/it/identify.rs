@@ -487,7 +487,7 @@ fn what_is_no_record_is_said() {
     says(
         &constant,
         &["--rate", "100", "-o", "none.toml"],
-        "no axis could be identified",
+        "the recording is constant",
     );
     assert!(!folder.join("none.toml").exists());
 }

@@ -113,7 +113,7 @@ fn files_without_data() {
             numbered(&[1])
         };
         assert!(
-            message(text, &wanted).contains("no row of data"),
+            message(text, &wanted).contains("no data, only a header"),
             "{text:?}"
         );
     }

@@ -241,14 +241,18 @@ fn errors_name_line_key_and_mend() {
         (
             with("turn_on = \"3 deg/s\"", "turn_on = \"3 m/s\""),
             &[
-                "imu.toml:14: gyro.turn_on: \"3 m/s\"",
+                "imu.toml line 14, gyro.turn_on: \"3 m/s\"",
                 "velocity",
                 "\"deg/s\" or \"rad/s\"",
             ][..],
         ),
         (
             with("turn_on = \"3 deg/s\"", "turn_on = 3"),
-            &["imu.toml:14: gyro.turn_on:", "needs a unit", "\"deg/s\""],
+            &[
+                "imu.toml line 14, gyro.turn_on:",
+                "needs a unit",
+                "\"deg/s\"",
+            ],
         ),
         (
             with("turn_on = \"3 deg/s\"", "turn_on = \"-3 deg/s\""),
@@ -256,19 +260,19 @@ fn errors_name_line_key_and_mend() {
         ),
         (
             with("turn_on = \"3 deg/s\"", "turnon = \"3 deg/s\""),
-            &["imu.toml:14: gyro.turnon: unknown key", "turn_on, "],
+            &["imu.toml line 14, gyro.turnon: unknown key", "turn_on, "],
         ),
         (
             with("turn_on = \"1 deg/s\"", "white = \"1 deg/s\""),
-            &["imu.toml:26: gyro_z.white: unknown key", "white_noise"],
+            &["imu.toml line 26, gyro_z.white: unknown key", "white_noise"],
         ),
         (
             with("amplitude = \"0.2 deg/s\"\n", ""),
-            &["imu.toml:33: gyro.line.amplitude: missing; a line needs"],
+            &["imu.toml line 33, gyro.line.amplitude: missing; a line needs"],
         ),
         (
             with("amplitude = \"0.2 deg/s\"", "amplitude = \"0 deg/s\""),
-            &["imu.toml:35: gyro.line.amplitude: must be greater than zero"],
+            &["imu.toml line 35, gyro.line.amplitude: must be greater than zero"],
         ),
         (
             with("frequency = \"7.3 Hz\"", "hertz = 7.3"),
@@ -284,7 +288,7 @@ fn errors_name_line_key_and_mend() {
         (
             with("correlation_time = \"100 s\"\n", ""),
             &[
-                "imu.toml:16: gyro.bias_instability:",
+                "imu.toml line 16, gyro.bias_instability:",
                 "correlation_time",
                 "random_walk",
             ],
@@ -292,17 +296,17 @@ fn errors_name_line_key_and_mend() {
         (
             with("bias_instability = \"25 deg/h\"\n", ""),
             &[
-                "imu.toml:16: gyro.correlation_time:",
+                "imu.toml line 16, gyro.correlation_time:",
                 "bias_instability, which is missing",
             ],
         ),
         (
             with("correlation_time = \"100 s\"", "correlation_time = \"0 s\""),
-            &["imu.toml:17:", "greater than zero"],
+            &["imu.toml line 17:", "greater than zero"],
         ),
         (
             with("sigma = \"0.4714 deg/s\"\n", ""),
-            &["imu.toml:20: gyro.arma.sigma: missing", "\"deg/s\""],
+            &["imu.toml line 20, gyro.arma.sigma: missing", "\"deg/s\""],
         ),
         (
             with("rate = \"200 Hz\"\n", ""),
@@ -310,15 +314,15 @@ fn errors_name_line_key_and_mend() {
         ),
         (
             with("ar = [1]", "ar = [1.1]"),
-            &["imu.toml:20: gyro.arma:", "unstable"],
+            &["imu.toml line 20, gyro.arma:", "unstable"],
         ),
         (
             with("ar = [1]", "ar = \"1\""),
-            &["imu.toml:22: gyro.arma.ar:", "list"],
+            &["imu.toml line 22, gyro.arma.ar:", "list"],
         ),
         (
             with("ar = [1]", "ar = [nan]"),
-            &["imu.toml:22: gyro.arma.ar:", "finite"],
+            &["imu.toml line 22, gyro.arma.ar:", "finite"],
         ),
         (
             with("white_noise = \"100 ug/sqrt(Hz)\"", "turn_on = \"1 mg\""),
@@ -330,7 +334,7 @@ fn errors_name_line_key_and_mend() {
                 "bias_instability = [\"25 deg/h\", \"3 deg/h\"]",
             ),
             &[
-                "imu.toml:17: gyro.correlation_time: ",
+                "imu.toml line 17, gyro.correlation_time: ",
                 "one correlation time for each process",
             ],
         ),
@@ -339,7 +343,7 @@ fn errors_name_line_key_and_mend() {
                 "bias_instability = \"25 deg/h\"",
                 "bias_instability = [\"25 deg/h\", 3]",
             ),
-            &["imu.toml:16: gyro.bias_instability: ", "needs a unit"],
+            &["imu.toml line 16, gyro.bias_instability: ", "needs a unit"],
         ),
         (
             with(
@@ -347,13 +351,13 @@ fn errors_name_line_key_and_mend() {
                 "bias_instability = [\"1 deg/h\", \"1 deg/h\", \"1 deg/h\", \"1 deg/h\", \"1 deg/h\"]\ncorrelation_time = [\"1 s\", \"2 s\", \"3 s\", \"4 s\", \"5 s\"]",
             ),
             &[
-                "imu.toml:16: gyro.bias_instability: ",
+                "imu.toml line 16, gyro.bias_instability: ",
                 "5 processes, at most 4",
             ],
         ),
         (
             with("paper_sigma", "quantisation = \"1 deg/s\"\npaper_sigma"),
-            &["imu.toml:19: gyro.quantisation: ", "an angle"],
+            &["imu.toml line 19, gyro.quantisation: ", "an angle"],
         ),
         (
             "format = \"undrift-imu\"\nversion = 1\n".into(),
@@ -365,25 +369,25 @@ fn errors_name_line_key_and_mend() {
         ),
         (
             with("format = \"undrift-imu\"", "format = \"other\""),
-            &["imu.toml:2: format:", "\"undrift-imu\""],
+            &["imu.toml line 2, format:", "\"undrift-imu\""],
         ),
         (
             with("version = 1", "version = 2"),
-            &["imu.toml:3: version:", "version 1"],
+            &["imu.toml line 3, version:", "version 1"],
         ),
         (
             with("samples = 1234567", "samples = -1"),
             &["provenance.samples", "whole number"],
         ),
-        (with("[gyro.arma]", "[gyro.arma"), &["imu.toml:20: "]),
+        (with("[gyro.arma]", "[gyro.arma"), &["imu.toml line 20: "]),
         (
             with("[gyro]", "[gyro]\nturn_on = \"1 deg/s\""),
-            &["imu.toml:15: ", "duplicate"],
+            &["imu.toml line 15: ", "duplicate"],
         ),
         (
             with("name = ", "preset = \"adis\"\nname = "),
             &[
-                "imu.toml:4: preset: no preset \"adis\"; did you mean adis16405 or adis16465 or adis16470?",
+                "imu.toml line 4, preset: no preset \"adis\"; did you mean adis16405 or adis16465 or adis16470?",
                 "undrift model --list",
             ],
         ),
@@ -395,7 +399,7 @@ fn errors_name_line_key_and_mend() {
     }
     assert!(
         message("gyro = 3\nformat = \"undrift-imu\"\nversion = 1")
-            .contains("imu.toml:1: gyro: must be a table")
+            .contains("imu.toml line 1, gyro: must be a table")
     );
 }
 
@@ -437,7 +441,7 @@ fn inline_tables_are_told_with_their_path() {
     assert!(
         error
             .to_string()
-            .starts_with("drive.toml:3: model.gyro.white: unknown key"),
+            .starts_with("drive.toml line 3, model.gyro.white: unknown key"),
         "{error}"
     );
     let plain: toml::Table = text.parse().unwrap();
@@ -446,7 +450,7 @@ fn inline_tables_are_told_with_their_path() {
     assert!(
         error
             .to_string()
-            .starts_with("drive.toml: model.gyro.white: unknown key"),
+            .starts_with("drive.toml, model.gyro.white: unknown key"),
         "{error}"
     );
 }

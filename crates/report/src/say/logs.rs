@@ -9,12 +9,8 @@ pub(super) fn skipped(log: Log, kinds: &str) -> String {
 }
 
 pub(super) fn out_of_order(log: Log, rows: u64, line: u64) -> String {
-    let (rows, at) = match rows {
-        1 => ("1 row is".to_owned(), "at"),
-        n => (format!("{n} rows are"), "first at"),
-    };
     format!(
-        "{} log: {rows} out of time order, {at} line {line}; sort the file by time",
+        "{} log: {rows} rows are out of time order, first at line {line}; sort the file by time",
         name(log)
     )
 }

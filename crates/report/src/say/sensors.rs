@@ -36,7 +36,7 @@ pub(super) fn held(
 pub(super) fn always(axis: usize, value: f64, samples: u64) -> String {
     let key = if axis < 3 { "imu.gyro" } else { "imu.accel" };
     format!(
-        "{} is constant ({value}) in all {samples} samples: check {key}; if the column is right, the sensor is faulty",
+        "{} is constant ({value}) in all {samples} samples: check {key}; if the column is right, the sensor is faulty or too coarse",
         name(axis)
     )
 }

@@ -60,7 +60,7 @@ fn every_finding_has_its_sentence() {
                 first: 20.0,
                 longest: 4.5,
             },
-            "2 long gaps between samples, the first at 20 s, the longest 4.500 s; the covariance was propagated across gaps of up to a minute",
+            "IMU log: 2 gaps without samples, the first at 20 s, the longest 4.5 s; do not trust the solution there, or leave it out with [span]",
         ),
         (
             Finding::WithoutGnss { start, length },
@@ -94,7 +94,46 @@ fn every_finding_has_its_sentence() {
             Finding::NotDown {
                 down: [0.0, 0.0, -1.0],
             },
-            "gravity points along 0.00, 0.00, -1.00 in the body axes forward, right, down, not along down: check imu.axes and the order and signs of imu.accel; the attitude refers to the axes as specified",
+            "the IMU seems to be upside down (gravity points up in the body axes): check the signs in imu.axes, or set imu.mounting = \"auto\"",
+        ),
+        (
+            Finding::NotDown {
+                down: [0.0, -1.0, 0.0],
+            },
+            "the IMU seems to be tilted by 90° (gravity points left in the body axes): check imu.axes and the order of imu.accel, or set imu.mounting = \"auto\"",
+        ),
+        (
+            Finding::Constant {
+                axis: 2,
+                value: 0.0,
+                samples: 900,
+                vertical: true,
+            },
+            "gyro z is constant (0) in all 900 samples: check imu.gyro; if the column is right, the sensor is faulty or too coarse",
+        ),
+        (
+            Finding::OutOfOrder {
+                log: Log::Imu,
+                rows: 60,
+                line: 1003,
+            },
+            "IMU log: 60 rows are out of time order, first at line 1003; sort the file by time",
+        ),
+        (
+            Finding::SharedStamps {
+                log: Log::Imu,
+                rows: 990,
+                interval: 1.0,
+            },
+            "IMU log: time stamps are whole seconds and 990 rows repeat one: export times with more decimals, or set imu.rate instead of imu.time",
+        ),
+        (
+            Finding::SharedStamps {
+                log: Log::Gnss,
+                rows: 90,
+                interval: 0.1,
+            },
+            "GNSS log: time stamps are 0.100 s apart and 90 rows repeat one: export times with more decimals",
         ),
         (
             Finding::WrongTurnRate { ratio: -1.0 },
@@ -126,13 +165,13 @@ fn every_finding_has_its_sentence() {
                 right: Some(-2),
                 axes: None,
             },
-            "GNSS shows that the IMU's axes do not match the vehicle's: it is pushed along body left instead of right in turns to the right; check imu.axes and the order and signs of imu.accel and imu.gyro",
+            "the accelerometer's right axis seems to have the wrong sign (in turns GNSS is pushed to the right, the IMU to the left): check the order and signs of imu.accel",
         ),
         (
             Finding::WrongVelocity {
                 mend: Some(FixMend::Knots),
             },
-            "GNSS positions and velocities disagree: the velocity is in knots; check gnss.position, gnss.velocity and their units",
+            "the GNSS velocity is in knots, not m/s: convert the columns of gnss.velocity to m/s",
         ),
         (
             Finding::Restart {

@@ -57,8 +57,13 @@ pub fn of_health(summary: &Summary) -> Vec<Finding> {
     found
 }
 
-/// Axes of the IMU that held a value; a frozen log is one finding.
-pub fn of_held(held: &[Held]) -> Vec<Finding> {
+/// So many rows out of order are a log that was written so, rather than single ones that were overtaken.
+const DISORDER: u64 = 10;
+/// Share of the vertical in the axis of the gyro that is nearest to it.
+const VERTICAL: f64 = 0.7;
+
+/// Axes of the IMU that held a value, where `rotation` is from the sensor's axes to the body's; a frozen log is one finding.
+pub fn of_held(held: &[Held], rotation: &Matrix3) -> Vec<Finding> {
     match held {
         [first, _, _, _, _, _]
             if held
@@ -78,6 +83,7 @@ pub fn of_held(held: &[Held]) -> Vec<Finding> {
                     axis: of.axis,
                     value: of.value,
                     samples: of.samples,
+                    vertical: of.axis < 3 && rotation[(2, of.axis)].abs() > VERTICAL,
                 },
                 false => Finding::Held {
                     axis: of.axis,
@@ -293,7 +299,8 @@ pub fn of_order(log: Log, skipped: &Skipped, interval: f64, accepted: u64) -> Ve
     if let (Some(behind), None) = (
         skipped.entry(SkipKind::TimeBackwards),
         skipped.largest_set_back(),
-    ) {
+    ) && behind.count >= DISORDER
+    {
         found.push(Finding::OutOfOrder {
             log,
             rows: behind.count,
@@ -407,13 +414,14 @@ mod tests {
             }]
         );
         let mut skipped = Skipped::default();
-        skipped.add(SkipKind::TimeBackwards, 7, "");
-        skipped.add(SkipKind::TimeBackwards, 9, "");
+        (0..9).for_each(|k| skipped.add(SkipKind::TimeBackwards, 7 + 2 * k, ""));
+        assert!(none(&skipped));
+        skipped.add(SkipKind::TimeBackwards, 99, "");
         assert_eq!(
             of_order(Log::Gnss, &skipped, 1.0, 10),
             [Finding::OutOfOrder {
                 log: Log::Gnss,
-                rows: 2,
+                rows: DISORDER,
                 line: 7
             }]
         );
@@ -430,15 +438,20 @@ mod tests {
             saturated: false,
             constant,
         };
-        let constant = Finding::Constant {
+        let constant = |vertical| Finding::Constant {
             axis: 2,
             value: 0.5,
             samples: 900,
+            vertical,
         };
-        assert_eq!(constant.severity(), Severity::Unusable);
-        assert_eq!(of_held(&[held(true)]), [constant]);
+        assert_eq!(constant(true).severity(), Severity::Unusable);
+        assert_eq!(constant(false).severity(), Severity::Warning);
+        let level = Matrix3::identity();
+        assert_eq!(of_held(&[held(true)], &level), [constant(true)]);
+        let upright = Matrix3::new(0.0, 0.0, 1.0, 0.0, 1.0, 0.0, -1.0, 0.0, 0.0);
+        assert_eq!(of_held(&[held(true)], &upright), [constant(false)]);
         assert!(matches!(
-            of_held(&[held(false)])[..],
+            of_held(&[held(false)], &level)[..],
             [Finding::Held { .. }]
         ));
     }

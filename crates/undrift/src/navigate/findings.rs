@@ -19,7 +19,7 @@ impl Report {
             found.extend(findings::of_fixes(study, &self.fix_errors));
         }
         found.extend(findings::of_health(s));
-        found.extend(findings::of_held(&self.held));
+        found.extend(findings::of_held(&self.held, &self.rotation));
         let interval = self.study.as_ref().map_or(0.0, |study| study.interval);
         let samples = s.samples + s.align_samples;
         let logs = [

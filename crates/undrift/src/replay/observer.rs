@@ -87,10 +87,15 @@ pub struct NotAligned {
 
 impl NotAligned {
     fn reason(&self) -> String {
+        let of_velocity = |what: &Implausible| matches!(what, Implausible::Velocity(_));
+        let velocity = self.implausible.iter().any(of_velocity);
         match (self.failure, &self.times) {
             (AlignmentFailure::NoOverlap, Some([imu, gnss])) => no_overlap(imu, gnss),
-            (AlignmentFailure::NoAttitude(RestFailure::TooSlow { .. }, _), _) => {
+            (AlignmentFailure::NoAttitude(RestFailure::TooSlow { .. }, _), _) if !velocity => {
                 self.failure.to_string()
+            }
+            (failure @ AlignmentFailure::NoAttitude(RestFailure::TooSlow { .. }, _), _) => {
+                format!("the log could not be aligned: by the GNSS velocity {failure}")
             }
             (failure, _) => format!("the log could not be aligned: {failure}"),
         }

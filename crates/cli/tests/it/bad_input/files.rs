@@ -74,7 +74,7 @@ fn decimal_commas() {
     );
     says(
         &refusal("decimal_comma", text.replace('.', ",").as_bytes()),
-        &["imu.csv line 2: the row has 14 fields, the header 7: decimal commas"],
+        &["imu.csv line 2: 14 fields, twice the header's 7; commas are both"],
     );
 }
 
@@ -142,7 +142,7 @@ fn columns_that_are_missing_or_too_many() {
     says(
         &refusal("column_unnamed", numbered.as_bytes()),
         &[
-            "imu.csv line 2: the row has 8 fields, the header 7",
+            "imu.csv line 2: 8 fields, but the header has 7",
             "an unnamed column",
         ],
     );
@@ -184,7 +184,7 @@ fn a_block_of_zero_bytes() {
         &outcome.stderr,
         &[
             "1 row with text where a number belongs",
-            "1 long gap between samples",
+            "no samples for 0.4 s from 68.11 s",
         ],
     );
 }
@@ -263,7 +263,7 @@ fn a_directory_in_place_of_a_file() {
     std::fs::create_dir(case.path("imu.csv")).unwrap();
     says(
         &case.refusal(),
-        &["error: imu.csv: is a folder without a ROS 2 bag; neither a metadata.yaml"],
+        &["error: imu.csv: is a folder, not a log, and has no ROS 2 bag"],
     );
 }
 
@@ -413,7 +413,7 @@ fn a_folder_that_cannot_hold_the_result() {
         assert_eq!(outcome.code, Some(1));
         says(
             &outcome.stderr,
-            &[&format!("cannot write {target}: no such folder")],
+            &[&format!("cannot write {target}: the folder")],
         );
         // Told before the work: nothing was navigated.
         assert_eq!(outcome.stdout, "");
@@ -539,7 +539,10 @@ fn an_outage_longer_than_the_log() {
         .write("long_outage")
         .outages(&["--count", "1", "--length", "500"]);
     assert_eq!(outcome.code, Some(1));
-    says(&outcome.stderr, &["no outage of 500 s fits"]);
+    says(
+        &outcome.stderr,
+        &["--length 500: only 79 s lie between --start 60"],
+    );
 }
 
 #[test]
@@ -563,7 +566,7 @@ fn keys_that_contradict_each_other() {
         (
             "two_times",
             "time = \"t\"\n",
-            "line 16: this key or table occurs twice",
+            "line 16: time is already defined at line",
         ),
         ("word", "use = 3\n", "line 16, gnss.use: must be a"),
     ] {
@@ -585,12 +588,15 @@ fn two_results_for_one_file_are_refused() {
         assert!(!done.succeeded());
         says(
             &done.stderr,
-            &["two results for a.csv: give each a name of its own"],
+            &["two results are to be written to a.csv: give each its own file"],
         );
     }
     let done = case.run(&["navigate", "drive.toml", "-o", "-", "--json", "-"]);
     assert!(!done.succeeded() && done.stdout.is_empty());
-    says(&done.stderr, &["two results for standard output (-)"]);
+    says(
+        &done.stderr,
+        &["two results are to be written to standard output (-)"],
+    );
 }
 
 #[test]

@@ -30,9 +30,8 @@ fn latitude_and_longitude_swapped() {
     says(
         &message,
         &[
-            "gnss.csv: no usable fix (key gnss.position)",
-            "279 rows with a value out of range",
-            "latitude and longitude are exchanged",
+            "gnss.csv: latitude and longitude are exchanged (line 2: 114.47, 30.44)",
+            "list the latitude first in gnss.position",
         ],
     );
     // Where both are latitudes, the velocities tell.
@@ -42,7 +41,7 @@ fn latitude_and_longitude_swapped() {
         row.fields.swap(1, 2);
     });
     log.write("lat_lon_valid")
-        .doubted(&["GNSS positions and velocities disagree: latitude and longitude are swapped"]);
+        .doubted(&["latitude and longitude are exchanged"]);
 }
 
 #[test]
@@ -79,7 +78,10 @@ fn degrees_times_ten_million() {
     let log = changed(|row| row.put(1, &[row.number(1) * 1e7, row.number(2) * 1e7]));
     says(
         &log.write("e7").refusal(),
-        &["no usable fix (key gnss.position)", "1e-7 deg"],
+        &[
+            "latitude and longitude are in 1e-7 deg",
+            "divide them by 1e7",
+        ],
     );
 }
 
@@ -87,9 +89,7 @@ fn degrees_times_ten_million() {
 fn radians_called_degrees() {
     changed(|row| row.put(1, &[row.number(1).to_radians(), row.number(2).to_radians()]))
         .write("radians")
-        .doubted(&[
-            "GNSS positions and velocities disagree: latitude and longitude are in rad, not deg",
-        ]);
+        .doubted(&["latitude and longitude are in rad, not deg"]);
 }
 
 #[test]
@@ -134,19 +134,19 @@ fn height_with_the_wrong_sign() {
 
 #[test]
 fn velocity_east_north_up() {
-    velocities(|[n, e, d]| [e, n, -d]).write("enu").doubted(&[
-        "GNSS positions and velocities disagree: the velocity is east, north, not north, east",
-    ]);
+    velocities(|[n, e, d]| [e, n, -d])
+        .write("enu")
+        .doubted(&["the GNSS velocity is east, north, not north, east"]);
 }
 
 #[test]
 fn velocity_with_the_wrong_sign() {
     velocities(|[n, e, d]| [n, -e, d])
         .write("west")
-        .doubted(&["GNSS positions and velocities disagree: the velocity east (or the longitude) has the wrong sign"]);
+        .doubted(&["the GNSS velocity east (or the longitude) has the wrong sign"]);
     velocities(|[n, e, d]| [-n, -e, d])
         .write("backward")
-        .doubted(&["GNSS positions and velocities disagree: the velocity has the wrong signs"]);
+        .doubted(&["the GNSS velocity has the wrong signs"]);
 }
 
 #[test]
@@ -165,9 +165,7 @@ fn velocity_in_another_unit() {
         );
         says(
             &outcome.stderr,
-            &[&format!(
-                "GNSS positions and velocities disagree: the velocity is in {unit}"
-            )],
+            &[&format!("the GNSS velocity is in {unit}")],
         );
     }
 }
@@ -178,7 +176,7 @@ fn a_velocity_that_is_always_zero() {
     says(
         &message,
         &[
-            "could not be aligned: the speed never reached",
+            "could not be aligned: by the GNSS velocity the vehicle never moved",
             "GNSS positions and velocities disagree",
         ],
     );
@@ -281,8 +279,8 @@ fn another_week_or_day() {
         says(
             &message,
             &[
-                "no usable GNSS position within the inertial log; check the two time columns",
-                "fixes: from",
+                "the IMU (0.01 to 140 s) and GNSS (",
+                "do not overlap: check both time columns, or set gnss.time_offset",
             ],
         );
     }
@@ -295,7 +293,7 @@ fn milliseconds_called_seconds() {
         .refusal();
     says(
         &message,
-        &["no usable GNSS position within", "fixes: from 1000.000 s"],
+        &["GNSS (1000 to 140000 s)", "set gnss.time_unit = \"ms\""],
     );
 }
 
@@ -344,7 +342,7 @@ fn too_few_fixes() {
     log.gnss.clear();
     says(
         &log.write("fixes_0").refusal(),
-        &["gnss.csv: no row of data"],
+        &["gnss.csv: no data, only a header"],
     );
 }
 
@@ -356,9 +354,8 @@ fn a_receiver_without_a_fix() {
     says(
         &message,
         &[
-            "gnss.csv: no usable fix",
-            "279 rows with a value out of range",
-            "the receiver had no fix",
+            "gnss.csv: the receiver never had a fix",
+            "279 rows such as line 2: 0, 0",
         ],
     );
 }

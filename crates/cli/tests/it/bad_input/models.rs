@@ -40,7 +40,7 @@ fn unstable_autoregression() {
     refused(
         &case,
         &arma("1.1", "0.5"),
-        &["imu.toml:4: gyro.arma:", "unstable"],
+        &["imu.toml line 4, gyro.arma:", "unstable"],
     );
     refused(&case, &arma("0.5, 0.6", "0.5"), &["gyro.arma:", "unstable"]);
 }
@@ -60,17 +60,17 @@ fn numbers_that_are_none() {
     refused(
         &case,
         &arma("nan", "0.5"),
-        &["imu.toml:7: gyro.arma.ar:", "finite"],
+        &["imu.toml line 7, gyro.arma.ar:", "finite"],
     );
     refused(&case, &arma("0.9", "inf"), &["gyro.arma.ma:", "finite"]);
     let negative = format!("{HEAD}{}{ACCEL}", GYRO.replace("0.1", "-0.1"));
     refused(
         &case,
         &negative,
-        &["imu.toml:4: gyro.white_noise:", "negative"],
+        &["imu.toml line 4, gyro.white_noise:", "negative"],
     );
     let nan = format!("{HEAD}{}{ACCEL}", GYRO.replace("0.1", "nan"));
-    refused(&case, &nan, &["imu.toml:4: gyro.white_noise:"]);
+    refused(&case, &nan, &["imu.toml line 4, gyro.white_noise:"]);
 }
 
 #[test]
@@ -80,7 +80,7 @@ fn an_axis_that_is_none() {
     refused(
         &case,
         &model,
-        &["imu.toml:7: gyro_w: unknown key", "gyro_x"],
+        &["imu.toml line 7, gyro_w: unknown key", "gyro_x"],
     );
 }
 
@@ -98,7 +98,7 @@ fn a_model_of_another_rate() {
         ("-5 Hz", "is negative"),
     ] {
         let model = arma("0.99", "0.5").replace("100 Hz", rate);
-        refused(&case, &model, &["imu.toml:6: gyro.arma.rate: ", told]);
+        refused(&case, &model, &["imu.toml line 6, gyro.arma.rate: ", told]);
     }
 }
 

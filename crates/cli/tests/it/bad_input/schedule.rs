@@ -62,11 +62,11 @@ fn outages_that_cannot_be_are_refused() {
         ),
         (
             &["--count", "1", "--start", "78", "--length", "5"],
-            &["no outage of 5 s fits", "the last fix at 79.0 s"],
+            &["--length 5: only 1 s lie between --start 78 and the last fix"],
         ),
         (
             &["--every", "10", "--start", "78", "--length", "5"],
-            &["no outage of 5 s fits", "the last fix at 79.0 s"],
+            &["--length 5: only 1 s lie between --start 78 and the last fix"],
         ),
         (
             &["--count", "1", "--start", "nan", "--length", "5"],
@@ -90,15 +90,15 @@ fn outages_that_cannot_be_are_refused() {
         ),
         (
             &["--at", "500", "--length", "5"],
-            &["5 s at 500 does not lie within the fixes, 1 to 80"],
+            &["--at 500: a 5 s outage must begin between 1 s and 75 s"],
         ),
         (
             &["--at", "0.5", "--length", "5"],
-            &["does not lie within the fixes"],
+            &["a 5 s outage must begin between 1 s and 75 s"],
         ),
         (
             &["--at", "inf", "--length", "5"],
-            &["does not lie within the fixes"],
+            &["a 5 s outage must begin between 1 s and 75 s"],
         ),
         (&["--length", "5"], &["specify the outages: --count N"]),
     ] {

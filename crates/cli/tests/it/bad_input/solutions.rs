@@ -92,7 +92,10 @@ fn files_that_cannot_be_meant() {
     for (arguments, parts) in [
         (&["-o", "nav.txt"][..], &["nav.txt", "--format"][..]),
         (&["-o", "nav"], &["--format"]),
-        (&["-o", "n.kml", "-o", "n.kml"], &["two results for n.kml"]),
+        (
+            &["-o", "n.kml", "-o", "n.kml"],
+            &["two results are to be written to n.kml"],
+        ),
         (
             &["-o", "n.kml", "-o", "n.gpx", "--format", "csv"],
             &["single -o"],

@@ -153,7 +153,7 @@ fn what_is_no_bag_or_has_no_messages() {
     }
     let folder = error(&golden("../ulog"));
     assert!(
-        folder.contains("is a folder without a ROS 2 bag; neither a metadata.yaml"),
+        folder.contains("is a folder, not a log, and has no ROS 2 bag"),
         "{folder}"
     );
     let text = error(&golden("make.py"));

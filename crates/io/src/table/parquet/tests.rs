@@ -148,7 +148,7 @@ fn what_cannot_be_read_is_said_with_its_key() {
             "is compressed as a whole; decompress it",
         ),
         ("empty", Vec::new(), "is empty"),
-        ("text", b"time,gyro".to_vec(), "no row of data"),
+        ("text", b"time,gyro".to_vec(), "no data, only a header"),
         (
             "cut",
             bytes[..bytes.len() - 1].to_vec(),
