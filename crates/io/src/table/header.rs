@@ -104,7 +104,7 @@ fn first_line(lines: &mut Lines, skipped: &mut Skipped) -> Result<FirstLine, Rea
             NextLine::End => {
                 let problem = match lines.failure() {
                     Some(failure) => format!("cannot be read: {failure}"),
-                    None if skipped.is_empty() => "no row of data".to_owned(),
+                    None if skipped.is_empty() => "no data".to_owned(),
                     None => {
                         let error = ReadError::nameless(format!("no row of data; {skipped}"));
                         return Err(error.mend("end each row with a line feed (LF or CR LF)"));

@@ -302,7 +302,10 @@ fn errors_name_line_key_and_mend() {
         ),
         (
             with("correlation_time = \"100 s\"", "correlation_time = \"0 s\""),
-            &["imu.toml line 17:", "greater than zero"],
+            &[
+                "imu.toml line 17, gyro.correlation_time:",
+                "greater than zero",
+            ],
         ),
         (
             with("sigma = \"0.4714 deg/s\"\n", ""),
@@ -365,7 +368,7 @@ fn errors_name_line_key_and_mend() {
         ),
         (
             with("format = \"undrift-imu\"", ""),
-            &["imu.toml: format: missing"],
+            &["imu.toml, format: missing"],
         ),
         (
             with("format = \"undrift-imu\"", "format = \"other\""),

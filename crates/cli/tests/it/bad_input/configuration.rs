@@ -241,8 +241,8 @@ fn mistakes_in_the_drive_file() {
             "[gnss]",
             "[span]\nstart = \"900 s\"\n[gnss]",
             &[
-                "imu.csv: no record between 900 s and",
-                "covers 0.02 s to 80 s",
+                "imu.csv: ends at 80 s, before [span] begins at 900 s",
+                "correct [span]",
             ],
         ),
         (
@@ -313,7 +313,7 @@ fn models_and_bias_models_on_the_command_line() {
         (format!("{head}[gyro\n{whole}"), &["imu.toml line 3: "][..]),
         (
             whole.to_owned(),
-            &["imu.toml: format: missing; a model file starts with format = \"undrift-imu\""],
+            &["imu.toml, format: missing; a model file starts with format = \"undrift-imu\""],
         ),
         (
             format!("{head}{}", whole.replace("deg/sqrt(h)", "deg/s")),

@@ -95,7 +95,7 @@ fn a_model_of_another_rate() {
     }
     for (rate, told) in [
         ("0 Hz", "must be greater than zero"),
-        ("-5 Hz", "is negative"),
+        ("-5 Hz", "must not be negative"),
     ] {
         let model = arma("0.99", "0.5").replace("100 Hz", rate);
         refused(&case, &model, &["imu.toml line 6, gyro.arma.rate: ", told]);
