@@ -378,7 +378,6 @@ mod tests {
             findings(&models),
             ["No conclusion: the result is not usable."]
         );
-        let models = models.map(|m| Model { usable: true, ..m });
 
         // What is a bound is neither best nor in the models' tables.
         let c = errors(0.1);
