@@ -11,7 +11,7 @@ mod remarks;
 mod residuals;
 mod screened;
 
-pub use axis::{Axis, Candidate, Origin};
+pub use axis::{Axis, Candidate, NotFitted, Origin};
 pub use residuals::Residuals;
 pub use screened::Detrend;
 
@@ -193,6 +193,7 @@ pub fn identify(
     let task = candidates::Task {
         record: &screened.cleaned,
         rate_hz: rate,
+        curve: &curve,
         allan: allan_terms,
         turn_on: turn_on_of(screened.mean, accelerometer),
         horizons,
@@ -201,9 +202,14 @@ pub fn identify(
     };
     let tried = candidates::candidates(&task);
     let candidates = tried.candidates;
-    let recommended = drift_score::recommend(&scored(&candidates));
-    let recommended = recommended.ok_or(IdentifyError::NoCandidate)?;
-    let chosen = &candidates[recommended.index];
+    let own: Vec<usize> = (0..candidates.len())
+        .filter(|i| !candidates[*i].compared)
+        .collect();
+    let scored: Vec<Scored> = own.iter().map(|i| scored(&candidates[*i])).collect();
+    let recommended = drift_score::recommend(&scored).ok_or(IdentifyError::NoCandidate)?;
+    let index = own[recommended.index];
+    let chosen = &candidates[index];
+    let intervals = candidates::intervals(&task, chosen);
     let said = chosen.warnings.iter();
     warnings.extend(said.map(|warning| format!("{}: {warning}", chosen.name)));
     let mut fits = candidates.iter().filter_map(Candidate::arma);
@@ -236,21 +242,21 @@ pub fn identify(
         pandit_wu: tried.pandit_wu,
         box_jenkins: tried.box_jenkins,
         scales: tried.scales,
-        intervals: candidates::intervals(&task, chosen),
-        chosen: recommended.index,
+        intervals,
+        chosen: index,
         reason: recommended.reason,
         candidates,
+        not_fitted: tried.not_fitted,
         warnings,
     })
 }
 
-fn scored(candidates: &[Candidate]) -> Vec<Scored> {
-    let scored = |candidate: &Candidate| Scored {
+fn scored(candidate: &Candidate) -> Scored {
+    Scored {
         name: candidate.name.clone(),
         states: candidate.states,
         parameters: candidate.parameters,
         aic: candidate.aic,
         horizons: candidate.score.clone(),
-    };
-    candidates.iter().map(scored).collect()
+    }
 }

@@ -8,6 +8,7 @@
 pub mod allan;
 pub mod arma;
 pub mod bias_model;
+pub mod compared;
 pub mod composite;
 pub mod correlation;
 pub mod drift_score;

@@ -10,8 +10,8 @@ use super::{
     numbers::{count, short, span},
     parts::{Run, capital, points, prefixed, run_colour, text, warnings},
 };
-pub(crate) use axis::drift_table;
 use axis::{allan_panel, of_axis, psd_panel};
+pub(crate) use axis::{compared, drift_table};
 pub(crate) use lines::lines;
 pub(crate) use orders::{adequacy_line, pandit_wu};
 use std::f64::consts::PI;

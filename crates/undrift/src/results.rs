@@ -26,7 +26,8 @@ pub use fleet::{
 };
 pub use identify::{
     Adf, Allan, ArmaOrigin, Axis, AxisSeries, BoxJenkins, Candidate, GridFit, Histogram, Identify,
-    Order, OrderRow, OrderTest, Origin, PanditWuOrders, ParameterInterval, Psd, Residuals,
+    NotFitted, Order, OrderRow, OrderTest, Origin, PanditWuOrders, ParameterInterval, Psd,
+    Residuals,
 };
 pub use montecarlo::{Group, MonteCarlo, MonteCarloDrive, MonteCarloModel, NisKind, Verdict};
 pub(crate) use navigate::known;

@@ -4,11 +4,14 @@
 //! and scored on the second, and the other way round, on the record reversed in time (the models are normal
 //! processes, which look the same in either direction). Fitted on the whole, it is the model that is given out.
 
-use super::{Candidate, GRID_ORDER, HIGH_ORDER_SAMPLES, Origin, SEARCH_SAMPLES, remarks};
+use super::{
+    Candidate, GRID_ORDER, HIGH_ORDER_SAMPLES, NotFitted, Origin, SEARCH_SAMPLES, remarks,
+};
 use crate::{
     BiasModel,
-    allan::{self, DeviationKind, Grid, Terms},
+    allan::{self, Curve, DeviationKind, Grid, Terms},
     arma::{self, ArmaFit, FitOptions, Selection},
+    compared::{Method, Unfit},
     composite::{self, CompositeTerms, Flag, Level, ParameterInterval, TermSet},
     drift_score::{self, HorizonScore},
     model_file::{Arma, AxisModel},
@@ -45,7 +48,9 @@ pub(super) struct Task<'a> {
     /// Screened record about its mean, NaN where a sample was left out.
     pub(super) record: &'a [f64],
     pub(super) rate_hz: f64,
-    /// Terms of the record's Allan deviation.
+    /// Overlapping Allan deviation of the record.
+    pub(super) curve: &'a Curve,
+    /// Its terms.
     pub(super) allan: Terms,
     /// Standard deviation of the turn-on constant [unit].
     pub(super) turn_on: f64,
@@ -62,6 +67,7 @@ pub(super) struct Tried {
     pub(super) box_jenkins: Option<Selection>,
     pub(super) scales: Option<Scales>,
     pub(super) candidates: Vec<Candidate>,
+    pub(super) not_fitted: Vec<NotFitted>,
 }
 
 /// What is fitted.
@@ -79,6 +85,8 @@ enum Recipe {
     UnitRoot,
     /// AR(p) by Burg's method.
     Burg(usize),
+    /// As others fit it.
+    Compared(Method),
 }
 
 /// A recipe fitted.
@@ -92,6 +100,7 @@ struct Fitted {
 struct Part<'a> {
     samples: &'a [f64],
     rate_hz: f64,
+    curve: Curve,
     allan: Terms,
 }
 
@@ -110,6 +119,7 @@ impl Recipe {
             Self::Arma(p, q) => format!("ARMA({p},{q})"),
             Self::UnitRoot => "ARMA(1,1), unit root".to_owned(),
             Self::Burg(p) => format!("AR({p}), Burg"),
+            Self::Compared(method) => method.candidate().to_owned(),
         }
     }
 
@@ -121,7 +131,13 @@ impl Recipe {
             Self::Terms(set) => set.parameters(),
             Self::Arma(p, q) => p + q + 1,
             Self::Burg(p) => p + 1,
+            Self::Compared(_) => Method::PARAMETERS,
         }
+    }
+
+    /// Whether it is scored for comparison alone.
+    fn is_compared(self) -> bool {
+        matches!(self, Self::AllanWalk | Self::Compared(_))
     }
 
     /// Fits a part of the record, from the optimum of the whole where that is known; `known`: coefficients
@@ -176,6 +192,15 @@ impl Recipe {
                 arma_of(fit.ok()?, part.rate_hz)
             }
             Self::Burg(p) => (burg(p, part)?, Origin::Burg),
+            Self::Compared(method) => {
+                let model = match part.compared(method) {
+                    Ok(terms) => in_terms(&terms),
+                    // A half of which the method makes nothing is white noise; the whole has to have more.
+                    Err(_) if whole.is_some() => white(&part.allan),
+                    Err(_) => return None,
+                };
+                (model, Origin::Compared(method))
+            }
         };
         // The level is one.
         let parameters = self.parameters() + 1;
@@ -201,12 +226,17 @@ impl<'a> Part<'a> {
     fn new(samples: &'a [f64], rate_hz: f64) -> Option<Self> {
         let bridged = bridge(samples);
         let curve = allan::deviations(&bridged, rate_hz, DeviationKind::Overlapping, Grid::Octave);
-        let allan = allan::fit_terms(&curve.ok()?).ok()?;
+        let curve = curve.ok()?;
         Some(Self {
             samples,
             rate_hz,
-            allan,
+            allan: allan::fit_terms(&curve).ok()?,
+            curve,
         })
+    }
+
+    fn compared(&self, method: Method) -> Result<CompositeTerms, Unfit> {
+        method.fit(&bridge(self.samples), &self.curve, &self.allan)
     }
 }
 
@@ -235,7 +265,7 @@ impl Task<'_> {
         });
         let scores: Vec<Vec<HorizonScore>> = scores.collect::<Option<_>>()?;
         let warnings = match &whole.origin {
-            Origin::Allan | Origin::Burg => Vec::new(),
+            Origin::Allan | Origin::Burg | Origin::Compared(_) => Vec::new(),
             Origin::Arma(fit) => remarks::of_arma(fit),
             Origin::Composite(fit) => remarks::of_composite(fit),
         };
@@ -245,6 +275,7 @@ impl Task<'_> {
         };
         Some(Candidate {
             name: recipe.name(),
+            compared: recipe.is_compared(),
             states: filter.order,
             parameters: whole.parameters,
             aic: self.aic(&whole, recipe.parameters()),
@@ -380,6 +411,7 @@ pub(super) fn candidates(task: &Task) -> Tried {
     let whole = Part {
         samples: task.record,
         rate_hz: task.rate_hz,
+        curve: task.curve.clone(),
         allan: task.allan,
     };
     let scales = scales::identify(task.record, 1.0 / task.rate_hz, blocks, SCALE_EFFORT).ok();
@@ -401,15 +433,25 @@ pub(super) fn candidates(task: &Task) -> Tried {
     ];
     let folds: Vec<Fold> = folds.into_iter().flatten().collect();
     let recipes = recipes(task, pandit_wu.as_ref());
-    let candidates = recipes
+    let candidates: Vec<Candidate> = recipes
         .into_par_iter()
         .filter_map(|recipe| task.candidate(recipe, fit(recipe)?, &folds))
         .collect();
+    let missing = Method::ALL.into_iter().filter(|method| {
+        let name = method.candidate();
+        candidates.iter().all(|candidate| candidate.name != name)
+    });
+    let not_fitted = missing.filter_map(|method| {
+        let reason = whole.compared(method).err()?.to_string();
+        let name = method.candidate().to_owned();
+        Some(NotFitted { name, reason })
+    });
     let grid = with_effort(GRID_EFFORT);
     Tried {
         box_jenkins: arma::select(task.searched(), GRID_ORDER, GRID_ORDER, &grid).ok(),
         pandit_wu,
         scales,
+        not_fitted: not_fitted.collect(),
         candidates,
     }
 }
@@ -459,6 +501,7 @@ fn recipes(task: &Task, table: Option<&PanditWu>) -> Vec<Recipe> {
     if let Ok(p) = arma::order_by_aicc(&bridged, MOST_AR) {
         list.push(Recipe::Burg(p.max(1)));
     }
+    list.extend(Method::ALL.map(Recipe::Compared));
     list
 }
 

@@ -11,6 +11,7 @@ mod arma_profile;
 mod arma_real;
 mod bias_models;
 mod common;
+mod compared;
 mod composite;
 mod correlation;
 mod drift_score;

@@ -41,6 +41,8 @@ class Candidate(Result):
     """Standard errors of these."""
     parameters: Mapping[str, Any] = field(repr=False)
     """All that was found of it, as in :attr:`Identified.data`."""
+    compared: bool
+    """Whether it is a method of the literature, scored for comparison and never recommended."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -284,4 +286,5 @@ def _candidate(told: dict[str, Any]) -> Candidate:
         drift=told["drift_score"],
         drift_error=told["drift_score_error"],
         parameters=told,
+        compared=told["compared"],
     )

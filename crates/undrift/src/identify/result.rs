@@ -94,6 +94,7 @@ fn axis(name: &str, axis: &Axis) -> results::Axis {
         box_jenkins: axis.box_jenkins.as_ref().map(box_jenkins),
         scales: axis.scales.clone(),
         candidates: axis.candidates.iter().map(candidate).collect(),
+        not_fitted: axis.not_fitted.iter().map(not_fitted).collect(),
         ranking: ranking.map(|i| axis.candidates[i].name.clone()).collect(),
         chosen: results::Candidate {
             reason: Some(axis.reason.clone()),
@@ -186,6 +187,7 @@ fn candidate(candidate: &Candidate) -> results::Candidate {
     let flicker = flicker.filter(|b| *b > 0.0);
     results::Candidate {
         name: candidate.name.clone(),
+        compared: candidate.compared,
         states: candidate.states as u64,
         parameters: candidate.parameters as u64,
         block_aic: candidate.aic.into(),
@@ -208,6 +210,13 @@ fn candidate(candidate: &Candidate) -> results::Candidate {
         method: method.into(),
         origin,
         reason: None,
+    }
+}
+
+fn not_fitted(found: &undrift_noise::identify::NotFitted) -> results::NotFitted {
+    results::NotFitted {
+        name: found.name.clone(),
+        reason: found.reason.clone(),
     }
 }
 
@@ -239,6 +248,7 @@ fn origin(found: &Found) -> (&'static str, Option<Origin>) {
     match found {
         Found::Allan => ("allan", None),
         Found::Burg => ("burg", None),
+        Found::Compared(method) => (method.name(), None),
         Found::Arma(fit) => (
             "maximum likelihood",
             Some(Origin::Arma(ArmaOrigin {

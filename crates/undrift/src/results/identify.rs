@@ -3,8 +3,8 @@
 mod fits;
 
 pub use fits::{
-    Allan, ArmaOrigin, BoxJenkins, Candidate, GridFit, Order, OrderRow, OrderTest, Origin,
-    PanditWuOrders, ParameterInterval,
+    Allan, ArmaOrigin, BoxJenkins, Candidate, GridFit, NotFitted, Order, OrderRow, OrderTest,
+    Origin, PanditWuOrders, ParameterInterval,
 };
 
 use super::{Curve, Number};
@@ -144,6 +144,9 @@ pub struct Axis {
     pub scales: Option<Scales>,
     /// Models of the axis.
     pub candidates: Vec<Candidate>,
+    /// Methods of the literature that have no model of it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub not_fitted: Vec<NotFitted>,
     /// Their names, the least drift first.
     pub ranking: Vec<String>,
     /// The recommended one.
