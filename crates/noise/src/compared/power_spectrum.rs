@@ -1,9 +1,9 @@
 //! White noise, flicker noise and random walk from the slopes of the power spectrum.
 //!
-//! Two-sided, `S(f) = N² + B²/(2πf) + (K/2π)²/f²`: the terms of slope 0, −1 and −2 of a log-log plot (IEEE Std
-//! 952-1997, annex C.1; IEEE Std 1293-1998, annex I, has the same of accelerometers). The spectrum is Welch's, Hann windows half
-//! overlapped, averaged over frequency as those standards advise for log-log plots, here in octaves; the terms are those whose
-//! logarithm is nearest the spectrum's in least squares, every octave weighing the same and no term negative.
+//! Two-sided, `S(f) = N² + B²/(2πf) + (K/2π)²/f²`: the terms of slope 0, −1 and −2 of a log-log plot (IEEE Std 952-1997, annex C.1;
+//! IEEE Std 1293-1998 has the same of accelerometers). The spectrum is Welch's, Hann windows half overlapped, averaged over frequency as
+//! is usual for such plots, here in octaves; the terms are those whose logarithm is nearest the spectrum's in least squares, every octave
+//! weighing the same and no term negative.
 //!
 //! The standards leave segments, averaging and fit to the reader: those are our choice. Frequencies above a tenth of the
 //! sample rate are left out, where quantisation and the sensor's filter shape the spectrum; so are a ramp (slope −3), which no filter has a

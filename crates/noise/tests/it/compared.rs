@@ -201,9 +201,9 @@ fn the_parameters_of_simulated_records_are_recovered() {
     let bounded = middle(bounds, 0);
     assert!((1.0..1.1).contains(&bounded), "{bounded}");
     assert!(middle(bounds, 1) > 0.38, "{}", middle(bounds, 1));
-    // The closed form of the curve has its lowest point between two octaves.
+    // The lowest octave of the closed form before its peak, at 189 s; the record may have its neighbour.
     let variance = |tau: f64| 1.0 / tau + gauss_markov_variance(tau, 0.4, 100.0);
-    let octaves = (0..16).map(|i| 0.05 * f64::from(1 << i));
+    let octaves = (0..12).map(|i| 0.05 * f64::from(1 << i));
     let exact = octaves.min_by(|a, b| variance(*a).total_cmp(&variance(*b)));
     let exact = exact.unwrap();
     near(
