@@ -144,9 +144,6 @@ pub struct Axis {
     pub scales: Option<Scales>,
     /// Models of the axis.
     pub candidates: Vec<Candidate>,
-    /// Methods of the literature that have no model of it.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub not_fitted: Vec<NotFitted>,
     /// Their names, the least drift first.
     pub ranking: Vec<String>,
     /// The recommended one.
@@ -154,6 +151,8 @@ pub struct Axis {
     /// 95 % intervals of its parameters, if it is a sum of terms.
     #[serde(default)]
     pub intervals: Vec<ParameterInterval>,
+    /// Methods of the literature that have no model of the axis.
+    pub not_fitted: Vec<NotFitted>,
     /// Remarks on the axis, in sentences.
     pub warnings: Vec<String>,
     /// For plots.

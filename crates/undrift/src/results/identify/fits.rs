@@ -192,8 +192,8 @@ pub struct Candidate {
     pub gauss_markov: Vec<GaussMarkov>,
     /// Standard deviation of the turn-on constant \[unit\].
     pub turn_on: Number,
-    /// How it was fitted: "allan", "burg", "maximum likelihood"; "power spectrum", "autocorrelation", "allan minimum" or "allan
-    /// bound" of a method of the literature.
+    /// How it was fitted: "allan", "burg" or "maximum likelihood"; of a method of the literature "power spectrum",
+    /// "autocorrelation", "allan minimum" or "allan bound".
     pub method: String,
     /// What the fit reports of itself.
     #[serde(flatten)]
