@@ -11,7 +11,7 @@ use super::{
     parts::{Run, capital, points, prefixed, run_colour, text, warnings},
 };
 use axis::{allan_panel, of_axis, psd_panel};
-pub(crate) use axis::{compared, drift_table};
+pub(crate) use axis::{drift_table, of_others};
 pub(crate) use lines::lines;
 pub(crate) use orders::{adequacy_line, pandit_wu};
 use std::f64::consts::PI;

@@ -13,6 +13,7 @@
 use super::Unfit;
 use crate::allan::nnls;
 use crate::composite::CompositeTerms;
+use crate::screening::RecordError;
 use crate::spectrum::{self, Density};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
@@ -86,6 +87,9 @@ pub fn fit_octaves(octaves: &[Octave]) -> Result<CompositeTerms, Unfit> {
             needed: FEWEST,
         });
     }
+    if octaves.iter().any(|octave| octave.density <= 0.0) {
+        return Err(RecordError::Constant.into());
+    }
     let shapes = DMatrix::from_fn(octaves.len(), 3, |i, j| match j {
         0 => 1.0,
         1 => octaves[i].inverse / TAU,
@@ -100,7 +104,7 @@ pub fn fit_octaves(octaves: &[Octave]) -> Result<CompositeTerms, Unfit> {
         let wanted = measured.zip_map(&model, |p, m| (p / m).ln() + 1.0);
         let next = nnls::solve(&rows, &wanted);
         let fitted = &shapes * &next;
-        if fitted.iter().any(|value| !(*value > 0.0)) {
+        if !fitted.iter().all(|value| *value > 0.0) {
             break;
         }
         let change = fitted.zip_map(&model, |a, b| (a / b - 1.0).abs()).max();

@@ -165,6 +165,7 @@ fn an_autocorrelation_that_is_white_or_does_not_fall_says_so() {
     assert_eq!(white, Err(Unfit::White));
     assert!(autocorrelation::fit(&[1.0; 1000], RATE).is_err());
     assert!(autocorrelation::fit(&[], RATE).is_err());
+    assert!(power_spectrum::fit(&[1.0; 1000], RATE).is_err());
     assert!(power_spectrum::fit(&[1.0, f64::NAN, 2.0, 3.0], RATE).is_err());
 }
 

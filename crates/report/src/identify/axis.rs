@@ -41,7 +41,7 @@ pub(super) fn of_axis(name: &str, axis: &Axis) -> Option<Section> {
         pandit_wu(name, axis).block(),
         adequacy(name, axis).block(),
         candidates(name, axis, unit).block(),
-        text(compared(axis)),
+        text(of_others(axis)),
         parameters(name, axis).block(),
     ];
     Section::of(&capital(&super::spoken(name)), blocks.into_iter().flatten())
@@ -237,7 +237,7 @@ fn starred(candidate: &Candidate) -> String {
 }
 
 /// What the star means, and which of the methods of the literature have no model, in sentences.
-pub(crate) fn compared(axis: &Axis) -> Vec<String> {
+pub(crate) fn of_others(axis: &Axis) -> Vec<String> {
     let star = axis.candidates.iter().any(|c| c.compared);
     let star = star.then(|| "* as others fit it, for comparison: never recommended.".to_owned());
     let missing = axis.not_fitted.iter();

@@ -5,7 +5,7 @@ mod terms;
 pub(crate) use terms::bounds;
 
 use crate::{
-    identify::{adequacy_line, compared, drift_table, identified, lines, pandit_wu, tests, units},
+    identify::{adequacy_line, drift_table, identified, lines, of_others, pandit_wu, tests, units},
     plain::{Mark, plain_table},
 };
 use std::fmt::Write as _;
@@ -96,7 +96,7 @@ fn of_axis(name: &str, axis: &Axis, mark: Mark) -> String {
     }));
     let candidates = plain_table(&drift_table(name, axis), mark);
     lines.extend(candidates.lines().map(str::to_owned));
-    lines.extend(compared(axis));
+    lines.extend(of_others(axis));
     lines.extend(axis.chosen.reason.clone());
     let bounds = terms::bounds(name, axis);
     lines.extend(bounds.iter().map(|bound| {
