@@ -7,7 +7,8 @@
 //!
 //! The standards leave segments, averaging and fit to the reader: those are our choice. Frequencies above a tenth of the
 //! sample rate are left out, where quantisation and the sensor's filter shape the spectrum; so are a ramp (slope −3), which no filter has a
-//! state for, and the two lowest frequencies, which hold what the window and the mean leave of slower noise. Nothing slower than an eighth
+//! state for, and the two lowest frequencies, which hold what the window and the mean leave of slower noise: of a walk it still
+//! raises the lowest octave by a third and K by a fifth. Nothing slower than an eighth
 //! of the record shows, and the lowest octave rests on a dozen values: B and K share what there is as their scatter has it.
 
 use super::Unfit;
