@@ -42,7 +42,7 @@ use crate::epoch::Epoch;
 use crate::lines::MAX_LINE;
 use crate::skipped::{SkipKind, Skipped};
 use crate::source::Source;
-use wanted::{NextRow, no_rows};
+use wanted::{Keep, NextRow, no_rows};
 
 /// What a table is read from.
 pub(crate) enum TableSource {
@@ -60,7 +60,7 @@ pub struct Table {
     name: PathBuf,
     rows: Rows,
     width: usize,
-    keep_not_finite: bool,
+    keep: Keep,
     rows_read: u64,
     rows_seen: u64,
     finished: bool,
@@ -107,7 +107,7 @@ impl Table {
             name: name.to_path_buf(),
             rows: rows.map_err(|error| error.of(name))?,
             width: options.columns.len(),
-            keep_not_finite: options.keep_not_finite,
+            keep: options.keep(),
             rows_read: 0,
             rows_seen: 0,
             finished: false,
@@ -131,10 +131,10 @@ impl Table {
         }
         while !self.finished {
             let step = match &mut self.rows {
-                Rows::Text(table) => table.step(self.keep_not_finite, out),
-                Rows::Memory(table) => Ok(table.step(self.keep_not_finite, out)),
+                Rows::Text(table) => table.step(self.keep, out),
+                Rows::Memory(table) => Ok(table.step(self.keep, out)),
                 #[cfg(feature = "parquet")]
-                Rows::Parquet(table) => Ok(table.step(self.keep_not_finite, out)),
+                Rows::Parquet(table) => Ok(table.step(self.keep, out)),
             };
             match step {
                 Ok(NextRow::Row(line, Ok(()))) => {

@@ -53,17 +53,17 @@ pub struct Options<'a> {
     pub n_max: usize,
     /// What is taken out first.
     pub trend: Trend,
-    /// Temperature \[°C or K\], one a sample; without it [`Trend::Temperature`] takes the mean out alone.
+    /// Temperature [°C], one a sample, NaN where it is missing; without it [`Trend::Temperature`] takes the mean out alone.
     pub temperature: Option<&'a [f64]>,
 }
 
 impl Options<'_> {
-    /// At a sample rate \[Hz\]: n up to 2, the mean taken out.
+    /// At a sample rate \[Hz\]: n up to 2, the mean taken out, no temperature.
     pub fn at(rate_hz: f64) -> Self {
         Self {
             rate_hz,
             n_max: 2,
-            trend: Trend::Constant,
+            trend: Trend::default(),
             temperature: None,
         }
     }
@@ -75,9 +75,6 @@ pub enum IdentifyError {
     /// The record cannot be used.
     #[error(transparent)]
     Record(#[from] RecordError),
-    /// The temperature cannot be used.
-    #[error("the temperature cannot be used: {0}")]
-    Temperature(RecordError),
     /// No horizon fits into the half that is scored.
     #[error("{seconds:.1} s are too short to measure drift: record at least {needed:.0} s")]
     TooBrief {
@@ -155,7 +152,7 @@ fn dickey_fuller(x: &[f64]) -> Result<(Adf, Vec<ByRule>), RecordError> {
 ///
 /// # Errors
 /// A record that is too short (fewer than 1000 samples), constant or not finite; one too brief for
-/// any horizon; a temperature that does not fit the record.
+/// any horizon.
 pub fn identify(
     record: &[f64],
     accelerometer: bool,
@@ -219,6 +216,7 @@ pub fn identify(
         samples: record.len(),
         mean: screened.mean,
         removed: screened.removed,
+        temperature: screened.temperature.and_then(Result::ok),
         stationarity: stationarity::verdict(&adf, &kpss, &phillips_perron, ma_root),
         outliers: screened.outliers,
         motion: screened.motion,

@@ -28,6 +28,7 @@ pub mod spectrum;
 pub mod stationarity;
 mod steady;
 pub mod synthesis;
+pub mod temperature;
 mod transform;
 pub mod wavelet;
 pub mod whiteness;

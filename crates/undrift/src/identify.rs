@@ -17,6 +17,7 @@ use undrift_noise::{
     identify::{Axis, IdentifyError, Options, identify},
     model_file::AXES,
     screening::Timing,
+    temperature::Temperature,
 };
 
 /// The axes of a record, identified.
@@ -29,6 +30,8 @@ pub struct Identified {
     pub skipped_rows: u64,
     /// Name of each axis with what was found, or why nothing was.
     pub axes: Vec<(&'static str, Result<Axis, IdentifyError>)>,
+    /// Whether the axes are those of a body in which the sensor's are turned.
+    pub body_axes: bool,
     /// For plots of each axis' samples, in the order of the axes.
     pub series: Vec<RecordSeries>,
 }
@@ -55,6 +58,7 @@ pub fn run(record: &Record, options: &Options<'_>, done: impl Fn() + Sync) -> Id
         timing: record.timing.clone(),
         skipped_rows: record.skipped.total(),
         axes,
+        body_axes: record.body_axes,
         series,
     }
 }
@@ -90,8 +94,13 @@ impl Identified {
             let Some(slot) = axis_of(&mut model, name) else {
                 continue;
             };
-            let known = slot.turn_on;
+            let (known, temperature) = (slot.turn_on, slot.temperature);
             *slot = found.model();
+            let found = slot.temperature.map(|found| Temperature {
+                body_axes: self.body_axes,
+                ..found
+            });
+            slot.temperature = found.or(temperature);
             slot.turn_on = match bounded.contains(name) {
                 true => self.turn_on_bound(name),
                 false => slot.turn_on.max(known),

@@ -25,9 +25,9 @@ pub use fleet::{
     Temperature, Trouble, Warned,
 };
 pub use identify::{
-    Adf, Allan, ArmaOrigin, Axis, AxisSeries, BoxJenkins, Candidate, GridFit, Histogram, Identify,
-    NotFitted, Order, OrderRow, OrderTest, Origin, PanditWuOrders, ParameterInterval, Psd,
-    Residuals,
+    Adf, Allan, ArmaOrigin, Axis, AxisSeries, AxisTemperature, BoxJenkins, Candidate, GridFit,
+    Histogram, Identify, NotFitted, Order, OrderRow, OrderTest, Origin, PanditWuOrders,
+    ParameterInterval, Psd, Residuals,
 };
 pub use montecarlo::{Group, MonteCarlo, MonteCarloDrive, MonteCarloModel, NisKind, Verdict};
 pub(crate) use navigate::known;

@@ -15,6 +15,7 @@ use crate::{
     screening::{Hanging, Motion, Outlier, Saturation},
     spectrum::{Density, Line},
     stationarity::{Adf, Kpss, PhillipsPerron, Verdict},
+    temperature::Estimate,
     whiteness::Portmanteau,
 };
 
@@ -77,6 +78,8 @@ pub struct Axis {
     pub mean: f64,
     /// What was removed beside it.
     pub removed: Detrend,
+    /// How the bias goes with temperature, where the record has one that changes; removed where it is determined.
+    pub temperature: Option<Estimate>,
     /// Samples replaced for being outliers.
     pub outliers: Vec<Outlier>,
     /// Whether the sensor moved.
@@ -176,6 +179,7 @@ impl Axis {
         let note = note.into_iter().chain(runner_up);
         AxisModel {
             lines: self.lines.iter().map(in_model).collect(),
+            temperature: self.temperature.as_ref().and_then(Estimate::in_model),
             identification: note.map(|(key, value)| (key.to_owned(), value)).collect(),
             ..chosen.model.clone()
         }

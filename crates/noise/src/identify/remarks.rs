@@ -40,6 +40,9 @@ pub(super) fn of_record(of: &Screened, samples: usize, rate_hz: f64) -> Vec<Stri
             grid.step / deviation
         ));
     }
+    if let Some(Err(why)) = &of.temperature {
+        remarks.push(format!("the temperature is not used: {why}"));
+    }
     if let Some(first) = of.outliers.first() {
         remarks.push(format!(
             "rejected {} samples more than {:.0} robust standard deviations off, the first at {:.2} s",

@@ -27,3 +27,4 @@ mod screening;
 mod spectrum;
 mod stationarity;
 mod synthesis;
+mod temperature;

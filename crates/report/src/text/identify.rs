@@ -5,7 +5,10 @@ mod terms;
 pub(crate) use terms::bounds;
 
 use crate::{
-    identify::{adequacy_line, drift_table, identified, lines, of_others, pandit_wu, tests, units},
+    identify::{
+        adequacy_line, drift_table, identified, lines, of_others, pandit_wu, temperatures, tests,
+        units,
+    },
     plain::{Mark, plain_table},
 };
 use std::fmt::Write as _;
@@ -23,7 +26,15 @@ pub fn identify(result: &Identify, details: bool, mark: Mark) -> String {
             plain_table(&lines, mark)
         ),
     };
-    let terms = terms::table(result, mark) + &lines;
+    let temperatures = temperatures(identified("", result));
+    let temperatures = match temperatures.rows.is_empty() {
+        true => String::new(),
+        false => format!(
+            "\nBias over temperature, 95 % intervals:\n{}",
+            plain_table(&temperatures, mark)
+        ),
+    };
+    let terms = terms::table(result, mark) + &temperatures + &lines;
     match details {
         true => format!("{verdict}\n{}\n{terms}", every_axis(result, mark)),
         false => format!("{verdict}\n{terms}"),
@@ -67,17 +78,15 @@ fn of_axis(name: &str, axis: &Axis, mark: Mark) -> String {
         Detrend::Linear {
             slope_per_hour,
             explained,
-        } => Some(("a slope of ", slope_per_hour, "an hour", explained)),
-        Detrend::Temperature {
-            slope_per_kelvin,
-            explained,
-        } => Some(("", slope_per_kelvin, "a kelvin", explained)),
+        } => Some((slope_per_hour, explained)),
     };
     let mut lines = Vec::new();
-    lines.extend(removed.map(|(what, slope, per, explained)| {
+    lines.extend(removed.map(|(slope, explained)| {
         let (slope, explained) = (slope * unit.scale, 100.0 * explained);
         let sample = unit.sample;
-        format!("Removed: {what}{slope:.3e} {sample} {per}, {explained:.2} % of the variance")
+        format!(
+            "Removed: a slope of {slope:.3e} {sample} an hour, {explained:.2} % of the variance"
+        )
     }));
     lines.push(axis.stationarity.clone());
     lines.push(format!(

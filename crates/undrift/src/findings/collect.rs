@@ -9,7 +9,7 @@ use crate::{
 };
 use undrift_io::{
     held::Held,
-    imu::GapSummary,
+    imu::{GapSummary, ThermalSummary},
     skipped::{SetBack, Skipped},
 };
 use undrift_nav::{Matrix3, Vector3, covariance::AXES};
@@ -55,6 +55,17 @@ pub fn of_health(summary: &Summary) -> Vec<Finding> {
         found.push(Finding::BadCovariance { fixes });
     }
     found
+}
+
+/// What was taken out for temperature.
+pub fn of_temperature(seen: Option<ThermalSummary>) -> Option<Finding> {
+    seen.map(|seen| Finding::Temperature {
+        corrected: seen.corrected,
+        without: seen.without,
+        without_from: seen.without_from,
+        beyond: seen.beyond,
+        seen_c: seen.seen_c,
+    })
 }
 
 /// Axes of the IMU that held a value; a frozen log is one finding.

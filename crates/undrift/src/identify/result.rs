@@ -11,6 +11,7 @@ use undrift_noise::{
     drift_score::HorizonScore,
     identify::{Axis, Candidate, GRID_ORDER, Origin as Found},
     pandit_wu::PAPER_CRITICAL,
+    temperature::{Estimate, NORMAL_95},
 };
 
 impl Identified {
@@ -60,6 +61,7 @@ fn axis(name: &str, axis: &Axis) -> results::Axis {
         }
         .into(),
         detrend: axis.removed,
+        temperature: axis.temperature.as_ref().map(temperature),
         outliers: axis.outliers.clone(),
         moving: axis.motion.as_ref().map(|m| m.moving),
         motion: axis.motion.clone(),
@@ -103,6 +105,26 @@ fn axis(name: &str, axis: &Axis) -> results::Axis {
         intervals: intervals(axis),
         warnings: axis.warnings.clone(),
         series: results::AxisSeries::default(),
+    }
+}
+
+fn temperature(found: &Estimate) -> results::AxisTemperature {
+    let of = &found.effect;
+    let interval = |value: f64, sigma: f64| {
+        let reach = NORMAL_95 * sigma;
+        [(value - reach).into(), (value + reach).into()]
+    };
+    let is_curved = of.quadratic_sigma > 0.0;
+    results::AxisTemperature {
+        determined: found.determined,
+        reference_c: of.reference_c.into(),
+        range_c: of.range_c.map(Number),
+        slope: of.slope.into(),
+        slope_interval: interval(of.slope, of.slope_sigma),
+        quadratic: is_curved.then_some(of.quadratic).map(Number),
+        quadratic_interval: is_curved.then(|| interval(of.quadratic, of.quadratic_sigma)),
+        noise: found.noise.into(),
+        explained: found.explained.into(),
     }
 }
 

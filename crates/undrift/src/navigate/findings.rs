@@ -20,6 +20,7 @@ impl Report {
         }
         found.extend(findings::of_health(s));
         found.extend(findings::of_held(&self.held));
+        found.extend(findings::of_temperature(self.thermal));
         let disagreements = findings::of_disagreement(s);
         found.extend(findings::with_axes(disagreements, &self.rotation));
         for (log, skipped, gaps) in &self.scalars {

@@ -90,6 +90,8 @@ pub struct Axis {
     pub unit: String,
     /// What was taken out beside the mean.
     pub detrend: Detrend,
+    /// How the bias goes with temperature, where the recording has one that changes.
+    pub temperature: Option<AxisTemperature>,
     /// Samples that were taken for outliers \[unit\].
     pub outliers: Vec<Outlier>,
     /// Whether the sensor moved.
@@ -157,6 +159,31 @@ pub struct Axis {
     pub warnings: Vec<String>,
     /// For plots.
     pub series: AxisSeries,
+}
+
+/// A bias that goes with temperature, `slope·(T − reference) + quadratic·(T − reference)²`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct AxisTemperature {
+    /// Whether it is significant; then it was taken out, and is in the model.
+    pub determined: bool,
+    /// [°C]
+    pub reference_c: Number,
+    /// Lowest and highest temperature of the recording [°C].
+    pub range_c: [Number; 2],
+    /// \[unit/K\]
+    pub slope: Number,
+    /// Its 95 % interval \[unit/K\].
+    pub slope_interval: [Number; 2],
+    /// \[unit/K²\], where the likelihood wants it.
+    pub quadratic: Option<Number>,
+    /// Its 95 % interval \[unit/K²\].
+    pub quadratic_interval: Option<[Number; 2]>,
+    /// The noise that the intervals are of.
+    pub noise: String,
+    /// Share of the variance of block averages that it explains.
+    pub explained: Number,
 }
 
 /// The augmented Dickey-Fuller test.

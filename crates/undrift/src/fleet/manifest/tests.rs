@@ -1,5 +1,6 @@
-use super::{choice::celsius, *};
+use super::*;
 use undrift_noise::BiasModel;
+use undrift_noise::temperature::celsius;
 
 fn jobs(text: &str) -> Result<Vec<Job>, ConfigError> {
     let manifest = Manifest::from_toml(text, "fleet.toml", |_| {})?;
