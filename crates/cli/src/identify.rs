@@ -30,7 +30,7 @@ fn trends() -> impl TypedValueParser<Value = Trend> {
     let helps = [
         "The mean",
         "A straight line",
-        "The mean and a multiple of the temperature, a column named temp, temperature or *_C",
+        "The mean and what follows the temperature, a column named temp, temperature or *_C",
     ];
     let names = Trend::ALL.iter().zip(helps);
     PossibleValuesParser::new(
@@ -83,9 +83,10 @@ pub struct Arguments {
     /// Largest n of ARMA(2n, 2n-1) that the Pandit-Wu search may choose
     #[arg(long, value_name = "N", default_value_t = 2)]
     n_max: usize,
-    /// What is removed from each axis before its noise is identified
-    #[arg(long, value_name = "TREND", value_parser = trends(), default_value = "constant")]
-    detrend: Trend,
+    /// What is removed from each axis before its noise is identified. Default: temperature where the recording has one, else
+    /// constant
+    #[arg(long, value_name = "TREND", value_parser = trends())]
+    detrend: Option<Trend>,
     /// The sensor's data sheet, a preset or a file: the σ of its bias at turn-on, and the axes that the
     /// recording does not have
     #[arg(long, value_name = "PRESET|FILE")]
@@ -135,7 +136,7 @@ fn format(arguments: &Arguments) -> Result<RecordFormat> {
         columns: arguments.columns.iter().map(column).collect(),
         axis: arguments.axis.clone(),
         units: arguments.units.as_ref().map(units).transpose()?,
-        temperature: arguments.detrend == Trend::Temperature,
+        temperature: arguments.detrend == Some(Trend::Temperature),
         topic: arguments.topic.clone(),
     })
 }
@@ -167,7 +168,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let uneven = findings::of_timing(record.timing.as_ref());
     uneven.iter().map(sentences::say).for_each(warn);
     let forced = check(arguments, &record, rate_hz)?;
-    let options = identify::options(&record, rate_hz, arguments.n_max, arguments.detrend);
+    let trend = arguments.detrend.unwrap_or_default();
+    let options = identify::options(&record, rate_hz, arguments.n_max, trend);
     tell_settings(arguments, &record, rate_hz);
     let identified = stage("identification", || {
         let bar = Bar::new("identified", record.axes.len() as u64, "axes");
@@ -233,13 +235,7 @@ fn read(arguments: &Arguments, format: &RecordFormat) -> Result<Record> {
                 path.display()
             );
         }
-        if format.temperature {
-            bail!(
-                "{}: --detrend temperature takes a table, not a drive file",
-                path.display()
-            );
-        }
-        return Ok(record::read_drive(path)?);
+        return Ok(record::read_drive(path, format.temperature)?);
     }
     let opened = Opened::open(path)?;
     details::opened("record", &opened);
@@ -288,7 +284,8 @@ fn tell_settings(arguments: &Arguments, record: &Record, rate_hz: f64) {
         format!(
             "settings: ARMA(2n, 2n-1) for n up to {}, {} removed",
             arguments.n_max,
-            match arguments.detrend {
+            match arguments.detrend.unwrap_or_default() {
+                Trend::Temperature if record.temperature.is_none() => "the mean",
                 Trend::Constant => "the mean",
                 Trend::Linear => "a straight line",
                 Trend::Temperature => "the part that follows the temperature",

@@ -67,7 +67,7 @@ pub fn identify(
             .collect(),
         axis,
         units,
-        temperature: trend == Trend::Temperature,
+        temperature: false,
         topic,
     };
     let memory = memory

@@ -4,6 +4,7 @@
 mod axis;
 mod lines;
 mod orders;
+mod temperatures;
 
 use super::{
     Block, Cell, Figure, Section, Series, Table,
@@ -15,6 +16,7 @@ pub(crate) use axis::{drift_table, of_others};
 pub(crate) use lines::lines;
 pub(crate) use orders::{adequacy_line, pandit_wu};
 use std::f64::consts::PI;
+pub(crate) use temperatures::temperatures;
 use undrift::noise::{model_file::AXES, normality::Test};
 use undrift::results::{Axis, Identify, Term};
 
@@ -138,7 +140,13 @@ fn summary(runs: &[Run<'_, Identify>]) -> Option<Section> {
         .iter()
         .map(|(name, run)| text(what_was_done(name, run)));
     let axes = || runs.iter().flat_map(|(name, run)| identified(name, run));
-    let tables = [models(axes()), lines(axes()), tests(axes())].map(Table::block);
+    let tables = [
+        models(axes()),
+        temperatures(axes()),
+        lines(axes()),
+        tests(axes()),
+    ]
+    .map(Table::block);
     let normality = runs
         .iter()
         .map(|(name, run)| text([prefixed(name, &normality(run))]))

@@ -126,8 +126,13 @@ pub fn read(opened: Opened, format: &RecordFormat) -> Result<Record, ReadError> 
         Some(imu) => read_samples(opened, imu, record),
         None => read_table(opened, format, record),
     }?;
+    with_temperature(record, format.temperature)
+}
+
+/// A record that has a temperature, if it `must`.
+fn with_temperature(record: Record, must: bool) -> Result<Record, ReadError> {
     match record.temperature {
-        None if format.temperature => Err(ReadError::new(&record.name, NO_TEMPERATURE)),
+        None if must => Err(ReadError::new(&record.name, NO_TEMPERATURE)),
         _ => Ok(record),
     }
 }
@@ -149,11 +154,12 @@ fn read_samples(
     of_samples(ImuReader::new(opened, &format)?, record)
 }
 
-/// Reads the record that the table `[imu]` of a drive file describes, its `[span]` alone; axes are the body's.
+/// Reads the record that the table `[imu]` of a drive file describes, its `[span]` alone; axes are the body's. With `temperature` it must
+/// have one.
 ///
 /// # Errors
 /// If the drive file or the log cannot be read, or a key has a wrong value.
-pub fn read_drive(path: &Path) -> Result<Record, DriveError> {
+pub fn read_drive(path: &Path, temperature: bool) -> Result<Record, DriveError> {
     let imu = drive::load_imu(path)?;
     let opened = imu.logs.open(&imu.path, &BytesRead::default())?;
     let record = Record {
@@ -163,7 +169,8 @@ pub fn read_drive(path: &Path) -> Result<Record, DriveError> {
         body_axes: imu.format.rotation != Matrix3::identity(),
         ..Record::default()
     };
-    Ok(read_samples(opened, imu.format, record)?)
+    let record = read_samples(opened, imu.format, record)?;
+    Ok(with_temperature(record, temperature)?)
 }
 
 fn of_samples(mut reader: ImuReader, mut record: Record) -> Result<Record, ReadError> {

@@ -359,23 +359,31 @@ fn a_trend_is_removed_and_reported() {
         "--json",
         "-",
     ];
-    let removed = |text: &str, trend: &str| {
-        let output = identify(
-            &folder,
-            text,
-            &[&arguments[..], &["--detrend", trend]].concat(),
-        );
+    let axis = |options: &[&str]| {
+        let output = identify(&folder, &text, &[&arguments[..], options].concat());
         assert!(output.status.success(), "{output:?}");
         let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-        json["axes"]["gyro_z"]["detrend"].clone()
+        json["axes"]["gyro_z"].clone()
     };
-    let found = removed(&text, "temperature");
-    assert_eq!(found["kind"], "temperature");
-    let slope = found["slope_per_kelvin"].as_f64().unwrap().to_degrees();
+    let model = folder.join("imu.toml");
+    let found = axis(&["--axis", "gyro_z", "-o", model.to_str().unwrap()]);
+    assert_eq!(found["detrend"]["kind"], "constant");
+    let found = &found["temperature"];
+    let degrees = |value: &serde_json::Value| value.as_f64().unwrap().to_degrees();
+    let slope = degrees(&found["slope"]);
     // Noise of 0.3 deg/s a sample on a temperature of 0.7 K RMS: 0.0055 deg/s/K.
-    assert!((slope - 0.5).abs() < 0.03, "{slope}");
-    assert!(removed(&text, "linear")["slope_per_hour"].is_number());
-    assert_eq!(removed(&text, "constant")["kind"], "constant");
+    assert!(
+        (slope - 0.5).abs() < 0.03 && found["determined"] == true,
+        "{slope}"
+    );
+    let interval = &found["slope_interval"];
+    assert!(degrees(&interval[0]) < 0.5 && degrees(&interval[1]) > 0.5);
+    let stored = ImuModel::load(&model).unwrap().gyro[2].temperature.unwrap();
+    assert!((stored.slope.to_degrees() / slope - 1.0).abs() < 1e-5);
+    assert!(!stored.body_axes && stored.range_c[0] < 24.1 && stored.range_c[1] > 25.9);
+    let linear = axis(&["--detrend", "linear"]);
+    assert!(linear["detrend"]["slope_per_hour"].is_number() && linear["temperature"].is_null());
+    assert!(axis(&["--detrend", "constant"])["temperature"].is_null());
     let output = identify(
         &folder,
         &record(HEADER, 2000),

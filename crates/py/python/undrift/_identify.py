@@ -176,7 +176,7 @@ def identify(
     units: str | tuple[str, str] | None = None,
     topic: str | None = None,
     n_max: int = 2,
-    detrend: str = "constant",
+    detrend: str = "temperature",
     force: bool = False,
 ) -> Identified:
     """Identifies how a sensor errs from a record of it at rest.
@@ -185,7 +185,7 @@ def identify(
     arrays); or an array, of one axis (then ``axis`` names it) or of n × 6 columns in the order of
     gyro x, y, z, accelerometer x, y, z, in SI units. ``columns`` and ``units``, ``"deg/s,g"``, are
     found from the names of columns where possible; ``rate`` [Hz] by the time stamps, if there are any.
-    ``detrend`` is constant, linear or temperature; ``n_max`` the largest n of ARMA(2n, 2n−1) in the
+    ``detrend`` is constant, linear or temperature (the bias over temperature, where the record has a column of it); ``n_max`` the largest n of ARMA(2n, 2n−1) in the
     Pandit-Wu table. What is no static recording is refused; ``force`` identifies it as it is.
     docs/identify.md has the steps.
     """
