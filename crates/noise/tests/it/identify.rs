@@ -177,15 +177,11 @@ fn a_trend_is_removed_where_it_is_asked_for() {
     assert!(stored.range_c[0] < 22.1 && stored.range_c[1] > 27.9);
     let removed = with(&noise, Trend::Constant, &[]).unwrap().removed;
     assert_eq!(removed, Detrend::Constant);
-    // A temperature that stands still, or is no number, is not the record's fault.
-    for bad in [vec![25.0; 20_000], vec![f64::NAN; 20_000], vec![25.0; 3]] {
-        let axis = with(&noise, Trend::Temperature, &bad).unwrap();
-        let remark = axis
-            .warnings
-            .iter()
-            .any(|w| w.starts_with("the temperature is not used"));
-        assert!(remark && axis.temperature.is_none() && axis.model().temperature.is_none());
-    }
+    // A temperature that is no number is not the record's fault.
+    let axis = with(&noise, Trend::Temperature, &vec![f64::NAN; 20_000]).unwrap();
+    let mut remarks = axis.warnings.iter();
+    assert!(remarks.any(|w| w.starts_with("the temperature is not used")));
+    assert!(axis.temperature.is_none() && axis.model().temperature.is_none());
 }
 
 #[test]
