@@ -63,7 +63,7 @@ pub enum Finding {
         /// How many.
         gaps: u64,
     },
-    /// The bias over temperature of the model was taken out of the samples, as far as their temperature is known.
+    /// The bias over temperature of the model could not be taken out of all samples, or only by extrapolation.
     Temperature {
         /// Samples that were corrected.
         corrected: u64,

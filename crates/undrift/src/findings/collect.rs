@@ -57,8 +57,9 @@ pub fn of_health(summary: &Summary) -> Vec<Finding> {
     found
 }
 
-/// What was taken out for temperature.
+/// Samples that should have been corrected for temperature and were not, or were by extrapolation.
 pub fn of_temperature(seen: Option<ThermalSummary>) -> Option<Finding> {
+    let seen = seen.filter(|seen| seen.without > 0 || seen.beyond > 0);
     seen.map(|seen| Finding::Temperature {
         corrected: seen.corrected,
         without: seen.without,
