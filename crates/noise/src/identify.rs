@@ -7,11 +7,13 @@
 
 mod axis;
 mod candidates;
+mod pool;
 mod remarks;
 mod residuals;
 mod screened;
 
 pub use axis::{Axis, Candidate, NotFitted, Origin};
+pub use pool::{Between, Difference, Pool, PoolError, Ratio, Sampled, Share, identify_pool};
 pub use residuals::Residuals;
 pub use screened::Detrend;
 
@@ -148,6 +150,49 @@ fn dickey_fuller(x: &[f64]) -> Result<(Adf, Vec<ByRule>), RecordError> {
     Ok((adf(Lags::Fixed(ADF_LAGS))?, chosen))
 }
 
+/// A record with its screening, before anything is fitted.
+struct Prepared {
+    samples: usize,
+    screened: screened::Screened,
+    warnings: Vec<String>,
+    psd: spectrum::Density,
+    lines: Vec<spectrum::Line>,
+    allan: allan::Curve,
+}
+
+/// Screens a record: what cannot be used is an error.
+fn prepare(record: &[f64], options: &Options<'_>) -> Result<Prepared, IdentifyError> {
+    let rate = options.rate_hz;
+    if !(rate > 0.0 && rate.is_finite()) {
+        return Err(IdentifyError::Rate);
+    }
+    if record.len() < SHORTEST {
+        let (needed, got) = (SHORTEST, record.len());
+        return Err(RecordError::TooShort { needed, got }.into());
+    }
+    horizons(record.len(), rate)?;
+    let mut screened = screened::screened(record, options)?;
+    let warnings = remarks::of_record(&screened, record.len(), rate);
+    // The spectrum shows the lines; everything else is of the record without them.
+    let segment = spectrum::default_segment(record.len());
+    let psd = spectrum::welch(&screened.bridged, rate, segment)?;
+    let lines = screened.take_out_lines(rate);
+    let allan = allan::deviations(
+        &screened.bridged,
+        rate,
+        DeviationKind::Overlapping,
+        Grid::Octave,
+    )?;
+    Ok(Prepared {
+        samples: record.len(),
+        screened,
+        warnings,
+        psd,
+        lines,
+        allan,
+    })
+}
+
 /// Identifies one axis: `record` in SI units, evenly sampled. `accelerometer` tells what the mean means.
 ///
 /// # Errors
@@ -158,21 +203,36 @@ pub fn identify(
     accelerometer: bool,
     options: &Options<'_>,
 ) -> Result<Axis, IdentifyError> {
+    Ok(conclude(vec![prepare(record, options)?], accelerometer, options)?.0)
+}
+
+/// The axis that records of one sensor show together; tests, spectrum and correlations are those of the first, which
+/// is the longest. Also the records as they were fitted.
+fn conclude(
+    mut records: Vec<Prepared>,
+    accelerometer: bool,
+    options: &Options<'_>,
+) -> Result<(Axis, Vec<Vec<f64>>), IdentifyError> {
     let rate = options.rate_hz;
-    if !(rate > 0.0 && rate.is_finite()) {
-        return Err(IdentifyError::Rate);
+    let constants = records
+        .iter()
+        .map(|r| turn_on_of(r.screened.mean, accelerometer).powi(2));
+    let turn_on = (constants.sum::<f64>() / records.len() as f64).sqrt();
+    let curves: Vec<allan::Curve> = records.iter().map(|record| record.allan.clone()).collect();
+    let samples = records.iter().map(|record| record.samples).sum();
+    let mut cleaned: Vec<Vec<f64>> = Vec::new();
+    for record in &mut records {
+        cleaned.push(std::mem::take(&mut record.screened.cleaned));
     }
-    if record.len() < SHORTEST {
-        let (needed, got) = (SHORTEST, record.len());
-        return Err(RecordError::TooShort { needed, got }.into());
-    }
-    let horizons = horizons(record.len(), rate)?;
-    let mut screened = screened::screened(record, options)?;
-    let mut warnings = remarks::of_record(&screened, record.len(), rate);
-    // The spectrum shows the lines; everything else is of the record without them.
-    let segment = spectrum::default_segment(record.len());
-    let psd = spectrum::welch(&screened.bridged, rate, segment)?;
-    let lines = screened.take_out_lines(rate);
+    let mut all = records.into_iter();
+    let first = all.next().ok_or(IdentifyError::NoCandidate)?;
+    let Prepared {
+        screened,
+        mut warnings,
+        psd,
+        lines,
+        ..
+    } = first;
     let bridged = &screened.bridged;
 
     let (adf, adf_chosen) = dickey_fuller(bridged)?;
@@ -181,19 +241,18 @@ pub fn identify(
     let mut normality = normality::normality(bridged)?;
     // Bridged, or less a trend, the samples no longer lie on their grid.
     normality.quantisation = screened.quantisation;
-    let curve = allan::deviations(bridged, rate, DeviationKind::Overlapping, Grid::Octave)?;
+    let curve = allan::pooled(&curves).ok_or(IdentifyError::NoCandidate)?;
     let allan_terms = allan::fit_terms(&curve)?;
 
     let coarse = normality
         .quantisation
         .is_some_and(|q| q.step_over_deviation > COARSE);
     let task = candidates::Task {
-        record: &screened.cleaned,
+        records: cleaned.iter().map(Vec::as_slice).collect(),
         rate_hz: rate,
         curve: &curve,
         allan: allan_terms,
-        turn_on: turn_on_of(screened.mean, accelerometer),
-        horizons,
+        turn_on,
         quantised: coarse || allan_terms.quantisation.seen,
         n_max: options.n_max,
     };
@@ -212,8 +271,8 @@ pub fn identify(
     let mut fits = candidates.iter().filter_map(Candidate::arma);
     let one_one = fits.find(|fit| fit.order() == (1, 1));
     let ma_root = one_one.and_then(|fit| fit.ma.first().copied());
-    Ok(Axis {
-        samples: record.len(),
+    let axis = Axis {
+        samples,
         mean: screened.mean,
         removed: screened.removed,
         temperature: screened.temperature.and_then(Result::ok),
@@ -236,7 +295,7 @@ pub fn identify(
         allan_gauss_markov: allan::fit_gauss_markov(&curve).ok(),
         allan: curve,
         allan_terms,
-        residuals: residuals::of_models(tried.pandit_wu.as_ref(), chosen, &screened.cleaned),
+        residuals: residuals::of_models(tried.pandit_wu.as_ref(), chosen, task.records[0]),
         pandit_wu: tried.pandit_wu,
         box_jenkins: tried.box_jenkins,
         scales: tried.scales,
@@ -246,7 +305,8 @@ pub fn identify(
         candidates,
         not_fitted: tried.not_fitted,
         warnings,
-    })
+    };
+    Ok((axis, cleaned))
 }
 
 fn scored(candidate: &Candidate) -> Scored {

@@ -36,5 +36,5 @@ pub mod whiteness;
 pub use bias_model::BiasModel;
 pub use composite::GaussMarkov;
 pub use export::ModelFormat;
-pub use model_file::{Arma, AxisModel, ImuModel, ModelError, Provenance};
+pub use model_file::{Arma, AxisModel, ImuModel, ModelError, Provenance, Recording};
 pub use number::OrNull;

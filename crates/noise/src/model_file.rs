@@ -91,6 +91,19 @@ pub struct Provenance {
     pub sha256: Option<String>,
     /// Program and version that wrote the model.
     pub program: Option<String>,
+    /// The recordings, where there are several; then `record` stands for all, and `samples` is their sum.
+    pub recordings: Vec<Recording>,
+}
+
+/// One of several recordings of a model.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Recording {
+    /// Name of the static record.
+    pub record: String,
+    /// Its length in samples.
+    pub samples: Option<u64>,
+    /// SHA-256 of its bytes in hexadecimal.
+    pub sha256: Option<String>,
 }
 
 /// The random error of one axis in the terms of a data sheet, or as ARMA, or both. "unit" is rad/s

@@ -4,6 +4,7 @@
 mod axis;
 mod lines;
 mod orders;
+pub(crate) mod pool;
 mod temperatures;
 
 use super::{
@@ -151,8 +152,10 @@ fn summary(runs: &[Run<'_, Identify>]) -> Option<Section> {
         .iter()
         .map(|(name, run)| text([prefixed(name, &normality(run))]))
         .chain([text([PAPER_KS.to_owned()])]);
-    let blocks = failed.chain(done).chain(tables).chain(normality);
-    Section::of("Static recording", blocks.flatten())
+    let blocks = failed.chain(done).flatten();
+    let blocks = blocks.chain(pool::of_runs(runs));
+    let blocks = blocks.chain(tables.into_iter().chain(normality).flatten());
+    Section::of("Static recording", blocks)
 }
 
 fn models<'a>(axes: impl Iterator<Item = Named<'a>>) -> Table {
@@ -239,7 +242,12 @@ fn what_was_done(name: &str, run: &Identify) -> Vec<String> {
         0 => String::new(),
         rows => format!("{} rows were skipped.", count(rows)),
     };
-    let fitted = "Models were fitted to one half and judged on the other by the drift that they leave in the integral of the samples.";
+    let fitted = match run.pool {
+        Some(_) => "",
+        None => {
+            "Models were fitted to one half and judged on the other by the drift that they leave in the integral of the samples."
+        }
+    };
     vec![prefixed(name, &what), skipped, fitted.into()]
 }
 

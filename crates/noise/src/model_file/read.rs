@@ -2,8 +2,8 @@
 
 use super::table::{Table, line_at};
 use super::{
-    AXES, Arma, AxisModel, FORMAT, ImuModel, Line, MAX_PROCESSES, ModelError, Provenance, VERSION,
-    group,
+    AXES, Arma, AxisModel, FORMAT, ImuModel, Line, MAX_PROCESSES, ModelError, Provenance,
+    Recording, VERSION, group,
 };
 use crate::composite::GaussMarkov;
 use crate::presets;
@@ -54,7 +54,15 @@ const TEMPERATURE_KEYS: [&str; 8] = [
     "axes",
 ];
 const ARMA_KEYS: [&str; 4] = ["rate", "ar", "ma", "sigma"];
-const PROVENANCE_KEYS: [&str; 5] = ["record", "rate", "samples", "sha256", "program"];
+const PROVENANCE_KEYS: [&str; 6] = [
+    "record",
+    "rate",
+    "samples",
+    "sha256",
+    "program",
+    "recording",
+];
+const RECORDING_KEYS: [&str; 3] = ["record", "samples", "sha256"];
 
 fn parse<'a>(text: &'a str, file: &str) -> Result<Spanned<DeTable<'a>>, ModelError> {
     DeTable::parse(text).map_err(|error| {
@@ -184,7 +192,22 @@ fn provenance(top: &Table<'_>) -> Result<Provenance, ModelError> {
         samples: table.whole("samples")?,
         sha256: table.text("sha256")?,
         program: table.text("program")?,
+        recordings: recordings(&table)?,
     })
+}
+
+fn recordings(provenance: &Table<'_>) -> Result<Vec<Recording>, ModelError> {
+    let tables = provenance.tables("recording")?;
+    let recording = |table: &Table<'_>| {
+        table.only(&RECORDING_KEYS)?;
+        let missing = || table.error("record", "missing; a recording needs its name");
+        Ok(Recording {
+            record: table.text("record")?.ok_or_else(missing)?,
+            samples: table.whole("samples")?,
+            sha256: table.text("sha256")?,
+        })
+    };
+    tables.iter().map(recording).collect()
 }
 
 fn axis_model(table: &Table<'_>, gyro: bool) -> Result<AxisModel, ModelError> {

@@ -64,6 +64,18 @@ pub(super) fn to_text(model: &ImuModel) -> String {
         for (key, value) in entries {
             value.iter().for_each(|value| line(&mut out, key, value));
         }
+        for recording in &p.recordings {
+            out.push_str("\n[[provenance.recording]]\n");
+            line(&mut out, "record", &text("record", &recording.record));
+            let samples = recording.samples.map(|samples| samples.to_string());
+            let entries = [
+                ("sha256", known("sha256", &recording.sha256)),
+                ("samples", samples),
+            ];
+            for (key, value) in entries {
+                value.iter().for_each(|value| line(&mut out, key, value));
+            }
+        }
     }
     for (group, axes, units, names) in [
         ("gyro", &model.gyro, &GYRO, &AXES[..3]),

@@ -21,6 +21,7 @@ mod lines;
 mod model_file;
 mod model_file_properties;
 mod normality;
+mod pool;
 mod presets;
 mod properties;
 mod screening;

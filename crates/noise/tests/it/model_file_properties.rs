@@ -105,7 +105,7 @@ prop_compose! {
     ) -> ImuModel {
         let mut model = ImuModel::default();
         (model.name, model.source) = (name, source);
-        model.provenance = Provenance { record, rate_hz, samples, sha256: None, program };
+        model.provenance = Provenance { record, rate_hz, samples, program, ..Provenance::default() };
         let [_, gy, gz, ax, ay, az] = axes;
         model.gyro = [first.clone(), gy.unwrap_or_default(), gz.unwrap_or_default()];
         if alike {

@@ -5,9 +5,10 @@ mod terms;
 pub(crate) use terms::bounds;
 
 use crate::{
+    Table,
     identify::{
-        adequacy_line, drift_table, identified, lines, of_others, pandit_wu, temperatures, tests,
-        units,
+        adequacy_line, drift_table, identified, lines, of_others, pandit_wu, pool, temperatures,
+        tests, units,
     },
     plain::{Mark, plain_table},
 };
@@ -17,7 +18,9 @@ use undrift::results::{Axis, Detrend, Identify};
 /// Whether the record serves and the terms of each axis' model; `details` puts the tests and candidates of each
 /// axis before.
 pub fn identify(result: &Identify, details: bool, mark: Mark) -> String {
-    let verdict = wrapped(&terms::verdict(result));
+    let alarm = result.pool.as_ref().and_then(pool::not_one);
+    let verdict = alarm.map_or(String::new(), |text| wrapped(&text));
+    let verdict = verdict + &wrapped(&terms::verdict(result));
     let lines = lines(identified("", result));
     let lines = match lines.rows.is_empty() {
         true => String::new(),
@@ -34,11 +37,38 @@ pub fn identify(result: &Identify, details: bool, mark: Mark) -> String {
             plain_table(&temperatures, mark)
         ),
     };
-    let terms = terms::table(result, mark) + &temperatures + &lines;
+    let terms =
+        terms::table(result, mark) + &temperatures + &lines + &several(result, details, mark);
     match details {
         true => format!("{verdict}\n{}\n{terms}", every_axis(result, mark)),
         false => format!("{verdict}\n{terms}"),
     }
+}
+
+/// What several records show beyond their model; `details` puts the records of each axis first.
+fn several(result: &Identify, details: bool, mark: Mark) -> String {
+    let Some(pool) = &result.pool else {
+        return String::new();
+    };
+    let table = |caption: &str, table: Table| match table.rows.is_empty() {
+        true => String::new(),
+        false => format!("\n{caption}\n{}", plain_table(&table, mark)),
+    };
+    let records = match details {
+        true => table(
+            "Each recording against the others:",
+            pool::records("", pool),
+        ),
+        false => String::new(),
+    };
+    let count = pool.records.len();
+    let spread = table(
+        &format!("Turn-on constants of {count} switch-ons:"),
+        pool::turn_on("", pool),
+    );
+    let notes = pool::of_constants(pool);
+    let notes: String = notes.iter().map(|note| wrapped(note)).collect();
+    records + &spread + &notes
 }
 
 /// Characters of a line.

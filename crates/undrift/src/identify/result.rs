@@ -23,10 +23,16 @@ impl Identified {
             .zip(&self.series)
             .map(|((name, found), series)| {
                 let axis = match found {
-                    Ok(found) => results::Axis {
-                        series: series.result(found),
-                        ..axis(name, found)
-                    },
+                    Ok(found) => {
+                        let mut axis = axis(name, found);
+                        if let Some(turn_on) = self.pool.as_ref().and_then(|p| p.turn_on(name)) {
+                            axis.chosen.turn_on = turn_on.with(0.0).into();
+                        }
+                        results::Axis {
+                            series: series.result(found),
+                            ..axis
+                        }
+                    }
                     Err(error) => results::Axis {
                         error: Some(error.to_string()),
                         ..results::Axis::default()
@@ -42,6 +48,7 @@ impl Identified {
             timing: self.timing.clone(),
             skipped_rows: self.skipped_rows,
             axes: axes.collect(),
+            pool: self.pool.as_ref().map(super::Pool::result),
         }
     }
 }

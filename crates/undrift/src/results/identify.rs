@@ -1,11 +1,14 @@
 //! An identified static record. Of an axis "unit" is rad/s or m/s².
 
 mod fits;
+mod pool;
 
 pub use fits::{
     Allan, ArmaOrigin, BoxJenkins, Candidate, GridFit, NotFitted, Order, OrderRow, OrderTest,
     Origin, PanditWuOrders, ParameterInterval,
 };
+
+pub use pool::{AxisPool, Differing, Pool, PooledRecord, RecordShare, TurnOn};
 
 use super::{Curve, Number};
 use serde::{Deserialize, Serialize, Serializer};
@@ -42,6 +45,9 @@ pub struct Identify {
     /// Each axis by name: `gyro_x` … `accel_z`.
     #[serde(serialize_with = "axes")]
     pub axes: BTreeMap<String, Axis>,
+    /// What several records show beyond their common model.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pool: Option<Pool>,
 }
 
 impl Identify {
