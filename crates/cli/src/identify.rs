@@ -273,20 +273,12 @@ fn tell_apart(taken: &mut [Taken]) {
 }
 
 fn pooled(taken: &[Taken]) -> Vec<Pooled<'_>> {
-    let pooled = |one| {
-        let Taken {
-            record,
-            name,
-            rate_hz,
-            ..
-        }: &Taken = one;
-        Pooled {
-            name,
-            record,
-            rate_hz: *rate_hz,
-        }
-    };
-    taken.iter().map(pooled).collect()
+    let records = taken.iter().map(|one| Pooled {
+        name: &one.name,
+        record: &one.record,
+        rate_hz: one.rate_hz,
+    });
+    records.collect()
 }
 
 /// What the record shows, or all together, and what that is called.

@@ -101,11 +101,6 @@ pub fn identify(
             }
             taken.push((results::name(&path), record, rate));
         }
-        let pooled = |(name, record, rate_hz): &(String, Record, f64)| Pooled {
-            name,
-            record,
-            rate_hz: *rate_hz,
-        };
         let (found, name, provenance) = match &taken[..] {
             [(name, record, rate)] => {
                 let options = identification::options(record, *rate, n_max, trend);
@@ -114,7 +109,12 @@ pub fn identify(
                 (found, name.clone(), provenance)
             }
             several => {
-                let pooled: Vec<Pooled<'_>> = several.iter().map(pooled).collect();
+                let pooled = several.iter().map(|(name, record, rate_hz)| Pooled {
+                    name,
+                    record,
+                    rate_hz: *rate_hz,
+                });
+                let pooled: Vec<Pooled<'_>> = pooled.collect();
                 let names: Vec<&str> = pooled.iter().map(|one| one.name).collect();
                 let name = results::names(&names);
                 let found = identification::run_pool(&pooled, n_max, trend, || ())?;

@@ -51,7 +51,7 @@ fn records_of_one_process_hardly_ever_differ() {
     assert!((3.5..7.0).contains(&mean), "{mean}");
 }
 
-/// Seeds 5000 to 5000 + 4·20: of 20 pools each.
+/// Seeds 5000 to 5079, 20 pools each: noise in 5 minutes, a walk in 20 (in 10 minutes 16 of 20 are found).
 #[test]
 fn a_record_of_twice_the_noise_or_thrice_the_walk_is_found() {
     let (mut loud, mut wandering) = (0, 0);
@@ -67,7 +67,7 @@ fn a_record_of_twice_the_noise_or_thrice_the_walk_is_found() {
                 ..
             }]
         ));
-        let found = compared(&[usual, usual, usual, walk(0.02, 0.003)], 6000, seed);
+        let found = compared(&[usual, usual, usual, walk(0.02, 0.003)], 12_000, seed);
         wandering += usize::from(matches!(
             found.differing[..],
             [Difference {
@@ -79,7 +79,7 @@ fn a_record_of_twice_the_noise_or_thrice_the_walk_is_found() {
         ));
     }
     assert!(loud >= 19, "{loud}");
-    assert!(wandering >= 17, "{wandering}");
+    assert!(wandering >= 18, "{wandering}");
 }
 
 #[test]
