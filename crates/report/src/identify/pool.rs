@@ -37,7 +37,7 @@ fn how(found: &Differing) -> String {
 /// That the records are not of one sensor, and which differ how; `None` where they may be.
 pub(crate) fn not_one(pool: &Pool) -> Option<String> {
     let mut records: Vec<(&str, Vec<String>)> = Vec::new();
-    for (name, axis) in &pool.axes {
+    for (name, axis) in pool.in_order() {
         for found in &axis.differing {
             let against = match &found.other {
                 Some(other) => format!(" of {other}"),
@@ -98,8 +98,7 @@ pub(crate) fn of_constants(pool: &Pool) -> Vec<String> {
 /// The turn-on constants' spread, an axis a row.
 pub(crate) fn turn_on(run: &str, pool: &Pool) -> Table {
     let known = pool
-        .axes
-        .iter()
+        .in_order()
         .filter_map(|(name, axis)| Some((name, axis.turn_on?)));
     Table::of(
         &format!("turn-on{run}"),
@@ -130,7 +129,7 @@ pub(crate) fn turn_on(run: &str, pool: &Pool) -> Table {
 
 /// Records by axes.
 pub(crate) fn records(run: &str, pool: &Pool) -> Table {
-    let shares = pool.axes.iter().flat_map(|(name, axis)| {
+    let shares = pool.in_order().flat_map(|(name, axis)| {
         let records = pool.records.iter().zip(&axis.records);
         records.map(move |(record, share)| (name, &record.record, share, axis))
     });

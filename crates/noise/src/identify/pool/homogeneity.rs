@@ -1,6 +1,6 @@
 //! Whether records share one model, and which does not.
 //!
-//! Of each record the pooled terms are scaled: white noise and quantisation by one factor, the slow terms by another. The
+//! Of each record the pooled terms are scaled: white noise, quantisation and processes too fast to drift by one factor, the slow terms by another. The
 //! statistic of a record is the likelihood ratio of own factors against those of the others, which has a χ² distribution with as many
 //! degrees of freedom as factors. Long real records are never exactly of the model, and then differ from themselves:
 //! the same ratio between the halves of each record, over its degrees of freedom and at least 1, divides it (the scale of
@@ -12,13 +12,16 @@
 
 use super::Share;
 use crate::composite::search::SCALES;
-use crate::composite::{Averages, CompositeTerms};
+use crate::composite::{Averages, CompositeTerms, GaussMarkov};
 use crate::quasi_newton::{Objective, Point, bfgs};
 use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF};
 
 /// Factors that matter.
 const WHITE: f64 = 1.25;
 const SLOW: f64 = 1.5;
+/// Correlation time below which a process counts with the white noise, from which a record may not tell it \[s\]: the
+/// shortest horizon of drift.
+const SLOW_S: f64 = 1.0;
 /// Share of the outliers' rate of the others.
 const OUTLIERS: f64 = 3.0;
 /// Level at which a factor itself has to differ.
@@ -94,7 +97,8 @@ impl Records {
     ) -> Self {
         let averages = |record: &[f64]| Averages::new(&[record], block, interval).ok();
         let set = terms.set();
-        let is_slow = set.gauss_markov > 0 || set.random_walk || set.flicker;
+        let processes = || terms.gauss_markov.iter().filter(|g| g.sigma > 0.0);
+        let is_slow = set.random_walk || set.flicker || processes().any(|g| g.tau_s >= SLOW_S);
         let halves = |record: &&[f64]| {
             let (first, second) = record.split_at(record.len() / 2);
             [averages(first), averages(second)]
@@ -114,6 +118,13 @@ impl Records {
         CompositeTerms {
             white: self.terms.white * fast,
             quantisation: self.terms.quantisation * fast,
+            gauss_markov: self.terms.gauss_markov.map(|process| {
+                let factor = if process.tau_s < SLOW_S { fast } else { slow };
+                GaussMarkov {
+                    sigma: process.sigma * factor,
+                    ..process
+                }
+            }),
             ..self.terms.scaled(slow)
         }
     }

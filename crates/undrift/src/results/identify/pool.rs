@@ -3,6 +3,7 @@
 use super::Number;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use undrift_noise::model_file::AXES;
 
 /// What several records show beyond their common model.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -22,6 +23,16 @@ pub struct Pool {
     pub tilt: Number,
     /// Each axis by name: `gyro_x` … `accel_z`.
     pub axes: BTreeMap<String, AxisPool>,
+}
+
+impl Pool {
+    /// The axes in the order of a sensor.
+    pub fn in_order(&self) -> impl Iterator<Item = (&str, &AxisPool)> {
+        let known = AXES
+            .iter()
+            .filter_map(|name| self.axes.get_key_value(*name));
+        known.map(|(name, axis)| (name.as_str(), axis))
+    }
 }
 
 /// A record of several.
