@@ -31,7 +31,7 @@ pub enum RecordingError {
     },
     /// Recordings of different sample rates.
     #[error(
-        "{other} has {other_hz:.6} Hz, {first} {first_hz:.6} Hz: recordings that are identified together need the same sample rate"
+        "{other} has {other_hz:.3} Hz, {first} {first_hz:.3} Hz: recordings that are identified together need the same sample rate"
     )]
     Rates {
         /// The first record.
@@ -96,10 +96,10 @@ pub fn common_rate(records: &[Pooled<'_>]) -> Result<f64, RecordingError> {
         return Err(RecordingError::NoRate);
     };
     for other in records {
-        if (other.rate_hz / longest.rate_hz - 1.0).abs() > RATE_TOLERANCE {
+        if (other.rate_hz / first.rate_hz - 1.0).abs() > RATE_TOLERANCE {
             return Err(RecordingError::Rates {
-                first: longest.name.to_owned(),
-                first_hz: longest.rate_hz,
+                first: first.name.to_owned(),
+                first_hz: first.rate_hz,
                 other: other.name.to_owned(),
                 other_hz: other.rate_hz,
             });
