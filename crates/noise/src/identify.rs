@@ -293,7 +293,7 @@ fn conclude(
         psd,
         allan_intervals: allan::intervals(bridged, &curve, 0.683)?,
         allan_gauss_markov: allan::fit_gauss_markov(&curve).ok(),
-        allan: curve,
+        allan: task.curve.clone(),
         allan_terms,
         residuals: residuals::of_models(tried.pandit_wu.as_ref(), chosen, task.records[0]),
         pandit_wu: tried.pandit_wu,
