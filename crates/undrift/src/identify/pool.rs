@@ -125,6 +125,7 @@ pub fn run_pool(
             .map(|pooled| pooled.record.skipped.total())
             .sum(),
         axes: Vec::new(),
+        body_axes: first.record.body_axes,
         series: Vec::new(),
         pool: None,
     };
