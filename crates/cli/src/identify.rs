@@ -249,6 +249,7 @@ fn take(arguments: &Arguments, record: Record) -> Result<Taken> {
     let uneven = findings::of_timing(record.timing.as_ref());
     uneven.iter().map(sentences::say).for_each(warn);
     let forced = check(arguments, &record, rate_hz)?;
+    let record = record.with_gaps();
     tell_settings(arguments, &record, rate_hz);
     let name = match arguments.span {
         Some((start, end)) => format!("{}, {start} to {end} s", results::name(&record.name)),

@@ -193,10 +193,11 @@ fn prepare(record: &[f64], options: &Options<'_>) -> Result<Prepared, IdentifyEr
     })
 }
 
-/// Identifies one axis: `record` in SI units, evenly sampled. `accelerometer` tells what the mean means.
+/// Identifies one axis: `record` in SI units, evenly sampled, NaN where a sample is missing. `accelerometer` tells what
+/// the mean means.
 ///
 /// # Errors
-/// A record that is too short (fewer than 1000 samples), constant or not finite; one too brief for
+/// A record that is too short (fewer than 1000 samples), constant or infinite; one too brief for
 /// any horizon.
 pub fn identify(
     record: &[f64],

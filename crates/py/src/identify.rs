@@ -99,7 +99,7 @@ pub fn identify(
                 }
                 warnings.push(message);
             }
-            taken.push((results::name(&path), record, rate));
+            taken.push((results::name(&path), record.with_gaps(), rate));
         }
         let (found, name, provenance) = match &taken[..] {
             [(name, record, rate)] => {

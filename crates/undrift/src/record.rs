@@ -100,8 +100,41 @@ impl Record {
         self.timing = timing(&self.stamps).ok();
         self
     }
+
+    /// The record with NaN in the gaps between its stamps, so that its samples are evenly spaced, and without the stamps; as
+    /// it is where these jitter or go back, or more is missing than present.
+    pub fn with_gaps(mut self) -> Self {
+        let length = self.stamps.len();
+        let regular = |timing: &&Timing| {
+            let missing: usize = timing.gaps.iter().map(|gap| gap.missing).sum();
+            timing.not_increasing.is_empty()
+                && timing.jitter_rms_s < JITTER * timing.interval_s
+                && (1..=length).contains(&missing)
+        };
+        let Some(timing) = self.timing.as_ref().filter(regular) else {
+            return self;
+        };
+        let spread = |values: &mut Vec<f64>| {
+            let mut all = Vec::new();
+            let mut from = 0;
+            for gap in &timing.gaps {
+                let to = (gap.index + 1).min(values.len());
+                all.extend_from_slice(&values[from..to]);
+                all.resize(all.len() + gap.missing, f64::NAN);
+                from = to;
+            }
+            all.extend_from_slice(&values[from..]);
+            *values = all;
+        };
+        self.samples.iter_mut().for_each(spread);
+        self.temperature.iter_mut().for_each(spread);
+        self.stamps = Vec::new();
+        self
+    }
 }
 
+/// Jitter of stamps, in intervals, up to which a long interval means that samples are missing.
+const JITTER: f64 = 0.1;
 /// Rows that units and columns are guessed from.
 const BEGINNING: usize = 4000;
 
@@ -465,6 +498,42 @@ fn scale(axis: &mut Axis, format: &RecordFormat) -> Result<f64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn gaps_become_missing_samples() {
+        let of = |stamps: Vec<f64>| Record {
+            samples: vec![stamps.clone()],
+            timing: timing(&stamps).ok(),
+            stamps,
+            ..Record::default()
+        };
+        let stamps = || (0..100).filter(|k| !(40..43).contains(k) && *k != 70);
+        let even = of(stamps().map(|k| f64::from(k) * 0.01).collect()).with_gaps();
+        assert_eq!(even.samples[0].len(), 100);
+        for (k, x) in even.samples[0].iter().enumerate() {
+            let missing = (40..43).contains(&k) || k == 70;
+            assert!(
+                if missing {
+                    x.is_nan()
+                } else {
+                    *x == k as f64 * 0.01
+                },
+                "{k}: {x}"
+            );
+        }
+        // A late stamp makes the next interval short: nothing is missing.
+        let late = |k| f64::from(k) * 0.01 + if k % 3 == 0 { 0.006 } else { 0.0 };
+        assert_eq!(
+            of((0..100).map(late).collect()).with_gaps().samples[0].len(),
+            100
+        );
+        // A recording in bursts is no recording with gaps.
+        let bursts = |k| f64::from(k) * 0.01 + if k < 50 { 0.0 } else { 10.0 };
+        assert_eq!(
+            of((0..100).map(bursts).collect()).with_gaps().samples[0].len(),
+            100
+        );
+    }
 
     #[test]
     fn names_and_units_of_columns() {

@@ -147,14 +147,20 @@ pub fn intervals_of_several(
 }
 
 /// The white density is known so well that its logarithm is normal, better than from the profile's averages: from
-/// the full rate its squared coefficients have the variance 3/n of so many samples, relatively, else from the fit's curvature.
+/// the full rate its squared coefficients have the variance κ/n of so many samples, relatively, κ the noise's kurtosis; else
+/// from the fit's curvature, which is that of normal noise: 2 in place of κ − 1.
 fn white(records: &[&[f64]], fit: &CompositeFit, level: f64) -> ParameterInterval {
     let estimate = fit.terms.white;
     let present = |record: &&[f64]| record.iter().filter(|value| !value.is_nan()).count();
     let samples: usize = records.iter().map(present).sum();
+    let kurtosis = kurtosis(records).max(3.0);
     let error = match fit.relative_errors {
-        _ if estimate == fit.white_full_rate => 0.5 * (3.0 / samples as f64).sqrt(),
-        Some(errors) => errors.white,
+        _ if estimate == fit.white_full_rate => 0.5 * (kurtosis / samples as f64).sqrt(),
+        Some(errors) => {
+            // Of averages of so many samples.
+            let averaged = 3.0 + (kurtosis - 3.0) / fit.block.max(1) as f64;
+            errors.white * (0.5 * (averaged - 1.0)).sqrt()
+        }
         None => f64::INFINITY,
     };
     let reach = (error * Normal::standard().inverse_cdf(0.5 + 0.5 * level)).exp();
@@ -164,6 +170,20 @@ fn white(records: &[&[f64]], fit: &CompositeFit, level: f64) -> ParameterInterva
         low: estimate / reach,
         high: estimate * reach,
     }
+}
+
+/// Kurtosis of the white noise, by the differences of neighbours: theirs is κ/2 + 3/2.
+fn kurtosis(records: &[&[f64]]) -> f64 {
+    let (mut squares, mut fourths, mut count) = (0.0, 0.0, 0.0);
+    for pair in records.iter().flat_map(|record| record.windows(2)) {
+        let square = (pair[1] - pair[0]).powi(2);
+        if square.is_finite() {
+            squares += square;
+            fourths += square * square;
+            count += 1.0;
+        }
+    }
+    2.0 * count * fourths / (squares * squares) - 3.0
 }
 
 struct Profile<'a> {

@@ -9,6 +9,7 @@ use crate::screening::{
 use crate::spectrum::{self, Line};
 use crate::temperature::{self, Estimate, Regressors, Temperature, TemperatureError};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// Equal samples in a row that a sensor at work does not give.
 const HANGING: usize = 1000;
@@ -41,6 +42,8 @@ pub(super) struct Screened {
     /// The same with straight lines over what is missing.
     pub(super) bridged: Vec<f64>,
     pub(super) outliers: Vec<Outlier>,
+    /// Samples that were missing.
+    pub(super) missing: usize,
     pub(super) motion: Option<Motion>,
     pub(super) saturation: Vec<Saturation>,
     pub(super) hanging: Vec<Hanging>,
@@ -62,17 +65,32 @@ impl Screened {
     }
 }
 
+/// Screens a record; NaN marks a missing sample.
 pub(super) fn screened(record: &[f64], options: &Options<'_>) -> Result<Screened, IdentifyError> {
+    let missing = |k: &usize| record[*k].is_nan();
+    let left_out: Vec<usize> = (0..record.len()).filter(missing).collect();
+    let (present, whole) = match left_out.is_empty() {
+        true => (Cow::Borrowed(record), Cow::Borrowed(record)),
+        false => {
+            let present = record.iter().copied().filter(|x| !x.is_nan());
+            let present = Vec::from_iter(present);
+            let mean = present.iter().sum::<f64>() / present.len().max(1) as f64;
+            let about = Vec::from_iter(record.iter().map(|x| x - mean));
+            let whole = bridge(&about).into_iter().map(|x| x + mean);
+            (Cow::from(present), Cow::from(Vec::from_iter(whole)))
+        }
+    };
     // What is constant has no trend: an error of its own.
-    screening::record::check_varying(record, SHORTEST)?;
-    let quantisation = normality::quantisation(record);
+    screening::record::check_varying(&present, SHORTEST)?;
+    let (present, record) = (&*present, &*whole);
+    let quantisation = normality::quantisation(present);
     // By differences of neighbours, that a slow error over many steps does not matter.
-    let squares: f64 = record.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum();
-    let variance = 0.5 * squares / record.len() as f64;
+    let squares: f64 = present.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum();
+    let variance = 0.5 * squares / present.len() as f64;
     let coarse = quantisation.filter(|grid| grid.step * grid.step > variance);
     let mut hanging = HANGING;
     if let Some(grid) = coarse {
-        let (samples, off) = (record.len(), rounding::off_the_mode(record));
+        let (samples, off) = (present.len(), rounding::off_the_mode(present));
         if off < FEWEST_OFF {
             return Err(IdentifyError::Coarse {
                 step: grid.step,
@@ -112,7 +130,11 @@ pub(super) fn screened(record: &[f64], options: &Options<'_>) -> Result<Screened
         }
         _ => screening::remove_constant(record)?,
     };
-    let found = screening::outliers(&plain.residuals, rule)?;
+    let mut found = screening::outliers(&plain.residuals, rule)?;
+    found
+        .outliers
+        .retain(|one| left_out.binary_search(&one.index).is_err());
+    left_out.iter().for_each(|k| found.cleaned[*k] = f64::NAN);
     let bridged = bridge(&found.cleaned);
     let rule = MotionRule {
         window: (options.rate_hz.round() as usize).max(2),
@@ -127,11 +149,12 @@ pub(super) fn screened(record: &[f64], options: &Options<'_>) -> Result<Screened
         motion: screening::motion(&bridged, rule).ok(),
         bridged,
         outliers: found.outliers,
-        saturation: screening::saturation(record),
+        missing: left_out.len(),
+        saturation: screening::saturation(present),
         hanging: screening::constant_runs(record, hanging),
         threshold: found.threshold,
         quantisation,
-        before_rounding: coarse.and_then(|grid| rounding::before_rounding(record, grid.step)),
+        before_rounding: coarse.and_then(|grid| rounding::before_rounding(present, grid.step)),
     })
 }
 

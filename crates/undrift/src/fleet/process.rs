@@ -328,6 +328,7 @@ fn identify(
     if let Some(problem) = identify::not_static(&record, rate_hz) {
         return Err(problem.into());
     }
+    let record = record.with_gaps();
     let options = identify::options(&record, rate_hz, settings.n_max, settings.detrend);
     let identified = identify::run(&record, &options, || {});
     for (name, found) in &identified.axes {
