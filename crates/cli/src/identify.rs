@@ -17,7 +17,7 @@ use clap::{
 use std::path::{Path, PathBuf};
 use undrift::{
     findings,
-    identify::{self, NotStatic, Trend},
+    identify::{self, Identified, NotStatic, Pooled, Trend},
     io::{Opened, table::Column},
     nav::units::{Quantity, unit_factor},
     noise::ImuModel,
@@ -31,7 +31,7 @@ fn trends() -> impl TypedValueParser<Value = Trend> {
     let helps = [
         "The mean",
         "A straight line",
-        "The mean and a multiple of the temperature, a column named temp, temperature or *_C",
+        "The mean and what follows the temperature, a column named temp, temperature or *_C",
     ];
     let names = Trend::ALL.iter().zip(helps);
     PossibleValuesParser::new(
@@ -50,14 +50,15 @@ fn trends() -> impl TypedValueParser<Value = Trend> {
   undrift identify static.csv.gz --rate 100 --units \"deg/s,g\" -o imu.toml
   undrift identify drive.toml --span 0,38 -o imu.toml
   undrift identify out/figure1-record.csv --units \"rad/s,m/s^2\" --plot
+  undrift identify monday.csv tuesday.csv wednesday.csv thursday.csv -o imu.toml
   undrift identify gyro.csv --columns 2 --axis gyro_z --rate 200 --base adis16465 -o imu.toml
 
 The third takes the recording that \"undrift demo --out out\" writes.")]
 pub struct Arguments {
     /// Static recording: a table of one axis or six, a log in any format that `inspect` knows, or a drive file, of
-    /// which the log of [imu] is used
-    #[arg(value_name = "RECORD")]
-    record: PathBuf,
+    /// which the log of [imu] is used. Several recordings of one sensor or type, a switch-on each, make one model
+    #[arg(value_name = "RECORD", required = true)]
+    records: Vec<PathBuf>,
     /// Sample rate [Hz]. Default: from the time column
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
@@ -84,9 +85,10 @@ pub struct Arguments {
     /// Largest n of ARMA(2n, 2n-1) that the Pandit-Wu search may choose
     #[arg(long, value_name = "N", default_value_t = 2)]
     n_max: usize,
-    /// What is removed from each axis before its noise is identified
-    #[arg(long, value_name = "TREND", value_parser = trends(), default_value = "constant")]
-    detrend: Trend,
+    /// What is removed from each axis before its noise is identified. Default: temperature where the recording has one, else
+    /// constant
+    #[arg(long, value_name = "TREND", value_parser = trends())]
+    detrend: Option<Trend>,
     /// The sensor's data sheet, a preset or a file: the σ of its bias at turn-on, and the axes that the
     /// recording does not have
     #[arg(long, value_name = "PRESET|FILE")]
@@ -145,21 +147,101 @@ fn format(arguments: &Arguments) -> Result<RecordFormat> {
         columns: arguments.columns.iter().map(column).collect(),
         axis: arguments.axis.clone(),
         units: arguments.units.as_ref().map(units).transpose()?,
-        temperature: arguments.detrend == Trend::Temperature,
+        temperature: arguments.detrend == Some(Trend::Temperature),
         topic: arguments.topic.clone(),
     })
 }
 
+/// A record, read and checked.
+struct Taken {
+    record: Record,
+    name: String,
+    rate_hz: f64,
+    /// Why it is no static recording, with --force.
+    forced: Option<NotStatic>,
+}
+
 pub fn run(arguments: &Arguments) -> Result<()> {
     let outputs = arguments.result.files().chain(arguments.output.as_deref());
-    let files = Files::claim([arguments.record.as_path()], outputs)?;
+    let mut files = Files::claim(arguments.records.iter().map(PathBuf::as_path), outputs)?;
     let format = format(arguments)?;
     let base = arguments.base.as_ref();
     let base = base
         .map(|name| ImuModel::resolve(name, Path::new("")))
         .transpose()?;
-    let record = stage("reading", || read(arguments, &format))?;
-    let files = files.and_read(record.file.as_deref());
+    let mut taken = Vec::with_capacity(arguments.records.len());
+    for (at, path) in arguments.records.iter().enumerate() {
+        if arguments.records[..at].contains(path) {
+            bail!(
+                "{} is given twice: each recording counts as a switch-on of its own",
+                path.display()
+            );
+        }
+        let record = stage("reading", || read(arguments, path, &format))?;
+        files = files.and_read(record.file.as_deref());
+        taken.push(take(arguments, record)?);
+    }
+    tell_apart(&mut taken);
+    let (identified, name) = identify(arguments, &taken)?;
+    let result = identified.result(&name);
+    let shown =
+        arguments.result.is_wanted() && arguments.result.write(&files, &results::text(&result))?;
+    if !shown {
+        let details = terminal::is_verbose();
+        say(text::identify(&result, details, style::heading).trim_end())?;
+        if arguments.plot {
+            say(plot::allan(&result))?;
+        }
+    }
+    let errors = Vec::from_iter(result.in_order().map(|(_, axis)| axis.error.as_ref()));
+    if let Some(Some(error)) = errors.first()
+        && errors.iter().all(|other| *other == Some(error))
+    {
+        bail!("{name}: {error}");
+    }
+    for (name, axis) in result.in_order() {
+        if let Some(error) = &axis.error {
+            terminal::doubt();
+            warn(format!("{name}: {error}"));
+        }
+    }
+    if result.axes.values().all(|axis| axis.error.is_some()) {
+        bail!("no axis could be identified");
+    }
+    let differ = result.pool.as_ref().is_some_and(|pool| !pool.homogeneous);
+    if differ {
+        terminal::doubt();
+        warn("the recordings are not of one sensor: identify those that differ on their own");
+    }
+    let Some(file) = &arguments.output else {
+        return Ok(());
+    };
+    if differ && terminal::is_strict() {
+        warn(format!("{} is not written (--strict)", file.display()));
+        return Ok(());
+    }
+    let provenance = match &taken[..] {
+        [one] => identify::provenance(&one.record, &name, one.rate_hz)?,
+        several => identify::provenance_of_several(&pooled(several), &name, identified.rate_hz)?,
+    };
+    let mut model = identified.model(base.as_ref(), &name, provenance)?;
+    for one in &taken {
+        if let Some(problem) = &one.forced {
+            let of = match taken.len() {
+                1 => String::new(),
+                _ => format!("{}: ", one.name),
+            };
+            model.source += &format!("; identified with --force although {of}{problem}");
+        }
+    }
+    files.write(file, &model.to_toml())?;
+    terminal::say(format!("model: {}", output::shown(file)))?;
+    warn_of_unknown(file, &model, &identified.without_turn_on(base.as_ref()));
+    Ok(())
+}
+
+/// Checks a record and cuts it to --span.
+fn take(arguments: &Arguments, record: Record) -> Result<Taken> {
     for kind in record.skipped.to_string().lines() {
         warn(format!("{}: {kind}", record.name.display()));
     }
@@ -177,59 +259,58 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let uneven = findings::of_timing(record.timing.as_ref());
     uneven.iter().map(sentences::say).for_each(warn);
     let forced = check(arguments, &record, rate_hz)?;
-    let options = identify::options(&record, rate_hz, arguments.n_max, arguments.detrend);
+    let record = record.with_gaps();
     tell_settings(arguments, &record, rate_hz);
-    let identified = stage("identification", || {
-        let bar = Bar::new("identified", record.axes.len() as u64, "axes");
-        identify::run(&record, &options, || bar.add(1))
-    });
     let name = match arguments.span {
         Some((start, end)) => format!("{}, {start} to {end} s", results::name(&record.name)),
         None => results::name(&record.name),
     };
-    let result = identified.result(&name);
-    let shown =
-        arguments.result.is_wanted() && arguments.result.write(&files, &results::text(&result))?;
-    if !shown {
-        let details = terminal::is_verbose();
-        say(text::identify(&result, details, style::heading).trim_end())?;
-        if arguments.plot {
-            say(plot::allan(&result))?;
+    Ok(Taken {
+        record,
+        name,
+        rate_hz,
+        forced,
+    })
+}
+
+/// Records of one name, in different folders, by their paths.
+fn tell_apart(taken: &mut [Taken]) {
+    let names: Vec<String> = taken.iter().map(|one| one.name.clone()).collect();
+    for one in taken {
+        if names.iter().filter(|name| **name == one.name).count() > 1 {
+            one.name = one.record.name.display().to_string();
         }
     }
-    let errors = Vec::from_iter(result.in_order().map(|(_, axis)| axis.error.as_ref()));
-    if let Some(Some(error)) = errors.first()
-        && errors.iter().all(|other| *other == Some(error))
-    {
-        let name = record.name.display();
-        bail!("{name}: {error}");
-    }
-    for (name, axis) in result.in_order() {
-        if let Some(error) = &axis.error {
-            terminal::doubt();
-            warn(format!("{name}: {error}"));
+}
+
+fn pooled(taken: &[Taken]) -> Vec<Pooled<'_>> {
+    let records = taken.iter().map(|one| Pooled {
+        name: &one.name,
+        record: &one.record,
+        rate_hz: one.rate_hz,
+    });
+    records.collect()
+}
+
+/// What the record shows, or all together, and what that is called.
+fn identify(arguments: &Arguments, taken: &[Taken]) -> Result<(Identified, String)> {
+    let axes = taken.first().map_or(0, |one| one.record.axes.len());
+    let (n_max, trend) = (arguments.n_max, arguments.detrend.unwrap_or_default());
+    stage("identification", || {
+        let bar = Bar::new("identified", axes as u64, "axes");
+        if let [one] = taken {
+            let options = identify::options(&one.record, one.rate_hz, n_max, trend);
+            let found = identify::run(&one.record, &options, || bar.add(1));
+            return Ok((found, one.name.clone()));
         }
-    }
-    if result.axes.values().all(|axis| axis.error.is_some()) {
-        bail!("no axis could be identified");
-    }
-    let Some(file) = &arguments.output else {
-        return Ok(());
-    };
-    let provenance = identify::provenance(&record, &name, rate_hz)?;
-    let mut model = identified.model(base.as_ref(), &name, provenance)?;
-    if let Some(problem) = forced {
-        model.source += &format!("; identified with --force although {problem}");
-    }
-    files.write(file, &model.to_toml())?;
-    terminal::say(format!("model: {}", output::shown(file)))?;
-    warn_of_unknown(file, &model, &identified.without_turn_on(base.as_ref()));
-    Ok(())
+        let names: Vec<&str> = taken.iter().map(|one| one.name.as_str()).collect();
+        let found = identify::run_pool(&pooled(taken), n_max, trend, || bar.add(1))?;
+        Ok((found, results::names(&names)))
+    })
 }
 
 /// Reads the record: of a drive file the log of its `[imu]`.
-fn read(arguments: &Arguments, format: &RecordFormat) -> Result<Record> {
-    let path = &arguments.record;
+fn read(arguments: &Arguments, path: &Path, format: &RecordFormat) -> Result<Record> {
     if path.extension().is_some_and(|ending| ending == "toml") {
         let stated = [
             ("--columns", !arguments.columns.is_empty()),
@@ -243,13 +324,7 @@ fn read(arguments: &Arguments, format: &RecordFormat) -> Result<Record> {
                 path.display()
             );
         }
-        if format.temperature {
-            bail!(
-                "{}: --detrend temperature takes a table, not a drive file",
-                path.display()
-            );
-        }
-        return Ok(record::read_drive(path)?);
+        return Ok(record::read_drive(path, format.temperature)?);
     }
     let opened = Opened::open(path)?;
     details::opened("record", &opened);
@@ -306,7 +381,8 @@ fn tell_settings(arguments: &Arguments, record: &Record, rate_hz: f64) {
         format!(
             "settings: ARMA(2n, 2n-1) for n up to {}, {} removed",
             arguments.n_max,
-            match arguments.detrend {
+            match arguments.detrend.unwrap_or_default() {
+                Trend::Temperature if record.temperature.is_none() => "the mean",
                 Trend::Constant => "the mean",
                 Trend::Linear => "a straight line",
                 Trend::Temperature => "the part that follows the temperature",

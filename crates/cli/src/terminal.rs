@@ -52,6 +52,8 @@ pub struct Options {
 static LEVEL: AtomicI16 = AtomicI16::new(0);
 /// Whether a result cannot be trusted.
 static DOUBT: AtomicBool = AtomicBool::new(false);
+/// Whether a result that cannot be trusted is an error.
+static STRICT: AtomicBool = AtomicBool::new(false);
 /// Whether standard output is for a result.
 static TAKEN: AtomicBool = AtomicBool::new(false);
 
@@ -64,6 +66,7 @@ impl Options {
             i16::from(self.verbose)
         };
         LEVEL.store(level, Relaxed);
+        STRICT.store(self.strict, Relaxed);
         set_colour(self.color);
     }
 }
@@ -152,6 +155,11 @@ pub fn note(text: impl Display) {
 /// Notes that the result cannot be trusted: --strict makes an exit code of it.
 pub fn doubt() {
     DOUBT.store(true, Relaxed);
+}
+
+/// Whether --strict is given.
+pub fn is_strict() -> bool {
+    STRICT.load(Relaxed)
 }
 
 /// Whether [`doubt`] was called.

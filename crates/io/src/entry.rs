@@ -101,6 +101,21 @@ pub struct ImuReading {
     pub gyro: Vector3,
     /// Mean specific force [m/s²].
     pub accel: Vector3,
+    /// Temperature of the sensor [°C]; NaN where the log has none with the sample.
+    pub temperature_c: f64,
+}
+
+impl ImuReading {
+    /// Without a temperature.
+    pub(crate) fn new(time: f64, gyro: Vector3, accel: Vector3) -> Self {
+        let temperature_c = f64::NAN;
+        Self {
+            time,
+            gyro,
+            accel,
+            temperature_c,
+        }
+    }
 }
 
 /// A fix; the log may not state its uncertainty.

@@ -11,8 +11,10 @@
 //! scaled, the rate is another than was thought, and the file is refused.
 
 mod format;
+mod thermal;
 
-pub use format::{ImuFormat, ImuSource};
+pub use format::{ImuFormat, ImuSource, TemperatureColumn};
+pub use thermal::{HOLD_S, Thermal, ThermalAxis, ThermalSummary};
 
 use undrift_nav::Vector3;
 use undrift_nav::sample::ImuSample;
@@ -25,6 +27,7 @@ use crate::held::{Held, HeldWatch};
 use crate::reader::{Kind, Plan, Reader, Row, TableRow, Want};
 use crate::skipped::{SkipKind, Skipped};
 use crate::table::TableOptions;
+use thermal::ThermalWatch;
 
 /// Values beyond this come from no sensor, in SI, rates or increments: they would overflow on the way.
 const MAX_VALUE: f64 = 1e9;
@@ -42,10 +45,20 @@ pub struct Imu {
     held_values: HeldWatch,
     given: bool,
     gaps_in_a_row: u32,
+    /// Temperature of the last sample given out [°C], NaN where it has none.
+    temperature_c: f64,
+    thermal: Option<ThermalWatch>,
 }
 
-/// Gyro and accelerometer as in the file.
-type Values = (Vector3, Vector3);
+/// A row without its time.
+#[derive(Clone, Copy)]
+pub struct Values {
+    /// Gyro and accelerometer as in the file.
+    gyro: Vector3,
+    accel: Vector3,
+    /// Temperature [°C]; NaN where there is none.
+    temperature_c: f64,
+}
 
 impl Reader<Imu> {
     /// The usual interval and the gaps of the samples given out so far.
@@ -56,6 +69,16 @@ impl Reader<Imu> {
     /// The axes that held a value for long among the samples given out so far.
     pub fn held(&self) -> Vec<Held> {
         self.kind().held_values.held()
+    }
+
+    /// Temperature of the sample given out last [°C]; NaN where it has none.
+    pub fn temperature_c(&self) -> f64 {
+        self.kind().temperature_c
+    }
+
+    /// How many of the samples given out so far were corrected for temperature, where that was asked for.
+    pub fn thermal(&self) -> Option<ThermalSummary> {
+        Some(self.kind().thermal.as_ref()?.summary)
     }
 }
 
@@ -79,6 +102,10 @@ impl Kind for Imu {
                 if let Some(time) = time {
                     wanted.want_time("imu", time, format.date.as_ref(), format.time_scale);
                 }
+                if let Some(temperature) = &format.temperature {
+                    let place = wanted.want("imu.temperature", [&temperature.column]);
+                    wanted.optional = Some(place);
+                }
                 wanted.want("imu.gyro", gyro);
                 wanted.want("imu.accel", accel);
                 Want::Table(wanted)
@@ -90,6 +117,11 @@ impl Kind for Imu {
             held_values: HeldWatch::default(),
             given: false,
             gaps_in_a_row: 0,
+            temperature_c: f64::NAN,
+            thermal: format
+                .thermal
+                .as_ref()
+                .map(|axes| ThermalWatch::new(axes, format.rotation)),
         };
         Ok(Plan {
             kind,
@@ -100,11 +132,23 @@ impl Kind for Imu {
 
     #[inline]
     fn of_row(&mut self, row: TableRow, skipped: &mut Skipped) -> Option<(f64, Values)> {
-        let (stamp, &[gx, gy, gz, ax, ay, az]) = match row.numbers.split_last_chunk()? {
-            ([stamp], six) => (stamp * self.format.time_scale, six),
-            (_, six) => (row.index as f64 / self.format.rate_hz?, six),
+        let (rest, &[gx, gy, gz, ax, ay, az]) = row.numbers.split_last_chunk()?;
+        let (temperature_c, rest) = match &self.format.temperature {
+            Some(column) => {
+                let (number, rest) = rest.split_last()?;
+                (number - column.zero, rest)
+            }
+            None => (f64::NAN, rest),
         };
-        let values = (Vector3::new(gx, gy, gz), Vector3::new(ax, ay, az));
+        let stamp = match rest {
+            [stamp] => stamp * self.format.time_scale,
+            _ => row.index as f64 / self.format.rate_hz?,
+        };
+        let values = Values {
+            gyro: Vector3::new(gx, gy, gz),
+            accel: Vector3::new(ax, ay, az),
+            temperature_c,
+        };
         self.plausible(stamp, values, row.line, skipped)
     }
 
@@ -113,7 +157,12 @@ impl Kind for Imu {
             return None;
         };
         let stamp = reading.time * self.format.time_scale;
-        self.plausible(stamp, (reading.gyro, reading.accel), entry.at, skipped)
+        let values = Values {
+            gyro: reading.gyro,
+            accel: reading.accel,
+            temperature_c: reading.temperature_c,
+        };
+        self.plausible(stamp, values, entry.at, skipped)
     }
 
     fn needs_interval(&self) -> bool {
@@ -140,7 +189,13 @@ impl Kind for Imu {
                 line: row.line,
             });
         }
-        let sample = self.sample(row, dt, covered);
+        let mut sample = self.sample(row, dt, covered);
+        self.temperature_c = row.values.temperature_c;
+        if let Some(thermal) = &mut self.thermal {
+            let (gyro, accel) = thermal.bias(row.time, row.values.temperature_c);
+            sample.dtheta -= gyro * dt;
+            sample.dvel -= accel * dt;
+        }
         // Increments that were collected in next to no time cannot be scaled to a gap.
         let values = sample.dtheta.iter().chain(&sample.dvel);
         if values.copied().any(|value| !value.is_finite()) {
@@ -148,8 +203,8 @@ impl Kind for Imu {
             return Ok(None);
         }
         self.given = true;
-        let [gx, gy, gz] = row.values.0.into();
-        let [ax, ay, az] = row.values.1.into();
+        let [gx, gy, gz] = row.values.gyro.into();
+        let [ax, ay, az] = row.values.accel.into();
         self.held_values.add(row.time, [gx, gy, gz, ax, ay, az]);
         Ok(Some(sample))
     }
@@ -165,17 +220,18 @@ impl Imu {
     fn plausible(
         &self,
         stamp: f64,
-        (gyro, accel): Values,
+        values: Values,
         line: u64,
         skipped: &mut Skipped,
     ) -> Option<(f64, Values)> {
         let format = &self.format;
-        let largest = (gyro.amax() * format.gyro_scale).max(accel.amax() * format.accel_scale);
+        let largest =
+            (values.gyro.amax() * format.gyro_scale).max(values.accel.amax() * format.accel_scale);
         if largest > MAX_VALUE {
             skipped.add(SkipKind::OutOfRange, line, largest);
             return None;
         }
-        Some((stamp + format.time_offset, (gyro, accel)))
+        Some((stamp + format.time_offset, values))
     }
 
     /// The part of the interval `dt` \[s\] that the increments of a row were collected in \[s\]: the
@@ -219,8 +275,8 @@ impl Imu {
         ImuSample {
             time: row.time,
             dt,
-            dtheta: body(&row.values.0, format.gyro_scale, &format.gyro_offset),
-            dvel: body(&row.values.1, format.accel_scale, &format.accel_offset),
+            dtheta: body(&row.values.gyro, format.gyro_scale, &format.gyro_offset),
+            dvel: body(&row.values.accel, format.accel_scale, &format.accel_offset),
         }
     }
 }

@@ -43,7 +43,7 @@ use crate::lines::MAX_LINE;
 use crate::skipped::{SkipKind, Skipped};
 use crate::source::Source;
 use fields::Defect;
-use wanted::{NextRow, no_rows};
+use wanted::{Keep, NextRow, no_rows};
 
 /// What a table is read from.
 pub(crate) enum TableSource {
@@ -63,7 +63,7 @@ pub struct Table {
     columns: Vec<(String, Column)>,
     /// A place in the row read without a finite number in so many rows, every one up to now.
     empty: Option<(usize, u64)>,
-    keep_not_finite: bool,
+    keep: Keep,
     rows_read: u64,
     rows_seen: u64,
     finished: bool,
@@ -111,7 +111,7 @@ impl Table {
             rows: rows.map_err(|error| error.of(name))?,
             columns: options.columns.clone(),
             empty: None,
-            keep_not_finite: options.keep_not_finite,
+            keep: options.keep(),
             rows_read: 0,
             rows_seen: 0,
             finished: false,
@@ -135,10 +135,10 @@ impl Table {
         }
         while !self.finished {
             let step = match &mut self.rows {
-                Rows::Text(table) => table.step(self.keep_not_finite, out),
-                Rows::Memory(table) => Ok(table.step(self.keep_not_finite, out)),
+                Rows::Text(table) => table.step(self.keep, out),
+                Rows::Memory(table) => Ok(table.step(self.keep, out)),
                 #[cfg(feature = "parquet")]
-                Rows::Parquet(table) => Ok(table.step(self.keep_not_finite, out)),
+                Rows::Parquet(table) => Ok(table.step(self.keep, out)),
             };
             match step {
                 Ok(NextRow::Row(line, Ok(()))) => {

@@ -30,7 +30,9 @@ mod octaves;
 mod sliding_products;
 
 pub use confidence::{Interval, intervals};
-pub use deviation::{Curve, DeviationKind, Grid, Point, deviations, deviations_at, factors_of};
+pub use deviation::{
+    Curve, DeviationKind, Grid, Point, deviations, deviations_at, factors_of, pooled,
+};
 pub use fit::{Term, Terms, fit_terms, fit_terms_from};
 pub use gauss_markov::{GaussMarkovFit, fit_gauss_markov, fit_gauss_markov_from};
 pub use noise_type::noise_types;

@@ -41,7 +41,7 @@ mod starts;
 mod whittle;
 
 pub use autoregressive::{ArFit, burg, order_by_aicc, yule_walker};
-pub use fit::{FitOptions, fit, fit_from, log_likelihood};
+pub use fit::{FitOptions, fit, fit_from, fit_several, log_likelihood};
 pub(crate) use fit::{climb_to, refit};
 pub(crate) use kernel::vector;
 pub use likelihood::{Likelihood, Mean};

@@ -135,18 +135,20 @@ pub fn score(
     }
 }
 
-/// Scores of a model on several parts of a record, pooled horizon by horizon.
+/// Scores of a model on several parts of a record, or on several records, pooled horizon by horizon; the horizons grow,
+/// and a part that is too short for the long ones counts for the others.
 pub fn pooled(parts: &[Vec<HorizonScore>]) -> Vec<HorizonScore> {
-    let horizons = parts.iter().map(Vec::len).min().unwrap_or(0);
+    let horizons = parts.iter().map(Vec::len).max().unwrap_or(0);
     let pool = |h: usize| {
-        let of = |value: fn(&HorizonScore) -> f64| parts.iter().map(move |part| value(&part[h]));
-        let origins: usize = parts.iter().map(|part| part[h].origins).sum();
+        let long = || parts.iter().filter_map(move |part| part.get(h));
+        let of = |value: fn(&HorizonScore) -> f64| long().map(value);
+        let origins: usize = long().map(|score| score.origins).sum();
         let mean = |value: fn(&HorizonScore) -> f64| of(value).sum::<f64>() / origins as f64;
         let rms = mean(|s| s.origins as f64 * s.rms * s.rms).sqrt();
         let windows: f64 = of(|s| s.windows).sum();
-        let batches: Vec<f64> = parts.iter().flat_map(|p| p[h].batches.clone()).collect();
+        let batches: Vec<f64> = long().flat_map(|score| score.batches.clone()).collect();
         HorizonScore {
-            horizon_s: parts[0][h].horizon_s,
+            horizon_s: of(|s| s.horizon_s).fold(0.0, f64::max),
             rms,
             standard_error: standard_error(rms, windows, &batches),
             predicted_rms: mean(|s| s.origins as f64 * s.predicted_rms * s.predicted_rms).sqrt(),

@@ -7,11 +7,13 @@
 
 mod axis;
 mod candidates;
+mod pool;
 mod remarks;
 mod residuals;
 mod screened;
 
-pub use axis::{Axis, Candidate, Origin};
+pub use axis::{Axis, Candidate, NotFitted, Origin};
+pub use pool::{Between, Difference, Pool, PoolError, Ratio, Sampled, Share, identify_pool};
 pub use residuals::Residuals;
 pub use screened::Detrend;
 
@@ -53,17 +55,17 @@ pub struct Options<'a> {
     pub n_max: usize,
     /// What is taken out first.
     pub trend: Trend,
-    /// Temperature \[°C or K\], one a sample; without it [`Trend::Temperature`] takes the mean out alone.
+    /// Temperature [°C], one a sample, NaN where it is missing; without it [`Trend::Temperature`] takes the mean out alone.
     pub temperature: Option<&'a [f64]>,
 }
 
 impl Options<'_> {
-    /// At a sample rate \[Hz\]: n up to 2, the mean taken out.
+    /// At a sample rate \[Hz\]: n up to 2, the mean taken out, no temperature.
     pub fn at(rate_hz: f64) -> Self {
         Self {
             rate_hz,
             n_max: 2,
-            trend: Trend::Constant,
+            trend: Trend::default(),
             temperature: None,
         }
     }
@@ -75,9 +77,6 @@ pub enum IdentifyError {
     /// The record cannot be used.
     #[error(transparent)]
     Record(#[from] RecordError),
-    /// The temperature cannot be used.
-    #[error("the temperature cannot be used: {0}")]
-    Temperature(RecordError),
     /// No horizon fits into the half that is scored.
     #[error("{seconds:.1} s are too short to measure drift: record at least {needed:.0} s")]
     TooBrief {
@@ -151,16 +150,18 @@ fn dickey_fuller(x: &[f64]) -> Result<(Adf, Vec<ByRule>), RecordError> {
     Ok((adf(Lags::Fixed(ADF_LAGS))?, chosen))
 }
 
-/// Identifies one axis: `record` in SI units, evenly sampled. `accelerometer` tells what the mean means.
-///
-/// # Errors
-/// A record that is too short (fewer than 1000 samples), constant or not finite; one too brief for
-/// any horizon; a temperature that does not fit the record.
-pub fn identify(
-    record: &[f64],
-    accelerometer: bool,
-    options: &Options<'_>,
-) -> Result<Axis, IdentifyError> {
+/// A record with its screening, before anything is fitted.
+struct Prepared {
+    samples: usize,
+    screened: screened::Screened,
+    warnings: Vec<String>,
+    psd: spectrum::Density,
+    lines: Vec<spectrum::Line>,
+    allan: allan::Curve,
+}
+
+/// Screens a record: what cannot be used is an error.
+fn prepare(record: &[f64], options: &Options<'_>) -> Result<Prepared, IdentifyError> {
     let rate = options.rate_hz;
     if !(rate > 0.0 && rate.is_finite()) {
         return Err(IdentifyError::Rate);
@@ -169,13 +170,70 @@ pub fn identify(
         let (needed, got) = (SHORTEST, record.len());
         return Err(RecordError::TooShort { needed, got }.into());
     }
-    let horizons = horizons(record.len(), rate)?;
+    horizons(record.len(), rate)?;
     let mut screened = screened::screened(record, options)?;
-    let mut warnings = remarks::of_record(&screened, record.len(), rate);
+    let warnings = remarks::of_record(&screened, record.len(), rate);
     // The spectrum shows the lines; everything else is of the record without them.
     let segment = spectrum::default_segment(record.len());
     let psd = spectrum::welch(&screened.bridged, rate, segment)?;
     let lines = screened.take_out_lines(rate);
+    let allan = allan::deviations(
+        &screened.bridged,
+        rate,
+        DeviationKind::Overlapping,
+        Grid::Octave,
+    )?;
+    Ok(Prepared {
+        samples: record.len(),
+        screened,
+        warnings,
+        psd,
+        lines,
+        allan,
+    })
+}
+
+/// Identifies one axis: `record` in SI units, evenly sampled, NaN where a sample is missing. `accelerometer` tells what
+/// the mean means.
+///
+/// # Errors
+/// A record that is too short (fewer than 1000 samples), constant or infinite; one too brief for
+/// any horizon.
+pub fn identify(
+    record: &[f64],
+    accelerometer: bool,
+    options: &Options<'_>,
+) -> Result<Axis, IdentifyError> {
+    Ok(conclude(vec![prepare(record, options)?], accelerometer, options)?.0)
+}
+
+/// The axis that records of one sensor show together; tests, spectrum and correlations are those of the first, which
+/// is the longest. Also the records as they were fitted.
+fn conclude(
+    mut records: Vec<Prepared>,
+    accelerometer: bool,
+    options: &Options<'_>,
+) -> Result<(Axis, Vec<Vec<f64>>), IdentifyError> {
+    let rate = options.rate_hz;
+    let constants = records
+        .iter()
+        .map(|r| turn_on_of(r.screened.mean, accelerometer).powi(2));
+    let turn_on = (constants.sum::<f64>() / records.len() as f64).sqrt();
+    let curves: Vec<allan::Curve> = records.iter().map(|record| record.allan.clone()).collect();
+    let samples = records.iter().map(|record| record.samples).sum();
+    let mut cleaned: Vec<Vec<f64>> = Vec::new();
+    for record in &mut records {
+        cleaned.push(std::mem::take(&mut record.screened.cleaned));
+    }
+    let mut all = records.into_iter();
+    let first = all.next().ok_or(IdentifyError::NoCandidate)?;
+    let Prepared {
+        screened,
+        mut warnings,
+        psd,
+        lines,
+        ..
+    } = first;
     let bridged = &screened.bridged;
 
     let (adf, adf_chosen) = dickey_fuller(bridged)?;
@@ -184,35 +242,41 @@ pub fn identify(
     let mut normality = normality::normality(bridged)?;
     // Bridged, or less a trend, the samples no longer lie on their grid.
     normality.quantisation = screened.quantisation;
-    let curve = allan::deviations(bridged, rate, DeviationKind::Overlapping, Grid::Octave)?;
+    let curve = allan::pooled(&curves).ok_or(IdentifyError::NoCandidate)?;
     let allan_terms = allan::fit_terms(&curve)?;
 
     let coarse = normality
         .quantisation
         .is_some_and(|q| q.step_over_deviation > COARSE);
     let task = candidates::Task {
-        record: &screened.cleaned,
+        records: cleaned.iter().map(Vec::as_slice).collect(),
         rate_hz: rate,
+        curve: &curve,
         allan: allan_terms,
-        turn_on: turn_on_of(screened.mean, accelerometer),
-        horizons,
+        turn_on,
         quantised: coarse || allan_terms.quantisation.seen,
         n_max: options.n_max,
     };
     let tried = candidates::candidates(&task);
     let candidates = tried.candidates;
-    let recommended = drift_score::recommend(&scored(&candidates));
-    let recommended = recommended.ok_or(IdentifyError::NoCandidate)?;
-    let chosen = &candidates[recommended.index];
+    let own: Vec<usize> = (0..candidates.len())
+        .filter(|i| !candidates[*i].compared)
+        .collect();
+    let scored: Vec<Scored> = own.iter().map(|i| scored(&candidates[*i])).collect();
+    let recommended = drift_score::recommend(&scored).ok_or(IdentifyError::NoCandidate)?;
+    let index = own[recommended.index];
+    let chosen = &candidates[index];
+    let intervals = candidates::intervals(&task, chosen);
     let said = chosen.warnings.iter();
     warnings.extend(said.map(|warning| format!("{}: {warning}", chosen.name)));
     let mut fits = candidates.iter().filter_map(Candidate::arma);
     let one_one = fits.find(|fit| fit.order() == (1, 1));
     let ma_root = one_one.and_then(|fit| fit.ma.first().copied());
-    Ok(Axis {
-        samples: record.len(),
+    let axis = Axis {
+        samples,
         mean: screened.mean,
         removed: screened.removed,
+        temperature: screened.temperature.and_then(Result::ok),
         stationarity: stationarity::verdict(&adf, &kpss, &phillips_perron, ma_root),
         outliers: screened.outliers,
         motion: screened.motion,
@@ -230,27 +294,28 @@ pub fn identify(
         psd,
         allan_intervals: allan::intervals(bridged, &curve, 0.683)?,
         allan_gauss_markov: allan::fit_gauss_markov(&curve).ok(),
-        allan: curve,
+        allan: task.curve.clone(),
         allan_terms,
-        residuals: residuals::of_models(tried.pandit_wu.as_ref(), chosen, &screened.cleaned),
+        residuals: residuals::of_models(tried.pandit_wu.as_ref(), chosen, task.records[0]),
         pandit_wu: tried.pandit_wu,
         box_jenkins: tried.box_jenkins,
         scales: tried.scales,
-        intervals: candidates::intervals(&task, chosen),
-        chosen: recommended.index,
+        intervals,
+        chosen: index,
         reason: recommended.reason,
         candidates,
+        not_fitted: tried.not_fitted,
         warnings,
-    })
+    };
+    Ok((axis, cleaned))
 }
 
-fn scored(candidates: &[Candidate]) -> Vec<Scored> {
-    let scored = |candidate: &Candidate| Scored {
+fn scored(candidate: &Candidate) -> Scored {
+    Scored {
         name: candidate.name.clone(),
         states: candidate.states,
         parameters: candidate.parameters,
         aic: candidate.aic,
         horizons: candidate.score.clone(),
-    };
-    candidates.iter().map(scored).collect()
+    }
 }

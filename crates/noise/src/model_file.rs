@@ -20,6 +20,11 @@
 //! [[gyro.line]]                     # a spectral line, kept and used by no filter
 //! frequency = "7.3 Hz"
 //! amplitude = "0.02 deg/s"
+//! [gyro_z.temperature]              # slope·(T − reference) + quadratic·(T − reference)²
+//! reference = "31 degC"
+//! lowest = "24 degC"                # of the record
+//! highest = "42 degC"
+//! slope = "12 deg/h/K"
 //! [accel]                           # the same keys
 //! white_noise = "0.2 m/s/sqrt(h)"
 //! ```
@@ -39,6 +44,7 @@ mod write;
 
 use crate::composite::GaussMarkov;
 use crate::presets;
+use crate::temperature::Temperature;
 use std::io::{ErrorKind, Read};
 use std::path::Path;
 use undrift_nav::shaping::{MAX_ORDER, ShapingError};
@@ -85,6 +91,19 @@ pub struct Provenance {
     pub sha256: Option<String>,
     /// Program and version that wrote the model.
     pub program: Option<String>,
+    /// The recordings, where there are several; then `record` stands for all, and `samples` is their sum.
+    pub recordings: Vec<Recording>,
+}
+
+/// One of several recordings of a model.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Recording {
+    /// Name of the static record.
+    pub record: String,
+    /// Its length in samples.
+    pub samples: Option<u64>,
+    /// SHA-256 of its bytes in hexadecimal.
+    pub sha256: Option<String>,
 }
 
 /// The random error of one axis in the terms of a data sheet, or as ARMA, or both. "unit" is rad/s
@@ -106,6 +125,8 @@ pub struct AxisModel {
     pub arma: Option<Arma>,
     /// Spectral lines and narrow resonances beside all of the above; no filter has states for them.
     pub lines: Vec<Line>,
+    /// How the bias goes with temperature: taken out of a drive's samples before the filter, where they have one.
+    pub temperature: Option<Temperature>,
     /// σ of the `paper` model [unit]; without it the white noise per sample is taken.
     pub paper_sigma: Option<f64>,
     /// What identification found out about the axis (chosen, runner-up, scores …), kept as it is.

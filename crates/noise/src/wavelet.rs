@@ -110,6 +110,27 @@ pub fn wavelet_variance(record: &[f64], interval: f64) -> Result<WaveletVariance
     })
 }
 
+/// The wavelet variance of several records of one process: at each scale the average over all their coefficients;
+/// their degrees of freedom add up. `None` without one.
+pub fn pooled(curves: &[WaveletVariance]) -> Option<WaveletVariance> {
+    let longest = curves.iter().max_by_key(|curve| curve.points.len())?;
+    let mut pooled = longest.clone();
+    pooled.samples = curves.iter().map(|curve| curve.samples).sum();
+    for (scale, point) in pooled.points.iter_mut().enumerate() {
+        let (mut squares, mut coefficients, mut freedom) = (0.0, 0, 0.0);
+        let all = curves.iter().flat_map(|curve| curve.points.get(scale));
+        for other in all.filter(|other| other.m == point.m) {
+            squares += other.variance * other.coefficients as f64;
+            coefficients += other.coefficients;
+            freedom += other.edf;
+        }
+        point.variance = squares / coefficients as f64;
+        point.coefficients = coefficients;
+        point.edf = freedom;
+    }
+    Some(pooled)
+}
+
 /// Wavelet variance \[unit²\] of white noise of density `density` [unit·√s] at scale `scale_s` \[s\]: N²/(2τ).
 pub fn white_variance(density: f64, scale_s: f64) -> f64 {
     density * density / (2.0 * scale_s)

@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
 use undrift::{
     findings,
-    identify::{self as identification, Trend},
+    identify::{self as identification, Pooled, Trend},
     io::{Memory, Opened, source::BytesRead, table::Column},
     noise::Provenance,
     record::{self, Record, RecordFormat},
@@ -33,7 +33,7 @@ pub enum Which {
     Name(String),
 }
 
-/// Identifies a record: a file, or columns in memory under the name of a file.
+/// Identifies records, each a file, or columns in memory under the name of a file: one, or several together.
 #[pyfunction]
 #[expect(
     clippy::too_many_arguments,
@@ -41,8 +41,7 @@ pub enum Which {
 )]
 pub fn identify(
     py: Python<'_>,
-    path: PathBuf,
-    memory: Option<Named<'_>>,
+    records: Vec<(PathBuf, Option<Named<'_>>)>,
     columns: Vec<Which>,
     axis: Option<String>,
     units: Option<(String, String)>,
@@ -67,36 +66,63 @@ pub fn identify(
             .collect(),
         axis,
         units,
-        temperature: trend == Trend::Temperature,
+        temperature: false,
         topic,
     };
-    let memory = memory
-        .map(|named| columns::columns(&path, named))
-        .transpose()?;
-    let name = results::name(&path);
+    let mut sources = Vec::with_capacity(records.len());
+    for (path, memory) in records {
+        let memory = memory
+            .map(|named| columns::columns(&path, named))
+            .transpose()?;
+        sources.push((path, memory));
+    }
     let work = || -> Result<Identified, Box<dyn std::error::Error + Send + Sync>> {
-        let opened = match memory {
-            Some(columns) => {
-                Opened::memory(&path, Memory::Columns(columns), &BytesRead::default())?
+        let mut warnings = Vec::new();
+        let mut taken = Vec::with_capacity(sources.len());
+        for (path, memory) in sources {
+            let opened = match memory {
+                Some(columns) => {
+                    Opened::memory(&path, Memory::Columns(columns), &BytesRead::default())?
+                }
+                None => Opened::open(&path)?,
+            };
+            let record = record::read(opened, &format)?;
+            warnings.extend(of_record(&path, &record));
+            let rate = identification::rate(rate, record.timing.as_ref())
+                .map_err(|problem| format!("{}: {problem}", path.display()))?;
+            if let Some(problem) = identification::not_static(&record, rate) {
+                let message = format!("{}: {problem}", path.display());
+                if !force {
+                    let mend = say::mend(&problem);
+                    let force = "or use force=True to identify it anyway";
+                    return Err(format!("{message}; {mend}, {force}").into());
+                }
+                warnings.push(message);
             }
-            None => Opened::open(&path)?,
-        };
-        let record = record::read(opened, &format)?;
-        let mut warnings = warnings(&path, &record);
-        let rate = identification::rate(rate, record.timing.as_ref())
-            .map_err(|problem| format!("{}: {problem}", path.display()))?;
-        if let Some(problem) = identification::not_static(&record, rate) {
-            let message = format!("{}: {problem}", path.display());
-            if !force {
-                let mend = say::mend(&problem);
-                return Err(
-                    format!("{message}; {mend}, or use force=True to identify it anyway").into(),
-                );
-            }
-            warnings.push(message);
+            taken.push((results::name(&path), record.with_gaps(), rate));
         }
-        let options = identification::options(&record, rate, n_max, trend);
-        let found = identification::run(&record, &options, || ());
+        let (found, name, provenance) = match &taken[..] {
+            [(name, record, rate)] => {
+                let options = identification::options(record, *rate, n_max, trend);
+                let found = identification::run(record, &options, || ());
+                let provenance = identification::provenance(record, name, *rate)?;
+                (found, name.clone(), provenance)
+            }
+            several => {
+                let pooled = several.iter().map(|(name, record, rate_hz)| Pooled {
+                    name,
+                    record,
+                    rate_hz: *rate_hz,
+                });
+                let pooled: Vec<Pooled<'_>> = pooled.collect();
+                let names: Vec<&str> = pooled.iter().map(|one| one.name).collect();
+                let name = results::names(&names);
+                let found = identification::run_pool(&pooled, n_max, trend, || ())?;
+                let rate = found.rate_hz;
+                let provenance = identification::provenance_of_several(&pooled, &name, rate)?;
+                (found, name, provenance)
+            }
+        };
         if found.axes.iter().all(|(_, axis)| axis.is_err()) {
             let why = found
                 .axes
@@ -108,10 +134,9 @@ pub fn identify(
             )
             .into());
         }
-        let provenance = identification::provenance(&record, &name, rate)?;
         Ok(Identified {
             found,
-            name: name.clone(),
+            name,
             provenance,
             warnings,
         })
@@ -120,7 +145,7 @@ pub fn identify(
 }
 
 /// What should be said of a record.
-fn warnings(path: &Path, record: &Record) -> Vec<String> {
+fn of_record(path: &Path, record: &Record) -> Vec<String> {
     let mut said = Vec::new();
     if !record.skipped.is_empty() {
         said.push(format!("{}: {}", path.display(), record.skipped));

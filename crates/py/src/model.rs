@@ -141,6 +141,7 @@ fn terms<'py>(py: Python<'py>, axis: &AxisModel) -> PyResult<Bound<'py, PyDict>>
         arma,
         paper_sigma,
         lines: _,
+        temperature: _,
         identification: _,
     } = axis;
     let sigmas: Vec<f64> = instability.iter().map(|of| of.sigma).collect();

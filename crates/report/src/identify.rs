@@ -4,17 +4,20 @@
 mod axis;
 mod lines;
 mod orders;
+pub(crate) mod pool;
+mod temperatures;
 
 use super::{
     Block, Cell, Figure, Section, Series, Table,
     numbers::{count, short, span},
     parts::{Run, capital, points, prefixed, run_colour, text, warnings},
 };
-pub(crate) use axis::drift_table;
 use axis::{allan_panel, of_axis, psd_panel};
+pub(crate) use axis::{drift_table, of_others};
 pub(crate) use lines::lines;
 pub(crate) use orders::{adequacy_line, pandit_wu};
 use std::f64::consts::PI;
+pub(crate) use temperatures::temperatures;
 use undrift::noise::{model_file::AXES, normality::Test};
 use undrift::results::{Axis, Identify, Term};
 
@@ -138,13 +141,21 @@ fn summary(runs: &[Run<'_, Identify>]) -> Option<Section> {
         .iter()
         .map(|(name, run)| text(what_was_done(name, run)));
     let axes = || runs.iter().flat_map(|(name, run)| identified(name, run));
-    let tables = [models(axes()), lines(axes()), tests(axes())].map(Table::block);
+    let tables = [
+        models(axes()),
+        temperatures(axes()),
+        lines(axes()),
+        tests(axes()),
+    ]
+    .map(Table::block);
     let normality = runs
         .iter()
         .map(|(name, run)| text([prefixed(name, &normality(run))]))
         .chain([text([PAPER_KS.to_owned()])]);
-    let blocks = failed.chain(done).chain(tables).chain(normality);
-    Section::of("Static recording", blocks.flatten())
+    let blocks = failed.chain(done).flatten();
+    let blocks = blocks.chain(pool::of_runs(runs));
+    let blocks = blocks.chain(tables.into_iter().chain(normality).flatten());
+    Section::of("Static recording", blocks)
 }
 
 fn models<'a>(axes: impl Iterator<Item = Named<'a>>) -> Table {
@@ -231,7 +242,12 @@ fn what_was_done(name: &str, run: &Identify) -> Vec<String> {
         0 => String::new(),
         rows => format!("{} rows were skipped.", count(rows)),
     };
-    let fitted = "Models were fitted to one half and judged on the other by the drift that they leave in the integral of the samples.";
+    let fitted = match run.pool {
+        Some(_) => "",
+        None => {
+            "Models were fitted to one half and judged on the other by the drift that they leave in the integral of the samples."
+        }
+    };
     vec![prefixed(name, &what), skipped, fitted.into()]
 }
 

@@ -388,15 +388,6 @@ mod tests {
         let models = [model("a", &a), model("b", &b), bound];
         assert!(findings(&models)[0].contains(": b with 1.00 m"));
 
-        // Nothing is concluded from a run with the wrong axes.
-        let models = models.map(|m| Model { usable: false, ..m });
-        let table = table_of("rms", "", &[&models[0], &models[1]], |m| &m.rms).unwrap();
-        assert!(table.rows.iter().flatten().all(|cell| !cell.strong));
-        assert_eq!(
-            findings(&models),
-            ["No conclusion: the result is not usable."]
-        );
-        let models = models.map(|m| Model { usable: true, ..m });
         let blocks = tables(&models).unwrap().blocks;
         let [Block::Table(rms), Block::Table(bound)] = &blocks[..] else {
             panic!("{} blocks", blocks.len());

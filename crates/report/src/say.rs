@@ -30,6 +30,13 @@ pub fn say(finding: &Finding) -> String {
             ended,
         } => solution::not_compared(*why, *truth, *started, *ended),
         F::Bridged { gaps } => solution::bridged(*gaps),
+        F::Temperature {
+            corrected,
+            without,
+            without_from,
+            beyond,
+            seen_c,
+        } => sensors::temperature([*corrected, *without, *beyond], *without_from, *seen_c),
         F::LongGaps {
             gaps,
             first,

@@ -44,6 +44,7 @@ use crate::{
     columns::{IMU_STEP, time_unit},
     replay::{GnssUse, QualityStd},
     settings::fix_errors::StdFactors,
+    temperature,
     vehicle::Constraints,
 };
 use std::path::{Path, PathBuf};
@@ -217,13 +218,15 @@ impl Drive {
             .collect()
     }
 
-    /// Opens the inertial log from its start.
+    /// Opens the inertial log from its start; its samples are without the bias that the model has over temperature, where the log
+    /// has one.
     ///
     /// # Errors
     /// If the file cannot be opened, is not of its format or lacks a column or stream.
     pub fn open_imu(&self) -> Result<ImuReader, ReadError> {
         let (path, format) = &self.imu;
-        ImuReader::new(self.logs.open(path, &self.imu_read)?, format)
+        let opened = self.logs.open(path, &self.imu_read)?;
+        temperature::corrected(opened, format, self.model.as_ref())
     }
 
     /// Opens the GNSS log from its start.

@@ -6,7 +6,7 @@ mod collect;
 pub use crate::replay::Log;
 pub use collect::{
     WITHOUT_GNSS, of_accuracy, of_correlation, of_disagreement, of_drift, of_fixes, of_health,
-    of_held, of_order, of_scalar, of_skipped, of_timing, with_axes,
+    of_held, of_order, of_scalar, of_skipped, of_temperature, of_timing, with_axes,
 };
 
 use crate::replay::{Contradiction, FixMend, Lean, Part, RestartCause};
@@ -62,6 +62,19 @@ pub enum Finding {
     Bridged {
         /// How many.
         gaps: u64,
+    },
+    /// The bias over temperature of the model could not be taken out of all samples, or only by extrapolation.
+    Temperature {
+        /// Samples that were corrected.
+        corrected: u64,
+        /// Samples that were not, for want of a temperature.
+        without: u64,
+        /// Time of the first of those \[s\].
+        without_from: Option<f64>,
+        /// Samples at temperatures that the model's recording did not cover.
+        beyond: u64,
+        /// Lowest and highest temperature of the drive [°C].
+        seen_c: Option<[f64; 2]>,
     },
     /// Gaps between samples were too long for that.
     LongGaps {

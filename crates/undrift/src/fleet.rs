@@ -156,7 +156,7 @@ pub struct RecordSettings {
 }
 
 impl RecordSettings {
-    fn format(&self, temperature: bool) -> RecordFormat {
+    fn format(&self) -> RecordFormat {
         let column = |name: &String| {
             let number = name.parse().ok().filter(|n| *n > 0);
             number.map_or_else(|| Column::Name(name.clone()), Column::Number)
@@ -165,7 +165,7 @@ impl RecordSettings {
             columns: self.columns.iter().map(column).collect(),
             axis: None,
             units: self.units.clone(),
-            temperature,
+            temperature: false,
             topic: self.topic.clone(),
         }
     }

@@ -1,13 +1,15 @@
 //! A static record of six axes, or one, into a model file and the reasoning behind it.
 
+mod pool;
 mod rest;
 mod result;
 mod series;
 mod settings;
 
+pub use pool::{Determined, Pool, Pooled, run_pool};
 pub use rest::{Likely, NotStatic, not_static};
 pub use series::RecordSeries;
-pub use settings::{RecordingError, options, provenance, rate};
+pub use settings::{RecordingError, common_rate, options, provenance, provenance_of_several, rate};
 pub use undrift_noise::screening::Trend;
 
 use crate::record::Record;
@@ -17,6 +19,7 @@ use undrift_noise::{
     identify::{Axis, IdentifyError, Options, identify},
     model_file::AXES,
     screening::Timing,
+    temperature::Temperature,
 };
 
 /// The axes of a record, identified.
@@ -28,9 +31,23 @@ pub struct Identified {
     /// Rows of the record that were left out.
     pub skipped_rows: u64,
     /// Name of each axis with what was found, or why nothing was.
-    pub axes: Vec<(&'static str, Result<Axis, IdentifyError>)>,
-    /// For plots of each axis' samples, in the order of the axes.
+    pub axes: Vec<(&'static str, Result<Axis, AxisError>)>,
+    /// Whether the axes are those of a body in which the sensor's are turned.
+    pub body_axes: bool,
+    /// For plots of each axis' samples, in the order of the axes; of several records those of the longest.
     pub series: Vec<RecordSeries>,
+    /// What several records show beyond that.
+    pub pool: Option<Pool>,
+}
+
+/// Why an axis has no model.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{}{error}", record.iter().map(|record| format!("{record}: ")).collect::<String>())]
+pub struct AxisError {
+    /// The record that it is of, where there are several.
+    pub record: Option<String>,
+    /// What is wrong.
+    pub error: IdentifyError,
 }
 
 /// Identifies every axis of a record, on all cores. `done` is called after each axis.
@@ -47,6 +64,10 @@ pub fn run(record: &Record, options: &Options<'_>, done: impl Fn() + Sync) -> Id
                 .and_then(|axis| axis.normality.quantisation);
             let series = RecordSeries::of(samples, options.rate_hz, step.map(|q| q.step));
             done();
+            let found = found.map_err(|error| AxisError {
+                record: None,
+                error,
+            });
             ((*name, found), series)
         })
         .unzip();
@@ -55,7 +76,9 @@ pub fn run(record: &Record, options: &Options<'_>, done: impl Fn() + Sync) -> Id
         timing: record.timing.clone(),
         skipped_rows: record.skipped.total(),
         axes,
+        body_axes: record.body_axes,
         series,
+        pool: None,
     }
 }
 
@@ -63,7 +86,7 @@ impl Identified {
     /// The model file's contents: identified axes over those of `base`; what neither has is left
     /// out. The standard deviation of the turn-on constant is that of the base, a preset or data sheet, but
     /// at least the constant seen in the record; for [`Identified::without_turn_on`] the largest that the
-    /// record's constants do not contradict.
+    /// record's constants do not contradict. Several records give it themselves, see [`Pool::turn_on`].
     ///
     /// # Errors
     /// When no axis is identified.
@@ -75,7 +98,10 @@ impl Identified {
     ) -> Result<ImuModel, RecordingError> {
         let mut model = base.cloned().unwrap_or_default();
         model.name = name.to_owned();
-        model.source = "identified from a static recording".into();
+        model.source = match &self.pool {
+            Some(pool) => format!("identified from {} static recordings", pool.records.len()),
+            None => "identified from a static recording".into(),
+        };
         model.provenance = provenance;
         let bounded = self.without_turn_on(base);
         if !bounded.is_empty() {
@@ -90,22 +116,37 @@ impl Identified {
             let Some(slot) = axis_of(&mut model, name) else {
                 continue;
             };
-            let known = slot.turn_on;
+            let (known, temperature) = (slot.turn_on, slot.temperature);
             *slot = found.model();
-            slot.turn_on = match bounded.contains(name) {
-                true => self.turn_on_bound(name),
-                false => slot.turn_on.max(known),
+            let found = slot.temperature.map(|found| Temperature {
+                body_axes: self.body_axes,
+                ..found
+            });
+            slot.temperature = found.or(temperature);
+            let pooled = self.pool.as_ref().and_then(|pool| pool.turn_on(name));
+            slot.turn_on = match pooled {
+                Some(pooled) => pooled.with(known),
+                None if bounded.contains(name) => self.turn_on_bound(name),
+                None => slot.turn_on.max(known),
             };
+            if let Some(pool) = &self.pool {
+                slot.identification.extend(pool.note(name));
+            }
             any = true;
+        }
+        if let Some(pool) = &self.pool {
+            model.source += &pool.source();
         }
         any.then_some(model).ok_or(RecordingError::NoAxis)
     }
 
-    /// Identified axes of which `base` has no standard deviation of the turn-on constant.
+    /// Identified axes of which neither several records nor `base` give the standard deviation of the turn-on constant.
     pub fn without_turn_on(&self, base: Option<&ImuModel>) -> Vec<&'static str> {
         let known = |name: &str| {
             let mut axes = base.into_iter().flat_map(ImuModel::axes);
-            axes.any(|(axis, model)| axis == name && model.turn_on > 0.0)
+            let pool = self.pool.as_ref();
+            pool.is_some_and(|pool| pool.turn_on(name).is_some())
+                || axes.any(|(axis, model)| axis == name && model.turn_on > 0.0)
         };
         let identified = self.axes.iter().filter(|(_, found)| found.is_ok());
         let names = identified.map(|(name, _)| *name);

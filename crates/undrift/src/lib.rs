@@ -45,6 +45,7 @@ pub mod series;
 pub mod settings;
 pub mod simulate;
 pub mod smooth;
+mod temperature;
 pub mod tune;
 pub mod vehicle;
 

@@ -25,8 +25,13 @@ use crate::{
 };
 use recorder::Recorder;
 use undrift_io::{
-    ReadError, gnss::GnssReader, held::Held, imu::GapSummary, scalar::ScalarReader,
-    skipped::Skipped, write::solution::SolutionRow,
+    ReadError,
+    gnss::GnssReader,
+    held::Held,
+    imu::{GapSummary, ThermalSummary},
+    scalar::ScalarReader,
+    skipped::Skipped,
+    write::solution::SolutionRow,
 };
 use undrift_nav::{
     Matrix3, Vector3,
@@ -68,6 +73,8 @@ pub struct Report {
     pub scalars: Vec<(Log, Skipped, GapSummary)>,
     /// What was left out of the truth.
     pub truth_skipped: Skipped,
+    /// Samples that were corrected for temperature, where the model knows its effect.
+    pub thermal: Option<ThermalSummary>,
     /// Gaps of the inertial log.
     pub gaps: GapSummary,
     /// Axes of the IMU that held a value for long.
@@ -291,6 +298,7 @@ pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report
         imu_skipped: imu.skipped().clone(),
         gnss_skipped: aids.gnss.skipped().clone(),
         truth_skipped: seen.truth_skipped,
+        thermal: imu.thermal(),
         gaps: imu.gaps(),
         held: imu.held(),
         scalars: aids.scalars(),

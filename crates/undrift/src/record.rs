@@ -6,6 +6,7 @@ mod guess;
 use crate::{
     columns::{IMU_STEP, Meaning, meaning, time_unit},
     drive::{self, DriveError},
+    temperature,
 };
 use guess::Guess;
 use std::{
@@ -21,7 +22,10 @@ use undrift_io::{
     source::BytesRead,
     table::{Column, Preview, Stamp, TableOptions},
 };
-use undrift_nav::units::{Quantity, unit_factor};
+use undrift_nav::{
+    Matrix3,
+    units::{Quantity, unit_factor},
+};
 use undrift_noise::{
     model_file::AXES,
     screening::{Timing, timing},
@@ -37,7 +41,7 @@ pub struct RecordFormat {
     /// Units of gyro and accelerometer columns, such as "deg/s" and "g"; `None` to go by the
     /// header's names.
     pub units: Option<(String, String)>,
-    /// Read the temperature too, which the header must then name.
+    /// Whether the record must have a temperature; it is read wherever there is one.
     pub temperature: bool,
     /// The stream of a log that has several of inertial samples.
     pub topic: Option<String>,
@@ -54,8 +58,10 @@ pub struct Record {
     pub axes: Vec<&'static str>,
     /// Samples of each axis [rad/s] or [m/s²].
     pub samples: Vec<Vec<f64>>,
-    /// Temperature of each sample [°C or K], where it was asked for.
+    /// Temperature of each sample [°C], NaN where it is missing; `None` of a record without one.
     pub temperature: Option<Vec<f64>>,
+    /// Whether its axes are those of a body in which the sensor's are turned.
+    pub body_axes: bool,
     /// Time stamps \[s\], where there are any.
     pub stamps: Vec<f64>,
     /// What they say.
@@ -66,10 +72,6 @@ pub struct Record {
     pub guessed: Vec<(&'static str, String)>,
     /// Rows left out.
     pub skipped: Skipped,
-}
-
-fn is_temperature(column: &str) -> bool {
-    matches!(meaning(column), Some((Meaning::Temperature, _)))
 }
 
 /// The axis, of [`AXES`], that a column's name means, and its unit.
@@ -98,8 +100,41 @@ impl Record {
         self.timing = timing(&self.stamps).ok();
         self
     }
+
+    /// The record with NaN in the gaps between its stamps, so that its samples are evenly spaced, and without the stamps; as
+    /// it is where these jitter or go back, or more is missing than present.
+    pub fn with_gaps(mut self) -> Self {
+        let length = self.stamps.len();
+        let regular = |timing: &&Timing| {
+            let missing: usize = timing.gaps.iter().map(|gap| gap.missing).sum();
+            timing.not_increasing.is_empty()
+                && timing.jitter_rms_s < JITTER * timing.interval_s
+                && (1..=length).contains(&missing)
+        };
+        let Some(timing) = self.timing.as_ref().filter(regular) else {
+            return self;
+        };
+        let spread = |values: &mut Vec<f64>| {
+            let mut all = Vec::new();
+            let mut from = 0;
+            for gap in &timing.gaps {
+                let to = (gap.index + 1).min(values.len());
+                all.extend_from_slice(&values[from..to]);
+                all.resize(all.len() + gap.missing, f64::NAN);
+                from = to;
+            }
+            all.extend_from_slice(&values[from..]);
+            *values = all;
+        };
+        self.samples.iter_mut().for_each(spread);
+        self.temperature.iter_mut().for_each(spread);
+        self.stamps = Vec::new();
+        self
+    }
 }
 
+/// Jitter of stamps, in intervals, up to which a long interval means that samples are missing.
+const JITTER: f64 = 0.1;
 /// Rows that units and columns are guessed from.
 const BEGINNING: usize = 4000;
 
@@ -120,50 +155,74 @@ pub fn read(opened: Opened, format: &RecordFormat) -> Result<Record, ReadError> 
         log if log.is_log() => Some(ImuFormat::log(log, format.topic.clone())),
         _ => None,
     };
-    match known {
-        Some(_) if format.temperature => Err(ReadError::new(
-            &record.name,
-            "temperature is read from tables only: specify the columns",
-        )),
-        Some(imu) => read_samples(opened, &imu, record),
+    let record = match known {
+        Some(imu) => read_samples(opened, imu, record),
         None => read_table(opened, format, record),
+    }?;
+    with_temperature(record, format.temperature)
+}
+
+/// A record that has a temperature, if it `must`.
+fn with_temperature(record: Record, must: bool) -> Result<Record, ReadError> {
+    match record.temperature {
+        None if must => Err(ReadError::new(&record.name, NO_TEMPERATURE)),
+        _ => Ok(record),
     }
 }
 
+const NO_TEMPERATURE: &str =
+    "no temperature column: the header needs \"temp\", \"temperature\" or a name ending in \"_C\"";
+
 /// Reads a record whose columns and units are known.
-fn read_samples(opened: Opened, format: &ImuFormat, record: Record) -> Result<Record, ReadError> {
-    let reader = ImuReader::new(opened, format)?;
-    of_samples(reader, record)
+fn read_samples(
+    mut opened: Opened,
+    format: ImuFormat,
+    record: Record,
+) -> Result<Record, ReadError> {
+    let temperature = temperature::column(&mut opened, &format)?;
+    let format = ImuFormat {
+        temperature,
+        ..format
+    };
+    of_samples(ImuReader::new(opened, &format)?, record)
 }
 
-/// Reads the record that the table `[imu]` of a drive file describes, its `[span]` alone; axes are the body's.
+/// Reads the record that the table `[imu]` of a drive file describes, its `[span]` alone; axes are the body's. With `temperature` it must
+/// have one.
 ///
 /// # Errors
 /// If the drive file or the log cannot be read, or a key has a wrong value.
-pub fn read_drive(path: &Path) -> Result<Record, DriveError> {
+pub fn read_drive(path: &Path, temperature: bool) -> Result<Record, DriveError> {
     let imu = drive::load_imu(path)?;
     let opened = imu.logs.open(&imu.path, &BytesRead::default())?;
     let record = Record {
         name: imu.path.clone(),
         file: opened.file().map(Path::to_path_buf),
         units: imu.units,
+        body_axes: imu.format.rotation != Matrix3::identity(),
         ..Record::default()
     };
-    Ok(read_samples(opened, &imu.format, record)?)
+    let record = read_samples(opened, imu.format, record)?;
+    Ok(with_temperature(record, temperature)?)
 }
 
 fn of_samples(mut reader: ImuReader, mut record: Record) -> Result<Record, ReadError> {
     record.axes = AXES.to_vec();
     record.samples = vec![Vec::new(); AXES.len()];
-    for sample in reader.by_ref() {
+    let mut temperature = Vec::new();
+    while let Some(sample) = reader.next() {
         let sample = sample?;
         let (gyro, accel) = (sample.dtheta / sample.dt, sample.dvel / sample.dt);
         let values = gyro.iter().chain(&accel);
         let room = push(&mut record.samples, values.copied());
         let room = room.and_then(|()| push(slice::from_mut(&mut record.stamps), [sample.time]));
+        let warmth = [reader.temperature_c()];
+        let room = room.and_then(|()| push(slice::from_mut(&mut temperature), warmth));
         room.map_err(|problem| problem.of(&record.name))?;
     }
     room_to_work(&record)?;
+    let known = temperature.iter().any(|t| t.is_finite());
+    record.temperature = known.then_some(temperature);
     record.timing = timing(&record.stamps).ok();
     record.skipped = reader.skipped().clone();
     Ok(record)
@@ -180,12 +239,13 @@ fn read_table(
     let Found {
         axes,
         time,
+        zero,
         wanted,
         guessed,
     } = found.map_err(|problem| ReadError::new(&record.name, problem))?;
     let mut row = vec![0.0; wanted.columns.len()];
     let mut table = opened.table(&wanted)?;
-    let mut temperature = format.temperature.then(Vec::new);
+    let mut temperature = zero.map(|_| Vec::new());
     record.samples = vec![Vec::new(); axes.len()];
     let mut row_of = |row: &[f64]| {
         let values = row.iter().zip(&axes);
@@ -193,7 +253,8 @@ fn read_table(
             &mut record.samples,
             values.map(|(value, axis)| value * axis.scale),
         )?;
-        push(temperature.as_mut_slice(), row.get(axes.len()).copied())?;
+        let warmth = row.get(axes.len()).zip(zero);
+        push(temperature.as_mut_slice(), warmth.map(|(t, zero)| t - zero))?;
         let time = time.zip(row.last()).map(|(scale, time)| time * scale);
         push(slice::from_mut(&mut record.stamps), time)
     };
@@ -260,6 +321,8 @@ struct Found {
     axes: Vec<Axis>,
     /// Factor from the time column, the last that is wanted, to seconds.
     time: Option<f64>,
+    /// What the column of temperatures has at 0 °C, if there is one.
+    zero: Option<f64>,
     /// The axes, the temperature, the time.
     wanted: TableOptions,
     guessed: Vec<(&'static str, String)>,
@@ -300,15 +363,13 @@ fn find(beginning: &Preview, format: &RecordFormat) -> Result<Found, String> {
             _ => None,
         });
     let time = named.or_else(|| Some((guess?.time?, None)));
-    let temperature = match header.iter().position(|name| is_temperature(name)) {
-        _ if !format.temperature => None,
-        None => return Err("no temperature column: the header needs \"temp\", \"temperature\" or a name ending in \"_C\"".into()),
-        found => found,
-    };
+    let temperature = temperature::of_beginning(beginning);
+    let zero = temperature.as_ref().map(|column| column.zero);
     let keyed = axes
         .iter()
         .map(|axis| (AXES[axis.index].to_owned(), axis.column.clone()));
-    let temperature = temperature.map(|place| Column::Number(place + 1));
+    let optional = temperature.as_ref().map(|_| axes.len());
+    let temperature = temperature.map(|temperature| temperature.column);
     let columns: Vec<_> = keyed
         .chain(temperature.map(|column| ("temperature".to_owned(), column)))
         .chain(
@@ -332,11 +393,13 @@ fn find(beginning: &Preview, format: &RecordFormat) -> Result<Found, String> {
     let wanted = TableOptions {
         columns,
         stamp,
+        optional,
         ..TableOptions::default()
     };
     Ok(Found {
         axes,
         time,
+        zero,
         wanted,
         guessed,
     })
@@ -437,14 +500,60 @@ mod tests {
     use super::*;
 
     #[test]
+    fn gaps_become_missing_samples() {
+        let of = |stamps: Vec<f64>| Record {
+            samples: vec![stamps.clone()],
+            timing: timing(&stamps).ok(),
+            stamps,
+            ..Record::default()
+        };
+        let stamps = || (0..100).filter(|k| !(40..43).contains(k) && *k != 70);
+        let even = of(stamps().map(|k| f64::from(k) * 0.01).collect()).with_gaps();
+        assert_eq!(even.samples[0].len(), 100);
+        for (k, x) in even.samples[0].iter().enumerate() {
+            let missing = (40..43).contains(&k) || k == 70;
+            assert!(
+                if missing {
+                    x.is_nan()
+                } else {
+                    *x == k as f64 * 0.01
+                },
+                "{k}: {x}"
+            );
+        }
+        // A late stamp makes the next interval short: nothing is missing.
+        let late = |k| f64::from(k) * 0.01 + if k % 3 == 0 { 0.006 } else { 0.0 };
+        assert_eq!(
+            of((0..100).map(late).collect()).with_gaps().samples[0].len(),
+            100
+        );
+        // A recording in bursts is no recording with gaps.
+        let bursts = |k| f64::from(k) * 0.01 + if k < 50 { 0.0 } else { 10.0 };
+        assert_eq!(
+            of((0..100).map(bursts).collect()).with_gaps().samples[0].len(),
+            100
+        );
+    }
+
+    #[test]
     fn names_and_units_of_columns() {
         assert_eq!(named_axis("gx_dps"), Some((0, Some("deg/s".into()))));
         assert_eq!(named_axis("AZ_g"), Some((5, Some("g".into()))));
         assert_eq!(named_axis("gyro_y"), Some((1, None)));
         assert_eq!(named_axis("t_s"), None);
+        let zero = |name: &str, value| {
+            let beginning = Preview {
+                header: vec!["t_s".into(), name.into()],
+                rows: vec![vec![0.0, f64::NAN], vec![0.0, value]],
+                ..Preview::default()
+            };
+            temperature::of_beginning(&beginning).map(|column| column.zero)
+        };
         for name in ["temp", "Temperature", "board_C", "T_degC"] {
-            assert!(is_temperature(name), "{name}");
+            assert_eq!(zero(name, 25.0), Some(0.0), "{name}");
         }
-        assert!(!is_temperature("t_s") && !is_temperature("gx_dps"));
+        assert_eq!(zero("temp", 298.0), Some(273.15));
+        assert_eq!(zero("t_kelvin", 2.0), Some(273.15));
+        assert_eq!((zero("t_s", 1.0), zero("gx_dps", 1.0)), (None, None));
     }
 }

@@ -19,14 +19,15 @@ mod tune;
 
 pub use curve::{Curve, Track};
 pub use demo::Demo;
-pub use drive::{Drive, Start, name};
+pub use drive::{Drive, Start, name, names};
 pub use fleet::{
     Bin, Fleet, FleetGroup, FleetLog, FleetMeasure, FleetOutlier, FleetPart, OutlierRule,
     Temperature, Trouble, Warned,
 };
 pub use identify::{
-    Adf, Allan, ArmaOrigin, Axis, AxisSeries, BoxJenkins, Candidate, GridFit, Histogram, Identify,
-    Order, OrderRow, OrderTest, Origin, PanditWuOrders, ParameterInterval, Psd, Residuals,
+    Adf, Allan, ArmaOrigin, Axis, AxisPool, AxisSeries, AxisTemperature, BoxJenkins, Candidate,
+    Differing, GridFit, Histogram, Identify, NotFitted, Order, OrderRow, OrderTest, Origin,
+    PanditWuOrders, ParameterInterval, Pool, PooledRecord, Psd, RecordShare, Residuals, TurnOn,
 };
 pub use montecarlo::{Group, MonteCarlo, MonteCarloDrive, MonteCarloModel, NisKind, Verdict};
 pub(crate) use navigate::known;

@@ -359,23 +359,31 @@ fn a_trend_is_removed_and_reported() {
         "--json",
         "-",
     ];
-    let removed = |text: &str, trend: &str| {
-        let output = identify(
-            &folder,
-            text,
-            &[&arguments[..], &["--detrend", trend]].concat(),
-        );
+    let axis = |options: &[&str]| {
+        let output = identify(&folder, &text, &[&arguments[..], options].concat());
         assert!(output.status.success(), "{output:?}");
         let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-        json["axes"]["gyro_z"]["detrend"].clone()
+        json["axes"]["gyro_z"].clone()
     };
-    let found = removed(&text, "temperature");
-    assert_eq!(found["kind"], "temperature");
-    let slope = found["slope_per_kelvin"].as_f64().unwrap().to_degrees();
+    let model = folder.join("imu.toml");
+    let found = axis(&["--axis", "gyro_z", "-o", model.to_str().unwrap()]);
+    assert_eq!(found["detrend"]["kind"], "constant");
+    let found = &found["temperature"];
+    let degrees = |value: &serde_json::Value| value.as_f64().unwrap().to_degrees();
+    let slope = degrees(&found["slope"]);
     // Noise of 0.3 deg/s a sample on a temperature of 0.7 K RMS: 0.0055 deg/s/K.
-    assert!((slope - 0.5).abs() < 0.03, "{slope}");
-    assert!(removed(&text, "linear")["slope_per_hour"].is_number());
-    assert_eq!(removed(&text, "constant")["kind"], "constant");
+    assert!(
+        (slope - 0.5).abs() < 0.03 && found["determined"] == true,
+        "{slope}"
+    );
+    let interval = &found["slope_interval"];
+    assert!(degrees(&interval[0]) < 0.5 && degrees(&interval[1]) > 0.5);
+    let stored = ImuModel::load(&model).unwrap().gyro[2].temperature.unwrap();
+    assert!((stored.slope.to_degrees() / slope - 1.0).abs() < 1e-5);
+    assert!(!stored.body_axes && stored.range_c[0] < 24.1 && stored.range_c[1] > 25.9);
+    let linear = axis(&["--detrend", "linear"]);
+    assert!(linear["detrend"]["slope_per_hour"].is_number() && linear["temperature"].is_null());
+    assert!(axis(&["--detrend", "constant"])["temperature"].is_null());
     let output = identify(
         &folder,
         &record(HEADER, 2000),
@@ -490,4 +498,106 @@ fn what_is_no_record_is_said() {
         "the recording is constant",
     );
     assert!(!folder.join("none.toml").exists());
+}
+
+/// A second record beside the first: the same backwards, with gyros twice as loud on request.
+fn two(folder: &Path, loud: bool) {
+    let quiet = record(HEADER, 3000);
+    let louder = |line: &str| {
+        let fields = line.split(',').map(|field| field.parse::<f64>().unwrap());
+        let fields = fields
+            .enumerate()
+            .map(|(axis, x)| if axis < 3 { 2.0 * x } else { x });
+        Vec::from_iter(fields.map(|x| format!("{x:.6}"))).join(",")
+    };
+    let mut lines: Vec<String> = quiet.lines().skip(1).map(str::to_owned).collect();
+    lines.reverse();
+    if loud {
+        lines = lines.iter().map(|line| louder(line)).collect();
+    }
+    std::fs::write(
+        folder.join("other.csv"),
+        format!("{HEADER}\n{}\n", lines.join("\n")),
+    )
+    .unwrap();
+}
+
+#[test]
+fn several_records_make_one_model() {
+    let folder = folder("several");
+    two(&folder, false);
+    let text = record(HEADER, 3000);
+    let arguments = [
+        "other.csv",
+        "--rate",
+        "100",
+        "--n-max",
+        "1",
+        "-o",
+        "imu.toml",
+    ];
+    let output = identify(&folder, &text, &arguments);
+    assert!(output.status.success(), "{output:?}");
+    let shown = String::from_utf8(output.stdout).unwrap();
+    assert!(shown.starts_with("Usable: 6 axes, "), "{shown}");
+    assert!(shown.contains("in 2 recordings at 100 Hz"), "{shown}");
+    assert!(
+        shown.contains("Turn-on constants of 2 switch-ons:"),
+        "{shown}"
+    );
+    let model = ImuModel::load(&folder.join("imu.toml")).unwrap();
+    assert_eq!(
+        model.provenance.record.as_deref(),
+        Some("record.csv, other.csv")
+    );
+    assert_eq!(model.provenance.samples, Some(6000));
+    let recordings = &model.provenance.recordings;
+    assert_eq!(
+        (recordings.len(), recordings[1].record.as_str()),
+        (2, "other.csv")
+    );
+    assert!(
+        recordings
+            .iter()
+            .all(|recording| recording.sha256.is_some())
+    );
+    let white = model.gyro[0].white.unwrap().to_degrees();
+    assert!((white / 0.03 - 1.0).abs() < 0.05, "{white}");
+
+    let twice = identify(&folder, &text, &["record.csv", "--rate", "100"]);
+    assert!(String::from_utf8_lossy(&twice.stderr).contains("record.csv is given twice"));
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn records_that_differ_are_the_first_line_and_no_model_with_strict() {
+    let folder = folder("differ");
+    two(&folder, true);
+    let text = record(HEADER, 3000);
+    let arguments = [
+        "other.csv",
+        "--rate",
+        "100",
+        "--n-max",
+        "1",
+        "-o",
+        "imu.toml",
+    ];
+    let output = identify(&folder, &text, &arguments);
+    assert!(output.status.success(), "{output:?}");
+    let shown = String::from_utf8(output.stdout).unwrap();
+    assert!(shown.starts_with("Not one sensor: "), "{shown}");
+    assert!(shown.contains("white noise"), "{shown}");
+    let model = ImuModel::load(&folder.join("imu.toml")).unwrap();
+    assert!(
+        model.source.contains("these recordings differ"),
+        "{}",
+        model.source
+    );
+
+    std::fs::remove_file(folder.join("imu.toml")).unwrap();
+    let strict = identify(&folder, &text, &[&arguments[..], &["--strict"]].concat());
+    assert_eq!(strict.status.code(), Some(3));
+    assert!(!folder.join("imu.toml").exists());
+    std::fs::remove_dir_all(&folder).unwrap();
 }

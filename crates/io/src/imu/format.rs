@@ -2,6 +2,7 @@
 
 use undrift_nav::{Matrix3, Vector3};
 
+use super::thermal::Thermal;
 use crate::ReadError;
 use crate::format::Format;
 use crate::table::{Column, check_time_scale};
@@ -22,6 +23,15 @@ pub enum ImuSource {
     },
     /// In a stream of a log, named as `log::streams` does; `None` for the only one.
     Log(Format, Option<String>),
+}
+
+/// The column of a table that has the sensor's temperature.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TemperatureColumn {
+    /// Which.
+    pub column: Column,
+    /// What its unit has at 0 °C.
+    pub zero: f64,
 }
 
 /// Where the samples of an inertial log are and what they mean.
@@ -51,6 +61,10 @@ pub struct ImuFormat {
     pub gyro_offset: Vector3,
     /// Known constant of the accelerometers, body axes [m/s²], subtracted.
     pub accel_offset: Vector3,
+    /// The temperature of a table's rows; a log's is read where its samples have one.
+    pub temperature: Option<TemperatureColumn>,
+    /// The bias over temperature, which is subtracted.
+    pub thermal: Option<Thermal>,
     /// First and last time \[s\] to give out, after the offset; the samples outside are passed over.
     pub span: Option<(f64, f64)>,
 }
@@ -92,6 +106,8 @@ impl ImuFormat {
             rotation: Matrix3::identity(),
             gyro_offset: Vector3::zeros(),
             accel_offset: Vector3::zeros(),
+            temperature: None,
+            thermal: None,
             span: None,
         }
     }

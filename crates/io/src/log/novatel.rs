@@ -425,7 +425,7 @@ impl Imu {
         self.given = true;
         self.rates
             .add(at, time, &raw, of_type, |at, time, gyro, accel| {
-                ready.push(at, What::Imu(ImuReading { time, gyro, accel }));
+                ready.push(at, What::Imu(ImuReading::new(time, gyro, accel)));
             });
         Ok(Some(Some(())))
     }

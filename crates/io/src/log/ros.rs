@@ -233,7 +233,7 @@ impl Recording {
         let fix = match kind {
             Type::Imu => {
                 let (gyro, accel) = message::imu(&mut fields)?;
-                let reading = ImuReading { time, gyro, accel };
+                let reading = ImuReading::new(time, gyro, accel);
                 return Ok(Some((at, What::Imu(reading))));
             }
             Type::NavSatFix => {

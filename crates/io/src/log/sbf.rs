@@ -209,7 +209,7 @@ impl Reader {
                 match sample {
                     Some(Some(blocks::Sample { gyro, accel })) => {
                         let time = time();
-                        ready.push(at, What::Imu(ImuReading { time, gyro, accel }));
+                        ready.push(at, What::Imu(ImuReading::new(time, gyro, accel)));
                     }
                     Some(None) => {
                         ready.skip(at, SkipKind::MissingField, "a sample without all six axes");

@@ -308,7 +308,7 @@ fn imu_stream(kind: [u8; 2]) -> Option<&'static str> {
 fn give(ready: &mut Ready) -> impl FnMut(f64, Sample) + '_ {
     |time, reading| {
         let Sample { at, gyro, accel } = reading;
-        ready.push(at, What::Imu(ImuReading { time, gyro, accel }));
+        ready.push(at, What::Imu(ImuReading::new(time, gyro, accel)));
     }
 }
 

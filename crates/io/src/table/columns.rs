@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::header::places;
-use super::wanted::{NextRow, Preview, TableOptions, fill};
+use super::wanted::{Keep, NextRow, Preview, TableOptions, fill};
 use crate::ReadError;
 
 /// Columns of equal length in memory, each under its name; clones share them.
@@ -81,7 +81,7 @@ impl MemoryTable {
     }
 
     /// Reads the next row into `out`, in the order of the wanted columns; its number, the first is 1.
-    pub(super) fn step(&mut self, keep: bool, out: &mut [f64]) -> NextRow {
+    pub(super) fn step(&mut self, keep: Keep, out: &mut [f64]) -> NextRow {
         let row = self.seen;
         if row >= self.columns.0.rows {
             return NextRow::End(None);

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::stamps::Stamps;
+use super::wanted::Keep;
 use crate::number;
 use crate::skipped::{SkipKind, shown};
 
@@ -224,13 +225,13 @@ pub(crate) fn parse_row(
     line: &[u8],
     delimiter: Delimiter,
     wanted: &[(usize, usize)],
-    keep_not_finite: bool,
+    keep: Keep,
     stamps: Option<&mut Stamps>,
     out: &mut [f64],
 ) -> Result<(), Defect> {
     match delimiter {
         Delimiter::Byte(byte) if parse_plain_row(line, byte, wanted, out) => Ok(()),
-        _ => parse_any_row(line, delimiter, wanted, keep_not_finite, stamps, out),
+        _ => parse_any_row(line, delimiter, wanted, keep, stamps, out),
     }
 }
 
@@ -278,7 +279,7 @@ fn parse_any_row(
     line: &[u8],
     delimiter: Delimiter,
     wanted: &[(usize, usize)],
-    keep_not_finite: bool,
+    keep: Keep,
     mut stamps: Option<&mut Stamps>,
     out: &mut [f64],
 ) -> Result<(), Defect> {
@@ -298,7 +299,7 @@ fn parse_any_row(
         // A column that is wanted twice has been read already.
         if column == target {
             last = match fields.number() {
-                Some(Ok(value)) if value.is_finite() || keep_not_finite => {
+                Some(Ok(value)) if value.is_finite() || keep.of(slot) => {
                     if let Some(stamps) = stamps.as_mut() {
                         stamps.number(slot, value);
                     }
@@ -312,8 +313,9 @@ fn parse_any_row(
                         slot,
                     });
                 }
-                Some(Err(b"")) if keep_not_finite => f64::NAN,
+                Some(Err(b"")) if keep.of(slot) => f64::NAN,
                 Some(Err(b"")) => return Err(Defect::Empty { column: target + 1 }),
+                Some(Err(_)) if keep.optional(slot) => f64::NAN,
                 Some(Err(text)) => {
                     let time = stamps.as_mut().and_then(|stamps| stamps.read(slot, text));
                     time.ok_or_else(|| Defect::Text(shown(text)))?
@@ -369,19 +371,22 @@ mod tests {
             let mut out = [0.0; 3];
             parse_row(line.as_bytes(), comma, &wanted, keep, None, &mut out).map(|()| out)
         };
-        assert_eq!(row("1,x,-2.5e1,z", false), Ok([-25.0, 1.0, -25.0]));
-        assert_eq!(row(" 1 ,x,\" 3 \"", false), Ok([3.0, 1.0, 3.0]));
-        assert_eq!(row("1,x,3y", false), Err(Defect::Text("\"3y\"".into())));
-        assert_eq!(row("1,x,", false), Err(Defect::Empty { column: 3 }));
+        assert_eq!(row("1,x,-2.5e1,z", Keep::Finite), Ok([-25.0, 1.0, -25.0]));
+        assert_eq!(row(" 1 ,x,\" 3 \"", Keep::Finite), Ok([3.0, 1.0, 3.0]));
         assert_eq!(
-            row("1,x", false),
+            row("1,x,3y", Keep::Finite),
+            Err(Defect::Text("\"3y\"".into()))
+        );
+        assert_eq!(row("1,x,", Keep::Finite), Err(Defect::Empty { column: 3 }));
+        assert_eq!(
+            row("1,x", Keep::Finite),
             Err(Defect::TooFew {
                 fields: 2,
                 wanted: 3
             })
         );
         assert_eq!(
-            row("1,x,inf", false),
+            row("1,x,inf", Keep::Finite),
             Err(Defect::NotFinite {
                 value: f64::INFINITY,
                 column: 3,
@@ -389,11 +394,11 @@ mod tests {
             })
         );
         assert_eq!(
-            row("1,x,1e999", false).unwrap_err().kind(),
+            row("1,x,1e999", Keep::Finite).unwrap_err().kind(),
             SkipKind::NotFinite
         );
-        assert!(row("1,x,", true).unwrap()[0].is_nan());
-        assert!(row("nan,x,4", true).unwrap()[1].is_nan());
+        assert!(row("1,x,", Keep::All).unwrap()[0].is_nan());
+        assert!(row("nan,x,4", Keep::All).unwrap()[1].is_nan());
     }
 
     #[test]
@@ -417,7 +422,14 @@ mod tests {
             }
             let (mut short, mut long) = ([0.0; 4], [0.0; 4]);
             if parse_plain_row(line.as_bytes(), b',', &wanted, &mut short) {
-                let other = parse_any_row(line.as_bytes(), comma, &wanted, false, None, &mut long);
+                let other = parse_any_row(
+                    line.as_bytes(),
+                    comma,
+                    &wanted,
+                    Keep::Finite,
+                    None,
+                    &mut long,
+                );
                 assert_eq!((other, short), (Ok(()), long), "{line}");
                 plain += 1;
             }

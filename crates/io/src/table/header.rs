@@ -2,7 +2,7 @@
 
 use super::fields::{self, Delimiter, Fields};
 use super::stamps;
-use super::wanted::{Column, Preview, TableOptions, starts_a_row};
+use super::wanted::{Column, Keep, Preview, TableOptions, starts_a_row};
 use crate::error::{NAMES_SHOWN, the_file_has};
 use crate::lines::{Lines, MAX_LINE, NextLine};
 use crate::number;
@@ -145,7 +145,8 @@ fn reads_as_row(
 ) -> bool {
     let mut out = vec![0.0; options.columns.len()];
     let mut stamps = options.stamps();
-    fields::parse_row(line, delimiter, wanted, false, stamps.as_mut(), &mut out).is_ok()
+    let keep = options.optional.map_or(Keep::Finite, Keep::One);
+    fields::parse_row(line, delimiter, wanted, keep, stamps.as_mut(), &mut out).is_ok()
 }
 
 fn missing(header: &Header, options: &TableOptions) -> bool {

@@ -24,7 +24,7 @@ use parquet::file::reader::{ChunkReader, FileReader, Length, SerializedFileReade
 use parquet::schema::types::ColumnDescriptor;
 
 use super::header::places;
-use super::wanted::{NextRow, Preview, TableOptions, fill};
+use super::wanted::{Keep, NextRow, Preview, TableOptions, fill};
 use crate::ReadError;
 
 /// Rows that are read at once.
@@ -86,7 +86,7 @@ pub(super) fn preview(bytes: Bytes, rows: usize) -> Result<Preview, ReadError> {
     let mut table = ParquetTable::of(bytes, reader, columns);
     let mut row = vec![f64::NAN; preview.names.len()];
     while preview.rows.len() < rows
-        && let NextRow::Row(..) = table.step(true, &mut row)
+        && let NextRow::Row(..) = table.step(Keep::All, &mut row)
     {
         preview.rows.push(row.clone());
     }
@@ -156,7 +156,7 @@ impl ParquetTable {
 
     /// Reads the next row into `out`, in the order of the wanted columns; its number, the first is 1. What is
     /// damaged ends the table.
-    pub(super) fn step(&mut self, keep: bool, out: &mut [f64]) -> NextRow {
+    pub(super) fn step(&mut self, keep: Keep, out: &mut [f64]) -> NextRow {
         if self.given == self.rows && !self.finished {
             match guarded(|| self.fill()) {
                 Ok(0) => self.finished = true,

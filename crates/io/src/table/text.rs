@@ -3,7 +3,7 @@
 use super::fields::{self, Delimiter};
 use super::header;
 use super::stamps::Stamps;
-use super::wanted::{NextRow, TableOptions, starts_a_row};
+use super::wanted::{Keep, NextRow, TableOptions, starts_a_row};
 use crate::ReadError;
 use crate::epoch::Epoch;
 use crate::lines::{self, Lines};
@@ -56,7 +56,7 @@ impl TextTable {
     /// # Errors
     /// If the first row has more fields than the header has names.
     #[inline]
-    pub(super) fn step(&mut self, keep: bool, out: &mut [f64]) -> Result<NextRow, ReadError> {
+    pub(super) fn step(&mut self, keep: Keep, out: &mut [f64]) -> Result<NextRow, ReadError> {
         let delimiter = self.delimiter;
         if let Some(first) = self.held.take() {
             let parsed = fields::parse_row(

@@ -37,8 +37,32 @@ pub struct TableOptions {
     pub delimiter: Option<u8>,
     /// Hand on rows with NaN, infinity or an empty field (as NaN) instead of skipping them.
     pub keep_not_finite: bool,
+    /// The one of the columns that may have no number in a row: it is NaN there.
+    pub optional: Option<usize>,
     /// Which of the columns has times, that may be text.
     pub stamp: Option<Stamp>,
+}
+
+/// Which columns of a row may be without a finite number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Keep {
+    /// None.
+    Finite,
+    /// All: what is not finite is handed on, what is empty is NaN.
+    All,
+    /// The one at this place of the row read, where text is NaN too.
+    One(usize),
+}
+
+impl Keep {
+    pub(super) fn of(self, slot: usize) -> bool {
+        self == Self::All || self.optional(slot)
+    }
+
+    /// Whether a column may have anything.
+    pub(super) fn optional(self, slot: usize) -> bool {
+        self == Self::One(slot)
+    }
 }
 
 /// A column of times: numbers, dates with times of day, or times of day.
@@ -95,6 +119,14 @@ impl TableOptions {
         });
     }
 
+    pub(super) fn keep(&self) -> Keep {
+        match self.optional {
+            _ if self.keep_not_finite => Keep::All,
+            Some(place) => Keep::One(place),
+            None => Keep::Finite,
+        }
+    }
+
     /// The date's column, which has no place in the row read.
     pub(super) fn date(&self) -> Option<&(String, Column)> {
         self.stamp.as_ref()?.date.as_ref()
@@ -110,12 +142,12 @@ impl TableOptions {
 /// Puts numbers into a row, each with its place there and its column's index; `None` is an empty field.
 pub(super) fn fill(
     out: &mut [f64],
-    keep_not_finite: bool,
+    keep: Keep,
     numbers: impl Iterator<Item = (usize, usize, Option<f64>)>,
 ) -> Result<(), Defect> {
     for (slot, index, number) in numbers {
         let number = match number {
-            Some(number) if number.is_finite() || keep_not_finite => number,
+            Some(number) if number.is_finite() || keep.of(slot) => number,
             Some(value) => {
                 let column = index + 1;
                 return Err(Defect::NotFinite {
@@ -124,7 +156,7 @@ pub(super) fn fill(
                     slot,
                 });
             }
-            None if keep_not_finite => f64::NAN,
+            None if keep.of(slot) => f64::NAN,
             None => return Err(Defect::Empty { column: index + 1 }),
         };
         if let Some(place) = out.get_mut(slot) {

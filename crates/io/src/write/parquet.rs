@@ -70,6 +70,7 @@ mod tests {
             columns: (1..=31).map(column).collect(),
             delimiter: None,
             keep_not_finite: true,
+            optional: None,
             stamp: None,
         };
         let mut table = Opened::open(path).unwrap().table(&options).unwrap();

@@ -102,6 +102,7 @@ fn tables_of_arbitrary_bytes() {
                 .collect(),
             delimiter: [None, Some(b','), Some(b' '), Some(b'"')][case % 4],
             keep_not_finite: case % 2 == 0,
+            optional: (case % 3 == 0).then_some(case % 2),
             stamp: (case % 5 == 0).then(|| Stamp {
                 column: "time".into(),
                 place: 0,

@@ -4,8 +4,8 @@ use super::{UnitErrorKind, Word};
 use crate::earth::STANDARD_GRAVITY;
 use core::f64::consts::{PI, TAU};
 
-/// Twice the exponents of time, length and angle.
-pub(super) type Dimension = [i32; 3];
+/// Twice the exponents of time, length, angle and temperature.
+pub(super) type Dimension = [i32; 4];
 
 /// Reads a whole unit. Numbers belong to raw counts alone: `5 deg/s` is no unit, `LSB/131 deg/s` is one.
 pub(super) fn read(unit: &str) -> Result<Unit, UnitErrorKind> {
@@ -220,7 +220,7 @@ impl Reader<'_> {
             }
             return Ok(Unit {
                 factor,
-                dimension: [0; 3],
+                dimension: [0; 4],
                 counts: 0,
             });
         }
@@ -257,13 +257,14 @@ impl Reader<'_> {
     }
 }
 
-const TIME: Dimension = [2, 0, 0];
-const FREQUENCY: Dimension = [-2, 0, 0];
-const LENGTH: Dimension = [0, 2, 0];
-const ANGLE: Dimension = [0, 0, 2];
-const RATE: Dimension = [-2, 0, 2];
-const ACCELERATION: Dimension = [-4, 2, 0];
-const VELOCITY: Dimension = [-2, 2, 0];
+const TIME: Dimension = [2, 0, 0, 0];
+const FREQUENCY: Dimension = [-2, 0, 0, 0];
+const LENGTH: Dimension = [0, 2, 0, 0];
+const ANGLE: Dimension = [0, 0, 2, 0];
+const RATE: Dimension = [-2, 0, 2, 0];
+const ACCELERATION: Dimension = [-4, 2, 0, 0];
+const VELOCITY: Dimension = [-2, 2, 0, 0];
+const TEMPERATURE: Dimension = [0, 0, 0, 2];
 const DEG: f64 = PI / 180.0;
 
 /// One symbol with its prefix. `m` is the metre, `h` the hour, `g` standard gravity.
@@ -272,7 +273,7 @@ fn symbol(word: &str) -> Option<Unit> {
         "LSB" | "lsb" | "counts" => {
             return Some(Unit {
                 factor: 1.0,
-                dimension: [0; 3],
+                dimension: [0; 4],
                 counts: 2,
             });
         }
@@ -316,8 +317,11 @@ fn symbol(word: &str) -> Option<Unit> {
         "kmh" | "kph" => (1.0 / 3.6, VELOCITY),
         "mph" => (0.44704, VELOCITY),
         "kn" | "kt" | "kts" | "knot" | "knots" => (1852.0 / 3600.0, VELOCITY),
-        "%" => (1e-2, [0; 3]),
-        "ppm" => (1e-6, [0; 3]),
+        // Differences: a degree Celsius is a kelvin.
+        "K" | "kelvin" | "degC" | "°C" | "celsius" => (1.0, TEMPERATURE),
+        "mK" => (1e-3, TEMPERATURE),
+        "%" => (1e-2, [0; 4]),
+        "ppm" => (1e-6, [0; 4]),
         _ => return None,
     };
     Some(Unit {

@@ -403,3 +403,23 @@ fn total_energy(sums: &[f64], m: usize) -> f64 {
         .sum();
     ends + inner
 }
+/// The curve of several records of one process, of the same kind, rate and factors: at each averaging time the mean square
+/// over all their terms. `None` without one.
+pub fn pooled(curves: &[Curve]) -> Option<Curve> {
+    let mut pooled = curves
+        .iter()
+        .max_by_key(|curve| curve.points.len())?
+        .clone();
+    pooled.samples = curves.iter().map(|curve| curve.samples).sum();
+    for point in &mut pooled.points {
+        let all = curves.iter().flat_map(|curve| &curve.points);
+        let alike = all.filter(|other| other.m == point.m);
+        let (squares, terms) = alike.fold((0.0, 0), |(squares, terms), other| {
+            let more = other.deviation.powi(2) * other.terms as f64;
+            (squares + more, terms + other.terms)
+        });
+        point.deviation = (squares / terms as f64).sqrt();
+        point.terms = terms;
+    }
+    Some(pooled)
+}

@@ -75,6 +75,7 @@ pub fn log_likelihood(
         centre,
         gaps,
         unit_root,
+        rest: &[],
     };
     // About a known mean one pass is enough: a missing or infinite sample leaves no likelihood.
     if mean != Mean::Estimated
@@ -132,12 +133,39 @@ pub fn fit_from(
     options: &FitOptions,
     known: &[(Vec<f64>, Vec<f64>)],
 ) -> Result<ArmaFit, ArmaError> {
-    climb_to(samples, p, q, options, known, &mut Ladder::default())
+    fit_several(&[samples], p, q, options, known)
+}
+
+/// As [`fit_from`], of several independent records of one process: the likelihood is the product of
+/// theirs, each with a start and a mean of its own. The first should be the longest: it gives the starts of the
+/// search and the mean reported.
+///
+/// # Errors
+/// As [`fit`], of any of the records; no record at all.
+pub fn fit_several(
+    records: &[&[f64]],
+    p: usize,
+    q: usize,
+    options: &FitOptions,
+    known: &[(Vec<f64>, Vec<f64>)],
+) -> Result<ArmaFit, ArmaError> {
+    climb(records, p, q, options, known, &mut Ladder::default())
 }
 
 /// [`fit_from`] with the optima of other orders of the same record and options kept.
 pub(crate) fn climb_to(
     samples: &[f64],
+    p: usize,
+    q: usize,
+    options: &FitOptions,
+    known: &[(Vec<f64>, Vec<f64>)],
+    ladder: &mut Ladder,
+) -> Result<ArmaFit, ArmaError> {
+    climb(&[samples], p, q, options, known, ladder)
+}
+
+fn climb(
+    records: &[&[f64]],
     p: usize,
     q: usize,
     options: &FitOptions,
@@ -155,10 +183,10 @@ pub(crate) fn climb_to(
     {
         return Err(ArmaError::NotFinite);
     }
-    let mut differences = Vec::new();
     let searched = p - usize::from(options.unit_root);
-    let (problem, centre) = problem(samples, (p, q), options, &mut differences)?;
-    let differenced = options.unit_root && !problem.gaps;
+    let held = Held::new(records, (p, q), options)?;
+    let rest = held.problems(1);
+    let problem = held.problem(0, &rest);
     let start = |(phi, theta): &(Vec<f64>, Vec<f64>)| {
         diagnosis::padded_start(phi, theta, searched, q, options.unit_root)
     };
@@ -176,14 +204,16 @@ pub(crate) fn climb_to(
     let at = problem.likelihood(&phi, &theta);
     let mut at = at.ok_or(ArmaError::NoOptimum)?;
     let mut ar = phi;
-    if differenced {
+    if !held.differences.is_empty() {
         ar = multiply(&ar, &[1.0]);
-        let free = kalman::with_gaps(samples, Mean::Estimated, centre, &ar, &theta, true);
+        let centre = held.screened[0].0;
+        let free = kalman::with_gaps(records[0], Mean::Estimated, centre, &ar, &theta, true);
         (at.mean, at.mean_standard_error) =
             free.map_or((centre, 0.0), |l| (l.mean, l.mean_standard_error));
     }
     let estimates_mean = !options.unit_root && options.mean == Mean::Estimated;
-    let parameters = searched + q + 1 + usize::from(estimates_mean);
+    let means = if estimates_mean { records.len() } else { 0 };
+    let parameters = searched + q + 1 + means;
     let mut fit = unexamined(ar, theta, &at, parameters);
     fit.has_unit_root = options.unit_root;
     fit.unit_root = options.unit_root;
@@ -193,57 +223,99 @@ pub(crate) fn climb_to(
     Ok(fit)
 }
 
-/// The record as the search sees it: with a unit root and no gaps the `differences` that are made of it. And the
-/// record's centre.
-fn problem<'a>(
-    samples: &'a [f64],
-    (p, q): (usize, usize),
-    options: &FitOptions,
-    differences: &'a mut Vec<f64>,
-) -> Result<(Problem<'a>, f64), ArmaError> {
-    let (centre, present) = screen(samples, p + q)?;
-    let gaps = present < samples.len();
-    if options.unit_root && !gaps {
-        differences.extend(samples.windows(2).map(|w| w[1] - w[0]));
-        screen(differences, p - 1 + q)?;
-        let problem = Problem {
-            samples: differences,
-            mean: Mean::Known(0.0),
-            centre: 0.0,
-            gaps: false,
-            unit_root: false,
-        };
-        return Ok((problem, centre));
+/// Records as the search sees them.
+struct Held<'a> {
+    records: &'a [&'a [f64]],
+    /// Of unbroken records with a unit root, whose likelihood that of these is.
+    differences: Vec<Vec<f64>>,
+    /// Where each is looked at from, and how many of its samples are present.
+    screened: Vec<(f64, usize)>,
+    options: FitOptions,
+}
+
+impl<'a> Held<'a> {
+    fn new(
+        records: &'a [&'a [f64]],
+        (p, q): (usize, usize),
+        options: &FitOptions,
+    ) -> Result<Self, ArmaError> {
+        if records.is_empty() {
+            let (present, needed) = (0, p + q + 3);
+            return Err(ArmaError::TooShort { present, needed });
+        }
+        let screened = records.iter().map(|samples| screen(samples, p + q));
+        let screened: Vec<(f64, usize)> = screened.collect::<Result<_, _>>()?;
+        let mut all = records.iter().zip(&screened);
+        let missing = all.any(|(samples, (_, present))| *present < samples.len());
+        let mut differences: Vec<Vec<f64>> = Vec::new();
+        if options.unit_root && !missing {
+            let less = |samples: &&[f64]| samples.windows(2).map(|w| w[1] - w[0]).collect();
+            differences = records.iter().map(less).collect();
+            for differences in &differences {
+                screen(differences, p - 1 + q)?;
+            }
+        }
+        Ok(Self {
+            records,
+            differences,
+            screened,
+            options: *options,
+        })
     }
-    let problem = Problem {
-        samples,
-        mean: options.mean,
-        centre: match options.mean {
-            Mean::Known(value) if !options.unit_root => value,
-            _ => centre,
-        },
-        gaps,
-        unit_root: options.unit_root,
-    };
-    Ok((problem, centre))
+
+    /// A record, with the further ones of its process.
+    fn problem<'b>(&'b self, k: usize, rest: &'b [Problem<'b>]) -> Problem<'b> {
+        let (centre, present) = self.screened[k];
+        let samples = self.records[k];
+        let options = &self.options;
+        match self.differences.get(k) {
+            Some(differences) => Problem {
+                samples: differences,
+                mean: Mean::Known(0.0),
+                centre: 0.0,
+                gaps: false,
+                unit_root: false,
+                rest,
+            },
+            None => Problem {
+                samples,
+                mean: options.mean,
+                centre: match options.mean {
+                    Mean::Known(value) if !options.unit_root => value,
+                    _ => centre,
+                },
+                gaps: options.unit_root || present < samples.len(),
+                unit_root: options.unit_root,
+                rest,
+            },
+        }
+    }
+
+    /// The records from `first` on, each alone.
+    fn problems(&self, first: usize) -> Vec<Problem<'_>> {
+        (first..self.records.len())
+            .map(|k| self.problem(k, &[]))
+            .collect()
+    }
 }
 
 /// Log-likelihood within which [`refit`] is at its optimum: nothing that a record tells of its own parameters.
 const NEAR: f64 = 1e-2;
 
-/// The same order fitted to another record of the same process, mean estimated: the optimum next to `known`, without
+/// The same order fitted to other records of the same process, means estimated: the optimum next to `known`, without
 /// standard errors and diagnosis.
 ///
 /// # Errors
-/// A record too short for the order, constant or infinite.
-pub(crate) fn refit(samples: &[f64], known: &ArmaFit) -> Result<ArmaFit, ArmaError> {
+/// A record too short for the order, constant or infinite; no record at all.
+pub(crate) fn refit(records: &[&[f64]], known: &ArmaFit) -> Result<ArmaFit, ArmaError> {
     let (p, q) = (known.ar.len(), known.ma.len());
     let options = FitOptions {
         unit_root: known.has_unit_root,
         ..FitOptions::default()
     };
-    let mut differences = Vec::new();
-    let (problem, _) = problem(samples, (p, q), &options, &mut differences)?;
+    let held = Held::new(records, (p, q), &options)?;
+    let rest = held.problems(1);
+    let problem = held.problem(0, &rest);
     let searched = p - usize::from(options.unit_root);
     let start = diagnosis::padded_start(&known.ar, &known.ma, searched, q, options.unit_root);
     let function = |z: &[Vec<f64>]| problem.objective(z, searched);
@@ -257,7 +329,7 @@ pub(crate) fn refit(samples: &[f64], known: &ArmaFit) -> Result<ArmaFit, ArmaErr
     let found = bfgs(&mut objective, &start, NEAR, 60);
     let (mut ar, ma) = problem.coefficients(&found.z, searched);
     let at = problem.likelihood(&ar, &ma).ok_or(ArmaError::NoOptimum)?;
-    if options.unit_root && !problem.gaps {
+    if !held.differences.is_empty() {
         ar = multiply(&ar, &[1.0]);
     }
     Ok(unexamined(ar, ma, &at, known.parameters))

@@ -46,6 +46,28 @@ pub struct Likelihood {
     pub observations: usize,
 }
 
+impl Likelihood {
+    /// That of two independent records with one σ²; the mean stays that of the first.
+    pub(super) fn and(self, other: Self) -> Option<Self> {
+        let joint = concentrated(
+            self.observations + other.observations,
+            self.sum_of_squares + other.sum_of_squares,
+            self.log_determinant() + other.log_determinant(),
+        );
+        joint.map(|joint| Self {
+            mean: self.mean,
+            mean_standard_error: self.mean_standard_error,
+            ..joint
+        })
+    }
+
+    /// log |V|, which the concentrated likelihood was made with.
+    fn log_determinant(&self) -> f64 {
+        let n = self.observations as f64;
+        -2.0 * self.log_likelihood - n * ((core::f64::consts::TAU * self.variance).ln() + 1.0)
+    }
+}
+
 /// Exact log-likelihood of `x_t − φ1 x_{t−1} − … = a_t − θ1 a_{t−1} − …` about the mean at several
 /// points of the same order, for a record without gaps. `None` where φ is not stationary to working
 /// precision or S vanishes.

@@ -88,6 +88,7 @@ pub fn profile_interval(
         },
         gaps: present < samples.len(),
         unit_root: false,
+        rest: &[],
     };
     let (own, other) = match root {
         Root::Ar => (fit.ar[0], fit.ma[0]),

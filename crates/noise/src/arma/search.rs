@@ -10,7 +10,7 @@ use super::starts;
 use super::whittle::Whittle;
 use crate::quasi_newton::{Objective, Point, bfgs};
 
-/// The record and what is asked of it. With a unit root `p` counts the other AR roots only, and an
+/// The record, or several, and what is asked of it. With a unit root `p` counts the other AR roots only, and an
 /// unbroken record is held as its differences, whose likelihood that is.
 pub(super) struct Problem<'a> {
     pub(super) samples: &'a [f64],
@@ -20,6 +20,8 @@ pub(super) struct Problem<'a> {
     pub(super) gaps: bool,
     /// φ gets a root at 1 on top (records with gaps only).
     pub(super) unit_root: bool,
+    /// Further records of the same process, each with a start and a mean of its own.
+    pub(super) rest: &'a [Problem<'a>],
 }
 
 impl Problem<'_> {
@@ -41,10 +43,23 @@ impl Problem<'_> {
 
     /// The likelihood at several points of the same order: of an unbroken record in one pass.
     pub(super) fn likelihoods(&self, points: &[Coefficients]) -> Vec<Option<Likelihood>> {
-        if !self.gaps {
-            return likelihood::unbroken(self.samples, self.mean, self.centre, points);
+        if self.gaps {
+            return self.one_by_one(points);
         }
-        self.one_by_one(points)
+        let own = likelihood::unbroken(self.samples, self.mean, self.centre, points);
+        self.with_rest(own, |other| other.likelihoods(points))
+    }
+
+    /// The likelihoods of this record with those of the further ones.
+    fn with_rest(
+        &self,
+        own: Vec<Option<Likelihood>>,
+        of: impl Fn(&Problem<'_>) -> Vec<Option<Likelihood>>,
+    ) -> Vec<Option<Likelihood>> {
+        self.rest.iter().fold(own, |joint, other| {
+            let pairs = joint.into_iter().zip(of(other));
+            pairs.map(|(a, b)| a?.and(b?)).collect()
+        })
     }
 
     fn one_by_one(&self, points: &[Coefficients]) -> Vec<Option<Likelihood>> {
@@ -58,7 +73,8 @@ impl Problem<'_> {
                 self.unit_root,
             )
         };
-        points.iter().map(one).collect()
+        let own = points.iter().map(one).collect();
+        self.with_rest(own, |other| other.one_by_one(points))
     }
 
     pub(super) fn likelihood(&self, phi: &[f64], theta: &[f64]) -> Option<Likelihood> {
@@ -89,6 +105,7 @@ impl Problem<'_> {
     fn is_confirmed(&self, z: &[f64], p: usize) -> bool {
         let part = Problem {
             samples: &self.samples[..self.samples.len().min(GLANCE)],
+            rest: &[],
             ..*self
         };
         let (phi, theta) = self.coefficients(z, p);
@@ -109,7 +126,8 @@ impl Problem<'_> {
     /// for a short one.
     fn budget(&self, dimension: usize, effort: f64) -> f64 {
         let per_sample = if self.gaps { 2.0 } else { 1.0 } * (1.0 + 0.5 * dimension as f64);
-        let cost = self.samples.len() as f64 * per_sample + 3_000.0;
+        let rest: usize = self.rest.iter().map(|other| other.samples.len()).sum();
+        let cost = (self.samples.len() + rest) as f64 * per_sample + 3_000.0;
         (effort * 2e9 / cost).clamp(40.0 * (dimension + 2) as f64, effort * 100_000.0)
     }
 }
@@ -331,6 +349,7 @@ fn glance(problem: &Problem, candidates: Vec<Vec<f64>>, p: usize, budget: f64) -
     }
     let part = Problem {
         samples: &problem.samples[..GLANCE],
+        rest: &[],
         ..*problem
     };
     let function = |z: &[Vec<f64>]| part.objective(z, p);

@@ -7,7 +7,9 @@ use super::{
     CompositeError, CompositeTerms, GaussMarkov, MAX_GAUSS_MARKOV, TermSet, sort_processes,
 };
 use crate::quasi_newton::{Objective, Point, best_of};
-use crate::wavelet::{MomentFit, WaveletVariance, fit_moments, model_variance, wavelet_variance};
+use crate::wavelet::{
+    MomentFit, WaveletVariance, fit_moments, model_variance, pooled, wavelet_variance,
+};
 use serde::{Deserialize, Serialize};
 use undrift_nav::shaping::{ShapingError, ShapingFilter};
 
@@ -151,20 +153,39 @@ pub fn fit(
     set: TermSet,
     options: &FitOptions,
 ) -> Result<CompositeFit, CompositeError> {
+    fit_several(&[record], interval, set, options)
+}
+
+/// As [`fit`], of several independent records of one process: the likelihood is the product of theirs, each with a
+/// start and a level of its own. The level reported is that of the first.
+///
+/// # Errors
+/// As [`fit`], of any of the records; no record at all.
+pub fn fit_several(
+    records: &[&[f64]],
+    interval: f64,
+    set: TermSet,
+    options: &FitOptions,
+) -> Result<CompositeFit, CompositeError> {
     set.check()?;
-    let curve = wavelet_variance(record, interval)?;
-    let block = record.len().div_ceil(options.max_points.max(100));
+    let curves = records
+        .iter()
+        .map(|record| wavelet_variance(record, interval));
+    let curves: Vec<WaveletVariance> = curves.collect::<Result<_, _>>()?;
+    let curve = pooled(&curves).ok_or(CompositeError::TooShort {
+        present: 0,
+        needed: 3,
+    })?;
+    let samples: usize = records.iter().map(|record| record.len()).sum();
+    let block = samples.div_ceil(options.max_points.max(100));
     let full = fit_moments(&curve, set, false);
     let moments = match fit_moments(&coarser(&curve, block), set, false) {
         Ok(found) => found,
         Err(_) => full?,
     };
-    let averages = Averages {
-        values: average_in_blocks(record, block)?,
-        block,
-        interval,
-    };
-    let length_s = record.len() as f64 * interval;
+    let averages = Averages::new(records, block, interval)?;
+    let longest = records.iter().map(|record| record.len()).max();
+    let length_s = longest.unwrap_or(0) as f64 * interval;
     let starts = match &options.start {
         Some(terms) => vec![set.coordinates(terms)],
         None => starts(set, &moments, full.ok(), length_s),
@@ -177,8 +198,8 @@ pub fn fit(
     }
     let mut terms = set.terms(&best.z);
     sort_processes(&mut terms, None);
-    let found = averages.likelihood(&terms)?;
-    let log_likelihood = found.restricted();
+    let found = averages.likelihoods(&terms)?;
+    let log_likelihood = restricted(&found);
     terms = without_useless(terms, log_likelihood, &averages, &mut flags);
     let left = terms.set();
     let top = Point::new(left.coordinates(&terms), -log_likelihood);
@@ -194,7 +215,7 @@ pub fn fit(
         }
     }
     if left.quantisation && left.white && block > 1 {
-        (terms.white, terms.quantisation) = fast_terms(record, interval, &terms, options);
+        (terms.white, terms.quantisation) = fast_terms(records, interval, &terms, options);
     }
     let ratio = full_rate_ratio(&curve, &terms);
     let white_full_rate = full_rate_white(&curve, &terms);
@@ -207,8 +228,9 @@ pub fn fit(
             terms.white = white_full_rate;
         }
     }
-    let parameters = set.parameters() + 1;
-    let (k, n) = (parameters as f64, found.observations as f64);
+    let parameters = set.parameters() + records.len();
+    let points: usize = found.iter().map(|l| l.observations).sum();
+    let (k, n) = (parameters as f64, points as f64);
     Ok(CompositeFit {
         white_full_rate,
         terms,
@@ -218,31 +240,57 @@ pub fn fit(
         bic: -2.0 * log_likelihood + k * n.ln(),
         parameters,
         block,
-        points: found.observations,
-        level: found.level,
+        points,
+        level: found[0].level,
         moments,
         flags,
     })
 }
 
-/// A record as the likelihood sees it: averages over blocks of samples `interval` \[s\] apart.
-pub(super) struct Averages {
-    pub(super) values: Vec<f64>,
-    pub(super) block: usize,
-    pub(super) interval: f64,
+/// Records as the likelihood sees them: averages over blocks of samples `interval` \[s\] apart.
+pub(crate) struct Averages {
+    records: Vec<Vec<f64>>,
+    block: usize,
+    interval: f64,
 }
 
 impl Averages {
-    fn likelihood(&self, terms: &CompositeTerms) -> Result<RecordLikelihood, CompositeError> {
+    /// Blocks of `block` samples; an error where a record has not one.
+    pub(crate) fn new(
+        records: &[&[f64]],
+        block: usize,
+        interval: f64,
+    ) -> Result<Self, CompositeError> {
+        let averages = records
+            .iter()
+            .map(|record| average_in_blocks(record, block));
+        Ok(Self {
+            records: averages.collect::<Result<_, _>>()?,
+            block,
+            interval,
+        })
+    }
+
+    /// The likelihood of each record, each with a level of its own.
+    pub(crate) fn likelihoods(
+        &self,
+        terms: &CompositeTerms,
+    ) -> Result<Vec<RecordLikelihood>, CompositeError> {
         let filter = block_average(&terms.to_shaping(self.interval)?, self.block)?;
-        log_likelihood(&self.values, &filter, Level::Estimated)
+        let of = |record: &Vec<f64>| log_likelihood(record, &filter, Level::Estimated);
+        self.records.iter().map(of).collect()
     }
 
     /// The negative restricted log-likelihood, +∞ without one.
-    pub(super) fn cost(&self, terms: &CompositeTerms) -> f64 {
-        self.likelihood(terms)
-            .map_or(f64::INFINITY, |l| -l.restricted())
+    pub(crate) fn cost(&self, terms: &CompositeTerms) -> f64 {
+        self.likelihoods(terms)
+            .map_or(f64::INFINITY, |found| -restricted(&found))
     }
+}
+
+/// The restricted log-likelihood of independent records.
+fn restricted(records: &[RecordLikelihood]) -> f64 {
+    records.iter().map(RecordLikelihood::restricted).sum()
 }
 
 /// Starts about the moments of the blocks' scales and, since only they see a fast process though a short memory
@@ -345,15 +393,17 @@ fn less(terms: &CompositeTerms, term: Term) -> CompositeTerms {
     without
 }
 
-/// N and Q that the first samples at the full rate make most likely, the slow terms held.
+/// N and Q that the first samples of each record at the full rate make most likely, the slow terms held.
 fn fast_terms(
-    record: &[f64],
+    records: &[&[f64]],
     interval: f64,
     terms: &CompositeTerms,
     options: &FitOptions,
 ) -> (f64, f64) {
+    let most = (2 * options.max_points.max(100)).div_ceil(records.len());
+    let first = |record: &&[f64]| record[..record.len().min(most)].to_vec();
     let head = Averages {
-        values: record[..record.len().min(2 * options.max_points.max(100))].to_vec(),
+        records: records.iter().map(first).collect(),
         block: 1,
         interval,
     };

@@ -7,7 +7,7 @@
 
 use super::fit::{Averages, CompositeFit};
 use super::search::SCALES;
-use super::{CompositeError, TermSet, average_in_blocks};
+use super::{CompositeError, TermSet};
 use crate::quasi_newton::{Objective, Point, bfgs};
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -76,6 +76,20 @@ pub fn intervals(
     fit: &CompositeFit,
     level: f64,
 ) -> Result<Vec<ParameterInterval>, CompositeError> {
+    intervals_of_several(&[record], interval, fit, level)
+}
+
+/// As [`intervals`], of a fit to several records.
+///
+/// # Errors
+/// As [`intervals`].
+pub fn intervals_of_several(
+    records: &[&[f64]],
+    interval: f64,
+    fit: &CompositeFit,
+    level: f64,
+) -> Result<Vec<ParameterInterval>, CompositeError> {
+    let samples: usize = records.iter().map(|record| record.len()).sum();
     let set = fit.terms.set();
     let taus = fit.terms.gauss_markov.iter().filter(|g| g.sigma > 0.0);
     let shortest = taus.map(|g| g.tau_s).fold(f64::INFINITY, f64::min);
@@ -83,19 +97,17 @@ pub fn intervals(
     let block = if set.quantisation {
         1
     } else {
-        record.len().div_ceil(POINTS).min(most)
+        samples.div_ceil(POINTS).min(most)
     };
     let block = block.max(fit.block);
-    let averages = Averages {
-        values: average_in_blocks(record, block)?,
-        block,
-        interval,
-    };
+    let averages = Averages::new(records, block, interval)?;
+    let longest = records.iter().map(|record| record.len()).max();
+    let longest_s = longest.unwrap_or(0) as f64 * interval;
     let half = 0.5 * Normal::standard().inverse_cdf(0.5 + 0.5 * level).powi(2);
     let profile = Profile {
         averages: &averages,
         set,
-        tau_range: (0.05 * interval).ln()..(1e3 * record.len() as f64 * interval).ln(),
+        tau_range: (0.05 * interval).ln()..(1e3 * longest_s).ln(),
     };
     let start = profile.coordinates(fit);
     let cost = |w: &[Vec<f64>]| w.iter().map(|w| profile.cost(w)).collect();
@@ -110,7 +122,7 @@ pub fn intervals(
     let parameters = profile.parameters().into_iter().enumerate();
     let interval_of = |(at, parameter): (usize, Parameter)| {
         if parameter == Parameter::White {
-            return white(record, fit, level);
+            return white(records, fit, level);
         }
         let [low, high] = ends(at);
         ParameterInterval {
@@ -122,7 +134,7 @@ pub fn intervals(
     };
     let mut found: Vec<ParameterInterval> = parameters.map(interval_of).collect();
     // A τ that may be a hundred records may be any, and then σ too, which grows with its root.
-    let longest = 100.0 * record.len() as f64 * interval;
+    let longest = 100.0 * longest_s;
     for i in 0..set.gauss_markov {
         let is_open = |b: &ParameterInterval| b.parameter == Parameter::Tau(i) && b.high > longest;
         if found.iter().any(is_open) {
@@ -135,13 +147,20 @@ pub fn intervals(
 }
 
 /// The white density is known so well that its logarithm is normal, better than from the profile's averages: from
-/// the full rate its squared coefficients have the variance 3/n of so many samples, relatively, else from the fit's curvature.
-fn white(record: &[f64], fit: &CompositeFit, level: f64) -> ParameterInterval {
+/// the full rate its squared coefficients have the variance κ/n of so many samples, relatively, κ the noise's kurtosis; else
+/// from the fit's curvature, which is that of normal noise: 2 in place of κ − 1.
+fn white(records: &[&[f64]], fit: &CompositeFit, level: f64) -> ParameterInterval {
     let estimate = fit.terms.white;
-    let samples = record.iter().filter(|value| !value.is_nan()).count();
+    let present = |record: &&[f64]| record.iter().filter(|value| !value.is_nan()).count();
+    let samples: usize = records.iter().map(present).sum();
+    let kurtosis = kurtosis(records).max(3.0);
     let error = match fit.relative_errors {
-        _ if estimate == fit.white_full_rate => 0.5 * (3.0 / samples as f64).sqrt(),
-        Some(errors) => errors.white,
+        _ if estimate == fit.white_full_rate => 0.5 * (kurtosis / samples as f64).sqrt(),
+        Some(errors) => {
+            // Of averages of so many samples.
+            let averaged = 3.0 + (kurtosis - 3.0) / fit.block.max(1) as f64;
+            errors.white * (0.5 * (averaged - 1.0)).sqrt()
+        }
         None => f64::INFINITY,
     };
     let reach = (error * Normal::standard().inverse_cdf(0.5 + 0.5 * level)).exp();
@@ -151,6 +170,20 @@ fn white(record: &[f64], fit: &CompositeFit, level: f64) -> ParameterInterval {
         low: estimate / reach,
         high: estimate * reach,
     }
+}
+
+/// Kurtosis of the white noise, by the differences of neighbours: theirs is κ/2 + 3/2.
+fn kurtosis(records: &[&[f64]]) -> f64 {
+    let (mut squares, mut fourths, mut count) = (0.0, 0.0, 0.0);
+    for pair in records.iter().flat_map(|record| record.windows(2)) {
+        let square = (pair[1] - pair[0]).powi(2);
+        if square.is_finite() {
+            squares += square;
+            fourths += square * square;
+            count += 1.0;
+        }
+    }
+    2.0 * count * fourths / (squares * squares) - 3.0
 }
 
 struct Profile<'a> {

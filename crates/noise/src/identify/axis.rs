@@ -4,6 +4,7 @@ use super::{Detrend, Residuals};
 use crate::{
     allan::{Curve, GaussMarkovFit, Interval, Terms},
     arma::{ArmaFit, Selection},
+    compared::Method,
     composite::{CompositeFit, ParameterInterval},
     drift_score::HorizonScore,
     model_file::{self, AxisModel},
@@ -14,6 +15,7 @@ use crate::{
     screening::{Hanging, Motion, Outlier, Saturation},
     spectrum::{Density, Line},
     stationarity::{Adf, Kpss, PhillipsPerron, Verdict},
+    temperature::Estimate,
     whiteness::Portmanteau,
 };
 
@@ -22,6 +24,8 @@ use crate::{
 pub struct Candidate {
     /// Name, such as "ARMA(1,1)" or "white + random walk".
     pub name: String,
+    /// A method of the literature, scored for comparison and never recommended.
+    pub compared: bool,
     /// The model of the axis in the terms of the model file.
     pub model: AxisModel,
     /// States of its shaping filter, the turn-on constant's included.
@@ -52,6 +56,17 @@ pub enum Origin {
     Burg,
     /// Maximum likelihood of a sum of terms, with the wavelet moments it started from.
     Composite(Box<CompositeFit>),
+    /// As others fit it.
+    Compared(Method),
+}
+
+/// A method that has no model of the record.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NotFitted {
+    /// Name that its candidate would have.
+    pub name: String,
+    /// Why, as the rest of a sentence.
+    pub reason: String,
 }
 
 /// Everything found of one axis. SI units.
@@ -63,6 +78,8 @@ pub struct Axis {
     pub mean: f64,
     /// What was removed beside it.
     pub removed: Detrend,
+    /// How the bias goes with temperature, where the record has one that changes; removed where it is determined.
+    pub temperature: Option<Estimate>,
     /// Samples replaced for being outliers.
     pub outliers: Vec<Outlier>,
     /// Whether the sensor moved.
@@ -113,6 +130,8 @@ pub struct Axis {
     pub scales: Option<Scales>,
     /// Candidates with their scores, in the order tried.
     pub candidates: Vec<Candidate>,
+    /// Methods of the literature that have no model of the record.
+    pub not_fitted: Vec<NotFitted>,
     /// 95 % intervals of the recommended candidate's parameters, if it is a sum of terms.
     pub intervals: Vec<ParameterInterval>,
     /// Index of the recommended candidate.
@@ -154,11 +173,13 @@ impl Axis {
             ("horizons_s", list(|s| s.horizon_s, &chosen.score)),
             ("drift_scores", scores.into()),
         ];
-        let runner_up = self.ranking().into_iter().find(|i| *i != self.chosen);
+        let others = |i: &usize| *i != self.chosen && !self.candidates[*i].compared;
+        let runner_up = self.ranking().into_iter().find(others);
         let runner_up = runner_up.map(|i| ("runner_up", self.candidates[i].name.as_str().into()));
         let note = note.into_iter().chain(runner_up);
         AxisModel {
             lines: self.lines.iter().map(in_model).collect(),
+            temperature: self.temperature.as_ref().and_then(Estimate::in_model),
             identification: note.map(|(key, value)| (key.to_owned(), value)).collect(),
             ..chosen.model.clone()
         }

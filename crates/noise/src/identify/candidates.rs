@@ -3,12 +3,16 @@
 //! A candidate's drift is honest where the scored half has not been fitted: each is fitted on the first half
 //! and scored on the second, and the other way round, on the record reversed in time (the models are normal
 //! processes, which look the same in either direction). Fitted on the whole, it is the model that is given out.
+//! Several records of one sensor are fitted together, and what is scored is a record that has not been fitted at all.
 
-use super::{Candidate, GRID_ORDER, HIGH_ORDER_SAMPLES, Origin, SEARCH_SAMPLES, remarks};
+use super::{
+    Candidate, GRID_ORDER, HIGH_ORDER_SAMPLES, NotFitted, Origin, SEARCH_SAMPLES, horizons, remarks,
+};
 use crate::{
     BiasModel,
-    allan::{self, DeviationKind, Grid, Terms},
+    allan::{self, Curve, DeviationKind, Grid, Terms},
     arma::{self, ArmaFit, FitOptions, Selection},
+    compared::{Method, Unfit},
     composite::{self, CompositeTerms, Flag, Level, ParameterInterval, TermSet},
     drift_score::{self, HorizonScore},
     model_file::{Arma, AxisModel},
@@ -33,6 +37,8 @@ const GRID_EFFORT: f64 = 0.03;
 const SCALE_EFFORT: f64 = 0.1;
 /// Highest order of the autoregressive candidate: with the turn-on constant it fills an axis.
 const MOST_AR: usize = 5;
+/// Up to so many records each is left out of a fit in turn.
+const LEFT_OUT_SINGLY: usize = 6;
 /// Probability of the intervals of the recommended candidate's parameters.
 const PROBABILITY: f64 = 0.95;
 /// Block averages that the candidates' likelihoods are compared on, at most…
@@ -40,16 +46,17 @@ const COMPARED: usize = 20_000;
 /// …each at least so long \[s\]: a fourth of the shortest horizon, below which nothing drifts.
 const COMPARED_S: f64 = 0.25;
 
-/// The record and how it is judged.
+/// The records and how they are judged.
 pub(super) struct Task<'a> {
-    /// Screened record about its mean, NaN where a sample was left out.
-    pub(super) record: &'a [f64],
+    /// Screened records about their means, NaN where a sample was left out; the longest first.
+    pub(super) records: Vec<&'a [f64]>,
     pub(super) rate_hz: f64,
-    /// Terms of the record's Allan deviation.
+    /// Overlapping Allan deviation of the records.
+    pub(super) curve: &'a Curve,
+    /// Its terms.
     pub(super) allan: Terms,
     /// Standard deviation of the turn-on constant [unit].
     pub(super) turn_on: f64,
-    pub(super) horizons: Vec<f64>,
     /// Quantisation is large enough to be a term.
     pub(super) quantised: bool,
     /// Largest n of ARMA(2n, 2n−1).
@@ -62,6 +69,7 @@ pub(super) struct Tried {
     pub(super) box_jenkins: Option<Selection>,
     pub(super) scales: Option<Scales>,
     pub(super) candidates: Vec<Candidate>,
+    pub(super) not_fitted: Vec<NotFitted>,
 }
 
 /// What is fitted.
@@ -79,6 +87,8 @@ enum Recipe {
     UnitRoot,
     /// AR(p) by Burg's method.
     Burg(usize),
+    /// As others fit it.
+    Compared(Method),
 }
 
 /// A recipe fitted.
@@ -88,17 +98,18 @@ struct Fitted {
     origin: Origin,
 }
 
-/// A record, or half of one.
+/// Records, or half of one.
 struct Part<'a> {
-    samples: &'a [f64],
+    records: Vec<&'a [f64]>,
     rate_hz: f64,
+    curve: Curve,
     allan: Terms,
 }
 
-/// A half to fit and the record to score: its first part is that half.
+/// What is fitted, and the records to score, each with the number of samples that come before the scored ones.
 struct Fold<'a> {
-    half: Part<'a>,
-    record: &'a [f64],
+    fitted: Part<'a>,
+    scored: Vec<(&'a [f64], usize)>,
 }
 
 impl Recipe {
@@ -110,6 +121,7 @@ impl Recipe {
             Self::Arma(p, q) => format!("ARMA({p},{q})"),
             Self::UnitRoot => "ARMA(1,1), unit root".to_owned(),
             Self::Burg(p) => format!("AR({p}), Burg"),
+            Self::Compared(method) => method.candidate().to_owned(),
         }
     }
 
@@ -121,7 +133,13 @@ impl Recipe {
             Self::Terms(set) => set.parameters(),
             Self::Arma(p, q) => p + q + 1,
             Self::Burg(p) => p + 1,
+            Self::Compared(_) => Method::PARAMETERS,
         }
+    }
+
+    /// Whether it is scored for comparison alone.
+    fn is_compared(self) -> bool {
+        matches!(self, Self::AllanWalk | Self::Compared(_))
     }
 
     /// Fits a part of the record, from the optimum of the whole where that is known; `known`: coefficients
@@ -157,10 +175,12 @@ impl Recipe {
                 } else {
                     usize::MAX
                 };
-                let samples = &part.samples[..part.samples.len().min(most)];
+                let most = most / part.records.len();
+                let first = |record: &&'_ [f64]| -> usize { record.len().min(most) };
+                let records: Vec<_> = part.records.iter().map(|r| &r[..first(r)]).collect();
                 let fit = match of_whole {
-                    Some(whole) => arma::refit(samples, whole),
-                    None => arma::fit_from(samples, p, q, &with_effort(REFINE_EFFORT), known),
+                    Some(whole) => arma::refit(&records, whole),
+                    None => arma::fit_several(&records, p, q, &with_effort(REFINE_EFFORT), known),
                 };
                 arma_of(fit.ok()?, part.rate_hz)
             }
@@ -170,12 +190,21 @@ impl Recipe {
                     ..with_effort(REFINE_EFFORT)
                 };
                 let fit = match of_whole {
-                    Some(whole) => arma::refit(part.samples, whole),
-                    None => arma::fit(part.samples, 1, 1, &options),
+                    Some(whole) => arma::refit(&part.records, whole),
+                    None => arma::fit_several(&part.records, 1, 1, &options, &[]),
                 };
                 arma_of(fit.ok()?, part.rate_hz)
             }
             Self::Burg(p) => (burg(p, part)?, Origin::Burg),
+            Self::Compared(method) => {
+                let model = match part.compared(method) {
+                    Ok(terms) => in_terms(&terms),
+                    // A half of which the method makes nothing is white noise; the whole has to have more.
+                    Err(_) if whole.is_some() => white(&part.allan),
+                    Err(_) => return None,
+                };
+                (model, Origin::Compared(method))
+            }
         };
         // The level is one.
         let parameters = self.parameters() + 1;
@@ -198,44 +227,94 @@ impl Fitted {
 }
 
 impl<'a> Part<'a> {
-    fn new(samples: &'a [f64], rate_hz: f64) -> Option<Self> {
-        let bridged = bridge(samples);
-        let curve = allan::deviations(&bridged, rate_hz, DeviationKind::Overlapping, Grid::Octave);
-        let allan = allan::fit_terms(&curve.ok()?).ok()?;
+    fn new(records: Vec<&'a [f64]>, rate_hz: f64) -> Option<Self> {
+        let curve = |record: &&[f64]| {
+            let bridged = bridge(record);
+            allan::deviations(&bridged, rate_hz, DeviationKind::Overlapping, Grid::Octave).ok()
+        };
+        let curves: Option<Vec<_>> = records.iter().map(curve).collect();
+        let curve = allan::pooled(&curves?)?;
         Some(Self {
-            samples,
+            records,
             rate_hz,
-            allan,
+            allan: allan::fit_terms(&curve).ok()?,
+            curve,
         })
+    }
+
+    fn compared(&self, method: Method) -> Result<CompositeTerms, Unfit> {
+        method.fit(&self.end_to_end(), &self.curve, &self.allan)
+    }
+
+    /// The records end to end, straight lines over what is missing: of the products of samples, few are of two records.
+    fn end_to_end(&self) -> Vec<f64> {
+        self.records.iter().flat_map(|r| bridge(r)).collect()
     }
 }
 
 impl<'a> Fold<'a> {
-    fn new(record: &'a [f64], first: usize, rate_hz: f64) -> Option<Self> {
-        let half = Part::new(&record[..first], rate_hz)?;
-        Some(Self { half, record })
+    /// The first samples of a record to fit, the rest to score.
+    fn of_half(record: &'a [f64], first: usize, rate_hz: f64) -> Option<Self> {
+        Some(Self {
+            fitted: Part::new(vec![&record[..first]], rate_hz)?,
+            scored: vec![(record, first)],
+        })
+    }
+
+    /// The folds of records and the same reversed: of one its halves, of several one record after the other left
+    /// out (of many every second one), whose halves are scored both ways.
+    fn all(records: &[&'a [f64]], reversed: &'a [Vec<f64>], rate_hz: f64) -> Vec<Self> {
+        let middle = |record: &[f64]| record.len() / 2;
+        if let ([record], [backward]) = (records, reversed) {
+            let halves = [
+                Self::of_half(record, middle(record), rate_hz),
+                Self::of_half(backward, record.len() - middle(record), rate_hz),
+            ];
+            return halves.into_iter().flatten().collect();
+        }
+        let groups = match records.len() {
+            n if n <= LEFT_OUT_SINGLY => n,
+            _ => 2,
+        };
+        let fold = |group: usize| {
+            let (mut fitted, mut scored) = (Vec::new(), Vec::new());
+            for (k, (record, backward)) in records.iter().zip(reversed).enumerate() {
+                if k % groups == group {
+                    scored.push((*record, middle(record)));
+                    scored.push((backward.as_slice(), record.len() - middle(record)));
+                } else {
+                    fitted.push(*record);
+                }
+            }
+            let fitted = Part::new(fitted, rate_hz)?;
+            Some(Self { fitted, scored })
+        };
+        (0..groups).filter_map(fold).collect()
     }
 }
 
 impl Task<'_> {
-    /// The part of the record that a search over orders sees.
+    /// The part of the first record that a search over orders sees.
     fn searched(&self) -> &[f64] {
-        &self.record[..self.record.len().min(SEARCH_SAMPLES)]
+        let first = self.records[0];
+        &first[..first.len().min(SEARCH_SAMPLES)]
     }
 
     /// The candidate of a fit of the whole, scored on the halves; `None` where it makes no filter or cannot
     /// be fitted to each half.
     fn candidate(&self, recipe: Recipe, whole: Fitted, folds: &[Fold]) -> Option<Candidate> {
         let filter = whole.shaping(self.turn_on, self.rate_hz)?;
-        let scores = folds.iter().map(|fold| {
-            let found = recipe.fit(&fold.half, Some(&whole), &[])?;
+        let mut scores: Vec<Vec<HorizonScore>> = Vec::new();
+        for fold in folds {
+            let found = recipe.fit(&fold.fitted, Some(&whole), &[])?;
             let filter = found.shaping(self.turn_on, self.rate_hz)?;
-            let first = fold.half.samples.len();
-            drift_score::score(fold.record, first, &filter, &self.horizons).ok()
-        });
-        let scores: Vec<Vec<HorizonScore>> = scores.collect::<Option<_>>()?;
+            for (record, first) in &fold.scored {
+                let horizons = horizons(record.len(), self.rate_hz).ok()?;
+                scores.push(drift_score::score(record, *first, &filter, &horizons).ok()?);
+            }
+        }
         let warnings = match &whole.origin {
-            Origin::Allan | Origin::Burg => Vec::new(),
+            Origin::Allan | Origin::Burg | Origin::Compared(_) => Vec::new(),
             Origin::Arma(fit) => remarks::of_arma(fit),
             Origin::Composite(fit) => remarks::of_composite(fit),
         };
@@ -245,6 +324,7 @@ impl Task<'_> {
         };
         Some(Candidate {
             name: recipe.name(),
+            compared: recipe.is_compared(),
             states: filter.order,
             parameters: whole.parameters,
             aic: self.aic(&whole, recipe.parameters()),
@@ -262,16 +342,20 @@ impl Task<'_> {
     /// Akaike's criterion of block averages of the record, the same of every candidate; infinite without one.
     fn aic(&self, fitted: &Fitted, parameters: usize) -> f64 {
         let shortest = (COMPARED_S * self.rate_hz).round() as usize;
-        let block = self.record.len().div_ceil(COMPARED).max(shortest);
-        let likelihood = || {
+        let samples: usize = self.records.iter().map(|record| record.len()).sum();
+        let block = samples.div_ceil(COMPARED).max(shortest);
+        let likelihood = |filter: &ShapingFilter, record: &[f64]| {
+            let averages = composite::average_in_blocks(record, block).ok()?;
+            let likelihood = composite::log_likelihood(&averages, filter, Level::Estimated);
+            Some(likelihood.ok()?.restricted())
+        };
+        let likelihoods = || -> Option<f64> {
             let filter = fitted.shaping(0.0, self.rate_hz)?;
             let filter = composite::block_average(&filter, block).ok()?;
-            let averages = composite::average_in_blocks(self.record, block).ok()?;
-            composite::log_likelihood(&averages, &filter, Level::Estimated).ok()
+            let records = self.records.iter();
+            records.map(|record| likelihood(&filter, record)).sum()
         };
-        likelihood().map_or(f64::INFINITY, |l| {
-            2.0 * parameters as f64 - 2.0 * l.restricted()
-        })
+        likelihoods().map_or(f64::INFINITY, |sum| 2.0 * parameters as f64 - 2.0 * sum)
     }
 
     fn ljung_box(&self, fit: &ArmaFit) -> Option<f64> {
@@ -332,7 +416,7 @@ fn terms(set: TermSet, part: &Part, whole: Option<&Fitted>) -> Option<composite:
         start,
         ..composite::FitOptions::default()
     };
-    let fit = composite::fit(part.samples, 1.0 / part.rate_hz, set, &options).ok()?;
+    let fit = composite::fit_several(&part.records, 1.0 / part.rate_hz, set, &options).ok()?;
     let is_smaller = fit.flags.iter().any(|f| matches!(f, Flag::Vanished(_)));
     (whole.is_some() || !is_smaller).then_some(fit)
 }
@@ -352,7 +436,7 @@ fn arma_of(fit: ArmaFit, rate_hz: f64) -> (AxisModel, Origin) {
 }
 
 fn burg(p: usize, part: &Part) -> Option<AxisModel> {
-    let fit = arma::burg(&bridge(part.samples), p).ok()?;
+    let fit = arma::burg(&part.end_to_end(), p).ok()?;
     let arma = Arma {
         ar: fit.ar,
         ma: Vec::new(),
@@ -378,11 +462,12 @@ pub(super) fn candidates(task: &Task) -> Tried {
     // The averages of one sample are the ARMA(1,1) of the full rate.
     let blocks = &scales::BLOCKS[1..];
     let whole = Part {
-        samples: task.record,
+        records: task.records.clone(),
         rate_hz: task.rate_hz,
+        curve: task.curve.clone(),
         allan: task.allan,
     };
-    let scales = scales::identify(task.record, 1.0 / task.rate_hz, blocks, SCALE_EFFORT).ok();
+    let scales = scales::identify(task.records[0], 1.0 / task.rate_hz, blocks, SCALE_EFFORT).ok();
     let known = |(p, q)| {
         let fit = pandit_wu.as_ref().and_then(|table| table.fit((p, q)));
         let known = fit.iter().map(|fit| (fit.ar.clone(), fit.ma.clone()));
@@ -392,33 +477,38 @@ pub(super) fn candidates(task: &Task) -> Tried {
         Recipe::Arma(p, q) => recipe.fit(&whole, None, &known((p, q))),
         _ => recipe.fit(&whole, None, &[]),
     };
-    let reversed: Vec<f64> = task.record.iter().rev().copied().collect();
-    let middle = task.record.len() / 2;
-    let fold = |record, first| Fold::new(record, first, task.rate_hz);
-    let folds = [
-        fold(task.record, middle),
-        fold(&reversed, task.record.len() - middle),
-    ];
-    let folds: Vec<Fold> = folds.into_iter().flatten().collect();
+    let backward = |record: &&[f64]| record.iter().rev().copied().collect();
+    let reversed: Vec<Vec<f64>> = task.records.iter().map(backward).collect();
+    let folds = Fold::all(&task.records, &reversed, task.rate_hz);
     let recipes = recipes(task, pandit_wu.as_ref());
-    let candidates = recipes
+    let candidates: Vec<Candidate> = recipes
         .into_par_iter()
         .filter_map(|recipe| task.candidate(recipe, fit(recipe)?, &folds))
         .collect();
+    let missing = Method::ALL.into_iter().filter(|method| {
+        let name = method.candidate();
+        candidates.iter().all(|candidate| candidate.name != name)
+    });
+    let not_fitted = missing.filter_map(|method| {
+        let reason = whole.compared(method).err()?.to_string();
+        let name = method.candidate().to_owned();
+        Some(NotFitted { name, reason })
+    });
     let grid = with_effort(GRID_EFFORT);
     Tried {
         box_jenkins: arma::select(task.searched(), GRID_ORDER, GRID_ORDER, &grid).ok(),
         pandit_wu,
         scales,
+        not_fitted: not_fitted.collect(),
         candidates,
     }
 }
 
 /// Intervals of a candidate's parameters; none of one that is not a sum of terms.
 pub(super) fn intervals(task: &Task, of: &Candidate) -> Vec<ParameterInterval> {
-    let found = of
-        .composite()
-        .map(|fit| composite::intervals(task.record, 1.0 / task.rate_hz, fit, PROBABILITY));
+    let found = of.composite().map(|fit| {
+        composite::intervals_of_several(&task.records, 1.0 / task.rate_hz, fit, PROBABILITY)
+    });
     found.and_then(Result::ok).unwrap_or_default()
 }
 
@@ -459,6 +549,7 @@ fn recipes(task: &Task, table: Option<&PanditWu>) -> Vec<Recipe> {
     if let Ok(p) = arma::order_by_aicc(&bridged, MOST_AR) {
         list.push(Recipe::Burg(p.max(1)));
     }
+    list.extend(Method::ALL.map(Recipe::Compared));
     list
 }
 

@@ -40,6 +40,16 @@ pub(super) fn of_record(of: &Screened, samples: usize, rate_hz: f64) -> Vec<Stri
             grid.step / deviation
         ));
     }
+    if let Some(Err(why)) = &of.temperature {
+        remarks.push(format!("the temperature is not used: {why}"));
+    }
+    if of.missing > 0 {
+        remarks.push(format!(
+            "{} samples ({:.2} %) are missing",
+            of.missing,
+            100.0 * of.missing as f64 / samples as f64
+        ));
+    }
     if let Some(first) = of.outliers.first() {
         remarks.push(format!(
             "rejected {} samples more than {:.0} robust standard deviations off, the first at {:.2} s",

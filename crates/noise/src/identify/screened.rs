@@ -4,16 +4,17 @@ use super::{IdentifyError, Options, SHORTEST};
 use crate::normality::{self, Quantisation};
 use crate::screening::rounding::{self, FEWEST_OFF};
 use crate::screening::{
-    self, Detrended, Hanging, Motion, MotionRule, Outlier, OutlierRule, Saturation, Trend,
-    bridge::bridge,
+    self, Hanging, Motion, MotionRule, Outlier, OutlierRule, Saturation, Trend, bridge::bridge,
 };
 use crate::spectrum::{self, Line};
+use crate::temperature::{self, Estimate, Regressors, Temperature, TemperatureError};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// Equal samples in a row that a sensor at work does not give.
 const HANGING: usize = 1000;
 
-/// What was taken out beside the mean, by least squares over the whole record.
+/// What was taken out beside the mean and the effect of temperature.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "lowercase")]
@@ -21,17 +22,10 @@ pub enum Detrend {
     /// Nothing.
     #[default]
     Constant,
-    /// A straight line.
+    /// A straight line, by least squares over the whole record.
     Linear {
         /// Its slope \[unit/h\].
         slope_per_hour: f64,
-        /// Share of the variance that it explains.
-        explained: f64,
-    },
-    /// A multiple of the temperature.
-    Temperature {
-        /// The multiple \[unit/K\].
-        slope_per_kelvin: f64,
         /// Share of the variance that it explains.
         explained: f64,
     },
@@ -41,11 +35,15 @@ pub enum Detrend {
 pub(super) struct Screened {
     pub(super) mean: f64,
     pub(super) removed: Detrend,
+    /// The effect of temperature, or why it is unknown; taken out where it is determined.
+    pub(super) temperature: Option<Result<Estimate, TemperatureError>>,
     /// NaN where an outlier was.
     pub(super) cleaned: Vec<f64>,
     /// The same with straight lines over what is missing.
     pub(super) bridged: Vec<f64>,
     pub(super) outliers: Vec<Outlier>,
+    /// Samples that were missing.
+    pub(super) missing: usize,
     pub(super) motion: Option<Motion>,
     pub(super) saturation: Vec<Saturation>,
     pub(super) hanging: Vec<Hanging>,
@@ -67,16 +65,32 @@ impl Screened {
     }
 }
 
+/// Screens a record; NaN marks a missing sample.
 pub(super) fn screened(record: &[f64], options: &Options<'_>) -> Result<Screened, IdentifyError> {
-    let (plain, removed) = detrended(record, options)?;
-    let quantisation = normality::quantisation(record);
+    let missing = |k: &usize| record[*k].is_nan();
+    let left_out: Vec<usize> = (0..record.len()).filter(missing).collect();
+    let (present, whole) = match left_out.is_empty() {
+        true => (Cow::Borrowed(record), Cow::Borrowed(record)),
+        false => {
+            let present = record.iter().copied().filter(|x| !x.is_nan());
+            let present = Vec::from_iter(present);
+            let mean = present.iter().sum::<f64>() / present.len().max(1) as f64;
+            let about = Vec::from_iter(record.iter().map(|x| x - mean));
+            let whole = bridge(&about).into_iter().map(|x| x + mean);
+            (Cow::from(present), Cow::from(Vec::from_iter(whole)))
+        }
+    };
+    // What is constant has no trend: an error of its own.
+    screening::record::check_varying(&present, SHORTEST)?;
+    let (present, record) = (&*present, &*whole);
+    let quantisation = normality::quantisation(present);
     // By differences of neighbours, that a slow error over many steps does not matter.
-    let squares: f64 = record.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum();
-    let variance = 0.5 * squares / record.len() as f64;
+    let squares: f64 = present.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum();
+    let variance = 0.5 * squares / present.len() as f64;
     let coarse = quantisation.filter(|grid| grid.step * grid.step > variance);
     let mut hanging = HANGING;
     if let Some(grid) = coarse {
-        let (samples, off) = (record.len(), rounding::off_the_mode(record));
+        let (samples, off) = (present.len(), rounding::off_the_mode(present));
         if off < FEWEST_OFF {
             return Err(IdentifyError::Coarse {
                 step: grid.step,
@@ -92,7 +106,35 @@ pub(super) fn screened(record: &[f64], options: &Options<'_>) -> Result<Screened
         step: quantisation.map_or(0.0, |grid| grid.step),
         ..OutlierRule::default()
     };
-    let found = screening::outliers(&plain.residuals, rule)?;
+    let (mut removed, mut temperature) = (Detrend::Constant, None);
+    let plain = match (options.trend, options.temperature) {
+        (Trend::Linear, _) => {
+            let plain = screening::remove_linear(record)?;
+            removed = Detrend::Linear {
+                slope_per_hour: plain.slope * (options.rate_hz * 3600.0),
+                explained: plain.explained,
+            };
+            plain
+        }
+        (Trend::Temperature, Some(of_samples)) => {
+            let held = temperature::held(of_samples);
+            let found = held.and_then(|held| {
+                let found = estimated(record, &held, rule, 1.0 / options.rate_hz)?;
+                let rest = found.determined.then(|| less(record, &held, &found.effect));
+                Ok((rest, found))
+            });
+            let rest = found.as_ref().ok().and_then(|(rest, _)| rest.as_deref());
+            let plain = screening::remove_constant(rest.unwrap_or(record))?;
+            temperature = Some(found.map(|(_, found)| found));
+            plain
+        }
+        _ => screening::remove_constant(record)?,
+    };
+    let mut found = screening::outliers(&plain.residuals, rule)?;
+    found
+        .outliers
+        .retain(|one| left_out.binary_search(&one.index).is_err());
+    left_out.iter().for_each(|k| found.cleaned[*k] = f64::NAN);
     let bridged = bridge(&found.cleaned);
     let rule = MotionRule {
         window: (options.rate_hz.round() as usize).max(2),
@@ -102,40 +144,46 @@ pub(super) fn screened(record: &[f64], options: &Options<'_>) -> Result<Screened
     Ok(Screened {
         mean: plain.mean,
         removed,
+        temperature,
         cleaned: found.cleaned,
         motion: screening::motion(&bridged, rule).ok(),
         bridged,
         outliers: found.outliers,
-        saturation: screening::saturation(record),
+        missing: left_out.len(),
+        saturation: screening::saturation(present),
         hanging: screening::constant_runs(record, hanging),
         threshold: found.threshold,
         quantisation,
-        before_rounding: coarse.and_then(|grid| rounding::before_rounding(record, grid.step)),
+        before_rounding: coarse.and_then(|grid| rounding::before_rounding(present, grid.step)),
     })
 }
 
-/// The record less its trend, and what that was.
-fn detrended(record: &[f64], options: &Options<'_>) -> Result<(Detrended, Detrend), IdentifyError> {
-    // What is constant has no trend: an error of its own.
-    screening::record::check_varying(record, SHORTEST)?;
-    Ok(match (options.trend, options.temperature) {
-        (Trend::Linear, _) => {
-            let plain = screening::remove_linear(record)?;
-            let removed = Detrend::Linear {
-                slope_per_hour: plain.slope * (options.rate_hz * 3600.0),
-                explained: plain.explained,
-            };
-            (plain, removed)
-        }
-        (Trend::Temperature, Some(temperature)) => {
-            let plain = screening::remove_temperature(record, temperature);
-            let plain = plain.map_err(IdentifyError::Temperature)?;
-            let removed = Detrend::Temperature {
-                slope_per_kelvin: plain.slope,
-                explained: plain.explained,
-            };
-            (plain, removed)
-        }
-        _ => (screening::remove_constant(record)?, Detrend::Constant),
-    })
+/// The effect of temperature on what is left without outliers. These are known beside plain least squares, which are
+/// no estimate of the effect but leave less than it.
+fn estimated(
+    record: &[f64],
+    temperature_c: &[f64],
+    rule: OutlierRule,
+    interval: f64,
+) -> Result<Estimate, TemperatureError> {
+    let regressors = Regressors::new(record, temperature_c, interval)?;
+    let first = regressors.plain().ok_or(TemperatureError::NoFit)?;
+    let rest = less(record, temperature_c, &first);
+    let outliers = screening::remove_constant(&rest)
+        .and_then(|rest| screening::outliers(&rest.residuals, rule));
+    let outliers = outliers.map_err(|_| TemperatureError::NoFit)?.outliers;
+    if outliers.is_empty() {
+        return regressors.estimate();
+    }
+    let mut cleaned = record.to_vec();
+    for outlier in outliers {
+        cleaned[outlier.index] = f64::NAN;
+    }
+    Regressors::new(&cleaned, temperature_c, interval)?.estimate()
+}
+
+/// A record less the effect of its temperature.
+fn less(record: &[f64], temperature_c: &[f64], effect: &Temperature) -> Vec<f64> {
+    let samples = record.iter().zip(temperature_c);
+    samples.map(|(x, t)| x - effect.bias(*t)).collect()
 }

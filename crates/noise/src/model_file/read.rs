@@ -2,11 +2,12 @@
 
 use super::table::{Table, line_at};
 use super::{
-    AXES, Arma, AxisModel, FORMAT, ImuModel, Line, MAX_PROCESSES, ModelError, Provenance, VERSION,
-    group,
+    AXES, Arma, AxisModel, FORMAT, ImuModel, Line, MAX_PROCESSES, ModelError, Provenance,
+    Recording, VERSION, group,
 };
 use crate::composite::GaussMarkov;
 use crate::presets;
+use crate::temperature::Temperature;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 use undrift_nav::shaping::ShapingFilter;
@@ -28,7 +29,7 @@ const TOP_KEYS: [&str; 14] = [
     "accel_y",
     "accel_z",
 ];
-const AXIS_KEYS: [&str; 10] = [
+const AXIS_KEYS: [&str; 11] = [
     "white_noise",
     "bias_instability",
     "correlation_time",
@@ -38,11 +39,30 @@ const AXIS_KEYS: [&str; 10] = [
     "paper_sigma",
     "arma",
     "line",
+    "temperature",
     "identification",
 ];
 const LINE_KEYS: [&str; 3] = ["frequency", "amplitude", "width"];
+const TEMPERATURE_KEYS: [&str; 8] = [
+    "reference",
+    "lowest",
+    "highest",
+    "slope",
+    "slope_sigma",
+    "quadratic",
+    "quadratic_sigma",
+    "axes",
+];
 const ARMA_KEYS: [&str; 4] = ["rate", "ar", "ma", "sigma"];
-const PROVENANCE_KEYS: [&str; 5] = ["record", "rate", "samples", "sha256", "program"];
+const PROVENANCE_KEYS: [&str; 6] = [
+    "record",
+    "rate",
+    "samples",
+    "sha256",
+    "program",
+    "recording",
+];
+const RECORDING_KEYS: [&str; 3] = ["record", "samples", "sha256"];
 
 fn parse<'a>(text: &'a str, file: &str) -> Result<Spanned<DeTable<'a>>, ModelError> {
     DeTable::parse(text).map_err(|error| {
@@ -199,7 +219,22 @@ fn provenance(top: &Table<'_>) -> Result<Provenance, ModelError> {
         samples: table.whole("samples")?,
         sha256: table.text("sha256")?,
         program: table.text("program")?,
+        recordings: recordings(&table)?,
     })
+}
+
+fn recordings(provenance: &Table<'_>) -> Result<Vec<Recording>, ModelError> {
+    let tables = provenance.tables("recording")?;
+    let recording = |table: &Table<'_>| {
+        table.only(&RECORDING_KEYS)?;
+        let missing = || table.error("record", "missing; a recording needs its name");
+        Ok(Recording {
+            record: table.text("record")?.ok_or_else(missing)?,
+            samples: table.whole("samples")?,
+            sha256: table.text("sha256")?,
+        })
+    };
+    tables.iter().map(recording).collect()
 }
 
 fn axis_model(table: &Table<'_>, gyro: bool) -> Result<AxisModel, ModelError> {
@@ -225,6 +260,8 @@ fn axis_model(table: &Table<'_>, gyro: bool) -> Result<AxisModel, ModelError> {
     let lines = table.tables("line")?;
     let lines = lines.iter().map(|inside| line_of(inside, level));
     let lines = lines.collect::<Result<_, _>>()?;
+    let temperature = table.table("temperature")?;
+    let temperature = temperature.map(|inside| temperature_of(&inside, gyro));
     if white.is_none() && arma.is_none() {
         let example = noise.examples();
         let message =
@@ -239,6 +276,7 @@ fn axis_model(table: &Table<'_>, gyro: bool) -> Result<AxisModel, ModelError> {
         random_walk: table.measure("random_walk", walk)?,
         arma,
         lines,
+        temperature: temperature.transpose()?,
         paper_sigma: table.measure("paper_sigma", level)?,
         identification: table.free("identification")?,
     })
@@ -285,6 +323,49 @@ fn line_of(table: &Table<'_>, level: Quantity) -> Result<Line, ModelError> {
         frequency_hz: needed(table, "frequency", Quantity::Frequency, "a line")?,
         amplitude: needed(table, "amplitude", level, "a line")?,
         width_hz: table.measure("width", Quantity::Frequency)?.unwrap_or(0.0),
+    })
+}
+
+fn temperature_of(table: &Table<'_>, gyro: bool) -> Result<Temperature, ModelError> {
+    table.only(&TEMPERATURE_KEYS)?;
+    let (slope, quadratic) = match gyro {
+        true => (Quantity::RatePerKelvin, Quantity::RatePerKelvin2),
+        false => (
+            Quantity::AccelerationPerKelvin,
+            Quantity::AccelerationPerKelvin2,
+        ),
+    };
+    let missing = |key: &str, example: &str| {
+        let message = format!("missing; a temperature table needs {key}, such as {example}");
+        table.error(key, message)
+    };
+    let celsius = |key| {
+        let found = table.celsius(key)?;
+        found.ok_or_else(|| missing(key, "\"25 degC\""))
+    };
+    let (reference_c, range_c) = (
+        celsius("reference")?,
+        [celsius("lowest")?, celsius("highest")?],
+    );
+    let [lowest, highest] = range_c;
+    if !(lowest < highest && (lowest..=highest).contains(&reference_c)) {
+        let message = "must be above lowest, and reference between them";
+        return Err(table.error("highest", message));
+    }
+    let body_axes = match table.text("axes")?.as_deref() {
+        None | Some("sensor") => false,
+        Some("body") => true,
+        Some(_) => return Err(table.error("axes", "must be \"sensor\" or \"body\"")),
+    };
+    let found = table.signed("slope", slope)?;
+    Ok(Temperature {
+        reference_c,
+        range_c,
+        slope: found.ok_or_else(|| missing("slope", slope.examples()))?,
+        slope_sigma: table.measure("slope_sigma", slope)?.unwrap_or(0.0),
+        quadratic: table.signed("quadratic", quadratic)?.unwrap_or(0.0),
+        quadratic_sigma: table.measure("quadratic_sigma", quadratic)?.unwrap_or(0.0),
+        body_axes,
     })
 }
 

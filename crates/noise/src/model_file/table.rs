@@ -1,6 +1,7 @@
 //! A table of a TOML file whose keys know their line, and the reading of single keys with messages.
 
 use super::ModelError;
+use crate::temperature::celsius;
 use serde::Deserialize;
 use toml::{
     Spanned,
@@ -178,11 +179,32 @@ impl<'a> Table<'a> {
             .transpose()
     }
 
+    /// A number with its unit.
+    pub(super) fn signed(&self, key: &str, quantity: Quantity) -> Result<Option<f64>, ModelError> {
+        #[cfg(test)]
+        page::note(&self.path, key, Takes::Quantity(quantity));
+        let read = self.get(key).map(|value| with_unit(value, quantity));
+        read.transpose().map_err(|message| self.error(key, message))
+    }
+
+    /// A temperature with its unit [°C].
+    pub(super) fn celsius(&self, key: &str) -> Result<Option<f64>, ModelError> {
+        let read = |text: String| {
+            celsius(&text).ok_or_else(|| {
+                self.error(
+                    key,
+                    format!("{text:?}: must be such as \"25 degC\" or \"298 K\""),
+                )
+            })
+        };
+        self.text(key)?.map(read).transpose()
+    }
+
     /// A number with its unit, not negative.
     pub(super) fn measure(&self, key: &str, quantity: Quantity) -> Result<Option<f64>, ModelError> {
         #[cfg(test)]
         page::note(&self.path, key, Takes::Quantity(quantity));
-        let read = self.get(key).map(|value| with_unit(value, quantity));
+        let read = self.get(key).map(|value| not_negative(value, quantity));
         read.transpose().map_err(|message| self.error(key, message))
     }
 
@@ -194,9 +216,9 @@ impl<'a> Table<'a> {
             None => Ok(Vec::new()),
             Some(DeValue::Array(items)) => items
                 .iter()
-                .map(|item| with_unit(item.get_ref(), quantity))
+                .map(|item| not_negative(item.get_ref(), quantity))
                 .collect(),
-            Some(one) => with_unit(one, quantity).map(|one| vec![one]),
+            Some(one) => not_negative(one, quantity).map(|one| vec![one]),
         };
         read.map_err(|message| self.error(key, message))
     }
@@ -226,16 +248,23 @@ impl<'a> Table<'a> {
     }
 }
 
-/// The number of a value with its unit in `quantity`'s SI unit, not negative; or what is wrong.
+/// [`with_unit`], not negative.
+fn not_negative(value: &DeValue, quantity: Quantity) -> Result<f64, String> {
+    match (value, with_unit(value, quantity)?) {
+        (_, number) if number >= 0.0 => Ok(number),
+        (DeValue::String(text), _) => Err(format!(
+            "{text:?} must not be negative; remove the minus sign"
+        )),
+        _ => Err("is negative".into()),
+    }
+}
+
+/// The number of a value with its unit in `quantity`'s SI unit; or what is wrong.
 fn with_unit(value: &DeValue, quantity: Quantity) -> Result<f64, String> {
     match value {
-        DeValue::String(text) => match units::parse(text, quantity) {
-            Ok(value) if value >= 0.0 => Ok(value),
-            Ok(_) => Err(format!(
-                "{text:?} must not be negative; remove the minus sign"
-            )),
-            Err(error) => Err(format!("{text:?}: {error}")),
-        },
+        DeValue::String(text) => {
+            units::parse(text, quantity).map_err(|error| format!("{text:?}: {error}"))
+        }
         DeValue::Integer(_) | DeValue::Float(_) => Err(format!(
             "the number needs a unit: write {} as a string such as {}",
             quantity.name(),

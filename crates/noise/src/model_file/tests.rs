@@ -20,7 +20,10 @@ fn the_schema_of_a_model_file_is_what_its_reader_takes() {
             "1 mg"
         };
         let line = format!("line = [{{ frequency = \"7 Hz\", amplitude = \"{sigma}\" }}]");
-        format!("[{name}]\n{ARMA}\"{sigma}\" }}\n{line}\nidentification = {{}}\n")
+        let temperature = format!(
+            "temperature = {{ reference = \"25 degC\", lowest = \"9 degC\", highest = \"300 K\", slope = \"{sigma}/K\" }}"
+        );
+        format!("[{name}]\n{ARMA}\"{sigma}\" }}\n{line}\n{temperature}\nidentification = {{}}\n")
     };
     for names in [&["gyro", "accel"][..], &AXES] {
         let axes: String = names.iter().map(|name| axis(name)).collect();
@@ -30,7 +33,15 @@ fn the_schema_of_a_model_file_is_what_its_reader_takes() {
     let page = std::fs::read_to_string(root.join("docs/imu-file.md")).unwrap();
     let mut rows = rows(&page);
     rows.retain(|(table, _), _| {
-        ["", "provenance", "Keys of an axis", "arma", "line"].contains(&table.as_str())
+        [
+            "",
+            "provenance",
+            "Keys of an axis",
+            "arma",
+            "line",
+            "temperature",
+        ]
+        .contains(&table.as_str())
     });
     let described = |table: &str| match table.split_once('.') {
         Some((_, inside)) => inside.to_owned(),

@@ -11,13 +11,15 @@ use undrift_nav::units::{self, Quantity};
 use value::{as_key, filled, text};
 
 /// The units written: level at turn-on and in ARMA, slow bias, white noise, random walk, rounding of
-/// the integrated signal.
+/// the integrated signal, slope and quadratic over temperature.
 struct Units {
     slow: (&'static str, Quantity),
     level: (&'static str, Quantity),
     noise: (&'static str, Quantity),
     walk: (&'static str, Quantity),
     rounding: (&'static str, Quantity),
+    slope: (&'static str, Quantity),
+    quadratic: (&'static str, Quantity),
 }
 
 const GYRO: Units = Units {
@@ -26,6 +28,8 @@ const GYRO: Units = Units {
     noise: ("deg/sqrt(h)", Quantity::AngleRandomWalk),
     walk: ("deg/h/sqrt(h)", Quantity::RateRandomWalk),
     rounding: ("deg", Quantity::Angle),
+    slope: ("deg/h/K", Quantity::RatePerKelvin),
+    quadratic: ("deg/h/K^2", Quantity::RatePerKelvin2),
 };
 const ACCEL: Units = Units {
     level: ("mg", Quantity::Acceleration),
@@ -33,6 +37,8 @@ const ACCEL: Units = Units {
     noise: ("m/s/sqrt(h)", Quantity::VelocityRandomWalk),
     walk: ("mg/sqrt(h)", Quantity::AccelerationRandomWalk),
     rounding: ("m/s", Quantity::Velocity),
+    slope: ("ug/K", Quantity::AccelerationPerKelvin),
+    quadratic: ("ug/K^2", Quantity::AccelerationPerKelvin2),
 };
 
 const HERTZ: (&str, Quantity) = ("Hz", Quantity::Frequency);
@@ -57,6 +63,18 @@ pub(super) fn to_text(model: &ImuModel) -> String {
         ];
         for (key, value) in entries {
             value.iter().for_each(|value| line(&mut out, key, value));
+        }
+        for recording in &p.recordings {
+            out.push_str("\n[[provenance.recording]]\n");
+            line(&mut out, "record", &text("record", &recording.record));
+            let samples = recording.samples.map(|samples| samples.to_string());
+            let entries = [
+                ("sha256", known("sha256", &recording.sha256)),
+                ("samples", samples),
+            ];
+            for (key, value) in entries {
+                value.iter().for_each(|value| line(&mut out, key, value));
+            }
         }
     }
     for (group, axes, units, names) in [
@@ -118,6 +136,25 @@ fn axis(out: &mut String, name: &str, axis: &AxisModel, units: &Units) {
         line(out, "amplitude", &measure(of.amplitude, units.level));
         if of.width_hz > 0.0 {
             line(out, "width", &measure(of.width_hz, HERTZ));
+        }
+    }
+    if let Some(of) = &axis.temperature {
+        let _ = writeln!(out, "\n[{name}.temperature]");
+        let celsius = |value| format!("\"{} degC\"", six_digits(value));
+        line(out, "reference", &celsius(of.reference_c));
+        line(out, "lowest", &celsius(of.range_c[0]));
+        line(out, "highest", &celsius(of.range_c[1]));
+        line(out, "slope", &measure(of.slope, units.slope));
+        let entries = [
+            ("slope_sigma", of.slope_sigma, units.slope),
+            ("quadratic", of.quadratic, units.quadratic),
+            ("quadratic_sigma", of.quadratic_sigma, units.quadratic),
+        ];
+        for (key, value, unit) in entries.into_iter().filter(|(_, value, _)| *value != 0.0) {
+            line(out, key, &measure(value, unit));
+        }
+        if of.body_axes {
+            line(out, "axes", &text("axes", "body"));
         }
     }
     if !axis.identification.is_empty() {

@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 #[serde(rename_all = "snake_case")]
 pub enum Trend {
     /// The mean alone.
-    #[default]
     Constant,
     /// A straight line.
     Linear,
-    /// The mean and a multiple of the temperature.
+    /// The mean and, where the record has a temperature, what follows it ([`crate::temperature`]).
+    #[default]
     Temperature,
 }
 

@@ -3,6 +3,7 @@
 use crate::common::generators::{seeded, stable};
 use proptest::prelude::*;
 use undrift_noise::model_file::{Line, MAX_PROCESSES};
+use undrift_noise::temperature::Temperature;
 use undrift_noise::{Arma, AxisModel, BiasModel, GaussMarkov, ImuModel, Provenance};
 
 /// A positive number of any usual size.
@@ -55,6 +56,17 @@ prop_compose! {
 }
 
 prop_compose! {
+    fn temperature()(
+        lowest in -40.0..20.0f64, reference in 25.0..40.0f64, highest in 45.0..85.0f64,
+        slope in prop_oneof![level(), level().prop_map(|x| -x)], slope_sigma in level(),
+        quadratic in level().prop_map(|x| -x), quadratic_sigma in level(), body_axes in any::<bool>(),
+    ) -> Temperature {
+        let range_c = [lowest, highest];
+        Temperature { reference_c: reference, range_c, slope, slope_sigma, quadratic, quadratic_sigma, body_axes }
+    }
+}
+
+prop_compose! {
     fn axis()(
         turn_on in level(),
         white in level(),
@@ -63,6 +75,7 @@ prop_compose! {
         random_walk in prop::option::of(level()),
         arma in prop::option::of(arma()),
         lines in prop::collection::vec(line(), 0..3),
+        temperature in prop::option::of(temperature()),
         paper_sigma in prop::option::of(level()),
         identification in prop::collection::hash_map(text(), value(), 0..4),
         whether in any::<bool>(),
@@ -76,6 +89,7 @@ prop_compose! {
             random_walk,
             arma,
             lines,
+            temperature,
             paper_sigma,
             identification: identification.into_iter().collect(),
         }
@@ -91,7 +105,7 @@ prop_compose! {
     ) -> ImuModel {
         let mut model = ImuModel::default();
         (model.name, model.source) = (name, source);
-        model.provenance = Provenance { record, rate_hz, samples, sha256: None, program };
+        model.provenance = Provenance { record, rate_hz, samples, program, ..Provenance::default() };
         let [_, gy, gz, ax, ay, az] = axes;
         model.gyro = [first.clone(), gy.unwrap_or_default(), gz.unwrap_or_default()];
         if alike {
@@ -140,6 +154,14 @@ proptest! {
                 prop_assert_eq!((a.ar.len(), a.ma.len()), (b.ar.len(), b.ma.len()));
                 prop_assert!(a_all.zip(b_all).all(|(a, b)| same(*a, *b)));
                 prop_assert!(same(a.sigma, b.sigma) && same(a.rate_hz, b.rate_hz));
+            }
+            let numbers = |t: &Temperature| [
+                t.reference_c, t.range_c[0], t.range_c[1], t.slope, t.slope_sigma, t.quadratic, t.quadratic_sigma,
+            ];
+            prop_assert_eq!(a.temperature.is_some(), b.temperature.is_some());
+            if let (Some(a), Some(b)) = (&a.temperature, &b.temperature) {
+                prop_assert!(numbers(a).iter().zip(numbers(b)).all(|(a, b)| same(*a, b)), "{a:?} {b:?}");
+                prop_assert_eq!(a.body_axes, b.body_axes);
             }
             prop_assert_eq!(&a.identification, &b.identification);
         }

@@ -41,6 +41,8 @@ class Candidate(Result):
     """Standard errors of these."""
     parameters: Mapping[str, Any] = field(repr=False)
     """All that was found of it, as in :attr:`Identified.data`."""
+    compared: bool
+    """Whether it is a method of the literature, scored for comparison and never recommended."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -174,7 +176,7 @@ def identify(
     units: str | tuple[str, str] | None = None,
     topic: str | None = None,
     n_max: int = 2,
-    detrend: str = "constant",
+    detrend: str = "temperature",
     force: bool = False,
 ) -> Identified:
     """Identifies how a sensor errs from a record of it at rest.
@@ -183,9 +185,12 @@ def identify(
     arrays); or an array, of one axis (then ``axis`` names it) or of n × 6 columns in the order of
     gyro x, y, z, accelerometer x, y, z, in SI units. ``columns`` and ``units``, ``"deg/s,g"``, are
     found from the names of columns where possible; ``rate`` [Hz] by the time stamps, if there are any.
-    ``detrend`` is constant, linear or temperature; ``n_max`` the largest n of ARMA(2n, 2n−1) in the
+    ``detrend`` is constant, linear or temperature (the bias over temperature, where the record has a column of it); ``n_max`` the largest n of ARMA(2n, 2n−1) in the
     Pandit-Wu table. What is no static recording is refused; ``force`` identifies it anyway.
     docs/identify.md has the steps.
+
+    A list or tuple of records, one for each time that a sensor was switched on, makes one model: ``data["pool"]`` has
+    the spread of the turn-on constants and the records that differ.
     """
     if isinstance(units, str):
         parts = [part.strip() for part in units.split(",")]
@@ -194,17 +199,21 @@ def identify(
                 'units takes the gyros\' and the accelerometers\' unit, for instance "deg/s,g"'
             )
         units = (parts[0], parts[-1])
-    memory: list[tuple[str, Floats]] | None = None
-    path: str | os.PathLike[str] = "<record>"
-    if isinstance(record, (str, os.PathLike)):
-        path = record
-    elif isinstance(record, np.ndarray) and record.dtype.names is None:
-        memory = _bare(record, axis)
-        units = units or ("rad/s", "m/s^2")
-    else:
-        memory = columns_of(record)
+    several = record if isinstance(record, (list, tuple)) else [record]
+    if not several:
+        raise _undrift.UndriftError("no record to identify")
+    records: list[tuple[str | os.PathLike[str], list[tuple[str, Floats]] | None]] = []
+    for number, one in enumerate(several, 1):
+        name = "<record>" if len(several) == 1 else f"<record {number}>"
+        if isinstance(one, (str, os.PathLike)):
+            records.append((one, None))
+        elif isinstance(one, np.ndarray) and one.dtype.names is None:
+            records.append((name, _bare(one, axis)))
+            units = units or ("rad/s", "m/s^2")
+        else:
+            records.append((name, columns_of(one)))
     found = _undrift.identify(
-        path, memory, list(columns), axis, units, topic, rate, n_max, detrend, force
+        records, list(columns), axis, units, topic, rate, n_max, detrend, force
     )
     text = found.json()
     told = json.loads(text)
@@ -215,7 +224,13 @@ def identify(
             failed[name] = of_axis["error"]
         else:
             done[name] = _axis(of_axis)
+    pool = told.get("pool") or {"axes": {}}
     said = [f"{name}: {why}" for name, why in failed.items()]
+    said += [
+        f"{differing['record']}: {name} differs from the other records"
+        for name, one in pool["axes"].items()
+        for differing in one["differing"]
+    ]
     said += [f"{name}: {warning}" for name, one in done.items() for warning in one.warnings]
     return Identified(
         axes=done,
@@ -284,4 +299,5 @@ def _candidate(told: dict[str, Any]) -> Candidate:
         drift=told["drift_score"],
         drift_error=told["drift_score_error"],
         parameters=told,
+        compared=told["compared"],
     )

@@ -99,8 +99,7 @@ class Identified:
     def model(self, base: NoiseModel | None = None) -> NoiseModel: ...
 
 def identify(
-    path: Path,
-    memory: Sequence[tuple[str, Floats]] | None,
+    records: Sequence[tuple[Path, Sequence[tuple[str, Floats]] | None]],
     columns: list[str | int],
     axis: str | None,
     units: tuple[str, str] | None,

@@ -41,6 +41,7 @@ pub(super) fn of_axis(name: &str, axis: &Axis) -> Option<Section> {
         pandit_wu(name, axis).block(),
         adequacy(name, axis).block(),
         candidates(name, axis, unit).block(),
+        text(of_others(axis)),
         parameters(name, axis).block(),
     ];
     Section::of(&capital(&super::spoken(name)), blocks.into_iter().flatten())
@@ -229,6 +230,21 @@ fn ranked(axis: &Axis) -> Vec<Ranked<'_>> {
     ranked.into_iter().map(|c| (c, chosen(c))).collect()
 }
 
+/// Its name, with a star if it is there for comparison alone.
+fn starred(candidate: &Candidate) -> String {
+    let star = if candidate.compared { " *" } else { "" };
+    format!("{}{star}", candidate.name)
+}
+
+/// What the star means, and which of the methods of the literature have no model, in sentences.
+pub(crate) fn of_others(axis: &Axis) -> Vec<String> {
+    let star = axis.candidates.iter().any(|c| c.compared);
+    let star = star.then(|| "* as others fit it, for comparison: never recommended.".to_owned());
+    let missing = axis.not_fitted.iter();
+    let missing = missing.map(|method| format!("No {}: {}.", method.name, method.reason));
+    star.into_iter().chain(missing).collect()
+}
+
 /// Adds a column of the drift after each horizon.
 fn add_drift(table: &mut Table, ranked: &[Ranked<'_>], cell: impl Fn(&Candidate, &str) -> Cell) {
     let Some((first, _)) = ranked.first() else {
@@ -260,7 +276,7 @@ fn candidates(name: &str, axis: &Axis, unit: &Units) -> Table {
         &ranked,
         &[
             ("model", &|(c, chosen)| {
-                Cell::from(&c.name).strong_if(*chosen)
+                Cell::from(starred(c)).strong_if(*chosen)
             }),
             ("states", &|(c, _)| c.states.into()),
             ("parameters", &|(c, _)| c.parameters.into()),
@@ -304,7 +320,7 @@ pub(crate) fn drift_table(name: &str, axis: &Axis) -> Table {
         &ranked,
         &[(&head, &|(c, chosen)| {
             let arrow = if *chosen { "→" } else { " " };
-            Cell::from(format!("{arrow} {}", c.name)).strong_if(*chosen)
+            Cell::from(format!("{arrow} {}", starred(c))).strong_if(*chosen)
         })],
     );
     add_drift(&mut rows, &ranked, |candidate, key| {

@@ -41,6 +41,33 @@ pub(super) fn always(axis: usize, value: f64, samples: u64) -> String {
     )
 }
 
+/// Samples corrected for temperature, those without one, and those at temperatures that the model's recording did not cover.
+pub(super) fn temperature(
+    [corrected, without, beyond]: [u64; 3],
+    without_from: Option<f64>,
+    seen_c: Option<[f64; 2]>,
+) -> String {
+    let Some([low, high]) = seen_c else {
+        return "the model's temperature correction is not used: the inertial log has no temperature".into();
+    };
+    let mut text = format!("corrected for temperature ({low:.1} to {high:.1} °C)");
+    if let Some(from) = without_from {
+        let total = corrected + without;
+        let share = 100.0 * without as f64 / total as f64;
+        text += &format!(
+            ", but not {share:.2} % of the samples, from {} s on, which have no temperature within a minute",
+            at(from)
+        );
+    }
+    if beyond > 0 {
+        let share = 100.0 * beyond as f64 / corrected as f64;
+        text += &format!(
+            "; {share:.0} % of it is extrapolated beyond the temperatures of the model's recording: record a wider range"
+        );
+    }
+    text
+}
+
 pub(super) fn wrong_gravity(ratio: f64) -> String {
     format!(
         "the accelerometers measure {} times gravity on average: check {}",

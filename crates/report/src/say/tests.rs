@@ -55,6 +55,26 @@ fn every_finding_has_its_sentence() {
         ),
         (Finding::Bridged { gaps: 1 }, "bridged 1 short gap between samples"),
         (
+            Finding::Temperature {
+                corrected: 0,
+                without: 9,
+                without_from: Some(1.0),
+                beyond: 0,
+                seen_c: None,
+            },
+            "the model's temperature correction is not used: the inertial log has no temperature",
+        ),
+        (
+            Finding::Temperature {
+                corrected: 90,
+                without: 10,
+                without_from: Some(12.5),
+                beyond: 45,
+                seen_c: Some([20.0, 31.25]),
+            },
+            "corrected for temperature (20.0 to 31.2 °C), but not 10.00 % of the samples, from 12.5 s on, which have no temperature within a minute; 50 % of it is extrapolated beyond the temperatures of the model's recording: record a wider range",
+        ),
+        (
             Finding::LongGaps {
                 gaps: 2,
                 first: 20.0,

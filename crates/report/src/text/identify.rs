@@ -5,7 +5,11 @@ mod terms;
 pub(crate) use terms::bounds;
 
 use crate::{
-    identify::{adequacy_line, drift_table, identified, lines, pandit_wu, tests, units},
+    Table,
+    identify::{
+        adequacy_line, drift_table, identified, lines, of_others, pandit_wu, pool, temperatures,
+        tests, units,
+    },
     plain::{Mark, plain_table},
 };
 use std::fmt::Write as _;
@@ -14,7 +18,9 @@ use undrift::results::{Axis, Detrend, Identify};
 /// Whether the record serves and the terms of each axis' model; `details` puts the tests and candidates of each
 /// axis before.
 pub fn identify(result: &Identify, details: bool, mark: Mark) -> String {
-    let verdict = wrapped(&terms::verdict(result));
+    let alarm = result.pool.as_ref().and_then(pool::not_one);
+    let verdict = alarm.map_or(String::new(), |text| wrapped(&text));
+    let verdict = verdict + &wrapped(&terms::verdict(result));
     let lines = lines(identified("", result));
     let lines = match lines.rows.is_empty() {
         true => String::new(),
@@ -23,11 +29,46 @@ pub fn identify(result: &Identify, details: bool, mark: Mark) -> String {
             plain_table(&lines, mark)
         ),
     };
-    let terms = terms::table(result, mark) + &lines;
+    let temperatures = temperatures(identified("", result));
+    let temperatures = match temperatures.rows.is_empty() {
+        true => String::new(),
+        false => format!(
+            "\nBias over temperature, 95 % intervals:\n{}",
+            plain_table(&temperatures, mark)
+        ),
+    };
+    let terms =
+        terms::table(result, mark) + &temperatures + &lines + &several(result, details, mark);
     match details {
         true => format!("{verdict}\n{}\n{terms}", every_axis(result, mark)),
         false => format!("{verdict}\n{terms}"),
     }
+}
+
+/// What several records show beyond their model; `details` puts the records of each axis first.
+fn several(result: &Identify, details: bool, mark: Mark) -> String {
+    let Some(pool) = &result.pool else {
+        return String::new();
+    };
+    let table = |caption: &str, table: Table| match table.rows.is_empty() {
+        true => String::new(),
+        false => format!("\n{caption}\n{}", plain_table(&table, mark)),
+    };
+    let records = match details {
+        true => table(
+            "Each recording against the others:",
+            pool::records("", pool),
+        ),
+        false => String::new(),
+    };
+    let count = pool.records.len();
+    let spread = table(
+        &format!("Turn-on constants of {count} switch-ons:"),
+        pool::turn_on("", pool),
+    );
+    let notes = pool::of_constants(pool);
+    let notes: String = notes.iter().map(|note| wrapped(note)).collect();
+    records + &spread + &notes
 }
 
 /// Characters of a line.
@@ -67,17 +108,15 @@ fn of_axis(name: &str, axis: &Axis, mark: Mark) -> String {
         Detrend::Linear {
             slope_per_hour,
             explained,
-        } => Some(("a slope of ", slope_per_hour, "an hour", explained)),
-        Detrend::Temperature {
-            slope_per_kelvin,
-            explained,
-        } => Some(("", slope_per_kelvin, "a kelvin", explained)),
+        } => Some((slope_per_hour, explained)),
     };
     let mut lines = Vec::new();
-    lines.extend(removed.map(|(what, slope, per, explained)| {
+    lines.extend(removed.map(|(slope, explained)| {
         let (slope, explained) = (slope * unit.scale, 100.0 * explained);
         let sample = unit.sample;
-        format!("Removed: {what}{slope:.3e} {sample} {per}, {explained:.2} % of the variance")
+        format!(
+            "Removed: a slope of {slope:.3e} {sample} an hour, {explained:.2} % of the variance"
+        )
     }));
     lines.push(axis.stationarity.clone());
     lines.push(format!(
@@ -96,6 +135,7 @@ fn of_axis(name: &str, axis: &Axis, mark: Mark) -> String {
     }));
     let candidates = plain_table(&drift_table(name, axis), mark);
     lines.extend(candidates.lines().map(str::to_owned));
+    lines.extend(of_others(axis));
     lines.extend(axis.chosen.reason.clone());
     let bounds = terms::bounds(name, axis);
     lines.extend(bounds.iter().map(|bound| {

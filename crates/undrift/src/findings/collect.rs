@@ -9,7 +9,7 @@ use crate::{
 };
 use undrift_io::{
     held::Held,
-    imu::GapSummary,
+    imu::{GapSummary, ThermalSummary},
     skipped::{SetBack, SkipKind, Skipped},
 };
 use undrift_nav::{Matrix3, Vector3, covariance::AXES};
@@ -61,6 +61,18 @@ pub fn of_health(summary: &Summary) -> Vec<Finding> {
 const DISORDER: u64 = 10;
 /// Share of the vertical in the axis of the gyro that is nearest to it.
 const VERTICAL: f64 = 0.7;
+
+/// Samples that should have been corrected for temperature and were not, or were by extrapolation.
+pub fn of_temperature(seen: Option<ThermalSummary>) -> Option<Finding> {
+    let seen = seen.filter(|seen| seen.without > 0 || seen.beyond > 0);
+    seen.map(|seen| Finding::Temperature {
+        corrected: seen.corrected,
+        without: seen.without,
+        without_from: seen.without_from,
+        beyond: seen.beyond,
+        seen_c: seen.seen_c,
+    })
+}
 
 /// Axes of the IMU that held a value, where `rotation` is from the sensor's axes to the body's; a frozen log is one finding.
 pub fn of_held(held: &[Held], rotation: &Matrix3) -> Vec<Finding> {

@@ -2,7 +2,6 @@
 
 mod choice;
 
-pub(super) use choice::ZERO_CELSIUS;
 pub use choice::{Choice, Verb};
 
 use super::{Job, Task};

@@ -1,18 +1,15 @@
 //! One log into its outcome.
 
-use super::{
-    FleetOutcome, Job, Plan, RecordSettings, Row, Task, inputs, manifest::ZERO_CELSIUS,
-    outcome::HORIZONS,
-};
+use super::{FleetOutcome, Job, Plan, RecordSettings, Row, Task, inputs, outcome::HORIZONS};
 use crate::{
-    columns::{Meaning, meaning},
     drive::{Drive, read_text},
     findings::{self, Finding, Log},
-    identify::{self, Trend},
+    identify,
     navigate::{self, Wanted},
     outages::{Logs, ScheduleError},
     record,
     reference::Errors,
+    temperature,
     tune::{
         self,
         noise::{WALK, WHITE},
@@ -25,11 +22,7 @@ use std::{
     panic::{AssertUnwindSafe, catch_unwind},
     path::{Path, PathBuf},
 };
-use undrift_io::{
-    Opened, ReadError,
-    imu::ImuSource,
-    table::{Column, TableOptions},
-};
+use undrift_io::{Opened, ReadError, imu::ImuSource, table::TableOptions};
 use undrift_noise::{BiasModel, ImuModel, model_file::AXES};
 
 /// Works a job out. Nothing but the job and the files that it names bears on the outcome; whatever goes
@@ -168,19 +161,11 @@ fn load(job: &Job, outcome: &mut FleetOutcome) -> Result<Drive, Failure> {
 /// Mean of a table's column of temperatures [°C], if its header names one.
 fn mean_temperature(path: &Path) -> Result<Option<f64>, ReadError> {
     let mut opened = Opened::open(path)?;
-    let header = opened.preview(0)?.header;
-    let found = header
-        .iter()
-        .enumerate()
-        .find_map(|(place, name)| match meaning(name) {
-            Some((Meaning::Temperature, unit)) => Some((place, unit)),
-            _ => None,
-        });
-    let Some((place, unit)) = found else {
+    let Some(column) = temperature::of_table(&mut opened)? else {
         return Ok(None);
     };
     let options = TableOptions {
-        columns: vec![("temperature".into(), Column::Number(place + 1))],
+        columns: vec![("temperature".into(), column.column)],
         ..TableOptions::default()
     };
     let mut table = opened.table(&options)?;
@@ -189,13 +174,7 @@ fn mean_temperature(path: &Path) -> Result<Option<f64>, ReadError> {
         sum += row[0];
         count += 1;
     }
-    Ok(mean_celsius(sum, count, unit.as_deref()))
-}
-
-/// A mean of temperatures [°C].
-fn mean_celsius(sum: f64, count: u64, unit: Option<&str>) -> Option<f64> {
-    let zero = if unit == Some("K") { ZERO_CELSIUS } else { 0.0 };
-    (count > 0).then(|| sum / count as f64 - zero)
+    Ok((count > 0).then(|| sum / count as f64 - column.zero))
 }
 
 fn number(value: f64) -> Option<f64> {
@@ -336,19 +315,10 @@ fn identify(
     outcome: &mut FleetOutcome,
 ) -> Result<(), Failure> {
     let path = job.path();
-    let mut opened = Opened::open(&path)?;
-    let header = opened.preview(0).unwrap_or_default().header;
-    let unit = header.iter().find_map(|name| match meaning(name) {
-        Some((Meaning::Temperature, unit)) => Some(unit),
-        _ => None,
-    });
-    let wanted = settings.detrend == Trend::Temperature || unit.is_some();
-    let record = record::read(opened, &settings.format(wanted))?;
-    if let (None, Some(unit), Some(values)) =
-        (outcome.temperature_c, unit, record.temperature.as_ref())
-    {
-        let count = values.len() as u64;
-        outcome.temperature_c = mean_celsius(values.iter().sum(), count, unit.as_deref());
+    let record = record::read(Opened::open(&path)?, &settings.format())?;
+    if let (None, Some(values)) = (outcome.temperature_c, &record.temperature) {
+        let known = || values.iter().filter(|t| t.is_finite());
+        outcome.temperature_c = Some(known().sum::<f64>() / known().count() as f64);
     }
     let skipped = (Log::Recording, &record.skipped);
     outcome.findings.extend(findings::of_skipped(&[skipped]));
@@ -358,6 +328,7 @@ fn identify(
     if let Some(problem) = identify::not_static(&record, rate_hz) {
         return Err(problem.into());
     }
+    let record = record.with_gaps();
     let options = identify::options(&record, rate_hz, settings.n_max, settings.detrend);
     let identified = identify::run(&record, &options, || {});
     for (name, found) in &identified.axes {

@@ -11,6 +11,7 @@ use undrift_noise::{
     drift_score::HorizonScore,
     identify::{Axis, Candidate, GRID_ORDER, Origin as Found},
     pandit_wu::PAPER_CRITICAL,
+    temperature::{Estimate, NORMAL_95},
 };
 
 impl Identified {
@@ -22,10 +23,16 @@ impl Identified {
             .zip(&self.series)
             .map(|((name, found), series)| {
                 let axis = match found {
-                    Ok(found) => results::Axis {
-                        series: series.result(found),
-                        ..axis(name, found)
-                    },
+                    Ok(found) => {
+                        let mut axis = axis(name, found);
+                        if let Some(turn_on) = self.pool.as_ref().and_then(|p| p.turn_on(name)) {
+                            axis.chosen.turn_on = turn_on.with(0.0).into();
+                        }
+                        results::Axis {
+                            series: series.result(found),
+                            ..axis
+                        }
+                    }
                     Err(error) => results::Axis {
                         error: Some(error.to_string()),
                         ..results::Axis::default()
@@ -41,6 +48,7 @@ impl Identified {
             timing: self.timing.clone(),
             skipped_rows: self.skipped_rows,
             axes: axes.collect(),
+            pool: self.pool.as_ref().map(super::Pool::result),
         }
     }
 }
@@ -60,6 +68,7 @@ fn axis(name: &str, axis: &Axis) -> results::Axis {
         }
         .into(),
         detrend: axis.removed,
+        temperature: axis.temperature.as_ref().map(temperature),
         outliers: axis.outliers.clone(),
         moving: axis.motion.as_ref().map(|m| m.moving),
         motion: axis.motion.clone(),
@@ -94,6 +103,7 @@ fn axis(name: &str, axis: &Axis) -> results::Axis {
         box_jenkins: axis.box_jenkins.as_ref().map(box_jenkins),
         scales: axis.scales.clone(),
         candidates: axis.candidates.iter().map(candidate).collect(),
+        not_fitted: axis.not_fitted.iter().map(not_fitted).collect(),
         ranking: ranking.map(|i| axis.candidates[i].name.clone()).collect(),
         chosen: results::Candidate {
             reason: Some(axis.reason.clone()),
@@ -102,6 +112,26 @@ fn axis(name: &str, axis: &Axis) -> results::Axis {
         intervals: intervals(axis),
         warnings: axis.warnings.clone(),
         series: results::AxisSeries::default(),
+    }
+}
+
+fn temperature(found: &Estimate) -> results::AxisTemperature {
+    let of = &found.effect;
+    let interval = |value: f64, sigma: f64| {
+        let reach = NORMAL_95 * sigma;
+        [(value - reach).into(), (value + reach).into()]
+    };
+    let is_curved = of.quadratic_sigma > 0.0;
+    results::AxisTemperature {
+        determined: found.determined,
+        reference_c: of.reference_c.into(),
+        range_c: of.range_c.map(Number),
+        slope: of.slope.into(),
+        slope_interval: interval(of.slope, of.slope_sigma),
+        quadratic: is_curved.then_some(of.quadratic).map(Number),
+        quadratic_interval: is_curved.then(|| interval(of.quadratic, of.quadratic_sigma)),
+        noise: found.noise.into(),
+        explained: found.explained.into(),
     }
 }
 
@@ -186,6 +216,7 @@ fn candidate(candidate: &Candidate) -> results::Candidate {
     let flicker = flicker.filter(|b| *b > 0.0);
     results::Candidate {
         name: candidate.name.clone(),
+        compared: candidate.compared,
         states: candidate.states as u64,
         parameters: candidate.parameters as u64,
         block_aic: candidate.aic.into(),
@@ -208,6 +239,13 @@ fn candidate(candidate: &Candidate) -> results::Candidate {
         method: method.into(),
         origin,
         reason: None,
+    }
+}
+
+fn not_fitted(found: &undrift_noise::identify::NotFitted) -> results::NotFitted {
+    results::NotFitted {
+        name: found.name.clone(),
+        reason: found.reason.clone(),
     }
 }
 
@@ -239,6 +277,7 @@ fn origin(found: &Found) -> (&'static str, Option<Origin>) {
     match found {
         Found::Allan => ("allan", None),
         Found::Burg => ("burg", None),
+        Found::Compared(method) => (method.name(), None),
         Found::Arma(fit) => (
             "maximum likelihood",
             Some(Origin::Arma(ArmaOrigin {

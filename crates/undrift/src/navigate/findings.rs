@@ -37,6 +37,7 @@ impl Report {
                     findings::of_order(log, skipped, interval, accepted)
                 }),
         );
+        found.extend(findings::of_temperature(self.thermal));
         let disagreements = findings::of_disagreement(s);
         found.extend(findings::with_axes(disagreements, &self.rotation));
         for (log, skipped, gaps) in &self.scalars {

@@ -17,7 +17,11 @@ use crate::{
     settings::EngineSettings,
 };
 use std::path::Path;
-use undrift_io::{imu::GapSummary, scalar::ScalarReader, skipped::Skipped};
+use undrift_io::{
+    imu::{GapSummary, ThermalSummary},
+    scalar::ScalarReader,
+    skipped::Skipped,
+};
 use undrift_nav::sample::{GnssFix, ImuSample, TruthSample};
 use undrift_noise::BiasModel;
 
@@ -41,6 +45,7 @@ pub struct Logs {
     /// The reference; empty if there is none.
     pub truth: Vec<TruthSample>,
     skipped: Vec<(Log, Skipped)>,
+    thermal: Option<ThermalSummary>,
     odometer: Option<(Skipped, GapSummary)>,
     barometer: Option<(Skipped, GapSummary)>,
 }
@@ -89,6 +94,7 @@ impl Logs {
             study,
             truth,
             skipped,
+            thermal: imu_reader.thermal(),
             odometer: health(odometer),
             barometer: health(barometer),
         })
@@ -169,6 +175,7 @@ impl Logs {
                 found.extend(findings::of_fixes(study, &study.errors));
             }
             found.extend(findings::of_health(s));
+            found.extend(findings::of_temperature(self.thermal));
             // Among several, what one model disagrees with says nothing of the log.
             if runs.next().is_none() {
                 let rotation = &self.drive.imu.1.rotation;

@@ -124,6 +124,15 @@ impl GnssUse {
     }
 }
 
+/// What several records together are called.
+pub fn names(names: &[&str]) -> String {
+    const LISTED: usize = 3;
+    match names {
+        [first, .., _] if names.len() > LISTED => format!("{first} and {} others", names.len() - 1),
+        _ => names.join(", "),
+    }
+}
+
 /// A file's name without its folders.
 pub fn name(path: &Path) -> String {
     path.file_name()

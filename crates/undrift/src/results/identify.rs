@@ -1,11 +1,14 @@
 //! An identified static record. Of an axis "unit" is rad/s or m/s².
 
 mod fits;
+mod pool;
 
 pub use fits::{
-    Allan, ArmaOrigin, BoxJenkins, Candidate, GridFit, Order, OrderRow, OrderTest, Origin,
-    PanditWuOrders, ParameterInterval,
+    Allan, ArmaOrigin, BoxJenkins, Candidate, GridFit, NotFitted, Order, OrderRow, OrderTest,
+    Origin, PanditWuOrders, ParameterInterval,
 };
+
+pub use pool::{AxisPool, Differing, Pool, PooledRecord, RecordShare, TurnOn};
 
 use super::{Curve, Number};
 use serde::{Deserialize, Serialize, Serializer};
@@ -42,6 +45,9 @@ pub struct Identify {
     /// Each axis by name: `gyro_x` … `accel_z`.
     #[serde(serialize_with = "axes")]
     pub axes: BTreeMap<String, Axis>,
+    /// What several records show beyond their common model.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pool: Option<Pool>,
 }
 
 impl Identify {
@@ -90,6 +96,8 @@ pub struct Axis {
     pub unit: String,
     /// What was taken out beside the mean.
     pub detrend: Detrend,
+    /// How the bias goes with temperature, where the recording has one that changes.
+    pub temperature: Option<AxisTemperature>,
     /// Samples that were taken for outliers \[unit\].
     pub outliers: Vec<Outlier>,
     /// Whether the sensor moved.
@@ -151,10 +159,37 @@ pub struct Axis {
     /// 95 % intervals of its parameters, if it is a sum of terms.
     #[serde(default)]
     pub intervals: Vec<ParameterInterval>,
+    /// Methods of the literature that have no model of the axis.
+    pub not_fitted: Vec<NotFitted>,
     /// Remarks on the axis, in sentences.
     pub warnings: Vec<String>,
     /// For plots.
     pub series: AxisSeries,
+}
+
+/// A bias that goes with temperature, `slope·(T − reference) + quadratic·(T − reference)²`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct AxisTemperature {
+    /// Whether it is significant; then it was taken out, and is in the model.
+    pub determined: bool,
+    /// [°C]
+    pub reference_c: Number,
+    /// Lowest and highest temperature of the recording [°C].
+    pub range_c: [Number; 2],
+    /// \[unit/K\]
+    pub slope: Number,
+    /// Its 95 % interval \[unit/K\].
+    pub slope_interval: [Number; 2],
+    /// \[unit/K²\], where the likelihood wants it.
+    pub quadratic: Option<Number>,
+    /// Its 95 % interval \[unit/K²\].
+    pub quadratic_interval: Option<[Number; 2]>,
+    /// The noise that the intervals are of.
+    pub noise: String,
+    /// Share of the variance of block averages that it explains.
+    pub explained: Number,
 }
 
 /// The augmented Dickey-Fuller test.

@@ -2,7 +2,10 @@
 
 use crate::replay::Measurement;
 use undrift_nav::{covariance::AXES, sample::ImuSample};
-use undrift_noise::{AxisModel, BiasModel, ImuModel, ModelError, order_statistics::upper_median};
+use undrift_noise::{
+    AxisModel, BiasModel, ImuModel, ModelError, order_statistics::upper_median,
+    temperature::Temperature,
+};
 
 /// Turn-on constants of a consumer's sensor, gyro [rad/s] and accelerometer [m/s²], one standard deviation: where
 /// nothing is known.
@@ -92,6 +95,8 @@ pub struct Start {
     pub turn_on: [f64; AXES],
     /// White noise while the vehicle stands with its engine running [unit·√s], where it is known.
     pub idle: Option<[f64; AXES]>,
+    /// The bias over temperature, which the model goes on with.
+    pub temperature: [Option<Temperature>; AXES],
 }
 
 impl Start {
@@ -115,6 +120,7 @@ impl Start {
                 _ => TURN_ON[i / 3],
             }),
             idle: None,
+            temperature: axes.map(|(_, axis)| axis.temperature),
         })
     }
 
@@ -156,6 +162,7 @@ impl Start {
             walk: [0.0; AXES],
             turn_on: std::array::from_fn(|i| TURN_ON[i / 3]),
             idle: None,
+            temperature: [None; AXES],
         })
     }
 
@@ -165,6 +172,7 @@ impl Start {
             turn_on: self.turn_on[i],
             white: Some(white[i]),
             random_walk: Some(walk[i]),
+            temperature: self.temperature[i],
             ..AxisModel::default()
         };
         let mut model = ImuModel::default();

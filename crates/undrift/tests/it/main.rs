@@ -15,5 +15,6 @@ mod settings;
 mod shaping_forms;
 mod smoothing;
 mod streams;
+mod temperature;
 mod tune;
 mod vehicle_drives;

@@ -1,7 +1,8 @@
 //! Monte Carlo of `identify`: series of known noise, the recommended model run over fresh noise of the same
 //! sensor, its drift over that of the true model, and whether the 95 % intervals hold the truth.
 //!
-//! `cargo run --release -p undrift-lab --bin identify_coverage [-- SERIES [FIRST_SEED [KIND …]]]`
+//! `cargo run --release -p undrift-lab --bin identify_coverage [-- SERIES [FIRST_SEED [KIND …]]]`; with CANDIDATES in the environment
+//! also the mean drift ratios of every candidate, with NOTES its scores series by series.
 //!
 //! Series of an hour at 20 Hz but the paper's ARMA(1,1), 12 minutes at 100 Hz; drawn by `NoiseGenerator` (xoshiro256++) with
 //! seeds FIRST_SEED…; what is done to them beside (rounding, spikes, samples left out) and the tails by seed + 10⁶,
@@ -16,7 +17,7 @@ use undrift_noise::{
     BiasModel,
     composite::{CompositeFit, CompositeTerms, GaussMarkov, Parameter, ParameterInterval},
     drift_score,
-    identify::{Axis, Options, identify},
+    identify::{Axis, Candidate, Options, identify},
     order_statistics::median,
     screening::Trend,
     synthesis::NoiseGenerator,
@@ -187,6 +188,8 @@ struct Outcome {
     /// Drift over that of the true model, and predicted over real, at each horizon.
     drift: [f64; 4],
     predicted: [f64; 4],
+    /// The same ratio of every candidate that makes a filter.
+    candidates: Vec<(String, [f64; 4])>,
     seconds: f64,
     inside: Vec<(&'static str, bool, bool)>,
 }
@@ -256,15 +259,36 @@ fn outcome(kind: &Kind, seed: u64) -> Result<Outcome, Failure> {
     };
     let found = score(&model.shaping(BiasModel::Arma, interval)?)?;
     let best = score(&truth)?;
+    let ratio = |candidate: &Candidate| {
+        let filter = candidate.model.shaping(BiasModel::Arma, interval).ok()?;
+        let drift = score(&filter).ok()?;
+        let ratio = std::array::from_fn(|h| drift[h].rms / best[h].rms);
+        Some((candidate.name.clone(), ratio))
+    };
     Ok(Outcome {
         name: chosen.name.clone(),
         drift: std::array::from_fn(|h| found[h].rms / best[h].rms),
         predicted: std::array::from_fn(|h| found[h].predicted_rms / found[h].rms),
+        candidates: axis.candidates.iter().filter_map(ratio).collect(),
         seconds,
         inside: kind
             .terms
             .map_or(Vec::new(), |truth| inside(&axis, &truth, rounding)),
     })
+}
+
+/// Mean drift ratios of each candidate, and of how many series there was one.
+fn print_candidates(outcomes: &[&Outcome]) {
+    let mut found: BTreeMap<&str, Vec<[f64; 4]>> = BTreeMap::new();
+    for (name, drift) in outcomes.iter().flat_map(|o| &o.candidates) {
+        found.entry(name).or_default().push(*drift);
+    }
+    for (name, ratios) in found {
+        let count = ratios.len() as f64;
+        let mean = |h: usize| ratios.iter().map(|r| r[h]).sum::<f64>() / count;
+        let means: Vec<String> = (0..4).map(|h| format!("{:.3}", mean(h))).collect();
+        println!("  {} | {} | {name}", means.join(" "), ratios.len());
+    }
 }
 
 fn main() -> Result<(), Failure> {
@@ -334,6 +358,9 @@ fn main() -> Result<(), Failure> {
                 .map(|(why, n)| format!(" | {n} failed: {why}"))
                 .collect::<String>(),
         );
+        if std::env::var_os("CANDIDATES").is_some() {
+            print_candidates(&good);
+        }
     }
     Ok(())
 }

@@ -44,7 +44,7 @@ impl Kind {
     fn labels(self) -> &'static [&'static str] {
         match self {
             Self::Imu => &[
-                "TimeUS", "TimeMS", "I", "GyrX", "GyrY", "GyrZ", "AccX", "AccY", "AccZ",
+                "TimeUS", "TimeMS", "I", "GyrX", "GyrY", "GyrZ", "AccX", "AccY", "AccZ", "T",
             ],
             Self::Gyro => &["TimeUS", "TimeMS", "I", "GyrX", "GyrY", "GyrZ", "SampleUS"],
             Self::Accel => &["TimeUS", "TimeMS", "I", "AccX", "AccY", "AccZ", "SampleUS"],

@@ -100,7 +100,7 @@ impl Reader {
     }
 
     fn reading(&self, values: &Values) -> Result<ImuReading, Unfit> {
-        let [_, _, _, gx, gy, gz, ax, ay, az, ..] = *values;
+        let [_, _, _, gx, gy, gz, ax, ay, az, temperature_c, ..] = *values;
         if time(values).is_nan() {
             return Err((SkipKind::MissingField, "no TimeUS".to_owned()));
         }
@@ -108,6 +108,7 @@ impl Reader {
             time: self.time(time(values)),
             gyro: finite(Vector3::new(gx, gy, gz))?,
             accel: finite(Vector3::new(ax, ay, az))?,
+            temperature_c,
         })
     }
 
@@ -150,7 +151,7 @@ impl Reader {
 
     fn give(&self, at: u64, time: f64, gyro: Vector3, accel: Vector3, ready: &mut Ready) {
         let time = self.time(time);
-        ready.push(at, What::Imu(ImuReading { time, gyro, accel }));
+        ready.push(at, What::Imu(ImuReading::new(time, gyro, accel)));
     }
 
     /// Makes a fix of the message that waits, with the accuracies if they are of it.

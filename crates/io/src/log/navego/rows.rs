@@ -102,7 +102,7 @@ fn imu(variable: &mut Variable, count: usize) -> Result<ReadRow, String> {
     let rate = needed(variable, "wb", count, 3)?;
     Ok(Box::new(move |index, time| {
         match (finite(&rate, index, count), finite(&force, index, count)) {
-            (Some(gyro), Some(accel)) => Ok(What::Imu(ImuReading { time, gyro, accel })),
+            (Some(gyro), Some(accel)) => Ok(What::Imu(ImuReading::new(time, gyro, accel))),
             _ => {
                 let [wb, fb] = [&rate, &force].map(|numbers| numbers.some::<3>(index, count));
                 Err((SkipKind::NotFinite, format!("wb {wb:?}, fb {fb:?}")))

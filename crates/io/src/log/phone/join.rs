@@ -138,7 +138,7 @@ impl Join {
             match self.force(time) {
                 Some(accel) => {
                     self.given = true;
-                    ready.push(at, What::Imu(ImuReading { time, gyro, accel }));
+                    ready.push(at, What::Imu(ImuReading::new(time, gyro, accel)));
                 }
                 None => ready.skip(
                     at,

@@ -163,7 +163,7 @@ fn imu(topic: &str, layout: &TopicLayout) -> Result<Box<ReadSample>, &'static st
             return Err((SkipKind::NotFinite, detail));
         }
         let span = spans.map(|(gyro_span, _)| (time, gyro_span));
-        Ok((What::Imu(ImuReading { time, gyro, accel }), span))
+        Ok((What::Imu(ImuReading::new(time, gyro, accel)), span))
     }))
 }
 

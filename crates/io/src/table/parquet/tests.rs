@@ -27,6 +27,7 @@ fn options(names: &[&str], keep_not_finite: bool) -> TableOptions {
         columns: names.iter().map(column).collect(),
         delimiter: None,
         keep_not_finite,
+        optional: None,
         stamp: None,
     }
 }

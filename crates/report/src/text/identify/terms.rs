@@ -57,8 +57,12 @@ pub(super) fn verdict(result: &Identify) -> String {
         1 => "1 axis".to_owned(),
         n => format!("{n} axes"),
     };
+    let recordings = match &result.pool {
+        Some(pool) => format!(" in {} recordings", pool.records.len()),
+        None => String::new(),
+    };
     let record = format!(
-        "{of}, {} at {} Hz",
+        "{of}, {}{recordings} at {} Hz",
         span(first.samples as f64 / rate),
         short(rate)
     );

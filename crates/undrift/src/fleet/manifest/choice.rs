@@ -7,7 +7,7 @@ use crate::{
 };
 use undrift_io::table::Column;
 use undrift_nav::units::Quantity;
-use undrift_noise::BiasModel;
+use undrift_noise::{BiasModel, temperature::celsius};
 
 /// What is done with drives.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -170,19 +170,4 @@ fn read_record(section: &Section, record: &mut RecordSettings) -> Result<(), Con
         record.n_max = usize::try_from(n).unwrap_or(usize::MAX);
     }
     section.only_known()
-}
-
-/// Zero of the Celsius scale \[K\].
-pub(in crate::fleet) const ZERO_CELSIUS: f64 = 273.15;
-
-/// A temperature with its unit [°C].
-pub(super) fn celsius(text: &str) -> Option<f64> {
-    let text = text.trim().replace('\u{2212}', "-");
-    let (number, offset) = ["degC", "°C", "celsius", "C"]
-        .into_iter()
-        .find_map(|unit| Some((text.strip_suffix(unit)?, 0.0)))
-        .or_else(|| Some((text.strip_suffix('K')?, -ZERO_CELSIUS)))?;
-    let value: f64 = number.trim().parse().ok()?;
-    let celsius = value + offset;
-    (celsius.is_finite() && celsius >= -ZERO_CELSIUS).then_some(celsius)
 }

@@ -1,4 +1,4 @@
-use super::{choice::celsius, *};
+use super::*;
 use undrift_noise::BiasModel;
 
 fn jobs(text: &str) -> Result<Vec<Job>, ConfigError> {
@@ -144,14 +144,4 @@ fn mistakes_are_told_with_their_line() {
         let error = jobs(text).unwrap_err().to_string();
         assert!(error.contains(wanted), "{text}: {error}");
     }
-}
-
-#[test]
-fn temperatures() {
-    assert_eq!(celsius("25 degC"), Some(25.0));
-    assert_eq!(celsius("−5°C"), Some(-5.0));
-    assert_eq!(celsius("273.15 K"), Some(0.0));
-    assert_eq!(celsius("-1 K"), None);
-    assert_eq!(celsius("nan degC"), None);
-    assert_eq!(celsius("25"), None);
 }

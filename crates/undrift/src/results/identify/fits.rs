@@ -152,6 +152,8 @@ pub struct GridFit {
 pub struct Candidate {
     /// Name, such as "ARMA(1,1)".
     pub name: String,
+    /// Whether it is a method of the literature, scored for comparison and never recommended.
+    pub compared: bool,
     /// States of its shaping filter, the turn-on constant's included.
     pub states: u64,
     /// Parameters fitted.
@@ -190,7 +192,8 @@ pub struct Candidate {
     pub gauss_markov: Vec<GaussMarkov>,
     /// Standard deviation of the turn-on constant \[unit\].
     pub turn_on: Number,
-    /// How it was fitted: "allan", "burg" or "maximum likelihood".
+    /// How it was fitted: "allan", "burg" or "maximum likelihood"; of a method of the literature "power spectrum",
+    /// "autocorrelation", "allan minimum" or "allan bound".
     pub method: String,
     /// What the fit reports of itself.
     #[serde(flatten)]
@@ -198,6 +201,17 @@ pub struct Candidate {
     /// Why it is recommended, if it is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
+}
+
+/// A method of the literature that has no model of the record.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct NotFitted {
+    /// Name that its candidate would have.
+    pub name: String,
+    /// Why, as the rest of a sentence.
+    pub reason: String,
 }
 
 /// What the record says of a parameter of the recommended model, with a probability of 95 %.

@@ -1,0 +1,47 @@
+//! White noise and Gauss-Markov process from the lowest point of the Allan deviation.
+//!
+//! Practice in GNSS/INS simulation and filters (Gonzalez, Giribet & Patiño, NaveGo, Control Engineering and Applied Informatics 17(2), 2015): N where the −1/2
+//! slope passes 1 s, the standard deviation of the bias the lowest deviation, its correlation time the averaging time
+//! there. Bias instability in the sense of IEEE Std 952-1997, annex C.1.3, is that deviation over 0.664; the practice followed here does not divide.
+//! N is that of [`crate::allan::fit_terms`]. Where the lowest deviation stands depends on white noise as much as on the bias: a
+//! stronger N moves the same process to a longer τ and a larger σ.
+
+use super::Unfit;
+use crate::allan::{Curve, Point};
+use crate::composite::{CompositeTerms, GaussMarkov};
+
+/// Averaging times of which a record holds fewer are not looked at: their deviations scatter by more than a quarter (IEEE Std 952-1997, annex C).
+const WINDOWS: usize = 9;
+
+/// The points of a curve whose deviation the record determines.
+pub(super) fn determined(curve: &Curve) -> impl Iterator<Item = &Point> {
+    let points = curve.points.iter();
+    points
+        .filter(|p| WINDOWS * p.m <= curve.samples && p.deviation > 0.0 && p.deviation.is_finite())
+}
+
+/// Process (σ \[unit\], τ \[s\]) of the lowest deviation, beside white noise of density `white` [unit·√s].
+///
+/// # Errors
+/// A deviation that has no minimum between the shortest and the longest averaging time that the record determines, a ninth
+/// of it.
+pub fn fit(curve: &Curve, white: f64) -> Result<CompositeTerms, Unfit> {
+    let points: Vec<&Point> = determined(curve).collect();
+    let longest_s = points.last().map_or(0.0, |p| p.tau_s);
+    let dips = points
+        .windows(3)
+        .filter(|w| w[1].deviation < w[0].deviation.min(w[2].deviation));
+    let lowest = dips
+        .map(|w| w[1])
+        .min_by(|a, b| a.deviation.total_cmp(&b.deviation));
+    let lowest = lowest.ok_or(Unfit::NoMinimum { longest_s })?;
+    let process = GaussMarkov {
+        sigma: lowest.deviation,
+        tau_s: lowest.tau_s,
+    };
+    Ok(CompositeTerms {
+        white,
+        gauss_markov: [process, GaussMarkov::default()],
+        ..CompositeTerms::default()
+    })
+}

@@ -1,0 +1,140 @@
+//! The spread of constants between records.
+
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+/// Probability of the interval and of the one-sided bound.
+const PROBABILITY: f64 = 0.95;
+
+/// The standard deviation of the constants between records, by the method of moments for one random effect: the variance of
+/// the records' levels less the mean of their squared standard errors, `s² − v̄` (Hedges 1983, Psychological Bulletin 93,
+/// 388-395; Searle, Casella & McCulloch 1992, chapter 3). Its interval is that of s² by χ² with n − 1 degrees of freedom,
+/// less v̄: exact where the standard errors are equal.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Between {
+    /// Records n.
+    pub records: usize,
+    /// Mean of the levels [unit].
+    pub mean: f64,
+    /// Standard deviation between records [unit]; 0 where the levels scatter no more than each is uncertain.
+    pub sigma: f64,
+    /// Lower end of its 95 % interval [unit].
+    pub low: f64,
+    /// Upper end [unit]; infinite of one record.
+    pub high: f64,
+    /// Standard deviation s of the levels [unit], their uncertainty included.
+    pub scatter: f64,
+    /// Root mean square √v̄ of their standard errors [unit].
+    pub within: f64,
+}
+
+impl Between {
+    /// Of levels with their standard errors [unit]; a level that nothing bounds does not count.
+    pub(super) fn of(levels: impl Iterator<Item = (f64, f64)>) -> Self {
+        let known = levels.filter(|(level, error)| level.is_finite() && error.is_finite());
+        let known: Vec<(f64, f64)> = known.collect();
+        let n = known.len() as f64;
+        let mean = known.iter().map(|(level, _)| level).sum::<f64>() / n.max(1.0);
+        let within = (known.iter().map(|(_, e)| e * e).sum::<f64>() / n.max(1.0)).sqrt();
+        let squares: f64 = known.iter().map(|(level, _)| (level - mean).powi(2)).sum();
+        let found = Self {
+            records: known.len(),
+            mean,
+            within,
+            scatter: (squares / (n - 1.0).max(1.0)).sqrt(),
+            ..Self::default()
+        };
+        Self {
+            sigma: found.less_within(1.0),
+            low: found.at(0.5 + 0.5 * PROBABILITY),
+            high: found.at(0.5 - 0.5 * PROBABILITY),
+            ..found
+        }
+    }
+
+    /// n − 1.
+    pub fn degrees_of_freedom(&self) -> usize {
+        self.records.saturating_sub(1)
+    }
+
+    /// The standard deviation at which the levels' scatter has the probability `p` to be less.
+    fn at(&self, p: f64) -> f64 {
+        let freedom = self.degrees_of_freedom() as f64;
+        match ChiSquared::new(freedom) {
+            Ok(chi) if freedom > 0.0 => self.less_within((freedom / chi.inverse_cdf(p)).sqrt()),
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// √(factor² s² − v̄), 0 where that is negative.
+    fn less_within(&self, factor: f64) -> f64 {
+        let total = factor * self.scatter;
+        (total * total - self.within * self.within).max(0.0).sqrt()
+    }
+
+    /// What a filter gets [unit] of records of the axes of one sensor, `alike`, of which this is one. With more than
+    /// three records Student's t distribution of the next constant has the variance s² (n − 1)/(n − 3); with two or
+    /// three it has none, and the axes are taken as draws of one distribution: the upper 95 % bound of their pooled
+    /// scatter. Where the scatter is within the uncertainty, that upper bound too. The constant `common` to all
+    /// records is added in squares: a filter starts from zero.
+    pub fn for_filter(&self, alike: &[Self], common: f64) -> f64 {
+        let freedom = self.degrees_of_freedom() as f64;
+        let spread = match freedom {
+            3.0.. if self.sigma > 0.0 => self.less_within((freedom / (freedom - 2.0)).sqrt()),
+            3.0.. => self.at(1.0 - PROBABILITY).max(self.within),
+            _ => {
+                let freedoms = || alike.iter().map(|axis| axis.degrees_of_freedom() as f64);
+                let squares = alike.iter().zip(freedoms());
+                let squares: f64 = squares.map(|(axis, n)| n * axis.scatter.powi(2)).sum();
+                let total: f64 = freedoms().sum();
+                let bound = ChiSquared::new(total).map_or(f64::INFINITY, |chi| {
+                    squares / chi.inverse_cdf(1.0 - PROBABILITY)
+                });
+                (bound - self.within * self.within)
+                    .max(self.within * self.within)
+                    .max(self.sigma * self.sigma)
+                    .sqrt()
+            }
+        };
+        spread.hypot(common)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn by_hand() {
+        // Levels 1, 2, 3, 6 about 3: s² = 14/3; v̄ = (4 · 0.25 + 0)/4.
+        let levels = [(1.0, 0.5), (2.0, 0.5), (3.0, 0.5), (6.0, 0.5)];
+        let found = Between::of(levels.into_iter());
+        assert_eq!((found.records, found.degrees_of_freedom()), (4, 3));
+        assert_eq!(found.mean, 3.0);
+        assert!((found.sigma - (14.0f64 / 3.0 - 0.25).sqrt()).abs() < 1e-12);
+        // χ² with 3 degrees of freedom: 0.215795 and 9.348404 (tables).
+        assert!((found.low - (14.0f64 / 9.348_404 - 0.25).sqrt()).abs() < 1e-5);
+        assert!((found.high - (14.0f64 / 0.215_795 - 0.25).sqrt()).abs() < 1e-4);
+        // Student's t of 3 degrees of freedom has the variance 3.
+        let wanted = (14.0f64 - 0.25).sqrt().hypot(3.0);
+        assert!((found.for_filter(&[found], 3.0) - wanted).abs() < 1e-9);
+    }
+
+    #[test]
+    fn of_two_records_all_axes_of_the_sensor_count() {
+        let pair = |by: f64| Between::of([(by, 0.0), (-by, 0.0)].into_iter());
+        let alike = [pair(1.0), pair(2.0), pair(3.0)];
+        // 2 (1 + 4 + 9) over the 5 % point of χ² with 3 degrees of freedom, 0.351846 (tables).
+        let wanted = (28.0f64 / 0.351_846).sqrt();
+        assert!((alike[0].for_filter(&alike, 0.0) / wanted - 1.0).abs() < 1e-5);
+        // One axis alone: √(2/0.00393214).
+        let alone = pair(1.0).for_filter(&[pair(1.0)], 0.0);
+        assert!((alone / (2.0f64 / 0.003_932_14).sqrt() - 1.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_scatter_within_the_uncertainty_is_bounded() {
+        let found = Between::of([-0.1, 0.0, 0.1, 0.05, -0.05].map(|x| (x, 1.0)).into_iter());
+        assert_eq!((found.sigma, found.low), (0.0, 0.0));
+        assert!(found.for_filter(&[found], 0.0) >= 1.0);
+    }
+}

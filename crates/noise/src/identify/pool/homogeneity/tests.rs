@@ -1,0 +1,114 @@
+use super::*;
+use crate::composite::{self, FitOptions, TermSet};
+use crate::synthesis::NoiseGenerator;
+
+const T: f64 = 0.1;
+const LEVEL: f64 = 0.01;
+
+fn walk(white: f64, random_walk: f64) -> CompositeTerms {
+    CompositeTerms {
+        white,
+        random_walk,
+        ..CompositeTerms::default()
+    }
+}
+
+/// Records of the terms, compared by the terms fitted to all of them.
+fn compared(terms: &[CompositeTerms], samples: usize, seed: u64) -> Compared {
+    let draw = |(k, terms): (usize, &CompositeTerms)| {
+        let mut record = vec![0.0; samples];
+        NoiseGenerator::new(&terms.to_shaping(T).unwrap(), seed + k as u64).fill(&mut record);
+        record
+    };
+    let records: Vec<Vec<f64>> = terms.iter().enumerate().map(draw).collect();
+    let records: Vec<&[f64]> = records.iter().map(Vec::as_slice).collect();
+    let set = TermSet {
+        white: true,
+        random_walk: true,
+        ..TermSet::default()
+    };
+    let fit = composite::fit_several(&records, T, set, &FitOptions::default()).unwrap();
+    let share = Share {
+        samples,
+        ..Share::default()
+    };
+    let mut shares = vec![share; terms.len()];
+    Records::new(&records, 1, T, fit.terms).compare(&mut shares, LEVEL)
+}
+
+/// Seeds 1 to 4·60: 1 % of such pools differ by chance, more than three of 60 in 0.3 % of tests. The ratio of
+/// all records is χ² where its inflation is 1: its mean is 6 or, where that divides it, less.
+#[test]
+fn records_of_one_process_hardly_ever_differ() {
+    let pools: Vec<Compared> = (0..60)
+        .map(|k| compared(&[walk(0.02, 0.001); 4], 3000, 4 * k + 1))
+        .collect();
+    let alarms = pools.iter().filter(|found| !found.differing.is_empty());
+    assert!(alarms.count() <= 3);
+    let mean = pools.iter().map(|p| p.likelihood_ratio).sum::<f64>() / 60.0;
+    assert_eq!(pools[0].degrees_of_freedom, 6.0);
+    // The standard error of the mean of 60 χ² of 6 degrees of freedom is 0.45.
+    assert!((3.5..7.0).contains(&mean), "{mean}");
+}
+
+/// Seeds 5000 to 5079, 20 pools each: noise in 5 minutes, a walk in 20 (in 10 minutes 16 of 20 are found).
+#[test]
+fn a_record_of_twice_the_noise_or_thrice_the_walk_is_found() {
+    let (mut loud, mut wandering) = (0, 0);
+    let usual = walk(0.02, 0.001);
+    for seed in (0..20).map(|k| 5000 + 4 * k) {
+        let found = compared(&[usual, walk(0.04, 0.001), usual, usual], 3000, seed);
+        loud += usize::from(matches!(
+            found.differing[..],
+            [Difference {
+                record: 1,
+                white: Some(1.8..2.2),
+                slow: None,
+                ..
+            }]
+        ));
+        let found = compared(&[usual, usual, usual, walk(0.02, 0.003)], 12_000, seed);
+        wandering += usize::from(matches!(
+            found.differing[..],
+            [Difference {
+                record: 3,
+                white: None,
+                slow: Some(1.5..6.0),
+                ..
+            }]
+        ));
+    }
+    assert!(loud >= 19, "{loud}");
+    assert!(wandering >= 18, "{wandering}");
+}
+
+#[test]
+fn of_two_records_neither_is_the_usual_one() {
+    let found = compared(&[walk(0.02, 0.001), walk(0.05, 0.001)], 3000, 9000);
+    let [only] = found.differing[..] else {
+        panic!("{:?}", found.differing)
+    };
+    assert!(only.other == Some(1 - only.record));
+}
+
+#[test]
+fn a_record_with_the_outliers_of_all_differs() {
+    let share = |outlier_events| Share {
+        samples: 1000,
+        outlier_events,
+        ..Share::default()
+    };
+    let of = |events: [usize; 4]| {
+        let mut differing = Vec::new();
+        outliers(&events.map(share), LEVEL / 8.0, &mut differing);
+        differing
+            .iter()
+            .map(|d| (d.record, d.outliers))
+            .collect::<Vec<_>>()
+    };
+    // 0.25⁶ = 2.4e-4 and 0.25⁴ = 3.9e-3 about the level of 1.25e-3.
+    assert_eq!(of([0, 6, 0, 0]), [(1, Some(f64::INFINITY))]);
+    assert_eq!(of([0, 4, 0, 0]), []);
+    assert_eq!(of([3, 4, 3, 4]), []);
+    assert_eq!(of([0, 0, 0, 0]), []);
+}

@@ -1,0 +1,198 @@
+//! Generalised least squares on block averages: regressors under the covariance of a composite model, which is fitted
+//! with them by restricted maximum likelihood (Patterson & Thompson 1971; Harville 1974).
+
+use crate::composite::predictor::{Predictor, dot};
+use crate::composite::search::SCALES;
+use crate::composite::{CompositeTerms, GaussMarkov, TermSet, block_average};
+use crate::quasi_newton::{Objective, best_of};
+use nalgebra::{DMatrix, DVector};
+use undrift_nav::shaping::ShapingFilter;
+
+/// Signals: the record, one, the first and the second regressor.
+pub(super) const SIGNALS: usize = 4;
+/// A row of them; the record's is NaN where it is missing.
+pub(super) type Row = [f64; SIGNALS];
+
+/// Averages over blocks of samples of a record and of its regressors.
+pub(super) struct Averages {
+    pub(super) rows: Vec<Row>,
+    /// Samples in a block, and the interval between samples \[s\].
+    pub(super) block: usize,
+    pub(super) interval: f64,
+}
+
+/// Which likelihood is maximised.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Likelihood {
+    /// That of the record, which compares models with different regressors.
+    Full,
+    /// With the coefficients integrated out: its noise is not too small by what they fit away.
+    Restricted,
+}
+
+/// Products of the whitened signals.
+struct Products {
+    of: [Row; SIGNALS],
+    log_determinant: f64,
+}
+
+/// Coefficients of the regressors under a model.
+#[derive(Clone, Debug)]
+pub(super) struct Regression {
+    /// Level, then one for each regressor.
+    pub(super) coefficients: DVector<f64>,
+    pub(super) covariance: DMatrix<f64>,
+    /// −2 log likelihood less a constant, plus twice the noise model's parameters.
+    pub(super) aic: f64,
+}
+
+/// All signals predicted one step by one filter: prediction is linear, so the errors of the record less any
+/// combination of the regressors are that combination of the errors.
+fn products<const N: usize>(rows: &[Row], filter: &ShapingFilter) -> Option<Products> {
+    let mut predictor = Predictor::<N>::new(filter);
+    let mut states = [[0.0; N]; SIGNALS];
+    let mut sums = Products {
+        of: [[0.0; SIGNALS]; SIGNALS],
+        log_determinant: 0.0,
+    };
+    for row in rows {
+        if row[0].is_nan() {
+            states.iter_mut().for_each(|x| *x = predictor.advance(x));
+            predictor.skip();
+            continue;
+        }
+        let (variance, gain) = (predictor.variance, predictor.gain);
+        if !(variance > 0.0 && variance.is_finite()) {
+            return None;
+        }
+        let mut errors = [0.0; SIGNALS];
+        for ((error, x), value) in errors.iter_mut().zip(&mut states).zip(row) {
+            *error = value - dot(&predictor.h, x);
+            *x = predictor.advance(x);
+            for i in 0..N {
+                x[i] += gain[i] * *error;
+            }
+        }
+        for (i, of) in sums.of.iter_mut().enumerate() {
+            for (j, sum) in of.iter_mut().enumerate() {
+                *sum += errors[i] * errors[j] / variance;
+            }
+        }
+        sums.log_determinant += variance.ln();
+        predictor.move_on();
+    }
+    Some(sums)
+}
+
+impl Averages {
+    fn products(&self, terms: &CompositeTerms) -> Option<Products> {
+        let filter = terms.to_shaping(self.interval).ok()?;
+        let filter = block_average(&filter, self.block).ok()?;
+        match filter.order {
+            0 => products::<0>(&self.rows, &filter),
+            1 => products::<1>(&self.rows, &filter),
+            2 => products::<2>(&self.rows, &filter),
+            3 => products::<3>(&self.rows, &filter),
+            4 => products::<4>(&self.rows, &filter),
+            5 => products::<5>(&self.rows, &filter),
+            _ => products::<6>(&self.rows, &filter),
+        }
+    }
+
+    /// The regression on the level and the first `regressors` under a model; `None` where they are dependent or the
+    /// model has no variance.
+    pub(super) fn under(
+        &self,
+        terms: &CompositeTerms,
+        regressors: usize,
+        likelihood: Likelihood,
+    ) -> Option<Regression> {
+        let sums = self.products(terms)?;
+        let count = 1 + regressors;
+        let normal = DMatrix::from_fn(count, count, |i, j| sums.of[1 + i][1 + j]);
+        let right = DVector::from_fn(count, |i, _| sums.of[1 + i][0]);
+        let factor = normal.cholesky()?;
+        let coefficients = factor.solve(&right);
+        let squares = sums.of[0][0] - right.dot(&coefficients);
+        let freedom = match likelihood {
+            Likelihood::Full => 0.0,
+            Likelihood::Restricted => 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum(),
+        };
+        let parameters = terms.set().parameters() as f64;
+        let aic = sums.log_determinant + freedom + squares + 2.0 * parameters;
+        aic.is_finite().then(|| Regression {
+            covariance: factor.inverse(),
+            coefficients,
+            aic,
+        })
+    }
+
+    /// The regression under white noise.
+    pub(super) fn plain(&self, regressors: usize) -> Option<Regression> {
+        let white = CompositeTerms {
+            white: 1.0,
+            ..CompositeTerms::default()
+        };
+        self.under(&white, regressors, Likelihood::Full)
+    }
+
+    /// The regression under the most likely model of a set of terms, fitted with the regressors.
+    pub(super) fn fit(
+        &self,
+        set: TermSet,
+        regressors: usize,
+        likelihood: Likelihood,
+    ) -> Option<Regression> {
+        let length_s = (self.rows.len() * self.block) as f64 * self.interval;
+        let first_tau = set.amplitudes();
+        let taus = (self.block as f64 * self.interval).ln()..(1e3 * length_s).ln();
+        let cost = |z: &Vec<f64>| {
+            if !z[first_tau..].iter().all(|tau| taus.contains(tau)) {
+                return f64::INFINITY;
+            }
+            let found = self.under(&set.terms(z), regressors, likelihood);
+            found.map_or(f64::INFINITY, |found| 0.5 * found.aic)
+        };
+        let costs = |z: &[Vec<f64>]| z.iter().map(cost).collect();
+        let starts = self.starts(set, regressors, length_s)?;
+        let best = best_of(&mut Objective::new(&costs, SCALES), starts, 2, 1e-3, 60)?;
+        self.under(&set.terms(&best.z), regressors, likelihood)
+    }
+
+    /// White noise by the differences of neighbours, and slow terms by what least squares leave, at several shares and
+    /// correlation times.
+    fn starts(&self, set: TermSet, regressors: usize, length_s: f64) -> Option<Vec<Vec<f64>>> {
+        let present = || self.rows.iter().filter(|row| !row[0].is_nan());
+        let pairs = present().zip(present().skip(1));
+        let squares: f64 = pairs.map(|(a, b)| 0.5 * (b[0] - a[0]).powi(2)).sum();
+        let count = present().count() as f64;
+        let fast = (squares / (count - 1.0)).sqrt();
+        let plain = self.plain(regressors)?;
+        let residual = |row: &Row| row[0] - combined(&plain.coefficients, row);
+        let slow = (present().map(|row| residual(row).powi(2)).sum::<f64>() / count).sqrt();
+        if !(fast > 0.0 && slow > 0.0) {
+            return None;
+        }
+        let white = fast * (self.block as f64 * self.interval).sqrt();
+        let mut starts = Vec::new();
+        for share in [1.0, 0.2, 0.04] {
+            for tau_share in [0.003, 0.03, 0.3] {
+                let (sigma, tau_s) = (share * slow, tau_share * length_s);
+                let process = GaussMarkov { sigma, tau_s };
+                starts.push(set.coordinates(&CompositeTerms {
+                    white,
+                    random_walk: process.drive(),
+                    flicker: sigma,
+                    gauss_markov: [process; 2],
+                    ..CompositeTerms::default()
+                }));
+            }
+        }
+        Some(starts)
+    }
+}
+
+/// The level and the regressors of a row, each times its coefficient.
+pub(super) fn combined(coefficients: &DVector<f64>, row: &Row) -> f64 {
+    coefficients.iter().zip(&row[1..]).map(|(c, x)| c * x).sum()
+}
