@@ -46,7 +46,7 @@ pub struct Pool {
     pub axes: Vec<(&'static str, PooledAxis)>,
     /// Whether the sensor was laid down differently between the records; `None` where that cannot be seen.
     pub moved: Option<bool>,
-    /// Largest angle between the specific forces of two records [rad]; 0 without three accelerometers.
+    /// Largest angle between the specific forces of two records \[rad\]; 0 without three accelerometers.
     pub tilt: f64,
 }
 

@@ -146,7 +146,7 @@ fn what_has_no_temperature_or_one_beyond_the_recording_is_reported() {
     };
     // Nothing for 100 s: a minute holds. Empty, not a number, text.
     let column = |time: f64| match time {
-        t if t < 300.0 || t >= 400.0 => format!("{:.2}", temperature(t)),
+        t if !(300.0..400.0).contains(&t) => format!("{:.2}", temperature(t)),
         t if t < 330.0 => String::new(),
         t if t < 360.0 => "nan".into(),
         _ => "n/a".into(),
