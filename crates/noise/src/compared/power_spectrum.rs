@@ -43,7 +43,7 @@ pub struct Octave {
 /// the fit leaves out is 0.
 ///
 /// # Errors
-/// A record that [`spectrum::welch`] does not take, or too short for four octaves; one of white noise alone, or of
+/// A record that [`spectrum::welch()`] does not take, or too short for four octaves; one of white noise alone, or of
 /// none.
 pub fn fit(record: &[f64], rate_hz: f64) -> Result<CompositeTerms, Unfit> {
     let density = spectrum::welch(record, rate_hz, segment(record.len()))?;
