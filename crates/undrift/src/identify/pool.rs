@@ -295,10 +295,7 @@ impl Pool {
             })
             .collect();
         if !differing.is_empty() {
-            text += &format!(
-                "; these recordings differ from the others: {}",
-                differing.join(", ")
-            );
+            text += &format!("; differing recordings: {}", differing.join(", "));
         }
         text
     }
