@@ -105,7 +105,7 @@ def test_samples_have_the_variance_and_the_seed() -> None:
 def test_what_is_wrong_is_said(tmp_path: Path) -> None:
     with pytest.raises(undrift.UndriftError, match="a model is a file or a preset; `undrift model --list`"):
         NoiseModel.load("nothing")
-    with pytest.raises(undrift.UndriftError, match="<model>:.*gyro.white_noise.*expected an angle random walk"):
+    with pytest.raises(undrift.UndriftError, match="<model> line .*gyro.white_noise.*expected an angle random walk"):
         NoiseModel.of(gyro={"white_noise": "1 m"}, accel={"white_noise": 1.0})
     with pytest.raises(undrift.UndriftError, match="accel_x: no noise model"):
         NoiseModel.of(gyro={"white_noise": 1e-3}).shaping()

@@ -234,7 +234,7 @@ def test_messages_name_table_row_and_column(simulation: undrift.Simulation) -> N
         undrift.navigate("nowhere.toml")
     log["gyro"][16, 0] = np.nan
     done = undrift.navigate(log, fixes, "adis16405", **units)
-    assert done.data["skipped"]["imu"] == "1 row with NaN or infinity, at line 17: NaN"
+    assert done.data["skipped"]["imu"] == "1 row with NaN or infinity, at line 17: NaN in column 2"
 
 
 @pytest.mark.parametrize("smooth", [False, True])

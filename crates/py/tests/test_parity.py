@@ -15,7 +15,7 @@ import undrift
 
 RATE = 100.0
 # What `identify` sets in its search over orders (crates/noise/src/identify/candidates.rs).
-SEARCH_EFFORT, REFINE_EFFORT, GRID_EFFORT = 0.3, 0.2, 0.03
+SEARCH_EFFORT, REFINE_EFFORT, GRID_EFFORT = 0.2, 0.2, 0.03
 
 
 @pytest.fixture(scope="module")

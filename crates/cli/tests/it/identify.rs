@@ -590,7 +590,7 @@ fn records_that_differ_are_the_first_line_and_no_model_with_strict() {
     assert!(shown.contains("white noise"), "{shown}");
     let model = ImuModel::load(&folder.join("imu.toml")).unwrap();
     assert!(
-        model.source.contains("these recordings differ"),
+        model.source.contains("differing recordings"),
         "{}",
         model.source
     );

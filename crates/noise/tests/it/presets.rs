@@ -98,7 +98,7 @@ fn numbers_are_those_of_their_class() {
     ];
     for name in presets::NAMES {
         let model = ImuModel::preset(name).unwrap();
-        let is_module = ["adis", "mti", "vn"]
+        let is_module = ["adis", "imx", "mti", "vn"]
             .iter()
             .any(|start| name.starts_with(start));
         let class = if is_module { MODULE } else { CHIP };
