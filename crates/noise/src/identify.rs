@@ -266,7 +266,10 @@ fn conclude(
     let recommended = drift_score::recommend(&scored).ok_or(IdentifyError::NoCandidate)?;
     let index = own[recommended.index];
     let chosen = &candidates[index];
-    let intervals = candidates::intervals(&task, chosen);
+    let intervals = match screened.coarse {
+        true => Vec::new(),
+        false => candidates::intervals(&task, chosen),
+    };
     let said = chosen.warnings.iter();
     warnings.extend(said.map(|warning| format!("{}: {warning}", chosen.name)));
     let mut fits = candidates.iter().filter_map(Candidate::arma);

@@ -36,7 +36,7 @@ pub(super) fn of_record(of: &Screened, samples: usize, rate_hz: f64) -> Vec<Stri
     }
     if let (Some(grid), Some(deviation)) = (of.quantisation, of.before_rounding) {
         remarks.push(format!(
-            "the steps of the samples are {:.1} times the noise before rounding: the white noise is that of the rounded samples, and a slow error smaller than a step shows only in part",
+            "the steps of the samples are {:.1} times the noise before rounding: the white noise is that of the rounded samples, and a slow error smaller than a step shows only in part, so there are no intervals",
             grid.step / deviation
         ));
     }

@@ -52,6 +52,8 @@ pub(super) struct Screened {
     /// The grid of the samples, and their standard deviation before rounding where the steps are coarse and it shows.
     pub(super) quantisation: Option<Quantisation>,
     pub(super) before_rounding: Option<f64>,
+    /// The steps are larger than the noise: the error that they leave is no noise of its own.
+    pub(super) coarse: bool,
 }
 
 impl Screened {
@@ -154,6 +156,7 @@ pub(super) fn screened(record: &[f64], options: &Options<'_>) -> Result<Screened
         hanging: screening::constant_runs(record, hanging),
         threshold: found.threshold,
         quantisation,
+        coarse: coarse.is_some(),
         before_rounding: coarse.and_then(|grid| rounding::before_rounding(present, grid.step)),
     })
 }
