@@ -394,11 +394,12 @@ fn a_bar_after_two_seconds_on_a_terminal_only() {
         Some((shown, start.elapsed().as_secs_f64()))
     };
     // As many runs as take four seconds here.
-    let Some((short, _)) = run(2, "") else {
+    let Some((short, took)) = run(2, "") else {
         println!("skipped: script is missing");
         return;
     };
-    assert!(!short.contains(" of 2 runs"), "{short:?}");
+    // On a busy machine even two runs take so long.
+    assert!(took > 2.0 || !short.contains(" of 2 runs"), "{short:?}");
     let (_, of_40) = run(40, "").unwrap();
     let runs = (40.0 * 5.0 / of_40).ceil() as usize;
     let wanted = format!(" of {runs} runs, ");
