@@ -59,7 +59,7 @@ use undrift_io::{
     truth::{TruthReader, TruthSource},
 };
 use undrift_nav::{Vector3, parameters::Parameters, sample::ImuSample, units::Quantity};
-use undrift_noise::ImuModel;
+use undrift_noise::{ImuModel, number::rounded};
 
 /// A drive, ready to be read.
 #[derive(Clone, Debug)]
@@ -294,7 +294,10 @@ impl Drive {
             (true, None) => "correct imu.time_unit".to_owned(),
             (false, _) => "correct imu.rate".to_owned(),
         };
-        let problem = format!("{} Hz is too {wrong} for an IMU", short(rate));
+        let problem = format!(
+            "{} Hz is too {wrong} for an IMU",
+            rounded(rate, RATE_DIGITS)
+        );
         Err(ReadError::new(&self.imu.0, problem).mend(mend))
     }
 
@@ -314,8 +317,8 @@ impl Drive {
             (Some(stated), Some(measured)) if !(0.8..1.25).contains(&(measured / stated)) => {
                 let problem = format!(
                     "the time column gives {} Hz, but imu.rate is {} Hz",
-                    short(1.0 / measured),
-                    short(1.0 / stated)
+                    rounded(1.0 / measured, RATE_DIGITS),
+                    rounded(1.0 / stated, RATE_DIGITS)
                 );
                 Err(ReadError::new(&self.imu.0, problem).mend("correct imu.rate or remove it"))
             }
@@ -351,11 +354,8 @@ const MOST_LEVER_ARM: f64 = 100.0;
 /// Sample intervals that a log of an IMU may have \[s\].
 const INTERVALS: std::ops::RangeInclusive<f64> = 2e-5..=1.0;
 
-/// A rate \[Hz\] to four digits.
-fn short(rate: f64) -> f64 {
-    let unit = 10f64.powi(3 - rate.abs().max(1e-9).log10().floor() as i32);
-    (rate * unit).round() / unit
-}
+/// Digits of a rate in a message.
+const RATE_DIGITS: usize = 4;
 
 /// Samples looked at for the rate.
 const PROBE: usize = 2000;

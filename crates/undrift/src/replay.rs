@@ -11,6 +11,7 @@ mod gate;
 mod health;
 mod inertial;
 mod measurement;
+mod not_aligned;
 mod observer;
 mod plausible;
 mod receiver;
@@ -35,7 +36,8 @@ pub use events::{
 pub use health::CovarianceHealth;
 pub(crate) use measurement::Repeats;
 pub use measurement::{Measurement, Scalar, merge};
-pub use observer::{Measurements, NotAligned, Observer, ReplayError, Samples};
+pub use not_aligned::NotAligned;
+pub use observer::{Measurements, Observer, ReplayError, Samples};
 pub use summary::{Innovations, MOST_EVENTS, Summary};
 
 /// Navigates a log. The size of the filter follows the models.

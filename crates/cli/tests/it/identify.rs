@@ -522,23 +522,29 @@ fn two(folder: &Path, loud: bool) {
     .unwrap();
 }
 
+/// With the record itself, of these.
+const WITH_OTHER: [&str; 7] = [
+    "other.csv",
+    "--rate",
+    "100",
+    "--n-max",
+    "1",
+    "-o",
+    "imu.toml",
+];
+
+/// What is shown of both records.
+fn of_two(folder: &Path) -> String {
+    let output = identify(folder, &record(HEADER, 3000), &WITH_OTHER);
+    assert!(output.status.success(), "{output:?}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
 #[test]
 fn several_records_make_one_model() {
     let folder = folder("several");
     two(&folder, false);
-    let text = record(HEADER, 3000);
-    let arguments = [
-        "other.csv",
-        "--rate",
-        "100",
-        "--n-max",
-        "1",
-        "-o",
-        "imu.toml",
-    ];
-    let output = identify(&folder, &text, &arguments);
-    assert!(output.status.success(), "{output:?}");
-    let shown = String::from_utf8(output.stdout).unwrap();
+    let (text, shown) = (record(HEADER, 3000), of_two(&folder));
     assert!(shown.starts_with("Usable: 6 axes, "), "{shown}");
     assert!(shown.contains("in 2 recordings at 100 Hz"), "{shown}");
     assert!(
@@ -573,19 +579,7 @@ fn several_records_make_one_model() {
 fn records_that_differ_are_the_first_line_and_no_model_with_strict() {
     let folder = folder("differ");
     two(&folder, true);
-    let text = record(HEADER, 3000);
-    let arguments = [
-        "other.csv",
-        "--rate",
-        "100",
-        "--n-max",
-        "1",
-        "-o",
-        "imu.toml",
-    ];
-    let output = identify(&folder, &text, &arguments);
-    assert!(output.status.success(), "{output:?}");
-    let shown = String::from_utf8(output.stdout).unwrap();
+    let (text, shown) = (record(HEADER, 3000), of_two(&folder));
     assert!(shown.starts_with("Not one sensor: "), "{shown}");
     assert!(shown.contains("white noise"), "{shown}");
     let model = ImuModel::load(&folder.join("imu.toml")).unwrap();
@@ -596,7 +590,7 @@ fn records_that_differ_are_the_first_line_and_no_model_with_strict() {
     );
 
     std::fs::remove_file(folder.join("imu.toml")).unwrap();
-    let strict = identify(&folder, &text, &[&arguments[..], &["--strict"]].concat());
+    let strict = identify(&folder, &text, &[&WITH_OTHER[..], &["--strict"]].concat());
     assert_eq!(strict.status.code(), Some(3));
     assert!(!folder.join("imu.toml").exists());
     std::fs::remove_dir_all(&folder).unwrap();

@@ -101,6 +101,8 @@ struct Fitted {
 /// Records, or half of one.
 struct Part<'a> {
     records: Vec<&'a [f64]>,
+    /// They end to end, straight lines over what is missing: of the products of samples, few are of two records.
+    end_to_end: Vec<f64>,
     rate_hz: f64,
     curve: Curve,
     allan: Terms,
@@ -228,14 +230,15 @@ impl Fitted {
 
 impl<'a> Part<'a> {
     fn new(records: Vec<&'a [f64]>, rate_hz: f64) -> Option<Self> {
-        let curve = |record: &&[f64]| {
-            let bridged = bridge(record);
-            allan::deviations(&bridged, rate_hz, DeviationKind::Overlapping, Grid::Octave).ok()
+        let bridged: Vec<Vec<f64>> = records.iter().map(|record| bridge(record)).collect();
+        let curve = |record: &Vec<f64>| {
+            allan::deviations(record, rate_hz, DeviationKind::Overlapping, Grid::Octave).ok()
         };
-        let curves: Option<Vec<_>> = records.iter().map(curve).collect();
+        let curves: Option<Vec<_>> = bridged.iter().map(curve).collect();
         let curve = allan::pooled(&curves?)?;
         Some(Self {
             records,
+            end_to_end: bridged.concat(),
             rate_hz,
             allan: allan::fit_terms(&curve).ok()?,
             curve,
@@ -243,12 +246,7 @@ impl<'a> Part<'a> {
     }
 
     fn compared(&self, method: Method) -> Result<CompositeTerms, Unfit> {
-        method.fit(&self.end_to_end(), &self.curve, &self.allan)
-    }
-
-    /// The records end to end, straight lines over what is missing: of the products of samples, few are of two records.
-    fn end_to_end(&self) -> Vec<f64> {
-        self.records.iter().flat_map(|r| bridge(r)).collect()
+        method.fit(&self.end_to_end, &self.curve, &self.allan)
     }
 }
 
@@ -436,7 +434,7 @@ fn arma_of(fit: ArmaFit, rate_hz: f64) -> (AxisModel, Origin) {
 }
 
 fn burg(p: usize, part: &Part) -> Option<AxisModel> {
-    let fit = arma::burg(&part.end_to_end(), p).ok()?;
+    let fit = arma::burg(&part.end_to_end, p).ok()?;
     let arma = Arma {
         ar: fit.ar,
         ma: Vec::new(),
@@ -462,6 +460,7 @@ pub(super) fn candidates(task: &Task) -> Tried {
     // The averages of one sample are the ARMA(1,1) of the full rate.
     let blocks = &scales::BLOCKS[1..];
     let whole = Part {
+        end_to_end: task.records.iter().flat_map(|r| bridge(r)).collect(),
         records: task.records.clone(),
         rate_hz: task.rate_hz,
         curve: task.curve.clone(),

@@ -21,22 +21,16 @@ pub fn identify(result: &Identify, details: bool, mark: Mark) -> String {
     let alarm = result.pool.as_ref().and_then(pool::not_one);
     let verdict = alarm.map_or(String::new(), |text| wrapped(&text));
     let verdict = verdict + &wrapped(&terms::verdict(result));
-    let lines = lines(identified("", result));
-    let lines = match lines.rows.is_empty() {
-        true => String::new(),
-        false => format!(
-            "\nLines and narrow resonances, not in the terms above:\n{}",
-            plain_table(&lines, mark)
-        ),
-    };
-    let temperatures = temperatures(identified("", result));
-    let temperatures = match temperatures.rows.is_empty() {
-        true => String::new(),
-        false => format!(
-            "\nBias over temperature, 95 % intervals:\n{}",
-            plain_table(&temperatures, mark)
-        ),
-    };
+    let temperatures = captioned(
+        "Bias over temperature, 95 % intervals:",
+        &temperatures(identified("", result)),
+        mark,
+    );
+    let lines = captioned(
+        "Lines and narrow resonances, not in the terms above:",
+        &lines(identified("", result)),
+        mark,
+    );
     let terms =
         terms::table(result, mark) + &temperatures + &lines + &several(result, details, mark);
     match details {
@@ -45,26 +39,32 @@ pub fn identify(result: &Identify, details: bool, mark: Mark) -> String {
     }
 }
 
+/// A table under its caption, after an empty line; nothing of one without rows.
+fn captioned(caption: &str, table: &Table, mark: Mark) -> String {
+    match table.rows.is_empty() {
+        true => String::new(),
+        false => format!("\n{caption}\n{}", plain_table(table, mark)),
+    }
+}
+
 /// What several records show beyond their model; `details` puts the records of each axis first.
 fn several(result: &Identify, details: bool, mark: Mark) -> String {
     let Some(pool) = &result.pool else {
         return String::new();
     };
-    let table = |caption: &str, table: Table| match table.rows.is_empty() {
-        true => String::new(),
-        false => format!("\n{caption}\n{}", plain_table(&table, mark)),
-    };
     let records = match details {
-        true => table(
+        true => captioned(
             "Each recording against the others:",
-            pool::records("", pool),
+            &pool::records("", pool),
+            mark,
         ),
         false => String::new(),
     };
     let count = pool.records.len();
-    let spread = table(
+    let spread = captioned(
         &format!("Turn-on constants of {count} switch-ons:"),
-        pool::turn_on("", pool),
+        &pool::turn_on("", pool),
+        mark,
     );
     let notes = pool::of_constants(pool);
     let notes: String = notes.iter().map(|note| wrapped(note)).collect();

@@ -1,6 +1,7 @@
 //! How the clocks of two logs differ that do not overlap.
 
 use crate::replay::Log;
+use std::fmt;
 
 /// Time stamps of a log.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +43,17 @@ const HOUR: f64 = 3600.0;
 const MOST_HOURS: f64 = 24.0;
 /// Logs of a drive begin at most so long one after the other to be whole hours apart \[s\].
 const TOGETHER: f64 = 300.0;
+
+impl fmt::Display for Stamps {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} to {} s", rounded(self.first), rounded(self.last))
+    }
+}
+
+/// A time to the millisecond.
+pub(crate) fn rounded(time: f64) -> f64 {
+    (time * 1e3).round() / 1e3
+}
 
 impl Stamps {
     /// With one more, later stamp \[s\].

@@ -67,10 +67,20 @@ pub enum RestFailure {
     #[error("no rest to level the IMU (set initial.attitude)")]
     NoRest,
     /// The course is the heading above a speed that was never reached.
-    #[error("{}", too_slow(*min_speed, *fastest))]
+    #[error(
+        "the vehicle never reached {min_speed:.1} m/s (at most {fastest:.1} m/s), so the course gives no heading: set initial.min_speed or initial.heading"
+    )]
     TooSlow {
         /// That speed \[m/s\].
         min_speed: f64,
+        /// The highest speed \[m/s\].
+        fastest: f64,
+    },
+    /// The course is the heading, and there was rest alone.
+    #[error(
+        "the vehicle never moved (at most {fastest:.1} m/s), so its heading is unknown: set initial.heading, or use a log with motion"
+    )]
+    NeverMoved {
         /// The highest speed \[m/s\].
         fastest: f64,
     },
@@ -127,25 +137,11 @@ pub enum MotionFailure {
     Misfit(f64),
 }
 
-/// Slower is rest [m/s].
-const STANDS: f64 = 0.5;
-
-fn too_slow(min_speed: f64, fastest: f64) -> String {
-    if fastest < STANDS {
-        return format!(
-            "the vehicle never moved (at most {fastest:.1} m/s), so its heading is unknown: set initial.heading, or use a log with motion"
-        );
-    }
-    format!(
-        "the vehicle never reached {min_speed:.1} m/s (at most {fastest:.1} m/s), so the course gives no heading: set initial.min_speed or initial.heading"
-    )
-}
-
 /// Without speed there is no change of velocity either: one reason is enough.
 fn of_attitude(rest: &RestFailure, motion: &MotionFailure) -> String {
     match (rest, motion) {
         (
-            RestFailure::TooSlow { .. },
+            RestFailure::TooSlow { .. } | RestFailure::NeverMoved { .. },
             MotionFailure::NoVelocity | MotionFailure::TooFew | MotionFailure::TooSteady { .. },
         ) => rest.to_string(),
         _ => format!("{rest}, and {motion}"),

@@ -82,8 +82,19 @@ pub enum ScheduleError {
         /// Length of each \[s\].
         length: f64,
     },
+    /// The start lies after the last fix.
+    #[error("--start {start}: the last fix is only {end:.0} s after the first; reduce --start")]
+    StartAfterFixes {
+        /// After the first fix \[s\].
+        start: f64,
+        /// The last fix after the first \[s\].
+        end: f64,
+    },
     /// Not one fits between the start and the last fix.
-    #[error("{}", no_room(*length, *start, *end))]
+    #[error(
+        "--length {length}: only {:.0} s lie between --start {start} and the last fix; reduce --length or --start",
+        end - start
+    )]
     NoRoom {
         /// Length of an outage \[s\].
         length: f64,
@@ -100,8 +111,19 @@ pub enum ScheduleError {
         /// How many are asked for.
         count: usize,
     },
+    /// An outage is longer than the fixes.
+    #[error("--length {length}: the fixes cover only {span:.0} s; reduce --length")]
+    LongerThanFixes {
+        /// Length \[s\].
+        length: f64,
+        /// From the first fix to the last \[s\].
+        span: f64,
+    },
     /// An outage reaches beyond the fixes.
-    #[error("{}", beyond(*length, *time, *first, *last))]
+    #[error(
+        "--at {time}: a {length} s outage must begin between {first} s and {} s, within the fixes",
+        ((last - length) * 1e3).floor() / 1e3
+    )]
     BeyondFixes {
         /// Length \[s\].
         length: f64,
@@ -125,33 +147,6 @@ pub enum ScheduleError {
     },
 }
 
-/// An outage that has no room after a start, where the last fix is so long after the first \[s\].
-fn no_room(length: f64, start: f64, end: f64) -> String {
-    if start >= end {
-        return format!(
-            "--start {start}: the last fix is only {end:.0} s after the first; reduce --start"
-        );
-    }
-    format!(
-        "--length {length}: only {:.0} s lie between --start {start} and the last fix; reduce --length or --start",
-        end - start
-    )
-}
-
-/// An outage at a time beyond the fixes \[s\].
-fn beyond(length: f64, time: f64, first: f64, last: f64) -> String {
-    if last - first < length {
-        return format!(
-            "--length {length}: the fixes cover only {:.0} s; reduce --length",
-            last - first
-        );
-    }
-    format!(
-        "--at {time}: a {length} s outage must begin between {first} s and {} s, within the fixes",
-        ((last - length) * 1e3).floor() / 1e3
-    )
-}
-
 /// The outages of `length` \[s\] a schedule asks for, given the first and last fix \[s\].
 ///
 /// # Errors
@@ -173,11 +168,16 @@ pub fn schedule(
             let is_beyond =
                 |t: &&f64| !t.is_finite() || **t < first_fix || **t + length > last_fix + 1e-6;
             if let Some(&time) = times.iter().find(is_beyond) {
-                return Err(ScheduleError::BeyondFixes {
-                    length,
-                    time,
-                    first: first_fix,
-                    last: last_fix,
+                let (first, last) = (first_fix, last_fix);
+                let span = last - first;
+                return Err(match span < length {
+                    true => ScheduleError::LongerThanFixes { length, span },
+                    false => ScheduleError::BeyondFixes {
+                        length,
+                        time,
+                        first,
+                        last,
+                    },
                 });
             }
             times
@@ -222,6 +222,9 @@ fn spread(
     };
     // The last of them may end with the fixes, but for rounding.
     let fits = (room / every + 1e-9).floor() + 1.0;
+    if start >= end {
+        return Err(ScheduleError::StartAfterFixes { start, end });
+    }
     if room < 0.0 || fits < 1.0 {
         return Err(ScheduleError::NoRoom { length, start, end });
     }

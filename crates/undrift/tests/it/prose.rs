@@ -3,8 +3,7 @@
 use std::{fs, path::Path};
 
 /// Files that may hold sentences, with the reason.
-const ALLOWED: [(&str, &str); 18] = [
-    ("align/result.rs", "messages of AlignmentFailure"),
+const ALLOWED: [(&str, &str); 15] = [
     ("demo.rs", "the name of a model"),
     ("drive", "messages of ConfigError, with file, line and key"),
     (
@@ -27,13 +26,11 @@ const ALLOWED: [(&str, &str); 18] = [
         "montecarlo/spec.rs",
         "messages of ConfigError, with file, line and key",
     ),
-    ("outages/schedule.rs", "messages of ScheduleError"),
     ("record.rs", "messages of ReadError, with file and option"),
     (
         "record/guess.rs",
         "messages of ReadError, with file and option",
     ),
-    ("replay/observer.rs", "messages of ReplayError"),
     ("results/drive.rs", "a value of gnss_use"),
     (
         "tune.rs",
