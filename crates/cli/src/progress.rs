@@ -1,25 +1,16 @@
 //! A bar for what takes time: how far, how fast, how long still.
 //!
-//! The work counts in an atomic number; a thread beside it looks at the number and draws. It begins
-//! after [`PATIENCE`], on a terminal only, and never when quiet.
+//! The work counts in an atomic number; a thread beside it looks at the number and draws ([`drawn`]). It begins
+//! after two seconds, on a terminal only, and never when quiet. WebAssembly has no threads: there the work writes its
+//! progress itself, as lines that begin with a carriage return.
 
-use crate::terminal;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::{
-    io::IsTerminal,
     sync::{
         Arc, Mutex,
         atomic::{AtomicU64, Ordering::Relaxed},
-        mpsc::{Receiver, RecvTimeoutError, Sender, channel},
     },
-    thread::JoinHandle,
-    time::{Duration, Instant},
+    time::Instant,
 };
-
-/// Work shorter than this has no bar.
-const PATIENCE: Duration = Duration::from_secs(2);
-/// From one look at the number to the next.
-const LOOK: Duration = Duration::from_millis(200);
 
 /// What is counted, and how many there are; 0 where that is not known.
 struct Stage {
@@ -46,7 +37,8 @@ impl Stage {
 pub struct Bar {
     done: Arc<AtomicU64>,
     stage: Arc<Mutex<Stage>>,
-    watcher: Option<(Sender<()>, JoinHandle<()>)>,
+    #[cfg(not(target_family = "wasm"))]
+    _watcher: Option<drawn::Watcher>,
 }
 
 impl Bar {
@@ -58,25 +50,35 @@ impl Bar {
     /// A bar for a number that somebody else counts.
     pub fn watching(done: Arc<AtomicU64>, name: &str, total: u64, unit: &'static str) -> Self {
         let stage = Arc::new(Mutex::new(Stage::new(name, total, unit)));
-        let watched = std::io::stderr().is_terminal() && !terminal::is_quiet();
-        let watcher = watched.then(|| {
-            let (stop, stopped) = channel();
-            let (done, stage) = (done.clone(), stage.clone());
-            (
-                stop,
-                std::thread::spawn(move || watch(&done, &stage, &stopped)),
-            )
-        });
         Self {
+            #[cfg(not(target_family = "wasm"))]
+            _watcher: drawn::Watcher::of(&done, &stage),
             done,
             stage,
-            watcher,
         }
     }
 
     /// Counts.
     pub fn add(&self, more: u64) {
         self.done.fetch_add(more, Relaxed);
+        #[cfg(target_family = "wasm")]
+        self.write();
+    }
+
+    /// A line of the progress, at most ten in a second.
+    #[cfg(target_family = "wasm")]
+    fn write(&self) {
+        static BEFORE: Mutex<Option<Instant>> = Mutex::new(None);
+        let (Ok(mut before), Ok(stage)) = (BEFORE.lock(), self.stage.lock()) else {
+            return;
+        };
+        if before.is_none_or(|before| before.elapsed().as_millis() >= 100) {
+            *before = Some(Instant::now());
+            eprint!(
+                "\r{}\n",
+                text(&stage, self.done.load(Relaxed), stage.since.elapsed())
+            );
+        }
     }
 
     /// Goes on to another stage, if it is one.
@@ -90,49 +92,8 @@ impl Bar {
     }
 }
 
-impl Drop for Bar {
-    fn drop(&mut self) {
-        if let Some((stop, thread)) = self.watcher.take() {
-            drop(stop);
-            // It only draws: what went wrong there is no matter here.
-            let _ = thread.join();
-        }
-    }
-}
-
-/// Draws until the bar is dropped.
-fn watch(done: &AtomicU64, stage: &Mutex<Stage>, stopped: &Receiver<()>) {
-    let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
-    let (mut before, mut patience) = (0, PATIENCE);
-    while stopped.recv_timeout(patience) == Err(RecvTimeoutError::Timeout) {
-        patience = LOOK;
-        let Ok(mut stage) = stage.lock() else { break };
-        let done = done.load(Relaxed);
-        // A number that fell is that of another pass.
-        if done < before {
-            stage.since = Instant::now();
-        }
-        before = done;
-        let template = match stage.total {
-            0 => "{wide_msg}",
-            _ => "{bar:24} {wide_msg}",
-        };
-        if let Ok(style) = ProgressStyle::with_template(template) {
-            bar.set_style(style.progress_chars("=> "));
-        }
-        bar.set_length(stage.total);
-        bar.set_position(done.min(stage.total));
-        bar.set_message(text(&stage, done, stage.since.elapsed()));
-        // What is drawn first has all of it.
-        if bar.is_hidden() {
-            bar.set_draw_target(ProgressDrawTarget::stderr());
-        }
-    }
-    bar.finish_and_clear();
-}
-
 /// How far, how fast, how long still.
-fn text(stage: &Stage, done: u64, elapsed: Duration) -> String {
+fn text(stage: &Stage, done: u64, elapsed: std::time::Duration) -> String {
     let Stage {
         name, unit, total, ..
     } = stage;
@@ -173,13 +134,88 @@ fn clock(seconds: f64) -> String {
     }
 }
 
+/// The bar of a terminal.
+#[cfg(not(target_family = "wasm"))]
+mod drawn {
+    use super::{Arc, AtomicU64, Instant, Mutex, Relaxed, Stage, text};
+    use crate::terminal;
+    use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+    use std::{
+        io::IsTerminal,
+        sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel},
+        thread::JoinHandle,
+        time::Duration,
+    };
+
+    /// Work shorter than this has no bar.
+    const PATIENCE: Duration = Duration::from_secs(2);
+    /// From one look at the number to the next.
+    const LOOK: Duration = Duration::from_millis(200);
+
+    /// The thread that draws, as long as it lives.
+    pub struct Watcher(Option<(Sender<()>, JoinHandle<()>)>);
+
+    impl Watcher {
+        pub fn of(done: &Arc<AtomicU64>, stage: &Arc<Mutex<Stage>>) -> Option<Self> {
+            let watched = std::io::stderr().is_terminal() && !terminal::is_quiet();
+            watched.then(|| {
+                let (stop, stopped) = channel();
+                let (done, stage) = (done.clone(), stage.clone());
+                let thread = std::thread::spawn(move || watch(&done, &stage, &stopped));
+                Self(Some((stop, thread)))
+            })
+        }
+    }
+
+    impl Drop for Watcher {
+        fn drop(&mut self) {
+            if let Some((stop, thread)) = self.0.take() {
+                drop(stop);
+                // It only draws: what went wrong there is no matter here.
+                let _ = thread.join();
+            }
+        }
+    }
+
+    /// Draws until the bar is dropped.
+    fn watch(done: &AtomicU64, stage: &Mutex<Stage>, stopped: &Receiver<()>) {
+        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
+        let (mut before, mut patience) = (0, PATIENCE);
+        while stopped.recv_timeout(patience) == Err(RecvTimeoutError::Timeout) {
+            patience = LOOK;
+            let Ok(mut stage) = stage.lock() else { break };
+            let done = done.load(Relaxed);
+            // A number that fell is that of another pass.
+            if done < before {
+                stage.since = Instant::now();
+            }
+            before = done;
+            let template = match stage.total {
+                0 => "{wide_msg}",
+                _ => "{bar:24} {wide_msg}",
+            };
+            if let Ok(style) = ProgressStyle::with_template(template) {
+                bar.set_style(style.progress_chars("=> "));
+            }
+            bar.set_length(stage.total);
+            bar.set_position(done.min(stage.total));
+            bar.set_message(text(&stage, done, stage.since.elapsed()));
+            // What is drawn first has all of it.
+            if bar.is_hidden() {
+                bar.set_draw_target(ProgressDrawTarget::stderr());
+            }
+        }
+        bar.finish_and_clear();
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn of(name: &str, unit: &'static str, total: u64, done: u64, seconds: u64) -> String {
         let stage = Stage::new(name, total, unit);
-        text(&stage, done, Duration::from_secs(seconds))
+        text(&stage, done, std::time::Duration::from_secs(seconds))
     }
 
     #[test]

@@ -35,6 +35,7 @@ mod lines;
 mod opened;
 mod time;
 mod visible;
+mod zstandard;
 
 pub use error::ReadError;
 pub use opened::{Memory, Opened};

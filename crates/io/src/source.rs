@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use flate2::bufread::MultiGzDecoder;
 
-use crate::{ReadError, nearby};
+use crate::{ReadError, nearby, zstandard};
 
 /// A byte stream to read from.
 pub type Source = Box<dyn BufRead + Send>;
@@ -78,7 +78,7 @@ pub(crate) fn decompressed(
         let inflated = MultiGzDecoder::new(reader);
         Ok((Box::new(BufReader::with_capacity(BUFFER, inflated)), true))
     } else if start.starts_with(&ZSTD_MAGIC) {
-        let inflated = zstd::Decoder::with_buffer(reader).map_err(|e| cannot_open(name, e))?;
+        let inflated = zstandard::decoder(reader).map_err(|e| cannot_open(name, e))?;
         Ok((Box::new(BufReader::with_capacity(BUFFER, inflated)), true))
     } else {
         Ok((Box::new(reader), false))

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::io::{self, BufRead, Read};
 
-use crate::source::Source;
+use crate::{source::Source, zstandard};
 
 /// No chunk or message is larger than this \[bytes\]: recorders make chunks of about a megabyte, and
 /// clouds of points have tens of them.
@@ -62,8 +62,9 @@ pub(super) fn decompress(
         "lz4" => lz4_flex::frame::FrameDecoder::new(packed)
             .take(size)
             .read_to_end(into),
-        "zstd" => zstd::Decoder::with_buffer(packed)
-            .and_then(|decoder| decoder.take(size).read_to_end(into)),
+        "zstd" => {
+            zstandard::decoder(packed).and_then(|decoder| decoder.take(size).read_to_end(into))
+        }
         _ => return Err(None),
     };
     match done {
@@ -82,7 +83,7 @@ pub(super) fn decompress(
 /// Why it cannot be.
 pub(super) fn unpack(packed: &[u8]) -> Result<Vec<u8>, String> {
     let mut unpacked = Vec::new();
-    let done = zstd::Decoder::with_buffer(packed)
+    let done = zstandard::decoder(packed)
         .and_then(|decoder| decoder.take(MOST + 1).read_to_end(&mut unpacked));
     match done {
         Ok(n) if n as u64 > MOST => Err(format!("a message of more than {MOST} bytes")),

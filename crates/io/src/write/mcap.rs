@@ -78,8 +78,10 @@ impl<W: Write + Seek> McapWriter<W> {
         let options = WriteOptions::new()
             .disable_seeking(start_again.is_err())
             .profile("ros2")
-            .library(concat!("undrift ", env!("CARGO_PKG_VERSION")))
-            .compression_threads(0);
+            .library(concat!("undrift ", env!("CARGO_PKG_VERSION")));
+        // Without zstd, in WebAssembly, the chunks are as they are.
+        #[cfg(not(target_family = "wasm"))]
+        let options = options.compression_threads(0);
         // Held by its own type at once: the writer below must not be dropped unfinished.
         let mut this = Self {
             out: Some(options.create(BufWriter::new(out)).map_err(io_error)?),

@@ -76,7 +76,7 @@ impl PendingFile {
         hidden.push(name);
         hidden.push(".part");
         remove_stale(&target, &hidden);
-        hidden.push(std::process::id().to_string());
+        hidden.push(process().to_string());
         let temporary = target.with_file_name(hidden);
         let mut files = unfinished();
         let file = File::create(&temporary)?;
@@ -113,6 +113,14 @@ impl PendingFile {
                 Ok(())
             }
         }
+    }
+}
+
+/// The number of this process; WebAssembly has none.
+fn process() -> u32 {
+    match cfg!(target_family = "wasm") {
+        true => 0,
+        false => std::process::id(),
     }
 }
 
