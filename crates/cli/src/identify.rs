@@ -93,6 +93,9 @@ pub struct Arguments {
     /// recording does not have
     #[arg(long, value_name = "PRESET|FILE")]
     base: Option<String>,
+    /// The Allan deviations alone, in a second: no tests, no models
+    #[arg(long, conflicts_with_all = ["output", "base", "n_max"])]
+    allan: bool,
     /// Write the model file; without --base it has the recording's axes only
     #[arg(short, long, value_name = "imu.toml", help_heading = "Output")]
     output: Option<PathBuf>,
@@ -182,32 +185,17 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         taken.push(take(arguments, record)?);
     }
     tell_apart(&mut taken);
+    if let ([one], true) = (&taken[..], arguments.allan) {
+        let options = options(arguments, one);
+        return show(
+            arguments,
+            &files,
+            &identify::allan_deviations(&one.record, &one.name, &options),
+        );
+    }
     let (identified, name) = identify(arguments, &taken)?;
     let result = identified.result(&name);
-    let shown =
-        arguments.result.is_wanted() && arguments.result.write(&files, &results::text(&result))?;
-    if !shown {
-        let details = terminal::is_verbose();
-        say(text::identify(&result, details, style::heading).trim_end())?;
-        if arguments.plot {
-            say(plot::allan(&result))?;
-        }
-    }
-    let errors = Vec::from_iter(result.in_order().map(|(_, axis)| axis.error.as_ref()));
-    if let Some(Some(error)) = errors.first()
-        && errors.iter().all(|other| *other == Some(error))
-    {
-        bail!("{name}: {error}");
-    }
-    for (name, axis) in result.in_order() {
-        if let Some(error) = &axis.error {
-            terminal::doubt();
-            warn(format!("{name}: {error}"));
-        }
-    }
-    if result.axes.values().all(|axis| axis.error.is_some()) {
-        bail!("no axis could be identified");
-    }
+    show(arguments, &files, &result)?;
     let differ = result.pool.as_ref().is_some_and(|pool| !pool.homogeneous);
     if differ {
         terminal::doubt();
@@ -237,6 +225,35 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     files.write(file, &model.to_toml())?;
     terminal::say(format!("model: {}", output::shown(file)))?;
     warn_of_unknown(file, &model, &identified.without_turn_on(base.as_ref()));
+    Ok(())
+}
+
+/// Writes and prints what was found, and warns of axes that could not be identified.
+fn show(arguments: &Arguments, files: &Files, result: &results::Identify) -> Result<()> {
+    let shown =
+        arguments.result.is_wanted() && arguments.result.write(files, &results::text(result))?;
+    if !shown {
+        let details = terminal::is_verbose();
+        say(text::identify(result, details, style::heading).trim_end())?;
+        if arguments.plot {
+            say(plot::allan(result))?;
+        }
+    }
+    let errors = Vec::from_iter(result.in_order().map(|(_, axis)| axis.error.as_ref()));
+    if let Some(Some(error)) = errors.first()
+        && errors.iter().all(|other| *other == Some(error))
+    {
+        bail!("{}: {error}", result.record);
+    }
+    for (name, axis) in result.in_order() {
+        if let Some(error) = &axis.error {
+            terminal::doubt();
+            warn(format!("{name}: {error}"));
+        }
+    }
+    if result.axes.values().all(|axis| axis.error.is_some()) {
+        bail!("no axis could be identified");
+    }
     Ok(())
 }
 
@@ -292,19 +309,23 @@ fn pooled(taken: &[Taken]) -> Vec<Pooled<'_>> {
     records.collect()
 }
 
+fn options<'a>(arguments: &Arguments, one: &'a Taken) -> undrift::noise::identify::Options<'a> {
+    let trend = arguments.detrend.unwrap_or_default();
+    identify::options(&one.record, one.rate_hz, arguments.n_max, trend)
+}
+
 /// What the record shows, or all together, and what that is called.
 fn identify(arguments: &Arguments, taken: &[Taken]) -> Result<(Identified, String)> {
     let axes = taken.first().map_or(0, |one| one.record.axes.len());
-    let (n_max, trend) = (arguments.n_max, arguments.detrend.unwrap_or_default());
     stage("identification", || {
         let bar = Bar::new("identified", axes as u64, "axes");
         if let [one] = taken {
-            let options = identify::options(&one.record, one.rate_hz, n_max, trend);
-            let found = identify::run(&one.record, &options, || bar.add(1));
+            let found = identify::run(&one.record, &options(arguments, one), || bar.add(1));
             return Ok((found, one.name.clone()));
         }
         let names: Vec<&str> = taken.iter().map(|one| one.name.as_str()).collect();
-        let found = identify::run_pool(&pooled(taken), n_max, trend, || bar.add(1))?;
+        let trend = arguments.detrend.unwrap_or_default();
+        let found = identify::run_pool(&pooled(taken), arguments.n_max, trend, || bar.add(1))?;
         Ok((found, results::names(&names)))
     })
 }

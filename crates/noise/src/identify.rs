@@ -150,6 +150,9 @@ fn dickey_fuller(x: &[f64]) -> Result<(Adf, Vec<ByRule>), RecordError> {
     Ok((adf(Lags::Fixed(ADF_LAGS))?, chosen))
 }
 
+/// Coverage of the intervals of Allan deviations.
+const COVERAGE: f64 = 0.683;
+
 /// A record with its screening, before anything is fitted.
 struct Prepared {
     samples: usize,
@@ -205,6 +208,37 @@ pub fn identify(
     options: &Options<'_>,
 ) -> Result<Axis, IdentifyError> {
     Ok(conclude(vec![prepare(record, options)?], accelerometer, options)?.0)
+}
+
+/// The Allan deviation of an axis.
+#[derive(Clone, Debug)]
+pub struct AllanDeviation {
+    /// The curve, of the overlapping deviation at an octave's steps.
+    pub curve: allan::Curve,
+    /// 68 % interval of each point.
+    pub intervals: Vec<allan::Interval>,
+    /// The terms fitted to it.
+    pub terms: allan::Terms,
+}
+
+/// The Allan deviation as [`identify`] finds it, without the tests and models, in a small part of its time.
+///
+/// # Errors
+/// As [`identify`].
+pub fn allan_deviation(
+    record: &[f64],
+    options: &Options<'_>,
+) -> Result<AllanDeviation, IdentifyError> {
+    let Prepared {
+        screened,
+        allan: curve,
+        ..
+    } = prepare(record, options)?;
+    Ok(AllanDeviation {
+        intervals: allan::intervals(&screened.bridged, &curve, COVERAGE)?,
+        terms: allan::fit_terms(&curve)?,
+        curve,
+    })
 }
 
 /// The axis that records of one sensor show together; tests, spectrum and correlations are those of the first, which
@@ -295,7 +329,7 @@ fn conclude(
         whiteness: whiteness::portmanteau(bridged, &[20], 0)?[0],
         lines,
         psd,
-        allan_intervals: allan::intervals(bridged, &curve, 0.683)?,
+        allan_intervals: allan::intervals(bridged, &curve, COVERAGE)?,
         allan_gauss_markov: allan::fit_gauss_markov(&curve).ok(),
         allan: task.curve.clone(),
         allan_terms,

@@ -102,6 +102,11 @@ pub fn sections(runs: &[Run<'_, Identify>]) -> Vec<Section> {
             several => compared(name, several),
         }
     };
+    let modelled =
+        |(_, run): &Run<'_, Identify>| run.axes.values().any(|axis| !axis.candidates.is_empty());
+    if !runs.iter().any(modelled) {
+        return allan(runs).into_iter().collect();
+    }
     let axes = names.into_iter().map(of_name);
     [summary(runs)].into_iter().chain(axes).flatten().collect()
 }
@@ -126,7 +131,8 @@ pub(crate) fn identified<'a>(
     })
 }
 
-fn summary(runs: &[Run<'_, Identify>]) -> Option<Section> {
+/// What was not identified, and what was done.
+fn head(runs: &[Run<'_, Identify>]) -> impl Iterator<Item = Block> {
     let failed = runs.iter().map(|(name, run)| {
         let failed = run.in_order().filter_map(|(axis, found)| {
             Some(format!(
@@ -140,6 +146,48 @@ fn summary(runs: &[Run<'_, Identify>]) -> Option<Section> {
     let done = runs
         .iter()
         .map(|(name, run)| text(what_was_done(name, run)));
+    let blocks: Vec<Block> = failed.chain(done).flatten().collect();
+    blocks.into_iter()
+}
+
+/// Of Allan deviations alone.
+fn allan(runs: &[Run<'_, Identify>]) -> Option<Section> {
+    let axes = runs.iter().flat_map(|(name, run)| identified(name, run));
+    let terms = Table::of(
+        "terms",
+        "Terms of the Allan deviation of each axis.",
+        axes,
+        &of_allan(),
+    );
+    let blocks = head(runs).chain(overview(runs)).chain(terms.block());
+    Section::of("Allan deviation", blocks)
+}
+
+/// The Allan deviations of all axes in one figure, those of the gyros beside those of the accelerometers.
+fn overview(runs: &[Run<'_, Identify>]) -> Option<Block> {
+    let panels = ["gyro", "accel"].into_iter().filter_map(|sensor| {
+        let unit = units(sensor);
+        let axes = runs.iter().flat_map(|(name, run)| identified(name, run));
+        let axes = axes.filter(|axis| axis.name.starts_with(sensor));
+        let mut panel = allan_panel(unit).titled(match sensor {
+            "gyro" => "Gyros",
+            _ => "Accelerometers",
+        });
+        for (at, Named { label, axis, .. }) in axes.enumerate() {
+            let deviation = points(&axis.allan.tau_s, &axis.allan.adev, unit.scale);
+            panel.add(Series::line(&label, run_colour(at), deviation));
+        }
+        (!panel.series.is_empty()).then_some(panel)
+    });
+    Figure::of(
+        "allan",
+        "Overlapping Allan deviations of all axes.",
+        2,
+        panels,
+    )
+}
+
+fn summary(runs: &[Run<'_, Identify>]) -> Option<Section> {
     let axes = || runs.iter().flat_map(|(name, run)| identified(name, run));
     let tables = [
         models(axes()),
@@ -152,34 +200,44 @@ fn summary(runs: &[Run<'_, Identify>]) -> Option<Section> {
         .iter()
         .map(|(name, run)| text([prefixed(name, &normality(run))]))
         .chain([text([PAPER_KS.to_owned()])]);
-    let blocks = failed.chain(done).flatten();
-    let blocks = blocks.chain(pool::of_runs(runs));
+    let several = runs.iter().any(|(_, run)| run.axes.len() > 1);
+    let overview = several.then(|| overview(runs)).flatten();
+    let blocks = head(runs).chain(pool::of_runs(runs)).chain(overview);
     let blocks = blocks.chain(tables.into_iter().chain(normality).flatten());
     Section::of("Static recording", blocks)
 }
 
+type Column<'a> = (&'static str, &'a dyn Fn(&Named<'a>) -> Cell);
+
+/// The axis and the terms of its Allan deviation.
+fn of_allan<'a>() -> [Column<'a>; 4] {
+    [
+        ("axis", &|a| (&a.label).into()),
+        ("white noise", &|a| {
+            let (unit, white) = (units(a.name), a.axis.allan_terms.white.value);
+            format!("{} {}", short(white * 60.0 * unit.scale), unit.white).into()
+        }),
+        ("bias instability", &|a| {
+            let (unit, term) = (units(a.name), &a.axis.allan_terms.bias_instability);
+            seen(term, unit.instability_scale, unit.instability)
+        }),
+        ("random walk", &|a| {
+            let (unit, term) = (units(a.name), &a.axis.allan_terms.random_walk);
+            seen(term, 60.0 * unit.instability_scale, unit.walk)
+        }),
+    ]
+}
+
 fn models<'a>(axes: impl Iterator<Item = Named<'a>>) -> Table {
+    let of_model: [Column<'a>; 2] = [
+        ("recommended model", &|a| (&a.axis.chosen.name).into()),
+        ("outliers", &|a| (a.axis.outliers.len() as u64).into()),
+    ];
     Table::of(
         "models",
         "Each axis: terms of the Allan deviation, and the model recommended by its drift on the held-out half of the recording.",
         axes,
-        &[
-            ("axis", &|a| (&a.label).into()),
-            ("white noise", &|a| {
-                let (unit, white) = (units(a.name), a.axis.allan_terms.white.value);
-                format!("{} {}", short(white * 60.0 * unit.scale), unit.white).into()
-            }),
-            ("bias instability", &|a| {
-                let (unit, term) = (units(a.name), &a.axis.allan_terms.bias_instability);
-                seen(term, unit.instability_scale, unit.instability)
-            }),
-            ("random walk", &|a| {
-                let (unit, term) = (units(a.name), &a.axis.allan_terms.random_walk);
-                seen(term, 60.0 * unit.instability_scale, unit.walk)
-            }),
-            ("recommended model", &|a| (&a.axis.chosen.name).into()),
-            ("outliers", &|a| (a.axis.outliers.len() as u64).into()),
-        ],
+        &Vec::from_iter(of_allan().into_iter().chain(of_model)),
     )
 }
 

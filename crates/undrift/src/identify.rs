@@ -1,11 +1,13 @@
 //! A static record of six axes, or one, into a model file and the reasoning behind it.
 
+mod allan;
 mod pool;
 mod rest;
 mod result;
 mod series;
 mod settings;
 
+pub use allan::allan_deviations;
 pub use pool::{Determined, Pool, Pooled, run_pool};
 pub use rest::{Likely, NotStatic, not_static};
 pub use series::RecordSeries;

@@ -6,6 +6,7 @@ use crate::results::{
     OrderTest, Origin, PanditWuOrders, SCHEMA, VERSION, numbers,
 };
 use undrift_noise::{
+    allan::{Interval, Point, Terms},
     arma::Selection,
     composite::{Parameter, ParameterInterval},
     drift_score::HorizonScore,
@@ -61,12 +62,7 @@ fn axis(name: &str, axis: &Axis) -> results::Axis {
         error: None,
         samples: axis.samples as u64,
         mean: axis.mean.into(),
-        unit: if name.starts_with("accel") {
-            "m/s^2"
-        } else {
-            "rad/s"
-        }
-        .into(),
+        unit: unit(name).into(),
         detrend: axis.removed,
         temperature: axis.temperature.as_ref().map(temperature),
         outliers: axis.outliers.clone(),
@@ -91,7 +87,7 @@ fn axis(name: &str, axis: &Axis) -> results::Axis {
         pacf: values(&axis.pacf),
         ljung_box: axis.whiteness,
         lines: axis.lines.clone(),
-        allan: deviation(axis),
+        allan: deviation(&axis.allan.points, &axis.allan_intervals, &axis.allan_terms),
         allan_terms: axis.allan_terms,
         pandit_wu: pandit_wu(axis),
         adequacy: adequacy(axis),
@@ -139,13 +135,20 @@ fn values(values: &[f64]) -> Vec<Number> {
     numbers(values.iter().copied())
 }
 
-fn deviation(axis: &Axis) -> Allan {
-    let (points, terms) = (&axis.allan.points, &axis.allan_terms);
+/// Unit of an axis' samples.
+pub(super) fn unit(name: &str) -> &'static str {
+    match name.starts_with("accel") {
+        true => "m/s^2",
+        false => "rad/s",
+    }
+}
+
+pub(super) fn deviation(points: &[Point], intervals: &[Interval], terms: &Terms) -> Allan {
     Allan {
         tau_s: numbers(points.iter().map(|p| p.tau_s)),
         adev: numbers(points.iter().map(|p| p.deviation)),
-        lower: numbers(axis.allan_intervals.iter().map(|i| i.lower)),
-        upper: numbers(axis.allan_intervals.iter().map(|i| i.upper)),
+        lower: numbers(intervals.iter().map(|i| i.lower)),
+        upper: numbers(intervals.iter().map(|i| i.upper)),
         fit: numbers(points.iter().map(|p| terms.variance(p.tau_s).sqrt())),
         fit_from_s: terms.from_s.into(),
     }

@@ -71,6 +71,7 @@ pub(super) fn verdict(result: &Identify) -> String {
         .filter_map(|key| key.parse::<f64>().ok())
         .fold(0.0, f64::max);
     let brief = match longest {
+        _ if is_allan(result) => " Allan deviations alone: no models.".to_owned(),
         60.0.. => String::new(),
         s => format!(" It is too short to judge drifts beyond {s} s."),
     };
@@ -136,12 +137,17 @@ pub(super) fn table(result: &Identify, mark: Mark) -> String {
             .collect(),
     };
     let text = plain_table(&table, mark);
-    let of_allan = known().any(|(_, axis)| is_arma(axis));
+    let of_allan = !is_allan(result) && known().any(|(_, axis)| is_arma(axis));
     let note = match of_allan {
         true => "* terms of the Allan deviation: the model recommended is an ARMA\n",
         false => "",
     };
     format!("{text}{note}")
+}
+
+/// Whether the result is of the Allan deviations alone.
+fn is_allan(result: &Identify) -> bool {
+    result.axes.values().all(|axis| axis.candidates.is_empty())
 }
 
 /// Whether the recommended model has no terms.
