@@ -15,6 +15,7 @@ mod presets;
 mod print;
 mod progress;
 mod report;
+mod sample;
 mod setup;
 mod signals;
 mod style;
@@ -73,6 +74,7 @@ enum Verb {
     Navigate(navigate::Arguments),
     Outages(outages::Arguments),
     Report(report::Arguments),
+    Sample(sample::Arguments),
     Tune(tune::Arguments),
     #[command(hide = true)]
     Completions(setup::Completions),
@@ -96,6 +98,7 @@ fn main() -> ExitCode {
         Verb::Navigate(arguments) => navigate::run(&arguments),
         Verb::Outages(arguments) => outages::run(&arguments),
         Verb::Report(arguments) => report::run(&arguments),
+        Verb::Sample(arguments) => sample::run(&arguments),
         Verb::Tune(arguments) => tune::run(&arguments),
         Verb::Completions(arguments) => setup::completions(&arguments, Arguments::command()),
         Verb::Man(arguments) => setup::man(&arguments, Arguments::command()),

@@ -43,6 +43,14 @@ impl SimulatedLog<'_> {
         std::fs::write(folder.join("drive.toml"), self.drive_file())
     }
 
+    /// Writes the inertial log alone.
+    ///
+    /// # Errors
+    /// What cannot be simulated or written.
+    pub fn write_record(&self, file: &Path) -> io::Result<()> {
+        self.write_inertial(BufWriter::new(File::create(file)?), io::sink())
+    }
+
     fn write_inertial(&self, mut imu: impl Write, mut truth: impl Write) -> io::Result<()> {
         let errors = SensorErrors::new(self.filters, self.rate_hz, self.seed);
         let mut errors = errors.map_err(invalid)?;
