@@ -91,7 +91,8 @@ impl PendingFile {
             }),
             written: 0,
         };
-        if let Some(there) = there {
+        // WebAssembly has no permissions.
+        if let Some(there) = there.filter(|_| cfg!(not(target_family = "wasm"))) {
             file.file.set_permissions(there.permissions())?;
         }
         Ok(file)
