@@ -51,16 +51,53 @@ impl ChunkReader for Bytes {
 
     fn get_read(&self, start: u64) -> Result<Self::T, ParquetError> {
         Ok(match self {
+            #[cfg(not(target_family = "wasm"))]
             Self::File(file) => Box::new(file.get_read(start)?),
+            #[cfg(target_family = "wasm")]
+            Self::File(file) => Box::new(Place {
+                file: file.clone(),
+                at: start,
+            }),
             Self::Memory(bytes) => Box::new(bytes.get_read(start)?),
         })
     }
 
     fn get_bytes(&self, start: u64, length: usize) -> Result<bytes::Bytes, ParquetError> {
         match self {
+            #[cfg(not(target_family = "wasm"))]
             Self::File(file) => file.get_bytes(start, length),
+            #[cfg(target_family = "wasm")]
+            Self::File(_) => {
+                let mut part = Vec::new();
+                let read = self.get_read(start)?.take(length as u64);
+                match std::io::BufReader::new(read).read_to_end(&mut part)? {
+                    n if n == length => Ok(part.into()),
+                    _ => Err(ParquetError::EOF(
+                        "the file is shorter than it states".into(),
+                    )),
+                }
+            }
             Self::Memory(bytes) => bytes.get_bytes(start, length),
         }
+    }
+}
+
+/// A file from a place on. WebAssembly cannot open a descriptor once more, and has a single thread that reads.
+#[cfg(target_family = "wasm")]
+struct Place {
+    file: Arc<File>,
+    at: u64,
+}
+
+#[cfg(target_family = "wasm")]
+impl Read for Place {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        use std::io::{Seek, SeekFrom};
+        let mut file = self.file.as_ref();
+        file.seek(SeekFrom::Start(self.at))?;
+        let n = file.read(buffer)?;
+        self.at += n as u64;
+        Ok(n)
     }
 }
 

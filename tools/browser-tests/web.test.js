@@ -1,0 +1,202 @@
+// The page of the browser: what it computes, what it is not allowed to do, and what hostile files do to it.
+import test, { before, after } from "node:test";
+import assert from "node:assert/strict";
+import { execFileSync, spawnSync } from "node:child_process";
+import { existsSync, mkdirSync, readFileSync, readdirSync, rmSync, statSync, writeFileSync } from "node:fs";
+import path from "node:path";
+import { fileURLToPath, pathToFileURL } from "node:url";
+import { gzipSync } from "node:zlib";
+import { launch } from "./browser.js";
+import { download } from "./page.js";
+
+const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
+const target = process.env.CARGO_TARGET_DIR || path.join(root, "target");
+const file = path.join(target, "web/undrift.html"), native = path.join(target, "ci/undrift");
+const missing = existsSync(file) ? false : `${file} is missing: tools/web makes it`;
+const shared = path.resolve(root, "../shared/data");
+const scratch = path.join(target, "web/scratch");
+
+let browser;
+before(async () => {
+  browser = await launch();
+  rmSync(scratch, { recursive: true, force: true });
+  mkdirSync(scratch, { recursive: true });
+});
+after(() => browser.close());
+
+async function open(options = {}) {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, ...options });
+  const page = await context.newPage(), troubles = [];
+  page.on("console", message => { if (["error", "warning"].includes(message.type()) && !/willReadFrequently/.test(message.text())) troubles.push(message.text()); });
+  page.on("pageerror", error => troubles.push(String(error)));
+  page.on("request", request => { if (!/^(file|data|blob|about):/.test(request.url())) troubles.push("request: " + request.url()); });
+  await page.goto(pathToFileURL(file).href);
+  return { page, troubles, close: () => context.close() };
+}
+
+// Runs the command in the page; its files are put there first.
+const run = (page, args, results = []) => page.evaluate(async ({ args, results }) => {
+  const done = await undrift.run(args, results);
+  const files = {};
+  for (const [name, blob] of Object.entries(done.files)) files[name] = await blob.text();
+  return { code: done.code, output: done.output, warnings: done.warnings, files };
+}, { args, results });
+
+// Puts files there by the page's own input, without its analysis.
+async function put(page, paths) {
+  await page.evaluate(() => {
+    const input = Object.assign(document.createElement("input"), { type: "file", multiple: true, id: "put" });
+    document.body.append(input);
+  });
+  await page.locator("#put").setInputFiles(paths);
+  await page.evaluate(() => {
+    for (const file of document.getElementById("put").files) undrift.put(file.name, file);
+    document.getElementById("put").remove();
+  });
+}
+
+const idle = page => page.waitForFunction(() => !undrift.busy() && document.getElementById("busy").hidden, null, { timeout: 180000 });
+
+// Numbers agree to a relative `tolerance`: the processor's fused multiplications, which WebAssembly has not, round otherwise.
+function same(own, other, tolerance, at = "") {
+  if (typeof own === "number" && typeof other === "number") {
+    assert.ok(own === other || Math.abs(own - other) <= tolerance * Math.max(Math.abs(own), Math.abs(other)) + 1e-12, `${at}: ${own} and ${other}`);
+  } else if (own !== null && typeof own === "object") {
+    assert.deepEqual(Object.keys(own), Object.keys(other ?? {}), at);
+    for (const key of Object.keys(own)) same(own[key], other[key], tolerance, `${at}/${key}`);
+  } else assert.equal(own, other, at);
+}
+
+test("the page and the command in it are below 4 MB with gzip", { skip: missing }, () => {
+  assert.ok(gzipSync(readFileSync(file)).length < 4e6);
+});
+
+test("nothing can be sent", { skip: missing }, async () => {
+  const { page, close } = await open();
+  const sent = await page.evaluate(async () => {
+    const tries = {
+      fetch: () => fetch("https://example.org/"),
+      image: () => new Promise((done, failed) => { const image = new Image(); image.onload = done; image.onerror = () => failed(new Error("blocked")); image.src = "https://example.org/x.png"; }),
+      beacon: async () => { const refused = new Promise(done => addEventListener("securitypolicyviolation", done, { once: true })); navigator.sendBeacon("https://example.org/", "x"); await Promise.race([refused.then(() => { throw new Error("blocked"); }), new Promise(done => setTimeout(done, 2000))]); },
+      socket: () => new Promise((done, failed) => { const socket = new WebSocket("wss://example.org/"); socket.onopen = done; socket.onerror = () => failed(new Error("blocked")); }),
+    };
+    const through = [];
+    for (const [name, attempt] of Object.entries(tries)) await attempt().then(() => through.push(name), () => {});
+    return through;
+  });
+  assert.deepEqual(sent, []);
+  await close();
+});
+
+test("a simulated recording is identified at a click, and saved for Kalibr", { skip: missing }, async () => {
+  const { page, troubles, close } = await open();
+  await page.click("#sample-static");
+  await page.waitForFunction(() => document.getElementById("downloads").children.length > 3, null, { timeout: 180000 });
+  await idle(page);
+  assert.match(await page.textContent("#text"), /^Usable: 6 axes/);
+  assert.match(await page.textContent("#preview table"), /force/);
+  await page.frameLocator("#report").locator("figure").first().waitFor({ timeout: 20000 });
+  const { name, text } = await download(page, () => page.locator("#downloads button", { hasText: "Kalibr" }).click());
+  assert.equal(name, "imu.yaml");
+  assert.match(text, /gyroscope_noise_density/);
+  assert.deepEqual(troubles, []);
+  await close();
+});
+
+test("a simulated drive is navigated and its GNSS cut at a click", { skip: missing }, async () => {
+  const { page, troubles, close } = await open();
+  await page.click("#sample-drive");
+  await page.waitForFunction(() => document.getElementById("toml").value.includes("[gnss]"), null, { timeout: 60000 });
+  await idle(page);
+  await page.click("#drive button[value=navigate]");
+  await page.waitForFunction(() => document.getElementById("downloads").children.length > 3, null, { timeout: 60000 });
+  await idle(page);
+  const { name, text } = await download(page, () => page.locator("#downloads button", { hasText: "nav.kml" }).click());
+  assert.equal(name, "nav.kml");
+  assert.match(text, /<kml/);
+  await page.click("#drive button[value='10']");
+  await page.waitForFunction(() => /median/.test(document.getElementById("text").textContent), null, { timeout: 180000 });
+  assert.deepEqual(troubles, []);
+  await close();
+});
+
+test("a run can be cancelled, and the next one works", { skip: missing }, async () => {
+  const { page, close } = await open();
+  await page.click("#sample-static");
+  await page.waitForFunction(() => /Allan deviations alone/.test(document.getElementById("text").textContent), null, { timeout: 60000 });
+  await page.click("#cancel");
+  await idle(page);
+  assert.match(await page.textContent("#messages"), /Cancelled/);
+  assert.equal((await run(page, ["--version"])).code, 0);
+  await close();
+});
+
+test("on a phone nothing is wider than the page, and the tabs answer to the keyboard", { skip: missing }, async () => {
+  const { page, close } = await open({ viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true });
+  await page.click("#sample-drive");
+  await page.waitForFunction(() => document.getElementById("toml").value.includes("[gnss]"), null, { timeout: 60000 });
+  await idle(page);
+  assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
+  await page.focus("#tab-drive");
+  await page.keyboard.press("ArrowLeft");
+  assert.equal(await page.getAttribute("#tab-static", "aria-selected"), "true");
+  await close();
+});
+
+// Every log of the golden files, and drives of the shared data.
+const golden = path.join(root, "testdata/golden");
+const isLog = name => !/\.(py|json|toml|m|mat|yaml|params|kml|geojson|db3-wal|txt|md)$/.test(name);
+const logs = readdirSync(golden, { recursive: true }).map(String).filter(name => isLog(name) && statSync(path.join(golden, name)).isFile());
+
+test(`inspect says the same as the command of ${logs.length} logs`, { skip: missing }, async () => {
+  const { page, close } = await open();
+  for (const log of logs) {
+    const name = path.basename(log);
+    await put(page, [path.join(golden, log)]);
+    const own = await run(page, ["inspect", name, "--json", "-"]);
+    const theirs = spawnSync(native, ["inspect", name, "--json", "-"], { cwd: path.dirname(path.join(golden, log)), encoding: "utf8" });
+    assert.equal(own.code, theirs.status, `${log}: ${own.warnings}${theirs.stderr}`);
+    if (own.code === 0) same(JSON.parse(theirs.stdout), JSON.parse(own.output), 1e-9, log);
+  }
+  await close();
+});
+
+const DRIVES = [["rtk-drive", ["imu.csv.gz", "gnss.pos"]], ["uav-flight", null], ["navego-adis16405", null]];
+for (const [drive] of DRIVES) {
+  const example = path.join(root, `examples/${drive}.toml`);
+  const skip = missing || (existsSync(path.join(shared, drive)) && existsSync(example) ? false : `${drive} is missing`);
+  test(`${drive}: navigated as by the command`, { skip }, async () => {
+    const { page, close } = await open();
+    const text = readFileSync(example, "utf8"), names = Array.from(text.matchAll(/^file *= *"(.+)"/gm), found => found[1]);
+    const toml = path.join(scratch, "drive.toml"), out = path.join(scratch, "native.json");
+    writeFileSync(toml, text.replaceAll(/^file *= *"(.+\/)?(.+)"/gm, 'file = "$2"'));
+    execFileSync(native, ["navigate", example, "--data", path.join(shared, drive), "--model", "adis16405", "--json", out, "-q"]);
+    await put(page, [toml, ...names.map(name => path.join(shared, drive, name))]);
+    const own = await run(page, ["navigate", "drive.toml", "--model", "adis16405", "--json", "own.json"], ["own.json"]);
+    assert.equal(own.code, 0, own.warnings.join("\n"));
+    const [a, b] = [JSON.parse(readFileSync(out, "utf8")), JSON.parse(own.files["own.json"])];
+    for (const key of ["used", "rejected"]) assert.deepEqual(b.summary?.[key], a.summary?.[key]);
+    same(a.summary, b.summary, 1e-4, drive);
+    await close();
+  });
+}
+
+test("logs cut at every twentieth are a result or a message, never a dead page", { skip: missing }, async () => {
+  const { page, troubles, close } = await open();
+  for (const log of logs) {
+    const whole = readFileSync(path.join(golden, log)), name = path.basename(log);
+    const cut = Array.from({ length: 19 }, (_, k) => whole.subarray(0, Math.floor(((k + 1) * whole.length) / 20)).toString("base64"));
+    const codes = await page.evaluate(async ({ cut, name }) => {
+      const codes = [];
+      for (const text of cut) {
+        undrift.put(name, new File([Uint8Array.from(atob(text), c => c.charCodeAt(0))], name));
+        const done = await undrift.run(["inspect", name]);
+        codes.push([done.code, done.warnings.join(" ")]);
+      }
+      return codes;
+    }, { cut, name });
+    for (const [code, said] of codes) assert.ok(code === 0 || (code === 1 && said.includes("error:")), `${log}: ${code} ${said}`);
+  }
+  assert.deepEqual(troubles, []);
+  await close();
+});
