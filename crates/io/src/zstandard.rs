@@ -21,7 +21,7 @@ pub(crate) fn decoder<R: BufRead>(packed: R) -> io::Result<impl Read> {
 }
 
 #[cfg(any(test, target_family = "wasm"))]
-mod frames {
+pub(crate) mod frames {
     use super::{BufRead, Read, io};
     use ruzstd::decoding::{
         BlockDecodingStrategy, FrameDecoder,
@@ -29,14 +29,14 @@ mod frames {
     };
 
     /// Frames one after the other, skippable ones left out, checksums verified.
-    pub(super) struct Frames<R> {
+    pub(crate) struct Frames<R> {
         packed: R,
         decoder: FrameDecoder,
         in_frame: bool,
     }
 
     impl<R: BufRead> Frames<R> {
-        pub(super) fn new(packed: R) -> Self {
+        pub(crate) fn new(packed: R) -> Self {
             Self {
                 packed,
                 decoder: FrameDecoder::new(),

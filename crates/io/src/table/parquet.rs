@@ -9,6 +9,8 @@
 mod headers;
 #[cfg(test)]
 mod tests;
+#[cfg(any(test, target_family = "wasm"))]
+mod zstd_pages;
 
 use std::fs::File;
 use std::io::Read;
@@ -16,6 +18,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 use parquet::basic::{ConvertedType, LogicalType, Type};
+#[cfg(any(test, target_family = "wasm"))]
+use parquet::column::reader::get_column_reader;
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::DataType;
 use parquet::errors::ParquetError;
@@ -240,6 +244,15 @@ impl ParquetTable {
                 if !headers::pages_are_sound(&self.bytes, start, start.saturating_add(length))? {
                     let problem = "a header of a page is damaged".to_owned();
                     return Err(ParquetError::General(problem));
+                }
+                #[cfg(any(test, target_family = "wasm"))]
+                if zstd_pages::has_them(group.metadata().column(wanted.index)) {
+                    let column = group.metadata().column(wanted.index);
+                    let rows = usize::try_from(group.metadata().num_rows())?;
+                    let pages = zstd_pages::ZstdPages::new(self.bytes.clone(), column, rows)?;
+                    let pages = Box::new(pages);
+                    wanted.reader = Some(get_column_reader(column.column_descr_ptr(), pages));
+                    continue;
                 }
                 wanted.reader = Some(group.get_column_reader(wanted.index)?);
             }
