@@ -55,8 +55,23 @@ impl Bar {
         Self::watching(Arc::default(), name, total, unit)
     }
 
+    /// A bar that is shown from the beginning, for work that is known to take long.
+    pub fn at_once(name: &str, total: u64, unit: &'static str) -> Self {
+        Self::after(LOOK, Arc::default(), name, total, unit)
+    }
+
     /// A bar for a number that somebody else counts.
     pub fn watching(done: Arc<AtomicU64>, name: &str, total: u64, unit: &'static str) -> Self {
+        Self::after(PATIENCE, done, name, total, unit)
+    }
+
+    fn after(
+        patience: Duration,
+        done: Arc<AtomicU64>,
+        name: &str,
+        total: u64,
+        unit: &'static str,
+    ) -> Self {
         let stage = Arc::new(Mutex::new(Stage::new(name, total, unit)));
         let watched = std::io::stderr().is_terminal() && !terminal::is_quiet();
         let watcher = watched.then(|| {
@@ -64,7 +79,7 @@ impl Bar {
             let (done, stage) = (done.clone(), stage.clone());
             (
                 stop,
-                std::thread::spawn(move || watch(&done, &stage, &stopped)),
+                std::thread::spawn(move || watch(&done, &stage, &stopped, patience)),
             )
         });
         Self {
@@ -101,9 +116,9 @@ impl Drop for Bar {
 }
 
 /// Draws until the bar is dropped.
-fn watch(done: &AtomicU64, stage: &Mutex<Stage>, stopped: &Receiver<()>) {
+fn watch(done: &AtomicU64, stage: &Mutex<Stage>, stopped: &Receiver<()>, mut patience: Duration) {
     let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
-    let (mut before, mut patience) = (0, PATIENCE);
+    let mut before = 0;
     while stopped.recv_timeout(patience) == Err(RecvTimeoutError::Timeout) {
         patience = LOOK;
         let Ok(mut stage) = stage.lock() else { break };

@@ -2,7 +2,7 @@
 
 mod pool;
 mod rest;
-mod result;
+pub(crate) mod result;
 mod series;
 mod settings;
 
