@@ -4,7 +4,7 @@ use super::{
     Axis, Block, Cell, Figure, Panel, Section, Series, Table, identify,
     numbers::short,
     outages, paper,
-    parts::{Run, points, prefixed, spoken_list, text},
+    parts::{Run, points, prefixed, quartiles, spoken_list, text},
     plain::{Mark, plain_table},
 };
 use undrift::{
@@ -108,9 +108,9 @@ fn head(demo: &Demo) -> Option<Section> {
             "The sensor's white noise and random walks are those of three real recordings of an ADIS16405"
         }
     };
-    let (drives, seed) = (demo.drives, demo.seed);
+    let (drives, seed) = (drives(demo), demo.seed);
     let what = format!(
-        "{sensor}, its turn-on constants 3 °/s and 50 mg (1σ). One static recording was identified. On {drives} simulated drives of 15 min with fixes of centimetres at 5 Hz, seed {seed}, GNSS was cut from 200 s on. All models but \"{UNCALIBRATED}\" and \"{BOUND}\" navigate on the same samples, less the means over {REST:.0} s of rest before the drive at a known attitude."
+        "{sensor}, its turn-on constants 3 °/s and 50 mg (1σ). One static recording was identified. Simulated: {drives} of 15 min with fixes of centimetres at 5 Hz, seed {seed}, GNSS was cut from 200 s on. All models but \"{UNCALIBRATED}\" and \"{BOUND}\" navigate on the same samples, less the means over {REST:.0} s of rest before the drive at a known attitude."
     );
     let about = ABOUT
         .iter()
@@ -147,7 +147,8 @@ fn drift(demo: &Demo) -> Option<Section> {
     };
     let track = outages::way(&[(String::new(), &cut)]);
     let blocks = track.into_iter().flat_map(|section| section.blocks);
-    let longest = demo.lengths.last().map(|of| curves(demo, of));
+    let longest = demo.lengths.last().into_iter();
+    let longest = longest.flat_map(|of| [curves(demo, of), spread(demo, of)]);
     Section::of("Drift without GNSS", blocks.chain(longest.flatten()))
 }
 
@@ -187,6 +188,26 @@ fn curves(demo: &Demo, of: &CutLength) -> Option<Block> {
         seconds(of.length_s)
     );
     Figure::of("drift", &caption, 1, [panel])
+}
+
+/// How the largest errors of the models to choose scatter over the outages.
+fn spread(demo: &Demo, of: &CutLength) -> Option<Block> {
+    let shown = demo.models.iter().filter(|m| m.name != PAPER && !m.bound);
+    let boxes = shown.filter_map(|m| {
+        let largest = of.models.get(&m.name)?.largest_m.iter().map(|e| e.0);
+        Some((m.name.as_str(), quartiles(&Vec::from_iter(largest))?))
+    });
+    let boxes: Vec<(&str, [f64; 5])> = boxes.collect();
+    let names = boxes.iter().map(|(name, _)| *name);
+    let y = Axis::new("largest horizontal error [m]");
+    let mut panel = Panel::new("", Axis::categories(names), y);
+    let all = (0..).map(f64::from).zip(boxes.iter().map(|b| b.1));
+    panel.add(Series::boxes("", 7, all.collect()));
+    let caption = format!(
+        "Largest horizontal error of each outage of {} s: box from the first to the third quartile with the median, whiskers to the extremes.",
+        seconds(of.length_s)
+    );
+    Figure::of("spread", &caption, 1, [panel])
 }
 
 /// The drift of each model in the outages of one length.
@@ -247,6 +268,14 @@ fn clear_least<'a>(of: &CutLength, demo: &'a Demo) -> Option<&'a str> {
     }
 }
 
+/// "5 drives".
+fn drives(demo: &Demo) -> String {
+    match demo.drives {
+        1 => "1 drive".into(),
+        n => format!("{n} drives"),
+    }
+}
+
 /// Whole seconds.
 fn seconds(length: Number) -> String {
     format!("{:.0}", length.0)
@@ -286,9 +315,9 @@ pub(crate) fn conclusion(demo: &Demo) -> String {
         false => "with noise as real recordings have it",
     };
     format!(
-        "Without GNSS the recommended noise model drifts, compared with white noise, {}: {} drives, {sensor}, both on samples less their mean error over {REST:.0} s of rest.",
+        "Without GNSS the recommended noise model drifts, compared with white noise, {}: {}, {sensor}, both on samples less their mean error over {REST:.0} s of rest.",
         spoken_list(&Vec::from_iter(lengths)),
-        demo.drives
+        drives(demo)
     )
 }
 

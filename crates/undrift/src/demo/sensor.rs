@@ -241,3 +241,56 @@ pub(super) fn static_record(experiment: &Experiment) -> Result<Record, DemoError
         ..Record::default()
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rest_takes_the_mean_error_out() {
+        let samples = (DURATION * RATE_HZ) as usize;
+        let errors = drawn(3, samples).unwrap();
+        let ride = Ride::new(3, &errors).unwrap();
+        let at_rest = (REST * RATE_HZ) as usize;
+        let ideal = &ride.simulation.imu;
+        let mean = |samples: &[ImuSample]| -> Vector3 {
+            let pairs = samples.iter().zip(ideal).take(at_rest);
+            pairs.map(|(s, i)| s.dvel - i.dvel).sum::<Vector3>() / REST
+        };
+        // Rounding of 6000 sums of increments of 0.1 m/s.
+        assert!(mean(ride.samples(Samples::Rested)).norm() < 1e-11);
+        let constants = constants(3);
+        let left = mean(ride.samples(Samples::Raw)) - mean(ride.samples(Samples::Exact));
+        assert!((left - Vector3::from_column_slice(&constants[3..])).norm() < 1e-11);
+        assert_eq!(
+            ride.cuts.iter().map(Vec::len).collect::<Vec<_>>(),
+            [15, 9, 6]
+        );
+    }
+
+    #[test]
+    fn the_biases_wander_as_real_records_do() {
+        // A walk of K is K √t off: 2 mg/√h in the quarter of an hour of a drive is 1 mg, 137 deg/h/√h is 68.5 deg/h.
+        let model = truth();
+        let after = |axis: &AxisModel| axis.random_walk.unwrap() * DURATION.sqrt();
+        let mg = after(&model.accel[0]) / STANDARD_GRAVITY * 1e3;
+        assert!((mg - 1.0).abs() < 1e-12, "{mg}");
+        let deg_h = after(&model.gyro[0]).to_degrees() * 3600.0;
+        assert!((deg_h - 68.5).abs() < 1e-9, "{deg_h}");
+        assert_eq!(filters().unwrap()[0].order, 1);
+    }
+
+    #[test]
+    fn a_record_too_short_for_the_drives_is_refused() {
+        let short = Record {
+            axes: AXES.to_vec(),
+            samples: vec![vec![0.0; 1000]; 6],
+            ..Record::default()
+        };
+        let error = centred(&short, 90_000).unwrap_err().to_string();
+        assert!(
+            error.contains("6 axes of 10 s; 1 drives need 6 of 900 s"),
+            "{error}"
+        );
+    }
+}
