@@ -99,7 +99,7 @@ fn errors(demo: &Demo, paper: &Paper) -> Option<String> {
     let pooled = ten.models.get(PAPER_EXACT)?.less_than_white;
     let literal = ten.models.get(PAPER)?.less_than_white;
     Some(format!(
-        "Outages: the paper's ARMA(1,1) leaves {} times less than white noise (north and east of its Table 4 together), ours on the first drive {} times, over all {} outages of 10 s {} times (95 %: {} to {}). The direction agrees, the size does not. In 10 s most of the error is white noise, which no model of the bias takes away. The paper's 16 to 19 m and 3 to 4° in 10 s are more than the noise of this sensor at rest makes; constants left in the samples would do it, or the vibration of the car. Its equations to the letter leave {} times more than white noise here.",
+        "Outages: the paper's ARMA(1,1) leaves {} times less than white noise (north and east of its Table 4 together), ours on the first drive {} times, over all {} outages of 10 s {} times (95 %: {} to {}). The direction agrees, the size does not. In 10 s the white noise rules the error, in the outage and in the attitude at its start, and no model of the bias takes it away. The paper's 16 to 19 m and 3 to 4° in 10 s are more than the noise of this sensor at rest makes; constants left in the samples would do it, or the vibration of the car. Its equations to the letter leave {} times more than white noise here.",
         short(theirs),
         short(ours),
         ten.cuts,
