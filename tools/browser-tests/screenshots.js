@@ -17,7 +17,7 @@ async function picture(name, colorScheme, clip) {
 
 const bottom = (page, selector) => page.evaluate(selector => document.querySelector(selector).getBoundingClientRect().bottom + scrollY, selector);
 const top = (page, selector) => page.evaluate(selector => document.querySelector(selector).getBoundingClientRect().top + scrollY, selector);
-const head = async page => ({ y: 0, height: Math.ceil(await bottom(page, "#figure-1")) + 16 });
+const head = async page => ({ y: 0, height: Math.ceil(await bottom(page, "#table-1")) + 16 });
 const spread = async page => { const y = Math.floor(await top(page, "#figure-2")) - 8; return { y, height: Math.ceil(await bottom(page, "#figure-3")) + 16 - y }; };
 
 await picture("report-demo.png", "light", head);

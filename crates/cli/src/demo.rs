@@ -1,8 +1,7 @@
-//! `undrift demo`: the paper's experiment on a simulated drive.
+//! `undrift demo`: how much less a good noise model drifts, and the source paper's tables beside ours.
 
 use crate::{
     output::{self, Files},
-    print,
     progress::Bar,
     report::{ResultOutput, write_drawn},
     style, tables,
@@ -12,29 +11,40 @@ use anyhow::Result;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use undrift::{
-    demo::{self, Demo, Models, Stage},
-    outages::ModelRun,
+    demo::{self, DRIVES, Demo, Experiment, Source, Stage},
+    io::Opened,
+    record::{self, Record, RecordFormat},
     results,
 };
 use undrift_report::{figures, text};
 
-/// Simulate a drive, cut its GNSS 15 times, and compare the noise models.
+/// Static records in the folder of `--data`: the one identified, and the one played back on the drives.
+const RECORDS: [&str; 2] = ["run2.csv.gz", "run1.csv.gz"];
+
+/// Identify a sensor, cut GNSS on simulated drives, and compare the noise models.
 ///
-/// Simulates a static recording and a 10-minute drive, identifies the sensors from the recording, and runs the
-/// noise models through outages of 10 s: Tables 2, 3 and 4 of Wang, Lyu & Wu (2016).
+/// Simulates a static recording of 30 min and five drives of 15 min with a sensor whose noise is that of real
+/// recordings, identifies the sensor, and runs its noise models and those of other methods through outages of 10, 30 and 60 s.
 #[derive(Args)]
 #[command(after_help = "Examples:
   undrift demo
   undrift demo --seed 7 --out out
-  undrift demo --true-models --json demo.json")]
+  undrift demo --paper --report paper.html
+  undrift demo --paper --data adis16405-static --report paper-real.html")]
 pub struct Arguments {
-    /// Seed of the drive, the sensors and the receiver
+    /// Seed of the sensor, the drives and the receiver
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Use the simulation's own noise models instead of identified ones
+    /// Number of drives
+    #[arg(long, value_name = "N", default_value_t = DRIVES as u64, value_parser = clap::value_parser!(u64).range(1..=100))]
+    drives: u64,
+    /// Show the tables and figures of Wang, Lyu & Wu (2016) beside ours
     #[arg(long)]
-    true_models: bool,
-    /// Write the data of tables and figures and demo.svg into this folder
+    paper: bool,
+    /// Take the sensor's errors from real recordings: folder of run1.csv.gz and run2.csv.gz, six axes at rest at 100 Hz
+    #[arg(long, value_name = "DIR", value_hint = clap::ValueHint::DirPath)]
+    data: Option<PathBuf>,
+    /// Write the result, its picture and the data of the figures into this folder
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -46,33 +56,43 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(folder) = &arguments.out {
         output::make_folder(folder)?;
     }
-    let models = if arguments.true_models {
-        Models::Truth
-    } else {
-        Models::Identified
+    let bar = Bar::at_once("simulated", arguments.drives, "drives");
+    let source = match &arguments.data {
+        Some(folder) => recorded(folder)?,
+        None => Source::Simulated,
+    };
+    let experiment = Experiment {
+        seed: arguments.seed,
+        drives: arguments.drives as usize,
+        source,
+        paper: arguments.paper,
     };
     let demo = stage("simulation, identification and navigation", || {
-        let bar = Bar::new("simulated", 0, "samples");
-        demo::run(arguments.seed, models, |stage, more, total| {
+        demo::run(experiment, |stage, more, total| {
             match stage {
+                Stage::Simulation => bar.stage("simulated", total, "drives"),
                 Stage::Identification => bar.stage("identified", total, "axes"),
                 Stage::Navigation => bar.stage("navigated", total, "samples"),
             }
             bar.add(more);
         })
     })?;
+    drop(bar);
     let result = undrift_report::say::demo(&demo);
     let json = results::text(&result);
     let shown = arguments.result.write(&files, &json)?;
     if !shown {
-        print_tables(arguments, &result)?;
+        let text = match arguments.paper {
+            true => text::paper(&result, style::heading),
+            false => text::demo(&result, style::heading),
+        };
+        say(text)?;
     }
-    print::print_troubles(&result.outages);
     if let Some(folder) = &arguments.out {
-        write(&files, folder, &demo, &result)?;
+        write(&files, folder, &demo, &result, &json)?;
         if !shown {
             say(format!(
-                "\nWritten to {}: outages.json, demo.svg and the data of the figures",
+                "\nWritten to {}: demo.json, demo.svg and the data of the figures",
                 output::shown(folder)
             ))?;
         }
@@ -80,56 +100,38 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Prints the tables.
-fn print_tables(arguments: &Arguments, result: &results::Demo) -> Result<()> {
-    let (count, length, ..) = demo::OUTAGES;
-    let (sensor, rate, seed) = (demo::PRESET, demo::RATE_HZ, arguments.seed);
-    if let Some(identified) = &result.identification {
-        say(format!(
-            "Simulated static recording of {:.0} s, {sensor} at {rate:.0} Hz, seed {seed}.\n\n{}",
-            demo::STATIC_DURATION,
-            text::identification(identified, "gyro_z", style::heading)
-        ))?;
-    }
-    say(format!(
-        "Simulated car drive of {:.0} min, {sensor} at {rate:.0} Hz, RTK-like GNSS at 5 Hz, seed {seed};\n\
-         GNSS cut {count} times for {length:.0} s. Errors inside the outages (Table 4):\n\n{}",
-        demo::DURATION / 60.0,
-        text::outages(&result.outages, style::heading)
-    ))
+/// The records of a folder.
+fn recorded(folder: &Path) -> Result<Source> {
+    let read = |name: &str| -> Result<Record> {
+        let opened = Opened::open(&folder.join(name))?;
+        Ok(record::read(opened, &RecordFormat::default())?)
+    };
+    let [identified, played] = RECORDS;
+    Ok(Source::Recorded {
+        identified: read(identified)?,
+        played: read(played)?,
+    })
 }
 
-/// Writes the data of tables and figures.
-fn write(files: &Files, folder: &Path, demo: &Demo, result: &results::Demo) -> Result<()> {
+/// Writes the result and the data of its figures.
+fn write(
+    files: &Files,
+    folder: &Path,
+    demo: &Demo,
+    result: &results::Demo,
+    json: &str,
+) -> Result<()> {
     let put = |name: &str, text: &str| files.write(&folder.join(name), text);
-    let outages = results::text(&result.outages);
-    put("outages.json", &outages)?;
-    if let (Some((record, _)), Some(identified)) = (&demo.identified, &result.identification) {
-        let identified = results::Identify {
-            record: demo::PRESET.into(),
-            ..identified.clone()
-        };
-        put("identified.json", &results::text(&identified))?;
-        put(
-            "figure1-record.csv",
-            &tables::record_csv(record, demo::RATE_HZ),
-        )?;
-        put(
-            "figure3-correlation.csv",
-            &text::correlation_csv(&identified, "gyro_z"),
-        )?;
-    }
+    put("demo.json", json)?;
+    put(
+        "figure1-record.csv",
+        &tables::record_csv(&demo.record, demo::RATE_HZ),
+    )?;
+    put(
+        "figure3-correlation.csv",
+        &text::correlation_csv(&result.identification, "gyro_z"),
+    )?;
     put("figure4-trajectory.csv", &tables::trajectory_csv(demo))?;
-    let runs: Vec<&ModelRun> = demo
-        .runs
-        .iter()
-        .filter_map(|(_, run)| run.as_ref().ok())
-        .collect();
-    put("figure5-drift.csv", &tables::drift_csv(&runs))?;
-    write_drawn(
-        files,
-        &folder.join("demo.svg"),
-        &outages,
-        figures::experiment,
-    )
+    put("figure5-drift.csv", &tables::drift_csv(result))?;
+    write_drawn(files, &folder.join("demo.svg"), json, figures::experiment)
 }

@@ -9,8 +9,13 @@ use std::{
         Arc, Mutex,
         atomic::{AtomicU64, Ordering::Relaxed},
     },
-    time::Instant,
+    time::{Duration, Instant},
 };
+
+/// Work shorter than this has no bar.
+const PATIENCE: Duration = Duration::from_secs(2);
+/// From one look at the number to the next.
+const LOOK: Duration = Duration::from_millis(200);
 
 /// What is counted, and how many there are; 0 where that is not known.
 struct Stage {
@@ -47,12 +52,28 @@ impl Bar {
         Self::watching(Arc::default(), name, total, unit)
     }
 
+    /// A bar that is shown from the beginning, for work that is known to take long.
+    pub fn at_once(name: &str, total: u64, unit: &'static str) -> Self {
+        Self::after(LOOK, Arc::default(), name, total, unit)
+    }
+
     /// A bar for a number that somebody else counts.
     pub fn watching(done: Arc<AtomicU64>, name: &str, total: u64, unit: &'static str) -> Self {
+        Self::after(PATIENCE, done, name, total, unit)
+    }
+
+    #[cfg_attr(target_family = "wasm", expect(unused_variables))]
+    fn after(
+        patience: Duration,
+        done: Arc<AtomicU64>,
+        name: &str,
+        total: u64,
+        unit: &'static str,
+    ) -> Self {
         let stage = Arc::new(Mutex::new(Stage::new(name, total, unit)));
         Self {
             #[cfg(not(target_family = "wasm"))]
-            _watcher: drawn::Watcher::of(&done, &stage),
+            _watcher: drawn::Watcher::of(&done, &stage, patience),
             done,
             stage,
         }
@@ -93,7 +114,7 @@ impl Bar {
 }
 
 /// How far, how fast, how long still.
-fn text(stage: &Stage, done: u64, elapsed: std::time::Duration) -> String {
+fn text(stage: &Stage, done: u64, elapsed: Duration) -> String {
     let Stage {
         name, unit, total, ..
     } = stage;
@@ -137,31 +158,29 @@ fn clock(seconds: f64) -> String {
 /// The bar of a terminal.
 #[cfg(not(target_family = "wasm"))]
 mod drawn {
-    use super::{Arc, AtomicU64, Instant, Mutex, Relaxed, Stage, text};
+    use super::{Arc, AtomicU64, Duration, Instant, LOOK, Mutex, Relaxed, Stage, text};
     use crate::terminal;
     use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
     use std::{
         io::IsTerminal,
         sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel},
         thread::JoinHandle,
-        time::Duration,
     };
-
-    /// Work shorter than this has no bar.
-    const PATIENCE: Duration = Duration::from_secs(2);
-    /// From one look at the number to the next.
-    const LOOK: Duration = Duration::from_millis(200);
 
     /// The thread that draws, as long as it lives.
     pub struct Watcher(Option<(Sender<()>, JoinHandle<()>)>);
 
     impl Watcher {
-        pub fn of(done: &Arc<AtomicU64>, stage: &Arc<Mutex<Stage>>) -> Option<Self> {
+        pub fn of(
+            done: &Arc<AtomicU64>,
+            stage: &Arc<Mutex<Stage>>,
+            patience: Duration,
+        ) -> Option<Self> {
             let watched = std::io::stderr().is_terminal() && !terminal::is_quiet();
             watched.then(|| {
                 let (stop, stopped) = channel();
                 let (done, stage) = (done.clone(), stage.clone());
-                let thread = std::thread::spawn(move || watch(&done, &stage, &stopped));
+                let thread = std::thread::spawn(move || watch(&done, &stage, &stopped, patience));
                 Self(Some((stop, thread)))
             })
         }
@@ -178,9 +197,14 @@ mod drawn {
     }
 
     /// Draws until the bar is dropped.
-    fn watch(done: &AtomicU64, stage: &Mutex<Stage>, stopped: &Receiver<()>) {
+    fn watch(
+        done: &AtomicU64,
+        stage: &Mutex<Stage>,
+        stopped: &Receiver<()>,
+        mut patience: Duration,
+    ) {
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
-        let (mut before, mut patience) = (0, PATIENCE);
+        let mut before = 0;
         while stopped.recv_timeout(patience) == Err(RecvTimeoutError::Timeout) {
             patience = LOOK;
             let Ok(mut stage) = stage.lock() else { break };
@@ -215,7 +239,7 @@ mod tests {
 
     fn of(name: &str, unit: &'static str, total: u64, done: u64, seconds: u64) -> String {
         let stage = Stage::new(name, total, unit);
-        text(&stage, done, std::time::Duration::from_secs(seconds))
+        text(&stage, done, Duration::from_secs(seconds))
     }
 
     #[test]

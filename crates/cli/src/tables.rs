@@ -1,11 +1,7 @@
 //! The data of the source paper's figures.
 
 use std::fmt::Write as _;
-use undrift::{
-    demo::Demo,
-    outages::{ModelRun, drift_curve},
-    record::Record,
-};
+use undrift::{demo::Demo, record::Record, results};
 
 /// Figure 1: the static record, every hundredth sample.
 pub fn record_csv(record: &Record, rate_hz: f64) -> String {
@@ -21,32 +17,32 @@ pub fn record_csv(record: &Record, rate_hz: f64) -> String {
     text
 }
 
-/// Figure 4: the trajectory, ten points a second, and where GNSS was cut.
+/// Figure 4: the first drive, ten points a second, and where GNSS was cut for 10 s.
 pub fn trajectory_csv(demo: &Demo) -> String {
     let mut text = String::from("time_s,north_m,east_m,outage\n");
-    if let Some(first) = demo.simulation.truth.first() {
-        for sample in demo.simulation.truth.iter().step_by(20) {
+    let (truth, cuts) = &demo.first;
+    if let (Some(first), Some(cuts)) = (truth.first(), cuts.first()) {
+        for sample in truth {
             let ned = first.position.ned_to(&sample.position);
-            let cut = demo.outages.iter().any(|o| o.contains(sample.time));
-            let _ = writeln!(
-                text,
-                "{:.3},{:.3},{:.3},{}",
-                sample.time,
-                ned.x,
-                ned.y,
-                u8::from(cut)
-            );
+            let (time, cut) = (sample.time, cuts.iter().any(|o| o.contains(sample.time)));
+            let cut = u8::from(cut);
+            let _ = writeln!(text, "{time:.3},{:.3},{:.3},{cut}", ned.x, ned.y);
         }
     }
     text
 }
 
-/// Figure 5: RMS horizontal error over the outages against time since the cut.
-pub fn drift_csv(runs: &[&ModelRun]) -> String {
-    let mut text = String::from("model,since_cut_s,horizontal_rms_m\n");
-    for run in runs {
-        for (time, error) in drift_curve(run).points {
-            let _ = writeln!(text, "{},{time:.3},{error:.5}", run.name.replace(',', ";"));
+/// Figure 5: RMS horizontal error over the outages of each length against time since the cut.
+pub fn drift_csv(demo: &results::Demo) -> String {
+    let mut text = String::from("model,outage_s,since_cut_s,horizontal_rms_m\n");
+    for of in &demo.lengths {
+        for (name, errors) in &of.models {
+            let drift = &errors.drift;
+            for (time, error) in drift.since_cut_s.iter().zip(&drift.horizontal_rms_m) {
+                let (length, time, error) = (of.length_s.0, time.0, error.0);
+                let name = name.replace(',', ";");
+                let _ = writeln!(text, "{name},{length},{time:.3},{error:.5}");
+            }
         }
     }
     text

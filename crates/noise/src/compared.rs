@@ -54,7 +54,7 @@ impl Method {
     ];
 
     /// Name of its model among the candidates.
-    pub fn candidate(self) -> &'static str {
+    pub const fn candidate(self) -> &'static str {
         match self {
             Self::PowerSpectrum => "white + flicker + walk (power spectrum)",
             Self::Autocorrelation => "white + Gauss-Markov (autocorrelation)",

@@ -1,13 +1,13 @@
 //! Results into a document: one told, several of a kind compared, several kinds one after the other.
 
 use super::{
-    Block, Document, Section, fleet, identify, montecarlo, navigate, outages,
+    Document, Section, demo, fleet, identify, montecarlo, navigate, outages,
     parts::{Run, prefixed},
     tune,
 };
 use std::path::PathBuf;
 use undrift::io::ReadError;
-use undrift::results::{Demo, Identify, Outages, Results};
+use undrift::results::Results;
 
 /// The report of results, each a file's path (empty for a single one without) and its text: JSON as
 /// the verbs write it.
@@ -39,10 +39,10 @@ pub fn document(results: &[(PathBuf, Results)]) -> Document {
             Results::Tune(one) => tuned.push((name, one)),
         }
     }
-    let experiment = "The source paper's experiment, simulated";
+    let experiment = "Drift without GNSS, model by model";
     let simulations = "Filter consistency";
     let chapters = [
-        chapter(experiment, "Demo", demos, demo),
+        chapter(experiment, "Demo", demos, demo::sections),
         chapter(
             "Sensor noise",
             "Identification",
@@ -112,41 +112,6 @@ fn logs(result: &Results) -> Option<&str> {
         _ => return None,
     };
     Some(name.as_str()).filter(|name| !name.is_empty())
-}
-
-/// The demo: what the paper did, one after the other.
-fn demo(demos: &[Run<'_, Demo>]) -> Vec<Section> {
-    let intro = demos.iter().map(|(name, demo)| {
-        let models = if demo.identification.is_some() {
-            "The noise of the sensors was identified from a simulated static recording. The models found "
-        } else {
-            "The simulation's own noise models "
-        };
-        let seed = demo.seed;
-        let what = format!(
-            "{models}were run through the GNSS outages of a simulated drive, seed {seed}."
-        );
-        prefixed(name, &what)
-    });
-    let notes = demos.iter().map(|(_, demo)| demo.note.clone());
-    let mut notes: Vec<String> = notes.filter(|note| !note.is_empty()).collect();
-    notes.dedup();
-    let identified = demos.iter().filter_map(|(name, demo)| {
-        let identified = demo.identification.as_ref()?;
-        Some((name.clone(), identified))
-    });
-    let identified: Vec<Run<'_, Identify>> = identified.collect();
-    let cut = demos
-        .iter()
-        .map(|(name, demo)| (name.clone(), &demo.outages));
-    let cut: Vec<Run<'_, Outages>> = cut.collect();
-    let intro = Section::of("The experiment", intro.chain(notes).map(Block::Text));
-    let mut sections = Vec::from_iter(intro);
-    sections.extend(outages::sections(&cut));
-    if !identified.is_empty() {
-        sections.extend(identify::sections(&identified));
-    }
-    sections
 }
 
 /// Names of the results: those of their files without the ending, with folders where they are the same.

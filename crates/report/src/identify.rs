@@ -13,9 +13,9 @@ use super::{
     parts::{Run, capital, points, prefixed, run_colour, text, warnings},
 };
 use axis::{allan_panel, of_axis, psd_panel};
-pub(crate) use axis::{drift_table, of_others};
+pub(crate) use axis::{correlation, drift_table, of_others, record};
 pub(crate) use lines::lines;
-pub(crate) use orders::{adequacy_line, pandit_wu};
+pub(crate) use orders::{adequacy, adequacy_line, pandit_wu};
 use std::f64::consts::PI;
 pub(crate) use temperatures::temperatures;
 use undrift::noise::{model_file::AXES, normality::Test};

@@ -6,22 +6,23 @@ mod way;
 use super::{
     Block, Cell, Section, Table,
     numbers::{get, short},
-    parts::{COMPONENTS, Run, model_colour, named, of_which, points, prefixed, text, warnings},
+    parts::{
+        COMPONENTS, Run, model_colour, named, of_which, points, prefixed, spoken_list, text,
+        warnings,
+    },
 };
 use crate::{
     date,
     plain::{Mark, plain_table},
-    say,
 };
 use drift::drift;
 use undrift::{
-    demo::WHITE_CALIBRATED,
     findings::{Severity, verdict},
     noise::order_statistics::quantile,
     outages::is_clear_lead,
     results::{ModelErrors, Numbers, Outages},
 };
-use way::way;
+pub(crate) use way::way;
 
 const HORIZONTAL: &str = "horizontal_m";
 
@@ -40,11 +41,6 @@ struct Model<'a> {
 }
 
 impl Model<'_> {
-    /// Whether it is no model to choose but a bound.
-    fn is_bound(&self) -> bool {
-        self.key == WHITE_CALIBRATED
-    }
-
     /// Largest horizontal error of each outage \[m\].
     fn largest(&self) -> Vec<f64> {
         let outages = self.errors.per_outage.iter();
@@ -184,7 +180,6 @@ const ALIKE: f64 = 1.01;
 /// Which model drifts least, and how sure that is.
 fn findings(models: &[Model<'_>]) -> Vec<String> {
     let mut ranked: Vec<&Model<'_>> = models.iter().filter(|m| m.rms().is_finite()).collect();
-    ranked.retain(|m| !m.is_bound());
     let finished = !ranked.is_empty();
     ranked.retain(|m| m.usable);
     ranked.sort_by(|a, b| a.rms().total_cmp(&b.rms()));
@@ -196,7 +191,7 @@ fn findings(models: &[Model<'_>]) -> Vec<String> {
     };
     let alike = ranked.partition_point(|m| m.rms() <= ALIKE * best.rms());
     let (first, rest) = ranked.split_at(alike);
-    let names = listed(&first.iter().map(|m| m.spoken()).collect::<Vec<_>>());
+    let names = spoken_list(&first.iter().map(|m| m.spoken()).collect::<Vec<_>>());
     let together = if alike > 1 { ", equal within 1 %," } else { "" };
     let mut found = vec![format!(
         "Least horizontal drift: {names}{together} with {} m (RMS over the outages of the largest error of each).",
@@ -227,45 +222,27 @@ fn findings(models: &[Model<'_>]) -> Vec<String> {
     found
 }
 
-/// "a, b and c".
-fn listed(names: &[String]) -> String {
-    match names.split_last() {
-        Some((last, before)) if !before.is_empty() => format!("{} and {last}", before.join(", ")),
-        _ => names.concat(),
-    }
-}
-
 /// A statistic of a model's errors over the outages, by component.
 type Statistic = fn(&ModelErrors) -> &Numbers;
 
-/// Table 4 as text: maximum, root mean square and median of each model's largest errors; bounds apart.
+/// Table 4 as text: maximum, root mean square and median of each model's largest errors.
 pub fn plain(result: &Outages, mark: Mark) -> String {
     let models = models(&[(String::new(), result)]);
-    let (bounds, models): (Vec<_>, Vec<_>) = models.iter().partition(|m| m.is_bound());
+    let models: Vec<&Model<'_>> = models.iter().collect();
     let statistics: [(&str, Statistic); 3] = [
         ("maximum", |m| &m.max),
         ("RMS", |m| &m.rms),
         ("median", |m| &m.median),
     ];
-    let tables = |models: &[&Model<'_>]| {
-        let tables = statistics.iter().filter_map(|(name, of)| {
-            let mut table = table_of("", "", models, *of)?;
-            table.head[0] = (*name).into();
-            Some(plain_table(&table, mark))
-        });
-        Vec::from_iter(tables).join("\n")
-    };
-    let covered = match consistency(&models) {
-        Some(table) => format!("\n{COVERED}\n{}", plain_table(&table, mark)),
-        None => String::new(),
-    };
-    match tables(&bounds).as_str() {
-        "" => tables(&models) + &covered,
-        bounds => format!(
-            "{}{covered}\n{}\n\n{bounds}",
-            tables(&models),
-            say::WHITE_CALIBRATED
-        ),
+    let tables = statistics.iter().filter_map(|(name, of)| {
+        let mut table = table_of("", "", &models, *of)?;
+        table.head[0] = (*name).into();
+        Some(plain_table(&table, mark))
+    });
+    let tables = Vec::from_iter(tables).join("\n");
+    match consistency(&models) {
+        Some(table) => format!("{tables}\n{COVERED}\n{}", plain_table(&table, mark)),
+        None => tables,
     }
 }
 
@@ -296,12 +273,11 @@ fn consistency(models: &[&Model<'_>]) -> Option<Table> {
 
 /// Table 4: maximum, root mean square and median of each model's largest errors.
 fn tables(models: &[Model<'_>]) -> Option<Section> {
-    let rms: Statistic = |m| &m.rms;
     let statistics: [(&str, &str, Statistic); 4] = [
         (
             "rms",
             "RMS over the outages of the largest error of each.",
-            rms,
+            |m| &m.rms,
         ),
         ("maximum", "Largest error in any outage.", |m| &m.max),
         (
@@ -315,13 +291,11 @@ fn tables(models: &[Model<'_>]) -> Option<Section> {
             |m| &m.end_rms,
         ),
     ];
-    let (bounds, models): (Vec<_>, Vec<_>) = models.iter().partition(|m| m.is_bound());
+    let models: Vec<&Model<'_>> = models.iter().collect();
     let of_models = statistics
         .into_iter()
         .filter_map(|(name, caption, of)| table_of(name, caption, &models, of));
-    let of_bounds = table_of("bound", say::WHITE_CALIBRATED, &bounds, rms);
-    let blocks = of_models.chain(consistency(&models)).chain(of_bounds);
-    let blocks = blocks.map(Block::Table);
+    let blocks = of_models.chain(consistency(&models)).map(Block::Table);
     Section::of("Errors inside the outages", blocks)
 }
 
@@ -378,21 +352,5 @@ mod tests {
             findings(&models),
             ["No conclusion: the result is not usable."]
         );
-
-        // What is a bound is neither best nor in the models' tables.
-        let c = errors(0.1);
-        let bound = Model {
-            key: WHITE_CALIBRATED,
-            ..model("c", &c)
-        };
-        let models = [model("a", &a), model("b", &b), bound];
-        assert!(findings(&models)[0].contains(": b with 1.00 m"));
-
-        let blocks = tables(&models).unwrap().blocks;
-        let [Block::Table(rms), Block::Table(bound)] = &blocks[..] else {
-            panic!("{} blocks", blocks.len());
-        };
-        assert_eq!((rms.rows.len(), bound.rows.len()), (2, 1));
-        assert!(bound.rows[0].iter().all(|cell| !cell.strong));
     }
 }

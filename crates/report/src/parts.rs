@@ -54,6 +54,14 @@ pub fn warnings<'a>(warnings: impl IntoIterator<Item = &'a String>) -> Option<Bl
     }
 }
 
+/// "a, b and c".
+pub fn spoken_list(names: &[String]) -> String {
+    match names.split_last() {
+        Some((last, before)) if !before.is_empty() => format!("{} and {last}", before.join(", ")),
+        _ => names.concat(),
+    }
+}
+
 /// A text after the name of the run that it is of, where the run has one.
 pub fn prefixed(name: &str, text: &str) -> String {
     match name {

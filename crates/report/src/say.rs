@@ -11,7 +11,7 @@ mod solution;
 mod start;
 mod words;
 
-pub use fill::{WHITE_CALIBRATED, all, cut, demo, navigated, outcome};
+pub use fill::{all, cut, demo, navigated, outcome};
 pub use recording::mend;
 pub use solution::{cause, verdict};
 pub use start::{alignment, mounting, unsolved};

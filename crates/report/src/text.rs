@@ -4,12 +4,14 @@ mod identify;
 mod navigate;
 
 pub use crate::{
+    demo::plain as demo,
     fleet::plain as fleet,
     montecarlo::plain as montecarlo,
     outages::plain as outages,
+    paper::plain as paper,
     plain::{Mark, unmarked},
     tune::plain as tune,
 };
 pub(crate) use identify::bounds;
-pub use identify::{correlation_csv, identification, identify};
+pub use identify::{correlation_csv, identify};
 pub use navigate::navigate;

@@ -1,65 +1,126 @@
-//! The source paper's experiment on a simulated drive: nothing but a seed goes in.
+//! The source paper's experiment: one sensor, identified from a static record, on several drives whose GNSS is cut.
+//!
+//! The sensor's random errors are those of a real ADIS16405 ([`sensor`]), simulated or played back from its
+//! records. All models but one run on the same samples, from which the means over the rest before the drive are
+//! removed, as is practised.
 
+mod models;
+mod paper;
+mod pooled;
 mod result;
+mod sensor;
 
-use crate::record::Record;
+pub use models::{BOUND, PAPER, PAPER_EXACT, RECOMMENDED, UNCALIBRATED, WHITE};
+pub use paper::{Paper, SCALES, Track};
+pub use pooled::{Estimate, Pooled};
+
 use crate::{
-    identify::{self, Identified},
-    outages::{self, ModelRun, Schedule},
-    replay::{Measurement, Outage, ReplayError, Settings},
-    simulate::{GnssNoise, Simulation, SimulationError, Trajectory, simulate},
+    identify::{self, Identified, RecordingError},
+    outages::{self, ModelOutcome, Schedule, ScheduleError},
+    record::Record,
+    replay::{Outage, Settings},
+    simulate::{REST_BEFORE, SimulationError},
 };
-use rand::SeedableRng;
-use rand_distr::{Distribution, StandardNormal};
-use rand_xoshiro::Xoshiro256PlusPlus;
-use undrift_nav::{Vector3, covariance, sample::ImuSample, shaping::ShapingFilter};
-use undrift_noise::{
-    BiasModel, ImuModel, ModelError, Provenance, identify::Options, model_file::AXES,
-    synthesis::NoiseGenerator,
-};
+use models::Model;
+use rayon::prelude::*;
+use sensor::Ride;
+use undrift_noise::{ModelError, identify::Options, model_file::AXES};
 
-/// IMU of the demo.
+/// Data sheet of the sensor.
 pub const PRESET: &str = "adis16405";
-/// Sample rate of the simulated IMU \[Hz\].
-pub const RATE_HZ: f64 = 200.0;
-/// Length of the simulated drive \[s\].
-pub const DURATION: f64 = 600.0;
-/// Outages: number, length and spacing \[s\], the first this long after the first fix \[s\]: by then the turns
-/// of the drive have separated the accelerometers' constants from tilt in every model.
-pub const OUTAGES: (usize, f64, f64, f64) = (15, 10.0, 29.0, 180.0);
-/// IMU → antenna, body axes \[m\].
-const LEVER_ARM: [f64; 3] = [0.3, 0.1, -1.2];
-
+/// Sample rate, the nominal one of the real records \[Hz\].
+pub const RATE_HZ: f64 = 100.0;
 /// Length of the simulated static record \[s\].
-pub const STATIC_DURATION: f64 = 1000.0;
+pub const STATIC_DURATION: f64 = 1800.0;
+/// Length of a drive \[s\].
+pub const DURATION: f64 = 900.0;
+/// Drives, unless another number is asked for.
+pub const DRIVES: usize = 5;
+/// Rest at the start of a drive, over which the constants are averaged \[s\].
+pub const REST: f64 = REST_BEFORE;
+/// Start of the first outage after the first fix \[s\]: by then heading is known from the turns of the drive.
+pub const FIRST_CUT: f64 = 200.0;
 
-/// Where the models of the demo come from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Models {
-    /// A simulated static record of the same sensors, identified.
-    Identified,
-    /// The simulation's own parameters.
-    Truth,
+/// Outages of one length, on a replay of their own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cuts {
+    /// \[s\]
+    pub length: f64,
+    /// From start to start \[s\].
+    pub every: f64,
+    /// In each drive.
+    pub count: usize,
 }
 
-/// The drive and what each model made of it.
-pub struct Demo {
-    /// Seed of the drive, the sensors and the receiver.
+/// The outages of each drive; of 10 s as many as in the source paper.
+pub const CUTS: [Cuts; 3] = [
+    Cuts {
+        length: 10.0,
+        every: 45.0,
+        count: 15,
+    },
+    Cuts {
+        length: 30.0,
+        every: 75.0,
+        count: 9,
+    },
+    Cuts {
+        length: 60.0,
+        every: 110.0,
+        count: 6,
+    },
+];
+
+/// Where the sensor's errors come from.
+#[derive(Clone, Debug, Default)]
+pub enum Source {
+    /// Drawn.
+    #[default]
+    Simulated,
+    /// Real records of one sensor.
+    Recorded {
+        /// The static record that is identified.
+        identified: Record,
+        /// Another one, whose stretches are the errors on the drives.
+        played: Record,
+    },
+}
+
+/// What is run.
+#[derive(Clone, Debug)]
+pub struct Experiment {
+    /// Seed of sensors, drives and receiver.
     pub seed: u64,
-    /// The static record and what was identified from it, if the models come from there.
-    pub identified: Option<(Record, Identified)>,
-    /// Samples, fixes and truth.
-    pub simulation: Simulation,
-    /// Where GNSS was cut.
-    pub outages: Vec<Outage>,
-    /// Model by model; the last, [`WHITE_CALIBRATED`], is a bound.
-    pub runs: Vec<(String, Result<ModelRun, ReplayError>)>,
+    /// Number of drives.
+    pub drives: usize,
+    /// Where the sensor's errors come from.
+    pub source: Source,
+    /// Whether the source paper's tables and figures are made too.
+    pub paper: bool,
+}
+
+/// What was identified, and what each model made of the drives.
+pub struct Demo {
+    /// What was run.
+    pub experiment: Experiment,
+    /// The static record.
+    pub record: Record,
+    /// What was identified from it.
+    pub identified: Identified,
+    /// The models' names, with the axes of which a method has no model: there it is white noise.
+    pub models: Vec<(&'static str, Vec<&'static str>)>,
+    /// Truth of the first drive, ten rows a second, and its outages of each length.
+    pub first: (Vec<undrift_nav::sample::TruthSample>, Vec<Vec<Outage>>),
+    /// For each of [`CUTS`], model by model.
+    pub lengths: Vec<Vec<Pooled>>,
+    /// The source paper's tables and figures.
+    pub paper: Option<Paper>,
 }
 
 /// Why there is no demo.
 #[derive(Debug, thiserror::Error)]
 pub enum DemoError {
-    /// The preset made no shaping filter.
+    /// A model made no shaping filter.
     #[error(transparent)]
     Model(#[from] ModelError),
     /// Nothing was simulated.
@@ -67,186 +128,136 @@ pub enum DemoError {
     Simulation(#[from] SimulationError),
     /// The outages do not fit the drive.
     #[error(transparent)]
-    Outages(#[from] outages::ScheduleError),
+    Outages(#[from] ScheduleError),
     /// No axis could be identified.
     #[error(transparent)]
-    Recording(#[from] identify::RecordingError),
+    Recording(#[from] RecordingError),
+    /// The record that is played back is too short, or has not six axes.
+    #[error(
+        "{}: {axes} axes of {seconds:.0} s; {drives} drives need 6 of {needed:.0} s: give a longer recording or fewer drives",
+        record.display()
+    )]
+    TooShort {
+        /// The record.
+        record: std::path::PathBuf,
+        /// Its axes.
+        axes: usize,
+        /// Its length \[s\].
+        seconds: f64,
+        /// Number of drives.
+        drives: usize,
+        /// Length needed \[s\].
+        needed: f64,
+    },
+    /// No axis of the record has a model.
+    #[error("{axis}: {error}")]
+    Axis {
+        /// Name of the axis.
+        axis: &'static str,
+        /// Why it has none.
+        error: String,
+    },
 }
 
 /// What takes time in a demo.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
+    /// The drives.
+    Simulation,
     /// Identification, axis by axis.
     Identification,
-    /// The noise models over the drive, sample by sample.
+    /// The noise models over the drives, sample by sample.
     Navigation,
 }
 
-/// Simulates the drive and runs all bias models through its outages; `done` is called with the stage,
-/// how much more of it is done, and how much it is in all.
+/// Runs the experiment; `done` is called with the stage, how much more of it is done, and how much it is in all.
 ///
 /// # Errors
-/// [`DemoError`]: the sensors' model makes no filter, nothing could be simulated, or an axis could not be
-/// identified.
+/// [`DemoError`]: a record too short for the drives, an axis that could not be identified, a model that makes no filter.
 pub fn run(
-    seed: u64,
-    models: Models,
+    experiment: Experiment,
     done: impl Fn(Stage, u64, u64) + Sync,
 ) -> Result<Demo, DemoError> {
-    let preset = ImuModel::preset(PRESET).unwrap_or_default();
-    let interval = 1.0 / RATE_HZ;
-    let Drive {
-        sensors,
-        simulation,
-        calibrated,
-    } = drive(&preset, seed)?;
+    let drives = experiment.drives as u64;
+    done(Stage::Simulation, 0, drives);
+    let rides = sensor::rides(&experiment, &|| done(Stage::Simulation, 1, drives))?;
+    let record = sensor::static_record(&experiment)?;
+    let axes = AXES.len() as u64;
+    done(Stage::Identification, 0, axes);
+    let one_more = || done(Stage::Identification, 1, axes);
+    let identified = identify::run(&record, &Options::at(RATE_HZ), one_more);
+    let models = models::models(&experiment.source, &identified)?;
 
-    let (model, identified) = match models {
-        Models::Truth => (preset, None),
-        Models::Identified => {
-            let record = static_record(&sensors, &preset, seed);
-            let told = |more| done(Stage::Identification, more, AXES.len() as u64);
-            told(0);
-            let found = identify::run(&record, &Options::at(RATE_HZ), || told(1));
-            let model = found.model(Some(&preset), PRESET, Provenance::default())?;
-            (model, Some((record, found)))
-        }
-    };
-
-    let ends = simulation.gnss.first().zip(simulation.gnss.last());
-    let (first, last) = ends.map_or((0.0, 0.0), |(a, b)| (a.time, b.time));
-    let (count, length, every, start) = OUTAGES;
-    let plan = Schedule::Every {
-        start,
-        every,
-        count: Some(count),
-    };
-    let outages = outages::schedule(&plan, length, first, last)?;
-    let settings = |kind: BiasModel| -> Result<(String, Settings), ModelError> {
-        let settings = Settings {
-            lever_arm: LEVER_ARM.into(),
-            outages: outages.clone(),
-            ..Settings::new(model.shaping(kind, interval)?)
-        };
-        Ok((kind.name().to_owned(), settings))
-    };
-    let models = BiasModel::ALL
-        .into_iter()
-        .map(settings)
-        .collect::<Result<Vec<_>, _>>()?;
-    // One more, on the calibrated samples.
-    let total = ((models.len() + 1) * simulation.imu.len()) as u64;
+    let of_lengths = models.len() * rides.len() * CUTS.len();
+    let replays = of_lengths + paper::replays(&experiment);
+    let total = replays as u64 * (DURATION * RATE_HZ) as u64;
     let told = |more| done(Stage::Navigation, more, total);
-    let fixes = Measurement::of_fixes(&simulation.gnss);
     told(0);
-    let mut runs = outages::run(&simulation.imu, &fixes, &simulation.truth, &models, &told);
-    let (_, white) = settings(BiasModel::White)?;
-    let white = [(WHITE_CALIBRATED.to_owned(), white)];
-    runs.extend(outages::run(
-        &calibrated,
-        &fixes,
-        &simulation.truth,
-        &white,
-        &told,
-    ));
+    let runs: Vec<_> = (0..CUTS.len())
+        .map(|length| ridden(&rides, length, &models, &told))
+        .collect();
+    let lengths = runs.iter().map(|runs| pooled::pooled(&models, runs));
+    let lengths = lengths.collect();
+    let paper = match experiment.paper {
+        true => Some(paper::paper(
+            &rides,
+            &models,
+            &runs[0],
+            &identified,
+            &record,
+            &told,
+        )?),
+        false => None,
+    };
+    let first = rides.into_iter().next().map_or_else(Default::default, |r| {
+        let truth = r.simulation.truth.into_iter().step_by(10).collect();
+        (truth, r.cuts)
+    });
     Ok(Demo {
-        seed,
+        experiment,
+        record,
         identified,
-        simulation,
-        outages,
-        runs,
+        models: models.into_iter().map(|m| (m.name, m.without)).collect(),
+        first,
+        lengths,
+        paper,
     })
 }
 
-/// The simulated drive.
-struct Drive {
-    /// The truth of the sensors but for their turn-on constants.
-    sensors: [ShapingFilter; covariance::AXES],
-    simulation: Simulation,
-    /// The samples without turn-on constants.
-    calibrated: Vec<ImuSample>,
+/// The outages of a drive.
+fn cuts(of: &Cuts, first: f64, last: f64) -> Result<Vec<Outage>, ScheduleError> {
+    let plan = Schedule::Every {
+        start: FIRST_CUT,
+        every: of.every,
+        count: Some(of.count),
+    };
+    outages::schedule(&plan, of.length, first, last)
 }
 
-/// The drive of a seed by a sensor of this model.
-fn drive(preset: &ImuModel, seed: u64) -> Result<Drive, DemoError> {
-    let gnss = GnssNoise {
-        position_std: [0.02, 0.02, 0.04],
-        velocity_std: [0.03, 0.03, 0.05],
-        rate_hz: 5.0,
-        lever_arm: LEVER_ARM.into(),
-        ..GnssNoise::default()
+/// Every model through the outages of one length of all drives, on all cores: by model, then by drive.
+fn ridden(
+    rides: &[Ride],
+    length: usize,
+    models: &[Model],
+    done: &(dyn Fn(u64) + Sync),
+) -> Vec<Vec<ModelOutcome>> {
+    let of_model = |model: &Model| {
+        let outcomes = rides.par_iter().flat_map(|ride| {
+            let settings = settings(ride, length, model);
+            let named = [(model.name.to_owned(), settings)];
+            let samples = ride.samples(model.samples);
+            outages::run(samples, &ride.fixes, &ride.simulation.truth, &named, done)
+        });
+        outcomes.collect()
     };
-    // The sensors' truth: white noise and Gauss-Markov bias here, the turn-on constants below, so
-    // that they can also be left out.
-    let mut without_turn_on = preset.clone();
-    for axis in without_turn_on
-        .gyro
-        .iter_mut()
-        .chain(&mut without_turn_on.accel)
-    {
-        axis.turn_on = 0.0;
-    }
-    let sensors = without_turn_on.shaping(BiasModel::GaussMarkov, 1.0 / RATE_HZ)?;
-    let mut simulation = simulate(
-        &Trajectory::car(DURATION, seed),
-        RATE_HZ,
-        Some(&sensors),
-        &gnss,
-        seed,
-    )?;
-    let calibrated = simulation.imu.clone();
-    let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
-    let mut constant = |axes: &[undrift_noise::AxisModel; 3]| {
-        Vector3::from_iterator(axes.iter().map(|axis| {
-            let unit: f64 = StandardNormal.sample(&mut random);
-            axis.turn_on * unit
-        }))
-    };
-    let (gyro, accel) = (constant(&preset.gyro), constant(&preset.accel));
-    for sample in &mut simulation.imu {
-        *sample = ImuSample {
-            dtheta: sample.dtheta + gyro * sample.dt,
-            dvel: sample.dvel + accel * sample.dt,
-            ..*sample
-        };
-    }
-    Ok(Drive {
-        sensors,
-        simulation,
-        calibrated,
-    })
+    models.par_iter().map(of_model).collect()
 }
 
-/// A static record of the sensors, with other draws of everything than the drive's.
-fn static_record(
-    sensors: &[undrift_nav::shaping::ShapingFilter; 6],
-    preset: &ImuModel,
-    seed: u64,
-) -> Record {
-    let mut random = Xoshiro256PlusPlus::seed_from_u64(seed ^ 0x57a7_1c00);
-    let samples = (STATIC_DURATION * RATE_HZ) as usize;
-    let series = |axis: usize| {
-        let constant: f64 = StandardNormal.sample(&mut random);
-        let mut generator = NoiseGenerator::with_rng(&sensors[axis], random.clone());
-        random.jump();
-        // At rest, level: the accelerometers' z reads the reaction to gravity.
-        let at_rest = if axis == 5 {
-            -undrift_nav::earth::STANDARD_GRAVITY
-        } else {
-            0.0
-        };
-        let turn_on = preset.axes()[axis].1.turn_on * constant;
-        (0..samples)
-            .map(|_| at_rest + turn_on + generator.sample())
-            .collect()
-    };
-    Record {
-        axes: AXES.to_vec(),
-        samples: (0..6).map(series).collect(),
-        ..Record::default()
+/// How a model navigates a drive.
+fn settings(ride: &Ride, length: usize, model: &Model) -> Settings {
+    Settings {
+        lever_arm: sensor::LEVER_ARM.into(),
+        outages: ride.cuts[length].clone(),
+        ..Settings::new(model.filters)
     }
 }
-
-/// Name of the row for `white` on samples without their turn-on constants, as a laboratory
-/// calibration of this very run would leave them.
-pub const WHITE_CALIBRATED: &str = "white, no constants";

@@ -3,7 +3,7 @@
 mod allan;
 mod pool;
 mod rest;
-mod result;
+pub(crate) mod result;
 mod series;
 mod settings;
 

@@ -9,10 +9,11 @@ mod result;
 mod run;
 mod schedule;
 
-pub use drift::{DriftCurve, drift_curve};
+pub use drift::drift_curve;
 pub use errors::{ModelErrors, ModelOutcome, ModelRun, OutageErrors};
 pub use lead::is_clear_lead;
 pub use logs::Logs;
+pub(crate) use result::path;
 pub use result::{result, track};
 pub use run::run;
 pub use schedule::{Schedule, ScheduleError, schedule};

@@ -18,7 +18,9 @@ mod text;
 mod tune;
 
 pub use curve::{Curve, Track};
-pub use demo::Demo;
+pub use demo::{
+    CutLength, Demo, DemoModel, Estimate, OneOne, Paper, PaperSolution, PooledErrors, ScanPoint,
+};
 pub use drive::{Drive, Start, name, names};
 pub use fleet::{
     Bin, Fleet, FleetGroup, FleetLog, FleetMeasure, FleetOutlier, FleetPart, OutlierRule,

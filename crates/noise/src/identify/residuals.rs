@@ -29,19 +29,21 @@ pub(super) fn of_models(
     let by_f = table.and_then(|table| table.fit(table.by_f));
     let other = |fit: &&ArmaFit| by_f.is_none_or(|by_f| by_f.order() != fit.order());
     let fits = by_f.into_iter().chain(recommended.arma().filter(other));
-    fits.filter_map(|fit| residuals(fit, half)).collect()
+    fits.filter_map(|fit| Residuals::of(fit, half)).collect()
 }
 
-/// Of a fit over the first half of a screened record, at most [`SEARCH_SAMPLES`] of it.
-fn residuals(fit: &ArmaFit, half: &[f64]) -> Option<Residuals> {
-    let searched = half.get(..SEARCH_SAMPLES).unwrap_or(half);
-    let errors = fit.residuals(searched).ok()?;
-    let present: Vec<f64> = errors.into_iter().filter(|e| e.is_finite()).collect();
-    let (p, q) = fit.order();
-    Some(Residuals {
-        model: format!("ARMA({p},{q})"),
-        samples: present.len(),
-        acf: correlation::autocorrelation(&present, LAGS).ok()?,
-        pacf: correlation::partial_autocorrelation(&present, LAGS, Partial::YuleWalker).ok()?,
-    })
+impl Residuals {
+    /// Of a fit over the start of a screened record, at most [`SEARCH_SAMPLES`] of it.
+    pub fn of(fit: &ArmaFit, half: &[f64]) -> Option<Self> {
+        let searched = half.get(..SEARCH_SAMPLES).unwrap_or(half);
+        let errors = fit.residuals(searched).ok()?;
+        let present: Vec<f64> = errors.into_iter().filter(|e| e.is_finite()).collect();
+        let (p, q) = fit.order();
+        Some(Self {
+            model: format!("ARMA({p},{q})"),
+            samples: present.len(),
+            acf: correlation::autocorrelation(&present, LAGS).ok()?,
+            pacf: correlation::partial_autocorrelation(&present, LAGS, Partial::YuleWalker).ok()?,
+        })
+    }
 }

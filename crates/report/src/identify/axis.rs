@@ -59,7 +59,7 @@ fn whiteness(axis: &Axis) -> String {
     }
 }
 
-fn record(axis: &Axis, unit: &Units) -> Option<Panel> {
+pub(crate) fn record(axis: &Axis, unit: &Units) -> Option<Panel> {
     let points = Clock::starting(0.0).points(&axis.series.record, unit.scale);
     (!points.is_empty()).then(|| {
         let y = PlotAxis::new(&format!("sample [{}]", unit.sample));
@@ -118,7 +118,7 @@ fn correlations(axis: &Axis) -> Vec<Panel> {
     panels.collect()
 }
 
-fn correlation(title: &str, values: &[Number], bound: f64) -> Panel {
+pub(crate) fn correlation(title: &str, values: &[Number], bound: f64) -> Panel {
     let values = values.iter().skip(1).map(|v| v.0);
     let values: Vec<f64> = values.collect();
     let last = values.len() as f64;

@@ -21,9 +21,9 @@ pub(super) fn drift(models: &[Model<'_>]) -> Option<Section> {
 }
 
 impl Model<'_> {
-    /// A curve of the model: dashed where it is of another run than the first, or a bound.
+    /// A curve of the model: dashed where it is of another run than the first.
     fn line(&self, points: Vec<(f64, f64)>) -> Series {
-        if self.run == 0 && !self.is_bound() {
+        if self.run == 0 {
             Series::line(&self.name, self.colour, points)
         } else {
             Series::dashed(&self.name, self.colour, points)

@@ -7,7 +7,7 @@ use crate::{
 use undrift::results::Outages;
 
 /// The ground track with its outages, one panel for each drive.
-pub(super) fn way(runs: &[Run<'_, Outages>]) -> Option<Section> {
+pub(crate) fn way(runs: &[Run<'_, Outages>]) -> Option<Section> {
     let mut drawn: Vec<&Run<'_, Outages>> = Vec::new();
     for run in runs {
         let (track, cuts) = (&run.1.series.track, &run.1.outages);

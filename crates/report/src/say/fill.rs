@@ -10,10 +10,6 @@ use undrift::{
     results,
 };
 
-/// What [`demo::WHITE_CALIBRATED`] is.
-pub const WHITE_CALIBRATED: &str = "\"white, no constants\" is a bound, not a model to choose: white noise on \
-    samples whose turn-on biases were removed beforehand, which is impossible on a real drive.";
-
 /// The sentences of findings.
 pub fn all(findings: &[Finding]) -> Vec<String> {
     findings.iter().map(say).collect()
@@ -41,15 +37,11 @@ pub fn cut(mut result: results::Outages) -> results::Outages {
 /// The demo as a result.
 pub fn demo(demo: &Demo) -> results::Demo {
     let mut result = demo.result();
-    result.outages = cut(result.outages);
-    result.note = WHITE_CALIBRATED.into();
-    let drive = &mut result.outages.drive;
-    drive.simulated = Some(format!("a car drive of {:.0} min", demo::DURATION / 60.0));
-    drive.gnss = Some("RTK-like receiver, 5 Hz".into());
-    drive.model.get_or_insert("the identified one".into());
-    if let Some(identified) = &mut result.identification {
-        identified.record = format!("Simulated static recording of {}", demo::PRESET);
-    }
+    result.identification.record = match result.recorded {
+        true => demo.record.name.display().to_string(),
+        false => format!("Simulated static recording of {}", demo::PRESET),
+    };
+    result.conclusion = crate::demo::conclusion(&result);
     result
 }
 

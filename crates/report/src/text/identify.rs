@@ -7,8 +7,7 @@ pub(crate) use terms::bounds;
 use crate::{
     Table,
     identify::{
-        adequacy_line, drift_table, identified, lines, of_others, pandit_wu, pool, temperatures,
-        tests, units,
+        adequacy_line, drift_table, identified, lines, of_others, pool, temperatures, units,
     },
     plain::{Mark, plain_table},
 };
@@ -151,29 +150,6 @@ fn of_axis(name: &str, axis: &Axis, mark: Mark) -> String {
             .map(|warning| format!("Note: {warning}.")),
     );
     lines.iter().map(|line| format!("  {line}\n")).collect()
-}
-
-/// What the demo shows of the identification: Table 2, Table 3 of an axis, and the recommended model of each.
-pub fn identification(result: &Identify, axis: &str, mark: Mark) -> String {
-    let tests = plain_table(&tests(identified("", result)), mark);
-    let orders = result.axes.get(axis).map_or(String::new(), |found| {
-        let table = plain_table(&pandit_wu(axis, found), mark);
-        let chosen = found.pandit_wu_orders.map_or(String::new(), |orders| {
-            format!(
-                "order chosen by the F test, stepping down: {}; by AIC: {}; by BIC: {}\n",
-                orders.by_f, orders.by_aic, orders.by_bic
-            )
-        });
-        format!("Table 3, {axis}\n{table}{chosen}\n")
-    });
-    let mut text = format!(
-        "Table 2\n{tests}\n{orders}Recommended by drift after 1, 10 and 60 s on the held-out half:\n"
-    );
-    for (name, axis) in result.in_order() {
-        let recommended = axis.error.as_ref().unwrap_or(&axis.chosen.name);
-        let _ = writeln!(text, "{name:16} {recommended}");
-    }
-    text
 }
 
 /// Figure 3: autocorrelation and partial autocorrelation of an axis.

@@ -11,7 +11,7 @@ use undrift_noise::{
     composite::{Parameter, ParameterInterval},
     drift_score::HorizonScore,
     identify::{Axis, Candidate, GRID_ORDER, Origin as Found},
-    pandit_wu::PAPER_CRITICAL,
+    pandit_wu::{PAPER_CRITICAL, PanditWu},
     temperature::{Estimate, NORMAL_95},
 };
 
@@ -89,8 +89,8 @@ fn axis(name: &str, axis: &Axis) -> results::Axis {
         lines: axis.lines.clone(),
         allan: deviation(&axis.allan.points, &axis.allan_intervals, &axis.allan_terms),
         allan_terms: axis.allan_terms,
-        pandit_wu: pandit_wu(axis),
-        adequacy: adequacy(axis),
+        pandit_wu: axis.pandit_wu.as_ref().map(pandit_wu).unwrap_or_default(),
+        adequacy: axis.pandit_wu.as_ref().map(adequacy).unwrap_or_default(),
         pandit_wu_orders: axis.pandit_wu.as_ref().map(|table| PanditWuOrders {
             by_f: table.by_f.into(),
             by_aic: table.by_aic.into(),
@@ -154,8 +154,9 @@ pub(super) fn deviation(points: &[Point], intervals: &[Interval], terms: &Terms)
     }
 }
 
-fn pandit_wu(axis: &Axis) -> Vec<OrderRow> {
-    let rows = axis.pandit_wu.iter().flat_map(|t| &t.rows);
+/// The table of orders.
+pub(crate) fn pandit_wu(table: &PanditWu) -> Vec<OrderRow> {
+    let rows = table.rows.iter();
     rows.map(|row| OrderRow {
         order: row.order().into(),
         rss: row.fit.residual_sum_of_squares.into(),
@@ -171,8 +172,9 @@ fn pandit_wu(axis: &Axis) -> Vec<OrderRow> {
     .collect()
 }
 
-fn adequacy(axis: &Axis) -> Vec<OrderTest> {
-    let tests = axis.pandit_wu.iter().flat_map(|t| &t.neighbours);
+/// The tests of its neighbours.
+pub(crate) fn adequacy(table: &PanditWu) -> Vec<OrderTest> {
+    let tests = table.neighbours.iter();
     tests
         .map(|test| OrderTest {
             smaller: test.smaller.into(),

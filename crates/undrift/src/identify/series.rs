@@ -87,13 +87,6 @@ impl RecordSeries {
     /// With what was found of the axis.
     pub(super) fn result(&self, axis: &Axis) -> AxisSeries {
         let centres = (0..self.density.len()).map(|bar| self.first + bar as f64 * self.width);
-        let residuals = axis.residuals.iter().map(|r| Residuals {
-            model: r.model.clone(),
-            samples: r.samples as u64,
-            acf: digits(r.acf.iter().copied()),
-            pacf: digits(r.pacf.iter().copied()),
-            bound: to_digits(white_bound(r.samples)).into(),
-        });
         AxisSeries {
             record: self.record.curve(),
             histogram: Histogram {
@@ -105,7 +98,19 @@ impl RecordSeries {
             },
             psd: psd(&axis.psd),
             correlation_bound: to_digits(white_bound(axis.samples)).into(),
-            residuals: residuals.collect(),
+            residuals: axis.residuals.iter().map(Into::into).collect(),
+        }
+    }
+}
+
+impl From<&undrift_noise::identify::Residuals> for Residuals {
+    fn from(of: &undrift_noise::identify::Residuals) -> Self {
+        Self {
+            model: of.model.clone(),
+            samples: of.samples as u64,
+            acf: digits(of.acf.iter().copied()),
+            pacf: digits(of.pacf.iter().copied()),
+            bound: to_digits(white_bound(of.samples)).into(),
         }
     }
 }

@@ -17,14 +17,10 @@ use undrift_nav::sample::{GnssFix, Position, TruthSample};
 
 /// What outages did, model by model, on the way of `track`.
 pub fn result(outages: &[Outage], results: &[ModelOutcome], track: &[TruthSample]) -> Outages {
-    let cut = |o: &Outage| Cut {
-        start_s: o.start.into(),
-        length_s: (o.end - o.start).into(),
-    };
     let mut result = Outages {
         undrift: VERSION.into(),
         schema: SCHEMA,
-        outages: outages.iter().map(cut).collect(),
+        outages: outages.iter().map(Into::into).collect(),
         ..Outages::default()
     };
     result.series.track = path(track);
@@ -47,6 +43,15 @@ pub fn result(outages: &[Outage], results: &[ModelOutcome], track: &[TruthSample
         result.series.drift.insert(name.clone(), drift(run));
     }
     result
+}
+
+impl From<&Outage> for Cut {
+    fn from(of: &Outage) -> Self {
+        Self {
+            start_s: of.start.into(),
+            length_s: (of.end - of.start).into(),
+        }
+    }
 }
 
 impl From<&errors::ModelErrors> for ModelErrors {
@@ -89,7 +94,9 @@ fn by_group(values: &[f64; 3]) -> Numbers {
 }
 
 fn drift(run: &ModelRun) -> Drift {
-    let points = drift_curve(run).points.into_iter();
+    // Those that began before the solution come first.
+    let outages = &run.errors.per_outage[run.errors.left_out..];
+    let points = drift_curve(outages).into_iter();
     let rounded =
         points.map(|(time, error)| (Number(to_millisecond(time)), Number(to_digits(error))));
     let (since_cut_s, horizontal_rms_m) = rounded.unzip();
@@ -99,7 +106,8 @@ fn drift(run: &ModelRun) -> Drift {
     }
 }
 
-fn path(track: &[TruthSample]) -> Track {
+/// A way of bounded length.
+pub(crate) fn path(track: &[TruthSample]) -> Track {
     let mut thinned = Thinned::new(ROWS);
     for sample in track {
         let (lat, lon) = (sample.position.lat, sample.position.lon);

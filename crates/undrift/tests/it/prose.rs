@@ -4,7 +4,7 @@ use std::{fs, path::Path};
 
 /// Files that may hold sentences, with the reason.
 const ALLOWED: [(&str, &str); 15] = [
-    ("demo.rs", "the name of a model"),
+    ("demo/models.rs", "names of models"),
     ("drive", "messages of ConfigError, with file, line and key"),
     (
         "fleet/manifest",
