@@ -22,3 +22,8 @@ pub fn error(problem: impl Into<Box<dyn Error + Send + Sync>>) -> PyErr {
     }
     UndriftError::new_err(text)
 }
+
+/// The text of an exception.
+pub fn text(problem: &PyErr) -> String {
+    Python::attach(|py| problem.value(py).to_string())
+}

@@ -20,6 +20,7 @@ mod simulate;
 mod stationarity;
 mod statistics;
 mod tune;
+mod work;
 
 #[pymodule]
 mod _undrift {

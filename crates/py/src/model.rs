@@ -1,6 +1,6 @@
 //! Noise models.
 
-use crate::{columns, error::error};
+use crate::{columns, error::error, work};
 use numpy::{PyArray2, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -109,12 +109,14 @@ impl NoiseModel {
         if count as u64 > undrift::simulate::MAX_SAMPLES {
             return Err(error(undrift::simulate::SimulationError::TooLong));
         }
-        let drawn = py.detach(|| {
+        let drawn = work::run(py, || {
             let mut errors = SensorErrors::new(&filters, rate, seed)?;
-            Ok::<_, undrift::simulate::SimulationError>(
-                (0..count).flat_map(|_| errors.draw()).collect(),
-            )
-        });
+            let draw = (0..count).flat_map(|_| {
+                undrift::noise::interrupt::check();
+                errors.draw()
+            });
+            Ok::<_, undrift::simulate::SimulationError>(draw.collect())
+        })?;
         columns::table(py, drawn.map_err(error)?, 6)
     }
 }

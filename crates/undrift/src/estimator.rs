@@ -200,6 +200,10 @@ pub trait Estimator: Send + Sync {
     /// [`FilterError::Diverged`] if it is not.
     fn check(&self) -> Result<(), FilterError>;
 
+    /// Where the sample taken up ends \[s\], if it is not done.
+    fn sample_end(&self) -> Option<f64>;
+    /// Whether there is still a solution after this sample.
+    fn bears(&self, sample: &ImuSample) -> bool;
     /// Takes up a sample without moving yet.
     fn begin(&mut self, sample: &ImuSample);
     /// Moves to `time` \[s\] within the sample taken up, to its end without one.
@@ -221,7 +225,7 @@ pub trait Estimator: Send + Sync {
     /// `None` where it says nothing.
     ///
     /// # Errors
-    /// A covariance of the innovation that is not positive; the filter is then as it was.
+    /// As [`Filter::update`]; the filter is then as it was.
     fn update(
         &mut self,
         aiding: &Aiding,
@@ -476,6 +480,14 @@ impl<const N: usize> Estimator for Sized<N> {
 
     fn check(&self) -> Result<(), FilterError> {
         self.filter.check()
+    }
+
+    fn sample_end(&self) -> Option<f64> {
+        self.filter.sample_end()
+    }
+
+    fn bears(&self, sample: &ImuSample) -> bool {
+        self.filter.bears(sample)
     }
 
     fn begin(&mut self, sample: &ImuSample) {

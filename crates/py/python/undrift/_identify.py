@@ -14,6 +14,7 @@ import numpy.typing as npt
 from undrift import _undrift
 from undrift._array import Floats
 from undrift._model import ModelLike, NoiseModel, compiled
+from undrift._progress import Progress, reporter
 from undrift._result import Result, axes
 from undrift._tables import columns as columns_of
 from undrift._told import Told
@@ -178,6 +179,7 @@ def identify(
     n_max: int = 2,
     detrend: str = "temperature",
     force: bool = False,
+    progress: Progress = False,
 ) -> Identified:
     """Identifies how a sensor errs from a record of it at rest.
 
@@ -212,9 +214,10 @@ def identify(
             units = units or ("rad/s", "m/s^2")
         else:
             records.append((name, columns_of(one)))
-    found = _undrift.identify(
-        records, list(columns), axis, units, topic, rate, n_max, detrend, force
-    )
+    with reporter(progress, "identify") as report:
+        found = _undrift.identify(
+            records, list(columns), axis, units, topic, rate, n_max, detrend, force, report
+        )
     text = found.json()
     told = json.loads(text)
     done, failed = {}, {}

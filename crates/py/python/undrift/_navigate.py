@@ -13,6 +13,7 @@ import numpy as np
 from undrift import _undrift
 from undrift._drive import Drive, Log
 from undrift._model import ModelLike
+from undrift._progress import Progress, reporter
 from undrift._result import axes
 from undrift._simulate import Simulation
 from undrift._solution import Solution
@@ -106,6 +107,7 @@ def navigate(
     format: str | None = None,
     every: float | None = None,
     solution: bool = True,
+    progress: Progress = False,
     **keys: Any,
 ) -> Navigation:
     """Navigates a drive: IMU and GNSS into position, velocity and attitude.
@@ -118,12 +120,14 @@ def navigate(
     solution is at every sample the best estimate given the whole log. ``output`` are files to write
     it to, in the ``format`` of the extension or the specified one; ``every`` is the least time between
     rows of the files [s]. Without ``solution`` the arrays are empty: 31 numbers a sample, for long logs.
+    ``progress`` is True for a bar, or ``tqdm`` or what is called like it.
     """
     made = drive_of(drive, gnss, model, data, keys)
     files = [output] if isinstance(output, (str, os.PathLike)) else list(output)
-    text, arrays = _undrift.navigate(
-        made._drive, bias_model, smooth, files, format, every, solution
-    )
+    with reporter(progress, "navigate") as report:
+        text, arrays = _undrift.navigate(
+            made._drive, bias_model, smooth, files, format, every, solution, report
+        )
     told = json.loads(text)
     summary = told["summary"]
     return Navigation(

@@ -15,6 +15,7 @@ from undrift._array import Floats
 from undrift._drive import Drive, Log
 from undrift._model import ModelLike
 from undrift._navigate import drive_of
+from undrift._progress import Progress, reporter
 from undrift._result import Result, axes
 from undrift._simulate import Simulation
 from undrift._told import Told
@@ -119,6 +120,7 @@ def outages(
     start: float = 60.0,
     at: Iterable[float] | None = None,
     smooth: bool = False,
+    progress: Progress = False,
     **keys: Any,
 ) -> Outages:
     """Cuts GNSS again and again on a drive and measures how far each bias model drifts.
@@ -127,19 +129,21 @@ def outages(
     outage lasts ``length`` [s]; the first starts ``start`` [s] after the first fix. ``count`` of them
     are spread evenly, or start ``every`` seconds; ``at`` are starts in
     the logs' time base instead. With ``smooth`` the errors are those that are left when the fixes
-    after an outage are known too.
+    after an outage are known too. ``progress`` is that of :func:`navigate`.
     """
     made = drive_of(drive, gnss, model, data, keys)
-    text, table, curves = _undrift.outages(
-        made._drive,
-        [bias_models] if isinstance(bias_models, str) else list(bias_models),
-        length,
-        count,
-        every,
-        start,
-        None if at is None else [float(time) for time in at],
-        smooth,
-    )
+    with reporter(progress, "outages") as report:
+        text, table, curves = _undrift.outages(
+            made._drive,
+            [bias_models] if isinstance(bias_models, str) else list(bias_models),
+            length,
+            count,
+            every,
+            start,
+            None if at is None else [float(time) for time in at],
+            smooth,
+            report,
+        )
     told = json.loads(text)
     drift = told["series"]["drift"]
     models = {}

@@ -14,6 +14,7 @@ from undrift import _undrift
 from undrift._drive import Drive, Log
 from undrift._model import ModelLike, NoiseModel, compiled
 from undrift._navigate import drive_of
+from undrift._progress import Progress, reporter
 from undrift._result import Result
 from undrift._simulate import Simulation
 from undrift._told import Told
@@ -116,6 +117,7 @@ def tune(
     *,
     data: str | os.PathLike[str] | Sequence[str | os.PathLike[str]] | None = None,
     hold_out: float | None = None,
+    progress: Progress = False,
     **keys: Any,
 ) -> Tuning:
     """Identifies the noise of a sensor in its vehicle from drives with GNSS.
@@ -145,9 +147,11 @@ def tune(
         drive_of(one, gnss, described, folder, keys)
         for one, folder in zip(several, folders, strict=True)
     ]
-    text, table, warnings, tuned = _undrift.tune(
-        [one._drive for one in made], None if start is None else compiled(start), hold_out
-    )
+    at_rest = None if start is None else compiled(start)
+    with reporter(progress, "tune") as report:
+        text, table, warnings, tuned = _undrift.tune(
+            [one._drive for one in made], at_rest, hold_out, report
+        )
     told = json.loads(text)
     names = ("start", "guessed", "unseen", "held_out", "converged", "windows", "evaluations")
     return Tuning(

@@ -2,7 +2,7 @@
 
 import os
 import pathlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,8 @@ import numpy.typing as npt
 
 Floats = npt.NDArray[np.float64]
 Fields = dict[str, Any]
+#: Called with what is done and what there is to do, 0 where that is not known.
+Report = Callable[[int, int], object]
 
 __version__: str
 
@@ -108,6 +110,7 @@ def identify(
     n_max: int,
     detrend: str,
     force: bool,
+    progress: Report | None,
 ) -> Identified: ...
 
 # Drives
@@ -145,6 +148,7 @@ def navigate(
     format: str | None,
     every: float | None,
     solution: bool,
+    progress: Report | None,
 ) -> tuple[str, Fields]: ...
 def outages(
     drive: Drive,
@@ -155,9 +159,13 @@ def outages(
     start: float,
     at: list[float] | None,
     smooth: bool,
+    progress: Report | None,
 ) -> tuple[str, str, list[tuple[str, list[tuple[float, Floats, Floats]]]]]: ...
 def tune(
-    drives: Sequence[Drive], start: NoiseModel | None, hold_out: float | None
+    drives: Sequence[Drive],
+    start: NoiseModel | None,
+    hold_out: float | None,
+    progress: Report | None,
 ) -> tuple[str, str, list[str], NoiseModel]: ...
 def report(
     results: Sequence[tuple[Path, str]], output: Path | None, folder: Path | None
@@ -175,21 +183,21 @@ class Filter:
         parameters: Sequence[tuple[str, float, float]],
     ) -> None: ...
     def begin(
-        self, time: float, dt: float, gyro: list[float], accel: list[float], increments: bool
+        self,
+        time: float | None,
+        dt: float,
+        gyro: list[float],
+        accel: list[float],
+        increments: bool,
     ) -> None: ...
     def advance(self, to: float | None) -> None: ...
     def predict_many(
         self, times: Floats | None, dt: float, gyro: Floats, accel: Floats, increments: bool
     ) -> Fields: ...
     def update(
-        self,
-        kind: str,
-        value: list[float],
-        std: float = 0.0,
-        lever_arm: list[float] = ...,
-        covariance: list[list[float]] | None = None,
-        gate: tuple[float, float] | None = None,
-    ) -> tuple[list[float], float, int, list[float], str, float] | None: ...
+        self, measurements: Sequence[Mapping[str, Any]], gate: tuple[float, float] | None
+    ) -> list[tuple[str, list[float], float, int, list[float], str, float]]: ...
+    def copy(self) -> Filter: ...
     def state(self) -> dict[str, Floats]: ...
     @property
     def time(self) -> float: ...
