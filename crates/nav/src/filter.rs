@@ -113,9 +113,9 @@ impl fmt::Display for FilterError {
             Self::Diverged => {
                 f.write_str("the solution diverged: position, velocity or covariance out of range")
             }
-            Self::Implausible => f.write_str(
-                "the measurement would move the solution out of range: check its units",
-            ),
+            Self::Implausible => {
+                f.write_str("the measurement would move the solution out of range: check its units")
+            }
         }
     }
 }

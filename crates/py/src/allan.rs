@@ -230,8 +230,7 @@ pub struct GaussMarkov {
 #[pyfunction]
 pub fn allan_gauss_markov(py: Python<'_>, curve: PyCurve<'_>) -> PyResult<GaussMarkov> {
     let curve = curve.curve()?;
-    let fit: GaussMarkovFit =
-        work::run(py, || allan::fit_gauss_markov(&curve))?.map_err(error)?;
+    let fit: GaussMarkovFit = work::run(py, || allan::fit_gauss_markov(&curve))?.map_err(error)?;
     Ok(GaussMarkov {
         quantisation: fit.quantisation,
         white: fit.white,

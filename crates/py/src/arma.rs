@@ -36,9 +36,11 @@ pub fn arma_fit(
 ) -> PyResult<Fit> {
     let x = samples(&x)?;
     let options = options(mean, unit_root, effort);
-    work::run(py, || arma::fit_from(x, order.0, order.1, &options, &starts))?
-        .map(Fit::from)
-        .map_err(error)
+    work::run(py, || {
+        arma::fit_from(x, order.0, order.1, &options, &starts)
+    })?
+    .map(Fit::from)
+    .map_err(error)
 }
 
 #[pyfunction]

@@ -2,8 +2,9 @@
 
 use crate::{
     columns,
+    drive::Drive,
     error::{error, text},
-    model::NoiseModel,
+    model::{self, NoiseModel},
     work,
 };
 use numpy::{PyArray2, PyReadonlyArray1, PyReadonlyArray2};
@@ -20,11 +21,13 @@ use undrift::{
         filter::{Gate, InitialStd, Outcome, Update},
         mechanisation::NavState,
         parameters::{Parameter, Parameters, Prior},
-        sample::{ImuSample, Position},
+        sample::{FixQuality, GnssFix, ImuSample, Position},
     },
-    navigate::solution_row,
+    navigate::{self, solution_row},
     noise::interrupt,
+    settings::fix_errors::FixErrors,
 };
+use undrift_report::say;
 
 /// The parameters that can be estimated, by their names.
 const PARAMETERS: [(&str, Parameter); 11] = [
@@ -53,6 +56,8 @@ struct Held {
     estimator: Box<dyn Estimator>,
     /// Whether a sample was taken up.
     begun: bool,
+    /// What the fixes are wrong by.
+    fix_errors: FixErrors,
 }
 
 impl Held {
@@ -213,7 +218,34 @@ impl Filter {
         Ok(Self(Mutex::new(Held {
             estimator: filter,
             begun: false,
+            fix_errors: FixErrors::default(),
         })))
+    }
+
+    /// The filter of a drive where its navigation begins, its lever arm and sample interval [s].
+    #[staticmethod]
+    fn from_drive(
+        py: Python<'_>,
+        drive: &Drive,
+        bias_model: &str,
+    ) -> PyResult<(Self, [f64; 3], f64)> {
+        let kind = model::bias_model(bias_model)?;
+        let started = work::run(py, || {
+            navigate::start(&drive.drive, kind).map_err(say::unsolved)
+        })?;
+        let started = started.map_err(error)?;
+        let settings = started.settings;
+        let held = Held {
+            estimator: started.filter,
+            begun: true,
+            fix_errors: settings.fix_errors,
+        };
+        let lever_arm = columns::array(&settings.lever_arm);
+        Ok((
+            Self(Mutex::new(held)),
+            lever_arm,
+            settings.sensors[0].interval,
+        ))
     }
 
     /// A filter in the same state.
@@ -222,6 +254,7 @@ impl Filter {
             Self(Mutex::new(Held {
                 estimator: held.estimator.boxed(),
                 begun: held.begun,
+                fix_errors: held.fix_errors,
             }))
         })
     }
@@ -276,6 +309,7 @@ impl Filter {
             let mut moved = Held {
                 estimator: held.estimator.boxed(),
                 begun: true,
+                fix_errors: held.fix_errors,
             };
             let mut rows = Vec::with_capacity(count);
             let mut before = None;
@@ -313,9 +347,9 @@ impl Filter {
         self.locked(py, |held| {
             let mut filter = held.estimator.boxed();
             let mut done = Vec::new();
-            for measured in measurements {
+            for measured in stated(measurements, &held.fix_errors) {
                 let kind = measured.kind.clone();
-                let (aiding, noise) = measured.aiding(filter.nav().time)?;
+                let (aiding, noise) = measured.aiding(filter.nav().time, &held.fix_errors)?;
                 let innovation = filter.innovation(&aiding);
                 let update = filter.update(&aiding, &noise, &gate);
                 let update = update.map_err(|problem| error(format!("{kind}: {problem}")))?;
@@ -389,9 +423,32 @@ pub struct Measured {
     covariance: Option<[[f64; 3]; 3]>,
 }
 
+/// Positions and velocities with what is known of a receiver's errors beyond what it states.
+fn stated(mut measurements: Vec<Measured>, errors: &FixErrors) -> Vec<Measured> {
+    let of = |kind| {
+        let found = measurements.iter().find(|measured| measured.kind == kind)?;
+        Some((found.value, columns::matrix(found.covariance?)))
+    };
+    let fix = errors.apply(&GnssFix {
+        time: 0.0,
+        position: of("position").map(|(at, r)| (Position::Geodetic(geodetic(at)), r)),
+        velocity: of("velocity").map(|(v, r)| (Vector3::from(v), r)),
+        quality: FixQuality::Unknown,
+    });
+    for measured in &mut measurements {
+        let covariance = match measured.kind.as_str() {
+            "position" => fix.position.map(|(_, r)| r),
+            "velocity" => fix.velocity.map(|(_, r)| r),
+            _ => None,
+        };
+        measured.covariance = covariance.map(columns::rows).or(measured.covariance);
+    }
+    measurements
+}
+
 impl Measured {
     /// As a filter that stands at `due` [s] takes it, with its covariance.
-    fn aiding(self, due: f64) -> PyResult<(Aiding, Matrix3)> {
+    fn aiding(self, due: f64, errors: &FixErrors) -> PyResult<(Aiding, Matrix3)> {
         let Self {
             kind,
             value,
@@ -410,18 +467,26 @@ impl Measured {
         let mut noise =
             covariance.map_or_else(|| Matrix3::identity() * (std * std), columns::matrix);
         let aiding = match kind.as_str() {
-            "position" => Aiding::Position {
-                position: Position::Geodetic(geodetic(value)),
-                lever_arm,
-                correlated: Vector3::zeros(),
-                due,
-            },
-            "velocity" => Aiding::Velocity {
-                v_n: Vector3::from(value),
-                lever_arm,
-                correlated: Vector3::zeros(),
-                due,
-            },
+            "position" => {
+                let (white, correlated) = errors.split(&noise);
+                noise = white;
+                Aiding::Position {
+                    position: Position::Geodetic(geodetic(value)),
+                    lever_arm,
+                    correlated,
+                    due,
+                }
+            }
+            "velocity" => {
+                let (white, correlated) = errors.split_velocity(&noise);
+                noise = white;
+                Aiding::Velocity {
+                    v_n: Vector3::from(value),
+                    lever_arm,
+                    correlated,
+                    due,
+                }
+            }
             "zero velocity" => Aiding::ZeroVelocity,
             "earth rate" => Aiding::EarthRate(Vector3::from(value)),
             "level" => Aiding::Level(Vector3::from(value)),
@@ -443,15 +508,7 @@ impl Measured {
 }
 
 /// As [`Filter::update`] gives it.
-pub type Updated = (
-    String,
-    Vec<f64>,
-    f64,
-    usize,
-    Vec<f64>,
-    &'static str,
-    f64,
-);
+pub type Updated = (String, Vec<f64>, f64, usize, Vec<f64>, &'static str, f64);
 
 fn updated(kind: String, innovation: &Vector3, update: Update) -> Updated {
     let (outcome, factor) = match update.outcome {

@@ -60,7 +60,8 @@ pub fn navigate<'py>(
         let json = results::text(&say::navigated(&report, kind, about));
         Ok::<_, Failure>((report, json))
     };
-    let (report, json) = work::run_with(py, progress.as_ref(), &counted, navigate)?.map_err(error)?;
+    let (report, json) =
+        work::run_with(py, progress.as_ref(), &counted, navigate)?.map_err(error)?;
     Ok((json, columns::solution(py, &report.rows)?))
 }
 
@@ -103,7 +104,8 @@ pub fn outages<'py>(
         let result = say::cut(logs.result(&drive.file, &cuts, &outcomes, smooth));
         Ok::<_, Failure>((outcomes, result))
     };
-    let (outcomes, result) = work::run_with(py, progress.as_ref(), &counted, cut)?.map_err(error)?;
+    let (outcomes, result) =
+        work::run_with(py, progress.as_ref(), &counted, cut)?.map_err(error)?;
     if result.models.is_empty() {
         let failed = result.failed.iter();
         let failed: Vec<String> = failed.map(|(name, why)| format!("{name}: {why}")).collect();

@@ -26,10 +26,8 @@ pub fn arma_select(
 ) -> PyResult<Orders> {
     let x = samples(&x)?;
     let options = options(mean, unit_root, effort);
-    let found: Selection = work::run(py, || {
-        arma::select(x, max_order.0, max_order.1, &options)
-    })?
-    .map_err(error)?;
+    let found: Selection =
+        work::run(py, || arma::select(x, max_order.0, max_order.1, &options))?.map_err(error)?;
     Ok(Orders {
         fits: found.fits.into_iter().map(Fit::from).collect(),
         index_aic: found.by_aic,

@@ -44,7 +44,8 @@ pub fn tune(
         let (found, logs) = tuning::tune(&drives, &options, &|_| {
             counted.add(1);
             true
-        }).map_err(say::unsolved)?;
+        })
+        .map_err(say::unsolved)?;
         let result = found.result(files.iter().copied().zip(&drives));
         let names: Vec<String> = files.iter().map(|file| results::name(file)).collect();
         let mut warnings = Vec::new();

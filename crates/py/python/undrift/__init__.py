@@ -7,10 +7,11 @@ from undrift import arma, fleet, statistics
 from undrift._drive import Drive
 from undrift._filter import Filter, FilterState, Innovation
 from undrift._identify import AxisIdentified, Candidate, Identified, identify
+from undrift._logs import GnssLog, ImuLog
 from undrift._model import ArmaNoise, AxisNoise, NoiseModel, Shaping
 from undrift._navigate import Navigation, navigate
 from undrift._outages import Drift, ModelErrors, Outages, outages
-from undrift._simulate import GnssLog, GnssReceiver, ImuLog, Simulation, Truth, simulate
+from undrift._simulate import GnssReceiver, Simulation, Truth, simulate
 from undrift._solution import Solution
 from undrift._told import report
 from undrift._tune import TunedDrift, TunedParameter, Tuning, tune

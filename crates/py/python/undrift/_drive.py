@@ -8,8 +8,10 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from undrift import _toml, _undrift
+from undrift._filter import Filter, FilterState
+from undrift._logs import GnssLog, ImuLog
 from undrift._model import ModelLike, NoiseModel, compiled
-from undrift._tables import Columns, columns, is_table
+from undrift._tables import Columns, columns, is_table, stated_names
 
 #: A log: a file, a table in memory, or a table of the drive file whose ``file`` is one of these.
 Log: TypeAlias = Any
@@ -201,6 +203,23 @@ class Drive:
         return None if model is None else NoiseModel(model)
 
     @property
+    def imu(self) -> ImuLog:
+        """The inertial samples, in body axes and SI units, as arrays: read from the log each time."""
+        return ImuLog(**self._drive.imu())
+
+    @property
+    def gnss(self) -> GnssLog:
+        """The fixes as arrays, with the covariances that the filter is given: read from the log each time."""
+        arrays = self._drive.gnss()
+        for name in ("position_cov", "velocity_cov"):
+            arrays[name] = arrays[name].reshape(-1, 3, 3)
+        return GnssLog(**arrays)
+
+    def align(self, bias_model: str = "arma") -> FilterState:
+        """Where :func:`undrift.navigate` begins on this drive: the state at the end of the first sample of the solution."""
+        return Filter.from_drive(self, bias_model).state
+
+    @property
     def toml(self) -> str:
         """The drive file; of a drive in memory, ``file`` names its tables ``<imu>``, ``<gnss>``."""
         return self._text
@@ -224,7 +243,7 @@ def _log(
         name = f"<{table}>"
         held = columns(log)
         memory.append((name, held))
-        told = _told(table, [column for column, _ in held])
+        told = _told(table, stated_names(log, [column for column, _ in held]))
         missing = {key: item for key, item in told.items() if not _stated(key, keys)}
         lines = "".join(f"{key} = {item}\n" for key, item in missing.items())
         keys = {"file": name, "format": "csv", **keys}
@@ -244,12 +263,20 @@ def _stated(key: str, keys: Mapping[str, Any]) -> bool:
     return key in keys or key.replace("_columns", "") in keys
 
 
-def _told(table: str, names: list[str]) -> dict[str, str]:
-    """The keys of a drive file's table that follow from the names of columns."""
-    parts = dict(_undrift.told_by_names(names))
+def _told(table: str, names: Mapping[str, str]) -> dict[str, str]:
+    """The keys of a drive file's table that follow from the names of columns, by those with units."""
+    parts = dict(_undrift.told_by_names(list(names)))
     if table in parts:
-        return dict(parts[table])
-    if table == "truth" and "gnss" in parts:
+        told = dict(parts[table])
+    elif table == "truth" and "gnss" in parts:
         # A trajectory without attitude.
-        return {key: item for key, item in parts["gnss"] if key in _TRUTH_KEYS}
-    return {}
+        told = {key: item for key, item in parts["gnss"] if key in _TRUTH_KEYS}
+    else:
+        return {}
+    for with_unit, name in names.items():
+        if with_unit != name:
+            told = {
+                key: item.replace(_toml.value(with_unit), _toml.value(name))
+                for key, item in told.items()
+            }
+    return told

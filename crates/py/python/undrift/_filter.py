@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -24,6 +24,9 @@ from undrift._array import Floats, record
 from undrift._model import ModelLike, compiled
 from undrift._result import Result
 from undrift._solution import Solution
+
+if TYPE_CHECKING:
+    from undrift._drive import Drive
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -130,6 +133,20 @@ class Filter:
         self._lever_arm = three(lever_arm, "lever_arm")
         self._filter = _undrift.Filter(compiled(model), bias_model, float(rate), start, asked)
         self._innovation: Innovation | None = None
+
+    @classmethod
+    def from_drive(cls, drive: Drive, bias_model: str = "arma") -> Filter:
+        """The filter as :func:`undrift.navigate` begins it on a drive, for a loop over :attr:`Drive.imu` and :attr:`Drive.gnss`.
+
+        It stands at the end of the sample in which the alignment was complete, with all that the drive asks it to
+        estimate, the antenna's lever arm, and what the fixes are known to be wrong by.
+        """
+        made = cls.__new__(cls)
+        made._filter, made._lever_arm, made._interval = _undrift.Filter.from_drive(
+            drive._drive, bias_model
+        )
+        made._innovation = None
+        return made
 
     # Time
 

@@ -6,17 +6,18 @@ import json
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from undrift import _undrift
-from undrift._array import Floats
+from undrift._array import Floats, record as array_of
 from undrift._model import ModelLike, NoiseModel, compiled
 from undrift._progress import Progress, reporter
 from undrift._result import Result, axes
-from undrift._tables import columns as columns_of
+from undrift._tables import columns as columns_of, index_of, is_table, with_units
 from undrift._told import Told
 
 if TYPE_CHECKING:
@@ -184,8 +185,8 @@ def identify(
     """Identifies how a sensor errs from a record of it at rest.
 
     ``record`` is a file; a table in memory (data frame, Arrow table, structured array, dict of
-    arrays); or an array, of one axis (then ``axis`` names it) or of n × 6 columns in the order of
-    gyro x, y, z, accelerometer x, y, z, in SI units. ``columns`` and ``units``, ``"deg/s,g"``, are
+    arrays, :class:`ImuLog`); or an array, a list or a series, of one axis (then ``axis`` names it) or, of arrays, of
+    n × 6 columns in the order of gyro x, y, z, accelerometer x, y, z, in SI units. ``columns`` and ``units``, ``"deg/s,g"``, are
     found from the names of columns where possible; ``rate`` [Hz] by the time stamps, if there are any.
     ``detrend`` is constant, linear or temperature (the bias over temperature, where the record has a column of it); ``n_max`` the largest n of ARMA(2n, 2n−1) in the
     Pandit-Wu table. What is no static recording is refused; ``force`` identifies it anyway.
@@ -201,7 +202,8 @@ def identify(
                 'units takes the gyros\' and the accelerometers\' unit, for instance "deg/s,g"'
             )
         units = (parts[0], parts[-1])
-    several = record if isinstance(record, (list, tuple)) else [record]
+    of_numbers = isinstance(record, (list, tuple)) and record and isinstance(record[0], Real)
+    several = record if isinstance(record, (list, tuple)) and not of_numbers else [record]
     if not several:
         raise _undrift.UndriftError("no record to identify")
     records: list[tuple[str | os.PathLike[str], list[tuple[str, Floats]] | None]] = []
@@ -212,8 +214,12 @@ def identify(
         elif isinstance(one, np.ndarray) and one.dtype.names is None:
             records.append((name, _bare(one, axis)))
             units = units or ("rad/s", "m/s^2")
+        elif is_table(one):
+            records.append((name, with_units(one)))
         else:
-            records.append((name, columns_of(one)))
+            column, in_si = _column(one, axis)
+            records.append((name, column))
+            units = units or (("rad/s", "m/s^2") if in_si else None)
     with reporter(progress, "identify") as report:
         found = _undrift.identify(
             records, list(columns), axis, units, topic, rate, n_max, detrend, force, report
@@ -258,6 +264,19 @@ def _bare(record: npt.NDArray[Any], axis: str | None) -> list[tuple[str, Floats]
         ]
     shape = " x ".join(map(str, record.shape))
     raise TypeError(f"a record of one axis or of n x 6 columns is needed, not {shape}")
+
+
+def _column(record: Any, axis: str | None) -> tuple[list[tuple[str, Floats]], bool]:
+    """The columns of a list, or of a series of pandas or polars with its index; whether they are of an axis
+    without a unit.
+    """
+    values = array_of(record)
+    own = getattr(record, "name", None)
+    name = axis if axis is not None or own is None else str(own)
+    if name is None:
+        raise TypeError(f"specify the axis of the recording: axis={AXES[0]!r} … {AXES[-1]!r}")
+    times = [found for one in index_of(record) for found in columns_of(dict([one]))]
+    return [(name, values), *times], axis is not None
 
 
 def _axis(told: dict[str, Any]) -> AxisIdentified:

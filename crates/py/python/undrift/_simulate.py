@@ -12,9 +12,10 @@ import numpy as np
 from undrift import _toml, _undrift
 from undrift._array import Floats
 from undrift._drive import UNITS, Drive
+from undrift._logs import GnssLog, ImuLog
 from undrift._model import ModelLike, NoiseModel, compiled
 from undrift._result import Result
-from undrift._solution import Placed, Series
+from undrift._solution import Placed
 
 if TYPE_CHECKING:
     import matplotlib.axes
@@ -44,38 +45,6 @@ class GnssReceiver:
     """Whether fixes have a velocity."""
     noise_scale: float = 1.0
     """Factor on the noise that is drawn, not on the standard deviations that are reported."""
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class ImuLog(Series):
-    """Inertial samples, each the mean over the interval that ends at its time."""
-
-    time: Floats
-    """End of the interval [s]."""
-    gyro: Floats
-    """Angular rate, body axes [rad/s], n × 3."""
-    accel: Floats
-    """Specific force, body axes [m/s²], n × 3."""
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class GnssLog(Placed):
-    """Fixes of the antenna; NaN where a fix has no position or no velocity."""
-
-    time: Floats
-    """Time of the fix [s]."""
-    lat: Floats
-    """Latitude [rad]."""
-    lon: Floats
-    """Longitude [rad]."""
-    height: Floats
-    """Height above the ellipsoid [m]."""
-    position_std: Floats
-    """Standard deviation of the position, north, east, down [m], n × 3."""
-    velocity: Floats
-    """Velocity, north, east, down [m/s], n × 3."""
-    velocity_std: Floats
-    """Its standard deviation [m/s], n × 3."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

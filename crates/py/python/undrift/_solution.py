@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from undrift._array import Floats
-from undrift._result import Result, axes
+from undrift._result import Result, axes, optional
 
 if TYPE_CHECKING:
     import matplotlib.axes
+    from pandas import DataFrame
+    from pyarrow import Table
 
 #: Mean radius of the Earth [m].
 _EARTH = 6_371_000.0
@@ -33,8 +35,62 @@ PARTS = {
 }
 
 
+#: SI units of the fields, which travel with tables.
+UNITS = {
+    "time": "s",
+    "lat": "rad",
+    "lon": "rad",
+    "height": "m",
+    "velocity": "m/s",
+    "rpy": "rad",
+    "position_std": "m",
+    "velocity_std": "m/s",
+    "attitude_std": "rad",
+    "gyro": "rad/s",
+    "accel": "m/s^2",
+    "gyro_error": "rad/s",
+    "accel_error": "m/s^2",
+    "gyro_error_std": "rad/s",
+    "accel_error_std": "m/s^2",
+}
+
+
 class Series(Result):
-    """Base of results whose arrays have a row for every time."""
+    """Base of results whose arrays have a row for every time.
+
+    Their tables carry the units of columns: ``frame.attrs["units"]`` of pandas, ``unit`` in the metadata
+    of an Arrow field. :func:`undrift.navigate` and :func:`undrift.identify` read them from there.
+    """
+
+    def column_units(self) -> dict[str, str]:
+        """Unit of each column of the table."""
+        units: dict[str, str] = {}
+        for name, values in self._fields():
+            if isinstance(values, np.ndarray):
+                parts = (name,) if values.ndim == 1 else PARTS[name]
+                units.update(dict.fromkeys(parts, UNITS[name]))
+        return units
+
+    def to_pandas(self, *, units: bool = False) -> DataFrame:
+        """The result as a ``pandas.DataFrame``. Needs ``undrift[tables]``.
+
+        With ``units`` the names of columns state them, ``gyro_x [rad/s]``: for files of formats that keep
+        nothing but names, such as CSV.
+        """
+        frame = super().to_pandas()
+        known = self.column_units()
+        if units:
+            return frame.rename(columns={name: f"{name} [{unit}]" for name, unit in known.items()})
+        frame.attrs["units"] = known
+        return frame
+
+    def to_arrow(self) -> Table:
+        """The result as a ``pyarrow.Table``, units in the fields' metadata. Needs ``undrift[tables]``."""
+        table = super().to_arrow()
+        known = self.column_units()
+        fields = [field.with_metadata({"unit": known[field.name]}) for field in table.schema]
+        made: Table = table.cast(optional("pyarrow", "tables").schema(fields))
+        return made
 
     def _table(self) -> Mapping[str, Any]:
         table: dict[str, Any] = {}
