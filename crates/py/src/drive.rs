@@ -86,17 +86,13 @@ impl Drive {
             let samples = drive.open_imu()?;
             let samples: Result<Vec<ImuSample>, _> =
                 samples.inspect(|_| interrupt::check()).collect();
-            Ok::<_, Failure>((samples?, drive.imu.1.rotation))
+            Ok::<_, Failure>(samples?)
         })?;
-        let (samples, rotation) = samples.map_err(error)?;
+        let samples = samples.map_err(error)?;
         let imu = Arrays::of(py, &samples)
             .one("time", |sample| sample.time)?
-            .three("gyro", |sample| {
-                array(&(rotation * sample.dtheta / sample.dt))
-            })?
-            .three("accel", |sample| {
-                array(&(rotation * sample.dvel / sample.dt))
-            })?;
+            .three("gyro", |sample| array(&(sample.dtheta / sample.dt)))?
+            .three("accel", |sample| array(&(sample.dvel / sample.dt)))?;
         Ok(imu.dict())
     }
 

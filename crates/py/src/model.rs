@@ -143,7 +143,7 @@ fn terms<'py>(py: Python<'py>, axis: &AxisModel) -> PyResult<Bound<'py, PyDict>>
         arma,
         paper_sigma,
         lines: _,
-        temperature: _,
+        temperature,
         identification: _,
     } = axis;
     let sigmas: Vec<f64> = instability.iter().map(|of| of.sigma).collect();
@@ -164,6 +164,17 @@ fn terms<'py>(py: Python<'py>, axis: &AxisModel) -> PyResult<Bound<'py, PyDict>>
          }| { (ar.clone(), ma.clone(), *sigma, *rate_hz) },
     );
     dict.set_item("arma", arma)?;
+    let temperature = temperature.as_ref().map(|of| {
+        let range = (of.range_c[0], of.range_c[1]);
+        let slope = (of.slope, of.slope_sigma);
+        (
+            of.reference_c,
+            range,
+            slope,
+            (of.quadratic, of.quadratic_sigma),
+        )
+    });
+    dict.set_item("temperature", temperature)?;
     Ok(dict)
 }
 

@@ -8,7 +8,7 @@ from undrift._drive import Drive
 from undrift._filter import Filter, FilterState, Innovation
 from undrift._identify import AxisIdentified, Candidate, Identified, identify
 from undrift._logs import GnssLog, ImuLog
-from undrift._model import ArmaNoise, AxisNoise, NoiseModel, Shaping
+from undrift._model import ArmaNoise, AxisNoise, NoiseModel, Shaping, TemperatureEffect
 from undrift._navigate import Navigation, navigate
 from undrift._outages import Drift, ModelErrors, Outages, outages
 from undrift._simulate import GnssReceiver, Simulation, Truth, simulate
@@ -54,6 +54,7 @@ __all__ = [
     "Shaping",
     "Simulation",
     "Solution",
+    "TemperatureEffect",
     "Truth",
     "TunedDrift",
     "TunedParameter",

@@ -12,7 +12,9 @@ import numpy.typing as npt
 
 from undrift import _undrift
 from undrift._array import Floats, Ints, record
+from undrift._number import Number
 from undrift._result import Result, axes
+from undrift._units import factor, label_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,7 +24,7 @@ Grid = Literal["octave", "decade", "all"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class AllanTerm(Result):
+class AllanTerm(Number, Result):
     """One noise term of an Allan deviation; a ``float`` where one is asked for."""
 
     value: float
@@ -175,18 +177,43 @@ class AllanDeviation(Result):
         """White noise, quantisation and a Gauss-Markov process fitted to an overlapping deviation."""
         return AllanGaussMarkov(**_undrift.allan_gauss_markov(self))
 
-    def plot(self, ax: Axes | None = None, *, terms: bool | None = None) -> Axes:
+    @property
+    def outside(self) -> npt.NDArray[np.bool_]:
+        """Where the fitted terms lie outside of the intervals, False at τ that were not fitted.
+
+        Of intervals of one sigma, 0.683, a third may by chance; many in a row show that the terms do not
+        describe the curve there.
+        """
+        if self.lower is None or self.upper is None:
+            raise _undrift.UndriftError("without intervals, confidence=None, no fit is outside of them")
+        fit = self.terms.deviation(self.tau)
+        fitted = self.tau >= self.terms.shortest_tau
+        return np.asarray(fitted & ((fit < self.lower) | (fit > self.upper)))
+
+    def plot(
+        self,
+        ax: Axes | None = None,
+        *,
+        terms: bool | None = None,
+        label: str | None = None,
+        unit: str | None = None,
+    ) -> Axes:
         """Deviation over averaging time, logarithmic, with its band and the fitted terms.
 
-        ``terms``: draw the fit; by default where the deviation is overlapping. Needs ``undrift[plot]``.
+        ``terms``: draw the fit, with crosses where it is outside of the band; by default where the deviation
+        is overlapping. ``label`` names the curve. ``unit``, such as deg/h or mg, converts from rad/s or m/s².
+        Needs ``undrift[plot]``.
         """
         ax = axes(ax)
-        (line,) = ax.loglog(self.tau, self.deviation, marker=".", label=f"{self.kind} deviation")
+        scale = factor(unit)
+        (line,) = ax.loglog(
+            self.tau, scale * self.deviation, marker=".", label=label or f"{self.kind} deviation"
+        )
         if self.lower is not None and self.upper is not None and self.confidence is not None:
             ax.fill_between(
                 self.tau,
-                self.lower,
-                self.upper,
+                scale * self.lower,
+                scale * self.upper,
                 alpha=0.25,
                 color=line.get_color(),
                 linewidth=0,
@@ -195,11 +222,13 @@ class AllanDeviation(Result):
         if self.kind == "overlapping" if terms is None else terms:
             fit = self.terms
             shown = self.tau >= fit.shortest_tau
-            ax.loglog(
-                self.tau[shown], fit.deviation(self.tau[shown]), "--", label="fitted terms"
-            )
+            fitted = scale * fit.deviation(self.tau)
+            ax.loglog(self.tau[shown], fitted[shown], "--", label="fitted terms")
+            if self.lower is not None and self.outside.any():
+                outside = self.outside
+                ax.loglog(self.tau[outside], fitted[outside], "rx", label="fit outside of the band")
         ax.set_xlabel("averaging time [s]")
-        ax.set_ylabel("deviation [unit of the samples]")
+        ax.set_ylabel(f"deviation [{label_of(unit)}]")
         ax.grid(True, which="both", alpha=0.3)
         ax.legend()
         return ax
@@ -250,12 +279,16 @@ class WaveletVariance(Result):
     n: Ints
     """Coefficients whose squares were averaged."""
 
-    def plot(self, ax: Axes | None = None) -> Axes:
-        """Wavelet variance over scale, logarithmic. Needs ``undrift[plot]``."""
+    def plot(
+        self, ax: Axes | None = None, *, label: str | None = None, unit: str | None = None
+    ) -> Axes:
+        """Wavelet variance over scale, logarithmic; ``label`` names the curve, ``unit`` converts the samples. Needs ``undrift[plot]``."""
         ax = axes(ax)
-        ax.loglog(self.scale, self.variance, marker=".")
+        ax.loglog(self.scale, factor(unit) ** 2 * self.variance, marker=".", label=label)
         ax.set_xlabel("scale [s]")
-        ax.set_ylabel("wavelet variance [unit² of the samples]")
+        ax.set_ylabel(f"wavelet variance [({label_of(unit)})²]")
+        if label is not None:
+            ax.legend()
         ax.grid(True, which="both", alpha=0.3)
         return ax
 

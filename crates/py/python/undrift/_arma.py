@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from undrift import _undrift
 from undrift._array import Floats, record
+from undrift._number import Number
 from undrift._result import Result
 
 Order = tuple[int, int]
@@ -122,7 +123,7 @@ def fit(
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Likelihood(Result):
+class Likelihood(Number, Result):
     """The exact likelihood at given coefficients, σ² at its best for them."""
 
     log_likelihood: float

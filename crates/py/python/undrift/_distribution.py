@@ -12,6 +12,7 @@ import numpy.typing as npt
 from undrift import _undrift
 from undrift._array import Floats, Ints, record
 from undrift._result import Result, axes
+from undrift._units import factor, label_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -120,11 +121,11 @@ class Correlations(Result):
         made = np.asarray(self.value, dtype=dtype)
         return made.copy() if copy and made is self.value else made
 
-    def plot(self, ax: Axes | None = None) -> Axes:
+    def plot(self, ax: Axes | None = None, *, label: str | None = None) -> Axes:
         """Correlation over lag with its bounds. Needs ``undrift[plot]``."""
         ax = axes(ax)
         ax.vlines(self.lag[1:], 0.0, self.value[1:])
-        ax.plot(self.lag[1:], self.value[1:], ".")
+        ax.plot(self.lag[1:], self.value[1:], ".", label=label)
         ax.fill_between(
             self.lag[1:], -self.bound[1:], self.bound[1:], alpha=0.2, linewidth=0, label="95 %"
         )
@@ -180,12 +181,16 @@ class Spectrum(Result):
         found = _undrift.spectral_lines(self.frequency, self.density, self.segments, factor)
         return SpectralLines(**found)
 
-    def plot(self, ax: Axes | None = None) -> Axes:
-        """Density over frequency, logarithmic. Needs ``undrift[plot]``."""
+    def plot(
+        self, ax: Axes | None = None, *, label: str | None = None, unit: str | None = None
+    ) -> Axes:
+        """Density over frequency, logarithmic; ``label`` names the curve, ``unit`` converts the samples. Needs ``undrift[plot]``."""
         ax = axes(ax)
-        ax.loglog(self.frequency[1:], self.density[1:])
+        ax.loglog(self.frequency[1:], factor(unit) ** 2 * self.density[1:], label=label)
         ax.set_xlabel("frequency [Hz]")
-        ax.set_ylabel("density [unit² of the samples / Hz]")
+        ax.set_ylabel(f"density [({label_of(unit)})²/Hz]")
+        if label is not None:
+            ax.legend()
         ax.grid(True, which="both", alpha=0.3)
         return ax
 

@@ -348,6 +348,15 @@ class Filter:
         """
         return self._filter.covariance()
 
+    def __copy__(self) -> Filter:
+        made = Filter.__new__(Filter)
+        made.__dict__.update(self.__dict__)
+        made._filter = self._filter.copy()
+        return made
+
+    def __deepcopy__(self, memo: object) -> Filter:
+        return self.__copy__()
+
     def __repr__(self) -> str:
         return f"Filter(time={self.time:.6g}, states={len(self.covariance)})"
 

@@ -19,6 +19,7 @@ from undrift._progress import Progress, reporter
 from undrift._result import Result, axes
 from undrift._tables import columns as columns_of, index_of, is_table, with_units
 from undrift._told import Told
+from undrift._units import factor
 
 if TYPE_CHECKING:
     import matplotlib.axes
@@ -80,14 +81,38 @@ class AxisIdentified(Result):
     warnings: tuple[str, ...]
     """Warnings about the axis."""
 
-    def plot(self, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
-        """The Allan deviation with its interval, and the fit. Needs ``undrift[plot]``."""
+    @property
+    def outside(self) -> npt.NDArray[np.bool_]:
+        """Where the terms fitted lie outside of the interval of the Allan deviation."""
+        return np.asarray((self.adev_fit < self.adev_lower) | (self.adev_fit > self.adev_upper))
+
+    def plot(
+        self,
+        ax: matplotlib.axes.Axes | None = None,
+        *,
+        label: str | None = None,
+        unit: str | None = None,
+    ) -> matplotlib.axes.Axes:
+        """The Allan deviation with its interval, and the fit, with crosses where it is outside of the interval.
+
+        ``label`` names the curve; ``unit``, such as deg/h or mg, is that of the axis. Needs ``undrift[plot]``.
+        """
         ax = axes(ax)
-        (line,) = ax.loglog(self.taus, self.adev, label="Allan deviation")
-        ax.fill_between(self.taus, self.adev_lower, self.adev_upper, color=line.get_color(), alpha=0.2)
-        ax.loglog(self.taus, self.adev_fit, "--", label="fit")
+        scale = factor(unit)
+        (line,) = ax.loglog(self.taus, scale * self.adev, label=label or "Allan deviation")
+        ax.fill_between(
+            self.taus,
+            scale * self.adev_lower,
+            scale * self.adev_upper,
+            color=line.get_color(),
+            alpha=0.2,
+        )
+        ax.loglog(self.taus, scale * self.adev_fit, "--", label="fit")
+        outside = self.outside
+        if outside.any():
+            ax.loglog(self.taus[outside], scale * self.adev_fit[outside], "rx", label="fit outside")
         ax.set_xlabel("averaging time [s]")
-        ax.set_ylabel(f"deviation [{self.unit}]")
+        ax.set_ylabel(f"deviation [{unit or self.unit}]")
         ax.legend()
         return ax
 
@@ -118,7 +143,8 @@ class Identified(Told):
     """Warnings about the recording and its axes."""
     json: str = field(repr=False)
     """The result as ``undrift identify --json -`` prints it."""
-    _found: _undrift.Identified | None = field(repr=False)
+    _found: _undrift.Identified | None = field(repr=False, compare=False)
+    _model: str = field(default="", repr=False, compare=False)
 
     @property
     def recommended(self) -> dict[str, str]:
@@ -133,7 +159,11 @@ class Identified(Told):
         contradict (95 %): one record bounds them only from below.
         """
         if self._found is None:
-            raise _undrift.UndriftError("a pickled result has no model: save the model itself")
+            if base is not None:
+                raise _undrift.UndriftError(
+                    "an unpickled result has its model without base only: call model(base) before it is pickled"
+                )
+            return NoiseModel.from_toml(self._model, "<model>")
         return NoiseModel(self._found.model(None if base is None else compiled(base)))
 
     def __copy__(self) -> Identified:
@@ -143,12 +173,15 @@ class Identified(Told):
         return self
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_found": None}
+        return {**self.__dict__, "_found": None, "_model": self.model().to_toml()}
 
-    def plot(self, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
-        """The Allan deviations of all axes. Needs ``undrift[plot]``."""
+    def plot(
+        self, ax: matplotlib.axes.Axes | None = None, *, label: str | None = None
+    ) -> matplotlib.axes.Axes:
+        """The Allan deviations of all axes; ``label`` stands before their names. Needs ``undrift[plot]``."""
         ax = axes(ax)
         for name, axis in self.axes.items():
+            name = name if label is None else f"{label}, {name}"
             ax.loglog(axis.taus, axis.adev, label=f"{name} [{axis.unit}]")
         ax.set_xlabel("averaging time [s]")
         ax.set_ylabel("Allan deviation")

@@ -153,9 +153,15 @@ class Simulation(Result):
             )
         return logs
 
-    def plot(self, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
-        """The ground track, east over north from its start [m]. Needs ``undrift[plot]``."""
-        return self.truth.plot(ax)
+    def plot(
+        self,
+        ax: matplotlib.axes.Axes | None = None,
+        *,
+        label: str | None = None,
+        unit: str = "m",
+    ) -> matplotlib.axes.Axes:
+        """The ground track, east over north from its start, in m or km. Needs ``undrift[plot]``."""
+        return self.truth.plot(ax, label=label, unit=unit)
 
 
 def _columns(names: tuple[str, ...], values: Floats) -> list[tuple[str, Floats]]:

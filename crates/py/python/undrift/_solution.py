@@ -10,6 +10,7 @@ import numpy as np
 
 from undrift._array import Floats
 from undrift._result import Result, axes, optional
+from undrift._units import factor
 
 if TYPE_CHECKING:
     import matplotlib.axes
@@ -120,17 +121,25 @@ class Placed(Series):
         """Longitude [deg]."""
         return np.degrees(self.lon)
 
-    def plot(self, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
-        """The way, east over north from its first place [m]. Needs ``undrift[plot]``."""
+    def plot(
+        self,
+        ax: matplotlib.axes.Axes | None = None,
+        *,
+        label: str | None = None,
+        unit: str = "m",
+    ) -> matplotlib.axes.Axes:
+        """The ground track, east over north from its first place, in m or km. Needs ``undrift[plot]``."""
         ax = axes(ax)
         if len(self.lat):
             # A sphere's metres do for a figure.
             north = _EARTH * (self.lat - self.lat[0])
             east = _EARTH * np.cos(self.lat[0]) * (self.lon - self.lon[0])
-            ax.plot(east, north)
+            ax.plot(factor(unit) * east, factor(unit) * north, label=label)
         ax.set_aspect("equal", adjustable="datalim")
-        ax.set_xlabel("east [m]")
-        ax.set_ylabel("north [m]")
+        ax.set_xlabel(f"east [{unit}]")
+        ax.set_ylabel(f"north [{unit}]")
+        if label is not None:
+            ax.legend()
         return ax
 
 
