@@ -5,6 +5,7 @@ SI units and radians, unless a name states otherwise; arrays are numpy's, ``floa
 
 from undrift import arma, fleet, statistics
 from undrift._drive import Drive
+from undrift._errors import ArgumentError
 from undrift._filter import Filter, FilterState, Innovation
 from undrift._identify import AxisIdentified, Candidate, Identified, identify
 from undrift._logs import GnssLog, ImuLog
@@ -34,6 +35,7 @@ from undrift.statistics import (
 )
 
 __all__ = [
+    "ArgumentError",
     "ArmaNoise",
     "AxisIdentified",
     "AxisNoise",

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
-
 from undrift import _undrift
+from undrift._arguments import positive
 from undrift._array import Floats, Ints, record
 from undrift._number import Number
 from undrift._result import Result, axes
@@ -254,8 +254,41 @@ def allan(
 
     NIST SP 1065, section 5; intervals by noise type as in its section 5.4. ``.terms`` are the noise
     terms of IEEE Std 952.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Recording of one axis [u], u any unit; rad/s or m/s² for a sensor.
+    rate : float
+        Sample rate [Hz].
+    kind : {"overlapping", "modified", "hadamard", "total"}
+        Which deviation.
+    taus : {"octave", "decade", "all"} or array_like
+        Averaging times: a grid, or times [s].
+    confidence : float or None
+        Probability of the intervals; None for none.
+
+    Returns
+    -------
+    AllanDeviation
+        Deviation [u] over averaging time [s], with intervals and, by ``.terms``, noise terms.
+
+    Raises
+    ------
+    UndriftError
+        For a recording or argument that cannot be; :class:`ArgumentError` for a wrong type.
+
+    Examples
+    --------
+    >>> x = undrift.arma.simulate(2000, [], [], 1.0)  # white noise
+    >>> curve = undrift.allan(x, 100.0)
+    >>> f"{curve.deviation[0]:.1f}"  # of one sample
+    '1.0'
+    >>> f"{curve.terms.N:.2f}"  # σ/√rate
+    '0.10'
     """
     times = taus if isinstance(taus, str) else record(taus, "taus")
+    rate = positive(rate, "rate")
     found = _undrift.allan_deviation(record(x), rate, kind, times, confidence)
     return AllanDeviation(kind=kind, rate=rate, confidence=confidence, **found)
 
@@ -297,5 +330,29 @@ def wavelet_variance(x: npt.ArrayLike, rate: float) -> WaveletVariance:
     """Haar wavelet variance of a record sampled at ``rate`` [Hz], at scales 1, 2, 4, … up to a quarter of it.
 
     NaN is a missing sample. Percival & Walden (2000), chapter 8.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Recording of one axis [u], u any unit; rad/s or m/s² for a sensor. NaN is a missing sample.
+    rate : float
+        Sample rate [Hz].
+
+    Returns
+    -------
+    WaveletVariance
+        Variance [u²] over scale [s].
+
+    Raises
+    ------
+    UndriftError
+        For a recording or argument that cannot be; :class:`ArgumentError` for a wrong type.
+
+    Examples
+    --------
+    >>> x = undrift.arma.simulate(2000, [], [], 1.0)  # white noise
+    >>> undrift.wavelet_variance(x, 100.0).scale[:3].tolist()
+    [0.01, 0.02, 0.04]
     """
+    rate = positive(rate, "rate")
     return WaveletVariance(rate=rate, **_undrift.wavelet_variance(record(x), rate))

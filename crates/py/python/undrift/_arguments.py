@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from numbers import Real
+from numbers import Integral, Real
 from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
-
 from undrift._array import Floats
-from undrift._undrift import UndriftError
+from undrift._errors import ArgumentError, UndriftError
 
 #: Three numbers.
 Vector: TypeAlias = Sequence[float] | Floats
@@ -23,12 +22,12 @@ Matrix: TypeAlias = list[list[float]]
 def number(value: Any, name: str) -> float:
     """A finite real number, of Python or numpy.
 
-    Raises TypeError for what is none, UndriftError for NaN and infinities.
+    Raises ArgumentError for what is none, UndriftError for NaN and infinities.
     """
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, Real):
-        raise TypeError(f"{name}: a number is needed, not {_called(value)}")
+        raise ArgumentError(f"{name}: a number is needed, not {_called(value)}")
     made = float(value)
     if not math.isfinite(made):
         raise UndriftError(f"{name}: {made} is not finite")
@@ -43,13 +42,36 @@ def positive(value: Any, name: str) -> float:
     return made
 
 
+def whole(value: Any, name: str) -> int:
+    """A whole number, 0 or more."""
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, Integral):
+        raise ArgumentError(f"{name}: a whole number is needed, not {_called(value)}")
+    if value < 0:
+        raise UndriftError(f"{name}: must not be negative, as {value} is")
+    return int(value)
+
+
+def pair(value: Any, name: str) -> tuple[int, int]:
+    """Two whole numbers: an order (p, q)."""
+    if isinstance(value, (str, bytes)) or not hasattr(value, "__len__") or len(value) != 2:
+        raise ArgumentError(f"{name}: two whole numbers are needed, (p, q), not {value!r}")
+    return whole(value[0], name), whole(value[1], name)
+
+
+def rule(value: Any, name: str) -> int | str:
+    """A whole number, or the name of a rule."""
+    if isinstance(value, str):
+        return value
+    return whole(value, name)
+
+
 def three(value: Any, name: str) -> list[float]:
     """Three finite numbers."""
     if isinstance(value, (str, bytes)) or not hasattr(value, "__len__"):
-        raise TypeError(f"{name}: three numbers are needed, not {_called(value)}")
+        raise ArgumentError(f"{name}: three numbers are needed, not {_called(value)}")
     if np.ndim(value) != 1 or len(value) != 3:
         shape = " x ".join(map(str, np.shape(value))) or "one"
-        raise TypeError(f"{name}: three numbers are needed, not {shape}")
+        raise ArgumentError(f"{name}: three numbers are needed, not {shape}")
     return [number(one, name) for one in value]
 
 
@@ -69,9 +91,9 @@ def covariance(std: Any, cov: npt.ArrayLike | None, name: str) -> Matrix:
     try:
         matrix = np.asarray(cov, np.float64)
     except (TypeError, ValueError) as error:
-        raise TypeError(f"{name}: a 3 x 3 matrix of numbers is needed: {error}") from error
+        raise ArgumentError(f"{name}: a 3 x 3 matrix of numbers is needed: {error}") from error
     if matrix.shape != (3, 3):
-        raise TypeError(f"{name}: a 3 x 3 matrix is needed, not {matrix.shape}")
+        raise ArgumentError(f"{name}: a 3 x 3 matrix is needed, not {matrix.shape}")
     if not np.isfinite(matrix).all():
         raise UndriftError(f"{name}: a number is not finite")
     scale = np.sqrt(np.outer(np.abs(np.diag(matrix)), np.abs(np.diag(matrix))))
@@ -102,7 +124,7 @@ def limits(gate: Any) -> tuple[float, float] | None:
     if gate is None:
         return None
     if isinstance(gate, (str, bytes)) or not hasattr(gate, "__len__") or len(gate) != 2:
-        raise TypeError("gate: two numbers are needed, (weaken, reject)")
+        raise ArgumentError("gate: two numbers are needed, (weaken, reject)")
     found = []
     for one in gate:
         endless = isinstance(one, (float, np.floating)) and one == math.inf

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from undrift import _toml, _undrift
+from undrift._errors import ArgumentError
 from undrift._filter import Filter, FilterState
 from undrift._logs import GnssLog, ImuLog
 from undrift._model import ModelLike, NoiseModel, compiled
@@ -129,6 +130,13 @@ class Drive:
 
     Columns of a table in memory that are not specified are found by their names, as
     ``gx_dps``, ``accel_x [m/s^2]``, ``lat_deg``: nothing is guessed by the numbers.
+
+    Examples
+    --------
+    >>> sim = undrift.simulate("car", 150.0, 50.0)
+    >>> drive = undrift.Drive(sim.imu, sim.gnss, "adis16405")
+    >>> len(drive.imu.time)
+    7500
     """
 
     def __init__(
@@ -154,7 +162,7 @@ class Drive:
         for key, item in keys.items():
             if key not in _SHORT:
                 known = ", ".join(sorted(_SHORT))
-                raise TypeError(f"unknown key {key}; without their table there are {known}")
+                raise ArgumentError(f"unknown key {key}; without their table there are {known}")
             short[_SHORT[key]][key] = item
         memory: list[tuple[str, Columns]] = []
         text = ""
@@ -249,7 +257,7 @@ def _log(
         keys = {"file": name, "format": "csv", **keys}
         return _toml.table(table, keys, UNITS[table]) + lines
     else:
-        raise TypeError(f"{table}: a {type(log).__name__} is neither a file nor a table")
+        raise ArgumentError(f"{table}: a {type(log).__name__} is neither a file nor a table")
     return _toml.table(table, keys, UNITS[table])
 
 

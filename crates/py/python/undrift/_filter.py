@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
-
 from undrift import _undrift
 from undrift._arguments import (
     Vector,
@@ -96,6 +95,15 @@ class Filter:
 
     Every update returns an :class:`Innovation`; ``gate`` = (weaken, reject) are limits of its NIS:
     above the first the measurement's covariance grows, above the second it is rejected.
+
+    Examples
+    --------
+    >>> f = undrift.Filter("adis16405", rate=100.0, position=(0.8, 0.1, 300.0))
+    >>> f.predict((0.0, 0.0, 0.0), (0.0, 0.0, -9.81))
+    >>> f.update_zero_velocity().outcome
+    'used'
+    >>> f.time
+    0.01
     """
 
     def __init__(

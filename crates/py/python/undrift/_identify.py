@@ -11,13 +11,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
-
 from undrift import _undrift
-from undrift._array import Floats, record as array_of
+from undrift._arguments import positive, whole
+from undrift._array import Floats
+from undrift._array import record as array_of
+from undrift._errors import ArgumentError
 from undrift._model import ModelLike, NoiseModel, compiled
 from undrift._progress import Progress, reporter
 from undrift._result import Result, axes
-from undrift._tables import columns as columns_of, index_of, is_table, with_units
+from undrift._tables import columns as columns_of
+from undrift._tables import index_of, is_table, with_units
 from undrift._told import Told
 from undrift._units import factor
 
@@ -227,6 +230,46 @@ def identify(
 
     A list or tuple of records, one for each time that a sensor was switched on, makes one model: ``data["pool"]`` has
     the spread of the turn-on constants and the records that differ.
+
+    Parameters
+    ----------
+    record : str, path, table, array_like or list of such
+        A static recording, or several of one sensor.
+    rate : float, optional
+        Sample rate [Hz]; by the time stamps without one.
+    columns : iterable of str or int
+        Columns of the six axes, by name or number from 1.
+    axis : str, optional
+        Axis of a recording of one, ``gyro_x`` … ``accel_z``.
+    units : str or tuple of str, optional
+        Units of gyros and accelerometers, ``"deg/s,g"``.
+    topic : str, optional
+        Topic of a bag.
+    n_max : int
+        Largest n of ARMA(2n, 2n−1) in the Pandit-Wu table.
+    detrend : {"constant", "linear", "temperature"}
+        What is taken out first.
+    force : bool
+        Whether to identify what is no static recording.
+    progress : bool or callable
+        True for a bar; or ``tqdm``, or what is called like it.
+
+    Returns
+    -------
+    Identified
+        Candidates, tests and the recommended model of each axis.
+
+    Raises
+    ------
+    UndriftError
+        For a recording that cannot be read or is not static; :class:`ArgumentError` for a wrong type.
+
+    Examples
+    --------
+    >>> x = undrift.NoiseModel.load("adis16405").simulate(3000, 50.0, seed=1)["gyro_z"]
+    >>> found = undrift.identify(x, axis="gyro_z", rate=50.0)
+    >>> found.axes["gyro_z"].samples
+    3000
     """
     if isinstance(units, str):
         parts = [part.strip() for part in units.split(",")]
@@ -237,6 +280,8 @@ def identify(
         units = (parts[0], parts[-1])
     of_numbers = isinstance(record, (list, tuple)) and record and isinstance(record[0], Real)
     several = record if isinstance(record, (list, tuple)) and not of_numbers else [record]
+    columns = [one if isinstance(one, str) else whole(one, "columns") for one in columns]
+    rate = None if rate is None else positive(rate, "rate")
     if not several:
         raise _undrift.UndriftError("no record to identify")
     records: list[tuple[str | os.PathLike[str], list[tuple[str, Floats]] | None]] = []
@@ -255,7 +300,7 @@ def identify(
             units = units or (("rad/s", "m/s^2") if in_si else None)
     with reporter(progress, "identify") as report:
         found = _undrift.identify(
-            records, list(columns), axis, units, topic, rate, n_max, detrend, force, report
+            records, columns, axis, units, topic, rate, whole(n_max, "n_max"), detrend, force, report
         )
     text = found.json()
     told = json.loads(text)
@@ -278,7 +323,7 @@ def identify(
         axes=done,
         failed=failed,
         rate=told["rate_hz"],
-        warnings=(*found.warnings, *said),
+        warnings=tuple(map(_undrift.in_python, (*found.warnings, *said))),
         json=text,
         _found=found,
     )
@@ -288,7 +333,7 @@ def _bare(record: npt.NDArray[Any], axis: str | None) -> list[tuple[str, Floats]
     """The columns of an array without names."""
     if record.ndim == 1:
         if axis is None:
-            raise TypeError(f"specify the axis of the recording: axis={AXES[0]!r} … {AXES[-1]!r}")
+            raise ArgumentError(f"specify the axis of the recording: axis={AXES[0]!r} … {AXES[-1]!r}")
         return [(axis, np.asarray(record, dtype=np.float64))]
     if record.ndim == 2 and record.shape[1] == len(AXES):
         return [
@@ -296,7 +341,7 @@ def _bare(record: npt.NDArray[Any], axis: str | None) -> list[tuple[str, Floats]
             for name, column in zip(AXES, record.T, strict=True)
         ]
     shape = " x ".join(map(str, record.shape))
-    raise TypeError(f"a record of one axis or of n x 6 columns is needed, not {shape}")
+    raise ArgumentError(f"a record of one axis or of n x 6 columns is needed, not {shape}")
 
 
 def _column(record: Any, axis: str | None) -> tuple[list[tuple[str, Floats]], bool]:
@@ -307,7 +352,7 @@ def _column(record: Any, axis: str | None) -> tuple[list[tuple[str, Floats]], bo
     own = getattr(record, "name", None)
     name = axis if axis is not None or own is None else str(own)
     if name is None:
-        raise TypeError(f"specify the axis of the recording: axis={AXES[0]!r} … {AXES[-1]!r}")
+        raise ArgumentError(f"specify the axis of the recording: axis={AXES[0]!r} … {AXES[-1]!r}")
     times = [found for one in index_of(record) for found in columns_of(dict([one]))]
     return [(name, values), *times], axis is not None
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-
 from undrift._array import Floats
 from undrift._solution import Placed, Series
 

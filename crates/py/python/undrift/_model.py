@@ -9,8 +9,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
-
 from undrift import _toml, _undrift
+from undrift._arguments import positive, whole
 from undrift._array import Floats
 from undrift._result import Result
 
@@ -127,6 +127,12 @@ class NoiseModel:
     ``NoiseModel.load("adis16405")`` is a preset, ``NoiseModel.load("imu.toml")`` a model file
     (docs/imu-file.md), ``NoiseModel.of(…)`` takes its keys as arguments, and
     ``undrift.identify(…).model()`` finds one in a static record.
+
+    Examples
+    --------
+    >>> model = undrift.NoiseModel.load("adis16405")
+    >>> model.axes["gyro_z"].white_noise > 0.0
+    True
     """
 
     def __init__(self, model: _undrift.NoiseModel) -> None:
@@ -210,7 +216,7 @@ class NoiseModel:
 
     def shaping(self, bias_model: str = "arma", rate: float = 100.0) -> dict[str, Shaping]:
         """The matrices that a filter runs at ``rate`` [Hz], of each axis."""
-        made = self._model.shaping(bias_model, rate)
+        made = self._model.shaping(bias_model, positive(rate, "rate"))
         names = (name for name, _ in self._model.axes())
         return {name: Shaping(**matrices) for name, matrices in zip(names, made, strict=True)}
 
@@ -221,7 +227,9 @@ class NoiseModel:
 
         The turn-on constant is drawn too. One seed gives the same samples everywhere.
         """
-        samples = self._model.simulate(n, rate, bias_model, seed)
+        samples = self._model.simulate(
+            whole(n, "n"), positive(rate, "rate"), bias_model, whole(seed, "seed")
+        )
         names = (name for name, _ in self._model.axes())
         return {
             name: np.ascontiguousarray(column)

@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-
 from undrift import _undrift
 from undrift._array import Floats
 from undrift._drive import Drive, Log
@@ -197,6 +196,52 @@ def outages(
     are spread evenly, or start ``every`` seconds; ``at`` are starts in
     the logs' time base instead. With ``smooth`` the errors are those that are left when the fixes
     after an outage are known too. ``progress`` is that of :func:`navigate`.
+
+    Parameters
+    ----------
+    drive : str, path, Drive, Simulation or log
+        Drive file, drive, or the log of the IMU.
+    gnss : log, optional
+        Log of GNSS, where ``drive`` is that of the IMU.
+    model : str, path or NoiseModel, optional
+        Noise model of the IMU.
+    data : str or path, optional
+        Folder of the logs of a drive file, if not its own.
+    bias_models : str or iterable of str
+        The models that are compared.
+    length : float
+        Length of an outage [s].
+    count : int, optional
+        Outages, spread evenly.
+    every : float, optional
+        Time from one start to the next [s].
+    start : float
+        First start after the first fix [s].
+    at : iterable of float, optional
+        Starts in the logs' time base [s].
+    smooth : bool
+        Whether the solutions are smoothed.
+    progress : bool or callable
+        True for a bar; or ``tqdm``, or what is called like it.
+    **keys
+        Further keys of :class:`Drive`.
+
+    Returns
+    -------
+    Outages
+        Errors of each model and outage.
+
+    Raises
+    ------
+    UndriftError
+        For outages that lie outside of the drive, and as :func:`navigate`.
+
+    Examples
+    --------
+    >>> sim = undrift.simulate("car", 150.0, 50.0)
+    >>> cut = undrift.outages(sim, length=5, count=2, start=80, bias_models=["white", "arma"])
+    >>> cut.models["white"].rms["horizontal_m"] > cut.models["arma"].rms["horizontal_m"]
+    True
     """
     made = drive_of(drive, gnss, model, data, keys)
     with reporter(progress, "outages") as report:
@@ -235,7 +280,7 @@ def outages(
         cuts=np.array(cuts).reshape(-1, 2),
         reference=told["reference"],
         smooth=told["smooth"],
-        warnings=(*told["warnings"], *of_models),
+        warnings=tuple(map(_undrift.in_python, (*told["warnings"], *of_models))),
         table=table,
         json=text,
     )

@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, TypeAlias
 
+from undrift._errors import ArgumentError
+
 #: ``True`` for a bar, or what makes one as ``tqdm`` does: called with ``total=`` and ``desc=`` it
 #: returns an object with ``update(n)`` and ``close()``.
 Progress: TypeAlias = bool | Callable[..., Any]
@@ -19,7 +21,7 @@ def reporter(progress: Progress, name: str) -> Iterator[Callable[[int, int], Non
         yield None
         return
     if progress is not True and not callable(progress):
-        raise TypeError(f"progress: True or a callable as tqdm is needed, not {progress!r}")
+        raise ArgumentError(f"progress: True or a callable as tqdm is needed, not {progress!r}")
     bar = _bar(name) if progress is True else progress(total=None, desc=name)
     before = 0
 

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-
 from undrift import _toml, _undrift
+from undrift._arguments import number, positive, whole
 from undrift._array import Floats
 from undrift._drive import UNITS, Drive
 from undrift._logs import GnssLog, ImuLog
@@ -25,7 +25,14 @@ Three = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class GnssReceiver:
-    """What a simulated receiver reports, when, and how well; by default a carrier-phase receiver."""
+    """What a simulated receiver reports, when, and how well; by default a carrier-phase receiver.
+
+    Examples
+    --------
+    >>> receiver = undrift.GnssReceiver(position_std=(1.0, 1.0, 2.0), rate=5.0)
+    >>> len(undrift.simulate("rest", 10.0, 50.0, gnss=receiver).gnss.time)
+    46
+    """
 
     position_std: Three = (0.02, 0.02, 0.04)
     """Standard deviation of the position, north, east, down [m]."""
@@ -192,22 +199,61 @@ def simulate(
     The motion is analytic, so the increments are exact. ``model`` draws the sensors' errors, turn-on
     constants included, as its ``bias_model``; None leaves them out. One seed gives the same drive
     everywhere.
+
+    Parameters
+    ----------
+    trajectory : {"car", "flight", "rest", "straight", "turn"}
+        What moves how.
+    duration : float
+        Length [s].
+    rate : float
+        Rate of the inertial samples [Hz].
+    model : str, path, NoiseModel or None
+        Noise of the IMU; None for none.
+    gnss : GnssReceiver, optional
+        The receiver.
+    bias_model : str
+        How the noise is drawn.
+    seed : int
+        Seed; one gives the same on every machine.
+    speed : float
+        Speed of ``straight`` and ``turn`` [m/s].
+    course : float
+        Course of ``straight`` [rad].
+    turn_rate : float
+        Turn rate of ``turn`` [rad/s].
+
+    Returns
+    -------
+    Simulation
+        Logs of IMU and GNSS, and the truth.
+
+    Raises
+    ------
+    UndriftError
+        For a recording or argument that cannot be; :class:`ArgumentError` for a wrong type.
+
+    Examples
+    --------
+    >>> sim = undrift.simulate("rest", 10.0, 50.0)
+    >>> sim.imu.gyro.shape
+    (500, 3)
     """
     receiver = GnssReceiver() if gnss is None else gnss
     noise = None if model is None else model if isinstance(model, NoiseModel) else NoiseModel.load(model)
     motion = {
         "kind": trajectory,
-        "duration": duration,
-        "speed": speed,
-        "course": course,
-        "turn_rate": turn_rate,
+        "duration": number(duration, "duration"),
+        "speed": number(speed, "speed"),
+        "course": number(course, "course"),
+        "turn_rate": number(turn_rate, "turn_rate"),
     }
     imu, fixes, truth = _undrift.simulate(
         motion,
-        rate,
+        positive(rate, "rate"),
         None if noise is None else compiled(noise),
         bias_model,
         asdict(receiver),
-        seed,
+        whole(seed, "seed"),
     )
     return Simulation(ImuLog(**imu), GnssLog(**fixes), Truth(**truth), receiver, rate, seed, noise)

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-
 from undrift._array import Floats
 from undrift._result import Result, axes, optional
 from undrift._units import factor

@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
-
+from undrift._errors import ArgumentError
 from undrift._solution import Series
 
 #: A column and its name.
@@ -66,7 +66,7 @@ def _named(data: Any) -> Iterator[tuple[str, Any]]:
         yield from ((str(name), column) for name, column in data.items())
     elif isinstance(data, np.ndarray):
         if data.dtype.names is None:
-            raise TypeError("an array needs named fields; or use a dict of arrays")
+            raise ArgumentError("an array needs named fields; or use a dict of arrays")
         yield from ((name, data[name]) for name in data.dtype.names)
     elif hasattr(data, "column_names"):
         for name in data.column_names:
@@ -78,7 +78,7 @@ def _named(data: Any) -> Iterator[tuple[str, Any]]:
 
 def index_of(data: Any) -> Iterator[tuple[str, Any]]:
     """The index of a data frame or series as a column, where it is one of times or has a name."""
-    index = getattr(data, "index", None)
+    index: Any = getattr(data, "index", None)
     if not hasattr(index, "dtype"):
         return
     name = getattr(index, "name", None)
@@ -97,7 +97,7 @@ def _columns(name: str, column: Any) -> Columns:
         return [(f"{name}_{axis}", _numbers(name, part)) for axis, part in parts]
     if array.ndim != 1:
         shape = " x ".join(map(str, array.shape))
-        raise TypeError(f"column {name}: invalid shape {shape}")
+        raise ArgumentError(f"column {name}: invalid shape {shape}")
     return [(name, _numbers(name, array))]
 
 

@@ -17,6 +17,8 @@ __version__: str
 
 class UndriftError(ValueError): ...
 
+def in_python(text: str) -> str: ...
+
 # Allan and wavelet variance
 
 def allan_deviation(
