@@ -6,6 +6,10 @@
 //! chapters 3 and 14. Navigation errors are estimate less truth; sensor states are what the
 //! prediction still misses (truth less estimate), as in `docs/conventions.md`.
 
+mod numbers;
+
+pub use numbers::Each;
+
 use crate::{
     Matrix3, Vector3,
     covariance::{AXES, NAV, Part, Sensors, Transition},

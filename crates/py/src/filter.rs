@@ -1,5 +1,7 @@
 //! The filter, step by step.
 
+mod kept;
+
 use crate::{
     columns,
     drive::Drive,
@@ -257,6 +259,18 @@ impl Filter {
                 fix_errors: held.fix_errors,
             }))
         })
+    }
+
+    /// Models, parameters and state as numbers.
+    fn numbers(&self, py: Python<'_>) -> Vec<f64> {
+        self.locked(py, |held| kept::numbers(held))
+    }
+
+    /// From [`Filter::numbers`].
+    #[staticmethod]
+    fn from_numbers(numbers: Vec<f64>) -> PyResult<Self> {
+        let held = kept::held(numbers).map_err(error)?;
+        Ok(Self(Mutex::new(held)))
     }
 
     /// Takes up a sample of `dt` seconds that ends at `time` [s], by default now, without moving yet.

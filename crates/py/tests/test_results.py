@@ -146,7 +146,7 @@ def test_a_copied_filter_goes_its_own_way() -> None:
     filter = undrift.Filter("adis16405", rate=RATE, position=(0.5, 0.1, 0.0), parameters={"accel_scale": 1e-3})
     filter.begin((0.01, 0.0, 0.0), (0.1, 0.0, -9.8))
     filter.advance(0.01)
-    for made in (copy.copy(filter), copy.deepcopy(filter)):
+    for made in (copy.copy(filter), copy.deepcopy(filter), pickle.loads(pickle.dumps(filter))):
         assert made.state == filter.state and np.array_equal(made.covariance, filter.covariance)
         made.advance()
         made.update_zero_velocity()
@@ -155,6 +155,19 @@ def test_a_copied_filter_goes_its_own_way() -> None:
         other.advance()
         other.update_zero_velocity()
         assert np.array_equal(made.covariance, other.covariance)
+
+
+def test_a_pickled_filter_of_a_drive_goes_on(sim: undrift.Simulation) -> None:
+    filter = undrift.Filter.from_drive(sim.drive())
+    again = pickle.loads(pickle.dumps(filter))
+    for k in range(4000, 4100):
+        for one in (filter, again):
+            one.predict(sim.imu.gyro[k], sim.imu.accel[k])
+    for one in (filter, again):
+        one.update_gnss(**sim.gnss.fix(60))
+    assert again.state == filter.state and np.array_equal(again.covariance, filter.covariance)
+    with pytest.raises(undrift.UndriftError, match="not the numbers of a filter"):
+        undrift._undrift.Filter.from_numbers([0.0] * 100)
 
 
 def test_the_effect_of_temperature_stands_in_the_model(tmp_path: Path) -> None:

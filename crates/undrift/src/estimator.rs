@@ -11,7 +11,7 @@ use undrift_nav::{
     attitude,
     covariance::{AXES, NAV, Sensors},
     earth::Geodetic,
-    filter::{Filter, FilterError, Gate, InitialStd, Outcome, Update},
+    filter::{Each, Filter, FilterError, Gate, InitialStd, Outcome, Update},
     mechanisation::NavState,
     parameters::{Parameter, Parameters},
     sample::{ImuSample, Position},
@@ -259,6 +259,8 @@ pub trait Estimator: Send + Sync {
     fn record(&mut self);
     /// What happened since [`Estimator::record`], if it was called.
     fn adjoint(&self) -> Option<Adjoint>;
+    /// Calls `each` with every number that changes while the filter runs, as [`Filter::numbers`].
+    fn numbers(&mut self, each: &mut Each);
     /// A copy, which records nothing.
     fn boxed(&self) -> Box<dyn Estimator>;
 }
@@ -613,6 +615,10 @@ impl<const N: usize> Estimator for Sized<N> {
             gradient: DVector::from_column_slice(tape.gradient.as_slice()),
             information: dynamic(&tape.information),
         })
+    }
+
+    fn numbers(&mut self, each: &mut Each) {
+        self.filter.numbers(each);
     }
 
     fn boxed(&self) -> Box<dyn Estimator> {

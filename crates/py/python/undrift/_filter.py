@@ -365,6 +365,13 @@ class Filter:
     def __deepcopy__(self, memo: object) -> Filter:
         return self.__copy__()
 
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_filter": self._filter.numbers()}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._filter = _undrift.Filter.from_numbers(state["_filter"])
+
     def __repr__(self) -> str:
         return f"Filter(time={self.time:.6g}, states={len(self.covariance)})"
 
