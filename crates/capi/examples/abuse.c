@@ -133,6 +133,13 @@ int main(void)
     sample.dt = 0.01;
     sample.dtheta[1] = INFINITY;
     EXPECT(undrift_predict(filter, &sample), UNDRIFT_STATUS_NOT_FINITE);
+    sample.dtheta[1] = 0;
+    sample.dvel[0] = 1e9;
+    EXPECT(undrift_predict(filter, &sample), UNDRIFT_STATUS_OUT_OF_RANGE);
+    sample.dvel[0] = 0;
+    sample.time = 1e6;
+    sample.dt = 1e6 - 0.01;
+    EXPECT(undrift_predict(filter, &sample), UNDRIFT_STATUS_OUT_OF_RANGE);
     EXPECT(undrift_sample_advance(filter, NAN, 0), UNDRIFT_STATUS_NOT_FINITE);
     EXPECT(undrift_sample_advance(filter, 0, -1), UNDRIFT_STATUS_OUT_OF_RANGE);
     EXPECT(undrift_update_position(filter, NULL, NULL, NULL, NULL), UNDRIFT_STATUS_NULL_POINTER);
@@ -156,6 +163,11 @@ int main(void)
     EXPECT(undrift_update_velocity(filter, &velocity, NULL, &gate, NULL), UNDRIFT_STATUS_NOT_FINITE);
     gate.weaken = -1;
     EXPECT(undrift_update_velocity(filter, &velocity, NULL, &gate, NULL), UNDRIFT_STATUS_OUT_OF_RANGE);
+    gate.weaken = 2;
+    EXPECT(undrift_update_velocity(filter, &velocity, NULL, &gate, NULL), UNDRIFT_STATUS_OUT_OF_RANGE);
+    velocity.velocity[0] = 1e12;
+    EXPECT(undrift_update_velocity(filter, &velocity, NULL, NULL, NULL), UNDRIFT_STATUS_OUT_OF_RANGE);
+    velocity.velocity[0] = 0;
     EXPECT(undrift_update_zero_velocity(filter, 0, NULL, NULL), UNDRIFT_STATUS_OUT_OF_RANGE);
     EXPECT(undrift_update_odometer(filter, NAN, 1, NULL, NULL, NULL), UNDRIFT_STATUS_NOT_FINITE);
     EXPECT(undrift_update_height(filter, 1, INFINITY, NULL, NULL), UNDRIFT_STATUS_NOT_FINITE);

@@ -371,7 +371,7 @@ typedef struct {
 
 /**
  * Limits of the normalised innovation squared, chi-squared with as many degrees of freedom as the
- * measurement has numbers. INFINITY is no limit.
+ * measurement has numbers; reject is at least weaken. INFINITY is no limit.
  */
 typedef struct {
     /**
@@ -578,7 +578,8 @@ undrift_status undrift_set_sensor_error(undrift_filter *filter, const double *er
 /**
  * Carries the filter over one whole sample. UNDRIFT_STATUS_GAP, the filter unchanged, if the sample does
  * not begin where the one before ended, to half its length: samples were lost, or came twice. One that
- * spans the gap takes the filter across.
+ * spans the gap takes the filter across. UNDRIFT_STATUS_OUT_OF_RANGE, the filter unchanged, if no solution
+ * would be left after it.
  */
 undrift_status undrift_predict(undrift_filter *filter, const undrift_sample *sample);
 
@@ -602,7 +603,8 @@ undrift_status undrift_sample_end(undrift_filter *filter);
 /**
  * Updates with the position of the antenna at `lever`, three numbers from the IMU [m, body axes]; null is
  * at the IMU. As every update: null is no `gate`, `done` may be null, and a measurement that the gate
- * keeps out is a success whose outcome says so.
+ * keeps out is a success whose outcome says so. After a failure the filter is as before;
+ * UNDRIFT_STATUS_OUT_OF_RANGE stands for a measurement, too, that would move the solution off the Earth.
  */
 undrift_status undrift_update_position(undrift_filter *filter,
                                        const undrift_position *position,

@@ -218,7 +218,8 @@ pub unsafe extern "C" fn undrift_set_sensor_error(
 
 /// Carries the filter over one whole sample. UNDRIFT_STATUS_GAP, the filter unchanged, if the sample does
 /// not begin where the one before ended, to half its length: samples were lost, or came twice. One that
-/// spans the gap takes the filter across.
+/// spans the gap takes the filter across. UNDRIFT_STATUS_OUT_OF_RANGE, the filter unchanged, if no solution
+/// would be left after it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn undrift_predict(filter: *mut Filter, sample: *const Sample) -> Status {
     // SAFETY: passed on.
@@ -246,17 +247,22 @@ pub unsafe extern "C" fn undrift_sample_begin(
         if sample.dt <= 0.0 {
             return Err(Status::OutOfRange);
         }
-        filter.advance(1.0);
         let begins = sample.time - sample.dt;
-        if (begins - filter.nav().time).abs() > 0.5 * sample.dt {
+        let reached = filter.sample_end().unwrap_or(filter.nav().time);
+        if (begins - reached).abs() > 0.5 * sample.dt {
             return Err(Status::Gap);
         }
-        filter.begin(&ImuSample {
+        let sample = ImuSample {
             time: sample.time,
             dt: sample.dt,
             dtheta: Vector3::from(sample.dtheta),
             dvel: Vector3::from(sample.dvel),
-        });
+        };
+        if !filter.bears(&sample) {
+            return Err(Status::OutOfRange);
+        }
+        filter.advance(1.0);
+        filter.begin(&sample);
         Ok(())
     })
 }

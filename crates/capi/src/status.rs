@@ -47,6 +47,7 @@ impl From<FilterError> for Status {
             FilterError::TooManyStates { .. } => Self::TooManyStates,
             FilterError::BadMeasurement => Self::BadMeasurement,
             FilterError::Diverged => Self::Diverged,
+            FilterError::Implausible => Self::OutOfRange,
         }
     }
 }

@@ -136,7 +136,7 @@ pub struct Velocity {
 }
 
 /// Limits of the normalised innovation squared, chi-squared with as many degrees of freedom as the
-/// measurement has numbers. INFINITY is no limit.
+/// measurement has numbers; reject is at least weaken. INFINITY is no limit.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Gate {

@@ -31,7 +31,7 @@ unsafe fn run<const M: usize>(
         if gate.weaken.is_nan() || gate.reject.is_nan() {
             return Err(Status::NotFinite);
         }
-        if gate.weaken <= 0.0 || gate.reject <= 0.0 {
+        if gate.weaken <= 0.0 || gate.reject < gate.weaken {
             return Err(Status::OutOfRange);
         }
         let gate = filter::Gate {
@@ -60,7 +60,7 @@ unsafe fn run<const M: usize>(
             // SAFETY: not null, so it points to an update.
             unsafe { write(done, update) }?;
         }
-        Ok(filter.check()?)
+        Ok(())
     })
 }
 
@@ -102,7 +102,8 @@ fn variance(std: f64) -> Result<f64, Status> {
 
 /// Updates with the position of the antenna at `lever`, three numbers from the IMU [m, body axes]; null is
 /// at the IMU. As every update: null is no `gate`, `done` may be null, and a measurement that the gate
-/// keeps out is a success whose outcome says so.
+/// keeps out is a success whose outcome says so. After a failure the filter is as before;
+/// UNDRIFT_STATUS_OUT_OF_RANGE stands for a measurement, too, that would move the solution off the Earth.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn undrift_update_position(
     filter: *mut Filter,

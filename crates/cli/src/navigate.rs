@@ -103,7 +103,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             files: outputs(arguments, &drive)?,
             smooth: arguments.smooth,
             recording,
-            rows: false,
+            ..navigate::Wanted::default()
         };
         navigate::navigate(&drive, arguments.bias_model, wanted)
             .map_err(|error| anyhow!(sentences::unsolved(error)))

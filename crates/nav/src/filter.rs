@@ -6,6 +6,10 @@
 //! chapters 3 and 14. Navigation errors are estimate less truth; sensor states are what the
 //! prediction still misses (truth less estimate), as in `docs/conventions.md`.
 
+mod numbers;
+
+pub use numbers::Each;
+
 use crate::{
     Matrix3, Vector3,
     covariance::{AXES, NAV, Part, Sensors, Transition},
@@ -94,6 +98,8 @@ pub enum FilterError {
     BadMeasurement,
     /// A number is not finite, or the position, speed or latitude left the range a solution can have.
     Diverged,
+    /// With the measurement the position, speed or latitude would leave the range a solution can have.
+    Implausible,
 }
 
 impl fmt::Display for FilterError {
@@ -110,6 +116,9 @@ impl fmt::Display for FilterError {
             }
             Self::Diverged => {
                 f.write_str("the solution diverged: position, velocity or covariance out of range")
+            }
+            Self::Implausible => {
+                f.write_str("the measurement would move the solution out of range: check its units")
             }
         }
     }
@@ -299,6 +308,27 @@ impl<const N: usize> Filter<N> {
     /// Standard deviations of [`Filter::sensor_error`], without the sample's own white noise.
     pub fn sensor_error_std(&self) -> [f64; AXES] {
         self.sensors.error_std(|i, j| self.p[(i, j)])
+    }
+
+    /// Where the sample taken up ends \[s\], if it is not done.
+    pub fn sample_end(&self) -> Option<f64> {
+        self.current.map(|_| self.end)
+    }
+
+    /// Whether there is still a solution after this sample, as far as it is seen without taking it up: a duration, and
+    /// position and speed in the range that [`Filter::check`] asks for.
+    pub fn bears(&self, sample: &ImuSample) -> bool {
+        if !(sample.dt > 0.0 && sample.time.is_finite()) {
+            return false;
+        }
+        let mut nav = self.nav;
+        nav.step(&Increments::from_raw(
+            sample.dt,
+            sample.dtheta,
+            sample.dvel,
+            self.previous.as_ref(),
+        ));
+        nav.is_valid()
     }
 
     /// Carries the filter over one whole sample. The sample must begin where the one before ended, which
@@ -570,7 +600,8 @@ impl<const N: usize> Filter<N> {
     /// `ν = h·error + noise`. Joseph's form, in two rank-M passes.
     ///
     /// # Errors
-    /// A covariance of the innovation that is not positive; the filter is then as it was.
+    /// A covariance of the innovation that is not positive, or a correction after which there is no solution; the
+    /// filter is then as it was.
     pub fn update<const M: usize>(
         &mut self,
         observed: &Observation<M, N>,
@@ -642,8 +673,14 @@ impl<const N: usize> Filter<N> {
                 p[(j, i)] = mean;
             }
         }
-        self.p = p;
         let error = gain * z;
+        let part = |at: usize| Vector3::new(error[at], error[at + 1], error[at + 2]);
+        let nav = self.nav.without_error(&part(0), &part(3), &part(6));
+        let possible = |i: usize| p[(i, i)] >= 0.0 && p[(i, i)].is_finite() && error[i].is_finite();
+        if !(nav.is_valid() && (0..N).all(possible)) {
+            return Err(FilterError::Implausible);
+        }
+        self.p = p;
         if let Some(tape) = tape {
             let turn = Vector3::new(error[6], error[7], error[8]);
             tape.update(h, &factor.inverse(), &factor.solve(z), &gain, &turn);

@@ -232,6 +232,17 @@ impl Coupling {
         coupling
     }
 
+    /// Whether no parameter acts on the sensors.
+    pub(crate) fn is_none(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Calls `each` with every factor.
+    pub(crate) fn factors(&mut self, each: &mut dyn FnMut(&mut f64)) {
+        let terms = self.terms.iter_mut().flat_map(|axis| &mut axis[..self.len]);
+        terms.for_each(|(_, factor)| each(factor));
+    }
+
     /// States and factors of an axis; a factor may be zero.
     #[inline]
     pub fn of(&self, axis: usize) -> &[(usize, f64)] {

@@ -14,6 +14,7 @@ pub mod correlation;
 pub mod drift_score;
 pub mod export;
 pub mod identify;
+pub mod interrupt;
 pub mod model_file;
 pub mod normality;
 pub mod number;

@@ -1,7 +1,7 @@
 //! Allan and wavelet variance.
 
 use crate::array::{Array, Record, samples};
-use crate::error::error;
+use crate::{error::error, work};
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use undrift::noise::allan::{
@@ -68,15 +68,14 @@ pub fn allan_deviation(
         }
         .factors(largest),
     };
-    let (curve, intervals) = py
-        .detach(|| {
-            let curve = allan::deviations_at(rates, rate, kind, &factors)?;
-            let intervals = confidence
-                .map(|level| allan::intervals(rates, &curve, level))
-                .transpose()?;
-            Ok::<_, RecordError>((curve, intervals))
-        })
-        .map_err(error)?;
+    let (curve, intervals) = work::run(py, || {
+        let curve = allan::deviations_at(rates, rate, kind, &factors)?;
+        let intervals = confidence
+            .map(|level| allan::intervals(rates, &curve, level))
+            .transpose()?;
+        Ok::<_, RecordError>((curve, intervals))
+    })?
+    .map_err(error)?;
     let intervals = intervals.as_deref();
     let bound = |of: fn(&Interval) -> f64| intervals.map(|i| i.iter().map(of).collect());
     Ok(Deviations {
@@ -203,10 +202,10 @@ pub fn allan_terms(
     shortest_tau: Option<f64>,
 ) -> PyResult<PyTerms> {
     let curve = curve.curve()?;
-    py.detach(|| match shortest_tau {
+    work::run(py, || match shortest_tau {
         None => allan::fit_terms(&curve),
         Some(shortest) => allan::fit_terms_from(&curve, shortest),
-    })
+    })?
     .map(PyTerms::from)
     .map_err(error)
 }
@@ -231,9 +230,7 @@ pub struct GaussMarkov {
 #[pyfunction]
 pub fn allan_gauss_markov(py: Python<'_>, curve: PyCurve<'_>) -> PyResult<GaussMarkov> {
     let curve = curve.curve()?;
-    let fit: GaussMarkovFit = py
-        .detach(|| allan::fit_gauss_markov(&curve))
-        .map_err(error)?;
+    let fit: GaussMarkovFit = work::run(py, || allan::fit_gauss_markov(&curve))?.map_err(error)?;
     Ok(GaussMarkov {
         quantisation: fit.quantisation,
         white: fit.white,

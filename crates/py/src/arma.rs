@@ -5,7 +5,7 @@ mod fit;
 pub use fit::Fit;
 
 use crate::array::{Array, Record, samples};
-use crate::error::error;
+use crate::{error::error, work};
 use pyo3::prelude::*;
 use undrift::nav::shaping::ShapingFilter;
 use undrift::noise::arma::{self, ArFit, ArmaError, ArmaFit, FitOptions, Mean, Root};
@@ -36,9 +36,11 @@ pub fn arma_fit(
 ) -> PyResult<Fit> {
     let x = samples(&x)?;
     let options = options(mean, unit_root, effort);
-    py.detach(|| arma::fit_from(x, order.0, order.1, &options, &starts))
-        .map(Fit::from)
-        .map_err(error)
+    work::run(py, || {
+        arma::fit_from(x, order.0, order.1, &options, &starts)
+    })?
+    .map(Fit::from)
+    .map_err(error)
 }
 
 #[pyfunction]
@@ -103,9 +105,8 @@ pub fn arma_profile_interval(
         _ => return Err(error(format!("unknown root {root:?}; available: ar, ma"))),
     };
     let fit = ArmaFit::from(fit);
-    let interval = py
-        .detach(|| arma::profile_interval(x, &fit, root, level))
-        .map_err(error)?;
+    let interval =
+        work::run(py, || arma::profile_interval(x, &fit, root, level))?.map_err(error)?;
     Ok(Profile {
         estimate: interval.estimate,
         low: interval.low,

@@ -64,6 +64,14 @@ impl<'a, 'py, T> Arrays<'a, 'py, T> {
         Ok(self)
     }
 
+    /// With the nine numbers of a matrix of every item, row by row.
+    pub fn nine(self, name: &str, of: impl Fn(&T) -> Matrix3) -> PyResult<Self> {
+        let numbers = self.items.iter().flat_map(|item| rows(of(item)).concat());
+        let numbers = table(self.dict.py(), numbers.collect(), 9)?;
+        self.dict.set_item(name, numbers)?;
+        Ok(self)
+    }
+
     /// With latitude, longitude [rad] and height [m] of every item.
     pub fn place(self, of: impl Fn(&T) -> [f64; 3]) -> PyResult<Self> {
         let placed = self.one("lat", |item| of(item)[0])?;
@@ -95,6 +103,11 @@ pub fn matrix_std(covariance: &Matrix3) -> [f64; 3] {
 /// A covariance from its rows.
 pub fn matrix(rows: [[f64; 3]; 3]) -> Matrix3 {
     Matrix3::from_fn(|i, j| rows[i][j])
+}
+
+/// The rows of a covariance.
+pub fn rows(matrix: Matrix3) -> [[f64; 3]; 3] {
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| matrix[(i, j)]))
 }
 
 /// A solution as arrays by the names of `undrift.Solution`.

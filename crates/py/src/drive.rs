@@ -1,13 +1,28 @@
 //! Drives: files, or columns in memory.
 
 use crate::{
-    columns::{self, Named},
+    columns::{self, Arrays, Named, array, coordinates, matrix_std},
     error::error,
     model::NoiseModel,
+    navigate::Failure,
+    work,
 };
-use pyo3::prelude::*;
+use pyo3::{prelude::*, types::PyDict};
 use std::path::{Path, PathBuf};
-use undrift::{drive, inspect, io::Memory, results};
+use undrift::{
+    drive, inspect,
+    io::Memory,
+    nav::{
+        Matrix3,
+        earth::Geodetic,
+        sample::{GnssFix, ImuSample, Position},
+    },
+    navigate,
+    noise::interrupt,
+    results,
+    settings::EngineSettings,
+};
+use undrift_report::say;
 
 /// A drive, ready to be read; `undrift.Drive` wraps it.
 #[pyclass(frozen, module = "undrift._undrift")]
@@ -64,9 +79,70 @@ impl Drive {
         self.file.clone()
     }
 
+    /// The inertial samples in body axes, by the names of `undrift.ImuLog`.
+    fn imu<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let samples = work::run(py, || {
+            let (drive, _) = navigate::resolve_mounting(&self.drive).map_err(say::unsolved)?;
+            let samples = drive.open_imu()?;
+            let samples: Result<Vec<ImuSample>, _> =
+                samples.inspect(|_| interrupt::check()).collect();
+            Ok::<_, Failure>(samples?)
+        })?;
+        let samples = samples.map_err(error)?;
+        let imu = Arrays::of(py, &samples)
+            .one("time", |sample| sample.time)?
+            .three("gyro", |sample| array(&(sample.dtheta / sample.dt)))?
+            .three("accel", |sample| array(&(sample.dvel / sample.dt)))?;
+        Ok(imu.dict())
+    }
+
+    /// The fixes by the names of `undrift.GnssLog`, with their covariances as matrices row by row.
+    fn gnss<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let fixes = work::run(py, || {
+            let settings = EngineSettings::default();
+            let fixes = self.drive.open_gnss()?.map(|fix| {
+                let fix = self.drive.quality.apply(&fix?, &settings.quality);
+                Ok::<_, Failure>(fix)
+            });
+            fixes.collect::<Result<Vec<GnssFix>, _>>()
+        })?;
+        let fixes = fixes.map_err(error)?;
+        let nan = [f64::NAN; 3];
+        let unknown = Matrix3::repeat(f64::NAN);
+        let position = |fix: &GnssFix| fix.position.map_or(unknown, |(_, r)| r);
+        let velocity = |fix: &GnssFix| fix.velocity.map_or(unknown, |(_, r)| r);
+        let place = |fix: &GnssFix| {
+            fix.position
+                .map_or(nan, |(at, _)| coordinates(&antenna(at)))
+        };
+        let arrays = Arrays::of(py, &fixes)
+            .one("time", |fix| fix.time)?
+            .place(place)?
+            .three("position_std", |fix| matrix_std(&position(fix)))?
+            .three("velocity", |fix| {
+                fix.velocity.map_or(nan, |(v, _)| array(&v))
+            })?
+            .three("velocity_std", |fix| matrix_std(&velocity(fix)))?
+            .nine("position_cov", position)?
+            .nine("velocity_cov", velocity)?;
+        Ok(arrays.dict())
+    }
+
     /// What the drive consists of, as JSON.
     fn json(&self) -> String {
         results::text(&results::Drive::of(&self.file, &self.drive))
+    }
+}
+
+/// The antenna's place.
+fn antenna(at: Position) -> Geodetic {
+    match at {
+        Position::Geodetic(place) => place,
+        Position::Baseline { base, ned } => {
+            // Towards it along the local radii; each step leaves the square of the last one's error over the radius.
+            let nearer = |place: Geodetic, _| place.displaced(&(ned - base.ned_to(&place)));
+            (0..5).fold(base, nearer)
+        }
     }
 }
 

@@ -1,23 +1,37 @@
 //! The filter, step by step.
 
-use crate::{columns, error::error, model::NoiseModel};
+mod kept;
+mod measured;
+
+use crate::{
+    columns,
+    drive::Drive,
+    error::{error, text},
+    model::{self, NoiseModel},
+    work,
+};
+use measured::{Measured, stated};
 use numpy::{PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use undrift::{
-    estimator::{self, Aiding, Estimator},
+    estimator::{self, Estimator, STAMP_ROUNDING},
     io::write::solution::SolutionRow,
     nav::{
-        Matrix3, Vector3,
+        Vector3,
         attitude::from_rpy,
         earth::Geodetic,
         filter::{Gate, InitialStd, Outcome, Update},
         mechanisation::NavState,
         parameters::{Parameter, Parameters, Prior},
-        sample::{ImuSample, Position},
+        sample::ImuSample,
     },
-    navigate::solution_row,
+    navigate::{self, solution_row},
+    noise::interrupt,
+    settings::fix_errors::FixErrors,
 };
+use undrift_report::say;
 
 /// The parameters that can be estimated, by their names.
 const PARAMETERS: [(&str, Parameter); 11] = [
@@ -34,9 +48,72 @@ const PARAMETERS: [(&str, Parameter); 11] = [
     ("velocity_time_offset", Parameter::VelocityTimeOffset),
 ];
 
+/// Longest sample that is taken [s].
+const LONGEST: f64 = 10.0;
+
 /// The filter; `undrift.Filter` wraps it.
-#[pyclass(module = "undrift._undrift")]
-pub struct Filter(Box<dyn Estimator>);
+#[pyclass(frozen, module = "undrift._undrift")]
+pub struct Filter(Mutex<Held>);
+
+/// What a filter holds.
+struct Held {
+    estimator: Box<dyn Estimator>,
+    /// Whether a sample was taken up.
+    begun: bool,
+    /// What the fixes are wrong by.
+    fix_errors: FixErrors,
+}
+
+impl Held {
+    /// Takes up a sample that goes on where the filter stands, after the rest of the one before.
+    fn begin(&mut self, sample: &ImuSample) -> Result<(), String> {
+        let filter = &mut self.estimator;
+        let reached = filter.sample_end().unwrap_or(filter.nav().time);
+        let (dt, begins) = (sample.dt, sample.time - sample.dt);
+        if sample.time <= reached {
+            return Err(format!(
+                "time goes backwards: the filter has reached {reached} s, the sample ends at {} s",
+                sample.time
+            ));
+        }
+        if (begins - reached).abs() > 0.5 * dt {
+            let whole = sample.time - reached;
+            return Err(format!(
+                "the sample of dt = {dt} s that ends at {} s does not begin where the filter stands, at {reached} s; \
+                 to carry it across a gap pass dt = {whole}, or start a new Filter",
+                sample.time
+            ));
+        }
+        if !filter.bears(sample) {
+            return Err(
+                "gyro and accel would move the solution out of range: check their units, rad/s and m/s²"
+                    .into(),
+            );
+        }
+        filter.advance(None);
+        filter.begin(sample);
+        self.begun = true;
+        Ok(())
+    }
+
+    /// Moves to a time within the sample taken up, or to its end.
+    fn advance(&mut self, to: Option<f64>) -> Result<(), String> {
+        let filter = &mut self.estimator;
+        let now = filter.nav().time;
+        if let Some(to) = to {
+            let end = filter.sample_end().unwrap_or(now);
+            if !(now - STAMP_ROUNDING..=end + STAMP_ROUNDING).contains(&to) {
+                return Err(format!(
+                    "cannot advance to {to} s: the filter stands at {now} s and the sample taken up ends at {end} s"
+                ));
+            }
+        } else if !self.begun {
+            return Err("nothing to advance: call begin() first".into());
+        }
+        filter.advance(to);
+        filter.check().map_err(|problem| problem.to_string())
+    }
+}
 
 fn row(filter: &dyn Estimator) -> SolutionRow {
     let (error, std) = (filter.sensor_error(), filter.sensor_error_std());
@@ -74,9 +151,9 @@ fn sample(
     accel: [f64; 3],
     increments: bool,
 ) -> PyResult<ImuSample> {
-    if !(dt > 0.0 && dt.is_finite() && time.is_finite()) {
+    if !(dt > 0.0 && dt <= LONGEST && time.is_finite()) {
         return Err(error(format!(
-            "invalid sample: dt = {dt} s at t = {time} s"
+            "invalid sample: dt = {dt} s at t = {time} s; dt must be above 0 and at most {LONGEST} s"
         )));
     }
     let (gyro, accel) = (Vector3::from(gyro), Vector3::from(accel));
@@ -142,31 +219,90 @@ impl Filter {
             &[Vector3::zeros(); 2],
         );
         filter.check().map_err(error)?;
-        Ok(Self(filter))
+        Ok(Self(Mutex::new(Held {
+            estimator: filter,
+            begun: false,
+            fix_errors: FixErrors::default(),
+        })))
     }
 
-    /// Takes up a sample of `dt` seconds that ends at `time` [s] without moving yet.
+    /// The filter of a drive where its navigation begins, its lever arm and sample interval [s].
+    #[staticmethod]
+    fn from_drive(
+        py: Python<'_>,
+        drive: &Drive,
+        bias_model: &str,
+    ) -> PyResult<(Self, [f64; 3], f64)> {
+        let kind = model::bias_model(bias_model)?;
+        let started = work::run(py, || {
+            navigate::start(&drive.drive, kind).map_err(say::unsolved)
+        })?;
+        let started = started.map_err(error)?;
+        let settings = started.settings;
+        let held = Held {
+            estimator: started.filter,
+            begun: true,
+            fix_errors: settings.fix_errors,
+        };
+        let lever_arm = columns::array(&settings.lever_arm);
+        Ok((
+            Self(Mutex::new(held)),
+            lever_arm,
+            settings.sensors[0].interval,
+        ))
+    }
+
+    /// A filter in the same state.
+    fn copy(&self, py: Python<'_>) -> Self {
+        self.locked(py, |held| {
+            Self(Mutex::new(Held {
+                estimator: held.estimator.boxed(),
+                begun: held.begun,
+                fix_errors: held.fix_errors,
+            }))
+        })
+    }
+
+    /// Models, parameters and state as numbers.
+    fn numbers(&self, py: Python<'_>) -> Vec<f64> {
+        self.locked(py, |held| kept::numbers(held))
+    }
+
+    /// From [`Filter::numbers`].
+    #[staticmethod]
+    fn from_numbers(numbers: Vec<f64>) -> PyResult<Self> {
+        let held = kept::held(numbers).map_err(error)?;
+        Ok(Self(Mutex::new(held)))
+    }
+
+    /// Takes up a sample of `dt` seconds that ends at `time` [s], by default now, without moving yet.
     fn begin(
-        &mut self,
-        time: f64,
+        &self,
+        py: Python<'_>,
+        time: Option<f64>,
         dt: f64,
         gyro: [f64; 3],
         accel: [f64; 3],
         increments: bool,
     ) -> PyResult<()> {
-        self.0.begin(&sample(time, dt, gyro, accel, increments)?);
-        Ok(())
+        self.locked(py, |held| {
+            let filter = &held.estimator;
+            let reached = filter.sample_end().unwrap_or(filter.nav().time);
+            let time = time.unwrap_or(reached + dt);
+            held.begin(&sample(time, dt, gyro, accel, increments)?)
+                .map_err(error)
+        })
     }
 
     /// Moves to a time [s] within the sample taken up, or to its end.
-    fn advance(&mut self, to: Option<f64>) {
-        self.0.advance(to);
+    fn advance(&self, py: Python<'_>, to: Option<f64>) -> PyResult<()> {
+        self.locked(py, |held| held.advance(to)).map_err(error)
     }
 
     /// Carries the filter over samples of `dt` seconds each or, with their ends `times` [s], over the first
     /// of `dt` seconds and the others since the one before; the solution after each as arrays.
     fn predict_many<'py>(
-        &mut self,
+        &self,
         py: Python<'py>,
         times: Option<PyReadonlyArray1<'py, f64>>,
         dt: f64,
@@ -184,124 +320,114 @@ impl Filter {
                 accel.shape()
             )));
         }
-        let filter = &mut self.0;
-        let rows = py.detach(|| {
+        let rows = work::run(py, || {
+            let mut held = self.lock();
+            let mut moved = Held {
+                estimator: held.estimator.boxed(),
+                begun: true,
+                fix_errors: held.fix_errors,
+            };
             let mut rows = Vec::with_capacity(count);
-            let (mut before, mut dt) = (None, dt);
+            let mut before = None;
             for (k, (rate, force)) in gyro.rows().into_iter().zip(accel.rows()).enumerate() {
-                let time = match times {
-                    Some(times) => times[k],
-                    None => filter.nav().time + dt,
+                interrupt::check();
+                let now = moved.estimator.nav().time;
+                let time = times.map_or(now + dt, |times| times[k]);
+                let dt = match before {
+                    Some(before) if times.is_some() => time - before,
+                    _ => dt,
                 };
-                if let (Some(before), Some(_)) = (before, times) {
-                    dt = time - before;
-                }
                 before = Some(time);
                 let [rate, force] = [rate, force].map(|of| [of[0], of[1], of[2]]);
-                filter.begin(&sample(time, dt, rate, force, increments)?);
-                filter.advance(None);
-                rows.push(row(&**filter));
+                let done = sample(time, dt, rate, force, increments)
+                    .and_then(|sample| moved.begin(&sample).map_err(error))
+                    .and_then(|()| moved.advance(None).map_err(error));
+                done.map_err(|problem| error(format!("sample {k} (from 0): {}", text(&problem))))?;
+                rows.push(row(&*moved.estimator));
             }
-            filter.check().map_err(error)?;
+            *held = moved;
             Ok::<_, PyErr>(rows)
-        })?;
+        })??;
         columns::solution(py, &rows)
     }
 
-    /// Updates with a measurement, `None` if it says nothing: innovation, NIS, degrees of freedom,
-    /// whitened innovation, outcome and factor on the covariance.
-    #[pyo3(signature = (kind, value, std=0.0, lever_arm=[0.0; 3], covariance=None, gate=None))]
+    /// Updates with measurements one after the other, with all of them or with none: of each that says something,
+    /// kind, innovation, NIS, degrees of freedom, whitened innovation, outcome and factor on the covariance.
     fn update(
-        &mut self,
-        kind: &str,
-        value: [f64; 3],
-        std: f64,
-        lever_arm: [f64; 3],
-        covariance: Option<[[f64; 3]; 3]>,
+        &self,
+        py: Python<'_>,
+        measurements: Vec<Measured>,
         gate: Option<(f64, f64)>,
-    ) -> PyResult<Option<Updated>> {
-        let numbers = value.iter().chain(&lever_arm).chain([&std]);
-        if numbers
-            .chain(covariance.iter().flatten().flatten())
-            .any(|x| !x.is_finite())
-        {
-            return Err(error(format!("{kind}: a number is not finite")));
-        }
-        let (lever_arm, due) = (Vector3::from(lever_arm), self.0.nav().time);
-        let mut noise =
-            covariance.map_or_else(|| Matrix3::identity() * (std * std), columns::matrix);
-        let aiding = match kind {
-            "position" => Aiding::Position {
-                position: Position::Geodetic(geodetic(value)),
-                lever_arm,
-                correlated: Vector3::zeros(),
-                due,
-            },
-            "velocity" => Aiding::Velocity {
-                v_n: Vector3::from(value),
-                lever_arm,
-                correlated: Vector3::zeros(),
-                due,
-            },
-            "zero velocity" => Aiding::ZeroVelocity,
-            "earth rate" => Aiding::EarthRate(Vector3::from(value)),
-            "level" => Aiding::Level(Vector3::from(value)),
-            "non-holonomic" => {
-                let [right, down, _] = value;
-                noise = Matrix3::from_diagonal(&Vector3::new(right * right, down * down, 0.0));
-                Aiding::NonHolonomic(lever_arm)
-            }
-            "odometer" => Aiding::Odometer {
-                speed: value[0],
-                lever_arm,
-            },
-            "barometer" => Aiding::Barometer(value[0]),
-            "course" => Aiding::Course(value[0]),
-            other => return Err(error(format!("unknown measurement \"{other}\""))),
-        };
+    ) -> PyResult<Vec<Updated>> {
         let gate = gate.map_or(Gate::OPEN, |(weaken, reject)| Gate { weaken, reject });
-        let innovation = self.0.innovation(&aiding);
-        let update = self.0.update(&aiding, &noise, &gate).map_err(error)?;
-        self.0.check().map_err(error)?;
-        Ok(innovation
-            .zip(update)
-            .map(|(innovation, update)| updated(&innovation, update)))
+        self.locked(py, |held| {
+            let mut filter = held.estimator.boxed();
+            let mut done = Vec::new();
+            for measured in stated(measurements, &held.fix_errors) {
+                let kind = measured.kind.clone();
+                let (aiding, noise) = measured.aiding(filter.nav().time, &held.fix_errors)?;
+                let innovation = filter.innovation(&aiding);
+                let update = filter.update(&aiding, &noise, &gate);
+                let update = update.map_err(|problem| error(format!("{kind}: {problem}")))?;
+                let both = innovation.zip(update);
+                done.extend(both.map(|(innovation, update)| updated(kind, &innovation, update)));
+            }
+            held.estimator = filter;
+            Ok(done)
+        })
     }
 
     /// The state by the names of `undrift.Solution`, each an array of one row.
     fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        columns::solution(py, &[row(&*self.0)])
+        let row = self.locked(py, |held| row(&*held.estimator));
+        columns::solution(py, &[row])
     }
 
     /// Time that the filter has reached [s].
     #[getter]
-    fn time(&self) -> f64 {
-        self.0.nav().time
+    fn time(&self, py: Python<'_>) -> f64 {
+        self.locked(py, |held| held.estimator.nav().time)
     }
 
     /// Covariance of the error state.
     fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let (n, p) = (self.0.states(), self.0.covariance());
-        let numbers = (0..n * n).map(|k| p[(k / n, k % n)]).collect();
+        let (n, numbers) = self.locked(py, |held| {
+            let (n, p) = (held.estimator.states(), held.estimator.covariance());
+            (n, (0..n * n).map(|k| p[(k / n, k % n)]).collect())
+        });
         columns::table(py, numbers, n)
     }
 
     /// Estimated parameters: name, values and standard deviations.
-    fn parameters(&self) -> Vec<(&'static str, Vec<f64>, Vec<f64>)> {
-        let all = PARAMETERS.iter();
-        all.filter_map(|(name, kind)| {
-            let (value, std) = self.0.parameter(*kind)?;
-            let n = kind.width();
-            Some((*name, value[..n].to_vec(), std[..n].to_vec()))
+    fn parameters(&self, py: Python<'_>) -> Vec<(&'static str, Vec<f64>, Vec<f64>)> {
+        self.locked(py, |held| {
+            let all = PARAMETERS.iter();
+            all.filter_map(|(name, kind)| {
+                let (value, std) = held.estimator.parameter(*kind)?;
+                let n = kind.width();
+                Some((*name, value[..n].to_vec(), std[..n].to_vec()))
+            })
+            .collect()
         })
-        .collect()
+    }
+}
+
+impl Filter {
+    fn lock(&self) -> MutexGuard<'_, Held> {
+        // What a call changes is put in place at its end.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Works on the filter while no other thread does, without the interpreter's lock.
+    fn locked<T: Send>(&self, py: Python<'_>, work: impl FnOnce(&mut Held) -> T + Send) -> T {
+        py.detach(|| work(&mut self.lock()))
     }
 }
 
 /// As [`Filter::update`] gives it.
-pub type Updated = (Vec<f64>, f64, usize, Vec<f64>, &'static str, f64);
+pub type Updated = (String, Vec<f64>, f64, usize, Vec<f64>, &'static str, f64);
 
-fn updated(innovation: &Vector3, update: Update) -> Updated {
+fn updated(kind: String, innovation: &Vector3, update: Update) -> Updated {
     let (outcome, factor) = match update.outcome {
         Outcome::Used => ("used", 1.0),
         Outcome::Weakened(factor) => ("weakened", factor),
@@ -310,6 +436,6 @@ fn updated(innovation: &Vector3, update: Update) -> Updated {
     let seen = |of: &[f64]| of[..update.dof].to_vec();
     let (innovation, whitened) = (seen(innovation.as_slice()), seen(&update.whitened));
     (
-        innovation, update.nis, update.dof, whitened, outcome, factor,
+        kind, innovation, update.nis, update.dof, whitened, outcome, factor,
     )
 }

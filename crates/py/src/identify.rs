@@ -4,6 +4,8 @@ use crate::{
     columns::{self, Named},
     error::error,
     model::NoiseModel,
+    navigate::Failure,
+    work::{self, Progress},
 };
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
@@ -50,6 +52,7 @@ pub fn identify(
     n_max: usize,
     detrend: &str,
     force: bool,
+    progress: Option<Py<PyAny>>,
 ) -> PyResult<Identified> {
     let trend = Trend::named(detrend).ok_or_else(|| {
         error(format!(
@@ -76,7 +79,8 @@ pub fn identify(
             .transpose()?;
         sources.push((path, memory));
     }
-    let work = || -> Result<Identified, Box<dyn std::error::Error + Send + Sync>> {
+    let counted = Progress::default();
+    let identify = || -> Result<Identified, Failure> {
         let mut warnings = Vec::new();
         let mut taken = Vec::with_capacity(sources.len());
         for (path, memory) in sources {
@@ -101,10 +105,13 @@ pub fn identify(
             }
             taken.push((results::name(&path), record.with_gaps(), rate));
         }
+        let axes = taken.iter().map(|(_, record, _)| record.axes.len() as u64);
+        // Several records are identified axis by axis together.
+        counted.of(axes.max().unwrap_or(0));
         let (found, name, provenance) = match &taken[..] {
             [(name, record, rate)] => {
                 let options = identification::options(record, *rate, n_max, trend);
-                let found = identification::run(record, &options, || ());
+                let found = identification::run(record, &options, || counted.add(1));
                 let provenance = identification::provenance(record, name, *rate)?;
                 (found, name.clone(), provenance)
             }
@@ -117,7 +124,7 @@ pub fn identify(
                 let pooled: Vec<Pooled<'_>> = pooled.collect();
                 let names: Vec<&str> = pooled.iter().map(|one| one.name).collect();
                 let name = results::names(&names);
-                let found = identification::run_pool(&pooled, n_max, trend, || ())?;
+                let found = identification::run_pool(&pooled, n_max, trend, || counted.add(1))?;
                 let rate = found.rate_hz;
                 let provenance = identification::provenance_of_several(&pooled, &name, rate)?;
                 (found, name, provenance)
@@ -141,7 +148,7 @@ pub fn identify(
             warnings,
         })
     };
-    py.detach(work).map_err(error)
+    work::run_with(py, progress.as_ref(), &counted, identify)?.map_err(error)
 }
 
 /// What should be said of a record.

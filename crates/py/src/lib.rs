@@ -20,6 +20,7 @@ mod simulate;
 mod stationarity;
 mod statistics;
 mod tune;
+mod work;
 
 #[pymodule]
 mod _undrift {
@@ -37,7 +38,7 @@ mod _undrift {
             arma_profile_interval, arma_residuals, arma_simulate,
         },
         drive::{Drive, told_by_names},
-        error::UndriftError,
+        error::{UndriftError, in_python},
         filter::Filter,
         fleet::{
             fleet_fingerprint, fleet_gather, fleet_inputs, fleet_jobs, fleet_patterns,

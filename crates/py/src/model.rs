@@ -1,6 +1,6 @@
 //! Noise models.
 
-use crate::{columns, error::error};
+use crate::{columns, error::error, work};
 use numpy::{PyArray2, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -109,12 +109,14 @@ impl NoiseModel {
         if count as u64 > undrift::simulate::MAX_SAMPLES {
             return Err(error(undrift::simulate::SimulationError::TooLong));
         }
-        let drawn = py.detach(|| {
+        let drawn = work::run(py, || {
             let mut errors = SensorErrors::new(&filters, rate, seed)?;
-            Ok::<_, undrift::simulate::SimulationError>(
-                (0..count).flat_map(|_| errors.draw()).collect(),
-            )
-        });
+            let draw = (0..count).flat_map(|_| {
+                undrift::noise::interrupt::check();
+                errors.draw()
+            });
+            Ok::<_, undrift::simulate::SimulationError>(draw.collect())
+        })?;
         columns::table(py, drawn.map_err(error)?, 6)
     }
 }
@@ -141,7 +143,7 @@ fn terms<'py>(py: Python<'py>, axis: &AxisModel) -> PyResult<Bound<'py, PyDict>>
         arma,
         paper_sigma,
         lines: _,
-        temperature: _,
+        temperature,
         identification: _,
     } = axis;
     let sigmas: Vec<f64> = instability.iter().map(|of| of.sigma).collect();
@@ -162,6 +164,17 @@ fn terms<'py>(py: Python<'py>, axis: &AxisModel) -> PyResult<Bound<'py, PyDict>>
          }| { (ar.clone(), ma.clone(), *sigma, *rate_hz) },
     );
     dict.set_item("arma", arma)?;
+    let temperature = temperature.as_ref().map(|of| {
+        let range = (of.range_c[0], of.range_c[1]);
+        let slope = (of.slope, of.slope_sigma);
+        (
+            of.reference_c,
+            range,
+            slope,
+            (of.quadratic, of.quadratic_sigma),
+        )
+    });
+    dict.set_item("temperature", temperature)?;
     Ok(dict)
 }
 

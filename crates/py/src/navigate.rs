@@ -1,6 +1,12 @@
 //! Drives into solutions, and drives with their GNSS cut.
 
-use crate::{columns, drive::Drive, error::error, model::bias_model};
+use crate::{
+    columns,
+    drive::Drive,
+    error::error,
+    model::bias_model,
+    work::{self, Progress},
+};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -30,6 +36,7 @@ pub fn navigate<'py>(
     format: Option<&str>,
     every: Option<f64>,
     solution: bool,
+    progress: Option<Py<PyAny>>,
 ) -> PyResult<(String, Bound<'py, PyDict>)> {
     let kind = bias_model(bias)?;
     let format: Option<SolutionFormat> = format.map(str::parse).transpose().map_err(error)?;
@@ -44,15 +51,17 @@ pub fn navigate<'py>(
         smooth,
         recording: true,
         rows: solution,
+        ..Wanted::default()
     };
-    let (report, json) = py
-        .detach(|| {
-            let report = navigation::navigate(&drive.drive, kind, wanted).map_err(say::unsolved)?;
-            let about = results::Drive::of(&drive.file, &drive.drive);
-            let json = results::text(&say::navigated(&report, kind, about));
-            Ok::<_, Failure>((report, json))
-        })
-        .map_err(error)?;
+    let counted = Progress::counted(&wanted.samples);
+    let navigate = || {
+        let report = navigation::navigate(&drive.drive, kind, wanted).map_err(say::unsolved)?;
+        let about = results::Drive::of(&drive.file, &drive.drive);
+        let json = results::text(&say::navigated(&report, kind, about));
+        Ok::<_, Failure>((report, json))
+    };
+    let (report, json) =
+        work::run_with(py, progress.as_ref(), &counted, navigate)?.map_err(error)?;
     Ok((json, columns::solution(py, &report.rows)?))
 }
 
@@ -78,6 +87,7 @@ pub fn outages<'py>(
     start: f64,
     at: Option<Vec<f64>>,
     smooth: bool,
+    progress: Option<Py<PyAny>>,
 ) -> PyResult<(String, String, Vec<Curves<'py>>)> {
     let kinds = bias_models
         .iter()
@@ -85,15 +95,17 @@ pub fn outages<'py>(
         .collect::<PyResult<Vec<_>>>()?;
     let plan = Schedule::asked(at, every, count, start)
         .ok_or_else(|| error("specify the outages: count, every or at"))?;
-    let (outcomes, result) = py
-        .detach(|| {
-            let logs = Logs::load(&drive.drive).map_err(say::unsolved)?;
-            let cuts = logs.plan(&plan, length)?;
-            let outcomes = logs.run(&kinds, &cuts, smooth, &|_| {})?;
-            let result = say::cut(logs.result(&drive.file, &cuts, &outcomes, smooth));
-            Ok::<_, Failure>((outcomes, result))
-        })
-        .map_err(error)?;
+    let counted = Progress::default();
+    let cut = || {
+        let logs = Logs::load(&drive.drive).map_err(say::unsolved)?;
+        let cuts = logs.plan(&plan, length)?;
+        counted.of(logs.imu.len() as u64 * kinds.len() as u64);
+        let outcomes = logs.run(&kinds, &cuts, smooth, &|samples| counted.add(samples))?;
+        let result = say::cut(logs.result(&drive.file, &cuts, &outcomes, smooth));
+        Ok::<_, Failure>((outcomes, result))
+    };
+    let (outcomes, result) =
+        work::run_with(py, progress.as_ref(), &counted, cut)?.map_err(error)?;
     if result.models.is_empty() {
         let failed = result.failed.iter();
         let failed: Vec<String> = failed.map(|(name, why)| format!("{name}: {why}")).collect();

@@ -2,7 +2,7 @@
 
 use crate::arma::{Fit, options};
 use crate::array::{Record, samples};
-use crate::error::error;
+use crate::{error::error, work};
 use pyo3::prelude::*;
 use undrift::noise::arma::{self, Selection};
 use undrift::noise::pandit_wu::{self, OrderTest, PAPER_CRITICAL, PanditWuOptions};
@@ -26,9 +26,8 @@ pub fn arma_select(
 ) -> PyResult<Orders> {
     let x = samples(&x)?;
     let options = options(mean, unit_root, effort);
-    let found: Selection = py
-        .detach(|| arma::select(x, max_order.0, max_order.1, &options))
-        .map_err(error)?;
+    let found: Selection =
+        work::run(py, || arma::select(x, max_order.0, max_order.1, &options))?.map_err(error)?;
     Ok(Orders {
         fits: found.fits.into_iter().map(Fit::from).collect(),
         index_aic: found.by_aic,
@@ -109,9 +108,7 @@ pub fn arma_pandit_wu(
         fit: options(mean, unit_root, effort),
         ..PanditWuOptions::default()
     };
-    let table = py
-        .detach(|| pandit_wu::pandit_wu(x, &options))
-        .map_err(error)?;
+    let table = work::run(py, || pandit_wu::pandit_wu(x, &options))?.map_err(error)?;
     let row = |row: &pandit_wu::OrderRow| Row {
         n: row.n,
         order: row.order(),

@@ -4,6 +4,7 @@ use crate::{
     columns::{Arrays, Named, array, coordinates, matrix_std},
     error::error,
     model::NoiseModel,
+    work,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -109,9 +110,10 @@ pub fn simulate<'py>(
         with_velocity: receiver.velocity,
     };
     let trajectory = motion.trajectory(seed)?;
-    let made =
-        py.detach(|| simulation::simulate(&trajectory, rate, filters.as_ref(), &noise, seed));
-    let made = made.map_err(error)?;
+    let made = work::run(py, || {
+        simulation::simulate(&trajectory, rate, filters.as_ref(), &noise, seed)
+    });
+    let made = made?.map_err(error)?;
 
     let imu = Arrays::of(py, &made.imu)
         .one("time", |sample| sample.time)?

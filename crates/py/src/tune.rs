@@ -1,6 +1,12 @@
 //! The noise of a sensor in its vehicle.
 
-use crate::{drive::Drive, error::error, model::NoiseModel, navigate::Failure};
+use crate::{
+    drive::Drive,
+    error::error,
+    model::NoiseModel,
+    navigate::Failure,
+    work::{self, Progress},
+};
 use pyo3::prelude::*;
 use std::path::Path;
 use undrift::{
@@ -17,6 +23,7 @@ pub fn tune(
     drives: Vec<Py<Drive>>,
     start: Option<&NoiseModel>,
     hold_out: Option<f64>,
+    progress: Option<Py<PyAny>>,
 ) -> PyResult<(String, String, Vec<String>, NoiseModel)> {
     if let Some(share) = hold_out
         && !(0.0..=0.9).contains(&share)
@@ -32,8 +39,13 @@ pub fn tune(
     let (files, drives): (Vec<&Path>, Vec<drive::Drive>) = given
         .map(|of| (of.file.as_path(), of.drive.clone()))
         .unzip();
-    py.detach(|| {
-        let (found, logs) = tuning::tune(&drives, &options, &|_| true).map_err(say::unsolved)?;
+    let counted = Progress::default();
+    let tune = || {
+        let (found, logs) = tuning::tune(&drives, &options, &|_| {
+            counted.add(1);
+            true
+        })
+        .map_err(say::unsolved)?;
         let result = found.result(files.iter().copied().zip(&drives));
         let names: Vec<String> = files.iter().map(|file| results::name(file)).collect();
         let mut warnings = Vec::new();
@@ -52,8 +64,8 @@ pub fn tune(
             warnings,
             NoiseModel(found.model(&names)),
         ))
-    })
-    .map_err(error)
+    };
+    work::run_with(py, progress.as_ref(), &counted, tune)?.map_err(error)
 }
 
 /// Why the numbers are to be taken with care.

@@ -20,9 +20,9 @@ def test_plots(record: npt.NDArray[np.float64]) -> None:
     allan = undrift.allan(record, 100.0)
     axes = allan.plot()
     assert axes.get_xscale() == axes.get_yscale() == "log"
-    # The curve, the fitted terms and the band.
-    assert len(axes.lines) == 2 and len(axes.collections) == 1
-    assert allan.plot(axes, terms=False) is axes and len(axes.lines) == 3
+    # The curve, the fitted terms, where these are outside of the band, and the band.
+    assert len(axes.lines) == 3 and len(axes.collections) == 1
+    assert allan.plot(axes, terms=False) is axes and len(axes.lines) == 4
     assert len(undrift.allan(record, 100.0, kind="total", confidence=None).plot().lines) == 1
     for result in (
         undrift.wavelet_variance(record, 100.0),

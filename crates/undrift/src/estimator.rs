@@ -11,7 +11,7 @@ use undrift_nav::{
     attitude,
     covariance::{AXES, NAV, Sensors},
     earth::Geodetic,
-    filter::{Filter, FilterError, Gate, InitialStd, Outcome, Update},
+    filter::{Each, Filter, FilterError, Gate, InitialStd, Outcome, Update},
     mechanisation::NavState,
     parameters::{Parameter, Parameters},
     sample::{ImuSample, Position},
@@ -200,6 +200,10 @@ pub trait Estimator: Send + Sync {
     /// [`FilterError::Diverged`] if it is not.
     fn check(&self) -> Result<(), FilterError>;
 
+    /// Where the sample taken up ends \[s\], if it is not done.
+    fn sample_end(&self) -> Option<f64>;
+    /// Whether there is still a solution after this sample.
+    fn bears(&self, sample: &ImuSample) -> bool;
     /// Takes up a sample without moving yet.
     fn begin(&mut self, sample: &ImuSample);
     /// Moves to `time` \[s\] within the sample taken up, to its end without one.
@@ -221,7 +225,7 @@ pub trait Estimator: Send + Sync {
     /// `None` where it says nothing.
     ///
     /// # Errors
-    /// A covariance of the innovation that is not positive; the filter is then as it was.
+    /// As [`Filter::update`]; the filter is then as it was.
     fn update(
         &mut self,
         aiding: &Aiding,
@@ -255,6 +259,8 @@ pub trait Estimator: Send + Sync {
     fn record(&mut self);
     /// What happened since [`Estimator::record`], if it was called.
     fn adjoint(&self) -> Option<Adjoint>;
+    /// Calls `each` with every number that changes while the filter runs, as [`Filter::numbers`].
+    fn numbers(&mut self, each: &mut Each);
     /// A copy, which records nothing.
     fn boxed(&self) -> Box<dyn Estimator>;
 }
@@ -478,6 +484,14 @@ impl<const N: usize> Estimator for Sized<N> {
         self.filter.check()
     }
 
+    fn sample_end(&self) -> Option<f64> {
+        self.filter.sample_end()
+    }
+
+    fn bears(&self, sample: &ImuSample) -> bool {
+        self.filter.bears(sample)
+    }
+
     fn begin(&mut self, sample: &ImuSample) {
         self.filter.begin(sample);
     }
@@ -601,6 +615,10 @@ impl<const N: usize> Estimator for Sized<N> {
             gradient: DVector::from_column_slice(tape.gradient.as_slice()),
             information: dynamic(&tape.information),
         })
+    }
+
+    fn numbers(&mut self, each: &mut Each) {
+        self.filter.numbers(each);
     }
 
     fn boxed(&self) -> Box<dyn Estimator> {

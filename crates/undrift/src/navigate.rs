@@ -5,9 +5,11 @@ mod outputs;
 mod recorder;
 mod recording;
 mod result;
+mod start;
 
 pub use recorder::{Wanted, solution_row};
 pub use recording::Recording;
+pub use start::{Started, start};
 
 use crate::{
     align::{AlignSettings, Heading},

@@ -54,6 +54,7 @@ pub fn replay(
     let mut run = run::Run::new(settings);
     let mut aiding = measurement::Queue::new(aiding);
     for sample in imu {
+        undrift_noise::interrupt::check();
         if let Some(checked) = run.check(sample?) {
             run.sample(checked, &mut aiding, observer)?;
         }

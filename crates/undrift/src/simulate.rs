@@ -116,6 +116,7 @@ pub fn simulate(
     let mut truth = Vec::with_capacity(samples as usize + 1);
     truth.push(walk.state().truth());
     for (ideal, reference) in walk {
+        undrift_noise::interrupt::check();
         imu.push(match &mut errors {
             Some(errors) => errors.apply(&ideal),
             None => ideal,

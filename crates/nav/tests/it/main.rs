@@ -3,5 +3,6 @@
 mod aiding;
 mod jacobians;
 mod properties;
+mod refused;
 mod smoother;
 mod start;

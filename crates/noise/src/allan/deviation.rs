@@ -281,6 +281,7 @@ fn shared_pass(sums: &[f64], samples: usize, kind: DeviationKind, factors: &[usi
 
 /// Sum of squared differences of one factor.
 fn energy(sums: &[f64], samples: usize, kind: DeviationKind, m: usize) -> f64 {
+    crate::interrupt::check();
     match kind {
         DeviationKind::Overlapping | DeviationKind::Hadamard => {
             let terms = kind.terms(samples, m);
@@ -296,6 +297,7 @@ fn energy(sums: &[f64], samples: usize, kind: DeviationKind, m: usize) -> f64 {
 
 /// Sum of squared second (Allan) or third (Hadamard) differences that start in `start..end`.
 fn stretch_energy(sums: &[f64], kind: DeviationKind, m: usize, start: usize, end: usize) -> f64 {
+    crate::interrupt::check();
     let at = |shift: usize| &sums[start + shift * m..end + shift * m];
     if kind == DeviationKind::Hadamard {
         return third_energy(at(0), at(1), at(2), at(3));

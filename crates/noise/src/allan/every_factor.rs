@@ -148,6 +148,7 @@ fn pass(sums: &[f64], limit: usize, length: usize) -> Found {
 
 /// The energies up to `limit` of one record or block.
 fn record(sums: &[f64], plan: &Plan) -> Found {
+    crate::interrupt::check();
     let (mut x, squares) = less_line(sums);
     let whole = plan.whole(&x);
     let mut ends = Vec::new();

@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
-
 from undrift import _undrift
+from undrift._arguments import positive
 from undrift._array import Floats, Ints, record
+from undrift._number import Number
 from undrift._result import Result, axes
+from undrift._units import factor, label_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,7 +24,7 @@ Grid = Literal["octave", "decade", "all"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class AllanTerm(Result):
+class AllanTerm(Number, Result):
     """One noise term of an Allan deviation; a ``float`` where one is asked for."""
 
     value: float
@@ -175,18 +177,43 @@ class AllanDeviation(Result):
         """White noise, quantisation and a Gauss-Markov process fitted to an overlapping deviation."""
         return AllanGaussMarkov(**_undrift.allan_gauss_markov(self))
 
-    def plot(self, ax: Axes | None = None, *, terms: bool | None = None) -> Axes:
+    @property
+    def outside(self) -> npt.NDArray[np.bool_]:
+        """Where the fitted terms lie outside of the intervals, False at τ that were not fitted.
+
+        Of intervals of one sigma, 0.683, a third may by chance; many in a row show that the terms do not
+        describe the curve there.
+        """
+        if self.lower is None or self.upper is None:
+            raise _undrift.UndriftError("without intervals, confidence=None, no fit is outside of them")
+        fit = self.terms.deviation(self.tau)
+        fitted = self.tau >= self.terms.shortest_tau
+        return np.asarray(fitted & ((fit < self.lower) | (fit > self.upper)))
+
+    def plot(
+        self,
+        ax: Axes | None = None,
+        *,
+        terms: bool | None = None,
+        label: str | None = None,
+        unit: str | None = None,
+    ) -> Axes:
         """Deviation over averaging time, logarithmic, with its band and the fitted terms.
 
-        ``terms``: draw the fit; by default where the deviation is overlapping. Needs ``undrift[plot]``.
+        ``terms``: draw the fit, with crosses where it is outside of the band; by default where the deviation
+        is overlapping. ``label`` names the curve. ``unit``, such as deg/h or mg, converts from rad/s or m/s².
+        Needs ``undrift[plot]``.
         """
         ax = axes(ax)
-        (line,) = ax.loglog(self.tau, self.deviation, marker=".", label=f"{self.kind} deviation")
+        scale = factor(unit)
+        (line,) = ax.loglog(
+            self.tau, scale * self.deviation, marker=".", label=label or f"{self.kind} deviation"
+        )
         if self.lower is not None and self.upper is not None and self.confidence is not None:
             ax.fill_between(
                 self.tau,
-                self.lower,
-                self.upper,
+                scale * self.lower,
+                scale * self.upper,
                 alpha=0.25,
                 color=line.get_color(),
                 linewidth=0,
@@ -195,11 +222,13 @@ class AllanDeviation(Result):
         if self.kind == "overlapping" if terms is None else terms:
             fit = self.terms
             shown = self.tau >= fit.shortest_tau
-            ax.loglog(
-                self.tau[shown], fit.deviation(self.tau[shown]), "--", label="fitted terms"
-            )
+            fitted = scale * fit.deviation(self.tau)
+            ax.loglog(self.tau[shown], fitted[shown], "--", label="fitted terms")
+            if self.lower is not None and self.outside.any():
+                outside = self.outside
+                ax.loglog(self.tau[outside], fitted[outside], "rx", label="fit outside of the band")
         ax.set_xlabel("averaging time [s]")
-        ax.set_ylabel("deviation [unit of the samples]")
+        ax.set_ylabel(f"deviation [{label_of(unit)}]")
         ax.grid(True, which="both", alpha=0.3)
         ax.legend()
         return ax
@@ -225,8 +254,41 @@ def allan(
 
     NIST SP 1065, section 5; intervals by noise type as in its section 5.4. ``.terms`` are the noise
     terms of IEEE Std 952.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Recording of one axis [u], u any unit; rad/s or m/s² for a sensor.
+    rate : float
+        Sample rate [Hz].
+    kind : {"overlapping", "modified", "hadamard", "total"}
+        Which deviation.
+    taus : {"octave", "decade", "all"} or array_like
+        Averaging times: a grid, or times [s].
+    confidence : float or None
+        Probability of the intervals; None for none.
+
+    Returns
+    -------
+    AllanDeviation
+        Deviation [u] over averaging time [s], with intervals and, by ``.terms``, noise terms.
+
+    Raises
+    ------
+    UndriftError
+        For a recording or argument that cannot be; :class:`ArgumentError` for a wrong type.
+
+    Examples
+    --------
+    >>> x = undrift.arma.simulate(2000, [], [], 1.0)  # white noise
+    >>> curve = undrift.allan(x, 100.0)
+    >>> f"{curve.deviation[0]:.1f}"  # of one sample
+    '1.0'
+    >>> f"{curve.terms.N:.2f}"  # σ/√rate
+    '0.10'
     """
     times = taus if isinstance(taus, str) else record(taus, "taus")
+    rate = positive(rate, "rate")
     found = _undrift.allan_deviation(record(x), rate, kind, times, confidence)
     return AllanDeviation(kind=kind, rate=rate, confidence=confidence, **found)
 
@@ -250,12 +312,16 @@ class WaveletVariance(Result):
     n: Ints
     """Coefficients whose squares were averaged."""
 
-    def plot(self, ax: Axes | None = None) -> Axes:
-        """Wavelet variance over scale, logarithmic. Needs ``undrift[plot]``."""
+    def plot(
+        self, ax: Axes | None = None, *, label: str | None = None, unit: str | None = None
+    ) -> Axes:
+        """Wavelet variance over scale, logarithmic; ``label`` names the curve, ``unit`` converts the samples. Needs ``undrift[plot]``."""
         ax = axes(ax)
-        ax.loglog(self.scale, self.variance, marker=".")
+        ax.loglog(self.scale, factor(unit) ** 2 * self.variance, marker=".", label=label)
         ax.set_xlabel("scale [s]")
-        ax.set_ylabel("wavelet variance [unit² of the samples]")
+        ax.set_ylabel(f"wavelet variance [({label_of(unit)})²]")
+        if label is not None:
+            ax.legend()
         ax.grid(True, which="both", alpha=0.3)
         return ax
 
@@ -264,5 +330,29 @@ def wavelet_variance(x: npt.ArrayLike, rate: float) -> WaveletVariance:
     """Haar wavelet variance of a record sampled at ``rate`` [Hz], at scales 1, 2, 4, … up to a quarter of it.
 
     NaN is a missing sample. Percival & Walden (2000), chapter 8.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Recording of one axis [u], u any unit; rad/s or m/s² for a sensor. NaN is a missing sample.
+    rate : float
+        Sample rate [Hz].
+
+    Returns
+    -------
+    WaveletVariance
+        Variance [u²] over scale [s].
+
+    Raises
+    ------
+    UndriftError
+        For a recording or argument that cannot be; :class:`ArgumentError` for a wrong type.
+
+    Examples
+    --------
+    >>> x = undrift.arma.simulate(2000, [], [], 1.0)  # white noise
+    >>> undrift.wavelet_variance(x, 100.0).scale[:3].tolist()
+    [0.01, 0.02, 0.04]
     """
+    rate = positive(rate, "rate")
     return WaveletVariance(rate=rate, **_undrift.wavelet_variance(record(x), rate))

@@ -8,9 +8,10 @@ from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
-
 from undrift import _undrift
+from undrift._arguments import number, pair, whole
 from undrift._array import Floats, record
+from undrift._number import Number
 from undrift._result import Result
 
 Order = tuple[int, int]
@@ -116,13 +117,45 @@ def fit(
     ``mean``: known [u], or None to estimate it with the rest. ``unit_root`` fixes one AR root at
     exactly 1, with a diffuse level. ``effort``: how hard to search, 0.001 to 1000; 1 is thorough.
     ``starts``: further coefficients (φ, θ) to start from, of any order up to ``order``.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Recording of one axis [u], u any unit; rad/s or m/s² for a sensor. NaN is a missing sample.
+    order : tuple of int
+        (p, q).
+    mean : float, optional
+        Known mean [u]; estimated without one.
+    unit_root : bool
+        Whether one AR root is fixed at exactly 1.
+    effort : float
+        How hard to search, 0.001 to 1000; 1 is thorough.
+    starts : sequence of (array_like, array_like)
+        Further coefficients (φ, θ) to start from.
+
+    Returns
+    -------
+    ArmaFit
+        Coefficients, σ, standard errors, criteria, warnings.
+
+    Raises
+    ------
+    UndriftError
+        For a recording or argument that cannot be; :class:`ArgumentError` for a wrong type.
+
+    Examples
+    --------
+    >>> x = undrift.arma.simulate(5000, [0.9], [], 1.0)
+    >>> fit = undrift.arma.fit(x, (1, 0), effort=0.1)
+    >>> f"{fit.ar[0]:.2f} {fit.sigma:.1f}"
+    '0.90 1.0'
     """
     known = [(record(ar, "φ").tolist(), record(ma, "θ").tolist()) for ar, ma in starts]
-    return fit_of(_undrift.arma_fit(record(x), order, mean, unit_root, effort, known))
+    return fit_of(_undrift.arma_fit(record(x), pair(order, "order"), mean, unit_root, effort, known))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Likelihood(Result):
+class Likelihood(Number, Result):
     """The exact likelihood at given coefficients, σ² at its best for them."""
 
     log_likelihood: float
@@ -153,6 +186,33 @@ def log_likelihood(
     """Exact log-likelihood at φ and θ (θ subtracted); a ``float`` where one is asked for.
 
     ``mean``: known [u], or None for its best value. With ``unit_root``, φ must hold a root at 1.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Recording of one axis [u], u any unit; rad/s or m/s² for a sensor. NaN is a missing sample.
+    ar, ma : array_like
+        Coefficients φ and θ, θ subtracted.
+    mean : float, optional
+        Known mean [u]; estimated without one.
+    unit_root : bool
+        Whether φ holds a root at 1.
+
+    Returns
+    -------
+    Likelihood
+        A number, with σ² and the mean at their best.
+
+    Raises
+    ------
+    UndriftError
+        For a recording or argument that cannot be; :class:`ArgumentError` for a wrong type.
+
+    Examples
+    --------
+    >>> x = undrift.arma.simulate(5000, [0.9], [], 1.0)
+    >>> undrift.arma.log_likelihood(x, [0.9], []) > undrift.arma.log_likelihood(x, [0.5], [])
+    True
     """
     return Likelihood(
         **_undrift.arma_log_likelihood(
@@ -189,7 +249,36 @@ def profile_interval(
     *,
     level: float = 0.95,
 ) -> ProfileInterval:
-    """What the record ``x`` leaves open about φ (ar) or θ (ma) of its ARMA(1,1) ``fit``."""
+    """What the record ``x`` leaves open about φ (ar) or θ (ma) of its ARMA(1,1) ``fit``.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Recording of one axis [u], u any unit; rad/s or m/s² for a sensor. NaN is a missing sample.
+    fit : ArmaFit
+        Its ARMA(1,1).
+    root : {"ar", "ma"}
+        Of φ or θ.
+    level : float
+        Probability.
+
+    Returns
+    -------
+    ProfileInterval
+        Ends of log(1 - c); ``.coefficient`` has those of c.
+
+    Raises
+    ------
+    UndriftError
+        For a recording or argument that cannot be; :class:`ArgumentError` for a wrong type.
+
+    Examples
+    --------
+    >>> x = undrift.arma.simulate(5000, [0.99], [0.9], 1.0)
+    >>> fit = undrift.arma.fit(x, (1, 1), effort=0.1)
+    >>> fit.ar[0] in undrift.arma.profile_interval(x, fit)
+    True
+    """
     return ProfileInterval(**_undrift.arma_profile_interval(record(x), fit, root, level))
 
 
@@ -210,18 +299,90 @@ class ArFit(Result):
 
 
 def burg(x: npt.ArrayLike, p: int) -> ArFit:
-    """AR(p) by Burg's method: least biased of the direct methods for a slow pole."""
-    return ArFit(**_undrift.ar_burg(record(x), p))
+    """AR(p) by Burg's method: least biased of the direct methods for a slow pole.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Recording of one axis [u], u any unit; rad/s or m/s² for a sensor.
+    p : int
+        Order.
+
+    Returns
+    -------
+    ArFit
+        Coefficients and variances.
+
+    Raises
+    ------
+    UndriftError
+        For a recording or argument that cannot be; :class:`ArgumentError` for a wrong type.
+
+    Examples
+    --------
+    >>> x = undrift.arma.simulate(5000, [0.9], [], 1.0)
+    >>> f"{undrift.arma.burg(x, 1).ar[0]:.2f}"
+    '0.90'
+    """
+    return ArFit(**_undrift.ar_burg(record(x), whole(p, "p")))
 
 
 def yule_walker(x: npt.ArrayLike, p: int) -> ArFit:
-    """AR(p) by the Yule-Walker equations (divisor n): strongly biased towards 0 for a slow pole."""
-    return ArFit(**_undrift.ar_yule_walker(record(x), p))
+    """AR(p) by the Yule-Walker equations (divisor n): strongly biased towards 0 for a slow pole.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Recording of one axis [u], u any unit; rad/s or m/s² for a sensor.
+    p : int
+        Order.
+
+    Returns
+    -------
+    ArFit
+        Coefficients and variances.
+
+    Raises
+    ------
+    UndriftError
+        For a recording or argument that cannot be; :class:`ArgumentError` for a wrong type.
+
+    Examples
+    --------
+    >>> x = undrift.arma.simulate(5000, [0.9], [], 1.0)
+    >>> f"{undrift.arma.yule_walker(x, 1).ar[0]:.2f}"
+    '0.90'
+    """
+    return ArFit(**_undrift.ar_yule_walker(record(x), whole(p, "p")))
 
 
 def order_by_aicc(x: npt.ArrayLike, max_p: int) -> int:
-    """The order up to ``max_p`` of least AICc by Burg's variances."""
-    return _undrift.ar_order(record(x), max_p)
+    """The order up to ``max_p`` of least AICc by Burg's variances.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Recording of one axis [u], u any unit; rad/s or m/s² for a sensor.
+    max_p : int
+        Largest order.
+
+    Returns
+    -------
+    int
+        The order.
+
+    Raises
+    ------
+    UndriftError
+        For a recording or argument that cannot be; :class:`ArgumentError` for a wrong type.
+
+    Examples
+    --------
+    >>> x = undrift.arma.simulate(5000, [0.9], [], 1.0)
+    >>> undrift.arma.order_by_aicc(x, 5) >= 1
+    True
+    """
+    return _undrift.ar_order(record(x), whole(max_p, "max_p"))
 
 
 def simulate(
@@ -237,7 +398,40 @@ def simulate(
 
     A seed gives the same samples on every machine. One root of φ may be exactly 1: a random walk
     that starts at 0.
+
+    Parameters
+    ----------
+    n : int
+        Samples.
+    ar, ma : array_like
+        Coefficients φ and θ, θ subtracted.
+    sigma : float
+        Standard deviation of the innovations [u].
+    mean : float
+        Mean [u].
+    seed : int
+        Seed; one gives the same on every machine.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Samples [u].
+
+    Raises
+    ------
+    UndriftError
+        For a recording or argument that cannot be; :class:`ArgumentError` for a wrong type.
+
+    Examples
+    --------
+    >>> undrift.arma.simulate(3, [0.9], [], 1.0, seed=1).shape
+    (3,)
     """
     return _undrift.arma_simulate(
-        n, record(ar, "φ").tolist(), record(ma, "θ").tolist(), sigma, mean, seed
+        whole(n, "n"),
+        record(ar, "φ").tolist(),
+        record(ma, "θ").tolist(),
+        number(sigma, "sigma"),
+        number(mean, "mean"),
+        whole(seed, "seed"),
     )

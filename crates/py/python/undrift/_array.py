@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-
-from undrift._undrift import UndriftError
+from undrift._errors import ArgumentError, UndriftError
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -27,9 +26,9 @@ def record(x: npt.ArrayLike, name: str = "the recording") -> Floats:
             array = x.to_numpy(dtype=np.float64, na_value=np.nan)
         array = np.require(array, np.float64, ["C", "ALIGNED", "ENSUREARRAY"])
     except (TypeError, ValueError) as error:
-        raise UndriftError(f"{name} is not an array of numbers: {error}") from error
+        raise ArgumentError(f"{name} is not an array of numbers: {error}") from error
     if array.ndim != 1:
-        raise UndriftError(
+        raise ArgumentError(
             f"{name} has {array.ndim} dimensions where 1 is needed: give one axis at a time"
         )
     return array

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
-
 from undrift import _undrift
+from undrift._arguments import positive, whole
 from undrift._array import Floats, Ints, record
 from undrift._result import Result, axes
+from undrift._units import factor, label_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,7 +33,29 @@ class JarqueBera(Result):
 
 
 def jarque_bera(x: npt.ArrayLike) -> JarqueBera:
-    """Jarque-Bera test of normality."""
+    """Jarque-Bera test of normality.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Recording of one axis [u], u any unit; rad/s or m/s² for a sensor.
+
+    Returns
+    -------
+    JarqueBera
+        Statistic and p-value.
+
+    Raises
+    ------
+    UndriftError
+        For a recording or argument that cannot be; :class:`ArgumentError` for a wrong type.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> undrift.jarque_bera(np.arange(1000.0)).p_value < 0.01  # uniform
+    True
+    """
     return JarqueBera(**_undrift.jarque_bera(record(x)))
 
 
@@ -71,7 +94,30 @@ class Normality(Result):
 
 
 def normality(x: npt.ArrayLike) -> Normality:
-    """Jarque-Bera, Kolmogorov-Smirnov and Lilliefors tests, and the quantisation step."""
+    """Jarque-Bera, Kolmogorov-Smirnov and Lilliefors tests, and the quantisation step.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Recording of one axis [u], u any unit; rad/s or m/s² for a sensor.
+
+    Returns
+    -------
+    Normality
+        Statistics, p-values, the step of quantisation.
+
+    Raises
+    ------
+    UndriftError
+        For a recording or argument that cannot be; :class:`ArgumentError` for a wrong type.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> x = undrift.arma.simulate(2000, [], [], 1.0)  # white noise
+    >>> undrift.normality(np.round(x, 1)).quantisation_step
+    0.1
+    """
     return Normality(**_undrift.normality_tests(record(x)))
 
 
@@ -97,9 +143,35 @@ def ljung_box(x: npt.ArrayLike, lags: int | Iterable[int] = 20, *, fitted: int =
     """Ljung-Box and Box-Pierce tests at each number of ``lags``.
 
     ``fitted``: parameters p + q where ``x`` are the residuals of an ARMA(p, q).
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Recording of one axis [u], u any unit; rad/s or m/s² for a sensor.
+    lags : int or iterable of int
+        Autocorrelations that are summed.
+    fitted : int
+        Parameters of the model whose residuals these are.
+
+    Returns
+    -------
+    LjungBox
+        Statistics and p-values, one for each number of lags.
+
+    Raises
+    ------
+    UndriftError
+        For a recording or argument that cannot be; :class:`ArgumentError` for a wrong type.
+
+    Examples
+    --------
+    >>> x = undrift.arma.simulate(5000, [0.9], [], 1.0)
+    >>> bool(undrift.ljung_box(x, 20).p_value[0] < 0.01)  # not white
+    True
     """
-    wanted = [lags] if isinstance(lags, (int, np.integer)) else [int(lag) for lag in lags]
-    return LjungBox(**_undrift.portmanteau(record(x), wanted, fitted))
+    several = lags if isinstance(lags, Iterable) else [lags]
+    wanted = [whole(lag, "lags") for lag in several]
+    return LjungBox(**_undrift.portmanteau(record(x), wanted, whole(fitted, "fitted")))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -120,11 +192,11 @@ class Correlations(Result):
         made = np.asarray(self.value, dtype=dtype)
         return made.copy() if copy and made is self.value else made
 
-    def plot(self, ax: Axes | None = None) -> Axes:
+    def plot(self, ax: Axes | None = None, *, label: str | None = None) -> Axes:
         """Correlation over lag with its bounds. Needs ``undrift[plot]``."""
         ax = axes(ax)
         ax.vlines(self.lag[1:], 0.0, self.value[1:])
-        ax.plot(self.lag[1:], self.value[1:], ".")
+        ax.plot(self.lag[1:], self.value[1:], ".", label=label)
         ax.fill_between(
             self.lag[1:], -self.bound[1:], self.bound[1:], alpha=0.2, linewidth=0, label="95 %"
         )
@@ -136,8 +208,32 @@ class Correlations(Result):
 
 
 def acf(x: npt.ArrayLike, lags: int = 100) -> Correlations:
-    """Autocorrelations at lags 0 to ``lags``: about the mean, divisor n."""
-    return Correlations(**_undrift.acf(record(x), lags))
+    """Autocorrelations at lags 0 to ``lags``: about the mean, divisor n.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Recording of one axis [u], u any unit; rad/s or m/s² for a sensor.
+    lags : int
+        Largest lag.
+
+    Returns
+    -------
+    Correlations
+        Correlations and their 95 % bounds, lags 0 to ``lags``.
+
+    Raises
+    ------
+    UndriftError
+        For a recording or argument that cannot be; :class:`ArgumentError` for a wrong type.
+
+    Examples
+    --------
+    >>> x = undrift.arma.simulate(5000, [0.9], [], 1.0)
+    >>> f"{undrift.acf(x, 5).value[1]:.1f}"
+    '0.9'
+    """
+    return Correlations(**_undrift.acf(record(x), whole(lags, "lags")))
 
 
 def pacf(
@@ -146,8 +242,34 @@ def pacf(
     *,
     method: Literal["yule-walker", "yule-walker-adjusted", "burg"] = "yule-walker",
 ) -> Correlations:
-    """Partial autocorrelations at lags 0 to ``lags``; Burg's are the ones to trust near a unit root."""
-    return Correlations(**_undrift.pacf(record(x), lags, method))
+    """Partial autocorrelations at lags 0 to ``lags``; Burg's are the ones to trust near a unit root.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Recording of one axis [u], u any unit; rad/s or m/s² for a sensor.
+    lags : int
+        Largest lag.
+    method : {"yule-walker", "yule-walker-adjusted", "burg"}
+        How they are estimated.
+
+    Returns
+    -------
+    Correlations
+        Partial correlations and their 95 % bounds, lags 0 to ``lags``.
+
+    Raises
+    ------
+    UndriftError
+        For a recording or argument that cannot be; :class:`ArgumentError` for a wrong type.
+
+    Examples
+    --------
+    >>> x = undrift.arma.simulate(5000, [0.9], [], 1.0)
+    >>> f"{undrift.pacf(x, 5).value[1]:.1f}"
+    '0.9'
+    """
+    return Correlations(**_undrift.pacf(record(x), whole(lags, "lags"), method))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -180,12 +302,16 @@ class Spectrum(Result):
         found = _undrift.spectral_lines(self.frequency, self.density, self.segments, factor)
         return SpectralLines(**found)
 
-    def plot(self, ax: Axes | None = None) -> Axes:
-        """Density over frequency, logarithmic. Needs ``undrift[plot]``."""
+    def plot(
+        self, ax: Axes | None = None, *, label: str | None = None, unit: str | None = None
+    ) -> Axes:
+        """Density over frequency, logarithmic; ``label`` names the curve, ``unit`` converts the samples. Needs ``undrift[plot]``."""
         ax = axes(ax)
-        ax.loglog(self.frequency[1:], self.density[1:])
+        ax.loglog(self.frequency[1:], factor(unit) ** 2 * self.density[1:], label=label)
         ax.set_xlabel("frequency [Hz]")
-        ax.set_ylabel("density [unit² of the samples / Hz]")
+        ax.set_ylabel(f"density [({label_of(unit)})²/Hz]")
+        if label is not None:
+            ax.legend()
         ax.grid(True, which="both", alpha=0.3)
         return ax
 
@@ -195,7 +321,34 @@ def psd(x: npt.ArrayLike, rate: float, *, segment: int | None = None) -> Spectru
 
     Hann window, half overlapped, the mean of each segment taken out. ``segment`` in samples: by
     default an eighth of the record, 256 to 8192.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Recording of one axis [u], u any unit; rad/s or m/s² for a sensor.
+    rate : float
+        Sample rate [Hz].
+    segment : int, optional
+        Samples of a segment.
+
+    Returns
+    -------
+    Spectrum
+        One-sided density [u²/Hz] over frequency [Hz].
+
+    Raises
+    ------
+    UndriftError
+        For a recording or argument that cannot be; :class:`ArgumentError` for a wrong type.
+
+    Examples
+    --------
+    >>> x = undrift.arma.simulate(2000, [], [], 1.0)  # white noise
+    >>> spectrum = undrift.psd(x, 100.0)
+    >>> f"{spectrum.density[1:-1].mean():.2f}"  # 2 σ²/rate
+    '0.02'
     """
+    rate = positive(rate, "rate")
     return Spectrum(rate=rate, **_undrift.psd(record(x), rate, segment))
 
 
@@ -219,6 +372,32 @@ def detrend(
     *,
     temperature: npt.ArrayLike | None = None,
 ) -> Detrended:
-    """Takes out the mean, a straight line, or the mean and a multiple of the temperature [°C or K]."""
+    """Takes out the mean, a straight line, or the mean and a multiple of the temperature [°C or K].
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Recording of one axis [u], u any unit; rad/s or m/s² for a sensor.
+    kind : {"constant", "linear", "temperature"}
+        What is taken out.
+    temperature : array_like, shape (n,), optional
+        Temperature of each sample [°C or K].
+
+    Returns
+    -------
+    Detrended
+        What is left, the mean and the slope.
+
+    Raises
+    ------
+    UndriftError
+        For a recording or argument that cannot be; :class:`ArgumentError` for a wrong type.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> f"{undrift.detrend(2.0 * np.arange(100.0), 'linear').slope:.3f}"
+    '2.000'
+    """
     given = None if temperature is None else record(temperature, "the temperature")
     return Detrended(**_undrift.detrend(record(x), kind, given))

@@ -8,8 +8,11 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from undrift import _toml, _undrift
+from undrift._errors import ArgumentError
+from undrift._filter import Filter, FilterState
+from undrift._logs import GnssLog, ImuLog
 from undrift._model import ModelLike, NoiseModel, compiled
-from undrift._tables import Columns, columns, is_table
+from undrift._tables import Columns, columns, is_table, stated_names
 
 #: A log: a file, a table in memory, or a table of the drive file whose ``file`` is one of these.
 Log: TypeAlias = Any
@@ -127,6 +130,13 @@ class Drive:
 
     Columns of a table in memory that are not specified are found by their names, as
     ``gx_dps``, ``accel_x [m/s^2]``, ``lat_deg``: nothing is guessed by the numbers.
+
+    Examples
+    --------
+    >>> sim = undrift.simulate("car", 150.0, 50.0)
+    >>> drive = undrift.Drive(sim.imu, sim.gnss, "adis16405")
+    >>> len(drive.imu.time)
+    7500
     """
 
     def __init__(
@@ -152,7 +162,7 @@ class Drive:
         for key, item in keys.items():
             if key not in _SHORT:
                 known = ", ".join(sorted(_SHORT))
-                raise TypeError(f"unknown key {key}; without their table there are {known}")
+                raise ArgumentError(f"unknown key {key}; without their table there are {known}")
             short[_SHORT[key]][key] = item
         memory: list[tuple[str, Columns]] = []
         text = ""
@@ -201,6 +211,23 @@ class Drive:
         return None if model is None else NoiseModel(model)
 
     @property
+    def imu(self) -> ImuLog:
+        """The inertial samples, in body axes and SI units, as arrays: read from the log each time."""
+        return ImuLog(**self._drive.imu())
+
+    @property
+    def gnss(self) -> GnssLog:
+        """The fixes as arrays, with the covariances that the filter is given: read from the log each time."""
+        arrays = self._drive.gnss()
+        for name in ("position_cov", "velocity_cov"):
+            arrays[name] = arrays[name].reshape(-1, 3, 3)
+        return GnssLog(**arrays)
+
+    def align(self, bias_model: str = "arma") -> FilterState:
+        """Where :func:`undrift.navigate` begins on this drive: the state at the end of the first sample of the solution."""
+        return Filter.from_drive(self, bias_model).state
+
+    @property
     def toml(self) -> str:
         """The drive file; of a drive in memory, ``file`` names its tables ``<imu>``, ``<gnss>``."""
         return self._text
@@ -224,13 +251,13 @@ def _log(
         name = f"<{table}>"
         held = columns(log)
         memory.append((name, held))
-        told = _told(table, [column for column, _ in held])
+        told = _told(table, stated_names(log, [column for column, _ in held]))
         missing = {key: item for key, item in told.items() if not _stated(key, keys)}
         lines = "".join(f"{key} = {item}\n" for key, item in missing.items())
         keys = {"file": name, "format": "csv", **keys}
         return _toml.table(table, keys, UNITS[table]) + lines
     else:
-        raise TypeError(f"{table}: a {type(log).__name__} is neither a file nor a table")
+        raise ArgumentError(f"{table}: a {type(log).__name__} is neither a file nor a table")
     return _toml.table(table, keys, UNITS[table])
 
 
@@ -244,12 +271,20 @@ def _stated(key: str, keys: Mapping[str, Any]) -> bool:
     return key in keys or key.replace("_columns", "") in keys
 
 
-def _told(table: str, names: list[str]) -> dict[str, str]:
-    """The keys of a drive file's table that follow from the names of columns."""
-    parts = dict(_undrift.told_by_names(names))
+def _told(table: str, names: Mapping[str, str]) -> dict[str, str]:
+    """The keys of a drive file's table that follow from the names of columns, by those with units."""
+    parts = dict(_undrift.told_by_names(list(names)))
     if table in parts:
-        return dict(parts[table])
-    if table == "truth" and "gnss" in parts:
+        told = dict(parts[table])
+    elif table == "truth" and "gnss" in parts:
         # A trajectory without attitude.
-        return {key: item for key, item in parts["gnss"] if key in _TRUTH_KEYS}
-    return {}
+        told = {key: item for key, item in parts["gnss"] if key in _TRUTH_KEYS}
+    else:
+        return {}
+    for with_unit, name in names.items():
+        if with_unit != name:
+            told = {
+                key: item.replace(_toml.value(with_unit), _toml.value(name))
+                for key, item in told.items()
+            }
+    return told

@@ -2,20 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
-
 from undrift import _undrift
-from undrift._array import Floats
+from undrift._arguments import (
+    Vector,
+    covariance,
+    deviations,
+    limits,
+    number,
+    place,
+    positive,
+    three,
+)
+from undrift._array import Floats, record
 from undrift._model import ModelLike, compiled
 from undrift._result import Result
 from undrift._solution import Solution
 
-Vector = Sequence[float] | Floats
+if TYPE_CHECKING:
+    from undrift._drive import Drive
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -85,6 +95,15 @@ class Filter:
 
     Every update returns an :class:`Innovation`; ``gate`` = (weaken, reject) are limits of its NIS:
     above the first the measurement's covariance grows, above the second it is rejected.
+
+    Examples
+    --------
+    >>> f = undrift.Filter("adis16405", rate=100.0, position=(0.8, 0.1, 300.0))
+    >>> f.predict((0.0, 0.0, 0.0), (0.0, 0.0, -9.81))
+    >>> f.update_zero_velocity().outcome
+    'used'
+    >>> f.time
+    0.01
     """
 
     def __init__(
@@ -106,22 +125,36 @@ class Filter:
         parameters: Mapping[str, float | tuple[float, float]] | None = None,
     ) -> None:
         start = {
-            "time": float(time),
-            "position": _three(position),
-            "velocity": _three(velocity),
-            "rpy": _three(rpy),
-            "position_cov": _covariance(position_std, position_cov),
-            "velocity_cov": _covariance(velocity_std, velocity_cov),
-            "attitude_std": _three(attitude_std),
+            "time": number(time, "time"),
+            "position": place(position, "position"),
+            "velocity": three(velocity, "velocity"),
+            "rpy": three(rpy, "rpy"),
+            "position_cov": covariance(position_std, position_cov, "position"),
+            "velocity_cov": covariance(velocity_std, velocity_cov, "velocity"),
+            "attitude_std": deviations(attitude_std, "attitude_std"),
         }
         asked = []
         for name, prior in (parameters or {}).items():
             std, walk = prior if isinstance(prior, tuple) else (prior, 0.0)
-            asked.append((name, float(std), float(walk)))
-        self._interval = 1.0 / rate
-        self._lever_arm = _three(lever_arm)
-        self._filter = _undrift.Filter(compiled(model), bias_model, rate, start, asked)
+            asked.append((name, positive(std, name), number(walk, name)))
+        self._interval = 1.0 / positive(rate, "rate")
+        self._lever_arm = three(lever_arm, "lever_arm")
+        self._filter = _undrift.Filter(compiled(model), bias_model, float(rate), start, asked)
         self._innovation: Innovation | None = None
+
+    @classmethod
+    def from_drive(cls, drive: Drive, bias_model: str = "arma") -> Filter:
+        """The filter as :func:`undrift.navigate` begins it on a drive, for a loop over :attr:`Drive.imu` and :attr:`Drive.gnss`.
+
+        It stands at the end of the sample in which the alignment was complete, with all that the drive asks it to
+        estimate, the antenna's lever arm, and what the fixes are known to be wrong by.
+        """
+        made = cls.__new__(cls)
+        made._filter, made._lever_arm, made._interval = _undrift.Filter.from_drive(
+            drive._drive, bias_model
+        )
+        made._innovation = None
+        return made
 
     # Time
 
@@ -136,9 +169,13 @@ class Filter:
     ) -> None:
         """Carries the filter over a sample: mean angular rate [rad/s] and specific force [m/s²], body axes.
 
-        ``dt`` [s] is its interval, by default 1/rate; ``time`` [s] its end, by default the present
-        time and ``dt``. With ``increments`` they are angles [rad] and velocities [m/s] gathered
-        over it.
+        ``dt`` [s] is its interval, by default 1/rate, at most 10 s; ``time`` [s] its end, by default the
+        present time and ``dt``. With ``increments`` they are angles [rad] and velocities [m/s] gathered
+        over it. A sample must begin where the filter stands, to half of ``dt``: across a gap of a few
+        samples, pass ``dt`` of the whole gap.
+
+        Raises UndriftError for time that goes backwards, a gap, or values after which there is no
+        solution; the filter is then as before.
         """
         self.begin(gyro, accel, dt, time=time, increments=increments)
         self._filter.advance(None)
@@ -152,14 +189,17 @@ class Filter:
         time: float | None = None,
         increments: bool = False,
     ) -> None:
-        """Takes up a sample without moving yet, as :meth:`predict`: for fixes inside of its interval."""
-        dt = self._interval if dt is None else dt
-        end = self._filter.time + dt if time is None else time
-        self._filter.begin(end, dt, _three(gyro), _three(accel), increments)
+        """Takes up a sample without moving yet, as :meth:`predict`: for fixes inside of its interval.
+
+        What is left of the sample before is done first.
+        """
+        dt = self._interval if dt is None else number(dt, "dt")
+        end = None if time is None else number(time, "time")
+        self._filter.begin(end, dt, three(gyro, "gyro"), three(accel, "accel"), increments)
 
     def advance(self, time: float | None = None) -> None:
         """Moves to ``time`` [s] within the sample taken up, or to its end."""
-        self._filter.advance(time)
+        self._filter.advance(None if time is None else number(time, "time"))
 
     def predict_many(
         self,
@@ -173,11 +213,11 @@ class Filter:
         """As :meth:`predict` over n samples, n × 3 each; the solution after every one of them.
 
         ``time`` are the ends of the intervals [s]; the first interval is ``dt``, by default 1/rate.
-        Without it all are ``dt``.
+        Without it all are ``dt``. After an error the filter is as before the first of them.
         """
         rates, forces = np.asarray(gyro, np.float64), np.asarray(accel, np.float64)
-        dt = self._interval if dt is None else dt
-        ends = None if time is None else np.asarray(time, np.float64)
+        dt = self._interval if dt is None else number(dt, "dt")
+        ends = None if time is None else record(time, "time")
         arrays = self._filter.predict_many(ends, dt, rates, forces, increments)
         return Solution(**arrays)
 
@@ -197,35 +237,37 @@ class Filter:
     ) -> tuple[Innovation, ...]:
         """Updates with the antenna's position (latitude, longitude [rad], height [m]), then its velocity [m/s].
 
-        Standard deviations, or covariances, are north, east, down.
+        Standard deviations, or covariances, are north, east, down. Both are used or, after an error, none.
         """
-        lever = self._lever_arm if lever_arm is None else _three(lever_arm)
-        done = []
+        lever = self._lever_arm if lever_arm is None else three(lever_arm, "lever_arm")
+        measured = []
         if position is not None:
-            cov = _covariance(position_std, position_cov)
-            done.append(self._update("position", position, lever, cov=cov, gate=gate))
+            cov = covariance(position_std, position_cov, "position")
+            measured.append(_measured("position", place(position, "position"), lever, cov=cov))
         if velocity is not None:
-            cov = _covariance(velocity_std, velocity_cov)
-            done.append(self._update("velocity", velocity, lever, cov=cov, gate=gate))
-        return tuple(one for one in done if one is not None)
+            cov = covariance(velocity_std, velocity_cov, "velocity")
+            measured.append(_measured("velocity", three(velocity, "velocity"), lever, cov=cov))
+        return self._update(measured, gate)
 
     def update_zero_velocity(
         self, std: float = 0.02, gate: tuple[float, float] | None = None
     ) -> Innovation | None:
         """Updates with rest: no velocity, ``std`` [m/s]."""
-        return self._update("zero velocity", (0.0, 0.0, 0.0), std=std, gate=gate)
+        return self._one(_measured("zero velocity", std=positive(std, "std")), gate)
 
     def update_earth_rate(
         self, gyro: Vector, std: float, gate: tuple[float, float] | None = None
     ) -> Innovation | None:
         """Updates with a mean angular rate at rest [rad/s]: what it is beyond the Earth's is the gyros' error."""
-        return self._update("earth rate", gyro, std=std, gate=gate)
+        value = three(gyro, "gyro")
+        return self._one(_measured("earth rate", value, std=positive(std, "std")), gate)
 
     def update_level(
         self, accel: Vector, std: float, gate: tuple[float, float] | None = None
     ) -> Innovation | None:
         """Updates with a mean specific force at rest [m/s²], which points up."""
-        return self._update("level", accel, std=std, gate=gate)
+        value = three(accel, "accel")
+        return self._one(_measured("level", value, std=positive(std, "std")), gate)
 
     def update_non_holonomic(
         self,
@@ -235,8 +277,8 @@ class Filter:
         gate: tuple[float, float] | None = None,
     ) -> Innovation | None:
         """Updates with that the axle that does not steer, at ``axle`` from the IMU [m], does not slide: [m/s]."""
-        value = (right_std, down_std, 0.0)
-        return self._update("non-holonomic", value, _three(axle), gate=gate)
+        value = [positive(right_std, "right_std"), positive(down_std, "down_std"), 0.0]
+        return self._one(_measured("non-holonomic", value, three(axle, "axle")), gate)
 
     def update_odometer(
         self,
@@ -246,39 +288,42 @@ class Filter:
         gate: tuple[float, float] | None = None,
     ) -> Innovation | None:
         """Updates with the speed of the wheel at ``wheel`` from the IMU [m], forward positive [m/s]."""
-        return self._update("odometer", (speed, 0.0, 0.0), _three(wheel), std=std, gate=gate)
+        value, lever = [number(speed, "speed"), 0.0, 0.0], three(wheel, "wheel")
+        return self._one(_measured("odometer", value, lever, std=positive(std, "std")), gate)
 
     def update_barometer(
         self, height: float, std: float = 1.0, gate: tuple[float, float] | None = None
     ) -> Innovation | None:
         """Updates with a barometric height [m]; its constant error is the parameter barometer_bias."""
-        return self._update("barometer", (height, 0.0, 0.0), std=std, gate=gate)
+        value = [number(height, "height"), 0.0, 0.0]
+        return self._one(_measured("barometer", value, std=positive(std, "std")), gate)
 
     def update_course(
         self, course: float, std: float, gate: tuple[float, float] | None = None
     ) -> Innovation | None:
         """Updates the heading with a course over ground [rad]; None while the vehicle points up or down."""
-        return self._update("course", (course, 0.0, 0.0), std=std, gate=gate)
+        value = [number(course, "course"), 0.0, 0.0]
+        return self._one(_measured("course", value, std=positive(std, "std")), gate)
+
+    def _one(
+        self, measured: dict[str, Any], gate: tuple[float, float] | None
+    ) -> Innovation | None:
+        done = self._update([measured], gate)
+        return done[0] if done else None
 
     def _update(
-        self,
-        kind: str,
-        value: Vector,
-        lever: list[float] | None = None,
-        *,
-        std: float = 0.0,
-        cov: list[list[float]] | None = None,
-        gate: tuple[float, float] | None = None,
-    ) -> Innovation | None:
-        lever = [0.0, 0.0, 0.0] if lever is None else lever
-        told = self._filter.update(kind, _three(value), std, lever, cov, gate)
-        if told is None:
-            return None
-        innovation, nis, dof, whitened, outcome, factor = told
-        self._innovation = Innovation(
-            kind, np.array(innovation), nis, dof, np.array(whitened), outcome, factor
+        self, measured: list[dict[str, Any]], gate: tuple[float, float] | None
+    ) -> tuple[Innovation, ...]:
+        """Updates with all or, after an error, with none."""
+        updates = tuple(
+            Innovation(kind, np.array(innovation), nis, dof, np.array(whitened), outcome, factor)
+            for kind, innovation, nis, dof, whitened, outcome, factor in self._filter.update(
+                measured, limits(gate)
+            )
         )
-        return self._innovation
+        if updates:
+            self._innovation = updates[-1]
+        return updates
 
     # What it knows
 
@@ -311,25 +356,40 @@ class Filter:
         """
         return self._filter.covariance()
 
+    def __copy__(self) -> Filter:
+        made = Filter.__new__(Filter)
+        made.__dict__.update(self.__dict__)
+        made._filter = self._filter.copy()
+        return made
+
+    def __deepcopy__(self, memo: object) -> Filter:
+        return self.__copy__()
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_filter": self._filter.numbers()}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._filter = _undrift.Filter.from_numbers(state["_filter"])
+
     def __repr__(self) -> str:
         return f"Filter(time={self.time:.6g}, states={len(self.covariance)})"
 
 
-def _three(value: float | Vector) -> list[float]:
-    """Three numbers; one stands for all of them."""
-    if isinstance(value, (int, float)):
-        return [float(value)] * 3
-    numbers = [float(one) for one in value]
-    if len(numbers) != 3:
-        raise TypeError(f"three numbers are needed, not {len(numbers)}")
-    return numbers
-
-
-def _covariance(std: float | Vector, cov: npt.ArrayLike | None) -> list[list[float]]:
-    if cov is None:
-        cov = np.diag([one * one for one in _three(std)])
-    matrix = np.asarray(cov, np.float64)
-    if matrix.shape != (3, 3):
-        raise TypeError(f"a covariance of 3 x 3 is needed, not {matrix.shape}")
-    rows: list[list[float]] = matrix.tolist()
-    return rows
+def _measured(
+    kind: str,
+    value: list[float] | None = None,
+    lever: list[float] | None = None,
+    *,
+    std: float = 0.0,
+    cov: list[list[float]] | None = None,
+) -> dict[str, Any]:
+    """A measurement as the compiled half takes it."""
+    zero = [0.0, 0.0, 0.0]
+    return {
+        "kind": kind,
+        "value": value or zero,
+        "std": std,
+        "lever_arm": lever or zero,
+        "covariance": cov,
+    }

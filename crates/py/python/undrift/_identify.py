@@ -6,17 +6,23 @@ import json
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
-
 from undrift import _undrift
+from undrift._arguments import positive, whole
 from undrift._array import Floats
+from undrift._array import record as array_of
+from undrift._errors import ArgumentError
 from undrift._model import ModelLike, NoiseModel, compiled
+from undrift._progress import Progress, reporter
 from undrift._result import Result, axes
 from undrift._tables import columns as columns_of
+from undrift._tables import index_of, is_table, with_units
 from undrift._told import Told
+from undrift._units import factor
 
 if TYPE_CHECKING:
     import matplotlib.axes
@@ -78,14 +84,38 @@ class AxisIdentified(Result):
     warnings: tuple[str, ...]
     """Warnings about the axis."""
 
-    def plot(self, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
-        """The Allan deviation with its interval, and the fit. Needs ``undrift[plot]``."""
+    @property
+    def outside(self) -> npt.NDArray[np.bool_]:
+        """Where the terms fitted lie outside of the interval of the Allan deviation."""
+        return np.asarray((self.adev_fit < self.adev_lower) | (self.adev_fit > self.adev_upper))
+
+    def plot(
+        self,
+        ax: matplotlib.axes.Axes | None = None,
+        *,
+        label: str | None = None,
+        unit: str | None = None,
+    ) -> matplotlib.axes.Axes:
+        """The Allan deviation with its interval, and the fit, with crosses where it is outside of the interval.
+
+        ``label`` names the curve; ``unit``, such as deg/h or mg, is that of the axis. Needs ``undrift[plot]``.
+        """
         ax = axes(ax)
-        (line,) = ax.loglog(self.taus, self.adev, label="Allan deviation")
-        ax.fill_between(self.taus, self.adev_lower, self.adev_upper, color=line.get_color(), alpha=0.2)
-        ax.loglog(self.taus, self.adev_fit, "--", label="fit")
+        scale = factor(unit)
+        (line,) = ax.loglog(self.taus, scale * self.adev, label=label or "Allan deviation")
+        ax.fill_between(
+            self.taus,
+            scale * self.adev_lower,
+            scale * self.adev_upper,
+            color=line.get_color(),
+            alpha=0.2,
+        )
+        ax.loglog(self.taus, scale * self.adev_fit, "--", label="fit")
+        outside = self.outside
+        if outside.any():
+            ax.loglog(self.taus[outside], scale * self.adev_fit[outside], "rx", label="fit outside")
         ax.set_xlabel("averaging time [s]")
-        ax.set_ylabel(f"deviation [{self.unit}]")
+        ax.set_ylabel(f"deviation [{unit or self.unit}]")
         ax.legend()
         return ax
 
@@ -116,7 +146,8 @@ class Identified(Told):
     """Warnings about the recording and its axes."""
     json: str = field(repr=False)
     """The result as ``undrift identify --json -`` prints it."""
-    _found: _undrift.Identified | None = field(repr=False)
+    _found: _undrift.Identified | None = field(repr=False, compare=False)
+    _model: str = field(default="", repr=False, compare=False)
 
     @property
     def recommended(self) -> dict[str, str]:
@@ -131,7 +162,11 @@ class Identified(Told):
         contradict (95 %): one record bounds them only from below.
         """
         if self._found is None:
-            raise _undrift.UndriftError("a pickled result has no model: save the model itself")
+            if base is not None:
+                raise _undrift.UndriftError(
+                    "an unpickled result has its model without base only: call model(base) before it is pickled"
+                )
+            return NoiseModel.from_toml(self._model, "<model>")
         return NoiseModel(self._found.model(None if base is None else compiled(base)))
 
     def __copy__(self) -> Identified:
@@ -141,12 +176,15 @@ class Identified(Told):
         return self
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_found": None}
+        return {**self.__dict__, "_found": None, "_model": self.model().to_toml()}
 
-    def plot(self, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
-        """The Allan deviations of all axes. Needs ``undrift[plot]``."""
+    def plot(
+        self, ax: matplotlib.axes.Axes | None = None, *, label: str | None = None
+    ) -> matplotlib.axes.Axes:
+        """The Allan deviations of all axes; ``label`` stands before their names. Needs ``undrift[plot]``."""
         ax = axes(ax)
         for name, axis in self.axes.items():
+            name = name if label is None else f"{label}, {name}"
             ax.loglog(axis.taus, axis.adev, label=f"{name} [{axis.unit}]")
         ax.set_xlabel("averaging time [s]")
         ax.set_ylabel("Allan deviation")
@@ -178,12 +216,13 @@ def identify(
     n_max: int = 2,
     detrend: str = "temperature",
     force: bool = False,
+    progress: Progress = False,
 ) -> Identified:
     """Identifies how a sensor errs from a record of it at rest.
 
     ``record`` is a file; a table in memory (data frame, Arrow table, structured array, dict of
-    arrays); or an array, of one axis (then ``axis`` names it) or of n × 6 columns in the order of
-    gyro x, y, z, accelerometer x, y, z, in SI units. ``columns`` and ``units``, ``"deg/s,g"``, are
+    arrays, :class:`ImuLog`); or an array, a list or a series, of one axis (then ``axis`` names it) or, of arrays, of
+    n × 6 columns in the order of gyro x, y, z, accelerometer x, y, z, in SI units. ``columns`` and ``units``, ``"deg/s,g"``, are
     found from the names of columns where possible; ``rate`` [Hz] by the time stamps, if there are any.
     ``detrend`` is constant, linear or temperature (the bias over temperature, where the record has a column of it); ``n_max`` the largest n of ARMA(2n, 2n−1) in the
     Pandit-Wu table. What is no static recording is refused; ``force`` identifies it anyway.
@@ -191,6 +230,46 @@ def identify(
 
     A list or tuple of records, one for each time that a sensor was switched on, makes one model: ``data["pool"]`` has
     the spread of the turn-on constants and the records that differ.
+
+    Parameters
+    ----------
+    record : str, path, table, array_like or list of such
+        A static recording, or several of one sensor.
+    rate : float, optional
+        Sample rate [Hz]; by the time stamps without one.
+    columns : iterable of str or int
+        Columns of the six axes, by name or number from 1.
+    axis : str, optional
+        Axis of a recording of one, ``gyro_x`` … ``accel_z``.
+    units : str or tuple of str, optional
+        Units of gyros and accelerometers, ``"deg/s,g"``.
+    topic : str, optional
+        Topic of a bag.
+    n_max : int
+        Largest n of ARMA(2n, 2n−1) in the Pandit-Wu table.
+    detrend : {"constant", "linear", "temperature"}
+        What is taken out first.
+    force : bool
+        Whether to identify what is no static recording.
+    progress : bool or callable
+        True for a bar; or ``tqdm``, or what is called like it.
+
+    Returns
+    -------
+    Identified
+        Candidates, tests and the recommended model of each axis.
+
+    Raises
+    ------
+    UndriftError
+        For a recording that cannot be read or is not static; :class:`ArgumentError` for a wrong type.
+
+    Examples
+    --------
+    >>> x = undrift.NoiseModel.load("adis16405").simulate(3000, 50.0, seed=1)["gyro_z"]
+    >>> found = undrift.identify(x, axis="gyro_z", rate=50.0)
+    >>> found.axes["gyro_z"].samples
+    3000
     """
     if isinstance(units, str):
         parts = [part.strip() for part in units.split(",")]
@@ -199,7 +278,10 @@ def identify(
                 'units takes the gyros\' and the accelerometers\' unit, for instance "deg/s,g"'
             )
         units = (parts[0], parts[-1])
-    several = record if isinstance(record, (list, tuple)) else [record]
+    of_numbers = isinstance(record, (list, tuple)) and record and isinstance(record[0], Real)
+    several = record if isinstance(record, (list, tuple)) and not of_numbers else [record]
+    columns = [one if isinstance(one, str) else whole(one, "columns") for one in columns]
+    rate = None if rate is None else positive(rate, "rate")
     if not several:
         raise _undrift.UndriftError("no record to identify")
     records: list[tuple[str | os.PathLike[str], list[tuple[str, Floats]] | None]] = []
@@ -210,11 +292,16 @@ def identify(
         elif isinstance(one, np.ndarray) and one.dtype.names is None:
             records.append((name, _bare(one, axis)))
             units = units or ("rad/s", "m/s^2")
+        elif is_table(one):
+            records.append((name, with_units(one)))
         else:
-            records.append((name, columns_of(one)))
-    found = _undrift.identify(
-        records, list(columns), axis, units, topic, rate, n_max, detrend, force
-    )
+            column, in_si = _column(one, axis)
+            records.append((name, column))
+            units = units or (("rad/s", "m/s^2") if in_si else None)
+    with reporter(progress, "identify") as report:
+        found = _undrift.identify(
+            records, columns, axis, units, topic, rate, whole(n_max, "n_max"), detrend, force, report
+        )
     text = found.json()
     told = json.loads(text)
     done, failed = {}, {}
@@ -236,7 +323,7 @@ def identify(
         axes=done,
         failed=failed,
         rate=told["rate_hz"],
-        warnings=(*found.warnings, *said),
+        warnings=tuple(map(_undrift.in_python, (*found.warnings, *said))),
         json=text,
         _found=found,
     )
@@ -246,7 +333,7 @@ def _bare(record: npt.NDArray[Any], axis: str | None) -> list[tuple[str, Floats]
     """The columns of an array without names."""
     if record.ndim == 1:
         if axis is None:
-            raise TypeError(f"specify the axis of the recording: axis={AXES[0]!r} … {AXES[-1]!r}")
+            raise ArgumentError(f"specify the axis of the recording: axis={AXES[0]!r} … {AXES[-1]!r}")
         return [(axis, np.asarray(record, dtype=np.float64))]
     if record.ndim == 2 and record.shape[1] == len(AXES):
         return [
@@ -254,7 +341,20 @@ def _bare(record: npt.NDArray[Any], axis: str | None) -> list[tuple[str, Floats]
             for name, column in zip(AXES, record.T, strict=True)
         ]
     shape = " x ".join(map(str, record.shape))
-    raise TypeError(f"a record of one axis or of n x 6 columns is needed, not {shape}")
+    raise ArgumentError(f"a record of one axis or of n x 6 columns is needed, not {shape}")
+
+
+def _column(record: Any, axis: str | None) -> tuple[list[tuple[str, Floats]], bool]:
+    """The columns of a list, or of a series of pandas or polars with its index; whether they are of an axis
+    without a unit.
+    """
+    values = array_of(record)
+    own = getattr(record, "name", None)
+    name = axis if axis is not None or own is None else str(own)
+    if name is None:
+        raise ArgumentError(f"specify the axis of the recording: axis={AXES[0]!r} … {AXES[-1]!r}")
+    times = [found for one in index_of(record) for found in columns_of(dict([one]))]
+    return [(name, values), *times], axis is not None
 
 
 def _axis(told: dict[str, Any]) -> AxisIdentified:

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
-
+import numpy.typing as npt
 from undrift import _toml, _undrift
+from undrift._arguments import positive, whole
 from undrift._array import Floats
 from undrift._result import Result
 
@@ -51,6 +52,29 @@ class ArmaNoise(Result):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class TemperatureEffect(Result):
+    """The bias over temperature T: ``slope (T − reference) + quadratic (T − reference)²``; "unit" is rad/s or m/s²."""
+
+    reference: float
+    """Temperature at which the effect is 0 [°C]."""
+    range: tuple[float, float]
+    """Temperatures that it was estimated between [°C]."""
+    slope: float
+    """Slope [unit/K]."""
+    slope_error: float
+    """Its standard error [unit/K]."""
+    quadratic: float
+    """Quadratic part [unit/K²]; 0 without one."""
+    quadratic_error: float
+    """Its standard error [unit/K²]; 0 without one."""
+
+    def bias(self, temperature: npt.ArrayLike) -> Floats:
+        """The bias at temperatures [°C], less that at the reference [unit]."""
+        above = np.asarray(temperature, np.float64) - self.reference
+        return np.asarray(above * (self.slope + self.quadratic * above))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class AxisNoise(Result):
     """What is known of the random error of one axis; "unit" is rad/s or m/s². ``None``: not known."""
 
@@ -70,6 +94,8 @@ class AxisNoise(Result):
     """σ of the bias model ``paper`` [unit]."""
     arma: ArmaNoise | None
     """The whole error without its constant as ARMA."""
+    temperature: TemperatureEffect | None = None
+    """The bias over temperature, where identification has found one."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -101,6 +127,12 @@ class NoiseModel:
     ``NoiseModel.load("adis16405")`` is a preset, ``NoiseModel.load("imu.toml")`` a model file
     (docs/imu-file.md), ``NoiseModel.of(…)`` takes its keys as arguments, and
     ``undrift.identify(…).model()`` finds one in a static record.
+
+    Examples
+    --------
+    >>> model = undrift.NoiseModel.load("adis16405")
+    >>> model.axes["gyro_z"].white_noise > 0.0
+    True
     """
 
     def __init__(self, model: _undrift.NoiseModel) -> None:
@@ -184,7 +216,7 @@ class NoiseModel:
 
     def shaping(self, bias_model: str = "arma", rate: float = 100.0) -> dict[str, Shaping]:
         """The matrices that a filter runs at ``rate`` [Hz], of each axis."""
-        made = self._model.shaping(bias_model, rate)
+        made = self._model.shaping(bias_model, positive(rate, "rate"))
         names = (name for name, _ in self._model.axes())
         return {name: Shaping(**matrices) for name, matrices in zip(names, made, strict=True)}
 
@@ -195,12 +227,23 @@ class NoiseModel:
 
         The turn-on constant is drawn too. One seed gives the same samples everywhere.
         """
-        samples = self._model.simulate(n, rate, bias_model, seed)
+        samples = self._model.simulate(
+            whole(n, "n"), positive(rate, "rate"), bias_model, whole(seed, "seed")
+        )
         names = (name for name, _ in self._model.axes())
         return {
             name: np.ascontiguousarray(column)
             for name, column in zip(names, samples.T, strict=True)
         }
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both are written as the same model file."""
+        if not isinstance(other, NoiseModel):
+            return NotImplemented
+        return self.to_toml() == other.to_toml()
+
+    def __hash__(self) -> int:
+        return hash(self.to_toml())
 
     def __copy__(self) -> NoiseModel:
         return self
@@ -232,7 +275,12 @@ def _axis(terms: dict[str, Any]) -> AxisNoise:
     if arma is not None:
         ar, ma, sigma, rate = arma
         made = ArmaNoise(tuple(ar), tuple(ma), sigma, rate)
-    return AxisNoise(**terms, arma=made)
+    effect = terms.pop("temperature")
+    found = None
+    if effect is not None:
+        reference, within, slope, quadratic = effect
+        found = TemperatureEffect(reference, within, *slope, *quadratic)
+    return AxisNoise(**terms, arma=made, temperature=found)
 
 
 def _stated(keys: Mapping[str, Any], units: Mapping[str, str]) -> dict[str, Any]:

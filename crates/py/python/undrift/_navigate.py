@@ -9,10 +9,11 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-
 from undrift import _undrift
 from undrift._drive import Drive, Log
+from undrift._errors import ArgumentError
 from undrift._model import ModelLike
+from undrift._progress import Progress, reporter
 from undrift._result import axes
 from undrift._simulate import Simulation
 from undrift._solution import Solution
@@ -79,18 +80,18 @@ def drive_of(
     """The drive that is meant by the arguments of ``navigate`` and ``outages``."""
     if gnss is not None:
         if data is not None:
-            raise TypeError("data goes with a drive file: give the paths of the logs instead")
+            raise ArgumentError("data goes with a drive file: give the paths of the logs instead")
         return Drive(drive, gnss, model, **keys)
     if keys:
-        raise TypeError(f"{', '.join(keys)}: needs logs, but gnss is missing")
+        raise ArgumentError(f"{', '.join(keys)}: needs logs, but gnss is missing")
     if isinstance(model, Mapping):
-        raise TypeError("the model of a drive is a name, a file or a NoiseModel")
+        raise ArgumentError("the model of a drive is a name, a file or a NoiseModel")
     if isinstance(drive, Simulation):
         drive = drive.drive()
     elif isinstance(drive, (str, os.PathLike)):
         drive = Drive.load(drive, data)
     elif not isinstance(drive, Drive):
-        raise TypeError(f"a {type(drive).__name__} is no drive: gnss is missing beside it")
+        raise ArgumentError(f"a {type(drive).__name__} is no drive: gnss is missing beside it")
     return drive if model is None else drive.with_model(model)
 
 
@@ -106,6 +107,7 @@ def navigate(
     format: str | None = None,
     every: float | None = None,
     solution: bool = True,
+    progress: Progress = False,
     **keys: Any,
 ) -> Navigation:
     """Navigates a drive: IMU and GNSS into position, velocity and attitude.
@@ -118,12 +120,58 @@ def navigate(
     solution is at every sample the best estimate given the whole log. ``output`` are files to write
     it to, in the ``format`` of the extension or the specified one; ``every`` is the least time between
     rows of the files [s]. Without ``solution`` the arrays are empty: 31 numbers a sample, for long logs.
+    ``progress`` is True for a bar, or ``tqdm`` or what is called like it.
+
+    Parameters
+    ----------
+    drive : str, path, Drive, Simulation or log
+        Drive file, drive, or the log of the IMU.
+    gnss : log, optional
+        Log of GNSS, where ``drive`` is that of the IMU.
+    model : str, path or NoiseModel, optional
+        Noise model of the IMU.
+    data : str or path, optional
+        Folder of the logs of a drive file, if not its own.
+    bias_model : str
+        white, paper, gauss-markov, random-walk, ar or arma.
+    smooth : bool
+        Whether the solution is the smoothed one.
+    output : path or iterable of paths
+        Files to write the solution to.
+    format : str, optional
+        Format of the files, if not that of their extension.
+    every : float, optional
+        Least time between rows of the files [s].
+    solution : bool
+        Whether the arrays are kept.
+    progress : bool or callable
+        True for a bar; or ``tqdm``, or what is called like it.
+    **keys
+        Further keys of :class:`Drive`.
+
+    Returns
+    -------
+    Navigation
+        The solution over time, with statistics and warnings.
+
+    Raises
+    ------
+    UndriftError
+        For a drive that cannot be read or aligned; :class:`ArgumentError` for a wrong type.
+
+    Examples
+    --------
+    >>> sim = undrift.simulate("car", 150.0, 50.0)
+    >>> nav = undrift.navigate(sim)
+    >>> nav.rmse["north_m"] < 1.0
+    True
     """
     made = drive_of(drive, gnss, model, data, keys)
     files = [output] if isinstance(output, (str, os.PathLike)) else list(output)
-    text, arrays = _undrift.navigate(
-        made._drive, bias_model, smooth, files, format, every, solution
-    )
+    with reporter(progress, "navigate") as report:
+        text, arrays = _undrift.navigate(
+            made._drive, bias_model, smooth, files, format, every, solution, report
+        )
     told = json.loads(text)
     summary = told["summary"]
     return Navigation(
@@ -137,5 +185,5 @@ def navigate(
         nis={part: told[part]["nis_per_dof"] for part in ("position", "velocity")},
         nees=told["nees_per_dof"],
         diverged=summary["diverged"],
-        warnings=tuple(told["warnings"]),
+        warnings=tuple(map(_undrift.in_python, told["warnings"])),
     )

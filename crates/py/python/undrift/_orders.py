@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-
 from undrift import _undrift
+from undrift._arguments import pair, whole
 from undrift._arma import ArmaFit, Order, fit_of
 from undrift._array import record
 from undrift._result import Result
@@ -63,8 +63,38 @@ def select(
     unit_root: bool = False,
     effort: float = 1.0,
 ) -> Selection:
-    """Fits every ARMA(p, q) up to ``max_order`` (with a unit root, p from 1) and compares AIC, AICc and BIC."""
-    found = _undrift.arma_select(record(x), max_order, mean, unit_root, effort)
+    """Fits every ARMA(p, q) up to ``max_order`` (with a unit root, p from 1) and compares AIC, AICc and BIC.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Recording of one axis [u], u any unit; rad/s or m/s² for a sensor. NaN is a missing sample.
+    max_order : tuple of int
+        Largest (p, q).
+    mean : float, optional
+        Known mean [u]; estimated without one.
+    unit_root : bool
+        Whether one AR root is fixed at exactly 1.
+    effort : float
+        How hard to search, 0.001 to 1000; 1 is thorough.
+
+    Returns
+    -------
+    Selection
+        All fits and the orders of least AIC, AICc and BIC.
+
+    Raises
+    ------
+    UndriftError
+        For a recording or argument that cannot be; :class:`ArgumentError` for a wrong type.
+
+    Examples
+    --------
+    >>> x = undrift.arma.simulate(1000, [0.9], [], 1.0)
+    >>> undrift.arma.select(x, (1, 1), effort=0.05).by_bic
+    (1, 0)
+    """
+    found = _undrift.arma_select(record(x), pair(max_order, "max_order"), mean, unit_root, effort)
     fits = tuple(map(fit_of, found["fits"]))
     return Selection(
         fits=fits,
@@ -167,8 +197,39 @@ def pandit_wu(
 
     The F test leads to orders that are too high more often than its ``level`` implies: weigh
     ``by_bic_step_down`` beside it. Pandit & Wu (1983), sections 4.4 and 4.5.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Recording of one axis [u], u any unit; rad/s or m/s² for a sensor. NaN is a missing sample.
+    n_max : int
+        Largest n of ARMA(2n, 2n-1).
+    level : float
+        Level of the F tests.
+    mean : float, optional
+        Known mean [u]; estimated without one.
+    unit_root : bool
+        Whether one AR root is fixed at exactly 1.
+    effort : float
+        How hard to search, 0.001 to 1000; 1 is thorough.
+
+    Returns
+    -------
+    PanditWu
+        Fits, tests and the orders chosen.
+
+    Raises
+    ------
+    UndriftError
+        For a recording or argument that cannot be; :class:`ArgumentError` for a wrong type.
+
+    Examples
+    --------
+    >>> x = undrift.arma.simulate(1000, [0.9], [0.3], 1.0)
+    >>> undrift.pandit_wu(x, 1, effort=0.05).order
+    (1, 1)
     """
-    found = _undrift.arma_pandit_wu(record(x), n_max, level, mean, unit_root, effort)
+    found = _undrift.arma_pandit_wu(record(x), whole(n_max, "n_max"), level, mean, unit_root, effort)
     found["rows"] = tuple(
         (row["order"], None if row["test"] is None else OrderTest(**row["test"]))
         for row in found["rows"]

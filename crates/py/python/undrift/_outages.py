@@ -6,21 +6,23 @@ import json
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-
 from undrift import _undrift
 from undrift._array import Floats
 from undrift._drive import Drive, Log
 from undrift._model import ModelLike
 from undrift._navigate import drive_of
-from undrift._result import Result, axes
+from undrift._progress import Progress, reporter
+from undrift._result import Result, axes, optional
 from undrift._simulate import Simulation
 from undrift._told import Told
+from undrift._units import factor
 
 if TYPE_CHECKING:
     import matplotlib.axes
+    from pandas import DataFrame
 
 #: Names of the bias models in the order of tables.
 BIAS_MODELS = ("white", "paper", "gauss-markov", "random-walk", "ar", "arma")
@@ -90,20 +92,85 @@ class Outages(Told):
             "model": np.array([name for name, *_ in rows]),
             "statistic": np.array([statistic for _, statistic, _ in rows]),
         }
-        for component in rows[0][2] if rows else ():
+        for component in _ordered(rows[0][2]) if rows else ():
             values = [np.nan if v is None else v for v in (errors[component] for *_, errors in rows)]
             table[component] = np.array(values)
         return table
 
-    def plot(self, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
-        """Horizontal drift since the cut, RMS over the outages, of each model. Needs ``undrift[plot]``."""
+    def to_pandas(self, rows: Literal["statistics", "each"] = "statistics") -> DataFrame:
+        """The result as a ``pandas.DataFrame``: a row for each model and statistic, or for ``each`` model and outage.
+
+        Of each outage there are the largest error of every component, ``north_m`` …, and the one at its end,
+        ``end_north_m`` …. Needs ``undrift[tables]``.
+        """
+        if rows == "statistics":
+            return super().to_pandas()
+        if rows != "each":
+            raise _undrift.UndriftError(f'rows: "statistics" or "each", not {rows!r}')
+        frame: DataFrame = optional("pandas", "tables").DataFrame(self._each())
+        return frame
+
+    def _each(self) -> dict[str, Any]:
+        told = self.data
+        lengths = {cut["start_s"]: cut["length_s"] for cut in told["outages"]}
+        table: dict[str, list[Any]] = {"model": [], "start_s": [], "length_s": []}
+        for name in self.models:
+            for one in told["models"][name]["per_outage"]:
+                table["model"].append(name)
+                table["start_s"].append(one["start_s"])
+                table["length_s"].append(lengths.get(one["start_s"], np.nan))
+                for prefix, errors in (("", one["max"]), ("end_", one["end"])):
+                    for component in _ordered(errors):
+                        value = errors[component]
+                        column = table.setdefault(prefix + component, [])
+                        column.append(np.nan if value is None else value)
+        return table
+
+    def plot(
+        self,
+        ax: matplotlib.axes.Axes | None = None,
+        *,
+        label: str | None = None,
+        unit: str = "m",
+    ) -> matplotlib.axes.Axes:
+        """Horizontal drift since the cut, RMS over the outages, of each model; logarithmic where models differ by 10.
+
+        ``label`` stands before the models' names, ``unit`` is m, cm or km. Needs ``undrift[plot]``.
+        """
         ax = axes(ax)
+        largest = []
         for name, model in self.models.items():
-            ax.plot(model.mean_drift.since, model.mean_drift.horizontal, label=name)
+            drift = factor(unit) * model.mean_drift.horizontal
+            name = name if label is None else f"{label}, {name}"
+            ax.plot(model.mean_drift.since, drift, label=name)
+            largest.append(np.nanmax(drift, initial=0.0))
+        if largest and max(largest) > 10.0 * min(largest) > 0.0:
+            ax.set_yscale("log")
         ax.set_xlabel("time since GNSS was cut [s]")
-        ax.set_ylabel("horizontal error, RMS [m]")
+        ax.set_ylabel(f"horizontal error, RMS [{unit}]")
         ax.legend()
         return ax
+
+
+#: Components of an error in the order of tables.
+_COMPONENTS = (
+    "north_m",
+    "east_m",
+    "down_m",
+    "horizontal_m",
+    "vn_mps",
+    "ve_mps",
+    "vd_mps",
+    "roll_deg",
+    "pitch_deg",
+    "yaw_deg",
+)
+
+
+def _ordered(errors: Mapping[str, Any]) -> dict[str, Any]:
+    """Errors by component, north, east, down."""
+    order = {name: k for k, name in enumerate(_COMPONENTS)}
+    return dict(sorted(errors.items(), key=lambda item: order.get(item[0], len(order))))
 
 
 def outages(
@@ -119,6 +186,7 @@ def outages(
     start: float = 60.0,
     at: Iterable[float] | None = None,
     smooth: bool = False,
+    progress: Progress = False,
     **keys: Any,
 ) -> Outages:
     """Cuts GNSS again and again on a drive and measures how far each bias model drifts.
@@ -127,29 +195,77 @@ def outages(
     outage lasts ``length`` [s]; the first starts ``start`` [s] after the first fix. ``count`` of them
     are spread evenly, or start ``every`` seconds; ``at`` are starts in
     the logs' time base instead. With ``smooth`` the errors are those that are left when the fixes
-    after an outage are known too.
+    after an outage are known too. ``progress`` is that of :func:`navigate`.
+
+    Parameters
+    ----------
+    drive : str, path, Drive, Simulation or log
+        Drive file, drive, or the log of the IMU.
+    gnss : log, optional
+        Log of GNSS, where ``drive`` is that of the IMU.
+    model : str, path or NoiseModel, optional
+        Noise model of the IMU.
+    data : str or path, optional
+        Folder of the logs of a drive file, if not its own.
+    bias_models : str or iterable of str
+        The models that are compared.
+    length : float
+        Length of an outage [s].
+    count : int, optional
+        Outages, spread evenly.
+    every : float, optional
+        Time from one start to the next [s].
+    start : float
+        First start after the first fix [s].
+    at : iterable of float, optional
+        Starts in the logs' time base [s].
+    smooth : bool
+        Whether the solutions are smoothed.
+    progress : bool or callable
+        True for a bar; or ``tqdm``, or what is called like it.
+    **keys
+        Further keys of :class:`Drive`.
+
+    Returns
+    -------
+    Outages
+        Errors of each model and outage.
+
+    Raises
+    ------
+    UndriftError
+        For outages that lie outside of the drive, and as :func:`navigate`.
+
+    Examples
+    --------
+    >>> sim = undrift.simulate("car", 150.0, 50.0)
+    >>> cut = undrift.outages(sim, length=5, count=2, start=80, bias_models=["white", "arma"])
+    >>> cut.models["white"].rms["horizontal_m"] > cut.models["arma"].rms["horizontal_m"]
+    True
     """
     made = drive_of(drive, gnss, model, data, keys)
-    text, table, curves = _undrift.outages(
-        made._drive,
-        [bias_models] if isinstance(bias_models, str) else list(bias_models),
-        length,
-        count,
-        every,
-        start,
-        None if at is None else [float(time) for time in at],
-        smooth,
-    )
+    with reporter(progress, "outages") as report:
+        text, table, curves = _undrift.outages(
+            made._drive,
+            [bias_models] if isinstance(bias_models, str) else list(bias_models),
+            length,
+            count,
+            every,
+            start,
+            None if at is None else [float(time) for time in at],
+            smooth,
+            report,
+        )
     told = json.loads(text)
     drift = told["series"]["drift"]
     models = {}
     for name, of_model in curves:
         errors, mean = told["models"][name], drift[name]
         models[name] = ModelErrors(
-            max=errors["max"],
-            rms=errors["rms"],
-            median=errors["median"],
-            end_rms=errors["end_rms"],
+            max=_ordered(errors["max"]),
+            rms=_ordered(errors["rms"]),
+            median=_ordered(errors["median"]),
+            end_rms=_ordered(errors["end_rms"]),
             outages=tuple(Drift(*curve) for curve in of_model),
             mean_drift=Drift(
                 0.0, np.array(mean["since_cut_s"]), np.array(mean["horizontal_rms_m"])
@@ -164,7 +280,7 @@ def outages(
         cuts=np.array(cuts).reshape(-1, 2),
         reference=told["reference"],
         smooth=told["smooth"],
-        warnings=(*told["warnings"], *of_models),
+        warnings=tuple(map(_undrift.in_python, (*told["warnings"], *of_models))),
         table=table,
         json=text,
     )

@@ -49,6 +49,30 @@ class Result:
     A subclass whose table is not simply "its arrays, side by side" overrides :meth:`_table`.
     """
 
+    def __post_init__(self) -> None:
+        for field in dataclasses.fields(self):  # type: ignore[arg-type]
+            value = getattr(self, field.name)
+            if isinstance(value, np.ndarray) and value.flags.writeable:
+                # A view: an array that was handed in stays its owner's to write to.
+                view = value.view()
+                view.flags.writeable = False
+                object.__setattr__(self, field.name, view)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.__post_init__()
+
+    def __eq__(self, other: object) -> bool:
+        """Whether all fields are equal, arrays number by number; NaN equals NaN."""
+        if type(other) is not type(self):
+            return NotImplemented
+        names = [field.name for field in dataclasses.fields(self) if field.compare]  # type: ignore[arg-type]
+        return all(_equal(getattr(self, name), getattr(other, name)) for name in names)
+
+    def __hash__(self) -> int:
+        parts = (value for _, value in self._fields() if isinstance(value, (int, float, str)))
+        return hash((type(self), *parts))
+
     def _fields(self) -> Iterator[tuple[str, Any]]:
         for field in dataclasses.fields(self):  # type: ignore[arg-type]
             if field.repr and not field.name.startswith("_"):
@@ -78,6 +102,15 @@ class Result:
     def __repr__(self) -> str:
         parts = (f"{name}={_text(value)}" for name, value in self._fields())
         return f"{type(self).__name__}({', '.join(parts)})"
+
+    def _short(self) -> str:
+        """What stands for the result within another one."""
+        name = type(self).__name__
+        arrays = [value for _, value in self._fields() if isinstance(value, np.ndarray)]
+        if arrays:
+            return f"{name}({max(map(len, arrays))} rows)"
+        whole = repr(self)
+        return whole if len(whole) <= 60 else f"{name}(…)"
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the single values, then the table, without its middle."""
@@ -121,6 +154,20 @@ def _rows(columns: Mapping[str, Any]) -> str:
     return f"<table><tr>{head}</tr>{body}</table>"
 
 
+def _equal(one: Any, other: Any) -> bool:
+    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
+        if np.shape(one) != np.shape(other):
+            return False
+        numbers = all(np.asarray(x).dtype.kind in "fc" for x in (one, other))
+        return bool(np.array_equal(one, other, equal_nan=numbers))
+    if isinstance(one, (tuple, list)) and type(one) is type(other):
+        return len(one) == len(other) and all(map(_equal, one, other))
+    if isinstance(one, Mapping) and isinstance(other, Mapping):
+        return one.keys() == other.keys() and all(_equal(one[key], other[key]) for key in one)
+    nan = isinstance(one, float) and isinstance(other, float) and one != one and other != other
+    return nan or bool(one == other)
+
+
 def _is_scalar(value: object) -> bool:
     return value is None or isinstance(value, (bool, int, float, str, np.generic))
 
@@ -140,7 +187,7 @@ def _text(value: object) -> str:
             return f"[{', '.join(map(_text, value))}]"
         return f"[{_text(value[0])}, {_text(value[1])}, …, {_text(value[-1])}; {len(value)}]"
     if isinstance(value, Result):
-        return repr(value)
+        return value._short()
     if isinstance(value, tuple) and value and isinstance(value[0], Result):
         return f"<{len(value)} {type(value[0]).__name__}>"
     if isinstance(value, tuple):
@@ -148,6 +195,8 @@ def _text(value: object) -> str:
         return f"({inside},)" if len(value) == 1 else f"({inside})"
     if isinstance(value, list):
         return f"[{', '.join(map(_text, value))}]"
+    if isinstance(value, Mapping) and any(isinstance(one, Result) for one in value.values()):
+        return "{" + ", ".join(map(str, value)) + "}"
     if isinstance(value, Mapping):
         return "{" + ", ".join(f"{key}: {_text(v)}" for key, v in value.items()) + "}"
     return repr(value)

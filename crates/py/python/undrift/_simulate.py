@@ -8,13 +8,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-
 from undrift import _toml, _undrift
+from undrift._arguments import number, positive, whole
 from undrift._array import Floats
 from undrift._drive import UNITS, Drive
+from undrift._logs import GnssLog, ImuLog
 from undrift._model import ModelLike, NoiseModel, compiled
 from undrift._result import Result
-from undrift._solution import Placed, Series
+from undrift._solution import Placed
 
 if TYPE_CHECKING:
     import matplotlib.axes
@@ -24,7 +25,14 @@ Three = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class GnssReceiver:
-    """What a simulated receiver reports, when, and how well; by default a carrier-phase receiver."""
+    """What a simulated receiver reports, when, and how well; by default a carrier-phase receiver.
+
+    Examples
+    --------
+    >>> receiver = undrift.GnssReceiver(position_std=(1.0, 1.0, 2.0), rate=5.0)
+    >>> len(undrift.simulate("rest", 10.0, 50.0, gnss=receiver).gnss.time)
+    46
+    """
 
     position_std: Three = (0.02, 0.02, 0.04)
     """Standard deviation of the position, north, east, down [m]."""
@@ -44,38 +52,6 @@ class GnssReceiver:
     """Whether fixes have a velocity."""
     noise_scale: float = 1.0
     """Factor on the noise that is drawn, not on the standard deviations that are reported."""
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class ImuLog(Series):
-    """Inertial samples, each the mean over the interval that ends at its time."""
-
-    time: Floats
-    """End of the interval [s]."""
-    gyro: Floats
-    """Angular rate, body axes [rad/s], n × 3."""
-    accel: Floats
-    """Specific force, body axes [m/s²], n × 3."""
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class GnssLog(Placed):
-    """Fixes of the antenna; NaN where a fix has no position or no velocity."""
-
-    time: Floats
-    """Time of the fix [s]."""
-    lat: Floats
-    """Latitude [rad]."""
-    lon: Floats
-    """Longitude [rad]."""
-    height: Floats
-    """Height above the ellipsoid [m]."""
-    position_std: Floats
-    """Standard deviation of the position, north, east, down [m], n × 3."""
-    velocity: Floats
-    """Velocity, north, east, down [m/s], n × 3."""
-    velocity_std: Floats
-    """Its standard deviation [m/s], n × 3."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -184,9 +160,15 @@ class Simulation(Result):
             )
         return logs
 
-    def plot(self, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
-        """The ground track, east over north from its start [m]. Needs ``undrift[plot]``."""
-        return self.truth.plot(ax)
+    def plot(
+        self,
+        ax: matplotlib.axes.Axes | None = None,
+        *,
+        label: str | None = None,
+        unit: str = "m",
+    ) -> matplotlib.axes.Axes:
+        """The ground track, east over north from its start, in m or km. Needs ``undrift[plot]``."""
+        return self.truth.plot(ax, label=label, unit=unit)
 
 
 def _columns(names: tuple[str, ...], values: Floats) -> list[tuple[str, Floats]]:
@@ -217,22 +199,61 @@ def simulate(
     The motion is analytic, so the increments are exact. ``model`` draws the sensors' errors, turn-on
     constants included, as its ``bias_model``; None leaves them out. One seed gives the same drive
     everywhere.
+
+    Parameters
+    ----------
+    trajectory : {"car", "flight", "rest", "straight", "turn"}
+        What moves how.
+    duration : float
+        Length [s].
+    rate : float
+        Rate of the inertial samples [Hz].
+    model : str, path, NoiseModel or None
+        Noise of the IMU; None for none.
+    gnss : GnssReceiver, optional
+        The receiver.
+    bias_model : str
+        How the noise is drawn.
+    seed : int
+        Seed; one gives the same on every machine.
+    speed : float
+        Speed of ``straight`` and ``turn`` [m/s].
+    course : float
+        Course of ``straight`` [rad].
+    turn_rate : float
+        Turn rate of ``turn`` [rad/s].
+
+    Returns
+    -------
+    Simulation
+        Logs of IMU and GNSS, and the truth.
+
+    Raises
+    ------
+    UndriftError
+        For a recording or argument that cannot be; :class:`ArgumentError` for a wrong type.
+
+    Examples
+    --------
+    >>> sim = undrift.simulate("rest", 10.0, 50.0)
+    >>> sim.imu.gyro.shape
+    (500, 3)
     """
     receiver = GnssReceiver() if gnss is None else gnss
     noise = None if model is None else model if isinstance(model, NoiseModel) else NoiseModel.load(model)
     motion = {
         "kind": trajectory,
-        "duration": duration,
-        "speed": speed,
-        "course": course,
-        "turn_rate": turn_rate,
+        "duration": number(duration, "duration"),
+        "speed": number(speed, "speed"),
+        "course": number(course, "course"),
+        "turn_rate": number(turn_rate, "turn_rate"),
     }
     imu, fixes, truth = _undrift.simulate(
         motion,
-        rate,
+        positive(rate, "rate"),
         None if noise is None else compiled(noise),
         bias_model,
         asdict(receiver),
-        seed,
+        whole(seed, "seed"),
     )
     return Simulation(ImuLog(**imu), GnssLog(**fixes), Truth(**truth), receiver, rate, seed, noise)

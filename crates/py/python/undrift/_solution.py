@@ -7,12 +7,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-
 from undrift._array import Floats
-from undrift._result import Result, axes
+from undrift._result import Result, axes, optional
+from undrift._units import factor
 
 if TYPE_CHECKING:
     import matplotlib.axes
+    from pandas import DataFrame
+    from pyarrow import Table
 
 #: Mean radius of the Earth [m].
 _EARTH = 6_371_000.0
@@ -33,8 +35,62 @@ PARTS = {
 }
 
 
+#: SI units of the fields, which travel with tables.
+UNITS = {
+    "time": "s",
+    "lat": "rad",
+    "lon": "rad",
+    "height": "m",
+    "velocity": "m/s",
+    "rpy": "rad",
+    "position_std": "m",
+    "velocity_std": "m/s",
+    "attitude_std": "rad",
+    "gyro": "rad/s",
+    "accel": "m/s^2",
+    "gyro_error": "rad/s",
+    "accel_error": "m/s^2",
+    "gyro_error_std": "rad/s",
+    "accel_error_std": "m/s^2",
+}
+
+
 class Series(Result):
-    """Base of results whose arrays have a row for every time."""
+    """Base of results whose arrays have a row for every time.
+
+    Their tables carry the units of columns: ``frame.attrs["units"]`` of pandas, ``unit`` in the metadata
+    of an Arrow field. :func:`undrift.navigate` and :func:`undrift.identify` read them from there.
+    """
+
+    def column_units(self) -> dict[str, str]:
+        """Unit of each column of the table."""
+        units: dict[str, str] = {}
+        for name, values in self._fields():
+            if isinstance(values, np.ndarray):
+                parts = (name,) if values.ndim == 1 else PARTS[name]
+                units.update(dict.fromkeys(parts, UNITS[name]))
+        return units
+
+    def to_pandas(self, *, units: bool = False) -> DataFrame:
+        """The result as a ``pandas.DataFrame``. Needs ``undrift[tables]``.
+
+        With ``units`` the names of columns state them, ``gyro_x [rad/s]``: for files of formats that keep
+        nothing but names, such as CSV.
+        """
+        frame = super().to_pandas()
+        known = self.column_units()
+        if units:
+            return frame.rename(columns={name: f"{name} [{unit}]" for name, unit in known.items()})
+        frame.attrs["units"] = known
+        return frame
+
+    def to_arrow(self) -> Table:
+        """The result as a ``pyarrow.Table``, units in the fields' metadata. Needs ``undrift[tables]``."""
+        table = super().to_arrow()
+        known = self.column_units()
+        fields = [field.with_metadata({"unit": known[field.name]}) for field in table.schema]
+        made: Table = table.cast(optional("pyarrow", "tables").schema(fields))
+        return made
 
     def _table(self) -> Mapping[str, Any]:
         table: dict[str, Any] = {}
@@ -64,17 +120,25 @@ class Placed(Series):
         """Longitude [deg]."""
         return np.degrees(self.lon)
 
-    def plot(self, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
-        """The way, east over north from its first place [m]. Needs ``undrift[plot]``."""
+    def plot(
+        self,
+        ax: matplotlib.axes.Axes | None = None,
+        *,
+        label: str | None = None,
+        unit: str = "m",
+    ) -> matplotlib.axes.Axes:
+        """The ground track, east over north from its first place, in m or km. Needs ``undrift[plot]``."""
         ax = axes(ax)
         if len(self.lat):
             # A sphere's metres do for a figure.
             north = _EARTH * (self.lat - self.lat[0])
             east = _EARTH * np.cos(self.lat[0]) * (self.lon - self.lon[0])
-            ax.plot(east, north)
+            ax.plot(factor(unit) * east, factor(unit) * north, label=label)
         ax.set_aspect("equal", adjustable="datalim")
-        ax.set_xlabel("east [m]")
-        ax.set_ylabel("north [m]")
+        ax.set_xlabel(f"east [{unit}]")
+        ax.set_ylabel(f"north [{unit}]")
+        if label is not None:
+            ax.legend()
         return ax
 
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy.typing as npt
-
 from undrift import _undrift
+from undrift._arguments import rule, whole
 from undrift._array import record
 from undrift._result import Result
 
@@ -93,8 +93,42 @@ def adf(
 
     ``regression``: n (nothing), c (a constant) or ct (a constant and a trend). ``lags``: lagged
     differences, or the rule that chooses them up to ``max_lags`` (by default ⌈12 (n/100)^¼⌉).
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Recording of one axis [u], u any unit; rad/s or m/s² for a sensor.
+    regression : {"n", "c", "ct"}
+        Nothing, a constant, a constant and a trend.
+    lags : int or {"aic", "bic", "t-stat"}
+        Lagged differences, or the rule that chooses them.
+    max_lags : int, optional
+        Most that the rule may choose.
+
+    Returns
+    -------
+    Adf
+        Statistic, p-value and critical values.
+
+    Raises
+    ------
+    UndriftError
+        For a recording or argument that cannot be; :class:`ArgumentError` for a wrong type.
+
+    Examples
+    --------
+    >>> x = undrift.arma.simulate(5000, [0.9], [], 1.0)
+    >>> undrift.adf(x).p_value < 0.01  # no unit root
+    True
     """
-    return Adf(**_undrift.adf(record(x), regression, lags, max_lags))
+    return Adf(
+        **_undrift.adf(
+            record(x),
+            regression,
+            rule(lags, "lags"),
+            None if max_lags is None else whole(max_lags, "max_lags"),
+        )
+    )
 
 
 def kpss(
@@ -107,15 +141,68 @@ def kpss(
 
     ``lags`` of the long-run variance: a number, auto (Hobijn, Franses & Ooms 2004), legacy
     (⌈12 (n/100)^¼⌉), long (the floor of that) or short (⌊4 (n/100)^¼⌋).
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Recording of one axis [u], u any unit; rad/s or m/s² for a sensor.
+    regression : {"c", "ct"}
+        Stationary about a level or a trend.
+    lags : int or {"auto", "legacy", "long", "short"}
+        Lags of the long-run variance, or the rule that chooses them.
+
+    Returns
+    -------
+    Kpss
+        Statistic, p-value and critical values.
+
+    Raises
+    ------
+    UndriftError
+        For a recording or argument that cannot be; :class:`ArgumentError` for a wrong type.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> x = undrift.arma.simulate(2000, [], [], 1.0)  # white noise
+    >>> undrift.kpss(np.cumsum(x)).p_value <= 0.01  # a random walk
+    True
     """
-    return Kpss(**_undrift.kpss(record(x), regression, lags))
+    return Kpss(**_undrift.kpss(record(x), regression, rule(lags, "lags")))
 
 
 def phillips_perron(
     x: npt.ArrayLike, *, regression: Regression = "c", lags: int | None = None
 ) -> PhillipsPerron:
-    """Phillips-Perron test of a unit root, with ⌈12 (n/100)^¼⌉ lags by default."""
-    return PhillipsPerron(**_undrift.phillips_perron(record(x), regression, lags))
+    """Phillips-Perron test of a unit root, with ⌈12 (n/100)^¼⌉ lags by default.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Recording of one axis [u], u any unit; rad/s or m/s² for a sensor.
+    regression : {"n", "c", "ct"}
+        Nothing, a constant, a constant and a trend.
+    lags : int, optional
+        Lags of the long-run variance.
+
+    Returns
+    -------
+    PhillipsPerron
+        Z-tau and Z-rho with p-values.
+
+    Raises
+    ------
+    UndriftError
+        For a recording or argument that cannot be; :class:`ArgumentError` for a wrong type.
+
+    Examples
+    --------
+    >>> x = undrift.arma.simulate(5000, [0.9], [], 1.0)
+    >>> undrift.phillips_perron(x).p_value < 0.01
+    True
+    """
+    given = None if lags is None else whole(lags, "lags")
+    return PhillipsPerron(**_undrift.phillips_perron(record(x), regression, given))
 
 
 def stationarity(
@@ -125,8 +212,33 @@ def stationarity(
 
     ``lags`` of the Dickey-Fuller test. ``ma_root``: the largest inverse moving-average root of a fitted
     model (θ of an ARMA(1,1)); near 1 it makes the two unit-root tests uninformative, as the sentence then states.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Recording of one axis [u], u any unit; rad/s or m/s² for a sensor.
+    lags : int
+        Lagged differences of the Dickey-Fuller test.
+    ma_root : float, optional
+        Largest inverse moving-average root of a fitted model.
+
+    Returns
+    -------
+    Stationarity
+        The tests, a conclusion and a sentence.
+
+    Raises
+    ------
+    UndriftError
+        For a recording or argument that cannot be; :class:`ArgumentError` for a wrong type.
+
+    Examples
+    --------
+    >>> walk = undrift.arma.simulate(5000, [1.0], [], 1.0)
+    >>> undrift.stationarity(walk).conclusion
+    'unit root'
     """
-    found = _undrift.verdict(record(x), lags, ma_root)
+    found = _undrift.verdict(record(x), whole(lags, "lags"), ma_root)
     return Stationarity(
         conclusion=found["conclusion"],
         sentence=found["sentence"],

@@ -49,6 +49,29 @@ def report(
     """Writes one report of several results, or of files that ``--json`` has written.
 
     Results of one kind are compared: tables side by side, curves over one another.
+
+    Parameters
+    ----------
+    results : iterable of results or paths
+        What it shows.
+    output : str or path, optional
+        The HTML file.
+    figures : str or path, optional
+        Folder of the figures.
+
+    Raises
+    ------
+    UndriftError
+        For a file that is no result, or cannot be written.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> cut = undrift.navigate(undrift.simulate("car", 120.0, 50.0))
+    >>> page = pathlib.Path(tempfile.mkdtemp()) / "page.html"
+    >>> undrift.report([cut], page)
+    >>> page.exists()
+    True
     """
     told = []
     for result in results:

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from undrift._errors import ArgumentError
 
 
 def value(item: Any, unit: str | None = None) -> str:
@@ -31,7 +32,7 @@ def value(item: Any, unit: str | None = None) -> str:
         if unit is not None and numbers:
             return '"' + ", ".join(repr(float(one)) for one in items) + f' {unit}"'
         return "[" + ", ".join(value(one) for one in items) + "]"
-    raise TypeError(f"a {type(item).__name__} cannot be the value of a key")
+    raise ArgumentError(f"a {type(item).__name__} cannot be the value of a key")
 
 
 def _key(name: object) -> str:

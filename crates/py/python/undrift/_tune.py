@@ -9,11 +9,12 @@ from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
-
 from undrift import _undrift
 from undrift._drive import Drive, Log
+from undrift._errors import ArgumentError
 from undrift._model import ModelLike, NoiseModel, compiled
 from undrift._navigate import drive_of
+from undrift._progress import Progress, reporter
 from undrift._result import Result
 from undrift._simulate import Simulation
 from undrift._told import Told
@@ -116,6 +117,7 @@ def tune(
     *,
     data: str | os.PathLike[str] | Sequence[str | os.PathLike[str]] | None = None,
     hold_out: float | None = None,
+    progress: Progress = False,
     **keys: Any,
 ) -> Tuning:
     """Identifies the noise of a sensor in its vehicle from drives with GNSS.
@@ -128,12 +130,47 @@ def tune(
     ``hold_out`` is the share at the end of each drive that the fit does not see, 0 to 0.9. Without it
     the drift is measured on the second half after a fit of the first, and the noise is that of the
     whole. docs/tune.md has the method.
+
+    Parameters
+    ----------
+    drive : str, path, Drive, Simulation, log, or a list of such
+        Drives of one sensor in one vehicle.
+    gnss : log, optional
+        Log of GNSS, where ``drive`` is that of the IMU.
+    model : str, path or NoiseModel, optional
+        The sensor at rest.
+    data : str, path or list of such, optional
+        Folder of the logs, one or one for each drive file.
+    hold_out : float, optional
+        Share of each drive that is withheld, 0 to 0.9.
+    progress : bool or callable
+        True for a bar; or ``tqdm``, or what is called like it.
+    **keys
+        Further keys of :class:`Drive`.
+
+    Returns
+    -------
+    Tuning
+        The noise found, and the drift before and after.
+
+    Raises
+    ------
+    UndriftError
+        For a drive that cannot be read or aligned; :class:`ArgumentError` for a wrong type.
+
+    Examples
+    --------
+    >>> tuning = undrift.tune("drive.toml", model="mpu6050")  # doctest: +SKIP
+    >>> undrift.tune([])
+    Traceback (most recent call last):
+        ...
+    undrift.UndriftError: no drive specified
     """
     several = list(drive) if isinstance(drive, (list, tuple)) else [drive]
     if not several:
         raise _undrift.UndriftError("no drive specified")
     if gnss is not None and isinstance(drive, (list, tuple)):
-        raise TypeError("gnss goes with the IMU log of one drive: several are drive files or Drives")
+        raise ArgumentError("gnss goes with the IMU log of one drive: several are drive files or Drives")
     folders = [data] * len(several) if data is None or isinstance(data, (str, os.PathLike)) else list(data)
     if len(folders) != len(several):
         raise _undrift.UndriftError(
@@ -145,9 +182,11 @@ def tune(
         drive_of(one, gnss, described, folder, keys)
         for one, folder in zip(several, folders, strict=True)
     ]
-    text, table, warnings, tuned = _undrift.tune(
-        [one._drive for one in made], None if start is None else compiled(start), hold_out
-    )
+    at_rest = None if start is None else compiled(start)
+    with reporter(progress, "tune") as report:
+        text, table, warnings, tuned = _undrift.tune(
+            [one._drive for one in made], at_rest, hold_out, report
+        )
     told = json.loads(text)
     names = ("start", "guessed", "unseen", "held_out", "converged", "windows", "evaluations")
     return Tuning(
@@ -155,7 +194,7 @@ def tune(
         drift=tuple(_drift(drift) for drift in told["drift"]),
         model=NoiseModel(tuned),
         **{name: told[name] for name in names},
-        warnings=tuple(warnings),
+        warnings=tuple(map(_undrift.in_python, warnings)),
         table=table,
         json=text,
     )

@@ -2,7 +2,7 @@
 
 import os
 import pathlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,10 +10,14 @@ import numpy.typing as npt
 
 Floats = npt.NDArray[np.float64]
 Fields = dict[str, Any]
+#: Called with what is done and what there is to do, 0 where that is not known.
+Report = Callable[[int, int], object]
 
 __version__: str
 
 class UndriftError(ValueError): ...
+
+def in_python(text: str) -> str: ...
 
 # Allan and wavelet variance
 
@@ -108,6 +112,7 @@ def identify(
     n_max: int,
     detrend: str,
     force: bool,
+    progress: Report | None,
 ) -> Identified: ...
 
 # Drives
@@ -134,6 +139,8 @@ class Drive:
     def model(self) -> NoiseModel | None: ...
     @property
     def file(self) -> os.PathLike[str]: ...
+    def imu(self) -> Fields: ...
+    def gnss(self) -> Fields: ...
     def json(self) -> str: ...
 
 def told_by_names(names: list[str]) -> list[tuple[str, list[tuple[str, str]]]]: ...
@@ -145,6 +152,7 @@ def navigate(
     format: str | None,
     every: float | None,
     solution: bool,
+    progress: Report | None,
 ) -> tuple[str, Fields]: ...
 def outages(
     drive: Drive,
@@ -155,9 +163,13 @@ def outages(
     start: float,
     at: list[float] | None,
     smooth: bool,
+    progress: Report | None,
 ) -> tuple[str, str, list[tuple[str, list[tuple[float, Floats, Floats]]]]]: ...
 def tune(
-    drives: Sequence[Drive], start: NoiseModel | None, hold_out: float | None
+    drives: Sequence[Drive],
+    start: NoiseModel | None,
+    hold_out: float | None,
+    progress: Report | None,
 ) -> tuple[str, str, list[str], NoiseModel]: ...
 def report(
     results: Sequence[tuple[Path, str]], output: Path | None, folder: Path | None
@@ -174,22 +186,27 @@ class Filter:
         start: Mapping[str, Any],
         parameters: Sequence[tuple[str, float, float]],
     ) -> None: ...
+    @staticmethod
+    def from_drive(drive: Drive, bias_model: str) -> tuple[Filter, list[float], float]: ...
     def begin(
-        self, time: float, dt: float, gyro: list[float], accel: list[float], increments: bool
+        self,
+        time: float | None,
+        dt: float,
+        gyro: list[float],
+        accel: list[float],
+        increments: bool,
     ) -> None: ...
     def advance(self, to: float | None) -> None: ...
     def predict_many(
         self, times: Floats | None, dt: float, gyro: Floats, accel: Floats, increments: bool
     ) -> Fields: ...
     def update(
-        self,
-        kind: str,
-        value: list[float],
-        std: float = 0.0,
-        lever_arm: list[float] = ...,
-        covariance: list[list[float]] | None = None,
-        gate: tuple[float, float] | None = None,
-    ) -> tuple[list[float], float, int, list[float], str, float] | None: ...
+        self, measurements: Sequence[Mapping[str, Any]], gate: tuple[float, float] | None
+    ) -> list[tuple[str, list[float], float, int, list[float], str, float]]: ...
+    def copy(self) -> Filter: ...
+    def numbers(self) -> list[float]: ...
+    @staticmethod
+    def from_numbers(numbers: list[float]) -> Filter: ...
     def state(self) -> dict[str, Floats]: ...
     @property
     def time(self) -> float: ...

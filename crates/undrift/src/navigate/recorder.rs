@@ -9,6 +9,10 @@ use crate::{
     replay::{Observer, ReplayError},
     smooth::{History, Path},
 };
+use std::sync::{
+    Arc,
+    atomic::{AtomicU64, Ordering},
+};
 use undrift_io::{
     ReadError,
     skipped::Skipped,
@@ -64,6 +68,8 @@ pub struct Wanted {
     pub recording: bool,
     /// The solution at every sample in [`super::Report::rows`]: 31 numbers each.
     pub rows: bool,
+    /// Counts the samples that are navigated, for progress bars.
+    pub samples: Arc<AtomicU64>,
 }
 
 /// Keeps what is wanted of a run.
@@ -80,6 +86,7 @@ pub(super) struct Recorder {
     /// Where they are asked for.
     recording: Option<Box<Recording>>,
     rows: Option<Vec<SolutionRow>>,
+    samples: Arc<AtomicU64>,
 }
 
 /// What a [`Recorder`] has kept at the end.
@@ -110,6 +117,7 @@ impl Recorder {
             next_nees: f64::NEG_INFINITY,
             recording: wanted.recording.then(Box::default),
             rows: wanted.rows.then(Vec::new),
+            samples: wanted.samples,
         })
     }
 
@@ -192,6 +200,7 @@ impl Recorder {
 
 impl Observer for Recorder {
     fn sample(&mut self, filter: &dyn Estimator) -> Result<(), ReplayError> {
+        self.samples.fetch_add(1, Ordering::Relaxed);
         if self.history.is_some() {
             self.outputs.begin(filter.nav().time);
             return Ok(());

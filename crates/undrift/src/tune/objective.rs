@@ -187,6 +187,7 @@ impl<const N: usize> Objective<N> {
         let parts: Vec<Score> = (0..self.segments.len())
             .into_par_iter()
             .map(|index| {
+                undrift_noise::interrupt::check();
                 four_lanes(
                     #[inline(always)]
                     || self.segment(index, noise, (from, to)),

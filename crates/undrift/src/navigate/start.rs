@@ -1,0 +1,53 @@
+//! Where the navigation of a drive begins, for who goes on step by step.
+
+use super::{Aids, NavigateError, resolve_mounting, settings, study, tell};
+use crate::{
+    drive::Drive,
+    estimator::Estimator,
+    replay::{Observer, ReplayError, Settings, replay},
+};
+use std::cell::RefCell;
+use undrift_noise::BiasModel;
+
+/// A drive where its navigation has begun.
+pub struct Started {
+    /// The filter at the end of the sample that it began in, with the fixes up to there.
+    pub filter: Box<dyn Estimator>,
+    /// What a replay of the drive goes on with.
+    pub settings: Settings,
+}
+
+/// Keeps the first filter that it sees.
+struct First<'a>(&'a RefCell<Option<Box<dyn Estimator>>>);
+
+impl Observer for First<'_> {
+    fn sample(&mut self, filter: &dyn Estimator) -> Result<(), ReplayError> {
+        self.0.borrow_mut().get_or_insert_with(|| filter.boxed());
+        Ok(())
+    }
+}
+
+/// Aligns a drive: its filter as [`super::navigate`] begins it.
+///
+/// # Errors
+/// As [`super::navigate`].
+pub fn start(drive: &Drive, kind: BiasModel) -> Result<Started, NavigateError> {
+    let (drive, _) = resolve_mounting(drive)?;
+    let mut settings = settings(&drive, kind)?;
+    let study = study(&drive, &settings, drive.open_gnss()?)?;
+    tell(&mut settings, &drive, study.as_ref());
+    let begun = RefCell::new(None);
+    let mut imu = drive.open_imu()?.take_while(|_| begun.borrow().is_none());
+    let mut aids = Aids::open(&drive)?;
+    replay(
+        &mut imu,
+        &mut aids.measurements(),
+        &settings,
+        &mut First(&begun),
+    )?;
+    match begun.take() {
+        Some(filter) => Ok(Started { filter, settings }),
+        // It ended with the sample that it began in.
+        None => Err(ReplayError::Filter(undrift_nav::filter::FilterError::Diverged).into()),
+    }
+}
