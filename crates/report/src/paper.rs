@@ -44,8 +44,13 @@ pub(crate) fn components<'a>(
     rows: impl Iterator<Item = (&'a str, Option<&'a Numbers>)>,
 ) -> Table {
     let rows: Vec<(&str, Option<&Numbers>)> = rows.collect();
-    let model: &dyn Fn(&&(&str, Option<&Numbers>)) -> Cell = &|row| row.0.into();
-    let mut table = Table::of(name, caption, &rows, &[("model", model)]);
+    let models = rows.iter().map(|(model, _)| *model);
+    let mut table = Table::of(
+        name,
+        caption,
+        models,
+        &[("model", &|model| (*model).into())],
+    );
     for (key, head) in COMPONENTS {
         let cells = rows.iter().map(|(_, errors)| -> Cell {
             errors.map_or("–".into(), |errors| short(get(errors, key)).into())

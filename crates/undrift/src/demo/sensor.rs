@@ -224,7 +224,7 @@ fn centred(record: &Record, needed: usize) -> Result<Vec<Errors>, DemoError> {
 /// The static record: a simulated one has another switch-on than the drives.
 pub(super) fn static_record(experiment: &Experiment) -> Result<Record, DemoError> {
     if let Source::Recorded { identified, .. } = &experiment.source {
-        return Ok(identified.clone());
+        return Ok(identified.as_ref().clone());
     }
     let (seed, _) = seeds(experiment);
     let errors = drawn(seed, (STATIC_DURATION * RATE_HZ) as usize)?;
