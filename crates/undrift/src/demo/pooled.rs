@@ -136,8 +136,6 @@ fn estimate(value: f64, drawn: &[f64]) -> Estimate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::outages::{ModelRun, OutageErrors};
-    use undrift_nav::shaping::ShapingFilter;
 
     fn row(largest: &[f64]) -> Pooled {
         let unknown = Estimate {
