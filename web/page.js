@@ -63,9 +63,13 @@ $("cancel").onclick = () => {
 
 // ---- Messages and results --------------------------------------------------------------------------------------
 
-function list(warnings) {
-  $("messages").replaceChildren(...warnings.filter(text => text.trim()).map(text => Object.assign(document.createElement("li"), { textContent: text })));
-  $("messages").hidden = !$("messages").children.length;
+// Warnings and errors, and apart from them what is only said.
+function list(lines) {
+  const serious = text => /^(warning|error):|^Cancelled/.test(text);
+  const items = lines.filter(serious).map(text => Object.assign(document.createElement("li"), { textContent: text }));
+  $("messages").replaceChildren(...items);
+  $("messages").hidden = !items.length;
+  $("notes").textContent = lines.filter(text => !serious(text)).join("\n");
 }
 
 function show(text) {

@@ -91,7 +91,7 @@ pub enum Source {
 pub struct Experiment {
     /// Seed of sensors, drives and receiver.
     pub seed: u64,
-    /// Number of drives.
+    /// Number of drives, at least one.
     pub drives: usize,
     /// Where the sensor's errors come from.
     pub source: Source,
@@ -132,22 +132,26 @@ pub enum DemoError {
     /// No axis could be identified.
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// The record that is played back is too short, or has not six axes.
+    /// A record has not the six axes.
+    #[error("{}: {axes} axes, where gyro_x to accel_z are needed", record.display())]
+    Axes {
+        /// The record.
+        record: std::path::PathBuf,
+        /// How many it has.
+        axes: usize,
+    },
+    /// The record that is played back is too short.
     #[error(
-        "{}: {axes} axes of {seconds:.0} s; {drives} drives need 6 of {needed:.0} s: give a longer recording or fewer drives",
+        "{}: {seconds:.0} s, where {drives} x {DURATION:.0} s are needed: give a longer recording or fewer drives",
         record.display()
     )]
     TooShort {
         /// The record.
         record: std::path::PathBuf,
-        /// Its axes.
-        axes: usize,
         /// Its length \[s\].
         seconds: f64,
         /// Number of drives.
         drives: usize,
-        /// Length needed \[s\].
-        needed: f64,
     },
     /// No axis of the record has a model.
     #[error("{axis}: {error}")]
@@ -175,9 +179,10 @@ pub enum Stage {
 /// # Errors
 /// [`DemoError`]: a record too short for the drives, an axis that could not be identified, a model that makes no filter.
 pub fn run(
-    experiment: Experiment,
+    mut experiment: Experiment,
     done: impl Fn(Stage, u64, u64) + Sync,
 ) -> Result<Demo, DemoError> {
+    experiment.drives = experiment.drives.max(1);
     let drives = experiment.drives as u64;
     done(Stage::Simulation, 0, drives);
     let rides = sensor::rides(&experiment, &|| done(Stage::Simulation, 1, drives))?;

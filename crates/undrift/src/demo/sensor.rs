@@ -1,7 +1,7 @@
 //! The sensor and its drives.
 //!
 //! Random errors as the three records of a real ADIS16405 show them (docs/real-records.md): white noise N the mean of
-//! the records, random walk K of the gyros their root mean square. The accelerometers' K is between their
+//! the records, random walk K of the gyros their root mean square to half a percent. The accelerometers' K is between their
 //! least and median, since part of it there is the table's tilt: 1 mg in a quarter of an hour.
 
 use super::{
@@ -170,7 +170,7 @@ pub(super) fn rides(
     let samples = (DURATION * RATE_HZ) as usize;
     let played = match &experiment.source {
         Source::Simulated => None,
-        Source::Recorded { played, .. } => Some(centred(played, experiment.drives * samples)?),
+        Source::Recorded { played, .. } => Some(centred(played, experiment.drives)?),
     };
     let (_, seeds) = seeds(experiment);
     let ride = |(drive, seed): (usize, &u64)| {
@@ -200,16 +200,28 @@ fn filters() -> Result<[ShapingFilter; covariance::AXES], DemoError> {
     Ok(model.shaping(BiasModel::RandomWalk, 1.0 / RATE_HZ)?)
 }
 
-/// A record about its means, sample by sample.
-fn centred(record: &Record, needed: usize) -> Result<Vec<Errors>, DemoError> {
+/// Refuses a record that has not the six axes in their order.
+fn with_six_axes(record: &Record) -> Result<&Record, DemoError> {
+    let axes = record.axes.len();
+    match record.axes == AXES {
+        true => Ok(record),
+        false => Err(DemoError::Axes {
+            record: record.name.clone(),
+            axes,
+        }),
+    }
+}
+
+/// A record about its means, sample by sample, as long as so many drives.
+fn centred(record: &Record, drives: usize) -> Result<Vec<Errors>, DemoError> {
+    let record = with_six_axes(record)?;
+    let needed = drives * (DURATION * RATE_HZ) as usize;
     let length = record.samples.iter().map(Vec::len).min().unwrap_or(0);
-    if record.axes != AXES || length < needed {
+    if length < needed {
         return Err(DemoError::TooShort {
             record: record.name.clone(),
-            axes: record.axes.len(),
             seconds: length as f64 / RATE_HZ,
-            drives: needed / (DURATION * RATE_HZ) as usize,
-            needed: needed as f64 / RATE_HZ,
+            drives,
         });
     }
     let means: Vec<f64> = record
@@ -224,7 +236,7 @@ fn centred(record: &Record, needed: usize) -> Result<Vec<Errors>, DemoError> {
 /// The static record: a simulated one has another switch-on than the drives.
 pub(super) fn static_record(experiment: &Experiment) -> Result<Record, DemoError> {
     if let Source::Recorded { identified, .. } = &experiment.source {
-        return Ok(identified.as_ref().clone());
+        return with_six_axes(identified).cloned();
     }
     let (seed, _) = seeds(experiment);
     let errors = drawn(seed, (STATIC_DURATION * RATE_HZ) as usize)?;
@@ -287,10 +299,15 @@ mod tests {
             samples: vec![vec![0.0; 1000]; 6],
             ..Record::default()
         };
-        let error = centred(&short, 90_000).unwrap_err().to_string();
+        let error = centred(&short, 1).unwrap_err().to_string();
         assert!(
-            error.contains("6 axes of 10 s; 1 drives need 6 of 900 s"),
+            error.contains("10 s, where 1 x 900 s are needed"),
             "{error}"
         );
+        let axes = vec!["gyro_z"];
+        let one = centred(&Record { axes, ..short }, 1)
+            .unwrap_err()
+            .to_string();
+        assert!(one.contains("1 axes, where gyro_x to accel_z"), "{one}");
     }
 }
