@@ -103,7 +103,7 @@ def test_samples_have_the_variance_and_the_seed() -> None:
 
 
 def test_what_is_wrong_is_said(tmp_path: Path) -> None:
-    with pytest.raises(undrift.UndriftError, match="a model is a file or a preset; `undrift model --list`"):
+    with pytest.raises(undrift.UndriftError, match=r"a model is a file or a preset; NoiseModel.presets\(\)"):
         NoiseModel.load("nothing")
     with pytest.raises(undrift.UndriftError, match="<model> line .*gyro.white_noise.*expected an angle random walk"):
         NoiseModel.of(gyro={"white_noise": "1 m"}, accel={"white_noise": 1.0})

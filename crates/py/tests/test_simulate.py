@@ -59,7 +59,7 @@ def test_receivers_without_position_or_velocity(tmp_path: Path) -> None:
 def test_what_cannot_be_is_said() -> None:
     with pytest.raises(undrift.UndriftError, match='unknown trajectory "boat"; available: car, flight'):
         undrift.simulate("boat")
-    with pytest.raises(undrift.UndriftError, match="the sampling rate must be positive"):
+    with pytest.raises(undrift.UndriftError, match="rate: must be above 0"):
         undrift.simulate(rate=0.0, model=None)
     with pytest.raises(undrift.UndriftError, match="more than 100000000 samples"):
         undrift.simulate(duration=86_000.0, rate=1e5, model=None)
