@@ -80,9 +80,9 @@ pub enum Source {
     /// Real records of one sensor.
     Recorded {
         /// The static record that is identified.
-        identified: Record,
+        identified: Box<Record>,
         /// Another one, whose stretches are the errors on the drives.
-        played: Record,
+        played: Box<Record>,
     },
 }
 
