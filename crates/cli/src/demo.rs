@@ -102,9 +102,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
 /// The records of a folder.
 fn recorded(folder: &Path) -> Result<Source> {
-    let read = |name: &str| -> Result<Record> {
+    let read = |name: &str| -> Result<Box<Record>> {
         let opened = Opened::open(&folder.join(name))?;
-        Ok(record::read(opened, &RecordFormat::default())?)
+        Ok(Box::new(record::read(opened, &RecordFormat::default())?))
     };
     let [identified, played] = RECORDS;
     Ok(Source::Recorded {
