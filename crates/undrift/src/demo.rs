@@ -1,6 +1,6 @@
 //! The source paper's experiment: one sensor, identified from a static record, on several drives whose GNSS is cut.
 //!
-//! The sensor's random errors are those of a real ADIS16405 ([`sensor`]), simulated or played back from its
+//! The sensor's random errors are those of a real ADIS16405 (demo/sensor.rs), simulated or played back from its
 //! records. All models but one run on the same samples, from which the means over the rest before the drive are
 //! removed, as is practised.
 
