@@ -108,8 +108,8 @@ fn recorded(folder: &Path) -> Result<Source> {
     };
     let [identified, played] = RECORDS;
     Ok(Source::Recorded {
-        identified: Box::new(read(identified)?),
-        played: Box::new(read(played)?),
+        identified: read(identified)?,
+        played: read(played)?,
     })
 }
 
