@@ -15,7 +15,7 @@ const SENSOR: &str = "icm20602";
 const RATE: f64 = 50.0;
 /// Length of the static recording and of the drive \[s\].
 const STATIC: f64 = 1200.0;
-const DRIVE: f64 = 600.0;
+const DRIVE: f64 = 1200.0;
 
 /// Write small simulated logs, to try the other verbs on.
 ///
