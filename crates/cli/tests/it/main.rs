@@ -7,5 +7,6 @@ mod inspect;
 mod mistakes;
 mod model;
 mod raw_logs;
+mod readme;
 mod schema;
 mod terminal;

@@ -434,7 +434,9 @@ impl<'a> Run<'a> {
         }
         let done = updates.each_ref();
         observer.updated(fix.time, done.map(|u| u.as_ref()?.as_ref().ok().copied()));
-        let diverged = filter.check().is_err();
+        // A solution that only a fix would throw off the Earth has nothing in common with the fixes any more.
+        let off = |update: &Result<Update, FilterError>| *update == Err(FilterError::Implausible);
+        let diverged = filter.check().is_err() || updates.iter().flatten().any(off);
         self.note_updates(fix, part, updates, observer);
         if diverged {
             self.give_up(fix.time);
@@ -468,6 +470,7 @@ impl<'a> Run<'a> {
                     used = true;
                     self.streak.watch(update, time, &mut self.summary);
                 }
+                Err(FilterError::Implausible) => {}
                 Err(_) => self.summary.bad_fixes += 1,
             }
         }
