@@ -65,10 +65,16 @@ struct Held {
 }
 
 impl Held {
+    /// Where a new sample begins \[s\]: the end of the one taken up, or the present time.
+    fn reached(&self) -> f64 {
+        let filter = &self.estimator;
+        filter.sample_end().unwrap_or(filter.nav().time)
+    }
+
     /// Takes up a sample that goes on where the filter stands, after the rest of the one before.
     fn begin(&mut self, sample: &ImuSample) -> Result<(), String> {
+        let reached = self.reached();
         let filter = &mut self.estimator;
-        let reached = filter.sample_end().unwrap_or(filter.nav().time);
         let (dt, begins) = (sample.dt, sample.time - sample.dt);
         if sample.time <= reached {
             return Err(format!(
@@ -286,10 +292,26 @@ impl Filter {
         increments: bool,
     ) -> PyResult<()> {
         self.locked(py, |held| {
-            let filter = &held.estimator;
-            let reached = filter.sample_end().unwrap_or(filter.nav().time);
-            let time = time.unwrap_or(reached + dt);
+            let time = time.unwrap_or(held.reached() + dt);
             held.begin(&sample(time, dt, gyro, accel, increments)?)
+                .map_err(error)
+        })
+    }
+
+    /// Takes up a sample and moves to its end, as one step for other threads.
+    fn predict(
+        &self,
+        py: Python<'_>,
+        time: Option<f64>,
+        dt: f64,
+        gyro: [f64; 3],
+        accel: [f64; 3],
+        increments: bool,
+    ) -> PyResult<()> {
+        self.locked(py, |held| {
+            let time = time.unwrap_or(held.reached() + dt);
+            held.begin(&sample(time, dt, gyro, accel, increments)?)
+                .and_then(|()| held.advance(None))
                 .map_err(error)
         })
     }
@@ -331,8 +353,7 @@ impl Filter {
             let mut before = None;
             for (k, (rate, force)) in gyro.rows().into_iter().zip(accel.rows()).enumerate() {
                 interrupt::check();
-                let now = moved.estimator.nav().time;
-                let time = times.map_or(now + dt, |times| times[k]);
+                let time = times.map_or(moved.reached() + dt, |times| times[k]);
                 let dt = match before {
                     Some(before) if times.is_some() => time - before,
                     _ => dt,

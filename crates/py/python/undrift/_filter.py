@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -177,8 +177,7 @@ class Filter:
         Raises UndriftError for time that goes backwards, a gap, or values after which there is no
         solution; the filter is then as before.
         """
-        self.begin(gyro, accel, dt, time=time, increments=increments)
-        self._filter.advance(None)
+        self._sample(self._filter.predict, gyro, accel, dt, time, increments)
 
     def begin(
         self,
@@ -193,9 +192,20 @@ class Filter:
 
         What is left of the sample before is done first.
         """
+        self._sample(self._filter.begin, gyro, accel, dt, time, increments)
+
+    def _sample(
+        self,
+        take: Callable[[float | None, float, list[float], list[float], bool], None],
+        gyro: Vector,
+        accel: Vector,
+        dt: float | None,
+        time: float | None,
+        increments: bool,
+    ) -> None:
         dt = self._interval if dt is None else number(dt, "dt")
         end = None if time is None else number(time, "time")
-        self._filter.begin(end, dt, three(gyro, "gyro"), three(accel, "accel"), increments)
+        take(end, dt, three(gyro, "gyro"), three(accel, "accel"), increments)
 
     def advance(self, time: float | None = None) -> None:
         """Moves to ``time`` [s] within the sample taken up, or to its end."""

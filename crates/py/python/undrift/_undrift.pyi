@@ -196,6 +196,14 @@ class Filter:
         accel: list[float],
         increments: bool,
     ) -> None: ...
+    def predict(
+        self,
+        time: float | None,
+        dt: float,
+        gyro: list[float],
+        accel: list[float],
+        increments: bool,
+    ) -> None: ...
     def advance(self, to: float | None) -> None: ...
     def predict_many(
         self, times: Floats | None, dt: float, gyro: Floats, accel: Floats, increments: bool
