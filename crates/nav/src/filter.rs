@@ -661,6 +661,11 @@ impl<const N: usize> Filter<N> {
             factor = nalgebra::Cholesky::new(s).ok_or(FilterError::BadMeasurement)?;
         }
         let gain = factor.solve(&pht.transpose()).transpose();
+        let error = gain * z;
+        let corrected = self.without_error(&error);
+        if !(corrected.is_valid() && error.iter().all(|number| number.is_finite())) {
+            return Err(FilterError::Implausible);
+        }
 
         // (I − K H) P (I − K H)ᵀ + K R Kᵀ
         let mut p = self.p - gain * pht.transpose();
@@ -673,28 +678,29 @@ impl<const N: usize> Filter<N> {
                 p[(j, i)] = mean;
             }
         }
-        let error = gain * z;
-        let part = |at: usize| Vector3::new(error[at], error[at + 1], error[at + 2]);
-        let nav = self.nav.without_error(&part(0), &part(3), &part(6));
-        let possible = |i: usize| p[(i, i)] >= 0.0 && p[(i, i)].is_finite() && error[i].is_finite();
-        if !(nav.is_valid() && (0..N).all(possible)) {
-            return Err(FilterError::Implausible);
-        }
         self.p = p;
         if let Some(tape) = tape {
             let turn = Vector3::new(error[6], error[7], error[8]);
             tape.update(h, &factor.inverse(), &factor.solve(z), &gain, &turn);
         }
-        self.take_out(&error);
+        self.correct(corrected, &error);
         Ok(update)
+    }
+
+    fn without_error(&self, error: &SVector<f64, N>) -> NavState {
+        let part = |at: usize| Vector3::new(error[at], error[at + 1], error[at + 2]);
+        self.nav.without_error(&part(0), &part(3), &part(6))
     }
 
     /// Takes an estimated error out of the navigation state and adds it to the sensors' states and the
     /// parameters; the covariance stays, turned to the corrected attitude.
     pub fn take_out(&mut self, error: &SVector<f64, N>) {
-        let part = |at: usize| Vector3::new(error[at], error[at + 1], error[at + 2]);
-        self.nav = self.nav.without_error(&part(0), &part(3), &part(6));
-        self.reset_attitude(&part(6));
+        self.correct(self.without_error(error), error);
+    }
+
+    fn correct(&mut self, nav: NavState, error: &SVector<f64, N>) {
+        self.nav = nav;
+        self.reset_attitude(&Vector3::new(error[6], error[7], error[8]));
         self.c_nb = self.nav.q_nb.to_rotation_matrix().into_inner();
         let before = self.sensors.predicted_error(&self.x, &self.coupling);
         for i in NAV..N {
