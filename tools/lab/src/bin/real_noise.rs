@@ -1,8 +1,10 @@
-//! Closing the loop on real noise: models identified from one static record, run through simulated
-//! drives whose sensor errors are stretches of other records of the same sensor; beside them one that is
-//! identified from three such drives alone, with the data sheet as the sensor at rest.
+//! Closing the loop on real noise: models identified from static records, run through simulated
+//! drives whose sensor errors are stretches of another record of the same sensor; beside them one that is
+//! identified from three such drives alone, with the data sheet as the sensor at rest. In brackets per cent above the
+//! best of all by hindsight.
 //!
-//! `cargo run --release -p undrift-lab --bin real_noise -- DATA/adis16405-static [DRIVES]`
+//! `cargo run --release -p undrift-lab --bin real_noise -- DATA/adis16405-static [DRIVES [RUN …]]`: noise of RUN …, or of
+//! all three, models of the two others.
 
 use std::path::Path;
 use undrift::{
@@ -31,27 +33,47 @@ const DURATION: f64 = 500.0;
 /// Drives that one model is identified from.
 const TUNED: usize = 3;
 
+/// Static records of one sensor.
+const RUNS: [&str; 3] = ["run1", "run2", "run4"];
+
 type Failure = Box<dyn std::error::Error>;
+type Compared = (String, ImuModel, BiasModel);
 
 fn main() -> Result<(), Failure> {
     let mut arguments = std::env::args().skip(1);
     let folder = arguments
         .next()
-        .ok_or("usage: real_noise FOLDER [DRIVES]")?;
+        .ok_or("usage: real_noise FOLDER [DRIVES [RUN …]]")?;
     let drives: usize = arguments.next().map_or(Ok(20), |n| n.parse())?;
-    let read = |run: &str| {
-        let path = Path::new(&folder).join(format!("{run}.csv.gz"));
-        record::read(Opened::open(&path)?, &RecordFormat::default())
-    };
-    let models = models(&read("run2")?)?;
-    for run in ["run1", "run4"] {
-        ride(run, &centred(&read(run)?), &models, drives)?;
+    let ridden: Vec<String> = arguments.collect();
+    let records = RUNS
+        .map(|run| {
+            let path = Path::new(&folder).join(format!("{run}.csv.gz"));
+            record::read(Opened::open(&path)?, &RecordFormat::default())
+        })
+        .into_iter()
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut models = Vec::new();
+    for (run, record) in RUNS.iter().zip(&records) {
+        println!("{run}");
+        models.push(compared(run, record)?);
+    }
+    for (own, (run, record)) in RUNS.iter().zip(&records).enumerate() {
+        if ridden.is_empty() || ridden.iter().any(|name| name == run) {
+            let mut others: Vec<Compared> = Vec::new();
+            for (_, models) in models.iter().enumerate().filter(|(of, _)| *of != own) {
+                let new = |model: &&Compared| others.iter().all(|other| other.0 != model.0);
+                let new: Vec<Compared> = models.iter().filter(new).cloned().collect();
+                others.extend(new);
+            }
+            ride(run, &centred(record), others, drives)?;
+        }
     }
     Ok(())
 }
 
-/// The models compared, all identified on one record but the data sheet's.
-fn models(record: &Record) -> Result<Vec<(&'static str, ImuModel, BiasModel)>, Failure> {
+/// The models compared, all identified on the record of a run but the data sheet's.
+fn compared(run: &str, record: &Record) -> Result<Vec<Compared>, Failure> {
     let found = identify::run(record, &Options::at(RATE), || {});
     let axes: Vec<&Axis> = found
         .axes
@@ -99,27 +121,36 @@ fn models(record: &Record) -> Result<Vec<(&'static str, ImuModel, BiasModel)>, F
         }];
         Some(model)
     });
+    let of = |name: &str| format!("{name}, {run}");
     Ok(vec![
-        ("white", recommended.clone(), BiasModel::White),
+        (of("white"), recommended.clone(), BiasModel::White),
         (
-            "paper",
+            of("paper"),
             from(&|axis| named(axis, "ARMA(1,1)")),
             BiasModel::Paper,
         ),
-        ("data sheet", sheet, BiasModel::GaussMarkov),
+        ("data sheet".to_owned(), sheet, BiasModel::GaussMarkov),
         (
-            "Allan random walk",
+            of("Allan random walk"),
             from(&|axis| named(axis, "white + random walk (Allan)")),
             BiasModel::RandomWalk,
         ),
-        ("Allan Gauss-Markov", allan_process, BiasModel::GaussMarkov),
-        ("AR(p)", from(&|axis| named(axis, "AR(")), BiasModel::Arma),
         (
-            "ARMA(1,1)",
+            of("Allan Gauss-Markov"),
+            allan_process,
+            BiasModel::GaussMarkov,
+        ),
+        (
+            of("AR(p)"),
+            from(&|axis| named(axis, "AR(")),
+            BiasModel::Arma,
+        ),
+        (
+            of("ARMA(1,1)"),
             from(&|axis| named(axis, "ARMA(1,1)")),
             BiasModel::Arma,
         ),
-        ("recommended", recommended, BiasModel::Arma),
+        (of("recommended"), recommended, BiasModel::Arma),
     ])
 }
 
@@ -187,25 +218,24 @@ fn tuned(drives: &[(Simulation, Vec<ImuSample>)]) -> Result<ImuModel, Failure> {
 fn ride(
     run: &str,
     errors: &[Vec<f64>],
-    models: &[(&str, ImuModel, BiasModel)],
+    mut models: Vec<Compared>,
     drives: usize,
 ) -> Result<(), Failure> {
     let axes: [&[f64]; 6] = std::array::from_fn(|i| errors[i].as_slice());
     println!(
         "\n{run}, {drives} drives of {DURATION} s; RMS over all outages of the largest horizontal error [m]"
     );
-    print!("{:20}", "outage");
+    print!("{:28}", "outage");
     let lengths = [(10.0, 35.0), (30.0, 60.0), (60.0, 100.0)];
     for (length, _) in lengths {
-        print!(" {:>10}", format!("{length} s"));
+        print!(" {:>16}", format!("{length} s"));
     }
     println!();
-    let mut models = models.to_vec();
     // Tuned on the first, which do not judge.
     let seen = (0..TUNED)
         .map(|drive| with_errors(&axes, drive))
         .collect::<Result<Vec<_>, _>>()?;
-    models.push(("tuned on drives", tuned(&seen)?, BiasModel::Arma));
+    models.push(("tuned on drives".to_owned(), tuned(&seen)?, BiasModel::Arma));
     let mut sums = vec![vec![Vec::new(); lengths.len()]; models.len()];
     for drive in TUNED..TUNED + drives {
         let (simulation, imu) = with_errors(&axes, drive)?;
@@ -229,7 +259,7 @@ fn ride(
                         outages: cuts.clone(),
                         ..Settings::new(model.shaping(*kind, 1.0 / RATE)?)
                     };
-                    Ok(((*name).to_owned(), settings))
+                    Ok((name.clone(), settings))
                 })
                 .collect::<Result<_, Failure>>()?;
             let fixes = Measurement::of_fixes(&simulation.gnss);
@@ -239,10 +269,18 @@ fn ride(
             }
         }
     }
-    for ((name, ..), row) in models.iter().zip(&sums) {
-        print!("{name:20}");
-        for errors in row {
-            print!(" {:>10.2}", rms(errors).0[HORIZONTAL]);
+    let drifts: Vec<Vec<f64>> = sums
+        .iter()
+        .map(|row| row.iter().map(|errors| rms(errors).0[HORIZONTAL]).collect())
+        .collect();
+    for ((name, ..), row) in models.iter().zip(&drifts) {
+        print!("{name:28}");
+        for (column, drift) in row.iter().enumerate() {
+            let best = drifts
+                .iter()
+                .map(|row| row[column])
+                .fold(f64::INFINITY, f64::min);
+            print!(" {drift:>8.2} ({:>4.1})", 100.0 * (drift / best - 1.0));
         }
         println!();
     }
