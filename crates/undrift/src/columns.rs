@@ -251,11 +251,12 @@ fn ecef(name: &str) -> Option<Meaning> {
     velocity.or_else(|| known(&ECEFS).map(Meaning::Ecef))
 }
 
-/// `vnstd`, `stdve`, `sdvn`.
+/// `vnstd`, `stdve`, `sdvn`, `svn`.
 fn velocity_std(name: &str) -> Option<usize> {
     let rest = ["std", "sd", "sigma"]
         .iter()
-        .find_map(|word| name.strip_suffix(word).or_else(|| name.strip_prefix(word)))?;
+        .find_map(|word| name.strip_suffix(word).or_else(|| name.strip_prefix(word)))
+        .or_else(|| name.strip_prefix('s'))?;
     let rest = rest
         .strip_prefix("vel")
         .or_else(|| rest.strip_prefix('v'))?;
@@ -373,6 +374,8 @@ mod tests {
             ("north_std_m", Some(PositionStd(0)), Some("m")),
             ("sdvn", Some(VelocityStd(0)), None),
             ("ve_std_mps", Some(VelocityStd(1)), Some("m/s")),
+            ("svd_mps", Some(VelocityStd(2)), Some("m/s")),
+            ("speed", None, None),
             ("roll_deg", Some(Attitude(0)), Some("deg")),
             ("heading", Some(Attitude(2)), None),
             ("temp", Some(Temperature), None),

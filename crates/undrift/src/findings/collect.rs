@@ -17,6 +17,8 @@ use undrift_noise::screening::Timing;
 
 /// Spans without a usable fix longer than this are reported \[s\].
 pub const WITHOUT_GNSS: f64 = 5.0;
+/// Factor of the positions' standard deviations above which it is reported.
+const WORTH_REPORTING: f64 = 1.05;
 /// Spans of rejected fixes that are reported one by one.
 const LISTED: usize = 3;
 /// Autocorrelation of innovations above which it is not the accuracy of the fixes that is wrong.
@@ -252,7 +254,7 @@ pub fn of_fixes(study: &FixStudy, errors: &FixErrors) -> Vec<Finding> {
         let factor = errors.velocity_factor;
         found.push(Finding::ModestVelocity { factor });
     }
-    if errors.position_factor != 1.0 {
+    if errors.position_factor > WORTH_REPORTING {
         let factor = errors.position_factor;
         found.push(Finding::NoisyFixes { factor });
     }
