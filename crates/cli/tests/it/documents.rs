@@ -1,0 +1,251 @@
+//! What the documents show: commands run as they are printed, the tutorial's answers are what is printed, and links
+//! lead somewhere. `UNDRIFT_BLESS=1` writes the tutorial's answers.
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// A folder for commands; `examples` in it is the repository's, `DATA` the recorded logs where they are.
+fn folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("undrift-{name}-{}", std::process::id()));
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// Output of a shell's command, errors with it, and whether it succeeded.
+fn shell(folder: &Path, command: &str) -> (String, bool) {
+    let program = Path::new(env!("CARGO_BIN_EXE_undrift"));
+    let path = std::env::var("PATH").unwrap_or_default();
+    let path = format!("{}:{path}", program.parent().unwrap().display());
+    let done = Command::new("sh")
+        .args(["-c", &format!("{command} 2>&1")])
+        .current_dir(folder)
+        .env("PATH", path)
+        .env("HOME", folder)
+        .output()
+        .unwrap();
+    let text = String::from_utf8_lossy(&done.stdout).into_owned();
+    (text, done.status.success())
+}
+
+#[test]
+fn the_commands_of_the_readme_run_as_printed() {
+    let text = fs::read_to_string(root().join("README.md")).unwrap();
+    let folder = folder("readme");
+    let mut run = Vec::new();
+    for command in commands(&text) {
+        let (shown, succeeded) = shell(&folder, &command);
+        assert!(succeeded, "{command}\n{shown}");
+        // A reader who only looks at the first line has to see that it worked.
+        let unusable = shown.lines().any(|line| line.starts_with("not usable"));
+        assert!(!unusable, "{command}\n{shown}");
+        run.push(command.split(' ').nth(1).unwrap_or_default().to_owned());
+    }
+    let expected = [
+        "sample", "identify", "model", "inspect", "outages", "tune", "fleet",
+    ];
+    assert_eq!(run, expected);
+    fs::remove_dir_all(&folder).unwrap();
+}
+
+/// Indented lines that begin with the program's name, without their comments.
+fn commands(page: &str) -> Vec<String> {
+    let mut lines = page.lines();
+    let mut commands = Vec::new();
+    while let Some(line) = lines.next() {
+        if !line.starts_with("    undrift ") {
+            continue;
+        }
+        let mut command = line.trim().to_owned();
+        while let Some(begun) = command.strip_suffix('\\') {
+            command = format!("{begun}{}", lines.next().unwrap_or_default().trim());
+        }
+        let bare = command.split("  #").next().unwrap_or_default().trim_end();
+        commands.push(bare.to_owned());
+    }
+    commands
+}
+
+#[test]
+fn the_tutorial_prints_what_it_shows() {
+    let page = root().join("docs/tutorial.md");
+    let kept = fs::read_to_string(&page).unwrap();
+    let folder = folder("tutorial");
+    let mut now = String::new();
+    let mut console = false;
+    for line in kept.lines() {
+        let command = line.strip_prefix("$ ").filter(|_| console);
+        match line {
+            "```console" => console = true,
+            "```" => console = false,
+            _ => (),
+        }
+        // An answer is printed with its command.
+        if command.is_none() && console && line != "```console" {
+            continue;
+        }
+        now += &format!("{line}\n");
+        if let Some(command) = command {
+            let (shown, succeeded) = shell(&folder, command);
+            assert!(succeeded, "{command}\n{shown}");
+            now += &shown;
+        }
+    }
+    fs::remove_dir_all(&folder).unwrap();
+    if std::env::var_os("UNDRIFT_BLESS").is_some() {
+        fs::write(&page, &now).unwrap();
+        return;
+    }
+    for (now, kept) in now.lines().zip(kept.lines()) {
+        assert_eq!(now, kept);
+    }
+    assert_eq!(now, kept, "docs/tutorial.md is not up to date");
+}
+
+/// Commands of the pages that this test leaves out, and why.
+const LEFT_OUT: [(&str, &str); 6] = [
+    ("undrift demo", "the gate's stage demo runs it; minutes"),
+    (
+        "undrift completions",
+        "writes where shells look; terminal.rs",
+    ),
+    ("undrift man", "writes where man looks; terminal.rs"),
+    (
+        "undrift montecarlo",
+        "a hundred runs; montecarlo.rs runs some",
+    ),
+    (
+        "undrift fleet fleet.toml",
+        "its manifest is a user's; fleet.rs",
+    ),
+    ("undrift fleet --shard", "a share of the same"),
+];
+
+#[test]
+#[ignore = "slow"]
+fn the_commands_of_the_pages_run_as_printed() {
+    let folder = folder("pages");
+    let data = root().join("../shared/data");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::symlink;
+        symlink(
+            fs::canonicalize(root().join("examples")).unwrap(),
+            folder.join("examples"),
+        )
+        .unwrap();
+        if let Ok(data) = fs::canonicalize(&data) {
+            symlink(data, folder.join("DATA")).unwrap();
+        }
+    }
+    // What the pages start from: the sample logs and the drive file that inspect writes of them.
+    let start = [
+        "undrift sample logs",
+        "undrift inspect logs/drive/imu.csv logs/drive/gnss.csv -o drive.toml",
+    ];
+    for command in start {
+        let (shown, succeeded) = shell(&folder, command);
+        assert!(succeeded, "{command}\n{shown}");
+    }
+    let mut failed = String::new();
+    let mut run = 0;
+    for (name, text) in pages() {
+        for command in commands(&text) {
+            if LEFT_OUT.iter().any(|(start, _)| command.starts_with(start)) {
+                continue;
+            }
+            if command.contains("DATA/") && !data.is_dir() {
+                eprintln!("skipped, no recorded logs: {command}");
+                continue;
+            }
+            let (shown, succeeded) = shell(&folder, &command);
+            run += 1;
+            if !succeeded {
+                failed += &format!("{name}: {command}\n{shown}\n");
+            }
+        }
+    }
+    assert!(failed.is_empty(), "{failed}");
+    assert!(run > 20, "{run}");
+    fs::remove_dir_all(&folder).unwrap();
+}
+
+/// Pages of the documentation, by name.
+fn pages() -> BTreeMap<String, String> {
+    fs::read_dir(root().join("docs"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|ending| ending == "md"))
+        .map(|path| {
+            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            (name, fs::read_to_string(&path).unwrap())
+        })
+        .collect()
+}
+
+#[test]
+fn every_page_is_in_the_contents_and_every_link_leads_somewhere() {
+    let pages = pages();
+    let contents = &pages["SUMMARY.md"];
+    let mut broken = Vec::new();
+    for name in pages.keys().filter(|name| *name != "SUMMARY.md") {
+        if !contents.contains(&format!("({name})")) {
+            broken.push(format!("docs/SUMMARY.md lacks {name}"));
+        }
+    }
+    let readme = fs::read_to_string(root().join("README.md")).unwrap();
+    let docs = pages
+        .iter()
+        .map(|(name, text)| (format!("docs/{name}"), text));
+    for (page, text) in docs.chain([("README.md".to_owned(), &readme)]) {
+        let home = root().join(&page);
+        for link in links(text) {
+            let (file, anchor) = link.split_once('#').unwrap_or((link, ""));
+            let target = match file {
+                "" => home.clone(),
+                file => home.parent().unwrap().join(file),
+            };
+            if !target.exists() {
+                broken.push(format!("{page}: no file for {link}"));
+            } else if !anchor.is_empty() && !anchors(&target).contains(&anchor.to_owned()) {
+                broken.push(format!("{page}: no heading for {link}"));
+            }
+        }
+    }
+    assert!(broken.is_empty(), "{}", broken.join("\n"));
+}
+
+/// Targets of the links of a page that lie in the repository.
+fn links(text: &str) -> Vec<&str> {
+    text.split("](")
+        .skip(1)
+        .filter_map(|rest| rest.split_once(')'))
+        .map(|(target, _)| target)
+        .filter(|target| !target.contains("://") && !target.contains(char::is_whitespace))
+        .collect()
+}
+
+/// What links call the headings of a page: lower-case, without punctuation, hyphens for spaces.
+fn anchors(page: &Path) -> Vec<String> {
+    fs::read_to_string(page)
+        .unwrap_or_default()
+        .lines()
+        .filter(|line| line.starts_with('#'))
+        .map(|line| {
+            let heading = line.trim_start_matches('#').trim().to_lowercase();
+            heading
+                .chars()
+                .filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'))
+                .map(|c| if c == ' ' { '-' } else { c })
+                .collect()
+        })
+        .collect()
+}
