@@ -17,8 +17,8 @@ use undrift_noise::screening::Timing;
 
 /// Spans without a usable fix longer than this are reported \[s\].
 pub const WITHOUT_GNSS: f64 = 5.0;
-/// Factor of the positions' standard deviations above which it is reported.
-const WORTH_REPORTING: f64 = 1.05;
+/// Change of the fixes' standard deviations above which it is reported.
+const WORTH_REPORTING: f64 = 0.05;
 /// Spans of rejected fixes that are reported one by one.
 const LISTED: usize = 3;
 /// Autocorrelation of innovations above which it is not the accuracy of the fixes that is wrong.
@@ -250,11 +250,11 @@ pub fn of_fixes(study: &FixStudy, errors: &FixErrors) -> Vec<Finding> {
     if let Some(Correlated { share, time }) = errors.correlated {
         found.push(Finding::CorrelatedFixes { share, time });
     }
-    if errors.velocity_factor != 1.0 {
+    if (errors.velocity_factor - 1.0).abs() > WORTH_REPORTING {
         let factor = errors.velocity_factor;
         found.push(Finding::ModestVelocity { factor });
     }
-    if errors.position_factor > WORTH_REPORTING {
+    if errors.position_factor - 1.0 > WORTH_REPORTING {
         let factor = errors.position_factor;
         found.push(Finding::NoisyFixes { factor });
     }
