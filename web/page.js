@@ -99,7 +99,7 @@ function offer(label, get) {
   $("downloads").hidden = false;
 }
 
-const buttons = () => document.querySelectorAll(".do, #sample-static, #sample-drive, #downloads button");
+const buttons = () => document.querySelectorAll(".do, #sample-static, #sample-drive, #demo, #downloads button");
 
 // Runs something while nothing else can be begun.
 async function working(task) {
@@ -217,6 +217,13 @@ async function sample(names) {
 }
 $("sample-static").onclick = () => sample(["static.csv"]);
 $("sample-drive").onclick = () => sample(["drive/imu.csv", "drive/gnss.csv"]);
+
+// Fewer drives than the command's, for patience.
+$("demo").onclick = () => working(async () => {
+  clear();
+  const done = await shown(["demo", "--drives", "2", "--report", "demo.html"], ["demo.html"], "demo.html");
+  if (done) offer("Report (HTML)", () => ["demo.html", done.files["demo.html"]]);
+});
 
 // ---- Tabs ------------------------------------------------------------------------------------------------------
 

@@ -120,6 +120,16 @@ test("a simulated drive is navigated and its GNSS cut at a click", { skip: missi
   await close();
 });
 
+test("the demo runs at a click", { skip: missing }, async () => {
+  const { page, troubles, close } = await open();
+  await page.click("#demo");
+  await page.waitForFunction(() => document.getElementById("downloads").children.length, null, { timeout: 600000 });
+  assert.match(await page.textContent("#text"), /times less/);
+  await page.frameLocator("#report").locator("figure").first().waitFor({ timeout: 20000 });
+  assert.deepEqual(troubles, []);
+  await close();
+});
+
 test("a run can be cancelled, and the next one works", { skip: missing }, async () => {
   const { page, close } = await open();
   await page.click("#sample-static");
@@ -181,22 +191,38 @@ for (const [drive] of DRIVES) {
   });
 }
 
+// Runs `inspect` over pieces of a log; each has to be a result or a message.
+async function survives(page, name, pieces, label) {
+  const codes = await page.evaluate(async ({ pieces, name }) => {
+    const codes = [];
+    for (const text of pieces) {
+      undrift.put(name, new File([Uint8Array.from(atob(text), c => c.charCodeAt(0))], name));
+      const done = await undrift.run(["inspect", name]);
+      codes.push([done.code, done.warnings.join(" ")]);
+    }
+    return codes;
+  }, { pieces: pieces.map(piece => piece.toString("base64")), name });
+  for (const [code, said] of codes) assert.ok(code === 0 || (code === 1 && said.includes("error:")), `${label}: ${code} ${said}`);
+}
+
 test("logs cut at every twentieth are a result or a message, never a dead page", { skip: missing }, async () => {
   const { page, troubles, close } = await open();
   for (const log of logs) {
-    const whole = readFileSync(path.join(golden, log)), name = path.basename(log);
-    const cut = Array.from({ length: 19 }, (_, k) => whole.subarray(0, Math.floor(((k + 1) * whole.length) / 20)).toString("base64"));
-    const codes = await page.evaluate(async ({ cut, name }) => {
-      const codes = [];
-      for (const text of cut) {
-        undrift.put(name, new File([Uint8Array.from(atob(text), c => c.charCodeAt(0))], name));
-        const done = await undrift.run(["inspect", name]);
-        codes.push([done.code, done.warnings.join(" ")]);
-      }
-      return codes;
-    }, { cut, name });
-    for (const [code, said] of codes) assert.ok(code === 0 || (code === 1 && said.includes("error:")), `${log}: ${code} ${said}`);
+    const whole = readFileSync(path.join(golden, log));
+    const pieces = Array.from({ length: 19 }, (_, k) => whole.subarray(0, Math.floor(((k + 1) * whole.length) / 20)));
+    await survives(page, path.basename(log), pieces, log);
   }
+  assert.deepEqual(troubles, []);
+  await close();
+});
+
+// What the fuzz targets start from, and what tools/fuzz has found since, where it has run.
+const corpora = ["fuzz/corpus-seeds", "fuzz/corpus", "fuzz/artifacts"].map(name => path.join(root, name)).filter(existsSync);
+const hostile = corpora.flatMap(folder => readdirSync(folder, { recursive: true }).map(name => path.join(folder, String(name)))).filter(name => statSync(name).isFile());
+
+test("the corpora of the fuzz targets are a result or a message", { skip: missing || (hostile.length ? false : "there are none") }, async () => {
+  const { page, troubles, close } = await open();
+  for (const name of hostile) await survives(page, path.basename(name), [readFileSync(name)], name);
   assert.deepEqual(troubles, []);
   await close();
 });
