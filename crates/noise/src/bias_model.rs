@@ -145,6 +145,11 @@ fn named(failure: Failure, model: BiasModel, axis: Option<&'static str>) -> Mode
     }
 }
 
+/// Correlation time from which on a process is a bias \[s\]; a faster one is gone between two fixes.
+pub(crate) const SLOW: f64 = 1.0;
+/// Length without fixes for which a random walk has to stand for processes \[s\].
+pub(crate) const HORIZON: f64 = 30.0;
+
 /// The slow part of an error as independent terms.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Slow {
@@ -160,11 +165,24 @@ impl Slow {
             .max_by(|a, b| a.tau_s.total_cmp(&b.tau_s))
     }
 
-    /// Density [unit/√s] of the random walk that stands for all of it: K² + 2σ²/τ of the slowest
-    /// Gauss-Markov process, which is such a random walk over times short against τ.
+    /// Density [unit/√s] of the random walk that stands for all of it: 2σ²/τ of the slowest Gauss-Markov process, which is
+    /// such a random walk over times short against τ, and what is beside it.
     pub(crate) fn drive(&self) -> f64 {
+        self.beside_slowest()
+            .hypot(self.slowest().map_or(0.0, GaussMarkov::drive))
+    }
+
+    /// Density [unit/√s] of the random walk that stands for all but the slowest Gauss-Markov process: K², and 2σ²/τ of
+    /// each other process, over [`HORIZON`] where that is longer than τ: by then its variance has grown by 2σ² and
+    /// grows no more.
+    pub(crate) fn beside_slowest(&self) -> f64 {
         let k = self.walk.unwrap_or(0.0);
-        k.hypot(self.slowest().map_or(0.0, GaussMarkov::drive))
+        let slowest = self.slowest();
+        let is_other = |of: &&GaussMarkov| slowest.is_some_and(|one| !std::ptr::eq(one, *of));
+        let others = self.processes.iter().filter(is_other);
+        let others = others.filter(|of| of.tau_s >= SLOW);
+        let density = |of: &GaussMarkov| 2.0 * of.sigma * of.sigma / of.tau_s.max(HORIZON);
+        others.map(density).fold(k * k, |sum, of| sum + of).sqrt()
     }
 }
 

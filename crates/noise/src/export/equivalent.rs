@@ -1,8 +1,8 @@
 //! What a model is in the terms that every program knows: white noise, a slow process, a constant.
 
 use super::ModelFormat;
-use super::poles::{self, SLOW};
-use crate::bias_model::{Slow, UNIT_ROOT_TAU};
+use super::poles;
+use crate::bias_model::{HORIZON, SLOW, Slow, UNIT_ROOT_TAU};
 use crate::composite::GaussMarkov;
 use crate::model_file::{Arma, AxisModel, ImuModel, ModelError};
 use crate::number::rounded;
@@ -118,13 +118,18 @@ fn equivalent(name: &str, axis: &AxisModel, remarks: &mut Vec<String>) -> Axis {
         let times = list(fast.iter().map(|of| of.tau_s), "s");
         remarks.push(format!("{name}: a bias of less than {SLOW} s of correlation time ({times}) counts as white noise."));
     }
-    if slow.processes.len() + usize::from(slow.walk.is_some()) > 1 {
+    if slow.processes.len() > 1 {
         remarks.push(format!(
-            "{name}: of several slow terms, the slowest Gauss-Markov process and the random walk are used."
+            "{name}: its Gauss-Markov processes but the slowest count as a random walk, which has their variance after {HORIZON} s."
         ));
     }
     if axis.quantisation.is_some() {
         remarks.push(format!("{name}: its quantisation is omitted."));
+    }
+    if axis.temperature.is_some() {
+        remarks.push(format!(
+            "{name}: the bias over temperature is omitted: subtract it from the samples first."
+        ));
     }
     if !axis.lines.is_empty() {
         let lines = list(axis.lines.iter().map(|line| line.frequency_hz), "Hz");

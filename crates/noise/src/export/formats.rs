@@ -151,7 +151,7 @@ pub(super) fn matlab(imu: &Equivalent, rate_hz: f64) -> String {
     ] {
         let list = |of: &dyn Fn(&Axis) -> f64| row(axes.iter().map(of));
         let white = list(&|axis| axis.white);
-        let walk = list(&|axis| axis.slow.walk.unwrap_or(0.0));
+        let walk = list(&|axis| axis.slow.beside_slowest());
         out.body += &format!("{name} = {constructor}('NoiseType', 'single-sided', ...\n");
         out.body += &format!("    'NoiseDensity', {white}, ...\n    'RandomWalk', {walk}");
         let tau = axes

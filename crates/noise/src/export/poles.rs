@@ -7,14 +7,12 @@
 //! a sample by the variance Σ qᵢ, qᵢ = −2 cᵢ ln λᵢ.
 
 use crate::arma::inverse_roots;
-use crate::bias_model::Slow;
+use crate::bias_model::{SLOW, Slow};
 use crate::composite::GaussMarkov;
 use crate::model_file::Arma;
 use realfft::num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
-/// Shortest correlation time of a bias \[s\]: what is faster averages out between fixes as white noise does.
-pub(super) const SLOW: f64 = 1.0;
 /// A pole this close to one is a unit root: its correlation time is 10⁹ samples.
 const UNIT_ROOT: f64 = 1e-9;
 

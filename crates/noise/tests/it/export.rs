@@ -308,7 +308,7 @@ fn complex_and_fast_poles_are_no_bias() {
 fn a_fast_process_counts_as_white_noise_and_lines_are_listed() {
     let text = MODEL.replace(
         "correlation_time = \"200 s\"",
-        "correlation_time = \"0.2 s\"\nrandom_walk = \"6 deg/h/sqrt(h)\"\n[[gyro.line]]\nfrequency = \"7.3 Hz\"\namplitude = \"1 deg/s\"",
+        "correlation_time = \"0.2 s\"\nrandom_walk = \"6 deg/h/sqrt(h)\"\n[[gyro.line]]\nfrequency = \"7.3 Hz\"\namplitude = \"1 deg/s\"\n[gyro.temperature]\nreference = \"25 degC\"\nlowest = \"20 degC\"\nhighest = \"40 degC\"\nslope = \"1 deg/h/K\"",
     );
     let (found, text) = in_every_format(&ImuModel::from_toml(&text, "test").unwrap());
     // N² + 2σ²τ; the first format has the root mean square of the three axes, the others the x axis.
@@ -323,6 +323,34 @@ fn a_fast_process_counts_as_white_noise_and_lines_are_listed() {
         "{text}"
     );
     assert!(text.contains("counts as white noise"), "{text}");
+    assert!(text.contains("bias over temperature is omitted"), "{text}");
+}
+
+#[test]
+fn the_random_walk_for_several_processes_covers_their_growth() {
+    // A decade apart, of one variance, as flicker is: the slowest alone grows 6 times less within 30 s.
+    let processes = [(1.0, 10.0), (1.0, 100.0), (1.0, 1000.0)];
+    let text = MODEL.replace(
+        "correlation_time = \"200 s\"",
+        "correlation_time = [\"10 s\", \"100 s\", \"1000 s\"]",
+    );
+    let text = text.replace(
+        "bias_instability = \"9 deg/h\"",
+        "bias_instability = [\"1 deg/h\", \"1 deg/h\", \"1 deg/h\"]",
+    );
+    let model = ImuModel::from_toml(&text, "test").unwrap();
+    let (found, text) = in_every_format(&model);
+    assert!(text.contains("count as a random walk"), "{text}");
+    let k = found[0].1 / (DEG / 3600.0);
+    let growth = |time: f64| -> f64 {
+        let of = |(sigma, tau): &(f64, f64)| 2.0 * sigma * sigma * -(-time / tau).exp_m1();
+        processes.iter().map(of).sum()
+    };
+    let ratio = |time: f64| (k * k * time / growth(time)).sqrt();
+    assert!((1.0..1.1).contains(&ratio(30.0)), "{}", ratio(30.0));
+    assert!(ratio(60.0) > 1.0 && ratio(60.0) < 1.4, "{}", ratio(60.0));
+    // Over shorter times it falls short, by no more than the processes of 10 s that it takes for slower.
+    assert!(ratio(5.0) > 0.6, "{}", ratio(5.0));
 }
 
 #[test]
