@@ -348,7 +348,7 @@ mod tests {
     #[test]
     fn names_of_many_programs() {
         use Meaning::*;
-        let rows: [(&str, Option<Meaning>, Option<&str>); 41] = [
+        let rows: [(&str, Option<Meaning>, Option<&str>); 43] = [
             ("gx_dps", Some(Gyro(0)), Some("deg/s")),
             ("AZ_g", Some(Accel(2)), Some("g")),
             ("gyro_y", Some(Gyro(1)), None),
