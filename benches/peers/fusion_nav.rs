@@ -18,6 +18,7 @@ fn navigate(logs: &Logs) -> Result<Vec<f64>, Failure> {
         start,
         model,
     } = logs;
+    let step = raw_logs::interval(imu);
     let [roll, _, yaw] = model.attitude.map(|std| std as f32);
     let (position, velocity) = (model.position as f32, model.velocity as f32);
     let place = |row: &[f64]| Geodetic::from_radians(row[1], row[2], row[3]);
@@ -57,9 +58,9 @@ fn navigate(logs: &Logs) -> Result<Vec<f64>, Failure> {
     let velocity_noise = VelocityNoise::horizontal_vertical(velocity, velocity);
     let mut fixes = gnss.chunks_exact(7);
     let mut fix = fixes.next();
-    let interval = Seconds::from_secs(0.01);
+    let interval = Seconds::from_secs(step as f32);
     let mut solution = Vec::with_capacity(imu.len() / 7 * 10);
-    for row in imu.chunks_exact(7).filter(|row| row[0] > start[0] + 0.005) {
+    for row in imu.chunks_exact(7).filter(|row| row[0] > start[0] + 0.5 * step) {
         let single: Vec3 = [row[1] as f32, row[2] as f32, row[3] as f32];
         let force: Vec3 = [row[4] as f32, row[5] as f32, row[6] as f32];
         let sample = ImuSample::from_rates(
@@ -69,10 +70,10 @@ fn navigate(logs: &Logs) -> Result<Vec<f64>, Failure> {
             interval,
         );
         // The first fix, of the start's own time, places the origin.
-        while let Some(next) = fix.filter(|next| next[0] < row[0] - 0.005) {
+        while let Some(next) = fix.filter(|next| next[0] < row[0] - 0.5 * step) {
             let _ =
                 filter.fuse_gnss_geodetic(at(next), place(next), position_noise, Position::zero());
-            if next[0] > start[0] {
+            if next[0] > start[0] && next[4].is_finite() {
                 let reported = Velocity::ned(next[4] as f32, next[5] as f32, next[6] as f32);
                 let _ =
                     filter.fuse_gnss_velocity(at(next), reported, velocity_noise, Position::zero());

@@ -177,13 +177,14 @@ def errors(folder, who, other="truth"):
     return [float(np.sqrt(np.mean(part))) for part in rms]
 
 
-def crate(name, version, source, system="a library", **others):
+def crate(name, version, source, system="a library", beside=("raw_logs.rs", "process.rs"), under="peers-crates", **others):
     """Builds a throw-away crate under target/ that runs a crate of the registry, and others that it needs.
-    Its program, or why not: `system` names what a crate that wraps a library of the system looks for."""
-    folder = os.path.join("target", "peers-crates", name)
+    Its program, or why not: `system` names what a crate that wraps a library of the system looks for, `beside` the files
+    that go beside `source`, `under` the folder of target/."""
+    folder = os.path.join("target", under, name)
     os.makedirs(os.path.join(folder, "src"), exist_ok=True)
     here = os.path.dirname(os.path.abspath(__file__))
-    for origin, copied in [(source, "main.rs"), ("raw_logs.rs", "raw_logs.rs"), ("process.rs", "process.rs")]:
+    for origin, copied in [(source, "main.rs"), *((path, os.path.basename(path)) for path in beside)]:
         shutil.copy(os.path.join(here, origin), os.path.join(folder, "src", copied))
     dependencies = [(name, f"={version}"), *others.items()]
     with open(os.path.join(folder, "Cargo.toml"), "w") as manifest:

@@ -89,6 +89,11 @@ pub fn run(who: &str, navigate: fn(&Logs) -> Result<Vec<f64>, Failure>) -> Resul
     Ok(())
 }
 
+/// Mean interval of the samples \[s\].
+pub fn interval(imu: &[f64]) -> f64 {
+    (imu[imu.len() - 7] - imu[0]) / (imu.len() / 7 - 1) as f64
+}
+
 fn read(path: &Path) -> Result<Vec<f64>, Failure> {
     let bytes = fs::read(path)?;
     let (numbers, _) = bytes.as_chunks::<8>();

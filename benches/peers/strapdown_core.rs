@@ -9,8 +9,6 @@ use strapdown::kalman::{InitialState, UnscentedKalmanFilter};
 use strapdown::measurements::{GPSPositionMeasurement, GPSVelocityMeasurement};
 use strapdown::{IMUData, NavigationFilter};
 
-/// Interval of the samples [s].
-const STEP: f64 = 0.01;
 /// α, β, κ of the unscented transform, as in the crate's own simulations. Points so close together also
 /// seldom lie on both sides of ±180°, where the crate averages headings as plain numbers.
 const SPREAD: [f64; 3] = [1e-3, 2.0, 0.0];
@@ -27,6 +25,7 @@ fn navigate(logs: &Logs) -> Result<Vec<f64>, Failure> {
         start,
         model,
     } = logs;
+    let step = raw_logs::interval(imu);
     let (position, velocity) = (model.position, model.velocity);
     let [alpha, beta, kappa] = SPREAD;
     let degrees = |k: usize| start[k].to_degrees();
@@ -61,7 +60,7 @@ fn navigate(logs: &Logs) -> Result<Vec<f64>, Failure> {
         model.accel_walk,
         model.gyro_walk,
     ]
-    .map(|density| [density * STEP.sqrt(); 3]);
+    .map(|density| [density * step.sqrt(); 3]);
     let squares = |sigmas: [[f64; 3]; 5]| -> Vec<f64> {
         sigmas.iter().flatten().map(|sigma| sigma * sigma).collect()
     };
@@ -81,9 +80,9 @@ fn navigate(logs: &Logs) -> Result<Vec<f64>, Failure> {
     let mut solution = Vec::with_capacity(imu.len() / 7 * 10);
     for row in imu
         .chunks_exact(7)
-        .filter(|row| row[0] > start[0] + 0.5 * STEP)
+        .filter(|row| row[0] > start[0] + 0.5 * step)
     {
-        while let Some(next) = fix.filter(|next| next[0] < row[0] - 0.5 * STEP) {
+        while let Some(next) = fix.filter(|next| next[0] < row[0] - 0.5 * step) {
             filter.update(&GPSPositionMeasurement {
                 latitude: next[1].to_degrees(),
                 longitude: next[2].to_degrees(),
@@ -91,20 +90,22 @@ fn navigate(logs: &Logs) -> Result<Vec<f64>, Failure> {
                 horizontal_noise_std: position,
                 vertical_noise_std: position,
             });
-            filter.update(&GPSVelocityMeasurement {
-                northward_velocity: next[4],
-                eastward_velocity: next[5],
-                vertical_velocity: next[6],
-                horizontal_noise_std: velocity,
-                vertical_noise_std: velocity,
-            });
+            if next[4].is_finite() {
+                filter.update(&GPSVelocityMeasurement {
+                    northward_velocity: next[4],
+                    eastward_velocity: next[5],
+                    vertical_velocity: next[6],
+                    horizontal_noise_std: velocity,
+                    vertical_noise_std: velocity,
+                });
+            }
             fix = fixes.next();
         }
         let sample = IMUData {
             gyro: Vector3::new(row[1], row[2], row[3]),
             accel: Vector3::new(row[4], row[5], row[6]),
         };
-        filter.predict(&sample, STEP);
+        filter.predict(&sample, step);
         let state = filter.get_estimate();
         solution.extend([row[0], state[0], state[1], -state[2]]);
         solution.extend(state.iter().skip(3).take(6));
