@@ -49,7 +49,7 @@ def programs():
     """Programs of the crates, or why there is none."""
     beside = (str(HERE / "raw_logs.rs"),)
     yield "fusion_nav", crate("fusion-nav", "0.1.0", "fusion_nav.rs", beside=beside, under="drives-crates")
-    yield "ekf2", crate("ekf2", "0.1.0", str(HERE / "ekf2.rs"), system="a C++ compiler", beside=(), under="drives-crates")
+    yield "ekf2", crate("ekf2", "0.1.0", str(HERE / "ekf2.rs"), system="a C++ compiler and libclang", beside=(), under="drives-crates")
     yield "strapdown_core", crate(
         "strapdown-core", "0.5.0", "strapdown_core.rs", system="libhdf5 and libnetcdf", beside=beside, under="drives-crates",
         nalgebra=">=0.33.3, <0.35.0",

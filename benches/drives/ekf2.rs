@@ -21,19 +21,23 @@ fn main() -> Result<(), Box<dyn Error>> {
     let folder = Path::new(folder);
     let get = |name: &str| read(&folder.join(format!("{name}.f64")));
     let (imu, gnss, lever) = (get("imu")?, get(&format!("pass{pass}"))?, get("lever")?);
-    let (wanted, model) = (get(&format!("wanted{pass}"))?, get(&format!("model-{model}"))?);
+    let wanted = get(&format!("wanted{pass}"))?;
     let (first, last) = (imu[0], imu[imu.len() - 7]);
     let step = (last - first) / (imu.len() / 7 - 1) as f64;
-    let mut filter = Ekf::with_config(EkfConfig::default())?;
+    let mut filter = Ekf::with_config(EkfConfig::default()).map_err(|error| format!("{error:?}"))?;
     {
         let mut params = filter.params_mut();
-        // Densities as it takes them; its biases' noise is a walk.
-        params.set_gyro_noise(model[0] as f32);
-        params.set_accel_noise(model[3] as f32);
-        params.set_gyro_bias_noise(model[1] as f32);
-        params.set_accel_bias_noise(model[4] as f32);
-        params.set_gyro_bias_init((model[2] as f32).min(0.2));
-        params.set_accel_bias_init((model[5] as f32).min(0.5));
+        if model != "default" {
+            let model = get(&format!("model-{model}"))?;
+            // Its noises are those of a step of its own, 0.01 s.
+            let a_step = |density: f64| (density / 0.1) as f32;
+            params.set_gyro_noise(a_step(model[0]));
+            params.set_gyro_bias_noise(a_step(model[1]));
+            params.set_gyro_bias_init((model[2] as f32).min(0.2));
+            params.set_accel_noise(a_step(model[3]));
+            params.set_accel_bias_noise(a_step(model[4]));
+            params.set_accel_bias_init((model[5] as f32).min(0.5));
+        }
         params.set_hgt_ref(HeightReference::Gnss);
         params.set_mag_fusion_type(MagFusionType::None);
         params.set_gps_delay_ms(0.0);
