@@ -1,10 +1,6 @@
 """The drives: where their logs are, how they are read into forward-right-down SI arrays, what is known of their sensors."""
 
-import csv
 import gzip
-import json
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np

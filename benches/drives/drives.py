@@ -30,6 +30,7 @@ FILTERS = [
     ("strapdown-core, by hand", "strapdown_core", "hand", []),
     ("ekf2, its defaults", "ekf2", "default", []),
     ("ekf2, data sheet", "ekf2", "sheet", []),
+    ("ekf2, allantools", "ekf2", "rest", []),
     ("ekf2, by hand", "ekf2", "hand", []),
     ("sidereon, data sheet", "sidereon_drive.py", "sheet", []),
     ("sidereon, allantools", "sidereon_drive.py", "rest", []),

@@ -24,7 +24,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let wanted = get(&format!("wanted{pass}"))?;
     let (first, last) = (imu[0], imu[imu.len() - 7]);
     let step = (last - first) / (imu.len() / 7 - 1) as f64;
-    let mut filter = Ekf::with_config(EkfConfig::default()).map_err(|error| format!("{error:?}"))?;
+    let mut filter =
+        Ekf::with_config(EkfConfig::default()).map_err(|error| format!("{error:?}"))?;
     {
         let mut params = filter.params_mut();
         if model != "default" {
@@ -51,8 +52,20 @@ fn main() -> Result<(), Box<dyn Error>> {
     for row in imu.chunks_exact(7) {
         let dt = ((row[0] - before) as f32).clamp(1e-4, 0.1);
         before = row[0];
-        let scaled = |at: usize| [row[at] as f32 * dt, row[at + 1] as f32 * dt, row[at + 2] as f32 * dt];
-        filter.set_imu_data(&ImuSample::new(micros(row[0]), scaled(1), scaled(4), dt, dt));
+        let scaled = |at: usize| {
+            [
+                row[at] as f32 * dt,
+                row[at + 1] as f32 * dt,
+                row[at + 2] as f32 * dt,
+            ]
+        };
+        filter.set_imu_data(&ImuSample::new(
+            micros(row[0]),
+            scaled(1),
+            scaled(4),
+            dt,
+            dt,
+        ));
         while fix + 13 <= gnss.len() && gnss[fix] <= row[0] {
             let g = &gnss[fix..fix + 13];
             fix += 13;
@@ -76,7 +89,11 @@ fn main() -> Result<(), Box<dyn Error>> {
             want += 1;
             let (lat, lon, height) = filter.lat_lon_alt();
             let valid = filter.attitude_valid() && lat != 0.0;
-            let place = if valid { [lat.to_radians(), lon.to_radians()] } else { [f64::NAN; 2] };
+            let place = if valid {
+                [lat.to_radians(), lon.to_radians()]
+            } else {
+                [f64::NAN; 2]
+            };
             let [w, x, y, z] = filter.quaternion().map(f64::from);
             rows.extend([row[0], place[0], place[1], f64::from(height)]);
             rows.extend(filter.velocity_ned().map(f64::from));
@@ -84,6 +101,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             rows.push((2.0 * (w * z + x * y)).atan2(1.0 - 2.0 * (y * y + z * z)));
         }
     }
-    let bytes: Vec<u8> = rows.iter().flat_map(|value: &f64| value.to_le_bytes()).collect();
+    let bytes: Vec<u8> = rows
+        .iter()
+        .flat_map(|value: &f64| value.to_le_bytes())
+        .collect();
     Ok(fs::write(out, bytes)?)
 }

@@ -83,6 +83,14 @@ def cells(values):
     return f"| {' | '.join(values)} |"
 
 
+def group(name):
+    """Drives of one vehicle and sensor share a column."""
+    for kind in ("ublox", "wid"):
+        if name.startswith(kind):
+            return kind
+    return name
+
+
 def judge(folder, answers, drives, filters, out, figure):
     titles = [title for title, _, _ in filters]
     all_found = {title: {} for title in titles}
@@ -114,18 +122,25 @@ def judge(folder, answers, drives, filters, out, figure):
         result["filters"][title] = entry
     for horizon in HORIZONS:
         key = f"{horizon:.0f}"
-        print(f"\nRMS drift at {key} s [m]\n")
+        print(f"\nRMS drift at {key} s [m]; ublox, wid: geometric mean of their drives\n")
         have = [name for name in drives if any(key in entry["drives"].get(name, {}).get("horizons", {}) for entry in result["filters"].values())]
-        print(cells(["filter", *have]))
-        print(cells(["---"] * (len(have) + 1)))
+        groups = list(dict.fromkeys(map(group, have)))
+        print(cells(["filter", *groups]))
+        print(cells(["---"] * (len(groups) + 1)))
         for title, entry in result["filters"].items():
             if not entry["drives"]:
                 continue
             values = []
-            for name in have:
-                row = entry["drives"].get(name)
-                at = row and row["horizons"].get(key)
-                values.append(f"{at['rms_m']:.3g}" + ("!" if at["lost"] else "") if at else "–")
+            for of in groups:
+                names = [name for name in have if group(name) == of]
+                at = [entry["drives"][name]["horizons"].get(key) for name in names if name in entry["drives"]]
+                at = [row for row in at if row]
+                mean = np.exp(np.mean([np.log(max(row["rms_m"], 0.01)) for row in at])) if at else np.nan
+                lost = sum(row["lost"] for row in at)
+                values.append(
+                    (f"{mean:.3g}" + (f", {lost} lost" if lost else "") + (f" ({len(at)} of {len(names)})" if len(at) < len(names) else ""))
+                    if at else "–"
+                )
             print(cells([title, *values]))
     print("\nAll drives together\n")
     print(cells(["filter", "drives", "windows", "pooled 10 s", "30 s", "60 s [m]", "lost", "inside 1, 2, 3 σ at 30 s", "yaw at 30 s [°]", "CPU [µs a sample]", "lines"]))

@@ -26,10 +26,7 @@ pub struct Model {
     pub attitude: [f64; 3],
 }
 
-pub fn run(
-    _who: &str,
-    navigate: fn(&Logs) -> Result<Vec<f64>, Failure>,
-) -> Result<(), Failure> {
+pub fn run(_who: &str, navigate: fn(&Logs) -> Result<Vec<f64>, Failure>) -> Result<(), Failure> {
     let arguments: Vec<String> = env::args().skip(1).collect();
     let [folder, pass, model, out] = &arguments[..] else {
         return Err("give the folder, pass, model and output".into());
@@ -39,8 +36,19 @@ pub fn run(
     let numbers: [f64; 11] = get(&format!("model-{model}"))?
         .try_into()
         .map_err(|_| "the model has other numbers")?;
-    let [gyro, gyro_walk, gyro_turn_on, accel, accel_walk, accel_turn_on, position, velocity, roll, pitch, yaw] =
-        numbers;
+    let [
+        gyro,
+        gyro_walk,
+        gyro_turn_on,
+        accel,
+        accel_walk,
+        accel_turn_on,
+        position,
+        velocity,
+        roll,
+        pitch,
+        yaw,
+    ] = numbers;
     let start = get("start")?;
     let fixes = get(&format!("pass{pass}"))?;
     let logs = Logs {
@@ -49,7 +57,12 @@ pub fn run(
         gnss: start[..7]
             .iter()
             .copied()
-            .chain(fixes.chunks_exact(13).filter(|row| row[0] > start[0]).flat_map(|row| row[..7].to_vec()))
+            .chain(
+                fixes
+                    .chunks_exact(13)
+                    .filter(|row| row[0] > start[0])
+                    .flat_map(|row| row[..7].to_vec()),
+            )
             .collect(),
         start,
         model: Model {
@@ -73,7 +86,10 @@ pub fn run(
         answers.extend_from_slice(&row[..7]);
         answers.extend([f64::NAN, f64::NAN, f64::NAN, row[9]]);
     }
-    let bytes: Vec<u8> = answers.iter().flat_map(|value| value.to_le_bytes()).collect();
+    let bytes: Vec<u8> = answers
+        .iter()
+        .flat_map(|value| value.to_le_bytes())
+        .collect();
     Ok(fs::write(out, bytes)?)
 }
 

@@ -40,7 +40,7 @@ logs, options, out = arguments()
 start, (gyro, gyro_walk, gyro_turn_on), (accel, accel_walk, accel_turn_on) = logs.start, logs.gyro, logs.accel
 if "held" in options:
     logs.imu[:, 1:4] -= logs.read("still", 0)
-    gyro_turn_on, gyro_walk = 1e-9, 1e-12
+    gyro_turn_on, gyro_walk = 1e-6, 1e-9
 # Its bias states are Gauss-Markov processes of an instability and a time: here the walk of the model over 300 s.
 time_constant = 300.0
 spec = s.ImuSpec(accel, gyro, accel_walk * np.sqrt(time_constant / 2.0), gyro_walk * np.sqrt(time_constant / 2.0), time_constant, time_constant)
@@ -56,6 +56,7 @@ axes = ned(start[1], start[2])
 nominal = s.NavState(start[0], ecef(*start[1:4]), axes @ start[4:7], np.ascontiguousarray(axes @ body(*start[7:10])))
 covariance = np.diag(np.r_[[logs.position_std**2] * 3, [0.3**2] * 3, np.square(logs.attitude_std), [accel_turn_on**2] * 3, [gyro_turn_on**2] * 3])
 covariance[6:9, 6:9] = axes @ covariance[6:9, 6:9] @ axes.T
+covariance = 0.5 * (covariance + covariance.T)
 filter = s.InertialFilter.with_config(s.InsFilterState.from_covariance(nominal, s.ErrorStateLayout.FIFTEEN, covariance), config)
 period = 1.0 / logs.about["rate_hz"]
 constraint_every, rows, fix, want = max(1, int(0.1 / period)), [], 0, 0

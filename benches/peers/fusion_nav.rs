@@ -60,7 +60,10 @@ fn navigate(logs: &Logs) -> Result<Vec<f64>, Failure> {
     let mut fix = fixes.next();
     let interval = Seconds::from_secs(step as f32);
     let mut solution = Vec::with_capacity(imu.len() / 7 * 10);
-    for row in imu.chunks_exact(7).filter(|row| row[0] > start[0] + 0.5 * step) {
+    for row in imu
+        .chunks_exact(7)
+        .filter(|row| row[0] > start[0] + 0.5 * step)
+    {
         let single: Vec3 = [row[1] as f32, row[2] as f32, row[3] as f32];
         let force: Vec3 = [row[4] as f32, row[5] as f32, row[6] as f32];
         let sample = ImuSample::from_rates(
