@@ -15,7 +15,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from catalogue import DEGREE, DRIVES, G, SHEETS, hand, sheet, turned
+from catalogue import DEGREE, DRIVES, SHEETS, hand, sheet, turned
 
 LONG, SHORT = (60.0, 90.0, (0.0, 30.0, 60.0)), (30.0, 45.0, (0.0, 15.0, 30.0))
 HORIZONS = (10.0, 30.0, 60.0)

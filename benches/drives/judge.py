@@ -95,7 +95,6 @@ def judge(folder, answers, drives, filters, out, figure):
     titles = [title for title, _, _ in filters]
     all_found = {title: {} for title in titles}
     result = {"format": "undrift-drives", "version": 1, "filters": {}, "ratios": {}}
-    table = []
     for title, count, _ in filters:
         entry = {"lines": count, "drives": {}}
         for name in drives:
