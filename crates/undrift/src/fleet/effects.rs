@@ -19,8 +19,9 @@ pub struct Sample<'a> {
     pub temperature_c: Option<f64>,
 }
 
-/// Probability of finding anything where there is nothing: of units, types and temperature together, …
-pub const SIGNIFICANCE: f64 = 0.05;
+/// Probability of finding anything where there is nothing: of units, types and temperature together, so that 19 of
+/// 20 fleets are left alone in 98 % of cases, …
+pub const SIGNIFICANCE: f64 = 0.01;
 /// … and of all logs, which are many more.
 pub const OF_LOGS: f64 = 0.01;
 /// Temperature at which levels are given [°C].

@@ -200,7 +200,7 @@ fn one_family_is_adjusted_as_holm() {
 }
 
 /// Counts over fleets of 300 logs: the table of docs/fleet.md. Each effect is to be found in 18 of 20, and nothing
-/// else in 19 of 20. Seeds 1 to 100 are for building.
+/// else in 19 of 20. Seeds up to 200 served for building.
 #[test]
 #[ignore = "slow: 1100 fleets"]
 fn planted_effects_are_found_in_18_of_20() {
@@ -246,23 +246,30 @@ fn planted_effects_are_found_in_18_of_20() {
             [0, 0, 0],
         ),
     ];
+    let mut missed = Vec::new();
     for (name, planted, expected) in cases {
-        let few = counted(planted, expected, 101..121);
+        let few = counted(planted, expected, 201..221);
         println!(
             "| {name} | {} | {} | {} | {} | {} |",
             few[0], few[1], few[2], few[3], few[4]
         );
-        for (count, expected) in few.iter().zip(expected) {
-            assert!(expected == 0 || *count >= 18, "{name}: {few:?}");
+        let found = few.iter().zip(expected);
+        let all = found
+            .into_iter()
+            .all(|(n, expected)| expected == 0 || *n >= 18);
+        if !all || few[3] > 1 {
+            missed.push((name, few));
         }
-        assert!(few[3] <= 1, "{name}: {few:?}");
     }
-    // The share of fleets in which anything is found is held: 5 % of 500 and three standard deviations.
+    // The share of fleets in which anything is found is held: 1 % of 500 and three standard deviations.
     for spread in [0.15, 0.0] {
         let many = counted(Planted { spread, ..NOTHING }, [0, 0, 0], 1001..1501);
         println!("spread {spread}: of 500 fleets, found {many:?}");
-        assert!(many[3] <= 40, "{many:?}");
+        if many[3] > 11 {
+            missed.push(("500", many));
+        }
     }
+    assert!(missed.is_empty(), "{missed:?}");
 }
 
 /// Fleets in which the unit, the type and the slope are found, anything that is not there, and any single log.
