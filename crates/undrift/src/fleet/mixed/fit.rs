@@ -282,10 +282,13 @@ impl Nested {
     /// Degrees of freedom between units: units less the coefficients that are the same all over a unit.
     pub fn between_freedom(&self, fit: &Fit) -> f64 {
         let aside = self.aside[1].iter().filter(|aside| **aside).count();
-        let coefficients = self.between.iter().zip(&fit.profile.aliased);
-        let coefficients = coefficients.filter(|(between, aliased)| **between && !**aliased);
-        // One at least: the mean, which the columns of the parts share.
-        let coefficients = coefficients.count().max(1);
+        let columns = self.between.iter().zip(&fit.profile.aliased).enumerate();
+        let columns = columns.filter(|(_, (between, aliased))| **between && !**aliased);
+        let columns: Vec<usize> = columns.map(|(column, _)| column).collect();
+        // The mean is a column of ones, or the sum of those of the parts.
+        let ones = |column: &usize| self.products[(*column, *column)] == self.rows();
+        let mean = usize::from(!columns.iter().any(ones));
+        let coefficients = columns.len() + mean;
         self.units.len() as f64 - aside as f64 - coefficients as f64
     }
 }
