@@ -1,5 +1,7 @@
 //! The report of many logs: what they show by bias model, unit, sensor and temperature, and which stand out.
 
+mod answers;
+mod density;
 mod measure;
 
 use super::{
@@ -8,6 +10,7 @@ use super::{
     parts::{Run, first_few, prefixed, text, warnings},
     plain::{Mark, plain_table},
 };
+use std::collections::BTreeMap;
 use undrift::results::{Fleet, Trouble};
 
 /// Rows that a table shows of a longer list.
@@ -21,8 +24,11 @@ pub fn sections(runs: &[Run<'_, Fleet>]) -> Vec<Section> {
 }
 
 fn of(name: &str, run: &Fleet) -> Vec<Section> {
-    let findings = run.measures.iter().map(|m| text(measure::findings(m)));
-    let blocks = [warnings(&alarms(run)), text([what_was_done(run)])];
+    let measures = run.measures.iter().enumerate();
+    let findings = measures.map(|(k, m)| text(measure::findings(m, k == 0)));
+    // What was asked comes first.
+    let first = run.measures.first().map(answers::of).and_then(text);
+    let blocks = [first, warnings(&alarms(run)), text([what_was_done(run)])];
     let blocks = blocks.into_iter().chain(findings).flatten();
     let mut sections = Vec::from_iter(Section::of("The fleet", blocks));
     let measures = run.measures.iter();
@@ -39,7 +45,13 @@ pub fn plain(run: &Fleet, mark: Mark) -> String {
     let measures = run.measures.iter().map(|measure| {
         let table = plain_table(&measure::overview(run, measure), mark);
         let outliers = measure::of_outliers(measure).map_or(String::new(), |text| text + "\n");
-        format!("{}\n{table}{outliers}", measure.what)
+        let answers = answers::of(measure).join(" ");
+        let answers = if answers.is_empty() {
+            answers
+        } else {
+            answers + "\n"
+        };
+        format!("{answers}{}\n{table}{outliers}", measure.what)
     });
     Vec::from_iter(measures).join("\n")
 }
@@ -83,36 +95,71 @@ fn alarms(run: &Fleet) -> Vec<String> {
     alarms.into_iter().flatten().collect()
 }
 
-/// What failed, what cannot be trusted, and what should be said of the logs.
+/// Logs that share a cause.
+struct Cause {
+    why: String,
+    part: String,
+    logs: u64,
+    first: Vec<String>,
+}
+
+/// Examples of a cause.
+const EXAMPLES: usize = 3;
+
+/// One line for each cause, the most frequent first. Numbers in it differ from log to log: they are not part of it.
+fn causes<'a>(all: impl Iterator<Item = (&'a str, &'a str, String)>) -> Vec<Cause> {
+    let mut causes: BTreeMap<(String, String), Cause> = BTreeMap::new();
+    for (log, part, why) in all {
+        let alike = why
+            .split(|c: char| c.is_ascii_digit())
+            .filter(|s| *s != ".");
+        let key = (alike.collect::<Vec<_>>().concat(), part.to_owned());
+        let cause = causes.entry(key).or_insert_with(|| Cause {
+            why,
+            part: part.to_owned(),
+            logs: 0,
+            first: Vec::new(),
+        });
+        cause.logs += 1;
+        if cause.first.len() < EXAMPLES {
+            cause.first.push(log.to_owned());
+        }
+    }
+    let mut causes: Vec<Cause> = causes.into_values().collect();
+    causes.sort_by_key(|cause| std::cmp::Reverse(cause.logs));
+    causes
+}
+
+/// What failed, what cannot be trusted, and what should be known of the logs.
 fn troubles(run: &Fleet) -> Option<Section> {
-    let troubles = |name, caption, list: &[Trouble]| {
+    let folded = |name, caption, causes: Vec<Cause>| {
         Table::of(
             name,
-            &shortened(caption, list.len()),
-            list.iter().take(ROWS),
+            &shortened(caption, causes.len()),
+            causes.into_iter().take(ROWS),
             &[
-                ("log", &|t| (&t.log).into()),
-                ("unit", &|t| (&t.unit).into()),
-                ("of", &|t| t.part.as_deref().unwrap_or("all").into()),
-                ("why", &|t| (&t.why).into()),
+                ("cause, as in the first log", &|c| (&c.why).into()),
+                ("of", &|c| (&c.part).into()),
+                ("logs", &|c| c.logs.into()),
+                ("such as", &|c| c.first.join(", ").into()),
             ],
         )
     };
-    let warned = Table::of(
-        "warned",
-        &shortened("Warnings about logs.", run.warned.len()),
-        run.warned.iter().take(ROWS),
-        &[
-            ("log", &|w| (&w.log).into()),
-            ("unit", &|w| (&w.unit).into()),
-            ("warnings", &|w| w.warnings.join("; ").into()),
-        ],
-    );
+    let of = |list: &[Trouble]| {
+        causes(list.iter().map(|t| {
+            let part = t.part.as_deref().unwrap_or("all");
+            (t.log.as_str(), part, t.why.replace(&t.log, "…"))
+        }))
+    };
+    let warned = run.warned.iter().flat_map(|w| {
+        let sentences = w.warnings.iter();
+        sentences.map(|text| (w.log.as_str(), "all", text.replace(&w.log, "…")))
+    });
     let untrusted = "Models and axes that failed or cannot be trusted.";
     let tables = [
-        troubles("failed", "Logs that failed.", &run.failed),
-        troubles("untrusted", untrusted, &run.untrusted),
-        warned,
+        folded("failed", "Logs that failed.", of(&run.failed)),
+        folded("untrusted", untrusted, of(&run.untrusted)),
+        folded("warned", "Warnings about logs.", causes(warned)),
     ];
     Section::of(
         "Failures and warnings",

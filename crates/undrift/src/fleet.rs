@@ -6,13 +6,14 @@
 //! files that it names: no clock, no machine, no order. So whoever runs the jobs, wherever and however
 //! often, gets the same outcomes to the bit. `docs/fleet.md` has the manifest and the columns.
 
+mod effects;
 mod fingerprint;
 mod gather;
 mod manifest;
+mod mixed;
 mod outcome;
 mod process;
 mod run;
-mod statistics;
 mod summary;
 #[cfg(feature = "parquet")]
 mod table;

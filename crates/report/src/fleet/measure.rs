@@ -1,14 +1,15 @@
 //! One number of every log, compared.
 
-use super::{NAMES, ROWS, many, shortened};
+use super::{NAMES, ROWS, answers, density::density, many, shortened};
 use crate::{
     Axis, Block, Cell, Figure, Panel, Section, Series, Table,
-    numbers::{bounded, count, get, short},
-    parts::{axis_for, capital, first_few, model_colour, quartiles, text},
+    numbers::{count, get, probability, short},
+    parts::{axis_for, capital, first_few, model_colour, quartiles},
 };
 use undrift::noise::order_statistics::quantile;
 use undrift::results::{
-    Fleet, FleetGroup as Group, FleetLog as Log, FleetMeasure as Measure, FleetPart as Part,
+    Fleet, FleetGroup as Group, FleetLog as Log, FleetMeasure as Measure, FleetOutlier as Outlier,
+    FleetPart as Part, Level,
 };
 
 /// Units that have a name on the axis of a figure.
@@ -38,8 +39,8 @@ fn wins(measure: &Measure, part: &Part) -> u64 {
     measure.best.get(&part.part).copied().unwrap_or(0)
 }
 
-/// What the numbers say, in sentences.
-pub(super) fn findings(measure: &Measure) -> Vec<String> {
+/// What the numbers say, in sentences; the answers of the first measure are given already.
+pub(super) fn findings(measure: &Measure, first: bool) -> Vec<String> {
     let medians = measure.parts.iter().map(|part| {
         let median = format!("{} {} {}", part.part, short(part.median.0), measure.unit);
         median.trim_end().to_owned()
@@ -60,61 +61,27 @@ pub(super) fn findings(measure: &Measure) -> Vec<String> {
             many(measure.best.values().sum(), "log")
         )
     });
-    let sentences = [
-        Some(medians),
-        best,
-        of_temperature(measure),
-        of_outliers(measure),
-    ];
-    sentences.into_iter().flatten().collect()
-}
-
-fn of_temperature(measure: &Measure) -> Option<String> {
-    let of = |part: &Part| part.temperature.correlation.0;
-    let known = || measure.parts.iter().filter(|part| of(part).is_finite());
-    let bound = known().next()?.temperature.bound.0;
-    let trends = [("grows", 1.0), ("falls", -1.0)]
-        .into_iter()
-        .filter_map(|(word, sign)| {
-            let mine = known().filter(|p| sign * of(p) > p.temperature.bound.0);
-            let mine: Vec<String> = mine.map(|p| format!("{} {:.2}", p.part, of(p))).collect();
-            (!mine.is_empty())
-                .then(|| format!("It {word} with temperature for {}", mine.join(", ")))
-        });
-    let trends: Vec<String> = trends.collect();
-    Some(if trends.is_empty() {
-        format!(
-            "It shows no trend with temperature: rank correlations are within ±{bound:.2}, as expected by chance."
-        )
+    let sentences = [Some(medians), best, of_outliers(measure)];
+    let sentences = sentences.into_iter().flatten();
+    if first {
+        sentences.collect()
     } else {
-        format!(
-            "{} (rank correlation; 95 % bound by chance: ±{bound:.2}).",
-            trends.join("; ")
-        )
-    })
+        let answers = answers::of(measure).into_iter();
+        answers.chain(sentences).collect()
+    }
 }
 
 /// Which logs stand out.
 pub(super) fn of_outliers(measure: &Measure) -> Option<String> {
-    // A log that stands out under several models is named once, with the largest factor.
-    let mut worst: Vec<(&str, f64)> = Vec::new();
-    for outlier in measure.parts.iter().flat_map(|part| &part.outliers) {
-        let times = outlier.times_median.0;
-        match worst.iter_mut().find(|(log, _)| *log == outlier.log) {
-            Some((_, most)) => *most = most.max(times),
-            None => worst.push((&outlier.log, times)),
-        }
-    }
-    worst.sort_by(|a, b| b.1.total_cmp(&a.1));
-    if worst.is_empty() {
+    let name = |o: &Outlier| format!("{} ({})", o.log, answers::factor(&o.effect));
+    let names: Vec<String> = measure.outliers.iter().map(name).collect();
+    if names.is_empty() {
         return None;
     }
-    let name = |(log, times): &(&str, f64)| format!("{log} ({} times the median)", short(*times));
-    let names: Vec<String> = worst.iter().map(name).collect();
-    let stand = if worst.len() == 1 { "stands" } else { "stand" };
+    let stand = if names.len() == 1 { "stands" } else { "stand" };
     Some(format!(
-        "{} {stand} out: {}.",
-        many(worst.len() as u64, "log"),
+        "{} {stand} out of the rest: {}.",
+        many(names.len() as u64, "log"),
         first_few(&names, NAMES)
     ))
 }
@@ -123,7 +90,7 @@ pub(super) fn of_outliers(measure: &Measure) -> Option<String> {
 pub(super) fn section(run: &Fleet, measure: &Measure) -> Option<Section> {
     let mut blocks = vec![Block::Table(overview(run, measure))];
     blocks.extend(spread(run, measure));
-    blocks.extend(outliers(run, measure));
+    blocks.extend(outliers(measure));
     blocks.extend(temperature(run, measure));
     blocks.extend(groups(measure, "unit", &measure.by_unit));
     if measure.by_sensor.len() > 1 {
@@ -150,16 +117,13 @@ fn values(run: &Fleet, measure: &Measure, part: &Part) -> Vec<f64> {
 /// The parts side by side.
 pub(super) fn overview(run: &Fleet, measure: &Measure) -> Table {
     let models = are_models(measure);
-    let rule = &run.outlier_rule;
     let medians: Vec<f64> = measure.parts.iter().map(|p| p.median.0).collect();
     let mut rows = Table::of(
         &measure.name,
         &format!(
-            "The {}. A log stands out above the limit: {} robust standard deviations of the logarithm (1.4826 times its median absolute deviation) above its median, and {:.0} % or more above the median; with fewer than {} logs, outliers are not reported.",
+            "The {}. Level: geometric mean over units at {} °C with its 95 % interval.",
             measure.what,
-            short(rule.deviations.0),
-            100.0 * rule.share.0,
-            rule.least
+            measure.effects.map_or(25.0, |model| model.reference_c.0)
         ),
         &measure.parts,
         &[
@@ -172,11 +136,7 @@ pub(super) fn overview(run: &Fleet, measure: &Measure) -> Table {
             (&head("largest", measure), &|p| {
                 short(quantile(&values(run, measure, p), 1.0)).into()
             }),
-            (&head("limit", measure), &|p| p.limit.into()),
-            ("above", &|p| (p.outliers.len() as u64).into()),
-            ("correlation with temperature", &|p| {
-                bounded(p.temperature.correlation, p.temperature.bound).into()
-            }),
+            (&head("level", measure), &|p| level(p.level).into()),
         ],
     );
     if models {
@@ -185,6 +145,14 @@ pub(super) fn overview(run: &Fleet, measure: &Measure) -> Table {
         rows.mark_least(2, &medians);
     }
     rows
+}
+
+/// A level with its interval.
+fn level(level: Option<Level>) -> String {
+    level.map_or("–".into(), |level| {
+        let [value, low, high] = [level.value, level.low, level.high].map(|v| short(v.0));
+        format!("{value} ({low} to {high})")
+    })
 }
 
 /// An empty plot of a measure's values.
@@ -213,41 +181,34 @@ fn spread(run: &Fleet, measure: &Measure) -> Option<Block> {
     )
 }
 
-fn outliers(run: &Fleet, measure: &Measure) -> Option<Block> {
-    let parts = measure.parts.iter();
-    let all = parts.flat_map(|p| p.outliers.iter().map(move |o| (p, o)));
-    let all: Vec<_> = all.collect();
-    if all.is_empty() {
-        let enough = measure.parts.iter().any(|p| p.limit.0.is_finite());
-        let least = run.outlier_rule.least;
-        return text([if enough {
-            "No log stands out.".to_owned()
-        } else {
-            format!("With fewer than {least} logs, outliers are not reported.")
-        }]);
-    }
+fn outliers(measure: &Measure) -> Option<Block> {
     let rows = Table::of(
         &format!("{}-outliers", measure.name),
-        &shortened("Logs that stand out.", all.len()),
-        all.iter().take(ROWS),
+        &shortened(
+            "Logs that differ from what the others and the rest of their unit predict.",
+            measure.outliers.len(),
+        ),
+        measure.outliers.iter().take(ROWS),
         &[
-            ("of", &|(part, _)| (&part.part).into()),
-            ("log", &|(_, o)| (&o.log).into()),
-            ("unit", &|(_, o)| (&o.unit).into()),
-            ("temperature [°C]", &|(_, o)| {
-                Cell::number(o.temperature_c.0, 1)
+            ("log", &|o| (&o.log).into()),
+            ("unit", &|o| (&o.unit).into()),
+            ("temperature [°C]", &|o| Cell::number(o.temperature_c.0, 1)),
+            ("times as predicted (95 %)", &|o| {
+                answers::factor(&o.effect).into()
             }),
-            (&head("value", measure), &|(_, o)| o.value.into()),
-            ("times the median", &|(_, o)| o.times_median.into()),
+            ("p", &|o| probability(o.effect.p.0).into()),
         ],
     );
     rows.block()
 }
 
-/// The logs against their temperatures, with the medians of the bins.
+/// Logs that are drawn one by one.
+const DOTS: usize = 1000;
+
+/// The logs against their temperatures, with the medians of the bins: a panel for each part where they are many.
 fn temperature(run: &Fleet, measure: &Measure) -> Option<Block> {
     let mut all = Vec::new();
-    let mut series = Vec::new();
+    let mut parts = Vec::new();
     for (place, part) in measure.parts.iter().enumerate() {
         let logs = logs(run, measure, part).into_iter();
         let points = logs.map(|(log, value)| (log.temperature_c.0, value));
@@ -256,33 +217,59 @@ fn temperature(run: &Fleet, measure: &Measure) -> Option<Block> {
             continue;
         }
         all.extend(points.iter().map(|p| p.1));
-        let colour = model_colour(&part.part, place);
-        let bins = part.temperature.bins.iter();
+        let bins = part.temperature.iter();
         let medians = bins.map(|b| (f64::midpoint(b.from_c.0, b.to_c.0), b.median.0));
-        series.push(Series::dots("", colour, points));
-        series.push(Series::line(&part.part, colour, medians.collect()));
+        let medians: Vec<(f64, f64)> = medians.collect();
+        parts.push((part, model_colour(&part.part, place), points, medians));
     }
-    let mut panel = panel(measure, Axis::new("temperature [°C]"), &all);
-    panel.series = series;
+    let many = all.len() > DOTS;
+    let empty = || panel(measure, Axis::new("temperature [°C]"), &all);
+    let mut panels = Vec::new();
+    if many {
+        for (part, colour, points, medians) in parts {
+            let mut panel = empty().titled(&part.part);
+            for cells in density(&points, &panel) {
+                panel.add(cells);
+            }
+            panel.add(Series::thick("median", colour, medians));
+            panels.push(panel);
+        }
+    } else if !parts.is_empty() {
+        let mut panel = empty();
+        for (part, colour, points, medians) in parts {
+            panel.add(Series::dots("", colour, points));
+            panel.add(Series::line(&part.part, colour, medians));
+        }
+        panels.push(panel);
+    }
+    let each = if many {
+        "The logs at their temperatures: the darker a cell, the more logs"
+    } else {
+        "Each log at its temperature (dots)"
+    };
     Figure::of(
         &format!("{}-temperature", measure.name),
-        "Each log at its temperature (dots), and the medians of bins of 10 K (lines).",
-        1,
-        (!panel.series.is_empty()).then_some(panel),
+        &format!("{each}; the medians of bins of 10 K (lines)."),
+        panels.len().min(2),
+        panels,
     )
 }
 
 /// Units or sensors: their medians as a figure and a table.
 fn groups(measure: &Measure, what: &str, groups: &[Group]) -> Vec<Block> {
-    // By the part that is best over all: of it the largest first.
+    // Those that stand out first, then by the part that is best over all the largest.
     let by = least(measure).map_or("", |part| part.part.as_str());
     let mut sorted: Vec<&Group> = groups.iter().collect();
-    sorted.sort_by(|a, b| get(&b.median, by).total_cmp(&get(&a.median, by)));
+    let found = |group: &Group| group.effect.is_some_and(|effect| effect.found);
+    sorted.sort_by(|a, b| {
+        let values = get(&b.median, by).total_cmp(&get(&a.median, by));
+        found(b).cmp(&found(a)).then(values)
+    });
     if sorted.is_empty() {
         return Vec::new();
     }
     let caption = format!(
-        "Median over the logs of each {what}, sorted by {by}, largest first; bold: stands out among the {what}s."
+        "Median over the logs of each {what}, sorted by {by}, largest first, and how it compares with the others at the same temperature (95 % interval; p adjusted for all that is compared); bold, on top: significant."
     );
     let shown = || sorted.iter().copied().take(ROWS);
     let mut rows = Table::of(
@@ -292,18 +279,27 @@ fn groups(measure: &Measure, what: &str, groups: &[Group]) -> Vec<Block> {
         &[
             (what, &|group| (&group.name).into()),
             ("logs", &|group| group.logs.into()),
+            ("times the others (95 %)", &|group| {
+                let effect = group.effect.as_ref();
+                let text = effect.map_or("–".into(), answers::factor);
+                Cell::from(text).strong_if(found(group))
+            }),
+            ("p", &|group| {
+                let p = group.effect.map(|effect| probability(effect.p.0));
+                p.unwrap_or_else(|| "–".into()).into()
+            }),
         ],
     );
+    // Of many every few are drawn, of which the largest have names.
+    let step = sorted.len().div_ceil(DOTS);
+    let drawn = || sorted.iter().copied().step_by(step);
     let mut all = Vec::new();
     let mut series = Vec::new();
     for (place, part) in measure.parts.iter().enumerate() {
-        let cells = shown().map(|group| {
-            let median = short(get(&group.median, &part.part));
-            Cell::from(median).strong_if(group.outlying.contains(&part.part))
-        });
+        let cells = shown().map(|group| Cell::from(short(get(&group.median, &part.part))));
         rows.add(head(&part.part, measure), cells);
-        let medians = sorted.iter().map(|group| get(&group.median, &part.part));
-        let points = (0..).map(f64::from).zip(medians);
+        let medians = drawn().map(|group| get(&group.median, &part.part));
+        let points = (0..).map(|k| f64::from(k) * step as f64).zip(medians);
         let points: Vec<(f64, f64)> = points.filter(|p| p.1.is_finite()).collect();
         all.extend(points.iter().map(|p| p.1));
         let colour = model_colour(&part.part, place);

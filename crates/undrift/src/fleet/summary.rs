@@ -1,166 +1,21 @@
 //! All outcomes in one: how far logs drift by bias model, unit, sensor and temperature, and which stand out.
 
+mod measures;
+
 use super::{
     FleetOutcome, Row,
-    statistics::{
-        OUTLIER_DEVIATIONS, OUTLIER_LEAST, OUTLIER_SHARE, outlier_limit, rank_correlation,
-    },
+    effects::{self, Effects, Sample},
 };
 use crate::{
     results::{
-        Bin, Fleet, FleetGroup, FleetLog, FleetMeasure, FleetOutlier, FleetPart, Number, Numbers,
-        OutlierRule, SCHEMA, Temperature, Trouble, VERSION, Warned,
+        Bin, Effect, Fleet, FleetGroup, FleetLog, FleetMeasure, FleetOutlier, FleetPart, Level,
+        Number, Numbers, SCHEMA, Trouble, VERSION, Warned,
     },
     series::to_digits,
 };
+use measures::MEASURES;
 use std::collections::BTreeMap;
-use undrift_nav::earth::STANDARD_GRAVITY;
 use undrift_noise::order_statistics::median;
-
-/// What is compared between logs: a number for each bias model or axis.
-struct Measure {
-    name: &'static str,
-    /// What it is, in words.
-    what: &'static str,
-    unit: &'static str,
-    /// Of which task, and of which of its parts.
-    task: &'static str,
-    parts: &'static str,
-    /// From the rows of one part, in `unit`.
-    of: fn(&FleetOutcome, &[&Row]) -> Option<f64>,
-}
-
-/// A number of the only row.
-fn only(outcome: &FleetOutcome, rows: &[&Row], column: &str, factor: f64) -> Option<f64> {
-    let value = outcome.value(rows.first()?, column)?;
-    (value > 0.0).then_some(value * factor)
-}
-
-/// Root mean square of a column over the rows, if every row has it.
-fn rms(outcome: &FleetOutcome, rows: &[&Row], column: &str) -> Option<f64> {
-    let square = |row: &&Row| outcome.value(row, column).map(|v| v * v);
-    let squares: Vec<f64> = rows.iter().map(square).collect::<Option<_>>()?;
-    (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
-}
-
-/// Seconds to hours under the root, and radians to degrees.
-const ROOT_HOUR: f64 = 60.0;
-const DEGREE: f64 = 180.0 / std::f64::consts::PI;
-
-const MEASURES: [Measure; 14] = [
-    Measure {
-        name: "drift",
-        what: "largest horizontal error in an outage, root mean square over the outages of a log",
-        unit: "m",
-        task: "outages",
-        parts: "",
-        of: |o, rows| rms(o, rows, "max_horizontal_m"),
-    },
-    Measure {
-        name: "error",
-        what: "horizontal error against the truth, root mean square",
-        unit: "m",
-        task: "navigate",
-        parts: "",
-        of: |o, rows| only(o, rows, "rms_horizontal_m", 1.0),
-    },
-    Measure {
-        name: "nis_position",
-        what: "normalised innovation squared of the position per degree of freedom, 1 if the model is correct",
-        unit: "",
-        task: "navigate",
-        parts: "",
-        of: |o, rows| only(o, rows, "nis_position", 1.0),
-    },
-    Measure {
-        name: "nis_velocity",
-        what: "normalised innovation squared of the velocity per degree of freedom, 1 if the model is correct",
-        unit: "",
-        task: "navigate",
-        parts: "",
-        of: |o, rows| only(o, rows, "nis_velocity", 1.0),
-    },
-    Measure {
-        name: "vehicle_gyro_white_noise",
-        what: "white noise of the gyros in the vehicle (angle random walk), if the drive determines it",
-        unit: "deg/√h",
-        task: "tune",
-        parts: "gyro",
-        of: |o, rows| only(o, rows, "white_noise", DEGREE * ROOT_HOUR),
-    },
-    Measure {
-        name: "vehicle_accel_white_noise",
-        what: "white noise of the accelerometers in the vehicle (velocity random walk), if the drive determines it",
-        unit: "m/s/√h",
-        task: "tune",
-        parts: "accel",
-        of: |o, rows| only(o, rows, "white_noise", ROOT_HOUR),
-    },
-    Measure {
-        name: "vehicle_gyro_random_walk",
-        what: "random walk of the gyros' biases in the vehicle, if the drive determines it",
-        unit: "deg/h/√h",
-        task: "tune",
-        parts: "gyro",
-        of: |o, rows| only(o, rows, "random_walk", DEGREE * ROOT_HOUR.powi(3)),
-    },
-    Measure {
-        name: "white_noise_ratio",
-        what: "white noise in the vehicle relative to that at rest, if the drive determines it",
-        unit: "",
-        task: "tune",
-        parts: "",
-        of: |o, rows| only(o, rows, "white_noise_ratio", 1.0),
-    },
-    Measure {
-        name: "tuned_drift",
-        what: "largest horizontal error in a held-out outage, with the noise found, root mean square",
-        unit: "m",
-        task: "tune",
-        parts: "",
-        of: |o, rows| only(o, rows, "drift_after_m", 1.0),
-    },
-    Measure {
-        name: "gyro_white_noise",
-        what: "white noise of the gyros (angle random walk)",
-        unit: "deg/√h",
-        task: "identify",
-        parts: "gyro",
-        of: |o, rows| only(o, rows, "white_noise", DEGREE * ROOT_HOUR),
-    },
-    Measure {
-        name: "gyro_bias_instability",
-        what: "bias instability of the gyros, if the recording shows it",
-        unit: "deg/h",
-        task: "identify",
-        parts: "gyro",
-        of: |o, rows| only(o, rows, "bias_instability", DEGREE * ROOT_HOUR * ROOT_HOUR),
-    },
-    Measure {
-        name: "gyro_drift",
-        what: "angle that the recommended model of a gyro leaves after 10 s, root mean square",
-        unit: "deg",
-        task: "identify",
-        parts: "gyro",
-        of: |o, rows| only(o, rows, "drift_10s", DEGREE),
-    },
-    Measure {
-        name: "accel_white_noise",
-        what: "white noise of the accelerometers (velocity random walk)",
-        unit: "m/s/√h",
-        task: "identify",
-        parts: "accel",
-        of: |o, rows| only(o, rows, "white_noise", ROOT_HOUR),
-    },
-    Measure {
-        name: "accel_bias_instability",
-        what: "bias instability of the accelerometers, if the recording shows it",
-        unit: "mg",
-        task: "identify",
-        parts: "accel",
-        of: |o, rows| only(o, rows, "bias_instability", 1e3 / STANDARD_GRAVITY),
-    },
-];
 
 /// One log's numbers.
 struct Log {
@@ -170,6 +25,8 @@ struct Log {
     temperature_c: Option<f64>,
     /// By measure and part.
     values: BTreeMap<(usize, String), f64>,
+    /// Parts whose values cannot be trusted.
+    untrusted: Vec<String>,
 }
 
 /// What is kept of the outcomes, a few numbers of each.
@@ -210,6 +67,7 @@ impl Summary {
             });
         }
         let mut values = BTreeMap::new();
+        let mut untrusted = Vec::new();
         let mut rows: Vec<(&str, Vec<&Row>)> = Vec::new();
         for row in &outcome.rows {
             match rows.iter_mut().find(|(part, _)| *part == row.part) {
@@ -224,6 +82,7 @@ impl Summary {
             let note = rows.iter().find_map(|row| row.note.as_ref());
             if let (Some(why), false) = (note, outcome.task == "identify") {
                 self.untrusted.push(trouble(Some(part), why));
+                untrusted.push(part.to_owned());
             }
             for (place, measure) in MEASURES.iter().enumerate() {
                 let fits = measure.task == outcome.task && part.starts_with(measure.parts);
@@ -239,6 +98,7 @@ impl Summary {
             sensor: outcome.sensor.clone(),
             temperature_c: outcome.temperature_c,
             values,
+            untrusted,
         });
     }
 
@@ -254,11 +114,6 @@ impl Summary {
             failed: self.failed,
             untrusted: self.untrusted,
             warned: self.warned,
-            outlier_rule: OutlierRule {
-                deviations: OUTLIER_DEVIATIONS.into(),
-                share: OUTLIER_SHARE.into(),
-                least: OUTLIER_LEAST as u64,
-            },
         }
     }
 
@@ -280,51 +135,87 @@ impl Summary {
         if parts.is_empty() {
             return None;
         }
+        let (logs, effects) = self.effects(place, &parts);
+        let (mut levels, mut units, mut sensors) = (Vec::new(), BTreeMap::new(), BTreeMap::new());
+        let (mut outliers, mut model) = (Vec::new(), None);
+        if let Some(effects) = effects {
+            let outlier = |(at, effect): (usize, Effect)| {
+                let log = logs.get(at)?;
+                Some(FleetOutlier {
+                    log: log.name.clone(),
+                    unit: log.unit.clone(),
+                    temperature_c: log.temperature_c.into(),
+                    effect,
+                })
+            };
+            outliers = effects.logs.into_iter().filter_map(outlier).collect();
+            outliers.sort_by(|a, b| a.effect.p.0.total_cmp(&b.effect.p.0));
+            levels = effects.levels;
+            units = effects.units;
+            sensors = effects.factors.into_iter().next().unwrap_or_default();
+            model = Some(effects.model);
+        }
+        let level = |at: usize| levels.get(at).copied().flatten();
+        let of_parts = parts.iter().enumerate();
         Some(FleetMeasure {
             name: measure.name.into(),
             what: measure.what.into(),
             unit: measure.unit.into(),
-            parts: parts.iter().map(|part| self.part(place, part)).collect(),
+            parts: of_parts
+                .map(|(at, part)| self.part(place, part, level(at)))
+                .collect(),
             best: self.best(place, &parts),
-            by_unit: self.groups(place, &parts, |log| log.unit.as_deref()),
-            by_sensor: self.groups(place, &parts, |log| log.sensor.as_deref()),
+            effects: model,
+            outliers,
+            by_unit: self.groups(place, &parts, &units, |log| log.unit.as_deref()),
+            by_sensor: self.groups(place, &parts, &sensors, |log| log.sensor.as_deref()),
         })
     }
 
-    /// A bias model or axis over all logs.
-    fn part(&self, place: usize, part: &str) -> FleetPart {
-        let values: Vec<f64> = self.of(place, part).map(|(_, value)| value).collect();
-        let middle = median(&values);
-        let limit = outlier_limit(&values);
-        let beyond = |value: f64| limit.is_some_and(|limit| value > limit);
-        let mut outliers: Vec<(&Log, f64)> = self
-            .of(place, part)
-            .filter(|(_, value)| beyond(*value))
-            .collect();
-        outliers.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let outlier = |(log, value): (&Log, f64)| FleetOutlier {
-            log: log.name.clone(),
-            unit: log.unit.clone(),
-            temperature_c: log.temperature_c.into(),
-            value: to_digits(value).into(),
-            times_median: to_digits(value / middle).into(),
+    /// The logs that have the measure, and what it depends on; of a solution that diverged it does not.
+    fn effects(&self, place: usize, parts: &[&str]) -> (Vec<&Log>, Option<Effects>) {
+        let sample = |log: &Log| {
+            let value = |(at, part): (usize, &&str)| {
+                let part = (*part).to_owned();
+                let trusted = !log.untrusted.contains(&part);
+                let value = *log.values.get(&(place, part))?;
+                trusted.then_some((at, value))
+            };
+            parts
+                .iter()
+                .enumerate()
+                .filter_map(value)
+                .collect::<Vec<_>>()
         };
+        let logs = self.logs.iter().map(|log| (log, sample(log)));
+        let (logs, values): (Vec<&Log>, Vec<_>) = logs.filter(|(_, v)| !v.is_empty()).unzip();
+        let samples: Vec<Sample<'_>> = logs
+            .iter()
+            .zip(values)
+            .map(|(log, values)| Sample {
+                values,
+                unit: log.unit.as_deref(),
+                levels: vec![log.sensor.as_deref()],
+                temperature_c: log.temperature_c,
+            })
+            .collect();
+        let effects = effects::effects(&samples, parts.len());
+        (logs, effects)
+    }
+
+    /// A bias model or axis over all logs.
+    fn part(&self, place: usize, part: &str, level: Option<Level>) -> FleetPart {
+        let values: Vec<f64> = self.of(place, part).map(|(_, value)| value).collect();
         let known = self.of(place, part);
         let pairs: Vec<(f64, f64)> = known
             .filter_map(|(log, value)| Some((log.temperature_c?, value)))
             .collect();
-        let correlation = rank_correlation(&pairs);
         FleetPart {
             part: part.to_owned(),
             logs: values.len() as u64,
-            median: to_digits(middle).into(),
-            limit: limit.map(to_digits).into(),
-            outliers: outliers.into_iter().map(outlier).collect(),
-            temperature: Temperature {
-                correlation: correlation.map(|c| to_digits(c.0)).into(),
-                bound: correlation.map(|c| to_digits(c.1)).into(),
-                bins: bins(&pairs),
-            },
+            median: to_digits(median(&values)).into(),
+            level,
+            temperature: bins(&pairs),
         }
     }
 
@@ -346,61 +237,37 @@ impl Summary {
         counts.map(|(part, n)| ((*part).to_owned(), n)).collect()
     }
 
-    /// The medians of the logs of each group, the largest of the last part first.
+    /// The medians of the logs of each group, and what it differs by.
     fn groups(
         &self,
         place: usize,
         parts: &[&str],
+        effects: &BTreeMap<String, Effect>,
         group: impl Fn(&Log) -> Option<&str>,
     ) -> Vec<FleetGroup> {
+        let keys: Vec<(usize, String)> = parts.iter().map(|p| (place, (*p).to_owned())).collect();
         let mut groups: BTreeMap<&str, Vec<&Log>> = BTreeMap::new();
         for log in &self.logs {
-            let any = parts
-                .iter()
-                .any(|part| log.values.contains_key(&(place, (*part).to_owned())));
+            let any = keys.iter().any(|key| log.values.contains_key(key));
             if let (Some(name), true) = (group(log), any) {
                 groups.entry(name).or_default().push(log);
             }
         }
-        let medians: Vec<Vec<f64>> = parts
-            .iter()
-            .map(|part| {
-                let key = (place, (*part).to_owned());
-                let of = |logs: &Vec<&Log>| {
-                    let values = logs.iter().filter_map(|log| log.values.get(&key).copied());
-                    median(&values.collect::<Vec<_>>())
-                };
-                groups.values().map(of).collect()
-            })
-            .collect();
-        let limits: Vec<Option<f64>> = medians.iter().map(|m| outlier_limit(m)).collect();
-        groups
-            .iter()
-            .enumerate()
-            .map(|(at, (name, logs))| {
-                let of = |k: usize| medians.get(k).and_then(|m| m.get(at)).copied();
-                let mut median = Numbers::new();
-                let mut outlying = Vec::new();
-                for (k, part) in parts.iter().enumerate() {
-                    let Some(value) = of(k).filter(|v| v.is_finite()) else {
-                        continue;
-                    };
-                    median.insert((*part).to_owned(), to_digits(value).into());
-                    if limits
-                        .get(k)
-                        .is_some_and(|l| l.is_some_and(|limit| value > limit))
-                    {
-                        outlying.push((*part).to_owned());
-                    }
-                }
-                FleetGroup {
-                    name: (*name).to_owned(),
-                    logs: logs.len() as u64,
-                    median,
-                    outlying,
-                }
-            })
-            .collect()
+        let of_group = |(name, logs): (&str, Vec<&Log>)| {
+            let of_part = |key: &(usize, String)| {
+                let values = logs.iter().filter_map(|log| log.values.get(key).copied());
+                let middle = median(&values.collect::<Vec<_>>());
+                let known = middle.is_finite();
+                known.then(|| (key.1.clone(), Number(to_digits(middle))))
+            };
+            FleetGroup {
+                name: name.to_owned(),
+                logs: logs.len() as u64,
+                median: keys.iter().filter_map(of_part).collect(),
+                effect: effects.get(name).copied(),
+            }
+        };
+        groups.into_iter().map(of_group).collect()
     }
 }
 

@@ -21,8 +21,6 @@ pub struct Fleet {
     pub untrusted: Vec<Trouble>,
     /// Logs with warnings.
     pub warned: Vec<Warned>,
-    /// When a value is an outlier.
-    pub outlier_rule: OutlierRule,
     /// The numbers that are compared.
     pub measures: Vec<FleetMeasure>,
     /// Log by log.
@@ -58,17 +56,90 @@ pub struct Warned {
     pub warnings: Vec<String>,
 }
 
-/// A value is an outlier beyond this many robust standard deviations of the logarithm, …
+/// What a measure depends on, by a linear mixed model of its logarithm: fixed effects of part, sensor and temperature,
+/// random ones of unit and log. Probabilities are adjusted for everything that is asked of the measure.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
-pub struct OutlierRule {
-    /// So many, …
-    pub deviations: Number,
-    /// … if it is above the median by this share too, …
-    pub share: Number,
-    /// … among this many values or more.
-    pub least: u64,
+pub struct FleetEffects {
+    /// Logs in the model.
+    pub logs: u64,
+    /// Units that are compared.
+    pub units: u64,
+    /// Probability of finding anything in units, sensors and temperature where there is nothing.
+    pub significance: Number,
+    /// The same of single logs.
+    pub significance_of_logs: Number,
+    /// Temperature of the levels \[°C\].
+    pub reference_c: Number,
+    /// Standard deviations of the logarithm.
+    pub scatter: Scatter,
+    /// Growth with temperature, if temperatures are known and differ.
+    pub temperature: Option<Slope>,
+}
+
+/// Standard deviations of the logarithm of a measure.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Scatter {
+    /// Between units, without those that stand out.
+    pub unit: Number,
+    /// Between logs of a unit.
+    pub log: Number,
+    /// Between the parts of a log, beyond what they differ by in all.
+    pub rest: Number,
+}
+
+/// Growth with temperature.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Slope {
+    /// By a kelvin \[%/K\].
+    pub percent_per_k: Number,
+    /// Lower end of the 95 % interval \[%/K\].
+    pub low: Number,
+    /// Upper end \[%/K\].
+    pub high: Number,
+    /// Degrees of freedom of the interval.
+    pub freedom: Number,
+    /// Probability of as large a slope where there is none.
+    pub p: Number,
+    /// Whether it is significant.
+    pub found: bool,
+}
+
+/// A factor on a measure.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Effect {
+    /// The factor.
+    pub times: Number,
+    /// Lower end of the 95 % interval.
+    pub low: Number,
+    /// Upper end.
+    pub high: Number,
+    /// Degrees of freedom of the interval.
+    pub freedom: Number,
+    /// Probability of as large a difference where there is none.
+    pub p: Number,
+    /// Whether it is significant.
+    pub found: bool,
+}
+
+/// A value with its 95 % interval.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Level {
+    /// The value.
+    pub value: Number,
+    /// Lower end of the interval.
+    pub low: Number,
+    /// Upper end.
+    pub high: Number,
 }
 
 /// A number of every log that is compared.
@@ -86,6 +157,10 @@ pub struct FleetMeasure {
     pub parts: Vec<FleetPart>,
     /// On how many of the logs that have all parts each one is the least.
     pub best: BTreeMap<String, u64>,
+    /// What it depends on; without it there are too few logs.
+    pub effects: Option<FleetEffects>,
+    /// Logs that differ from the others and the rest of their unit, the most significant first.
+    pub outliers: Vec<FleetOutlier>,
     /// By serial number of the IMU.
     pub by_unit: Vec<FleetGroup>,
     /// By noise model of the IMU.
@@ -103,12 +178,10 @@ pub struct FleetPart {
     pub logs: u64,
     /// Their median.
     pub median: Number,
-    /// Value above which one is an outlier.
-    pub limit: Number,
-    /// The outliers, the largest first.
-    pub outliers: Vec<FleetOutlier>,
-    /// How the value goes with temperature.
-    pub temperature: Temperature,
+    /// The level at the reference temperature, a geometric mean over units.
+    pub level: Option<Level>,
+    /// By temperature.
+    pub temperature: Vec<Bin>,
 }
 
 /// A log that stands out.
@@ -122,23 +195,8 @@ pub struct FleetOutlier {
     pub unit: Option<String>,
     /// Temperature \[°C\].
     pub temperature_c: Number,
-    /// Its value.
-    pub value: Number,
-    /// Its value over the median.
-    pub times_median: Number,
-}
-
-/// How a number goes with temperature.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default)]
-pub struct Temperature {
-    /// Spearman's rank correlation.
-    pub correlation: Number,
-    /// Its 95 % bound by chance where there is none.
-    pub bound: Number,
-    /// By temperature.
-    pub bins: Vec<Bin>,
+    /// Against what the others and the rest of its unit predict.
+    pub effect: Effect,
 }
 
 /// Logs of about the same temperature.
@@ -167,8 +225,9 @@ pub struct FleetGroup {
     pub logs: u64,
     /// Their medians by part.
     pub median: Numbers,
-    /// The parts in which it stands out.
-    pub outlying: Vec<String>,
+    /// A unit against the others, drawn towards them as far as its logs are few (BLUP) unless it stands out; a sensor
+    /// against the mean of the others.
+    pub effect: Option<Effect>,
 }
 
 /// One log's numbers.

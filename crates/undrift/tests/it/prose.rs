@@ -15,7 +15,7 @@ const ALLOWED: [(&str, &str); 15] = [
         "messages of ConfigError, with file, line and key",
     ),
     (
-        "fleet/summary.rs",
+        "fleet/summary",
         "what each measure is, stored in fleet.json",
     ),
     (

@@ -1,0 +1,200 @@
+//! Against statsmodels and dense matrices (`testdata/golden/mixed.py`), and against closed forms.
+
+use super::{Level, Nested};
+use serde::Deserialize;
+
+#[derive(Deserialize)]
+struct Golden {
+    cases: Vec<Case>,
+}
+
+#[derive(Deserialize)]
+struct Case {
+    unit: Vec<usize>,
+    log: Vec<usize>,
+    x: Vec<Vec<f64>>,
+    y: Vec<f64>,
+    mixedlm: MixedLm,
+    variances: [f64; 3],
+    beta: Vec<f64>,
+    standard_error: Vec<f64>,
+    freedom: Vec<f64>,
+    predicted: Vec<f64>,
+    prediction_variance: Vec<f64>,
+}
+
+#[derive(Deserialize)]
+struct MixedLm {
+    variances: [f64; 3],
+    beta: Vec<f64>,
+    standard_error: Vec<f64>,
+}
+
+fn golden() -> Vec<Case> {
+    let text = include_str!("../../../../../testdata/golden/mixed.json");
+    serde_json::from_str::<Golden>(text).unwrap().cases
+}
+
+fn nested(case: &Case) -> Nested {
+    let mut nested = Nested::new(case.x[0].len());
+    let last = *case.unit.last().unwrap();
+    for unit in 0..=last {
+        let mut logs: Vec<Vec<(Vec<f64>, f64)>> = Vec::new();
+        let mut open = usize::MAX;
+        for k in (0..case.y.len()).filter(|k| case.unit[*k] == unit) {
+            if case.log[k] != open {
+                open = case.log[k];
+                logs.push(Vec::new());
+            }
+            let row = (case.x[k].clone(), case.y[k]);
+            logs.last_mut().unwrap().push(row);
+        }
+        nested.add(&logs);
+    }
+    nested
+}
+
+fn close(ours: f64, theirs: f64, tolerance: f64) {
+    let scale = theirs.abs().max(1e-3);
+    assert!(
+        (ours - theirs).abs() < tolerance * scale,
+        "{ours} is not {theirs}"
+    );
+}
+
+#[test]
+fn as_statsmodels_and_dense_matrices() {
+    for case in golden() {
+        let nested = nested(&case);
+        let fit = nested.fit(None).unwrap();
+        let variances = [1.0, fit.ratios[0], fit.ratios[1]].map(|ratio| fit.variance * ratio);
+        // The criterion is flat at its minimum: its rounding, 1e-13 of some hundred, is 1e-5 of a variance.
+        for (ours, theirs) in variances.into_iter().zip(case.variances) {
+            close(ours, theirs, 1e-4);
+        }
+        // MixedLM ends its search there; near zero it stays on this side of it.
+        for (ours, theirs) in variances.into_iter().zip(case.mixedlm.variances) {
+            assert!(
+                (ours - theirs).abs() < 1e-3 * theirs + 1e-4,
+                "{ours} {theirs}"
+            );
+        }
+        for k in 0..case.beta.len() {
+            let found = fit.contrast(&nested, &[(k, 1.0)]).unwrap();
+            close(found.estimate, case.beta[k], 1e-4);
+            close(found.estimate, case.mixedlm.beta[k], 2e-3);
+            close(found.standard_error, case.standard_error[k], 1e-4);
+            // At a variance of zero MixedLM inverts a curvature that has no inverse.
+            if case.variances[2] > 0.0 {
+                close(found.standard_error, case.mixedlm.standard_error[k], 5e-3);
+            }
+            // By differences and the observed curvature here, by traces and the expected one there.
+            let between = k == 4;
+            let theirs = if between {
+                case.freedom[k].min(nested.between_freedom(&fit))
+            } else {
+                case.freedom[k]
+            };
+            close(found.freedom, theirs, 0.15);
+        }
+        let predicted = nested.predicted(fit.ratios, &fit.profile);
+        for (unit, (mean, square)) in predicted.into_iter().enumerate() {
+            close(mean, case.predicted[unit], 1e-3);
+            close(square, case.prediction_variance[unit], 1e-3);
+        }
+    }
+}
+
+/// Rows of units with the same number of logs of one row each; `y` by unit and log.
+fn one_way(y: &[Vec<f64>]) -> Nested {
+    let mut nested = Nested::new(1);
+    for logs in y {
+        let logs: Vec<_> = logs.iter().map(|y| vec![(vec![1.0], *y)]).collect();
+        nested.add(&logs);
+    }
+    nested
+}
+
+const BALANCED: [[f64; 3]; 6] = [
+    [1.1, 1.3, 0.9],
+    [2.0, 1.7, 1.9],
+    [0.4, 0.7, 0.2],
+    [1.5, 1.2, 1.6],
+    [3.0, 2.6, 3.1],
+    [0.9, 1.1, 1.4],
+];
+
+/// Of balanced data REML is the analysis of variance.
+#[test]
+fn balanced_data_have_a_closed_form() {
+    let y: Vec<Vec<f64>> = BALANCED.iter().map(|logs| logs.to_vec()).collect();
+    let nested = one_way(&y);
+    let fit = nested.fit(None).unwrap();
+    let means: Vec<f64> = y
+        .iter()
+        .map(|logs| logs.iter().sum::<f64>() / 3.0)
+        .collect();
+    let all = means.iter().sum::<f64>() / 6.0;
+    let between = 3.0 * means.iter().map(|m| (m - all).powi(2)).sum::<f64>() / 5.0;
+    let inside = y.iter().zip(&means);
+    let inside = inside.map(|(logs, m)| logs.iter().map(|y| (y - m).powi(2)).sum::<f64>());
+    let inside = inside.sum::<f64>() / 12.0;
+    // As above: the minimum is flat.
+    close(fit.variance, inside, 1e-5);
+    close(fit.variance * fit.ratios[1], (between - inside) / 3.0, 1e-5);
+    let mean = fit.contrast(&nested, &[(0, 1.0)]).unwrap();
+    close(mean.estimate, all, 1e-9);
+    close(mean.standard_error, (between / 18.0).sqrt(), 1e-5);
+    // Second derivatives by differences of 0.01: the next term is its square.
+    close(mean.freedom, 5.0, 1e-4);
+}
+
+/// A unit set aside is compared with the others as Student's t of a new value: with the closed form, and the same as
+/// from the fit that contains it.
+#[test]
+fn a_unit_against_the_others() {
+    let y: Vec<Vec<f64>> = BALANCED.iter().map(|logs| logs.to_vec()).collect();
+    let mut nested = one_way(&y);
+    let within = nested.unit_shifts(&nested.fit(None).unwrap())[4].unwrap();
+    nested.set_aside(Level::Unit, 4, true);
+    let fit = nested.fit(None).unwrap();
+    let without = nested.unit_shifts(&fit)[4].unwrap();
+    let means: Vec<f64> = y
+        .iter()
+        .map(|logs| logs.iter().sum::<f64>() / 3.0)
+        .collect();
+    let others: Vec<f64> = [0, 1, 2, 3, 5].map(|k| means[k]).to_vec();
+    let middle = others.iter().sum::<f64>() / 5.0;
+    let square = others.iter().map(|m| (m - middle).powi(2)).sum::<f64>() / 4.0;
+    close(without.estimate, means[4] - middle, 1e-6);
+    close(without.spread, (square * 1.2).sqrt(), 1e-5);
+    assert!((without.freedom - 4.0).abs() < 1e-9);
+    let t = without.estimate / without.spread;
+    // The variance within units is that of five there and six here; it cancels in balanced data.
+    close(within.probability, without.probability, 1e-4);
+    close(without.probability, super::fit::two_sided(t, 4.0), 1e-12);
+}
+
+#[test]
+fn aliased_columns_are_not_estimated() {
+    let mut nested = Nested::new(3);
+    for unit in 0..4 {
+        let rows = |log: usize| {
+            let y = 1.0 + 0.1 * (unit * 7 % 5) as f64 + 0.05 * (log * 3 % 4) as f64;
+            vec![(vec![1.0, 25.0, log as f64], y)]
+        };
+        nested.add(&(0..4).map(rows).collect::<Vec<_>>());
+    }
+    let fit = nested.fit(None).unwrap();
+    assert_eq!(fit.contrast(&nested, &[(1, 1.0)]), None);
+    assert!(fit.contrast(&nested, &[(2, 1.0)]).is_some());
+    assert_eq!(fit.contrast(&nested, &[(9, 1.0)]), None);
+    // Rows without scatter, or too few of them, have no variance.
+    assert!(
+        one_way(&[vec![1.0, 1.0], vec![1.0, 1.0]])
+            .fit(None)
+            .is_none()
+    );
+    assert!(one_way(&[vec![1.0]]).fit(None).is_none());
+    assert!(Nested::new(0).fit(None).is_none());
+}
