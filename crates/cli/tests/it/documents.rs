@@ -164,9 +164,9 @@ fn the_commands_of_the_pages_run_as_printed() {
             if LEFT_OUT.iter().any(|(start, _)| command.starts_with(start)) {
                 continue;
             }
-            let inputs = ["DATA", "target/drive30"];
+            let mut inputs = ["DATA", "target/drive30"].into_iter();
             let lacking = |name: &&str| command.contains(*name) && !folder.join(name).is_dir();
-            if let Some(name) = inputs.iter().find(lacking) {
+            if let Some(name) = inputs.find(lacking) {
                 eprintln!("skipped without {name}: {command}");
                 continue;
             }
