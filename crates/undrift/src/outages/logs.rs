@@ -201,7 +201,7 @@ impl Logs {
             self.imu.last(),
             self.gnss.first(),
             self.gnss.last(),
-            self.drive.span,
+            self.drive.logs.span,
         ) {
             found.extend(findings::of_ends(sample.time, [first.time, last.time]));
         }
