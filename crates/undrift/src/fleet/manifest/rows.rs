@@ -12,7 +12,8 @@ pub(super) fn read(text: &str) -> Result<Rows, (usize, String)> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let first = text.lines().next().unwrap_or_default();
     let often = |c: &char| first.matches(*c).count();
-    let delimiter = [',', ';', '\t'].into_iter().max_by_key(often);
+    // Of several that are as frequent, the last.
+    let delimiter = ['\t', ';', ','].into_iter().max_by_key(often);
     let mut rows = split(text, delimiter.unwrap_or(','))?.into_iter();
     let Some((_, header)) = rows.next() else {
         return Err((
