@@ -203,6 +203,28 @@ def test_a_table_of_logs_in_parquet_and_one_drive_file(
     assert set(rows["skipped_rows"]) == {0}
 
 
+def test_a_drive_file_here_of_logs_in_a_store(
+    asked: Counter[tuple[str, str]], logs: Path, tmp_path: Path
+) -> None:
+    """What has changed here is noticed as well."""
+    drive = (logs / "SN0/00/drive.toml").read_text()
+    (tmp_path / "car.toml").write_text(drive)
+    data = f'drive = "car.toml"\ndata = "{FOLDER}/SN0/00"'
+    manifest = MANIFEST.replace('drive = "SN*/*/drive.toml"', data)
+    (tmp_path / "fleet.toml").write_text(manifest)
+    (job,) = fleet.jobs(tmp_path / "fleet.toml")
+    first = fleet.process_to(job, tmp_path / "out")
+    assert first.processed and not first.failed
+    assert read(asked, "/bucket/logs") == {
+        f"/bucket/logs/SN0/00/{name}.csv": 1 for name in ("imu", "gnss")
+    }
+    assert not fleet.process_to(job, tmp_path / "out").processed
+    assert max(read(asked, "/bucket/logs").values()) == 1
+    (tmp_path / "car.toml").write_text(drive.replace('"0.05 m"', '"0.06 m"'))
+    again = fleet.process_to(job, tmp_path / "out")
+    assert again.processed and again.fingerprint != first.fingerprint
+
+
 def test_progress_is_lines_off_a_terminal(
     logs: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:

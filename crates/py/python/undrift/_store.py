@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import posixpath
 import re
@@ -115,10 +116,15 @@ def names(folder: str) -> list[str]:
     return [posixpath.basename(name) for name in found]
 
 
-def tag(url: str) -> str | None:
-    """What changes when the contents behind a URL do, without reading them: the object's ETag or hash, or its size
-    and time of change. ``None`` if it is not there, empty if the store tells none of these."""
-    files, path = system(url)
+def tag(name: str) -> str | None:
+    """What changes when the contents do. Of a URL, without reading them: the object's ETag or hash, or its size and
+    time of change; of a file here, its hash. ``None`` if it is not there, empty if there is none of these."""
+    if not is_url(name):
+        if os.path.isdir(name):
+            return ""
+        content = read_if_there(name)
+        return None if content is None else hashlib.sha256(content).hexdigest()
+    files, path = system(name)
     files.invalidate_cache(path)
     try:
         info = files.info(path)
@@ -126,12 +132,12 @@ def tag(url: str) -> str | None:
         return None
     if info.get("type") == "directory":
         return None
-    for name in _TAGS:
-        if info.get(name):
-            return f"{name} {info[name]}"
-    for name in _TIMES:
-        if info.get(name) and info.get("size") is not None:
-            return f"{info['size']} bytes of {info[name]}"
+    for key in _TAGS:
+        if info.get(key):
+            return f"{key} {info[key]}"
+    for key in _TIMES:
+        if info.get(key) and info.get("size") is not None:
+            return f"{info['size']} bytes of {info[key]}"
     return ""
 
 

@@ -10,7 +10,6 @@ once; as long as its ETag, or its size and time of change, stay the same it is n
 
 from __future__ import annotations
 
-import csv
 import dataclasses
 import gzip
 import hashlib
@@ -21,12 +20,11 @@ import posixpath
 import tempfile
 import warnings
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from undrift import _store, _undrift
+from undrift import _fleet_inputs, _store, _undrift
 from undrift._fleet_progress import Lines
 from undrift._result import Result, optional
 
@@ -123,14 +121,14 @@ def jobs(manifest: str | os.PathLike[str]) -> list[str]:
         found = _store.matching(home, [look for look in lookups if look[0] != "text"])
     for table in tables:
         if _store.is_url(name) or table.endswith(".parquet"):
-            found["text", table] = [_table(_store.join(home, table))]
+            found["text", table] = [_fleet_inputs.table(_store.join(home, table))]
     return _undrift.fleet_jobs(text, name, home, found)
 
 
 def fingerprint(job: str) -> str:
     """SHA-256 of all that the outcome of a job depends on: the contents of its files, the settings, the
     version of this package. The outcome is kept under it."""
-    with _local(job) as (here, _):
+    with _fleet_inputs.local(job) as (here, _):
         return _undrift.fleet_fingerprint(here)
 
 
@@ -139,7 +137,7 @@ def process(job: str, threads: int = 1) -> str:
 
     A log that fails has an outcome too, with the reason. Inputs that cannot be fetched raise.
     """
-    with _local(job) as (here, _):
+    with _fleet_inputs.local(job) as (here, _):
         return _undrift.fleet_process(here, threads)
 
 
@@ -171,14 +169,14 @@ def process_to(
         return Done(log, key, processed=failed and retry_failed, failed=failed, damaged=False)
 
     note = None
-    if _is_remote(job):
+    if _fleet_inputs.is_remote(job):
         note = _store.join(folder, "seen", f"{hashlib.sha256(job.encode()).hexdigest()}.json")
         before = _store.answered(note, partial(_store.read_if_there, note))
-        key = _unchanged(before)
+        key = _fleet_inputs.unchanged(before)
         there = there_already(key) if key else None
         if there and not there.processed:
             return there
-    with _local(job) as (here, tags):
+    with _fleet_inputs.local(job) as (here, tags):
         key = _undrift.fleet_fingerprint(here)
         there = there_already(key)
         if there is None or there.processed:
@@ -328,21 +326,6 @@ def _log(job: str) -> str:
     return name
 
 
-def _table(name: str) -> str:
-    """A table of logs as comma-separated text."""
-    content = _store.read(name)
-    if not name.endswith(".parquet"):
-        return content.decode("utf-8")
-    table = optional("pyarrow.parquet", "tables").read_table(io.BytesIO(content))
-    text = io.StringIO()
-    rows = csv.writer(text, lineterminator="\n")
-    rows.writerow(table.column_names)
-    columns = (column.to_pylist() for column in table.columns)
-    # None is an empty field.
-    rows.writerows(zip(*columns, strict=True))
-    return text.getvalue()
-
-
 def _groups(order: list[str]) -> Iterator[list[str]]:
     """Keys in groups of some hundred. Where a group ends depends on its last key: one that is inserted changes one
     group."""
@@ -385,76 +368,3 @@ def _pack(group: list[str], folder: str, packs: set[str]) -> list[str]:
     outcomes = [found[one].decode() for one in paths]
     _store.write(at, gzip.compress(json.dumps(outcomes).encode(), 6, mtime=0))
     return outcomes
-
-
-def _folders(job: str) -> tuple[dict[str, Any], str, str | None]:
-    """A job, its folder and that of its data."""
-    fields = json.loads(job)
-    folder, data = fields["folder"], fields["data"]
-    if data is not None and not _store.is_url(data) and _store.is_url(folder):
-        data = _store.join(folder, data)
-    return fields, folder, data
-
-
-def _is_remote(job: str) -> bool:
-    _, folder, data = _folders(job)
-    return _store.is_url(folder) or (data is not None and _store.is_url(data))
-
-
-def _unchanged(note: bytes | None) -> str | None:
-    """The fingerprint that was noted of a job, if its inputs are what they were."""
-    try:
-        seen = json.loads(note or b"")
-        key: str = seen["fingerprint"]
-        inputs: dict[str, str | None] = seen["inputs"]
-    except (ValueError, KeyError, TypeError):
-        return None
-    same = all(was != "" and _store.tag(url) == was for url, was in inputs.items())
-    return key if same else None
-
-
-@contextmanager
-def _local(job: str) -> Iterator[tuple[str, dict[str, str | None]]]:
-    """The job with its files on this machine: those of URLs are fetched for as long as it lasts. With it, the
-    :func:`_store.tag` of each of these."""
-    _undrift.fleet_inputs(job)  # refuses what is no job
-    fields, folder, data = _folders(job)
-    tags: dict[str, str | None] = {}
-    if not _is_remote(job):
-        yield job, tags
-        return
-    with tempfile.TemporaryDirectory(prefix="undrift-fleet-") as here:
-        roots: list[tuple[Path, str]] = []
-        for key, url in (("folder", folder), ("data", data)):
-            if url is not None and _store.is_url(url):
-                root = Path(here, key)
-                roots.append((root, url))
-                fields[key] = str(root)
-            elif key == "data" and url is not None:
-                fields[key] = os.path.abspath(os.path.join(folder, url))
-        there = json.dumps(fields)
-        # The drive file first: it names the others.
-        for _ in range(2):
-            for _key, path in _undrift.fleet_inputs(there):
-                _fetch(path, roots, tags)
-        yield there, tags
-
-
-def _fetch(path: Path, roots: list[tuple[Path, str]], tags: dict[str, str | None]) -> None:
-    """Fetches a file below one of the roots, if it is there."""
-    for root, url in roots:
-        if not path.is_relative_to(root):
-            continue
-        name = path.relative_to(root).as_posix()
-        if ".." in name.split("/"):
-            raise _undrift.UndriftError(f"{url}/{name}: names in URLs have no ..")
-        at = _store.join(url, name)
-        if at in tags:
-            continue
-        # Before the contents: what changes in between is read again next time.
-        ask = partial(_store.tag, at)
-        tags[at] = ask() if tags else _store.answered(at, ask)
-        if tags[at] is not None:
-            files, there = _store.system(at)
-            path.parent.mkdir(parents=True, exist_ok=True)
-            files.get_file(there, str(path))
