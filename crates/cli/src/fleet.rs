@@ -6,16 +6,21 @@ use crate::{
     progress::Bar,
     report::{ResultOutput, write_drawn},
     style,
-    terminal::{self, detail, say, stage, warn},
+    terminal::{self, detail, note, say, stage, warn},
 };
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::{
+    io::IsTerminal,
     path::{Path, PathBuf},
-    sync::atomic::{AtomicUsize, Ordering::Relaxed},
+    sync::{
+        Mutex,
+        atomic::{AtomicUsize, Ordering::Relaxed},
+    },
+    time::Instant,
 };
 use undrift::{
-    fleet::{self, Choice, Job, Manifest, Options, Verb},
+    fleet::{self, Choice, Job, Lookup, Manifest, Options, Verb},
     noise::BiasModel,
     results::{self, Fleet},
 };
@@ -97,6 +102,7 @@ fn shard(text: &str) -> Result<(usize, usize), String> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
+    refuse_urls(arguments)?;
     let inputs = arguments.logs.iter().map(Path::new);
     let files = Files::claim(inputs, arguments.result.files())?;
     let folder = &arguments.output;
@@ -114,8 +120,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let failed = AtomicUsize::new(0);
     let done = stage("processing", || {
         let bar = Bar::new("processed", jobs.len() as u64, "logs");
+        let lines = Lines::new(jobs.len());
         fleet::run(&jobs, folder, options, sentences::outcome, |outcome| {
             bar.add(1);
+            lines.add();
             let Some(outcome) = outcome else { return };
             if let Some(why) = &outcome.failed {
                 failed.fetch_add(1, Relaxed);
@@ -131,6 +139,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             all,
             first,
         });
+    }
+    if done.damaged > 0 {
+        warn(format!(
+            "{} damaged results in {} were replaced",
+            done.damaged,
+            output::shown(&folder.join("jobs"))
+        ));
     }
     let line = format!(
         "{} logs processed, {} up to date",
@@ -164,6 +179,59 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
+/// Object storage is read through Python.
+fn refuse_urls(arguments: &Arguments) -> Result<()> {
+    let output = arguments.output.to_string_lossy();
+    let names = arguments.logs.iter().map(String::as_str);
+    let names = names.chain([&*output]).chain(arguments.data.as_deref());
+    for name in names.filter(|name| name.contains("://")) {
+        bail!(
+            "{name}: the command reads and writes files of this machine; for URLs use undrift.fleet.run or \
+             undrift.fleet.process_to of the Python package (docs/fleet.md), which give the same results"
+        );
+    }
+    Ok(())
+}
+
+/// Progress where there is no terminal for a bar: a line every ten seconds, the first after one.
+struct Lines {
+    start: Instant,
+    all: usize,
+    done: AtomicUsize,
+    /// Seconds to the next line.
+    next: Mutex<f64>,
+}
+
+impl Lines {
+    fn new(all: usize) -> Self {
+        Self {
+            start: Instant::now(),
+            all,
+            done: AtomicUsize::new(0),
+            next: Mutex::new(1.0),
+        }
+    }
+
+    fn add(&self) {
+        let done = self.done.fetch_add(1, Relaxed) + 1;
+        if std::io::stderr().is_terminal() {
+            return;
+        }
+        let elapsed = self.start.elapsed().as_secs_f64();
+        let Ok(mut next) = self.next.lock() else {
+            return;
+        };
+        if elapsed >= *next && done < self.all {
+            *next = elapsed + 10.0;
+            let left = (self.all - done) as f64 * elapsed / done as f64;
+            note(format!(
+                "{done} of {} logs in {elapsed:.0} s, {left:.0} s left",
+                self.all
+            ));
+        }
+    }
+}
+
 /// The jobs of the manifest or of the drive files.
 fn jobs(arguments: &Arguments) -> Result<Vec<Job>> {
     let change = |choice: &mut Choice| override_by(choice, arguments);
@@ -173,7 +241,13 @@ fn jobs(arguments: &Arguments) -> Result<Vec<Job>> {
     {
         let manifest = Manifest::from_toml(&text, file, change)?;
         let folder = Path::new(file).parent().unwrap_or(Path::new(""));
-        return Ok(manifest.jobs(&folder.to_string_lossy(), Manifest::matching)?);
+        let look = |folder: &str, lookup: &Lookup| match lookup {
+            Lookup::Text(name) if name.ends_with(".parquet") => Err(
+                "save the table as CSV; undrift.fleet of the Python package reads Parquet".into(),
+            ),
+            _ => Manifest::look(folder, lookup),
+        };
+        return Ok(manifest.jobs(&folder.to_string_lossy(), look)?);
     }
     let mut choice = Choice::default();
     change(&mut choice);
@@ -211,6 +285,7 @@ fn override_by(choice: &mut Choice, arguments: &Arguments) {
     plan.start_s = stated.start.unwrap_or(plan.start_s);
     if stated.every.is_some() || stated.count.is_some() {
         (plan.every_s, plan.count) = (stated.every, stated.count);
+        plan.at_s = None;
     }
 }
 

@@ -4,7 +4,7 @@ use crate::{error::error, model::write};
 use pyo3::prelude::*;
 use std::{collections::HashMap, path::PathBuf};
 use undrift::{
-    fleet::{self, Job, Manifest},
+    fleet::{self, FleetOutcome, Gathering, Job, Lookup, Manifest},
     results::{self, Results},
 };
 use undrift_report::{document, html, say};
@@ -17,29 +17,35 @@ fn parse(job: &str) -> PyResult<Job> {
     serde_json::from_str(job).map_err(|problem| error(format!("not a job: {problem}")))
 }
 
-/// The patterns of a manifest's text that stand for several files.
-#[pyfunction]
-pub fn fleet_patterns(text: &str, file: &str) -> PyResult<Vec<String>> {
-    let logs = manifest(text, file)?.logs.into_iter();
-    let patterns = logs.filter(|log| log.is_pattern());
-    Ok(patterns.map(|log| log.pattern).collect())
+fn named(lookup: &Lookup) -> (&'static str, String) {
+    match lookup {
+        Lookup::Files(pattern) => ("files", pattern.clone()),
+        Lookup::Folders(pattern) => ("folders", pattern.clone()),
+        Lookup::Text(name) => ("text", name.clone()),
+    }
 }
 
-/// The jobs of a manifest's text as JSON; `found` is what each pattern stands for, `None` to look here.
+/// What a manifest's text needs looked up: "files" or "folders" by their pattern, or the "text" of a file.
+#[pyfunction]
+pub fn fleet_lookups(text: &str, file: &str) -> PyResult<Vec<(&'static str, String)>> {
+    let lookups = manifest(text, file)?.lookups();
+    Ok(lookups.iter().map(named).collect())
+}
+
+/// The jobs of a manifest's text as JSON; `found` is what was looked up, else it is looked up here.
 #[pyfunction]
 pub fn fleet_jobs(
     text: &str,
     file: &str,
     folder: &str,
-    found: Option<HashMap<String, Vec<String>>>,
+    found: HashMap<(String, String), Vec<String>>,
 ) -> PyResult<Vec<String>> {
-    let matching = |folder: &str, pattern: &str| match &found {
-        None => Manifest::matching(folder, pattern),
-        Some(found) => Ok(found.get(pattern).cloned().unwrap_or_default()),
+    let look = |folder: &str, lookup: &Lookup| {
+        let (kind, name) = named(lookup);
+        let found = found.get(&(kind.to_owned(), name));
+        found.map_or_else(|| Manifest::look(folder, lookup), |found| Ok(found.clone()))
     };
-    let jobs = manifest(text, file)?
-        .jobs(folder, matching)
-        .map_err(error)?;
+    let jobs = manifest(text, file)?.jobs(folder, look).map_err(error)?;
     jobs.iter()
         .map(|job| serde_json::to_string(job).map_err(error))
         .collect()
@@ -68,18 +74,40 @@ pub fn fleet_process(py: Python<'_>, job: &str, threads: usize) -> PyResult<Stri
     Ok(outcome.to_json())
 }
 
-/// Makes table, summary and page of the outcomes in a folder; the summary as JSON.
+/// Whether an outcome is a failure. A text that is cut short or damaged raises.
 #[pyfunction]
-pub fn fleet_gather(
-    py: Python<'_>,
-    fingerprints: Vec<String>,
-    folder: PathBuf,
-) -> PyResult<String> {
-    py.detach(|| {
-        let fleet = fleet::gather(&fingerprints, &folder).map_err(error)?;
-        let json = results::text(&fleet);
-        let page = document(&[(PathBuf::new(), Results::Fleet(fleet))]);
-        write(&folder.join("fleet.html"), &html::render(&page))?;
-        Ok(json)
-    })
+pub fn fleet_failed(outcome: &str) -> PyResult<bool> {
+    let outcome = FleetOutcome::from_json(outcome, "outcome").map_err(error)?;
+    Ok(outcome.failed.is_some())
+}
+
+/// Table, summary and page of outcomes in a folder, while outcomes are added.
+#[pyclass(module = "undrift._undrift")]
+pub struct FleetGathering(Option<Gathering>, PathBuf);
+
+#[pymethods]
+impl FleetGathering {
+    #[new]
+    fn new(folder: PathBuf) -> PyResult<Self> {
+        let gathering = Gathering::start(&folder).map_err(error)?;
+        Ok(Self(Some(gathering), folder))
+    }
+
+    /// Adds an outcome; one that is damaged raises and changes nothing.
+    fn add(&mut self, fingerprint: &str, outcome: &str) -> PyResult<()> {
+        let open = self.0.as_mut().ok_or_else(|| error("already finished"))?;
+        open.add(fingerprint, outcome).map_err(error)
+    }
+
+    /// Writes the files; the summary as JSON.
+    fn finish(&mut self, py: Python<'_>) -> PyResult<String> {
+        let open = self.0.take().ok_or_else(|| error("already finished"))?;
+        py.detach(|| {
+            let fleet = open.finish().map_err(error)?;
+            let json = results::text(&fleet);
+            let page = document(&[(PathBuf::new(), Results::Fleet(fleet))]);
+            write(&self.1.join("fleet.html"), &html::render(&page))?;
+            Ok(json)
+        })
+    }
 }

@@ -41,8 +41,8 @@ mod _undrift {
         error::{UndriftError, in_python},
         filter::Filter,
         fleet::{
-            fleet_fingerprint, fleet_gather, fleet_inputs, fleet_jobs, fleet_patterns,
-            fleet_process,
+            FleetGathering, fleet_failed, fleet_fingerprint, fleet_inputs, fleet_jobs,
+            fleet_lookups, fleet_process,
         },
         identify::{Identified, identify},
         model::NoiseModel,

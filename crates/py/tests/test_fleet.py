@@ -145,8 +145,9 @@ def test_a_killed_worker_does_not_show(
     assert workers[0].wait(timeout=60) == -signal.SIGKILL
     assert len(client.scheduler_info()["workers"]) == 1
     # Every log done once, the same as on one machine.
-    assert (result.processed, result.skipped, result.failed) == (LOGS, 0, 1)
-    assert result.lost == {}
+    # One that was done, but not reported yet when its worker died, is found done.
+    assert result.processed + result.skipped == LOGS and result.skipped <= 1
+    assert (result.failed, result.lost, result.damaged) == (1, {}, ())
     assert told == [(n, LOGS) for n in range(LOGS + 1)]
     assert files(tmp_path) == expected
     table = pytest.importorskip("pyarrow.parquet").read_table(tmp_path / "results.parquet")
@@ -176,6 +177,10 @@ def test_inputs_and_outputs_by_url(logs: Path, expected: dict[str, bytes]) -> No
         path.removeprefix("/fleet-out/"): memory.cat_file(path)
         for path in memory.find("/fleet-out")
     }
+    # What a URL has beside: which inputs were read, and the results put together.
+    beside = {name for name in found if name.startswith(("seen/", "packs/"))}
+    assert len(beside) > LOGS
+    found = {name: content for name, content in found.items() if name not in beside}
     assert found == expected
     assert result.to_arrow().num_rows > LOGS
 

@@ -43,6 +43,7 @@ pub fn say(finding: &Finding) -> String {
             longest,
         } => solution::long_gaps(*gaps, *first, *longest),
         F::WithoutGnss { start, length } => solution::without_gnss(*start, *length),
+        F::EndsEarly { end, missing } => solution::ends_early(*end, *missing),
         F::Restart { time, why, resumed } => solution::restart(*time, *why, *resumed),
         F::LargeInnovations { start } => solution::large_innovations(*start),
         F::StartedLate { time } => solution::started_late(*time),

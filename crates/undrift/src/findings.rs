@@ -5,8 +5,8 @@ mod collect;
 
 pub use crate::replay::Log;
 pub use collect::{
-    WITHOUT_GNSS, of_accuracy, of_correlation, of_disagreement, of_drift, of_fixes, of_health,
-    of_held, of_order, of_scalar, of_skipped, of_temperature, of_timing, with_axes,
+    WITHOUT_GNSS, of_accuracy, of_correlation, of_disagreement, of_drift, of_ends, of_fixes,
+    of_health, of_held, of_order, of_scalar, of_skipped, of_temperature, of_timing, with_axes,
 };
 
 use crate::replay::{Contradiction, FixMend, Lean, Part, RestartCause};
@@ -91,6 +91,13 @@ pub enum Finding {
         start: f64,
         /// Its length \[s\].
         length: f64,
+    },
+    /// The inertial log ends long before the fixes do: it may be cut short.
+    EndsEarly {
+        /// Time of its last sample \[s\].
+        end: f64,
+        /// From there to the last fix \[s\].
+        missing: f64,
     },
     /// Fixes state a covariance that is not positive definite.
     BadCovariance {
@@ -435,6 +442,7 @@ impl Finding {
             | Self::OptimisticDrift { .. }
             | Self::SetBack { .. }
             | Self::StartedLate { .. }
+            | Self::EndsEarly { .. }
             | Self::NoReference { .. } => Severity::Warning,
             _ => Severity::Note,
         }

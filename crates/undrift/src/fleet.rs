@@ -19,15 +19,18 @@ mod summary;
 mod table;
 
 pub use fingerprint::{fingerprint, inputs};
-pub use gather::gather;
-pub use manifest::{Choice, Manifest, Pattern, PatternError, Verb, drives};
+pub use gather::{Gathering, gather};
+pub use manifest::{Choice, Lookup, Manifest, Pattern, PatternError, Verb, drives};
 pub use outcome::{FleetOutcome, Row};
 pub use process::process;
 pub use run::{Done, FleetError, Options, job_path, process_on, run, shard};
 
 use crate::{identify::Trend, outages::Schedule, record::RecordFormat};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 use undrift_io::table::Column;
 use undrift_noise::BiasModel;
 
@@ -37,12 +40,21 @@ use undrift_noise::BiasModel;
 pub struct Job {
     /// Folder that names are relative to; empty for the current one. It is no part of the outcome.
     pub folder: String,
-    /// Name of the drive file or record, and what the outcome calls the log.
+    /// What the outcome calls the log: the name of the drive file or record, if `drive` is absent.
     pub log: String,
+    /// The drive file, where several folders of logs share one. It is no part of the outcome.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drive: Option<String>,
     /// Folder of the drive's logs, if not the drive file's own. It is no part of the outcome.
     pub data: Option<String>,
     /// Serial number of the IMU.
     pub unit: Option<String>,
+    /// Type of the IMU, instead of the name of its noise model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensor: Option<String>,
+    /// Whatever else is known of the log: vehicle, driver, campaign.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub labels: BTreeMap<String, String>,
     /// Temperature [°C], if it was stated.
     pub temperature_c: Option<f64>,
     /// Noise model of the IMU, a preset or a file, instead of the drive file's.
@@ -106,6 +118,9 @@ pub struct Plan {
     pub every_s: Option<f64>,
     /// How many; without it as many as fit.
     pub count: Option<usize>,
+    /// Starts in the log's time base \[s\], instead of the above.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at_s: Option<Vec<f64>>,
 }
 
 impl Default for Plan {
@@ -116,6 +131,7 @@ impl Default for Plan {
             start_s: 60.0,
             every_s: Some(EVERY),
             count: None,
+            at_s: None,
         }
     }
 }
@@ -134,7 +150,7 @@ impl Plan {
         } else {
             every_s
         };
-        Schedule::asked(None, every, count, start_s)
+        Schedule::asked(self.at_s.clone(), every, count, start_s)
     }
 }
 
@@ -175,7 +191,12 @@ impl RecordSettings {
 impl Job {
     /// The drive file or record.
     pub fn path(&self) -> PathBuf {
-        Path::new(&self.folder).join(&self.log)
+        Path::new(&self.folder).join(self.file())
+    }
+
+    /// The drive file or record by its name in the folder.
+    fn file(&self) -> &str {
+        self.drive.as_deref().unwrap_or(&self.log)
     }
 
     /// Where a drive's logs lie, and a model file that its drive file names.

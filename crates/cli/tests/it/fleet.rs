@@ -190,7 +190,18 @@ fn one_broken_log_stops_none_and_a_second_run_does_nothing() {
         stderr.contains("3 of 12 logs are not processed yet"),
         "{stderr}"
     );
-    assert_eq!(done(&logs, &out, &[]), "3 logs processed, 9 up to date");
+    let (code, stdout, stderr) = run(&logs, &out, &[]);
+    assert_eq!(code, Some(0), "{stderr}");
+    assert!(stdout.starts_with("3 logs processed, 9 up to date\n"));
+    assert!(stderr.contains("3 damaged results in"), "{stderr}");
+    assert_eq!(files(&out), before);
+    // Nor is a number that was changed taken for a result.
+    let (name, whole) = kept.first_key_value().unwrap();
+    let text = String::from_utf8(whole.clone()).unwrap();
+    let changed = text.replacen("\"outage\": 1", "\"outage\": 2", 1);
+    assert_ne!(text, changed);
+    std::fs::write(out.join("jobs").join(name), changed).unwrap();
+    assert_eq!(done(&logs, &out, &[]), "1 logs processed, 11 up to date");
     assert_eq!(files(&out), before);
 
     // One changed, one mended, and nothing else.
@@ -308,6 +319,51 @@ fn what_was_killed_goes_on_where_it_was() {
     let expected = format!("{} logs processed, {left} up to date", LOGS - left);
     assert_eq!(line, expected);
     assert_same(&whole, &killed);
+}
+
+/// One drive file for three folders of logs: three logs by name, with the numbers of the drives themselves. One that was
+/// cut in the middle of its inertial log is reported so.
+#[test]
+fn one_drive_file_for_many_folders() {
+    let logs = simulated("template");
+    std::fs::copy(logs.join("SN0/00/drive.toml"), logs.join("car.toml")).unwrap();
+    let imu = logs.join("SN0/02/imu.csv");
+    let text = std::fs::read_to_string(&imu).unwrap();
+    let lines: Vec<&str> = text.lines().collect();
+    std::fs::write(&imu, lines[..lines.len() * 3 / 4].join("\n") + "\n").unwrap();
+    let plan = "outages = { length = \"5 s\", at = \"75, 90 s\" }\nbias_models = [\"arma\"]\n";
+    let out = logs.join("out");
+    let outcomes = |manifest: &str| {
+        std::fs::write(logs.join("fleet.toml"), plan.to_owned() + manifest).unwrap();
+        let _ = std::fs::remove_dir_all(&out);
+        done(&logs, &out, &[]);
+        let kept = files(&out.join("jobs")).into_values();
+        kept.map(|text| serde_json::from_slice::<serde_json::Value>(&text).unwrap())
+            .map(|outcome| (outcome["log"].as_str().unwrap().to_owned(), outcome))
+            .collect::<BTreeMap<_, _>>()
+    };
+    let alone = outcomes("[[log]]\ndrive = \"SN0/*/drive.toml\"\n");
+    let template = outcomes("[[log]]\ndrive = \"car.toml\"\ndata = \"SN0/*\"\ntype = \"cheap\"\n");
+    std::fs::write(
+        logs.join("logs.csv"),
+        "data;name;vehicle\nSN0/00;one;van\nSN0/01;two;van\nSN0/02;three;\n",
+    )
+    .unwrap();
+    let table = outcomes("[[log]]\ndrive = \"car.toml\"\ntable = \"logs.csv\"\n");
+    for (k, name) in ["one", "two", "three"].into_iter().enumerate() {
+        let own = &alone[&format!("SN0/{k:02}/drive.toml")];
+        let by_folder = &template[&format!("SN0/{k:02}/car.toml")];
+        assert_eq!(own["rows"].as_array().unwrap().len(), 2);
+        assert_eq!(own["rows"][1]["values"][0], 90.0);
+        assert_eq!(by_folder["rows"], own["rows"]);
+        assert_eq!(by_folder["sensor"], "cheap");
+        assert_eq!(table[name]["rows"], own["rows"]);
+        let cut = own["findings"].as_array().unwrap().iter();
+        let cut: Vec<_> = cut.filter(|f| f["finding"] == "ends_early").collect();
+        assert_eq!(cut.len(), usize::from(k == 2), "{own}");
+    }
+    assert_eq!(table["one"]["labels"]["vehicle"], "van");
+    assert_eq!(table["three"]["labels"], serde_json::json!({}));
 }
 
 #[test]
@@ -460,6 +516,9 @@ fn what_cannot_be_is_told() {
         assert_eq!(code, Some(1), "{stderr}");
         assert!(stderr.contains(wanted), "{stderr}");
     }
+    let (code, _, stderr) = run(&folder, Path::new("s3://bucket/out"), &[]);
+    assert_eq!(code, Some(1));
+    assert!(stderr.contains("s3://bucket/out: the command reads and writes"));
     for wrong in [["--shard", "0/2"], ["--shard", "3/2"], ["--shard", "one"]] {
         assert_eq!(run(&folder, &folder.join("out"), &wrong).0, Some(2));
     }

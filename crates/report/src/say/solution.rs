@@ -68,6 +68,13 @@ pub(super) fn without_gnss(start: f64, length: f64) -> String {
     )
 }
 
+pub(super) fn ends_early(end: f64, missing: f64) -> String {
+    format!(
+        "IMU log: ends at {} s, {missing:.0} s before the last fix: it may be cut short",
+        at(end)
+    )
+}
+
 pub(super) fn restart(time: f64, why: RestartCause, resumed: Option<f64>) -> String {
     format!(
         "discarded the solution at {} s: {}; {}",

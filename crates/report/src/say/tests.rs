@@ -87,6 +87,13 @@ fn every_finding_has_its_sentence() {
             "longest span without a usable fix: 3.0 s from 12.5 s",
         ),
         (
+            Finding::EndsEarly {
+                end: 12.5,
+                missing: 300.0,
+            },
+            "IMU log: ends at 12.5 s, 300 s before the last fix: it may be cut short",
+        ),
+        (
             Finding::BadCovariance { fixes: 3 },
             "rejected 3 fixes whose covariance is not positive definite",
         ),

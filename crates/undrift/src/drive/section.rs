@@ -255,6 +255,12 @@ impl<'a> Section<'a> {
         self.table.is_some()
     }
 
+    /// The keys, in the order of the alphabet.
+    pub fn keys(&self) -> Vec<&'a str> {
+        let keys = self.table.into_iter().flat_map(|table| table.keys());
+        keys.map(|key| key.get_ref().as_ref()).collect()
+    }
+
     /// The value of a key and its line.
     pub fn get(&self, key: &'a str) -> Option<(&'a DeValue<'a>, usize)> {
         self.asked.borrow_mut().push(key);

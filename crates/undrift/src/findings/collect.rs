@@ -332,6 +332,15 @@ pub fn of_order(log: Log, skipped: &Skipped, interval: f64, accepted: u64) -> Ve
     found
 }
 
+/// An inertial log whose last sample, at `end` \[s\], is before the last fix by more than a tenth of what the fixes
+/// span. A receiver that is switched off some time after the sensor is none.
+pub fn of_ends(end: f64, fixes: [f64; 2]) -> Option<Finding> {
+    let [first, last] = fixes;
+    let missing = last - end;
+    let long = missing > WITHOUT_GNSS.max(0.1 * (last - first));
+    long.then_some(Finding::EndsEarly { end, missing })
+}
+
 /// What was skipped in each log.
 pub fn of_skipped(logs: &[(Log, &Skipped)]) -> Vec<Finding> {
     let any = logs.iter().filter(|(_, skipped)| !skipped.is_empty());

@@ -8,7 +8,7 @@ use undrift_io::Opened;
 use undrift_noise::ImuModel;
 
 /// What outcomes are like: another number makes all of them out of date.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 
 /// The files that a job reads: what each is for, and where it is. Files that a drive file names but that
 /// are missing are among them.
@@ -45,6 +45,7 @@ pub fn fingerprint(job: &Job) -> String {
     let placeless = Job {
         folder: String::new(),
         data: None,
+        drive: None,
         ..job.clone()
     };
     // A job is text and numbers: it can always be written.

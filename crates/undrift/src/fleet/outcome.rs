@@ -1,8 +1,15 @@
 //! What came of one log.
 
 use super::Job;
-use crate::{drive::ConfigError, findings::Finding, reference::COMPONENTS, results::known};
+use crate::{
+    drive::ConfigError,
+    findings::Finding,
+    hash::hexadecimal,
+    reference::COMPONENTS,
+    results::{self, known},
+};
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 
 /// What came of one log: numbers in rows, or why there are none. The same to the bit wherever it was
@@ -14,8 +21,11 @@ pub struct FleetOutcome {
     pub log: String,
     /// Serial number of the IMU.
     pub unit: Option<String>,
-    /// Name of the noise model of the IMU.
+    /// Type of the IMU: stated, else the name of its noise model.
     pub sensor: Option<String>,
+    /// What else is known of the log.
+    #[serde(default)]
+    pub labels: BTreeMap<String, String>,
     /// Temperature [°C]: stated, else the mean of the log's own column.
     pub temperature_c: Option<f64>,
     /// What was done: "navigate", "outages", "tune" or "identify".
@@ -58,7 +68,8 @@ impl FleetOutcome {
         Self {
             log: job.log.clone(),
             unit: job.unit.clone(),
-            sensor: None,
+            sensor: job.sensor.clone(),
+            labels: job.labels.clone(),
             temperature_c: job.temperature_c,
             task: job.task.name().into(),
             failed: None,
@@ -70,9 +81,12 @@ impl FleetOutcome {
         }
     }
 
-    /// As text: JSON with a line for each row.
+    /// As text: JSON with a line for each row, and the SHA-256 of it without its last line but one.
     pub fn to_json(&self) -> String {
-        crate::results::text(self) + "\n"
+        let text = results::text(self);
+        let sum = hexadecimal(Sha256::new_with_prefix(&text));
+        let open = text.strip_suffix(END).unwrap_or(&text);
+        format!("{open}{SUM}{sum}\"{END}\n")
     }
 
     /// Reads [`FleetOutcome::to_json`]; `file` is for messages.
@@ -80,12 +94,19 @@ impl FleetOutcome {
     /// # Errors
     /// If the text is not what [`FleetOutcome::to_json`] writes, with the line.
     pub fn from_json(text: &str, file: &str) -> Result<Self, ConfigError> {
-        serde_json::from_str(text).map_err(|error| ConfigError {
+        let wrong = |line, why: &str| ConfigError {
             file: file.to_owned(),
-            line: Some(error.line()),
+            line,
             key: String::new(),
-            message: format!("not the result of a log: {error}; remove the file and run again"),
-        })
+            message: format!("not the result of a log: {why}; remove the file and run again"),
+        };
+        let text = sound(text).ok_or_else(|| {
+            wrong(
+                None,
+                "it is cut short or damaged, its checksum does not fit",
+            )
+        })?;
+        serde_json::from_str(&text).map_err(|error| wrong(Some(error.line()), &error.to_string()))
     }
 
     /// A row's number by its column.
@@ -93,6 +114,19 @@ impl FleetOutcome {
         let place = self.columns.iter().position(|name| name == column)?;
         *row.values.get(place)?
     }
+}
+
+/// How the text of an outcome ends, and what stands before its checksum.
+const END: &str = "\n}";
+const SUM: &str = ",\n  \"sha256\": \"";
+
+/// The text of an outcome without its checksum, if that fits.
+fn sound(text: &str) -> Option<String> {
+    let (open, end) = text.rsplit_once(SUM)?;
+    let sum = end.strip_suffix('\n')?.strip_suffix(END)?;
+    let text = format!("{open}{END}");
+    let found = hexadecimal(Sha256::new_with_prefix(&text));
+    (sum.strip_suffix('"')? == found).then_some(text)
 }
 
 /// Horizons of the drift scores of an identified axis \[s\].

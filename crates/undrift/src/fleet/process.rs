@@ -146,12 +146,13 @@ fn without_folders(text: &str, folders: &[PathBuf]) -> String {
 fn load(job: &Job, outcome: &mut FleetOutcome) -> Result<Drive, Failure> {
     let (home, data) = job.folders();
     let (text, _) = read_text(&job.path())?;
-    let mut drive = Drive::from_toml(&text, &job.log, &home, &data)?;
+    let mut drive = Drive::from_toml(&text, job.file(), &home, &data)?;
     if let Some(name) = &job.model {
         let model = ImuModel::resolve(name, Path::new(&job.folder))?;
         drive.model = Some(model);
     }
-    outcome.sensor = drive.model.as_ref().map(|model| model.name.clone());
+    let model = drive.model.as_ref().map(|model| model.name.clone());
+    outcome.sensor = outcome.sensor.take().or(model);
     if outcome.temperature_c.is_none() && matches!(drive.imu.1.source, ImuSource::Table { .. }) {
         outcome.temperature_c = mean_temperature(&drive.imu.0)?;
     }

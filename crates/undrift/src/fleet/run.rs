@@ -72,6 +72,8 @@ pub struct Done {
     pub processed: usize,
     /// Jobs that were up to date.
     pub skipped: usize,
+    /// Outcomes that were there but damaged, so that their jobs were worked out again.
+    pub damaged: usize,
     /// Jobs that are not worked out, if it was only looked.
     pub missing: usize,
     /// The first of them.
@@ -132,9 +134,11 @@ pub fn run(
             jobs.get(place).map(|job| (place, job))
         } {
             let step = pool.install(|| one(job, folder, options, &say, &seen));
-            if let Ok(step) = &step {
-                told(step.outcome.as_ref());
-            }
+            // The outcome goes no further: memory does not grow with the number of jobs.
+            let step = step.map(|(step, outcome)| {
+                told(outcome.as_ref());
+                step
+            });
             let failed = step.is_err();
             if let Ok(mut results) = results.lock() {
                 results.push((place, step));
@@ -155,6 +159,7 @@ pub fn run(
     let mut counted = HashSet::new();
     for (place, step) in results {
         let step = step?;
+        done.damaged += usize::from(step.damaged);
         match step.state {
             State::Processed => done.processed += 1,
             State::UpToDate => done.skipped += 1,
@@ -184,7 +189,8 @@ enum State {
 struct Step {
     fingerprint: String,
     state: State,
-    outcome: Option<FleetOutcome>,
+    /// Whether an outcome was there that cannot be used.
+    damaged: bool,
 }
 
 fn one(
@@ -193,31 +199,38 @@ fn one(
     options: Options,
     say: &(impl Fn(&mut FleetOutcome) + Sync),
     seen: &Mutex<HashSet<String>>,
-) -> Result<Step, FleetError> {
+) -> Result<(Step, Option<FleetOutcome>), FleetError> {
     let fingerprint = fingerprint(job);
-    let step = |state, outcome| Step {
+    let mut step = Step {
         fingerprint: fingerprint.clone(),
-        state,
-        outcome,
+        state: State::Twice,
+        damaged: false,
     };
     if seen
         .lock()
         .is_ok_and(|mut seen| !seen.insert(fingerprint.clone()))
     {
-        return Ok(step(State::Twice, None));
+        return Ok((step, None));
     }
     let path = job_path(folder, &fingerprint);
     // A damaged outcome is that of a log that is not processed yet.
-    let known = std::fs::read_to_string(&path).ok();
-    let known = known.and_then(|text| FleetOutcome::from_json(&text, "").ok());
+    let text = std::fs::read(&path).ok();
+    let known = text.as_ref().and_then(|text| {
+        let text = std::str::from_utf8(text).ok()?;
+        FleetOutcome::from_json(text, "").ok()
+    });
+    step.damaged = text.is_some() && known.is_none();
     if known.is_some_and(|outcome| !(options.retry_failed && outcome.failed.is_some())) {
-        return Ok(step(State::UpToDate, None));
+        step.state = State::UpToDate;
+        return Ok((step, None));
     }
     if options.look_only {
-        return Ok(step(State::Missing, None));
+        step.state = State::Missing;
+        return Ok((step, None));
     }
     let mut outcome = process(job);
     say(&mut outcome);
     write_whole(&path, outcome.to_json()).map_err(FleetError::file(&path))?;
-    Ok(step(State::Processed, Some(outcome)))
+    step.state = State::Processed;
+    Ok((step, Some(outcome)))
 }

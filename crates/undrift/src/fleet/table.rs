@@ -1,11 +1,12 @@
 //! All outcomes as one table: a row for each outage, bias model or axis of each log, or for what failed.
 
 use super::{FleetOutcome, outcome::columns};
+use crate::findings::Finding;
 use std::{io, path::Path};
 use undrift_io::write::parquet_table::{ParquetTableWriter, Value};
 
 /// Columns of text.
-const TEXTS: [&str; 8] = [
+const TEXTS: [&str; 10] = [
     "log",
     "unit",
     "sensor",
@@ -14,6 +15,8 @@ const TEXTS: [&str; 8] = [
     "note",
     "failed",
     "fingerprint",
+    "labels",
+    "warnings",
 ];
 
 /// The table while it is written.
@@ -39,6 +42,7 @@ impl Table {
         let number = |name| (name, Value::Number(None));
         let mut columns: Vec<(&str, Value)> = TEXTS.into_iter().map(text).collect();
         columns.push(("outage", Value::Whole(None)));
+        columns.push(("skipped_rows", Value::Whole(None)));
         columns.push(number("temperature_c"));
         columns.extend(numbers.iter().map(String::as_str).map(number));
         Ok(Self {
@@ -64,6 +68,16 @@ impl Table {
                 row.values.as_slice(),
             )
         });
+        let labels = &outcome.labels;
+        // Texts by texts can always be written.
+        let labels = (!labels.is_empty()).then(|| serde_json::json!(labels).to_string());
+        let warnings = &outcome.warnings;
+        let warnings = (!warnings.is_empty()).then(|| warnings.join("; "));
+        let skipped = outcome.findings.iter().map(|finding| match finding {
+            Finding::Skipped { records, .. } => *records,
+            _ => 0,
+        });
+        let skipped = i32::try_from(skipped.sum::<u64>()).unwrap_or(i32::MAX);
         let whole = outcome.failed.as_deref().map(|why| (None, why));
         let failed = outcome.failed_parts.iter();
         // What failed as a whole says why its parts did.
@@ -82,6 +96,8 @@ impl Table {
                 note,
                 failed,
                 Some(fingerprint),
+                labels.as_deref(),
+                warnings.as_deref(),
             ];
             let value = |place: &Option<usize>| place.and_then(|place| *values.get(place)?);
             let numbers = [outcome.temperature_c].into_iter();
@@ -90,7 +106,7 @@ impl Table {
             let row = texts
                 .into_iter()
                 .map(Value::Text)
-                .chain([Value::Whole(outage)])
+                .chain([Value::Whole(outage), Value::Whole(Some(skipped))])
                 .chain(numbers);
             self.writer.write(row)?;
         }

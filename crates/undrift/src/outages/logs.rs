@@ -197,6 +197,14 @@ impl Logs {
             .map(|(model, run)| (model.as_str(), &run.errors))
             .collect();
         found.extend(findings::of_drift(&models));
+        if let (Some(sample), Some(first), Some(last), None) = (
+            self.imu.last(),
+            self.gnss.first(),
+            self.gnss.last(),
+            self.drive.logs.span,
+        ) {
+            found.extend(findings::of_ends(sample.time, [first.time, last.time]));
+        }
         let failed = results.iter().find_map(|(_, run)| run.as_ref().err());
         found.extend(failed.into_iter().flat_map(ReplayError::findings));
         let logs: Vec<_> = self.skipped.iter().map(|(log, s)| (*log, s)).collect();

@@ -5,8 +5,9 @@ use crate::{
     fleet::{Plan, RecordSettings},
     identify::Trend,
 };
+use std::collections::BTreeMap;
 use undrift_io::table::Column;
-use undrift_nav::units::Quantity;
+use undrift_nav::units::{self, Quantity};
 use undrift_noise::{BiasModel, temperature::celsius};
 
 /// What is done with drives.
@@ -39,6 +40,12 @@ pub struct Choice {
     pub data: Option<String>,
     /// Serial number; `{stem}`, `{folder}` and `{parent}` in it are the log's.
     pub unit: Option<String>,
+    /// Type of the IMU, instead of the name of its noise model.
+    pub sensor: Option<String>,
+    /// What the log is called, if not by its files.
+    pub name: Option<String>,
+    /// What else is known, by name.
+    pub labels: BTreeMap<String, String>,
     /// Temperature [°C].
     pub temperature_c: Option<f64>,
 }
@@ -57,6 +64,9 @@ impl Default for Choice {
             model: None,
             data: None,
             unit: None,
+            sensor: None,
+            name: None,
+            labels: BTreeMap::new(),
             temperature_c: None,
         }
     }
@@ -87,6 +97,7 @@ pub(super) fn read_choice(
         ("model", &mut choice.model, "a preset or a model file"),
         ("data", &mut choice.data, "a folder"),
         ("unit", &mut choice.unit, unit),
+        ("type", &mut choice.sensor, "the type of the IMU"),
     ] {
         match section.text(key)? {
             Some("") => return Err(section.error(key, format!("is empty; set {what}"))),
@@ -95,14 +106,39 @@ pub(super) fn read_choice(
         }
     }
     if let Some(text) = section.text("temperature")? {
-        let celsius = celsius(text).ok_or_else(|| {
-            section.error("temperature", "must be such as \"25 degC\" or \"298 K\"")
-        });
+        let celsius = celsius(text).ok_or_else(|| section.error("temperature", TEMPERATURE));
         choice.temperature_c = Some(celsius?);
+    }
+    let labels = section.section("labels")?;
+    for label in labels.keys() {
+        if let Some(text) = labels.text(label)? {
+            choice.labels.insert(label.to_owned(), text.to_owned());
+        }
     }
     read_plan(&section.section("outages")?, &mut choice.plan)?;
     read_record(&section.section("identify")?, &mut choice.record)?;
     Ok(choice)
+}
+
+/// What a temperature looks like.
+pub(super) const TEMPERATURE: &str = "must be such as \"25 degC\" or \"298 K\"";
+
+/// Times with a unit behind the last one, in ascending order \[s\]: `"120, 300 s"`.
+pub(super) fn times(text: &str) -> Result<Vec<f64>, String> {
+    let wrong = || format!("\"{text}\" must be ascending times such as \"120, 300 s\"");
+    let unit = text.trim_start_matches(|c: char| c.is_ascii_digit() || " .,;+-eE".contains(c));
+    let numbers = text.strip_suffix(unit).unwrap_or_default();
+    let factor = units::unit_factor(unit.trim(), Quantity::Time).map_err(|_| wrong())?;
+    let numbers = numbers.split([',', ';', ' ']).filter(|n| !n.is_empty());
+    let times: Vec<f64> = numbers
+        .map(|number| number.parse::<f64>().map(|number| number * factor))
+        .collect::<Result<_, _>>()
+        .map_err(|_| wrong())?;
+    let ascends = times.iter().zip(times.iter().skip(1)).all(|(a, b)| a < b);
+    if times.is_empty() || !ascends || !times.iter().all(|time| time.is_finite()) {
+        return Err(wrong());
+    }
+    Ok(times)
 }
 
 fn read_plan(section: &Section, plan: &mut Plan) -> Result<(), ConfigError> {
@@ -127,9 +163,17 @@ fn read_plan(section: &Section, plan: &mut Plan) -> Result<(), ConfigError> {
     if count == Some(0) {
         return Err(section.error("count", "must be 1 or more"));
     }
+    let at = section.text("at")?;
+    if at.is_some() && (every.is_some() || count.is_some()) {
+        return Err(section.error("at", "set either at, or every and count"));
+    }
     if every.is_some() || count.is_some() {
         plan.every_s = every;
         plan.count = count.map(|n| usize::try_from(n).unwrap_or(usize::MAX));
+        plan.at_s = None;
+    }
+    if let Some(text) = at {
+        plan.at_s = Some(times(text).map_err(|why| section.error("at", why))?);
     }
     section.only_known()
 }
