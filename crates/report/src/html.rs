@@ -17,9 +17,10 @@ const STYLES: [&str; 2] = [
     include_str!("assets/report.css"),
 ];
 
-const SCRIPTS: [&str; 5] = [
+const SCRIPTS: [&str; 6] = [
     include_str!("assets/uPlot.iife.min.js"),
     include_str!("assets/shapes.js"),
+    include_str!("assets/axes.js"),
     include_str!("assets/gestures.js"),
     include_str!("assets/plot.js"),
     include_str!("assets/report.js"),

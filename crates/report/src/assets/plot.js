@@ -1,13 +1,6 @@
 // One panel on the screen: axes, cursor and zoom are uPlot's, the legend and the curves our own.
 "use strict";
 
-const FONT = "12px system-ui, sans-serif";
-const ruler = document.createElement("canvas").getContext("2d");
-function textWidth(text, font = FONT) {
-  ruler.font = font;
-  return ruler.measureText(text).width;
-}
-
 // The colours on a light ground or a dark one.
 function palette(dark) {
   const side = pair => pair[dark ? 1 : 0];
@@ -15,57 +8,6 @@ function palette(dark) {
 }
 const system = matchMedia("(prefers-color-scheme: dark)"), root = document.documentElement;
 const isDark = () => root.classList.contains("dark") || system.matches && !root.classList.contains("light");
-
-// Text as long as there is room.
-function fit(text, room) {
-  if (textWidth(text) <= room) return text;
-  let n = text.length;
-  while (n > 1 && textWidth(text.slice(0, n) + "…") > room) n--;
-  return text.slice(0, n) + "…";
-}
-
-// A name in at most three lines that fit beside its neighbours.
-function wrapName(name, room) {
-  const lines = [];
-  for (const word of name.split(/(?<=[-–/])|(?<=\s)/)) {
-    const joined = (lines[lines.length - 1] || "") + word;
-    if (lines.length && textWidth(joined.trim()) <= room) lines[lines.length - 1] = joined;
-    else lines.push(word);
-  }
-  const shown = lines.slice(0, 3).map(line => fit(line.trim(), room));
-  if (lines.length > 3) shown[2] = shown[2].replace(/…?$/, "…");
-  return shown.join("\n");
-}
-
-// Names below an axis stand upright where they would be cut short beside each other.
-function namesUpright(names, room) {
-  return names.some(name => wrapName(name, room).split("\n").some(line => line.endsWith("…") && !name.endsWith("…")));
-}
-
-// Ticks of an axis and their labels, for a length in pixels: as many as stand apart.
-function axisTicks(axis, along, min, max, length) {
-  if (axis.names.length) {
-    const ticks = axis.names.map((_, i) => i).filter(i => i >= min && i <= max);
-    const room = length / (max - min) - 8;
-    const upright = namesUpright(axis.names, room);
-    return { ticks, upright, labels: ticks.map(i => upright ? fit(axis.names[i], 150) : wrapName(axis.names[i], room)) };
-  }
-  const at = mapper(min, max, axis.log, 0, length);
-  const room = STYLE.ticks[along];
-  let most = Math.max(1, Math.min(room.most, Math.floor(length / room.pixels)));
-  for (;; most--) {
-    const ticks = axis.log ? logTicks(min, max, most) : linearTicks(min, max, most);
-    const labels = tickLabels(ticks);
-    const apart = along === "y" || labels.every((label, i) => !i || at(ticks[i]) - at(ticks[i - 1]) > (textWidth(label) + textWidth(labels[i - 1])) / 2 + 12);
-    if (apart || most <= 1) return { ticks, labels };
-  }
-}
-
-function mapper(min, max, log, from, to) {
-  if (!log) { const k = (to - from) / (max - min); return v => from + (v - min) * k; }
-  const k = (to - from) / Math.log(max / min);
-  return v => from + Math.log(v / min) * k;
-}
 
 // From values to pixels of the plot.
 function frameOf(panel, x, y, width, height) {
@@ -85,7 +27,7 @@ function nearestIndex(x, value) {
 }
 
 const lengthOf = (u, along) => (along === "x" ? u.bbox.width : u.bbox.height) / devicePixelRatio;
-const heightOf = (panel, width) => Math.round(Math.max(240, Math.min(panel.ratio ? 560 : 360, width * (panel.ratio || 0.5) + 50)));
+const heightOf = (panel, width) => Math.round(Math.max(240, Math.min(panel.ratio ? 560 : 360, width * (panel.ratio || 0.5) + 50)) + (panel.x.names.length && width < 500 ? 70 : 0));
 
 // Plots over time and maps whose places have times: a cursor in one or a part of time zoomed into shows in all. What was
 // shared last is shown in the next frame, once.
@@ -110,6 +52,7 @@ class Plot extends Gestures {
     this.paper = this.first;
     this.buildLegend();
     this.box = holder.appendChild(make("div", "plot screen"));
+    this.where = this.box.appendChild(make("span", "x"));
     const { width, height } = this.size();
     const axis = along => ({
       scale: along, side: along === "x" ? 2 : 3, label: panel[along].label ? u => fit(panel[along].label, lengthOf(u, along)) : undefined, labelSize: panel[along].label ? 22 : 0,
@@ -353,11 +296,12 @@ class Plot extends Gestures {
       }
       button.appendChild(make("span", "", series.name));
       const output = button.appendChild(make("output"));
+      // Room for its values, so that the page stands still when they come.
+      output.style.minWidth = (series.y.length === 2 ? 19 : series.y.length === 5 || panel.scale ? 17 : 8) + "ch";
       button.onclick = () => this.toggle(series, button);
       this.legend.appendChild(make("li")).appendChild(button);
       return output;
     });
-    this.where = this.legend.appendChild(make("li")).appendChild(make("span", "x"));
   }
 
   toggle(series, button) {
