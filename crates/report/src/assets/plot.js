@@ -107,7 +107,7 @@ class Plot extends Gestures {
     this.reset = this.box.appendChild(make("button", "reset", "Reset zoom"));
     this.reset.hidden = true;
     // Over time, or a map that knows when it was where.
-    this.linked = panel.clock !== null && (!panel.scale || panel.series.some(s => s.t));
+    this.linked = panel.clock != null && (!panel.scale || panel.series.some(s => s.t));
     if (this.linked) linked.push(this);
     this.reset.onclick = () => this.setZoom(null);
     if (panel.scale) this.refresh();

@@ -121,7 +121,7 @@ function mountFigure(element, figure, plots) {
   const ratio = Math.max(0, ...figure.panels.filter(p => p.scale).map(shape));
   const own = figure.panels.map((panel, i) => {
     panel.ratio = ratio;
-    const link = p => p.clock === null && !p.scale && !p.x.names.length ? `${p.x.label} ${p.x.log}` : null;
+    const link = p => p.clock == null && !p.scale && !p.x.names.length ? `${p.x.label} ${p.x.log}` : null;
     const kin = figure.panels.filter(p => link(p) !== null && link(p) === link(panel));
     const key = kin.length > 1 ? `${element.id} ${figure.panels.indexOf(kin[0])}` : null;
     return Object.assign(new Plot(panel, holders[i], key), { key });
