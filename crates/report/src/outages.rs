@@ -7,14 +7,13 @@ use super::{
     Block, Cell, Section, Table,
     numbers::{get, short},
     parts::{
-        COMPONENTS, Run, capital, model_colour, named, of_which, points, prefixed, spoken_list,
-        text, warnings,
+        COMPONENTS, Run, model_colour, named, of_which, points, prefixed, spoken_list, text,
+        verdict_of, warnings,
     },
 };
 use crate::{
     date,
     plain::{Mark, plain_table},
-    say,
 };
 use drift::drift;
 use undrift::{
@@ -114,10 +113,9 @@ fn summary(runs: &[Run<'_, Outages>], models: &[Model<'_>]) -> Option<Section> {
     let done = runs
         .iter()
         .map(|(name, run)| text([what_was_done(name, run)]));
-    let verdicts = runs.iter().map(|(name, run)| {
-        let verdict = say::verdict(&run.findings);
-        Some(Block::Verdict(prefixed(name, &(capital(&verdict) + "."))))
-    });
+    let verdicts = runs
+        .iter()
+        .map(|(name, run)| Some(verdict_of(name, &run.findings)));
     let blocks = verdicts.chain([text(findings(models)), warnings(&warned)]);
     Section::of("GNSS outages", blocks.chain(done).flatten())
 }

@@ -1,6 +1,7 @@
 //! What the reports share: sentences, curves as points, colours.
 
-use crate::{Axis, Block, Series};
+use crate::{Axis, Block, Series, say};
+use undrift::findings::{self, Finding};
 use undrift::nav::earth::Geodetic;
 use undrift::noise::order_statistics::quantile;
 use undrift::results::{Curve, Number, Track};
@@ -52,6 +53,15 @@ pub fn warnings<'a>(warnings: impl IntoIterator<Item = &'a String>) -> Option<Bl
         1 => sentences.pop().map(Block::Warning),
         _ => Some(Block::Warnings(sentences)),
     }
+}
+
+/// Whether a result can be used, and why, by what was found out about it.
+pub fn verdict_of(name: &str, findings: &[Finding]) -> Block {
+    let verdict = match findings::verdict(findings) {
+        (_, None) => "usable: no fault found in the logs or the solution".into(),
+        _ => say::verdict(findings),
+    };
+    Block::Verdict(prefixed(name, &(capital(&verdict) + ".")))
 }
 
 /// "a, b and c".

@@ -400,11 +400,14 @@ class Plot extends Gestures {
   // Values under the cursor, or at a time on a map; returns the time of the place shown on a map.
   readout(time) {
     const { panel, u } = this, { left, top } = u.cursor, off = time === undefined ? !(left >= 0) : time === null, at = this.frame();
-    let found = null;
+    let found = null, least = Infinity;
     const value = v => pretty(v, 5);
     panel.series.forEach((series, s) => {
       const i = off || series.hidden ? -1 : time !== undefined ? this.placeAt(series, time) : this.nearest(series, left, top, at);
-      if (i >= 0 && series.t && found === null) found = series.t[i] + panel.clock;
+      if (i >= 0 && series.t) {
+        const far = time === undefined ? Math.hypot(at.x(series.x[i]) - left, at.y(series.y[0][i]) - top) : 0;
+        if (far < least) { least = far; found = series.t[i] + panel.clock; }
+      }
       const levels = i < 0 ? [] : series.y.map(column => column[i]);
       const main = levels[levels.length === 5 ? 2 : 0];
       const output = this.outputs[s], mark = this.marks[s];

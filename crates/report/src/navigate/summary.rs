@@ -1,12 +1,11 @@
 //! What was done and how it went, in words and counts.
 
 use crate::{
-    Block, Cell, Section, Table,
+    Cell, Section, Table,
     constants::{Constant, constant},
     date,
     numbers::{bounded, count, error, get, short, span},
-    parts::{Run, capital, named, of_which, prefixed, text, warnings},
-    say,
+    parts::{Run, named, of_which, prefixed, text, verdict_of, warnings},
 };
 use undrift::results::{Innovations, Navigate, Nis, Number, Numbers, Parameter};
 
@@ -15,10 +14,9 @@ const PLAUSIBLE: std::ops::RangeInclusive<f64> = 0.6..=1.6;
 
 /// Whether the solution is of use, how good it is, and what is to be known of it.
 pub(super) fn verdict(runs: &[Run<'_, Navigate>]) -> Option<Section> {
-    let verdicts = runs.iter().map(|(name, run)| {
-        let verdict = say::verdict(&run.findings);
-        Some(Block::Verdict(prefixed(name, &(capital(&verdict) + "."))))
-    });
+    let verdicts = runs
+        .iter()
+        .map(|(name, run)| Some(verdict_of(name, &run.findings)));
     let conclusions = runs
         .iter()
         .map(|(name, run)| text([prefixed(name, &conclusion(run))]));
