@@ -40,7 +40,7 @@ await picture("report-demo.png", "demo", { clip: upTo("#table-1") });
 await picture("report-demo-dark.png", "demo", { colorScheme: "dark", clip: upTo("#table-1") });
 await picture("report-outages.png", "outages", { clip: between("#figure-1", "#figure-2") });
 await picture("report-navigate.png", "navigate", { width: 1400, act: cursor, clip: upTo("#figure-1") });
-await picture("report-navigate-dark.png", "navigate", { width: 1400, colorScheme: "dark", act: cursor, clip: between("#figure-1", "#figure-3") });
+await picture("report-navigate-dark.png", "navigate", { width: 1400, colorScheme: "dark", act: cursor, clip: between("#figure-3", "#figure-3") });
 await picture("report-phone.png", "outages", { width: 390, clip: upTo("#figure-2") });
 await picture("report-map.png", "outages", { width: 1000, act: outage, clip: between("#figure-4", "#figure-4") });
 await browser.close();
