@@ -1,7 +1,6 @@
 // Makes the real reports that the tests open: of a simulated drive whose files, columns and model have hostile
-// names, of one hour at 200 Hz, of the demo, and of a static
-// recording. `node make.js DIR PROGRAM SIMULATE`: where to, and the
-// programs undrift and simulate_log.
+// names, of one hour at 200 Hz, of the demo, and of a static recording. `node make.js DIR PROGRAM SIMULATE`: where
+// to, and the programs undrift and simulate_log.
 import { execFile } from "node:child_process";
 import { mkdir, readFile, rename, rm, writeFile } from "node:fs/promises";
 import { cpus } from "node:os";
