@@ -155,16 +155,20 @@ fn column(track: &Value, name: &str) -> Vec<f64> {
     serde_json::from_value(track[name].clone()).unwrap()
 }
 
-/// Metres east and north of the equator's zero meridian, good to 0.1 % of a distance of metres.
-fn metres(track: &Value, at: usize) -> [f64; 2] {
+/// Metres east and north of a place of the track nearby, in radians.
+fn metres(track: &Value, at: usize, [lat_0, lon_0]: [f64; 2]) -> [f64; 2] {
     const RADIUS: f64 = 6_378_137.0;
-    let (lat, lon) = (column(track, "lat_deg")[at], column(track, "lon_deg")[at]);
-    let (sin, cos) = lat.to_radians().sin_cos();
+    let [lat, lon] = place(track, at);
     // Groves eq. 2.105 and 2.106.
-    let w = 1.0 - 0.006_694_38 * sin * sin;
+    let w = 1.0 - 0.006_694_38 * lat_0.sin().powi(2);
     let north = RADIUS * (1.0 - 0.006_694_38) / w.powf(1.5);
-    let east = RADIUS / w.sqrt() * cos;
-    [east * lon.to_radians(), north * lat.to_radians()]
+    let east = RADIUS / w.sqrt() * lat_0.cos();
+    [east * (lon - lon_0), north * (lat - lat_0)]
+}
+
+/// Latitude and longitude \[rad\].
+fn place(track: &Value, at: usize) -> [f64; 2] {
+    ["lat_deg", "lon_deg"].map(|name| column(track, name)[at].to_radians())
 }
 
 #[test]
@@ -195,9 +199,10 @@ fn ways_through_outages_end_as_far_off_as_the_errors_say() {
             // Where the truth was then, between two of its places.
             let after = times.iter().position(|t| *t >= on_way[last]).unwrap();
             let share = (on_way[last] - times[after - 1]) / (times[after] - times[after - 1]);
-            let (from, to) = (metres(track, after - 1), metres(track, after));
+            let near = place(track, after);
+            let (from, to) = (metres(track, after - 1, near), metres(track, after, near));
             let truth = [0, 1].map(|i| from[i] + share * (to[i] - from[i]));
-            let here = metres(way, last);
+            let here = metres(way, last, near);
             let off = (here[0] - truth[0]).hypot(here[1] - truth[1]);
             let error = &result["models"][model]["per_outage"][k]["end"]["horizontal_m"];
             let error = error.as_f64().unwrap();
