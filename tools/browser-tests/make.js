@@ -1,6 +1,6 @@
 // Makes the real reports that the tests open: of a simulated drive whose files, columns and model have hostile
-// names, of one hour at 200 Hz, and of the demo. `node make.js DIR PROGRAM SIMULATE`: where to, and the
-// programs undrift and simulate_log.
+// names, of one hour at 200 Hz, of the demo, and of a static recording. `node make.js DIR PROGRAM SIMULATE`: where
+// to, and the programs undrift and simulate_log.
 import { execFile } from "node:child_process";
 import { mkdir, readFile, rename, rm, writeFile } from "node:fs/promises";
 import { cpus } from "node:os";
@@ -47,10 +47,19 @@ async function hour() {
   await rm(folder, { recursive: true });
 }
 
+// Twenty minutes of a static recording.
+async function identify() {
+  const folder = at("sample");
+  await rm(folder, { recursive: true, force: true });
+  await run(undrift, "sample", folder);
+  await run(undrift, "identify", path.join(folder, "static.csv"), "--report", at("identify.html"));
+  await rm(folder, { recursive: true });
+}
+
 const demo = () => run(undrift, "demo", "--report", at("demo.html"));
 
 await mkdir(dir, { recursive: true });
-const works = [hour, demo, hostile];
+const works = [hour, demo, hostile, identify];
 // The demo uses every core itself: with few, one after the other is as quick.
 if (cpus().length > 4) await Promise.all(works.map(work => work()));
 else for (const work of works) await work();

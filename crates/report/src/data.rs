@@ -35,6 +35,7 @@ fn panel(panel: &Panel, lists: &mut Lists) -> Value {
         "y": axis(&panel.y, y),
         "scale": panel.to_scale,
         "shades": panel.shades,
+        "clock": panel.clock,
         "series": series.collect::<Vec<_>>(),
     })
 }
@@ -55,13 +56,24 @@ fn series(series: &Series, lists: &mut Lists) -> Value {
         let values = column.iter().map(|v| number(*v, significant(*v)));
         values.collect::<Vec<_>>()
     });
-    json!({
+    let mut value = json!({
         "name": series.name,
         "colour": series.colour,
         "style": series.kind,
         "x": lists.place(&series.x),
         "y": columns.collect::<Vec<_>>(),
-    })
+    });
+    if series.dash > 0 {
+        value["dash"] = series.dash.into();
+    }
+    if !series.times.is_empty() {
+        value["t"] = lists.place(&series.times).into();
+    }
+    if !series.sigma.is_empty() {
+        let along = |axis: usize| series.sigma.iter().map(move |s| number(s[axis], 3));
+        value["sigma"] = [0, 1].map(|axis| Vec::from_iter(along(axis))).into();
+    }
+    value
 }
 
 /// Lists of x, each kept once.

@@ -125,7 +125,9 @@ fn head(demo: &Demo) -> Option<Section> {
         ],
     );
     let tables = demo.lengths.iter().map(|of| drifts(demo, of).block());
-    let blocks = [text([demo.conclusion.clone()])].into_iter().chain(tables);
+    let blocks = [Some(Block::Verdict(demo.conclusion.clone()))]
+        .into_iter()
+        .chain(tables);
     let blocks = blocks.chain([
         bounds(demo).block(),
         text(not_better(demo)),

@@ -35,6 +35,10 @@ pub struct Section {
     pub title: String,
     /// What stands in it, in order.
     pub blocks: Vec<Block>,
+    /// Its numbers in a few words, beside its heading in the contents; or empty.
+    pub note: String,
+    /// Whether it is shown on demand only.
+    pub folded: bool,
 }
 
 impl Section {
@@ -44,13 +48,29 @@ impl Section {
         (!blocks.is_empty()).then(|| Self {
             title: title.into(),
             blocks,
+            ..Self::default()
         })
+    }
+
+    /// The section with its numbers for the contents.
+    pub(crate) fn noted(self, note: String) -> Self {
+        Self { note, ..self }
+    }
+
+    /// The section, shown on demand.
+    pub(crate) fn folded(self) -> Self {
+        Self {
+            folded: true,
+            ..self
+        }
     }
 }
 
 /// A piece of a section.
 #[derive(Clone, Debug)]
 pub enum Block {
+    /// Whether the result is of use and why, in a sentence, before all else.
+    Verdict(String),
     /// A paragraph.
     Text(String),
     /// A paragraph that must not be overlooked.

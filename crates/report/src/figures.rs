@@ -103,6 +103,7 @@ mod tests {
             sections: vec![Section {
                 title: String::new(),
                 blocks: vec![Block::Figure(figure.clone()), Block::Figure(figure)],
+                ..Section::default()
             }],
             ..Document::default()
         }

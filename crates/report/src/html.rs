@@ -17,9 +17,11 @@ const STYLES: [&str; 2] = [
     include_str!("assets/report.css"),
 ];
 
-const SCRIPTS: [&str; 4] = [
+const SCRIPTS: [&str; 6] = [
     include_str!("assets/uPlot.iife.min.js"),
     include_str!("assets/shapes.js"),
+    include_str!("assets/axes.js"),
+    include_str!("assets/gestures.js"),
     include_str!("assets/plot.js"),
     include_str!("assets/report.js"),
 ];
@@ -41,12 +43,26 @@ pub fn render(document: &Document) -> String {
     let mut numbers = Numbers::default();
     for (section, number) in document.sections.iter().zip(1..) {
         let title = escape(&section.title);
-        contents += &format!("<li><a href=\"#section-{number}\">{title}</a></li>\n");
-        main += &format!("<section id=\"section-{number}\">\n<h2>{title}</h2>\n");
-        for block in &section.blocks {
-            main += &self::block(block, &mut numbers);
-        }
-        main += "</section>\n";
+        let note = |tag: &str| match section.note.as_str() {
+            "" => String::new(),
+            note => format!(" {}", element(tag, tag, note)),
+        };
+        contents += &format!(
+            "<li><a href=\"#section-{number}\">{title}</a>{}</li>\n",
+            note("small")
+        );
+        let blocks = section.blocks.iter();
+        let blocks: String = blocks.map(|b| self::block(b, &mut numbers)).collect();
+        main += &match section.folded {
+            // A link into it unfolds it.
+            true => format!(
+                "<section>\n<details><summary><h2>{title}</h2>{}</summary>\n<a id=\"section-{number}\"></a>\n{blocks}</details></section>\n",
+                note("span")
+            ),
+            false => {
+                format!("<section id=\"section-{number}\">\n<h2>{title}</h2>\n{blocks}</section>\n")
+            }
+        };
     }
     let subtitle = match document.subtitle.as_str() {
         "" => String::new(),
@@ -97,6 +113,7 @@ fn element(tag: &str, end: &str, text: &str) -> String {
 
 fn block(block: &Block, numbers: &mut Numbers) -> String {
     match block {
+        Block::Verdict(text) => element("p class=\"verdict\"", "p", text) + "\n",
         Block::Text(text) => element("p", "p", text) + "\n",
         Block::Warning(text) => {
             let text = escape(text);
@@ -146,7 +163,7 @@ fn table(table: &Table, number: usize) -> String {
     format!(
         "<figure id=\"table-{number}\" data-table=\"{}\">\n<figcaption class=\"caption\">\
          <span><b>Table {number}.</b>{}</span></figcaption>\n\
-         <div class=\"scroll\" tabindex=\"0\"><table class=\"data\">\n\
+         <div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Table {number}\"><table class=\"data\">\n\
          <thead><tr>{heads}</tr></thead>\n<tbody>\n{rows}</tbody></table></div>\n</figure>\n",
         escape(&file_stem(&table.name)),
         escape(&table.caption)
@@ -240,6 +257,7 @@ mod tests {
             sections: vec![Section {
                 title: HOSTILE.into(),
                 blocks: blocks.into(),
+                ..Section::default()
             }],
         });
         assert!(!html.contains("<img"));

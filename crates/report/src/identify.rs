@@ -10,7 +10,8 @@ mod temperatures;
 use super::{
     Block, Cell, Figure, Section, Series, Table,
     numbers::{count, short, span},
-    parts::{Run, capital, points, prefixed, run_colour, text, warnings},
+    parts::{Run, capital, points, prefixed, run_colour, spoken_list, text, warnings},
+    text::verdict,
 };
 use axis::{allan_panel, of_axis, psd_panel};
 pub(crate) use axis::{correlation, drift_table, of_others, record};
@@ -98,7 +99,10 @@ pub fn sections(runs: &[Run<'_, Identify>]) -> Vec<Section> {
             .collect();
         match axes.as_slice() {
             [] => None,
-            [(_, axis)] if runs.len() == 1 => of_axis(name, axis),
+            [(_, axis)] if runs.len() == 1 => {
+                let section = of_axis(name, axis)?.folded();
+                Some(section.noted(in_short(name, axis)))
+            }
             several => compared(name, several),
         }
     };
@@ -109,6 +113,54 @@ pub fn sections(runs: &[Run<'_, Identify>]) -> Vec<Section> {
     }
     let axes = names.into_iter().map(of_name);
     [summary(runs)].into_iter().chain(axes).flatten().collect()
+}
+
+/// White noise, bias instability or random walk and the model of an axis, in few words.
+fn in_short(name: &str, axis: &Axis) -> String {
+    let (unit, terms) = (units(name), &axis.allan_terms);
+    let white = terms.white.value * 60.0 * unit.scale;
+    let white = format!("N {} {}", short(white), unit.white);
+    let slow = [
+        (
+            "B",
+            &terms.bias_instability,
+            unit.instability_scale,
+            unit.instability,
+        ),
+        (
+            "K",
+            &terms.random_walk,
+            60.0 * unit.instability_scale,
+            unit.walk,
+        ),
+    ];
+    let slow = slow.into_iter().filter(|(_, term, ..)| term.seen);
+    let slow = slow.map(|(letter, term, scale, unit)| {
+        format!("{letter} {} {unit}", short(term.value * scale))
+    });
+    let model = axis.chosen.name.clone();
+    let parts = [white].into_iter().chain(slow).chain([model]);
+    Vec::from_iter(parts.filter(|part| !part.is_empty())).join(", ")
+}
+
+/// Which model is recommended for which axes, in a sentence.
+fn recommended(run: &Identify) -> String {
+    let mut models: Vec<(&str, Vec<String>)> = Vec::new();
+    for Named { label, axis, .. } in identified("", run) {
+        let name = axis.chosen.name.as_str();
+        match models.iter_mut().find(|(model, _)| *model == name) {
+            Some((_, axes)) => axes.push(label),
+            None => models.push((name, vec![label])),
+        }
+    }
+    models.retain(|(name, _)| !name.is_empty());
+    let parts = models
+        .iter()
+        .map(|(name, axes)| format!("{name} for {}", spoken_list(axes)));
+    match Vec::from_iter(parts).join("; ") {
+        parts if parts.is_empty() => parts,
+        parts => format!("Recommended: {parts}."),
+    }
 }
 
 /// An axis that was identified, with its name and what it is called.
@@ -131,7 +183,7 @@ pub(crate) fn identified<'a>(
     })
 }
 
-/// What was not identified, and what was done.
+/// Whether the recordings serve, what they show, and what was not identified.
 fn head(runs: &[Run<'_, Identify>]) -> impl Iterator<Item = Block> {
     let failed = runs.iter().map(|(name, run)| {
         let failed = run.in_order().filter_map(|(axis, found)| {
@@ -143,11 +195,23 @@ fn head(runs: &[Run<'_, Identify>]) -> impl Iterator<Item = Block> {
         });
         warnings(&failed.collect::<Vec<_>>())
     });
+    let verdicts = runs
+        .iter()
+        .map(|(name, run)| Some(Block::Verdict(prefixed(name, &verdict(run)))));
+    let conclusions = runs.iter().map(|(name, run)| {
+        let found = recommended(run);
+        text([prefixed(if found.is_empty() { "" } else { name }, &found)])
+    });
+    let blocks = verdicts.chain(conclusions).chain(failed);
+    Vec::from_iter(blocks.flatten()).into_iter()
+}
+
+/// What was recorded, and how it was fitted.
+fn done(runs: &[Run<'_, Identify>]) -> impl Iterator<Item = Block> {
     let done = runs
         .iter()
         .map(|(name, run)| text(what_was_done(name, run)));
-    let blocks: Vec<Block> = failed.chain(done).flatten().collect();
-    blocks.into_iter()
+    Vec::from_iter(done.flatten()).into_iter()
 }
 
 /// Of Allan deviations alone.
@@ -160,6 +224,7 @@ fn allan(runs: &[Run<'_, Identify>]) -> Option<Section> {
         &of_allan(),
     );
     let blocks = head(runs).chain(overview(runs)).chain(terms.block());
+    let blocks = blocks.chain(done(runs));
     Section::of("Allan deviation", blocks)
 }
 
@@ -175,7 +240,7 @@ fn overview(runs: &[Run<'_, Identify>]) -> Option<Block> {
         });
         for (at, Named { label, axis, .. }) in axes.enumerate() {
             let deviation = points(&axis.allan.tau_s, &axis.allan.adev, unit.scale);
-            panel.add(Series::line(&label, run_colour(at), deviation));
+            panel.add(Series::line(&label, run_colour(at), deviation).pattern(at));
         }
         (!panel.series.is_empty()).then_some(panel)
     });
@@ -202,8 +267,9 @@ fn summary(runs: &[Run<'_, Identify>]) -> Option<Section> {
         .chain([text([PAPER_KS.to_owned()])]);
     let several = runs.iter().any(|(_, run)| run.axes.len() > 1);
     let overview = several.then(|| overview(runs)).flatten();
-    let blocks = head(runs).chain(pool::of_runs(runs)).chain(overview);
+    let blocks = head(runs).chain(overview).chain(pool::of_runs(runs));
     let blocks = blocks.chain(tables.into_iter().chain(normality).flatten());
+    let blocks = blocks.chain(done(runs));
     Section::of("Static recording", blocks)
 }
 
@@ -338,7 +404,7 @@ fn compared(name: &str, axes: &[(&str, &Axis)]) -> Option<Section> {
     let mut spectrum = psd_panel(unit);
     for (at, (run, axis)) in axes.iter().enumerate() {
         let deviation = points(&axis.allan.tau_s, &axis.allan.adev, unit.scale);
-        allan.add(Series::line(run, run_colour(at), deviation));
+        allan.add(Series::line(run, run_colour(at), deviation).pattern(at));
         let density = axis::density(axis, unit);
         if !density.is_empty() {
             spectrum.add(Series::thin(run, run_colour(at), density));

@@ -1,7 +1,7 @@
 //! The report of a Monte Carlo: whether the filter knows its own errors.
 
 use super::{
-    Axis, Cell, Figure, Panel, Section, Series, Table,
+    Axis, Block, Cell, Figure, Panel, Section, Series, Table,
     numbers::{error, percent, short, span},
     parts::{Run, model_colour, prefixed, text, warnings},
     plain::{Mark, plain_table},
@@ -101,11 +101,11 @@ fn summary(runs: &[Run<'_, MonteCarlo>], models: &[Model<'_>]) -> Option<Section
         .iter()
         .map(|(name, run)| text([prefixed(name, &what_was_done(run))]));
     let verdicts = models.iter().map(|model| match verdict(model).as_str() {
-        "" => String::new(),
-        verdict => format!("{} is {verdict}.", model.name),
+        "" => None,
+        verdict => Some(Block::Verdict(format!("{} is {verdict}.", model.name))),
     });
-    let blocks = [warnings(&diverged)].into_iter().chain(done);
-    let blocks = blocks.chain([text(verdicts), nees(models).block()]);
+    let blocks = verdicts.chain([warnings(&diverged)]).chain(done);
+    let blocks = blocks.chain([nees(models).block()]);
     Section::of("Normalised estimation errors (NEES)", blocks.flatten())
 }
 

@@ -13,8 +13,11 @@ use crate::date;
 use accuracy::accuracy;
 use innovations::innovations;
 use panels::{Shown, component_panel, panel_over_time, sensor_panel};
-use summary::summary;
-use undrift::results::Navigate;
+use summary::{summary, verdict};
+use undrift::{
+    nav::earth::Geodetic,
+    results::{Fixes, Navigate, Track},
+};
 
 /// A component in plots: key of the JSON, name, unit, and the factor that makes the unit of the key's.
 type Component = (&'static str, &'static str, &'static str, f64);
@@ -66,12 +69,13 @@ pub fn sections(runs: &[Run<'_, Navigate>]) -> Vec<Section> {
         series: series.collect(),
     };
     let sections = [
-        summary(runs),
+        verdict(runs),
         accuracy(runs, &shown),
         solution(&shown),
         deviations(&shown),
         sensors(&shown),
         innovations(runs, &shown),
+        summary(runs),
     ];
     sections.into_iter().flatten().collect()
 }
@@ -82,22 +86,34 @@ fn solution(shown: &Shown<'_>) -> Option<Section> {
         return None;
     }
     let start = shown.series.iter().find_map(|(_, s)| origin(&s.track));
-    let mut ground = Panel::new("", Axis::new("east [m]"), Axis::new("north [m]")).to_scale();
+    let ground = Panel::new("", Axis::new("east [m]"), Axis::new("north [m]"));
+    let mut ground = ground.to_scale().over_time(shown.clock.zero());
     let mut height = panel_over_time(Axis::new("height [m]"), shown);
     let mut first = None;
     for (at, (name, run)) in shown.series.iter().enumerate() {
         let colour = run_colour(at);
-        let track = on_the_ground(&run.track, start.as_ref());
-        let all = track.iter().map(|p| p.1).collect();
-        ground.add(Series::line(name, colour, all));
+        let mut track = on_the_ground(&run.track, start.as_ref());
+        for (time, _) in &mut track {
+            *time = shown.clock.at(*time);
+        }
+        let fixes = [
+            ("fixes", 5, &run.fixes),
+            ("rejected fixes", REJECTED, &run.rejected_fixes),
+        ];
+        for (what, colour, fixes) in fixes.into_iter().filter(|_| shown.is_single()) {
+            ground.add(points_of(what, colour, fixes, start.as_ref(), shown.clock));
+        }
+        let label = if name.is_empty() { "solution" } else { name };
+        ground.add(Series::line(label, colour, Vec::new()).on_map(&track));
         // Of several they would hide each other.
         let spans = run.without_gnss_s.iter().filter(|_| shown.is_single());
         for (at, (from, to)) in spans.enumerate() {
             // The fix that ends the span has moved the solution already.
-            let inside = track.iter().filter(|(t, _)| from.0 <= *t && *t < to.0);
-            let points: Vec<_> = inside.map(|p| p.1).collect();
+            let (from, to) = (shown.clock.at(from.0), shown.clock.at(to.0));
+            let inside = track.iter().filter(|(t, _)| from <= *t && *t < to);
+            let way: Vec<_> = inside.copied().collect();
             let name = if at == 0 { "without GNSS" } else { "" };
-            ground.add(Series::thick(name, REJECTED, points));
+            ground.add(Series::thick(name, REJECTED, Vec::new()).on_map(&way));
         }
         if at == 0 {
             first = track.first().map(|p| p.1);
@@ -106,6 +122,7 @@ fn solution(shown: &Shown<'_>) -> Option<Section> {
         let points = heights.map(|(t, h)| (shown.clock.at(t.0), h.0)).collect();
         height.add(Series::thin(name, colour, points));
     }
+    ground.series.retain(|series| !series.x.is_empty());
     ground.add(Series::dots("start", 0, Vec::from_iter(first)));
     let gaps = if shown.has_gaps() {
         "; spans without a usable fix in orange"
@@ -120,7 +137,9 @@ fn solution(shown: &Shown<'_>) -> Option<Section> {
     let blocks = [
         Figure::of(
             "trajectory",
-            &format!("Ground track from the start, to scale{gaps}."),
+            &format!(
+                "Ground track from the start, to scale{gaps}; around the fixes, zoomed in, their stated standard deviations."
+            ),
             1,
             [ground],
         ),
@@ -134,6 +153,27 @@ fn solution(shown: &Shown<'_>) -> Option<Section> {
         ),
     ];
     Section::of("Solution", blocks.into_iter().flatten())
+}
+
+/// Positions of fixes on the map.
+fn points_of(
+    what: &str,
+    colour: usize,
+    fixes: &Fixes,
+    origin: Option<&Geodetic>,
+    clock: Clock,
+) -> Series {
+    let track = Track {
+        time_s: fixes.time_s.clone(),
+        lat_deg: fixes.lat_deg.clone(),
+        lon_deg: fixes.lon_deg.clone(),
+        ..Track::default()
+    };
+    let places = on_the_ground(&track, origin).into_iter();
+    let places: Vec<_> = places.map(|(t, place)| (clock.at(t), place)).collect();
+    let sigma = fixes.std_east_m.iter().zip(&fixes.std_north_m);
+    let sigma = sigma.map(|(east, north)| [east.0, north.0]).collect();
+    Series::points_within(what, colour, sigma).on_map(&places)
 }
 
 /// Standard deviations: a panel for each of position, velocity and attitude.
@@ -151,7 +191,9 @@ fn deviations(shown: &Shown<'_>) -> Option<Section> {
                     (false, 0) => (*run, run_colour(at)),
                     (false, _) => ("", run_colour(at)),
                 };
-                panel.add(Series::thin(name, colour, shown.clock.points(curve, 1.0)));
+                let curve = shown.clock.points(curve, 1.0);
+                let pattern = if shown.is_single() { which } else { at };
+                panel.add(Series::thin(name, colour, curve).pattern(pattern));
             }
         }
         (!panel.series.is_empty()).then_some(panel)

@@ -8,7 +8,7 @@ use super::{
     numbers::{get, short},
     parts::{
         COMPONENTS, Run, model_colour, named, of_which, points, prefixed, spoken_list, text,
-        warnings,
+        verdict_of, warnings,
     },
 };
 use crate::{
@@ -22,7 +22,7 @@ use undrift::{
     outages::is_clear_lead,
     results::{ModelErrors, Numbers, Outages},
 };
-pub(crate) use way::way;
+pub(crate) use way::{models_way, way};
 
 const HORIZONTAL: &str = "horizontal_m";
 
@@ -67,8 +67,8 @@ pub fn sections(runs: &[Run<'_, Outages>]) -> Vec<Section> {
     let sections = [
         summary(runs, &models),
         drift(&models),
+        models_way(runs),
         tables(&models),
-        way(runs),
     ];
     sections.into_iter().flatten().collect()
 }
@@ -113,9 +113,11 @@ fn summary(runs: &[Run<'_, Outages>], models: &[Model<'_>]) -> Option<Section> {
     let done = runs
         .iter()
         .map(|(name, run)| text([what_was_done(name, run)]));
-    let blocks = [warnings(&warned)].into_iter().chain(done);
-    let blocks = blocks.chain([text(findings(models))]);
-    Section::of("GNSS outages", blocks.flatten())
+    let verdicts = runs
+        .iter()
+        .map(|(name, run)| Some(verdict_of(name, &run.findings)));
+    let blocks = verdicts.chain([text(findings(models)), warnings(&warned)]);
+    Section::of("GNSS outages", blocks.chain(done).flatten())
 }
 
 fn what_was_done(name: &str, run: &Outages) -> String {

@@ -1,6 +1,7 @@
 //! What the reports share: sentences, curves as points, colours.
 
-use crate::{Axis, Block, Series};
+use crate::{Axis, Block, Series, say};
+use undrift::findings::{self, Finding};
 use undrift::nav::earth::Geodetic;
 use undrift::noise::order_statistics::quantile;
 use undrift::results::{Curve, Number, Track};
@@ -52,6 +53,15 @@ pub fn warnings<'a>(warnings: impl IntoIterator<Item = &'a String>) -> Option<Bl
         1 => sentences.pop().map(Block::Warning),
         _ => Some(Block::Warnings(sentences)),
     }
+}
+
+/// Whether a result can be used, and why, by what was found out about it.
+pub fn verdict_of(name: &str, findings: &[Finding]) -> Block {
+    let verdict = match findings::verdict(findings) {
+        (_, None) => "usable: no fault found in the logs or the solution".into(),
+        _ => say::verdict(findings),
+    };
+    Block::Verdict(prefixed(name, &(capital(&verdict) + ".")))
 }
 
 /// "a, b and c".
@@ -145,6 +155,45 @@ pub fn model_colour(name: &str, place: usize) -> usize {
         "arma" => 7,
         _ => [0, 2][place % 2],
     }
+}
+
+/// The pattern of a bias model's lines, the same in all figures.
+pub fn model_pattern(name: &str) -> usize {
+    match name {
+        "white" => 2,
+        "paper" => 3,
+        "gauss-markov" => 1,
+        "random-walk" => 4,
+        "ar" => 5,
+        _ => 0,
+    }
+}
+
+/// How much of the larger of two values they may differ by and still be drawn as one.
+const ONE_LINE: f64 = 0.01;
+
+/// Curves that lie on each other, by their places: each group is drawn as one.
+pub fn coinciding(curves: &[&[(f64, f64)]]) -> Vec<Vec<usize>> {
+    let same = |a: &[(f64, f64)], b: &[(f64, f64)]| {
+        let near = |a: f64, b: f64| (a - b).abs() <= ONE_LINE * a.abs().max(b.abs());
+        a.len() == b.len()
+            && a.iter()
+                .zip(b)
+                .all(|(p, q)| (p.0 - q.0).abs() < 1e-9 && near(p.1, q.1))
+    };
+    grouped(curves.len(), |a, b| same(curves[a], curves[b]))
+}
+
+/// The first so many numbers, those together that are the same as the first of their group.
+pub fn grouped(count: usize, same: impl Fn(usize, usize) -> bool) -> Vec<Vec<usize>> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for at in 0..count {
+        match groups.iter_mut().find(|group| same(group[0], at)) {
+            Some(group) => group.push(at),
+            None => groups.push(vec![at]),
+        }
+    }
+    groups
 }
 
 /// The time that plots count from \[s\]: 0, or the whole second before the start where a log's own
@@ -250,6 +299,13 @@ mod tests {
         let points = broken(vec![(0.0, 1.0), (1.0, 1.0), (5.0, 2.0)], &[(1.0, 5.0)]);
         assert_eq!(points.len(), 4);
         assert!(points[2].1.is_nan());
+    }
+
+    #[test]
+    fn curves_that_lie_on_each_other_are_one() {
+        let [a, b, c] = [1.0, 1.005, 1.02].map(|k| [(0.0, k), (1.0, 5.0 * k)]);
+        assert_eq!(coinciding(&[&a, &c, &b]), [vec![0, 2], vec![1]]);
+        assert_eq!(coinciding(&[&a, &a[..1]]).len(), 2);
     }
 
     #[test]

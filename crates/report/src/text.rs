@@ -12,6 +12,6 @@ pub use crate::{
     plain::{Mark, unmarked},
     tune::plain as tune,
 };
-pub(crate) use identify::bounds;
+pub(crate) use identify::{bounds, verdict};
 pub use identify::{correlation_csv, identify};
 pub use navigate::navigate;

@@ -3,7 +3,7 @@
 use super::{
     Axis, Block, Figure, Panel, Section, Series, Table,
     numbers::{percent, short, span},
-    parts::{Run, prefixed, text},
+    parts::{Run, capital, prefixed, text},
     plain::{Mark, plain_table},
 };
 use undrift::results::{Tune, TunedDrift, TunedParameter};
@@ -16,7 +16,10 @@ pub fn sections(runs: &[Run<'_, Tune>]) -> Vec<Section> {
     let each = |run: &Run<'_, Tune>| {
         let (name, tune) = (run.0.as_str(), run.1);
         let first = [
-            text([prefixed(name, &(verdict(tune) + "."))]),
+            Some(Block::Verdict(prefixed(
+                name,
+                &(capital(&verdict(tune)) + "."),
+            ))),
             text([what_was_done(tune)]),
             drift(tune).block(),
             calibration(tune),

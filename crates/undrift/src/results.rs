@@ -33,7 +33,7 @@ pub use identify::{
 };
 pub use montecarlo::{Group, MonteCarlo, MonteCarloDrive, MonteCarloModel, NisKind, Verdict};
 pub(crate) use navigate::known;
-pub use navigate::{Navigate, NavigateSeries, Nis, Parameter, StdFactors, Summary};
+pub use navigate::{Fixes, Navigate, NavigateSeries, Nis, Parameter, StdFactors, Summary};
 pub(crate) use number::numbers;
 pub use number::{Number, Numbers};
 pub use outages::{Cut, Drift, ModelErrors, NisOfParts, OutageErrors, OutageSeries, Outages};

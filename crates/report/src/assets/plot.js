@@ -1,13 +1,6 @@
 // One panel on the screen: axes, cursor and zoom are uPlot's, the legend and the curves our own.
 "use strict";
 
-const FONT = "12px system-ui, sans-serif";
-const ruler = document.createElement("canvas").getContext("2d");
-function textWidth(text, font = FONT) {
-  ruler.font = font;
-  return ruler.measureText(text).width;
-}
-
 // The colours on a light ground or a dark one.
 function palette(dark) {
   const side = pair => pair[dark ? 1 : 0];
@@ -15,51 +8,6 @@ function palette(dark) {
 }
 const system = matchMedia("(prefers-color-scheme: dark)"), root = document.documentElement;
 const isDark = () => root.classList.contains("dark") || system.matches && !root.classList.contains("light");
-
-// Text as long as there is room.
-function fit(text, room) {
-  if (textWidth(text) <= room) return text;
-  let n = text.length;
-  while (n > 1 && textWidth(text.slice(0, n) + "…") > room) n--;
-  return text.slice(0, n) + "…";
-}
-
-// A name in at most three lines that fit beside its neighbours.
-function wrapName(name, room) {
-  const lines = [];
-  for (const word of name.split(/(?<=[-–/])|(?<=\s)/)) {
-    const joined = (lines[lines.length - 1] || "") + word;
-    if (lines.length && textWidth(joined.trim()) <= room) lines[lines.length - 1] = joined;
-    else lines.push(word);
-  }
-  const shown = lines.slice(0, 3).map(line => fit(line.trim(), room));
-  if (lines.length > 3) shown[2] = shown[2].replace(/…?$/, "…");
-  return shown.join("\n");
-}
-
-// Ticks of an axis and their labels, for a length in pixels: as many as stand apart.
-function axisTicks(axis, along, min, max, length) {
-  if (axis.names.length) {
-    const ticks = axis.names.map((_, i) => i).filter(i => i >= min && i <= max);
-    const room = length / (max - min) - 8;
-    return { ticks, labels: ticks.map(i => wrapName(axis.names[i], room)) };
-  }
-  const at = mapper(min, max, axis.log, 0, length);
-  const room = STYLE.ticks[along];
-  let most = Math.max(1, Math.min(room.most, Math.floor(length / room.pixels)));
-  for (;; most--) {
-    const ticks = axis.log ? logTicks(min, max, most) : linearTicks(min, max, most);
-    const labels = tickLabels(ticks);
-    const apart = along === "y" || labels.every((label, i) => !i || at(ticks[i]) - at(ticks[i - 1]) > (textWidth(label) + textWidth(labels[i - 1])) / 2 + 12);
-    if (apart || most <= 1) return { ticks, labels };
-  }
-}
-
-function mapper(min, max, log, from, to) {
-  if (!log) { const k = (to - from) / (max - min); return v => from + (v - min) * k; }
-  const k = (to - from) / Math.log(max / min);
-  return v => from + Math.log(v / min) * k;
-}
 
 // From values to pixels of the plot.
 function frameOf(panel, x, y, width, height) {
@@ -79,14 +27,32 @@ function nearestIndex(x, value) {
 }
 
 const lengthOf = (u, along) => (along === "x" ? u.bbox.width : u.bbox.height) / devicePixelRatio;
-const heightOf = (panel, width) => Math.round(Math.max(240, Math.min(panel.ratio ? 560 : 360, width * (panel.ratio || 0.5) + 50)));
+const heightOf = (panel, width) => Math.round(Math.max(240, Math.min(panel.ratio ? 560 : 360, width * (panel.ratio || 0.5) + 50)) + (panel.x.names.length && width < 500 ? 70 : 0));
 
-class Plot {
+// Plots over time and maps whose places have times: a cursor in one or a part of time zoomed into shows in all. What was
+// shared last is shown in the next frame, once.
+const linked = [];
+let shared = null;
+function share(source, what) {
+  if (!shared) requestAnimationFrame(() => {
+    const { source, time, span } = shared;
+    shared = null;
+    for (const plot of linked) if (plot !== source) {
+      if (span !== undefined) plot.zoomSpan(span);
+      if (time !== undefined) plot.showTime(time);
+    }
+  });
+  shared = { ...shared, source, ...what };
+}
+
+class Plot extends Gestures {
   constructor(panel, holder, key) {
+    super();
     Object.assign(this, { panel, holder, kin: [this], zoom: null, first: holder.querySelector(".paper"), palette: palette(isDark()) });
     this.paper = this.first;
     this.buildLegend();
     this.box = holder.appendChild(make("div", "plot screen"));
+    this.where = this.box.appendChild(make("span", "x"));
     const { width, height } = this.size();
     const axis = along => ({
       scale: along, side: along === "x" ? 2 : 3, label: panel[along].label ? u => fit(panel[along].label, lengthOf(u, along)) : undefined, labelSize: panel[along].label ? 22 : 0,
@@ -101,7 +67,8 @@ class Plot {
         const { min, max } = u.scales[along];
         return panel[along].names.length ? axisTicks(panel[along], along, min, max, lengthOf(u, along)).labels : tickLabels(splits);
       },
-      size: (_, labels) => along === "y"
+      rotate: u => along === "x" && this.upright(u) ? 90 : 0,
+      size: (u, labels) => along === "y" || this.upright(u)
         ? 12 + Math.max(12, ...(labels || []).map(l => textWidth(l)))
         : 12 + 15 * Math.max(1, ...(labels || []).map(l => String(l).split("\n").length)),
     });
@@ -122,14 +89,15 @@ class Plot {
       hooks: {
         drawClear: [() => this.drawGround()],
         draw: [() => this.drawCurves()],
-        setCursor: [() => this.readout()],
+        setCursor: [() => this.pointed()],
         setSelect: [u => this.selected(u)],
       },
     }, [x, [null, null]], this.box);
     this.bindTouch();
     this.bindKeys();
+    this.bindWheel();
     this.u.root.setAttribute("role", "img");
-    this.u.root.setAttribute("aria-label", ["Plot", panel.title, panel.y.label, "over", panel.x.label].filter(Boolean).join(" ") + "; plus and minus zoom, arrows move, 0 shows all");
+    this.u.root.setAttribute("aria-label", this.first.getAttribute("aria-label") + " Plus and minus zoom, arrows move, with Shift the cursor, 0 shows all.");
     this.marks = panel.series.map(series => {
       const mark = make("span", "mark");
       mark.style.background = `var(--c${series.colour})`;
@@ -138,6 +106,9 @@ class Plot {
     });
     this.reset = this.box.appendChild(make("button", "reset", "Reset zoom"));
     this.reset.hidden = true;
+    // Over time, or a map that knows when it was where.
+    this.linked = panel.clock != null && (!panel.scale || panel.series.some(s => s.t));
+    if (this.linked) linked.push(this);
     this.reset.onclick = () => this.setZoom(null);
     if (panel.scale) this.refresh();
     new ResizeObserver(() => this.resize()).observe(holder);
@@ -185,8 +156,55 @@ class Plot {
     this.reset.hidden = !this.zoom;
   }
 
+  // Zooms here and in what is over the same x; over time also the maps, to what lies in that span.
   setZoom(zoom) {
-    for (const plot of this.kin) { plot.zoom = zoom; plot.refresh(); }
+    const { clock, scale } = this.panel;
+    if (this.linked && (!scale || !zoom)) share(this, { span: zoom && zoom.x.map(v => v + clock) });
+    const kin = this.linked ? [this] : this.kin;
+    for (const plot of kin) { plot.zoom = zoom; plot.refresh(); }
+  }
+
+  zoomSpan(span) {
+    const { scale, clock, x: { range: [start, end] } } = this.panel;
+    const [from, to] = span ? span.map(t => t - clock) : [];
+    if (!span) this.zoom = null;
+    else if (scale) this.zoom = this.placesIn(from, to);
+    else this.zoom = from < end && to > start ? { x: [from, to] } : null;
+    this.refresh();
+  }
+
+  // The part of a map where it was in a span of time.
+  placesIn(from, to) {
+    const x = [Infinity, -Infinity], y = [Infinity, -Infinity];
+    const take = (range, v) => { range[0] = Math.min(range[0], v); range[1] = Math.max(range[1], v); };
+    for (const s of this.panel.series) if (s.t && !s.hidden) s.t.forEach((t, i) => {
+      if (t >= from && t <= to && s.x[i] != null && s.y[0][i] != null) { take(x, s.x[i]); take(y, s.y[0][i]); }
+    });
+    if (!(x[1] >= x[0])) return this.zoom;
+    const room = 1 + 0.1 * Math.max(x[1] - x[0], y[1] - y[0]), wider = ([a, b]) => [a - room, b + room];
+    return { x: wider(x), y: wider(y) };
+  }
+
+  // Zooms by a factor about a place and moves, both in shares of the plot.
+  change(factor, about = [0.5, 0.5], move = [0, 0]) {
+    const { u, panel } = this, all = panel.x.range;
+    if (!this.zoom && factor >= 1) return;
+    const part = (along, at, by) => {
+      const { log } = panel[along], to = v => log ? Math.log(v) : v, back = v => log ? Math.exp(v) : v;
+      const { min, max } = u.scales[along], a = to(min), span = to(max) - a;
+      let low = a + (at - at * factor + by) * span, high = low + factor * span;
+      if (along === "x" && !panel.scale) {
+        const [first, last] = all.map(to), shift = Math.max(0, first - low) - Math.max(0, high - last);
+        low = Math.max(first, low + shift);
+        high = Math.min(last, high + shift);
+      }
+      return [back(low), back(high)];
+    };
+    const x = part("x", about[0], move[0]);
+    const whole = factor > 1 && x[0] <= all[0] && x[1] >= all[1];
+    const fine = (x[1] - x[0]) > 1e-9 * Math.max(Math.abs(x[0]), Math.abs(x[1]));
+    if (whole) this.setZoom(null);
+    else if (fine) this.setZoom(panel.scale ? { x, y: part("y", about[1], move[1]) } : { x });
   }
 
   selected(u) {
@@ -196,57 +214,6 @@ class Plot {
     if (this.panel.scale) zoom.y = [u.posToVal(top + height, "y"), u.posToVal(top, "y")];
     u.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
     if (zoom.x[1] > zoom.x[0] && (!zoom.y || zoom.y[1] > zoom.y[0])) this.setZoom(zoom);
-  }
-
-  // A finger that moves sideways selects as the mouse does; up and down it scrolls the page.
-  bindTouch() {
-    const { u } = this, { over } = u;
-    let from = null;
-    const select = event => {
-      const box = over.getBoundingClientRect(), within = (v, n) => Math.max(0, Math.min(n, v));
-      const at = within(event.clientX - box.left, box.width), left = Math.min(from.x, at), width = Math.abs(at - from.x);
-      const height = this.panel.scale ? width * box.height / box.width : box.height;
-      const top = this.panel.scale ? within(from.y - height / 2, box.height - height) : 0;
-      u.setSelect({ left, top, width, height }, false);
-    };
-    over.addEventListener("pointerdown", event => {
-      if (event.pointerType !== "touch" || !event.isPrimary) { from = null; return; }
-      const box = over.getBoundingClientRect();
-      from = { x: event.clientX - box.left, y: event.clientY - box.top };
-    });
-    over.addEventListener("pointermove", event => { if (from && event.isPrimary) select(event); });
-    const end = take => event => {
-      if (!from || !event.isPrimary) return;
-      from = null;
-      if (take && u.select.width >= 12) this.selected(u);
-      else u.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
-    };
-    over.addEventListener("pointerup", end(true));
-    over.addEventListener("pointercancel", end(false));
-  }
-
-  // Plus and minus zoom, arrows move what is zoomed, 0 and Escape show all again.
-  bindKeys() {
-    const { u, panel } = this;
-    u.root.tabIndex = 0;
-    u.root.addEventListener("keydown", event => {
-      const [factor, move] = { "+": [0.5, 0], "=": [0.5, 0], "-": [2, 0], ArrowLeft: [1, -0.25], ArrowRight: [1, 0.25] }[event.key] || [];
-      if (event.ctrlKey || event.metaKey || event.altKey) return;
-      if (event.key === "0" || event.key === "Escape") this.setZoom(null);
-      else if (factor && (factor < 1 || this.zoom)) {
-        event.preventDefault();
-        const all = panel.x.range;
-        const part = along => {
-          const { log } = panel[along], to = v => log ? Math.log(v) : v, back = v => log ? Math.exp(v) : v;
-          const { min, max } = u.scales[along], [a, b] = [to(min), to(max)];
-          const middle = (a + b) / 2 + (along === "x" ? move * (b - a) : 0), half = factor * (b - a) / 2;
-          return [back(middle - half), back(middle + half)];
-        };
-        const x = part("x"), whole = factor > 1 && x[0] <= all[0] && x[1] >= all[1];
-        if (!panel.scale) { x[0] = Math.max(x[0], all[0]); x[1] = Math.min(x[1], all[1]); }
-        if (whole || x[1] > x[0]) this.setZoom(whole ? null : panel.scale ? { x, y: part("y") } : { x });
-      }
-    });
   }
 
   inner() {
@@ -294,6 +261,15 @@ class Plot {
         }
       }
     });
+    if (this.panel.scale) this.within((ctx, at) => {
+      const { d, texts } = mapMarks(at);
+      ctx.strokeStyle = ctx.fillStyle = this.palette.soft;
+      ctx.lineWidth = 1.5;
+      ctx.font = FONT;
+      ctx.textAlign = "center";
+      ctx.stroke(new Path2D(d));
+      for (const [x, y, text] of texts) ctx.fillText(text, x, y);
+    });
     this.drawn = (this.drawn || 0) + 1;
   }
 
@@ -320,11 +296,12 @@ class Plot {
       }
       button.appendChild(make("span", "", series.name));
       const output = button.appendChild(make("output"));
+      // Room for its values, so that the page stands still when they come.
+      output.style.minWidth = (series.y.length === 2 ? 19 : series.y.length === 5 || panel.scale ? 17 : 8) + "ch";
       button.onclick = () => this.toggle(series, button);
       this.legend.appendChild(make("li")).appendChild(button);
       return output;
     });
-    this.where = this.legend.appendChild(make("li")).appendChild(make("span", "x"));
   }
 
   toggle(series, button) {
@@ -360,6 +337,8 @@ class Plot {
     });
     view.querySelector(".ground").innerHTML = ground;
     view.querySelector(".ticks").innerHTML = marks;
+    const map = view.querySelector(".map"), of = map && mapMarks(at);
+    if (map) map.innerHTML = `<path d="${of.d}" fill="none" stroke="${colours.soft}" stroke-width="1.5"/>` + of.texts.map(([x, y, label]) => text(x, y, label, "middle")).join("");
     view.querySelector(".curves").innerHTML = panel.series.filter(s => !s.hidden).flatMap(s => shapes(panel, s, at)).map(s => svgPath(s, colours)).join("");
     for (const key of view.querySelectorAll("[data-series]")) if (panel.series[key.dataset.series].hidden) key.remove();
     return view;
@@ -388,11 +367,47 @@ class Plot {
     return best;
   }
 
-  readout() {
-    const { panel, u } = this, { left, top } = u.cursor, off = !(left >= 0), at = this.frame();
+  upright(u) {
+    const { names } = this.panel.x;
+    if (!names.length) return false;
+    const { min, max } = u.scales.x;
+    return namesUpright(names, (u.bbox.width / devicePixelRatio || u.width - 80) / (max - min) - 8);
+  }
+
+  // The cursor moved here: what is over the same time shows that too.
+  pointed() {
+    const { left, top } = this.u.cursor;
+    const found = this.readout();
+    if (this.linked) share(this, { time: !(left >= 0) ? null : this.panel.scale ? found : this.u.posToVal(left, "x") + this.panel.clock });
+  }
+
+  // Shows a time of the log, as if the cursor were there; null takes it away.
+  showTime(time) {
+    const { u, panel } = this;
+    if (panel.scale) return this.readout(time);
+    const left = time === null ? -10 : u.valToPos(time - panel.clock, "x");
+    u.setCursor({ left: left >= 0 && left <= this.inner().width ? left : -10, top: -10 }, false);
+    this.readout();
+  }
+
+  // The point of a series on a map at a time, if it was anywhere then.
+  placeAt({ t, apart }, time) {
+    if (!t || time === null) return -1;
+    const i = nearestIndex(t, time - this.panel.clock);
+    return Math.abs(t[i] - (time - this.panel.clock)) <= apart ? i : -1;
+  }
+
+  // Values under the cursor, or at a time on a map; returns the time of the place shown on a map.
+  readout(time) {
+    const { panel, u } = this, { left, top } = u.cursor, off = time === undefined ? !(left >= 0) : time === null, at = this.frame();
+    let found = null, least = Infinity;
     const value = v => pretty(v, 5);
     panel.series.forEach((series, s) => {
-      const i = off || series.hidden ? -1 : this.nearest(series, left, top, at);
+      const i = off || series.hidden ? -1 : time !== undefined ? this.placeAt(series, time) : this.nearest(series, left, top, at);
+      if (i >= 0 && series.t) {
+        const far = time === undefined ? Math.hypot(at.x(series.x[i]) - left, at.y(series.y[0][i]) - top) : 0;
+        if (far < least) { least = far; found = series.t[i] + panel.clock; }
+      }
       const levels = i < 0 ? [] : series.y.map(column => column[i]);
       const main = levels[levels.length === 5 ? 2 : 0];
       const output = this.outputs[s], mark = this.marks[s];
@@ -408,8 +423,12 @@ class Plot {
       mark.hidden = !(l >= 0 && l <= at.width && t >= 0 && t <= at.height);
       mark.style.transform = mark.hidden ? "" : `translate(${l}px, ${t}px)`;
     });
+    if (panel.scale) {
+      this.where.textContent = off || found === null ? "" : "time [s] " + value(found - panel.clock);
+      return found;
+    }
     const x = off ? null : u.posToVal(left, "x");
-    this.where.textContent = off || panel.scale ? "" : panel.x.names.length ? panel.x.names[Math.round(x)] || "" : (panel.x.label || "x") + " " + value(x);
+    this.where.textContent = off ? "" : panel.x.names.length ? panel.x.names[Math.round(x)] || "" : (panel.x.label || "x") + " " + value(x);
   }
 }
 

@@ -121,7 +121,7 @@ function mountFigure(element, figure, plots) {
   const ratio = Math.max(0, ...figure.panels.filter(p => p.scale).map(shape));
   const own = figure.panels.map((panel, i) => {
     panel.ratio = ratio;
-    const link = p => !p.scale && !p.x.names.length ? `${p.x.label} ${p.x.log}` : null;
+    const link = p => p.clock == null && !p.scale && !p.x.names.length ? `${p.x.label} ${p.x.log}` : null;
     const kin = figure.panels.filter(p => link(p) !== null && link(p) === link(panel));
     const key = kin.length > 1 ? `${element.id} ${figure.panels.indexOf(kin[0])}` : null;
     return Object.assign(new Plot(panel, holders[i], key), { key });
@@ -143,6 +143,11 @@ function start() {
     for (const panel of figure.panels) for (const series of panel.series) {
       series.sorted = sorted[series.x];
       series.x = xs[series.x];
+      if (series.t === undefined) continue;
+      series.t = xs[series.t];
+      // How far from a time a place still is of that time.
+      const steps = series.t.slice(1).map((t, i) => t - series.t[i]).sort((a, b) => a - b);
+      series.apart = Math.max(0.5, 2 * (steps[steps.length >> 1] || 0));
     }
     mountFigure(document.getElementById("figure-" + (i + 1)), figure, plots);
   });
@@ -172,8 +177,22 @@ function start() {
   system.addEventListener("change", themed);
   button.textContent = isDark() ? "Light" : "Dark";
 
-  addEventListener("beforeprint", () => { for (const plot of plots) plot.print(); });
-  addEventListener("afterprint", () => { for (const plot of plots) plot.print(plot.first); });
+  // What is folded is on paper too.
+  let folded = [];
+  addEventListener("beforeprint", () => {
+    folded = [...document.querySelectorAll("details:not([open])")];
+    for (const details of folded) details.open = true;
+    for (const plot of plots) plot.print();
+  });
+  addEventListener("afterprint", () => {
+    for (const details of folded) details.open = false;
+    for (const plot of plots) plot.print(plot.first);
+  });
+  // A link into what is folded unfolds it.
+  const unfold = () => document.getElementById(location.hash.slice(1))?.closest("details")?.setAttribute("open", "");
+  addEventListener("hashchange", unfold);
+  unfold();
+  if (plots.length) document.querySelector("nav").appendChild(make("p", "hint", "Drag over a figure to zoom, double click to show all. Ctrl and the wheel zoom; after a click the wheel alone. Shift and drag moves."));
 
   // For scripts that look at the page.
   window.report = { plots, ready: performance.now() };

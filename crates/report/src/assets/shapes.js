@@ -139,15 +139,20 @@ function shapes(panel, series, at) {
   switch (series.style) {
     case "dashed": return [{ d: linePath(series, series.y[0], at), stroke: colour, width: STYLE.widths.dashed, dash: STYLE.dash.split(",").map(Number) }];
     case "band": return [{ d: bandPath(series, at), fill: colour, alpha: STYLE.tint }];
-    case "dots": {
-      let d = "";
+    case "points": case "dots": {
+      let d = "", rings = "";
+      const sigma = series.sigma, across = sigma ? Math.abs(at.x(1) - at.x(0)) : 0;
       series.x.forEach((x, i) => {
         const y = series.y[0][i];
         if (!usable(x, at.logX) || !usable(y, at.logY)) return;
-        const l = at.x(x), t = at.y(y);
-        if (l > -5 && l < at.width + 5 && t > -5 && t < at.height + 5) d += `M${px(l)} ${px(t)}h.01`;
+        const l = at.x(x), t = at.y(y), [rx, ry] = sigma ? sigma.map(column => px(across * column[i])) : [5, 5];
+        if (!(l > -rx - 5 && l < at.width + rx + 5 && t > -ry - 5 && t < at.height + ry + 5)) return;
+        d += `M${px(l)} ${px(t)}h.01`;
+        // One standard deviation, where that is more than the dot.
+        if (sigma && Math.max(rx, ry) > 3 && rx + ry < LIMIT) rings += `M${px(l - rx)} ${px(t)}a${rx} ${ry} 0 1 0 ${2 * rx} 0a${rx} ${ry} 0 1 0 ${-2 * rx} 0`;
       });
-      return [{ d, stroke: colour, width: STYLE.dot, cap: "round" }];
+      const dots = { d, stroke: colour, width: series.style === "dots" ? STYLE.dot : STYLE.widths.points, cap: "round" };
+      return rings ? [{ d: rings, stroke: colour, width: STYLE.widths.thin, alpha: 0.6 }, dots] : [dots];
     }
     case "bars": {
       const [from, to] = barSlot(panel, series);
@@ -173,7 +178,17 @@ function shapes(panel, series, at) {
       return [{ d: area, fill: colour, alpha: STYLE.tint }, { d: lines, stroke: colour, width: STYLE.widths.thin }, { d: medians, stroke: colour, width: STYLE.widths.thick }];
     }
   }
-  return [{ d: linePath(series, series.y[0], at), stroke: colour, width: STYLE.widths[series.style] }];
+  return [{ d: linePath(series, series.y[0], at), stroke: colour, width: STYLE.widths[series.style], dash: series.dash && STYLE.dashes[series.dash % STYLE.dashes.length].split(",").map(Number) }];
+}
+
+// Scale bar, about a fifth of the width, and north arrow of a map: a path and texts, where their middle is.
+function mapMarks(at) {
+  const metres = (at.width / 5) / Math.abs(at.x(1) - at.x(0)), power = 10 ** Math.floor(Math.log10(metres));
+  const length = [5, 2, 1].map(m => m * power).find(m => m <= metres) || power, wide = length * Math.abs(at.x(1) - at.x(0));
+  if (!(wide > 0 && wide < at.width)) return { d: "", texts: [] };
+  const bottom = at.height - 12;
+  const label = length >= 1000 ? pretty(length / 1000, 4) + " km" : length >= 1 ? pretty(length, 4) + " m" : pretty(length * 100, 4) + " cm";
+  return { d: `M12 ${px(bottom - 5)}v5h${px(wide)}v-5M18 46V24l-5 9M18 24l5 9`, texts: [[px(12 + wide / 2), px(bottom - 6), label], [18, 18, "N"]] };
 }
 
 const escapeXml = text => String(text).replace(/[\u0000-\u0008\u000b\u000c\u000e-\u001f\ufffe\uffff]/g, "").replace(/[<>&"']/g, c => `&#${c.charCodeAt(0)};`);

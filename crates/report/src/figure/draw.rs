@@ -6,7 +6,7 @@ use super::{
     scale::{Window, px, text_width},
     style::style,
 };
-use crate::markup::escape;
+use crate::{markup::escape, numbers::short};
 use std::path::Path;
 
 /// Between panels \[pixel\].
@@ -22,6 +22,8 @@ const LONGEST_NAME: usize = 24;
 pub(crate) struct Drawing {
     /// The elements of each panel.
     panels: Vec<String>,
+    /// What each shows, for those who hear the page.
+    spoken: Vec<String>,
     columns: usize,
     /// Of each panel \[pixel\].
     size: (f64, f64),
@@ -52,8 +54,10 @@ pub(crate) fn drawing(panels: &[Panel], columns: usize, size: (f64, f64), id: &s
         top: title + below,
         size,
     };
+    let spoken = panels.iter().map(spoken).collect();
     let panels = panels.iter().zip(&legends).enumerate();
     Drawing {
+        spoken,
         panels: panels
             .map(|(i, (panel, (legend, _)))| frame.panel(panel, legend, &format!("{id}-{i}")))
             .collect(),
@@ -65,8 +69,11 @@ pub(crate) fn drawing(panels: &[Panel], columns: usize, size: (f64, f64), id: &s
 impl Drawing {
     /// Each panel as an element of its own in a page.
     pub fn inline(&self) -> impl Iterator<Item = String> + '_ {
-        let one = |panel: &String| svg("class=\"paper\"", panel, self.size);
-        self.panels.iter().map(one)
+        self.panels.iter().zip(&self.spoken).map(|(panel, spoken)| {
+            let spoken = escape(spoken);
+            let attributes = format!("class=\"paper\" role=\"img\" aria-label=\"{spoken}\"");
+            svg(&attributes, panel, self.size)
+        })
     }
 
     /// All of them as the text of a file.
@@ -143,8 +150,13 @@ impl Frame {
              <g class=\"ground\">{ground}</g>\
              <g class=\"curves\" clip-path=\"url(#{id})\">{curves}</g>\
              <path d=\"M0 0V{height}H{width}\" fill=\"none\" stroke=\"{soft}\"/>\
-             <g class=\"ticks\">{ticks}</g>\
+             <g class=\"ticks\">{ticks}</g>{}\
              <g transform=\"translate(0 {height})\">{}</g>",
+            if panel.to_scale {
+                format!("<g class=\"map\">{}</g>", map_marks(&window))
+            } else {
+                String::new()
+            },
             names.map_or(String::new(), |names| names.0),
             left = px(self.left),
             top = px(self.top),
@@ -197,6 +209,63 @@ fn axes(panel: &Panel, window: &Window) -> (String, String) {
         }
     }
     (ground, marks)
+}
+
+/// Scale bar, of a fifth of the width at most, and north arrow of a map.
+fn map_marks(window: &Window) -> String {
+    let places = window.x.pixel(0.0).zip(window.x.pixel(1e3));
+    let pixels = places.map_or(f64::NAN, |(zero, far)| (far - zero).abs() / 1e3);
+    let metres = 0.2 * window.x.length / pixels;
+    let power = 10f64.powf(metres.log10().floor());
+    let length = [5.0, 2.0, 1.0].map(|m| m * power);
+    let Some(length) = length.into_iter().find(|m| *m <= metres) else {
+        return String::new();
+    };
+    let (wide, bottom) = (px(length * pixels), px(window.y.length - 12.0));
+    let label = if length >= 1e3 {
+        format!("{} km", length / 1e3)
+    } else {
+        format!("{length} m")
+    };
+    let soft = style().ink("soft");
+    let middle = "text-anchor=\"middle\"";
+    format!(
+        "<path d=\"M12 {}v5h{wide}v-5M18 46V24l-5 9M18 24l5 9\" fill=\"none\" stroke=\"{soft}\" stroke-width=\"1.5\"/>{}{}",
+        px(bottom - 5.0),
+        text((12.0 + 0.5 * wide, bottom - 6.0), &label, middle),
+        text((18.0, 18.0), "N", middle)
+    )
+}
+
+/// Curves of one panel that its spoken text goes into.
+const SPOKEN: usize = 8;
+
+/// A panel in words: its axes and from where to where its curves go.
+fn spoken(panel: &Panel) -> String {
+    let axes = [panel.y.label.as_str(), panel.x.label.as_str()];
+    let axes = Vec::from_iter(axes.into_iter().filter(|label| !label.is_empty())).join(" over ");
+    let title = [panel.title.as_str(), axes.as_str()];
+    let title = Vec::from_iter(title.into_iter().filter(|text| !text.is_empty())).join(": ");
+    let known = panel.series.iter().filter(|series| !series.name.is_empty());
+    let ranges = known.clone().take(SPOKEN).map(|series| {
+        let values = || series.points().map(|p| p.1).filter(|v| v.is_finite());
+        let least = values().fold(f64::INFINITY, f64::min);
+        let most = values().fold(f64::NEG_INFINITY, f64::max);
+        match (panel.to_scale, least <= most) {
+            (false, true) => format!("{} {} to {}", series.name, short(least), short(most)),
+            _ => series.name.clone(),
+        }
+    });
+    let ranges = Vec::from_iter(ranges).join("; ");
+    let more = match known.count().saturating_sub(SPOKEN) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    let map = if panel.to_scale { "Map" } else { "Plot" };
+    match ranges.as_str() {
+        "" => format!("{map}. {title}."),
+        ranges => format!("{map}. {title}. {ranges}{more}."),
+    }
 }
 
 /// The names of the series with their samples, in rows, and how high they are; what the script hides

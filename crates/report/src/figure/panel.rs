@@ -107,6 +107,8 @@ pub(crate) enum Kind {
     Thick,
     Dashed,
     Dots,
+    /// Small dots, of which there are many.
+    Points,
     /// Between two curves.
     Band,
     /// From zero.
@@ -125,6 +127,12 @@ pub struct Series {
     /// Values at each x: one column; of a band its lower and upper bound; of boxes the minimum,
     /// first quartile, median, third quartile and maximum.
     pub(crate) y: Vec<Vec<f64>>,
+    /// Which of the style's patterns its line has; 0 is one without gaps.
+    pub(crate) dash: usize,
+    /// On a map: when it was at each point, on the axis of its panel's clock; or empty.
+    pub(crate) times: Vec<f64>,
+    /// Standard deviations of points along x and y; or empty.
+    pub(crate) sigma: Vec<[f64; 2]>,
 }
 
 impl Series {
@@ -140,6 +148,33 @@ impl Series {
             kind,
             x,
             y,
+            dash: 0,
+            times: Vec::new(),
+            sigma: Vec::new(),
+        }
+    }
+
+    /// The line with one of the style's patterns.
+    pub fn pattern(self, dash: usize) -> Self {
+        Self { dash, ..self }
+    }
+
+    /// A way on a map, with the time of each place: time, east, north.
+    pub(crate) fn on_map(self, way: &[(f64, (f64, f64))]) -> Self {
+        let (x, y) = way.iter().map(|(_, place)| *place).unzip();
+        Self {
+            x,
+            y: vec![y],
+            times: way.iter().map(|(time, _)| *time).collect(),
+            ..self
+        }
+    }
+
+    /// Small dots with their standard deviations along x and y.
+    pub(crate) fn points_within(name: &str, colour: usize, sigma: Vec<[f64; 2]>) -> Self {
+        Self {
+            sigma,
+            ..Self::new(name, colour, Kind::Points, Vec::new())
         }
     }
 
@@ -209,6 +244,9 @@ pub struct Panel {
     pub(crate) shades: Vec<(f64, f64)>,
     /// Whether a unit of x is as long as one of y.
     pub(crate) to_scale: bool,
+    /// Over time, or a map with times: when its axis of time begins in the log's own time \[s\]. Such panels share a
+    /// cursor and a zoom.
+    pub(crate) clock: Option<f64>,
 }
 
 impl Panel {
@@ -221,6 +259,7 @@ impl Panel {
             series: Vec::new(),
             shades: Vec::new(),
             to_scale: false,
+            clock: None,
         }
     }
 
@@ -236,6 +275,14 @@ impl Panel {
     pub fn to_scale(self) -> Self {
         Self {
             to_scale: true,
+            ..self
+        }
+    }
+
+    /// Counts time from `zero` of the log's own time \[s\], for all that the panel shows.
+    pub fn over_time(self, zero: f64) -> Self {
+        Self {
+            clock: Some(zero),
             ..self
         }
     }

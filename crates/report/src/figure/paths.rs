@@ -14,7 +14,7 @@ pub(super) fn paths(panel: &Panel, index: usize, window: &Window) -> String {
         Kind::Thin | Kind::Line | Kind::Thick | Kind::Dashed => {
             path(series, &line(&series.x, column(0), window))
         }
-        Kind::Dots => path(series, &dots(&series.x, column(0), window)),
+        Kind::Dots | Kind::Points => path(series, &dots(&series.x, column(0), window)),
         Kind::Band => path(series, &band(&series.x, [column(0), column(1)], window)),
         Kind::Bars => {
             let bars = series.points().filter_map(|(x, y)| {
@@ -56,7 +56,7 @@ pub(super) fn key(series: &Series) -> String {
         series,
         match series.kind {
             Kind::Thin | Kind::Line | Kind::Thick | Kind::Dashed => "M0 6H18",
-            Kind::Dots => "M9 6h.01",
+            Kind::Dots | Kind::Points => "M9 6h.01",
             Kind::Band => "M0 1H18V11H0Z",
             Kind::Bars | Kind::Boxes => "M3 1H15V11H3Z",
         },
@@ -70,10 +70,11 @@ fn path(series: &Series, d: &str) -> String {
     match series.kind {
         Kind::Band | Kind::Boxes => fill(d, colour, style.tint),
         Kind::Bars => fill(d, colour, 1.0),
-        Kind::Dots => stroke(d, colour, style.dot).replace("/>", " stroke-linecap=\"round\"/>"),
-        Kind::Dashed => stroke(d, colour, style.width(Kind::Dashed))
-            .replace("/>", &format!(" stroke-dasharray=\"{}\"/>", style.dash)),
-        line => stroke(d, colour, style.width(line)),
+        Kind::Dots => round(d, colour, style.dot),
+        Kind::Points => round(d, colour, style.width(Kind::Points)),
+        Kind::Dashed => dashed(d, colour, style.width(Kind::Dashed), &style.dash),
+        line if series.dash == 0 => stroke(d, colour, style.width(line)),
+        line => dashed(d, colour, style.width(line), style.pattern(series.dash)),
     }
 }
 
@@ -85,6 +86,14 @@ fn stroke(d: &str, colour: &str, width: f64) -> String {
     format!(
         "<path d=\"{d}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\" stroke-linejoin=\"round\"/>"
     )
+}
+
+fn round(d: &str, colour: &str, width: f64) -> String {
+    stroke(d, colour, width).replace("/>", " stroke-linecap=\"round\"/>")
+}
+
+fn dashed(d: &str, colour: &str, width: f64, pattern: &str) -> String {
+    stroke(d, colour, width).replace("/>", &format!(" stroke-dasharray=\"{pattern}\"/>"))
 }
 
 /// Left and right side of a bar.

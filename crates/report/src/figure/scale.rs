@@ -202,7 +202,7 @@ impl Panel {
                     ys.push(y);
                 }
             }
-            if series.kind == Kind::Dots {
+            if matches!(series.kind, Kind::Dots | Kind::Points) {
                 dots = true;
             }
             if series.kind == Kind::Bars && !self.y.logarithmic {

@@ -19,6 +19,8 @@ pub(crate) struct Style {
     widths: BTreeMap<Kind, f64>,
     /// Pixels drawn and left free of a dashed line.
     pub dash: String,
+    /// Of other lines, by which those of one panel are told apart without colours; the first is empty.
+    dashes: Vec<String>,
     /// Diameter \[pixel\].
     pub dot: f64,
     /// How much of its colour a band has.
@@ -62,6 +64,11 @@ impl Style {
         &self.colours[index % self.colours.len()][0]
     }
 
+    /// A pattern of a line, empty for one without gaps.
+    pub fn pattern(&self, index: usize) -> &str {
+        &self.dashes[index % self.dashes.len()]
+    }
+
     /// A colour of what is around them on paper.
     pub fn ink(&self, name: &str) -> &str {
         self.inks.get(name).map_or("#000000", |ink| &ink[0])
@@ -95,6 +102,7 @@ mod tests {
         assert_eq!(style.colours.len(), 8);
         let hex = |colour: &String| colour.len() == 7 && colour.starts_with('#');
         assert!(style.inks.values().chain(&style.colours).flatten().all(hex));
+        assert!(style.dashes.len() > 4 && style.pattern(style.dashes.len()).is_empty());
         assert!(style.width(Kind::Thick) > style.width(Kind::Line));
         assert!(style.css().contains("--c7: light-dark(#0072b2, #4b9fe0);"));
     }

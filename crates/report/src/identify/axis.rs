@@ -63,7 +63,8 @@ pub(crate) fn record(axis: &Axis, unit: &Units) -> Option<Panel> {
     let points = Clock::starting(0.0).points(&axis.series.record, unit.scale);
     (!points.is_empty()).then(|| {
         let y = PlotAxis::new(&format!("sample [{}]", unit.sample));
-        let mut panel = Panel::new("Record", PlotAxis::new("time [s]"), y);
+        let panel = Panel::new("Record", PlotAxis::new("time [s]"), y);
+        let mut panel = panel.over_time(0.0);
         panel.add(Series::thin("", run_colour(0), points));
         panel
     })

@@ -68,7 +68,10 @@ pub(super) fn accuracy(runs: &[Run<'_, Navigate>], shown: &Shown<'_>) -> Option<
     ];
     let blocks = sentences.chain([Some(Block::Table(errors))]);
     let blocks = blocks.chain(figures.into_iter().map(figure));
-    Section::of("Errors against the truth", blocks.flatten())
+    let rms = compared.iter().map(|(.., rms)| get(rms, "horizontal_m"));
+    let rms = Vec::from_iter(rms.map(short)).join(", ");
+    let section = Section::of("Errors against the truth", blocks.flatten())?;
+    Some(section.noted(format!("{rms} m horizontal, RMS")))
 }
 
 /// What the NEES says, group by group.

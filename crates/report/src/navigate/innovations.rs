@@ -6,6 +6,7 @@ use super::{
 };
 use crate::{
     Axis, Block, Figure, Panel, Section, Series,
+    numbers::short,
     parts::{Run, broken, extent, level, prefixed, run_colour},
 };
 use std::collections::BTreeMap;
@@ -48,7 +49,12 @@ pub(super) fn innovations(runs: &[Run<'_, Navigate>], shown: &Shown<'_>) -> Opti
         .into_iter()
         .filter_map(figure)
         .collect();
-    Section::of("Innovations", blocks)
+    let parts = runs
+        .iter()
+        .map(|(_, run)| [run.position, run.velocity].map(|nis| short(nis.nis_per_dof.0)));
+    let parts = Vec::from_iter(parts.map(|parts| parts.join(", "))).join("; ");
+    let section = Section::of("Innovations", blocks)?;
+    Some(section.noted(format!("NIS / dof {parts}")))
 }
 
 /// One curve of all runs with its bounds; of NIS also that of the rejected fixes.

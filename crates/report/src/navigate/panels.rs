@@ -114,7 +114,8 @@ fn settled(points: &[(f64, f64)]) -> Vec<f64> {
 
 /// A panel over time, with the spans without GNSS of a single run.
 pub(super) fn panel_over_time(y: Axis, shown: &Shown<'_>) -> Panel {
-    let mut panel = Panel::new("", Axis::new(&shown.clock.label()), y);
+    let x = Axis::new(&shown.clock.label());
+    let mut panel = Panel::new("", x, y).over_time(shown.clock.zero());
     if let [(_, only)] = shown.series.as_slice() {
         for (from, to) in &only.without_gnss_s {
             panel.shade(shown.clock.at(from.0), shown.clock.at(to.0));

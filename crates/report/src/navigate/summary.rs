@@ -4,27 +4,59 @@ use crate::{
     Cell, Section, Table,
     constants::{Constant, constant},
     date,
-    numbers::{bounded, count, error, short, span},
-    parts::{Run, named, of_which, prefixed, text, warnings},
+    numbers::{bounded, count, error, get, short, span},
+    parts::{Run, named, of_which, prefixed, text, verdict_of, warnings},
 };
-use undrift::results::{Innovations, Navigate, Nis, Number, Parameter};
+use undrift::results::{Innovations, Navigate, Nis, Number, Numbers, Parameter};
 
 /// NIS per degree of freedom that is reported as correct.
 const PLAUSIBLE: std::ops::RangeInclusive<f64> = 0.6..=1.6;
 
-/// What was done and how it went, in words and counts.
-pub(super) fn summary(runs: &[Run<'_, Navigate>]) -> Option<Section> {
+/// Whether the solution is of use, how good it is, and what is to be known of it.
+pub(super) fn verdict(runs: &[Run<'_, Navigate>]) -> Option<Section> {
+    let verdicts = runs
+        .iter()
+        .map(|(name, run)| Some(verdict_of(name, &run.findings)));
+    let conclusions = runs
+        .iter()
+        .map(|(name, run)| text([prefixed(name, &conclusion(run))]));
     let warned = runs.iter().flat_map(|(name, run)| {
         let warnings = run.warnings.iter();
         warnings.map(|warning| of_which(name, warning))
     });
     let warned: Vec<String> = warned.collect();
+    let blocks = verdicts.chain(conclusions).chain([warnings(&warned)]);
+    Section::of("Result", blocks.flatten())
+}
+
+/// How large the errors are, or else the innovations.
+fn conclusion(run: &Navigate) -> String {
+    let horizontal = |errors: &Numbers| get(errors, "horizontal_m");
+    match run.rms_error.as_ref().map(horizontal) {
+        Some(error) if error.is_finite() => {
+            format!(
+                "RMS horizontal error against the truth: {} m.",
+                short(error)
+            )
+        }
+        _ => [("position", &run.position), ("velocity", &run.velocity)]
+            .map(|(part, nis)| innovations(part, nis))
+            .into_iter()
+            .filter(|sentence| !sentence.is_empty())
+            .collect::<Vec<_>>()
+            .join(" "),
+    }
+}
+
+/// What was done and how it went, in words and counts.
+pub(super) fn summary(runs: &[Run<'_, Navigate>]) -> Option<Section> {
     let done = runs
         .iter()
         .map(|(name, run)| text(what_was_done(name, run)));
-    let blocks = [warnings(&warned)].into_iter().chain(done);
-    let blocks = blocks.chain([updates(runs).block(), parameters(runs).block()]);
-    Section::of("What was done", blocks.flatten())
+    let blocks = done.chain([updates(runs).block(), parameters(runs).block()]);
+    let fixes: u64 = runs.iter().map(|(_, run)| run.summary.fixes).sum();
+    let section = Section::of("What was done", blocks.flatten())?;
+    Some(section.noted(format!("{} fixes used", count(fixes))))
 }
 
 fn what_was_done(name: &str, run: &Navigate) -> Vec<String> {
@@ -66,12 +98,12 @@ fn what_was_done(name: &str, run: &Navigate) -> Vec<String> {
     let mounting = run.mounting.as_ref();
     done.extend(mounting.map(|m| format!("Estimated mounting: {m}.")));
     let parts = [("position", &run.position), ("velocity", &run.velocity)];
-    done.extend(parts.map(|(part, nis)| verdict(part, nis)));
+    done.extend(parts.map(|(part, nis)| innovations(part, nis)));
     done
 }
 
 /// What the innovations of a part of the fixes say.
-fn verdict(part: &str, nis: &Nis) -> String {
+fn innovations(part: &str, nis: &Nis) -> String {
     let value = nis.nis_per_dof.0;
     let (correlation, bound) = (nis.autocorrelation.0, nis.autocorrelation_bound.0);
     let size = if !value.is_finite() {

@@ -3,9 +3,13 @@
 use super::Model;
 use crate::{
     Axis, Block, Figure, Panel, Section, Series,
-    parts::{Clock, axis_for, quartiles, run_colour},
+    numbers::short,
+    parts::{Clock, axis_for, coinciding, model_pattern, quartiles, run_colour},
 };
 use undrift::noise::order_statistics::quantile;
+
+/// What a caption says of lines with several names.
+const ONE: &str = "; models that differ by less than 1 % throughout are one line";
 
 const LARGEST: &str = "largest horizontal error [m]";
 
@@ -17,18 +21,32 @@ pub(super) fn drift(models: &[Model<'_>]) -> Option<Section> {
         return None;
     }
     let blocks = [curves(&models), spread(&models), outage_by_outage(&models)];
-    Section::of("Drift without GNSS", blocks.into_iter().flatten())
+    let section = Section::of("Drift without GNSS", blocks.into_iter().flatten())?;
+    let finite = models.iter().filter(|m| m.usable && m.rms().is_finite());
+    let best = finite.min_by(|a, b| a.rms().total_cmp(&b.rms()));
+    let note = best.map_or(String::new(), |m| {
+        format!("least {} m, {}", short(m.rms()), m.name)
+    });
+    Some(section.noted(note))
 }
 
-impl Model<'_> {
-    /// A curve of the model: dashed where it is of another run than the first.
-    fn line(&self, points: Vec<(f64, f64)>) -> Series {
-        if self.run == 0 {
-            Series::line(&self.name, self.colour, points)
+/// Models whose curves lie on each other, as one line: of the last of them, under all their names. A model's line has its
+/// colour and its pattern, that of another run than the first is thin.
+fn lines(models: &[(&Model<'_>, Vec<(f64, f64)>)]) -> Vec<Series> {
+    let curves: Vec<&[(f64, f64)]> = models.iter().map(|m| m.1.as_slice()).collect();
+    let groups = coinciding(&curves).into_iter();
+    let line = |group: Vec<usize>| {
+        let names: Vec<&str> = group.iter().map(|at| models[*at].0.name.as_str()).collect();
+        let (model, points) = &models[group[group.len() - 1]];
+        let kind = if model.run == 0 {
+            Series::line
         } else {
-            Series::dashed(&self.name, self.colour, points)
-        }
-    }
+            Series::thin
+        };
+        let line = kind(&names.join(" = "), model.colour, points.clone());
+        line.pattern(model_pattern(model.key))
+    };
+    groups.map(line).collect()
 }
 
 fn positive(errors: impl Iterator<Item = f64>) -> Vec<f64> {
@@ -49,11 +67,12 @@ fn curves(models: &[&Model<'_>]) -> Option<Block> {
     }
     let y = axis_for(&drifts, "horizontal error, RMS [m]");
     let mut panel = Panel::new("", Axis::new("time since the cut [s]"), y);
-    for model in models.iter().filter(|m| !m.drift.is_empty()) {
-        panel.add(model.line(model.drift.clone()));
+    let drawn = models.iter().filter(|m| !m.drift.is_empty());
+    for line in lines(&Vec::from_iter(drawn.map(|m| (*m, m.drift.clone())))) {
+        panel.add(line);
     }
-    let caption = "Horizontal error since the cut, RMS over the outages.";
-    Figure::of("drift", caption, 1, [panel])
+    let caption = format!("Horizontal error since the cut, RMS over the outages{ONE}.");
+    Figure::of("drift", &caption, 1, [panel])
 }
 
 /// The largest horizontal errors of each model as a box, with their root mean square.
@@ -108,13 +127,19 @@ fn outage_by_outage(models: &[&Model<'_>]) -> Option<Block> {
     if all.is_empty() {
         return None;
     }
-    let mut panel = Panel::new("", Axis::new(&clock.label()), axis_for(&all, LARGEST));
-    for model in models {
+    let panel = Panel::new("", Axis::new(&clock.label()), axis_for(&all, LARGEST));
+    let mut panel = panel.over_time(clock.zero());
+    let drawn = models.iter().map(|model| {
         let outages = model.errors.per_outage.iter().zip(model.largest());
-        let points: Vec<(f64, f64)> = outages.map(|(o, e)| (clock.at(o.start_s.0), e)).collect();
-        panel.add(model.line(points.clone()));
-        panel.add(Series::dots("", model.colour, points));
+        let points = outages.map(|(o, e)| (clock.at(o.start_s.0), e));
+        (*model, points.collect::<Vec<_>>())
+    });
+    for line in lines(&Vec::from_iter(drawn)) {
+        let points = line.points().collect();
+        let dots = Series::dots("", line.colour, points);
+        panel.add(line);
+        panel.add(dots);
     }
-    let caption = "Largest horizontal error of each outage, plotted at its start.";
-    Figure::of("outage-by-outage", caption, 1, [panel])
+    let caption = format!("Largest horizontal error of each outage, plotted at its start{ONE}.");
+    Figure::of("outage-by-outage", &caption, 1, [panel])
 }

@@ -2,7 +2,7 @@
 
 mod terms;
 
-pub(crate) use terms::bounds;
+pub(crate) use terms::{bounds, verdict};
 
 use crate::{
     Table,

@@ -25,7 +25,7 @@ use undrift_nav::{
     covariance::{AXES, NAV},
     filter::Update,
     mechanisation::NavState,
-    sample::TruthSample,
+    sample::{GnssFix, TruthSample},
 };
 
 /// From one NEES to the next \[s\].
@@ -217,6 +217,12 @@ impl Observer for Recorder {
             self.consistency.add(&ErrorState::new(filter, &truth, None));
         }
         Ok(())
+    }
+
+    fn fix(&mut self, _filter: &dyn Estimator, fix: &GnssFix, _withheld: bool) {
+        if let Some(recording) = &mut self.recording {
+            recording.reached(fix);
+        }
     }
 
     fn used(&mut self, time: f64) {

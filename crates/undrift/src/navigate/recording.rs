@@ -1,18 +1,21 @@
 //! What a run was like over time, for plots.
 
 use crate::{
+    align::antenna,
     consistency::COMPONENT_NAMES,
+    estimator::STAMP_ROUNDING,
     findings::WITHOUT_GNSS,
     reference::{COMPONENTS, Errors},
     replay::MOST_EVENTS,
-    results::{Curve, NavigateSeries, Track},
-    series::{Envelope, ROWS, Thinned, to_millimetre, to_millisecond},
+    results::{Curve, Fixes, NavigateSeries, Track},
+    series::{Envelope, ROWS, Thinned, to_digits, to_millimetre, to_millisecond},
 };
 use std::collections::BTreeMap;
 use undrift_io::write::solution::SolutionRow;
 use undrift_nav::{
     covariance::{AXES, NAV},
     filter::{Outcome, Update},
+    sample::GnssFix,
 };
 
 /// Names of the six sensor axes' errors with their units.
@@ -31,6 +34,8 @@ const DEVIATIONS: [&str; NAV] = [
     "pitch_deg",
     "yaw_deg",
 ];
+/// Fixes of one kind that are kept.
+const FIXES: usize = 1000;
 const INNOVATIONS: [&str; 4] = ["north", "east", "down", "nis"];
 
 /// The solution, its standard deviations, the innovations and the errors over time, of bounded size.
@@ -47,6 +52,11 @@ pub struct Recording {
     /// over the same of what was left out.
     innovations: [[Envelope; INNOVATIONS.len()]; 2],
     left_out: [Envelope; 2],
+    /// Time \[s\], latitude, longitude \[deg\] and standard deviations north and east \[m\] of the fixes used,
+    /// and of those rejected.
+    fixes: [Thinned<5>; 2],
+    /// A position that the filter has not judged yet.
+    pending: Option<[f64; 5]>,
     /// Spans without a fix used: start and end \[s\].
     without_gnss: Vec<(f64, f64)>,
     last_used: Option<f64>,
@@ -65,6 +75,8 @@ impl Default for Recording {
             errors: Default::default(),
             innovations: Default::default(),
             left_out: Default::default(),
+            fixes: [Thinned::new(FIXES), Thinned::new(FIXES)],
+            pending: None,
             without_gnss: Vec::new(),
             last_used: None,
             ended: f64::NEG_INFINITY,
@@ -105,8 +117,24 @@ impl Recording {
         add(&mut self.errors, time, errors.0);
     }
 
+    /// Notes a fix that the filter is going to judge.
+    pub(super) fn reached(&mut self, fix: &GnssFix) {
+        self.pending = antenna(fix)
+            .zip(fix.position)
+            .map(|(place, (_, covariance))| {
+                let (lat, lon) = (place.lat.to_degrees(), place.lon.to_degrees());
+                let std = |axis: usize| covariance[(axis, axis)].sqrt();
+                [fix.time, lat, lon, std(0), std(1)]
+            });
+    }
+
     /// Adds what became of a fix.
     pub(super) fn fix(&mut self, time: f64, updates: [Option<Update>; 2]) {
+        if let Some((position, place)) = updates[0].as_ref().zip(self.pending.take())
+            && (place[0] - time).abs() < STAMP_ROUNDING
+        {
+            self.fixes[usize::from(position.outcome == Outcome::Rejected)].add(place);
+        }
         let mut used = false;
         for (part, update) in updates.iter().enumerate() {
             let Some(update) = update else { continue };
@@ -166,7 +194,19 @@ impl Recording {
                 .map(|(name, part)| (name.to_owned(), innovations(part)))
                 .into(),
             without_gnss_s: self.without_gnss.iter().chain(&open).map(rounded).collect(),
+            fixes: fixes(&self.fixes[0]),
+            rejected_fixes: fixes(&self.fixes[1]),
         }
+    }
+}
+
+fn fixes(rows: &Thinned<5>) -> Fixes {
+    Fixes {
+        time_s: rows.column(0, to_millisecond),
+        lat_deg: rows.column(1, to_millimetre),
+        lon_deg: rows.column(2, to_millimetre),
+        std_north_m: rows.column(3, to_digits),
+        std_east_m: rows.column(4, to_digits),
     }
 }
 

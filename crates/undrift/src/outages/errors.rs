@@ -21,6 +21,8 @@ pub struct OutageErrors {
     pub nees: [f64; 3],
     /// Horizontal error against time since the cut: pairs of \[s\] and \[m\], at most about ten a second.
     pub drift: Vec<(f64, f64)>,
+    /// The solution at the same instants: time \[s\], latitude and longitude \[rad\].
+    pub way: Vec<[f64; 3]>,
 }
 
 /// What the outages did to one model.

@@ -9,7 +9,7 @@ use crate::{
     replay::Outage,
     results::{
         Cut, Drift, ModelErrors, NisOfParts, Number, Numbers, OutageErrors, Outages, SCHEMA, Track,
-        VERSION,
+        VERSION, numbers,
     },
     series::{ROWS, Thinned, to_digits, to_millimetre, to_millisecond},
 };
@@ -41,6 +41,7 @@ pub fn result(outages: &[Outage], results: &[ModelOutcome], track: &[TruthSample
         };
         result.nis_per_dof.insert(name.clone(), nis);
         result.series.drift.insert(name.clone(), drift(run));
+        result.series.ways.insert(name.clone(), way(run));
     }
     result
 }
@@ -103,6 +104,28 @@ fn drift(run: &ModelRun) -> Drift {
     Drift {
         since_cut_s,
         horizontal_rms_m,
+    }
+}
+
+/// Places of a model inside all outages that are kept, but for the last of each.
+const PLACES: usize = 1000;
+
+/// Where a model was inside the outages, the last place of each always kept.
+fn way(run: &ModelRun) -> Track {
+    let ways = || run.errors.per_outage.iter().map(|outage| &outage.way);
+    let every = ways().map(Vec::len).sum::<usize>().div_ceil(PLACES).max(1);
+    let kept = ways().flat_map(|way| {
+        let places = way.iter().enumerate();
+        let kept = places.filter(move |(at, _)| at % every == 0 || at + 1 == way.len());
+        kept.map(|(_, place)| *place)
+    });
+    let kept: Vec<[f64; 3]> = kept.collect();
+    let degrees = |radians: f64| to_millimetre(radians.to_degrees());
+    Track {
+        time_s: numbers(kept.iter().map(|place| to_millisecond(place[0]))),
+        lat_deg: numbers(kept.iter().map(|place| degrees(place[1]))),
+        lon_deg: numbers(kept.iter().map(|place| degrees(place[2]))),
+        height_m: Vec::new(),
     }
 }
 

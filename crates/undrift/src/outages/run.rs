@@ -105,6 +105,7 @@ impl<'a> OutageWatch<'a> {
                 sigma: Errors::UNKNOWN,
                 nees: [f64::NAN; 3],
                 drift: Vec::new(),
+                way: Vec::new(),
             })
             .collect();
         Self {
@@ -143,6 +144,7 @@ impl<'a> OutageWatch<'a> {
             .is_none_or(|(last, _)| since - last >= DRIFT_STEP - 1e-6)
         {
             o.drift.push((since, errors.0[HORIZONTAL]));
+            o.way.push([time, nav.position.lat, nav.position.lon]);
         }
     }
 

@@ -191,4 +191,34 @@ pub struct NavigateSeries {
     pub innovations: BTreeMap<String, BTreeMap<String, Curve>>,
     /// Spans without a fix used: start and end \[s\].
     pub without_gnss_s: Vec<(Number, Number)>,
+    /// Positions of the fixes that were used, evenly thinned.
+    #[serde(skip_serializing_if = "Fixes::is_empty")]
+    pub fixes: Fixes,
+    /// Those of the rejected ones.
+    #[serde(skip_serializing_if = "Fixes::is_empty")]
+    pub rejected_fixes: Fixes,
+}
+
+/// Positions of fixes with their stated standard deviations.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Fixes {
+    /// Times \[s\].
+    pub time_s: Vec<Number>,
+    /// Latitudes \[deg\].
+    pub lat_deg: Vec<Number>,
+    /// Longitudes \[deg\].
+    pub lon_deg: Vec<Number>,
+    /// Standard deviations to the north \[m\].
+    pub std_north_m: Vec<Number>,
+    /// Standard deviations to the east \[m\].
+    pub std_east_m: Vec<Number>,
+}
+
+impl Fixes {
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.time_s.is_empty()
+    }
 }

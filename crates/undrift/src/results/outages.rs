@@ -118,6 +118,9 @@ pub struct OutageSeries {
     pub track: Track,
     /// Drift of each model.
     pub drift: BTreeMap<String, Drift>,
+    /// Where each model was inside the outages, one after the other, evenly thinned.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub ways: BTreeMap<String, Track>,
 }
 
 /// Drift since the cut.

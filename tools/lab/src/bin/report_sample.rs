@@ -89,6 +89,7 @@ fn kinds() -> Document {
                     Block::Warning("The log has a gap of 3.2 s at 612 s; the outage there was left out.".into()),
                     table,
                 ],
+                ..Section::default()
             },
             Section {
                 title: "Drift".into(),
@@ -96,6 +97,7 @@ fn kinds() -> Document {
                     figure("drive", "The drive, and the horizontal error since the cut.", 2, vec![trajectory(), drift()]),
                     figure("time", "Two panels of one time: zoom one, and both follow. Outages are shaded.", 1, vec![velocity(), bias()]),
                 ],
+                ..Section::default()
             },
             Section {
                 title: "Noise".into(),
@@ -104,6 +106,7 @@ fn kinds() -> Document {
                     figure("acf", "Autocorrelation of the residuals, and the errors of the models.", 2, vec![acf(), boxes(), bars(), dots()]),
                     Block::Table(wide_table()),
                 ],
+                ..Section::default()
             },
         ],
     }
@@ -513,6 +516,7 @@ fn hostile() -> Document {
                     ),
                     figure("no-panels", "", 0, Vec::new()),
                 ],
+                ..Section::default()
             },
             Section::default(),
         ],
@@ -544,6 +548,7 @@ fn large() -> Document {
                 1,
                 vec![panel],
             )],
+            ..Section::default()
         }
     });
     Document {

@@ -150,6 +150,101 @@ fn the_series_hold_the_extremes_of_the_solution() {
     assert!(solution.len() > values.len());
 }
 
+/// Numbers of a column of a track.
+fn column(track: &Value, name: &str) -> Vec<f64> {
+    serde_json::from_value(track[name].clone()).unwrap()
+}
+
+/// Metres east and north of a place of the track nearby, in radians.
+fn metres(track: &Value, at: usize, [lat_0, lon_0]: [f64; 2]) -> [f64; 2] {
+    const RADIUS: f64 = 6_378_137.0;
+    let [lat, lon] = place(track, at);
+    // Groves eq. 2.105 and 2.106.
+    let w = 1.0 - 0.006_694_38 * lat_0.sin().powi(2);
+    let north = RADIUS * (1.0 - 0.006_694_38) / w.powf(1.5);
+    let east = RADIUS / w.sqrt() * lat_0.cos();
+    [east * (lon - lon_0), north * (lat - lat_0)]
+}
+
+/// Latitude and longitude \[rad\].
+fn place(track: &Value, at: usize) -> [f64; 2] {
+    ["lat_deg", "lon_deg"].map(|name| column(track, name)[at].to_radians())
+}
+
+#[test]
+fn ways_through_outages_end_as_far_off_as_the_errors_say() {
+    let case = Log::good().write("report_ways");
+    let outages = ["outages", "drive.toml", "--start", "40", "--count", "3"];
+    let more = ["--length", "5", "--bias-models", "white,arma"];
+    let json_out = ["--json", "result.json"];
+    assert!(
+        case.run(&[&outages as &[&str], &more, &json_out].concat())
+            .succeeded()
+    );
+    let result = json(&case, "result.json");
+    let track = &result["series"]["track"];
+    let times = column(track, "time_s");
+    for model in ["white", "arma"] {
+        let way = &result["series"]["ways"][model];
+        let on_way = column(way, "time_s");
+        assert!(on_way.len() <= 1003, "{}", on_way.len());
+        for (k, cut) in result["outages"].as_array().unwrap().iter().enumerate() {
+            let end = cut["start_s"].as_f64().unwrap() + cut["length_s"].as_f64().unwrap();
+            let last = on_way.iter().rposition(|t| *t <= end + 0.01).unwrap();
+            assert!(
+                end - on_way[last] < 0.11,
+                "{model}: {} of {end}",
+                on_way[last]
+            );
+            // Where the truth was then, between two of its places.
+            let after = times.iter().position(|t| *t >= on_way[last]).unwrap();
+            let share = (on_way[last] - times[after - 1]) / (times[after] - times[after - 1]);
+            let near = place(track, after);
+            let (from, to) = (metres(track, after - 1, near), metres(track, after, near));
+            let truth = [0, 1].map(|i| from[i] + share * (to[i] - from[i]));
+            let here = metres(way, last, near);
+            let off = (here[0] - truth[0]).hypot(here[1] - truth[1]);
+            let error = &result["models"][model]["per_outage"][k]["end"]["horizontal_m"];
+            let error = error.as_f64().unwrap();
+            // A tenth of a second before the end, and millimetres in the degrees.
+            assert!(
+                (off - error).abs() < 0.05 + 0.1 * error,
+                "{model}: {off} m, {error} m"
+            );
+        }
+    }
+}
+
+#[test]
+fn fixes_are_kept_with_their_standard_deviations() {
+    let case = Log::good().write("report_fixes");
+    assert!(
+        case.run(&["navigate", "drive.toml", "--json", "result.json"])
+            .succeeded()
+    );
+    let result = json(&case, "result.json");
+    let fixes = &result["series"]["fixes"];
+    let times = column(fixes, "time_s");
+    let used = &result["summary"]["position"]["updates"];
+    assert_eq!(times.len() as u64, used.as_u64().unwrap().min(1000));
+    // As the log has them.
+    let log = text(&case, "gnss.csv");
+    for (i, time) in times.iter().enumerate().step_by(7) {
+        let row = log.lines().skip(1).map(|line| {
+            let cells = line
+                .split(',')
+                .map(|cell| cell.parse::<f64>().unwrap_or(f64::NAN));
+            cells.collect::<Vec<f64>>()
+        });
+        let row = row.min_by(|a, b| (a[0] - time).abs().total_cmp(&(b[0] - time).abs()));
+        let row = row.unwrap();
+        assert!((row[1] - column(fixes, "lat_deg")[i]).abs() < 1e-8);
+        assert!((row[2] - column(fixes, "lon_deg")[i]).abs() < 1e-8);
+    }
+    assert!(column(fixes, "std_north_m").iter().all(|std| *std > 0.0));
+    assert!(column(fixes, "std_east_m").iter().all(|std| *std > 0.0));
+}
+
 #[test]
 fn results_of_a_kind_are_compared_and_of_several_follow_each_other() {
     let case = Log::good().write("report_compare");

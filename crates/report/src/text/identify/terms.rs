@@ -39,7 +39,7 @@ const ACCEL: Units = Units {
 };
 
 /// Whether the record serves, and why not.
-pub(super) fn verdict(result: &Identify) -> String {
+pub(crate) fn verdict(result: &Identify) -> String {
     let axes: Vec<(&str, &Axis)> = result.in_order().collect();
     let known = axes.iter().filter(|(_, axis)| axis.error.is_none());
     let known: Vec<_> = known.collect();
