@@ -183,8 +183,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 fn refuse_urls(arguments: &Arguments) -> Result<()> {
     let output = arguments.output.to_string_lossy();
     let names = arguments.logs.iter().map(String::as_str);
-    let names = names.chain([&*output]).chain(arguments.data.as_deref());
-    for name in names.filter(|name| name.contains("://")) {
+    let mut names = names.chain([&*output]).chain(arguments.data.as_deref());
+    if let Some(name) = names.find(|name| name.contains("://")) {
         bail!(
             "{name}: the command reads and writes files of this machine; for URLs use undrift.fleet.run or \
              undrift.fleet.process_to of the Python package (docs/fleet.md), which give the same results"

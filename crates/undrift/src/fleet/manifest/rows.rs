@@ -34,7 +34,10 @@ pub(super) fn read(text: &str) -> Result<Rows, (usize, String)> {
     Ok(Rows { header, rows })
 }
 
-fn split(text: &str, delimiter: char) -> Result<Vec<(usize, Vec<String>)>, (usize, String)> {
+/// Rows, each with the line that it begins in.
+type Numbered = Vec<(usize, Vec<String>)>;
+
+fn split(text: &str, delimiter: char) -> Result<Numbered, (usize, String)> {
     let mut rows = Vec::new();
     let (mut row, mut field) = (Vec::new(), String::new());
     let (mut line, mut start) = (1, 1);
