@@ -70,7 +70,8 @@ impl Table {
         });
         let labels = &outcome.labels;
         // Texts by texts can always be written.
-        let labels = (!labels.is_empty()).then(|| serde_json::json!(labels).to_string());
+        let labels =
+            (!labels.is_empty()).then(|| serde_json::to_string(labels).unwrap_or_default());
         let warnings = &outcome.warnings;
         let warnings = (!warnings.is_empty()).then(|| warnings.join("; "));
         let skipped = outcome.findings.iter().map(|finding| match finding {
