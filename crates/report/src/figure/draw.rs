@@ -221,7 +221,11 @@ fn map_marks(window: &Window) -> String {
     let Some(length) = length.into_iter().find(|m| *m <= metres) else {
         return String::new();
     };
-    let (wide, bottom) = (px(length * pixels), px(window.y.length - 12.0));
+    let wide = length * pixels;
+    if !(wide > 0.0 && wide < window.x.length) {
+        return String::new();
+    }
+    let (wide, bottom) = (px(wide), px(window.y.length - 12.0));
     let label = if length >= 1e3 {
         format!("{} km", length / 1e3)
     } else {
