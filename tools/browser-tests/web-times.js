@@ -53,6 +53,6 @@ async function time(task, args, cwd) {
 await put(["static.csv"]);
 await time("Allan deviations, an hour of six axes at 100 Hz", ["identify", "static.csv", "--allan"], folder);
 await time("the same, identified", ["identify", "static.csv", "-o", "imu.toml"], folder);
-await put(["drive/imu.csv", "drive/gnss.csv", "drive/drive.toml"]);
+await put(["drive/imu.csv", "drive/gnss.csv", "drive/truth.csv", "drive/drive.toml"]);
 await time("a drive of 30 min at 200 Hz", ["navigate", "drive.toml", "-o", "nav.csv"], path.join(folder, "drive"));
 await browser.close();
