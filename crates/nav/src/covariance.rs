@@ -233,6 +233,13 @@ impl Sensors {
         &self.axes[axis]
     }
 
+    /// Sets the variance `r` of the white noise of a sample of each axis \[unit²\].
+    pub fn set_white_noise(&mut self, variance: &[f64; AXES]) {
+        for (axis, variance) in self.axes.iter_mut().zip(variance) {
+            axis.r = *variance;
+        }
+    }
+
     /// Index of an axis's first state in the error state.
     #[inline]
     pub fn start(&self, axis: usize) -> usize {

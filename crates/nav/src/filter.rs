@@ -571,6 +571,13 @@ impl<const N: usize> Filter<N> {
         }
     }
 
+    /// Sets the variance of the white noise of a sample of each axis from now on, gyro x, y, z \[rad²/s²\] and
+    /// accelerometer x, y, z \[m²/s⁴\]: of a sensor in vibration that changes. Not below that of the model, of which a
+    /// cross-covariance asks for it.
+    pub fn set_white_noise(&mut self, variance: &[f64; AXES]) {
+        self.sensors.set_white_noise(variance);
+    }
+
     /// Adds uncertainty for `duration` seconds without samples in which the body may have turned
     /// with `rate` [rad/s] and accelerated with `accel` [m/s²] (one standard deviation each axis).
     pub fn grow(&mut self, duration: f64, rate: f64, accel: f64) {

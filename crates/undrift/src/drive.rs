@@ -71,6 +71,8 @@ pub struct Drive {
     /// Whether the IMU's mounting is to be estimated from the log ([`crate::mounting`]): until then
     /// body axes are the sensor's own.
     pub estimate_mounting: bool,
+    /// Whether the sensors' white noise follows their vibration.
+    pub vibration: bool,
     /// GNSS log.
     pub gnss: (PathBuf, GnssSource),
     /// Log of a wheel's speed, if there is one.
@@ -174,7 +176,7 @@ impl Drive {
             return Err(gnss.error("lever_arm", message).into());
         }
         let (constraints, parameters) = tables::read_vehicle(&top.section("vehicle")?)?;
-        let (imu, estimate_mounting) = imu::read_imu(&top.section("imu")?, &mut logs)?;
+        let (imu, options) = imu::read_imu(&top.section("imu")?, &mut logs)?;
         let parameters = tables::read_states(&top.section("states")?, parameters)?;
         let (odometer, parameters) =
             scalars::read_odometer(&top.section("odometer")?, &mut logs, parameters)?;
@@ -188,7 +190,8 @@ impl Drive {
             gating: tables::read_switch(&gnss, "gate")?.unwrap_or(true),
             imu,
             imu_read: BytesRead::default(),
-            estimate_mounting,
+            estimate_mounting: options.estimate_mounting,
+            vibration: options.vibration,
             adapt: tables::read_switch(&gnss, "adapt")?.unwrap_or(false),
             quality: gnss::read_quality(&gnss)?,
             correlation: gnss::read_correlation(&gnss)?,

@@ -212,6 +212,8 @@ pub trait Estimator: Send + Sync {
     fn grow(&mut self, duration: f64, rate: f64, accel: f64);
     /// Adds uncertainty to position \[m\], velocity \[m/s\] and tilt \[rad\], one sigma.
     fn doubt(&mut self, position: f64, velocity: f64, tilt: f64);
+    /// Sets the variance of the white noise of a sample of each axis \[rad²/s², m²/s⁴\] from now on.
+    fn set_white_noise(&mut self, variance: &[f64; AXES]);
     /// Multiplies the covariance by a factor.
     fn fade(&mut self, factor: f64);
     /// Adds uncertainty to the heading \[rad\] and the error of gyro z \[rad/s\], one sigma.
@@ -510,6 +512,10 @@ impl<const N: usize> Estimator for Sized<N> {
 
     fn doubt(&mut self, position: f64, velocity: f64, tilt: f64) {
         self.filter.doubt(position, velocity, tilt);
+    }
+
+    fn set_white_noise(&mut self, variance: &[f64; AXES]) {
+        self.filter.set_white_noise(variance);
     }
 
     fn fade(&mut self, factor: f64) {

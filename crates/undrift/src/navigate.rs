@@ -145,6 +145,7 @@ pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateErro
         gating: drive.gating,
         adapt: drive.adapt,
         quality: drive.quality,
+        vibration: drive.vibration,
         ..Settings::new(model.shaping(kind, drive.sample_interval()?)?)
     })
 }

@@ -20,6 +20,7 @@ mod run;
 mod solution;
 mod summary;
 mod vehicle;
+pub(crate) mod vibration;
 mod watch;
 
 pub use crate::{

@@ -50,6 +50,8 @@ settings! {
         gaps: GapSettings = GapSettings::default(),
         /// Implausible samples.
         samples: SampleSettings = SampleSettings::default(),
+        /// White noise beyond the model's, measured in the samples.
+        vibration: VibrationSettings = VibrationSettings::default(),
         /// Which fixes are accepted.
         gate: GateSettings = GateSettings::default(),
         /// How the accuracy of the fixes is adapted.
@@ -216,6 +218,18 @@ settings! {
         rate: f64 = 0.3,
         /// … and acceleration \[m/s²\].
         force: f64 = 1.0,
+    }
+
+    /// White noise beyond the model's, measured in the samples.
+    VibrationSettings {
+        /// Samples are averaged to at most about this rate \[Hz\]: a low-pass filter of the sensor reaches less far.
+        rate: f64 = 100.0,
+        /// Below this rate \[Hz\] the motion of the vehicle reaches the band that is looked at.
+        least_rate: f64 = 20.0,
+        /// The model's noise is exceeded from this factor on, a density; less is chance.
+        from: f64 = 1.5,
+        /// Time over which the noise is averaged \[s\].
+        memory: f64 = 3.0,
     }
 
     /// Which fixes are accepted. NIS is per degree of freedom.

@@ -23,7 +23,7 @@ use crate::{
     estimator::Estimator,
     navigate::{NavigateError, settings, tell},
     outages::Logs,
-    replay::{Observer, ReplayError, replay},
+    replay::{Observer, ReplayError, replay, vibration::densities},
     results,
     settings::{fix_errors::StdFactors, replay::Settings},
 };
@@ -127,7 +127,26 @@ fn standing(logs: &[Log]) -> Option<[f64; AXES]> {
         idle(&log.imu[..end], log.aiding)
     };
     let stands = |log: &&Log| log.settings.constraints.zero_velocity.is_some();
-    let found: Vec<_> = logs.iter().filter(stands).filter_map(seen).collect();
+    root_mean_square(
+        &logs
+            .iter()
+            .filter(stands)
+            .filter_map(seen)
+            .collect::<Vec<_>>(),
+    )
+}
+
+/// White noise that the samples of the drives' seen parts show ([`crate::replay::vibration`]): the root mean square.
+fn vibrating(logs: &[Log]) -> Option<[f64; AXES]> {
+    let seen = |log: &Log| {
+        let end = log.imu.partition_point(|s| s.time <= log.until);
+        densities(&log.imu[..end], &log.settings)
+    };
+    root_mean_square(&logs.iter().filter_map(seen).collect::<Vec<_>>())
+}
+
+/// Of the densities of some drives, axis by axis.
+fn root_mean_square(found: &[[f64; AXES]]) -> Option<[f64; AXES]> {
     let square = |i: usize| found.iter().map(|d| d[i] * d[i]).sum::<f64>() / found.len() as f64;
     (!found.is_empty()).then(|| std::array::from_fn(|i| square(i).sqrt()))
 }
@@ -163,6 +182,7 @@ pub fn tune(
         let drive = Drive {
             model: Some(start.model(&centre.white, &centre.walk)),
             std_factors: StdFactors::ONE,
+            vibration: false,
             ..drive.clone()
         };
         loaded.push(Logs::load(&drive)?);
@@ -190,18 +210,22 @@ pub fn tune(
         });
     }
     start.idle = standing(&logs);
+    start.vibrating = vibrating(&logs);
     let of_drives: Vec<&Settings> = logs.iter().map(|log| &log.settings).collect();
     let prior = Prior::new(&start, &of_drives);
-    let centre = Noise::new(&prior.centre);
+    let (quieter, centre) = (centre, Noise::new(&prior.centre));
     let iteration = |value: f64| goes_on(Stage::Fitting(value));
     let held_out = options.hold_out.is_some();
-    let seen = fit(&logs, &start, &prior, centre, held_out, &iteration)?;
+    // Noise as loud as the samples show may be too much for an alignment of some seconds.
+    let seen = fit(&logs, &start, &prior, centre, held_out, &iteration)
+        .or_else(|_| fit(&logs, &start, &prior, quieter, held_out, &iteration))?;
     let judges = goes_on(Stage::Judging);
     let rest = options.start.as_ref().or(first.model.as_ref());
     let rest = rest.map_or_else(|| start.model(&start.white, &start.walk), Clone::clone);
-    let of_drives = logs.iter().zip(&loaded).zip(spans);
-    let of_drives = of_drives.map(|((log, all), span)| {
+    let of_drives = drives.iter().zip(&logs).zip(&loaded).zip(spans);
+    let of_drives = of_drives.map(|(((drive, log), all), span)| {
         let before = Settings {
+            vibration: drive.vibration,
             sensors: rest.shaping(BiasModel::Arma, log.settings.sensors[0].interval)?,
             ..log.settings.clone()
         };
@@ -227,7 +251,8 @@ pub fn tune(
         }
         // Under what a part of the drive has found the whole of it may be too short to align.
         fit(&logs, &start, &prior, seen.noise, true, &iteration)
-            .or_else(|_| fit(&logs, &start, &prior, centre, true, &iteration))?
+            .or_else(|_| fit(&logs, &start, &prior, centre, true, &iteration))
+            .or_else(|_| fit(&logs, &start, &prior, quieter, true, &iteration))?
     };
     let aligns = logs.iter().zip(&loaded).map(|(log, all)| {
         let settings = under(&log.settings, &fit.noise, &start).map_err(ReplayError::from)?;

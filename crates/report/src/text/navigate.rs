@@ -7,7 +7,7 @@ use crate::{
     parts::COMPONENTS,
     say,
 };
-use undrift::results::{Innovations, Navigate, Numbers};
+use undrift::results::{Innovations, Navigate, Number, Numbers};
 
 /// How a drive was navigated, line by line.
 pub fn navigate(result: &Navigate) -> String {
@@ -40,6 +40,15 @@ pub fn navigate(result: &Navigate) -> String {
                 "{name}: {n} updates, NIS per degree of freedom {nis}"
             ));
         }
+    }
+    if let Some(louder) = &s.louder {
+        let times = |axes: &[Number]| Vec::from_iter(axes.iter().map(|n| short(n.0))).join(", ");
+        let (gyro, accel) = louder.split_at(3);
+        lines.push(format!(
+            "white noise above the band of motion: gyro x, y, z {}, accelerometer {} times the model's; the filter uses it",
+            times(gyro),
+            times(accel)
+        ));
     }
     for (kind, parameter) in &s.parameters {
         let constant = constant(kind);

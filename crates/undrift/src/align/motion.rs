@@ -26,6 +26,11 @@ use undrift_nav::{
 /// What is known of the gyro bias from rest: mean [rad/s] and variance.
 pub(super) type GyroBias = (Vector3, f64);
 
+/// How long a window may be with a gyro bias of this variance \[rad²/s²\], \[s\].
+fn longest(set: &AlignmentMotionSettings, variance: f64) -> f64 {
+    (set.bias_turn / variance.sqrt()).clamp(set.shortest, set.longest)
+}
+
 /// The window and what became of the searches in it.
 #[derive(Default)]
 pub(super) struct Motion {
@@ -53,12 +58,10 @@ pub(super) struct Found {
 impl Motion {
     pub(super) fn new(settings: &Settings) -> Self {
         let set = settings.engine.alignment_motion;
-        let turn_on = bias_variances(&settings.sensors[..3], set.gyro_floor)
-            .max()
-            .sqrt();
+        let turn_on = bias_variances(&settings.sensors[..3], set.gyro_floor).max();
         Self {
             set,
-            longest: (set.bias_turn / turn_on).clamp(set.shortest, set.longest),
+            longest: longest(&set, turn_on),
             ..Self::default()
         }
     }
@@ -100,6 +103,9 @@ impl Motion {
     ) -> Option<Found> {
         if fix.position.is_none() || fix.velocity.is_none() || self.samples.is_empty() {
             return None;
+        }
+        if let Some((_, variance)) = rest {
+            self.longest = longest(&self.set, variance);
         }
         self.fixes.push_back(*fix);
         let window = self

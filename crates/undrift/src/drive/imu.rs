@@ -48,10 +48,16 @@ pub fn load_imu(path: &Path) -> Result<ImuLog, DriveError> {
     })
 }
 
+/// What the table `[imu]` says beside where the samples are.
+pub(crate) struct ImuOptions {
+    pub(crate) estimate_mounting: bool,
+    pub(crate) vibration: bool,
+}
+
 pub(crate) fn read_imu(
     section: &Section,
     logs: &mut Logs,
-) -> Result<((PathBuf, ImuFormat), bool), DriveError> {
+) -> Result<((PathBuf, ImuFormat), ImuOptions), DriveError> {
     let path = logs.named(section)?;
     let mut format = match logs.format(section, &path, "gyro")?.0 {
         Format::KfGins => layouts::kf_gins_imu(),
@@ -108,8 +114,13 @@ pub(crate) fn read_imu(
         .vector("accel_offset", Quantity::Acceleration)?
         .unwrap_or_else(Vector3::zeros);
     format.span = logs.span;
+    let vibration = section.word("vibration", &[("auto", true), ("off", false)])?;
     section.only_known()?;
-    Ok(((path, format), estimate_mounting))
+    let options = ImuOptions {
+        estimate_mounting,
+        vibration: vibration.unwrap_or(true),
+    };
+    Ok(((path, format), options))
 }
 
 /// The samples in named columns of a table.

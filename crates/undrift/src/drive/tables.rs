@@ -212,6 +212,9 @@ const TIME_OFFSET_STD: f64 = 0.1;
 const TIME_OFFSET_WALK: f64 = 5e-3;
 /// What data sheets of cheap inertial sensors allow their scale factors, one standard deviation.
 const SCALE_FACTOR_STD: f64 = 0.02;
+/// How much a scale factor of a gyro changes with temperature, rate and vibration [1/√s]. A constant would be believed to
+/// a thousandth where vibration, not the scale, is what is wrong.
+const SCALE_FACTOR_WALK: f64 = 2e-4;
 
 /// The constraints, and the parameters that they ask for.
 pub(super) fn read_vehicle(section: &Section) -> Result<(Constraints, Parameters), ConfigError> {
@@ -292,7 +295,7 @@ pub(super) fn read_states(
     let misalignment = std("misalignment", Quantity::Angle, None)?;
     let offset = std("time_offset", Quantity::Time, Some(TIME_OFFSET_STD))?;
     for (kind, std, walk) in [
-        (Parameter::GyroScale, gyro_scale, 0.0),
+        (Parameter::GyroScale, gyro_scale, SCALE_FACTOR_WALK),
         (Parameter::AccelScale, scale, 0.0),
         (Parameter::GyroMisalignment, misalignment, 0.0),
         (Parameter::AccelMisalignment, misalignment, 0.0),

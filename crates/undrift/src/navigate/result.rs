@@ -85,6 +85,7 @@ fn summary(s: &replay::Summary) -> Summary {
         leans: s.leans.clone(),
         restarts: s.restarts.clone(),
         adapted: s.adapted,
+        louder: s.louder.map(|louder| louder.map(Number)),
         bridged: s.bridged,
         long_gaps: s
             .long_gaps

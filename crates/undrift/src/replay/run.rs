@@ -13,6 +13,7 @@ use super::{
     solution::Solution,
     summary::Summary,
     vehicle::Vehicle,
+    vibration::Vibration,
     watch::Streak,
 };
 use crate::{
@@ -43,6 +44,7 @@ pub(super) struct Run<'a> {
     course: CourseWatch,
     vehicle: Vehicle,
     inertial: Inertial,
+    vibration: Option<Vibration>,
 }
 
 /// The alignment that goes on: the first one, or another one beside or after a solution.
@@ -107,6 +109,9 @@ impl<'a> Run<'a> {
             course: CourseWatch::new(settings.engine.course),
             vehicle: Vehicle::new(settings),
             inertial: Inertial::new(settings.rotation, settings.engine.samples),
+            vibration: settings
+                .vibration
+                .then(|| Vibration::new(&settings.sensors, settings.engine.vibration)),
         }
     }
 
@@ -155,6 +160,13 @@ impl<'a> Run<'a> {
             }
         }
         self.plausible.sample(&sample);
+        if let Some(vibration) = &mut self.vibration
+            && let Some(variances) = vibration.next(&sample)
+            && let Some(solution) = &mut self.solution
+        {
+            solution.filter.set_white_noise(&variances);
+            vibration.count();
+        }
         self.begin(&sample);
         let end = sample.time + STAMP_ROUNDING;
         while let Some(due) = aiding.next_until(end, self.latency()) {
@@ -198,6 +210,7 @@ impl<'a> Run<'a> {
     ) -> Result<Summary, ReplayError> {
         self.summary.implausible = self.plausible.findings();
         self.summary.repeated = aiding.repeated();
+        self.summary.louder = self.vibration.as_ref().and_then(Vibration::louder);
         if self.has_ended() {
             return Ok(self.summary);
         }
@@ -363,6 +376,9 @@ impl<'a> Run<'a> {
         let solution = self
             .solution
             .insert(Solution::new(aligned.filter, self.settings.engine.gaps));
+        if let Some(vibration) = &self.vibration {
+            solution.filter.set_white_noise(&vibration.variances());
+        }
         if let Some(log) = &self.settings.log {
             solution.filter.log_to(log.clone());
         }

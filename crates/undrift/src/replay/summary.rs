@@ -8,6 +8,7 @@ use crate::{align::Alignment, settings::replay::Doubt};
 use serde::{Deserialize, Serialize};
 use undrift_nav::{
     Vector3,
+    covariance::AXES,
     filter::{Outcome, Update},
     parameters::Parameter,
 };
@@ -122,6 +123,8 @@ pub struct Summary {
     pub restarts: Vec<Restart>,
     /// Mean factors on the stated standard deviations of position and velocity, where they were adapted.
     pub adapted: [Option<f64>; 2],
+    /// How many times the model's the white noise of each axis was, as the samples show; `None` where it was the model's.
+    pub louder: Option<[f64; AXES]>,
     /// Regression of the innovations of velocity on the measured velocity, component by component:
     /// sums of products and of squares.
     pub(super) against_velocity: [(f64, f64); 3],

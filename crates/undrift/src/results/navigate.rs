@@ -124,6 +124,10 @@ pub struct Summary {
     pub restarts: Vec<Restart>,
     /// Mean factors on the stated standard deviations of position and velocity, where they were adapted.
     pub adapted: [Option<f64>; 2],
+    /// How many times the model's the white noise was, gyro x, y, z and accelerometer x, y, z, as the samples show; missing where
+    /// it was the model's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub louder: Option<[Number; 6]>,
     /// Short gaps in the samples that were bridged by interpolation.
     pub bridged: u64,
     /// Gaps too long for that: their number, the first one's time \[s\], the longest \[s\].

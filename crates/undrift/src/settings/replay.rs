@@ -70,6 +70,8 @@ pub struct Settings {
     pub adapt: bool,
     /// How the kind of solution bears on the standard deviation of a position.
     pub quality: QualityStd,
+    /// Whether the white noise of the sensors follows their vibration.
+    pub vibration: bool,
     /// What the fixes are wrong by beyond what they state.
     pub fix_errors: FixErrors,
     /// Longest span between two nodes for a smoother \[s\]; `None`: no nodes.
@@ -87,7 +89,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// For sensors of these models: antenna at the IMU, alignment by itself, no outages, no
+    /// For sensors of these models and no louder: antenna at the IMU, alignment by itself, no outages, no
     /// parameters, no vehicle, fixes gated.
     pub fn new(sensors: [ShapingFilter; AXES]) -> Self {
         Self {
@@ -103,6 +105,7 @@ impl Settings {
             restart: true,
             adapt: false,
             quality: QualityStd::AsStated,
+            vibration: false,
             fix_errors: FixErrors::default(),
             nodes: None,
             start: None,

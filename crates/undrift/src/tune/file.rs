@@ -27,6 +27,10 @@ pub fn tuned(
         let before = key.leaf_decor().prefix().and_then(|prefix| prefix.as_str());
         head.push_str(kept(before.unwrap_or_default()));
     }
+    if let Some(imu) = file.get_mut("imu").and_then(Item::as_table_like_mut) {
+        // It is in the noise that was found.
+        imu.insert("vibration", value("off"));
+    }
     let noise = &found.fit.noise;
     let used = &found.prior.used;
     if let Some(gnss) = file.get_mut("gnss").and_then(Item::as_table_like_mut) {

@@ -50,6 +50,8 @@ pub struct Done<const N: usize> {
 pub struct Fixed {
     /// First state of the lasting part of position and velocity, where there is one.
     pub lasting: [Option<usize>; 2],
+    /// First state of the gyros' scale factors and the variance that their walk gains in a second.
+    pub scale: Option<(usize, f64)>,
     /// The constraint in the replay.
     pub rule: NonHolonomic,
 }
@@ -118,6 +120,11 @@ impl<const N: usize> State<N> {
             for (factor, at) in noise.factors.correlated.iter().zip(fixed.lasting) {
                 for i in at.into_iter().flat_map(|at| at..at + 3) {
                     self.p[i][i] += factor * factor * (1.0 - step.left[i] * step.left[i]);
+                }
+            }
+            if let Some((at, variance)) = fixed.scale {
+                for i in at..at + 3 {
+                    self.p[i][i] += variance * step.span;
                 }
             }
         }

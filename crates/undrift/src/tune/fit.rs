@@ -105,6 +105,9 @@ impl<const N: usize> Linear<N> {
             let at = |kind| parameters.start(kind).map(|at| behind + at);
             let fixed = Fixed {
                 lasting: [at(Parameter::PositionError), at(Parameter::VelocityError)],
+                scale: parameters
+                    .prior(Parameter::GyroScale)
+                    .and_then(|prior| Some((at(Parameter::GyroScale)?, prior.walk * prior.walk))),
                 rule: settings
                     .constraints
                     .non_holonomic

@@ -19,6 +19,11 @@ const LOUDER: f64 = 5.0;
 const LOUDER_BELOW: f64 = 0.8;
 /// … and upwards, and of random walks' both ways.
 const WIDE: f64 = 1.5;
+/// Noise that navigation feels against that above the band of motion, where the samples show it: 0.2 to 1 times on
+/// most drives.
+const VIBRATING: f64 = 0.5;
+/// Standard deviation of its logarithm upwards.
+const VIBRATING_ABOVE: f64 = 1.0;
 /// Driving noise against that of the vehicle standing with its engine running: never below, and this much above …
 const DRIVING: f64 = 2.0;
 /// … within so much of the logarithm downwards.
@@ -48,7 +53,12 @@ impl Prior {
     pub fn new(start: &Start, drives: &[&Settings]) -> Self {
         let rule = drives.iter().find_map(|s| s.constraints.non_holonomic);
         let of = rule.unwrap_or(NonHolonomic::CAR);
-        let louder = start.white.map(|white| white * LOUDER);
+        let louder: [f64; AXES] = match start.vibrating {
+            Some(vibrating) => {
+                std::array::from_fn(|i| (VIBRATING * vibrating[i]).max(start.white[i]))
+            }
+            None => start.white.map(|white| white * LOUDER),
+        };
         let idle = start.idle.unwrap_or([0.0; AXES]);
         let centre = Noise {
             white: std::array::from_fn(|i| louder[i].max(idle[i] * DRIVING)),
@@ -62,6 +72,9 @@ impl Prior {
             above: [WIDE; COUNT],
             used: [true; COUNT],
         };
+        if start.vibrating.is_some() {
+            prior.above[WHITE..WHITE + AXES].fill(VIBRATING_ABOVE);
+        }
         for i in 0..AXES {
             let heard = idle[i] * DRIVING >= louder[i];
             prior.below[WHITE + i] = if heard { DRIVING_BELOW } else { LOUDER_BELOW };

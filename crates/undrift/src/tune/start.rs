@@ -95,6 +95,8 @@ pub struct Start {
     pub turn_on: [f64; AXES],
     /// White noise while the vehicle stands with its engine running [unit·√s], where it is known.
     pub idle: Option<[f64; AXES]>,
+    /// White noise that the samples of the drives show above the band of motion [unit·√s], where it is known.
+    pub vibrating: Option<[f64; AXES]>,
     /// The bias over temperature, which the model goes on with.
     pub temperature: [Option<Temperature>; AXES],
 }
@@ -120,6 +122,7 @@ impl Start {
                 _ => TURN_ON[i / 3],
             }),
             idle: None,
+            vibrating: None,
             temperature: axes.map(|(_, axis)| axis.temperature),
         })
     }
@@ -162,6 +165,7 @@ impl Start {
             walk: [0.0; AXES],
             turn_on: std::array::from_fn(|i| TURN_ON[i / 3]),
             idle: None,
+            vibrating: None,
             temperature: [None; AXES],
         })
     }

@@ -93,6 +93,7 @@ fn the_gradient_is_that_of_the_value() {
     drop(logged);
     let fixed = Fixed {
         lasting: [Some(15), Some(18)],
+        scale: None,
         rule: settings.constraints.non_holonomic.unwrap(),
     };
     let objective = Objective::<24>::new(condense(receiver), fixed, Plan::default());

@@ -1,0 +1,323 @@
+//! The white noise that the samples themselves show: engine, road and rotors, beside the sensor's own.
+//!
+//! Above the band of a vehicle's motion there is nothing but noise in the samples. Of blocks of them the median of the
+//! periodogram from half to seven eighths of the Nyquist frequency is taken, which lines of an engine do not reach;
+//! where it exceeds what the model has there, the filter's white noise is that much larger. Welch 1967 (windowed
+//! periodograms); the median over ln 2 as the robust mean of exponential values.
+
+use crate::settings::{VibrationSettings, replay::Settings};
+use nalgebra::{Complex, SMatrix, SVector};
+use std::f64::consts::PI;
+use undrift_nav::{
+    covariance::AXES,
+    sample::ImuSample,
+    shaping::{MAX_ORDER, ShapingFilter},
+};
+use undrift_noise::order_statistics::upper_median;
+
+/// Means of samples in a block.
+const BLOCK: usize = 64;
+/// The lowest frequency, in periods a block, and how many.
+const FIRST: usize = 16;
+const BINS: usize = 13;
+/// Expectation of the median of so many exponential values of mean 1: Σ 1/i from 7 to 13.
+const MEDIAN: f64 = 0.7301;
+/// A sample longer than this many intervals ends a block.
+const GAP: f64 = 1.5;
+
+pub(crate) struct Vibration {
+    set: VibrationSettings,
+    /// Samples in a mean, and its length \[s\]; zero samples: too slow a log to look.
+    each: usize,
+    interval: f64,
+    /// Cosines and sines of the frequencies under Hann's window, for periodograms as two-sided densities.
+    waves: Box<[[[f64; 2]; BINS]; BLOCK]>,
+    /// Density of the model in the band [unit²·s], the variance of its white noise \[unit²\], and a sample's interval \[s\].
+    model: [f64; AXES],
+    white: [f64; AXES],
+    step: f64,
+    /// The samples of the present mean.
+    sum: [f64; AXES],
+    count: usize,
+    /// The sums of the present block, by frequency.
+    block: [[[f64; AXES]; 2]; BINS],
+    means: usize,
+    /// Density in the band [unit²·s], and for how long it is known \[s\].
+    level: [f64; AXES],
+    known: f64,
+    /// Sum of the density beyond the model's over the blocks, and their number.
+    beyond: [f64; AXES],
+    blocks: u64,
+}
+
+impl Vibration {
+    pub(crate) fn new(sensors: &[ShapingFilter; AXES], set: VibrationSettings) -> Self {
+        let step = sensors[0].interval;
+        let rate = 1.0 / step;
+        let each = match rate >= set.least_rate {
+            true => (rate / set.rate).round().max(1.0) as usize,
+            false => 0,
+        };
+        let interval = step * each as f64;
+        // Hann's window has a mean square of 3/8.
+        let scale = (interval / (0.375 * BLOCK as f64)).sqrt();
+        let wave = |k: usize, bin: usize| {
+            let window = 0.5 - 0.5 * (2.0 * PI * (k as f64 + 0.5) / BLOCK as f64).cos();
+            let angle = 2.0 * PI * ((FIRST + bin) * k % BLOCK) as f64 / BLOCK as f64;
+            [angle.cos(), angle.sin()].map(|w| w * window * scale)
+        };
+        let mut waves = Box::new([[[0.0; 2]; BINS]; BLOCK]);
+        for (k, waves) in waves.iter_mut().enumerate() {
+            *waves = std::array::from_fn(|bin| wave(k, bin));
+        }
+        let hertz = |bin: usize| (FIRST + bin) as f64 / (BLOCK as f64 * interval);
+        let density = |sensor: &ShapingFilter| {
+            let sum: f64 = (0..BINS).map(|bin| spectrum(sensor, hertz(bin))).sum();
+            sum / BINS as f64
+        };
+        Self {
+            set,
+            each,
+            interval,
+            waves,
+            model: std::array::from_fn(|i| if each > 0 { density(&sensors[i]) } else { 0.0 }),
+            white: std::array::from_fn(|i| sensors[i].r),
+            step,
+            sum: [0.0; AXES],
+            count: 0,
+            block: [[[0.0; AXES]; 2]; BINS],
+            means: 0,
+            level: [0.0; AXES],
+            known: 0.0,
+            beyond: [0.0; AXES],
+            blocks: 0,
+        }
+    }
+
+    /// Takes in a sample; at the end of a block the variance that each axis's white noise of a sample has by now \[unit²\].
+    pub(crate) fn next(&mut self, sample: &ImuSample) -> Option<[f64; AXES]> {
+        if self.each == 0 {
+            return None;
+        }
+        if sample.dt > GAP * self.step {
+            (self.count, self.sum, self.means) = (0, [0.0; AXES], 0);
+            return None;
+        }
+        for i in 0..3 {
+            self.sum[i] += sample.dtheta[i];
+            self.sum[3 + i] += sample.dvel[i];
+        }
+        self.count += 1;
+        if self.count < self.each {
+            return None;
+        }
+        if self.means == 0 {
+            self.block = [[[0.0; AXES]; 2]; BINS];
+        }
+        let mean = self.sum.map(|sum| sum / self.interval);
+        for (sums, waves) in self.block.iter_mut().zip(&self.waves[self.means]) {
+            for (sums, wave) in sums.iter_mut().zip(waves) {
+                for (sum, value) in sums.iter_mut().zip(mean) {
+                    *sum += wave * value;
+                }
+            }
+        }
+        (self.count, self.sum) = (0, [0.0; AXES]);
+        self.means += 1;
+        if self.means < BLOCK {
+            return None;
+        }
+        self.means = 0;
+        self.learn();
+        Some(self.variances())
+    }
+
+    /// Takes in a whole block.
+    fn learn(&mut self) {
+        let length = self.interval * BLOCK as f64;
+        self.known = (self.known + length).min(self.set.memory.max(length));
+        let gain = length / self.known;
+        for (i, level) in self.level.iter_mut().enumerate() {
+            let mut powers = self.block.map(|[c, s]| c[i] * c[i] + s[i] * s[i]);
+            *level += gain * (upper_median(&mut powers) / MEDIAN - *level);
+        }
+    }
+
+    /// Density beyond the model's [unit²·s].
+    fn excess(&self, axis: usize) -> f64 {
+        let (level, model) = (self.level[axis], self.model[axis]);
+        let known = self.known >= self.set.memory;
+        match known && level > self.set.from * self.set.from * model {
+            true => level - model,
+            false => 0.0,
+        }
+    }
+
+    /// Variance of the white noise of a sample of each axis \[unit²\].
+    pub(crate) fn variances(&self) -> [f64; AXES] {
+        std::array::from_fn(|i| self.white[i] + self.excess(i) / self.step)
+    }
+
+    /// Counts the present noise in what [`Vibration::louder`] is the mean of.
+    pub(crate) fn count(&mut self) {
+        for i in 0..AXES {
+            self.beyond[i] += self.excess(i);
+        }
+        self.blocks += 1;
+    }
+
+    /// How many times the model's the density of the noise was, the root mean square; `None` where it was the
+    /// model's.
+    pub(crate) fn louder(&self) -> Option<[f64; AXES]> {
+        let ratio = |i: usize| {
+            let beyond = self.beyond[i] / self.blocks as f64;
+            (1.0 + beyond / self.model[i].max(f64::MIN_POSITIVE)).sqrt()
+        };
+        let any = self.beyond.iter().any(|beyond| *beyond > 0.0);
+        any.then(|| std::array::from_fn(ratio))
+    }
+}
+
+/// Density of the white noise in the band that samples show [unit·√s], the root mean square of all blocks; `None`
+/// of a log that is too slow or too short.
+pub(crate) fn densities(imu: &[ImuSample], settings: &Settings) -> Option<[f64; AXES]> {
+    let set = VibrationSettings {
+        memory: f64::INFINITY,
+        ..settings.engine.vibration
+    };
+    let mut vibration = Vibration::new(&settings.sensors, set);
+    for sample in imu {
+        vibration.next(sample);
+    }
+    (vibration.known > 0.0).then(|| vibration.level.map(f64::sqrt))
+}
+
+/// Two-sided density of a model at a frequency \[Hz\], [unit²·s]: T |H (z − F)⁻¹ G + D|², z on the unit circle.
+fn spectrum(sensor: &ShapingFilter, hertz: f64) -> f64 {
+    type Square = SMatrix<Complex<f64>, MAX_ORDER, MAX_ORDER>;
+    let z = Complex::cis(2.0 * PI * hertz * sensor.interval);
+    let real = |x: f64| Complex::new(x, 0.0);
+    // States beyond the order are those of an identity.
+    let resolvent = Square::from_fn(|i, j| {
+        let own = if i == j { z } else { real(0.0) };
+        own - real(sensor.f[i][j])
+    });
+    let h = SVector::<_, MAX_ORDER>::from_fn(|i, _| real(sensor.h[i]));
+    // g' = h (z − F)⁻¹, from its transpose.
+    let Some(g) = resolvent.transpose().lu().solve(&h) else {
+        return sensor.r * sensor.interval;
+    };
+    let mut sum = sensor.r;
+    for i in 0..sensor.order {
+        sum += 2.0 * (g[i] * sensor.s[i]).re;
+        for j in 0..sensor.order {
+            sum += (g[i] * g[j].conj() * sensor.q[i][j]).re;
+        }
+    }
+    sum.max(0.0) * sensor.interval
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+    use rand_xoshiro::Xoshiro256PlusPlus;
+
+    const STEP: f64 = 0.01;
+    const WHITE: f64 = 1e-3;
+
+    fn sensors() -> [ShapingFilter; AXES] {
+        let white = ShapingFilter::white(WHITE, STEP).unwrap();
+        let slow = ShapingFilter::gauss_markov(1e-3, 100.0, STEP).unwrap();
+        [white.plus(&slow).unwrap(); AXES]
+    }
+
+    /// Half a minute of samples whose axes read this beside white noise of a density: what the noise is taken for, as a
+    /// density.
+    fn seen(density: f64, rest: impl Fn(f64) -> f64) -> [f64; AXES] {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(7);
+        let mut vibration = Vibration::new(&sensors(), VibrationSettings::default());
+        let mut last = None;
+        for k in 0..30_000 {
+            let time = STEP * k as f64;
+            let mut value = || {
+                let noise: f64 = StandardNormal.sample(&mut random);
+                (density / STEP.sqrt() * noise + rest(time)) * STEP
+            };
+            let sample = ImuSample {
+                time,
+                dt: STEP,
+                dtheta: undrift_nav::Vector3::from_fn(|_, _| value()),
+                dvel: undrift_nav::Vector3::from_fn(|_, _| value()),
+            };
+            let now = vibration.next(&sample);
+            if now.is_some() {
+                vibration.count();
+            }
+            last = now.or(last);
+        }
+        let louder = vibration.louder();
+        assert_eq!(
+            louder.is_some(),
+            last.is_some_and(|last| last != vibration.white)
+        );
+        louder.map_or([WHITE; AXES], |louder| louder.map(|times| times * WHITE))
+    }
+
+    #[test]
+    fn noise_beyond_the_model_is_found() {
+        // Some 450 independent values of 13 frequencies each: 2 % of the density.
+        for density in seen(5.0 * WHITE, |_| 0.0) {
+            assert!((density / (5.0 * WHITE) - 1.0).abs() < 0.06, "{density}");
+        }
+    }
+
+    #[test]
+    fn noise_of_the_model_is_not_touched() {
+        assert_eq!(seen(WHITE, |_| 0.0), [WHITE; AXES]);
+    }
+
+    #[test]
+    fn lines_and_motion_are_no_noise() {
+        let line = |t: f64| 0.1 * (2.0 * PI * 31.3 * t).sin() + 0.05 * (2.0 * PI * 40.0 * t).cos();
+        let motion = |t: f64| 3.0 * (2.0 * PI * 0.3 * t).sin() + 0.5 * (2.0 * PI * 2.0 * t).sin();
+        for density in seen(WHITE, |t| line(t) + motion(t)) {
+            // Ten and five times the noise of a sample; two lines of four frequencies each lift the median of thirteen.
+            assert!(density < 2.5 * WHITE, "{density}");
+        }
+    }
+
+    #[test]
+    fn a_slow_log_shows_nothing() {
+        let slow = [ShapingFilter::white(WHITE, 0.1).unwrap(); AXES];
+        let mut vibration = Vibration::new(&slow, VibrationSettings::default());
+        for k in 0..1000 {
+            let sample = ImuSample {
+                time: 0.1 * k as f64,
+                dt: 0.1,
+                dtheta: undrift_nav::Vector3::repeat(f64::from(k % 2)),
+                dvel: undrift_nav::Vector3::zeros(),
+            };
+            assert_eq!(vibration.next(&sample), None);
+        }
+    }
+
+    #[test]
+    fn spectrum_of_a_model() {
+        // σ² T (1 − φ²) / |z − φ|², and the white noise.
+        let (phi, sigma) = (0.9, 0.2);
+        let white = ShapingFilter::white(0.05, STEP).unwrap();
+        let lasting = ShapingFilter::ar(&[phi], sigma, STEP).unwrap();
+        let model = white.plus(&lasting).unwrap();
+        for hertz in [1.0, 10.0, 37.0] {
+            let away = (Complex::cis(2.0 * PI * hertz * STEP) - phi).norm_sqr();
+            let expected = 0.05 * 0.05 + sigma * sigma * STEP / away;
+            let density = spectrum(&model, hertz);
+            assert!(
+                (density / expected - 1.0).abs() < 1e-12,
+                "{density} {expected}"
+            );
+        }
+    }
+}
