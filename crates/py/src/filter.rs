@@ -29,6 +29,7 @@ use undrift::{
     },
     navigate::{self, solution_row},
     noise::interrupt,
+    replay::Vibration,
     settings::fix_errors::FixErrors,
 };
 use undrift_report::say;
@@ -62,6 +63,8 @@ struct Held {
     begun: bool,
     /// What the fixes are wrong by.
     fix_errors: FixErrors,
+    /// What the samples show of their noise, where the filter follows it.
+    vibration: Option<Vibration>,
 }
 
 impl Held {
@@ -97,6 +100,10 @@ impl Held {
             );
         }
         filter.advance(None);
+        let noise = self.vibration.as_mut().and_then(|v| v.next(sample));
+        if let Some(variances) = noise {
+            filter.set_white_noise(&variances);
+        }
         filter.begin(sample);
         self.begun = true;
         Ok(())
@@ -229,6 +236,7 @@ impl Filter {
             estimator: filter,
             begun: false,
             fix_errors: FixErrors::default(),
+            vibration: None,
         })))
     }
 
@@ -249,6 +257,7 @@ impl Filter {
             estimator: started.filter,
             begun: true,
             fix_errors: settings.fix_errors,
+            vibration: started.vibration,
         };
         let lever_arm = columns::array(&settings.lever_arm);
         Ok((
@@ -265,6 +274,7 @@ impl Filter {
                 estimator: held.estimator.boxed(),
                 begun: held.begun,
                 fix_errors: held.fix_errors,
+                vibration: held.vibration.clone(),
             }))
         })
     }
@@ -348,6 +358,7 @@ impl Filter {
                 estimator: held.estimator.boxed(),
                 begun: true,
                 fix_errors: held.fix_errors,
+                vibration: held.vibration.clone(),
             };
             let mut rows = Vec::with_capacity(count);
             let mut before = None;

@@ -40,6 +40,7 @@ pub use measurement::{Measurement, Scalar, merge};
 pub use not_aligned::NotAligned;
 pub use observer::{Measurements, Observer, ReplayError, Samples};
 pub use summary::{Innovations, MOST_EVENTS, Summary};
+pub use vibration::Vibration;
 
 /// Navigates a log. The size of the filter follows the models.
 ///

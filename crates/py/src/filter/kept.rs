@@ -13,7 +13,11 @@ use undrift::{
         parameters::{Parameter, Parameters, Prior},
         shaping::{MAX_ORDER, ShapingFilter},
     },
-    settings::fix_errors::{Correlated, FixErrors},
+    replay::Vibration,
+    settings::{
+        VibrationSettings,
+        fix_errors::{Correlated, FixErrors},
+    },
 };
 
 /// What a filter is made of.
@@ -22,6 +26,9 @@ struct Made {
     priors: [Prior; Parameter::ALL.len()],
     fix_errors: FixErrors,
     begun: f64,
+    /// 1 where the noise follows the samples, and the white noise of the models then.
+    follows: f64,
+    white: [f64; AXES],
 }
 
 impl Made {
@@ -51,6 +58,8 @@ impl Made {
         vectors.into_iter().flatten().for_each(&mut *each);
         each(&mut errors.jitter);
         each(&mut self.begun);
+        each(&mut self.follows);
+        self.white.iter_mut().for_each(&mut *each);
     }
 }
 
@@ -66,11 +75,19 @@ pub(super) fn numbers(held: &Held) -> Vec<f64> {
         priors: Parameter::ALL.map(|kind| filter.parameters().prior(kind).unwrap_or(none)),
         fix_errors: held.fix_errors,
         begun: f64::from(u8::from(held.begun)),
+        follows: f64::from(u8::from(held.vibration.is_some())),
+        white: held
+            .vibration
+            .as_ref()
+            .map_or([0.0; AXES], Vibration::white_noise),
     };
     let mut numbers = Vec::new();
     let mut keep = |number: &mut f64| numbers.push(*number);
     made.numbers(&mut keep);
     filter.boxed().numbers(&mut keep);
+    if let Some(mut vibration) = held.vibration.clone() {
+        vibration.numbers(&mut keep);
+    }
     numbers
 }
 
@@ -88,6 +105,8 @@ pub(super) fn held(numbers: Vec<f64>) -> Result<Held, String> {
         priors: [Prior::default(); Parameter::ALL.len()],
         fix_errors: FixErrors::default(),
         begun: 0.0,
+        follows: 0.0,
+        white: [0.0; AXES],
     };
     made.numbers(&mut put);
     if made.sensors.iter().any(|axis| axis.order > MAX_ORDER) {
@@ -119,6 +138,15 @@ pub(super) fn held(numbers: Vec<f64>) -> Result<Held, String> {
     let filter = estimator::build(nav, &std, &made.sensors, parameters);
     let mut filter: Box<dyn Estimator> = filter.map_err(|problem| problem.to_string())?;
     filter.numbers(&mut put);
+    let mut models = made.sensors;
+    for (model, white) in models.iter_mut().zip(made.white) {
+        model.r = white;
+    }
+    let mut vibration =
+        (made.follows != 0.0).then(|| Vibration::new(&models, VibrationSettings::default()));
+    if let Some(vibration) = &mut vibration {
+        vibration.numbers(&mut put);
+    }
     if missing || all.next().is_some() || filter.check().is_err() {
         return Err("not the numbers of a filter".into());
     }
@@ -126,5 +154,6 @@ pub(super) fn held(numbers: Vec<f64>) -> Result<Held, String> {
         estimator: filter,
         begun: made.begun != 0.0,
         fix_errors: made.fix_errors,
+        vibration,
     })
 }

@@ -3,8 +3,8 @@
 use super::{Aids, NavigateError, resolve_mounting, settings, study, tell};
 use crate::{
     drive::Drive,
-    estimator::Estimator,
-    replay::{Observer, ReplayError, Settings, replay},
+    estimator::{Estimator, STAMP_ROUNDING},
+    replay::{Observer, ReplayError, Settings, Vibration, replay},
 };
 use std::cell::RefCell;
 use undrift_noise::BiasModel;
@@ -15,6 +15,8 @@ pub struct Started {
     pub filter: Box<dyn Estimator>,
     /// What a replay of the drive goes on with.
     pub settings: Settings,
+    /// What the samples up to there have shown of their noise, where the filter's follows it.
+    pub vibration: Option<Vibration>,
 }
 
 /// Keeps the first filter that it sees.
@@ -45,9 +47,26 @@ pub fn start(drive: &Drive, kind: BiasModel) -> Result<Started, NavigateError> {
         &settings,
         &mut First(&begun),
     )?;
-    match begun.take() {
-        Some(filter) => Ok(Started { filter, settings }),
+    let Some(filter) = begun.take() else {
         // It ended with the sample that it began in.
-        None => Err(ReplayError::Filter(undrift_nav::filter::FilterError::Diverged).into()),
+        return Err(ReplayError::Filter(undrift_nav::filter::FilterError::Diverged).into());
+    };
+    let mut vibration = settings
+        .vibration
+        .then(|| Vibration::new(&settings.sensors, settings.engine.vibration));
+    if let Some(vibration) = &mut vibration {
+        let end = filter.nav().time + STAMP_ROUNDING;
+        for sample in drive.open_imu()? {
+            let sample = sample?;
+            if sample.time > end {
+                break;
+            }
+            vibration.next(&sample);
+        }
     }
+    Ok(Started {
+        filter,
+        settings,
+        vibration,
+    })
 }
