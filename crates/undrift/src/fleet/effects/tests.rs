@@ -131,6 +131,44 @@ fn nothing_is_found_where_there_is_nothing() {
     assert!(effects.logs.is_empty());
 }
 
+/// A vehicle of which all units have logs is found beside the type and the unit; a label that says the same as the
+/// type is not determined.
+#[test]
+fn a_vehicle_is_told_from_the_units_and_the_type() {
+    let planted = Planted {
+        unit: 4.0,
+        ..NOTHING
+    };
+    let mut logs = fleet(6, planted);
+    let vehicle = |k: usize| ["van", "car", "truck"][k % 3];
+    for (k, log) in logs.iter_mut().enumerate() {
+        if vehicle(k) == "truck" {
+            log.values.iter_mut().for_each(|(_, value)| *value *= 1.5);
+        }
+    }
+    let samples = logs.iter().enumerate().map(|(k, log)| Sample {
+        values: log.values.clone(),
+        unit: Some(&log.unit),
+        levels: vec![
+            Some(log.kind),
+            (k % 7 > 0).then(|| vehicle(k)),
+            Some(if log.kind == "odd" { "v1" } else { "v2" }),
+        ],
+        temperature_c: (k % 7 > 0).then_some(log.temperature),
+    });
+    let effects = effects(&samples.collect::<Vec<_>>(), 3).unwrap();
+    assert_eq!(found(&effects), (vec!["SN0007"], false, false));
+    let [_, vehicles, aliased] = effects.factors.as_slice() else {
+        panic!("{:?}", effects.factors);
+    };
+    assert!(aliased.is_empty(), "{aliased:?}");
+    assert_eq!(vehicles.len(), 3);
+    let truck = vehicles["truck"];
+    assert!(truck.found && truck.low.0 < 1.5 && 1.5 < truck.high.0);
+    // By eight logs of ten in each unit: the interval is that of the scatter within units.
+    assert!(truck.high.0 / truck.low.0 < 1.3, "{truck:?}");
+}
+
 /// Three units hide each other from a test that leaves out one at a time.
 #[test]
 fn several_units_do_not_hide_each_other() {
