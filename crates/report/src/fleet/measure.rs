@@ -200,7 +200,7 @@ fn outliers(measure: &Measure) -> Option<Block> {
         ),
         measure.outliers.iter().take(ROWS),
         &[
-            ("log", &|o| (&o.log).into()),
+            ("log", &|o| Cell::from(&o.log).linked(o.report.as_deref())),
             ("unit", &|o| (&o.unit).into()),
             ("temperature [°C]", &|o| Cell::number(o.temperature_c.0, 1)),
             ("times as predicted (95 %)", &|o| {

@@ -161,6 +161,7 @@ impl Summary {
                 Some(FleetOutlier {
                     log: log.name.clone(),
                     unit: log.unit.clone(),
+                    report: log.label("report").map(str::to_owned),
                     temperature_c: log.temperature_c.into(),
                     effect,
                 })

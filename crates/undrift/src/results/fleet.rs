@@ -198,6 +198,9 @@ pub struct FleetOutlier {
     pub log: String,
     /// Serial number of its IMU.
     pub unit: Option<String>,
+    /// Its own report: the label `report` of the log.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub report: Option<String>,
     /// Temperature \[°C\].
     pub temperature_c: Number,
     /// Against what the others and the rest of its unit predict.

@@ -100,7 +100,7 @@ fn drawn(log: usize) -> FleetOutcome {
             label("vehicle", ["van", "car", "truck"][log % 3].into()),
             label("firmware", format!("v{}", log / 7 % 5)),
             label("campaign", "all".into()),
-            label("file", format!("{log}.bin")),
+            label("report", format!("reports/{log}.html")),
         ]
         .into(),
         temperature_c: (!log.is_multiple_of(31)).then_some(temperature),

@@ -3,13 +3,14 @@
 use super::*;
 
 /// Sixty logs, six of each of ten units; the drift of those in the truck is 1.8 times the others', of which each
-/// differs a little.
+/// differs a little; that of log 13 is 20 times as large.
 fn fleet() -> Fleet {
     let mut summary = Summary::default();
     for k in 0..60_u32 {
         let label = |name: &str, value: String| (name.to_owned(), value);
         let scatter = 1.0 + 0.01 * f64::from(k * 7 % 13) + 0.03 * f64::from(k / 6 * 3 % 7);
         let drift = scatter * if k % 3 == 2 { 1.8 } else { 1.0 };
+        let drift = if k == 13 { 20.0 * drift } else { drift };
         summary.add(&FleetOutcome {
             log: format!("{k:02}"),
             unit: Some(format!("SN{}", k / 6)),
@@ -17,7 +18,7 @@ fn fleet() -> Fleet {
             labels: [
                 label("campaign", "spring".into()),
                 label("vehicle", ["van", "car", "truck"][k as usize % 3].into()),
-                label("file", format!("{k}.bin")),
+                label("report", format!("{k}.html")),
             ]
             .into(),
             temperature_c: None,
@@ -48,7 +49,7 @@ fn labels_are_factors_or_left_out_with_the_reason() {
         left_out.collect::<Vec<_>>(),
         [
             ("campaign", Some(LeftOut::Constant)),
-            ("file", Some(LeftOut::Unique)),
+            ("report", Some(LeftOut::Unique)),
             ("vehicle", None)
         ]
     );
@@ -66,4 +67,11 @@ fn labels_are_factors_or_left_out_with_the_reason() {
         truck.found && truck.low.0 < 1.8 && 1.8 < truck.high.0,
         "{truck:?}"
     );
+}
+
+#[test]
+fn a_log_that_stands_out_has_its_report() {
+    let [outlier] = fleet().measures.remove(0).outliers.try_into().unwrap();
+    assert_eq!(outlier.log, "13");
+    assert_eq!(outlier.report.as_deref(), Some("13.html"));
 }
