@@ -177,6 +177,8 @@ pub struct Cell {
     pub text: String,
     /// Whether it stands out, such as the best of its row.
     pub strong: bool,
+    /// What a page links it to: the address of another page, or a file relative to this one.
+    pub link: Option<String>,
 }
 
 impl Cell {
@@ -198,13 +200,25 @@ impl Cell {
     pub(crate) fn strong_if(self, strong: bool) -> Self {
         Self { strong, ..self }
     }
+
+    /// The cell, linked to a file or page; other addresses, which may be programs, are not links.
+    pub(crate) fn linked(self, to: Option<&str>) -> Self {
+        let is_page = |to: &&str| {
+            let scheme = to.split_once(':').map(|(scheme, _)| scheme);
+            scheme.is_none_or(|scheme| ["http", "https", "file"].contains(&scheme))
+        };
+        Self {
+            link: to.filter(is_page).map(str::to_owned),
+            ..self
+        }
+    }
 }
 
 impl From<String> for Cell {
     fn from(text: String) -> Self {
         Self {
             text,
-            strong: false,
+            ..Self::default()
         }
     }
 }

@@ -84,8 +84,16 @@ fn alarms(run: &Fleet) -> Vec<String> {
     let alarm = |troubles: &[Trouble], what: &str, happened: &str| {
         let mut names: Vec<String> = troubles.iter().map(|t| t.log.clone()).collect();
         names.dedup();
+        // Of many the causes say more than the names.
+        let (list, most) = if names.len() > NAMES {
+            let of = |cause: Cause| format!("{} × {}", count(cause.logs), cause.why);
+            let causes = causes_of(troubles).into_iter().map(of);
+            (causes.collect(), EXAMPLES)
+        } else {
+            (names, NAMES)
+        };
         let n = many(troubles.len() as u64, what);
-        (!names.is_empty()).then(|| format!("{n} {happened}: {}", first_few(&names, NAMES)))
+        (!list.is_empty()).then(|| format!("{n} {happened}: {}", first_few(&list, most)))
     };
     let untrusted = "of single models or axes failed or cannot be trusted";
     let alarms = [
@@ -103,7 +111,7 @@ struct Cause {
     first: Vec<String>,
 }
 
-/// Examples of a cause.
+/// Examples of a cause, and causes of a warning.
 const EXAMPLES: usize = 3;
 
 /// One line for each cause, the most frequent first. Numbers in it differ from log to log: they are not part of it.
@@ -130,6 +138,14 @@ fn causes<'a>(all: impl Iterator<Item = (&'a str, &'a str, String)>) -> Vec<Caus
     causes
 }
 
+/// The causes of troubles.
+fn causes_of(troubles: &[Trouble]) -> Vec<Cause> {
+    causes(troubles.iter().map(|t| {
+        let part = t.part.as_deref().unwrap_or("all");
+        (t.log.as_str(), part, t.why.replace(&t.log, "…"))
+    }))
+}
+
 /// What failed, what cannot be trusted, and what should be known of the logs.
 fn troubles(run: &Fleet) -> Option<Section> {
     let folded = |name, caption, causes: Vec<Cause>| {
@@ -145,20 +161,14 @@ fn troubles(run: &Fleet) -> Option<Section> {
             ],
         )
     };
-    let of = |list: &[Trouble]| {
-        causes(list.iter().map(|t| {
-            let part = t.part.as_deref().unwrap_or("all");
-            (t.log.as_str(), part, t.why.replace(&t.log, "…"))
-        }))
-    };
     let warned = run.warned.iter().flat_map(|w| {
         let sentences = w.warnings.iter();
         sentences.map(|text| (w.log.as_str(), "all", text.replace(&w.log, "…")))
     });
     let untrusted = "Models and axes that failed or cannot be trusted.";
     let tables = [
-        folded("failed", "Logs that failed.", of(&run.failed)),
-        folded("untrusted", untrusted, of(&run.untrusted)),
+        folded("failed", "Logs that failed.", causes_of(&run.failed)),
+        folded("untrusted", untrusted, causes_of(&run.untrusted)),
         folded("warned", "Warnings about logs.", causes(warned)),
     ];
     Section::of(
@@ -173,5 +183,38 @@ fn shortened(caption: &str, all: usize) -> String {
         format!("{caption} The first {ROWS} of {}.", count(all as u64))
     } else {
         caption.to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_failures_are_folded_into_causes() {
+        let trouble = |k: usize| Trouble {
+            log: format!("{k:03}/drive.toml"),
+            why: match k % 4 {
+                0 => format!("{k:03}/drive.toml: imu.csv: No such file or directory"),
+                _ => format!("gnss.csv line {k}: no column \"lon_deg\""),
+            },
+            ..Trouble::default()
+        };
+        let mut run = Fleet {
+            failed: (0..2000).map(trouble).collect(),
+            ..Fleet::default()
+        };
+        assert_eq!(
+            alarms(&run),
+            [
+                "2\u{202f}000 logs failed: 1\u{202f}500 × gnss.csv line 1: no column \"lon_deg\", \
+              500 × …: imu.csv: No such file or directory"
+            ]
+        );
+        run.failed.truncate(2);
+        assert_eq!(
+            alarms(&run),
+            ["2 logs failed: 000/drive.toml, 001/drive.toml"]
+        );
     }
 }

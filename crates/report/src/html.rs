@@ -156,7 +156,11 @@ fn table(table: &Table, number: usize) -> String {
         for (i, cell) in row.iter().enumerate() {
             let minus = if numeric[i] { "−" } else { "-" };
             let text = cell.text.replace('-', minus);
-            rows += &element(&format!("td{}", class(i, cell.strong)), "td", &text);
+            let text = match &cell.link {
+                Some(to) => element(&format!("a href=\"{}\"", escape(to)), "a", &text),
+                None => escape(&text),
+            };
+            rows += &format!("<td{}>{text}</td>", class(i, cell.strong));
         }
         rows += "</tr>\n";
     }
@@ -214,7 +218,18 @@ fn base64(bytes: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Section;
+    use crate::{Cell, Section};
+
+    #[test]
+    fn only_files_and_pages_are_linked() {
+        let link = |to| Cell::from("log").linked(Some(to)).link;
+        for to in ["logs/7.html", "../7 (2).html", "https://a.example/7?x=1:2"] {
+            assert_eq!(link(to).as_deref(), Some(to));
+        }
+        for to in ["javascript:alert(1)", "data:text/html,x", "\tJavaScript:x"] {
+            assert_eq!(link(to), None);
+        }
+    }
 
     const HOSTILE: &str = "</script><img src=x onerror=alert(1)><!--\"'&";
 
@@ -237,7 +252,7 @@ mod tests {
             name: HOSTILE.into(),
             caption: HOSTILE.into(),
             head: vec![HOSTILE.into()],
-            rows: vec![vec![HOSTILE.into()]],
+            rows: vec![vec![Cell::from(HOSTILE).linked(Some(HOSTILE))]],
         };
         let figure = Figure {
             name: HOSTILE.into(),
@@ -264,7 +279,7 @@ mod tests {
         assert_eq!(html.matches("</script").count(), 2);
         // The one comment is the notice.
         assert_eq!(html.matches("<!--").count(), 1);
-        assert_eq!(html.matches("&lt;img src=x onerror").count(), 11);
+        assert_eq!(html.matches("&lt;img src=x onerror").count(), 12);
     }
 
     #[test]

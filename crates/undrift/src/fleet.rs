@@ -9,6 +9,7 @@
 mod effects;
 mod fingerprint;
 mod gather;
+mod labels;
 mod manifest;
 mod mixed;
 mod outcome;

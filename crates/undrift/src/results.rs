@@ -23,8 +23,8 @@ pub use demo::{
 };
 pub use drive::{Drive, Start, name, names};
 pub use fleet::{
-    Bin, Effect, Fleet, FleetEffects, FleetGroup, FleetLog, FleetMeasure, FleetOutlier, FleetPart,
-    Level, Scatter, Slope, Trouble, Warned,
+    Bin, Effect, Fleet, FleetEffects, FleetGroup, FleetLabel, FleetLog, FleetMeasure, FleetOutlier,
+    FleetPart, LeftOut, Level, Scatter, Slope, Trouble, Warned,
 };
 pub use identify::{
     Adf, Allan, ArmaOrigin, Axis, AxisPool, AxisSeries, AxisTemperature, BoxJenkins, Candidate,

@@ -364,6 +364,11 @@ fn one_drive_file_for_many_folders() {
     }
     assert_eq!(table["one"]["labels"]["vehicle"], "van");
     assert_eq!(table["three"]["labels"], serde_json::json!({}));
+    let label = serde_json::json!({"label": "vehicle", "left_out": "constant", "by_value": []});
+    assert_eq!(
+        summary(&out)["measures"][0]["by_label"],
+        serde_json::json!([label])
+    );
 }
 
 #[test]

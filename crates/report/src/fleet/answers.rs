@@ -1,11 +1,14 @@
-//! What is asked of a fleet, answered in sentences: which unit, which sensor, is it the temperature?
+//! What is asked of a fleet, answered in sentences: which unit, which sensor, which of their labels, is it the
+//! temperature?
 
 use super::{NAMES, many};
 use crate::{
     numbers::{probability, short},
     parts::first_few,
 };
-use undrift::results::{Effect, FleetGroup as Group, FleetMeasure as Measure, Slope};
+use undrift::results::{
+    Effect, FleetGroup as Group, FleetLabel as Label, FleetMeasure as Measure, LeftOut, Slope,
+};
 
 /// A factor with its interval.
 pub(super) fn factor(effect: &Effect) -> String {
@@ -20,13 +23,37 @@ pub(super) fn of(measure: &Measure) -> Vec<String> {
     };
     let name = measure.name.replace('_', " ");
     let groups = [("unit", &measure.by_unit), ("sensor", &measure.by_sensor)];
-    let groups = groups.map(|(what, groups)| of_groups(&name, what, groups));
+    let groups = groups.map(|(what, groups)| of_groups(&name, groups, |n| many(n, what)));
+    let labels = measure.by_label.iter().filter_map(|label| {
+        let values = |n| format!("{} of {}", many(n, "value"), label.label);
+        of_groups(&name, &label.by_value, values)
+    });
     let temperature = model.temperature.as_ref();
     let temperature = temperature.map(|slope| of_temperature(&name, slope));
-    groups.into_iter().flatten().chain(temperature).collect()
+    let groups = groups.into_iter().flatten().chain(labels);
+    groups.chain(temperature).collect()
 }
 
-fn of_groups(name: &str, what: &str, groups: &[Group]) -> Option<String> {
+/// The labels that are not compared, and why.
+pub(super) fn left_out(measure: &Measure) -> Option<String> {
+    let one = |label: &Label| {
+        let why = match label.left_out? {
+            LeftOut::Constant => "the same in all logs",
+            LeftOut::Unique => "different in each log",
+            LeftOut::Unit => "most values of one unit only",
+            LeftOut::Many => "too many values",
+            LeftOut::Aliased => {
+                "not separable from the sensor, other labels or missing temperatures"
+            }
+        };
+        Some(format!("{} ({why})", label.label))
+    };
+    let names: Vec<String> = measure.by_label.iter().filter_map(one).collect();
+    (!names.is_empty()).then(|| format!("Labels not compared: {}.", names.join(", ")))
+}
+
+/// What stands out of groups; `all` is their number with what they are.
+fn of_groups(name: &str, groups: &[Group], all: impl Fn(u64) -> String) -> Option<String> {
     let compared = groups.iter().filter_map(|g| Some((g, g.effect.as_ref()?)));
     let compared: Vec<(&Group, &Effect)> = compared.collect();
     if compared.is_empty() {
@@ -34,7 +61,7 @@ fn of_groups(name: &str, what: &str, groups: &[Group]) -> Option<String> {
     }
     let mut found: Vec<&(&Group, &Effect)> = compared.iter().filter(|(_, e)| e.found).collect();
     found.sort_by(|a, b| a.1.p.0.total_cmp(&b.1.p.0));
-    let of_all = many(compared.len() as u64, what);
+    let of_all = all(compared.len() as u64);
     if found.is_empty() {
         return Some(format!("None of {of_all} stands out in {name}."));
     }
@@ -126,6 +153,30 @@ mod tests {
                 "One stands out of 2 units in drift: SN0007 3.00 times the others (95 %: 2.00 to 4.50; p < 0.0001).",
                 "Temperature matters: drift grows with it, by 1.00 %/K (95 %: 0.800 to 1.20)."
             ]
+        );
+        let label = |name: &str, left_out, by_value| Label {
+            label: name.into(),
+            left_out,
+            by_value,
+        };
+        measure.by_label = vec![
+            label("campaign", Some(LeftOut::Constant), Vec::new()),
+            label(
+                "firmware",
+                None,
+                vec![
+                    group("v1", effect(0.5, 0.001)),
+                    group("v2", effect(2.0, 0.02)),
+                ],
+            ),
+        ];
+        assert_eq!(
+            of(&measure)[1],
+            "One stands out of 2 values of firmware in drift: v1 0.500 times the others (95 %: 0.333 to 0.750; p = 0.00100)."
+        );
+        assert_eq!(
+            left_out(&measure).unwrap(),
+            "Labels not compared: campaign (the same in all logs)."
         );
         measure.by_unit.pop();
         assert_eq!(of(&measure)[0], "None of 1 unit stands out in drift.");

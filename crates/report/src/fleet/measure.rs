@@ -4,7 +4,7 @@ use super::{NAMES, ROWS, answers, density::density, many, shortened};
 use crate::{
     Axis, Block, Cell, Figure, Panel, Section, Series, Table,
     numbers::{count, get, probability, short},
-    parts::{axis_for, capital, first_few, model_colour, quartiles},
+    parts::{axis_for, capital, first_few, model_colour, quartiles, text},
 };
 use undrift::noise::order_statistics::quantile;
 use undrift::results::{
@@ -96,6 +96,10 @@ pub(super) fn section(run: &Fleet, measure: &Measure) -> Option<Section> {
     if measure.by_sensor.len() > 1 {
         blocks.extend(groups(measure, "sensor", &measure.by_sensor));
     }
+    for label in &measure.by_label {
+        blocks.extend(groups(measure, &label.label, &label.by_value));
+    }
+    blocks.extend(text(answers::left_out(measure)));
     Section::of(&capital(&measure.name.replace('_', " ")), blocks)
 }
 
@@ -182,15 +186,21 @@ fn spread(run: &Fleet, measure: &Measure) -> Option<Block> {
 }
 
 fn outliers(measure: &Measure) -> Option<Block> {
+    let own = match measure.task.as_str() {
+        "" => String::new(),
+        verb => format!(" A log's own report: undrift {verb} LOG --report FILE.html."),
+    };
     let rows = Table::of(
         &format!("{}-outliers", measure.name),
         &shortened(
-            "Logs that differ from what the others and the rest of their unit predict.",
+            &format!(
+                "Logs that differ from what the others and the rest of their unit predict.{own}"
+            ),
             measure.outliers.len(),
         ),
         measure.outliers.iter().take(ROWS),
         &[
-            ("log", &|o| (&o.log).into()),
+            ("log", &|o| Cell::from(&o.log).linked(o.report.as_deref())),
             ("unit", &|o| (&o.unit).into()),
             ("temperature [°C]", &|o| Cell::number(o.temperature_c.0, 1)),
             ("times as predicted (95 %)", &|o| {
@@ -255,7 +265,7 @@ fn temperature(run: &Fleet, measure: &Measure) -> Option<Block> {
     )
 }
 
-/// Units or sensors: their medians as a figure and a table.
+/// Units, sensors or values of a label: their medians as a figure and a table.
 fn groups(measure: &Measure, what: &str, groups: &[Group]) -> Vec<Block> {
     // Those that stand out first, then by the part that is best over all the largest.
     let by = least(measure).map_or("", |part| part.part.as_str());

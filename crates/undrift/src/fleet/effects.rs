@@ -27,7 +27,7 @@ pub const OF_LOGS: f64 = 0.01;
 /// Temperature at which levels are given [°C].
 pub const REFERENCE_C: f64 = 25.0;
 /// Levels of a factor that are compared.
-const MOST_LEVELS: usize = 50;
+pub const MOST_LEVELS: usize = 50;
 /// Units that are set aside before there is reason to, in case several hide each other.
 const AHEAD: usize = 2;
 /// … among as many as this; more units cannot hide each other.
@@ -73,6 +73,9 @@ impl<'a> Design<'a> {
                 .iter()
                 .map(|sample| level(sample).unwrap_or(UNKNOWN));
             let mut names: Vec<&str> = names.collect::<BTreeSet<_>>().into_iter().collect();
+            // The last column is the one that the others may make up, such as where the logs without a temperature
+            // lack the level too.
+            names.sort_by_key(|name| *name == UNKNOWN);
             if names.len() > MOST_LEVELS {
                 names.clear();
             }

@@ -2,7 +2,7 @@
 //!
 //! y = Xβ + u(unit) + v(log) + e, each normal and independent, with the variances λ₂σ², λ₁σ² and σ². The
 //! variance of a log's rows is σ²(1 + λ₁ 11′), that of a unit's σ²(A + λ₂ 11′): both invert by Sherman and
-//! Morrison's formula, so nothing larger than X′X is ever formed, and an evaluation costs a few operations a log.
+//! Morrison's formula, so nothing larger than X′X is ever formed.
 //! σ² and β are profiled out of the restricted likelihood (REML), which is minimised over the two ratios.
 //!
 //! A unit or log that is *set aside* has an intercept of its own: that is the limit of an infinite variance, in
@@ -13,6 +13,7 @@
 
 mod fit;
 mod scores;
+mod sums;
 #[cfg(test)]
 mod tests;
 
@@ -31,7 +32,7 @@ pub struct Nested {
     /// Of each log \[X y\]′1, one after the other.
     sums: Vec<f64>,
     /// Rows of each log.
-    sizes: Vec<f64>,
+    sizes: Vec<usize>,
     /// The logs of each unit.
     units: Vec<Range<usize>>,
     /// Whether a column of X is the same in all rows of a unit, in every unit.
@@ -82,7 +83,7 @@ impl Nested {
                     *between &= a == b;
                 }
             }
-            self.sizes.push(rows.len() as f64);
+            self.sizes.push(rows.len());
             self.aside[0].push(false);
         }
         if self.sizes.len() > from {
@@ -114,13 +115,18 @@ impl Nested {
     /// Whether the intercepts of a level can be told from those of the one below.
     pub fn has(&self, level: Level) -> bool {
         match level {
-            Level::Log => self.sizes.iter().any(|n| *n > 1.0),
+            Level::Log => self.sizes.iter().any(|n| *n > 1),
             Level::Unit => self.units.len() > 1 && self.units.iter().any(|logs| logs.len() > 1),
         }
     }
 
     fn rows(&self) -> f64 {
-        self.sizes.iter().sum()
+        self.sizes.iter().sum::<usize>() as f64
+    }
+
+    /// The rows of a log.
+    fn size(&self, log: usize) -> usize {
+        self.sizes.get(log).copied().unwrap_or(1)
     }
 
     fn sum(&self, log: usize) -> &[f64] {
@@ -130,72 +136,6 @@ impl Nested {
             .unwrap_or_default()
     }
 
-    /// What is subtracted of a log: λ₁/(1 + nλ₁), the weight of its sum, 1/(1 + nλ₁), and ln|A|.
-    fn log_weights(&self, log: usize, ratio: f64) -> (f64, f64, f64) {
-        let n = self.sizes.get(log).copied().unwrap_or(1.0);
-        if self.is_aside(Level::Log, log) {
-            (1.0 / n, 0.0, n.ln())
-        } else {
-            let scale = 1.0 / (1.0 + n * ratio);
-            (ratio * scale, scale, -scale.ln())
-        }
-    }
-
-    /// What is subtracted of a unit's weighted sum, λ₂/(1 + Wλ₂), and the determinant's share.
-    fn unit_weights(&self, unit: usize, weight: f64, ratio: f64) -> (f64, f64) {
-        if self.is_aside(Level::Unit, unit) && weight > 0.0 {
-            (1.0 / weight, weight.ln())
-        } else {
-            let scale = 1.0 / (1.0 + weight * ratio);
-            (ratio * scale, -scale.ln())
-        }
-    }
-
-    /// The weighted sum of a unit's logs, S = X′A⁻¹1 with y in the last place, and W = 1′A⁻¹1.
-    fn unit_sum(&self, unit: usize, ratio: f64, sum: &mut [f64]) -> f64 {
-        sum.fill(0.0);
-        let mut weight = 0.0;
-        for log in self.units.get(unit).cloned().unwrap_or_default() {
-            let (_, scale, _) = self.log_weights(log, ratio);
-            weight += scale * self.sizes.get(log).copied().unwrap_or(0.0);
-            for (total, value) in sum.iter_mut().zip(self.sum(log)) {
-                *total += scale * value;
-            }
-        }
-        weight
-    }
-
-    /// \[X y\]′V⁻¹\[X y\], its lower triangle, and ln|V|, both for σ² = 1.
-    fn weighted(&self, ratios: [f64; 2]) -> (DMatrix<f64>, f64) {
-        let q = self.columns;
-        let mut taken = vec![0.0; q * q];
-        let mut less = |sum: &[f64], by: f64| {
-            for (row, a) in taken.chunks_exact_mut(q).zip(sum) {
-                let scaled = by * a;
-                if scaled != 0.0 {
-                    for (slot, b) in row.iter_mut().zip(sum) {
-                        *slot += scaled * b;
-                    }
-                }
-            }
-        };
-        let mut determinant = 0.0;
-        let mut sum = vec![0.0; q];
-        for (unit, logs) in self.units.iter().enumerate() {
-            for log in logs.clone() {
-                let (by, _, share) = self.log_weights(log, ratios[0]);
-                less(self.sum(log), by);
-                determinant += share;
-            }
-            let weight = self.unit_sum(unit, ratios[0], &mut sum);
-            let (by, share) = self.unit_weights(unit, weight, ratios[1]);
-            less(&sum, by);
-            determinant += share;
-        }
-        let taken = DMatrix::from_row_slice(q, q, &taken);
-        (&self.products - taken, determinant)
-    }
-
     /// Intercepts of their own, which cost a degree of freedom each.
     fn intercepts(&self) -> f64 {
         let logs = self.aside[0].iter().filter(|aside| **aside).count();
@@ -203,5 +143,43 @@ impl Nested {
         let units = self.units.iter().zip(&self.aside[1]);
         let units = units.filter(|(logs, aside)| **aside && of_unit(logs));
         (logs + units.count()) as f64
+    }
+}
+
+/// How a log's rows enter the likelihood.
+struct LogWeights {
+    /// Of the square of its sum, which is subtracted: λ₁/(1 + nλ₁).
+    less: f64,
+    /// Of its sum in that of its unit: 1/(1 + nλ₁).
+    scale: f64,
+    /// ln|A|.
+    determinant: f64,
+}
+
+fn log_weights(rows: usize, ratio: f64, aside: bool) -> LogWeights {
+    let n = rows as f64;
+    if aside {
+        return LogWeights {
+            less: 1.0 / n,
+            scale: 0.0,
+            determinant: n.ln(),
+        };
+    }
+    let scale = 1.0 / (1.0 + n * ratio);
+    LogWeights {
+        less: ratio * scale,
+        scale,
+        determinant: -scale.ln(),
+    }
+}
+
+/// What is subtracted of the square of a unit's weighted sum, λ₂/(1 + Wλ₂) with W = 1′A⁻¹1, and the determinant's
+/// share.
+fn unit_weights(weight: f64, ratio: f64, aside: bool) -> (f64, f64) {
+    if aside && weight > 0.0 {
+        (1.0 / weight, weight.ln())
+    } else {
+        let scale = 1.0 / (1.0 + weight * ratio);
+        (ratio * scale, -scale.ln())
     }
 }

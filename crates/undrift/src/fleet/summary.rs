@@ -1,15 +1,17 @@
-//! All outcomes in one: how far logs drift by bias model, unit, sensor and temperature, and which stand out.
+//! All outcomes in one: how far logs drift by bias model, unit, sensor, label and temperature, and which stand
+//! out.
 
 mod measures;
 
 use super::{
     FleetOutcome, Row,
     effects::{self, Effects, Sample},
+    labels::{self, Labels},
 };
 use crate::{
     results::{
-        Bin, Effect, Fleet, FleetGroup, FleetLog, FleetMeasure, FleetOutlier, FleetPart, Level,
-        Number, Numbers, SCHEMA, Trouble, VERSION, Warned,
+        Bin, Effect, Fleet, FleetGroup, FleetLabel, FleetLog, FleetMeasure, FleetOutlier,
+        FleetPart, LeftOut, Level, Number, Numbers, SCHEMA, Trouble, VERSION, Warned,
     },
     series::to_digits,
 };
@@ -22,12 +24,26 @@ struct Log {
     name: String,
     unit: Option<String>,
     sensor: Option<String>,
+    labels: Labels,
     temperature_c: Option<f64>,
     /// By measure and part.
     values: BTreeMap<(usize, String), f64>,
     /// Parts whose values cannot be trusted.
     untrusted: Vec<String>,
 }
+
+impl Log {
+    fn label(&self, name: &str) -> Option<&str> {
+        self.labels.get(name).map(String::as_str)
+    }
+}
+
+/// Logs of a measure, their labels and why one is left out, and the effects on it.
+type Known<'a> = (
+    Vec<&'a Log>,
+    Vec<(&'a str, Option<LeftOut>)>,
+    Option<Effects>,
+);
 
 /// What is kept of the outcomes, a few numbers of each.
 #[derive(Default)]
@@ -96,6 +112,7 @@ impl Summary {
             name: log.clone(),
             unit: unit.clone(),
             sensor: outcome.sensor.clone(),
+            labels: outcome.labels.clone(),
             temperature_c: outcome.temperature_c,
             values,
             untrusted,
@@ -135,8 +152,8 @@ impl Summary {
         if parts.is_empty() {
             return None;
         }
-        let (logs, effects) = self.effects(place, &parts);
-        let (mut levels, mut units, mut sensors) = (Vec::new(), BTreeMap::new(), BTreeMap::new());
+        let (logs, labels, effects) = self.effects(place, &parts);
+        let (mut levels, mut units, mut factors) = (Vec::new(), BTreeMap::new(), Vec::new());
         let (mut outliers, mut model) = (Vec::new(), None);
         if let Some(effects) = effects {
             let outlier = |(at, effect): (usize, Effect)| {
@@ -144,6 +161,7 @@ impl Summary {
                 Some(FleetOutlier {
                     log: log.name.clone(),
                     unit: log.unit.clone(),
+                    report: log.label("report").map(str::to_owned),
                     temperature_c: log.temperature_c.into(),
                     effect,
                 })
@@ -152,15 +170,23 @@ impl Summary {
             outliers.sort_by(|a, b| a.effect.p.0.total_cmp(&b.effect.p.0));
             levels = effects.levels;
             units = effects.units;
-            sensors = effects.factors.into_iter().next().unwrap_or_default();
+            factors = effects.factors;
             model = Some(effects.model);
         }
+        let mut factors = factors.into_iter();
+        let sensors = factors.next().unwrap_or_default();
+        let by_label = labels.into_iter().map(|(label, left_out)| {
+            let factor = left_out.is_none().then(|| factors.next()).flatten();
+            self.label(place, &parts, label, left_out, factor)
+        });
+        let by_label = by_label.collect();
         let level = |at: usize| levels.get(at).copied().flatten();
         let of_parts = parts.iter().enumerate();
         Some(FleetMeasure {
             name: measure.name.into(),
             what: measure.what.into(),
             unit: measure.unit.into(),
+            task: measure.task.into(),
             parts: of_parts
                 .map(|(at, part)| self.part(place, part, level(at)))
                 .collect(),
@@ -169,11 +195,34 @@ impl Summary {
             outliers,
             by_unit: self.groups(place, &parts, &units, |log| log.unit.as_deref()),
             by_sensor: self.groups(place, &parts, &sensors, |log| log.sensor.as_deref()),
+            by_label,
         })
     }
 
-    /// The logs that have the measure, and what it depends on; of a solution that diverged it does not.
-    fn effects(&self, place: usize, parts: &[&str]) -> (Vec<&Log>, Option<Effects>) {
+    /// A label with the effects of its values, which are none where they cannot be told from others'.
+    fn label(
+        &self,
+        place: usize,
+        parts: &[&str],
+        label: &str,
+        left_out: Option<LeftOut>,
+        effects: Option<BTreeMap<String, Effect>>,
+    ) -> FleetLabel {
+        let aliased = effects.as_ref().is_some_and(BTreeMap::is_empty);
+        FleetLabel {
+            label: label.to_owned(),
+            by_value: match left_out {
+                Some(_) => Vec::new(),
+                None => self.groups(place, parts, &effects.unwrap_or_default(), |log| {
+                    log.label(label)
+                }),
+            },
+            left_out: left_out.or(aliased.then_some(LeftOut::Aliased)),
+        }
+    }
+
+    /// The logs that have the measure, their labels, and what it depends on; of a solution that diverged it does not.
+    fn effects(&self, place: usize, parts: &[&str]) -> Known<'_> {
         let sample = |log: &Log| {
             let value = |(at, part): (usize, &&str)| {
                 let part = (*part).to_owned();
@@ -189,18 +238,27 @@ impl Summary {
         };
         let logs = self.logs.iter().map(|log| (log, sample(log)));
         let (logs, values): (Vec<&Log>, Vec<_>) = logs.filter(|(_, v)| !v.is_empty()).unzip();
+        let known: Vec<_> = logs
+            .iter()
+            .map(|log| (log.unit.as_deref(), &log.labels))
+            .collect();
+        let labels: Vec<_> = labels::chosen(&known).collect();
+        let factors = labels.iter().filter(|(_, left_out)| left_out.is_none());
         let samples: Vec<Sample<'_>> = logs
             .iter()
             .zip(values)
             .map(|(log, values)| Sample {
                 values,
                 unit: log.unit.as_deref(),
-                levels: vec![log.sensor.as_deref()],
+                levels: [log.sensor.as_deref()]
+                    .into_iter()
+                    .chain(factors.clone().map(|(label, _)| log.label(label)))
+                    .collect(),
                 temperature_c: log.temperature_c,
             })
             .collect();
         let effects = effects::effects(&samples, parts.len());
-        (logs, effects)
+        (logs, labels, effects)
     }
 
     /// A bias model or axis over all logs.
@@ -311,3 +369,6 @@ fn bins(pairs: &[(f64, f64)]) -> Vec<Bin> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests;

@@ -13,7 +13,7 @@ pub struct Fleet {
     pub undrift: String,
     /// Version of this schema.
     pub schema: u32,
-    /// Logs by what was done with them: "outages", "navigate" or "identify".
+    /// Logs by what was done with them: "outages", "navigate", "tune" or "identify".
     pub tasks: BTreeMap<String, u64>,
     /// Logs without a result.
     pub failed: Vec<Trouble>,
@@ -56,7 +56,7 @@ pub struct Warned {
     pub warnings: Vec<String>,
 }
 
-/// What a measure depends on, by a linear mixed model of its logarithm: fixed effects of part, sensor and temperature,
+/// What a measure depends on, by a linear mixed model of its logarithm: fixed effects of part, sensor, labels and temperature,
 /// random ones of unit and log. Probabilities are adjusted for everything that is asked of the measure.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -66,7 +66,7 @@ pub struct FleetEffects {
     pub logs: u64,
     /// Units that are compared.
     pub units: u64,
-    /// Probability of finding anything in units, sensors and temperature where there is nothing.
+    /// Probability of finding anything in units, sensors, labels and temperature where there is nothing.
     pub significance: Number,
     /// The same of single logs.
     pub significance_of_logs: Number,
@@ -153,6 +153,8 @@ pub struct FleetMeasure {
     pub what: String,
     /// Its unit.
     pub unit: String,
+    /// What was done with its logs: "outages", "navigate", "tune" or "identify".
+    pub task: String,
     /// By bias model or axis.
     pub parts: Vec<FleetPart>,
     /// On how many of the logs that have all parts each one is the least.
@@ -165,6 +167,9 @@ pub struct FleetMeasure {
     pub by_unit: Vec<FleetGroup>,
     /// By noise model of the IMU.
     pub by_sensor: Vec<FleetGroup>,
+    /// By each label of the logs.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub by_label: Vec<FleetLabel>,
 }
 
 /// A bias model or axis over all logs.
@@ -193,6 +198,9 @@ pub struct FleetOutlier {
     pub log: String,
     /// Serial number of its IMU.
     pub unit: Option<String>,
+    /// Its own report: the label `report` of the log.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub report: Option<String>,
     /// Temperature \[°C\].
     pub temperature_c: Number,
     /// Against what the others and the rest of its unit predict.
@@ -214,19 +222,50 @@ pub struct Bin {
     pub median: Number,
 }
 
-/// Logs of one unit or sensor.
+/// What a label of the logs, such as the firmware, does to a measure.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct FleetLabel {
+    /// The label.
+    pub label: String,
+    /// Why it is not in the model.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub left_out: Option<LeftOut>,
+    /// By value, of a label in the model.
+    pub by_value: Vec<FleetGroup>,
+}
+
+/// Why a label is not in the model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum LeftOut {
+    /// All logs that have it have the same value.
+    Constant,
+    /// Each log has a value of its own.
+    Unique,
+    /// Most values belong to a single unit each.
+    Unit,
+    /// It has more than 50 values, or too many for the logs.
+    Many,
+    /// It is determined by the sensor, the labels before it or the absence of a temperature.
+    Aliased,
+}
+
+/// Logs of one unit, sensor or value of a label.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct FleetGroup {
-    /// The unit or sensor.
+    /// The unit, sensor or value.
     pub name: String,
     /// Its logs.
     pub logs: u64,
     /// Their medians by part.
     pub median: Numbers,
     /// A unit against the others, drawn towards them as far as its logs are few (BLUP) unless it stands out; a sensor
-    /// against the mean of the others.
+    /// or value against the mean of the others.
     pub effect: Option<Effect>,
 }
 

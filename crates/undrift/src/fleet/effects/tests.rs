@@ -40,13 +40,17 @@ struct Drawn {
 /// Drifts as outages make them: the error of each is Rayleigh's, a log has the root mean square of seven, three bias
 /// models see mostly the same noise, and routes differ.
 fn fleet(seed: u64, planted: Planted) -> Vec<Drawn> {
+    fleet_of(UNITS, LOGS, seed, planted)
+}
+
+fn fleet_of(units: usize, of_unit: usize, seed: u64, planted: Planted) -> Vec<Drawn> {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
     let standard = Normal::new(0.0, 1.0).unwrap();
     let temperatures = Uniform::new(-10.0, 60.0).unwrap();
     let mut logs = Vec::new();
-    for unit in 1..=UNITS {
+    for unit in 1..=units {
         let natural: f64 = planted.spread * standard.sample(&mut rng);
-        for _ in 0..LOGS {
+        for _ in 0..of_unit {
             let temperature = temperatures.sample(&mut rng);
             let mut scale = 3.0 * (natural + 0.2 * standard.sample(&mut rng)).exp();
             scale *= (planted.slope * (temperature - 25.0)).exp();
@@ -125,6 +129,44 @@ fn nothing_is_found_where_there_is_nothing() {
     let effects = of(&fleet(2, NOTHING));
     assert_eq!(found(&effects), (vec![], false, false));
     assert!(effects.logs.is_empty());
+}
+
+/// A vehicle of which all units have logs is found beside the type and the unit; a label that says the same as the
+/// type is not determined.
+#[test]
+fn a_vehicle_is_told_from_the_units_and_the_type() {
+    let planted = Planted {
+        unit: 4.0,
+        ..NOTHING
+    };
+    let mut logs = fleet(6, planted);
+    let vehicle = |k: usize| ["van", "car", "truck"][k % 3];
+    for (k, log) in logs.iter_mut().enumerate() {
+        if vehicle(k) == "truck" {
+            log.values.iter_mut().for_each(|(_, value)| *value *= 1.5);
+        }
+    }
+    let samples = logs.iter().enumerate().map(|(k, log)| Sample {
+        values: log.values.clone(),
+        unit: Some(&log.unit),
+        levels: vec![
+            Some(log.kind),
+            (k % 7 > 0).then(|| vehicle(k)),
+            Some(if log.kind == "odd" { "v1" } else { "v2" }),
+        ],
+        temperature_c: (k % 7 > 0).then_some(log.temperature),
+    });
+    let effects = effects(&samples.collect::<Vec<_>>(), 3).unwrap();
+    assert_eq!(found(&effects), (vec!["SN0007"], false, false));
+    let [_, vehicles, aliased] = effects.factors.as_slice() else {
+        panic!("{:?}", effects.factors);
+    };
+    assert!(aliased.is_empty(), "{aliased:?}");
+    assert_eq!(vehicles.len(), 3);
+    let truck = vehicles["truck"];
+    assert!(truck.found && truck.low.0 < 1.5 && 1.5 < truck.high.0);
+    // By eight logs of ten in each unit: the interval is that of the scatter within units.
+    assert!(truck.high.0 / truck.low.0 < 1.3, "{truck:?}");
 }
 
 /// Three units hide each other from a test that leaves out one at a time.
@@ -288,4 +330,54 @@ fn counted(planted: Planted, expected: [usize; 3], seeds: std::ops::Range<u64>) 
         counts[4] += usize::from(!effects.logs.is_empty());
     }
     counts
+}
+
+/// 100 000 logs with a type of four, a vehicle of three and a firmware of five, with and without gaps.
+#[test]
+#[ignore = "slow: prints times"]
+fn a_hundred_thousand_logs() {
+    let planted = Planted {
+        unit: 4.0,
+        slope: 0.01,
+        ..NOTHING
+    };
+    for (name, units, of_unit, gaps) in [
+        ("complete", 2000, 50, false),
+        ("with gaps", 2000, 50, true),
+        ("many units", 20_000, 5, true),
+        ("few units", 30, 3334, true),
+        ("no unit twice", 100_000, 1, true),
+    ] {
+        let mut logs = fleet_of(units, of_unit, 7, planted);
+        if gaps {
+            for (k, log) in logs.iter_mut().enumerate() {
+                log.values
+                    .truncate(3 - usize::from(k % 5 == 0) - usize::from(k % 35 == 0));
+            }
+        }
+        // One log in 20 000 does not belong.
+        for log in logs.iter_mut().skip(11).step_by(20_000) {
+            log.values.iter_mut().for_each(|(_, value)| *value *= 12.0);
+        }
+        let number = |k: usize| String::leak(k.to_string());
+        let levels = |k: usize| [k / of_unit % 4, k % 3, k / 7 % 5].map(|n| Some(&*number(n)));
+        let samples = logs.iter().enumerate().map(|(k, log)| Sample {
+            values: log.values.clone(),
+            unit: Some(&log.unit),
+            levels: levels(k).to_vec(),
+            temperature_c: Some(log.temperature),
+        });
+        let samples: Vec<Sample<'_>> = samples.collect();
+        let start = std::time::Instant::now();
+        let effects = effects(&samples, 3).unwrap();
+        let elapsed = start.elapsed().as_secs_f64();
+        let found = effects.units.values().filter(|effect| effect.found);
+        println!(
+            "{name}: {} logs, {} units: {elapsed:.2} s; {} units and {} logs found",
+            samples.len(),
+            units,
+            found.count(),
+            effects.logs.len()
+        );
+    }
 }

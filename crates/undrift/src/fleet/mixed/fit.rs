@@ -1,6 +1,6 @@
 //! The restricted likelihood, its maximum, and contrasts of the fixed effects.
 
-use super::{ALIASED, Level, Nested};
+use super::{ALIASED, Level, Nested, sums::Sums};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -19,16 +19,16 @@ pub(super) struct Profile {
 }
 
 impl Profile {
-    pub fn of(nested: &Nested, ratios: [f64; 2]) -> Option<Self> {
-        let (all, determinant) = nested.weighted(ratios);
-        let p = nested.columns - 1;
-        let (inverse, aliased, of_x) = inverted(&all, &nested.products, p);
+    pub fn of(sums: &Sums, ratios: [f64; 2]) -> Option<Self> {
+        let (all, determinant) = sums.weighted(ratios);
+        let p = all.nrows() - 1;
+        let (inverse, aliased, of_x) = inverted(&all, &sums.products, p);
         let xy = DVector::from_fn(p, |i, _| all[(p, i)]);
         let beta = &inverse * &xy;
         let squares = all[(p, p)] - beta.dot(&xy);
         let estimated = aliased.iter().filter(|aliased| !**aliased).count() as f64;
-        let freedom = nested.rows() - estimated - nested.intercepts();
-        let sound = freedom >= 1.0 && squares > 1e-12 * nested.products[(p, p)];
+        let freedom = sums.freedom - estimated;
+        let sound = freedom >= 1.0 && squares > 1e-12 * sums.products[(p, p)];
         sound.then_some(Self {
             squares,
             determinants: determinant + of_x,
@@ -139,24 +139,21 @@ const STEP: f64 = 1e-3;
 const WIDE: f64 = 1e-2;
 
 impl Nested {
-    pub(super) fn criterion(&self, ratios: [f64; 2]) -> f64 {
-        Profile::of(self, ratios).map_or(f64::INFINITY, |profile| profile.criterion())
-    }
-
     /// The most likely variances; from `near`, those of a similar fit, it takes less time. `None` where the rows are
     /// too few, or leave nothing beside the fixed effects.
     pub fn fit(&self, near: Option<[f64; 2]>) -> Option<Fit> {
+        let sums = Sums::of(self);
         let free = [Level::Log, Level::Unit].map(|level| self.has(level));
         let starts = |free: bool| if free { &STARTS[..] } else { &STARTS[..1] };
         let mut best = near.unwrap_or_default();
-        let mut least = self.criterion(best);
+        let mut least = sums.criterion(best);
         for a in starts(free[0]) {
             for b in starts(free[1]) {
                 // Zero and what lies near are looked at from a similar fit too.
                 if near.is_some() && *a > 0.0 && *b > 0.0 {
                     continue;
                 }
-                let value = self.criterion([*a, *b]);
+                let value = sums.criterion([*a, *b]);
                 if value < least {
                     (best, least) = ([*a, *b], value);
                 }
@@ -167,20 +164,39 @@ impl Nested {
         }
         for _ in 0..60 {
             let before = least;
-            (best, least) = self.newton(best, least);
-            (best, least) = self.ends(best, least, free);
+            (best, least) = sums.newton(best, least);
+            (best, least) = sums.ends(best, least, free);
             if before - least < 1e-9 {
                 break;
             }
         }
-        let profile = Profile::of(self, best)?;
+        let profile = Profile::of(&sums, best)?;
         let variance = profile.squares / profile.freedom;
         Some(Fit {
             ratios: best,
             variance,
-            curvature: self.curvature(best, variance),
+            curvature: sums.curvature(best, variance),
             profile,
         })
+    }
+
+    /// Degrees of freedom between units: units less the coefficients that are the same all over a unit.
+    pub fn between_freedom(&self, fit: &Fit) -> f64 {
+        let aside = self.aside[1].iter().filter(|aside| **aside).count();
+        let columns = self.between.iter().zip(&fit.profile.aliased).enumerate();
+        let columns = columns.filter(|(_, (between, aliased))| **between && !**aliased);
+        let columns: Vec<usize> = columns.map(|(column, _)| column).collect();
+        // The mean is a column of ones, or the sum of those of the parts.
+        let ones = |column: &usize| self.products[(*column, *column)] == self.rows();
+        let mean = usize::from(!columns.iter().any(ones));
+        let coefficients = columns.len() + mean;
+        self.units.len() as f64 - aside as f64 - coefficients as f64
+    }
+}
+
+impl Sums {
+    pub fn criterion(&self, ratios: [f64; 2]) -> f64 {
+        Profile::of(self, ratios).map_or(f64::INFINITY, |profile| profile.criterion())
     }
 
     /// A step of Newton's method in the logarithms of the ratios that are not zero.
@@ -256,7 +272,7 @@ impl Nested {
             Profile::of(self, ratios)
         };
         let value = |p: &Profile| p.squares / variance + p.determinants;
-        let (middle, p) = (at(0.0, 0.0)?, self.columns - 1);
+        let (middle, p) = (at(0.0, 0.0)?, self.products.nrows() - 1);
         let mut bend = Matrix3::<f64>::identity();
         bend[(0, 0)] = middle.freedom;
         let mut changes = [DMatrix::zeros(p, p), DMatrix::zeros(p, p)];
@@ -277,19 +293,6 @@ impl Nested {
             (bend[(1, 2)], bend[(2, 1)]) = (mixed, mixed);
         }
         Some((2.0 * bend.try_inverse()?, changes))
-    }
-
-    /// Degrees of freedom between units: units less the coefficients that are the same all over a unit.
-    pub fn between_freedom(&self, fit: &Fit) -> f64 {
-        let aside = self.aside[1].iter().filter(|aside| **aside).count();
-        let columns = self.between.iter().zip(&fit.profile.aliased).enumerate();
-        let columns = columns.filter(|(_, (between, aliased))| **between && !**aliased);
-        let columns: Vec<usize> = columns.map(|(column, _)| column).collect();
-        // The mean is a column of ones, or the sum of those of the parts.
-        let ones = |column: &usize| self.products[(*column, *column)] == self.rows();
-        let mean = usize::from(!columns.iter().any(ones));
-        let coefficients = columns.len() + mean;
-        self.units.len() as f64 - aside as f64 - coefficients as f64
     }
 }
 

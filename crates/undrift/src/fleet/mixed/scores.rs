@@ -1,8 +1,11 @@
 //! Units and logs one by one: predictions (BLUP), and whether one has its place among the others.
 
 use super::{
-    Fit, Level, Nested,
+    Fit, Level, LogWeights, Nested,
     fit::{Profile, two_sided},
+    log_weights,
+    sums::Sums,
+    unit_weights,
 };
 use nalgebra::{DMatrix, DVector};
 
@@ -36,15 +39,26 @@ fn form(matrix: &DMatrix<f64>, vector: &DVector<f64>) -> f64 {
 }
 
 impl Nested {
+    fn weights(&self, log: usize, ratio: f64) -> LogWeights {
+        log_weights(self.size(log), ratio, self.is_aside(Level::Log, log))
+    }
+
     fn unit(&self, unit: usize, ratios: [f64; 2], beta: &DVector<f64>) -> Unit {
         let mut sum = vec![0.0; self.columns];
-        let weight = self.unit_sum(unit, ratios[0], &mut sum);
+        let mut weight = 0.0;
+        for log in self.units.get(unit).cloned().unwrap_or_default() {
+            let scale = self.weights(log, ratios[0]).scale;
+            weight += scale * self.size(log) as f64;
+            for (total, value) in sum.iter_mut().zip(self.sum(log)) {
+                *total += scale * value;
+            }
+        }
         let y = sum.pop().unwrap_or_default();
         let sum = DVector::from_vec(sum);
         Unit {
             residual: y - sum.dot(beta),
             weight,
-            left: self.unit_weights(unit, weight, ratios[1]).0,
+            left: unit_weights(weight, ratios[1], self.is_aside(Level::Unit, unit)).0,
             sum,
         }
     }
@@ -95,7 +109,7 @@ impl Nested {
                 continue;
             };
             for log in logs.clone() {
-                let n = self.sizes.get(log).copied().unwrap_or(1.0);
+                let n = self.size(log) as f64;
                 let sum = self.sum(log);
                 let of_x = DVector::from_iterator(p, sum.iter().copied().take(p));
                 let residual = sum.last().copied().unwrap_or_default() - of_x.dot(beta);
@@ -110,7 +124,7 @@ impl Nested {
                     }));
                     continue;
                 }
-                let scale = self.log_weights(log, fit.ratios[0]).1;
+                let scale = self.weights(log, fit.ratios[0]).scale;
                 let weight = scale * n;
                 let score = scale * residual - weight * expected;
                 let own = weight - unit.left * weight * weight;
@@ -134,9 +148,10 @@ impl Nested {
     /// the one most likely value, which can be zero, intervals are too short.
     pub fn predictions(&self, fit: &Fit) -> Vec<(f64, f64)> {
         let mut sums = vec![(0.0, 0.0, 0.0); self.units.len()];
-        for (ratio, likelihood) in self.spreads(fit) {
+        let known = Sums::of(self);
+        for (ratio, likelihood) in self.spreads(&known, fit) {
             let ratios = [fit.ratios[0], ratio];
-            let Some(profile) = Profile::of(self, ratios) else {
+            let Some(profile) = Profile::of(&known, ratios) else {
                 continue;
             };
             for (sum, (mean, square)) in sums.iter_mut().zip(self.predicted(ratios, &profile)) {
@@ -167,15 +182,15 @@ impl Nested {
 
     /// Ratios of the variance between units at equal steps of its root, with their likelihoods relative to the
     /// largest.
-    fn spreads(&self, fit: &Fit) -> Vec<(f64, f64)> {
+    fn spreads(&self, sums: &Sums, fit: &Fit) -> Vec<(f64, f64)> {
         const STEPS: u8 = 16;
         /// −2 ln of the likelihood that is left.
         const LEFT: f64 = 9.0;
         if !self.has(Level::Unit) {
             return vec![(fit.ratios[1], 1.0)];
         }
-        let at = |root: f64| self.criterion([fit.ratios[0], root * root]);
-        let least = self.criterion(fit.ratios);
+        let at = |root: f64| sums.criterion([fit.ratios[0], root * root]);
+        let least = sums.criterion(fit.ratios);
         let mut last = fit.ratios[1].sqrt().max(0.02);
         for _ in 0..40 {
             if at(last) - least > LEFT {

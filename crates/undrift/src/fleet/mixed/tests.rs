@@ -1,6 +1,7 @@
 //! Against statsmodels and dense matrices (`testdata/golden/mixed.py`), and against closed forms.
 
-use super::{Level, Nested};
+use super::{Level, Nested, sums::Sums};
+use nalgebra::DMatrix;
 use serde::Deserialize;
 
 #[derive(Deserialize)]
@@ -101,6 +102,53 @@ fn as_statsmodels_and_dense_matrices() {
         for (unit, (mean, square)) in predicted.into_iter().enumerate() {
             close(mean, case.predicted[unit], 1e-3);
             close(square, case.prediction_variance[unit], 1e-3);
+        }
+    }
+}
+
+/// The sums by kinds of logs against matrices of the size of the rows; what is set aside has a column of its own
+/// there.
+#[test]
+fn sums_are_those_of_dense_matrices() {
+    const UNIT: usize = 3;
+    const LOG: usize = 30;
+    for (case, aside) in golden()
+        .iter()
+        .flat_map(|case| [(case, false), (case, true)])
+    {
+        let mut nested = nested(case);
+        nested.set_aside(Level::Unit, UNIT, aside);
+        nested.set_aside(Level::Log, LOG, aside);
+        let sums = Sums::of(&nested);
+        let rows = case.y.len();
+        let alike = |of: &[usize]| DMatrix::from_fn(rows, rows, |i, j| f64::from(of[i] == of[j]));
+        let xy = DMatrix::from_fn(rows, case.x[0].len() + 1, |i, j| {
+            *case.x[i].get(j).unwrap_or(&case.y[i])
+        });
+        let own = DMatrix::from_fn(rows, 2, |i, j| {
+            f64::from([case.unit[i] == UNIT, case.log[i] == LOG][j])
+        });
+        for [of_log, of_unit] in [[0.0, 0.0], [0.7, 0.0], [0.0, 1.3], [0.4, 2.5], [30.0, 1e-3]] {
+            let eye = DMatrix::<f64>::identity(rows, rows);
+            let v = eye + of_log * alike(&case.log) + of_unit * alike(&case.unit);
+            let mut determinant = v.determinant().ln();
+            let mut inverse = v.try_inverse().unwrap();
+            if aside {
+                let inner = own.transpose() * &inverse * &own;
+                determinant += inner.determinant().ln();
+                let outer = &inverse * &own;
+                inverse -= &outer * inner.try_inverse().unwrap() * outer.transpose();
+            }
+            let expected = xy.transpose() * inverse * &xy;
+            let (found, of_found) = sums.weighted([of_log, of_unit]);
+            close(of_found, determinant, 1e-9);
+            for i in 0..xy.ncols() {
+                for j in 0..=i {
+                    let scale = (expected[(i, i)] * expected[(j, j)]).sqrt();
+                    let error = (found[(i, j)] - expected[(i, j)]).abs();
+                    assert!(error < 1e-9 * scale, "{i} {j}: {error} of {scale}");
+                }
+            }
         }
     }
 }
