@@ -285,10 +285,8 @@ mod tests {
             last = now.or(last);
         }
         let louder = vibration.louder();
-        assert_eq!(
-            louder.is_some(),
-            last.is_some_and(|last| last != vibration.white)
-        );
+        // What is louder at the end has been louder; what was so for a while need not be at the end.
+        assert!(louder.is_some() || last == Some(vibration.white));
         louder.map_or([WHITE; AXES], |louder| louder.map(|times| times * WHITE))
     }
 

@@ -337,7 +337,7 @@ fn the_mounting_of_simulated_cars_is_found() {
 fn mounting_without_driving_is_refused() {
     let settings = settings(Heading::Auto);
     let log = simulate(&Trajectory::car(600.0, 1), RATE, None, &receiver(), 1).unwrap();
-    let imu = log.imu.iter().filter(|s| s.time < 115.0).map(|s| Ok(*s));
+    let imu = log.imu.iter().filter(|s| s.time < 90.0).map(|s| Ok(*s));
     let gnss = log.gnss.iter().map(|f| Ok(Measurement::Gnss(*f)));
     let error = mounting::estimate(&mut { imu }, &mut { gnss }, &settings)
         .unwrap_err()

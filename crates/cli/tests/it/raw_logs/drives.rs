@@ -227,21 +227,16 @@ pub fn angle_deg(a: &Matrix3, b: &Matrix3) -> f64 {
 pub fn drift(drive: &Path, model: &Path, extra: &[&str]) -> Vec<Option<f64>> {
     let [drive, model] = [drive, model].map(|path| path.to_str().unwrap());
     let run = ["outages", drive, "--model", model, "--json", "-"];
-    let cuts = [
-        "--length",
-        "10",
-        "--every",
-        "20",
-        "--start",
-        "40",
-        "--bias-models",
-        "arma",
-    ];
-    let result = undrift(&[&run[..], &cuts, extra].concat());
-    let each = result["models"]["arma"]["per_outage"].as_array().unwrap();
-    each.iter()
-        .map(|outage| outage["max"]["horizontal_m"].as_f64())
-        .collect()
+    let cuts = ["--length", "10", "--every", "20", "--bias-models", "arma"];
+    // One start is a matter of luck: three, a third of the interval apart.
+    let of_start = |start: &&str| {
+        let result = undrift(&[&run[..], &cuts, &["--start", start], extra].concat());
+        let each = result["models"]["arma"]["per_outage"].as_array().unwrap();
+        each.iter()
+            .map(|outage| outage["max"]["horizontal_m"].as_f64())
+            .collect::<Vec<_>>()
+    };
+    ["40", "47", "54"].iter().flat_map(of_start).collect()
 }
 
 /// Root mean squares of two drifts over the outages that both measured, and how many these are.
