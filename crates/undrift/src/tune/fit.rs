@@ -241,7 +241,7 @@ fn fit_sized<const N: usize>(
 
 /// Standard deviations by Godambe's sandwich `A⁻¹ (J + Λ) A⁻¹`, `A = −∂²ℓ + Λ`: Λ the prior's precision, J the scatter
 /// of the gradients of spans, with half of the products of neighbours (Newey & West 1987). Varin, Reid & Firth 2011,
-/// section 2.3.
+/// section 2.3. Few spans scatter less than they might: no less than the likelihood's own curvature says, `A⁻¹`.
 fn uncertainty<const N: usize>(linear: &Linear<N>, prior: &Prior, z: &Vector) -> Vector {
     let Score {
         value,
@@ -285,7 +285,7 @@ fn uncertainty<const N: usize>(linear: &Linear<N>, prior: &Prior, z: &Vector) ->
     let covariance = &inverse * j * &inverse;
     std::array::from_fn(|i| {
         let before = prior.std(i, z[i]);
-        let std = covariance[(i, i)].max(0.0).sqrt();
+        let std = covariance[(i, i)].max(inverse[(i, i)]).max(0.0).sqrt();
         let mut smaller = *z;
         smaller[i] -= SEEN.1.ln();
         if !prior.used[i] || std >= before || value - linear.score(&smaller).value < SEEN.0 {
