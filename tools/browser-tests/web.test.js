@@ -114,6 +114,9 @@ test("a simulated drive is navigated and its GNSS cut at a click", { skip: missi
   const { name, text } = await download(page, () => page.locator("#downloads button", { hasText: "nav.kml" }).click());
   assert.equal(name, "nav.kml");
   assert.match(text, /<kml/);
+  // Nothing is sent: no map offers a background.
+  await page.frameLocator("#report").locator("canvas").first().waitFor({ timeout: 20000 });
+  assert.equal(await page.frameLocator("#report").locator("input").count(), 0);
   await page.click("#drive button[value='10']");
   await page.waitForFunction(() => /median/.test(document.getElementById("text").textContent), null, { timeout: 180000 });
   assert.deepEqual(troubles, []);

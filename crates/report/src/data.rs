@@ -29,7 +29,7 @@ pub(super) fn json(figures: &[&Figure]) -> String {
 fn panel(panel: &Panel, lists: &mut Lists) -> Value {
     let series = panel.series.iter().map(|s| self::series(s, lists));
     let (x, y) = panel.extents();
-    json!({
+    let mut value = json!({
         "title": panel.title,
         "x": axis(&panel.x, x),
         "y": axis(&panel.y, y),
@@ -37,7 +37,13 @@ fn panel(panel: &Panel, lists: &mut Lists) -> Value {
         "shades": panel.shades,
         "clock": panel.clock,
         "series": series.collect::<Vec<_>>(),
-    })
+    });
+    if let Some(origin) = panel.origin {
+        // To a tenth of a millimetre.
+        let degrees = |angle: f64| number(angle.to_degrees(), 9);
+        value["origin"] = json!({ "lat_deg": degrees(origin.lat), "lon_deg": degrees(origin.lon) });
+    }
+    value
 }
 
 /// An axis: from where to where it goes at first, and whether it does so whatever is hidden.

@@ -9,7 +9,9 @@ use super::{
 };
 use undrift::{
     demo::{BOUND, PAPER, PAPER_EXACT, RECOMMENDED, REST, UNCALIBRATED, WHITE},
-    results::{CutLength, Demo, DemoModel, Estimate, Number, OutageSeries, Outages, PooledErrors},
+    results::{
+        CutLength, Demo, DemoModel, Drive, Estimate, Number, OutageSeries, Outages, PooledErrors,
+    },
 };
 
 /// What each model is.
@@ -140,6 +142,10 @@ fn head(demo: &Demo) -> Option<Section> {
 /// Where GNSS was cut, and how the models drift in the longest outages.
 fn drift(demo: &Demo) -> Option<Section> {
     let cut = Outages {
+        drive: Drive {
+            simulated: Some(String::new()),
+            ..Drive::default()
+        },
         outages: demo.cuts.clone(),
         series: OutageSeries {
             track: demo.track.clone(),

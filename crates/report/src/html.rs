@@ -1,8 +1,9 @@
-//! A report as one HTML file that needs nothing else: no network, no other file.
+//! A report as one HTML file that needs nothing else: no network, no other file. A reader can ask for the background of
+//! a map, of pictures by OpenStreetMap.
 //!
 //! Text and tables are plain HTML, figures SVG that needs no script. The script in the file draws them again from
 //! their numbers, to zoom, with [uPlot](https://github.com/leeoniya/uPlot) 1.6.32. A content security policy
-//! allows that script and style alone, by their hashes.
+//! allows that script and style alone, by their hashes, and pictures of that host where there is such a map.
 
 use super::{
     Block, Document, Figure, Table, data,
@@ -17,22 +18,32 @@ const STYLES: [&str; 2] = [
     include_str!("assets/report.css"),
 ];
 
-const SCRIPTS: [&str; 6] = [
+const SCRIPTS: [&str; 7] = [
     include_str!("assets/uPlot.iife.min.js"),
     include_str!("assets/shapes.js"),
     include_str!("assets/axes.js"),
     include_str!("assets/gestures.js"),
+    include_str!("assets/tiles.js"),
     include_str!("assets/plot.js"),
     include_str!("assets/report.js"),
 ];
+
+/// Where a reader can ask for the background of a map. The script names it too.
+const TILES: &str = " https://tile.openstreetmap.org";
 
 const NOTICE: &str = include_str!("assets/uPlot-LICENSE.txt");
 
 /// The document as one self-contained HTML file.
 pub fn render(document: &Document) -> String {
     let (style, script) = (style().css() + &STYLES.concat(), SCRIPTS.join("\n"));
+    let mut panels = document.figures().flat_map(|figure| &figure.panels);
+    let tiles = if panels.any(|panel| panel.origin.is_some()) {
+        TILES
+    } else {
+        ""
+    };
     let policy = format!(
-        "default-src 'none'; style-src 'sha256-{}'; script-src 'sha256-{}'; img-src data: blob:; \
+        "default-src 'none'; style-src 'sha256-{}'; script-src 'sha256-{}'; img-src data: blob:{tiles}; \
          base-uri 'none'; form-action 'none'",
         hash(&style),
         hash(&script)
@@ -218,7 +229,8 @@ fn base64(bytes: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Cell, Section};
+    use crate::{Axis, Cell, Panel, Section};
+    use undrift::nav::earth::Geodetic;
 
     #[test]
     fn only_files_and_pages_are_linked() {
@@ -280,6 +292,30 @@ mod tests {
         // The one comment is the notice.
         assert_eq!(html.matches("<!--").count(), 1);
         assert_eq!(html.matches("&lt;img src=x onerror").count(), 12);
+    }
+
+    #[test]
+    fn tiles_are_allowed_below_a_map_with_a_place_alone() {
+        let with = |origin: Option<Geodetic>| {
+            let map = Panel::new("", Axis::new(""), Axis::new("")).to_scale();
+            let figure = Figure::of("map", "", 1, [map.georeferenced(origin)]);
+            render(&Document {
+                sections: Section::of("", figure).into_iter().collect(),
+                ..Document::default()
+            })
+        };
+        let (without, with) = (
+            with(None),
+            with(Some(Geodetic::from_degrees(47.5, -8.25, 0.0))),
+        );
+        assert!(without.contains("img-src data: blob:;"));
+        assert!(!without.contains("\"origin\":"));
+        assert!(with.contains("img-src data: blob: https://tile.openstreetmap.org;"));
+        assert!(with.contains(r#""origin":{"lat_deg":47.5,"lon_deg":-8.25}"#));
+        // Nothing else differs.
+        let bare = with.replacen(TILES, "", 1);
+        let bare = bare.replacen(r#""origin":{"lat_deg":47.5,"lon_deg":-8.25},"#, "", 1);
+        assert_eq!(bare, without);
     }
 
     #[test]

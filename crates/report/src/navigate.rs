@@ -87,7 +87,8 @@ fn solution(shown: &Shown<'_>) -> Option<Section> {
     }
     let start = shown.series.iter().find_map(|(_, s)| origin(&s.track));
     let ground = Panel::new("", Axis::new("east [m]"), Axis::new("north [m]"));
-    let mut ground = ground.to_scale().over_time(shown.clock.zero());
+    let ground = ground.to_scale().georeferenced(start);
+    let mut ground = ground.over_time(shown.clock.zero());
     let mut height = panel_over_time(Axis::new("height [m]"), shown);
     let mut first = None;
     for (at, (name, run)) in shown.series.iter().enumerate() {

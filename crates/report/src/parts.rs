@@ -259,8 +259,9 @@ pub fn on_the_ground(track: &Track, origin: Option<&Geodetic>) -> Vec<(f64, (f64
 
 /// Where a way begins.
 pub fn origin(track: &Track) -> Option<Geodetic> {
-    let place = track.lat_deg.first().zip(track.lon_deg.first());
-    place.map(|(lat, lon)| Geodetic::from_degrees(lat.0, lon.0, 0.0))
+    let (lat, lon) = track.lat_deg.first().zip(track.lon_deg.first())?;
+    let known = lat.0.is_finite() && lon.0.is_finite();
+    known.then(|| Geodetic::from_degrees(lat.0, lon.0, 0.0))
 }
 
 /// An axis for values, logarithmic where the values reach over more than a decade and a half.

@@ -93,6 +93,8 @@ class Plot extends Gestures {
         setSelect: [u => this.selected(u)],
       },
     }, [x, [null, null]], this.box);
+    // A page inside another keeps to that one's policy, which forbids tiles.
+    if (panel.origin && /^(file|https?):$/.test(location.protocol)) this.background = new Background(this);
     this.bindTouch();
     this.bindKeys();
     this.bindWheel();
@@ -270,6 +272,7 @@ class Plot extends Gestures {
       ctx.stroke(new Path2D(d));
       for (const [x, y, text] of texts) ctx.fillText(text, x, y);
     });
+    if (this.background) this.background.moved();
     this.drawn = (this.drawn || 0) + 1;
   }
 

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
+use undrift::nav::earth::Geodetic;
 
 /// One axis of a panel.
 #[derive(Clone, Debug)]
@@ -247,6 +248,8 @@ pub struct Panel {
     /// Over time, or a map with times: when its axis of time begins in the log's own time \[s\]. Such panels share a
     /// cursor and a zoom.
     pub(crate) clock: Option<f64>,
+    /// Of a map of metres east and north: where on Earth its (0, 0) is. A reader can ask for a background there.
+    pub(crate) origin: Option<Geodetic>,
 }
 
 impl Panel {
@@ -260,6 +263,7 @@ impl Panel {
             shades: Vec::new(),
             to_scale: false,
             clock: None,
+            origin: None,
         }
     }
 
@@ -277,6 +281,11 @@ impl Panel {
             to_scale: true,
             ..self
         }
+    }
+
+    /// Where on Earth (0, 0) of a map of metres east and north is, if anywhere.
+    pub fn georeferenced(self, origin: Option<Geodetic>) -> Self {
+        Self { origin, ..self }
     }
 
     /// Counts time from `zero` of the log's own time \[s\], for all that the panel shows.

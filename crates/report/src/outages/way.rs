@@ -56,7 +56,10 @@ fn panel(name: &str, run: &Outages, ways: bool) -> Panel {
     };
     let points = on_clock(track);
     let panel = Panel::new(name, Axis::new("east [m]"), Axis::new("north [m]"));
-    let mut panel = panel.to_scale().over_time(clock.zero());
+    // A simulated drive was nowhere.
+    let real = origin.filter(|_| run.drive.simulated.is_none());
+    let panel = panel.to_scale().georeferenced(real);
+    let mut panel = panel.over_time(clock.zero());
     panel.add(Series::line("driven", 1, Vec::new()).on_map(&points));
     for (at, cut) in run.outages.iter().enumerate() {
         let from = clock.at(cut.start_s.0);
@@ -131,6 +134,17 @@ mod tests {
     use super::*;
     use undrift::nav::earth::Geodetic;
     use undrift::results::{Cut, ModelErrors, Numbers};
+
+    #[test]
+    fn a_simulated_drive_has_no_place() {
+        let mut run = Outages::default();
+        run.series.track.lat_deg.push(45.0.into());
+        run.series.track.lon_deg.push(7.0.into());
+        let real = panel("", &run, false).origin;
+        assert_eq!(real, Some(Geodetic::from_degrees(45.0, 7.0, 0.0)));
+        run.drive.simulated = Some("a car".into());
+        assert_eq!(panel("", &run, false).origin, None);
+    }
 
     #[test]
     fn models_on_one_way_are_one_line_broken_between_outages() {
