@@ -39,8 +39,8 @@ FILTERS = [
     ("python-ins, data sheet", "pyins_drive.py", "sheet", []),
     ("python-ins, by hand", "pyins_drive.py", "hand", []),
 ]
-# CPU time of a sample [s], as measured, where it is above 100 us: one of the three passes, no row with allantools' noise, and none of a
-# drive whose pass would take longer than --limit.
+# CPU time of a sample [s], as measured, where it is above 100 us: one of the three passes, no row with allantools' noise, none of a drive
+# whose pass would take longer than --limit, short drives first until a row has had its --budget.
 SLOW = {"pyins_drive.py": 1.0e-3, "sidereon_drive.py": 2.1e-4}
 SOURCES = {"fusion_nav": PEERS / "fusion_nav.rs", "strapdown_core": PEERS / "strapdown_core.rs", "ekf2": HERE / "ekf2.rs"}
 
@@ -88,7 +88,9 @@ def run(options):
                 if options.again or not out.with_suffix(out.suffix + ".json").exists():
                     tasks.append((title, adapter, model, extra, name, number, out))
 
-    def why_not(adapter, model, name):
+    spent = dict.fromkeys((title for title, _, _, _ in FILTERS), 0.0)
+
+    def why_not(title, adapter, model, name):
         """Why a filter does not take a drive, if so."""
         about = known[name]
         if adapter in built and built[adapter][1]:
@@ -100,6 +102,8 @@ def run(options):
         takes = SLOW.get(adapter, 0.0) * about["samples"]
         if takes > options.limit:
             return f"not started: about {takes:.0f} s of CPU a pass, the limit is {options.limit} s"
+        if adapter in SLOW and spent[title] > options.budget:
+            return f"not started: the row has had its {options.budget} s of CPU"
         if model == "tuned":
             if name in tuning:
                 tuning[name].result()
@@ -112,7 +116,7 @@ def run(options):
         title, adapter, model, extra, name, number, out = task
         before = time.monotonic()
         out.unlink(missing_ok=True)
-        fault = why_not(adapter, model, name)
+        fault = why_not(title, adapter, model, name)
         if fault:
             found = {"fault": fault}
         else:
@@ -126,16 +130,17 @@ def run(options):
             said = [line for line in (errors.read_text() if errors.exists() else "").splitlines() if line.strip()]
             errors.unlink(missing_ok=True)
             if child.returncode in (137, 152):
-                found = {"fault": f"stopped after {options.limit} s of CPU"}
+                found, spent[title] = {"fault": f"stopped after {options.limit} s of CPU"}, spent[title] + options.limit
             elif child.returncode or not out.exists():
                 found = {"fault": (said[-1] if said else f"exit {child.returncode}")[:160]}
             else:
                 found = {"cpu_s": sum(map(float, child.stderr.strip().splitlines()[-1].split()))}
+                spent[title] += found["cpu_s"]
         out.with_suffix(out.suffix + ".json").write_text(json.dumps({"filter": title, "drive": name, "pass": number, **found}))
         print(f"{title}; {name} {number}: {found.get('fault') or '%.1f s' % found['cpu_s']} ({time.monotonic() - before:.0f} s)", flush=True)
 
-    # What takes longest first, so that no core waits for the other at the end; tuning before all, for rows depend on it.
-    tasks.sort(key=lambda task: SLOW.get(task[1], 0.0) * known[task[4]]["samples"], reverse=True)
+    # Tuning before all, for rows depend on it; what is slow next, so that no core waits for the other at the end.
+    tasks.sort(key=lambda task: (task[1] not in SLOW, known[task[4]]["samples"]))
     with ThreadPoolExecutor(options.jobs) as pool:
         longest = sorted(drives if any(task[2] == "tuned" for task in tasks) else [], key=lambda name: known[name]["samples"], reverse=True)
         tuning = {name: pool.submit(tune, undrift, folder / name) for name in longest}
@@ -154,6 +159,7 @@ def main():
     parser.add_argument("--only", nargs="+", help="only filters whose name contains one of these words")
     parser.add_argument("--again", action="store_true", help="run what has answers, too")
     parser.add_argument("--limit", type=int, default=240, help="CPU time of one pass [s]")
+    parser.add_argument("--budget", type=int, default=900, help="CPU time of a row of a slow filter [s]")
     parser.add_argument("--jobs", type=int, default=2, help="processes side by side")
     parser.add_argument("--results", default="target/drives", help="folder for a result of each drive, as `undrift report` reads it")
     parser.add_argument("--figure", help="SVG of the pooled drift")
