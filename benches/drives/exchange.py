@@ -2,8 +2,8 @@
 
 FOLDER/DRIVE has, as little-endian float64 in rows: imu (time, rates, specific force), gnss and pass0..2 (time, latitude, longitude [rad],
 height, velocity, standard deviations of position and velocity; NaN where unknown; a pass lacks the fixes of its windows), wanted0..2
-(times at which an answer is wanted), reference0..2 (a row of gnss for each), start (time, position, velocity, roll, pitch, yaw),
-model-sheet, model-rest, model-hand (six densities in SI, standard deviations of fixes, of the start's attitude); the same as CSV for
+(times at which an answer is wanted: a withheld fix a second), reference0..2 (a row of gnss for each), start (time, position, velocity,
+roll, pitch, yaw), model-sheet, model-rest, model-hand (six densities in SI, standard deviations of fixes, of the start's attitude); the same as CSV for
 undrift with its drive files; and drive.json.
 """
 
@@ -194,7 +194,7 @@ def export(undrift, data, folder, name):
         for label, numbers in models.items():
             arrays[f"model-{label}"] = np.array([*numbers, *stds, *attitude_std])
     length, passes = windows(gnss, split)
-    listed = []
+    listed, outages = [], []
     for k, starts in enumerate(passes):
         kept, wanted, reference = np.ones(len(gnss), bool), [], []
         for start in starts:
@@ -202,26 +202,32 @@ def export(undrift, data, folder, name):
             begin = gnss[np.searchsorted(gnss[:, 0], start), 0]
             inside = (gnss[:, 0] > begin) & (gnss[:, 0] <= begin + length)
             kept &= ~inside
-            for horizon in HORIZONS:
-                ends = np.flatnonzero(inside & (gnss[:, 0] <= begin + horizon + 0.01))
-                if horizon > length or not len(ends) or gnss[ends[-1], 0] < begin + horizon - 1.5:
+            outages.append({"pass": k, "begin": float(begin), "length": length, "at": len(wanted)})
+            before = None
+            for second in range(1, int(length) + 1):
+                ends = np.flatnonzero(inside & (gnss[:, 0] <= begin + second + 0.01))
+                if not len(ends) or gnss[ends[-1], 0] < begin + second - 1.5:
                     continue
-                row = gnss[ends[-1]].copy()
-                if truth is not None:
-                    row[0] = begin + horizon
-                    row[1:7] = [np.interp(row[0], truth[:, 0], truth[:, column]) for column in range(1, 7)]
-                    row[7:] = 0.0
-                yaw = np.interp(row[0], truth[:, 0], np.unwrap(truth[:, 9])) if truth is not None else np.nan
-                wanted.append(row[0])
-                reference.append(np.append(row, yaw))
-                listed.append({"pass": k, "begin": float(begin), "horizon": horizon, "at": len(wanted) - 1})
+                if truth is not None or ends[-1] != before:
+                    before = ends[-1]
+                    row = gnss[before].copy()
+                    if truth is not None:
+                        row[0] = begin + second
+                        row[1:7] = [np.interp(row[0], truth[:, 0], truth[:, column]) for column in range(1, 7)]
+                        row[7:] = 0.0
+                    yaw = np.interp(row[0], truth[:, 0], np.unwrap(truth[:, 9])) if truth is not None else np.nan
+                    wanted.append(row[0])
+                    reference.append(np.append(row, yaw))
+                if second in HORIZONS:
+                    listed.append({"pass": k, "begin": float(begin), "horizon": float(second), "at": len(wanted) - 1})
+            outages[-1]["count"] = len(wanted) - outages[-1]["at"]
         write_gnss(folder / f"pass{k}.csv", gnss[kept])
         arrays |= {f"pass{k}": gnss[kept], f"wanted{k}": np.array(wanted), f"reference{k}": np.array(reference)}
     for label, values in arrays.items():
         np.asarray(values).astype("<f8").tofile(folder / f"{label}.f64")
     about = {"drive": name, "rate_hz": rate, "samples": len(imu), "fixes": len(gnss), "split_s": float(split), "velocity": velocity,
              "car": spec["car"], "lever_arm_m": spec["lever"], "mounting_deg": mounting, "stand_s": 0.0 if stand is None else len(stand) / rate,
-             "truth": truth is not None, "passes": len(passes), "windows": listed, "no_start": fault}
+             "truth": truth is not None, "passes": len(passes), "windows": listed, "outages": outages, "no_start": fault}
     (folder / "drive.json").write_text(json.dumps(about, indent=1))
     print(f"{name}: {len(imu)} samples, split {split:.0f}, {len({(w['pass'], w['begin']) for w in listed})} windows of {length:.0f} s"
           f"{', no start: ' + fault if fault else ''}", flush=True)

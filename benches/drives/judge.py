@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import numpy as np
+import results
 
 RADIUS, LOST, DRAWS = 6378137.0, 1000.0, 2000
 HORIZONS = (10.0, 30.0, 60.0)
@@ -22,10 +23,31 @@ def rows(path, columns):
     return np.fromfile(path, dtype="<f8").reshape(-1, columns) if path.exists() else np.empty((0, columns))
 
 
+def compare(answer, reference):
+    """Of every withheld fix: time, place, errors (`results.COMPONENTS`; a lost horizontal one is LOST), standard deviations, north and east
+    errors in standard deviations."""
+    full = np.full((len(reference), 11), np.nan)
+    full[: len(answer)] = answer[: len(reference)]
+    late = reference[:, 0] - full[:, 0]
+    errors = np.full((len(reference), 8), np.nan)
+    north = RADIUS * (full[:, 1] - reference[:, 1]) + full[:, 4] * late
+    east = RADIUS * (full[:, 2] - reference[:, 2]) * np.cos(reference[:, 1]) + full[:, 5] * late
+    drift = np.hypot(north, east)
+    lost = ~np.isfinite(drift) | (np.abs(late) > 0.5) | (drift > LOST)
+    errors[:, 0], errors[:, 1], errors[:, 2] = north, east, reference[:, 3] - full[:, 3]
+    errors[:, 3:6] = full[:, 4:7] - reference[:, 4:7]
+    errors[:, 6] = np.degrees((full[:, 10] - reference[:, 13] + np.pi) % (2 * np.pi) - np.pi)
+    errors[lost, :6] = np.nan
+    errors[:, 7] = np.where(lost, LOST, drift)
+    place = np.column_stack([reference[:, 0], full[:, 1:3]])
+    scaled = np.abs(np.column_stack([north, east])) / np.hypot(full[:, 7:9], reference[:, 7:9])
+    return {"time": reference[:, 0], "place": place, "errors": errors, "sigma": full[:, 7:10], "scaled": scaled}
+
+
 def errors(folder, name, title, answers):
-    """Of each window and horizon: horizontal error [m], north and east error in standard deviations, yaw error [rad]; CPU time."""
+    """Of each pass what `compare` gives; faults; CPU time of a sample [us]."""
     about = json.loads((folder / name / "drive.json").read_text())
-    found, faults, cpu = {}, [], []
+    judged, faults, cpu = {}, [], []
     for number in range(about["passes"]):
         out = answers / f"{title.replace(', ', '_').replace(' ', '-')}.{name}.{number}"
         record = out.with_suffix(out.suffix + ".json")
@@ -36,21 +58,20 @@ def errors(folder, name, title, answers):
             faults.append(record["fault"])
             continue
         cpu.append(record["cpu_s"])
-        answer, reference = rows(out, 11), rows(folder / name / f"reference{number}.f64", 14)
-        for window in about["windows"]:
-            if window["pass"] != number:
-                continue
-            key, at = (number, window["begin"], window["horizon"]), window["at"]
-            value, of = (answer[at] if at < len(answer) else np.full(11, np.nan)), reference[at]
-            late = of[0] - value[0]
-            north = RADIUS * (value[1] - of[1]) + value[4] * late
-            east = (RADIUS * (value[2] - of[2])) * np.cos(of[1]) + value[5] * late
-            sigma = np.hypot(value[7:9], of[7:9])
-            yaw = (value[10] - of[13] + np.pi) % (2 * np.pi) - np.pi
-            drift = float(np.hypot(north, east))
-            lost = not np.isfinite(drift) or abs(late) > 0.5 or drift > LOST
-            found[key] = (LOST if lost else drift, *(np.abs([north, east]) / sigma), yaw)
-    return found, faults, (np.mean(cpu) / about["samples"] * 1e6 if cpu else np.nan)
+        judged[number] = compare(rows(out, 11), rows(folder / name / f"reference{number}.f64", 14))
+    return judged, faults, (np.mean(cpu) / about["samples"] * 1e6 if cpu else np.nan)
+
+
+def at_horizons(about, judged):
+    """Of each window and horizon: horizontal error [m], north and east error in standard deviations, yaw error [rad]."""
+    found = {}
+    for window in about["windows"]:
+        of = judged.get(window["pass"])
+        if of is not None:
+            at = window["at"]
+            error = of["errors"][at]
+            found[window["pass"], window["begin"], window["horizon"]] = (float(error[7]), *of["scaled"][at], np.radians(error[6]))
+    return found
 
 
 def rms(values):
@@ -91,16 +112,21 @@ def group(name):
     return name
 
 
-def judge(folder, answers, drives, filters, out, figure):
+def judge(folder, answers, drives, filters, version, out, figure):
+    """Prints the tables; leaves in `out` a result of each drive, as `undrift report` reads it, and all numbers in `folder`/all.json."""
     titles = [title for title, _, _ in filters]
     all_found = {title: {} for title in titles}
+    by_drive = {name: {} for name in drives}
+    known = {name: json.loads((folder / name / "drive.json").read_text()) for name in drives}
     result = {"format": "undrift-drives", "version": 1, "filters": {}, "ratios": {}}
     for title, count, _ in filters:
         entry = {"lines": count, "drives": {}}
         for name in drives:
-            found, faults, cpu = errors(folder, name, title, answers)
-            if not found and not faults:
+            judged, faults, cpu = errors(folder, name, title, answers)
+            if not judged and not faults:
                 continue
+            by_drive[name][title] = judged, faults
+            found = at_horizons(known[name], judged)
             row = {"fault": faults[0] if faults else None, "cpu_us": None if np.isnan(cpu) else round(float(cpu), 2), "horizons": {}}
             if found:
                 all_found[title][name] = found
@@ -185,8 +211,11 @@ def judge(folder, answers, drives, filters, out, figure):
                 reasons.setdefault(row["fault"], []).append(name)
         for reason, names in reasons.items():
             print(f"* {title}: {', '.join(names)}: {reason}")
-    Path(out).parent.mkdir(parents=True, exist_ok=True)
-    Path(out).write_text(json.dumps(result, indent=1))
+    (folder / "all.json").write_text(json.dumps(result, indent=1))
+    out.mkdir(parents=True, exist_ok=True)
+    for name, filters in by_drive.items():
+        if filters:
+            results.write(out / f"{name}.json", version, folder, name, filters, rows(folder / name / "gnss.f64", 13), LOST)
     if figure:
         draw(result, figure)
 
