@@ -117,8 +117,26 @@ fn what_was_done(tune: &Tune) -> String {
         "stopped before it converged"
     };
     format!(
-        "Start: {}{guess}. {drives}, {} windows without fixes, {} evaluations, {ended}; {unseen}.",
-        tune.start, tune.windows, tune.evaluations
+        "Start: {}{guess}. {drives}, {} windows without fixes, {} evaluations, {ended}; {unseen}.{}",
+        tune.start,
+        tune.windows,
+        tune.evaluations,
+        vibration(tune)
+    )
+}
+
+/// Whether the noise also follows the vibration.
+fn vibration(tune: &Tune) -> String {
+    let Some(tried) = &tune.vibration else {
+        return String::new();
+    };
+    format!(
+        " White noise that also follows the vibration {}: {} times the drift without it at {} (95 % interval {} to {}).",
+        if tried.kept { "is kept" } else { "is not" },
+        short(tried.ratio.0),
+        span(tried.length_s.0),
+        short(tried.ratio_low.0),
+        short(tried.ratio_high.0)
     )
 }
 

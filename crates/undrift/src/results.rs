@@ -39,7 +39,7 @@ pub use number::{Number, Numbers};
 pub use outages::{Cut, Drift, ModelErrors, NisOfParts, OutageErrors, OutageSeries, Outages};
 pub use read::Results;
 pub use text::text;
-pub use tune::{Tune, TunedDrift, TunedParameter};
+pub use tune::{Tune, TunedDrift, TunedParameter, TunedVibration};
 
 pub use undrift_noise::{allan::Term, identify::Detrend};
 

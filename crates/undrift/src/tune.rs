@@ -28,7 +28,7 @@ use crate::{
     settings::{fix_errors::StdFactors, replay::Settings},
 };
 use fit::{Fit, Log, fit, under};
-use judge::{Judged, Unseen, judge};
+use judge::{Following, Judged, Unseen, judge_following};
 use noise::Noise;
 use prior::Prior;
 use start::{Start, idle};
@@ -64,6 +64,8 @@ pub struct Tuned {
     pub held_out: bool,
     /// Drift on it.
     pub judged: Vec<Judged>,
+    /// What it changes there if the white noise also follows the vibration, where it was tried.
+    pub following: Option<Following>,
     /// Whether each drive can be aligned under the noise.
     pub aligns: Vec<bool>,
     /// Whether it was stopped: the noise is the best so far, and nothing was judged after that.
@@ -97,6 +99,8 @@ pub enum Stage {
     Judging,
 }
 
+/// Seed of the bootstrap.
+pub(crate) const SEED: u64 = 1;
 /// Share of each drive that judges where nothing is asked for.
 const HALF: f64 = 0.5;
 
@@ -238,10 +242,10 @@ pub fn tune(
         })
     });
     let of_drives = of_drives.collect::<Result<Vec<_>, NavigateError>>()?;
-    let judged = if judges {
-        judge(&of_drives)
+    let (judged, following) = if judges {
+        judge_following(&of_drives, SEED)
     } else {
-        Vec::new()
+        (Vec::new(), None)
     };
     let fit = if held_out || !judges {
         seen
@@ -267,6 +271,7 @@ pub fn tune(
         unseen,
         held_out,
         judged,
+        following,
         aligns,
         stopped: stopped.load(Relaxed),
     };

@@ -69,7 +69,23 @@ class TemperatureEffect(Result):
     """Its standard error [unit/K²]; 0 without one."""
 
     def bias(self, temperature: npt.ArrayLike) -> Floats:
-        """The bias at temperatures [°C], less that at the reference [unit]."""
+        """The bias at temperatures, less that at the reference.
+
+        Parameters
+        ----------
+        temperature : array_like, shape (n,)
+            Temperatures [°C].
+
+        Returns
+        -------
+        array, n
+            Biases [rad/s] or [m/s²].
+
+        Raises
+        ------
+        ValueError
+            For what is not numbers.
+        """
         above = np.asarray(temperature, np.float64) - self.reference
         return np.asarray(above * (self.slope + self.quadratic * above))
 

@@ -26,6 +26,8 @@ pub struct Tune {
     pub parameters: Vec<TunedParameter>,
     /// Drift on held-out outages, by length.
     pub drift: Vec<TunedDrift>,
+    /// What it changes if the white noise also follows the vibration; null where it was not tried.
+    pub vibration: Option<TunedVibration>,
     /// Windows whose fixes were scored.
     pub windows: u64,
     /// Evaluations of the objective.
@@ -63,6 +65,23 @@ pub struct TunedParameter {
     pub high: Number,
     /// Whether the drives determine it: the interval is less than half as wide as before.
     pub determined: bool,
+}
+
+/// Drift on held-out outages with white noise that follows the vibration on top of the noise found, over that without.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct TunedVibration {
+    /// Length of the outages \[s\].
+    pub length_s: Number,
+    /// The ratio, and its 95 % interval by the bootstrap over outages.
+    pub ratio: Number,
+    /// See there.
+    pub ratio_low: Number,
+    /// See there.
+    pub ratio_high: Number,
+    /// Whether the tuned drive file follows it: less drift beyond chance at one length, more at none.
+    pub kept: bool,
 }
 
 /// Drift over outages of one length.

@@ -28,8 +28,9 @@ pub fn tuned(
         head.push_str(kept(before.unwrap_or_default()));
     }
     if let Some(imu) = file.get_mut("imu").and_then(Item::as_table_like_mut) {
-        // It is in the noise that was found.
-        imu.insert("vibration", value("off"));
+        // It is in the noise that was found, but for what changes along the drive.
+        let follows = found.following.is_some_and(|following| following.kept);
+        imu.insert("vibration", value(if follows { "auto" } else { "off" }));
     }
     let noise = &found.fit.noise;
     let used = &found.prior.used;

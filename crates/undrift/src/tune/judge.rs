@@ -14,6 +14,8 @@ use undrift_noise::order_statistics::quantile;
 
 /// Lengths of the outages \[s\].
 pub const LENGTHS: [f64; 3] = [10.0, 30.0, 60.0];
+/// The one that counts most \[s\].
+const TOLD: f64 = 30.0;
 /// They follow each other in so many runs, so that none begins before the filter has recovered.
 const RUNS: usize = 3;
 /// Resamples of the bootstrap.
@@ -80,6 +82,57 @@ pub struct Unseen<'a> {
     pub settings: [Settings; 2],
     /// Fixes from the first to the last of these are not seen by the fit \[s\].
     pub span: (f64, f64),
+}
+
+/// What it changes if the filter's white noise also follows the vibration ([`crate::replay::vibration`]), on top of the
+/// noise found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Following {
+    /// Length of the outages \[s\].
+    pub length: f64,
+    /// Drift with it over drift without, and the 95 % interval.
+    pub ratio: [f64; 3],
+    /// Whether there is less drift beyond chance at one length and more at none.
+    pub kept: bool,
+}
+
+/// Drift before and after, where `after` also follows the vibration if that is better; what following it changes,
+/// where the drives allow it (`before` has it).
+pub fn judge_following(drives: &[Unseen], seed: u64) -> (Vec<Judged>, Option<Following>) {
+    let without = judge(drives);
+    if !drives.iter().all(|drive| drive.settings[0].vibration) {
+        return (without, None);
+    }
+    let with = |drive: &Unseen| Settings {
+        vibration: true,
+        ..drive.settings[1].clone()
+    };
+    let tried = |before: fn(&Unseen) -> Settings| -> Vec<Judged> {
+        let pairs = drives.iter().map(|drive| Unseen {
+            settings: [before(drive), with(drive)],
+            ..*drive
+        });
+        judge(&pairs.collect::<Vec<_>>())
+    };
+    let gains = tried(|drive| drive.settings[1].clone());
+    let ratios: Vec<_> = gains
+        .iter()
+        .map(|judged| (judged.length, judged.ratio(seed)))
+        .collect();
+    let kept = ratios.iter().all(|(_, ratio)| ratio[0] <= 1.0)
+        && ratios.iter().any(|(_, ratio)| ratio[2] < 1.0);
+    let told = ratios.iter().find(|(length, _)| *length == TOLD);
+    let following = told.or(ratios.last()).map(|(length, ratio)| Following {
+        length: *length,
+        ratio: *ratio,
+        kept,
+    });
+    let judged = if kept {
+        tried(|drive| drive.settings[0].clone())
+    } else {
+        without
+    };
+    (judged, following)
 }
 
 /// Runs outages of every length, back to back over the spans that the fit has not seen; a length that fits fewer than twice

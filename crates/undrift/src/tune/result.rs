@@ -1,18 +1,16 @@
 //! What was found as a result.
 
 use super::{
-    Tuned,
+    SEED, Tuned,
     noise::{COUNT, FIX, LASTING, RULE, WALK, WHITE},
 };
 use crate::{
     drive::Drive,
-    results::{self, Number, SCHEMA, Tune, TunedDrift, TunedParameter, VERSION},
+    results::{self, Number, SCHEMA, Tune, TunedDrift, TunedParameter, TunedVibration, VERSION},
 };
 use std::path::Path;
 use undrift_noise::model_file::AXES;
 
-/// Seed of the bootstrap.
-const SEED: u64 = 1;
 /// Standard deviations to the ends of a 95 % interval.
 const INTERVAL: f64 = 1.96;
 /// An interval that has shrunk to less than this share is the drives' doing.
@@ -111,6 +109,13 @@ impl Tuned {
                 .map(parameter)
                 .collect(),
             drift: self.judged.iter().map(drift).collect(),
+            vibration: self.following.map(|following| TunedVibration {
+                length_s: following.length.into(),
+                ratio: following.ratio[0].into(),
+                ratio_low: following.ratio[1].into(),
+                ratio_high: following.ratio[2].into(),
+                kept: following.kept,
+            }),
             windows: self.fit.windows as u64,
             evaluations: self.fit.evaluations as u64,
             converged: self.fit.converged,

@@ -193,6 +193,7 @@ fn the_drive_file_is_written() {
         unseen: 0.5,
         held_out: false,
         judged: Vec::new(),
+        following: None,
         aligns: vec![true],
         stopped: false,
     };
