@@ -84,7 +84,7 @@ pub struct Unseen<'a> {
     pub span: (f64, f64),
 }
 
-/// What it changes if the filter's white noise also follows the vibration ([`crate::replay::vibration`]), on top of the
+/// What it changes if the filter's white noise also follows the vibration (`imu.vibration`), on top of the
 /// noise found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Following {
