@@ -33,8 +33,9 @@ pub(crate) mod search;
 
 pub(crate) use blocks::Span;
 pub use blocks::{average_in_blocks, block_average};
-pub(crate) use fit::Averages;
+pub(crate) use fit::{Averages, Beside, NOTHING, fit_beside};
 pub use fit::{CompositeFit, FitOptions, Flag, Term, fit, fit_several};
+pub(crate) use interval::intervals_beside;
 pub use interval::{Parameter, ParameterInterval, intervals, intervals_of_several};
 pub(crate) use likelihood::present_mean;
 pub use likelihood::{Level, RecordLikelihood, log_likelihood};

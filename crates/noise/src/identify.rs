@@ -25,6 +25,7 @@ use crate::{
     screening::{RecordError, Trend},
     spectrum,
     stationarity::{self, Adf, Deterministic, KpssLags, Lags},
+    temperature::{self, Regressors},
     whiteness,
 };
 use undrift_nav::earth::STANDARD_GRAVITY;
@@ -161,6 +162,8 @@ struct Prepared {
     psd: spectrum::Density,
     lines: Vec<spectrum::Line>,
     allan: allan::Curve,
+    /// The temperature where its effect is estimated, and whether a quadratic is in it.
+    temperature: Option<(Regressors, bool)>,
 }
 
 /// Screens a record: what cannot be used is an error.
@@ -186,8 +189,16 @@ fn prepare(record: &[f64], options: &Options<'_>) -> Result<Prepared, IdentifyEr
         DeviationKind::Overlapping,
         Grid::Octave,
     )?;
+    let effect = screened.temperature.as_ref().map(|found| found.as_ref());
+    let effect = effect.and_then(Result::ok).map(|found| found.effect);
+    let temperature = effect.zip(options.temperature).and_then(|(effect, of)| {
+        let held = temperature::held(of).ok()?;
+        let regressors = Regressors::new(&screened.cleaned, &held, 1.0 / rate).ok()?;
+        Some((regressors, effect.quadratic != 0.0))
+    });
     Ok(Prepared {
         samples: record.len(),
+        temperature,
         screened,
         warnings,
         psd,
@@ -256,8 +267,10 @@ fn conclude(
     let curves: Vec<allan::Curve> = records.iter().map(|record| record.allan.clone()).collect();
     let samples = records.iter().map(|record| record.samples).sum();
     let mut cleaned: Vec<Vec<f64>> = Vec::new();
+    let mut temperatures = Vec::new();
     for record in &mut records {
         cleaned.push(std::mem::take(&mut record.screened.cleaned));
+        temperatures.extend(record.temperature.take());
     }
     let mut all = records.into_iter();
     let first = all.next().ok_or(IdentifyError::NoCandidate)?;
@@ -290,6 +303,7 @@ fn conclude(
         turn_on,
         quantised: coarse || allan_terms.quantisation.seen,
         n_max: options.n_max,
+        temperatures,
     };
     let tried = candidates::candidates(&task);
     let candidates = tried.candidates;

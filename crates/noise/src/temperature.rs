@@ -13,6 +13,7 @@ mod regression;
 use crate::composite::{TermSet, average_in_blocks};
 use nalgebra::DVector;
 use regression::{Averages, Likelihood, Regression, combined};
+use undrift_nav::shaping::ShapingFilter;
 
 /// Blocks that the regression is of, at most: no temperature changes faster than a thousandth of a record matters.
 const BLOCKS: usize = 1000;
@@ -243,6 +244,16 @@ impl Regressors {
             noise,
             explained: self.explained(&found.coefficients),
         })
+    }
+
+    /// What the restricted log-likelihood of a model of the noise, at the interval of the samples, changes by where the
+    /// effect of temperature is integrated out under a flat prior: what it may explain then counts neither for
+    /// the noise nor against it. The slope alone, or the quadratic with it. 0 for a model without a likelihood.
+    pub(crate) fn restriction(&self, filter: &ShapingFilter, with_quadratic: bool) -> f64 {
+        let regressors = 1 + usize::from(with_quadratic);
+        self.averages
+            .restriction(filter, regressors)
+            .unwrap_or_default()
     }
 
     /// The least AIC of the models of the noise, with so many regressors.

@@ -167,6 +167,17 @@ pub fn fit_several(
     set: TermSet,
     options: &FitOptions,
 ) -> Result<CompositeFit, CompositeError> {
+    fit_beside(records, interval, set, options, NOTHING)
+}
+
+/// As [`fit_several`], with something else integrated out of the records.
+pub(crate) fn fit_beside(
+    records: &[&[f64]],
+    interval: f64,
+    set: TermSet,
+    options: &FitOptions,
+    beside: Beside,
+) -> Result<CompositeFit, CompositeError> {
     set.check()?;
     let curves = records
         .iter()
@@ -183,7 +194,7 @@ pub fn fit_several(
         Ok(found) => found,
         Err(_) => full?,
     };
-    let averages = Averages::new(records, block, interval)?;
+    let averages = Averages::new(records, block, interval)?.beside(beside);
     let longest = records.iter().map(|record| record.len()).max();
     let length_s = longest.unwrap_or(0) as f64 * interval;
     let starts = match &options.start {
@@ -199,7 +210,7 @@ pub fn fit_several(
     let mut terms = set.terms(&best.z);
     sort_processes(&mut terms, None);
     let found = averages.likelihoods(&terms)?;
-    let log_likelihood = restricted(&found);
+    let log_likelihood = -averages.cost(&terms);
     terms = without_useless(terms, log_likelihood, &averages, &mut flags);
     let left = terms.set();
     let top = Point::new(left.coordinates(&terms), -log_likelihood);
@@ -247,14 +258,22 @@ pub fn fit_several(
     })
 }
 
+/// What the restricted log-likelihood of all records under a model changes by where something beside their levels is
+/// integrated out.
+pub(crate) type Beside<'a> = &'a (dyn Fn(&ShapingFilter) -> f64 + Sync);
+
+/// The levels alone.
+pub(crate) const NOTHING: Beside = &|_| 0.0;
+
 /// Records as the likelihood sees them: averages over blocks of samples `interval` \[s\] apart.
-pub(crate) struct Averages {
+pub(crate) struct Averages<'a> {
     records: Vec<Vec<f64>>,
     block: usize,
     interval: f64,
+    beside: Beside<'a>,
 }
 
-impl Averages {
+impl<'a> Averages<'a> {
     /// Blocks of `block` samples; an error where a record has not one.
     pub(crate) fn new(
         records: &[&[f64]],
@@ -268,7 +287,13 @@ impl Averages {
             records: averages.collect::<Result<_, _>>()?,
             block,
             interval,
+            beside: NOTHING,
         })
+    }
+
+    /// With something integrated out beside the levels.
+    pub(crate) fn beside(self, beside: Beside<'a>) -> Self {
+        Self { beside, ..self }
     }
 
     /// The likelihood of each record, each with a level of its own.
@@ -276,15 +301,22 @@ impl Averages {
         &self,
         terms: &CompositeTerms,
     ) -> Result<Vec<RecordLikelihood>, CompositeError> {
-        let filter = block_average(&terms.to_shaping(self.interval)?, self.block)?;
+        self.under(&terms.to_shaping(self.interval)?)
+    }
+
+    fn under(&self, filter: &ShapingFilter) -> Result<Vec<RecordLikelihood>, CompositeError> {
+        let filter = block_average(filter, self.block)?;
         let of = |record: &Vec<f64>| log_likelihood(record, &filter, Level::Estimated);
         self.records.iter().map(of).collect()
     }
 
     /// The negative restricted log-likelihood, +∞ without one.
     pub(crate) fn cost(&self, terms: &CompositeTerms) -> f64 {
-        self.likelihoods(terms)
-            .map_or(f64::INFINITY, |found| -restricted(&found))
+        let likelihood = || -> Option<f64> {
+            let filter = terms.to_shaping(self.interval).ok()?;
+            Some(restricted(&self.under(&filter).ok()?) + (self.beside)(&filter))
+        };
+        likelihood().map_or(f64::INFINITY, |found| -found)
     }
 }
 
@@ -406,6 +438,7 @@ fn fast_terms(
         records: records.iter().map(first).collect(),
         block: 1,
         interval,
+        beside: NOTHING,
     };
     let with = |z: &[f64]| CompositeTerms {
         white: z[0].exp(),

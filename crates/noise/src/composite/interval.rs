@@ -5,7 +5,7 @@
 //! interval holds the values that the record does not contradict (Pawitan 2001, section 3.4); with the level integrated
 //! out, its probability holds up to a unit root (Chen & Deo 2009).
 
-use super::fit::{Averages, CompositeFit};
+use super::fit::{Averages, Beside, CompositeFit, NOTHING};
 use super::search::SCALES;
 use super::{CompositeError, TermSet};
 use crate::quasi_newton::{Objective, Point, bfgs};
@@ -89,6 +89,17 @@ pub fn intervals_of_several(
     fit: &CompositeFit,
     level: f64,
 ) -> Result<Vec<ParameterInterval>, CompositeError> {
+    intervals_beside(records, interval, fit, level, NOTHING)
+}
+
+/// As [`intervals_of_several`], of a fit with something else integrated out of the records.
+pub(crate) fn intervals_beside(
+    records: &[&[f64]],
+    interval: f64,
+    fit: &CompositeFit,
+    level: f64,
+    beside: Beside,
+) -> Result<Vec<ParameterInterval>, CompositeError> {
     let samples: usize = records.iter().map(|record| record.len()).sum();
     let set = fit.terms.set();
     let taus = fit.terms.gauss_markov.iter().filter(|g| g.sigma > 0.0);
@@ -100,7 +111,7 @@ pub fn intervals_of_several(
         samples.div_ceil(POINTS).min(most)
     };
     let block = block.max(fit.block);
-    let averages = Averages::new(records, block, interval)?;
+    let averages = Averages::new(records, block, interval)?.beside(beside);
     let longest = records.iter().map(|record| record.len()).max();
     let longest_s = longest.unwrap_or(0) as f64 * interval;
     let half = 0.5 * Normal::standard().inverse_cdf(0.5 + 0.5 * level).powi(2);
@@ -187,7 +198,7 @@ fn kurtosis(records: &[&[f64]]) -> f64 {
 }
 
 struct Profile<'a> {
-    averages: &'a Averages,
+    averages: &'a Averages<'a>,
     set: TermSet,
     tau_range: std::ops::Range<f64>,
 }

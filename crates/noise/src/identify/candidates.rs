@@ -13,12 +13,13 @@ use crate::{
     allan::{self, Curve, DeviationKind, Grid, Terms},
     arma::{self, ArmaFit, FitOptions, Selection},
     compared::{Method, Unfit},
-    composite::{self, CompositeTerms, Flag, Level, ParameterInterval, TermSet},
+    composite::{self, Beside, CompositeTerms, Flag, Level, NOTHING, ParameterInterval, TermSet},
     drift_score::{self, HorizonScore},
     model_file::{Arma, AxisModel},
     pandit_wu::{self, PanditWu, PanditWuOptions},
     scales::{self, Scales},
     screening::bridge::bridge,
+    temperature::Regressors,
     whiteness,
 };
 use rayon::prelude::*;
@@ -61,6 +62,8 @@ pub(super) struct Task<'a> {
     pub(super) quantised: bool,
     /// Largest n of ARMA(2n, 2n−1).
     pub(super) n_max: usize,
+    /// The temperature of the records, where its effect is estimated, and whether a quadratic is in it.
+    pub(super) temperatures: Vec<(Regressors, bool)>,
 }
 
 /// All that was tried.
@@ -106,6 +109,7 @@ struct Part<'a> {
     rate_hz: f64,
     curve: Curve,
     allan: Terms,
+    beside: Beside<'a>,
 }
 
 /// What is fitted, and the records to score, each with the number of samples that come before the scored ones.
@@ -242,6 +246,7 @@ impl<'a> Part<'a> {
             rate_hz,
             allan: allan::fit_terms(&curve).ok()?,
             curve,
+            beside: NOTHING,
         })
     }
 
@@ -337,6 +342,14 @@ impl Task<'_> {
         })
     }
 
+    /// What integrating the effects of temperature out changes a model's restricted log-likelihood by, of all records.
+    fn beside(&self, filter: &ShapingFilter) -> f64 {
+        let of = |(record, with_quadratic): &(Regressors, bool)| {
+            record.restriction(filter, *with_quadratic)
+        };
+        self.temperatures.iter().map(of).sum()
+    }
+
     /// Akaike's criterion of block averages of the record, the same of every candidate; infinite without one.
     fn aic(&self, fitted: &Fitted, parameters: usize) -> f64 {
         let shortest = (COMPARED_S * self.rate_hz).round() as usize;
@@ -349,9 +362,11 @@ impl Task<'_> {
         };
         let likelihoods = || -> Option<f64> {
             let filter = fitted.shaping(0.0, self.rate_hz)?;
+            let beside = self.beside(&filter);
             let filter = composite::block_average(&filter, block).ok()?;
             let records = self.records.iter();
-            records.map(|record| likelihood(&filter, record)).sum()
+            let sum: Option<f64> = records.map(|record| likelihood(&filter, record)).sum();
+            Some(sum? + beside)
         };
         likelihoods().map_or(f64::INFINITY, |sum| 2.0 * parameters as f64 - 2.0 * sum)
     }
@@ -414,7 +429,8 @@ fn terms(set: TermSet, part: &Part, whole: Option<&Fitted>) -> Option<composite:
         start,
         ..composite::FitOptions::default()
     };
-    let fit = composite::fit_several(&part.records, 1.0 / part.rate_hz, set, &options).ok()?;
+    let (interval, beside) = (1.0 / part.rate_hz, part.beside);
+    let fit = composite::fit_beside(&part.records, interval, set, &options, beside).ok()?;
     let is_smaller = fit.flags.iter().any(|f| matches!(f, Flag::Vanished(_)));
     (whole.is_some() || !is_smaller).then_some(fit)
 }
@@ -459,12 +475,14 @@ pub(super) fn candidates(task: &Task) -> Tried {
     let pandit_wu = pandit_wu::pandit_wu(task.searched(), &search).ok();
     // The averages of one sample are the ARMA(1,1) of the full rate.
     let blocks = &scales::BLOCKS[1..];
+    let beside = |filter: &ShapingFilter| task.beside(filter);
     let whole = Part {
         end_to_end: task.records.iter().flat_map(|r| bridge(r)).collect(),
         records: task.records.clone(),
         rate_hz: task.rate_hz,
         curve: task.curve.clone(),
         allan: task.allan,
+        beside: &beside,
     };
     let scales = scales::identify(task.records[0], 1.0 / task.rate_hz, blocks, SCALE_EFFORT).ok();
     let known = |(p, q)| {
@@ -505,9 +523,12 @@ pub(super) fn candidates(task: &Task) -> Tried {
 
 /// Intervals of a candidate's parameters; none of one that is not a sum of terms.
 pub(super) fn intervals(task: &Task, of: &Candidate) -> Vec<ParameterInterval> {
-    let found = of.composite().map(|fit| {
-        composite::intervals_of_several(&task.records, 1.0 / task.rate_hz, fit, PROBABILITY)
+    let (interval, beside) = (1.0 / task.rate_hz, |filter: &ShapingFilter| {
+        task.beside(filter)
     });
+    let found = of
+        .composite()
+        .map(|fit| composite::intervals_beside(&task.records, interval, fit, PROBABILITY, &beside));
     found.and_then(Result::ok).unwrap_or_default()
 }
 

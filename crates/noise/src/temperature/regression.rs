@@ -5,7 +5,7 @@ use crate::composite::predictor::{Predictor, dot};
 use crate::composite::search::SCALES;
 use crate::composite::{CompositeTerms, GaussMarkov, TermSet, block_average};
 use crate::quasi_newton::{Objective, best_of};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use undrift_nav::shaping::ShapingFilter;
 
 /// Signals: the record, one, the first and the second regressor.
@@ -34,6 +34,33 @@ pub(super) enum Likelihood {
 struct Products {
     of: [Row; SIGNALS],
     log_determinant: f64,
+}
+
+/// The normal equations of level and regressors, solved.
+struct Solved {
+    factor: Cholesky<f64, Dyn>,
+    coefficients: DVector<f64>,
+    /// Sum of squares that is left.
+    squares: f64,
+    /// Logarithm of the determinant of the normal equations.
+    freedom: f64,
+}
+
+impl Products {
+    /// With the level and the first `regressors`; `None` where they are dependent.
+    fn solved(&self, regressors: usize) -> Option<Solved> {
+        let count = 1 + regressors;
+        let normal = DMatrix::from_fn(count, count, |i, j| self.of[1 + i][1 + j]);
+        let right = DVector::from_fn(count, |i, _| self.of[1 + i][0]);
+        let factor = normal.cholesky()?;
+        let coefficients = factor.solve(&right);
+        Some(Solved {
+            squares: self.of[0][0] - right.dot(&coefficients),
+            freedom: 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum(),
+            coefficients,
+            factor,
+        })
+    }
 }
 
 /// Coefficients of the regressors under a model.
@@ -85,9 +112,8 @@ fn products<const N: usize>(rows: &[Row], filter: &ShapingFilter) -> Option<Prod
 }
 
 impl Averages {
-    fn products(&self, terms: &CompositeTerms) -> Option<Products> {
-        let filter = terms.to_shaping(self.interval).ok()?;
-        let filter = block_average(&filter, self.block).ok()?;
+    fn products(&self, filter: &ShapingFilter) -> Option<Products> {
+        let filter = block_average(filter, self.block).ok()?;
         match filter.order {
             0 => products::<0>(&self.rows, &filter),
             1 => products::<1>(&self.rows, &filter),
@@ -107,24 +133,28 @@ impl Averages {
         regressors: usize,
         likelihood: Likelihood,
     ) -> Option<Regression> {
-        let sums = self.products(terms)?;
-        let count = 1 + regressors;
-        let normal = DMatrix::from_fn(count, count, |i, j| sums.of[1 + i][1 + j]);
-        let right = DVector::from_fn(count, |i, _| sums.of[1 + i][0]);
-        let factor = normal.cholesky()?;
-        let coefficients = factor.solve(&right);
-        let squares = sums.of[0][0] - right.dot(&coefficients);
+        let sums = self.products(&terms.to_shaping(self.interval).ok()?)?;
+        let found = sums.solved(regressors)?;
         let freedom = match likelihood {
             Likelihood::Full => 0.0,
-            Likelihood::Restricted => 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum(),
+            Likelihood::Restricted => found.freedom,
         };
         let parameters = terms.set().parameters() as f64;
-        let aic = sums.log_determinant + freedom + squares + 2.0 * parameters;
+        let aic = sums.log_determinant + freedom + found.squares + 2.0 * parameters;
         aic.is_finite().then(|| Regression {
-            covariance: factor.inverse(),
-            coefficients,
+            covariance: found.factor.inverse(),
+            coefficients: found.coefficients,
             aic,
         })
+    }
+
+    /// What the restricted log-likelihood of a model changes by where the coefficients of the first `regressors` are
+    /// integrated out too, under a flat prior as the level is.
+    pub(super) fn restriction(&self, filter: &ShapingFilter, regressors: usize) -> Option<f64> {
+        let sums = self.products(filter)?;
+        let [level, all] = [sums.solved(0)?, sums.solved(regressors)?];
+        let change = level.freedom + level.squares - all.freedom - all.squares;
+        Some(0.5 * change).filter(|change| change.is_finite())
     }
 
     /// The regression under white noise.
@@ -195,4 +225,56 @@ impl Averages {
 /// The level and the regressors of a row, each times its coefficient.
 pub(super) fn combined(coefficients: &DVector<f64>, row: &Row) -> f64 {
     coefficients.iter().zip(&row[1..]).map(|(c, x)| c * x).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_restriction_is_that_of_the_whole_covariance() {
+        let terms = CompositeTerms {
+            white: 0.3,
+            gauss_markov: [
+                GaussMarkov {
+                    sigma: 0.7,
+                    tau_s: 9.0,
+                },
+                GaussMarkov::default(),
+            ],
+            ..CompositeTerms::default()
+        };
+        let filter = terms.to_shaping(1.0).unwrap();
+        let count = 40;
+        let mut lags = vec![0.0; count];
+        filter.autocovariance(&mut lags);
+        let covariance = DMatrix::from_fn(count, count, |i, j| lags[i.abs_diff(j)]);
+        let row = |k: usize| -> Row {
+            let t = k as f64;
+            [(0.7 * t).sin() + 0.1 * t, 1.0, 0.05 * t, (0.2 * t).cos()]
+        };
+        let rows: Vec<Row> = (0..count).map(row).collect();
+        let factor = covariance.cholesky().unwrap();
+        // ln |XᵀV⁻¹X| and the sum of squares left, for X of the first columns.
+        let restricted = |columns: usize| {
+            let x = DMatrix::from_fn(count, columns, |k, i| rows[k][1 + i]);
+            let y = DVector::from_fn(count, |k, _| rows[k][0]);
+            let normal = x.transpose() * factor.solve(&x);
+            let right = x.transpose() * factor.solve(&y);
+            let squares =
+                y.dot(&factor.solve(&y)) - right.dot(&normal.clone().lu().solve(&right).unwrap());
+            -0.5 * (normal.determinant().ln() + squares)
+        };
+        let averages = Averages {
+            rows: rows.clone(),
+            block: 1,
+            interval: 1.0,
+        };
+        for regressors in [1, 2] {
+            let found = averages.restriction(&filter, regressors).unwrap();
+            let expected = restricted(1 + regressors) - restricted(1);
+            // Rounding of 40 samples' sums.
+            assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+        }
+    }
 }

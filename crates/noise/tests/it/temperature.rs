@@ -1,6 +1,8 @@
 //! The effect of temperature beside correlated noise.
 
 use undrift_nav::shaping::ShapingFilter;
+use undrift_noise::composite::{self, CompositeTerms, FitOptions, Parameter, ParameterInterval};
+use undrift_noise::identify::{Axis, Options, identify};
 use undrift_noise::synthesis::NoiseGenerator;
 use undrift_noise::temperature::{
     Estimate, NORMAL_95, Regressors, Temperature, TemperatureError, celsius, held,
@@ -106,6 +108,52 @@ fn a_quadratic_is_found_where_there_is_one() {
 }
 
 #[test]
+fn noise_is_what_temperature_cannot_explain() {
+    // A slope of 2.5 standard errors: not determined, so it stays in the record, but the noise is none of it.
+    let [_, (_, walk), _] = noises();
+    let warm_up = PROFILES[2].1;
+    let warmth: Vec<f64> = (0..SAMPLES).map(|k| warm_up(k as f64 * INTERVAL)).collect();
+    let mut record = vec![0.0; SAMPLES];
+    NoiseGenerator::new(&walk, 1).fill(&mut record);
+    let first = Regressors::new(&record, &warmth, INTERVAL).unwrap();
+    let first = first.estimate().unwrap().effect;
+    let with = |errors: f64| -> Vec<f64> {
+        let slope = errors * first.slope_sigma - first.slope;
+        record
+            .iter()
+            .zip(&warmth)
+            .map(|(x, t)| x + slope * t)
+            .collect()
+    };
+    let identified = |record: &[f64]| {
+        let options = Options {
+            temperature: Some(&warmth),
+            ..Options::at(1.0 / INTERVAL)
+        };
+        identify(record, false, &options).unwrap()
+    };
+    let [none, some] = [0.0, 2.5].map(|errors| identified(&with(errors)));
+    for axis in [&none, &some] {
+        assert!(!axis.temperature.as_ref().unwrap().determined);
+        assert_eq!(axis.recommended().name, "white + random walk");
+    }
+    let walks = |axis: &Axis| {
+        let of_walk = |of: &&ParameterInterval| of.parameter == Parameter::RandomWalk;
+        let found = axis.intervals.iter().find(of_walk).unwrap();
+        [
+            found.estimate,
+            found.low,
+            found.high,
+            axis.recommended().model.random_walk.unwrap(),
+        ]
+    };
+    for (none, some) in walks(&none).iter().zip(walks(&some)) {
+        // To the accuracy of the searches; taken for noise, the slope makes a walk 3 % larger.
+        assert!((some / none - 1.0).abs() < 3e-3, "{none} {some}");
+    }
+}
+
+#[test]
 fn temperatures_that_cannot_be_used() {
     let mut warmth = vec![20.0; 1000];
     warmth[0] = f64::NAN;
@@ -131,6 +179,56 @@ fn temperatures_that_cannot_be_used() {
         ["-1 K", "nan degC", "25"]
             .iter()
             .all(|text| celsius(text).is_none())
+    );
+}
+
+#[test]
+#[ignore = "slow: 100 records"]
+fn a_walk_beside_temperature_has_an_honest_interval() {
+    // The hour of `identify_coverage`, one sample a second; a slope of 2.7 standard errors.
+    let (samples, slope) = (3600, 0.05 * 20f64.sqrt());
+    let truth = CompositeTerms {
+        white: 1.0,
+        random_walk: 1.0 / 30.0,
+        ..CompositeTerms::default()
+    };
+    let filter = truth.to_shaping(1.0).unwrap();
+    let warm_up = |k: usize| 20.0 * (1.0 - (-3.0 * k as f64 / samples as f64).exp());
+    let warmth: Vec<f64> = (0..samples).map(warm_up).collect();
+    let options = Options {
+        temperature: Some(&warmth),
+        n_max: 1,
+        ..Options::at(1.0)
+    };
+    let (mut chosen, mut held) = (0, [0; 2]);
+    for seed in 5001..5101 {
+        let mut record = vec![0.0; samples];
+        NoiseGenerator::new(&filter, seed).fill(&mut record);
+        let warm = record.iter_mut().zip(&warmth);
+        warm.for_each(|(x, t)| *x += slope * t);
+        let axis = identify(&record, false, &options).unwrap();
+        if axis.recommended().name != "white + random walk" {
+            continue;
+        }
+        chosen += 1;
+        // The same with the slope, where it is not determined, taken for noise.
+        let effect = axis.temperature.and_then(|found| found.in_model());
+        let effect = effect.unwrap_or_default();
+        let warm = record.iter().zip(&warmth);
+        let rest: Vec<f64> = warm.map(|(x, t)| x - effect.bias(*t)).collect();
+        let fit = composite::fit(&rest, 1.0, truth.set(), &FitOptions::default()).unwrap();
+        let without = composite::intervals(&rest, 1.0, &fit, 0.95).unwrap();
+        for (held, intervals) in held.iter_mut().zip([&axis.intervals, &without]) {
+            let walk = intervals.iter();
+            let mut walk = walk.filter(|of| of.parameter == Parameter::RandomWalk);
+            *held += i32::from(walk.any(|of| (of.low..=of.high).contains(&truth.random_walk)));
+        }
+    }
+    println!("{held:?} of {chosen} hold: integrated out, taken for noise");
+    // 95 % of 94, less three standard deviations.
+    assert!(
+        chosen > 80 && 100 * held[0] >= 88 * chosen,
+        "{held:?} {chosen}"
     );
 }
 

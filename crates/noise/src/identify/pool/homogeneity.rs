@@ -76,8 +76,8 @@ pub(super) struct Compared {
 
 /// Records and the terms that are scaled.
 pub(super) struct Records {
-    whole: Vec<Option<Averages>>,
-    halves: Vec<[Option<Averages>; 2]>,
+    whole: Vec<Option<Averages<'static>>>,
+    halves: Vec<[Option<Averages<'static>>; 2]>,
     terms: CompositeTerms,
     factors: usize,
 }
