@@ -164,7 +164,7 @@ fn the_commands_of_the_pages_run_as_printed() {
             if LEFT_OUT.iter().any(|(start, _)| command.starts_with(start)) {
                 continue;
             }
-            let mut inputs = ["DATA", "target/drive30"].into_iter();
+            let mut inputs = ["DATA", "target/drive30", "target/drives"].into_iter();
             let lacking = |name: &&str| command.contains(*name) && !folder.join(name).is_dir();
             if let Some(name) = inputs.find(lacking) {
                 eprintln!("skipped without {name}: {command}");

@@ -209,7 +209,7 @@ pub(crate) const AXLE_STD: f64 = 2.0;
 
 /// How far fixes are from their stamps, as a rule \[s\], and how much that changes [s/√s]: clocks drift, hosts stamp late.
 const TIME_OFFSET_STD: f64 = 0.1;
-const TIME_OFFSET_WALK: f64 = 8e-3;
+const TIME_OFFSET_WALK: f64 = 5e-3;
 /// What data sheets of cheap inertial sensors allow their scale factors, one standard deviation.
 const SCALE_FACTOR_STD: f64 = 0.02;
 /// How much a scale factor of a gyro changes with temperature, rate and vibration [1/√s]. A constant would be believed to
