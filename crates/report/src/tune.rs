@@ -131,8 +131,8 @@ fn vibration(tune: &Tune) -> String {
         return String::new();
     };
     format!(
-        " White noise that also follows the vibration {}: {} times the drift without it at {} (95 % interval {} to {}).",
-        if tried.kept { "is kept" } else { "is not" },
+        " Noise that also follows the vibration was tried and {}: {} times the drift at {} (95 % interval {} to {}).",
+        if tried.kept { "is kept" } else { "rejected" },
         short(tried.ratio.0),
         span(tried.length_s.0),
         short(tried.ratio_low.0),

@@ -2,7 +2,7 @@
 //! sensor, its drift over that of the true model, and whether the 95 % intervals hold the truth.
 //!
 //! `cargo run --release -p undrift-lab --bin identify_coverage [-- SERIES [FIRST_SEED [KIND …]]]`; with CANDIDATES in the environment
-//! also the mean drift ratios of every candidate, with NOTES its scores series by series.
+//! also the mean drift ratios of every candidate, with NOTES those of the recommended one series by series.
 //!
 //! Series of an hour at 20 Hz but the paper's ARMA(1,1), 12 minutes at 100 Hz; drawn by `NoiseGenerator` (xoshiro256++) with
 //! seeds FIRST_SEED…; what is done to them beside (rounding, spikes, samples left out) and the tails by seed + 10⁶,
@@ -358,6 +358,14 @@ fn main() -> Result<(), Failure> {
                 .map(|(why, n)| format!(" | {n} failed: {why}"))
                 .collect::<String>(),
         );
+        if std::env::var_os("NOTES").is_some() {
+            for (seed, outcome) in (first..).zip(&outcomes) {
+                match outcome {
+                    Ok(found) => println!("  {seed} {:.3?} {}", found.drift, found.name),
+                    Err(why) => println!("  {seed} {why}"),
+                }
+            }
+        }
         if std::env::var_os("CANDIDATES").is_some() {
             print_candidates(&good);
         }
