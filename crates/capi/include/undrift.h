@@ -39,7 +39,7 @@
 /**
  * Kinds of parameters.
  */
-#define UNDRIFT_PARAMETERS 11
+#define UNDRIFT_PARAMETERS 12
 
 /**
  * Bytes of a filter beside its covariance and estimates, at most; see UNDRIFT_FILTER_BYTES.
@@ -211,6 +211,10 @@ enum undrift_parameter
      * is that of the position alone.
      */
     UNDRIFT_PARAMETER_VELOCITY_TIME_OFFSET = 10,
+    /**
+     * By how much both time offsets grow, from the filter's start on [s/s].
+     */
+    UNDRIFT_PARAMETER_CLOCK_RATE = 11,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L

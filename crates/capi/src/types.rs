@@ -5,7 +5,7 @@ pub const UNDRIFT_MAX_ORDER: usize = 6;
 /// Sensor axes: gyro x, y, z, then accelerometer x, y, z.
 pub const UNDRIFT_AXES: usize = 6;
 /// Kinds of parameters.
-pub const UNDRIFT_PARAMETERS: usize = 11;
+pub const UNDRIFT_PARAMETERS: usize = 12;
 
 /// The noise model of one sensor axis, a shaping filter that steps once a sample:
 /// x' = F x + G w, error = H x + D w. The functions undrift_sensor_... make the usual ones.
@@ -83,6 +83,8 @@ pub enum Parameter {
     /// By how much the velocity of a fix is later than its time says \[s\]; where it is estimated, the time offset
     /// is that of the position alone.
     VelocityTimeOffset = 10,
+    /// By how much both time offsets grow, from the filter's start on [s/s].
+    ClockRate = 11,
 }
 
 /// What is known of a parameter before: its correction is zero with this standard deviation.

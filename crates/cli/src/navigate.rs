@@ -123,7 +123,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         }
     }
     match result.summary.diverged {
-        Some(time) => bail!(sentences::say(&Finding::Diverged { time })),
+        Some(time) => bail!(sentences::ended(time, &result.findings)),
         None => Ok(()),
     }
 }

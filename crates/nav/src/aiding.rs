@@ -85,6 +85,15 @@ impl<const N: usize> Filter<N> {
         (h, white)
     }
 
+    /// Puts the column of the time offset at `at`, and what the clock's rate has made of it.
+    fn time_columns(&self, h: &mut SMatrix<f64, 3, N>, at: usize, column: &Vector3) {
+        h.fixed_view_mut::<3, 1>(0, at).copy_from(column);
+        if let Some(rate) = self.parameter_start(Parameter::ClockRate) {
+            h.fixed_view_mut::<3, 1>(0, rate)
+                .copy_from(&(column * self.since_start()));
+        }
+    }
+
     /// Adds `factor · ε_g` to the rows of `h`, ε_g the gyros' errors of the present sample; returns the
     /// covariance that their white noise makes there.
     fn rate_columns(&self, h: &mut SMatrix<f64, 3, N>, factor: &Matrix3) -> Matrix3 {

@@ -150,6 +150,8 @@ pub struct Filter<const N: usize> {
     force_b: Vector3,
     /// How the parameters act on the present sample's errors.
     coupling: Coupling,
+    /// From when on [`Parameter::ClockRate`] lets the time offsets grow \[s\].
+    start: f64,
 }
 
 impl<const N: usize> Filter<N> {
@@ -215,6 +217,7 @@ impl<const N: usize> Filter<N> {
             omega_ib_b: Vector3::zeros(),
             force_b: Vector3::zeros(),
             coupling: Coupling::NONE,
+            start: nav.time,
         })
     }
 
@@ -253,6 +256,25 @@ impl<const N: usize> Filter<N> {
             std[i] = libm::sqrt(self.p[(at + i, at + i)].max(0.0));
         }
         Some((value, std))
+    }
+
+    /// By how much the fixes' positions ([`Parameter::TimeOffset`]) or velocities ([`Parameter::VelocityTimeOffset`]) now
+    /// hold later than their stamps say, as estimated, and its standard deviation \[s\]: the state is that of the
+    /// filter's start.
+    pub fn time_offset(&self, kind: Parameter) -> Option<(f64, f64)> {
+        let at = self.parameter_start(kind)?;
+        let (mut value, mut variance) = (self.x[at], self.p[(at, at)]);
+        if let Some(rate) = self.parameter_start(Parameter::ClockRate) {
+            let time = self.since_start();
+            value += time * self.x[rate];
+            variance += time * (2.0 * self.p[(at, rate)] + time * self.p[(rate, rate)]);
+        }
+        Some((value, libm::sqrt(variance.max(0.0))))
+    }
+
+    /// How long the filter has run \[s\].
+    pub fn since_start(&self) -> f64 {
+        self.nav.time - self.start
     }
 
     /// Estimated sensor states and parameters at their place in the error state.

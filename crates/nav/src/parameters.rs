@@ -39,6 +39,9 @@ pub enum Parameter {
     /// By how much the velocity of a fix is later than its stamp says \[s\]: receivers find it in another way
     /// than the position, and not always at the same instant.
     VelocityTimeOffset,
+    /// By how much both time offsets grow, from the filter's start on [s/s]: the clock that stamps the samples is not
+    /// that of the receiver.
+    ClockRate,
     /// Time-correlated part of the position's error (multipath, atmosphere, the receiver's own filter), in the axes of
     /// the fix, in units of its standard deviation [–]: 1 is what the receiver states of that part.
     PositionError,
@@ -48,7 +51,7 @@ pub enum Parameter {
 
 impl Parameter {
     /// All kinds in order.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::GyroScale,
         Self::AccelScale,
         Self::GyroMisalignment,
@@ -60,6 +63,7 @@ impl Parameter {
         Self::OdometerScale,
         Self::BarometerBias,
         Self::VelocityTimeOffset,
+        Self::ClockRate,
         Self::PositionError,
         Self::VelocityError,
     ];
@@ -78,7 +82,8 @@ impl Parameter {
             | Self::Axle
             | Self::OdometerScale
             | Self::BarometerBias
-            | Self::VelocityTimeOffset => 1,
+            | Self::VelocityTimeOffset
+            | Self::ClockRate => 1,
         }
     }
 }

@@ -35,7 +35,7 @@ use undrift::{
 use undrift_report::say;
 
 /// The parameters that can be estimated, by their names.
-const PARAMETERS: [(&str, Parameter); 11] = [
+const PARAMETERS: [(&str, Parameter); 12] = [
     ("gyro_scale", Parameter::GyroScale),
     ("accel_scale", Parameter::AccelScale),
     ("gyro_misalignment", Parameter::GyroMisalignment),
@@ -47,6 +47,7 @@ const PARAMETERS: [(&str, Parameter); 11] = [
     ("odometer_scale", Parameter::OdometerScale),
     ("barometer_bias", Parameter::BarometerBias),
     ("velocity_time_offset", Parameter::VelocityTimeOffset),
+    ("clock_rate", Parameter::ClockRate),
 ];
 
 /// Longest sample that is taken [s].

@@ -46,6 +46,7 @@ pub(crate) fn constant(kind: &str) -> Constant<'_> {
             "ms",
             1e3,
         ),
+        "ClockRate" => ("rate of the fixes' clock", "(offset grows)", "ppm", 1e6),
         "Mounting" => ("vehicle-to-body angles", "pitch, yaw", "°", DEGREES),
         "Axle" => ("forward shift of the fixed axle", "", "m", 1.0),
         "OdometerScale" => ("odometer scale factor", "", "%", 100.0),

@@ -13,7 +13,7 @@ mod words;
 
 pub use fill::{all, cut, demo, navigated, outcome};
 pub use recording::mend;
-pub use solution::{cause, verdict};
+pub use solution::{cause, ended, verdict};
 pub use start::{alignment, mounting, unsolved};
 
 use undrift::findings::Finding;

@@ -132,7 +132,7 @@ fn vibration(tune: &Tune) -> String {
     };
     format!(
         " Noise that also follows the vibration was tried and {}: {} times the drift at {} (95 % interval {} to {}).",
-        if tried.kept { "is kept" } else { "rejected" },
+        if tried.kept { "kept" } else { "rejected" },
         short(tried.ratio.0),
         span(tried.length_s.0),
         short(tried.ratio_low.0),

@@ -171,6 +171,10 @@ pub trait Estimator: Send + Sync {
     fn parameters(&self) -> &Parameters;
     /// Estimate of a parameter and its standard deviations.
     fn parameter(&self, kind: Parameter) -> Option<([f64; 6], [f64; 6])>;
+    /// By how much positions or velocities hold later than stamped, as [`Filter::time_offset`].
+    fn time_offset(&self, kind: Parameter) -> Option<(f64, f64)>;
+    /// How long the filter has run \[s\].
+    fn since_start(&self) -> f64;
     /// Standard deviations of position \[m\], velocity \[m/s\] and misalignment \[rad\].
     fn nav_std(&self) -> [f64; NAV];
     /// Estimated sensor errors \[rad/s, m/s²\].
@@ -452,6 +456,14 @@ impl<const N: usize> Estimator for Sized<N> {
 
     fn parameter(&self, kind: Parameter) -> Option<([f64; 6], [f64; 6])> {
         self.filter.parameter(kind)
+    }
+
+    fn time_offset(&self, kind: Parameter) -> Option<(f64, f64)> {
+        self.filter.time_offset(kind)
+    }
+
+    fn since_start(&self) -> f64 {
+        self.filter.since_start()
     }
 
     fn nav_std(&self) -> [f64; NAV] {

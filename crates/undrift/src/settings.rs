@@ -140,6 +140,12 @@ settings! {
         every: f64 = 1.0,
         /// Least time between two searches, as a share of the window, while none has succeeded.
         pause: f64 = 0.1,
+        /// After so many searches of the longest window that found nothing that share grows …
+        patience: usize = 5,
+        /// … each time by this: a log that nothing explains shall not take long to say so …
+        growth: f64 = 1.5,
+        /// … up to this.
+        longest_pause: f64 = 5.0,
         /// Velocities needed for a search to be worth it.
         fewest: usize = 6,
         /// How far apart they must be \[m/s\].
@@ -277,6 +283,10 @@ settings! {
         frozen_sigmas: f64 = 3.0,
         /// … if the solution is faster than this \[m/s\].
         frozen_speed: f64 = 1.0,
+        /// … or if its repeated fix has pulled at the velocity by more than this \[m/s\] …
+        pull: f64 = 0.5,
+        /// … within about so long \[s\], beyond what the attitude explains.
+        pull_time: f64 = 4.0,
         /// Fixes further apart than this are not compared before the alignment \[s\].
         odd_gap: f64 = 2.5,
         /// Position and velocity of closer ones may differ by this \[m/s\] …

@@ -50,8 +50,8 @@ pub struct Node {
     pub sensor_error_std: [f64; AXES],
     /// Angular rate against the navigation frame as the filter had it, body axes [rad/s].
     pub omega_nb_b: Vector3,
-    /// What smoothing added to the filter's estimate of all sensor states and parameters.
-    correction: Vec<f64>,
+    /// By how much smoothing found the fixes' positions to hold later than the filter believed \[s\].
+    late: f64,
 }
 
 /// The smoothed nodes in order of time.
@@ -82,11 +82,7 @@ impl Smoothed {
             lever += Vector3::from_column_slice(&node.estimates[at..at + 3]);
         }
         let velocity = node.nav.v_n + node.nav.q_nb * node.omega_nb_b.cross(&lever);
-        let late = match self.parameters.start(Parameter::TimeOffset) {
-            Some(at) => node.correction[self.sensors.states() + at - NAV],
-            None => 0.0,
-        };
-        let offset = node.nav.q_nb * lever + velocity * late;
+        let offset = node.nav.q_nb * lever + velocity * node.late;
         let position = node.nav.position.displaced(&offset);
         (position, velocity)
     }
@@ -111,8 +107,8 @@ impl Smoothed {
     }
 }
 
-/// Numbers of a record before the matrices: a flag, time, position, velocity, quaternion, rate.
-const HEAD: usize = 15;
+/// Numbers of a record before the matrices: a flag, time, position, velocity, quaternion, rate, how long the filter has run.
+const HEAD: usize = 16;
 
 /// The forward pass, node by node.
 pub struct History {
@@ -177,6 +173,7 @@ impl History {
         put(nav.v_n.as_slice());
         put(nav.q_nb.coords.as_slice());
         put(filter.omega_nb_b().as_slice());
+        put(&[filter.since_start()]);
         put(&filter.estimates()[NAV..n]);
         let p = filter.covariance();
         for j in 0..n {
@@ -319,6 +316,12 @@ fn node(
         let at = sensors.states() + start;
         (at, [estimates[at - NAV], estimates[at + 1 - NAV]])
     });
+    let offset = |kind| {
+        let start = parameters.start(kind)?;
+        Some(error[sensors.states() + start])
+    };
+    let late = offset(Parameter::TimeOffset)
+        .map(|late| late + offset(Parameter::ClockRate).unwrap_or(0.0) * head[15]);
     let (q_nv, vehicle_std) = vehicle_attitude(&nav.q_nb, mounted, |i, j| covariance[(i, j)]);
     Node {
         q_bv: nav.q_nb.inverse() * q_nv,
@@ -332,7 +335,7 @@ fn node(
         sensor_error,
         sensor_error_std: sensors.error_std(|i, j| covariance[(i, j)]),
         omega_nb_b: Vector3::new(head[12], head[13], head[14]),
-        correction: error.as_slice()[NAV..].to_vec(),
+        late: late.unwrap_or(0.0),
     }
 }
 
@@ -507,7 +510,7 @@ impl<'a> Path<'a> {
                     mix(from.sensor_error_std[i], to.sensor_error_std[i])
                 }),
                 omega_nb_b: from.omega_nb_b,
-                correction: Vec::new(),
+                late: 0.0,
             })?;
         }
         self.nav = to.nav;

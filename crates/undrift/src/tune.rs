@@ -28,7 +28,7 @@ use crate::{
     settings::{fix_errors::StdFactors, replay::Settings},
 };
 use fit::{Fit, Log, fit, under};
-use judge::{Following, Judged, Unseen, judge_following};
+use judge::{Following, Judged, Unseen, judge};
 use noise::Noise;
 use prior::Prior;
 use start::{Start, idle};
@@ -99,8 +99,6 @@ pub enum Stage {
     Judging,
 }
 
-/// Seed of the bootstrap.
-pub(crate) const SEED: u64 = 1;
 /// Share of each drive that judges where nothing is asked for.
 const HALF: f64 = 0.5;
 
@@ -243,7 +241,7 @@ pub fn tune(
     });
     let of_drives = of_drives.collect::<Result<Vec<_>, NavigateError>>()?;
     let (judged, following) = if judges {
-        judge_following(&of_drives, SEED)
+        judge(&of_drives)
     } else {
         (Vec::new(), None)
     };

@@ -16,7 +16,7 @@ impl<const N: usize> Filter<N> {
 
     /// What a position fix says. Rows `[C_n^m, 0, C_n^m [l^n×], 0]`, m the frame of the fix: local
     /// north-east-down, or the base station's for a baseline; `−C_n^m C_b^n` for the lever arm,
-    /// `−C_n^m v^n` for the time offset.
+    /// `−C_n^m v^n` for the time offset, times the filter's age for the clock's rate.
     pub fn observe_position(&self, fix: &Position, lever_b: &Vector3) -> Observation<3, N> {
         let lever_n = self.c_nb() * self.lever_arm(lever_b);
         let antenna = self.antenna_position(lever_b);
@@ -36,8 +36,7 @@ impl<const N: usize> Filter<N> {
                 .copy_from(&(-c_mn * self.c_nb()));
         }
         if let Some(at) = self.parameter_start(Parameter::TimeOffset) {
-            h.fixed_view_mut::<3, 1>(0, at)
-                .copy_from(&(-c_mn * self.antenna_velocity(lever_b)));
+            self.time_columns(&mut h, at, &(-c_mn * self.antenna_velocity(lever_b)));
         }
         Observation {
             innovation,

@@ -35,8 +35,7 @@ impl<const N: usize> Filter<N> {
         }
         let offset = self.parameter_start(Parameter::VelocityTimeOffset);
         if let Some(at) = offset.or(self.parameter_start(Parameter::TimeOffset)) {
-            h.fixed_view_mut::<3, 1>(0, at)
-                .copy_from(&-self.acceleration());
+            self.time_columns(&mut h, at, &-self.acceleration());
         }
         Observation {
             innovation: self.antenna_velocity(lever_b) - v_n,

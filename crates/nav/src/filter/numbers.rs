@@ -60,6 +60,7 @@ impl<const N: usize> Filter<N> {
             self.coupling = Coupling::new(&self.parameters, behind, &zeros, &zeros);
         }
         self.coupling.factors(each);
+        each(&mut self.start);
     }
 }
 

@@ -16,7 +16,7 @@ use undrift_nav::{
 };
 
 /// Nine, one state an axis, and all parameters.
-const N: usize = 9 + 6 + 34;
+const N: usize = 9 + 6 + 35;
 
 fn vector(scale: f64) -> impl Strategy<Value = Vector3> {
     prop::array::uniform3(-scale..scale).prop_map(Vector3::from)
@@ -56,8 +56,12 @@ fn check<const M: usize>(
     observe: impl Fn(&Filter<N>) -> Observation<M, N>,
 ) -> Result<(), TestCaseError> {
     let h: SMatrix<f64, M, N> = observe(filter).h;
-    let offsets = [Parameter::TimeOffset, Parameter::VelocityTimeOffset]
-        .map(|kind| filter.parameter_start(kind).unwrap());
+    let offsets = [
+        Parameter::TimeOffset,
+        Parameter::VelocityTimeOffset,
+        Parameter::ClockRate,
+    ]
+    .map(|kind| filter.parameter_start(kind).unwrap());
     for column in (0..N).filter(|c| !offsets.contains(c)) {
         let d = match column {
             0..3 => 10.0,
@@ -182,6 +186,10 @@ proptest! {
             prop_assert!((position[i] + h).abs() < 0.2, "{} {h}", position[i]);
             let h = f.observe_velocity(&v, &lever).h[(i, of_velocity)];
             prop_assert!((velocity[i] + h).abs() < 0.15, "{} {h}", velocity[i]);
+            // The clock's rate has grown into an offset since the start.
+            let rate = f.parameter_start(Parameter::ClockRate).unwrap();
+            let grown = f.observe_velocity(&v, &lever).h[(i, rate)];
+            prop_assert_eq!(grown, h * f.since_start());
         }
     }
 }

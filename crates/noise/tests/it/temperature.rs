@@ -109,7 +109,7 @@ fn a_quadratic_is_found_where_there_is_one() {
 
 #[test]
 fn noise_is_what_temperature_cannot_explain() {
-    // A slope of 2.5 standard errors: not determined, so it stays in the record, but the noise is none of it.
+    // A slope of 2.5 standard errors: not determined, so it stays in the record, but does not count as noise.
     let [_, (_, walk), _] = noises();
     let warm_up = PROFILES[2].1;
     let warmth: Vec<f64> = (0..SAMPLES).map(|k| warm_up(k as f64 * INTERVAL)).collect();

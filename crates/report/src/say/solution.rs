@@ -20,6 +20,15 @@ pub fn verdict(found: &[Finding]) -> String {
     }
 }
 
+/// That the solution ended at this time \[s\], and the likeliest cause.
+pub fn ended(time: f64, found: &[Finding]) -> String {
+    let ended = diverged(time);
+    match findings::verdict(found).1 {
+        None | Some(Finding::Diverged { .. }) => ended,
+        Some(cause) => format!("{ended}: {}", super::say(cause)),
+    }
+}
+
 pub(super) fn diverged(time: f64) -> String {
     format!("the solution diverged at {} s and ends there", at(time))
 }

@@ -43,6 +43,10 @@ pub(super) struct Motion {
     /// The solution so far, at the window's start; the window then grows from there to [`AlignmentMotionSettings::longest`].
     solved: Option<Guess>,
     searched: Option<f64>,
+    /// Least time between two searches, as a share of the window, while none has succeeded; it grows where they keep failing.
+    pause: f64,
+    /// Searches of the whole window that found nothing.
+    failed: usize,
     failure: MotionFailure,
     /// Largest spread of velocities in a window [m/s].
     spread: f64,
@@ -62,6 +66,7 @@ impl Motion {
         Self {
             set,
             longest: longest(&set, turn_on),
+            pause: set.pause,
             ..Self::default()
         }
     }
@@ -114,7 +119,7 @@ impl Motion {
             .map_or(0.0, |first| fix.time - first.time);
         let pause = match self.solved {
             Some(_) => self.set.every,
-            None => self.set.every.max(self.set.pause * window),
+            None => self.set.every.max(self.pause * window),
         };
         if self.searched.is_some_and(|at| fix.time < at + pause) {
             return None;
@@ -123,6 +128,14 @@ impl Motion {
         match self.search(settings, rest) {
             Ok(found) => Some(found),
             Err(failure) => {
+                let nothing =
+                    matches!(failure, MotionFailure::Ambiguous | MotionFailure::Misfit(_));
+                if nothing && window + self.pause * window > self.longest {
+                    self.failed += 1;
+                    if self.failed > self.set.patience {
+                        self.pause = (self.pause * self.set.growth).min(self.set.longest_pause);
+                    }
+                }
                 // The furthest that it ever came says most.
                 if failure.stage() >= self.failure.stage() {
                     self.failure = failure;

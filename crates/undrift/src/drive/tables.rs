@@ -209,7 +209,9 @@ pub(crate) const AXLE_STD: f64 = 2.0;
 
 /// How far fixes are from their stamps, as a rule \[s\], and how much that changes [s/√s]: clocks drift, hosts stamp late.
 const TIME_OFFSET_STD: f64 = 0.1;
-const TIME_OFFSET_WALK: f64 = 5e-3;
+const TIME_OFFSET_WALK: f64 = 6e-3;
+/// By how much a host's clock or a sensor's own is fast or slow [s/s]: crystals 50e-6, those of cheap sensors more.
+const CLOCK_RATE_STD: f64 = 3e-4;
 /// What data sheets of cheap inertial sensors allow their scale factors, one standard deviation.
 const SCALE_FACTOR_STD: f64 = 0.02;
 /// How much a scale factor of a gyro changes with temperature, rate and vibration [1/√s]. A constant would be believed to
@@ -294,6 +296,7 @@ pub(super) fn read_states(
     let gyro_scale = scale.or(unless_given.then_some(SCALE_FACTOR_STD));
     let misalignment = std("misalignment", Quantity::Angle, None)?;
     let offset = std("time_offset", Quantity::Time, Some(TIME_OFFSET_STD))?;
+    let rate = std("clock_rate", Quantity::Dimensionless, Some(CLOCK_RATE_STD))?;
     for (kind, std, walk) in [
         (Parameter::GyroScale, gyro_scale, SCALE_FACTOR_WALK),
         (Parameter::AccelScale, scale, 0.0),
@@ -306,6 +309,7 @@ pub(super) fn read_states(
         ),
         (Parameter::TimeOffset, offset, TIME_OFFSET_WALK),
         (Parameter::VelocityTimeOffset, offset, TIME_OFFSET_WALK),
+        (Parameter::ClockRate, rate.filter(|_| offset.is_some()), 0.0),
     ] {
         if let Some(std) = std {
             let prior = Prior {

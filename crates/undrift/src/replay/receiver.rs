@@ -14,6 +14,7 @@ use crate::{
         replay::{Doubt, GnssUse, Settings},
     },
 };
+use nalgebra::Vector2;
 use undrift_nav::{
     Matrix3, Vector3,
     earth::STANDARD_GRAVITY,
@@ -42,6 +43,10 @@ pub(super) struct Receiver<'a> {
     velocity: Channel,
     /// The last position, since when it has been the same \[s\], and the velocity then.
     same: Option<(Position, f64, Option<Vector3>)>,
+    /// By how much the same fix has pulled at the velocity of late, north and east \[m/s\], and when last \[s\].
+    pull: (Vector2<f64>, f64),
+    /// How much of that the attitude may be to blame for, one standard deviation, the least since the fix is the same \[m/s\].
+    tilted: f64,
     /// Whether the last fix was frozen.
     frozen: bool,
     /// The last fix that an alignment was to see.
@@ -62,6 +67,8 @@ impl<'a> Receiver<'a> {
             position: channel(Part::Position),
             velocity: channel(Part::Velocity),
             same: None,
+            pull: (Vector2::zeros(), time),
+            tilted: f64::INFINITY,
             frozen: false,
             before: None,
         }
@@ -114,6 +121,7 @@ impl<'a> Receiver<'a> {
         let lever_arm = settings.lever_arm;
         let with_velocity = fix.velocity.is_some() && settings.gnss_use != GnssUse::Position;
         let mut updates = [None, None];
+        let before = filter.nav().v_n.xy();
         let open = !settings.gating
             || self.position.gate.is_senseless()
             || self.velocity.gate.is_senseless();
@@ -184,11 +192,29 @@ impl<'a> Receiver<'a> {
             };
             updates[1] = Some(self.velocity.update(filter, &offer, settings, summary));
         }
+        self.pulled(before, filter, fix.time);
         updates
     }
 
+    /// Notes how far an update has moved the velocity from what it was `before`.
+    fn pulled(&mut self, before: Vector2<f64>, filter: &dyn Estimator, time: f64) {
+        let left = (-(time - self.pull.1) / self.settings.receiver.pull_time).exp();
+        let pull = self.pull.0 * left + before - filter.nav().v_n.xy();
+        self.pull = (pull, time);
+    }
+
+    /// Whether the same fix, again and again, keeps a solution back that moves off: from the sensors it has a velocity that
+    /// no error of its attitude explains.
+    fn keeps_back(&mut self, filter: &dyn Estimator) -> bool {
+        let set = &self.settings.receiver;
+        let std = filter.nav_std();
+        // Kept back for a while, a solution doubts its attitude.
+        self.tilted = (STANDARD_GRAVITY * std[6].max(std[7]) * set.pull_time).min(self.tilted);
+        self.pull.0.norm() > set.pull + set.frozen_sigmas * self.tilted
+    }
+
     /// Whether the fix repeats a position that the solution has left.
-    fn is_frozen(&mut self, filter: &dyn Estimator, fix: &GnssFix, lever: &Vector3) -> bool {
+    fn is_frozen(&mut self, filter: &mut dyn Estimator, fix: &GnssFix, lever: &Vector3) -> bool {
         let Some((position, r)) = &fix.position else {
             return false;
         };
@@ -196,9 +222,24 @@ impl<'a> Receiver<'a> {
             Some((last, since, _)) if last == position => *since,
             _ => {
                 self.same = Some((*position, fix.time, fix.velocity.map(|(v, _)| v)));
+                self.pull = (Vector2::zeros(), fix.time);
+                self.tilted = f64::INFINITY;
                 return false;
             }
         };
+        if self.frozen {
+            return true;
+        }
+        if self.keeps_back(filter) {
+            let (pull, time) = (self.pull.0.norm(), self.settings.receiver.pull_time);
+            let tilt = pull / (STANDARD_GRAVITY * time);
+            filter.doubt(
+                pull * time,
+                pull,
+                tilt.min(self.settings.receiver.most_tilt),
+            );
+            return true;
+        }
         let set = &self.settings.receiver;
         let velocity = filter.antenna_velocity(lever).xy();
         let std = filter.nav_std();

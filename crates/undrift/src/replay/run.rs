@@ -247,6 +247,11 @@ impl<'a> Run<'a> {
         for (kind, _, prior) in filter.parameters().blocks() {
             if let Some((value, std)) = filter.parameter(kind) {
                 let n = kind.width();
+                let (mut value, mut std) = (value, std);
+                let of_time = [Parameter::TimeOffset, Parameter::VelocityTimeOffset];
+                if let Some(now) = filter.time_offset(kind).filter(|_| of_time.contains(&kind)) {
+                    (value[0], std[0]) = now;
+                }
                 let furthest = value[..n]
                     .iter()
                     .copied()

@@ -37,9 +37,8 @@ impl Solution {
     /// By how much fixes hold later than their stamps, as estimated within [`MOST_LATE`].
     pub(super) fn latency(&self) -> Latency {
         let offset = |kind| {
-            let (value, _) = self.filter.parameter(kind)?;
             let most = MOST_LATE * self.filter.parameters().prior(kind)?.std;
-            Some(value[0].clamp(-most, most))
+            Some(self.filter.time_offset(kind)?.0.clamp(-most, most))
         };
         Latency {
             position: offset(Parameter::TimeOffset).unwrap_or(0.0),

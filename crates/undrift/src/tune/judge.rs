@@ -2,7 +2,7 @@
 
 use super::fit::Log;
 use crate::{
-    outages::run,
+    outages::{OutageErrors, run},
     reference::{Coverage, HORIZONTAL},
     replay::Outage,
     settings::replay::Settings,
@@ -16,6 +16,8 @@ use undrift_noise::order_statistics::quantile;
 pub const LENGTHS: [f64; 3] = [10.0, 30.0, 60.0];
 /// The one that counts most \[s\].
 const TOLD: f64 = 30.0;
+/// Seed of the bootstrap.
+const SEED: u64 = 1;
 /// They follow each other in so many runs, so that none begins before the filter has recovered.
 const RUNS: usize = 3;
 /// Resamples of the bootstrap.
@@ -40,14 +42,13 @@ impl Judged {
         rms(&self.drift)
     }
 
-    /// After over before with its 95 % interval, by the bootstrap over outages (Efron & Tibshirani 1993, chapter 13),
-    /// with this seed.
-    pub fn ratio(&self, seed: u64) -> [f64; 3] {
+    /// After over before with its 95 % interval, by the bootstrap over outages (Efron & Tibshirani 1993, chapter 13).
+    pub fn ratio(&self) -> [f64; 3] {
         let ratio = |drift: &[[f64; 2]]| {
             let [before, after] = rms(drift);
             after / before
         };
-        let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(SEED);
         let n = self.drift.len();
         let ratios: Vec<f64> = (0..RESAMPLES)
             .map(|_| {
@@ -96,28 +97,21 @@ pub struct Following {
     pub kept: bool,
 }
 
-/// Drift before and after, where `after` also follows the vibration if that is better; what following it changes,
-/// where the drives allow it (`before` has it).
-pub fn judge_following(drives: &[Unseen], seed: u64) -> (Vec<Judged>, Option<Following>) {
-    let without = judge(drives);
-    if !drives.iter().all(|drive| drive.settings[0].vibration) {
-        return (without, None);
+/// Runs outages of every length, back to back over the spans that the fit has not seen: drift before and after, where
+/// `after` also follows the vibration if that is better, and what following it changes, where the drives allow it
+/// (`before` has it). A length that fits fewer than twice is omitted.
+pub fn judge(drives: &[Unseen]) -> (Vec<Judged>, Option<Following>) {
+    let follows = drives.iter().all(|drive| drive.settings[0].vibration);
+    let (mut without, mut with, mut gains) = (Vec::new(), Vec::new(), Vec::new());
+    for length in LENGTHS {
+        let [before, after, following] = run_all(drives, length, follows);
+        without.extend(compared(length, &before, &after));
+        with.extend(compared(length, &before, &following));
+        gains.extend(compared(length, &after, &following));
     }
-    let with = |drive: &Unseen| Settings {
-        vibration: true,
-        ..drive.settings[1].clone()
-    };
-    let tried = |before: fn(&Unseen) -> Settings| -> Vec<Judged> {
-        let pairs = drives.iter().map(|drive| Unseen {
-            settings: [before(drive), with(drive)],
-            ..*drive
-        });
-        judge(&pairs.collect::<Vec<_>>())
-    };
-    let gains = tried(|drive| drive.settings[1].clone());
     let ratios: Vec<_> = gains
         .iter()
-        .map(|judged| (judged.length, judged.ratio(seed)))
+        .map(|judged| (judged.length, judged.ratio()))
         .collect();
     let kept = ratios.iter().all(|(_, ratio)| ratio[0] <= 1.0)
         && ratios.iter().any(|(_, ratio)| ratio[2] < 1.0);
@@ -127,66 +121,57 @@ pub fn judge_following(drives: &[Unseen], seed: u64) -> (Vec<Judged>, Option<Fol
         ratio: *ratio,
         kept,
     });
-    let judged = if kept {
-        tried(|drive| drive.settings[0].clone())
-    } else {
-        without
-    };
-    (judged, following)
+    (if kept { with } else { without }, following)
 }
 
-/// Runs outages of every length, back to back over the spans that the fit has not seen; a length that fits fewer than twice
-/// is omitted.
-pub fn judge(drives: &[Unseen]) -> Vec<Judged> {
-    LENGTHS
-        .iter()
-        .filter_map(|&length| {
-            let mut drift = Vec::new();
-            let mut covered = [Coverage::default(), Coverage::default()];
-            for drive in drives {
-                one(drive, length, &mut drift, &mut covered);
+/// The outages of each pass over the drives; `None` for a pass without a solution.
+type Passes = Vec<Option<Vec<OutageErrors>>>;
+
+/// Runs the outages of one length before, after, and, if it `follows`, after with the vibration followed.
+fn run_all(drives: &[Unseen], length: f64, follows: bool) -> [Passes; 3] {
+    let mut all: [Passes; 3] = Default::default();
+    for drive in drives {
+        let (from, to) = (drive.span.0 + APART, drive.span.1);
+        let count = ((to - from) / length).floor().max(0.0) as usize;
+        let outage = |k: usize| Outage {
+            start: from + k as f64 * length,
+            end: from + (k + 1) as f64 * length,
+        };
+        let [before, after] = drive.settings.clone();
+        let following = Settings {
+            vibration: true,
+            ..after.clone()
+        };
+        let settings = [before, after, following].into_iter();
+        let passes = RUNS.min(count);
+        let mut runs = Vec::new();
+        for settings in settings.take(if follows { 3 } else { 2 }) {
+            for offset in 0..passes {
+                let outages = (offset..count).step_by(RUNS).map(outage).collect();
+                let settings = Settings {
+                    outages,
+                    ..settings.clone()
+                };
+                runs.push((String::new(), settings));
             }
-            let within = covered.map(|covered| covered.shares(0).unwrap_or([f64::NAN; 3]));
-            (drift.len() > 1).then_some(Judged {
-                length,
-                drift,
-                within,
-            })
-        })
-        .collect()
-}
-
-fn one(drive: &Unseen, length: f64, drift: &mut Vec<[f64; 2]>, covered: &mut [Coverage; 2]) {
-    let (from, to) = (drive.span.0 + APART, drive.span.1);
-    let count = ((to - from) / length).floor().max(0.0) as usize;
-    let outage = |k: usize| Outage {
-        start: from + k as f64 * length,
-        end: from + (k + 1) as f64 * length,
-    };
-    let passes = RUNS.min(count);
-    let mut runs = Vec::new();
-    for settings in &drive.settings {
-        for offset in 0..passes {
-            let outages = (offset..count).step_by(RUNS).map(outage).collect();
-            let settings = Settings {
-                outages,
-                ..settings.clone()
-            };
-            runs.push((String::new(), settings));
+        }
+        let done = run(drive.log.imu, drive.log.aiding, drive.truth, &runs, &|_| ());
+        for (at, (_, ran)) in done.into_iter().enumerate() {
+            all[at / passes].push(ran.ok().map(|ran| ran.errors.per_outage));
         }
     }
-    let done = run(drive.log.imu, drive.log.aiding, drive.truth, &runs, &|_| ());
-    let (before, after) = done.split_at(passes);
-    for ((_, before), (_, after)) in before.iter().zip(after) {
-        let (Ok(before), Ok(after)) = (before, after) else {
+    all
+}
+
+/// Drift over the outages that have one under both settings; `None` of fewer than two.
+fn compared(length: f64, before: &Passes, after: &Passes) -> Option<Judged> {
+    let mut drift = Vec::new();
+    let mut covered = [Coverage::default(), Coverage::default()];
+    for pair in before.iter().zip(after) {
+        let (Some(before), Some(after)) = pair else {
             continue;
         };
-        let pairs = before
-            .errors
-            .per_outage
-            .iter()
-            .zip(&after.errors.per_outage);
-        for (a, b) in pairs {
+        for (a, b) in before.iter().zip(after) {
             let pair = [a.max.0[HORIZONTAL], b.max.0[HORIZONTAL]];
             if pair.iter().all(|drift| drift.is_finite()) {
                 drift.push(pair);
@@ -195,4 +180,10 @@ fn one(drive: &Unseen, length: f64, drift: &mut Vec<[f64; 2]>, covered: &mut [Co
             }
         }
     }
+    let within = covered.map(|covered| covered.shares(0).unwrap_or([f64::NAN; 3]));
+    (drift.len() > 1).then_some(Judged {
+        length,
+        drift,
+        within,
+    })
 }

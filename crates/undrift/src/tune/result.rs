@@ -1,7 +1,7 @@
 //! What was found as a result.
 
 use super::{
-    SEED, Tuned,
+    Tuned,
     noise::{COUNT, FIX, LASTING, RULE, WALK, WHITE},
 };
 use crate::{
@@ -72,7 +72,7 @@ impl Tuned {
         };
         let drift = |judged: &super::Judged| {
             let [before, after] = judged.rms();
-            let [ratio, low, high] = judged.ratio(SEED);
+            let [ratio, low, high] = judged.ratio();
             TunedDrift {
                 length_s: judged.length.into(),
                 outages: judged.drift.len() as u64,

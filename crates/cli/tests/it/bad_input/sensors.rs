@@ -65,10 +65,13 @@ fn gyro_in_millidegrees_called_radians() {
 
 #[test]
 fn accelerometer_in_g_called_metres() {
-    let warnings = times(&ACCEL, 1.0 / 9.80665).write("accel_g").doubted(&[
+    let parts = [
         "the accelerometers measure 0.1",
         "imu.accel_unit (the numbers look like g)",
-    ]);
+    ];
+    let warnings = times(&ACCEL, 1.0 / 9.80665)
+        .write("accel_g")
+        .distrusted(1, &parts);
     // With a wrong unit the innovations say nothing of the receiver.
     assert!(
         !warnings.iter().any(|w| w.contains("std_factor")),

@@ -35,8 +35,8 @@ struct Format {
     place: f64,
     /// Horizontal [m/s].
     velocity: f64,
-    /// Most of the drift against that by hand: more where accuracies have to be guessed, from the HDOP (NMEA) or a radius
-    /// without one of the velocity (phones): a sixth more over 39 outages.
+    /// Most of the drift against that by hand: more where accuracies have to be guessed, and where the velocity has no
+    /// vertical part and the accuracy is an HDOP or a radius (NMEA, telephones: a sixth more over 39 outages).
     drift: f64,
 }
 

@@ -129,6 +129,35 @@ fn a_time_offset_is_estimated_on_the_real_drive() {
 }
 
 #[test]
+fn a_clock_rate_is_estimated() {
+    for (seed, rate) in [(5, 500e-6), (6, -200e-6), (7, 0.0)] {
+        let mut log = simulated(seed);
+        let prior = Prior::constant(3e-4);
+        log.settings.parameters = time_offset().with(Parameter::ClockRate, prior);
+        let mut shown = log.gnss.clone();
+        let first = shown[0].time;
+        for fix in &mut shown {
+            fix.time -= rate * (fix.time - first);
+        }
+        let (_, summary) = navigate(&log, &shown);
+        let (value, std) = estimate(&summary, Parameter::ClockRate);
+        // At the end of the log, not at its start.
+        let (late, _) = estimate(&summary, Parameter::TimeOffset);
+        let nis = summary.position.per_dof().unwrap();
+        println!(
+            "{:.0} ppm: {:.1} ± {:.1} ppm, {:.4} s late at the end; NIS {nis:.3}",
+            rate * 1e6,
+            value[0] * 1e6,
+            std[0] * 1e6,
+            late[0]
+        );
+        assert!((value[0] - rate).abs() < 4.0 * std[0] && std[0] < 1e-5);
+        assert!((late[0] - 599.0 * rate).abs() < 0.005);
+        assert!((nis - 1.0).abs() < 0.15, "{nis}");
+    }
+}
+
+#[test]
 fn a_time_offset_survives_outages() {
     let mut log = simulated(4);
     log.settings.parameters = time_offset();

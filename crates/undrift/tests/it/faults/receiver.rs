@@ -150,14 +150,9 @@ fn a_frozen_receiver_is_not_believed() {
             summary.contradictions,
             summary.leans
         );
-        assert!(summary.contradictions.iter().any(|c| c.frozen) || when > 150.0);
-        assert!(!summary.contradictions.is_empty());
-        // The start from the light is taken for errors of the sensors: the covariance grows, of the heading, too.
-        let limit = if when > 150.0 {
-            (2.0, 15.0)
-        } else {
-            (0.3, 2.0)
-        };
+        assert!(summary.contradictions.iter().any(|c| c.frozen));
+        // The start from the light is at first taken for errors of the sensors.
+        let limit = if when > 150.0 { (1.0, 6.0) } else { (0.3, 2.0) };
         assert!(later < limit.0 && angle < limit.1);
     }
 }
