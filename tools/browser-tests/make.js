@@ -35,8 +35,8 @@ async function hostile() {
   await rename(file("drive.toml"), file(DRIVE));
   const model = name => ["--bias-model", name, "--json", at(`${name}${DRIVE}.json`)];
   await run(undrift, "navigate", file(DRIVE), ...model("gauss-markov"), "--report", at("navigate.html"));
-  await run(undrift, "navigate", file(DRIVE), ...model("white"));
-  await run(undrift, "report", at(`gauss-markov${DRIVE}.json`), at(`white${DRIVE}.json`), "-o", at("compare.html"));
+  await run(undrift, "navigate", file(DRIVE), ...model("random-walk"));
+  await run(undrift, "report", at(`gauss-markov${DRIVE}.json`), at(`random-walk${DRIVE}.json`), "-o", at("compare.html"));
   await run(undrift, "outages", file(DRIVE), "--length", "10", "--every", "25", "--start", "60", "--report", at("outages.html"));
 }
 

@@ -141,7 +141,7 @@ test("hostile names of files, columns and models are text", async () => {
     const text = await page.evaluate(() => document.body.textContent);
     assert.ok(text.includes(GNSS) && text.includes(MODEL), name);
     if (name !== "compare") assert.ok((await page.title()).includes(DRIVE));
-    else assert.ok((await page.locator(".legend").first().textContent()).includes(`white${DRIVE}`));
+    else assert.ok((await page.locator(".legend").first().textContent()).includes(`random-walk${DRIVE}`));
     assert.deepEqual(troubles, []);
     await close();
   }

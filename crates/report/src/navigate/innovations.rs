@@ -66,12 +66,18 @@ fn panel(runs: &[OfRun<'_>], which: &str, y: Axis, bounds: &[f64], shown: &Shown
     let mut panel = panel_over_time(y, shown);
     let mut ends = (0.0, 1.0);
     for (at, (name, curves)) in runs.iter().enumerate() {
+        let rejected = curves.get("left_out_nis").filter(|_| which == "nis");
         if let Some(curve) = curves.get(which) {
             let points = broken(shown.clock.points(curve, 1.0), &gaps);
             ends = extent(&points);
+            // Beside the rejected ones the others need a name, and the cursor shows the value of what has one.
+            let name = match rejected {
+                Some(_) if name.is_empty() => "used",
+                _ => name,
+            };
             panel.add(Series::thin(name, run_colour(at), points));
         }
-        if let Some(curve) = curves.get("left_out_nis").filter(|_| which == "nis") {
+        if let Some(curve) = rejected {
             let single = runs.len() == 1;
             let colour = if single { REJECTED } else { run_colour(at) };
             let name = if single { "" } else { name };
