@@ -50,6 +50,11 @@ ROWS = [
      LONG, "allantools", 20, 3, check_allan),
     ("Overlapping Allan deviation, all τ", "allan_all", (1, 1),
      (100_000, *LONG, 20 * MILLION), "allantools", 3, 1, check_allan),
+    ("Overlapping Allan deviation, octaves", "allan_sidereon", (1, 1),
+     (*LONG, 20 * MILLION), "sidereon", 10, 3, check_allan),
+    ("Overlapping Allan deviation, all τ", "allan_all_sidereon", (1, 1), (100_000,), "sidereon", 3, 1, check_allan),
+    ("Modified Allan deviation, octaves", "allan_modified", (1, 1), LONG, "sidereon", 10, 3, check_allan),
+    ("Overlapping Hadamard deviation, octaves", "allan_hadamard", (1, 1), LONG, "sidereon", 10, 3, check_allan),
     ("ADF, constant, 20 lags", "adf", (1, 1), LONG, "statsmodels", 10, 3, check_values),
     ("KPSS, level, 40 lags", "kpss", (1, 1), LONG, "statsmodels", 10, 3, check_values),
     ("Phillips-Perron, constant", "phillips_perron", (1, 1), LONG, "arch", 5, 3, check_values),
@@ -72,7 +77,7 @@ def one(row, samples, record, path, options):
     def command(who, repeats):
         return python("tasks.py", who, task, path, repeats)
 
-    rust = [options.statistics, task.removesuffix("_own"), path, str(calls)]
+    rust = [options.statistics, task.removesuffix("_own").removesuffix("_sidereon"), path, str(calls)]
     ours, fault = in_turns([rust, command("ours", calls)])
     if fault:
         print(f"  ours failed: {fault}")
@@ -127,7 +132,7 @@ def identification(options):
 
 
 def versions():
-    for name in ("numpy", "scipy", "statsmodels", "allantools", "arch", "python-ins"):
+    for name in ("numpy", "scipy", "statsmodels", "allantools", "arch", "sidereon", "python-ins"):
         try:
             yield f"{name} {importlib.metadata.version(name)}"
         except importlib.metadata.PackageNotFoundError:

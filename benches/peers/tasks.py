@@ -113,6 +113,24 @@ def peer_allan(taus="octave"):
     return task
 
 
+def octaves(record, samples):
+    """Averaging factors 1, 2, 4, ... of which `samples` fit into the record."""
+    return [1 << k for k in range(len(record).bit_length()) if samples << k <= len(record)]
+
+
+def sidereon_allan(kind, factors):
+    """sidereon takes averaging factors, `factors` of the record."""
+    import numpy as np
+    import sidereon
+
+    def task(record):
+        series = sidereon.AllanSeries.fractional_frequency(record)
+        found = getattr(sidereon, kind)(series, 1.0 / RATE_HZ, factors(record))
+        return np.column_stack([found.tau_s, found.deviation]).ravel()
+
+    return task
+
+
 def peer_adf():
     from statsmodels.tsa.stattools import adfuller
 
@@ -198,11 +216,11 @@ def ours_pandit_wu():
     return task
 
 
-def ours_allan(taus="octave", confidence=None):
+def ours_allan(taus="octave", confidence=None, kind="overlapping"):
     import undrift
 
     def task(record):
-        found = undrift.allan(record, RATE_HZ, taus=taus, confidence=confidence)
+        found = undrift.allan(record, RATE_HZ, kind=kind, taus=taus, confidence=confidence)
         return allan_points(found.tau, found.deviation, taus, record)
 
     return task
@@ -289,6 +307,19 @@ TASKS = {
     "allan": (ours_allan, peer_allan),
     "allan_intervals": (partial(ours_allan, confidence=0.683), peer_allan),
     "allan_all": (partial(ours_allan, "all"), partial(peer_allan, "all")),
+    "allan_sidereon": (ours_allan, partial(sidereon_allan, "overlapping_adev", partial(octaves, samples=2))),
+    "allan_all_sidereon": (
+        partial(ours_allan, "all"),
+        partial(sidereon_allan, "overlapping_adev", lambda record: range(1, len(record) // 2)),
+    ),
+    "allan_modified": (
+        partial(ours_allan, kind="modified"),
+        partial(sidereon_allan, "modified_adev", partial(octaves, samples=3)),
+    ),
+    "allan_hadamard": (
+        partial(ours_allan, kind="hadamard"),
+        partial(sidereon_allan, "hadamard_deviation", partial(octaves, samples=3)),
+    ),
     "adf": (ours_adf, peer_adf),
     "kpss": (ours_kpss, peer_kpss),
     "ljung_box": (ours_ljung_box, peer_ljung_box),

@@ -54,8 +54,10 @@ fn run(task: &str, record: &[f64]) -> Result<Vec<f64>, Box<dyn Error>> {
                 .chain(likelihoods)
                 .collect()
         }
-        "allan" => allan(record, Grid::Octave)?,
-        "allan_all" => allan(record, Grid::All)?,
+        "allan" => allan(record, DeviationKind::Overlapping, Grid::Octave)?,
+        "allan_all" => allan(record, DeviationKind::Overlapping, Grid::All)?,
+        "allan_modified" => allan(record, DeviationKind::Modified, Grid::Octave)?,
+        "allan_hadamard" => allan(record, DeviationKind::Hadamard, Grid::Octave)?,
         "allan_intervals" => {
             let curve = deviations(record, 100.0, DeviationKind::Overlapping, Grid::Octave)?;
             black_box(intervals(record, &curve, 0.683)?);
@@ -110,8 +112,8 @@ fn arma(record: &[f64], p: usize, q: usize) -> Result<Vec<f64>, Box<dyn Error>> 
 }
 
 /// τ and deviation in turns; of all τ at most 50 000.
-fn allan(record: &[f64], grid: Grid) -> Result<Vec<f64>, Box<dyn Error>> {
-    let curve = deviations(record, 100.0, DeviationKind::Overlapping, grid)?;
+fn allan(record: &[f64], kind: DeviationKind, grid: Grid) -> Result<Vec<f64>, Box<dyn Error>> {
+    let curve = deviations(record, 100.0, kind, grid)?;
     let stride = match grid {
         Grid::All => (record.len() / 100_000).max(1),
         _ => 1,
