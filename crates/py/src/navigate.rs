@@ -21,7 +21,8 @@ use undrift_report::{say, text};
 
 pub type Failure = Box<dyn std::error::Error + Send + Sync>;
 
-/// Navigates a drive: its result as JSON, and the solution as arrays where `solution` asks for it.
+/// Navigates a drive: its result as JSON, the same without the series for plots, and the solution as arrays where
+/// `solution` asks for it.
 #[pyfunction]
 #[expect(
     clippy::too_many_arguments,
@@ -37,7 +38,7 @@ pub fn navigate<'py>(
     every: Option<f64>,
     solution: bool,
     progress: Option<Py<PyAny>>,
-) -> PyResult<(String, Bound<'py, PyDict>)> {
+) -> PyResult<(String, String, Bound<'py, PyDict>)> {
     let kind = bias_model(bias)?;
     let format: Option<SolutionFormat> = format.map(str::parse).transpose().map_err(error)?;
     let name = drive.file.file_stem().unwrap_or_default();
@@ -57,12 +58,14 @@ pub fn navigate<'py>(
     let navigate = || {
         let report = navigation::navigate(&drive.drive, kind, wanted).map_err(say::unsolved)?;
         let about = results::Drive::of(&drive.file, &drive.drive);
-        let json = results::text(&say::navigated(&report, kind, about));
-        Ok::<_, Failure>((report, json))
+        let mut result = say::navigated(&report, kind, about);
+        let json = results::text(&result);
+        result.series = None;
+        Ok::<_, Failure>((report, json, results::text(&result)))
     };
-    let (report, json) =
+    let (report, json, brief) =
         work::run_with(py, progress.as_ref(), &counted, navigate)?.map_err(error)?;
-    Ok((json, columns::solution(py, &report.rows)?))
+    Ok((json, brief, columns::solution(py, &report.rows)?))
 }
 
 /// Start of an outage, times and errors.

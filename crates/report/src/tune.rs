@@ -77,12 +77,12 @@ fn verdict(tune: &Tune) -> String {
     let found = match () {
         () if high < 1.0 && is_honest => "usable: less drift",
         () if high < 1.0 => "usable with care: less drift, but the solution is optimistic",
-        () if low > 1.0 => "not usable: more drift than with the noise at rest",
+        () if low > 1.0 => "not usable: more drift than before",
         () if is_honest => "usable: no significant change of drift",
         () => "usable with care: no significant change of drift, and the solution is optimistic",
     };
     format!(
-        "{found}. {} without GNSS: {} m; with the noise at rest: {} m (ratio {}, 95 % interval {} to {}), over {} held-out outages",
+        "{found}. {} without GNSS: {} m; before: {} m (ratio {}, 95 % interval {} to {}), over {} held-out outages",
         span(drift.length_s.0),
         short(drift.after_m.0),
         short(drift.before_m.0),
@@ -146,7 +146,7 @@ fn drift(tune: &Tune) -> Table {
     };
     Table::of(
         "drift",
-        "RMS of the largest horizontal error of an outage, with the noise at rest and with the noise found; their ratio with its 95 % interval; and the share of final position errors within 1, 2 and 3σ (68, 95 and 99.7 % expected).",
+        "RMS of the largest horizontal error of an outage, with the noise of the model and drive files and with the noise found; their ratio with its 95 % interval; and the share of final position errors within 1, 2 and 3σ (68, 95 and 99.7 % expected).",
         &tune.drift,
         &[
             ("outage", &|d: &&TunedDrift| span(d.length_s.0).into()),
@@ -229,8 +229,8 @@ fn calibration(tune: &Tune) -> Option<Block> {
         );
         panel.series = vec![
             Series::dashed("a correct σ", 0, points(NORMAL)),
-            Series::line("noise at rest", 1, points(drift.before_within.map(|n| n.0))),
-            Series::thick("noise found", 2, points(drift.after_within.map(|n| n.0))),
+            Series::line("before", 1, points(drift.before_within.map(|n| n.0))),
+            Series::thick("after", 2, points(drift.after_within.map(|n| n.0))),
         ];
         panel
     };

@@ -169,10 +169,11 @@ def navigate(
     made = drive_of(drive, gnss, model, data, keys)
     files = [output] if isinstance(output, (str, os.PathLike)) else list(output)
     with reporter(progress, "navigate") as report:
-        text, arrays = _undrift.navigate(
+        text, brief, arrays = _undrift.navigate(
             made._drive, bias_model, smooth, files, format, every, solution, report
         )
-    told = json.loads(text)
+    # Without the series for plots, which take longer to parse than many a drive takes to navigate.
+    told = json.loads(brief)
     summary = told["summary"]
     return Navigation(
         **arrays,

@@ -55,7 +55,7 @@ class TunedDrift(Result):
     outages: int
     """How many."""
     before_m: float
-    """RMS of the largest horizontal error of each, with the noise at rest [m]."""
+    """RMS of the largest horizontal error of each, before: with the noise of model and drive files [m]."""
     after_m: float
     """The same with the noise found [m]."""
     ratio: float | None
@@ -65,7 +65,7 @@ class TunedDrift(Result):
     ratio_high: float | None
     """Upper end of it."""
     before_within: tuple[float | None, ...]
-    """Shares of the position's errors at the ends inside 1, 2 and 3 σ, with the noise at rest."""
+    """Shares of the position's errors at the ends inside 1, 2 and 3 σ, before."""
     after_within: tuple[float | None, ...]
     """The same with the noise found."""
 

@@ -153,7 +153,7 @@ def navigate(
     every: float | None,
     solution: bool,
     progress: Report | None,
-) -> tuple[str, Fields]: ...
+) -> tuple[str, str, Fields]: ...
 def outages(
     drive: Drive,
     bias_models: list[str],

@@ -93,7 +93,7 @@ pub struct TunedDrift {
     pub length_s: Number,
     /// How many.
     pub outages: u64,
-    /// Root mean square of the largest horizontal error of each, with the noise at rest \[m\].
+    /// Root mean square of the largest horizontal error of each, before: with the noise of the model and drive files \[m\].
     pub before_m: Number,
     /// With the noise found \[m\].
     pub after_m: Number,
@@ -103,7 +103,7 @@ pub struct TunedDrift {
     pub ratio_low: Number,
     /// See there.
     pub ratio_high: Number,
-    /// Shares of the position's errors at the ends inside one, two and three standard deviations, with the noise at rest.
+    /// Shares of the position's errors at the ends inside one, two and three standard deviations, before.
     pub before_within: [Number; 3],
     /// With the noise found.
     pub after_within: [Number; 3],

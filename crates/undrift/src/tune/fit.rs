@@ -56,9 +56,10 @@ const EVALUATIONS: usize = 60;
 const SETTLED: f64 = 0.1;
 /// Length of the spans of which only neighbours depend on each other \[s\].
 const BLOCK: f64 = 45.0;
-/// A parameter is seen where the objective falls by so much when it is made smaller by this factor: of one that is
-/// too small to matter the curvature says nothing.
-const SEEN: (f64, f64) = (4.0, 4.0);
+/// A parameter is seen where the log-likelihood, its spans no more than they are worth, falls by so much (99 % of the
+/// χ² distribution with one degree of freedom) when it is made smaller by this factor: of one that is too small to
+/// matter the curvature says nothing, and where it passes by chance it is found several times too large.
+const SEEN: (f64, f64) = (3.32, 4.0);
 /// Difference step for the curvature.
 const STEP: f64 = 0.05;
 /// The inverse of the first curvature.
@@ -241,7 +242,9 @@ fn fit_sized<const N: usize>(
 
 /// Standard deviations by Godambe's sandwich `A⁻¹ (J + Λ) A⁻¹`, `A = −∂²ℓ + Λ`: Λ the prior's precision, J the scatter
 /// of the gradients of spans, with half of the products of neighbours (Newey & West 1987). Varin, Reid & Firth 2011,
-/// section 2.3. Few spans scatter less than they might: no less than the likelihood's own curvature says, `A⁻¹`.
+/// section 2.3. The windows overlap, so that J is λ times the curvature; λ of all parameters together (section 2.4 there)
+/// is known better than what the few spans say of a single one, which may scatter less than they ought to: no less than
+/// that says, `A⁻¹ (−λ ∂²ℓ + Λ) A⁻¹`, and a fall of ℓ counts divided by λ.
 fn uncertainty<const N: usize>(linear: &Linear<N>, prior: &Prior, z: &Vector) -> Vector {
     let Score {
         value,
@@ -277,18 +280,24 @@ fn uncertainty<const N: usize>(linear: &Linear<N>, prior: &Prior, z: &Vector) ->
     };
     // The gradients are taken where their sum vanishes. Of their scatter that took one span's where all tell of the same
     // parameters, and one for each parameter where each tells of its own; here it is half of the parameters.
-    let fitted = 0.5 * (&inverse * of_data).trace();
+    let told = (&inverse * &of_data).trace();
+    let fitted = 0.5 * told;
     j *= n / (n - fitted.clamp(1.0, 0.75 * n.max(2.0)));
-    for i in 0..COUNT {
-        j[(i, i)] += precision(i);
-    }
-    let covariance = &inverse * j * &inverse;
+    let worth = ((&inverse * &j).trace() / told).max(1.0);
+    let sandwich = |mut filling: DMatrix<f64>| {
+        for i in 0..COUNT {
+            filling[(i, i)] += precision(i);
+        }
+        &inverse * filling * &inverse
+    };
+    let (single, together) = (sandwich(j), sandwich(of_data * worth));
     std::array::from_fn(|i| {
         let before = prior.std(i, z[i]);
-        let std = covariance[(i, i)].max(inverse[(i, i)]).max(0.0).sqrt();
+        let std = single[(i, i)].max(together[(i, i)]).max(0.0).sqrt();
         let mut smaller = *z;
         smaller[i] -= SEEN.1.ln();
-        if !prior.used[i] || std >= before || value - linear.score(&smaller).value < SEEN.0 {
+        let fall = (value - linear.score(&smaller).value) / worth;
+        if !prior.used[i] || std >= before || fall < SEEN.0 {
             return before;
         }
         std

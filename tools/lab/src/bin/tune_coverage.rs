@@ -1,11 +1,12 @@
 //! Whether identification from a drive is right and knows how right: simulated drives of known noise, one a seed.
 //!
 //! ```text
-//! cargo run --release -p undrift-lab --bin tune_coverage -- [seeds] [seconds]
+//! cargo run --release -p undrift-lab --bin tune_coverage -- [seeds] [seconds] [first seed]
 //! ```
 //!
-//! For every parameter: in how many drives it is said to be determined, and in how many of those the true value lies
-//! inside the 95 % interval; and the drift of the noise found against that of the true one, on another drive.
+//! For every parameter: in how many drives the true value lies inside the 95 % interval, in how many it is said to be
+//! determined, and in how many of those it lies inside; and the drift of the noise found against that of the true one, on
+//! another drive.
 
 use rayon::prelude::*;
 use undrift::{
@@ -42,9 +43,9 @@ fn receiver() -> GnssNoise {
     }
 }
 
-/// Of one seed: what was found against the truth in standard deviations, where it was determined, and the mean squares
-/// of the drift with the noise found and with the true one.
-fn one(seed: u64, seconds: f64) -> ([Option<f64>; COUNT], [f64; 2]) {
+/// Of one seed: whether each parameter was determined, and what was found against the truth in standard deviations; and
+/// the mean squares of the drift with the noise found and with the true one.
+fn one(seed: u64, seconds: f64) -> ([(bool, f64); COUNT], [f64; 2]) {
     let interval = 1.0 / RATE;
     let model = ImuModel::preset("mpu6050").expect("a preset");
     let mut start = Start::of_model(&model, interval).expect("a model");
@@ -98,7 +99,7 @@ fn one(seed: u64, seconds: f64) -> ([Option<f64>; COUNT], [f64; 2]) {
     let (z, at) = (found.noise.ln(), truth.ln());
     let off = std::array::from_fn(|i| {
         let determined = prior.used[i] && found.std[i] < 0.5 * prior.std(i, z[i]);
-        determined.then_some((z[i] - at[i]) / found.std[i])
+        (determined, (z[i] - at[i]) / found.std[i])
     });
     // Another drive of the same sensor.
     let other = drive(seed + 1_000_000);
@@ -140,7 +141,8 @@ fn main() {
         given.map_or(default, |n| n.parse().expect("a number"))
     };
     let (seeds, seconds) = (number(100.0) as u64, number(900.0));
-    let done: Vec<_> = (1..=seeds)
+    let first = number(1.0) as u64;
+    let done: Vec<_> = (first..first + seeds)
         .into_par_iter()
         .map(|seed| one(seed, seconds))
         .collect();
@@ -158,13 +160,16 @@ fn main() {
     };
     println!("{seeds} drives of {seconds} s");
     for i in 0..FIX + 2 {
-        let off: Vec<f64> = done.iter().filter_map(|(off, _)| off[i]).collect();
-        let inside = off.iter().filter(|off| off.abs() < 1.96).count();
+        let held = |off: &f64| off.abs() < 1.96;
+        let all = done.iter().filter(|(off, _)| held(&off[i].1)).count();
+        let determined = done.iter().filter(|(off, _)| off[i].0);
+        let off: Vec<f64> = determined.map(|(off, _)| off[i].1).collect();
+        let inside = off.iter().filter(|off| held(off)).count();
         let n = off.len().max(1) as f64;
         let mean = off.iter().sum::<f64>() / n;
         let rms = (off.iter().map(|o| o * o).sum::<f64>() / n).sqrt();
         println!(
-            "{:24} determined in {:3}, inside {:3} ({:.0} %), mean {mean:+.2} σ, root mean square {rms:.2} σ",
+            "{:24} inside in {all:3}; determined in {:3}, of these inside {:3} ({:.0} %), mean {mean:+.2} σ, root mean square {rms:.2} σ",
             name(i),
             off.len(),
             inside,
