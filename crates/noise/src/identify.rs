@@ -88,7 +88,7 @@ pub enum IdentifyError {
     },
     /// Rounding leaves nothing of the noise.
     #[error(
-        "only {off} of {samples} samples differ from the most common value, at least 30 are needed: at steps of {step:.3e} the noise of a sample is hidden and below {hidden:.2e}; record at a finer range or without the sensor's low-pass filter"
+        "only {off} of {samples} samples differ from the most common value: rounding to steps of {step:.3e} hides the noise, up to {hidden:.2e} before rounding; record at a finer range or without the sensor's low-pass filter"
     )]
     Coarse {
         /// Step of the samples [unit].
@@ -333,6 +333,7 @@ fn conclude(
         motion: screened.motion,
         saturation: screened.saturation,
         hanging: screened.hanging,
+        shown: screened.shown,
         adf,
         adf_chosen,
         kpss,

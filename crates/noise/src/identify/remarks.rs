@@ -4,7 +4,7 @@ use super::screened::Screened;
 use crate::{
     arma::{ArmaFit, Warning},
     composite::{CompositeFit, Flag, Term},
-    screening::Hanging,
+    screening::{Hanging, rounding::MOSTLY_SHOWN},
 };
 
 /// Remarks on a record of `samples` at `rate_hz`.
@@ -38,6 +38,12 @@ pub(super) fn of_record(of: &Screened, samples: usize, rate_hz: f64) -> Vec<Stri
         remarks.push(format!(
             "the steps of the samples are {:.1} times the noise before rounding: the white noise is that of the rounded samples, and a slow error smaller than a step shows only in part, so there are no intervals",
             grid.step / deviation
+        ));
+    }
+    if let Some(shown) = of.shown.filter(|shown| *shown < MOSTLY_SHOWN) {
+        remarks.push(format!(
+            "nearly all samples are equal: the mean stays amid a step, which hides the noise; at another mean, as after another switch-on, it may be {:.1} times what is found, and the drift more",
+            1.0 / shown
         ));
     }
     if let Some(Err(why)) = &of.temperature {

@@ -2,7 +2,7 @@
 
 use super::{IdentifyError, Options, SHORTEST};
 use crate::normality::{self, Quantisation};
-use crate::screening::rounding::{self, FEWEST_OFF};
+use crate::screening::rounding::{self, FEWEST_OFF, LEAST_SHOWN};
 use crate::screening::{
     self, Hanging, Motion, MotionRule, Outlier, OutlierRule, Saturation, Trend, bridge::bridge,
 };
@@ -52,6 +52,8 @@ pub(super) struct Screened {
     /// The grid of the samples, and their standard deviation before rounding where the steps are coarse and it shows.
     pub(super) quantisation: Option<Quantisation>,
     pub(super) before_rounding: Option<f64>,
+    /// Where it does not, the share of the noise at another mean that this one shows.
+    pub(super) shown: Option<f64>,
     /// The steps are larger than the noise: the error that they leave is no noise of its own.
     pub(super) coarse: bool,
 }
@@ -91,9 +93,14 @@ pub(super) fn screened(record: &[f64], options: &Options<'_>) -> Result<Screened
     let variance = 0.5 * squares / present.len() as f64;
     let coarse = quantisation.filter(|grid| grid.step * grid.step > variance);
     let mut hanging = HANGING;
+    let before_rounding = coarse.and_then(|grid| rounding::before_rounding(present, grid.step));
+    let mut shown = None;
     if let Some(grid) = coarse {
         let (samples, off) = (present.len(), rounding::off_the_mode(present));
-        if off < FEWEST_OFF {
+        let share = rounding::share_shown(grid.step, off, samples, variance);
+        // Where the noise before rounding is known, so is the mean's place.
+        shown = Some(share).filter(|share| before_rounding.is_none() && *share < 1.0);
+        if off < FEWEST_OFF || shown.is_some_and(|share| share < LEAST_SHOWN) {
             return Err(IdentifyError::Coarse {
                 step: grid.step,
                 off,
@@ -157,7 +164,8 @@ pub(super) fn screened(record: &[f64], options: &Options<'_>) -> Result<Screened
         threshold: found.threshold,
         quantisation,
         coarse: coarse.is_some(),
-        before_rounding: coarse.and_then(|grid| rounding::before_rounding(present, grid.step)),
+        before_rounding,
+        shown,
     })
 }
 

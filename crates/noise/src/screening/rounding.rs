@@ -2,6 +2,7 @@
 
 use super::record::mean_and_squares;
 use statrs::distribution::{ContinuousCDF, Normal};
+use std::f64::consts::PI;
 
 /// Samples of a window, in which the mean is to stand still.
 const WINDOW: usize = 2000;
@@ -13,6 +14,10 @@ const FEWEST: usize = 5;
 const WINDOWS: usize = 3;
 /// Samples off the most common value below which a record says nothing.
 pub const FEWEST_OFF: usize = 30;
+/// Share of the noise below which a record says nothing of another mean.
+pub const LEAST_SHOWN: f64 = 0.2;
+/// Share below which another mean may double the noise.
+pub const MOSTLY_SHOWN: f64 = 0.5;
 
 /// Standard deviation before rounding of samples on a grid of `step` [unit], by the shares of the levels: that of
 /// a normal distribution whose quantiles two edges are (median over windows without drift). `None` where no two edges have samples
@@ -65,6 +70,13 @@ pub fn largest_hidden(step: f64, off: usize, samples: usize) -> f64 {
     0.5 * step / place
 }
 
+/// The noise that a record shows over that of a mean which wanders over the grid, both standard deviations: of `variance`
+/// \[unit²\] after rounding, and of the largest that may be [hidden](largest_hidden), step² ∫ Φ(1 − Φ) σ dz/step = step σ/√π.
+pub fn share_shown(step: f64, off: usize, samples: usize, variance: f64) -> f64 {
+    let everywhere = step * largest_hidden(step, off, samples) / PI.sqrt();
+    (variance / everywhere).sqrt()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -104,5 +116,10 @@ mod tests {
         assert!((bound - 1.0).abs() < 0.01, "{bound}");
         assert_eq!(off_the_mode(&[1.0, 2.0, 1.0, 3.0, 1.0]), 2);
         assert_eq!(off_the_mode(&[]), 0);
+        // With the mean amid a step of 6 σ, 0.27 % of the samples lie beyond the edges, step² 0.0027 of 6 σ²/√π; with the
+        // mean on an edge half of them, and σ is not known from their number.
+        let bound = 36.0 * 0.0027 / (6.0 / PI.sqrt());
+        let shown = share_shown(6.0, 2700, 1_000_000, 36.0 * 0.0027);
+        assert!((shown / bound.sqrt() - 1.0).abs() < 0.01, "{shown}");
     }
 }

@@ -478,3 +478,34 @@ fn steps_larger_than_the_noise_leave_a_model() {
     // 4 of 72 000 beyond edges: P(|z| > 4.03) = 5.6e-5, so σ is below 0.06/4.03.
     assert!((hidden / (0.06 / 4.03) - 1.0).abs() < 0.01, "{hidden}");
 }
+
+/// At steps of 8 σ the noise found is that of the mean's place on the grid: nothing is said of it near an edge, it is
+/// doubted where an edge is 2.5 σ away, and refused at 3.1 σ.
+#[test]
+fn noise_that_rounding_hides_is_doubted() {
+    let step = 0.08;
+    let at = |edge: f64, seed: u64| {
+        let noise = simulated(0.01 / RATE.sqrt(), 0.0, 72_000, seed);
+        let mean = 0.5 * step - 0.01 * edge;
+        let record = noise
+            .iter()
+            .map(|e| ((e + mean) / step).round() * step)
+            .collect::<Vec<f64>>();
+        identify(&record, false, &OPTIONS)
+    };
+    assert!(at(0.5, 61).unwrap().shown.is_some_and(|share| share > 0.8));
+    let doubted = at(2.5, 62).unwrap();
+    // P(z > 2.5) = 0.0062: of steps² that share, of the 0.1 that may be hidden (σ < step/5.5).
+    let shown = doubted.shown.unwrap();
+    assert!((0.2..0.3).contains(&shown), "{shown}");
+    assert!(
+        doubted
+            .warnings
+            .iter()
+            .any(|said| said.starts_with("nearly all samples are equal"))
+    );
+    assert!(matches!(
+        at(3.1, 63),
+        Err(IdentifyError::Coarse { off: 40..100, .. })
+    ));
+}

@@ -108,6 +108,8 @@ pub struct Axis {
     pub saturation: Vec<Saturation>,
     /// Where the sensor repeats a value.
     pub hanging: Vec<Hanging>,
+    /// Where the mean stays amid a step larger than the noise, the share of the noise at another mean that shows.
+    pub shown: Option<Number>,
     /// Augmented Dickey-Fuller test at fixed lags, and by rules that choose them.
     pub adf: Adf,
     /// Kwiatkowski-Phillips-Schmidt-Shin test.

@@ -8,7 +8,7 @@ use crate::{
 };
 use std::f64::consts::PI;
 use undrift::{
-    noise::screening::RecordError,
+    noise::screening::{RecordError, rounding::MOSTLY_SHOWN},
     results::{Axis, Identify, Number, ParameterInterval},
 };
 
@@ -94,6 +94,9 @@ fn doubt(name: &str, axis: &Axis) -> Option<String> {
         None if axis.moving == Some(true) => "the recording is not static",
         None if !axis.saturation.is_empty() => "the axis is saturated",
         None if !axis.hanging.is_empty() => "the sensor is frozen",
+        None if axis.shown.is_some_and(|share| share.0 < MOSTLY_SHOWN) => {
+            "rounding hides most of the noise"
+        }
         None => return None,
     };
     Some(format!("{}: {why}", spoken(name)))
