@@ -115,7 +115,7 @@ def run_ours(folder, states=NO_MORE):
         undrift.NoiseModel.from_toml(MODEL, "imu.toml"),
         initial={"attitude": tuple(start[7:10]), "attitude_std": tuple(np.radians(START_STD)),
                  "velocity": (0.0, 0.0, 0.0), "velocity_std": (0.1,) * 3},
-        **({"states": states} if states else {}),
+        states=states,
     )
 
     def task():
@@ -126,7 +126,7 @@ def run_ours(folder, states=NO_MORE):
 
 
 def run_by_default(folder):
-    return run_ours(folder, {})
+    return run_ours(folder, None)
 
 
 def run_pyins(folder):

@@ -113,20 +113,16 @@ def peer_allan(taus="octave"):
     return task
 
 
-def octaves(record, samples):
-    """Averaging factors 1, 2, 4, ... of which `samples` fit into the record."""
-    return [1 << k for k in range(len(record).bit_length()) if samples << k <= len(record)]
-
-
-def sidereon_allan(kind, factors):
-    """sidereon takes averaging factors, `factors` of the record."""
-    import numpy as np
+def sidereon_allan(kind, taus="octave", fewest=2):
+    """sidereon takes averaging factors: 1, 2, 4 … or all, of which a record has `fewest` at least."""
     import sidereon
 
     def task(record):
+        most = len(record) // fewest
+        factors = range(1, most) if taus == "all" else [1 << k for k in range(most.bit_length())]
         series = sidereon.AllanSeries.fractional_frequency(record)
-        found = getattr(sidereon, kind)(series, 1.0 / RATE_HZ, factors(record))
-        return np.column_stack([found.tau_s, found.deviation]).ravel()
+        found = getattr(sidereon, kind)(series, 1.0 / RATE_HZ, factors)
+        return allan_points(found.tau_s, found.deviation, taus, record)
 
     return task
 
@@ -307,18 +303,15 @@ TASKS = {
     "allan": (ours_allan, peer_allan),
     "allan_intervals": (partial(ours_allan, confidence=0.683), peer_allan),
     "allan_all": (partial(ours_allan, "all"), partial(peer_allan, "all")),
-    "allan_sidereon": (ours_allan, partial(sidereon_allan, "overlapping_adev", partial(octaves, samples=2))),
-    "allan_all_sidereon": (
-        partial(ours_allan, "all"),
-        partial(sidereon_allan, "overlapping_adev", lambda record: range(1, len(record) // 2)),
-    ),
+    "allan_sidereon": (ours_allan, partial(sidereon_allan, "overlapping_adev")),
+    "allan_all_sidereon": (partial(ours_allan, "all"), partial(sidereon_allan, "overlapping_adev", "all")),
     "allan_modified": (
         partial(ours_allan, kind="modified"),
-        partial(sidereon_allan, "modified_adev", partial(octaves, samples=3)),
+        partial(sidereon_allan, "modified_adev", fewest=3),
     ),
     "allan_hadamard": (
         partial(ours_allan, kind="hadamard"),
-        partial(sidereon_allan, "hadamard_deviation", partial(octaves, samples=3)),
+        partial(sidereon_allan, "hadamard_deviation", fewest=3),
     ),
     "adf": (ours_adf, peer_adf),
     "kpss": (ours_kpss, peer_kpss),

@@ -24,8 +24,7 @@ test("a cursor in one figure shows its time in all, and the place on the map", a
   const plots = await timed(page), map = await find(page, "north [m]"), n = await find(page, "velocity east");
   assert.ok(plots.length > 15, String(plots.length));
   const box = await areaOf(page, n);
-  // Away from the 40 s without fixes, where not every figure has a value.
-  await page.mouse.move(box.x + 0.8 * box.width, box.y + 0.5 * box.height);
+  await page.mouse.move(box.x + 0.4 * box.width, box.y + 0.5 * box.height);
   await settled(page);
   const seen = await page.evaluate(({ plots, map, n }) => {
     const { u } = report.plots[n], time = u.posToVal(u.cursor.left, "x");

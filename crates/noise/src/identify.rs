@@ -333,7 +333,7 @@ fn conclude(
         motion: screened.motion,
         saturation: screened.saturation,
         hanging: screened.hanging,
-        shown: screened.shown,
+        noise_shown: screened.noise_shown,
         adf,
         adf_chosen,
         kpss,

@@ -89,7 +89,7 @@ pub struct Axis {
     /// Stretches of a thousand equal samples or more.
     pub hanging: Vec<Hanging>,
     /// Where the mean stays amid a step larger than the noise, the share of the noise at another mean that shows.
-    pub shown: Option<f64>,
+    pub noise_shown: Option<f64>,
     /// Augmented Dickey-Fuller, constant, 20 lags.
     pub adf: Adf,
     /// The same with the lags, up to 20, that a rule chooses: name of the rule and test.

@@ -40,7 +40,7 @@ pub(super) fn of_record(of: &Screened, samples: usize, rate_hz: f64) -> Vec<Stri
             grid.step / deviation
         ));
     }
-    if let Some(shown) = of.shown.filter(|shown| *shown < MOSTLY_SHOWN) {
+    if let Some(shown) = of.noise_shown.filter(|shown| *shown < MOSTLY_SHOWN) {
         remarks.push(format!(
             "nearly all samples are equal: the mean stays amid a step, which hides the noise; at another mean, as after another switch-on, it may be {:.1} times what is found, and the drift more",
             1.0 / shown

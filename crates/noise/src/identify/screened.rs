@@ -53,7 +53,7 @@ pub(super) struct Screened {
     pub(super) quantisation: Option<Quantisation>,
     pub(super) before_rounding: Option<f64>,
     /// Where it does not, the share of the noise at another mean that this one shows.
-    pub(super) shown: Option<f64>,
+    pub(super) noise_shown: Option<f64>,
     /// The steps are larger than the noise: the error that they leave is no noise of its own.
     pub(super) coarse: bool,
 }
@@ -94,13 +94,13 @@ pub(super) fn screened(record: &[f64], options: &Options<'_>) -> Result<Screened
     let coarse = quantisation.filter(|grid| grid.step * grid.step > variance);
     let mut hanging = HANGING;
     let before_rounding = coarse.and_then(|grid| rounding::before_rounding(present, grid.step));
-    let mut shown = None;
+    let mut noise_shown = None;
     if let Some(grid) = coarse {
         let (samples, off) = (present.len(), rounding::off_the_mode(present));
         let share = rounding::share_shown(grid.step, off, samples, variance);
         // Where the noise before rounding is known, so is the mean's place.
-        shown = Some(share).filter(|share| before_rounding.is_none() && *share < 1.0);
-        if off < FEWEST_OFF || shown.is_some_and(|share| share < LEAST_SHOWN) {
+        noise_shown = Some(share).filter(|share| before_rounding.is_none() && *share < 1.0);
+        if off < FEWEST_OFF || noise_shown.is_some_and(|share| share < LEAST_SHOWN) {
             return Err(IdentifyError::Coarse {
                 step: grid.step,
                 off,
@@ -165,7 +165,7 @@ pub(super) fn screened(record: &[f64], options: &Options<'_>) -> Result<Screened
         quantisation,
         coarse: coarse.is_some(),
         before_rounding,
-        shown,
+        noise_shown,
     })
 }
 

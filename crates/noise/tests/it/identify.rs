@@ -493,10 +493,15 @@ fn noise_that_rounding_hides_is_doubted() {
             .collect::<Vec<f64>>();
         identify(&record, false, &OPTIONS)
     };
-    assert!(at(0.5, 61).unwrap().shown.is_some_and(|share| share > 0.8));
+    assert!(
+        at(0.5, 61)
+            .unwrap()
+            .noise_shown
+            .is_some_and(|share| share > 0.8)
+    );
     let doubted = at(2.5, 62).unwrap();
     // P(z > 2.5) = 0.0062: of steps² that share, of the 0.1 that may be hidden (σ < step/5.5).
-    let shown = doubted.shown.unwrap();
+    let shown = doubted.noise_shown.unwrap();
     assert!((0.2..0.3).contains(&shown), "{shown}");
     assert!(
         doubted

@@ -291,7 +291,7 @@ fn tuned(job: &Job, outcome: &mut FleetOutcome) -> Result<(), Failure> {
         values: values.map(number).to_vec(),
     };
     for (axis, name) in AXES.iter().enumerate() {
-        let found = |i: usize, value: f64| match tuned.determined(i) {
+        let found = |i: usize, value: f64| match tuned.fit.determines(&tuned.prior, i) {
             true => value,
             false => f64::NAN,
         };

@@ -70,7 +70,7 @@ fn axis(name: &str, axis: &Axis) -> results::Axis {
         motion: axis.motion.clone(),
         saturation: axis.saturation.clone(),
         hanging: axis.hanging.clone(),
-        shown: axis.shown.map(Number),
+        noise_shown: axis.noise_shown.map(Number),
         adf: Adf {
             fixed: axis.adf,
             by_rule: by_rule.map(|(rule, adf)| ((*rule).into(), *adf)).collect(),

@@ -109,7 +109,7 @@ pub struct Axis {
     /// Where the sensor repeats a value.
     pub hanging: Vec<Hanging>,
     /// Where the mean stays amid a step larger than the noise, the share of the noise at another mean that shows.
-    pub shown: Option<Number>,
+    pub noise_shown: Option<Number>,
     /// Augmented Dickey-Fuller test at fixed lags, and by rules that choose them.
     pub adf: Adf,
     /// Kwiatkowski-Phillips-Schmidt-Shin test.

@@ -48,6 +48,16 @@ pub struct Fit {
     pub converged: bool,
 }
 
+/// An interval that has shrunk to less than this share of the prior's is the drives' doing.
+const DETERMINED: f64 = 0.5;
+
+impl Fit {
+    /// Whether the drives determine a parameter.
+    pub fn determines(&self, prior: &Prior, i: usize) -> bool {
+        self.std[i] < DETERMINED * prior.std(i, self.noise.ln()[i])
+    }
+}
+
 /// Most replays about a better solution each.
 const REPLAYS: usize = 3;
 /// Most evaluations of the objective about one.

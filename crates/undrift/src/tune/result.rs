@@ -13,8 +13,6 @@ use undrift_noise::model_file::AXES;
 
 /// Standard deviations to the ends of a 95 % interval.
 const INTERVAL: f64 = 1.96;
-/// An interval that has shrunk to less than this share is the drives' doing.
-const DETERMINED: f64 = 0.5;
 
 /// Key of a parameter in the model or drive file, and its unit.
 fn named(i: usize) -> (String, &'static str) {
@@ -40,11 +38,6 @@ fn named(i: usize) -> (String, &'static str) {
 const _: () = assert!(LASTING == FIX + 2 && RULE == FIX + 4 && COUNT == RULE + 3);
 
 impl Tuned {
-    /// Whether the drives determine a parameter.
-    pub fn determined(&self, i: usize) -> bool {
-        self.fit.std[i] < DETERMINED * self.prior.std(i, self.fit.noise.ln()[i])
-    }
-
     /// The result; `drives` are the drive files.
     pub fn result<'a>(&self, drives: impl IntoIterator<Item = (&'a Path, &'a Drive)>) -> Tune {
         let z = self.fit.noise.ln();
@@ -67,7 +60,7 @@ impl Tuned {
                 value: z[i].exp().into(),
                 low: (z[i] - INTERVAL * std).exp().into(),
                 high: (z[i] + INTERVAL * std).exp().into(),
-                determined: self.determined(i),
+                determined: self.fit.determines(&self.prior, i),
             }
         };
         let drift = |judged: &super::Judged| {

@@ -152,7 +152,7 @@ fn the_noise_of_a_simulated_drive_is_found() {
         assert!(found.converged && found.windows > 300, "{found:?}");
         assert!(!prior.used[LASTING] && !prior.used[RULE]);
         let (z, at) = (found.noise.ln(), truth.ln());
-        let determined = |i: &usize| prior.used[*i] && found.std[*i] < 0.5 * prior.std(*i, z[*i]);
+        let determined = |i: &usize| found.determines(&prior, *i);
         let known: Vec<usize> = (0..COUNT).filter(determined).collect();
         for i in &known {
             let off = (z[*i] - at[*i]) / found.std[*i];

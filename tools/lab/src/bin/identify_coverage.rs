@@ -2,7 +2,8 @@
 //! sensor, its drift over that of the true model, and whether the 95 % intervals hold the truth.
 //!
 //! `cargo run --release -p undrift-lab --bin identify_coverage [-- SERIES [FIRST_SEED [KIND …]]]`; with CANDIDATES in the environment
-//! also the mean drift ratios of every candidate, with NOTES those of the recommended one series by series.
+//! also the mean drift ratios of every candidate, with NOTES those of the recommended one series by series, what it predicts and the
+//! share of the noise that rounding leaves to be seen.
 //!
 //! Series of an hour at 20 Hz but the paper's ARMA(1,1), 12 minutes at 100 Hz; drawn by `NoiseGenerator` (xoshiro256++) with
 //! seeds FIRST_SEED…; what is done to them beside (rounding, spikes, samples left out) and the tails by seed + 10⁶,
@@ -190,6 +191,8 @@ struct Outcome {
     predicted: [f64; 4],
     /// The same ratio of every candidate that makes a filter.
     candidates: Vec<(String, [f64; 4])>,
+    /// The share of the noise that rounding leaves to be seen.
+    noise_shown: Option<f64>,
     seconds: f64,
     inside: Vec<(&'static str, bool, bool)>,
 }
@@ -270,6 +273,7 @@ fn outcome(kind: &Kind, seed: u64) -> Result<Outcome, Failure> {
         drift: std::array::from_fn(|h| found[h].rms / best[h].rms),
         predicted: std::array::from_fn(|h| found[h].predicted_rms / found[h].rms),
         candidates: axis.candidates.iter().filter_map(ratio).collect(),
+        noise_shown: axis.noise_shown,
         seconds,
         inside: kind
             .terms
@@ -361,7 +365,10 @@ fn main() -> Result<(), Failure> {
         if std::env::var_os("NOTES").is_some() {
             for (seed, outcome) in (first..).zip(&outcomes) {
                 match outcome {
-                    Ok(found) => println!("  {seed} {:.3?} {}", found.drift, found.name),
+                    Ok(found) => println!(
+                        "  {seed} {:.3?} {:.2?} {:.2?} {}",
+                        found.drift, found.predicted, found.noise_shown, found.name
+                    ),
                     Err(why) => println!("  {seed} {why}"),
                 }
             }

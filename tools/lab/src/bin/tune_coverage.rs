@@ -98,7 +98,7 @@ fn one(seed: u64, seconds: f64) -> ([(bool, f64); COUNT], [f64; 2]) {
     .expect("a fit");
     let (z, at) = (found.noise.ln(), truth.ln());
     let off = std::array::from_fn(|i| {
-        let determined = prior.used[i] && found.std[i] < 0.5 * prior.std(i, z[i]);
+        let determined = found.determines(&prior, i);
         (determined, (z[i] - at[i]) / found.std[i])
     });
     // Another drive of the same sensor.

@@ -94,7 +94,7 @@ fn doubt(name: &str, axis: &Axis) -> Option<String> {
         None if axis.moving == Some(true) => "the recording is not static",
         None if !axis.saturation.is_empty() => "the axis is saturated",
         None if !axis.hanging.is_empty() => "the sensor is frozen",
-        None if axis.shown.is_some_and(|share| share.0 < MOSTLY_SHOWN) => {
+        None if axis.noise_shown.is_some_and(|share| share.0 < MOSTLY_SHOWN) => {
             "rounding hides most of the noise"
         }
         None => return None,
