@@ -27,6 +27,7 @@
 mod autoregressive;
 mod diagnosis;
 mod fit;
+mod gradient;
 mod kalman;
 mod kernel;
 mod likelihood;
@@ -49,6 +50,7 @@ pub use model::{ArmaFit, Warning};
 pub(crate) use polynomial::inverse_roots;
 pub use profile::{ProfileInterval, Root, profile_interval};
 pub(crate) use search::Ladder;
+pub(crate) use selection::select_beside;
 pub use selection::{Selection, select};
 
 /// Highest p or q that is fitted.

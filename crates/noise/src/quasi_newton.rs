@@ -1,5 +1,5 @@
-//! Minimisation of a smooth function of a few variables by BFGS with numeric gradients. Nocedal & Wright
-//! 2006, chapters 3 and 6. What differs between the searches of [`crate::arma`] and of
+//! Minimisation of a smooth function of a few variables by BFGS, with gradients that are known or numeric. Nocedal &
+//! Wright 2006, chapters 3 and 6. What differs between the searches of [`crate::arma`] and of
 //! [`crate::composite`] is in [`Scales`].
 
 use nalgebra::{DMatrix, DVector};
@@ -49,10 +49,14 @@ impl Point {
     }
 }
 
+/// Gradient at a point; `None` where it is not to be had.
+pub(crate) type Gradient<'a> = dyn Fn(&[f64]) -> Option<Vec<f64>> + 'a;
+
 /// A function of several points at once, which may be cheaper than one after the other. Counts
 /// evaluations and turns NaN into +∞.
 pub(crate) struct Objective<'a> {
     function: &'a dyn Fn(&[Vec<f64>]) -> Vec<f64>,
+    gradient: Option<&'a Gradient<'a>>,
     scales: Scales,
     /// Evaluations so far.
     pub(crate) evaluations: usize,
@@ -62,8 +66,17 @@ impl<'a> Objective<'a> {
     pub(crate) fn new(function: &'a dyn Fn(&[Vec<f64>]) -> Vec<f64>, scales: Scales) -> Self {
         Self {
             function,
+            gradient: None,
             scales,
             evaluations: 0,
+        }
+    }
+
+    /// With a gradient in place of differences.
+    pub(crate) fn with_gradient(self, gradient: &'a Gradient<'a>) -> Self {
+        Self {
+            gradient: Some(gradient),
+            ..self
         }
     }
 
@@ -86,6 +99,23 @@ impl<'a> Objective<'a> {
         let values = self.at_all(&z);
         let pairs = z.into_iter().zip(values);
         pairs.map(|(z, value)| Point::new(z, value)).collect()
+    }
+
+    /// Gradient: where it is not known by differences.
+    pub(crate) fn gradient(&mut self, z: &[f64], value: f64, central: bool) -> DVector<f64> {
+        let known = self.gradient.and_then(|of| of(z));
+        known.map_or_else(|| self.differences(z, value, central).0, DVector::from_vec)
+    }
+
+    /// Gradient and the metric to start from.
+    fn first(&mut self, z: &[f64], value: f64, central: bool) -> (DVector<f64>, DMatrix<f64>) {
+        match self.scales.curved {
+            true => self.differences(z, value, central),
+            false => (
+                self.gradient(z, value, central),
+                DMatrix::identity(z.len(), z.len()),
+            ),
+        }
     }
 
     /// Gradient by forward differences, or central ones (twice the cost), and the metric to start from. A
@@ -209,8 +239,8 @@ pub(crate) fn bfgs(
         return here;
     }
     let curved = objective.scales.curved;
-    let mut central = curved;
-    let (mut gradient, metric) = objective.differences(&here.z, here.value, central);
+    let mut central = curved || objective.gradient.is_some();
+    let (mut gradient, metric) = objective.first(&here.z, here.value, central);
     let known = start.inverse.as_ref().filter(|known| known.nrows() == n);
     let mut fresh = known.is_none();
     let mut inverse = known.cloned().unwrap_or(metric);
@@ -236,7 +266,7 @@ pub(crate) fn bfgs(
                 return here;
             }
             central = true;
-            gradient = objective.differences(&here.z, here.value, central).0;
+            gradient = objective.gradient(&here.z, here.value, central);
             continue;
         }
         let (next, value) = objective.line(&here, &direction, slope, share);
@@ -248,11 +278,11 @@ pub(crate) fn bfgs(
             }
             // Start again from the first metric with the better gradient.
             (central, fresh) = (true, true);
-            (gradient, inverse) = objective.differences(&here.z, here.value, central);
+            (gradient, inverse) = objective.first(&here.z, here.value, central);
             continue;
         }
         central |= here.value - value < NEAR;
-        let (next_gradient, _) = objective.differences(&next, value, central);
+        let next_gradient = objective.gradient(&next, value, central);
         let s = DVector::from_fn(n, |i, _| next[i] - here.z[i]);
         update(
             &mut inverse,

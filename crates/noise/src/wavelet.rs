@@ -25,7 +25,7 @@ pub use moments::{MomentFit, fit_moments};
 
 use crate::allan::DeviationKind;
 use crate::allan::confidence::edf;
-use crate::allan::gauss_markov::ar1_variance;
+use crate::allan::gauss_markov::{Ar1, ar1_variance};
 use crate::composite::{CompositeError, CompositeTerms, GaussMarkov};
 
 /// One scale.
@@ -165,15 +165,40 @@ pub fn gauss_markov_variance(process: &GaussMarkov, m: usize, interval: f64) -> 
 
 /// Wavelet variance \[unit²\] of composite terms at a scale of `m` samples of `interval` \[s\].
 pub fn model_variance(terms: &CompositeTerms, m: usize, interval: f64) -> f64 {
-    let scale_s = m.max(1) as f64 * interval;
-    let (processes, walk) = terms.slow();
-    let processes = processes.iter();
-    white_variance(terms.white, scale_s)
-        + quantisation_variance(terms.quantisation, scale_s)
-        + random_walk_variance(walk, m, interval)
-        + processes
-            .map(|g| gauss_markov_variance(g, m, interval))
-            .sum::<f64>()
+    ModelCurve::new(terms, interval).at(m)
+}
+
+/// Wavelet variance of composite terms, to be asked for at several scales.
+struct ModelCurve {
+    interval: f64,
+    white: f64,
+    quantisation: f64,
+    walk: f64,
+    processes: Vec<Ar1>,
+}
+
+impl ModelCurve {
+    fn new(terms: &CompositeTerms, interval: f64) -> Self {
+        let (processes, walk) = terms.slow();
+        let sampled = |process: &GaussMarkov| Ar1::new(process.sigma, interval / process.tau_s);
+        Self {
+            interval,
+            white: terms.white,
+            quantisation: terms.quantisation,
+            walk,
+            processes: processes.iter().map(sampled).collect(),
+        }
+    }
+
+    /// See [`model_variance`].
+    fn at(&self, m: usize) -> f64 {
+        let scale_s = m.max(1) as f64 * self.interval;
+        let processes = self.processes.iter();
+        white_variance(self.white, scale_s)
+            + quantisation_variance(self.quantisation, scale_s)
+            + random_walk_variance(self.walk, m, self.interval)
+            + processes.map(|g| 0.5 * g.variance(m)).sum::<f64>()
+    }
 }
 
 #[cfg(test)]

@@ -36,29 +36,57 @@ pub fn gauss_markov_variance(tau_s: f64, sigma: f64, tau_c_s: f64) -> f64 {
 /// `σ² [m(1−φ²) − φ(3 − 4φ^m + φ^{2m})] / (m²(1−φ)²)` by summing the autocovariances; a series in a
 /// where a·m < 0.5, exact down to a = 1e-300.
 pub fn ar1_variance(m: usize, sigma: f64, a: f64) -> f64 {
-    let width = m.max(1) as f64;
-    let decay = -(-a).exp_m1();
-    let phi = 1.0 - decay;
-    if a * width >= SERIES {
-        let tail = 3.0 - 4.0 * (-a * width).exp() + (-2.0 * a * width).exp();
-        let bracket = width * decay * (1.0 + phi) - phi * tail;
-        return sigma * sigma * bracket / (width * decay * width * decay);
+    Ar1::new(sigma, a).variance(m)
+}
+
+/// An AR(1) whose variance is asked for at several lengths.
+pub(crate) struct Ar1 {
+    square: f64,
+    a: f64,
+    /// 1 − φ.
+    decay: f64,
+}
+
+impl Ar1 {
+    pub(crate) fn new(sigma: f64, a: f64) -> Self {
+        Self {
+            square: sigma * sigma,
+            a,
+            decay: -(-a).exp_m1(),
+        }
     }
-    // Numerator Σ_{k≥3} (−a)^k/k! [4(m+1)^k − (2m+1)^k − m 2^k − 3], divided by (m a)² at once.
-    let b = a * width;
-    let inverse = 1.0 / width;
-    let (mut power, mut sign, mut sum) = (b / 6.0, -1.0, 0.0);
-    let (one, two, twice) = (1.0 + inverse, 2.0 + inverse, 2.0 * inverse);
-    let (mut p1, mut p2, mut p3, mut p4) =
-        (one.powi(3), two.powi(3), twice.powi(3), inverse.powi(3));
-    for k in 3..40 {
-        sum += sign * power * (4.0 * p1 - p2 - width * p3 - 3.0 * p4);
-        sign = -sign;
-        power *= b / f64::from(k + 1);
-        (p1, p2, p3, p4) = (p1 * one, p2 * two, p3 * twice, p4 * inverse);
+
+    /// See [`ar1_variance`].
+    pub(crate) fn variance(&self, m: usize) -> f64 {
+        let width = m.max(1) as f64;
+        let (decay, phi) = (self.decay, 1.0 - self.decay);
+        let b = self.a * width;
+        if b >= SERIES {
+            let power = (-b).exp();
+            let tail = 3.0 - 4.0 * power + power * power;
+            let bracket = width * decay * (1.0 + phi) - phi * tail;
+            return self.square * bracket / (width * decay * width * decay);
+        }
+        // Numerator Σ_{k≥3} (−a)^k/k! [4(m+1)^k − (2m+1)^k − m 2^k − 3], divided by (m a)² at once.
+        let inverse = 1.0 / width;
+        let (mut power, mut sign, mut sum) = (b / 6.0, -1.0, 0.0f64);
+        let (one, two, twice) = (1.0 + inverse, 2.0 + inverse, 2.0 * inverse);
+        let (mut p1, mut p2, mut p3, mut p4) =
+            (one.powi(3), two.powi(3), twice.powi(3), inverse.powi(3));
+        for k in 3..40 {
+            let term = power * (4.0 * p1 - p2 - width * p3 - 3.0 * p4);
+            sum += sign * term;
+            // Terms alternate and shrink, each by b at least.
+            if term.abs() < 1e-17 * sum.abs() {
+                break;
+            }
+            sign = -sign;
+            power *= b / f64::from(k + 1);
+            (p1, p2, p3, p4) = (p1 * one, p2 * two, p3 * twice, p4 * inverse);
+        }
+        let ratio = self.a / decay;
+        self.square * sum * ratio * ratio
     }
-    let ratio = a / decay;
-    sigma * sigma * sum * ratio * ratio
 }
 
 /// White noise, quantisation and one Gauss-Markov process fitted to an Allan variance.

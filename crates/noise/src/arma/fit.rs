@@ -198,7 +198,9 @@ fn climb(
     let mut best = found.first().ok_or(ArmaError::NoOptimum)?.clone();
     let local_optima = found.len();
     let function = |z: &[Vec<f64>]| problem.objective(z, searched);
-    let covariance_z = newton(&mut Objective::new(&function, SCALES), &mut best, TOLERANCE);
+    let gradient = |z: &[f64]| problem.gradient(z, searched);
+    let mut objective = Objective::new(&function, SCALES).with_gradient(&gradient);
+    let covariance_z = newton(&mut objective, &mut best, TOLERANCE);
     let lower = ladder.below(searched, q);
     let (phi, theta) = problem.coefficients(&best.z, searched);
     let at = problem.likelihood(&phi, &theta);
@@ -323,7 +325,8 @@ pub(crate) fn refit(records: &[&[f64]], known: &ArmaFit) -> Result<ArmaFit, Arma
         curved: true,
         ..SCALES
     };
-    let mut objective = Objective::new(&function, scales);
+    let gradient = |z: &[f64]| problem.gradient(z, searched);
+    let mut objective = Objective::new(&function, scales).with_gradient(&gradient);
     let start = start.ok_or(ArmaError::NoOptimum)?;
     let start = Point::new(start.clone(), objective.at(&start));
     let found = bfgs(&mut objective, &start, NEAR, 60);

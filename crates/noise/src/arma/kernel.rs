@@ -24,11 +24,13 @@
 
 mod loops;
 mod power;
+mod products;
 mod run;
 pub(crate) mod vector;
 
 use loops::{SumsAbout, Turn};
 pub(super) use power::PowerSum;
+pub(super) use products::products;
 use run::{Run, Scratch};
 use vector::{total, vectorised};
 

@@ -106,16 +106,7 @@ fn integrate(
     let mut log_determinant = 0.0;
     if r > 0 {
         let l = semidefinite_cholesky(&initial_covariance(phi, theta, false)?)?;
-        // M from its first row: each step down the diagonal loses the newest product.
-        let mut m = DMatrix::zeros(r, r);
-        for lag in 0..r {
-            let mut value = sums.state_lags[lag];
-            for i in 0..r - lag {
-                let j = i + lag;
-                (m[(i, j)], m[(j, i)]) = (value, value);
-                value -= sums.last_impulse[i] * sums.last_impulse[j];
-            }
-        }
+        let m = information(sums);
         let w = DMatrix::identity(r, r) + l.tr_mul(&(m * &l));
         let factor = w.cholesky()?.unpack();
         let project =
@@ -146,6 +137,22 @@ fn integrate(
         },
         ..likelihood
     })
+}
+
+/// M, what the record tells of the state before it, from its first row: each step down the diagonal loses the newest
+/// product.
+pub(super) fn information(sums: &Accumulated) -> DMatrix<f64> {
+    let r = sums.state_lags.len();
+    let mut m = DMatrix::zeros(r, r);
+    for lag in 0..r {
+        let mut value = sums.state_lags[lag];
+        for i in 0..r - lag {
+            let j = i + lag;
+            (m[(i, j)], m[(j, i)]) = (value, value);
+            value -= sums.last_impulse[i] * sums.last_impulse[j];
+        }
+    }
+    m
 }
 
 /// The concentrated likelihood of `n` observations from S and log |V|.

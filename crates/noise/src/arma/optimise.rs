@@ -99,7 +99,7 @@ pub(super) fn newton(
     for _ in 0..STEPS {
         let curvature = hessian(objective, &best.z, best.value, known.as_ref())?;
         let inverse = scaled_inverse(&curvature)?;
-        let (gradient, _) = objective.differences(&best.z, best.value, true);
+        let gradient = objective.gradient(&best.z, best.value, true);
         let direction = -(&inverse * &gradient);
         let slope = direction.dot(&gradient);
         if -0.5 * slope < tolerance {

@@ -19,6 +19,35 @@ pub(super) fn from_search(z: &[f64]) -> Vec<f64> {
     predictor.phi
 }
 
+/// Derivatives by the search coordinates, of a function whose derivatives by the coefficients are these.
+pub(super) fn by_search(z: &[f64], by_coefficients: &[f64]) -> Vec<f64> {
+    let mut predictor = Predictor::new(1.0);
+    let mut below = Vec::with_capacity(z.len());
+    for z in z {
+        below.push(predictor.phi.clone());
+        predictor.extend(z.clamp(-Z_LIMIT, Z_LIMIT).tanh());
+    }
+    let mut by = by_coefficients.to_vec();
+    for (k, below) in below.iter().enumerate().rev() {
+        // Durbin's step c_j = d_j − κ d_{k−1−j}, c_k = κ, backwards.
+        let crossed: f64 = by[..k]
+            .iter()
+            .zip(below.iter().rev())
+            .map(|(by, d)| by * d)
+            .sum();
+        let kappa = z[k].clamp(-Z_LIMIT, Z_LIMIT).tanh();
+        let turned: Vec<f64> = by[..k].iter().rev().copied().collect();
+        for (by, turned) in by.iter_mut().zip(turned) {
+            *by -= kappa * turned;
+        }
+        by[k] = match z[k].abs() < Z_LIMIT {
+            true => (by[k] - crossed) / z[k].cosh().powi(2),
+            false => 0.0,
+        };
+    }
+    by
+}
+
 /// Durbin's step back: the polynomial of one order less from one whose last partial autocorrelation is `kappa`.
 fn step_down(c: &mut Vec<f64>, kappa: f64) {
     c.pop();
@@ -191,6 +220,24 @@ mod tests {
             }
             for (a, b) in from_search(&to_search(&c, 0.0)).iter().zip(&c) {
                 prop_assert!((a - b).abs() < 1e-14 * lost, "{a} {b}");
+            }
+        }
+
+        #[test]
+        fn derivatives_by_the_search_coordinates_are_those_of_the_coefficients(
+            z in proptest::collection::vec(-1.5..1.5f64, 1..7), weights in proptest::collection::vec(-1.0..1.0f64, 6),
+        ) {
+            let sum = |z: &[f64]| -> f64 { from_search(z).iter().zip(&weights).map(|(c, w)| c * w).sum() };
+            let by = by_search(&z, &weights[..z.len()]);
+            for (i, by) in by.iter().enumerate() {
+                let moved = |step: f64| {
+                    let mut z = z.clone();
+                    z[i] += step;
+                    sum(&z)
+                };
+                // Third derivatives of some tens times the step's square.
+                let numeric = (moved(1e-5) - moved(-1e-5)) / 2e-5;
+                prop_assert!((numeric - by).abs() < 1e-7, "{i}: {numeric} {by}");
             }
         }
 

@@ -1,11 +1,12 @@
 //! The search for the global optimum: many starts, thinned out in rounds, the best ones finished.
 
 use super::ArmaError;
+use super::gradient::At;
 use super::kalman;
 use super::kernel::Coefficients;
 use super::likelihood::{self, Likelihood, Mean};
 use super::optimise::{SCALES, nelder_mead};
-use super::polynomial::{from_search, multiply};
+use super::polynomial::{by_search, from_search, multiply};
 use super::starts;
 use super::whittle::Whittle;
 use crate::quasi_newton::{Objective, Point, bfgs};
@@ -39,6 +40,14 @@ impl Problem<'_> {
     /// The same without the unit root.
     fn plain(z: &[f64], p: usize) -> Coefficients {
         (from_search(&z[..p]), from_search(&z[p..]))
+    }
+
+    /// Derivatives by the search coordinates, `None` where one is not finite.
+    fn by_search(z: &[f64], by_phi: &[f64], by_theta: &[f64]) -> Option<Vec<f64>> {
+        let (phi, theta) = z.split_at(by_phi.len());
+        let mut by = by_search(phi, by_phi);
+        by.extend(by_search(theta, by_theta));
+        by.iter().all(|by| by.is_finite()).then_some(by)
     }
 
     /// The likelihood at several points of the same order: of an unbroken record in one pass.
@@ -98,6 +107,29 @@ impl Problem<'_> {
             .iter()
             .map(|at| at.map_or(f64::INFINITY, |at| -at.log_likelihood))
             .collect()
+    }
+
+    /// The gradient of the objective, of unbroken records; `None` where differences cost as little: see [`Self::objective`].
+    pub(super) fn gradient(&self, z: &[f64], p: usize) -> Option<Vec<f64>> {
+        let (phi, theta) = self.coefficients(z, p);
+        if self.gaps || phi.len().max(theta.len()) < 2 {
+            return None;
+        }
+        let mut records = Vec::with_capacity(1 + self.rest.len());
+        for of in std::iter::once(self).chain(self.rest) {
+            records.push(At::new(of.samples, of.mean, of.centre, &phi, &theta)?);
+        }
+        let observations: usize = records.iter().map(At::observations).sum();
+        let weight = observations as f64 / records.iter().map(|at| at.squares).sum::<f64>();
+        let mut by = (vec![0.0; phi.len()], vec![0.0; theta.len()]);
+        for record in &records {
+            let (by_phi, by_theta) = record.gradient(weight);
+            by.0.iter_mut().zip(by_phi).for_each(|(sum, by)| *sum += by);
+            by.1.iter_mut()
+                .zip(by_theta)
+                .for_each(|(sum, by)| *sum += by);
+        }
+        Self::by_search(z, &by.0, &by.1)
     }
 
     /// Whether the Kalman filter finds the same likelihood there, on the first part of a long record. Where roots nearly
@@ -229,7 +261,8 @@ fn optima(
     whittle: Option<&Whittle>,
 ) -> Result<Vec<Point>, ArmaError> {
     let function = |z: &[Vec<f64>]| problem.objective(z, p);
-    let mut objective = Objective::new(&function, SCALES);
+    let gradient = |z: &[f64]| problem.gradient(z, p);
+    let mut objective = Objective::new(&function, SCALES).with_gradient(&gradient);
     let dimension = p + q;
     let budget = problem.budget(dimension, effort);
     let mut candidates: Vec<Vec<f64>> = vec![vec![0.0; dimension]];
@@ -261,7 +294,12 @@ fn optima(
                     let points: Vec<_> = z.iter().map(|z| Problem::plain(z, p)).collect();
                     whittle.objective(&points)
                 };
-                let mut approximate = Objective::new(&approximate, SCALES);
+                let slope = |z: &[f64]| {
+                    let (phi, theta) = Problem::plain(z, p);
+                    let (by_phi, by_theta) = whittle.gradient(&phi, &theta);
+                    Problem::by_search(z, &by_phi, &by_theta)
+                };
+                let mut approximate = Objective::new(&approximate, SCALES).with_gradient(&slope);
                 let budget = Problem::screening_budget(dimension, effort);
                 screened(
                     &mut objective,

@@ -30,6 +30,17 @@ pub fn select(
     q_max: usize,
     options: &FitOptions,
 ) -> Result<Selection, ArmaError> {
+    select_beside(samples, p_max, q_max, options, &[])
+}
+
+/// As [`select`]; `made` are fits of the same record and mean, which are taken where no neighbour is likelier.
+pub(crate) fn select_beside(
+    samples: &[f64],
+    p_max: usize,
+    q_max: usize,
+    options: &FitOptions,
+    made: &[ArmaFit],
+) -> Result<Selection, ArmaError> {
     if p_max.max(q_max) > MAX_FIT_ORDER {
         return Err(ArmaError::OrderTooHigh);
     }
@@ -38,14 +49,21 @@ pub fn select(
     let mut failure = ArmaError::NoUnitRootWithoutAr;
     for p in usize::from(options.unit_root)..=p_max {
         for q in 0..=q_max {
-            let known: Vec<_> = fits
-                .iter()
-                .filter(|fit| {
-                    let (a, b) = fit.order();
-                    a <= p && b <= q && p + q <= a + b + 1
-                })
-                .map(|fit| (fit.ar.clone(), fit.ma.clone()))
-                .collect();
+            let is_below = |fit: &&ArmaFit| {
+                let (a, b) = fit.order();
+                a <= p && b <= q && p + q <= a + b + 1
+            };
+            let below: Vec<&ArmaFit> = fits.iter().filter(is_below).collect();
+            let likeliest = |fit: &&ArmaFit| {
+                let least = |other: &&ArmaFit| other.log_likelihood <= fit.log_likelihood;
+                fit.order() == (p, q) && below.iter().all(least)
+            };
+            if let Some(fit) = made.iter().find(likeliest) {
+                fits.push(fit.clone());
+                continue;
+            }
+            let start = |fit: &&ArmaFit| (fit.ar.clone(), fit.ma.clone());
+            let known: Vec<_> = below.iter().map(start).collect();
             match climb_to(samples, p, q, options, &known, &mut ladder) {
                 Ok(fit) => fits.push(fit),
                 Err(error) => failure = error,

@@ -125,6 +125,22 @@ impl Whittle {
         };
         points.iter().map(one).collect()
     }
+
+    /// Derivatives of the negative log-likelihood by φ and by θ.
+    pub(super) fn gradient(&self, phi: &[f64], theta: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let lowest = 1.0 / self.samples;
+        let (squares, _) = self.sums.over(phi, theta, lowest);
+        let sums = self.sums.gradient(phi, theta);
+        let gains = PowerSum::gain_gradient(phi, theta, lowest);
+        let by = |sum: &f64, gain: &f64| 0.5 * (self.samples * sum / squares - gain);
+        let all = |sums: &[f64], gains: &[f64]| {
+            sums.iter()
+                .zip(gains)
+                .map(|(sum, gain)| by(sum, gain))
+                .collect()
+        };
+        (all(&sums.0, &gains.0), all(&sums.1, &gains.1))
+    }
 }
 
 /// First ordinate and end of each bin; the mean, ordinate 0, is in none.
@@ -137,4 +153,45 @@ fn bins(ordinates: usize) -> impl Iterator<Item = (usize, usize)> {
         at = (first + width).min(ordinates);
         (first < ordinates).then_some((first, at))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_gradient_is_that_of_the_likelihood() {
+        let mut seed = 1u64;
+        let record: Vec<f64> = (0..3000)
+            .map(|_| {
+                seed = seed
+                    .wrapping_mul(6364136223846793005)
+                    .wrapping_add(1442695040888963407);
+                (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+            })
+            .collect();
+        let whittle = Whittle::new(&record, 0.0, false).unwrap();
+        let at =
+            |phi: &[f64], theta: &[f64]| whittle.objective(&[(phi.to_vec(), theta.to_vec())])[0];
+        let (phi, theta) = ([1.2, -0.5, 0.1], [0.6, -0.3]);
+        let (by_phi, by_theta) = whittle.gradient(&phi, &theta);
+        let step = 1e-6;
+        for i in 0..5 {
+            let moved = |by: f64| {
+                let (mut phi, mut theta) = (phi, theta);
+                match i {
+                    0..3 => phi[i] += by,
+                    _ => theta[i - 3] += by,
+                }
+                at(&phi, &theta)
+            };
+            let numeric = (moved(step) - moved(-step)) / (2.0 * step);
+            let exact = if i < 3 { by_phi[i] } else { by_theta[i - 3] };
+            // Rounding of a value of 1e4 over the step.
+            assert!(
+                (numeric - exact).abs() < 1e-4 + 1e-6 * exact.abs(),
+                "{i}: {numeric} {exact}"
+            );
+        }
+    }
 }

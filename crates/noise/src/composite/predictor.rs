@@ -38,6 +38,8 @@ pub(crate) struct Predictor<const N: usize> {
     pub(crate) closed: [[f64; N]; N],
     /// Covariance and gain no longer change.
     pub(crate) settled: bool,
+    /// Relative change over [`LOOK`] samples below which they do not.
+    still: f64,
     since: u32,
     seen: ([f64; N], f64),
 }
@@ -85,6 +87,11 @@ pub(crate) fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
 impl<const N: usize> Predictor<N> {
     /// Before the first sample: state 0, covariance `p0`. N must be the filter's order.
     pub(crate) fn new(filter: &ShapingFilter) -> Self {
+        Self::settling(filter, SETTLED)
+    }
+
+    /// The same; settled below another relative change.
+    pub(crate) fn settling(filter: &ShapingFilter, still: f64) -> Self {
         let mut this = Self {
             f: leading(&filter.f),
             h: std::array::from_fn(|i| filter.h[i]),
@@ -98,6 +105,7 @@ impl<const N: usize> Predictor<N> {
             variance: 0.0,
             closed: [[0.0; N]; N],
             settled: false,
+            still,
             since: 0,
             seen: ([0.0; N], 0.0),
         };
@@ -190,9 +198,9 @@ impl<const N: usize> Predictor<N> {
         let largest = self.gain.iter().fold(0.0f64, |m, g| m.max(g.abs()));
         let still = (0..N).all(|i| {
             let change = (self.gain[i] - gain[i]).abs();
-            change <= SETTLED * (self.gain[i].abs() + 1e-3 * SETTLED * largest)
+            change <= self.still * (self.gain[i].abs() + 1e-3 * self.still * largest)
         });
-        let steady = (self.variance - variance).abs() <= SETTLED * self.variance;
+        let steady = (self.variance - variance).abs() <= self.still * self.variance;
         self.settled = still && steady;
         if self.settled {
             for i in 0..N {

@@ -7,6 +7,11 @@ use undrift_nav::shaping::ShapingFilter;
 
 /// A window may miss one in so many samples.
 const WHOLE: usize = 100;
+/// Windows begin this share of their length apart: what lies between two tells nothing more.
+const OVERLAP: usize = 32;
+/// Change of the gains below which the filter counts as settled. Their error is that times their memory, at most
+/// some thousand samples' worth, and the score's is its square.
+const SETTLED: f64 = 1e-7;
 
 pub(super) struct Task<'a> {
     pub(super) record: &'a [f64],
@@ -33,6 +38,8 @@ pub(super) struct Horizon<const N: usize> {
     /// Sum and number missing of the samples ahead.
     ahead: f64,
     missing: usize,
+    /// Samples from one origin to the next that is scored.
+    apart: usize,
     /// Origins to a batch.
     stride: usize,
     seen: usize,
@@ -47,7 +54,7 @@ pub(super) struct Horizon<const N: usize> {
 impl Task<'_> {
     /// Runs the filter over the record and scores the second part.
     pub(super) fn run<const N: usize>(&self) -> Result<Vec<HorizonScore>, DriftError> {
-        let mut predictor = Predictor::<N>::new(self.filter);
+        let mut predictor = Predictor::<N>::settling(self.filter, SETTLED);
         let value = |y: f64| y - self.mean;
         let (first, second) = self.record.split_at(self.first_part);
         for &y in first {
@@ -61,7 +68,9 @@ impl Task<'_> {
         for (k, &y) in second.iter().enumerate() {
             for horizon in &mut horizons {
                 if k + horizon.length <= second.len() {
-                    horizon.score(&predictor);
+                    if k.is_multiple_of(horizon.apart) {
+                        horizon.score(&predictor);
+                    }
                     horizon.slide(value(y), second.get(k + horizon.length).map(|&v| value(v)));
                 }
             }
@@ -101,6 +110,7 @@ impl<const N: usize> Horizon<N> {
             own: span.r,
             ahead: 0.0,
             missing: 0,
+            apart: (length / OVERLAP).max(1),
             stride: origins.div_ceil(batches),
             seen: 0,
             origin: 0,
@@ -182,7 +192,7 @@ impl<const N: usize> Horizon<N> {
         };
         let batches: Vec<f64> = self.batches.iter().map(mean_of).collect();
         let rms = mean_square.sqrt();
-        let windows = origins / self.length as f64;
+        let windows = origins * self.apart as f64 / self.length as f64;
         Some(HorizonScore {
             horizon_s: self.length as f64 * interval,
             rms,

@@ -212,13 +212,16 @@ impl Recipe {
                 (model, Origin::Compared(method))
             }
         };
-        // The level is one.
-        let parameters = self.parameters() + 1;
-        Some(Fitted {
+        Some(self.fitted((model, origin)))
+    }
+
+    fn fitted(self, (model, origin): (AxisModel, Origin)) -> Fitted {
+        Fitted {
             model,
-            parameters,
+            // The level is one.
+            parameters: self.parameters() + 1,
             origin,
-        })
+        }
     }
 }
 
@@ -490,8 +493,17 @@ pub(super) fn candidates(task: &Task) -> Tried {
         let known = fit.iter().map(|fit| (fit.ar.clone(), fit.ma.clone()));
         known.collect::<Vec<_>>()
     };
+    // The search over orders may have seen all there is.
+    let all_searched = task.records.len() == 1 && task.searched().len() == task.records[0].len();
+    let searched = |order| {
+        let table = pandit_wu.as_ref().filter(|_| all_searched)?;
+        table.fit(order).cloned()
+    };
     let fit = |recipe: Recipe| match recipe {
-        Recipe::Arma(p, q) => recipe.fit(&whole, None, &known((p, q))),
+        Recipe::Arma(p, q) => match searched((p, q)) {
+            Some(fit) => Some(recipe.fitted(arma_of(fit, task.rate_hz))),
+            None => recipe.fit(&whole, None, &known((p, q))),
+        },
         _ => recipe.fit(&whole, None, &[]),
     };
     let backward = |record: &&[f64]| record.iter().rev().copied().collect();
@@ -513,7 +525,14 @@ pub(super) fn candidates(task: &Task) -> Tried {
     });
     let grid = with_effort(GRID_EFFORT);
     Tried {
-        box_jenkins: arma::select(task.searched(), GRID_ORDER, GRID_ORDER, &grid).ok(),
+        box_jenkins: arma::select_beside(
+            task.searched(),
+            GRID_ORDER,
+            GRID_ORDER,
+            &grid,
+            pandit_wu.as_ref().map_or(&[], |table| &table.fits),
+        )
+        .ok(),
         pandit_wu,
         scales,
         not_fitted: not_fitted.collect(),

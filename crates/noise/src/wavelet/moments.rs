@@ -8,7 +8,7 @@
 //! derivatives of ν²: Guerrier et al. 2013, theorem 3.
 
 use super::scatter;
-use super::{WaveletPoint, WaveletVariance, drift_variance, model_variance};
+use super::{ModelCurve, WaveletPoint, WaveletVariance, drift_variance};
 use crate::allan::nnls;
 use crate::composite::search::SCALES;
 use crate::composite::{CompositeError, CompositeTerms, GaussMarkov, TermSet, sort_processes};
@@ -64,6 +64,13 @@ pub fn fit_moments(
         });
     }
     let interval = curve.interval;
+    // What does not change shape is computed once.
+    let unit = CompositeTerms {
+        flicker: f64::from(u8::from(set.flicker)),
+        ..CompositeTerms::default()
+    };
+    let unit = ModelCurve::new(&unit, interval);
+    let flicker: Vec<f64> = used.iter().map(|point| unit.at(point.m)).collect();
     let longest = 1e3 * curve.samples as f64 * interval;
     let tau_range = (0.05 * interval).ln()..longest.ln();
     let count = set.parameters();
@@ -77,7 +84,7 @@ pub fn fit_moments(
             return f64::INFINITY;
         }
         let (terms, rate) = found(z);
-        0.5 * deviance(&used, &terms, rate, interval)
+        0.5 * deviance(&used, &terms, &flicker, rate, interval)
     };
     let costs = |z: &[Vec<f64>]| z.iter().map(cost).collect();
     let mut objective = Objective::new(&costs, SCALES);
@@ -102,10 +109,24 @@ fn usable(point: &WaveletPoint) -> bool {
     point.variance > 0.0 && point.edf.is_finite() && point.edf > 0.0
 }
 
-fn deviance(points: &[WaveletPoint], terms: &CompositeTerms, drift: f64, interval: f64) -> f64 {
+/// `flicker`: its variances at the points with B = 1.
+fn deviance(
+    points: &[WaveletPoint],
+    terms: &CompositeTerms,
+    flicker: &[f64],
+    drift: f64,
+    interval: f64,
+) -> f64 {
+    let rest = CompositeTerms {
+        flicker: 0.0,
+        ..*terms
+    };
+    let rest = ModelCurve::new(&rest, interval);
     let mut sum = 0.0;
-    for point in points {
-        let model = model_variance(terms, point.m, interval) + drift_variance(drift, point.scale_s);
+    for (point, flicker) in points.iter().zip(flicker) {
+        let model = rest.at(point.m)
+            + terms.flicker * terms.flicker * flicker
+            + drift_variance(drift, point.scale_s);
         // The closed forms may leave a rounding below 0 of a process that is nearly absent.
         if model.is_nan() || model <= 0.0 {
             return f64::INFINITY;
@@ -124,19 +145,21 @@ fn sandwich(
     curve: &WaveletVariance,
 ) -> Option<DMatrix<f64>> {
     let interval = curve.interval;
-    let model = |z: &[f64], point: &WaveletPoint| {
+    let model = |z: &[f64]| -> Vec<f64> {
         let (terms, rate) = found(z);
-        model_variance(&terms, point.m, interval) + drift_variance(rate, point.scale_s)
+        let curve = ModelCurve::new(&terms, interval);
+        let at = |p: &WaveletPoint| curve.at(p.m) + drift_variance(rate, p.scale_s);
+        points.iter().map(at).collect()
     };
-    let at: Vec<f64> = points.iter().map(|p| model(z, p)).collect();
+    let at = model(z);
     let mut moved = z.to_vec();
     // W^½ J: the derivative of ν² over its scatter ν² √(2/edf).
     let mut slopes = DMatrix::zeros(points.len(), z.len());
     for j in 0..z.len() {
         for (sign, step) in [(1.0, 1e-4), (-1.0, -1e-4)] {
             moved[j] = z[j] + step;
-            for (i, point) in points.iter().enumerate() {
-                slopes[(i, j)] += sign * model(&moved, point) / 2e-4;
+            for (i, value) in model(&moved).iter().enumerate() {
+                slopes[(i, j)] += sign * value / 2e-4;
             }
         }
         moved[j] = z[j];
@@ -180,10 +203,7 @@ fn grid(points: &[WaveletPoint], set: TermSet, drift: bool, interval: f64) -> Ve
         let mut unit = vec![0.0; amplitudes];
         unit.extend(taus.iter().map(|t| t.ln()));
         let columns = amplitudes + usize::from(drift);
-        let shape = |j: usize, point: &WaveletPoint| {
-            if j == amplitudes {
-                return drift_variance(1.0, point.scale_s);
-            }
+        let only = |j: usize| {
             let mut only = set.terms(&unit);
             let mut index = 0;
             let mut keep = |wanted: bool, value: &mut f64| {
@@ -200,7 +220,12 @@ fn grid(points: &[WaveletPoint], set: TermSet, drift: bool, interval: f64) -> Ve
             for (i, GaussMarkov { sigma, .. }) in only.gauss_markov.iter_mut().enumerate() {
                 keep(i < set.gauss_markov, sigma);
             }
-            model_variance(&only, point.m, interval)
+            ModelCurve::new(&only, interval)
+        };
+        let shapes: Vec<ModelCurve> = (0..amplitudes).map(only).collect();
+        let shape = |j: usize, point: &WaveletPoint| match shapes.get(j) {
+            Some(only) => only.at(point.m),
+            None => drift_variance(1.0, point.scale_s),
         };
         let weight = |p: &WaveletPoint| (0.5 * p.edf).sqrt() / p.variance;
         let a = DMatrix::from_fn(points.len(), columns, |i, j| {

@@ -5,19 +5,26 @@
 //! section 8.4, Serroukh & Walden 2000. `|H_m|² = sin⁴(πfm) / (m² sin²(πf))`.
 
 use super::WaveletPoint;
-use crate::composite::CompositeTerms;
+use crate::composite::{CompositeTerms, GaussMarkov};
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
 
 /// Points an octave of frequency.
 const POINTS: usize = 64;
 
-/// Spectrum \[unit²\] at sin²(πf), f in cycles a sample; its mean over −½…½ is the variance.
-fn spectrum(terms: &CompositeTerms, sine2: f64, interval: f64) -> f64 {
+/// Spectrum \[unit²\] at sin²(πf), f in cycles a sample; its mean over −½…½ is the variance. `slow`: the terms'
+/// [`CompositeTerms::slow`].
+fn spectrum(
+    terms: &CompositeTerms,
+    slow: &(Vec<GaussMarkov>, f64),
+    sine2: f64,
+    interval: f64,
+) -> f64 {
+    let (processes, walk) = slow;
     let mut sum = terms.white * terms.white / interval;
     sum += 4.0 * sine2 * (terms.quantisation / interval).powi(2);
-    sum += terms.random_walk * terms.random_walk * interval / (4.0 * sine2);
-    for process in &terms.gauss_markov {
+    sum += walk * walk * interval / (4.0 * sine2);
+    for process in processes {
         if process.sigma > 0.0 {
             let a = interval / process.tau_s;
             let (decay, driving) = (-(-a).exp_m1(), -(-2.0 * a).exp_m1());
@@ -38,6 +45,7 @@ pub(super) fn covariance(
     let count = points.len();
     let mut sum = DMatrix::zeros(count, count);
     let mut gains = vec![0.0; count];
+    let slow = terms.slow();
     let last = points.last().map_or(1, |p| p.m);
     // Octaves from ½ down to a hundredth of the longest filter's passband.
     let octaves = last.max(1).ilog2() + 8;
@@ -51,7 +59,7 @@ pub(super) fn covariance(
                 let m = point.m as f64;
                 *gain = (PI * f * m).sin().powi(4) / (m * m * sine2);
             }
-            let density = spectrum(terms, sine2, interval);
+            let density = spectrum(terms, &slow, sine2, interval);
             // Twice for the negative frequencies.
             let weight = 2.0 * width / POINTS as f64 * density * density;
             for j in 0..count {

@@ -267,3 +267,25 @@ impl Task for Lagged<'_> {
         }
     }
 }
+
+/// Adds the sums of products of a with rows delayed by 1, 2, …; the rows begin as many before a as it takes.
+pub(super) struct DelayedProducts<'a> {
+    pub(super) a: &'a [Row],
+    pub(super) rows: &'a [Row],
+    pub(super) sums: &'a mut [Row],
+}
+
+impl Task for DelayedProducts<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) {
+        let before = self.rows.len() - self.a.len();
+        for (lag, sum) in self.sums.iter_mut().enumerate() {
+            let mut total = *sum;
+            for (a, row) in self.a.iter().zip(&self.rows[before - lag - 1..]) {
+                add_products::<FUSED>(&mut total, a, row);
+            }
+            *sum = total;
+        }
+    }
+}

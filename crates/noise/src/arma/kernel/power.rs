@@ -37,6 +37,35 @@ impl PowerSum {
         (total(sum), Self::gain(phi, theta, at))
     }
 
+    /// Derivatives of the first by φ and by θ.
+    pub(crate) fn gradient(&self, phi: &[f64], theta: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let mut by = vec![[0.0; LANES]; phi.len() + theta.len()];
+        vectorised(Gradient {
+            phi,
+            theta,
+            rows: &self.rows,
+            by: &mut by,
+        });
+        let (by_phi, by_theta) = by.split_at(phi.len());
+        let totals = |rows: &[Row]| rows.iter().map(|row| total(*row)).collect();
+        (totals(by_phi), totals(by_theta))
+    }
+
+    /// Derivatives of the logarithm of the second.
+    pub(crate) fn gain_gradient(phi: &[f64], theta: &[f64], at: f64) -> (Vec<f64>, Vec<f64>) {
+        let (sin, cos) = at.sin_cos();
+        let of = |c: &[f64], sign: f64| {
+            let [re, im] = value::<false, 1>(c, &[cos], &[sin]);
+            let (re, im) = (re[0], im[0]);
+            let scale = sign * 2.0 / (re * re + im * im);
+            // d|C|²/dc_i = −2 Re(C̄ wⁱ).
+            let power = |i: usize| ((i + 1) as f64 * at).sin_cos();
+            let part = |(sin, cos): (f64, f64)| scale * (re * cos - im * sin);
+            (0..c.len()).map(power).map(part).collect()
+        };
+        (of(phi, 1.0), of(theta, -1.0))
+    }
+
     /// |θ|²/|φ|² at a frequency [rad/sample].
     pub(crate) fn gain(phi: &[f64], theta: &[f64], at: f64) -> f64 {
         let (sin, cos) = at.sin_cos();
@@ -67,13 +96,81 @@ impl Task for Sum<'_> {
     }
 }
 
-/// |1 − c1 w − … − cn wⁿ|² at w = cos − i sin, by Horner's rule.
+/// Sums of the derivatives of power |φ|²/|θ|² by φ, then by θ.
+struct Gradient<'a> {
+    phi: &'a [f64],
+    theta: &'a [f64],
+    rows: &'a [[Row; 3]],
+    by: &'a mut [Row],
+}
+
+impl Task for Gradient<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) {
+        let (by_phi, by_theta) = self.by.split_at_mut(self.phi.len());
+        for [cos, sin, power] in self.rows {
+            let [re, im] = value::<FUSED, LANES>(self.phi, cos, sin);
+            let [below_re, below_im] = value::<FUSED, LANES>(self.theta, cos, sin);
+            let (mut above, mut below) = ([[0.0; LANES]; 2], [[0.0; LANES]; 2]);
+            for l in 0..LANES {
+                let size = below_re[l] * below_re[l] + below_im[l] * below_im[l];
+                let weight = 2.0 * power[l] / size;
+                let ratio = weight * (re[l] * re[l] + im[l] * im[l]) / size;
+                // d|C|²/dc_i = −2 Re(C̄ wⁱ).
+                above[0][l] = -weight * re[l];
+                above[1][l] = -weight * im[l];
+                below[0][l] = ratio * below_re[l];
+                below[1][l] = ratio * below_im[l];
+            }
+            along::<FUSED>(above, cos, sin, by_phi);
+            along::<FUSED>(below, cos, sin, by_theta);
+        }
+    }
+}
+
+/// Adds `Re(c̄ wⁱ)`, w = cos − i sin, i = 1, 2, ….
+#[inline(always)]
+fn along<const FUSED: bool>([re, im]: [Row; 2], cos: &Row, sin: &Row, by: &mut [Row]) {
+    // c w̄ⁱ has the same real part.
+    let (mut re, mut im) = (re, im);
+    for sum in by {
+        for l in 0..LANES {
+            let (a, b) = (re[l], im[l]);
+            if FUSED {
+                re[l] = a.mul_add(cos[l], -(b * sin[l]));
+                im[l] = b.mul_add(cos[l], a * sin[l]);
+            } else {
+                re[l] = a * cos[l] - b * sin[l];
+                im[l] = b * cos[l] + a * sin[l];
+            }
+            sum[l] += re[l];
+        }
+    }
+}
+
+/// |1 − c1 w − … − cn wⁿ|² at w = cos − i sin.
 #[inline(always)]
 fn squared<const FUSED: bool, const L: usize>(
     c: &[f64],
     cos: &[f64; L],
     sin: &[f64; L],
 ) -> [f64; L] {
+    let [re, im] = value::<FUSED, L>(c, cos, sin);
+    let mut out = [0.0; L];
+    for l in 0..L {
+        out[l] = re[l] * re[l] + im[l] * im[l];
+    }
+    out
+}
+
+/// Real and imaginary part of 1 − c1 w − … − cn wⁿ at w = cos − i sin, by Horner's rule.
+#[inline(always)]
+fn value<const FUSED: bool, const L: usize>(
+    c: &[f64],
+    cos: &[f64; L],
+    sin: &[f64; L],
+) -> [[f64; L]; 2] {
     let (mut re, mut im) = ([0.0; L], [0.0; L]);
     for c in c.iter().rev() {
         for l in 0..L {
@@ -88,10 +185,8 @@ fn squared<const FUSED: bool, const L: usize>(
             }
         }
     }
-    let mut out = [0.0; L];
     for l in 0..L {
-        let a = 1.0 + re[l];
-        out[l] = a * a + im[l] * im[l];
+        re[l] += 1.0;
     }
-    out
+    [re, im]
 }

@@ -229,7 +229,7 @@ impl<'a> Run<'a> {
 
 /// What a unit at each place of the history makes of a piece without input; with `ones` also what a
 /// constant input of 1 makes of a history of zeros.
-fn responses(theta: &[f64], ones: bool) -> Vec<[f64; PIECE]> {
+pub(super) fn responses(theta: &[f64], ones: bool) -> Vec<[f64; PIECE]> {
     let q = theta.len();
     let mut rows = vec![[0.0]; q + PIECE];
     (0..q + usize::from(ones))
