@@ -22,6 +22,7 @@ pub mod filter;
 pub mod mechanisation;
 mod observation;
 pub mod parameters;
+pub mod preintegration;
 pub mod sample;
 pub mod shaping;
 pub mod tape;

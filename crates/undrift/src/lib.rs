@@ -26,7 +26,6 @@ pub mod consistency;
 pub mod demo;
 mod derived;
 pub mod drive;
-pub mod estimator;
 pub mod findings;
 pub mod fixes;
 pub mod fleet;
@@ -49,6 +48,7 @@ mod temperature;
 pub mod tune;
 pub mod vehicle;
 
+pub use undrift_estimator as estimator;
 pub use undrift_io as io;
 pub use undrift_nav as nav;
 pub use undrift_noise as noise;

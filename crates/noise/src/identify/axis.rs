@@ -24,7 +24,7 @@ use crate::{
 pub struct Candidate {
     /// Name, such as "ARMA(1,1)" or "white + random walk".
     pub name: String,
-    /// A method of the literature, scored for comparison and never recommended.
+    /// A method of the literature or an order chosen by F tests or AIC, scored for comparison and never recommended.
     pub compared: bool,
     /// The model of the axis in the terms of the model file.
     pub model: AxisModel,

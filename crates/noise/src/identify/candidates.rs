@@ -86,6 +86,9 @@ enum Recipe {
     Terms(TermSet),
     /// ARMA(p, q) by maximum likelihood.
     Arma(usize, usize),
+    /// The same of an order that F tests or AIC have chosen, as the source paper does. Pairs of roots that cancel pass both by
+    /// chance ([`crate::pandit_wu`]), so that it is not recommended: BIC's order is.
+    ArmaByTest(usize, usize),
     /// ARMA(1,1) with a unit root.
     UnitRoot,
     /// AR(p) by Burg's method.
@@ -124,7 +127,7 @@ impl Recipe {
             Self::White => "white".to_owned(),
             Self::AllanWalk => "white + random walk (Allan)".to_owned(),
             Self::Terms(set) => name_of(set),
-            Self::Arma(p, q) => format!("ARMA({p},{q})"),
+            Self::Arma(p, q) | Self::ArmaByTest(p, q) => format!("ARMA({p},{q})"),
             Self::UnitRoot => "ARMA(1,1), unit root".to_owned(),
             Self::Burg(p) => format!("AR({p}), Burg"),
             Self::Compared(method) => method.candidate().to_owned(),
@@ -137,7 +140,7 @@ impl Recipe {
             Self::White => 1,
             Self::AllanWalk | Self::UnitRoot => 2,
             Self::Terms(set) => set.parameters(),
-            Self::Arma(p, q) => p + q + 1,
+            Self::Arma(p, q) | Self::ArmaByTest(p, q) => p + q + 1,
             Self::Burg(p) => p + 1,
             Self::Compared(_) => Method::PARAMETERS,
         }
@@ -145,7 +148,10 @@ impl Recipe {
 
     /// Whether it is scored for comparison alone.
     fn is_compared(self) -> bool {
-        matches!(self, Self::AllanWalk | Self::Compared(_))
+        matches!(
+            self,
+            Self::ArmaByTest(..) | Self::AllanWalk | Self::Compared(_)
+        )
     }
 
     /// Fits a part of the record, from the optimum of the whole where that is known; `known`: coefficients
@@ -175,7 +181,7 @@ impl Recipe {
                 let fit = terms(set, part, whole)?;
                 (in_terms(&fit.terms), Origin::Composite(Box::new(fit)))
             }
-            Self::Arma(p, q) => {
+            Self::Arma(p, q) | Self::ArmaByTest(p, q) => {
                 let most = if p > 1 {
                     HIGH_ORDER_SAMPLES
                 } else {
@@ -500,7 +506,7 @@ pub(super) fn candidates(task: &Task) -> Tried {
         table.fit(order).cloned()
     };
     let fit = |recipe: Recipe| match recipe {
-        Recipe::Arma(p, q) => match searched((p, q)) {
+        Recipe::Arma(p, q) | Recipe::ArmaByTest(p, q) => match searched((p, q)) {
             Some(fit) => Some(recipe.fitted(arma_of(fit, task.rate_hz))),
             None => recipe.fit(&whole, None, &known((p, q))),
         },
@@ -577,9 +583,11 @@ fn recipes(task: &Task, table: Option<&PanditWu>) -> Vec<Recipe> {
         })
     }));
     list.extend([Recipe::AllanWalk, Recipe::Arma(1, 1), Recipe::Arma(2, 1)]);
-    for (p, q) in table.iter().flat_map(|t| [t.by_f, t.by_aic, t.by_bic]) {
-        let recipe = Recipe::Arma(p, q);
-        if !list.contains(&recipe) {
+    let arma = |(p, q)| Recipe::Arma(p, q);
+    let by_test = |(p, q)| Recipe::ArmaByTest(p, q);
+    let orders = |t: &PanditWu| [arma(t.by_bic), by_test(t.by_f), by_test(t.by_aic)];
+    for recipe in table.iter().flat_map(|t| orders(t)) {
+        if list.iter().all(|other| other.name() != recipe.name()) {
             list.push(recipe);
         }
     }

@@ -48,7 +48,7 @@ class Candidate(Result):
     parameters: Mapping[str, Any] = field(repr=False)
     """All that was found of it, as in :attr:`Identified.data`."""
     compared: bool
-    """Whether it is a method of the literature, scored for comparison and never recommended."""
+    """Whether it is a method of the literature or an order by F tests or AIC: scored for comparison, never recommended."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -240,7 +240,8 @@ fn starred(candidate: &Candidate) -> String {
 /// What the star means, and which of the methods of the literature have no model, in sentences.
 pub(crate) fn of_others(axis: &Axis) -> Vec<String> {
     let star = axis.candidates.iter().any(|c| c.compared);
-    let star = star.then(|| "* as others fit it, for comparison: never recommended.".to_owned());
+    let star =
+        star.then(|| "* as others fit or choose it, for comparison: never recommended.".to_owned());
     let missing = axis.not_fitted.iter();
     let missing = missing.map(|method| format!("No {}: {}.", method.name, method.reason));
     star.into_iter().chain(missing).collect()

@@ -1,28 +1,16 @@
-//! Motion between fixes, integrated once in body axes so that attitude and sensor biases can be
-//! tried out without the samples (preintegration; Forster et al. 2017, section VI).
+//! Motion between fixes, preintegrated.
 
 use crate::estimator::STAMP_ROUNDING;
 use undrift_nav::{
-    Matrix3, Quaternion, Vector3,
-    attitude::{from_rotation_vector, skew},
+    Vector3,
+    preintegration::Preintegrated,
     sample::{GnssFix, ImuSample},
 };
 
-/// Motion from the fix before to this one, with its derivatives by constant biases: gyro `g` [rad/s],
-/// accelerometer `a` [m/s²], both what the sensor reads too much.
-#[derive(Clone, Copy, Debug)]
+/// Motion from the fix before to this one.
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Segment {
-    /// Length \[s\].
-    pub(super) dt: f64,
-    /// Attitude at the end against that at the start, end to start.
-    pub(super) turn: Quaternion,
-    /// Derivative of the turn, as a rotation vector at the end, by the gyro bias \[s\].
-    pub(super) turn_by_g: Matrix3,
-    /// Specific force integrated in the axes of the start [m/s].
-    pub(super) dvel: Vector3,
-    /// Its derivatives by the gyro bias \[m\] and the accelerometer bias \[s\].
-    pub(super) dvel_by_g: Matrix3,
-    pub(super) dvel_by_a: Matrix3,
+    pub(super) motion: Preintegrated,
     /// Angular rate at the end [rad/s].
     pub(super) omega_b: Vector3,
     /// Velocity of the antenna at the end [m/s] and its variances.
@@ -31,35 +19,11 @@ pub(super) struct Segment {
 }
 
 impl Segment {
-    fn new() -> Self {
-        Self {
-            dt: 0.0,
-            turn: Quaternion::identity(),
-            turn_by_g: Matrix3::zeros(),
-            dvel: Vector3::zeros(),
-            dvel_by_g: Matrix3::zeros(),
-            dvel_by_a: Matrix3::zeros(),
-            omega_b: Vector3::zeros(),
-            v_n: Vector3::zeros(),
-            variance: Vector3::zeros(),
-        }
-    }
-
     /// Adds `dt` \[s\] of a sample, whose gyros read too much by `gyro`.
     fn add(&mut self, sample: &ImuSample, dt: f64, gyro: &Vector3) {
         let part = dt / sample.dt;
-        let (dtheta, dvel) = (sample.dtheta * part - gyro * dt, sample.dvel * part);
-        // Specific force in the middle of the part's turn.
-        let force = dvel + dtheta.cross(&dvel) * 0.5;
-        let c = self.turn.to_rotation_matrix().into_inner();
-        self.dvel_by_g -= c * skew(&force) * self.turn_by_g;
-        self.dvel_by_a -= c * dt;
-        self.dvel += c * force;
-        let turn = from_rotation_vector(&dtheta);
-        self.turn_by_g =
-            turn.to_rotation_matrix().transpose() * self.turn_by_g - Matrix3::identity() * dt;
-        self.turn *= turn;
-        self.dt += dt;
+        let dtheta = sample.dtheta * part - gyro * dt;
+        self.motion.add(&dtheta, &(sample.dvel * part), dt);
         self.omega_b = sample.dtheta / sample.dt - gyro;
     }
 }
@@ -80,7 +44,7 @@ pub(super) fn segments<'a>(
         })
         .peekable();
     let mut segments: Vec<Segment> = Vec::new();
-    let mut open = Segment::new();
+    let mut open = Segment::default();
     for sample in samples {
         let mut done = sample.time - sample.dt;
         while let Some((time, v_n, variance)) =
@@ -96,13 +60,13 @@ pub(super) fn segments<'a>(
             }
             // The window ends with the last fix, however near the one before it is.
             let last = fixes.peek().is_none();
-            if segments.is_empty() || open.dt >= spacing || last && open.dt > 0.0 {
+            if segments.is_empty() || open.motion.dt >= spacing || last && open.motion.dt > 0.0 {
                 segments.push(Segment {
                     v_n,
                     variance,
                     ..open
                 });
-                open = Segment::new();
+                open = Segment::default();
             }
         }
         if !segments.is_empty() && sample.time > done {

@@ -112,32 +112,33 @@ impl Problem<'_> {
         effect.fixed_view_mut::<3, 3>(3, 0).fill_with_identity();
         for (k, s) in self.segments.iter().take(count).enumerate() {
             let c = q_nb.to_rotation_matrix().into_inner();
-            let dvel = s.dvel + s.dvel_by_g * by_gyro + s.dvel_by_a * guess.accel;
+            let dvel =
+                s.motion.dvel + s.motion.dvel_by_g * by_gyro + s.motion.dvel_by_a * guess.accel;
             let frame = earth.earth_rate() + earth.transport_rate(&s.v_n);
-            let turn = s.turn * from_rotation_vector(&(s.turn_by_g * by_gyro));
+            let turn = s.motion.turn * from_rotation_vector(&(s.motion.turn_by_g * by_gyro));
             let back = turn.to_rotation_matrix().transpose().into_inner();
             let lean = -c * skew(&dvel);
 
             v += c * dvel
                 + lean * turned
-                + (gravity - (frame + earth.earth_rate()).cross(&s.v_n)) * s.dt;
+                + (gravity - (frame + earth.earth_rate()).cross(&s.v_n)) * s.motion.dt;
             turned = back * turned;
             let mut step = Wander::identity();
             step.fixed_view_mut::<3, 3>(0, 3).copy_from(&lean);
             step.fixed_view_mut::<3, 3>(3, 3).copy_from(&back);
             effect = step * effect;
             let mut block = effect.fixed_view_mut::<3, 3>(0, 3);
-            block += c * s.dvel_by_g;
+            block += c * s.motion.dvel_by_g;
             let mut block = effect.fixed_view_mut::<3, 3>(0, 6);
-            block += c * s.dvel_by_a;
+            block += c * s.motion.dvel_by_a;
             let mut block = effect.fixed_view_mut::<3, 3>(3, 3);
-            block += s.turn_by_g;
+            block += s.motion.turn_by_g;
             wander = step * wander * step.transpose();
             for i in 0..3 {
-                wander[(i, i)] += self.accel_noise * s.dt;
-                wander[(3 + i, 3 + i)] += self.gyro_noise * s.dt;
+                wander[(i, i)] += self.accel_noise * s.motion.dt;
+                wander[(3 + i, 3 + i)] += self.gyro_noise * s.motion.dt;
             }
-            q_nb = from_rotation_vector(&(-frame * s.dt)) * q_nb * turn;
+            q_nb = from_rotation_vector(&(-frame * s.motion.dt)) * q_nb * turn;
 
             let lever_velocity = q_nb * (s.omega_b - by_gyro).cross(&self.lever_arm);
             if k == 0 {
@@ -246,14 +247,14 @@ impl Problem<'_> {
         // The first two seconds' mean specific force in `n` and in body axes: all but the turn about it.
         let (mut t, mut early) = (0.0, 1);
         while early + 1 < n && t < 2.0 {
-            t += self.segments[early].dt;
+            t += self.segments[early].motion.dt;
             early += 1;
         }
         let (mut body, mut turn, mut span) = (Vector3::zeros(), Quaternion::identity(), 0.0);
         for s in &self.segments[..early] {
-            body += turn * s.dvel;
-            turn *= s.turn;
-            span += s.dt;
+            body += turn * s.motion.dvel;
+            turn *= s.motion.turn;
+            span += s.motion.dt;
         }
         let gravity = Vector3::new(0.0, 0.0, LocalEarth::at(&self.place).gravity);
         let change = self.segments[early - 1].v_n - self.segments[0].v_n;
@@ -269,7 +270,7 @@ impl Problem<'_> {
         };
 
         // A gyro bias about the vertical shows last of all: several are tried where the window could turn by it.
-        let duration: f64 = self.segments.iter().map(|s| s.dt).sum();
+        let duration: f64 = self.segments.iter().map(|s| s.motion.dt).sum();
         let turn_on = self.gyro.1.max().sqrt();
         let drifts: &[f64] = if turn_on * duration > 0.5 {
             &[0.0, -1.3, 1.3]

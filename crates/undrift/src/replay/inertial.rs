@@ -218,7 +218,10 @@ impl Inertial {
             } else {
                 (set.spike_force, set.force)
             };
-            let around = before.zip(next).map(|(a, (_, b))| [a[i], b[i]]);
+            let around = match (&before, &next) {
+                (Some(a), Some((_, b))) => Some([a[i], b[i]]),
+                _ => None,
+            };
             let ends = |around| !self.noiseless && axis.jumps(set, spike, around, value);
             if stuck[i] || around.is_some_and(ends) {
                 let since = *axis.doubted.get_or_insert(axis.since);

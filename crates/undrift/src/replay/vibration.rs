@@ -118,11 +118,12 @@ impl Vibration {
         if self.means == 0 {
             self.block = [[[0.0; AXES]; 2]; BINS];
         }
-        let mean = self.sum.map(|sum| sum / self.interval);
-        for (sums, waves) in self.block.iter_mut().zip(&self.waves[self.means]) {
-            for (sums, wave) in sums.iter_mut().zip(waves) {
-                for (sum, value) in sums.iter_mut().zip(mean) {
-                    *sum += wave * value;
+        let waves = &self.waves[self.means];
+        for bin in 0..BINS {
+            for part in 0..2 {
+                let wave = waves[bin][part] / self.interval;
+                for i in 0..AXES {
+                    self.block[bin][part][i] += wave * self.sum[i];
                 }
             }
         }

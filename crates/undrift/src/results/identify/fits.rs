@@ -152,7 +152,7 @@ pub struct GridFit {
 pub struct Candidate {
     /// Name, such as "ARMA(1,1)".
     pub name: String,
-    /// Whether it is a method of the literature, scored for comparison and never recommended.
+    /// Whether it is a method of the literature or an order by F tests or AIC: scored for comparison, never recommended.
     pub compared: bool,
     /// States of its shaping filter, the turn-on constant's included.
     pub states: u64,

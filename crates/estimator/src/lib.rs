@@ -136,7 +136,7 @@ pub struct Adjoint {
 /// As [`Estimator::vehicle_attitude`], of `q_nb`, the place of the mounting in the error state with its estimate, and
 /// the covariance: the mounting is the vehicle's attitude against the body's as the non-holonomic constraint sees it
 /// ([`undrift_nav::filter::Filter::c_bv`]), ψ + C_v^n δ its error.
-pub(crate) fn vehicle_attitude(
+pub fn vehicle_attitude(
     q_nb: &Quaternion,
     mounted: Option<(usize, [f64; 2])>,
     p: impl Fn(usize, usize) -> f64,

@@ -1,0 +1,94 @@
+//! Motion integrated once in body axes, so that attitude and sensor biases can be tried out without the samples
+//! (preintegration: Forster et al. 2017, IEEE Transactions on Robotics 33, section VI).
+
+use crate::{
+    Matrix3, Quaternion, Vector3,
+    attitude::{from_rotation_vector, skew},
+};
+
+/// Motion over a span, with its derivatives by constant biases: gyro `g` [rad/s], accelerometer `a` [m/s²], both
+/// what the sensor reads too much. Not for turns of the Earth or of the navigation frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Preintegrated {
+    /// Length \[s\].
+    pub dt: f64,
+    /// Attitude at the end against that at the start, end to start.
+    pub turn: Quaternion,
+    /// Derivative of the turn, as a rotation vector at the end, by the gyro bias \[s\].
+    pub turn_by_g: Matrix3,
+    /// Specific force integrated in the axes of the start [m/s].
+    pub dvel: Vector3,
+    /// Its derivative by the gyro bias \[m\].
+    pub dvel_by_g: Matrix3,
+    /// Its derivative by the accelerometer bias \[s\].
+    pub dvel_by_a: Matrix3,
+}
+
+impl Default for Preintegrated {
+    /// Nothing yet.
+    fn default() -> Self {
+        Self {
+            dt: 0.0,
+            turn: Quaternion::identity(),
+            turn_by_g: Matrix3::zeros(),
+            dvel: Vector3::zeros(),
+            dvel_by_g: Matrix3::zeros(),
+            dvel_by_a: Matrix3::zeros(),
+        }
+    }
+}
+
+impl Preintegrated {
+    /// Adds `dt` \[s\] with its increments of angle \[rad\] and velocity [m/s].
+    pub fn add(&mut self, dtheta: &Vector3, dvel: &Vector3, dt: f64) {
+        // Specific force in the middle of the turn.
+        let force = dvel + dtheta.cross(dvel) * 0.5;
+        let c = self.turn.to_rotation_matrix().into_inner();
+        self.dvel_by_g -= c * skew(&force) * self.turn_by_g;
+        self.dvel_by_a -= c * dt;
+        self.dvel += c * force;
+        let turn = from_rotation_vector(dtheta);
+        self.turn_by_g =
+            turn.to_rotation_matrix().transpose() * self.turn_by_g - Matrix3::identity() * dt;
+        self.turn *= turn;
+        self.dt += dt;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two thousand increments of a turning, pushed body, read with these biases.
+    fn moved(gyro: &Vector3, accel: &Vector3) -> Preintegrated {
+        let dt = 1e-3;
+        let mut motion = Preintegrated::default();
+        for k in 0..2000 {
+            let t = dt * f64::from(k);
+            let rate = Vector3::new(0.3 * libm::sin(t), -0.2, 0.5 * libm::cos(2.0 * t));
+            let force = Vector3::new(1.0, libm::sin(3.0 * t), -9.8);
+            motion.add(&((rate - gyro) * dt), &((force - accel) * dt), dt);
+        }
+        motion
+    }
+
+    #[test]
+    fn the_derivatives_are_those_of_the_motion() {
+        let none = Vector3::zeros();
+        let plain = moved(&none, &none);
+        assert!((plain.dt - 2.0).abs() < 1e-12);
+        let size = 1e-5;
+        for i in 0..3 {
+            let mut bias = none;
+            bias[i] = size;
+            let turned = moved(&bias, &none);
+            let turn = (plain.turn.inverse() * turned.turn).scaled_axis() / size;
+            // To first order in the bias, and in the angle of one sample.
+            assert!((turn - plain.turn_by_g.column(i)).norm() < 1e-3, "{turn}");
+            let dvel = (turned.dvel - plain.dvel) / size;
+            assert!((dvel - plain.dvel_by_g.column(i)).norm() < 2e-2, "{dvel}");
+            let dvel = (moved(&none, &bias).dvel - plain.dvel) / size;
+            assert!((dvel - plain.dvel_by_a.column(i)).norm() < 1e-3, "{dvel}");
+        }
+    }
+}
