@@ -11,7 +11,7 @@
 //! variance of the first part on top of `p0`: it is estimated anew, whatever the mean. A model that
 //! has neither forgets towards the mean.
 //!
-//! One pass, O(N), no memory beyond the batches.
+//! One pass, O(N), beside the sums of the scored part up to each sample.
 
 mod pass;
 mod recommend;
@@ -117,12 +117,14 @@ pub fn score(
         .map(|v| (v - mean) * (v - mean))
         .sum();
     let started = free_start(filter, squares / present as f64);
+    let sums = pass::RunningSums::of(&record[first_part..], mean);
     let task = pass::Task {
         record,
         first_part,
         mean,
         filter: &started,
         lengths: &lengths,
+        sums: &sums,
     };
     match filter.order {
         0 => task.run::<0>(),

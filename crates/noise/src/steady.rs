@@ -20,7 +20,7 @@ mod riccati;
 
 use matrix::{Matrix, Vector, add, apply, dot, identity, product, solve, transposed};
 use pieces::{LANES, PIECE, Summary, Tables};
-pub(crate) use riccati::steady_state;
+pub(crate) use riccati::{Steps, steady_state};
 
 /// Largest entry of Aᵏ below which a stretch no longer says anything of the state at its start.
 const FORGOTTEN: f64 = 1e-15;

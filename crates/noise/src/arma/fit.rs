@@ -9,6 +9,7 @@ use super::polynomial::{is_stable, less_unit_root, multiply};
 use super::search::{Ladder, Problem, TOLERANCE};
 use super::{ArmaError, MAX_FIT_ORDER};
 use crate::quasi_newton::{Objective, Point, Scales, bfgs};
+use crate::screening::bridge::bridge;
 
 /// How to fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,6 +75,7 @@ pub fn log_likelihood(
         mean,
         centre,
         gaps,
+        bridged: None,
         unit_root,
         rest: &[],
     };
@@ -225,11 +227,16 @@ fn climb(
     Ok(fit)
 }
 
+/// A search goes by the gradient of the bridged record where at most one in so many samples is missing.
+const FEW: usize = 1000;
+
 /// Records as the search sees them.
 struct Held<'a> {
     records: &'a [&'a [f64]],
     /// Of unbroken records with a unit root, whose likelihood that of these is.
     differences: Vec<Vec<f64>>,
+    /// Of records in which few samples are missing.
+    bridged: Vec<Vec<f64>>,
     /// Where each is looked at from, and how many of its samples are present.
     screened: Vec<(f64, usize)>,
     options: FitOptions,
@@ -257,9 +264,21 @@ impl<'a> Held<'a> {
                 screen(differences, p - 1 + q)?;
             }
         }
+        let few = |(samples, (_, present)): (&&[f64], &(f64, usize))| {
+            FEW * (samples.len() - present) <= samples.len()
+        };
+        let mut bridged = Vec::new();
+        if missing && !options.unit_root && records.iter().zip(&screened).all(few) {
+            let about = |(samples, (centre, _)): (&&[f64], &(f64, usize))| {
+                let less: Vec<f64> = samples.iter().map(|x| x - centre).collect();
+                bridge(&less).iter().map(|x| x + centre).collect()
+            };
+            bridged = records.iter().zip(&screened).map(about).collect();
+        }
         Ok(Self {
             records,
             differences,
+            bridged,
             screened,
             options: *options,
         })
@@ -276,6 +295,7 @@ impl<'a> Held<'a> {
                 mean: Mean::Known(0.0),
                 centre: 0.0,
                 gaps: false,
+                bridged: Some(differences),
                 unit_root: false,
                 rest,
             },
@@ -287,6 +307,10 @@ impl<'a> Held<'a> {
                     _ => centre,
                 },
                 gaps: options.unit_root || present < samples.len(),
+                bridged: match self.bridged.get(k) {
+                    Some(bridged) => Some(bridged),
+                    None => (!options.unit_root && present == samples.len()).then_some(samples),
+                },
                 unit_root: options.unit_root,
                 rest,
             },

@@ -87,6 +87,7 @@ pub fn profile_interval(
             Mean::Estimated => sample_mean,
         },
         gaps: present < samples.len(),
+        bridged: None,
         unit_root: false,
         rest: &[],
     };

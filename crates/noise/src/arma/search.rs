@@ -19,6 +19,9 @@ pub(super) struct Problem<'a> {
     pub(super) centre: f64,
     /// Some samples are missing: the Kalman filter is needed.
     pub(super) gaps: bool,
+    /// The record without gaps, these bridged; none where it has a unit root on top or more missing than a search may
+    /// overlook.
+    pub(super) bridged: Option<&'a [f64]>,
     /// φ gets a root at 1 on top (records with gaps only).
     pub(super) unit_root: bool,
     /// Further records of the same process, each with a start and a mean of its own.
@@ -111,13 +114,22 @@ impl Problem<'_> {
 
     /// The gradient of the objective, of unbroken records; `None` where differences cost as little: see [`Self::objective`].
     pub(super) fn gradient(&self, z: &[f64], p: usize) -> Option<Vec<f64>> {
+        if self.gaps {
+            return None;
+        }
+        self.gradient_bridged(z, p)
+    }
+
+    /// The same, of a record with gaps that of its bridged one: near enough for a search far from its end.
+    fn gradient_bridged(&self, z: &[f64], p: usize) -> Option<Vec<f64>> {
         let (phi, theta) = self.coefficients(z, p);
-        if self.gaps || phi.len().max(theta.len()) < 2 {
+        if phi.len().max(theta.len()) < 2 {
             return None;
         }
         let mut records = Vec::with_capacity(1 + self.rest.len());
         for of in std::iter::once(self).chain(self.rest) {
-            records.push(At::new(of.samples, of.mean, of.centre, &phi, &theta)?);
+            let samples = of.bridged?;
+            records.push(At::new(samples, of.mean, of.centre, &phi, &theta)?);
         }
         let observations: usize = records.iter().map(At::observations).sum();
         let weight = observations as f64 / records.iter().map(|at| at.squares).sum::<f64>();
@@ -261,7 +273,7 @@ fn optima(
     whittle: Option<&Whittle>,
 ) -> Result<Vec<Point>, ArmaError> {
     let function = |z: &[Vec<f64>]| problem.objective(z, p);
-    let gradient = |z: &[f64]| problem.gradient(z, p);
+    let gradient = |z: &[f64]| problem.gradient_bridged(z, p);
     let mut objective = Objective::new(&function, SCALES).with_gradient(&gradient);
     let dimension = p + q;
     let budget = problem.budget(dimension, effort);

@@ -23,7 +23,7 @@ pub(crate) struct Span {
 }
 
 impl Span {
-    /// `k` steps one by one: O(k), only sums of covariances (no inverse, no closed form to cancel).
+    /// `k` steps by doubling: O(log k), only sums of covariances (no inverse, no closed form to cancel).
     pub(crate) fn of(filter: &ShapingFilter, k: usize) -> Self {
         let n = filter.order;
         let mut span = Self {
@@ -36,31 +36,52 @@ impl Span {
         for i in 0..n {
             span.a[i][i] = 1.0;
         }
-        let f = |i: usize, of: &dyn Fn(usize) -> f64| -> f64 {
-            (0..n).map(|k| filter.f[i][k] * of(k)).sum()
+        let step = Self {
+            a: filter.f,
+            row: filter.h,
+            q: filter.q,
+            s: filter.s,
+            r: filter.r,
         };
-        for _ in 0..k {
-            let old = span;
-            let mut qh = [0.0; MAX_ORDER];
-            for i in 0..n {
-                qh[i] = (0..n).map(|j| old.q[i][j] * filter.h[j]).sum();
-            }
-            for i in 0..n {
-                span.r += filter.h[i] * (2.0 * old.s[i] + qh[i]);
-                for j in 0..n {
-                    span.row[j] += filter.h[i] * old.a[i][j];
-                }
-            }
-            span.r += filter.r;
-            for i in 0..n {
-                span.s[i] = f(i, &|k| old.s[k] + qh[k]) + filter.s[i];
-                for j in 0..n {
-                    span.a[i][j] = f(i, &|k| old.a[k][j]);
-                    span.q[i][j] = f(i, &|k| f(j, &|l| old.q[k][l])) + filter.q[i][j];
-                }
+        for bit in (0..usize::BITS - k.leading_zeros()).rev() {
+            span = span.then(&span, n);
+            if k >> bit & 1 == 1 {
+                span = span.then(&step, n);
             }
         }
         span
+    }
+
+    /// The steps of `next` after these, of a filter of order n.
+    fn then(&self, next: &Self, n: usize) -> Self {
+        let mut both = *next;
+        let mut carried = [[0.0; MAX_ORDER]; MAX_ORDER];
+        for i in 0..n {
+            let mut g = 0.0;
+            for k in 0..n {
+                g += self.q[i][k] * next.row[k];
+            }
+            both.r += next.row[i] * (2.0 * self.s[i] + g);
+            both.row[i] = self.row[i];
+            for j in 0..n {
+                both.row[i] += next.row[j] * self.a[j][i];
+                both.s[j] += next.a[j][i] * (self.s[i] + g);
+                both.a[i][j] = 0.0;
+                for k in 0..n {
+                    both.a[i][j] += next.a[i][k] * self.a[k][j];
+                    carried[i][j] += next.a[i][k] * self.q[k][j];
+                }
+            }
+        }
+        both.r += self.r;
+        for i in 0..n {
+            for j in 0..n {
+                for k in 0..n {
+                    both.q[i][j] += carried[i][k] * next.a[j][k];
+                }
+            }
+        }
+        both
     }
 }
 

@@ -5,13 +5,18 @@
 //! own (Anderson & Moore 1979, section 5.3): `A = F − s H/r`, `P ← A (P − P HᵀH P/V) Aᵀ + q − s sᵀ/r`,
 //! so that the P of a model in innovations form falls to zero without a difference of large numbers.
 
+use crate::steady::Steps;
 use undrift_nav::shaping::ShapingFilter;
 
-/// Samples between two looks whether the filter has settled.
-const LOOK: u32 = 64;
+/// Samples between two looks whether the filter has settled, and their logarithm to base 2.
+const LOOK: u32 = 1 << LOG_LOOK;
+const LOG_LOOK: u32 = 6;
 /// Relative change of every gain and of V over [`LOOK`] samples below which it has. A moving-average
 /// root 1 − d off the circle leaves 1e-12/(128 d) of the gain to go, whose share of V is d: 1e-14.
 const SETTLED: f64 = 1e-12;
+/// Change between looks below which a filter that may settle early keeps its gains from look to look: what that
+/// costs is the square of it.
+const SLOW: f64 = 1e-3;
 
 /// F and q freed of the correlation of the driving noise with the sample's own.
 type Freed<const N: usize> = ([[f64; N]; N], [[f64; N]; N]);
@@ -34,12 +39,14 @@ pub(crate) struct Predictor<const N: usize> {
     pub(crate) gain: [f64; N],
     /// Variance V of the next sample \[unit²\].
     pub(crate) variance: f64,
-    /// `F − K H`, kept when settled.
-    pub(crate) closed: [[f64; N]; N],
     /// Covariance and gain no longer change.
     pub(crate) settled: bool,
     /// Relative change over [`LOOK`] samples below which they do not.
     still: f64,
+    /// What [`LOOK`] samples make of P; none where the gains are those of every sample until they settle.
+    stride: Option<Steps<N>>,
+    /// Samples for which the gains are kept.
+    kept: u32,
     since: u32,
     seen: ([f64; N], f64),
 }
@@ -87,11 +94,19 @@ pub(crate) fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
 impl<const N: usize> Predictor<N> {
     /// Before the first sample: state 0, covariance `p0`. N must be the filter's order.
     pub(crate) fn new(filter: &ShapingFilter) -> Self {
-        Self::settling(filter, SETTLED)
+        Self::until(filter, SETTLED)
     }
 
-    /// The same; settled below another relative change.
+    /// The same for states to be trusted to `still` alone: settled below that relative change, and the gains kept over
+    /// [`LOOK`] samples where they change slowly.
     pub(crate) fn settling(filter: &ShapingFilter, still: f64) -> Self {
+        Self {
+            stride: Steps::of(filter, LOG_LOOK),
+            ..Self::until(filter, still)
+        }
+    }
+
+    fn until(filter: &ShapingFilter, still: f64) -> Self {
         let mut this = Self {
             f: leading(&filter.f),
             h: std::array::from_fn(|i| filter.h[i]),
@@ -103,9 +118,10 @@ impl<const N: usize> Predictor<N> {
             p: leading(&filter.p0),
             gain: [0.0; N],
             variance: 0.0,
-            closed: [[0.0; N]; N],
             settled: false,
             still,
+            stride: None,
+            kept: 0,
             since: 0,
             seen: ([0.0; N], 0.0),
         };
@@ -162,6 +178,13 @@ impl<const N: usize> Predictor<N> {
         if self.settled {
             return;
         }
+        if self.kept > 0 {
+            self.kept -= 1;
+            if self.kept == 0 {
+                self.stride();
+            }
+            return;
+        }
         match &self.freed {
             Some((a, q)) => {
                 let mut m = self.p;
@@ -193,21 +216,28 @@ impl<const N: usize> Predictor<N> {
         }
     }
 
+    /// Carries the covariance over the samples for which the gains were kept.
+    fn stride(&mut self) {
+        if let Some(p) = self.stride.and_then(|steps| steps.after(&self.p)) {
+            self.p = p;
+            self.weigh();
+        }
+        self.look();
+    }
+
     fn look(&mut self) {
         let (gain, variance) = self.seen;
         let largest = self.gain.iter().fold(0.0f64, |m, g| m.max(g.abs()));
-        let still = (0..N).all(|i| {
-            let change = (self.gain[i] - gain[i]).abs();
-            change <= self.still * (self.gain[i].abs() + 1e-3 * self.still * largest)
-        });
-        let steady = (self.variance - variance).abs() <= self.still * self.variance;
-        self.settled = still && steady;
-        if self.settled {
-            for i in 0..N {
-                for j in 0..N {
-                    self.closed[i][j] = self.f[i][j] - self.gain[i] * self.h[j];
-                }
-            }
+        let changes_less_than = |share: f64| {
+            let gains = (0..N).all(|i| {
+                let change = (self.gain[i] - gain[i]).abs();
+                change <= share * (self.gain[i].abs() + 1e-3 * share * largest)
+            });
+            gains && (self.variance - variance).abs() <= share * self.variance
+        };
+        self.settled = changes_less_than(self.still);
+        if !self.settled && self.stride.is_some() && changes_less_than(SLOW) {
+            self.kept = LOOK;
         }
         self.seen = (self.gain, self.variance);
     }
@@ -217,6 +247,7 @@ impl<const N: usize> Predictor<N> {
         self.x = self.advance(&self.x);
         self.p = carried(&self.f, &self.p, &self.q);
         self.settled = false;
+        self.kept = 0;
         self.since = 0;
         self.seen = ([0.0; N], 0.0);
         self.weigh();

@@ -9,9 +9,9 @@ use undrift_nav::shaping::ShapingFilter;
 const WHOLE: usize = 100;
 /// Windows begin this share of their length apart: what lies between two tells nothing more.
 const OVERLAP: usize = 32;
-/// Change of the gains below which the filter counts as settled. Their error is that times their memory, at most
-/// some thousand samples' worth, and the score's is its square.
-const SETTLED: f64 = 1e-7;
+/// Change of the gains over 64 samples below which the filter counts as settled. Their error is that times their
+/// memory over 64, at most some hundreds, and the score's is its square.
+const SETTLED: f64 = 1e-5;
 
 pub(super) struct Task<'a> {
     pub(super) record: &'a [f64],
@@ -19,6 +19,39 @@ pub(super) struct Task<'a> {
     pub(super) mean: f64,
     pub(super) filter: &'a ShapingFilter,
     pub(super) lengths: &'a [usize],
+    pub(super) sums: &'a RunningSums,
+}
+
+/// Of a record about its constant, up to each sample.
+pub(super) struct RunningSums {
+    values: Vec<f64>,
+    missing: Vec<u32>,
+}
+
+impl RunningSums {
+    pub(super) fn of(record: &[f64], mean: f64) -> Self {
+        let (mut sum, mut absent) = (0.0, 0);
+        let (mut values, mut missing) = (vec![0.0], vec![0]);
+        values.reserve_exact(record.len());
+        missing.reserve_exact(record.len());
+        for &y in record {
+            if y.is_nan() {
+                absent += 1;
+            } else {
+                sum += y - mean;
+            }
+            values.push(sum);
+            missing.push(absent);
+        }
+        Self { values, missing }
+    }
+
+    /// Sum over a window, what is missing at the mean of the rest; none where too much is.
+    fn over(&self, from: usize, length: usize) -> Option<f64> {
+        let missing = (self.missing[from + length] - self.missing[from]) as usize;
+        let sum = self.values[from + length] - self.values[from];
+        (WHOLE * missing <= length).then(|| sum * (length as f64 / (length - missing) as f64))
+    }
 }
 
 #[derive(Clone, Default)]
@@ -35,16 +68,14 @@ pub(super) struct Horizon<const N: usize> {
     row: [f64; N],
     /// Variance of the sum that no past predicts.
     own: f64,
-    /// Sum and number missing of the samples ahead.
-    ahead: f64,
-    missing: usize,
-    /// Samples from one origin to the next that is scored.
+    /// Samples from one origin to the next.
     apart: usize,
+    /// The next origin, and the last.
+    next: usize,
+    last: usize,
     /// Origins to a batch.
     stride: usize,
     seen: usize,
-    origin: usize,
-    batch: usize,
     batches: Vec<Batch>,
     predicted: f64,
     /// row P rowᵀ once the filter has settled.
@@ -54,27 +85,23 @@ pub(super) struct Horizon<const N: usize> {
 impl Task<'_> {
     /// Runs the filter over the record and scores the second part.
     pub(super) fn run<const N: usize>(&self) -> Result<Vec<HorizonScore>, DriftError> {
-        let mut predictor = Predictor::<N>::settling(self.filter, SETTLED);
-        let value = |y: f64| y - self.mean;
         let (first, second) = self.record.split_at(self.first_part);
+        let mut predictor = Predictor::<N>::settling(self.filter, SETTLED);
         for &y in first {
-            take_in(&mut predictor, value(y))?;
+            take_in(&mut predictor, y - self.mean)?;
         }
         let mut horizons: Vec<Horizon<N>> = self
             .lengths
             .iter()
-            .map(|&length| Horizon::new(self.filter, length, second, self.mean))
+            .map(|&length| Horizon::new(self.filter, length, second.len()))
             .collect();
         for (k, &y) in second.iter().enumerate() {
             for horizon in &mut horizons {
-                if k + horizon.length <= second.len() {
-                    if k.is_multiple_of(horizon.apart) {
-                        horizon.score(&predictor);
-                    }
-                    horizon.slide(value(y), second.get(k + horizon.length).map(|&v| value(v)));
+                if k == horizon.next {
+                    horizon.score(&predictor, self.sums);
                 }
             }
-            take_in(&mut predictor, value(y))?;
+            take_in(&mut predictor, y - self.mean)?;
         }
         let scores = horizons.iter().map(|h| h.finish(self.filter.interval));
         scores
@@ -99,67 +126,39 @@ fn take_in<const N: usize>(predictor: &mut Predictor<N>, y: f64) -> Result<(), D
 }
 
 impl<const N: usize> Horizon<N> {
-    fn new(filter: &ShapingFilter, length: usize, second: &[f64], mean: f64) -> Self {
+    fn new(filter: &ShapingFilter, length: usize, scored: usize) -> Self {
         let span = Span::of(filter, length);
-        let origins = second.len() + 1 - length;
+        let origins = scored + 1 - length;
         // Batches of two horizons at least.
         let batches = (origins / (2 * length)).clamp(1, MAX_BATCHES);
-        let mut horizon = Self {
+        Self {
             length,
             row: std::array::from_fn(|i| span.row[i]),
             own: span.r,
-            ahead: 0.0,
-            missing: 0,
             apart: (length / OVERLAP).max(1),
+            next: 0,
+            last: scored - length,
             stride: origins.div_ceil(batches),
             seen: 0,
-            origin: 0,
-            batch: 0,
             batches: vec![Batch::default(); batches],
             predicted: 0.0,
             settled: None,
+        }
+    }
+
+    /// Scores the window at the next origin, before the filter has seen its first sample.
+    fn score(&mut self, predictor: &Predictor<N>, sums: &RunningSums) {
+        let origin = self.next;
+        self.next = match origin + self.apart {
+            next if next <= self.last => next,
+            _ => usize::MAX,
         };
-        for &y in &second[..length] {
-            horizon.enter(y - mean, 1.0);
-        }
-        horizon
-    }
-
-    fn enter(&mut self, y: f64, sign: f64) {
-        if y.is_nan() {
-            if sign > 0.0 {
-                self.missing += 1;
-            } else {
-                self.missing -= 1;
-            }
-        } else {
-            self.ahead += sign * y;
-        }
-    }
-
-    /// One sample leaves the window ahead, the next one enters.
-    fn slide(&mut self, out: f64, into: Option<f64>) {
-        self.enter(out, -1.0);
-        if let Some(y) = into {
-            self.enter(y, 1.0);
-        }
-        self.origin += 1;
-        if self.origin == self.stride {
-            self.origin = 0;
-            self.batch = (self.batch + 1).min(self.batches.len() - 1);
-        }
-    }
-
-    fn score(&mut self, predictor: &Predictor<N>) {
-        let mut actual = self.ahead;
-        if self.missing > 0 {
-            if WHOLE * self.missing > self.length {
-                return;
-            }
-            actual *= self.length as f64 / (self.length - self.missing) as f64;
-        }
+        let Some(actual) = sums.over(origin, self.length) else {
+            return;
+        };
         let error = actual - dot(&self.row, &predictor.x);
-        let batch = &mut self.batches[self.batch];
+        let last = self.batches.len() - 1;
+        let batch = &mut self.batches[(origin / self.stride).min(last)];
         batch.squares += error * error;
         batch.count += 1;
         self.seen += 1;

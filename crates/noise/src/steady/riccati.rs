@@ -11,6 +11,63 @@ const STILL: f64 = 1e-15;
 /// Share of P∞ by which one step more may change it.
 const EXACT: f64 = 1e-11;
 
+/// What some samples make of the covariance before them: `P ↦ p + aᵀ P (I + g P)⁻¹ a`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Steps<const N: usize> {
+    a: Matrix<N>,
+    g: Matrix<N>,
+    p: Matrix<N>,
+}
+
+impl<const N: usize> Steps<N> {
+    /// One sample; none where the filter has no noise of a sample's own.
+    fn one(filter: &ShapingFilter) -> Option<Self> {
+        let r = filter.r;
+        if !(r > 0.0 && r.is_finite()) {
+            return None;
+        }
+        let (h, s) = (&filter.h, &filter.s);
+        let entries = |value: &dyn Fn(usize, usize) -> f64| -> Matrix<N> {
+            std::array::from_fn(|i| std::array::from_fn(|j| value(i, j)))
+        };
+        Some(Self {
+            a: entries(&|i, j| filter.f[j][i] - s[j] * h[i] / r),
+            g: entries(&|i, j| h[i] * h[j] / r),
+            p: entries(&|i, j| filter.q[i][j] - s[i] * s[j] / r),
+        })
+    }
+
+    /// 2ᵏ samples.
+    pub(crate) fn of(filter: &ShapingFilter, k: u32) -> Option<Self> {
+        (0..k).try_fold(Self::one(filter)?, |steps, _| steps.twice())
+    }
+
+    fn twice(&self) -> Option<Self> {
+        let Self { a, g, p } = self;
+        let weight = add(&identity(), &product(g, p), 1.0);
+        let (wa, _) = solve(&weight, a)?;
+        let (wg, _) = solve(&weight, g)?;
+        let turned = transposed(a);
+        Some(Self {
+            a: product(a, &wa),
+            g: symmetric(&add(g, &product(a, &product(&wg, &turned)), 1.0)),
+            p: symmetric(&add(p, &product(&turned, &product(p, &wa)), 1.0)),
+        })
+    }
+
+    /// The covariance after them.
+    pub(crate) fn after(&self, before: &Matrix<N>) -> Option<Matrix<N>> {
+        let weight = add(&identity(), &product(&self.g, before), 1.0);
+        let (wa, _) = solve(&weight, &self.a)?;
+        let added = product(&transposed(&self.a), &product(before, &wa));
+        Some(symmetric(&add(&self.p, &added, 1.0)))
+    }
+}
+
+fn leading<const N: usize>(a: &[[f64; 6]; 6]) -> Matrix<N> {
+    std::array::from_fn(|i| std::array::from_fn(|j| a[i][j]))
+}
+
 /// The innovations form, its P, Q in units of V, and V \[unit²\]. N must be the filter's order. `None` where no steady
 /// state was found, or the filter has no noise of a sample's own.
 ///
@@ -19,36 +76,23 @@ const EXACT: f64 = 1e-11;
 pub(crate) fn steady_state<const N: usize>(
     filter: &ShapingFilter,
 ) -> Option<(Innovations<N>, f64)> {
-    let r = filter.r;
-    if !(r > 0.0 && r.is_finite()) {
-        return None;
-    }
-    let leading = |a: &[[f64; 6]; 6]| -> Matrix<N> {
-        std::array::from_fn(|i| std::array::from_fn(|j| a[i][j]))
-    };
-    let (f, driving) = (leading(&filter.f), leading(&filter.q));
+    let Steps {
+        mut a,
+        mut g,
+        mut p,
+    } = Steps::<N>::one(filter)?;
+    let (freed, own, r) = (transposed(&a), p, filter.r);
     let h: Vector<N> = std::array::from_fn(|i| filter.h[i]);
     let s: Vector<N> = std::array::from_fn(|i| filter.s[i]);
-    let freed: Matrix<N> =
-        std::array::from_fn(|i| std::array::from_fn(|j| f[i][j] - s[i] * h[j] / r));
-    let own: Matrix<N> =
-        std::array::from_fn(|i| std::array::from_fn(|j| driving[i][j] - s[i] * s[j] / r));
-    let information: Matrix<N> = std::array::from_fn(|i| std::array::from_fn(|j| h[i] * h[j] / r));
-    let (mut a, mut g, mut p) = (transposed(&freed), information, own);
+    let (f, driving) = (leading(&filter.f), leading(&filter.q));
     let mut still = N == 0;
     for _ in 0..DOUBLINGS {
         if still {
             break;
         }
-        let weight = add(&identity(), &product(&g, &p), 1.0);
-        let (wa, _) = solve(&weight, &a)?;
-        let (wg, _) = solve(&weight, &g)?;
-        let turned = transposed(&a);
-        let next = symmetric(&add(&p, &product(&turned, &product(&p, &wa)), 1.0));
-        still = (0..N).all(|i| (next[i][i] - p[i][i]).abs() <= STILL * next[i][i].abs());
-        g = symmetric(&add(&g, &product(&a, &product(&wg, &turned)), 1.0));
-        a = product(&a, &wa);
-        p = next;
+        let next = Steps { a, g, p }.twice()?;
+        still = (0..N).all(|i| (next.p[i][i] - p[i][i]).abs() <= STILL * next.p[i][i].abs());
+        Steps { a, g, p } = next;
     }
     let ph = apply(&p, &h);
     let v = dot(&h, &ph) + r;
