@@ -269,11 +269,10 @@ impl<'a> Held<'a> {
         };
         let mut bridged = Vec::new();
         if missing && !options.unit_root && records.iter().zip(&screened).all(few) {
-            let about = |(samples, (centre, _)): (&&[f64], &(f64, usize))| {
-                let less: Vec<f64> = samples.iter().map(|x| x - centre).collect();
-                bridge(&less).iter().map(|x| x + centre).collect()
-            };
-            bridged = records.iter().zip(&screened).map(about).collect();
+            let pairs = records.iter().zip(&screened);
+            bridged = pairs
+                .map(|(samples, (centre, _))| bridge(samples, *centre))
+                .collect();
         }
         Ok(Self {
             records,
@@ -295,7 +294,7 @@ impl<'a> Held<'a> {
                 mean: Mean::Known(0.0),
                 centre: 0.0,
                 gaps: false,
-                bridged: Some(differences),
+                bridged: None,
                 unit_root: false,
                 rest,
             },
@@ -307,10 +306,7 @@ impl<'a> Held<'a> {
                     _ => centre,
                 },
                 gaps: options.unit_root || present < samples.len(),
-                bridged: match self.bridged.get(k) {
-                    Some(bridged) => Some(bridged),
-                    None => (!options.unit_root && present == samples.len()).then_some(samples),
-                },
+                bridged: self.bridged.get(k).map(Vec::as_slice),
                 unit_root: options.unit_root,
                 rest,
             },

@@ -19,7 +19,7 @@ pub(super) struct Problem<'a> {
     pub(super) centre: f64,
     /// Some samples are missing: the Kalman filter is needed.
     pub(super) gaps: bool,
-    /// The record without gaps, these bridged; none where it has a unit root on top or more missing than a search may
+    /// Of a record with gaps: these bridged; none where it has a unit root on top or more missing than a search may
     /// overlook.
     pub(super) bridged: Option<&'a [f64]>,
     /// φ gets a root at 1 on top (records with gaps only).
@@ -128,8 +128,8 @@ impl Problem<'_> {
         }
         let mut records = Vec::with_capacity(1 + self.rest.len());
         for of in std::iter::once(self).chain(self.rest) {
-            let samples = of.bridged?;
-            records.push(At::new(samples, of.mean, of.centre, &phi, &theta)?);
+            let whole = if of.gaps { of.bridged? } else { of.samples };
+            records.push(At::new(whole, of.mean, of.centre, &phi, &theta)?);
         }
         let observations: usize = records.iter().map(At::observations).sum();
         let weight = observations as f64 / records.iter().map(|at| at.squares).sum::<f64>();

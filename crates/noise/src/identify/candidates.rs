@@ -243,7 +243,7 @@ impl Fitted {
 
 impl<'a> Part<'a> {
     fn new(records: Vec<&'a [f64]>, rate_hz: f64) -> Option<Self> {
-        let bridged: Vec<Vec<f64>> = records.iter().map(|record| bridge(record)).collect();
+        let bridged: Vec<Vec<f64>> = records.iter().map(|record| bridge(record, 0.0)).collect();
         let curve = |record: &Vec<f64>| {
             allan::deviations(record, rate_hz, DeviationKind::Overlapping, Grid::Octave).ok()
         };
@@ -486,7 +486,7 @@ pub(super) fn candidates(task: &Task) -> Tried {
     let blocks = &scales::BLOCKS[1..];
     let beside = |filter: &ShapingFilter| task.beside(filter);
     let whole = Part {
-        end_to_end: task.records.iter().flat_map(|r| bridge(r)).collect(),
+        end_to_end: task.records.iter().flat_map(|r| bridge(r, 0.0)).collect(),
         records: task.records.clone(),
         rate_hz: task.rate_hz,
         curve: task.curve.clone(),
@@ -592,7 +592,7 @@ fn recipes(task: &Task, table: Option<&PanditWu>) -> Vec<Recipe> {
         }
     }
     list.push(Recipe::UnitRoot);
-    let bridged = bridge(task.searched());
+    let bridged = bridge(task.searched(), 0.0);
     if let Ok(p) = arma::order_by_aicc(&bridged, MOST_AR) {
         list.push(Recipe::Burg(p.max(1)));
     }

@@ -63,7 +63,7 @@ impl Screened {
     pub(super) fn take_out_lines(&mut self, rate_hz: f64) -> Vec<Line> {
         let lines = spectrum::take_out(&mut self.cleaned, rate_hz);
         if !lines.is_empty() {
-            self.bridged = bridge(&self.cleaned);
+            self.bridged = bridge(&self.cleaned, 0.0);
         }
         lines
     }
@@ -79,9 +79,7 @@ pub(super) fn screened(record: &[f64], options: &Options<'_>) -> Result<Screened
             let present = record.iter().copied().filter(|x| !x.is_nan());
             let present = Vec::from_iter(present);
             let mean = present.iter().sum::<f64>() / present.len().max(1) as f64;
-            let about = Vec::from_iter(record.iter().map(|x| x - mean));
-            let whole = bridge(&about).into_iter().map(|x| x + mean);
-            (Cow::from(present), Cow::from(Vec::from_iter(whole)))
+            (Cow::from(present), Cow::from(bridge(record, mean)))
         }
     };
     // What is constant has no trend: an error of its own.
@@ -144,7 +142,7 @@ pub(super) fn screened(record: &[f64], options: &Options<'_>) -> Result<Screened
         .outliers
         .retain(|one| left_out.binary_search(&one.index).is_err());
     left_out.iter().for_each(|k| found.cleaned[*k] = f64::NAN);
-    let bridged = bridge(&found.cleaned);
+    let bridged = bridge(&found.cleaned, 0.0);
     let rule = MotionRule {
         window: (options.rate_hz.round() as usize).max(2),
         step: quantisation.map_or(0.0, |grid| grid.step),

@@ -1,7 +1,7 @@
 //! Records without missing samples.
 
-/// Missing samples replaced by the straight line between their neighbours.
-pub(crate) fn bridge(cleaned: &[f64]) -> Vec<f64> {
+/// Missing samples replaced by the straight line between their neighbours, at either end by the record's `mean`.
+pub(crate) fn bridge(cleaned: &[f64], mean: f64) -> Vec<f64> {
     let mut whole = cleaned.to_vec();
     let mut last: Option<usize> = None;
     let mut at = 0;
@@ -21,9 +21,8 @@ pub(crate) fn bridge(cleaned: &[f64]) -> Vec<f64> {
         last = Some(at);
         at += 1;
     }
-    // Missing at either end: the mean.
     for value in whole.iter_mut().filter(|v| v.is_nan()) {
-        *value = 0.0;
+        *value = mean;
     }
     whole
 }

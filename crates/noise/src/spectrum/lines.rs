@@ -71,7 +71,7 @@ pub fn take_out(record: &mut [f64], rate_hz: f64) -> Vec<Line> {
     let (mut lines, mut resonances): (Vec<Sine>, Vec<Resonance>) = (Vec::new(), Vec::new());
     for _ in 0..ROUNDS {
         let room = MOST.saturating_sub(lines.len() + resonances.len());
-        let mut peaks = Periodogram::of(&bridge(record)).peaks(FALSE_ALARM);
+        let mut peaks = Periodogram::of(&bridge(record, 0.0)).peaks(FALSE_ALARM);
         // What the fit of a resonance has left of it is no line.
         peaks.retain(|peak| peak.is_broad || !resonances.iter().any(|of| of.reaches(peak, step)));
         if peaks.is_empty() || room == 0 {
@@ -86,7 +86,7 @@ pub fn take_out(record: &mut [f64], rate_hz: f64) -> Vec<Line> {
             for line in lines.extract_if(.., is_part) {
                 line.add_to(record, 1.0);
             }
-            let whole = bridge(record);
+            let whole = bridge(record, 0.0);
             let resonance = Resonance::fitted(&Periodogram::of(&whole), peak);
             resonance.notch(&whole, record);
             resonances.push(resonance);

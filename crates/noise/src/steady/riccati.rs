@@ -76,24 +76,21 @@ fn leading<const N: usize>(a: &[[f64; 6]; 6]) -> Matrix<N> {
 pub(crate) fn steady_state<const N: usize>(
     filter: &ShapingFilter,
 ) -> Option<(Innovations<N>, f64)> {
-    let Steps {
-        mut a,
-        mut g,
-        mut p,
-    } = Steps::<N>::one(filter)?;
-    let (freed, own, r) = (transposed(&a), p, filter.r);
+    let one = Steps::<N>::one(filter)?;
+    let (freed, own, r) = (transposed(&one.a), one.p, filter.r);
     let h: Vector<N> = std::array::from_fn(|i| filter.h[i]);
     let s: Vector<N> = std::array::from_fn(|i| filter.s[i]);
     let (f, driving) = (leading(&filter.f), leading(&filter.q));
-    let mut still = N == 0;
+    let (mut steps, mut still) = (one, N == 0);
     for _ in 0..DOUBLINGS {
         if still {
             break;
         }
-        let next = Steps { a, g, p }.twice()?;
-        still = (0..N).all(|i| (next.p[i][i] - p[i][i]).abs() <= STILL * next.p[i][i].abs());
-        Steps { a, g, p } = next;
+        let before = steps.p;
+        steps = steps.twice()?;
+        still = (0..N).all(|i| (steps.p[i][i] - before[i][i]).abs() <= STILL * steps.p[i][i].abs());
     }
+    let p = steps.p;
     let ph = apply(&p, &h);
     let v = dot(&h, &ph) + r;
     if !(still && v > 0.0 && v.is_finite()) {
