@@ -135,7 +135,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let model = found.model(&names);
     if let Some(path) = &arguments.model_out {
-        files.write(path, &model.to_toml())?;
+        files.write(path, &found.steady_model(&names).to_toml())?;
     }
     for (from, to) in tuned {
         let text = std::fs::read_to_string(from)

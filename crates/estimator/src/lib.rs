@@ -121,6 +121,8 @@ pub struct LoggedUpdate {
     pub weakened: f64,
     /// What was taken out of the solution.
     pub correction: DVector<f64>,
+    /// Variance of the white noise of a sample of each axis at that time \[unit²\], gyro and accelerometer x, y, z.
+    pub white: [f64; AXES],
 }
 
 /// What a smoother needs of a span of filtering ([`undrift_nav::tape`]).
@@ -304,6 +306,7 @@ fn sized<const N: usize>(
     let filter = Filter::<N>::new(nav, std, *sensors, parameters)?;
     Ok(Box::new(Sized {
         filter,
+        white: sensors.map(|sensor| sensor.r),
         tape: None,
         log: None,
     }))
@@ -311,6 +314,8 @@ fn sized<const N: usize>(
 
 struct Sized<const N: usize> {
     filter: Filter<N>,
+    /// Variance of the white noise of a sample, as set last.
+    white: [f64; AXES],
     /// Since the last call of `record`, or since the last update that was logged.
     tape: Option<Box<Tape<N>>>,
     log: Option<Sender<Logged>>,
@@ -420,6 +425,7 @@ impl<const N: usize> Sized<N> {
             noise: DMatrix::from_fn(M, M, |i, j| r[(i, j)] + observed.extra[(i, j)]),
             weakened: factor,
             correction: DVector::from_fn(n, |i, _| correction[i]),
+            white: self.white,
         };
         if let Some(log) = &self.log {
             // Nobody listens any more: nor is it of use.
@@ -528,6 +534,7 @@ impl<const N: usize> Estimator for Sized<N> {
 
     fn set_white_noise(&mut self, variance: &[f64; AXES]) {
         self.filter.set_white_noise(variance);
+        self.white = *variance;
     }
 
     fn fade(&mut self, factor: f64) {
@@ -642,6 +649,7 @@ impl<const N: usize> Estimator for Sized<N> {
     fn boxed(&self) -> Box<dyn Estimator> {
         Box::new(Self {
             filter: self.filter.clone(),
+            white: self.white,
             tape: None,
             log: None,
         })

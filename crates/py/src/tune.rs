@@ -62,7 +62,7 @@ pub fn tune(
             results::text(&result),
             text::tune(&result, text::unmarked),
             warnings,
-            NoiseModel(found.model(&names)),
+            NoiseModel(found.steady_model(&names)),
         ))
     };
     work::run_with(py, progress.as_ref(), &counted, tune)?.map_err(error)

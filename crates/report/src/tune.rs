@@ -125,13 +125,13 @@ fn what_was_done(tune: &Tune) -> String {
     )
 }
 
-/// Whether the noise also follows the vibration.
+/// Whether the noise follows the vibration.
 fn vibration(tune: &Tune) -> String {
     let Some(tried) = &tune.vibration else {
         return String::new();
     };
     format!(
-        " Noise that also follows the vibration was tried and {}: {} times the drift at {} (95 % interval {} to {}).",
+        " White noise that follows the vibration was tried and {}: {} times the drift of constant white noise at {} (95 % interval {} to {}).",
         if tried.kept { "kept" } else { "rejected" },
         short(tried.ratio.0),
         span(tried.length_s.0),

@@ -58,7 +58,9 @@ use undrift_io::{
     source::BytesRead,
     truth::{TruthReader, TruthSource},
 };
-use undrift_nav::{Vector3, parameters::Parameters, sample::ImuSample, units::Quantity};
+use undrift_nav::{
+    Vector3, covariance::AXES, parameters::Parameters, sample::ImuSample, units::Quantity,
+};
 use undrift_noise::{ImuModel, number::rounded};
 
 /// A drive, ready to be read.
@@ -71,8 +73,8 @@ pub struct Drive {
     /// Whether the IMU's mounting is to be estimated from the log ([`crate::mounting`]): until then
     /// body axes are the sensor's own.
     pub estimate_mounting: bool,
-    /// Whether the sensors' white noise follows their vibration.
-    pub vibration: bool,
+    /// Where the sensors' white noise follows their vibration: the factors of its standard deviation, axis by axis.
+    pub vibration: Option<[f64; AXES]>,
     /// GNSS log.
     pub gnss: (PathBuf, GnssSource),
     /// Log of a wheel's speed, if there is one.

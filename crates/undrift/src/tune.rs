@@ -27,7 +27,7 @@ use crate::{
     results,
     settings::{fix_errors::StdFactors, replay::Settings},
 };
-use fit::{Fit, Log, fit, under};
+use fit::{Fit, Log, fit, under, unseen_likelihood};
 use judge::{Following, Judged, Unseen, judge};
 use noise::Noise;
 use prior::Prior;
@@ -58,6 +58,9 @@ pub struct Tuned {
     pub prior: Prior,
     /// What the drives say.
     pub fit: Fit,
+    /// Whether the white noise follows the vibration: then it is that at rest and, beside it, what the samples show
+    /// above the band of motion, multiplied by the factors found in its place.
+    pub follows: bool,
     /// Share of each drive that judged.
     pub unseen: f64,
     /// Whether the noise is that of the seen part alone.
@@ -73,10 +76,41 @@ pub struct Tuned {
 }
 
 impl Tuned {
+    /// Factors on the noise that the samples show, where it is followed.
+    pub fn factors(&self) -> Option<[f64; AXES]> {
+        self.follows.then_some(self.fit.noise.white)
+    }
+
     /// The sensor in the vehicle; `drives` are the names of the drives.
     pub fn model(&self, drives: &[&str]) -> ImuModel {
         let noise = &self.fit.noise;
-        let mut model = self.start.model(&noise.white, &noise.walk);
+        let white = match self.follows {
+            true => &self.start.white,
+            false => &noise.white,
+        };
+        self.named(self.start.model(white, &noise.walk), drives)
+    }
+
+    /// The same with one density of the white noise for the whole drive also where it follows the vibration: for a filter
+    /// whose noise does not.
+    pub fn steady_model(&self, drives: &[&str]) -> ImuModel {
+        let walk = &self.fit.noise.walk;
+        self.named(self.start.model(&self.densities(), walk), drives)
+    }
+
+    /// Density of the white noise of each axis [unit·√s], the root mean square over the drives.
+    pub fn densities(&self) -> [f64; AXES] {
+        let (found, rest) = (&self.fit.noise.white, &self.start.white);
+        match self.start.vibrating.filter(|_| self.follows) {
+            Some(vibrating) => std::array::from_fn(|i| {
+                let beyond = (vibrating[i].powi(2) - rest[i].powi(2)).max(0.0);
+                (rest[i].powi(2) + found[i].powi(2) * beyond).sqrt()
+            }),
+            None => *found,
+        }
+    }
+
+    fn named(&self, mut model: ImuModel, drives: &[&str]) -> ImuModel {
         model.name = format!("{} in its vehicle", self.start.name);
         model.source = format!(
             "identified from {} by composite likelihood, with {} as the sensor at rest",
@@ -101,6 +135,38 @@ pub enum Stage {
 
 /// Share of each drive that judges where nothing is asked for.
 const HALF: f64 = 0.5;
+
+/// The drives under one kind of white noise, and what they say of it.
+struct Way<'a> {
+    logs: Vec<Log<'a>>,
+    prior: Prior,
+    fit: Fit,
+}
+
+/// The first of fits that begin with these that can be made: under what is found on a part of a drive, and under noise as
+/// loud as the samples show, an alignment of some seconds may not succeed.
+fn first_of(
+    from: &[Noise],
+    logs: &[Log],
+    start: &Start,
+    prior: &Prior,
+    sure: bool,
+    goes_on: &dyn Fn(f64) -> bool,
+) -> Result<Fit, ReplayError> {
+    let (last, others) = from.split_last().expect("a noise to begin with");
+    for from in others {
+        if let Ok(fit) = fit(logs, start, prior, *from, sure, goes_on) {
+            return Ok(fit);
+        }
+    }
+    fit(logs, start, prior, *last, sure, goes_on)
+}
+
+/// What is known before the drives.
+fn prior_of(logs: &[Log], start: &Start) -> Prior {
+    let of_drives: Vec<&Settings> = logs.iter().map(|log| &log.settings).collect();
+    Prior::new(start, &of_drives)
+}
 
 /// When navigation begins \[s\].
 fn begins(logs: &Logs, settings: &Settings) -> Result<Option<f64>, ReplayError> {
@@ -138,8 +204,9 @@ fn standing(logs: &[Log]) -> Option<[f64; AXES]> {
     )
 }
 
-/// White noise that the samples of the drives' seen parts show ([`crate::replay::vibration`]): the root mean square.
-fn vibrating(logs: &[Log]) -> Option<[f64; AXES]> {
+/// White noise that the samples of the drives' seen parts show ([`crate::replay::Vibration`]): the root mean square.
+/// `None` of logs too slow to look.
+pub fn vibrating(logs: &[Log]) -> Option<[f64; AXES]> {
     let seen = |log: &Log| {
         let end = log.imu.partition_point(|s| s.time <= log.until);
         densities(&log.imu[..end], &log.settings)
@@ -184,7 +251,7 @@ pub fn tune(
         let drive = Drive {
             model: Some(start.model(&centre.white, &centre.walk)),
             std_factors: StdFactors::ONE,
-            vibration: false,
+            vibration: None,
             ..drive.clone()
         };
         loaded.push(Logs::load(&drive)?);
@@ -213,49 +280,85 @@ pub fn tune(
     }
     start.idle = standing(&logs);
     start.vibrating = vibrating(&logs);
-    let of_drives: Vec<&Settings> = logs.iter().map(|log| &log.settings).collect();
-    let prior = Prior::new(&start, &of_drives);
-    let (quieter, centre) = (centre, Noise::new(&prior.centre));
     let iteration = |value: f64| goes_on(Stage::Fitting(value));
-    let held_out = options.hold_out.is_some();
-    // Noise as loud as the samples show may be too much for an alignment of some seconds.
-    let seen = fit(&logs, &start, &prior, centre, held_out, &iteration)
-        .or_else(|_| fit(&logs, &start, &prior, quieter, held_out, &iteration))?;
+    let sure = options.hold_out.is_some();
+    let prior = prior_of(&logs, &start);
+    let (quieter, centre) = (centre, Noise::new(&prior.centre));
+    let fit = first_of(&[centre, quieter], &logs, &start, &prior, sure, &iteration)?;
+    let mut ways = vec![Way { logs, prior, fit }];
+    if start.vibrating.is_some() && drives.iter().all(|drive| drive.vibration.is_some()) {
+        let logs = ways[0].logs.iter().map(|log| Log {
+            settings: Settings {
+                vibration: Some([1.0; AXES]),
+                ..log.settings.clone()
+            },
+            ..*log
+        });
+        let logs: Vec<Log> = logs.collect();
+        let prior = prior_of(&logs, &start);
+        let centre = Noise::new(&prior.centre);
+        let from = Noise {
+            white: centre.white,
+            ..ways[0].fit.noise
+        };
+        // Where it cannot be navigated it is no way.
+        if let Ok(fit) = first_of(&[from, centre], &logs, &start, &prior, sure, &iteration) {
+            ways.push(Way { logs, prior, fit });
+        }
+    }
     let judges = goes_on(Stage::Judging);
     let rest = options.start.as_ref().or(first.model.as_ref());
     let rest = rest.map_or_else(|| start.model(&start.white, &start.walk), Clone::clone);
-    let of_drives = drives.iter().zip(&logs).zip(&loaded).zip(spans);
-    let of_drives = of_drives.map(|(((drive, log), all), span)| {
-        let before = Settings {
+    let mut likelihoods = Vec::new();
+    let mut all = Vec::new();
+    for (k, (drive, span)) in drives.iter().zip(&spans).enumerate() {
+        let log = &ways[0].logs[k];
+        let mut settings = vec![Settings {
             vibration: drive.vibration,
             sensors: rest.shaping(BiasModel::Arma, log.settings.sensors[0].interval)?,
             ..log.settings.clone()
-        };
-        let after = under(&log.settings, &seen.noise, &start).map_err(ReplayError::from)?;
-        Ok(Unseen {
+        }];
+        for way in &ways {
+            let after = under(&way.logs[k].settings, &way.fit.noise, &start);
+            settings.push(after.map_err(ReplayError::from)?);
+        }
+        all.push(Unseen {
             log,
-            truth: &all.truth,
-            settings: [before, after],
-            span,
-        })
-    });
-    let of_drives = of_drives.collect::<Result<Vec<_>, NavigateError>>()?;
+            truth: &loaded[k].truth,
+            settings,
+            span: *span,
+        });
+    }
+    for way in &ways {
+        // Of noise under which a drive cannot be navigated from its start to its end nothing is likely.
+        let unseen = || unseen_likelihood(&way.logs, &start, &way.fit.noise, &spans);
+        likelihoods.push(match judges && ways.len() > 1 {
+            true => unseen().unwrap_or(f64::NEG_INFINITY),
+            false => 0.0,
+        });
+    }
+    let gain = match likelihoods.as_slice() {
+        [steady, following] => following - steady,
+        _ => f64::NEG_INFINITY,
+    };
+    // Not a number: neither can be navigated on to the end.
+    let follows = gain >= 0.0;
     let (judged, following) = if judges {
-        judge(&of_drives)
+        judge(&all, follows, gain)
     } else {
         (Vec::new(), None)
     };
-    let fit = if held_out || !judges {
-        seen
-    } else {
-        for log in &mut logs {
+    drop(all);
+    let mut way = ways.swap_remove(usize::from(follows));
+    if !sure && judges {
+        for log in &mut way.logs {
             log.until = f64::INFINITY;
         }
-        // Under what a part of the drive has found the whole of it may be too short to align.
-        fit(&logs, &start, &prior, seen.noise, true, &iteration)
-            .or_else(|_| fit(&logs, &start, &prior, centre, true, &iteration))
-            .or_else(|_| fit(&logs, &start, &prior, quieter, true, &iteration))?
-    };
+        let from = [way.fit.noise, Noise::new(&way.prior.centre), quieter];
+        let from = &from[..if follows { 2 } else { 3 }];
+        way.fit = first_of(from, &way.logs, &start, &way.prior, true, &iteration)?;
+    }
+    let Way { logs, prior, fit } = way;
     let aligns = logs.iter().zip(&loaded).map(|(log, all)| {
         let settings = under(&log.settings, &fit.noise, &start).map_err(ReplayError::from)?;
         Ok(matches!(begins(all, &settings), Ok(Some(_))))
@@ -266,8 +369,9 @@ pub fn tune(
         start,
         prior,
         fit,
+        follows,
         unseen,
-        held_out,
+        held_out: sure,
         judged,
         following,
         aligns,

@@ -79,7 +79,7 @@ class Tuning(Told):
     drift: tuple[TunedDrift, ...]
     """Drift on held-out outages, by length."""
     model: NoiseModel
-    """The sensor in its vehicle, for :func:`navigate` and :func:`outages`."""
+    """The sensor in its vehicle, with constant white noise, for :func:`navigate` and :func:`outages`."""
     start: str
     """Name of the sensor at rest that it began from."""
     guessed: bool

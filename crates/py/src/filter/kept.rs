@@ -26,9 +26,10 @@ struct Made {
     priors: [Prior; Parameter::ALL.len()],
     fix_errors: FixErrors,
     begun: f64,
-    /// 1 where the noise follows the samples, and the white noise of the models then.
+    /// 1 where the noise follows the samples, and the white noise of the models and the factors then.
     follows: f64,
     white: [f64; AXES],
+    factors: [f64; AXES],
 }
 
 impl Made {
@@ -59,7 +60,8 @@ impl Made {
         each(&mut errors.jitter);
         each(&mut self.begun);
         each(&mut self.follows);
-        self.white.iter_mut().for_each(&mut *each);
+        let axes = [&mut self.white, &mut self.factors];
+        axes.into_iter().flatten().for_each(&mut *each);
     }
 }
 
@@ -80,6 +82,10 @@ pub(super) fn numbers(held: &Held) -> Vec<f64> {
             .vibration
             .as_ref()
             .map_or([0.0; AXES], Vibration::white_noise),
+        factors: held
+            .vibration
+            .as_ref()
+            .map_or([1.0; AXES], Vibration::factors),
     };
     let mut numbers = Vec::new();
     let mut keep = |number: &mut f64| numbers.push(*number);
@@ -107,6 +113,7 @@ pub(super) fn held(numbers: Vec<f64>) -> Result<Held, String> {
         begun: 0.0,
         follows: 0.0,
         white: [0.0; AXES],
+        factors: [1.0; AXES],
     };
     made.numbers(&mut put);
     if made.sensors.iter().any(|axis| axis.order > MAX_ORDER) {
@@ -142,8 +149,8 @@ pub(super) fn held(numbers: Vec<f64>) -> Result<Held, String> {
     for (model, white) in models.iter_mut().zip(made.white) {
         model.r = white;
     }
-    let mut vibration =
-        (made.follows != 0.0).then(|| Vibration::new(&models, VibrationSettings::default()));
+    let mut vibration = (made.follows != 0.0)
+        .then(|| Vibration::new(&models, &made.factors, VibrationSettings::default()));
     if let Some(vibration) = &mut vibration {
         vibration.numbers(&mut put);
     }

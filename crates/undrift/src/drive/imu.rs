@@ -9,7 +9,8 @@ use super::{
 use std::path::{Path, PathBuf};
 use toml::de::DeValue;
 use undrift_io::{format::Format, imu::ImuFormat, layouts};
-use undrift_nav::{Matrix3, Vector3, attitude::from_rpy, units::Quantity};
+use undrift_nav::{Matrix3, Vector3, attitude::from_rpy, covariance::AXES, units::Quantity};
+use undrift_noise::model_file;
 
 /// The inertial log of a drive file.
 pub struct ImuLog {
@@ -51,7 +52,7 @@ pub fn load_imu(path: &Path) -> Result<ImuLog, DriveError> {
 /// What the table `[imu]` says beside where the samples are.
 pub(crate) struct ImuOptions {
     pub(crate) estimate_mounting: bool,
-    pub(crate) vibration: bool,
+    pub(crate) vibration: Option<[f64; AXES]>,
 }
 
 pub(crate) fn read_imu(
@@ -114,13 +115,29 @@ pub(crate) fn read_imu(
         .vector("accel_offset", Quantity::Acceleration)?
         .unwrap_or_else(Vector3::zeros);
     format.span = logs.span;
-    let vibration = section.word("vibration", &[("auto", true), ("off", false)])?;
+    let vibration = read_vibration(section)?;
     section.only_known()?;
     let options = ImuOptions {
         estimate_mounting,
-        vibration: vibration.unwrap_or(true),
+        vibration,
     };
     Ok(((path, format), options))
+}
+
+/// `vibration = "auto"` or `"off"`, and `vibration_factors = { gyro_x = 0.5, accel_z = 0.6 }`, what `undrift tune` writes.
+fn read_vibration(section: &Section) -> Result<Option<[f64; AXES]>, ConfigError> {
+    let follows = section.word("vibration", &[("auto", true), ("off", false)])?;
+    let follows = follows.unwrap_or(true);
+    let given = section.section("vibration_factors")?;
+    if given.exists() && !follows {
+        return Err(section.error("vibration_factors", "needs vibration = \"auto\""));
+    }
+    let mut factors = [1.0; AXES];
+    for (slot, axis) in factors.iter_mut().zip(model_file::AXES) {
+        *slot = given.factor(axis)?.unwrap_or(1.0);
+    }
+    given.only_known()?;
+    Ok(follows.then_some(factors))
 }
 
 /// The samples in named columns of a table.

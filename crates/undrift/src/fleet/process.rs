@@ -295,7 +295,7 @@ fn tuned(job: &Job, outcome: &mut FleetOutcome) -> Result<(), Failure> {
             true => value,
             false => f64::NAN,
         };
-        let white = found(WHITE + axis, tuned.fit.noise.white[axis]);
+        let white = found(WHITE + axis, tuned.densities()[axis]);
         let walk = found(WALK + axis, tuned.fit.noise.walk[axis]);
         let louder = white / tuned.start.white[axis];
         let values = [f64::NAN, white, walk, louder, f64::NAN, f64::NAN];

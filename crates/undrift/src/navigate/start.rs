@@ -53,7 +53,7 @@ pub fn start(drive: &Drive, kind: BiasModel) -> Result<Started, NavigateError> {
     };
     let mut vibration = settings
         .vibration
-        .then(|| Vibration::new(&settings.sensors, settings.engine.vibration));
+        .map(|factors| Vibration::new(&settings.sensors, &factors, settings.engine.vibration));
     if let Some(vibration) = &mut vibration {
         let end = filter.nav().time + STAMP_ROUNDING;
         for sample in drive.open_imu()? {

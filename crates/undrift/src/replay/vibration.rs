@@ -30,6 +30,8 @@ const GAP: f64 = 1.5;
 #[derive(Clone)]
 pub struct Vibration {
     set: VibrationSettings,
+    /// By how much the standard deviation beyond the model's is multiplied, axis by axis.
+    factors: [f64; AXES],
     /// Samples in a mean, and its length \[s\]; zero samples: too slow a log to look.
     each: usize,
     interval: f64,
@@ -54,8 +56,13 @@ pub struct Vibration {
 }
 
 impl Vibration {
-    /// Of a filter whose models these are, before its first sample.
-    pub fn new(sensors: &[ShapingFilter; AXES], set: VibrationSettings) -> Self {
+    /// Of a filter whose models these are, before its first sample. `factors` are what the standard deviation of the noise
+    /// beyond the model's is multiplied by.
+    pub fn new(
+        sensors: &[ShapingFilter; AXES],
+        factors: &[f64; AXES],
+        set: VibrationSettings,
+    ) -> Self {
         let step = sensors[0].interval;
         let rate = 1.0 / step;
         let each = match rate >= set.least_rate {
@@ -81,6 +88,7 @@ impl Vibration {
         };
         Self {
             set,
+            factors: *factors,
             each,
             interval,
             waves,
@@ -148,12 +156,12 @@ impl Vibration {
         }
     }
 
-    /// Density beyond the model's [unit²·s].
+    /// Density beyond the model's [unit²·s], with its factor.
     fn excess(&self, axis: usize) -> f64 {
         let (level, model) = (self.level[axis], self.model[axis]);
         let known = self.known >= self.set.memory;
         match known && level > self.set.from * self.set.from * model {
-            true => level - model,
+            true => self.factors[axis].powi(2) * (level - model),
             false => 0.0,
         }
     }
@@ -161,6 +169,11 @@ impl Vibration {
     /// Variance of the white noise of a sample of each axis \[unit²\].
     pub fn variances(&self) -> [f64; AXES] {
         std::array::from_fn(|i| self.white[i] + self.excess(i) / self.step)
+    }
+
+    /// The factors.
+    pub fn factors(&self) -> [f64; AXES] {
+        self.factors
     }
 
     /// Variance of the white noise of a sample of each axis by the model \[unit²\].
@@ -213,7 +226,7 @@ pub(crate) fn densities(imu: &[ImuSample], settings: &Settings) -> Option<[f64; 
         memory: f64::INFINITY,
         ..settings.engine.vibration
     };
-    let mut vibration = Vibration::new(&settings.sensors, set);
+    let mut vibration = Vibration::new(&settings.sensors, &[1.0; AXES], set);
     for sample in imu {
         vibration.next(sample);
     }
@@ -265,7 +278,7 @@ mod tests {
     /// density.
     fn seen(density: f64, rest: impl Fn(f64) -> f64) -> [f64; AXES] {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(7);
-        let mut vibration = Vibration::new(&sensors(), VibrationSettings::default());
+        let mut vibration = Vibration::new(&sensors(), &[1.0; AXES], VibrationSettings::default());
         let mut raised = false;
         for k in 0..30_000 {
             let time = STEP * k as f64;
@@ -317,7 +330,7 @@ mod tests {
     #[test]
     fn a_slow_log_shows_nothing() {
         let slow = [ShapingFilter::white(WHITE, 0.1).unwrap(); AXES];
-        let mut vibration = Vibration::new(&slow, VibrationSettings::default());
+        let mut vibration = Vibration::new(&slow, &[1.0; AXES], VibrationSettings::default());
         for k in 0..1000 {
             let sample = ImuSample {
                 time: 0.1 * k as f64,

@@ -26,7 +26,7 @@ pub struct Tune {
     pub parameters: Vec<TunedParameter>,
     /// Drift on held-out outages, by length.
     pub drift: Vec<TunedDrift>,
-    /// What it changes if the white noise also follows the vibration; null where it was not tried.
+    /// What it changes if the white noise follows the vibration; null where it was not tried.
     pub vibration: Option<TunedVibration>,
     /// Windows whose fixes were scored.
     pub windows: u64,
@@ -67,7 +67,7 @@ pub struct TunedParameter {
     pub determined: bool,
 }
 
-/// Drift on held-out outages with white noise that follows the vibration on top of the noise found, over that without.
+/// Drift on held-out outages with white noise that follows the vibration, over that with one density for the whole drive.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
@@ -80,7 +80,9 @@ pub struct TunedVibration {
     pub ratio_low: Number,
     /// See there.
     pub ratio_high: Number,
-    /// Whether the tuned drive file follows it: less drift beyond chance at one length, more at none.
+    /// By how much the log-likelihood of the fixes at the end of withheld spans is larger with it.
+    pub likelihood_gain: Number,
+    /// Whether the tuned drive file follows it: the fixes at the end of withheld spans are likelier with it.
     pub kept: bool,
 }
 

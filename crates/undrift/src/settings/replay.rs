@@ -70,8 +70,8 @@ pub struct Settings {
     pub adapt: bool,
     /// How the kind of solution bears on the standard deviation of a position.
     pub quality: QualityStd,
-    /// Whether the white noise of the sensors follows their vibration.
-    pub vibration: bool,
+    /// Where the white noise of the sensors follows their vibration: the factors of its standard deviation, axis by axis.
+    pub vibration: Option<[f64; AXES]>,
     /// What the fixes are wrong by beyond what they state.
     pub fix_errors: FixErrors,
     /// Longest span between two nodes for a smoother \[s\]; `None`: no nodes.
@@ -105,7 +105,7 @@ impl Settings {
             restart: true,
             adapt: false,
             quality: QualityStd::AsStated,
-            vibration: false,
+            vibration: None,
             fix_errors: FixErrors::default(),
             nodes: None,
             start: None,

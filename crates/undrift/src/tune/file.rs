@@ -29,8 +29,17 @@ pub fn tuned(
     }
     if let Some(imu) = file.get_mut("imu").and_then(Item::as_table_like_mut) {
         // It is in the noise that was found, but for what changes along the drive.
-        let follows = found.following.is_some_and(|following| following.kept);
-        imu.insert("vibration", value(if follows { "auto" } else { "off" }));
+        if let Some(factors) = found.factors() {
+            imu.insert("vibration", value("auto"));
+            let mut table = InlineTable::new();
+            for (axis, factor) in undrift_noise::model_file::AXES.into_iter().zip(factors) {
+                table.insert(axis, Value::from((factor * 1000.0).round() / 1000.0));
+            }
+            imu.insert("vibration_factors", value(table));
+        } else {
+            imu.insert("vibration", value("off"));
+            imu.remove("vibration_factors");
+        }
     }
     let noise = &found.fit.noise;
     let used = &found.prior.used;

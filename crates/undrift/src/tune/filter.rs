@@ -54,6 +54,8 @@ pub struct Fixed {
     pub scale: Option<(usize, f64)>,
     /// The constraint in the replay.
     pub rule: NonHolonomic,
+    /// White noise of each axis beside what is sought [unit²·s].
+    pub white: [f64; AXES],
 }
 
 /// ∫ s^i/i! s^j/j! over a span.
@@ -111,7 +113,8 @@ impl<const N: usize> State<N> {
                 }
             }
             for axis in 0..AXES {
-                let white = noise.white[axis] * noise.white[axis];
+                let white =
+                    fixed.white[axis] + noise.white[axis] * noise.white[axis] * step.shape[axis];
                 let walk = noise.walk[axis] * noise.walk[axis];
                 each(step, axis, |i, j, of_white, of_walk| {
                     self.p[i][j] += white * of_white + walk * of_walk;
@@ -203,7 +206,8 @@ impl<const N: usize> State<N> {
                 by_white += of_white * self.p[i][j];
                 by_walk += of_walk * self.p[i][j];
             });
-            gradient[WHITE + axis] += 2.0 * noise.white[axis] * noise.white[axis] * by_white;
+            let white = noise.white[axis] * noise.white[axis] * step.shape[axis];
+            gradient[WHITE + axis] += 2.0 * white * by_white;
             gradient[WALK + axis] += 2.0 * noise.walk[axis] * noise.walk[axis] * by_walk;
         }
         for (k, at) in fixed.lasting.into_iter().enumerate() {

@@ -7,7 +7,7 @@ use super::{
     prior::Prior,
     search::minimise,
     start::Start,
-    steps::condense,
+    steps::{Followed, condense},
 };
 use crate::{
     estimator::Logged,
@@ -17,7 +17,10 @@ use crate::{
 };
 use nalgebra::{DMatrix, DVector};
 use undrift_nav::{
-    covariance::NAV, filter::FilterError, parameters::Parameter, sample::ImuSample,
+    covariance::{AXES, NAV},
+    filter::FilterError,
+    parameters::Parameter,
+    sample::ImuSample,
     shaping::ShapingFilter,
 };
 
@@ -82,9 +85,16 @@ const FIRST: f64 = 0.05;
 pub fn under(settings: &Settings, noise: &Noise, start: &Start) -> Result<Settings, FilterError> {
     let mut settings = settings.clone();
     let bad = |_| FilterError::BadMeasurement;
+    let white = match &mut settings.vibration {
+        Some(factors) => {
+            *factors = noise.white;
+            start.white
+        }
+        None => noise.white,
+    };
     for (axis, sensor) in settings.sensors.iter_mut().enumerate() {
         let interval = sensor.interval;
-        let white = ShapingFilter::white(noise.white[axis], interval).map_err(bad)?;
+        let white = ShapingFilter::white(white[axis], interval).map_err(bad)?;
         let walk = ShapingFilter::random_walk(noise.walk[axis], interval).map_err(bad)?;
         *sensor = white.plus(&walk).map_err(bad)?;
         sensor.p0[0][0] = start.turn_on[axis] * start.turn_on[axis];
@@ -123,13 +133,26 @@ impl<const N: usize> Linear<N> {
                     .constraints
                     .non_holonomic
                     .unwrap_or(NonHolonomic::CAR),
+                white: match settings.vibration {
+                    Some(_) => start.white.map(|white| white * white),
+                    None => [0.0; AXES],
+                },
             };
+            let followed = settings.vibration.map(|factors| Followed {
+                white: settings.sensors.map(|sensor| sensor.r),
+                interval: settings.sensors[0].interval,
+                factors,
+            });
             let within = |sample: &&ImuSample| sample.time <= log.until;
             let samples = &mut log.imu.iter().take_while(within).copied().map(Ok);
             let aiding = &mut log.aiding.iter().copied().map(Ok);
             replay(samples, aiding, &settings, &mut ())?;
             drop(settings);
-            Ok(Objective::new(condense(receiver), fixed, Plan::default()))
+            Ok(Objective::new(
+                condense(receiver, followed.as_ref()),
+                fixed,
+                Plan::default(),
+            ))
         };
         let drives = logs.iter().map(drive).collect::<Result<_, ReplayError>>()?;
         Ok(Self { drives, about })
@@ -164,6 +187,23 @@ impl<const N: usize> Linear<N> {
     }
 }
 
+/// The function of the least size that has room for the drives' states.
+macro_rules! by_size {
+    ($logs:expr, $of:ident) => {
+        match $logs.iter().map(states).max().unwrap_or(0) {
+            ..=24 => $of::<24>,
+            25..=32 => $of::<32>,
+            33..=40 => $of::<40>,
+            _ => $of::<56>,
+        }
+    };
+}
+
+/// Number of states of a drive's filter.
+fn states(log: &Log) -> usize {
+    NAV + 6 + log.settings.parameters.states()
+}
+
 /// Finds the most likely noise, beginning with `from`; `goes_on` gets the objective before each iteration and says
 /// whether to make it: the fit ends with the best so far.
 ///
@@ -177,13 +217,7 @@ pub fn fit(
     sure: bool,
     goes_on: &dyn Fn(f64) -> bool,
 ) -> Result<Fit, ReplayError> {
-    let states = |log: &Log| NAV + 6 + log.settings.parameters.states();
-    let fit = match logs.iter().map(states).max().unwrap_or(0) {
-        ..=24 => fit_sized::<24>,
-        25..=32 => fit_sized::<32>,
-        33..=40 => fit_sized::<40>,
-        _ => fit_sized::<56>,
-    };
+    let fit = by_size!(logs, fit_sized);
     fit(logs, start, prior, from, sure, goes_on)
 }
 
@@ -312,4 +346,38 @@ fn uncertainty<const N: usize>(linear: &Linear<N>, prior: &Prior, z: &Vector) ->
         }
         std
     })
+}
+
+/// Log-likelihood of what the fit of a noise has not seen, from the first of these times of each drive on \[s\].
+///
+/// # Errors
+/// A drive that cannot be navigated.
+pub fn unseen_likelihood(
+    logs: &[Log],
+    start: &Start,
+    noise: &Noise,
+    spans: &[(f64, f64)],
+) -> Result<f64, ReplayError> {
+    let whole = logs.iter().map(|log| Log {
+        until: f64::INFINITY,
+        settings: log.settings.clone(),
+        ..*log
+    });
+    let whole: Vec<Log> = whole.collect();
+    let of_unseen = by_size!(logs, of_unseen);
+    of_unseen(&whole, start, noise, spans)
+}
+
+fn of_unseen<const N: usize>(
+    logs: &[Log],
+    start: &Start,
+    noise: &Noise,
+    spans: &[(f64, f64)],
+) -> Result<f64, ReplayError> {
+    let linear = Linear::<N>::new(logs, *noise, start)?;
+    let own = noise.against(noise);
+    let each = linear.drives.iter().zip(spans);
+    Ok(each
+        .map(|(drive, span)| drive.score_between(&own, span.0, f64::INFINITY).value)
+        .sum())
 }

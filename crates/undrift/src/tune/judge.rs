@@ -79,55 +79,53 @@ pub struct Unseen<'a> {
     pub log: &'a Log<'a>,
     /// The reference; empty for the withheld fixes.
     pub truth: &'a [TruthSample],
-    /// Settings before and after.
-    pub settings: [Settings; 2],
+    /// Settings before, and after with one density of white noise and, where that was tried, with white noise that follows
+    /// the vibration.
+    pub settings: Vec<Settings>,
     /// Fixes from the first to the last of these are not seen by the fit \[s\].
     pub span: (f64, f64),
 }
 
-/// What it changes if the filter's white noise also follows the vibration (`imu.vibration`), on top of the
-/// noise found.
+/// What it changes if the filter's white noise follows the vibration (`imu.vibration`), with the factors found, in place of
+/// one density for the whole drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Following {
     /// Length of the outages \[s\].
     pub length: f64,
     /// Drift with it over drift without, and the 95 % interval.
     pub ratio: [f64; 3],
-    /// Whether there is less drift beyond chance at one length and more at none.
+    /// By how much the log-likelihood of the fixes at the end of withheld spans is larger with it.
+    pub gain: f64,
+    /// Whether the fixes at the end of withheld spans are likelier with it.
     pub kept: bool,
 }
 
 /// Runs outages of every length, back to back over the spans that the fit has not seen: drift before and after, where
-/// `after` also follows the vibration if that is better, and what following it changes, where the drives allow it
-/// (`before` has it). A length that fits fewer than twice is omitted.
-pub fn judge(drives: &[Unseen]) -> (Vec<Judged>, Option<Following>) {
-    let follows = drives.iter().all(|drive| drive.settings[0].vibration);
-    let (mut without, mut with, mut gains) = (Vec::new(), Vec::new(), Vec::new());
+/// `after` follows the vibration if `kept`, and what following it changes, where that was tried. A length that fits fewer
+/// than twice is omitted. `gain` is what the choice was by.
+pub fn judge(drives: &[Unseen], kept: bool, gain: f64) -> (Vec<Judged>, Option<Following>) {
+    let tried = drives.iter().all(|drive| drive.settings.len() > 2);
+    let (mut judged, mut gains) = (Vec::new(), Vec::new());
     for length in LENGTHS {
-        let [before, after, following] = run_all(drives, length, follows);
-        without.extend(compared(length, &before, &after));
-        with.extend(compared(length, &before, &following));
-        gains.extend(compared(length, &after, &following));
+        let [before, steady, following] = run_all(drives, length, tried);
+        let after = if kept { &following } else { &steady };
+        judged.extend(compared(length, &before, after));
+        gains.extend(compared(length, &steady, &following));
     }
-    let ratios: Vec<_> = gains
-        .iter()
-        .map(|judged| (judged.length, judged.ratio()))
-        .collect();
-    let kept = ratios.iter().all(|(_, ratio)| ratio[0] <= 1.0)
-        && ratios.iter().any(|(_, ratio)| ratio[2] < 1.0);
-    let told = ratios.iter().find(|(length, _)| *length == TOLD);
-    let following = told.or(ratios.last()).map(|(length, ratio)| Following {
-        length: *length,
-        ratio: *ratio,
+    let told = gains.iter().find(|judged| judged.length == TOLD);
+    let following = told.or(gains.last()).map(|told| Following {
+        length: told.length,
+        ratio: told.ratio(),
+        gain,
         kept,
     });
-    (if kept { with } else { without }, following)
+    (judged, following)
 }
 
 /// The outages of each pass over the drives; `None` for a pass without a solution.
 type Passes = Vec<Option<Vec<OutageErrors>>>;
 
-/// Runs the outages of one length before, after, and, if it `follows`, after with the vibration followed.
+/// Runs the outages of one length under each of the settings.
 fn run_all(drives: &[Unseen], length: f64, follows: bool) -> [Passes; 3] {
     let mut all: [Passes; 3] = Default::default();
     for drive in drives {
@@ -137,15 +135,9 @@ fn run_all(drives: &[Unseen], length: f64, follows: bool) -> [Passes; 3] {
             start: from + k as f64 * length,
             end: from + (k + 1) as f64 * length,
         };
-        let [before, after] = drive.settings.clone();
-        let following = Settings {
-            vibration: true,
-            ..after.clone()
-        };
-        let settings = [before, after, following].into_iter();
         let passes = RUNS.min(count);
         let mut runs = Vec::new();
-        for settings in settings.take(if follows { 3 } else { 2 }) {
+        for settings in &drive.settings[..if follows { 3 } else { 2 }] {
             for offset in 0..passes {
                 let outages = (offset..count).step_by(RUNS).map(outage).collect();
                 let settings = Settings {

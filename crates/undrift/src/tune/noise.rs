@@ -24,7 +24,7 @@ pub type Vector = [f64; COUNT];
 /// The noise under which a condensed drive is filtered.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
-    /// Density of the white noise of each axis [unit·√s].
+    /// Density of the white noise of each axis [unit·√s]; where it follows the vibration, the factor on what the samples show.
     pub white: [f64; AXES],
     /// Random walk of each axis [unit/√s].
     pub walk: [f64; AXES],

@@ -49,17 +49,26 @@ pub struct Prior {
 }
 
 impl Prior {
-    /// Of a sensor, in drives with these settings.
+    /// Of a sensor, in drives with these settings; of white noise that follows the vibration where they say so.
     pub fn new(start: &Start, drives: &[&Settings]) -> Self {
         let rule = drives.iter().find_map(|s| s.constraints.non_holonomic);
         let of = rule.unwrap_or(NonHolonomic::CAR);
-        let louder: [f64; AXES] = match start.vibrating {
-            Some(vibrating) => {
-                std::array::from_fn(|i| (VIBRATING * vibrating[i]).max(start.white[i]))
-            }
-            None => start.white.map(|white| white * LOUDER),
-        };
+        let follows = drives.iter().any(|s| s.vibration.is_some());
         let idle = start.idle.unwrap_or([0.0; AXES]);
+        let (louder, idle): ([f64; AXES], [f64; AXES]) = match start.vibrating {
+            Some(vibrating) if follows => {
+                let of_both = |i: usize| vibrating[i].max(start.white[i]);
+                (
+                    [VIBRATING; AXES],
+                    std::array::from_fn(|i| idle[i] / of_both(i)),
+                )
+            }
+            Some(vibrating) => {
+                let louder = |i: usize| (VIBRATING * vibrating[i]).max(start.white[i]);
+                (std::array::from_fn(louder), idle)
+            }
+            None => (start.white.map(|white| white * LOUDER), idle),
+        };
         let centre = Noise {
             white: std::array::from_fn(|i| louder[i].max(idle[i] * DRIVING)),
             walk: std::array::from_fn(|i| start.walk[i].max(LEAST_WALK[i / 3])),

@@ -14,8 +14,8 @@ use undrift_noise::model_file::AXES;
 /// Standard deviations to the ends of a 95 % interval.
 const INTERVAL: f64 = 1.96;
 
-/// Key of a parameter in the model or drive file, and its unit.
-fn named(i: usize) -> (String, &'static str) {
+/// Key of a parameter in the model or drive file, and its unit; of white noise that `follows` the vibration or not.
+fn named(i: usize, follows: bool) -> (String, &'static str) {
     const REST: [(&str, &str); COUNT - FIX] = [
         ("gnss.std_factors.position", ""),
         ("gnss.std_factors.velocity", ""),
@@ -27,6 +27,7 @@ fn named(i: usize) -> (String, &'static str) {
     ];
     let axis = |i: usize| AXES[i];
     match i {
+        WHITE..WALK if follows => (format!("imu.vibration_factors.{}", axis(i)), ""),
         WHITE..WALK if i < 3 => (format!("{}.white_noise", axis(i)), "rad/s/√Hz"),
         WHITE..WALK => (format!("{}.white_noise", axis(i)), "m/s²/√Hz"),
         WALK..FIX if i - WALK < 3 => (format!("{}.random_walk", axis(i - WALK)), "rad/s/√s"),
@@ -42,13 +43,14 @@ impl Tuned {
     pub fn result<'a>(&self, drives: impl IntoIterator<Item = (&'a Path, &'a Drive)>) -> Tune {
         let z = self.fit.noise.ln();
         let at_rest = |i: usize| match i {
+            WHITE..WALK if self.follows => Some(1.0),
             WHITE..WALK => Some(self.start.white[i - WHITE]),
             WALK..FIX => Some(self.start.walk[i - WALK]).filter(|walk| *walk > 0.0),
             FIX..RULE => Some(1.0),
             _ => Some(self.prior.centre[i].exp()),
         };
         let parameter = |i: usize| {
-            let (name, unit) = named(i);
+            let (name, unit) = named(i, self.follows);
             let (prior, std) = (&self.prior, self.fit.std[i]);
             TunedParameter {
                 name,
@@ -107,6 +109,7 @@ impl Tuned {
                 ratio: following.ratio[0].into(),
                 ratio_low: following.ratio[1].into(),
                 ratio_high: following.ratio[2].into(),
+                likelihood_gain: following.gain.into(),
                 kept: following.kept,
             }),
             windows: self.fit.windows as u64,

@@ -29,6 +29,8 @@ pub struct Step<const N: usize> {
     pub left: [f64; N],
     /// Where noise comes in.
     pub inputs: [Input; AXES],
+    /// What the square of each axis's white noise is multiplied by over the step.
+    pub shape: [f64; AXES],
     /// What is measured.
     pub channel: Channel,
     /// Number of its components.
@@ -67,8 +69,32 @@ pub struct Segment<const N: usize> {
     pub without_fixes: Vec<Option<(usize, Box<Step<N>>)>>,
 }
 
-/// Condenses what a replay logged.
-pub fn condense<const N: usize>(logged: impl IntoIterator<Item = Logged>) -> Vec<Segment<N>> {
+/// White noise that follows the vibration: what it is told by in what a replay logs.
+#[derive(Clone, Copy, Debug)]
+pub struct Followed {
+    /// Variance of the white noise of a sample by the model \[unit²\].
+    pub white: [f64; AXES],
+    /// Interval of a sample \[s\].
+    pub interval: f64,
+    /// Factors on the standard deviation beyond it in the replay.
+    pub factors: [f64; AXES],
+}
+
+impl Followed {
+    /// Density beyond the model's that the samples show [unit²·s].
+    fn beyond(&self, variance: &[f64; AXES]) -> [f64; AXES] {
+        std::array::from_fn(|i| {
+            let beyond = (variance[i] - self.white[i]).max(0.0) * self.interval;
+            beyond / (self.factors[i] * self.factors[i])
+        })
+    }
+}
+
+/// Condenses what a replay logged, with what its white noise follows.
+pub fn condense<const N: usize>(
+    logged: impl IntoIterator<Item = Logged>,
+    followed: Option<&Followed>,
+) -> Vec<Segment<N>> {
     let mut segments: Vec<Segment<N>> = Vec::new();
     for entry in logged {
         match (entry, segments.last_mut()) {
@@ -88,7 +114,7 @@ pub fn condense<const N: usize>(logged: impl IntoIterator<Item = Logged>) -> Vec
             }
             (Logged::Update(update), Some(segment)) => {
                 let before = segment.steps.last().map_or(segment.start, |step| step.time);
-                segment.steps.push(Step::new(&update, before));
+                segment.steps.push(Step::new(&update, before, followed));
             }
             (Logged::Update(_), None) => {}
         }
@@ -175,6 +201,10 @@ impl<const N: usize> Step<N> {
         Self {
             span,
             inputs: inputs(&nav, span),
+            shape: std::array::from_fn(|i| {
+                let sum = self.shape[i] * self.span + next.shape[i] * next.span;
+                sum / span.max(f64::MIN_POSITIVE)
+            }),
             nav,
             shift,
             left: std::array::from_fn(|i| self.left[i] * next.left[i]),
@@ -182,7 +212,7 @@ impl<const N: usize> Step<N> {
         }
     }
 
-    fn new(update: &LoggedUpdate, before: f64) -> Self {
+    fn new(update: &LoggedUpdate, before: f64, followed: Option<&Followed>) -> Self {
         let n = update.transition.nrows();
         let size = update.innovation.len();
         let span = (update.time - before).max(0.0);
@@ -196,6 +226,7 @@ impl<const N: usize> Step<N> {
             shift: [0.0; N],
             left: std::array::from_fn(|i| if i < n { t[(i, i)] } else { 0.0 }),
             inputs: inputs(&nav, span),
+            shape: followed.map_or([1.0; AXES], |followed| followed.beyond(&update.white)),
             channel: update.channel,
             size,
             h: std::array::from_fn(|i| {

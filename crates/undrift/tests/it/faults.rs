@@ -52,7 +52,7 @@ fn rtk_drive() -> Option<Log> {
         gnss: gnss.unwrap(),
         // The noise is that of this car, set by hand: it is the gate that is measured here.
         settings: Settings {
-            vibration: false,
+            vibration: None,
             ..settings(&drive, BiasModel::Arma).unwrap()
         },
     })

@@ -3,7 +3,7 @@
 use undrift::{
     drive::Drive,
     estimator::Logged,
-    nav::{parameters::Parameters, shaping::ShapingFilter},
+    nav::{covariance::AXES, parameters::Parameters, shaping::ShapingFilter},
     noise::ImuModel,
     replay::{Measurement, Settings, replay},
     settings::fix_errors::{Correlated, FixErrors, StdFactors},
@@ -16,7 +16,7 @@ use undrift::{
         objective::{Objective, Plan},
         prior::Prior,
         start::Start,
-        steps::condense,
+        steps::{Followed, condense},
     },
     vehicle::{NonHolonomic, Profile},
 };
@@ -68,7 +68,22 @@ fn drive(settings: &Settings, seconds: f64, seed: u64) -> (Simulation, Vec<Measu
 #[test]
 fn the_gradient_is_that_of_the_value() {
     let start = start();
-    let truth = truth(&start);
+    gradient_is_that_of_the_value(&start, truth(&start), None);
+}
+
+/// The same of white noise that follows the vibration.
+#[test]
+fn the_gradient_of_factors_on_the_vibration_is_that_of_the_value() {
+    let start = start();
+    let factors = Noise {
+        white: [0.5, 0.6, 0.7, 0.8, 0.9, 1.0],
+        ..truth(&start)
+    };
+    gradient_is_that_of_the_value(&start, factors, Some(factors.white));
+}
+
+fn gradient_is_that_of_the_value(start: &Start, about: Noise, factors: Option<[f64; AXES]>) {
+    let truth = truth(start);
     let mut settings = plain();
     settings.constraints = Profile::Car.constraints();
     let lasting = Some(Correlated {
@@ -81,8 +96,9 @@ fn the_gradient_is_that_of_the_value() {
         ..FixErrors::default()
     };
     settings.parameters = settings.fix_errors.with_states(settings.parameters);
-    let settings = under(&settings, &truth, &start).unwrap();
-    let (log, fixes) = drive(&settings, 240.0, 3);
+    let (log, fixes) = drive(&under(&settings, &truth, start).unwrap(), 240.0, 3);
+    settings.vibration = factors;
+    let settings = under(&settings, &about, start).unwrap();
     let (sender, receiver) = std::sync::mpsc::channel::<Logged>();
     let logged = Settings {
         log: Some(sender),
@@ -95,12 +111,19 @@ fn the_gradient_is_that_of_the_value() {
         lasting: [Some(15), Some(18)],
         scale: None,
         rule: settings.constraints.non_holonomic.unwrap(),
+        white: factors.map_or([0.0; AXES], |_| start.white.map(|white| white * white)),
     };
-    let objective = Objective::<24>::new(condense(receiver), fixed, Plan::default());
+    let followed = factors.map(|factors| Followed {
+        white: settings.sensors.map(|sensor| sensor.r),
+        interval: settings.sensors[0].interval,
+        factors,
+    });
+    let segments = condense(receiver, followed.as_ref());
+    let objective = Objective::<24>::new(segments, fixed, Plan::default());
     assert!(objective.windows() > 50, "{}", objective.windows());
     // Away from the noise of the replay.
     let z: Vector = std::array::from_fn(|i| {
-        truth.ln()[i] * f64::from(u8::from(!(FIX..RULE).contains(&i))) + 0.1
+        about.ln()[i] * f64::from(u8::from(!(FIX..RULE).contains(&i))) + 0.1
     });
     let score = objective.score(&Noise::new(&z));
     for i in 0..COUNT {
@@ -194,6 +217,7 @@ fn the_drive_file_is_written() {
         held_out: false,
         judged: Vec::new(),
         following: None,
+        follows: false,
         aligns: vec![true],
         stopped: false,
     };
@@ -222,4 +246,29 @@ fn the_drive_file_is_written() {
     // Once more: the same.
     let again = file::tuned(&written, &found, &model, None).unwrap();
     assert_eq!(again, written);
+    assert_eq!(drive.vibration, None);
+
+    // White noise that follows the vibration: that at rest, and the factors.
+    let mut found = found;
+    found.follows = true;
+    found.fit.noise.white = [0.5, 0.25, 0.75, 1.5, 1.0, 0.125];
+    found.start.vibrating = Some(found.start.white.map(|white| 3.0 * white));
+    let model = found.model(&["drive.toml"]);
+    let written = file::tuned(&written, &found, &model, None).unwrap();
+    let drive = Drive::from_toml(&written, "tuned.toml", &folder, &folder).unwrap();
+    assert_eq!(drive.vibration, Some(found.fit.noise.white));
+    let steady = found.steady_model(&["drive.toml"]);
+    let of_both = drive.model.unwrap();
+    for (i, (_, axis)) in of_both.axes().into_iter().enumerate() {
+        let rest = found.start.white[i];
+        assert!((axis.white.unwrap() / rest - 1.0).abs() < 5.1e-6);
+        // √(1 + f² (3² − 1)) times that at rest.
+        let beyond = 8.0 * found.fit.noise.white[i].powi(2);
+        let density = steady.axes()[i].1.white.unwrap();
+        assert!((density / (rest * (1.0 + beyond).sqrt()) - 1.0).abs() < 1e-12);
+    }
+    // And back.
+    found.follows = false;
+    let again = file::tuned(&written, &found, &found.model(&["drive.toml"]), None).unwrap();
+    assert!(again.contains("vibration = \"off\"") && !again.contains("vibration_factors"));
 }

@@ -25,6 +25,7 @@ use undrift::{
         noise::Noise,
         prior::Prior,
         start::Start,
+        vibrating,
     },
 };
 
@@ -190,12 +191,11 @@ fn with_errors(axes: &[&[f64]; 6], drive: usize) -> Result<(Simulation, Vec<ImuS
 /// The model that drives alone give.
 fn tuned(drives: &[(Simulation, Vec<ImuSample>)]) -> Result<ImuModel, Failure> {
     let sheet = ImuModel::preset("adis16405").ok_or("no preset")?;
-    let start = Start::of_model(&sheet, 1.0 / RATE)?;
+    let mut start = Start::of_model(&sheet, 1.0 / RATE)?;
     let settings = Settings {
         lever_arm: receiver().lever_arm,
         ..Settings::new(sheet.shaping(BiasModel::RandomWalk, 1.0 / RATE)?)
     };
-    let prior = Prior::new(&start, &[&settings]);
     let aiding: Vec<_> = drives
         .iter()
         .map(|(drive, _)| Measurement::of_fixes(&drive.gnss))
@@ -210,6 +210,8 @@ fn tuned(drives: &[(Simulation, Vec<ImuSample>)]) -> Result<ImuModel, Failure> {
             until: f64::INFINITY,
         })
         .collect();
+    start.vibrating = vibrating(&logs);
+    let prior = Prior::new(&start, &[&settings]);
     let from = Noise::new(&prior.centre);
     let found = fit(&logs, &start, &prior, from, false, &|_| true)?;
     Ok(start.model(&found.noise.white, &found.noise.walk))

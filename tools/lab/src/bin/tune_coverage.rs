@@ -1,12 +1,12 @@
 //! Whether identification from a drive is right and knows how right: simulated drives of known noise, one a seed.
 //!
 //! ```text
-//! cargo run --release -p undrift-lab --bin tune_coverage -- [seeds] [seconds] [first seed]
+//! cargo run --release -p undrift-lab --bin tune_coverage -- [seeds] [seconds] [first seed] [following]
 //! ```
 //!
 //! For every parameter: in how many drives the true value lies inside the 95 % interval, in how many it is said to be
 //! determined, and in how many of those it lies inside; and the drift of the noise found against that of the true one, on
-//! another drive.
+//! another drive. With `following` of white noise that follows the vibration: the factors, which are 1 here.
 
 use rayon::prelude::*;
 use undrift::{
@@ -24,6 +24,7 @@ use undrift::{
         noise::{COUNT, FIX, Noise, WALK},
         prior::Prior,
         start::Start,
+        vibrating,
     },
 };
 
@@ -45,7 +46,7 @@ fn receiver() -> GnssNoise {
 
 /// Of one seed: whether each parameter was determined, and what was found against the truth in standard deviations; and
 /// the mean squares of the drift with the noise found and with the true one.
-fn one(seed: u64, seconds: f64) -> ([(bool, f64); COUNT], [f64; 2]) {
+fn one(seed: u64, seconds: f64, following: bool) -> ([(bool, f64); COUNT], [f64; 2]) {
     let interval = 1.0 / RATE;
     let model = ImuModel::preset("mpu6050").expect("a preset");
     let mut start = Start::of_model(&model, interval).expect("a model");
@@ -61,6 +62,19 @@ fn one(seed: u64, seconds: f64) -> ([(bool, f64); COUNT], [f64; 2]) {
         ..Settings::new([ShapingFilter::white(0.0, interval).expect("white noise"); 6])
     };
     let of_truth = under(&plain, &truth, &start).expect("a filter");
+    let (plain, truth) = match following {
+        true => (
+            Settings {
+                vibration: Some([1.0; 6]),
+                ..plain
+            },
+            Noise {
+                white: [1.0; 6],
+                ..truth
+            },
+        ),
+        false => (plain, truth),
+    };
     let drive = |seed| {
         let trajectory = Trajectory::car(seconds, seed);
         simulate(
@@ -79,7 +93,6 @@ fn one(seed: u64, seconds: f64) -> ([(bool, f64); COUNT], [f64; 2]) {
             .collect::<Vec<_>>()
     };
     let log = drive(seed);
-    let prior = Prior::new(&start, &[&plain]);
     let fixes = aiding(&log.gnss);
     let logs = [Log {
         imu: &log.imu,
@@ -87,6 +100,8 @@ fn one(seed: u64, seconds: f64) -> ([(bool, f64); COUNT], [f64; 2]) {
         settings: plain.clone(),
         until: f64::INFINITY,
     }];
+    start.vibrating = vibrating(&logs);
+    let prior = Prior::new(&start, &[&plain]);
     let found = fit(
         &logs,
         &start,
@@ -136,6 +151,7 @@ fn one(seed: u64, seconds: f64) -> ([(bool, f64); COUNT], [f64; 2]) {
 
 fn main() {
     let mut arguments = std::env::args().skip(1);
+    let following = std::env::args().any(|argument| argument == "following");
     let mut number = |default: f64| {
         let given = arguments.next();
         given.map_or(default, |n| n.parse().expect("a number"))
@@ -144,7 +160,7 @@ fn main() {
     let first = number(1.0) as u64;
     let done: Vec<_> = (first..first + seeds)
         .into_par_iter()
-        .map(|seed| one(seed, seconds))
+        .map(|seed| one(seed, seconds, following))
         .collect();
     let name = |i: usize| match i {
         0..WALK => format!("white noise of {}", ["gx", "gy", "gz", "ax", "ay", "az"][i]),
