@@ -286,7 +286,8 @@ pub fn tune(
     let (quieter, centre) = (centre, Noise::new(&prior.centre));
     let fit = first_of(&[centre, quieter], &logs, &start, &prior, sure, &iteration)?;
     let mut ways = vec![Way { logs, prior, fit }];
-    if start.vibrating.is_some() && drives.iter().all(|drive| drive.vibration.is_some()) {
+    let follow = drives.iter().all(|drive| drive.vibration.is_some());
+    if follow && (0..AXES).any(|axis| start.shakes(axis)) {
         let logs = ways[0].logs.iter().map(|log| Log {
             settings: Settings {
                 vibration: Some([1.0; AXES]),

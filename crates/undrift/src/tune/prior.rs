@@ -99,6 +99,10 @@ impl Prior {
         prior.used[FIX + 2] = errors(|errors| errors.correlated.is_some());
         prior.used[FIX + 3] = errors(|errors| errors.velocity_correlated.is_some());
         prior.used[RULE..].fill(rule.is_some());
+        for i in (0..AXES).filter(|_| follows) {
+            // Where the samples show no more than the sensor at rest there is nothing to follow.
+            prior.used[WHITE + i] = start.shakes(i);
+        }
         prior
     }
 

@@ -253,6 +253,8 @@ fn the_drive_file_is_written() {
     found.follows = true;
     found.fit.noise.white = [0.5, 0.25, 0.75, 1.5, 1.0, 0.125];
     found.start.vibrating = Some(found.start.white.map(|white| 3.0 * white));
+    settings.vibration = Some([1.0; AXES]);
+    found.prior = Prior::new(&found.start, &[&settings]);
     let model = found.model(&["drive.toml"]);
     let written = file::tuned(&written, &found, &model, None).unwrap();
     let drive = Drive::from_toml(&written, "tuned.toml", &folder, &folder).unwrap();
