@@ -306,7 +306,6 @@ fn sized<const N: usize>(
     let filter = Filter::<N>::new(nav, std, *sensors, parameters)?;
     Ok(Box::new(Sized {
         filter,
-        white: sensors.map(|sensor| sensor.r),
         tape: None,
         log: None,
     }))
@@ -314,8 +313,6 @@ fn sized<const N: usize>(
 
 struct Sized<const N: usize> {
     filter: Filter<N>,
-    /// Variance of the white noise of a sample, as set last.
-    white: [f64; AXES],
     /// Since the last call of `record`, or since the last update that was logged.
     tape: Option<Box<Tape<N>>>,
     log: Option<Sender<Logged>>,
@@ -425,7 +422,7 @@ impl<const N: usize> Sized<N> {
             noise: DMatrix::from_fn(M, M, |i, j| r[(i, j)] + observed.extra[(i, j)]),
             weakened: factor,
             correction: DVector::from_fn(n, |i, _| correction[i]),
-            white: self.white,
+            white: std::array::from_fn(|axis| self.filter.sensors().axis(axis).r),
         };
         if let Some(log) = &self.log {
             // Nobody listens any more: nor is it of use.
@@ -534,7 +531,6 @@ impl<const N: usize> Estimator for Sized<N> {
 
     fn set_white_noise(&mut self, variance: &[f64; AXES]) {
         self.filter.set_white_noise(variance);
-        self.white = *variance;
     }
 
     fn fade(&mut self, factor: f64) {
@@ -649,7 +645,6 @@ impl<const N: usize> Estimator for Sized<N> {
     fn boxed(&self) -> Box<dyn Estimator> {
         Box::new(Self {
             filter: self.filter.clone(),
-            white: self.white,
             tape: None,
             log: None,
         })

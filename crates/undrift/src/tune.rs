@@ -310,7 +310,6 @@ pub fn tune(
     let judges = goes_on(Stage::Judging);
     let rest = options.start.as_ref().or(first.model.as_ref());
     let rest = rest.map_or_else(|| start.model(&start.white, &start.walk), Clone::clone);
-    let mut likelihoods = Vec::new();
     let mut all = Vec::new();
     for (k, (drive, span)) in drives.iter().zip(&spans).enumerate() {
         let log = &ways[0].logs[k];
@@ -330,22 +329,19 @@ pub fn tune(
             span: *span,
         });
     }
-    for way in &ways {
-        // Of noise under which a drive cannot be navigated from its start to its end nothing is likely.
-        let unseen = || unseen_likelihood(&way.logs, &start, &way.fit.noise, &spans);
-        likelihoods.push(match judges && ways.len() > 1 {
-            true => unseen().unwrap_or(f64::NEG_INFINITY),
-            false => 0.0,
-        });
-    }
-    let gain = match likelihoods.as_slice() {
-        [steady, following] => following - steady,
-        _ => f64::NEG_INFINITY,
+    // Of noise under which a drive cannot be navigated from its start to its end nothing is likely.
+    let likelihood = |way: &Way| {
+        let unseen = unseen_likelihood(&way.logs, &start, &way.fit.noise, &spans);
+        unseen.unwrap_or(f64::NEG_INFINITY)
     };
-    // Not a number: neither can be navigated on to the end.
-    let follows = gain >= 0.0;
+    // Not a number where neither can be.
+    let gain = match ways.as_slice() {
+        [steady, following] if judges => Some(likelihood(following) - likelihood(steady)),
+        _ => None,
+    };
+    let follows = gain.is_some_and(|gain| gain >= 0.0);
     let (judged, following) = if judges {
-        judge(&all, follows, gain)
+        judge(&all, gain)
     } else {
         (Vec::new(), None)
     };

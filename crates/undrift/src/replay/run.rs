@@ -109,9 +109,7 @@ impl<'a> Run<'a> {
             course: CourseWatch::new(settings.engine.course),
             vehicle: Vehicle::new(settings),
             inertial: Inertial::new(settings.rotation, settings.engine.samples),
-            vibration: settings.vibration.map(|factors| {
-                Vibration::new(&settings.sensors, &factors, settings.engine.vibration)
-            }),
+            vibration: Vibration::of(settings),
         }
     }
 

@@ -106,6 +106,13 @@ impl Vibration {
         }
     }
 
+    /// The one of a replay with these settings, where its noise follows the vibration.
+    pub fn of(settings: &Settings) -> Option<Self> {
+        let set = settings.engine.vibration;
+        let factors = settings.vibration?;
+        Some(Self::new(&settings.sensors, &factors, set))
+    }
+
     /// Takes in a sample; at the end of a block the variance that each axis's white noise of a sample has by now \[unit²\].
     pub fn next(&mut self, sample: &ImuSample) -> Option<[f64; AXES]> {
         if self.each == 0 {

@@ -101,24 +101,27 @@ pub struct Following {
 }
 
 /// Runs outages of every length, back to back over the spans that the fit has not seen: drift before and after, where
-/// `after` follows the vibration if `kept`, and what following it changes, where that was tried. A length that fits fewer
-/// than twice is omitted. `gain` is what the choice was by.
-pub fn judge(drives: &[Unseen], kept: bool, gain: f64) -> (Vec<Judged>, Option<Following>) {
-    let tried = drives.iter().all(|drive| drive.settings.len() > 2);
+/// `after` follows the vibration if the log-likelihood gains by it, and what following it changes, where there is a `gain`
+/// to tell. A length that fits fewer than twice is omitted.
+pub fn judge(drives: &[Unseen], gain: Option<f64>) -> (Vec<Judged>, Option<Following>) {
+    let kept = gain.is_some_and(|gain| gain >= 0.0);
     let (mut judged, mut gains) = (Vec::new(), Vec::new());
     for length in LENGTHS {
-        let [before, steady, following] = run_all(drives, length, tried);
+        let [before, steady, following] = run_all(drives, length, gain.is_some());
         let after = if kept { &following } else { &steady };
         judged.extend(compared(length, &before, after));
         gains.extend(compared(length, &steady, &following));
     }
     let told = gains.iter().find(|judged| judged.length == TOLD);
-    let following = told.or(gains.last()).map(|told| Following {
-        length: told.length,
-        ratio: told.ratio(),
-        gain,
-        kept,
-    });
+    let following = told
+        .or(gains.last())
+        .zip(gain)
+        .map(|(told, gain)| Following {
+            length: told.length,
+            ratio: told.ratio(),
+            gain,
+            kept,
+        });
     (judged, following)
 }
 
