@@ -286,8 +286,7 @@ pub fn build(
 ) -> Result<Box<dyn Estimator>, FilterError> {
     let behind: usize = sensors.iter().map(|axis| axis.order).sum();
     let build = match NAV + behind + parameters.states() {
-        ..=9 => sized::<9>,
-        10..=15 => sized::<15>,
+        ..=15 => sized::<15>,
         16..=21 => sized::<21>,
         22..=27 => sized::<27>,
         28..=33 => sized::<33>,

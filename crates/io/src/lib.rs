@@ -32,6 +32,7 @@ mod entry;
 mod error;
 mod fix;
 mod lines;
+mod mcap_records;
 mod opened;
 mod time;
 mod visible;

@@ -3,6 +3,7 @@
 use super::{
     Document, Section, demo, fleet, identify, montecarlo, navigate, outages,
     parts::{Run, prefixed},
+    read::read,
     tune,
 };
 use std::path::PathBuf;
@@ -15,9 +16,9 @@ use undrift::results::Results;
 /// # Errors
 /// A file that is no result.
 pub fn of_results(results: &[(PathBuf, String)]) -> Result<Document, ReadError> {
-    let read = |(path, text): &(PathBuf, String)| Ok((path.clone(), Results::read(path, text)?));
+    let named = |(path, text): &(PathBuf, String)| Ok((path.clone(), read(path, text)?));
     Ok(document(
-        &results.iter().map(read).collect::<Result<Vec<_>, _>>()?,
+        &results.iter().map(named).collect::<Result<Vec<_>, _>>()?,
     ))
 }
 

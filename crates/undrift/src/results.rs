@@ -4,6 +4,7 @@
 //!
 //! What is missing in a file that is read stays empty; a number that is null is NaN.
 
+mod any;
 mod curve;
 mod demo;
 mod drive;
@@ -13,10 +14,10 @@ mod montecarlo;
 mod navigate;
 mod number;
 mod outages;
-mod read;
 mod text;
 mod tune;
 
+pub use any::Results;
 pub use curve::{Curve, Track};
 pub use demo::{
     CutLength, Demo, DemoModel, Estimate, OneOne, Paper, PaperSolution, PooledErrors, ScanPoint,
@@ -37,7 +38,6 @@ pub use navigate::{Fixes, Navigate, NavigateSeries, Nis, Parameter, StdFactors, 
 pub(crate) use number::numbers;
 pub use number::{Number, Numbers};
 pub use outages::{Cut, Drift, ModelErrors, NisOfParts, OutageErrors, OutageSeries, Outages};
-pub use read::Results;
 pub use text::text;
 pub use tune::{Tune, TunedDrift, TunedParameter, TunedVibration};
 

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value};
 use std::path::Path;
-use undrift::results::{Results, text};
+use undrift::results::text;
 
 /// Panics unless a result, as a verb wrote it, is what docs/schema says and is read back as it was.
 pub fn conforms(result: &str) {
@@ -19,7 +19,7 @@ pub fn conforms(result: &str) {
     let mut problems = Vec::new();
     check(kind, &root, &value, "", &mut problems);
     assert!(problems.is_empty(), "{}: {problems:#?}", value["kind"]);
-    let read = Results::read(Path::new("result.json"), result).unwrap();
+    let read = undrift_report::read(Path::new("result.json"), result).unwrap();
     assert!(
         text(&read) == result.trim_end(),
         "{} reads differently",

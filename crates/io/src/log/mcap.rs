@@ -1,17 +1,14 @@
 //! MCAP: records of a kind and a length, messages in chunks that may be compressed, as ROS 2 (and
 //! tools of ROS 1) record them. MCAP format specification, version 0.
-//!
-//! Records are taken apart here: `mcap::parse_record` reserves as many bytes as a length in the file says.
 
 use std::collections::HashMap;
 use std::ops::Range;
-
-use ::mcap::records::op;
 
 use super::bytes::ByteFields;
 use super::ros::{self, Container, Declared, Encoding, Event, File, Packed, Records, Stop};
 use crate::ReadError;
 use crate::entry::{Entries, Stream, Wanted};
+use crate::mcap_records::{MAGIC, op};
 use crate::skipped::SkipKind;
 use crate::source::Source;
 
@@ -35,7 +32,7 @@ struct Mcap {
 }
 
 pub(super) fn open(source: Source) -> Result<Container, ReadError> {
-    let mcap = Container::open(source, ::mcap::MAGIC, Mcap::default());
+    let mcap = Container::open(source, &MAGIC, Mcap::default());
     mcap.map_err(|start| {
         let problem = match detect(&start) {
             true => "MCAP of a version other than 0",
@@ -90,7 +87,7 @@ impl Records for Mcap {
             if kind == op::FOOTER {
                 file.end();
                 // The magic bytes once more.
-                file.skip(::mcap::MAGIC.len() as u64)?;
+                file.skip(MAGIC.len() as u64)?;
             }
             return Ok(None);
         }

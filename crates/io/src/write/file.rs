@@ -1,6 +1,6 @@
 //! The solution in any format.
 
-use std::io::{self, Seek, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::mcap::McapWriter;
@@ -117,14 +117,14 @@ pub struct SolutionOptions {
 }
 
 /// Writes rows in a format as they come; memory does not grow.
-pub struct SolutionFile<W: Write + Seek + Send = PendingFile> {
+pub struct SolutionFile<W: Write + Send = PendingFile> {
     writer: Writer<W>,
     /// Of the formats that are no text.
     thinning: Thinning,
 }
 
 /// The writer of a format.
-enum Writer<W: Write + Seek + Send> {
+enum Writer<W: Write + Send> {
     Text(Box<TextWriter<W>>),
     Mcap(Box<McapWriter<W>>),
     #[cfg(feature = "parquet")]
@@ -180,7 +180,7 @@ impl SolutionFile<PendingFile> {
     }
 }
 
-impl<W: Write + Seek + Send> SolutionFile<W> {
+impl<W: Write + Send> SolutionFile<W> {
     /// Starts writing into any stream.
     ///
     /// # Errors

@@ -13,13 +13,11 @@
 //! one of them is not finite.
 
 mod cdr;
+mod container;
 
-use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI, SQRT_2};
-use std::io::{self, BufWriter, Seek, SeekFrom, Write};
+use std::io::{self, Write};
 
-use ::mcap::records::{MessageHeader, Metadata};
-use ::mcap::{McapError, WriteOptions, Writer};
 use undrift_nav::attitude;
 use undrift_nav::earth::Geodetic;
 use undrift_nav::{Matrix3, Quaternion, Vector3};
@@ -27,6 +25,7 @@ use undrift_nav::{Matrix3, Quaternion, Vector3};
 use super::solution::SolutionRow;
 use crate::epoch::{Epoch, nanoseconds};
 use cdr::Cdr;
+use container::Container;
 
 /// Topics: name, type and definition, which is followed by those of the types that it needs.
 const TOPICS: [[&str; 3]; 3] = [
@@ -53,9 +52,8 @@ const BODY: &str = "base_link";
 const UNKNOWN: f64 = 1e6;
 
 /// Writes solution rows as MCAP.
-pub struct McapWriter<W: Write + Seek> {
-    /// Absent only while the writer is being finished.
-    out: Option<Writer<BufWriter<W>>>,
+pub struct McapWriter<W: Write> {
+    out: Container<W>,
     topics: [u16; 3],
     epoch: Option<Epoch>,
     /// Position of the first row.
@@ -64,52 +62,31 @@ pub struct McapWriter<W: Write + Seek> {
     message: Cdr,
 }
 
-impl<W: Write + Seek> McapWriter<W> {
-    /// Starts with the definitions. The messages are buffered here; `out` needs no buffer. `epoch` is what the
+impl<W: Write> McapWriter<W> {
+    /// Starts with the definitions. Messages are collected here; `out` needs no buffer. `epoch` is what the
     /// rows' times count from; without it the stamps are the rows' own times, and the metadata say so.
     ///
     /// # Errors
     /// If `out` does not take them.
-    pub fn new(mut out: W, epoch: Option<Epoch>) -> io::Result<Self> {
-        // Into a pipe the chunks are collected in memory, since their heads hold their lengths.
-        let start_again = out
-            .stream_position()
-            .and_then(|now| out.seek(SeekFrom::Start(now)));
-        let options = WriteOptions::new()
-            .disable_seeking(start_again.is_err())
-            .profile("ros2")
-            .library(concat!("undrift ", env!("CARGO_PKG_VERSION")));
-        // Without zstd, in WebAssembly, the chunks are as they are.
-        #[cfg(not(target_family = "wasm"))]
-        let options = options.compression_threads(0);
-        // Held by its own type at once: the writer below must not be dropped unfinished.
-        let mut this = Self {
-            out: Some(options.create(BufWriter::new(out)).map_err(io_error)?),
-            topics: [0; 3],
+    pub fn new(out: W, epoch: Option<Epoch>) -> io::Result<Self> {
+        let library = concat!("undrift ", env!("CARGO_PKG_VERSION"));
+        let mut out = Container::new(out, "ros2", library)?;
+        let stamps = match epoch {
+            Some(_) => "Unix time (UTC)",
+            None => "seconds of the log's own clock: its date is unknown",
+        };
+        let mut about = vec![("stamps", stamps)];
+        about.extend(epoch.map(|epoch| ("clock", epoch.clock.name())));
+        out.metadata("undrift", &about)?;
+        let topics = TOPICS.map(|[topic, name, definition]| out.channel(topic, name, definition));
+        Ok(Self {
+            out,
+            topics,
             epoch,
             origin: None,
             rows: 0,
             message: Cdr::default(),
-        };
-        let about = Metadata {
-            name: "undrift".to_owned(),
-            metadata: about_time(epoch),
-        };
-        this.out()?.write_metadata(&about).map_err(io_error)?;
-        for (k, [name, type_name, definition]) in TOPICS.into_iter().enumerate() {
-            let out = this.out()?;
-            let schema = out.add_schema(type_name, "ros2msg", definition.as_bytes());
-            let schema = schema.map_err(io_error)?;
-            let topic = out.add_channel(schema, name, "cdr", &Default::default());
-            this.topics[k] = topic.map_err(io_error)?;
-        }
-        Ok(this)
-    }
-
-    fn out(&mut self) -> io::Result<&mut Writer<BufWriter<W>>> {
-        self.out
-            .as_mut()
-            .ok_or_else(|| invalid("already finished".to_owned()))
+        })
     }
 
     /// Writes one row as three messages.
@@ -146,37 +123,16 @@ impl<W: Write + Seek> McapWriter<W> {
     fn end(&mut self, topic: u16, (seconds, nanoseconds): (i32, u32)) -> io::Result<()> {
         // Recordings know no time before 1970.
         let time = u64::try_from(seconds).map_or(0, |s| s * 1_000_000_000 + u64::from(nanoseconds));
-        let header = MessageHeader {
-            channel_id: topic,
-            sequence: self.rows,
-            log_time: time,
-            publish_time: time,
-        };
-        let Some(out) = &mut self.out else {
-            return Err(invalid("already finished".to_owned()));
-        };
-        out.write_to_known_channel(&header, self.message.bytes())
-            .map_err(io_error)
+        let content = self.message.bytes();
+        self.out.message(topic, self.rows, time, content)
     }
 
     /// Writes what is left and gives `out` back.
     ///
     /// # Errors
     /// If `out` does not take it.
-    pub fn into_inner(mut self) -> io::Result<W> {
-        self.out()?.finish().map_err(io_error)?;
-        let out = self.out.take().map(Writer::into_inner);
-        let out = out.ok_or_else(|| invalid("already finished".to_owned()))?;
-        out.into_inner().map_err(io::IntoInnerError::into_error)
-    }
-}
-
-impl<W: Write + Seek> Drop for McapWriter<W> {
-    /// An unfinished file is given up: finishing it here could fail unseen.
-    fn drop(&mut self) {
-        if let Some(out) = self.out.take() {
-            drop(out.into_inner());
-        }
+    pub fn into_inner(self) -> io::Result<W> {
+        self.out.finish()
     }
 }
 
@@ -282,17 +238,6 @@ fn blocks(first: &Matrix3, second: &Matrix3) -> [f64; 36] {
     all
 }
 
-/// What the stamps are, in words for other programs.
-fn about_time(epoch: Option<Epoch>) -> BTreeMap<String, String> {
-    let stamps = match epoch {
-        Some(_) => "Unix time (UTC)",
-        None => "seconds of the log's own clock: its date is unknown",
-    };
-    let mut about = BTreeMap::from([("stamps".to_owned(), stamps.to_owned())]);
-    about.extend(epoch.map(|epoch| ("clock".to_owned(), epoch.clock.name().to_owned())));
-    about
-}
-
 /// Seconds and nanoseconds of Unix time, or of the log's own where it has no date.
 fn stamp(epoch: Option<Epoch>, time: f64) -> io::Result<(i32, u32)> {
     let ns = match epoch {
@@ -307,13 +252,6 @@ fn stamp(epoch: Option<Epoch>, time: f64) -> io::Result<(i32, u32)> {
 
 fn invalid(problem: String) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidInput, problem)
-}
-
-fn io_error(error: McapError) -> io::Error {
-    match error {
-        McapError::Io(error) => error,
-        other => io::Error::other(other),
-    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, Seek, SeekFrom, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -11,14 +11,12 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 ///
 /// A symbolic link stays and the file that it leads to is replaced; a file that is replaced hands on its
 /// permissions. Devices, pipes and open descriptors (`/dev/null`, `/dev/stdout`, `/dev/fd/3`) are written
-/// into as they are; there [`Seek`] only gives the position. `-` is standard output.
+/// into as they are. `-` is standard output.
 #[derive(Debug)]
 pub struct PendingFile {
     file: File,
     /// Where to; without it the bytes go straight into what is there.
     replacing: Option<Replacing>,
-    /// Number of bytes written straight into what is there.
-    written: u64,
 }
 
 /// Temporary files of this process.
@@ -59,7 +57,6 @@ impl PendingFile {
             return Ok(Self {
                 file: open(&target, descriptor)?,
                 replacing: None,
-                written: 0,
             });
         }
         if there.as_ref().is_some_and(|it| it.permissions().readonly()) {
@@ -89,7 +86,6 @@ impl PendingFile {
                 temporary,
                 finished: false,
             }),
-            written: 0,
         };
         // WebAssembly has no permissions.
         if let Some(there) = there.filter(|_| cfg!(not(target_family = "wasm"))) {
@@ -229,23 +225,11 @@ pub fn write_whole(path: &Path, content: impl AsRef<[u8]>) -> io::Result<()> {
 
 impl Write for PendingFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let written = self.file.write(bytes)?;
-        self.written += written as u64;
-        Ok(written)
+        self.file.write(bytes)
     }
 
     fn flush(&mut self) -> io::Result<()> {
         self.file.flush()
-    }
-}
-
-impl Seek for PendingFile {
-    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
-        match (&self.replacing, to) {
-            (Some(_), to) => self.file.seek(to),
-            (None, SeekFrom::Current(0)) => Ok(self.written),
-            (None, _) => Err(io::ErrorKind::NotSeekable.into()),
-        }
     }
 }
 
@@ -338,8 +322,6 @@ mod tests {
         let path = PathBuf::from(format!("/dev/fd/{}", writer.as_raw_fd()));
         let mut file = PendingFile::create(&path).unwrap();
         file.write_all(b"through").unwrap();
-        assert_eq!(file.stream_position().unwrap(), 7);
-        assert!(file.seek(SeekFrom::Start(0)).is_err());
         file.finish().unwrap();
         drop(writer);
         let mut text = String::new();

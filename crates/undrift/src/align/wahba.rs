@@ -17,7 +17,7 @@ use super::segments::Segment;
 use crate::settings::AlignmentMotionSettings;
 use nalgebra::{SMatrix, SVector};
 use undrift_nav::{
-    Quaternion, Vector3,
+    Matrix3, Quaternion, Vector3,
     attitude::{from_rotation_vector, skew},
     earth::{Geodetic, LocalEarth},
 };
@@ -85,6 +85,35 @@ struct Linear {
     wander: Wander,
 }
 
+/// A matrix times a vector. Written out, like all that is done for each segment: it is where an alignment spends its
+/// time, and nalgebra's products of small matrices call a function for each column.
+#[inline(always)]
+fn times(matrix: &Matrix3, x: &[f64; 3]) -> [f64; 3] {
+    let mut product = [0.0; 3];
+    for j in 0..3 {
+        for i in 0..3 {
+            product[i] += matrix[(i, j)] * x[j];
+        }
+    }
+    product
+}
+
+/// Adds to the velocity's or, from 3 on, the attitude's part of a column.
+#[inline(always)]
+fn add(column: &mut [f64; 6], from: usize, part: &[f64; 3]) {
+    for i in 0..3 {
+        column[from + i] += part[i];
+    }
+}
+
+/// What errors of velocity and attitude become in a segment: `lean` takes attitude to velocity, `back` the axes along.
+#[inline(always)]
+fn carry(column: &mut [f64; 6], lean: &Matrix3, back: &Matrix3) {
+    let turned = [column[3], column[4], column[5]];
+    add(column, 0, &times(lean, &turned));
+    column[3..].copy_from_slice(&times(back, &turned));
+}
+
 impl Problem<'_> {
     /// The guess put through the first `count` segments; `gyro` is the mean of the gyro prior.
     fn linearise(&self, guess: &Guess, count: usize, gyro: &Vector3) -> Linear {
@@ -105,11 +134,13 @@ impl Problem<'_> {
         }
         let by_gyro = guess.gyro - self.reference;
         let (mut q_nb, mut v) = (guess.q_nb, Vector3::zeros());
-        // What has wandered in the attitude so far, its covariance with the velocity's, the parameters' effect.
+        // What has wandered in the attitude so far, its covariance with the velocity's, the parameters' effect: by columns.
         let mut turned = Vector3::zeros();
-        let mut wander = Wander::zeros();
-        let mut effect = Effect::zeros();
-        effect.fixed_view_mut::<3, 3>(3, 0).fill_with_identity();
+        let mut wander = [[0.0; 6]; 6];
+        let mut effect = [[0.0; 6]; 9];
+        for i in 0..3 {
+            effect[i][3 + i] = 1.0;
+        }
         for (k, s) in self.segments.iter().take(count).enumerate() {
             let c = q_nb.to_rotation_matrix().into_inner();
             let dvel =
@@ -123,20 +154,30 @@ impl Problem<'_> {
                 + lean * turned
                 + (gravity - (frame + earth.earth_rate()).cross(&s.v_n)) * s.motion.dt;
             turned = back * turned;
-            let mut step = Wander::identity();
-            step.fixed_view_mut::<3, 3>(0, 3).copy_from(&lean);
-            step.fixed_view_mut::<3, 3>(3, 3).copy_from(&back);
-            effect = step * effect;
-            let mut block = effect.fixed_view_mut::<3, 3>(0, 3);
-            block += c * s.motion.dvel_by_g;
-            let mut block = effect.fixed_view_mut::<3, 3>(0, 6);
-            block += c * s.motion.dvel_by_a;
-            let mut block = effect.fixed_view_mut::<3, 3>(3, 3);
-            block += s.motion.turn_by_g;
-            wander = step * wander * step.transpose();
+            for column in &mut effect {
+                carry(column, &lean, &back);
+            }
             for i in 0..3 {
-                wander[(i, i)] += self.accel_noise * s.motion.dt;
-                wander[(3 + i, 3 + i)] += self.gyro_noise * s.motion.dt;
+                let column = |of: &Matrix3| of.column(i).into();
+                let [by_g, by_a] = [&s.motion.dvel_by_g, &s.motion.dvel_by_a];
+                add(&mut effect[3 + i], 0, &times(&c, &column(by_g)));
+                add(&mut effect[3 + i], 3, &column(&s.motion.turn_by_g));
+                add(&mut effect[6 + i], 0, &times(&c, &column(by_a)));
+            }
+            // Symmetric: carried on both sides.
+            for _ in 0..2 {
+                for column in &mut wander {
+                    carry(column, &lean, &back);
+                }
+                for i in 0..6 {
+                    for j in 0..i {
+                        (wander[i][j], wander[j][i]) = (wander[j][i], wander[i][j]);
+                    }
+                }
+            }
+            for i in 0..3 {
+                wander[i][i] += self.accel_noise * s.motion.dt;
+                wander[3 + i][3 + i] += self.gyro_noise * s.motion.dt;
             }
             q_nb = from_rotation_vector(&(-frame * s.motion.dt)) * q_nb * turn;
 
@@ -144,22 +185,40 @@ impl Problem<'_> {
             if k == 0 {
                 v = s.v_n - lever_velocity;
                 for i in 0..3 {
-                    wander[(i, i)] = s.variance[i];
+                    wander[i][i] = s.variance[i];
                 }
                 continue;
             }
             for axis in 0..3 {
-                let sum = wander[(axis, axis)] + s.variance[axis];
+                let sum = wander[axis][axis] + s.variance[axis];
                 let residual = s.v_n[axis] - lever_velocity[axis] - v[axis];
-                let row = effect.row(axis).clone_owned();
+                let (mut row, mut gain) = ([0.0; 9], [0.0; 6]);
+                for i in 0..9 {
+                    row[i] = effect[i][axis];
+                }
+                for i in 0..6 {
+                    gain[i] = wander[axis][i] / sum;
+                }
                 cost += residual * residual / sum;
-                information += row.transpose() * row / sum;
-                gradient += row.transpose() * (residual / sum);
-                let gain = wander.column(axis) / sum;
-                v += gain.fixed_rows::<3>(0) * residual;
-                turned += gain.fixed_rows::<3>(3) * residual;
-                effect -= gain * row;
-                wander -= gain * gain.transpose() * sum;
+                for i in 0..9 {
+                    let weighed = row[i] / sum;
+                    gradient[i] += weighed * residual;
+                    for j in 0..9 {
+                        information[(j, i)] += weighed * row[j];
+                    }
+                    for j in 0..6 {
+                        effect[i][j] -= gain[j] * row[i];
+                    }
+                }
+                for i in 0..3 {
+                    v[i] += gain[i] * residual;
+                    turned[i] += gain[3 + i] * residual;
+                }
+                for i in 0..6 {
+                    for j in 0..6 {
+                        wander[i][j] -= gain[i] * gain[j] * sum;
+                    }
+                }
             }
         }
         Linear {
@@ -168,8 +227,8 @@ impl Problem<'_> {
             gradient,
             q_nb: q_nb * from_rotation_vector(&turned),
             v_n: v,
-            effect,
-            wander,
+            effect: effect.into(),
+            wander: wander.into(),
         }
     }
 

@@ -41,10 +41,6 @@ const ALLOWED: [(&str, &str); 15] = [
         "a comment of the drive file that is written",
     ),
     ("tune/start.rs", "the name of a model"),
-    (
-        "results/read.rs",
-        "messages of ReadError, with file, line and key",
-    ),
     ("simulate/gnss.rs", "messages of SimulationError"),
 ];
 

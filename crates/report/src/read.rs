@@ -1,30 +1,9 @@
 //! Results read back from their JSON.
 
-use super::{Demo, Fleet, Identify, MonteCarlo, Navigate, Outages, SCHEMA, Tune};
-use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use serde::{Deserialize, de::DeserializeOwned};
 use std::path::Path;
-use undrift_io::ReadError;
-
-/// A result of any kind.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(untagged)]
-pub enum Results {
-    /// Of `identify`.
-    Identify(Identify),
-    /// Of `navigate`.
-    Navigate(Box<Navigate>),
-    /// Of `outages`.
-    Outages(Box<Outages>),
-    /// Of `montecarlo`.
-    MonteCarlo(MonteCarlo),
-    /// Of `demo`.
-    Demo(Box<Demo>),
-    /// Of `fleet`.
-    Fleet(Fleet),
-    /// Of `tune`.
-    Tune(Tune),
-}
+use undrift::io::ReadError;
+use undrift::results::{Results, SCHEMA};
 
 /// What every result begins with.
 #[derive(Deserialize)]
@@ -36,46 +15,31 @@ struct Head {
     schema: u32,
 }
 
-impl Results {
-    /// Reads a result; `path` is for messages.
-    ///
-    /// # Errors
-    /// A text that is no result, or that of a later version, with line and key.
-    pub fn read(path: &Path, text: &str) -> Result<Self, ReadError> {
-        let head: Head = part(path, text)?;
-        if head.schema > SCHEMA {
-            let problem = format!("schema {} is from a later version of undrift", head.schema);
-            return Err(ReadError::new(path, problem).key("schema"));
-        }
-        Ok(match head.kind.as_str() {
-            "identify" => Self::Identify(part(path, text)?),
-            "navigate" => Self::Navigate(part(path, text)?),
-            "outages" => Self::Outages(part(path, text)?),
-            "montecarlo" => Self::MonteCarlo(part(path, text)?),
-            "demo" => Self::Demo(part(path, text)?),
-            "fleet" => Self::Fleet(part(path, text)?),
-            "tune" => Self::Tune(part(path, text)?),
-            other => {
-                let why = format!(
-                    "unknown kind \"{other}\"; known: identify, navigate, outages, montecarlo, demo, fleet, tune"
-                );
-                return Err(not_a_result(path, &why).key("kind"));
-            }
-        })
+/// Reads a result; `path` is for messages.
+///
+/// # Errors
+/// A text that is no result, or that of a later version, with line and key.
+pub fn read(path: &Path, text: &str) -> Result<Results, ReadError> {
+    let head: Head = part(path, text)?;
+    if head.schema > SCHEMA {
+        let problem = format!("schema {} is from a later version of undrift", head.schema);
+        return Err(ReadError::new(path, problem).key("schema"));
     }
-
-    /// Version of the program that made it.
-    pub fn version(&self) -> &str {
-        match self {
-            Self::Identify(result) => &result.undrift,
-            Self::Navigate(result) => &result.undrift,
-            Self::Outages(result) => &result.undrift,
-            Self::MonteCarlo(result) => &result.undrift,
-            Self::Demo(result) => &result.undrift,
-            Self::Fleet(result) => &result.undrift,
-            Self::Tune(result) => &result.undrift,
+    Ok(match head.kind.as_str() {
+        "identify" => Results::Identify(part(path, text)?),
+        "navigate" => Results::Navigate(part(path, text)?),
+        "outages" => Results::Outages(part(path, text)?),
+        "montecarlo" => Results::MonteCarlo(part(path, text)?),
+        "demo" => Results::Demo(part(path, text)?),
+        "fleet" => Results::Fleet(part(path, text)?),
+        "tune" => Results::Tune(part(path, text)?),
+        other => {
+            let why = format!(
+                "unknown kind \"{other}\"; known: identify, navigate, outages, montecarlo, demo, fleet, tune"
+            );
+            return Err(not_a_result(path, &why).key("kind"));
         }
-    }
+    })
 }
 
 fn not_a_result(path: &Path, why: &str) -> ReadError {
