@@ -82,6 +82,8 @@ fn products<const N: usize>(rows: &[Row], filter: &ShapingFilter) -> Option<Prod
         of: [[0.0; SIGNALS]; SIGNALS],
         log_determinant: 0.0,
     };
+    // The variance soon stays the same: so do its logarithm and its inverse.
+    let (mut last, mut log, mut inverse) = (1.0, 0.0, 1.0);
     for row in rows {
         if row[0].is_nan() {
             states.iter_mut().for_each(|x| *x = predictor.advance(x));
@@ -92,6 +94,9 @@ fn products<const N: usize>(rows: &[Row], filter: &ShapingFilter) -> Option<Prod
         if !(variance > 0.0 && variance.is_finite()) {
             return None;
         }
+        if variance != last {
+            (last, log, inverse) = (variance, variance.ln(), 1.0 / variance);
+        }
         let mut errors = [0.0; SIGNALS];
         for ((error, x), value) in errors.iter_mut().zip(&mut states).zip(row) {
             *error = value - dot(&predictor.h, x);
@@ -101,11 +106,12 @@ fn products<const N: usize>(rows: &[Row], filter: &ShapingFilter) -> Option<Prod
             }
         }
         for (i, of) in sums.of.iter_mut().enumerate() {
+            let weighed = errors[i] * inverse;
             for (j, sum) in of.iter_mut().enumerate() {
-                *sum += errors[i] * errors[j] / variance;
+                *sum += weighed * errors[j];
             }
         }
-        sums.log_determinant += variance.ln();
+        sums.log_determinant += log;
         predictor.move_on();
     }
     Some(sums)

@@ -6,7 +6,7 @@ use std::{
 };
 
 /// Every crate of the workspace with the crates of it that it may use.
-const ALLOWED: [(&str, &[&str]); 10] = [
+const ALLOWED: [(&str, &[&str]); 11] = [
     ("undrift-nav", &[]),
     ("undrift-noise", &["undrift-nav"]),
     ("undrift-io", &["undrift-nav"]),
@@ -35,6 +35,7 @@ const ALLOWED: [(&str, &[&str]); 10] = [
             "undrift-report",
         ],
     ),
+    ("undrift-fuzz", &["undrift", "undrift-report"]),
 ];
 
 #[test]
