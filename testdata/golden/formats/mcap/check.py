@@ -1,4 +1,4 @@
-"""Reads an MCAP file of crates/io/examples/solution_mcap.rs by two independent packages and compares it with its inputs.
+"""Reads an MCAP file of tools/lab/src/bin/solution_mcap.rs by two independent packages and compares it with its inputs.
 
     pip install rosbags==0.11.9 mcap==1.6.0 mcap-ros2-support==0.6.0 numpy
     cargo run -p undrift-lab --bin solution_mcap -- /tmp/solution.mcap && python check.py /tmp/solution.mcap
