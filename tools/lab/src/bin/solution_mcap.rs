@@ -1,4 +1,4 @@
-//! Writes a solution of three rows as MCAP, for testdata/golden/formats/mcap/check.py:
+//! Writes a solution of three rows as MCAP, counts its messages with crate `mcap`, for testdata/golden/formats/mcap/check.py:
 //! `cargo run -p undrift-lab --bin solution_mcap -- FILE`.
 
 use std::path::Path;
@@ -31,5 +31,9 @@ fn main() -> std::io::Result<()> {
             error_std: [0.0; 6],
         })?;
     }
-    writer.into_inner()?.finish()
+    writer.into_inner()?.finish()?;
+    let file = std::fs::read(&path)?;
+    let messages = mcap::MessageStream::new(&file).map_err(std::io::Error::other)?;
+    println!("{path}: {} messages", messages.count());
+    Ok(())
 }
