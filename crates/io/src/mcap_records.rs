@@ -3,6 +3,13 @@
 /// How a file begins and ends.
 pub(crate) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 
+/// The checksum of chunks and summary.
+pub(crate) fn crc32(bytes: &[u8]) -> u32 {
+    let mut checksum = flate2::Crc::new();
+    checksum.update(bytes);
+    checksum.sum()
+}
+
 /// Kinds of records.
 pub(crate) mod op {
     pub(crate) const HEADER: u8 = 0x01;

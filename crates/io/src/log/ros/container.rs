@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::message::Encoding;
 use crate::ReadError;
 use crate::log::bytes::{self, MOST};
+use crate::mcap_records::crc32;
 use crate::skipped::SkipKind;
 use crate::source::Source;
 
@@ -127,9 +128,7 @@ impl File {
             return Err(Stop::Method(packed.method));
         }
         whole?;
-        let mut checksum = flate2::Crc::new();
-        checksum.update(&self.data);
-        let wrong = packed.checksum.is_some_and(|sum| sum != checksum.sum());
+        let wrong = (packed.checksum).is_some_and(|sum| sum != crc32(&self.data));
         match unpacked {
             Err(why) => self.damaged(why.unwrap_or_default()),
             Ok(()) if wrong => self.damaged("a chunk whose checksum is wrong".to_owned()),
