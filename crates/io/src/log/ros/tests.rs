@@ -376,7 +376,7 @@ fn absurd_lengths_and_unknown_compressions() {
         body.extend(method.as_bytes());
         body.extend(3u64.to_le_bytes());
         body.extend([1, 2, 3]);
-        let mut bytes = ::mcap::MAGIC.to_vec();
+        let mut bytes = crate::mcap_records::MAGIC.to_vec();
         bytes.push(6);
         bytes.extend((body.len() as u64).to_le_bytes());
         bytes.extend(body);
@@ -401,7 +401,7 @@ fn absurd_lengths_and_unknown_compressions() {
     assert!(error.problem.contains("\"xz\""), "{error}");
 
     // A record of MCAP, and a header of a bag, of absurd length.
-    let mut bytes = ::mcap::MAGIC.to_vec();
+    let mut bytes = crate::mcap_records::MAGIC.to_vec();
     bytes.push(5);
     bytes.extend(u64::MAX.to_le_bytes());
     assert_eq!(read(&bytes).len(), 2);
