@@ -11,7 +11,7 @@ import { download } from "./page.js";
 
 const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
 const target = process.env.CARGO_TARGET_DIR || path.join(root, "target");
-const file = path.join(target, "web/undrift.html"), native = path.join(target, "ci/undrift");
+const file = path.join(target, "web/undrift.html"), native = path.join(target, "release/undrift");
 const missing = existsSync(file) ? false : `${file} is missing: tools/web makes it`;
 const shared = path.resolve(root, "../shared/data");
 const scratch = path.join(target, "web/scratch");
