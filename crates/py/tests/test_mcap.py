@@ -5,12 +5,14 @@ from __future__ import annotations
 import io
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import pytest
+import zstandard
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.reader import make_reader
@@ -32,29 +34,43 @@ EPOCH = 1_752_003_240
 EVERY = 97
 
 
+@dataclass
+class Row:
+    """The solution at a sample: radians, metres, north-east-down."""
+
+    stamp: int
+    place: Floats
+    velocity: Floats
+    rpy: Floats
+    position_std: Floats
+    velocity_std: Floats
+    rpy_std: Floats
+
+
 @pytest.fixture(scope="module")
-def written(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Any]:
-    """A solution as MCAP, and the rows of the same as CSV."""
+def written(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Row]]:
+    """A solution as MCAP, and its rows."""
     folder = tmp_path_factory.mktemp("mcap")
     drive = undrift.simulate("car", 150.0, 50.0, seed=4).save(folder)
-    drive.write_text('epoch = "2025-07-08T19:34:00Z"\n' + drive.read_text(encoding="utf-8"), encoding="utf-8")
+    epoch = 'epoch = "2025-07-08T19:34:00Z"\n'
+    drive.write_text(epoch + drive.read_text(encoding="utf-8"), encoding="utf-8")
     table, file = folder / "nav.csv", folder / "nav.mcap"
-    undrift.navigate(drive, output=[table, file])
-    return file, np.genfromtxt(table, delimiter=",", names=True)
-
-
-def stamp(row: Any) -> int:
-    return EPOCH * 10**9 + round(float(row["time_s"]) * 1e9)
-
-
-def of(row: Any, *names: str) -> Floats:
-    return np.array([float(row[name]) for name in names])
-
-
-def place(row: Any) -> Floats:
-    """Latitude and longitude [rad], height [m]."""
-    lat, lon, height = of(row, "lat_deg", "lon_deg", "height_m")
-    return np.array([np.radians(lat), np.radians(lon), height])
+    done = undrift.navigate(drive, output=[table, file])
+    # Only the table has the standard deviations of roll, pitch and yaw.
+    names = ("roll_std_deg", "pitch_std_deg", "yaw_std_deg")
+    columns = np.genfromtxt(table, delimiter=",", names=True)
+    return file, [
+        Row(
+            EPOCH * 10**9 + round(float(done.time[k]) * 1e9),
+            np.array([done.lat[k], done.lon[k], done.height[k]]),
+            done.velocity[k],
+            done.rpy[k],
+            done.position_std[k],
+            done.velocity_std[k],
+            np.radians([columns[name][k] for name in names]),
+        )
+        for k in range(len(done))
+    ]
 
 
 def ecef(lat: float, lon: float, height: float) -> Floats:
@@ -99,54 +115,49 @@ def rotation(q: Any) -> Floats:
     ])  # fmt: skip
 
 
-def close(found: Any, expected: Any, tolerance: float, relative: float = 0.0) -> None:
-    np.testing.assert_allclose(found, expected, rtol=relative, atol=tolerance)
+def close(found: Any, expected: Any, tolerance: float) -> None:
+    np.testing.assert_allclose(found, expected, rtol=0, atol=tolerance)
 
 
-def check(topic: str, message: Any, row: Any, first: Any) -> None:
-    """A message against its row. The table has 11 decimals of a degree, 4 of a metre and of its standard deviation, 5
-    of a metre per second, 6 of a degree of attitude: tolerances are those, a little widened by what is made of them.
-    """
-    rpy = np.radians(of(row, "roll_deg", "pitch_deg", "yaw_deg"))
-    rpy_std = np.radians(of(row, "roll_std_deg", "pitch_std_deg", "yaw_std_deg"))
-    position_std = of(row, "north_std_m", "east_std_m", "down_std_m")
-    c, tilts = attitude(rpy), attitude_covariance(rpy, rpy_std)
-    assert message.header.stamp.sec * 10**9 + message.header.stamp.nanosec == stamp(row)
+def check(topic: str, message: Any, row: Row, first: Row) -> None:
+    """A message against its row: to some roundings of its numbers."""
+    c, tilts = attitude(row.rpy), attitude_covariance(row.rpy, row.rpy_std)
+    # The table has 6 decimals of a degree, 1e-8 rad, and a variance twice its deviation times that.
+    tilts_off = 4.0 * row.rpy_std.max() * 1e-8
+    assert message.header.stamp.sec * 10**9 + message.header.stamp.nanosec == row.stamp
     if topic == "/undrift/fix":
         assert message.header.frame_id == "base_link"
-        close([message.latitude, message.longitude], of(row, "lat_deg", "lon_deg"), 1e-11)
-        close(message.altitude, row["height_m"], 1e-4)
+        close([message.latitude, message.longitude], np.degrees(row.place[:2]), 1e-12)
+        assert message.altitude == row.place[2]
         assert (message.status.status, message.position_covariance_type) == (0, 2)
-        covariance = np.reshape(message.position_covariance, (3, 3))
-        close(np.sqrt(np.diag(covariance)), position_std[[1, 0, 2]], 1e-4)
-        close(covariance - np.diag(np.diag(covariance)), 0, 0)
+        close(np.reshape(message.position_covariance, (3, 3)), TURN @ np.diag(row.position_std**2) @ TURN, 1e-15)
     elif topic == "/undrift/imu":
         assert message.header.frame_id == "base_link"
-        close(rotation(message.orientation), TURN @ c @ FLIP, 1e-7)
+        close(rotation(message.orientation), TURN @ c @ FLIP, 1e-14)
         covariance = np.reshape(message.orientation_covariance, (3, 3))
-        close(covariance, TURN @ tilts @ TURN, 1e-10, 1e-4)
+        close(covariance, TURN @ tilts @ TURN, tilts_off)
         assert message.angular_velocity_covariance[0] == -1
         assert message.linear_acceleration_covariance[0] == -1
     else:
         assert (message.header.frame_id, message.child_frame_id) == ("map", "base_link")
-        axes, here = enu_axes(*place(first)[:2]), enu_axes(*place(row)[:2])
+        axes, here = enu_axes(*first.place[:2]), enu_axes(*row.place[:2])
         position, turn = message.pose.pose.position, axes @ here.T
-        moved = axes @ (ecef(*place(row)) - ecef(*place(first)))
-        close([position.x, position.y, position.z], moved, 2e-4)
-        close(rotation(message.pose.pose.orientation), turn @ TURN @ c @ FLIP, 1e-7)
+        # The radius of the Earth is a number of 2^23 m with 53 bits.
+        moved = axes @ (ecef(*row.place) - ecef(*first.place))
+        close([position.x, position.y, position.z], moved, 1e-8)
+        close(rotation(message.pose.pose.orientation), turn @ TURN @ c @ FLIP, 1e-14)
         covariance = np.reshape(message.pose.covariance, (6, 6))
-        close(covariance[:3, :3], turn @ TURN @ np.diag(position_std**2) @ TURN @ turn.T, 1e-4, 1e-3)
-        close(covariance[3:, 3:], turn @ TURN @ tilts @ TURN @ turn.T, 1e-10, 1e-4)
+        position_covariance = TURN @ np.diag(row.position_std**2) @ TURN
+        close(covariance[:3, :3], turn @ position_covariance @ turn.T, 1e-13)
+        close(covariance[3:, 3:], turn @ TURN @ tilts @ TURN @ turn.T, tilts_off)
         close(covariance[:3, 3:], 0, 0)
         twist = message.twist.twist
-        velocity = of(row, "vn_mps", "ve_mps", "vd_mps")
-        close([twist.linear.x, twist.linear.y, twist.linear.z], FLIP @ c.T @ velocity, 2e-5)
-        std = of(row, "vn_std_mps", "ve_std_mps", "vd_std_mps")
+        close([twist.linear.x, twist.linear.y, twist.linear.z], FLIP @ c.T @ row.velocity, 1e-13)
         covariance = np.reshape(message.twist.covariance, (6, 6))
-        close(covariance[:3, :3], FLIP @ c.T @ np.diag(std**2) @ c @ FLIP, 1e-5, 1e-4)
+        close(covariance[:3, :3], FLIP @ c.T @ np.diag(row.velocity_std**2) @ c @ FLIP, 1e-13)
 
 
-def test_messages_are_the_rows(written: tuple[Path, Any]) -> None:
+def test_messages_are_the_rows(written: tuple[Path, list[Row]]) -> None:
     file, rows = written
     decode = DecoderFactory()
     decoders: dict[str, Any] = {}
@@ -159,7 +170,7 @@ def test_messages_are_the_rows(written: tuple[Path, Any]) -> None:
             topic = channel.topic
             row = rows[seen[topic]]
             seen[topic] += 1
-            assert record.log_time == record.publish_time == stamp(row)
+            assert record.log_time == record.publish_time == row.stamp
             if topic not in decoders:
                 assert (schema.encoding, channel.message_encoding) == ("ros2msg", "cdr")
                 decoders[topic] = decode.decoder_for("cdr", schema)
@@ -185,8 +196,7 @@ def places(stream: io.BufferedReader, chunk: ChunkIndex) -> Iterator[tuple[int, 
         yield from ((channel, time, at) for time, at in index.records)
 
 
-def test_the_summary_leads_to_every_message(written: tuple[Path, Any]) -> None:
-    zstandard = pytest.importorskip("zstandard")
+def test_the_summary_leads_to_every_message(written: tuple[Path, list[Row]]) -> None:
     file, rows = written
     with file.open("rb") as stream:
         reader = make_reader(stream, validate_crcs=True)
@@ -196,8 +206,8 @@ def test_the_summary_leads_to_every_message(written: tuple[Path, Any]) -> None:
         statistics = summary.statistics
         assert list(statistics.channel_message_counts.values()) == [len(rows)] * 3
         assert statistics.message_count == 3 * len(rows)
-        assert statistics.message_start_time == stamp(rows[0])
-        assert statistics.message_end_time == stamp(rows[-1])
+        assert statistics.message_start_time == rows[0].stamp
+        assert statistics.message_end_time == rows[-1].stamp
         assert statistics.chunk_count == len(summary.chunk_indexes) > 3
         found = 0
         for chunk in summary.chunk_indexes:
