@@ -10,7 +10,7 @@ use clap::{ArgAction, Args, ColorChoice};
 use std::{
     ffi::OsString,
     fmt::Display,
-    io::Write,
+    io::{ErrorKind, Write},
     sync::atomic::{AtomicBool, AtomicI16, Ordering::Relaxed},
     time::Instant,
 };
@@ -129,12 +129,20 @@ pub fn say(text: impl Display) -> Result<()> {
     }
     let text = styled(&text.to_string());
     let text = fitted(&text, width_of(&console::Term::stdout()), 0);
-    Ok(writeln!(anstream::stdout(), "{text}")?)
+    printed(writeln!(anstream::stdout(), "{text}"))
 }
 
 /// Prints a result that was asked for on standard output, as it is.
 pub fn result(text: impl Display) -> Result<()> {
-    Ok(writeln!(std::io::stdout(), "{text}")?)
+    printed(writeln!(std::io::stdout(), "{text}"))
+}
+
+/// A reader of standard output that went away (`undrift … | head`) is no error: the files asked for are still written.
+fn printed(done: std::io::Result<()>) -> Result<()> {
+    match done {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error.into()),
+        _ => Ok(()),
+    }
 }
 
 /// Warns, unless quiet.

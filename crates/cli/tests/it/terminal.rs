@@ -223,6 +223,27 @@ fn json_on_standard_output_is_json_alone() {
     }
 }
 
+/// `undrift … | head`: the files asked for come whole all the same.
+#[test]
+fn a_reader_that_went_away_costs_no_file() {
+    let folder = folder("pipe");
+    let record = record(&folder, 5000);
+    let model = folder.join("imu.toml");
+    for arguments in [
+        vec!["inspect", &record, "-o", model.to_str().unwrap()],
+        identify(&record, &["-o", model.to_str().unwrap()]),
+        identify(&record, &["--json", "-", "-o", model.to_str().unwrap()]),
+    ] {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let done = undrift(&arguments).stdout(writer).output().unwrap();
+        let complaint = String::from_utf8_lossy(&done.stderr);
+        assert!(done.status.success(), "{arguments:?}: {complaint}");
+        assert!(!complaint.contains("error"), "{arguments:?}: {complaint}");
+        std::fs::remove_file(&model).unwrap_or_else(|e| panic!("{arguments:?}: {e}"));
+    }
+}
+
 #[test]
 fn verbose_tells_what_is_read_and_how_long_it_took() {
     let record = record(&folder("verbose"), 3000);
