@@ -6,7 +6,7 @@ use libfuzzer_sys::fuzz_target;
 use undrift::estimator::Estimator;
 use undrift::nav::attitude::from_rpy;
 use undrift::nav::earth::Geodetic;
-use undrift::nav::filter::{Filter, InitialStd};
+use undrift::nav::filter::{Filter, Gate, InitialStd};
 use undrift::nav::mechanisation::NavState;
 use undrift::nav::parameters::{Parameter, Parameters, Prior};
 use undrift::nav::sample::{FixQuality, GnssFix, ImuSample, Position, Scalar};
@@ -143,20 +143,20 @@ fn step_by_step(kind: BiasModel, parameters: bool, events: &[Event]) {
                     dtheta: v * 0.01,
                     dvel: Vector3::new(0.0, 0.0, -0.0981),
                 });
-                filter.advance(event.numbers[4]);
+                filter.advance(event.numbers[4], None);
             }
             4 => {
                 let observed = filter.observe_position(&place(event), &lever);
-                let _ = filter.update(&observed, &noise);
+                let _ = filter.update(&observed, &noise, &Gate::OPEN, None);
             }
             5 => {
                 let observed = filter.observe_velocity(&v, &lever);
-                let _ = filter.update(&observed, &noise);
+                let _ = filter.update(&observed, &noise, &Gate::OPEN, None);
             }
             6 => filter.grow(event.numbers[4], v.x, v.y),
             _ => {
                 let observed = filter.observe_velocity(&(v * f64::INFINITY), &lever);
-                let _ = filter.update(&observed, &(noise * v.x));
+                let _ = filter.update(&observed, &(noise * v.x), &Gate::OPEN, None);
             }
         }
         if filter.check().is_err() {

@@ -261,7 +261,7 @@ pub unsafe extern "C" fn undrift_sample_begin(
         if !filter.bears(&sample) {
             return Err(Status::OutOfRange);
         }
-        filter.advance(1.0);
+        filter.advance(1.0, None);
         filter.begin(&sample);
         Ok(())
     })
@@ -280,7 +280,7 @@ pub unsafe extern "C" fn undrift_sample_advance(
         let filter = unsafe { filter_mut(filter) }?;
         finite([&time])?;
         not_negative([&rounding])?;
-        filter.advance_to(time, rounding);
+        filter.advance_to(time, rounding, None);
         Ok(filter.check()?)
     })
 }
@@ -291,7 +291,7 @@ pub unsafe extern "C" fn undrift_sample_end(filter: *mut Filter) -> Status {
     call(|| {
         // SAFETY: null or a filter that nobody else uses.
         let filter = unsafe { filter_mut(filter) }?;
-        filter.advance(1.0);
+        filter.advance(1.0, None);
         Ok(filter.check()?)
     })
 }

@@ -140,7 +140,12 @@ fn a_step_and_an_update_are_the_filters_own() {
     });
     let observed = other.observe_position(&place, &Vector3::from(LEVER));
     other
-        .update(&observed, &Matrix3::from(fix.covariance))
+        .update(
+            &observed,
+            &Matrix3::from(fix.covariance),
+            &undrift_nav::filter::Gate::OPEN,
+            None,
+        )
         .unwrap();
 
     // The same code on the same numbers: to the last bit.

@@ -44,7 +44,7 @@ unsafe fn run<const M: usize>(
             return Err(Status::BadMeasurement);
         }
         // By columns or by rows: it is symmetric.
-        let update = filter.update_recorded(&observed, &r.into(), &gate, None)?;
+        let update = filter.update(&observed, &r.into(), &gate, None)?;
         let (outcome, factor) = match update.outcome {
             filter::Outcome::Used => (Outcome::Used, 1.0),
             filter::Outcome::Weakened(factor) => (Outcome::Weakened, factor),

@@ -385,9 +385,7 @@ impl<const N: usize> Sized<N> {
             return self.take_in_logged(channel, observed, &r, gate).map(Some);
         }
         let tape = self.tape.as_deref_mut();
-        self.filter
-            .update_recorded(observed, &r, gate, tape)
-            .map(Some)
+        self.filter.update(observed, &r, gate, tape).map(Some)
     }
 
     fn take_in_logged<const M: usize>(
@@ -399,9 +397,7 @@ impl<const N: usize> Sized<N> {
     ) -> Result<Update, FilterError> {
         let before = *self.filter.covariance();
         let mut own = Tape::<N>::default();
-        let done = self
-            .filter
-            .update_recorded(observed, r, gate, Some(&mut own))?;
+        let done = self.filter.update(observed, r, gate, Some(&mut own))?;
         let factor = match done.outcome {
             Outcome::Rejected => return Ok(done),
             Outcome::Used => 1.0,
@@ -515,8 +511,8 @@ impl<const N: usize> Estimator for Sized<N> {
     fn advance(&mut self, time: Option<f64>) {
         let tape = self.tape.as_deref_mut();
         match time {
-            Some(time) => self.filter.advance_to_recorded(time, STAMP_ROUNDING, tape),
-            None => self.filter.advance_recorded(1.0, tape),
+            Some(time) => self.filter.advance_to(time, STAMP_ROUNDING, tape),
+            None => self.filter.advance(1.0, tape),
         }
     }
 
@@ -586,7 +582,7 @@ impl<const N: usize> Estimator for Sized<N> {
             extra: SMatrix::zeros(),
         };
         self.filter
-            .update(&observed, &SMatrix::identity())
+            .update(&observed, &SMatrix::identity(), &Gate::OPEN, None)
             .map(drop)
     }
 

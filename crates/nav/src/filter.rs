@@ -357,7 +357,7 @@ impl<const N: usize> Filter<N> {
     /// is not checked: of one after a gap the time is taken, but the motion within the gap is missing.
     pub fn predict(&mut self, sample: &ImuSample) {
         self.begin(sample);
-        self.advance(1.0);
+        self.advance(1.0, None);
     }
 
     /// Takes up a sample without moving yet; [`Filter::advance`] then moves through its interval in
@@ -381,13 +381,9 @@ impl<const N: usize> Filter<N> {
         self.end = sample.time;
     }
 
-    /// Moves to the fraction `to` (0…1) of the sample taken up; does nothing if already there.
-    pub fn advance(&mut self, to: f64) {
-        self.advance_recorded(to, None);
-    }
-
-    /// As [`Filter::advance`], the step written down on `tape`.
-    pub fn advance_recorded(&mut self, to: f64, tape: Option<&mut Tape<N>>) {
+    /// Moves to the fraction `to` (0…1) of the sample taken up, the step written down on `tape`; does nothing if
+    /// already there.
+    pub fn advance(&mut self, to: f64, tape: Option<&mut Tape<N>>) {
         let Some((increments, done)) = self.current else {
             return;
         };
@@ -433,24 +429,19 @@ impl<const N: usize> Filter<N> {
         }
     }
 
-    /// Moves to `time` \[s\] within the sample taken up; a time within `rounding` \[s\] of its end is
-    /// the end.
-    pub fn advance_to(&mut self, time: f64, rounding: f64) {
-        self.advance_to_recorded(time, rounding, None);
-    }
-
-    /// As [`Filter::advance_to`], the step written down on `tape`.
-    pub fn advance_to_recorded(&mut self, time: f64, rounding: f64, tape: Option<&mut Tape<N>>) {
+    /// As [`Filter::advance`] to `time` \[s\] within the sample taken up; a time within `rounding` \[s\] of its
+    /// end is the end.
+    pub fn advance_to(&mut self, time: f64, rounding: f64, tape: Option<&mut Tape<N>>) {
         let end = self.end;
         let Some((increments, done)) = self.current else {
             return;
         };
         if end - time <= rounding {
-            self.advance_recorded(1.0, tape);
+            self.advance(1.0, tape);
         } else {
             let to = 1.0 - (end - time) / increments.dt;
             if (to - done) * increments.dt > rounding {
-                self.advance_recorded(to, tape);
+                self.advance(to, tape);
             }
         }
     }
@@ -626,24 +617,13 @@ impl<const N: usize> Filter<N> {
     }
 
     /// Kalman update with a measurement of covariance `r`: innovation ν = predicted less measured,
-    /// `ν = h·error + noise`. Joseph's form, in two rank-M passes.
+    /// `ν = h·error + noise`, past a gate ([`Gate::OPEN`]: every one is used), written down on `tape`. Joseph's form,
+    /// in two rank-M passes.
     ///
     /// # Errors
     /// A covariance of the innovation that is not positive, or a correction after which there is no solution; the
     /// filter is then as it was.
     pub fn update<const M: usize>(
-        &mut self,
-        observed: &Observation<M, N>,
-        r: &SMatrix<f64, M, M>,
-    ) -> Result<Update, FilterError> {
-        self.update_recorded(observed, r, &Gate::OPEN, None)
-    }
-
-    /// As [`Filter::update`], past a gate, written down on `tape`.
-    ///
-    /// # Errors
-    /// As [`Filter::update`].
-    pub fn update_recorded<const M: usize>(
         &mut self,
         observed: &Observation<M, N>,
         r: &SMatrix<f64, M, M>,

@@ -31,6 +31,7 @@ pub(crate) mod tables;
 #[cfg(test)]
 mod tests;
 
+pub use epoch::Beginning;
 pub use error::{ConfigError, DriveError};
 pub use gnss::Correlation;
 pub use imu::{ImuLog, load_imu};
@@ -58,9 +59,7 @@ use undrift_io::{
     source::BytesRead,
     truth::{TruthReader, TruthSource},
 };
-use undrift_nav::{
-    Vector3, covariance::AXES, parameters::Parameters, sample::ImuSample, units::Quantity,
-};
+use undrift_nav::{Vector3, covariance::AXES, parameters::Parameters, units::Quantity};
 use undrift_noise::{ImuModel, number::rounded};
 
 /// A drive, ready to be read.
@@ -107,6 +106,8 @@ pub struct Drive {
     pub model: Option<ImuModel>,
     /// What the times of the samples count from, where a log or the drive file tells it.
     pub epoch: Option<Epoch>,
+    /// How the inertial log begins.
+    pub beginning: Beginning,
     /// Where its logs are.
     pub logs: Logs,
 }
@@ -205,6 +206,7 @@ impl Drive {
             align: tables::read_initial(&top.section("initial")?)?,
             model: top.model("model", home)?,
             epoch: None,
+            beginning: Beginning::default(),
             logs,
         };
         drive.date(epoch::read_epoch(&top)?);
@@ -311,14 +313,7 @@ impl Drive {
         if let (Some(interval), false) = (stated, self.imu.1.has_times()) {
             return Ok(interval);
         }
-        let first: Vec<f64> = self
-            .open_imu()?
-            .take(PROBE)
-            .map(|s| s.map(|s: ImuSample| s.dt))
-            .collect::<Result<_, _>>()?;
-        // The first interval is made up.
-        let measured = mean_interval(first.get(1..).unwrap_or_default());
-        match (stated, measured) {
+        match (stated, self.beginning.interval) {
             (Some(stated), Some(measured)) if !(0.8..1.25).contains(&(measured / stated)) => {
                 let problem = format!(
                     "the time column gives {} Hz, but imu.rate is {} Hz",
@@ -328,10 +323,12 @@ impl Drive {
                 Err(ReadError::new(&self.imu.0, problem).mend("correct imu.rate or remove it"))
             }
             (Some(interval), _) | (None, Some(interval)) => Ok(interval),
-            (None, None) => Err(ReadError::new(
-                &self.imu.0,
-                "has too few samples to determine the sample rate",
-            )),
+            (None, None) => {
+                // As short as it is, or as far as it can be read.
+                let unreadable = self.open_imu()?.find_map(Result::err);
+                let few = "has too few samples to determine the sample rate";
+                Err(unreadable.unwrap_or_else(|| ReadError::new(&self.imu.0, few)))
+            }
         }
     }
 }
@@ -361,18 +358,3 @@ const INTERVALS: std::ops::RangeInclusive<f64> = 2e-5..=1.0;
 
 /// Digits of a rate in a message.
 const RATE_DIGITS: usize = 4;
-
-/// Samples looked at for the rate.
-const PROBE: usize = 2000;
-
-/// Mean of the intervals that are no gaps: up to 1.5 times the median.
-fn mean_interval(intervals: &[f64]) -> Option<f64> {
-    let mut sorted = intervals.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let median = *sorted.get(sorted.len() / 2)?;
-    let regular: Vec<f64> = sorted
-        .into_iter()
-        .filter(|dt| *dt <= 1.5 * median)
-        .collect();
-    Some(regular.iter().sum::<f64>() / regular.len() as f64)
-}

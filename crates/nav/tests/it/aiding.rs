@@ -41,7 +41,7 @@ prop_compose! {
         let mut filter = Filter::new(nav, &std, [sensor; AXES], all).unwrap();
         let dt = 0.01;
         filter.begin(&ImuSample { time: dt, dt, dtheta: rate * dt, dvel: force * dt });
-        filter.advance(0.3);
+        filter.advance(0.3, None);
         // Mounting within what its first-order turn is good for.
         let shift = SVector::<f64, N>::from_fn(|i, _| if i < 9 { 0.0 } else { 1e-3 * small[i] });
         filter.take_out(&shift);
@@ -174,7 +174,7 @@ proptest! {
         let [column, of_velocity] = [Parameter::TimeOffset, Parameter::VelocityTimeOffset]
             .map(|kind| f.parameter_start(kind).unwrap());
         let mut later = f.clone();
-        later.advance(1.0);
+        later.advance(1.0, None);
         let d = later.nav().time - f.nav().time;
         let position = (later.observe_position(&fix, &lever).innovation
             - f.observe_position(&fix, &lever).innovation) / d;

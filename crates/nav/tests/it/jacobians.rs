@@ -8,7 +8,7 @@ use undrift_nav::{
     attitude::{from_rotation_vector, from_rpy},
     covariance::{AXES, NAV, Part, Sensors, Transition},
     earth::Geodetic,
-    filter::{Filter, InitialStd},
+    filter::{Filter, Gate, InitialStd},
     mechanisation::{Increments, NavState},
     parameters::{Coupling, Parameter, Parameters, Prior},
     sample::{ImuSample, Position},
@@ -251,7 +251,7 @@ fn covariance_stays_symmetric_and_positive_through_a_day_of_updates() {
             let fix = Position::Geodetic(nav.position);
             let observed = filter.observe_position(&fix, &V3::zeros());
             filter
-                .update(&observed, &(Matrix3::identity() * 1e-6))
+                .update(&observed, &(Matrix3::identity() * 1e-6), &Gate::OPEN, None)
                 .unwrap();
         }
     }

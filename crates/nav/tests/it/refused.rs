@@ -5,7 +5,7 @@ use undrift_nav::{
     attitude::from_rpy,
     covariance::AXES,
     earth::Geodetic,
-    filter::{Filter, FilterError, InitialStd},
+    filter::{Filter, FilterError, Gate, InitialStd},
     mechanisation::NavState,
     parameters::Parameters,
     sample::{ImuSample, Position},
@@ -53,19 +53,21 @@ fn a_measurement_that_throws_the_solution_off_the_earth() {
     let far = filter.observe_position(&place, &Vector3::zeros());
     let fast = filter.observe_velocity(&Vector3::new(1e9, 0.0, 0.0), &Vector3::zeros());
     for observed in [far, fast] {
-        let refused = filter.update(&observed, &Matrix3::identity());
+        let refused = filter.update(&observed, &Matrix3::identity(), &Gate::OPEN, None);
         assert_eq!(refused, Err(FilterError::Implausible));
     }
     let mut none = filter.observe_zero_velocity();
     none.innovation.x = f64::NAN;
-    let refused = filter.update(&none, &Matrix3::identity());
+    let refused = filter.update(&none, &Matrix3::identity(), &Gate::OPEN, None);
     assert_eq!(refused, Err(FilterError::BadMeasurement));
     assert_eq!(filter.nav(), before.nav());
     assert_eq!(filter.covariance(), before.covariance());
     assert_eq!(filter.estimates(), before.estimates());
     // It goes on.
     let rest = filter.observe_zero_velocity();
-    filter.update(&rest, &Matrix3::identity()).unwrap();
+    filter
+        .update(&rest, &Matrix3::identity(), &Gate::OPEN, None)
+        .unwrap();
 }
 
 #[test]
@@ -84,8 +86,8 @@ fn a_sample_after_which_there_is_no_solution() {
     }
     assert_eq!(filter.sample_end(), None);
     filter.begin(&sample(T, T, 0.0));
-    filter.advance(0.5);
+    filter.advance(0.5, None);
     assert_eq!(filter.sample_end(), Some(T));
-    filter.advance(1.0);
+    filter.advance(1.0, None);
     assert_eq!(filter.sample_end(), None);
 }

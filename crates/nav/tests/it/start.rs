@@ -5,7 +5,7 @@ use undrift_nav::{
     attitude::from_rpy,
     covariance::AXES,
     earth::Geodetic,
-    filter::{Filter, FilterError, InitialStd},
+    filter::{Filter, FilterError, Gate, InitialStd},
     mechanisation::NavState,
     parameters::{Parameter, Parameters, Prior},
     sample::ImuSample,
@@ -69,7 +69,7 @@ fn a_filter_goes_on_from_its_numbers() {
     let mut filter = start(Vector3::new(1.0, 2.0, 0.0));
     filter.predict(&sample(1.0));
     filter.begin(&sample(2.0));
-    filter.advance(0.25);
+    filter.advance(0.25, None);
     let mut kept = Vec::new();
     filter.numbers(&mut |number| kept.push(*number));
     // Another start, and no sample yet.
@@ -79,8 +79,9 @@ fn a_filter_goes_on_from_its_numbers() {
     assert!(from.next().is_none());
     for one in [&mut filter, &mut other] {
         let rest = one.observe_zero_velocity();
-        one.update(&rest, &Matrix3::identity()).unwrap();
-        one.advance(1.0);
+        one.update(&rest, &Matrix3::identity(), &Gate::OPEN, None)
+            .unwrap();
+        one.advance(1.0, None);
         one.predict(&sample(3.0));
     }
     assert_eq!(filter.nav(), other.nav());

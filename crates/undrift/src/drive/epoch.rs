@@ -1,15 +1,32 @@
-//! The date of a drive, and its logs on one clock.
+//! The date of a drive, its logs on one clock, and how its inertial log begins.
 
 use super::{Drive, error::ConfigError, logs::Logs, section::Section};
 use std::path::PathBuf;
 use undrift_io::{
-    epoch::Epoch, gnss::Fixes, imu::Imu, reader::Kind, scalar::Scalars, truth::Truth,
+    epoch::Epoch,
+    gnss::Fixes,
+    imu::{Imu, ImuFormat},
+    reader::Kind,
+    scalar::Scalars,
+    truth::Truth,
 };
+use undrift_nav::sample::ImuSample;
 
 /// A `time_offset` of so much or more \[s\] puts a log onto the clock of another: its own dates do not count.
 const OTHER_CLOCK: f64 = 3600.0;
 /// Records that are read for a date.
 const RECORDS: usize = 100;
+/// Samples that are read for their interval.
+const SAMPLES: usize = 2000;
+
+/// How an inertial log begins, as far as it can be read.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Beginning {
+    /// Time of the first sample \[s\].
+    pub time: Option<f64>,
+    /// Mean interval of the samples, gaps left out \[s\].
+    pub interval: Option<f64>,
+}
 
 /// `epoch = "2025-07-08T19:34:00Z"`, UTC of the IMU's time zero, or `epoch = "week 2374"`.
 pub(super) fn read_epoch(top: &Section) -> Result<Option<Epoch>, ConfigError> {
@@ -28,8 +45,9 @@ impl Drive {
     /// times of logs that count from other dates are brought onto it. What cannot be read is left as it is.
     pub(super) fn date(&mut self, stated: Option<Epoch>) {
         let logs = &self.logs;
-        let (path, imu) = &self.imu;
-        let imu = stated.or_else(|| epoch_of::<Imu>(logs, (path, imu), imu.time_offset));
+        let (dated, beginning) = begin(logs, &self.imu);
+        let imu = stated.or(dated);
+        self.beginning = beginning;
         let (path, gnss) = &mut self.gnss;
         let offset = *gnss.time_offset();
         let mut others = vec![(
@@ -73,4 +91,38 @@ fn epoch_of<K: Kind>(
         }
     }
     reader.epoch()
+}
+
+/// As [`epoch_of`] of the inertial log, and how it begins.
+fn begin(logs: &Logs, (path, format): &(PathBuf, ImuFormat)) -> (Option<Epoch>, Beginning) {
+    let Ok(mut reader) = logs.read::<Imu>(path, format) else {
+        return Default::default();
+    };
+    let mut epoch = reader.epoch();
+    let mut read = Vec::with_capacity(SAMPLES);
+    while read.len() < SAMPLES
+        && let Some(Ok(sample)) = reader.next()
+    {
+        read.push(sample);
+        if read.len() <= RECORDS {
+            epoch = epoch.or(reader.epoch());
+        }
+    }
+    let beginning = Beginning {
+        time: read.first().map(|sample: &ImuSample| sample.time),
+        // The first interval is made up.
+        interval: mean_interval(read.iter().skip(1).map(|sample| sample.dt).collect()),
+    };
+    (
+        epoch.filter(|_| format.time_offset.abs() < OTHER_CLOCK),
+        beginning,
+    )
+}
+
+/// Mean of the intervals that are no gaps: up to 1.5 times the median.
+fn mean_interval(mut intervals: Vec<f64>) -> Option<f64> {
+    intervals.sort_by(f64::total_cmp);
+    let median = *intervals.get(intervals.len() / 2)?;
+    let regular = intervals.partition_point(|dt| *dt <= 1.5 * median);
+    Some(intervals[..regular].iter().sum::<f64>() / regular as f64)
 }

@@ -4,10 +4,7 @@ use super::Number;
 use crate::{drive, replay::GnssUse, series::to_digits};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
-use undrift_io::{
-    epoch::{ClockSource, Epoch},
-    imu::Imu,
-};
+use undrift_io::epoch::{ClockSource, Epoch};
 
 /// A drive, logged or simulated. Files go by their names without folders.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -71,10 +68,7 @@ pub struct Start {
 impl Start {
     /// Of a drive with a date, whose samples can be read.
     fn of(drive: &drive::Drive) -> Option<Self> {
-        let epoch = drive.epoch?;
-        let (path, format) = &drive.imu;
-        let mut samples = drive.logs.read::<Imu>(path, format).ok()?;
-        let time = samples.next()?.ok()?.time;
+        let (epoch, time) = (drive.epoch?, drive.beginning.time?);
         Some(Self {
             time_s: Number(time),
             utc: epoch.iso(time),

@@ -1,10 +1,11 @@
 //! The filter.
 
+use nalgebra::SMatrix;
 use std::hint::black_box;
 use undrift::nav::{
     Matrix3, Quaternion, Vector3,
     earth::Geodetic,
-    filter::{Filter, InitialStd},
+    filter::{Filter, Gate, InitialStd},
     mechanisation::NavState,
     parameters::Parameters,
     sample::{ImuSample, Position},
@@ -19,6 +20,10 @@ pub fn run(task: &str, count: u32) -> Result<(), Box<dyn std::error::Error>> {
         "predict-15" => predict::<15>(count)?,
         "predict-21" => predict::<21>(count)?,
         "predict-33" => predict::<33>(count)?,
+        "dense-9" => dense::<9>(count),
+        "dense-15" => dense::<15>(count),
+        "dense-21" => dense::<21>(count),
+        "dense-33" => dense::<33>(count),
         "update-15" => update::<15>(count)?,
         "update-33" => update::<33>(count)?,
         "shaping" => shaping(count)?,
@@ -67,13 +72,25 @@ fn predict<const N: usize>(count: u32) -> Result<(), Box<dyn std::error::Error>>
     Ok(())
 }
 
+/// The dense product F P Fᵀ + Q, which the filter's step is held against.
+fn dense<const N: usize>(count: u32) {
+    let f = SMatrix::<f64, N, N>::from_fn(|i, j| if i == j { 1.0 } else { 1e-4 * (i + j) as f64 });
+    let q = SMatrix::<f64, N, N>::identity() * 1e-12;
+    let mut p = SMatrix::<f64, N, N>::identity();
+    for _ in 0..count {
+        // Less than 1, so that the numbers do not grow.
+        p = (black_box(&f) * p * f.transpose() + q) * 0.99;
+    }
+    black_box(p);
+}
+
 /// Positions into the filter.
 fn update<const N: usize>(count: u32) -> Result<(), Box<dyn std::error::Error>> {
     let mut filter = filter::<N>()?;
     let fix = Position::Geodetic(filter.nav().position);
     for _ in 0..count {
         let observed = filter.observe_position(black_box(&fix), &Vector3::new(0.3, 0.1, -1.0));
-        filter.update(&observed, &Matrix3::identity())?;
+        filter.update(&observed, &Matrix3::identity(), &Gate::OPEN, None)?;
     }
     black_box(filter.nav_std());
     Ok(())
