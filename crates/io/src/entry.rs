@@ -7,7 +7,7 @@ use undrift_nav::{Matrix3, Vector3};
 use crate::ReadError;
 use crate::epoch::Epoch;
 use crate::fix::{shown, three};
-use crate::skipped::SkipKind;
+use crate::skipped::{SkipKind, Unfit};
 
 /// One thing in a log.
 #[derive(Clone, Debug)]
@@ -30,9 +30,6 @@ pub enum What {
     /// Something that cannot be used, and why: it is counted.
     Skipped(SkipKind, String),
 }
-
-/// Why something cannot be used, and what stands there.
-pub(crate) type Unfit = (SkipKind, String);
 
 impl What {
     /// What was read, or why it cannot be used.

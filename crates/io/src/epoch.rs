@@ -148,6 +148,14 @@ impl Epoch {
     }
 }
 
+impl WeekClock {
+    /// What the seconds count from, once a time was given.
+    pub(crate) fn epoch(&self, clock: ClockSource) -> Option<Epoch> {
+        let week = u32::try_from(self.start?.div_euclid(7)).ok()?;
+        Some(Epoch::of_week(week, clock))
+    }
+}
+
 /// Seconds in nanoseconds, the whole ones exactly.
 pub(crate) fn nanoseconds(seconds: f64) -> i64 {
     let whole = seconds.floor();
@@ -159,6 +167,7 @@ pub(crate) fn nanoseconds(seconds: f64) -> i64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::time::DAY;
 
     const GNSS: ClockSource = ClockSource::Gnss;
 
@@ -219,5 +228,43 @@ mod tests {
         assert_eq!(week.iso(18.0), "2017-01-01T00:00:00.000Z");
         assert_eq!(week.unix(18.0), 1_483_228_800.0);
         assert_eq!(week.unix(16.0), 1_483_228_799.0);
+    }
+
+    #[test]
+    fn gps_times_become_dates() {
+        let utc = |week, seconds| Epoch::of_week(week, GNSS).utc(seconds);
+        let iso = |week, seconds| utc(week, seconds).iso();
+        assert_eq!(iso(2374, 243_258.5), "2025-07-08T19:34:00.500Z");
+        assert_eq!(iso(0, 0.0), "1980-01-06T00:00:00.000Z");
+        // 29 February 2024, a Thursday, 18 s of leap seconds later.
+        assert_eq!(iso(2303, 4.0 * DAY + 18.0), "2024-02-29T00:00:00.000Z");
+        assert_eq!(iso(2303, 5.0 * DAY + 17.0), "2024-02-29T23:59:59.000Z");
+        assert_eq!(iso(2303, 5.0 * DAY + 17.9996), "2024-03-01T00:00:00.000Z");
+        // Counting on past the end of the week is the next one, and back.
+        assert_eq!(utc(2373, WEEK + 5.0), utc(2374, 5.0));
+        assert_eq!(utc(2375, 5.0 - WEEK), utc(2374, 5.0));
+        // The leap second before 1 January 2017, a Sunday of GPS week 1930.
+        let leap = utc(1930, 17.25);
+        assert_eq!(
+            (leap.date(), leap.hms()),
+            ([2016, 12, 31], [23, 59, 60_250])
+        );
+        assert_eq!(iso(1930, 18.0), "2017-01-01T00:00:00.000Z");
+        assert_eq!(iso(1930, 16.999), "2016-12-31T23:59:59.999Z");
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn any_gps_time_survives_its_date(week in 0u32..9_000, milli in 0i64..604_800_000) {
+            let seconds = milli as f64 / 1e3;
+            let there = Epoch::of_week(week, GNSS).utc(seconds);
+            let ([year, month, day], [hour, minute, rest]) = (there.date(), there.hms());
+            let of_day = (hour * 3600 + minute * 60) as f64 + rest as f64 / 1e3;
+            let mut weeks = WeekClock::default();
+            // The clock starts at the week before.
+            weeks.gps(i64::from(week) * 7 - 7, 0.0);
+            let back = weeks.utc(year, month, day, of_day).unwrap() - WEEK;
+            proptest::prop_assert!((back - seconds).abs() < 1e-6, "{there:?}: {back} {seconds}");
+        }
     }
 }

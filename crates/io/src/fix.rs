@@ -4,8 +4,7 @@ use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::{FixQuality, Position};
 use undrift_nav::{Matrix3, Vector3};
 
-use crate::entry::Unfit;
-use crate::skipped::{SkipKind, Skipped};
+use crate::skipped::{SkipKind, Skipped, Unfit};
 
 /// A place on Earth other than the 0°, 0° of a receiver without a fix.
 pub(crate) fn on_earth(place: Geodetic) -> Result<Geodetic, Unfit> {

@@ -64,6 +64,9 @@ impl SkipKind {
     }
 }
 
+/// Why something cannot be used, and what stands there.
+pub(crate) type Unfit = (SkipKind, String);
+
 /// How often one kind of record was skipped, and the first of them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SkipEntry {

@@ -42,8 +42,7 @@ use crate::epoch::Epoch;
 use crate::lines::MAX_LINE;
 use crate::skipped::{SkipKind, Skipped};
 use crate::source::Source;
-use fields::Defect;
-use wanted::{Keep, NextRow, no_rows};
+use wanted::{Defect, Keep, NextRow, no_rows};
 
 /// What a table is read from.
 pub(crate) enum TableSource {

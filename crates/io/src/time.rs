@@ -3,10 +3,10 @@
 
 use chrono::{Datelike, NaiveDate};
 
-use crate::epoch::{ClockSource, Epoch};
 use crate::number;
 
-const DAY: f64 = 86_400.0;
+/// \[s\]
+pub(crate) const DAY: f64 = 86_400.0;
 /// \[s\]
 pub(crate) const WEEK: f64 = 604_800.0;
 
@@ -34,7 +34,7 @@ impl TimeSystem {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct WeekClock {
     /// Days from the GPS epoch to that week.
-    start: Option<i64>,
+    pub(crate) start: Option<i64>,
 }
 
 /// Days from 31 December of the year before 1 AD to the GPS epoch.
@@ -46,12 +46,6 @@ const EPOCHS: i64 = 3657;
 pub(crate) const GPS_EPOCH_UNIX_NS: i64 = EPOCHS * DAY_MS * NS_OF_MS;
 
 impl WeekClock {
-    /// What the seconds count from, once a time was given.
-    pub(crate) fn epoch(&self, clock: ClockSource) -> Option<Epoch> {
-        let week = u32::try_from(self.start?.div_euclid(7)).ok()?;
-        Some(Epoch::of_week(week, clock))
-    }
-
     /// Seconds of the time that two fields give: date and time of day, or week and second.
     pub(crate) fn seconds(
         &mut self,
@@ -356,29 +350,6 @@ mod tests {
     }
 
     #[test]
-    fn gps_times_become_dates() {
-        let utc = |week, seconds| Epoch::of_week(week, ClockSource::Gnss).utc(seconds);
-        let iso = |week, seconds| utc(week, seconds).iso();
-        assert_eq!(iso(2374, 243_258.5), "2025-07-08T19:34:00.500Z");
-        assert_eq!(iso(0, 0.0), "1980-01-06T00:00:00.000Z");
-        // 29 February 2024, a Thursday, 18 s of leap seconds later.
-        assert_eq!(iso(2303, 4.0 * DAY + 18.0), "2024-02-29T00:00:00.000Z");
-        assert_eq!(iso(2303, 5.0 * DAY + 17.0), "2024-02-29T23:59:59.000Z");
-        assert_eq!(iso(2303, 5.0 * DAY + 17.9996), "2024-03-01T00:00:00.000Z");
-        // Counting on past the end of the week is the next one, and back.
-        assert_eq!(utc(2373, WEEK + 5.0), utc(2374, 5.0));
-        assert_eq!(utc(2375, 5.0 - WEEK), utc(2374, 5.0));
-        // The leap second before 1 January 2017, a Sunday of GPS week 1930.
-        let leap = utc(1930, 17.25);
-        assert_eq!(
-            (leap.date(), leap.hms()),
-            ([2016, 12, 31], [23, 59, 60_250])
-        );
-        assert_eq!(iso(1930, 18.0), "2017-01-01T00:00:00.000Z");
-        assert_eq!(iso(1930, 16.999), "2016-12-31T23:59:59.999Z");
-    }
-
-    #[test]
     fn dates_go_both_ways() {
         for day in 0..80_000 {
             let [year, month, of_month] = Utc { day, milli: 0 }.date();
@@ -388,21 +359,6 @@ mod tests {
             assert_eq!(day_of(year, month, day), None, "{year}-{month}-{day}");
         }
         assert!(day_of(2024, 2, 29).is_some() && day_of(2000, 2, 29).is_some());
-    }
-
-    proptest::proptest! {
-        #[test]
-        fn any_gps_time_survives_its_date(week in 0u32..9_000, milli in 0i64..604_800_000) {
-            let seconds = milli as f64 / 1e3;
-            let there = Epoch::of_week(week, ClockSource::Gnss).utc(seconds);
-            let ([year, month, day], [hour, minute, rest]) = (there.date(), there.hms());
-            let of_day = (hour * 3600 + minute * 60) as f64 + rest as f64 / 1e3;
-            let mut weeks = WeekClock::default();
-            // The clock starts at the week before.
-            weeks.gps(i64::from(week) * 7 - 7, 0.0);
-            let back = weeks.utc(year, month, day, of_day).unwrap() - WEEK;
-            proptest::prop_assert!((back - seconds).abs() < 1e-6, "{there:?}: {back} {seconds}");
-        }
     }
 
     #[test]

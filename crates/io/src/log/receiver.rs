@@ -5,9 +5,9 @@ use std::collections::VecDeque;
 use undrift_nav::sample::{Position, TruthSample};
 
 use crate::ReadError;
-use crate::entry::{Entries, Entry, Fix, Stream, StreamKind, Unfit, Wanted, What};
+use crate::entry::{Entries, Entry, Fix, Stream, StreamKind, Wanted, What};
 use crate::epoch::Epoch;
-use crate::skipped::SkipKind;
+use crate::skipped::{SkipKind, Unfit};
 
 /// Entries that are ready to be given out.
 pub(super) struct Ready {

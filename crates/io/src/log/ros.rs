@@ -18,9 +18,9 @@ use undrift_nav::sample::{FixQuality, Position};
 
 use super::receiver::{Ready, by_steps};
 use crate::ReadError;
-use crate::entry::{Entries, Fix, ImuReading, Stream, StreamKind, Unfit, Wanted, What};
+use crate::entry::{Entries, Fix, ImuReading, Stream, StreamKind, Wanted, What};
 use crate::epoch::ClockSource;
-use crate::skipped::SkipKind;
+use crate::skipped::{SkipKind, Unfit};
 use crate::time::WeekClock;
 
 pub(super) use container::{Container, Declared, Event, Events, File, Packed, Records, Stop};

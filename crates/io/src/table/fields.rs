@@ -1,11 +1,9 @@
 //! One line, field by field.
 
-use std::fmt;
-
 use super::stamps::Stamps;
-use super::wanted::Keep;
+use super::wanted::{Defect, Keep};
 use crate::number;
-use crate::skipped::{SkipKind, shown};
+use crate::skipped::shown;
 
 /// What stands between fields.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,48 +43,6 @@ impl Delimiter {
     #[inline]
     fn pads(self, byte: u8) -> bool {
         byte == b' ' || (byte == b'\t' && !self.ends(byte))
-    }
-}
-
-/// Why a row cannot be used.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Defect {
-    Text(String),
-    TooFew {
-        fields: usize,
-        wanted: usize,
-    },
-    Empty {
-        column: usize,
-    },
-    /// Its column's number, and its place in the row read.
-    NotFinite {
-        value: f64,
-        column: usize,
-        slot: usize,
-    },
-}
-
-impl Defect {
-    pub(crate) fn kind(&self) -> SkipKind {
-        match self {
-            Self::Text(_) => SkipKind::Text,
-            Self::TooFew { .. } | Self::Empty { .. } => SkipKind::MissingField,
-            Self::NotFinite { .. } => SkipKind::NotFinite,
-        }
-    }
-}
-
-impl fmt::Display for Defect {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Text(text) => f.write_str(text),
-            Self::TooFew { fields, wanted } => {
-                write!(f, "{fields} fields, but column {wanted} is needed")
-            }
-            Self::Empty { column } => write!(f, "column {column} is empty"),
-            Self::NotFinite { value, column, .. } => write!(f, "{value} in column {column}"),
-        }
     }
 }
 
@@ -342,6 +298,7 @@ fn too_few(fields: usize, target: usize) -> Defect {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::skipped::SkipKind;
 
     fn texts(line: &str, delimiter: Delimiter) -> Vec<&str> {
         Fields::new(line.as_bytes(), delimiter)

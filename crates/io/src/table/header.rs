@@ -144,7 +144,7 @@ fn reads_as_row(
     options: &TableOptions,
 ) -> bool {
     let mut out = vec![0.0; options.columns.len()];
-    let mut stamps = options.stamps();
+    let mut stamps = stamps::Stamps::of(options);
     let keep = options.optional.map_or(Keep::Finite, Keep::One);
     fields::parse_row(line, delimiter, wanted, keep, stamps.as_mut(), &mut out).is_ok()
 }

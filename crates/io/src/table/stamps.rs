@@ -6,12 +6,10 @@
 //! absolute times; GPS weeks with seconds of the week are GPS time. Times of day without a date are seconds of the day in which the file starts, counting on
 //! past midnight.
 
-use super::fields::Defect;
+use super::wanted::{Defect, TableOptions};
 use crate::epoch::{ClockSource, Epoch};
 use crate::skipped::shown;
-use crate::time::{self, WeekClock};
-
-const DAY: f64 = 86_400.0;
+use crate::time::{self, DAY, WeekClock};
 
 /// Makes numbers of the texts in the column of times.
 #[derive(Clone, Debug)]
@@ -34,11 +32,13 @@ pub(super) struct Stamps {
 }
 
 impl Stamps {
-    pub(super) fn new(time: usize, date: Option<usize>, scale: f64) -> Self {
-        Self {
-            time,
-            date,
-            scale,
+    /// Of the column of times that is wanted.
+    pub(super) fn of(options: &TableOptions) -> Option<Self> {
+        let stamp = options.stamp.as_ref()?;
+        Some(Self {
+            time: stamp.place,
+            date: stamp.date.as_ref().map(|_| options.columns.len()),
+            scale: stamp.scale,
             weeks: WeekClock::default(),
             clock: None,
             week: None,
@@ -46,7 +46,7 @@ impl Stamps {
             of_day: None,
             last: 0.0,
             midnights: 0.0,
-        }
+        })
     }
 
     /// Forgets the row before, which may have had one part alone.

@@ -42,7 +42,7 @@ impl TextTable {
             wanted: layout.wanted,
             held: layout.first_row,
             names: layout.names,
-            stamps: options.stamps(),
+            stamps: Stamps::of(options),
         })
     }
 

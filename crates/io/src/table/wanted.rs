@@ -4,8 +4,6 @@ use std::fmt;
 
 use undrift_nav::Vector3;
 
-use super::fields::Defect;
-use super::stamps::Stamps;
 use crate::ReadError;
 use crate::skipped::{SkipKind, Skipped};
 
@@ -98,9 +96,7 @@ impl TableOptions {
         self.columns.extend(keyed);
         from
     }
-}
 
-impl TableOptions {
     /// Wants the column of times, `time` of a table of the drive file, with that of dates.
     pub(crate) fn want_time(
         &mut self,
@@ -131,11 +127,47 @@ impl TableOptions {
     pub(super) fn date(&self) -> Option<&(String, Column)> {
         self.stamp.as_ref()?.date.as_ref()
     }
+}
 
-    pub(super) fn stamps(&self) -> Option<Stamps> {
-        let stamp = self.stamp.as_ref()?;
-        let date = stamp.date.as_ref().map(|_| self.columns.len());
-        Some(Stamps::new(stamp.place, date, stamp.scale))
+/// Why a row cannot be used.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Defect {
+    Text(String),
+    TooFew {
+        fields: usize,
+        wanted: usize,
+    },
+    Empty {
+        column: usize,
+    },
+    /// Its column's number, and its place in the row read.
+    NotFinite {
+        value: f64,
+        column: usize,
+        slot: usize,
+    },
+}
+
+impl Defect {
+    pub(crate) fn kind(&self) -> SkipKind {
+        match self {
+            Self::Text(_) => SkipKind::Text,
+            Self::TooFew { .. } | Self::Empty { .. } => SkipKind::MissingField,
+            Self::NotFinite { .. } => SkipKind::NotFinite,
+        }
+    }
+}
+
+impl fmt::Display for Defect {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Text(text) => f.write_str(text),
+            Self::TooFew { fields, wanted } => {
+                write!(f, "{fields} fields, but column {wanted} is needed")
+            }
+            Self::Empty { column } => write!(f, "column {column} is empty"),
+            Self::NotFinite { value, column, .. } => write!(f, "{value} in column {column}"),
+        }
     }
 }
 

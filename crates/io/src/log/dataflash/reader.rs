@@ -9,11 +9,11 @@ use undrift_nav::sample::{FixQuality, Position};
 use super::formats::{Kind, Values, time};
 use super::link::Link;
 use super::messages::{Messages, Next};
-use crate::entry::{Fix, ImuReading, Unfit, What};
+use crate::entry::{Fix, ImuReading, What};
 use crate::epoch::{ClockSource, Epoch};
 use crate::fix::{finite, independent, on_earth};
 use crate::log::receiver::Ready;
-use crate::skipped::SkipKind;
+use crate::skipped::{SkipKind, Unfit};
 use crate::time::WeekClock;
 
 /// Gyro samples that wait for an accelerometer sample at most.

@@ -5,9 +5,9 @@ use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::{FixQuality, Position, TruthSample};
 
 use super::mat::{Numbers, Variable};
-use crate::entry::{Fix, ImuReading, StreamKind, Unfit, What};
+use crate::entry::{Fix, ImuReading, StreamKind, What};
 use crate::fix::{self, independent, on_earth};
-use crate::skipped::SkipKind;
+use crate::skipped::{SkipKind, Unfit};
 
 impl Numbers {
     /// How many vectors there are: the longer side.

@@ -10,9 +10,8 @@ use crate::epoch::ClockSource;
 use crate::fix::on_earth;
 use crate::log::receiver::Ready;
 use crate::skipped::SkipKind;
-use crate::time::WeekClock;
+use crate::time::{DAY, WeekClock};
 
-const DAY: f64 = 86_400.0;
 /// Epochs that wait for a date: an hour at 1 Hz.
 const MAX_HELD: usize = 3600;
 

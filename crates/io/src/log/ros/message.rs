@@ -7,11 +7,10 @@ use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::FixQuality;
 use undrift_nav::{Matrix3, Vector3};
 
-use crate::entry::Unfit;
 use crate::fix::{finite, on_earth};
 use crate::log::StreamKind;
 use crate::log::bytes::ByteFields;
-use crate::skipped::SkipKind;
+use crate::skipped::{SkipKind, Unfit};
 
 /// How messages are serialised.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

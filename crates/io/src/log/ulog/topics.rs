@@ -5,9 +5,9 @@ use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::{FixQuality, Position, TruthSample};
 
 use super::layout::{Field, TopicLayout};
-use crate::entry::{Fix, ImuReading, StreamKind, Unfit, What};
+use crate::entry::{Fix, ImuReading, StreamKind, What};
 use crate::fix::{self, independent, on_earth};
-use crate::skipped::SkipKind;
+use crate::skipped::{SkipKind, Unfit};
 
 /// What an accelerometer's relative time is when it gave nothing (2³¹ − 1).
 const NO_SAMPLE: f64 = i32::MAX as f64;
