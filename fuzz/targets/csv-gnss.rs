@@ -1,6 +1,6 @@
 #![no_main]
 
-use undrift::io::gnss::{FixOptions, GnssFormat, GnssReader, Place, VelocityAxes};
+use undrift::io::gnss::{FixOptions, GnssFormat, GnssReader, PositionColumns, VelocityAxes};
 use undrift::io::layouts;
 use undrift::io::table::Column;
 use undrift::nav::earth::Geodetic;
@@ -13,7 +13,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let named = GnssFormat {
         time: name("t"),
         date: None,
-        place: Some(Place::Geodetic {
+        place: Some(PositionColumns::Geodetic {
             columns: ["lat", "lon", "height"].map(name),
             angle_scale: 1f64.to_radians(),
         }),
@@ -26,7 +26,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
         ..layouts::kf_gins_gnss(7)
     };
     let baseline = GnssFormat {
-        place: Some(Place::Baseline {
+        place: Some(PositionColumns::Baseline {
             ned: number(2),
             base: Geodetic::from_degrees(40.0, -105.0, 1600.0),
         }),

@@ -17,7 +17,7 @@ use crate::reader::{Kind, Plan, Reader, Row, TableRow, Want};
 use crate::skipped::{SkipEntry, SkipKind, Skipped};
 
 use columns::FixColumns;
-pub use columns::{GnssFormat, Place};
+pub use columns::{GnssFormat, PositionColumns};
 pub use log::GnssLog;
 use log::LogFixes;
 pub use options::FixOptions;

@@ -37,7 +37,7 @@ struct Repeat {
 }
 
 #[derive(Clone, Copy, Default)]
-struct Axis {
+struct HeldAxis {
     present: Repeat,
     /// How many came to an end, and their samples.
     ended: u64,
@@ -48,7 +48,7 @@ struct Axis {
     most: Repeat,
 }
 
-impl Axis {
+impl HeldAxis {
     #[inline]
     fn add(&mut self, time: f64, value: f64) {
         if self.present.samples > 0 && self.present.value == value {
@@ -116,7 +116,7 @@ impl Axis {
 
 /// Watches the six axes of an inertial log.
 #[derive(Clone, Copy, Default)]
-pub struct HeldWatch([Axis; 6]);
+pub struct HeldWatch([HeldAxis; 6]);
 
 impl HeldWatch {
     /// Takes in the next sample at `time` \[s\], gyros before accelerometers, in any units.

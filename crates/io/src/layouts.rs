@@ -1,6 +1,6 @@
 //! Tables whose columns are known: what others' programs write, always the same.
 
-use crate::gnss::{FixOptions, GnssFormat, Place, VelocityAxes};
+use crate::gnss::{FixOptions, GnssFormat, PositionColumns, VelocityAxes};
 use crate::imu::ImuFormat;
 use crate::table::Column;
 use crate::truth::TruthFormat;
@@ -29,7 +29,7 @@ pub fn kf_gins_gnss(columns: usize) -> GnssFormat {
         time: Column::Number(1),
         date: None,
         time_scale: 1.0,
-        place: Some(Place::Geodetic {
+        place: Some(PositionColumns::Geodetic {
             columns: three(2),
             angle_scale: 1f64.to_radians(),
         }),

@@ -138,7 +138,7 @@ pub(crate) struct Log {
 impl Log {
     /// Reads a ROS 2 bag, which is not one stream.
     pub(crate) fn of_bag(
-        parts: Vec<rosbag2::Part>,
+        parts: Vec<rosbag2::BagFile>,
         read: &BytesRead,
         wanted: &Wanted,
     ) -> Result<Self, ReadError> {

@@ -9,7 +9,7 @@ use crate::detect;
 use crate::entry::{Stream, Wanted};
 use crate::foreign;
 use crate::format::Format;
-use crate::log::rosbag2::{self, Part};
+use crate::log::rosbag2::{self, BagFile};
 use crate::log::{self, Log};
 use crate::source::{self, BytesRead, Source};
 use crate::table::{self, Columns, Preview, Table, TableOptions, TableSource};
@@ -283,16 +283,16 @@ impl Opened {
     }
 
     /// The files of a ROS 2 bag; what can be read once only is held in memory, since its parts are in any order.
-    fn into_parts(mut self) -> Result<Vec<Part>, ReadError> {
+    fn into_parts(mut self) -> Result<Vec<BagFile>, ReadError> {
         match self.origin {
             Origin::Folder => rosbag2::parts_of_folder(&self.name),
-            Origin::File => Ok(vec![Part::File(self.name)]),
+            Origin::File => Ok(vec![BagFile::File(self.name)]),
             Origin::Once | Origin::Columns(_) => {
                 self.read_to(rosbag2::MOST_HELD + 1);
                 if self.start.len() as u64 > rosbag2::MOST_HELD {
                     return Err(rosbag2::too_large());
                 }
-                Ok(vec![Part::Held(self.name, self.start)])
+                Ok(vec![BagFile::Held(self.name, self.start)])
             }
         }
     }

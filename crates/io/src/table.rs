@@ -58,7 +58,7 @@ pub(crate) enum TableSource {
 /// Reads the wanted columns of a table row by row.
 pub struct Table {
     name: PathBuf,
-    rows: Rows,
+    rows: OpenTable,
     columns: Vec<(String, Column)>,
     /// A place in the row read without a finite number in so many rows, every one up to now.
     empty: Option<(usize, u64)>,
@@ -73,7 +73,7 @@ pub struct Table {
 }
 
 /// Boxed: a reader holds its place in the file and a row.
-enum Rows {
+enum OpenTable {
     Text(Box<text::TextTable>),
     Memory(columns::MemoryTable),
     #[cfg(feature = "parquet")]
@@ -97,13 +97,13 @@ impl Table {
         }
         let rows = match source {
             TableSource::Columns(columns) => {
-                columns::MemoryTable::new(columns, options).map(Rows::Memory)
+                columns::MemoryTable::new(columns, options).map(OpenTable::Memory)
             }
             TableSource::Text(source) => text::TextTable::new(source, options, &mut skipped)
-                .map(|table| Rows::Text(Box::new(table))),
+                .map(|table| OpenTable::Text(Box::new(table))),
             #[cfg(feature = "parquet")]
             TableSource::Parquet(bytes) => parquet::ParquetTable::new(bytes, options)
-                .map(|table| Rows::Parquet(Box::new(table))),
+                .map(|table| OpenTable::Parquet(Box::new(table))),
         };
         Ok(Self {
             name: name.to_path_buf(),
@@ -134,10 +134,10 @@ impl Table {
         }
         while !self.finished {
             let step = match &mut self.rows {
-                Rows::Text(table) => table.step(self.keep, out),
-                Rows::Memory(table) => Ok(table.step(self.keep, out)),
+                OpenTable::Text(table) => table.step(self.keep, out),
+                OpenTable::Memory(table) => Ok(table.step(self.keep, out)),
                 #[cfg(feature = "parquet")]
-                Rows::Parquet(table) => Ok(table.step(self.keep, out)),
+                OpenTable::Parquet(table) => Ok(table.step(self.keep, out)),
             };
             match step {
                 Ok(NextRow::Row(line, Ok(()))) => {
@@ -212,7 +212,7 @@ impl Table {
     /// The same of the first row.
     fn epoch_by(&self, stamp: &Stamp, row: &[f64]) -> Option<Epoch> {
         let by_text = match &self.rows {
-            Rows::Text(table) => table.epoch(),
+            OpenTable::Text(table) => table.epoch(),
             _ => None,
         };
         let first = row.get(stamp.place)? * stamp.scale;

@@ -21,8 +21,8 @@ pub struct GnssFormat {
     /// Factor from the time column to seconds.
     pub time_scale: f64,
     /// Position, if it is to be read.
-    pub place: Option<Place>,
-    /// Standard deviations of the position north, east, down, or along x, y, z of [`Place::Ecef`] \[m\];
+    pub place: Option<PositionColumns>,
+    /// Standard deviations of the position north, east, down, or along x, y, z of [`PositionColumns::Ecef`] \[m\];
     /// needed where the options have none.
     pub position_std: Option<[Column; 3]>,
     /// Velocity [m/s], if it is to be read.
@@ -42,7 +42,7 @@ pub struct GnssFormat {
 
 /// How a position is written.
 #[derive(Clone, Debug)]
-pub enum Place {
+pub enum PositionColumns {
     /// Latitude, longitude, and height above the ellipsoid \[m\].
     Geodetic {
         /// Latitude, north positive; longitude, east positive; height \[m\].
@@ -105,9 +105,9 @@ impl FixColumns {
             Ok(At { values, std })
         };
         let place = format.place.as_ref().map(|place| {
-            let (Place::Geodetic { columns, .. }
-            | Place::Baseline { ned: columns, .. }
-            | Place::Ecef(columns)) = place;
+            let (PositionColumns::Geodetic { columns, .. }
+            | PositionColumns::Baseline { ned: columns, .. }
+            | PositionColumns::Ecef(columns)) = place;
             part(
                 "position",
                 columns,
@@ -126,7 +126,7 @@ impl FixColumns {
         let (place, velocity) = (place.transpose()?, velocity.transpose()?);
         let placed = format.place.as_ref();
         let turned = velocity.is_some() && format.velocity_axes == VelocityAxes::Ecef;
-        if turned && placed.is_none_or(|place| matches!(place, Place::Baseline { .. })) {
+        if turned && placed.is_none_or(|place| matches!(place, PositionColumns::Baseline { .. })) {
             let problem = "a velocity along Earth-fixed axes needs the place beside it";
             let error = ReadError::nameless(problem).key("gnss.velocity_axes");
             return Err(error.mend("set gnss.position or gnss.ecef"));
@@ -173,9 +173,9 @@ impl FixColumns {
             return Some(None);
         };
         Some(Some(match place {
-            Place::Geodetic { .. } | Place::Ecef(_) => {
+            PositionColumns::Geodetic { .. } | PositionColumns::Ecef(_) => {
                 let place = match place {
-                    Place::Geodetic { angle_scale, .. } => Geodetic {
+                    PositionColumns::Geodetic { angle_scale, .. } => Geodetic {
                         lat: values.x * angle_scale,
                         lon: values.y * angle_scale,
                         height: values.z,
@@ -194,7 +194,7 @@ impl FixColumns {
                 };
                 Position::Geodetic(Geodetic { lon, ..place })
             }
-            Place::Baseline { base, .. } => Position::Baseline {
+            PositionColumns::Baseline { base, .. } => Position::Baseline {
                 base: *base,
                 ned: values,
             },
@@ -212,7 +212,7 @@ impl FixColumns {
         let std = at.std(row.numbers, fixes.position_std) * fixes.position_std_factor;
         let covariance = diagonal(&std, row.line, skipped)?;
         let turn = match (place, &self.format.place) {
-            (Position::Geodetic(place), Some(Place::Ecef(_))) if at.std.is_some() => {
+            (Position::Geodetic(place), Some(PositionColumns::Ecef(_))) if at.std.is_some() => {
                 place.ned_from_ecef()
             }
             _ => Matrix3::identity(),

@@ -19,7 +19,7 @@ fn format() -> GnssFormat {
         time: Column::Number(1),
         date: None,
         time_scale: 1.0,
-        place: Some(Place::Geodetic {
+        place: Some(PositionColumns::Geodetic {
             columns: group(2),
             angle_scale: 1f64.to_radians(),
         }),
@@ -104,7 +104,7 @@ fn unusable_parts_leave_the_other_part() {
 fn baselines_and_spans() {
     let base = Geodetic::from_degrees(45.0, 7.0, 300.0);
     let baseline = GnssFormat {
-        place: Some(Place::Baseline {
+        place: Some(PositionColumns::Baseline {
             ned: group(2),
             base,
         }),
@@ -158,7 +158,7 @@ fn unusable_formats_and_files_are_named() {
 #[test]
 fn earth_fixed_columns() {
     let earth_fixed = GnssFormat {
-        place: Some(Place::Ecef(group(2))),
+        place: Some(PositionColumns::Ecef(group(2))),
         velocity_axes: VelocityAxes::Ecef,
         velocity_std: Some(group(8)),
         fixes: FixOptions::default(),

@@ -29,7 +29,7 @@ use crate::entry::{Entries, Stream, StreamKind, Wanted};
 use crate::error::{NAMES_SHOWN, the_file_has};
 use crate::source::{Again, Source};
 
-use formats::Kind;
+use formats::MessageKind;
 use messages::Messages;
 use reader::Reader;
 use survey::Survey;
@@ -74,4 +74,4 @@ pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
 }
 
 /// A stream: the kind of its messages, the gyro's where there are two, and the instance.
-type Which = (Kind, u8);
+type Which = (MessageKind, u8);

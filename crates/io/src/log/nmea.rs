@@ -23,23 +23,16 @@ use crate::lines::{Lines, NextLine};
 use crate::skipped::SkipKind;
 use crate::source::Source;
 use epoch::{Epoch, Heights, Times};
-use sentence::{Found, Sentence, sentences};
+use sentence::{Sentence, sentences};
 
 const STREAM: &str = "NMEA";
 
 /// Whether the first bytes of a file hold two whole sentences of NMEA; UBX messages with positions or
 /// inertial samples between them have more to say: ask for these too.
 pub(crate) fn detect(start: &[u8]) -> bool {
-    let whole = |line: &[u8]| {
-        let found = sentences(line).filter(|found| matches!(found, Found::Sentence(_)));
-        found.count()
-    };
-    let mut lines = start.split(|&byte| byte == b'\n');
-    let enough = lines.try_fold(0, |count, line| {
-        let count = count + whole(line);
-        if count < 2 { Ok(count) } else { Err(()) }
-    });
-    enough.is_err()
+    let lines = start.split(|&byte| byte == b'\n');
+    let whole = lines.flat_map(sentences).filter(Result::is_ok);
+    whole.take(2).count() == 2
 }
 
 pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
@@ -63,10 +56,7 @@ pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
     loop {
         match lines.step() {
             NextLine::Line(range) => {
-                for found in sentences(lines.bytes(range)) {
-                    let Found::Sentence(sentence) = found else {
-                        continue;
-                    };
+                for sentence in sentences(lines.bytes(range)).flatten() {
                     messages += 1;
                     for (count, kind) in counts.iter_mut().zip(KINDS) {
                         *count += u64::from(sentence.kind() == kind);
@@ -101,13 +91,13 @@ impl Reader {
                 let line = self.lines.bytes(range);
                 for found in sentences(line) {
                     match found {
-                        Found::Sentence(sentence) => {
+                        Ok(sentence) => {
                             let ended = take(&mut self.epoch, at, &sentence, ready);
                             if let Some(ended) = ended {
                                 ended.end(&mut self.heights, &mut self.times, ready);
                             }
                         }
-                        Found::Damaged(detail) => ready.skip(at, SkipKind::Damaged, detail),
+                        Err(detail) => ready.skip(at, SkipKind::Damaged, detail),
                     }
                 }
                 true

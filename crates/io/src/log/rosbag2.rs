@@ -14,7 +14,7 @@ mod row;
 mod tests;
 
 pub(crate) use folder::parts as parts_of_folder;
-pub(crate) use parts::{MOST_HELD, Part, too_large};
+pub(crate) use parts::{BagFile, MOST_HELD, too_large};
 
 use parts::Parts;
 
@@ -30,7 +30,7 @@ pub(crate) fn detect(start: &[u8]) -> bool {
 
 /// The entries of a bag in one or several parts.
 pub(crate) fn entries(
-    parts: Vec<Part>,
+    parts: Vec<BagFile>,
     read: &BytesRead,
     wanted: &Wanted,
 ) -> Result<Entries, ReadError> {
@@ -38,6 +38,6 @@ pub(crate) fn entries(
 }
 
 /// The streams of a bag in one or several parts.
-pub(crate) fn streams(parts: Vec<Part>) -> Result<Vec<Stream>, ReadError> {
+pub(crate) fn streams(parts: Vec<BagFile>) -> Result<Vec<Stream>, ReadError> {
     ros::streams(Parts::open(parts, &BytesRead::default())?)
 }

@@ -57,7 +57,7 @@ pub(crate) fn folder(path: &Path) -> Result<Option<Source>, ReadError> {
             .into_iter()
             .find(|name| path.join(format!("{name}.csv")).is_file());
         let Some(name) = there else { continue };
-        let mut rows = Rows::open(path, name)?;
+        let mut rows = SensorFile::open(path, name)?;
         text += &format!("# {name},{}\n", rows.header);
         rows.step()
             .map_err(|error| source::cannot_open(path, error))?;
@@ -78,7 +78,7 @@ pub(crate) fn folder(path: &Path) -> Result<Option<Source>, ReadError> {
 }
 
 /// The rows of one file.
-struct Rows {
+struct SensorFile {
     name: &'static str,
     header: String,
     lines: BufReader<File>,
@@ -86,7 +86,7 @@ struct Rows {
     next: Option<(f64, String)>,
 }
 
-impl Rows {
+impl SensorFile {
     fn open(folder: &Path, name: &'static str) -> Result<Self, ReadError> {
         let path = folder.join(format!("{name}.csv"));
         let mut rows = Self {
@@ -128,7 +128,7 @@ impl Rows {
 
 /// The rows of all files in the order of their times.
 struct Merged {
-    files: Vec<Rows>,
+    files: Vec<SensorFile>,
     held: Vec<u8>,
     at: usize,
 }
@@ -136,7 +136,8 @@ struct Merged {
 impl Read for Merged {
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
         if self.at == self.held.len() {
-            let time = |rows: &Rows| rows.next.as_ref().map_or(f64::INFINITY, |(time, _)| *time);
+            let time =
+                |rows: &SensorFile| rows.next.as_ref().map_or(f64::INFINITY, |(time, _)| *time);
             let with_row = self.files.iter_mut().filter(|rows| rows.next.is_some());
             let Some(rows) = with_row.min_by(|a, b| time(a).total_cmp(&time(b))) else {
                 return Ok(0);

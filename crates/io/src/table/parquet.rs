@@ -58,7 +58,7 @@ impl ChunkReader for Bytes {
             #[cfg(not(target_family = "wasm"))]
             Self::File(file) => Box::new(file.get_read(start)?),
             #[cfg(target_family = "wasm")]
-            Self::File(file) => Box::new(Place {
+            Self::File(file) => Box::new(FileFrom {
                 file: file.clone(),
                 at: start,
             }),
@@ -88,13 +88,13 @@ impl ChunkReader for Bytes {
 
 /// A file from a place on. WebAssembly cannot open a descriptor once more, and has a single thread that reads.
 #[cfg(target_family = "wasm")]
-struct Place {
+struct FileFrom {
     file: Arc<File>,
     at: u64,
 }
 
 #[cfg(target_family = "wasm")]
-impl Read for Place {
+impl Read for FileFrom {
     fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
         use std::io::{Seek, SeekFrom};
         let mut file = self.file.as_ref();

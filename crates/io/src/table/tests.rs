@@ -28,9 +28,9 @@ fn from(bytes: &[u8], options: &TableOptions) -> Result<Table, ReadError> {
     Opened::stream(Path::new("imu.csv"), Cursor::new(bytes.to_vec()))?.table(options)
 }
 
-type Rows = Vec<(u64, Vec<f64>)>;
+type NumberedRows = Vec<(u64, Vec<f64>)>;
 
-fn drain(table: &mut Table) -> Result<Rows, ReadError> {
+fn drain(table: &mut Table) -> Result<NumberedRows, ReadError> {
     let mut rows = Vec::new();
     let mut row = vec![0.0; table.columns.len()];
     while let Some(line) = table.next_row(&mut row)? {
@@ -39,7 +39,7 @@ fn drain(table: &mut Table) -> Result<Rows, ReadError> {
     Ok(rows)
 }
 
-fn rows(text: &str, options: &TableOptions) -> (Rows, Skipped) {
+fn rows(text: &str, options: &TableOptions) -> (NumberedRows, Skipped) {
     let mut table = from(text.as_bytes(), options).unwrap();
     (drain(&mut table).unwrap(), table.skipped().clone())
 }

@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use undrift_io::Opened;
 use undrift_io::format::Format;
-use undrift_io::gnss::{FixOptions, GnssFormat, GnssLog, GnssReader, Place, VelocityAxes};
+use undrift_io::gnss::{
+    FixOptions, GnssFormat, GnssLog, GnssReader, PositionColumns, VelocityAxes,
+};
 use undrift_io::imu::{ImuFormat, ImuReader};
 use undrift_io::skipped::SkipKind;
 use undrift_io::table::Column;
@@ -53,7 +55,7 @@ fn gnss_format(height: &str) -> GnssFormat {
         time: name("t_s"),
         date: None,
         time_scale: 1.0,
-        place: Some(Place::Geodetic {
+        place: Some(PositionColumns::Geodetic {
             columns: names(["lat_deg", "lon_deg", height]),
             angle_scale: degrees(),
         }),

@@ -13,7 +13,7 @@ use crate::{
 use std::path::PathBuf;
 use undrift_io::{
     format::Format,
-    gnss::{FixOptions, GnssFormat, GnssLog, GnssSource, Place},
+    gnss::{FixOptions, GnssFormat, GnssLog, GnssSource, PositionColumns},
     layouts,
     table::Column,
 };
@@ -244,11 +244,11 @@ fn read_columns(section: &Section, fixes: FixOptions) -> Result<GnssFormat, Conf
         (Some(_), _) | (_, Some(_)) if ecef.is_some() => {
             return Err(section.error("ecef", "set only one of position, baseline and ecef"));
         }
-        (Some(columns), None) => Some(Place::Geodetic {
+        (Some(columns), None) => Some(PositionColumns::Geodetic {
             columns,
             angle_scale,
         }),
-        (None, Some(ned)) => Some(Place::Baseline {
+        (None, Some(ned)) => Some(PositionColumns::Baseline {
             ned,
             base: read_base(section)?.ok_or_else(|| {
                 section.error(
@@ -257,7 +257,7 @@ fn read_columns(section: &Section, fixes: FixOptions) -> Result<GnssFormat, Conf
                 )
             })?,
         }),
-        (None, None) => ecef.map(Place::Ecef),
+        (None, None) => ecef.map(PositionColumns::Ecef),
     };
     let velocity = section.columns("velocity")?;
     let stds = |wanted: bool, stated, columns, unit| match wanted {

@@ -5,7 +5,7 @@ use crate::number;
 
 /// Messages that are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Kind {
+pub(super) enum MessageKind {
     Imu,
     Gyro,
     Accel,
@@ -17,10 +17,10 @@ pub(super) enum Kind {
 /// The most fields of a kind.
 pub(super) const MOST: usize = 14;
 
-/// The fields of a message in the order of [`Kind::labels`]; NaN where it has none.
+/// The fields of a message in the order of [`MessageKind::labels`]; NaN where it has none.
 pub(super) type Values = [f64; MOST];
 
-impl Kind {
+impl MessageKind {
     /// By the name of its messages, which in older logs end in the number of the instance.
     fn named(name: &str) -> Option<(Self, u8)> {
         let base = name.trim_end_matches(|letter: char| letter.is_ascii_digit());
@@ -77,7 +77,7 @@ pub(super) struct Format {
     /// With its head \[bytes\].
     pub(super) length: usize,
     /// What it holds, and the instance by its name.
-    kind: Option<(Kind, u8)>,
+    kind: Option<(MessageKind, u8)>,
     columns: Vec<Option<Column>>,
 }
 
@@ -89,7 +89,7 @@ impl Format {
             return None;
         }
         let is_whole = sizes.is_some_and(|sizes| sizes + 3 == length);
-        let kind = Kind::named(name).filter(|_| is_whole);
+        let kind = MessageKind::named(name).filter(|_| is_whole);
         let mut all = Vec::new();
         let mut offset = 0;
         for (place, (letter, label)) in letters.bytes().zip(labels.split(',')).enumerate() {
@@ -132,7 +132,7 @@ impl Format {
     }
 
     /// What a message of these bytes is: its kind, instance and fields.
-    pub(super) fn read(&self, body: &[u8]) -> Option<(Kind, u8, Values)> {
+    pub(super) fn read(&self, body: &[u8]) -> Option<(MessageKind, u8, Values)> {
         self.values(|column| {
             let bytes = body.get(column.offset..)?;
             Some(column.number.read(bytes, false)? * column.scale)
@@ -140,14 +140,14 @@ impl Format {
     }
 
     /// The same of the fields of a text, where letters of types have scaled the numbers already.
-    pub(super) fn read_text(&self, fields: &[&[u8]]) -> Option<(Kind, u8, Values)> {
+    pub(super) fn read_text(&self, fields: &[&[u8]]) -> Option<(MessageKind, u8, Values)> {
         self.values(|column| {
             let scale = if column.scaled { 1.0 } else { column.scale };
             Some(number::parse(fields.get(column.place)?)? * scale)
         })
     }
 
-    fn values(&self, read: impl Fn(&Column) -> Option<f64>) -> Option<(Kind, u8, Values)> {
+    fn values(&self, read: impl Fn(&Column) -> Option<f64>) -> Option<(MessageKind, u8, Values)> {
         let (kind, instance) = self.kind?;
         let mut values = [f64::NAN; MOST];
         for (value, column) in values.iter_mut().zip(&self.columns) {

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::io::{BufRead, Read};
 
-use super::formats::{Format, Kind, Values};
+use super::formats::{Format, MessageKind, Values};
 use crate::ReadError;
 use crate::source::Source;
 
@@ -35,7 +35,7 @@ pub(super) fn is_text(start: &[u8]) -> bool {
 #[derive(Debug)]
 pub(super) enum Next {
     /// A message that is read: its kind, instance and fields.
-    Message(Kind, u8, Values),
+    Message(MessageKind, u8, Values),
     /// Any other, by its name.
     Other(String),
     /// Bytes that are no message were passed over.

@@ -6,7 +6,7 @@ use undrift_nav::Vector3;
 use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::{FixQuality, Position};
 
-use super::formats::{Kind, Values, time};
+use super::formats::{MessageKind, Values, time};
 use super::link::Link;
 use super::messages::{Messages, Next};
 use crate::entry::{Fix, ImuReading, What};
@@ -22,7 +22,7 @@ const WAITING: usize = 4096;
 /// The entries of one stream.
 pub(super) struct Reader {
     messages: Messages,
-    kind: Kind,
+    kind: MessageKind,
     instance: u8,
     weeks: WeekClock,
     link: Option<Link>,
@@ -37,7 +37,7 @@ pub(super) struct Reader {
 impl Reader {
     pub(super) fn new(
         messages: Messages,
-        kind: Kind,
+        kind: MessageKind,
         instance: u8,
         (weeks, link): (WeekClock, Option<Link>),
     ) -> Self {
@@ -60,17 +60,17 @@ impl Reader {
         match next {
             Next::Message(kind, instance, values) if instance == self.instance => {
                 match (self.kind, kind) {
-                    (Kind::Imu, Kind::Imu) => {
+                    (MessageKind::Imu, MessageKind::Imu) => {
                         let reading = self.reading(&values);
                         ready.push(at, What::of(reading.map(What::Imu)));
                     }
-                    (Kind::Gyro, Kind::Gyro) => self.add_gyro(at, &values, ready),
-                    (Kind::Gyro, Kind::Accel) => self.add_accel(at, &values, ready),
-                    (Kind::Gps, Kind::Gps) => {
+                    (MessageKind::Gyro, MessageKind::Gyro) => self.add_gyro(at, &values, ready),
+                    (MessageKind::Gyro, MessageKind::Accel) => self.add_accel(at, &values, ready),
+                    (MessageKind::Gps, MessageKind::Gps) => {
                         self.end_fix(None, ready);
                         self.fix = Some((at, values));
                     }
-                    (Kind::Gps, Kind::Accuracy) => self.end_fix(Some(&values), ready),
+                    (MessageKind::Gps, MessageKind::Accuracy) => self.end_fix(Some(&values), ready),
                     _ => {}
                 }
             }
@@ -90,7 +90,7 @@ impl Reader {
 
     /// What the times count from, where there are fixes.
     pub(super) fn epoch(&self) -> Option<Epoch> {
-        let is_gps = self.kind == Kind::Gps || self.link.is_some();
+        let is_gps = self.kind == MessageKind::Gps || self.link.is_some();
         self.weeks.epoch(ClockSource::Gnss).filter(|_| is_gps)
     }
 

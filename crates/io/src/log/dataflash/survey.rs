@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::Which;
-use super::formats::{Kind, Values, time};
+use super::formats::{MessageKind, Values, time};
 use super::link::{Link, Ties};
 use super::messages::{Messages, Next};
 use super::reader::fix_time;
@@ -82,16 +82,18 @@ impl Survey {
         }
     }
 
-    fn add(&mut self, kind: Kind, instance: u8, values: &Values) {
+    fn add(&mut self, kind: MessageKind, instance: u8, values: &Values) {
         let sampled = match (kind, values) {
-            (Kind::Gyro | Kind::Accel, [_, _, _, _, _, _, sampled, ..]) => sampled / 1e6,
+            (MessageKind::Gyro | MessageKind::Accel, [_, _, _, _, _, _, sampled, ..]) => {
+                sampled / 1e6
+            }
             _ => time(values),
         };
         self.counts
             .entry((kind, instance))
             .or_default()
             .add(sampled);
-        if kind == Kind::Gps
+        if kind == MessageKind::Gps
             && let Some(gps) = fix_time(values, &mut self.weeks)
         {
             self.ties
@@ -110,18 +112,19 @@ impl Survey {
     fn read(&self) -> Vec<(Which, u64, bool)> {
         let stream = |(&(kind, instance), count): (&Which, &Count)| {
             let messages = match kind {
-                Kind::Accel | Kind::Accuracy => return None,
+                MessageKind::Accel | MessageKind::Accuracy => return None,
                 // As many as have both halves.
-                Kind::Gyro => match self.counts.get(&(Kind::Accel, instance)) {
+                MessageKind::Gyro => match self.counts.get(&(MessageKind::Accel, instance)) {
                     Some(accel) => count.messages.min(accel.messages),
                     None => return None,
                 },
-                Kind::Imu | Kind::Gps => count.messages,
+                MessageKind::Imu | MessageKind::Gps => count.messages,
             };
-            let of = |kind: Kind| self.counts.get(&(kind, instance));
+            let of = |kind: MessageKind| self.counts.get(&(kind, instance));
             // Raw samples are often logged for a part of the flight only.
-            let throughout = of(Kind::Imu).is_none_or(|imu| count.span() > COMPLETE * imu.span());
-            let accel = of(Kind::Accel).is_some_and(Count::is_complete);
+            let throughout =
+                of(MessageKind::Imu).is_none_or(|imu| count.span() > COMPLETE * imu.span());
+            let accel = of(MessageKind::Accel).is_some_and(Count::is_complete);
             let complete = throughout && accel && count.is_complete();
             Some(((kind, instance), messages, complete))
         };
@@ -133,10 +136,10 @@ impl Survey {
             name: name((kind, instance)),
             kind: holds(kind),
             about: match kind {
-                Kind::Imu => "filtered by the autopilot, forward-right-down",
-                Kind::Gyro if complete => "GYR and ACC of the sensor, forward-right-down",
-                Kind::Gyro => "GYR and ACC of the sensor, with gaps, forward-right-down",
-                _ if self.counts.contains_key(&(Kind::Accuracy, instance)) => {
+                MessageKind::Imu => "filtered by the autopilot, forward-right-down",
+                MessageKind::Gyro if complete => "GYR and ACC of the sensor, forward-right-down",
+                MessageKind::Gyro => "GYR and ACC of the sensor, with gaps, forward-right-down",
+                _ if self.counts.contains_key(&(MessageKind::Accuracy, instance)) => {
                     "fixes of one receiver, with accuracies"
                 }
                 _ => "fixes of one receiver",
@@ -166,32 +169,32 @@ impl Survey {
     pub(super) fn usual(&self, kind: StreamKind) -> Option<Which> {
         let mut those = self.read();
         those.retain(|((of, _), _, complete)| {
-            holds(*of) == kind && (*of != Kind::Gyro || *complete)
+            holds(*of) == kind && (*of != MessageKind::Gyro || *complete)
         });
         if those.is_empty() {
             those = self.read();
             those.retain(|((of, _), ..)| holds(*of) == kind);
         }
-        let raw = those.iter().any(|((of, _), ..)| *of == Kind::Gyro);
-        those.retain(|((of, _), ..)| !raw || *of == Kind::Gyro);
+        let raw = those.iter().any(|((of, _), ..)| *of == MessageKind::Gyro);
+        those.retain(|((of, _), ..)| !raw || *of == MessageKind::Gyro);
         let most = those.iter().map(|stream| stream.1).max()?;
         let mut those = those.iter().filter(|stream| stream.1 >= most.div_ceil(2));
         those.next().map(|stream| stream.0)
     }
 }
 
-fn holds(kind: Kind) -> StreamKind {
+fn holds(kind: MessageKind) -> StreamKind {
     match kind {
-        Kind::Imu | Kind::Gyro => StreamKind::Imu,
-        Kind::Gps => StreamKind::Fixes,
-        Kind::Accel | Kind::Accuracy => StreamKind::Other,
+        MessageKind::Imu | MessageKind::Gyro => StreamKind::Imu,
+        MessageKind::Gps => StreamKind::Fixes,
+        MessageKind::Accel | MessageKind::Accuracy => StreamKind::Other,
     }
 }
 
 fn name((kind, instance): Which) -> String {
     let name = match kind {
-        Kind::Gyro => "RAW",
-        Kind::Gps => "GPS",
+        MessageKind::Gyro => "RAW",
+        MessageKind::Gps => "GPS",
         _ => "IMU",
     };
     format!("{name}{instance}")

@@ -11,22 +11,17 @@ const LONGEST: usize = 256;
 /// A sentence whose checksum is right: what stands between `$` and `*`.
 pub(super) struct Sentence<'a>(&'a [u8]);
 
-pub(super) enum Found<'a> {
-    Sentence(Sentence<'a>),
-    /// What begins like a sentence that is read here, but is damaged.
-    Damaged(String),
-}
-
-/// The sentences of a line; anything else in it is passed over.
-pub(super) fn sentences(line: &[u8]) -> impl Iterator<Item = Found<'_>> {
+/// The sentences of a line, `Err` with what begins like one that is read here, but is damaged; anything else in it
+/// is passed over.
+pub(super) fn sentences(line: &[u8]) -> impl Iterator<Item = Result<Sentence<'_>, String>> {
     // A `$` inside of a sentence is a new beginning: the one before lost its end.
     line.split(|&byte| byte == b'$')
         .skip(1)
         .filter_map(|piece| {
             let piece = piece.get(..LONGEST).unwrap_or(piece);
             let sentence = whole_sentence(piece);
-            let damaged = || looks_like_one(piece).then(|| Found::Damaged(shown(piece)));
-            sentence.map(Found::Sentence).or_else(damaged)
+            let damaged = || looks_like_one(piece).then(|| Err(shown(piece)));
+            sentence.map(Ok).or_else(damaged)
         })
 }
 

@@ -5,7 +5,7 @@
 
 use undrift_nav::sample::Position;
 
-use super::messages::{Motion, Place, Solution};
+use super::messages::{BestPosition, Motion, Solution};
 use crate::entry::Fix;
 use crate::fix::on_earth;
 use crate::log::receiver::Ready;
@@ -24,7 +24,7 @@ pub(super) struct Fixes {
 }
 
 impl Fixes {
-    pub(super) fn position(&mut self, at: u64, time: f64, place: &Place, ready: &mut Ready) {
+    pub(super) fn position(&mut self, at: u64, time: f64, place: &BestPosition, ready: &mut Ready) {
         let Some(position) = ready.usable(at, on_earth(place.position)) else {
             return;
         };

@@ -162,14 +162,14 @@ fn is_solution(state: Option<u32>) -> bool {
 }
 
 /// A position, its covariance north-east-down where it can be one \[m²\], and its quality.
-pub(super) struct Place {
+pub(super) struct BestPosition {
     pub(super) position: Geodetic,
     pub(super) covariance: Option<Matrix3>,
     pub(super) quality: FixQuality,
 }
 
 /// Of BESTPOS and its like: `None` if it is too short, `None` inside without a fix.
-pub(super) fn place(mut fields: Fields) -> Option<Option<Place>> {
+pub(super) fn place(mut fields: Fields) -> Option<Option<BestPosition>> {
     let status = fields.code(&[COMPUTED])?;
     let quality = quality(fields.code(&TYPES)?);
     let [lat, lon, above_sea] = fields.three(F64)?;
@@ -177,7 +177,7 @@ pub(super) fn place(mut fields: Fields) -> Option<Option<Place>> {
     fields.skip(4)?;
     let std = Vector3::from(fields.three(F32)?);
     let computed = quality.filter(|_| status == Some(COMPUTED.0));
-    Some(computed.map(|quality| Place {
+    Some(computed.map(|quality| BestPosition {
         position: Geodetic::from_degrees(lat, lon, above_sea + undulation),
         covariance: independent(&std),
         quality,
@@ -214,7 +214,7 @@ pub(super) struct Solution {
     pub(super) pose: TruthSample,
     /// GPS week and second of it, where the body has them.
     pub(super) time: Option<(f64, f64)>,
-    pub(super) place: Place,
+    pub(super) place: BestPosition,
     /// Covariance of the velocity north-east-down [(m/s)²].
     pub(super) velocity: Option<Matrix3>,
 }
@@ -240,7 +240,7 @@ pub(super) fn solution(mut fields: Fields) -> Option<Option<Solution>> {
     Some(is_solution(state).then(|| Solution {
         pose: pose(position, v_n, rpy),
         time: Some(time),
-        place: Place {
+        place: BestPosition {
             position,
             covariance: None,
             quality: FixQuality::Unknown,
@@ -260,7 +260,7 @@ pub(super) fn extended(mut fields: Fields) -> Option<Option<Solution>> {
     Some(is_solution(state).then(|| Solution {
         pose: pose(position, v_n, rpy),
         time: None,
-        place: Place {
+        place: BestPosition {
             position,
             covariance: independent(&Vector3::from(place)),
             quality: quality.unwrap_or_default(),

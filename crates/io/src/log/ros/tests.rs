@@ -9,7 +9,7 @@ use undrift_nav::{Matrix3, Vector3};
 
 use crate::ReadError;
 use crate::entry::{Entries, Entry, Fix, ImuReading, Stream, StreamKind, Wanted, What};
-use crate::log::rosbag2::{self, Part};
+use crate::log::rosbag2::{self, BagFile};
 use crate::log::{bag, mcap};
 use crate::skipped::SkipKind;
 use crate::source::{self, BytesRead, Source};
@@ -46,11 +46,11 @@ fn entries(name: &str, source: Source, wanted: &Wanted) -> Result<Entries, ReadE
 }
 
 /// The parts of a bag of ROS 2.
-fn parts(name: &str) -> Option<Vec<Part>> {
+fn parts(name: &str) -> Option<Vec<BagFile>> {
     let path = golden(name);
     name.starts_with("rosbag2/").then(|| match path.is_dir() {
         true => rosbag2::parts_of_folder(&path).unwrap(),
-        false => vec![Part::File(path)],
+        false => vec![BagFile::File(path)],
     })
 }
 

@@ -3,7 +3,7 @@
 use std::collections::{HashMap, VecDeque};
 use std::ops::Range;
 
-use super::pages::{Bytes, Database, Fault, Row, Rows};
+use super::pages::{Bytes, Database, Fault, LeafCell, LeafCells};
 use super::row;
 use crate::ReadError;
 use crate::error::{NAMES_SHOWN, the_file_has};
@@ -26,7 +26,7 @@ pub(super) struct Bag {
     topics: HashMap<i64, (u32, bool)>,
     /// What there is to tell before the messages.
     first: VecDeque<Event>,
-    rows: Rows,
+    rows: LeafCells,
     /// The first page that is not there.
     missing: Option<u32>,
     bytes: Vec<u8>,
@@ -86,7 +86,7 @@ impl Bag {
         let [name, kind] = [place(topics, "name")?, place(topics, "type")?];
         let format = topics.column("serialization_format");
         let mut bag = Self {
-            rows: Rows::new(messages.root),
+            rows: LeafCells::new(messages.root),
             columns,
             topics: HashMap::new(),
             first: VecDeque::new(),
@@ -137,7 +137,7 @@ impl Bag {
     }
 
     /// What a row of the messages tells.
-    fn message(&mut self, row: Row) -> Event {
+    fn message(&mut self, row: LeafCell) -> Event {
         self.read_message(row).unwrap_or_else(|fault| match fault {
             Fault::Missing(page) => {
                 self.missing.get_or_insert(page);
@@ -148,7 +148,7 @@ impl Bag {
         })
     }
 
-    fn read_message(&mut self, row: Row) -> Result<Event, Fault> {
+    fn read_message(&mut self, row: LeafCell) -> Result<Event, Fault> {
         let damaged = |what: &str| Fault::Damaged(format!("row {}: {what}", row.id));
         self.bytes.clone_from(&row.local);
         // Where the numbers are is usually told before the row goes over to other pages.
@@ -223,7 +223,7 @@ fn each_row(
     fault: &mut Option<Fault>,
     mut take: impl FnMut(i64, &[u8]) -> bool,
 ) {
-    let mut rows = Rows::new(root);
+    let mut rows = LeafCells::new(root);
     while let Some(row) = rows.next(database) {
         let whole = row.and_then(|row| {
             let mut bytes = row.local.clone();

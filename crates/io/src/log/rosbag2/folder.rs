@@ -4,7 +4,7 @@ use std::ffi::OsStr;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use super::Part;
+use super::BagFile;
 use crate::{ReadError, source};
 
 /// The list of the files, which the recorder writes when it ends.
@@ -18,7 +18,7 @@ const MOST: usize = 60_000;
 ///
 /// # Errors
 /// If it holds no bag, or the folder cannot be read.
-pub(crate) fn parts(folder: &Path) -> Result<Vec<Part>, ReadError> {
+pub(crate) fn parts(folder: &Path) -> Result<Vec<BagFile>, ReadError> {
     let mut files = listed(folder);
     if !files.iter().any(|file| file.exists()) {
         files = found(folder)?;
@@ -29,7 +29,7 @@ pub(crate) fn parts(folder: &Path) -> Result<Vec<Part>, ReadError> {
         let mend = "give a log file, or the bag's own folder";
         return Err(ReadError::new(folder, problem).mend(mend));
     }
-    Ok(files.into_iter().map(Part::File).collect())
+    Ok(files.into_iter().map(BagFile::File).collect())
 }
 
 /// The files that the folder's list names.

@@ -127,7 +127,7 @@ impl Database {
     /// The rest of a row's bytes, after those on the page of its tree: into the same place.
     pub(super) fn overflow(
         &mut self,
-        row: &Row,
+        row: &LeafCell,
         most: u64,
         bytes: &mut Vec<u8>,
     ) -> Result<(), Fault> {
@@ -152,9 +152,9 @@ impl Database {
     }
 }
 
-/// A row as it is stored.
+/// A row as a leaf page of its table has it.
 #[derive(Debug)]
-pub(super) struct Row {
+pub(super) struct LeafCell {
     pub(super) id: i64,
     /// Length of its bytes.
     length: u64,
@@ -204,7 +204,7 @@ impl Node {
 }
 
 /// The rows of a table in the order of their numbers. Every page is gone to once, whatever the links say.
-pub(super) struct Rows {
+pub(super) struct LeafCells {
     /// The next page to go to.
     pending: Option<u32>,
     path: Vec<Node>,
@@ -212,7 +212,7 @@ pub(super) struct Rows {
     visited: Vec<u64>,
 }
 
-impl Rows {
+impl LeafCells {
     pub(super) fn new(root: u32) -> Self {
         Self {
             pending: Some(root),
@@ -222,7 +222,7 @@ impl Rows {
     }
 
     /// The next row; after a fault it goes on with what stands beside it.
-    pub(super) fn next(&mut self, database: &mut Database) -> Option<Result<Row, Fault>> {
+    pub(super) fn next(&mut self, database: &mut Database) -> Option<Result<LeafCell, Fault>> {
         loop {
             if let Some(number) = self.pending.take() {
                 match self.node(database, number) {
@@ -287,7 +287,7 @@ impl Rows {
 }
 
 /// The row whose cell begins at `at`.
-fn row(page: &[u8], at: usize, usable: usize) -> Option<Row> {
+fn row(page: &[u8], at: usize, usable: usize) -> Option<LeafCell> {
     let cell = page.get(at..usable)?;
     let (length, rest) = varint(cell)?;
     let (id, rest) = varint(rest)?;
@@ -304,7 +304,7 @@ fn row(page: &[u8], at: usize, usable: usize) -> Option<Row> {
         true => Some(u32::from_be_bytes(*rest.first_chunk()?)),
         false => None,
     };
-    Some(Row {
+    Some(LeafCell {
         id: id.cast_signed(),
         length,
         local: local.to_vec(),

@@ -18,13 +18,13 @@ use crate::source::{self, BytesRead, Source};
 pub(crate) const MOST_HELD: u64 = 2 << 30;
 
 /// A file of a bag.
-pub(crate) enum Part {
+pub(crate) enum BagFile {
     File(PathBuf),
     /// What a pipe had, and what it is called.
     Held(PathBuf, Vec<u8>),
 }
 
-impl Part {
+impl BagFile {
     pub(crate) fn name(&self) -> &Path {
         match self {
             Self::File(path) | Self::Held(path, _) => path,
@@ -34,7 +34,7 @@ impl Part {
 
 /// The parts of a bag, of which one is open.
 pub(super) struct Parts {
-    waiting: VecDeque<Part>,
+    waiting: VecDeque<BagFile>,
     present: Option<Box<dyn Events>>,
     /// Its name.
     name: PathBuf,
@@ -58,7 +58,7 @@ impl Parts {
     ///
     /// # Errors
     /// If no part is found.
-    pub(super) fn open(parts: Vec<Part>, read: &BytesRead) -> Result<Self, ReadError> {
+    pub(super) fn open(parts: Vec<BagFile>, read: &BytesRead) -> Result<Self, ReadError> {
         read.restart();
         let mut bag = Self {
             several: parts.len() > 1,
@@ -205,13 +205,13 @@ fn changes_of(path: &Path) -> Option<PathBuf> {
 }
 
 /// Opens a part by its content.
-fn open(part: Part, read: &BytesRead) -> Result<Box<dyn Events>, ReadError> {
+fn open(part: BagFile, read: &BytesRead) -> Result<Box<dyn Events>, ReadError> {
     match part {
-        Part::File(path) => of_file(&path, read).map_err(|error| match changes_of(&path) {
+        BagFile::File(path) => of_file(&path, read).map_err(|error| match changes_of(&path) {
             Some(changes) => error.mend(unwritten(&changes)),
             None => error,
         }),
-        Part::Held(_, bytes) => of_bytes(bytes),
+        BagFile::Held(_, bytes) => of_bytes(bytes),
     }
 }
 

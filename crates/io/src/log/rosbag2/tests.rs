@@ -22,7 +22,7 @@ fn bytes(name: &str) -> Vec<u8> {
 
 /// The entries of a database in memory.
 fn read(bytes: &[u8]) -> Result<Vec<Entry>, ReadError> {
-    let parts = vec![Part::Held("bag.db3".into(), bytes.to_vec())];
+    let parts = vec![BagFile::Held("bag.db3".into(), bytes.to_vec())];
     let wanted = Wanted::Imu(Some("/imu/data".to_owned()));
     entries(parts, &BytesRead::default(), &wanted)?.collect()
 }
