@@ -36,28 +36,46 @@ use crate::format::Format;
 use crate::skipped::{SkipKind, Skipped};
 use crate::source::{Again, BytesRead, Source};
 
-/// Whether a log that begins so is of a format.
-type Detect = fn(&[u8]) -> bool;
+/// How the entries of a format are read.
+#[derive(Clone, Copy)]
+enum ReadEntries {
+    /// Messages.
+    Messages(fn(Source, &Wanted) -> Result<Entries, ReadError>),
+    /// Lines of text.
+    Lines(fn(Source, &Wanted) -> Result<Entries, ReadError>),
+    /// Messages of a log that is read once more before: only its end shows which streams it has.
+    Twice(fn(Source, Again, &Wanted) -> Result<Entries, ReadError>),
+}
 
-/// Formats and how they are known, in the order in which they are looked for: those with a mark at their
+use ReadEntries::{Lines, Messages, Twice};
+
+/// A format: whether a log that begins so is of it, its entries, its streams.
+type LogFormat = (
+    Format,
+    fn(&[u8]) -> bool,
+    ReadEntries,
+    fn(Source) -> Result<Vec<Stream>, ReadError>,
+);
+
+/// The formats that are one stream, in the order in which they are looked for: those with a mark at their
 /// beginning first, then text that may hold stray bytes of others.
-const FORMATS: [(Format, Detect); 16] = [
-    (Format::RosBag, bag::detect),
-    (Format::Mcap, mcap::detect),
-    (Format::RosBag2, rosbag2::detect),
-    (Format::ULog, ulog::detect),
-    (Format::DataFlash, dataflash::detect),
-    (Format::NaveGo, navego::detect),
-    (Format::Gpx, gpx::detect),
-    (Format::GnssLogger, gnsslogger::detect),
-    (Format::SensorLogger, sensor_logger::detect),
-    (Format::Novatel, novatel::detect),
-    (Format::Sbf, sbf::detect),
-    (Format::Nmea, is_nmea),
-    (Format::Ubx, ubx::detect),
-    (Format::Rtklib, rtklib::detect),
-    (Format::Explorer, explorer::detect),
-    (Format::Sbet, sbet::detect),
+#[rustfmt::skip]
+const FORMATS: [LogFormat; 15] = [
+    (Format::RosBag, bag::detect, Messages(bag::entries), bag::streams),
+    (Format::Mcap, mcap::detect, Messages(mcap::entries), mcap::streams),
+    (Format::ULog, ulog::detect, Twice(ulog::entries), ulog::streams),
+    (Format::DataFlash, dataflash::detect, Twice(dataflash::entries), dataflash::streams),
+    (Format::NaveGo, navego::detect, Messages(navego::entries), navego::streams),
+    (Format::Gpx, gpx::detect, Lines(gpx::entries), gpx::streams),
+    (Format::GnssLogger, gnsslogger::detect, Lines(gnsslogger::entries), gnsslogger::streams),
+    (Format::SensorLogger, sensor_logger::detect, Messages(sensor_logger::entries), sensor_logger::streams),
+    (Format::Novatel, novatel::detect, Messages(novatel::entries), novatel::streams),
+    (Format::Sbf, sbf::detect, Messages(sbf::entries), sbf::streams),
+    (Format::Nmea, is_nmea, Lines(nmea::entries), nmea::streams),
+    (Format::Ubx, ubx::detect, Messages(ubx::entries), ubx::streams),
+    (Format::Rtklib, rtklib::detect, Lines(rtklib::entries), rtklib::streams),
+    (Format::Explorer, explorer::detect, Lines(explorer::entries), explorer::streams),
+    (Format::Sbet, sbet::detect, Messages(sbet::entries), sbet::streams),
 ];
 
 /// Sentences without UBX messages that have more to say.
@@ -67,66 +85,34 @@ fn is_nmea(start: &[u8]) -> bool {
 
 /// The format of a log that begins so.
 pub(crate) fn detect(start: &[u8]) -> Option<Format> {
-    let found = FORMATS.iter().find(|(_, begins)| begins(start));
-    found.map(|(format, _)| *format)
+    if rosbag2::detect(start) {
+        return Some(Format::RosBag2);
+    }
+    let found = FORMATS.iter().find(|(_, begins, ..)| begins(start));
+    found.map(|(format, ..)| *format)
 }
 
-fn entries(
-    source: Source,
-    again: Again,
-    format: Format,
-    wanted: &Wanted,
-) -> Result<Entries, ReadError> {
-    match format {
-        Format::RosBag => bag::entries(source, wanted),
-        Format::Mcap => mcap::entries(source, wanted),
-        Format::ULog => ulog::entries(source, again, wanted),
-        Format::DataFlash => dataflash::entries(source, again, wanted),
-        Format::NaveGo => navego::entries(source, wanted),
-        Format::Gpx => gpx::entries(source, wanted),
-        Format::GnssLogger => gnsslogger::entries(source, wanted),
-        Format::Nmea => nmea::entries(source, wanted),
-        Format::Ubx => ubx::entries(source, wanted),
-        Format::Novatel => novatel::entries(source, wanted),
-        Format::Sbf => sbf::entries(source, wanted),
-        Format::Rtklib => rtklib::entries(source, wanted),
-        Format::SensorLogger => sensor_logger::entries(source, wanted),
-        Format::Explorer => explorer::entries(source, wanted),
-        Format::Sbet => sbet::entries(source, wanted),
-        table => Err(is_table(table)),
-    }
+/// How a format is read.
+///
+/// # Errors
+/// If it is one whose columns have to be named.
+fn known(format: Format) -> Result<&'static LogFormat, ReadError> {
+    let found = FORMATS.iter().find(|(known, ..)| *known == format);
+    found.ok_or_else(|| {
+        let what = format.describe();
+        ReadError::nameless(format!("{what} is a table: specify its columns"))
+    })
 }
 
 /// The streams of a log.
 pub(crate) fn streams(source: Source, format: Format) -> Result<Vec<Stream>, ReadError> {
-    match format {
-        Format::RosBag => bag::streams(source),
-        Format::Mcap => mcap::streams(source),
-        Format::ULog => ulog::streams(source),
-        Format::DataFlash => dataflash::streams(source),
-        Format::NaveGo => navego::streams(source),
-        Format::Gpx => gpx::streams(source),
-        Format::GnssLogger => gnsslogger::streams(source),
-        Format::Nmea => nmea::streams(source),
-        Format::Ubx => ubx::streams(source),
-        Format::Novatel => novatel::streams(source),
-        Format::Sbf => sbf::streams(source),
-        Format::Rtklib => rtklib::streams(source),
-        Format::SensorLogger => sensor_logger::streams(source),
-        Format::Explorer => explorer::streams(source),
-        Format::Sbet => sbet::streams(source),
-        table => Err(is_table(table)),
-    }
+    let (.., streams) = known(format)?;
+    streams(source)
 }
 
-fn is_table(format: Format) -> ReadError {
-    let what = format.describe();
-    ReadError::nameless(format!("{what} is a table: specify its columns"))
-}
-
-/// Whether a log has to be read once more before: only the end of these shows which streams they have.
+/// Whether a log has to be read once more before.
 pub(crate) fn reads_twice(format: Format) -> bool {
-    matches!(format, Format::ULog | Format::DataFlash)
+    matches!(known(format), Ok((_, _, Twice(_), _)))
 }
 
 /// A log being read for one purpose.
@@ -155,17 +141,12 @@ impl Log {
         format: Format,
         wanted: &Wanted,
     ) -> Result<Self, ReadError> {
-        Ok(Self {
-            entries: entries(source, again, format, wanted)?,
-            skipped: match format {
-                Format::Nmea
-                | Format::Gpx
-                | Format::Rtklib
-                | Format::GnssLogger
-                | Format::Explorer => Skipped::default(),
-                _ => Skipped::of_messages(),
-            },
-        })
+        let (entries, skipped) = match known(format)?.2 {
+            Messages(read) => (read(source, wanted)?, Skipped::of_messages()),
+            Lines(read) => (read(source, wanted)?, Skipped::default()),
+            Twice(read) => (read(source, again, wanted)?, Skipped::of_messages()),
+        };
+        Ok(Self { entries, skipped })
     }
 
     pub(crate) fn skipped(&self) -> &Skipped {
