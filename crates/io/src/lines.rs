@@ -127,6 +127,17 @@ impl Lines {
         line.strip_suffix(b"\r").unwrap_or(line)
     }
 
+    /// The next line that is not too long.
+    pub(crate) fn next_line(&mut self) -> Option<&[u8]> {
+        loop {
+            match self.step() {
+                NextLine::Line(range) => return Some(self.bytes(range)),
+                NextLine::TooLong => {}
+                NextLine::End => return None,
+            }
+        }
+    }
+
     #[inline]
     pub(crate) fn step(&mut self) -> NextLine {
         let mut searched = 0;

@@ -10,12 +10,12 @@ use undrift_nav::Vector3;
 use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::TruthSample;
 
-use super::receiver::{Ready, by_steps, check};
+use super::receiver::{Ready, by_lines, check, one_stream};
 use crate::ReadError;
 use crate::entry::{Entries, Stream, StreamKind, Wanted, What};
 use crate::epoch::ClockSource;
 use crate::fix::on_earth;
-use crate::lines::{Lines, NextLine};
+use crate::lines::Lines;
 use crate::number;
 use crate::skipped::{SkipKind, shown};
 use crate::source::Source;
@@ -100,15 +100,19 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
         let problem = "an export of Inertial Explorer is a solution, not a log of fixes";
         return Err(ReadError::nameless(problem).mend("use it in [truth]"));
     }
-    let mut reader = Reader {
-        lines: Lines::new(source),
+    let reader = Reader {
         columns: None,
         weeks: WeekClock::default(),
     };
-    Ok(by_steps(wanted, move |ready| {
-        let more = reader.step(ready)?;
-        Ok((more, reader.weeks.epoch(ClockSource::Gnss)))
-    }))
+    Ok(by_lines(
+        wanted,
+        Lines::new(source),
+        Some("no line of such an export".to_owned()),
+        reader,
+        Reader::line,
+        |_, _| Ok(()),
+        |reader| reader.weeks.epoch(ClockSource::Gnss),
+    ))
 }
 
 pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
@@ -116,46 +120,27 @@ pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
     for entry in entries(source, &Wanted::Poses(None))? {
         messages += u64::from(matches!(entry?.what, What::Pose(_)));
     }
-    let stream = Stream {
-        name: STREAM.to_owned(),
-        kind: StreamKind::Poses,
-        about: "position, and velocity and attitude where exported".to_owned(),
-        messages,
-    };
-    Ok(Vec::from_iter((messages > 0).then_some(stream)))
+    let about = "position, and velocity and attitude where exported";
+    Ok(one_stream(STREAM, StreamKind::Poses, about, messages))
 }
 
 struct Reader {
-    lines: Lines,
     columns: Option<Columns>,
     weeks: WeekClock,
 }
 
 impl Reader {
-    fn step(&mut self, ready: &mut Ready) -> Result<bool, ReadError> {
-        let step = self.lines.step();
-        let at = self.lines.number();
-        let line = match step {
-            NextLine::Line(range) => self.lines.bytes(range).to_vec(),
-            NextLine::TooLong => {
-                ready.skip(at, SkipKind::TooLong, "no line of such an export");
-                return Ok(true);
-            }
-            NextLine::End => {
-                ready.ends_early(at, self.lines.failure());
-                return Ok(false);
-            }
-        };
+    fn line(&mut self, at: u64, line: &[u8], ready: &mut Ready) -> Result<(), ReadError> {
         let Some(columns) = &self.columns else {
-            self.columns = Columns::of(&line);
-            return Ok(true);
+            self.columns = Columns::of(line);
+            return Ok(());
         };
         let trimmed = line.trim_ascii();
         if trimmed.starts_with(b"(") {
-            return units(trimmed).map(|()| true).map_err(|error| error.at(at));
+            return units(trimmed).map_err(|error| error.at(at));
         }
         if trimmed.is_empty() {
-            return Ok(true);
+            return Ok(());
         }
         let parts: Vec<&[u8]> = fields(trimmed, columns.comma).collect();
         match pose(columns, &parts, &mut self.weeks) {
@@ -166,7 +151,7 @@ impl Reader {
             }
             Err(kind) => ready.skip(at, kind, shown(trimmed)),
         }
-        Ok(true)
+        Ok(())
     }
 }
 

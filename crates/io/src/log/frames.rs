@@ -3,10 +3,12 @@
 //! Where the beginning of a message is damaged the search goes on at its second byte, so that a message in what a false
 //! length covered is found.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use memchr::memchr;
 
+use crate::entry::{Stream, StreamKind};
 use crate::lines::Window;
 use crate::source::Source;
 
@@ -20,6 +22,8 @@ pub(super) struct Layout<H> {
     pub(super) frame: fn(&[u8]) -> Frame<H>,
     /// The buffer \[bytes\]: the longest message and several reads fit.
     pub(super) buffer: usize,
+    /// What a damaged message is called.
+    pub(super) damaged: &'static str,
 }
 
 /// What some bytes begin with.
@@ -100,6 +104,38 @@ impl<H> Frames<H> {
             }
         }
     }
+}
+
+/// The streams of a log, a key each and in the order of the keys; `described` says of the first head of a stream what it
+/// is called, what it holds, and that in words.
+pub(super) fn streams<H, K: Ord>(
+    source: Source,
+    layout: &'static Layout<H>,
+    key: impl Fn(&H) -> K,
+    described: impl Fn(&H) -> (String, (StreamKind, &'static str)),
+) -> Vec<Stream> {
+    let mut frames = Frames::new(source, layout);
+    let mut counts = BTreeMap::<K, (H, u64)>::new();
+    loop {
+        match frames.step() {
+            NextFrame::Message(head, _) => {
+                let (_, count) = counts.entry(key(&head)).or_insert((head, 0));
+                *count += 1;
+            }
+            NextFrame::Damaged => {}
+            NextFrame::End => break,
+        }
+    }
+    let stream = |(head, messages)| {
+        let (name, (kind, about)) = described(&head);
+        Stream {
+            name,
+            kind,
+            about: about.to_owned(),
+            messages,
+        }
+    };
+    counts.into_values().map(stream).collect()
 }
 
 /// Whether some bytes, the first of a file, hold a whole message that is `wanted`.

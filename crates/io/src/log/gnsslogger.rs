@@ -15,12 +15,12 @@ use std::collections::BTreeMap;
 
 use undrift_nav::Vector3;
 
-use super::phone::{Join, Location};
-use super::receiver::{Ready, by_steps, check};
+use super::phone::{self, Join, Location};
+use super::receiver::{Ready, by_lines, check};
 use crate::ReadError;
 use crate::entry::{Entries, Stream, StreamKind, Wanted};
 use crate::epoch::ClockSource;
-use crate::lines::{Lines, NextLine};
+use crate::lines::Lines;
 use crate::number;
 use crate::skipped::{SkipKind, shown};
 use crate::source::Source;
@@ -104,8 +104,7 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
         Wanted::Imu(name) | Wanted::Poses(name) => name,
         Wanted::Fixes { position, .. } => position,
     };
-    let mut reader = Reader {
-        lines: Lines::new(source),
+    let reader = Reader {
         columns: Columns {
             fix: FIX,
             sensor: BTreeMap::new(),
@@ -117,58 +116,51 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
         others: None,
         join: matches!(wanted, Wanted::Imu(_)).then(Join::default),
     };
-    Ok(by_steps(wanted, move |ready| {
-        let more = reader.step(ready)?;
-        Ok((more, reader.weeks.epoch(ClockSource::Host)))
+    Ok(by_lines(
+        wanted,
+        Lines::new(source),
+        Some("not a line of such a log".to_owned()),
+        reader,
+        Reader::line,
+        Reader::end,
+        |reader| reader.weeks.epoch(ClockSource::Host),
+    ))
+}
+
+/// Streams as they are listed: of the fixes the likeliest first.
+const STREAMS: [(&str, StreamKind, &str); 8] = [
+    ("Accel", StreamKind::Other, "specific forces"),
+    (
+        "Gyro",
+        StreamKind::Imu,
+        "corrected rates, with the forces of Accel",
+    ),
+    ("Raw", StreamKind::Other, ""),
+    ("UncalAccel", StreamKind::Other, "specific forces"),
+    (
+        "UncalGyro",
+        StreamKind::Imu,
+        "rates, with the forces of UncalAccel",
+    ),
+    ("GPS", StreamKind::Fixes, "fixes by satellites"),
+    ("FLP", StreamKind::Fixes, "fused fixes of the telephone"),
+    ("NLP", StreamKind::Fixes, "fixes by cells and Wi-Fi"),
+];
+
+pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
+    Ok(phone::streams(source, &STREAMS, |line| {
+        let mut fields = line.split(|&byte| byte == b',');
+        match fields.next()? {
+            b"Fix" => provider_of(fields.next()?),
+            b"Raw" => Some("Raw"),
+            sensor => sensor_of(sensor),
+        }
     }))
 }
 
-pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
-    let mut lines = Lines::new(source);
-    let mut counts = BTreeMap::<String, u64>::new();
-    loop {
-        match lines.step() {
-            NextLine::Line(range) => {
-                let mut fields = lines.bytes(range).split(|&byte| byte == b',');
-                let kind = fields.next().unwrap_or_default();
-                let name = match kind {
-                    b"Fix" => fields.next().and_then(provider_of),
-                    b"Raw" => Some("Raw"),
-                    other => SENSORS
-                        .as_flattened()
-                        .iter()
-                        .find(|name| name.as_bytes() == other)
-                        .copied(),
-                };
-                if let Some(name) = name {
-                    *counts.entry(name.to_owned()).or_default() += 1;
-                }
-            }
-            NextLine::TooLong => {}
-            NextLine::End => break,
-        }
-    }
-    let stream = |(name, messages): (String, u64)| {
-        let (kind, about) = match name.as_str() {
-            "GPS" => (StreamKind::Fixes, "fixes by satellites"),
-            "FLP" => (StreamKind::Fixes, "fused fixes of the telephone"),
-            "NLP" => (StreamKind::Fixes, "fixes by cells and Wi-Fi"),
-            "UncalGyro" => (StreamKind::Imu, "rates, with the forces of UncalAccel"),
-            "Gyro" => (StreamKind::Imu, "corrected rates, with the forces of Accel"),
-            "UncalAccel" | "Accel" => (StreamKind::Other, "specific forces"),
-            _ => (StreamKind::Other, ""),
-        };
-        Stream {
-            name,
-            kind,
-            about: about.to_owned(),
-            messages,
-        }
-    };
-    let mut all: Vec<Stream> = counts.into_iter().map(stream).collect();
-    // The likeliest first.
-    all.sort_by_key(|stream| PROVIDERS.iter().position(|known| *known == stream.name));
-    Ok(all)
+fn sensor_of(kind: &[u8]) -> Option<&'static str> {
+    let mut known = SENSORS.into_iter().flatten();
+    known.find(|name| name.as_bytes() == kind)
 }
 
 /// Where the columns of each kind of line are.
@@ -178,7 +170,6 @@ struct Columns {
 }
 
 struct Reader {
-    lines: Lines,
     columns: Columns,
     weeks: WeekClock,
     /// GPS time at the telephone's boot \[s\].
@@ -192,24 +183,6 @@ struct Reader {
 }
 
 impl Reader {
-    fn step(&mut self, ready: &mut Ready) -> Result<bool, ReadError> {
-        let step = self.lines.step();
-        let at = self.lines.number();
-        match step {
-            NextLine::Line(range) => {
-                let line = self.lines.bytes(range).to_vec();
-                self.line(at, &line, ready)?;
-            }
-            NextLine::TooLong => ready.skip(at, SkipKind::TooLong, "not a line of such a log"),
-            NextLine::End => {
-                self.end()?;
-                ready.ends_early(at, self.lines.failure());
-                return Ok(false);
-            }
-        }
-        Ok(true)
-    }
-
     fn line(&mut self, at: u64, line: &[u8], ready: &mut Ready) -> Result<(), ReadError> {
         if let Some(comment) = line.strip_prefix(b"#") {
             self.columns.name(comment.trim_ascii());
@@ -227,18 +200,16 @@ impl Reader {
             }
             return Ok(());
         }
-        let sensor = SENSORS
-            .as_flattened()
-            .iter()
-            .find(|name| name.as_bytes() == kind);
-        let Some(sensor) = sensor else { return Ok(()) };
+        let Some(sensor) = sensor_of(kind) else {
+            return Ok(());
+        };
         let Some((time, value)) = self.sensor(sensor, &fields) else {
             ready.skip(at, SkipKind::MissingField, shown(line));
             return Ok(());
         };
         let [gyro, accel] = SENSORS
             .into_iter()
-            .find(|pair| pair.contains(sensor))
+            .find(|pair| pair.contains(&sensor))
             .unwrap_or(SENSORS[0]);
         let Some(join) = &mut self.join else {
             return Ok(());
@@ -246,7 +217,7 @@ impl Reader {
         let asked = self.asked.as_deref();
         let taken = asked.or(self.found).unwrap_or(gyro);
         if taken != gyro {
-            if asked.is_none() && *sensor == gyro {
+            if asked.is_none() && sensor == gyro {
                 let problem = format!("two streams of inertial samples: {taken} and {gyro}");
                 return Err(ReadError::nameless(problem)
                     .key("imu.topic")
@@ -254,11 +225,11 @@ impl Reader {
             }
             return Ok(());
         }
-        if *sensor == gyro {
+        if sensor == gyro {
             self.found = Some(gyro);
             return join.gyro((at, time, value), ready);
         }
-        if *sensor == accel && (asked.is_some() || self.found.is_some()) {
+        if sensor == accel && (asked.is_some() || self.found.is_some()) {
             return join.accel((at, time, value), ready);
         }
         Ok(())
@@ -335,7 +306,7 @@ impl Reader {
     }
 
     /// Whether there was what is wanted.
-    fn end(&self) -> Result<(), ReadError> {
+    fn end(&mut self, _: &mut Ready) -> Result<(), ReadError> {
         match (&self.join, self.found, self.others) {
             (Some(join), Some(gyro), _) if !join.given => {
                 let accel = SENSORS

@@ -15,7 +15,7 @@ use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::{FixQuality, Position};
 
 use super::receiver::{Ready, by_steps, check, one_stream};
-use crate::entry::{Entries, Fix, Stream, Wanted};
+use crate::entry::{Entries, Fix, Stream, StreamKind, Wanted};
 use crate::epoch::ClockSource;
 use crate::fix::on_earth;
 use crate::skipped::SkipKind;
@@ -78,6 +78,7 @@ pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
     }
     Ok(one_stream(
         STREAM,
+        StreamKind::Fixes,
         format!("points of tracks, {timed} with a time"),
         messages,
     ))

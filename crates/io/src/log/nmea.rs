@@ -16,10 +16,10 @@
 mod epoch;
 mod sentence;
 
-use super::receiver::{Ready, by_steps, check, one_stream};
+use super::receiver::{Ready, by_lines, check, one_stream};
 use crate::ReadError;
-use crate::entry::{Entries, Stream, Wanted};
-use crate::lines::{Lines, NextLine};
+use crate::entry::{Entries, Stream, StreamKind, Wanted};
+use crate::lines::Lines;
 use crate::skipped::SkipKind;
 use crate::source::Source;
 use epoch::{Epoch, Heights, Times};
@@ -37,82 +37,75 @@ pub(crate) fn detect(start: &[u8]) -> bool {
 
 pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
     check(wanted, "NMEA", [&[], &[STREAM], &[]])?;
-    let mut reader = Reader {
-        lines: Lines::new(source),
+    let reader = Reader {
         epoch: None,
         heights: Heights::default(),
         times: Times::new(matches!(wanted, Wanted::Poses(_))),
     };
-    Ok(by_steps(wanted, move |ready| {
-        let more = reader.step(ready);
-        Ok((more, reader.times.epoch()))
-    }))
+    // Lines that are too long for a sentence are something else.
+    Ok(by_lines(
+        wanted,
+        Lines::new(source),
+        None,
+        reader,
+        Reader::line,
+        Reader::end,
+        |reader| reader.times.epoch(),
+    ))
 }
 
 pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
     const KINDS: [&[u8]; 5] = [b"GGA", b"GST", b"RMC", b"VTG", b"ZDA"];
     let mut lines = Lines::new(source);
     let (mut counts, mut messages) = ([0u64; KINDS.len()], 0);
-    loop {
-        match lines.step() {
-            NextLine::Line(range) => {
-                for sentence in sentences(lines.bytes(range)).flatten() {
-                    messages += 1;
-                    for (count, kind) in counts.iter_mut().zip(KINDS) {
-                        *count += u64::from(sentence.kind() == kind);
-                    }
-                }
+    while let Some(line) = lines.next_line() {
+        for sentence in sentences(line).flatten() {
+            messages += 1;
+            for (count, kind) in counts.iter_mut().zip(KINDS) {
+                *count += u64::from(sentence.kind() == kind);
             }
-            NextLine::TooLong => {}
-            NextLine::End => break,
         }
     }
     let said = |(count, kind): (&u64, &[u8])| {
         (*count > 0).then(|| format!("{} {count}", String::from_utf8_lossy(kind)))
     };
     let about: Vec<String> = counts.iter().zip(KINDS).filter_map(said).collect();
-    Ok(one_stream(STREAM, about.join(", "), messages))
+    Ok(one_stream(
+        STREAM,
+        StreamKind::Fixes,
+        about.join(", "),
+        messages,
+    ))
 }
 
 struct Reader {
-    lines: Lines,
     epoch: Option<Epoch>,
     heights: Heights,
     times: Times,
 }
 
 impl Reader {
-    /// The next line; false at the end.
-    fn step(&mut self, ready: &mut Ready) -> bool {
-        let step = self.lines.step();
-        let at = self.lines.number();
-        match step {
-            NextLine::Line(range) => {
-                let line = self.lines.bytes(range);
-                for found in sentences(line) {
-                    match found {
-                        Ok(sentence) => {
-                            let ended = take(&mut self.epoch, at, &sentence, ready);
-                            if let Some(ended) = ended {
-                                ended.end(&mut self.heights, &mut self.times, ready);
-                            }
-                        }
-                        Err(detail) => ready.skip(at, SkipKind::Damaged, detail),
+    fn line(&mut self, at: u64, line: &[u8], ready: &mut Ready) -> Result<(), ReadError> {
+        for found in sentences(line) {
+            match found {
+                Ok(sentence) => {
+                    let ended = take(&mut self.epoch, at, &sentence, ready);
+                    if let Some(ended) = ended {
+                        ended.end(&mut self.heights, &mut self.times, ready);
                     }
                 }
-                true
-            }
-            // Sentences are short: this is something else.
-            NextLine::TooLong => true,
-            NextLine::End => {
-                if let Some(last) = self.epoch.take() {
-                    last.end(&mut self.heights, &mut self.times, ready);
-                }
-                self.times.end(ready);
-                ready.ends_early(at, self.lines.failure());
-                false
+                Err(detail) => ready.skip(at, SkipKind::Damaged, detail),
             }
         }
+        Ok(())
+    }
+
+    fn end(&mut self, ready: &mut Ready) -> Result<(), ReadError> {
+        if let Some(last) = self.epoch.take() {
+            last.end(&mut self.heights, &mut self.times, ready);
+        }
+        self.times.end(ready);
+        Ok(())
     }
 }
 

@@ -12,11 +12,8 @@ mod frames;
 mod imu;
 mod messages;
 
-use std::collections::BTreeMap;
-use std::ops::Range;
-
-use super::frames::{Frames, NextFrame, any};
-use super::receiver::{Ready, by_steps, check};
+use super::frames::any;
+use super::receiver::{Ready, by_messages, check};
 use crate::ReadError;
 use crate::entry::{Entries, ImuReading, Stream, Wanted, What};
 use crate::epoch::ClockSource;
@@ -49,15 +46,19 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
     let mut velocities = messages::names(&[Content::Velocity]);
     velocities.extend(&solutions);
     check(&wanted, "a NovAtel log", [&raw, &positions, &velocities])?;
-    let mut reader = Reader {
-        frames: Frames::new(source, &LAYOUT),
+    let reader = Reader {
         weeks: WeekClock::default(),
         purpose: purpose(&wanted, of_type),
     };
-    Ok(by_steps(&wanted, move |ready| {
-        let more = reader.step(ready)?;
-        Ok((more, reader.weeks.epoch(ClockSource::Gnss)))
-    }))
+    Ok(by_messages(
+        &wanted,
+        source,
+        &LAYOUT,
+        reader,
+        Reader::message,
+        Reader::end,
+        |reader| reader.weeks.epoch(ClockSource::Gnss),
+    ))
 }
 
 /// What is wanted, with the type of the IMU taken from the stream's name.
@@ -128,33 +129,12 @@ fn purpose(wanted: &Wanted, of_type: Option<&'static Type>) -> Purpose {
 }
 
 pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
-    let mut frames = Frames::new(source, &LAYOUT);
-    let mut counts = BTreeMap::new();
-    loop {
-        match frames.step() {
-            NextFrame::Message(head, _) => {
-                let name = messages::name(&head.kind);
-                let (_, count) = counts.entry(name).or_insert((head.kind, 0));
-                *count += 1;
-            }
-            NextFrame::Damaged => {}
-            NextFrame::End => break,
-        }
-    }
-    let stream = |(name, (kind, messages))| {
-        let (kind, about) = messages::described(&kind);
-        Stream {
-            name,
-            kind,
-            about: about.to_owned(),
-            messages,
-        }
-    };
-    Ok(counts.into_iter().map(stream).collect())
+    let described = |head: &Head| (messages::name(&head.kind), messages::described(&head.kind));
+    let name = |head: &Head| messages::name(&head.kind);
+    Ok(super::frames::streams(source, &LAYOUT, name, described))
 }
 
 struct Reader {
-    frames: Frames<Head>,
     weeks: WeekClock,
     purpose: Purpose,
 }
@@ -234,50 +214,39 @@ struct Imu {
 }
 
 impl Reader {
-    fn step(&mut self, ready: &mut Ready) -> Result<bool, ReadError> {
-        let step = self.frames.step();
-        let at = self.frames.number();
-        match step {
-            NextFrame::Message(head, range) => self.message(at, &head, range, ready)?,
-            NextFrame::Damaged => ready.skip(at, SkipKind::Damaged, "no whole message"),
-            NextFrame::End => {
-                match &mut self.purpose {
-                    Purpose::Imu(imu) => imu.end()?,
-                    Purpose::Poses(
-                        Only {
-                            asked: None,
-                            found: None,
-                            ..
-                        },
-                        Some(name),
-                    ) => {
-                        let problem = "no INSPVA, INSPVAS or INSPVAX in this log";
-                        let mend = format!(
-                            "topic = \"{name}\" takes the receiver's positions, without attitude"
-                        );
-                        return Err(ReadError::nameless(problem).key("truth.topic").mend(mend));
-                    }
-                    Purpose::Poses(..) => {}
-                    Purpose::Fixes(receiver) => receiver.fixes.end(ready),
-                }
-                ready.ends_early(at, self.frames.failure());
-                return Ok(false);
+    fn end(&mut self, ready: &mut Ready) -> Result<(), ReadError> {
+        match &mut self.purpose {
+            Purpose::Imu(imu) => imu.end()?,
+            Purpose::Poses(
+                Only {
+                    asked: None,
+                    found: None,
+                    ..
+                },
+                Some(name),
+            ) => {
+                let problem = "no INSPVA, INSPVAS or INSPVAX in this log";
+                let mend =
+                    format!("topic = \"{name}\" takes the receiver's positions, without attitude");
+                return Err(ReadError::nameless(problem).key("truth.topic").mend(mend));
             }
+            Purpose::Poses(..) => {}
+            Purpose::Fixes(receiver) => receiver.fixes.end(ready),
         }
-        Ok(true)
+        Ok(())
     }
 
     fn message(
         &mut self,
         at: u64,
-        head: &Head,
-        body: Range<usize>,
+        head: Head,
+        body: &[u8],
         ready: &mut Ready,
     ) -> Result<(), ReadError> {
         let Some(known) = messages::of(&head.kind) else {
             return Ok(());
         };
-        let fields = Fields::new(self.frames.body(body), head.text);
+        let fields = Fields::new(body, head.text);
         let weeks = &mut self.weeks;
         let mut time = |of_body: Option<(f64, f64)>| {
             let of_head = (f64::from(head.week), f64::from(head.milli) * 1e-3);

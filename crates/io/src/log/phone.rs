@@ -4,9 +4,11 @@ use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::{FixQuality, Position};
 use undrift_nav::{Matrix3, Vector3};
 
-use super::receiver::Ready;
-use crate::entry::Fix;
+use super::receiver::{Ready, one_stream};
+use crate::entry::{Fix, Stream, StreamKind};
 use crate::fix::{independent, on_earth};
+use crate::lines::Lines;
+use crate::source::Source;
 
 mod join;
 
@@ -33,6 +35,27 @@ pub(super) struct Location {
     /// [m/s] and \[deg\].
     pub(super) speed_std: Option<f64>,
     pub(super) bearing_std: Option<f64>,
+}
+
+/// The streams of a text that are `known`, in this order: what each is called, what it holds, and that in words; `name`
+/// says of which one a line is.
+pub(super) fn streams(
+    source: Source,
+    known: &[(&str, StreamKind, &str)],
+    name: impl Fn(&[u8]) -> Option<&str>,
+) -> Vec<Stream> {
+    let mut lines = Lines::new(source);
+    let mut counts = vec![0; known.len()];
+    while let Some(line) = lines.next_line() {
+        let name = name(line);
+        for ((known, ..), count) in known.iter().zip(&mut counts) {
+            *count += u64::from(Some(*known) == name);
+        }
+    }
+    let counted = known.iter().zip(counts);
+    let streams =
+        counted.map(|(&(name, kind, about), messages)| one_stream(name, kind, about, messages));
+    streams.flatten().collect()
 }
 
 impl Location {

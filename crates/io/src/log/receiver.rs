@@ -4,10 +4,13 @@ use std::collections::VecDeque;
 
 use undrift_nav::sample::{Position, TruthSample};
 
+use super::frames::{Frames, Layout, NextFrame};
 use crate::ReadError;
 use crate::entry::{Entries, Entry, Fix, Stream, StreamKind, Wanted, What};
 use crate::epoch::Epoch;
+use crate::lines::{Lines, NextLine};
 use crate::skipped::{SkipKind, Unfit};
+use crate::source::Source;
 
 /// Entries that are ready to be given out.
 pub(super) struct Ready {
@@ -85,12 +88,80 @@ pub(super) fn by_steps(
     }))
 }
 
+/// Takes a message: its number, its head and its body.
+type TakeMessage<R, H> = fn(&mut R, u64, H, &[u8], &mut Ready) -> Result<(), ReadError>;
+
+/// The same of messages: `message` takes each, `end` comes after the last, and `epoch` is
+/// what the times count from so far.
+pub(super) fn by_messages<H, R: Send + 'static>(
+    wanted: &Wanted,
+    source: Source,
+    layout: &'static Layout<H>,
+    mut reader: R,
+    message: TakeMessage<R, H>,
+    end: fn(&mut R, &mut Ready) -> Result<(), ReadError>,
+    epoch: fn(&R) -> Option<Epoch>,
+) -> Entries {
+    let mut frames = Frames::new(source, layout);
+    by_steps(wanted, move |ready| {
+        let step = frames.step();
+        let at = frames.number();
+        match step {
+            NextFrame::Message(head, body) => {
+                message(&mut reader, at, head, frames.body(body), ready)?;
+            }
+            NextFrame::Damaged => ready.skip(at, SkipKind::Damaged, layout.damaged),
+            NextFrame::End => {
+                end(&mut reader, ready)?;
+                ready.ends_early(at, frames.failure());
+                return Ok((false, epoch(&reader)));
+            }
+        }
+        Ok((true, epoch(&reader)))
+    })
+}
+
+/// The same of lines; `too_long` is what a line longer than any row is, where that is counted.
+pub(super) fn by_lines<R: Send + 'static>(
+    wanted: &Wanted,
+    mut lines: Lines,
+    too_long: Option<String>,
+    mut reader: R,
+    line: fn(&mut R, u64, &[u8], &mut Ready) -> Result<(), ReadError>,
+    end: fn(&mut R, &mut Ready) -> Result<(), ReadError>,
+    epoch: fn(&R) -> Option<Epoch>,
+) -> Entries {
+    by_steps(wanted, move |ready| {
+        let step = lines.step();
+        let at = lines.number();
+        match step {
+            NextLine::Line(range) => line(&mut reader, at, lines.bytes(range), ready)?,
+            NextLine::TooLong => {
+                if let Some(detail) = &too_long {
+                    ready.skip(at, SkipKind::TooLong, detail);
+                }
+            }
+            NextLine::End => {
+                end(&mut reader, ready)?;
+                ready.ends_early(at, lines.failure());
+                return Ok((false, epoch(&reader)));
+            }
+        }
+        Ok((true, epoch(&reader)))
+    })
+}
+
 /// The only stream of a format, if it has any message.
-pub(super) fn one_stream(name: &str, about: String, messages: u64) -> Vec<Stream> {
+pub(super) fn one_stream(
+    name: &str,
+    kind: StreamKind,
+    about: impl Into<String>,
+    messages: u64,
+) -> Vec<Stream> {
     let stream = Stream {
         name: name.to_owned(),
-        kind: StreamKind::Fixes,
-        about,
+        kind,
+        about: about.into(),
         messages,
     };
     Vec::from_iter((messages > 0).then_some(stream))

@@ -14,7 +14,7 @@ use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::Position;
 use undrift_nav::{Matrix3, Vector3};
 
-use super::receiver::{Ready, by_steps, check};
+use super::receiver::{Ready, by_lines, check};
 use crate::entry::{Entries, Fix, Stream, StreamKind, Wanted};
 use crate::epoch::ClockSource;
 use crate::fix::{finite, independent, on_earth, quality_of_rtklib};
@@ -59,31 +59,30 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
             .key("gnss.base")
             .mend("give latitude, longitude and height of the base station"));
     }
-    let mut reader = Reader {
-        lines,
+    let reader = Reader {
         layout,
         base,
         weeks: WeekClock::default(),
         values: Vec::with_capacity(32),
     };
-    Ok(by_steps(wanted, move |ready| {
-        let more = reader.step(ready);
-        Ok((more, reader.weeks.epoch(ClockSource::Gnss)))
-    }))
+    let too_long = format!("over {MAX_LINE} bytes");
+    Ok(by_lines(
+        wanted,
+        lines,
+        Some(too_long),
+        reader,
+        Reader::line,
+        |_, _| Ok(()),
+        |reader| reader.weeks.epoch(ClockSource::Gnss),
+    ))
 }
 
 pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
     let mut lines = Lines::new(source);
     let mut messages = 0;
-    loop {
-        match lines.step() {
-            NextLine::Line(range) => {
-                let line = lines.bytes(range).trim_ascii();
-                messages += u64::from(!line.is_empty() && !line.starts_with(b"%"));
-            }
-            NextLine::TooLong => {}
-            NextLine::End => break,
-        }
+    while let Some(line) = lines.next_line() {
+        let line = line.trim_ascii();
+        messages += u64::from(!line.is_empty() && !line.starts_with(b"%"));
     }
     Ok(vec![Stream {
         name: STREAM.to_owned(),
@@ -94,7 +93,6 @@ pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
 }
 
 struct Reader {
-    lines: Lines,
     layout: Layout,
     base: Option<Geodetic>,
     weeks: WeekClock,
@@ -103,22 +101,8 @@ struct Reader {
 }
 
 impl Reader {
-    /// The next line; false at the end.
-    fn step(&mut self, ready: &mut Ready) -> bool {
-        let step = self.lines.step();
-        let at = self.lines.number();
-        let range = match step {
-            NextLine::Line(range) => range,
-            NextLine::TooLong => {
-                ready.skip(at, SkipKind::TooLong, format!("over {MAX_LINE} bytes"));
-                return true;
-            }
-            NextLine::End => {
-                ready.ends_early(at, self.lines.failure());
-                return false;
-            }
-        };
-        let line = self.lines.bytes(range).trim_ascii();
+    fn line(&mut self, at: u64, line: &[u8], ready: &mut Ready) -> Result<(), ReadError> {
+        let line = line.trim_ascii();
         if line.starts_with(b"%") {
             // Solutions that were put one after the other have a header each.
             self.layout = Layout::of(line).unwrap_or(self.layout);
@@ -138,7 +122,7 @@ impl Reader {
                 None => ready.skip(at, SkipKind::Text, shown(line)),
             }
         }
-        true
+        Ok(())
     }
 
     fn fix(&self, time: f64, at: u64, ready: &mut Ready) -> Option<Fix> {

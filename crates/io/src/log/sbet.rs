@@ -11,7 +11,7 @@ use undrift_nav::earth::{Geodetic, wrap_pi};
 use undrift_nav::sample::TruthSample;
 
 use super::bytes::{self, ByteFields};
-use super::receiver::{by_steps, check};
+use super::receiver::{by_steps, check, one_stream};
 use crate::ReadError;
 use crate::entry::{Entries, Stream, StreamKind, Wanted, What};
 use crate::skipped::SkipKind;
@@ -64,13 +64,8 @@ pub(super) fn streams(mut source: Source) -> Result<Vec<Stream>, ReadError> {
     while bytes::read(&mut source, RECORD as u64, &mut record).is_ok() {
         messages += 1;
     }
-    let stream = Stream {
-        name: STREAM.to_owned(),
-        kind: StreamKind::Poses,
-        about: "position and attitude".to_owned(),
-        messages,
-    };
-    Ok(Vec::from_iter((messages > 0).then_some(stream)))
+    let about = "position and attitude";
+    Ok(one_stream(STREAM, StreamKind::Poses, about, messages))
 }
 
 /// The state of a record; `None` if it cannot be one.

@@ -8,14 +8,11 @@
 mod blocks;
 mod frames;
 
-use std::collections::BTreeMap;
-use std::ops::Range;
-
 use undrift_nav::Matrix3;
 use undrift_nav::sample::Position;
 
-use super::frames::{Frames, NextFrame, any};
-use super::receiver::{Ready, by_steps, check};
+use super::frames::any;
+use super::receiver::{Ready, by_messages, check};
 use crate::ReadError;
 use crate::entry::{Entries, Fix, ImuReading, Stream, StreamKind, Wanted, What};
 use crate::epoch::ClockSource;
@@ -78,37 +75,29 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
             _ => Purpose::Fixes(Box::new(None)),
         },
     };
-    let mut reader = Reader {
-        frames: Frames::new(source, &LAYOUT),
+    let reader = Reader {
         weeks: WeekClock::default(),
         purpose,
     };
-    Ok(by_steps(wanted, move |ready| {
-        let more = reader.step(ready)?;
-        Ok((more, reader.weeks.epoch(ClockSource::Gnss)))
-    }))
+    Ok(by_messages(
+        wanted,
+        source,
+        &LAYOUT,
+        reader,
+        Reader::block,
+        Reader::end,
+        |reader| reader.weeks.epoch(ClockSource::Gnss),
+    ))
 }
 
 pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
-    let mut frames = Frames::new(source, &LAYOUT);
-    let mut counts = BTreeMap::<u16, u64>::new();
-    loop {
-        match frames.step() {
-            NextFrame::Message(number, _) => *counts.entry(number).or_default() += 1,
-            NextFrame::Damaged => {}
-            NextFrame::End => break,
-        }
-    }
-    let stream = |(number, messages)| {
-        let (kind, about) = described(number);
-        Stream {
-            name: name(number),
-            kind,
-            about: about.to_owned(),
-            messages,
-        }
-    };
-    Ok(counts.into_iter().map(stream).collect())
+    let described = |number: &u16| (name(*number), described(*number));
+    Ok(super::frames::streams(
+        source,
+        &LAYOUT,
+        |number| *number,
+        described,
+    ))
 }
 
 fn described(number: u16) -> (StreamKind, &'static str) {
@@ -128,7 +117,6 @@ fn name(number: u16) -> String {
 }
 
 struct Reader {
-    frames: Frames<u16>,
     weeks: WeekClock,
     purpose: Purpose,
 }
@@ -161,30 +149,26 @@ struct Epoch {
 }
 
 impl Reader {
-    fn step(&mut self, ready: &mut Ready) -> Result<bool, ReadError> {
-        let step = self.frames.step();
-        let at = self.frames.number();
-        match step {
-            NextFrame::Message(number, range) => self.block(at, number, range, ready),
-            NextFrame::Damaged => ready.skip(at, SkipKind::Damaged, "no block behind $@"),
-            NextFrame::End => {
-                match &mut self.purpose {
-                    Purpose::Fixes(epoch) => end(epoch, ready),
-                    Purpose::Ins {
-                        found: false,
-                        fixes: 1..,
-                        ..
-                    } => return Err(without_ins()),
-                    Purpose::Ins { .. } | Purpose::Imu { .. } => {}
-                }
-                ready.ends_early(at, self.frames.failure());
-                return Ok(false);
-            }
+    fn end(&mut self, ready: &mut Ready) -> Result<(), ReadError> {
+        match &mut self.purpose {
+            Purpose::Fixes(epoch) => end(epoch, ready),
+            Purpose::Ins {
+                found: false,
+                fixes: 1..,
+                ..
+            } => return Err(without_ins()),
+            Purpose::Ins { .. } | Purpose::Imu { .. } => {}
         }
-        Ok(true)
+        Ok(())
     }
 
-    fn block(&mut self, at: u64, number: u16, body: Range<usize>, ready: &mut Ready) {
+    fn block(
+        &mut self,
+        at: u64,
+        number: u16,
+        body: &[u8],
+        ready: &mut Ready,
+    ) -> Result<(), ReadError> {
         let known = [
             blocks::PVT,
             blocks::POSITION_COVARIANCE,
@@ -194,12 +178,11 @@ impl Reader {
             blocks::INS,
         ];
         if !known.contains(&number) {
-            return;
+            return Ok(());
         }
-        let body = self.frames.body(body);
         // Without a time the receiver has no fix either.
         let Some((milli, week)) = blocks::stamp(body) else {
-            return;
+            return Ok(());
         };
         let weeks = &mut self.weeks;
         let mut time = || weeks.gps(i64::from(week) * 7, f64::from(milli) * 1e-3);
@@ -245,7 +228,7 @@ impl Reader {
                     end(epoch, ready);
                 }
                 if number == blocks::END_OF_PVT {
-                    return;
+                    return Ok(());
                 }
                 let epoch = epoch.get_or_insert_with(|| Epoch::new(at, time));
                 epoch.add(number, body).map(Some)
@@ -257,6 +240,7 @@ impl Reader {
             Some(None) => ready.skip(at, SkipKind::NoFix, name(number)),
             None => ready.skip(at, SkipKind::MissingField, name(number)),
         }
+        Ok(())
     }
 }
 

@@ -12,12 +12,12 @@ use std::path::Path;
 
 use undrift_nav::Vector3;
 
-use super::phone::{Join, Location};
-use super::receiver::{Ready, by_steps, check};
+use super::phone::{self, Join, Location};
+use super::receiver::{Ready, by_lines, check};
 use crate::ReadError;
 use crate::entry::{Entries, Stream, StreamKind, Wanted};
 use crate::epoch::ClockSource;
-use crate::lines::{Lines, MAX_LINE, NextLine};
+use crate::lines::{Lines, MAX_LINE};
 use crate::number;
 use crate::skipped::{SkipKind, shown};
 use crate::source::{self, Source};
@@ -161,67 +161,38 @@ pub(crate) fn detect(start: &[u8]) -> bool {
 
 pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
     check(wanted, "a folder of Sensor Logger", [&GYROS, &PLACES, &[]])?;
-    let mut reader = Reader {
-        lines: Lines::new(source),
+    let reader = Reader {
         sensors: Vec::new(),
         place: None,
         weeks: WeekClock::default(),
         linear: false,
         join: matches!(wanted, Wanted::Imu(_)).then(Join::default),
     };
-    Ok(by_steps(wanted, move |ready| {
-        let more = reader.step(ready)?;
-        Ok((more, reader.weeks.epoch(ClockSource::Host)))
-    }))
+    Ok(by_lines(
+        wanted,
+        Lines::new(source),
+        Some("no row of such a file".to_owned()),
+        reader,
+        Reader::line,
+        Reader::end,
+        |reader| reader.weeks.epoch(ClockSource::Host),
+    ))
 }
 
 pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
-    let mut lines = Lines::new(source);
-    let mut counts = [GYROS, ACCELS, PLACES]
-        .as_flattened()
-        .iter()
-        .map(|name| (*name, 0u64))
-        .collect::<Vec<_>>();
-    loop {
-        match lines.step() {
-            NextLine::Line(range) => {
-                let name = lines
-                    .bytes(range)
-                    .split(|&byte| byte == b',')
-                    .next()
-                    .unwrap_or_default();
-                let count = counts
-                    .iter_mut()
-                    .find(|(known, _)| known.as_bytes() == name);
-                if let Some((_, count)) = count {
-                    *count += 1;
-                }
-            }
-            NextLine::TooLong => {}
-            NextLine::End => break,
-        }
-    }
-    let stream = |(name, messages): (&str, u64)| {
-        let (kind, about) = match name {
-            name if GYROS.contains(&name) => (
-                StreamKind::Imu,
-                "rates, with the forces of the accelerometers",
-            ),
-            name if ACCELS.contains(&name) => (StreamKind::Other, "specific forces"),
-            _ => (StreamKind::Fixes, "fixes"),
-        };
-        (messages > 0).then(|| Stream {
-            name: name.to_owned(),
-            kind,
-            about: about.to_owned(),
-            messages,
-        })
-    };
-    Ok(counts.into_iter().filter_map(stream).collect())
+    let rates = "rates, with the forces of the accelerometers";
+    let known = [
+        GYROS.map(|name| (name, StreamKind::Imu, rates)),
+        ACCELS.map(|name| (name, StreamKind::Other, "specific forces")),
+        PLACES.map(|name| (name, StreamKind::Fixes, "fixes")),
+    ];
+    Ok(phone::streams(source, known.as_flattened(), |line| {
+        let name = line.split(|&byte| byte == b',').next()?;
+        std::str::from_utf8(name).ok()
+    }))
 }
 
 struct Reader {
-    lines: Lines,
     /// Sensors that are there, and where their columns are.
     sensors: Vec<(String, [Option<usize>; 4])>,
     place: Option<[Option<usize>; 10]>,
@@ -232,25 +203,13 @@ struct Reader {
 }
 
 impl Reader {
-    fn step(&mut self, ready: &mut Ready) -> Result<bool, ReadError> {
-        let step = self.lines.step();
-        let at = self.lines.number();
-        match step {
-            NextLine::Line(range) => {
-                let line = String::from_utf8_lossy(self.lines.bytes(range)).into_owned();
-                match line.strip_prefix("# ") {
-                    Some(header) => self.header(header),
-                    None => self.row(at, &line, ready)?,
-                }
-            }
-            NextLine::TooLong => ready.skip(at, SkipKind::TooLong, "no row of such a file"),
-            NextLine::End => {
-                self.end()?;
-                ready.ends_early(at, self.lines.failure());
-                return Ok(false);
-            }
+    fn line(&mut self, at: u64, line: &[u8], ready: &mut Ready) -> Result<(), ReadError> {
+        let line = String::from_utf8_lossy(line);
+        match line.strip_prefix("# ") {
+            Some(header) => self.header(header),
+            None => self.row(at, &line, ready)?,
         }
-        Ok(true)
+        Ok(())
     }
 
     fn header(&mut self, header: &str) {
@@ -337,7 +296,7 @@ impl Reader {
     }
 
     /// Whether there was what is wanted.
-    fn end(&self) -> Result<(), ReadError> {
+    fn end(&mut self, _: &mut Ready) -> Result<(), ReadError> {
         let has = |names: [&str; 2]| {
             self.sensors
                 .iter()

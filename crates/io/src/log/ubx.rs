@@ -11,11 +11,8 @@ mod epoch;
 mod frames;
 mod imu;
 
-use std::collections::BTreeMap;
-use std::ops::Range;
-
-use super::frames::{Frames, NextFrame, any};
-use super::receiver::{Ready, by_steps, check};
+use super::frames::any;
+use super::receiver::{Ready, by_messages, check};
 use crate::ReadError;
 use crate::entry::{Entries, ImuReading, Stream, StreamKind, Wanted, What};
 use crate::skipped::SkipKind;
@@ -87,38 +84,30 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
         } => Purpose::Fixes([position, velocity]),
         Wanted::Poses(name) => Purpose::Fixes([name, None]),
     };
-    let mut reader = Reader {
-        frames: Frames::new(source, &LAYOUT),
+    let reader = Reader {
         weeks: Weeks::default(),
         epoch: None,
         purpose,
     };
-    Ok(by_steps(wanted, move |ready| {
-        Ok((reader.step(ready)?, reader.weeks.epoch()))
-    }))
+    Ok(by_messages(
+        wanted,
+        source,
+        &LAYOUT,
+        reader,
+        Reader::message,
+        Reader::end,
+        |reader| reader.weeks.epoch(),
+    ))
 }
 
 pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
-    let mut frames = Frames::new(source, &LAYOUT);
-    let mut counts = BTreeMap::<[u8; 2], u64>::new();
-    loop {
-        match frames.step() {
-            NextFrame::Message(kind, _) => *counts.entry(kind).or_default() += 1,
-            NextFrame::Damaged => {}
-            NextFrame::End => break,
-        }
-    }
-    let stream = |(kind, messages)| {
-        let name = name(kind);
-        let (kind, about) = described(&name);
-        Stream {
-            name,
-            kind,
-            about: about.to_owned(),
-            messages,
-        }
-    };
-    Ok(counts.into_iter().map(stream).collect())
+    let described = |kind: &[u8; 2]| (name(*kind), described(&name(*kind)));
+    Ok(super::frames::streams(
+        source,
+        &LAYOUT,
+        |kind| *kind,
+        described,
+    ))
 }
 
 /// What messages hold, by their name.
@@ -146,7 +135,6 @@ fn name(kind: [u8; 2]) -> String {
 }
 
 struct Reader {
-    frames: Frames<[u8; 2]>,
     weeks: Weeks,
     epoch: Option<Epoch>,
     purpose: Purpose,
@@ -168,37 +156,26 @@ struct Imu {
 }
 
 impl Reader {
-    fn step(&mut self, ready: &mut Ready) -> Result<bool, ReadError> {
-        let step = self.frames.step();
-        let at = self.frames.number();
-        match step {
-            NextFrame::Message(kind, range) => self.message(at, kind, range, ready)?,
-            NextFrame::Damaged => ready.skip(at, SkipKind::Damaged, "no message behind B5 62"),
-            NextFrame::End => {
-                self.end_epoch(ready)?;
-                if let Purpose::Imu(imu) = &mut self.purpose {
-                    imu.clock.end(&mut give(ready));
-                }
-                ready.ends_early(at, self.frames.failure());
-                return Ok(false);
-            }
+    fn end(&mut self, ready: &mut Ready) -> Result<(), ReadError> {
+        self.end_epoch(ready)?;
+        if let Purpose::Imu(imu) = &mut self.purpose {
+            imu.clock.end(&mut give(ready));
         }
-        Ok(true)
+        Ok(())
     }
 
     fn message(
         &mut self,
         at: u64,
         kind: [u8; 2],
-        range: Range<usize>,
+        payload: &[u8],
         ready: &mut Ready,
     ) -> Result<(), ReadError> {
-        let tow = epoch::time_of_week(kind, self.frames.body(range.clone()));
+        let tow = epoch::time_of_week(kind, payload);
         let current = self.epoch.as_ref().map(|epoch| epoch.time_of_week);
         if kind == NAV_EOE || (tow.is_some() && tow != current) {
             self.end_epoch(ready)?;
         }
-        let payload = self.frames.body(range);
         let imu = match &mut self.purpose {
             Purpose::Imu(imu) => Some(imu),
             Purpose::Fixes(_) => None,

@@ -50,6 +50,7 @@ pub(super) const LAYOUT: Layout<Head> = Layout {
     start: to_start,
     frame,
     buffer: BUFFER,
+    damaged: "no whole message",
 };
 
 /// How many bytes stand before the first that may begin a message.

@@ -21,6 +21,7 @@ pub(super) const LAYOUT: Layout<u16> = Layout {
     start: |bytes| to_sync(SYNC, bytes),
     frame,
     buffer: BUFFER,
+    damaged: "no block behind $@",
 };
 
 fn frame(bytes: &[u8]) -> Frame<u16> {

@@ -20,6 +20,7 @@ pub(super) const LAYOUT: Layout<[u8; 2]> = Layout {
     start: |bytes| to_sync(SYNC, bytes),
     frame,
     buffer: BUFFER,
+    damaged: "no message behind B5 62",
 };
 
 fn frame(bytes: &[u8]) -> Frame<[u8; 2]> {
