@@ -2,9 +2,8 @@
 
 use crate::{
     columns::{self, Arrays, Named, array, coordinates, matrix_std},
-    error::error,
+    error::{Failure, error},
     model::NoiseModel,
-    navigate::Failure,
     work,
 };
 use pyo3::{prelude::*, types::PyDict};

@@ -11,8 +11,11 @@ pyo3::create_exception!(
     "An invalid recording, file or argument. The base of all exceptions of the package."
 );
 
+/// Why something could not be done.
+pub type Failure = Box<dyn Error + Send + Sync>;
+
 /// An [`UndriftError`] with the text that the terminal prints, in Python's terms: the causes joined by ": ".
-pub fn error(problem: impl Into<Box<dyn Error + Send + Sync>>) -> PyErr {
+pub fn error(problem: impl Into<Failure>) -> PyErr {
     let problem = problem.into();
     let mut text = problem.to_string();
     let mut cause = problem.source();

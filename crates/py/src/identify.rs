@@ -2,9 +2,8 @@
 
 use crate::{
     columns::{self, Named},
-    error::error,
+    error::{Failure, error},
     model::NoiseModel,
-    navigate::Failure,
     work::{self, Progress},
 };
 use pyo3::prelude::*;

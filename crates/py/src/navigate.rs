@@ -3,7 +3,7 @@
 use crate::{
     columns,
     drive::Drive,
-    error::error,
+    error::{Failure, error},
     model::bias_model,
     work::{self, Progress},
 };
@@ -18,8 +18,6 @@ use undrift::{
     results,
 };
 use undrift_report::{say, text};
-
-pub type Failure = Box<dyn std::error::Error + Send + Sync>;
 
 /// Navigates a drive: its result as JSON, the same without the series for plots, and the solution as arrays where
 /// `solution` asks for it.

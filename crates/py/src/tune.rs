@@ -2,9 +2,8 @@
 
 use crate::{
     drive::Drive,
-    error::error,
+    error::{Failure, error},
     model::NoiseModel,
-    navigate::Failure,
     work::{self, Progress},
 };
 use pyo3::prelude::*;

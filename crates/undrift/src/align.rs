@@ -24,11 +24,10 @@ pub use result::{
 pub use settings::{AlignSettings, Heading};
 
 use crate::{
-    derived::Positions,
+    derived::{Positions, antenna},
     estimator::{self, Aiding, Estimator},
     settings::{AlignmentSettings, replay::Settings},
 };
-pub(crate) use basis::antenna;
 use basis::{noise_of_mean, walk};
 use motion::Motion;
 use rest::Rest;

@@ -1,8 +1,22 @@
-//! The velocity of a vehicle of which a receiver tells positions only.
+//! What a fix says of the antenna: its place, and its velocity where the receiver reports positions only.
 
-use crate::{align::antenna, settings::DerivedVelocitySettings};
+use crate::settings::DerivedVelocitySettings;
 use std::collections::VecDeque;
-use undrift_nav::{Matrix3, Vector3, earth::Geodetic, sample::GnssFix};
+use undrift_nav::{
+    Matrix3, Vector3,
+    earth::Geodetic,
+    sample::{GnssFix, Position},
+};
+
+/// The antenna's place.
+pub(crate) fn antenna(fix: &GnssFix) -> Option<Geodetic> {
+    match &fix.position.as_ref()?.0 {
+        Position::Geodetic(geodetic) => Some(*geodetic),
+        Position::Baseline { base, ned } => Some(Geodetic::from_ecef(
+            &(base.to_ecef() + base.ned_from_ecef().transpose() * ned),
+        )),
+    }
+}
 
 /// A velocity and its covariance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -105,7 +119,7 @@ pub(crate) fn with_velocities(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use undrift_nav::sample::{FixQuality, Position};
+    use undrift_nav::sample::FixQuality;
 
     fn fixes(rate: f64, wobble: f64) -> impl Iterator<Item = GnssFix> {
         let start = Geodetic::from_degrees(47.0, 8.0, 400.0);

@@ -6,14 +6,14 @@ SI units and radians, unless a name states otherwise; arrays are numpy's, ``floa
 from undrift import arma, fleet, statistics
 from undrift._drive import Drive
 from undrift._errors import ArgumentError
-from undrift._filter import Filter, FilterState, Innovation
+from undrift._filter import Filter, Innovation
 from undrift._identify import AxisIdentified, Candidate, Identified, identify
 from undrift._logs import GnssLog, ImuLog
 from undrift._model import ArmaNoise, AxisNoise, NoiseModel, Shaping, TemperatureEffect
 from undrift._navigate import Navigation, navigate
 from undrift._outages import Drift, ModelErrors, Outages, outages
 from undrift._simulate import GnssReceiver, Simulation, Truth, simulate
-from undrift._solution import Solution
+from undrift._solution import FilterState, Solution
 from undrift._told import report
 from undrift._tune import TunedDrift, TunedParameter, Tuning, tune
 from undrift._undrift import UndriftError, __version__

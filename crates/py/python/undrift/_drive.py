@@ -9,9 +9,9 @@ from typing import Any, TypeAlias
 
 from undrift import _toml, _undrift
 from undrift._errors import ArgumentError
-from undrift._filter import Filter, FilterState
 from undrift._logs import GnssLog, ImuLog
 from undrift._model import ModelLike, NoiseModel, compiled
+from undrift._solution import FilterState, filter_state
 from undrift._tables import Columns, columns, is_table, stated_names
 
 #: A log: a file, a table in memory, or a table of the drive file whose ``file`` is one of these.
@@ -225,7 +225,7 @@ class Drive:
 
     def align(self, bias_model: str = "arma") -> FilterState:
         """Where :func:`undrift.navigate` begins on this drive: the state at the end of the first sample of the solution."""
-        return Filter.from_drive(self, bias_model).state
+        return filter_state(_undrift.Filter.from_drive(self._drive, bias_model)[0])
 
     @property
     def toml(self) -> str:

@@ -22,7 +22,7 @@ from undrift._arguments import (
 from undrift._array import Floats, record
 from undrift._model import ModelLike, compiled
 from undrift._result import Result
-from undrift._solution import Solution
+from undrift._solution import FilterState, Solution, filter_state
 
 if TYPE_CHECKING:
     from undrift._drive import Drive
@@ -46,40 +46,6 @@ class Innovation(Result):
     """``used``, ``weakened`` or ``rejected``."""
     factor: float
     """Factor on the measurement's covariance."""
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class FilterState(Result):
-    """The state of the filter at one instant."""
-
-    time: float
-    """Time [s]."""
-    lat: float
-    """Latitude [rad]."""
-    lon: float
-    """Longitude [rad]."""
-    height: float
-    """Height above the ellipsoid [m]."""
-    velocity: Floats
-    """Velocity over ground, north, east, down [m/s]."""
-    rpy: Floats
-    """Roll, pitch, yaw [rad]."""
-    position_std: Floats
-    """Standard deviation of the position, north, east, down [m]."""
-    velocity_std: Floats
-    """Standard deviation of the velocity, north, east, down [m/s]."""
-    attitude_std: Floats
-    """Standard deviation of the misalignment about north, east, down [rad]."""
-    gyro_error: Floats
-    """Estimated errors of the gyros [rad/s]."""
-    accel_error: Floats
-    """Estimated errors of the accelerometers [m/s²]."""
-    gyro_error_std: Floats
-    """Their standard deviations [rad/s]."""
-    accel_error_std: Floats
-    """Their standard deviations [m/s²]."""
-    parameters: Mapping[str, tuple[Floats, Floats]]
-    """Estimated parameters and their standard deviations, by name."""
 
 
 class Filter:
@@ -350,14 +316,7 @@ class Filter:
     @property
     def state(self) -> FilterState:
         """Position, velocity, attitude, sensor errors and parameters with their standard deviations."""
-        fields: dict[str, Any] = {}
-        for name, values in self._filter.state().items():
-            fields[name] = values[0] if values.ndim == 2 else float(values[0])
-        parameters = {
-            name: (np.array(value), np.array(std))
-            for name, value, std in self._filter.parameters()
-        }
-        return FilterState(**fields, parameters=parameters)
+        return filter_state(self._filter)
 
     @property
     def covariance(self) -> Floats:

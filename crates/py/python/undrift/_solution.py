@@ -1,4 +1,4 @@
-"""A navigation solution over time."""
+"""A navigation solution: over time, and at one instant."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     import matplotlib.axes
     from pandas import DataFrame
     from pyarrow import Table
+    from undrift import _undrift
 
 #: Mean radius of the Earth [m].
 _EARTH = 6_371_000.0
@@ -175,3 +176,48 @@ class Solution(Placed):
 
     def __len__(self) -> int:
         return len(self.time)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FilterState(Result):
+    """The state of the filter at one instant."""
+
+    time: float
+    """Time [s]."""
+    lat: float
+    """Latitude [rad]."""
+    lon: float
+    """Longitude [rad]."""
+    height: float
+    """Height above the ellipsoid [m]."""
+    velocity: Floats
+    """Velocity over ground, north, east, down [m/s]."""
+    rpy: Floats
+    """Roll, pitch, yaw [rad]."""
+    position_std: Floats
+    """Standard deviation of the position, north, east, down [m]."""
+    velocity_std: Floats
+    """Standard deviation of the velocity, north, east, down [m/s]."""
+    attitude_std: Floats
+    """Standard deviation of the misalignment about north, east, down [rad]."""
+    gyro_error: Floats
+    """Estimated errors of the gyros [rad/s]."""
+    accel_error: Floats
+    """Estimated errors of the accelerometers [m/s²]."""
+    gyro_error_std: Floats
+    """Their standard deviations [rad/s]."""
+    accel_error_std: Floats
+    """Their standard deviations [m/s²]."""
+    parameters: Mapping[str, tuple[Floats, Floats]]
+    """Estimated parameters and their standard deviations, by name."""
+
+
+def filter_state(compiled: _undrift.Filter) -> FilterState:
+    """The state of a filter of the compiled half."""
+    fields: dict[str, Any] = {}
+    for name, values in compiled.state().items():
+        fields[name] = values[0] if values.ndim == 2 else float(values[0])
+    parameters = {
+        name: (np.array(value), np.array(std)) for name, value, std in compiled.parameters()
+    }
+    return FilterState(**fields, parameters=parameters)

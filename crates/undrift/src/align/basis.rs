@@ -1,21 +1,6 @@
-//! What all kinds of alignment start from: the antenna's place and the sensors' noise.
+//! The sensors' noise, as all kinds of alignment start from it.
 
-use undrift_nav::{
-    Vector3,
-    earth::Geodetic,
-    sample::{GnssFix, Position},
-    shaping::ShapingFilter,
-};
-
-/// The antenna's place.
-pub(crate) fn antenna(fix: &GnssFix) -> Option<Geodetic> {
-    match &fix.position.as_ref()?.0 {
-        Position::Geodetic(geodetic) => Some(*geodetic),
-        Position::Baseline { base, ned } => Some(Geodetic::from_ecef(
-            &(base.to_ecef() + base.ned_from_ecef().transpose() * ned),
-        )),
-    }
-}
+use undrift_nav::{Vector3, shaping::ShapingFilter};
 
 /// Variance of the mean of white noise over `duration` \[s\], the largest of the axes.
 pub(super) fn noise_of_mean(axes: &[ShapingFilter], duration: f64) -> f64 {

@@ -5,12 +5,13 @@
 //! more motion. Only the window is kept.
 
 use super::{
-    basis::{antenna, bias_variances, noise_of_mean},
+    basis::{bias_variances, noise_of_mean},
     result::MotionFailure,
     segments::{Segment, segments},
     wahba::{EndCovariance, Guess, Problem},
 };
 use crate::{
+    derived::antenna,
     estimator::{self, Estimator},
     settings::{AlignmentMotionSettings, replay::Settings},
 };

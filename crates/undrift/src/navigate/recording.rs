@@ -1,8 +1,8 @@
 //! What a run was like over time, for plots.
 
 use crate::{
-    align::antenna,
     consistency::COMPONENT_NAMES,
+    derived::antenna,
     estimator::STAMP_ROUNDING,
     findings::WITHOUT_GNSS,
     reference::{COMPONENTS, Errors},
