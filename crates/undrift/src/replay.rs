@@ -42,6 +42,34 @@ pub use observer::{Measurements, Observer, ReplayError, Samples};
 pub use summary::{Innovations, MOST_EVENTS, Summary};
 pub use vibration::Vibration;
 
+use crate::estimator::Estimator;
+use std::cell::RefCell;
+
+/// Keeps the first filter that it sees.
+struct First<'a>(&'a RefCell<Option<Box<dyn Estimator>>>);
+
+impl Observer for First<'_> {
+    fn sample(&mut self, filter: &dyn Estimator) -> Result<(), ReplayError> {
+        self.0.borrow_mut().get_or_insert_with(|| filter.boxed());
+        Ok(())
+    }
+}
+
+/// The filter at the end of the sample in which the navigation of a log begins; `None` where it ended with that.
+///
+/// # Errors
+/// As [`replay`].
+pub(crate) fn begin(
+    imu: &mut Samples,
+    aiding: &mut Measurements,
+    settings: &Settings,
+) -> Result<Option<Box<dyn Estimator>>, ReplayError> {
+    let begun = RefCell::new(None);
+    let mut imu = imu.take_while(|_| begun.borrow().is_none());
+    replay(&mut imu, aiding, settings, &mut First(&begun))?;
+    Ok(begun.take())
+}
+
 /// Navigates a log. The size of the filter follows the models.
 ///
 /// # Errors

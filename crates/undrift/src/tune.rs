@@ -20,10 +20,9 @@ pub mod steps;
 
 use crate::{
     drive::Drive,
-    estimator::Estimator,
     navigate::{NavigateError, settings, tell},
     outages::Logs,
-    replay::{Observer, ReplayError, replay, vibration::densities},
+    replay::{ReplayError, begin, vibration::densities},
     results,
     settings::{fix_errors::StdFactors, replay::Settings},
 };
@@ -32,10 +31,7 @@ use judge::{Following, Judged, Unseen, judge};
 use noise::Noise;
 use prior::Prior;
 use start::{Start, idle};
-use std::{
-    cell::Cell,
-    sync::atomic::{AtomicBool, Ordering::Relaxed},
-};
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use undrift_nav::covariance::AXES;
 use undrift_noise::{BiasModel, ImuModel};
 
@@ -170,21 +166,9 @@ fn prior_of(logs: &[Log], start: &Start) -> Prior {
 
 /// When navigation begins \[s\].
 fn begins(logs: &Logs, settings: &Settings) -> Result<Option<f64>, ReplayError> {
-    struct Begun<'a>(&'a Cell<Option<f64>>);
-    impl Observer for Begun<'_> {
-        fn sample(&mut self, filter: &dyn Estimator) -> Result<(), ReplayError> {
-            self.0.set(self.0.get().or(Some(filter.nav().time)));
-            Ok(())
-        }
-    }
-    let begun = Cell::new(None);
-    let samples = logs.imu.iter().copied().map(Ok);
-    let mut samples = samples.take_while(|_| begun.get().is_none());
+    let imu = &mut logs.imu.iter().copied().map(Ok);
     let aiding = &mut logs.aiding.iter().copied().map(Ok);
-    match replay(&mut samples, aiding, settings, &mut Begun(&begun)) {
-        Err(error) if begun.get().is_none() => Err(error),
-        _ => Ok(begun.get()),
-    }
+    Ok(begin(imu, aiding, settings)?.map(|filter| filter.nav().time))
 }
 
 /// Noise while the vehicle stands, of the drives' seen parts: the root mean square of those that have any. What hovers
@@ -220,6 +204,96 @@ fn root_mean_square(found: &[[f64; AXES]]) -> Option<[f64; AXES]> {
     (!found.is_empty()).then(|| std::array::from_fn(|i| square(i).sqrt()))
 }
 
+/// The sensor at rest: what is asked for, else what the first drive names or shows.
+fn at_rest(first: &Drive, options: &Options) -> Result<Start, NavigateError> {
+    match options.start.as_ref().or(first.model.as_ref()) {
+        Some(model) => Ok(Start::of_model(model, first.sample_interval()?)?),
+        None => {
+            let samples = first.open_imu()?.collect::<Result<Vec<_>, _>>()?;
+            Start::of_samples(&samples).ok_or(NavigateError::NoModel)
+        }
+    }
+}
+
+/// The logs of the drives, with the mounting found under a noise.
+fn load(drives: &[Drive], start: &Start, noise: &Noise) -> Result<Vec<Logs>, NavigateError> {
+    let load = |drive: &Drive| {
+        Logs::load(&Drive {
+            model: Some(start.model(&noise.white, &noise.walk)),
+            std_factors: StdFactors::ONE,
+            vibration: None,
+            ..drive.clone()
+        })
+    };
+    drives.iter().map(load).collect()
+}
+
+/// The share of a drive that the fit sees, and from when to when the fixes lie that it does not see \[s\].
+fn split(all: &Logs, hold_out: Option<f64>) -> Result<(Log<'_>, (f64, f64)), NavigateError> {
+    let mut settings = settings(&all.drive, BiasModel::Arma)?;
+    tell(&mut settings, &all.drive, all.study());
+    let (mut first, last) = match (all.gnss.first(), all.gnss.last()) {
+        (Some(first), Some(last)) => (first.time, last.time),
+        _ => (0.0, 0.0),
+    };
+    if hold_out.is_none() {
+        first = begins(all, &settings)?.unwrap_or(first);
+    }
+    let until = last - hold_out.unwrap_or(HALF) * (last - first);
+    let log = Log {
+        imu: &all.imu,
+        aiding: &all.aiding,
+        settings,
+        until,
+    };
+    Ok((log, (until, last)))
+}
+
+/// The same drives with white noise that follows the vibration; `None` where they cannot be navigated so.
+fn following<'a>(
+    steady: &Way<'a>,
+    start: &Start,
+    sure: bool,
+    goes_on: &dyn Fn(f64) -> bool,
+) -> Option<Way<'a>> {
+    let logs = steady.logs.iter().map(|log| Log {
+        settings: Settings {
+            vibration: Some([1.0; AXES]),
+            ..log.settings.clone()
+        },
+        ..*log
+    });
+    let logs: Vec<Log> = logs.collect();
+    let prior = prior_of(&logs, start);
+    let centre = Noise::new(&prior.centre);
+    let from = Noise {
+        white: centre.white,
+        ..steady.fit.noise
+    };
+    let fit = first_of(&[from, centre], &logs, start, &prior, sure, goes_on).ok()?;
+    Some(Way { logs, prior, fit })
+}
+
+/// The settings to judge a drive by: with the sensor at rest, and as each of the ways has found it.
+fn before_and_after(
+    (k, drive): (usize, &Drive),
+    ways: &[Way],
+    start: &Start,
+    rest: &ImuModel,
+) -> Result<Vec<Settings>, NavigateError> {
+    let before = &ways[0].logs[k].settings;
+    let mut settings = vec![Settings {
+        vibration: drive.vibration,
+        sensors: rest.shaping(BiasModel::Arma, before.sensors[0].interval)?,
+        ..before.clone()
+    }];
+    for way in ways {
+        let after = under(&way.logs[k].settings, &way.fit.noise, start);
+        settings.push(after.map_err(ReplayError::from)?);
+    }
+    Ok(settings)
+}
+
 /// Identifies the noise that drives with the same sensor have in common. `goes_on` is asked along the way; once it
 /// says no, what has been found so far is returned.
 ///
@@ -237,96 +311,34 @@ pub fn tune(
     };
     goes_on(Stage::Reading);
     let first = drives.first().ok_or(NavigateError::NoModel)?;
-    let mut start = match options.start.as_ref().or(first.model.as_ref()) {
-        Some(model) => Start::of_model(model, first.sample_interval()?)?,
-        None => {
-            let samples = first.open_imu()?.collect::<Result<Vec<_>, _>>()?;
-            Start::of_samples(&samples).ok_or(NavigateError::NoModel)?
-        }
-    };
-    let mut loaded = Vec::new();
+    let mut start = at_rest(first, options)?;
     // The mounting is found under some noise: that of a vehicle.
-    let centre = Noise::new(&Prior::new(&start, &[]).centre);
-    for drive in drives {
-        let drive = Drive {
-            model: Some(start.model(&centre.white, &centre.walk)),
-            std_factors: StdFactors::ONE,
-            vibration: None,
-            ..drive.clone()
-        };
-        loaded.push(Logs::load(&drive)?);
-    }
-    let unseen = options.hold_out.unwrap_or(HALF);
-    let mut logs = Vec::new();
-    let mut spans = Vec::new();
-    for all in &loaded {
-        let mut settings = settings(&all.drive, BiasModel::Arma)?;
-        tell(&mut settings, &all.drive, all.study());
-        let (mut first, last) = match (all.gnss.first(), all.gnss.last()) {
-            (Some(first), Some(last)) => (first.time, last.time),
-            _ => (0.0, 0.0),
-        };
-        if options.hold_out.is_none() {
-            first = begins(all, &settings)?.unwrap_or(first);
-        }
-        let until = last - unseen * (last - first);
-        spans.push((until, last));
-        logs.push(Log {
-            imu: &all.imu,
-            aiding: &all.aiding,
-            settings,
-            until,
-        });
-    }
+    let quieter = Noise::new(&Prior::new(&start, &[]).centre);
+    let loaded = load(drives, &start, &quieter)?;
+    let seen = loaded.iter().map(|all| split(all, options.hold_out));
+    let (logs, spans): (Vec<_>, Vec<_>) = seen.collect::<Result<_, _>>()?;
     start.idle = standing(&logs);
     start.vibrating = vibrating(&logs);
     let iteration = |value: f64| goes_on(Stage::Fitting(value));
     let sure = options.hold_out.is_some();
     let prior = prior_of(&logs, &start);
-    let (quieter, centre) = (centre, Noise::new(&prior.centre));
-    let fit = first_of(&[centre, quieter], &logs, &start, &prior, sure, &iteration)?;
+    let from = [Noise::new(&prior.centre), quieter];
+    let fit = first_of(&from, &logs, &start, &prior, sure, &iteration)?;
     let mut ways = vec![Way { logs, prior, fit }];
     let follow = drives.iter().all(|drive| drive.vibration.is_some());
     if follow && (0..AXES).any(|axis| start.shakes(axis)) {
-        let logs = ways[0].logs.iter().map(|log| Log {
-            settings: Settings {
-                vibration: Some([1.0; AXES]),
-                ..log.settings.clone()
-            },
-            ..*log
-        });
-        let logs: Vec<Log> = logs.collect();
-        let prior = prior_of(&logs, &start);
-        let centre = Noise::new(&prior.centre);
-        let from = Noise {
-            white: centre.white,
-            ..ways[0].fit.noise
-        };
-        // Where it cannot be navigated it is no way.
-        if let Ok(fit) = first_of(&[from, centre], &logs, &start, &prior, sure, &iteration) {
-            ways.push(Way { logs, prior, fit });
-        }
+        ways.extend(following(&ways[0], &start, sure, &iteration));
     }
     let judges = goes_on(Stage::Judging);
     let rest = options.start.as_ref().or(first.model.as_ref());
     let rest = rest.map_or_else(|| start.model(&start.white, &start.walk), Clone::clone);
-    let mut all = Vec::new();
-    for (k, (drive, span)) in drives.iter().zip(&spans).enumerate() {
-        let log = &ways[0].logs[k];
-        let mut settings = vec![Settings {
-            vibration: drive.vibration,
-            sensors: rest.shaping(BiasModel::Arma, log.settings.sensors[0].interval)?,
-            ..log.settings.clone()
-        }];
-        for way in &ways {
-            let after = under(&way.logs[k].settings, &way.fit.noise, &start);
-            settings.push(after.map_err(ReplayError::from)?);
-        }
-        all.push(Unseen {
-            log,
+    let mut unseen = Vec::new();
+    for (k, drive) in drives.iter().enumerate() {
+        unseen.push(Unseen {
+            log: &ways[0].logs[k],
             truth: &loaded[k].truth,
-            settings,
-            span: *span,
+            settings: before_and_after((k, drive), &ways, &start, &rest)?,
+            span: spans[k],
         });
     }
     // Of noise under which a drive cannot be navigated from its start to its end nothing is likely.
@@ -341,11 +353,11 @@ pub fn tune(
     };
     let follows = gain.is_some_and(|gain| gain >= 0.0);
     let (judged, following) = if judges {
-        judge(&all, gain)
+        judge(&unseen, gain)
     } else {
         (Vec::new(), None)
     };
-    drop(all);
+    drop(unseen);
     let mut way = ways.swap_remove(usize::from(follows));
     if !sure && judges {
         for log in &mut way.logs {
@@ -367,7 +379,7 @@ pub fn tune(
         prior,
         fit,
         follows,
-        unseen,
+        unseen: options.hold_out.unwrap_or(HALF),
         held_out: sure,
         judged,
         following,

@@ -20,6 +20,7 @@ use undrift_nav::{
     Matrix3, Quaternion, Vector3,
     attitude::{from_rotation_vector, skew},
     earth::{Geodetic, LocalEarth},
+    preintegration::Preintegrated,
 };
 
 /// Attitude at the start of the window and constant biases in it.
@@ -35,7 +36,7 @@ pub(super) struct Guess {
 
 /// A guess that has been improved, and what it costs.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Solution {
+pub(super) struct Minimum {
     pub(super) guess: Guess,
     /// Attitude at the end of the window.
     pub(super) end: Quaternion,
@@ -63,26 +64,26 @@ pub(super) struct Problem<'a> {
 }
 
 /// Attitude error at the start in body axes, gyro bias, accelerometer bias.
-type Parameters = SVector<f64, 9>;
+type Unknowns = SVector<f64, 9>;
 type Information = SMatrix<f64, 9, 9>;
-/// Errors of velocity in `n` and attitude in body axes by the parameters.
-type Effect = SMatrix<f64, 6, 9>;
-type Wander = SMatrix<f64, 6, 6>;
 
 /// Truth less estimate of velocity in `n` [m/s], attitude in body axes \[rad\], gyro bias [rad/s] and
 /// accelerometer bias [m/s²] at the end of the window: its covariance.
 pub(super) type EndCovariance = SMatrix<f64, 12, 12>;
 
-/// Cost with its linearisation `JᵀJ` and `Jᵀr`, and the end of the window.
-struct Linear {
+/// A guess put through the window up to some segment: cost with its linearisation `JᵀJ` and `Jᵀr`, and how far it came.
+struct Linearised {
     cost: f64,
     information: Information,
-    gradient: Parameters,
+    gradient: Unknowns,
     q_nb: Quaternion,
     v_n: Vector3,
-    /// Effect of the parameters on the end, and the wander's covariance there.
-    effect: Effect,
-    wander: Wander,
+    /// What has wandered in the attitude, body axes \[rad\].
+    turned: Vector3,
+    /// Errors of velocity in `n` and attitude in body axes: the wander's covariance, and the effect of the parameters,
+    /// column by column.
+    wander: [[f64; 6]; 6],
+    effect: [[f64; 6]; 9],
 }
 
 /// A matrix times a vector. Written out, like all that is done for each segment: it is where an alignment spends its
@@ -114,35 +115,107 @@ fn carry(column: &mut [f64; 6], lean: &Matrix3, back: &Matrix3) {
     column[3..].copy_from_slice(&times(back, &turned));
 }
 
-impl Problem<'_> {
-    /// The guess put through the first `count` segments; `gyro` is the mean of the gyro prior.
-    fn linearise(&self, guess: &Guess, count: usize, gyro: &Vector3) -> Linear {
-        let earth = LocalEarth::at(&self.place);
-        let gravity = Vector3::new(0.0, 0.0, earth.gravity);
-        let (mut cost, mut information, mut gradient) =
-            (0.0, Information::zeros(), Parameters::zeros());
+impl Linearised {
+    /// Carries wander and effect over a segment: `c` takes its first axes to `n`.
+    #[inline(always)]
+    fn carry(&mut self, motion: &Preintegrated, c: &Matrix3, lean: &Matrix3, back: &Matrix3) {
+        for column in &mut self.effect {
+            carry(column, lean, back);
+        }
         for i in 0..3 {
-            for (at, value, mean, variance) in [
+            let column = |of: &Matrix3| of.column(i).into();
+            let [by_g, by_a] = [&motion.dvel_by_g, &motion.dvel_by_a];
+            add(&mut self.effect[3 + i], 0, &times(c, &column(by_g)));
+            add(&mut self.effect[3 + i], 3, &column(&motion.turn_by_g));
+            add(&mut self.effect[6 + i], 0, &times(c, &column(by_a)));
+        }
+        let wander = &mut self.wander;
+        // Symmetric: carried on both sides.
+        for _ in 0..2 {
+            for column in &mut *wander {
+                carry(column, lean, back);
+            }
+            for i in 0..6 {
+                for j in 0..i {
+                    (wander[i][j], wander[j][i]) = (wander[j][i], wander[i][j]);
+                }
+            }
+        }
+    }
+
+    /// Updates with the velocity of the IMU at the end of a segment, component by component.
+    #[inline(always)]
+    fn update(&mut self, v_n: &Vector3, variance: &Vector3) {
+        for axis in 0..3 {
+            let sum = self.wander[axis][axis] + variance[axis];
+            let residual = v_n[axis] - self.v_n[axis];
+            let (mut row, mut gain) = ([0.0; 9], [0.0; 6]);
+            for i in 0..9 {
+                row[i] = self.effect[i][axis];
+            }
+            for i in 0..6 {
+                gain[i] = self.wander[axis][i] / sum;
+            }
+            self.cost += residual * residual / sum;
+            for i in 0..9 {
+                let weighed = row[i] / sum;
+                self.gradient[i] += weighed * residual;
+                for j in 0..9 {
+                    self.information[(j, i)] += weighed * row[j];
+                }
+                for j in 0..6 {
+                    self.effect[i][j] -= gain[j] * row[i];
+                }
+            }
+            for i in 0..3 {
+                self.v_n[i] += gain[i] * residual;
+                self.turned[i] += gain[3 + i] * residual;
+            }
+            for i in 0..6 {
+                for j in 0..6 {
+                    self.wander[i][j] -= gain[i] * gain[j] * sum;
+                }
+            }
+        }
+    }
+}
+
+impl Problem<'_> {
+    /// A guess at the start of the window, with the priors of the biases; `gyro` is the mean of the gyro prior.
+    fn start(&self, guess: &Guess, gyro: &Vector3) -> Linearised {
+        let mut at = Linearised {
+            cost: 0.0,
+            information: Information::zeros(),
+            gradient: Unknowns::zeros(),
+            q_nb: guess.q_nb,
+            v_n: Vector3::zeros(),
+            turned: Vector3::zeros(),
+            wander: [[0.0; 6]; 6],
+            effect: [[0.0; 6]; 9],
+        };
+        for i in 0..3 {
+            at.effect[i][3 + i] = 1.0;
+            for (at_bias, value, mean, variance) in [
                 (3 + i, guess.gyro[i], gyro[i], self.gyro.1[i]),
                 (6 + i, guess.accel[i], self.accel.0[i], self.accel.1[i]),
             ] {
                 let miss = mean - value;
-                cost += miss * miss / variance;
-                information[(at, at)] += 1.0 / variance;
-                gradient[at] += miss / variance;
+                at.cost += miss * miss / variance;
+                at.information[(at_bias, at_bias)] += 1.0 / variance;
+                at.gradient[at_bias] += miss / variance;
             }
         }
+        at
+    }
+
+    /// The guess put through the first `count` segments; `gyro` is the mean of the gyro prior.
+    fn linearise(&self, guess: &Guess, count: usize, gyro: &Vector3) -> Linearised {
+        let earth = LocalEarth::at(&self.place);
+        let gravity = Vector3::new(0.0, 0.0, earth.gravity);
         let by_gyro = guess.gyro - self.reference;
-        let (mut q_nb, mut v) = (guess.q_nb, Vector3::zeros());
-        // What has wandered in the attitude so far, its covariance with the velocity's, the parameters' effect: by columns.
-        let mut turned = Vector3::zeros();
-        let mut wander = [[0.0; 6]; 6];
-        let mut effect = [[0.0; 6]; 9];
-        for i in 0..3 {
-            effect[i][3 + i] = 1.0;
-        }
+        let mut at = self.start(guess, gyro);
         for (k, s) in self.segments.iter().take(count).enumerate() {
-            let c = q_nb.to_rotation_matrix().into_inner();
+            let c = at.q_nb.to_rotation_matrix().into_inner();
             let dvel =
                 s.motion.dvel + s.motion.dvel_by_g * by_gyro + s.motion.dvel_by_a * guess.accel;
             let frame = earth.earth_rate() + earth.transport_rate(&s.v_n);
@@ -150,86 +223,29 @@ impl Problem<'_> {
             let back = turn.to_rotation_matrix().transpose().into_inner();
             let lean = -c * skew(&dvel);
 
-            v += c * dvel
-                + lean * turned
+            at.v_n += c * dvel
+                + lean * at.turned
                 + (gravity - (frame + earth.earth_rate()).cross(&s.v_n)) * s.motion.dt;
-            turned = back * turned;
-            for column in &mut effect {
-                carry(column, &lean, &back);
-            }
+            at.turned = back * at.turned;
+            at.carry(&s.motion, &c, &lean, &back);
             for i in 0..3 {
-                let column = |of: &Matrix3| of.column(i).into();
-                let [by_g, by_a] = [&s.motion.dvel_by_g, &s.motion.dvel_by_a];
-                add(&mut effect[3 + i], 0, &times(&c, &column(by_g)));
-                add(&mut effect[3 + i], 3, &column(&s.motion.turn_by_g));
-                add(&mut effect[6 + i], 0, &times(&c, &column(by_a)));
+                at.wander[i][i] += self.accel_noise * s.motion.dt;
+                at.wander[3 + i][3 + i] += self.gyro_noise * s.motion.dt;
             }
-            // Symmetric: carried on both sides.
-            for _ in 0..2 {
-                for column in &mut wander {
-                    carry(column, &lean, &back);
-                }
-                for i in 0..6 {
-                    for j in 0..i {
-                        (wander[i][j], wander[j][i]) = (wander[j][i], wander[i][j]);
-                    }
-                }
-            }
-            for i in 0..3 {
-                wander[i][i] += self.accel_noise * s.motion.dt;
-                wander[3 + i][3 + i] += self.gyro_noise * s.motion.dt;
-            }
-            q_nb = from_rotation_vector(&(-frame * s.motion.dt)) * q_nb * turn;
+            at.q_nb = from_rotation_vector(&(-frame * s.motion.dt)) * at.q_nb * turn;
 
-            let lever_velocity = q_nb * (s.omega_b - by_gyro).cross(&self.lever_arm);
-            if k == 0 {
-                v = s.v_n - lever_velocity;
-                for i in 0..3 {
-                    wander[i][i] = s.variance[i];
-                }
+            let v_n = s.v_n - at.q_nb * (s.omega_b - by_gyro).cross(&self.lever_arm);
+            if k > 0 {
+                at.update(&v_n, &s.variance);
                 continue;
             }
-            for axis in 0..3 {
-                let sum = wander[axis][axis] + s.variance[axis];
-                let residual = s.v_n[axis] - lever_velocity[axis] - v[axis];
-                let (mut row, mut gain) = ([0.0; 9], [0.0; 6]);
-                for i in 0..9 {
-                    row[i] = effect[i][axis];
-                }
-                for i in 0..6 {
-                    gain[i] = wander[axis][i] / sum;
-                }
-                cost += residual * residual / sum;
-                for i in 0..9 {
-                    let weighed = row[i] / sum;
-                    gradient[i] += weighed * residual;
-                    for j in 0..9 {
-                        information[(j, i)] += weighed * row[j];
-                    }
-                    for j in 0..6 {
-                        effect[i][j] -= gain[j] * row[i];
-                    }
-                }
-                for i in 0..3 {
-                    v[i] += gain[i] * residual;
-                    turned[i] += gain[3 + i] * residual;
-                }
-                for i in 0..6 {
-                    for j in 0..6 {
-                        wander[i][j] -= gain[i] * gain[j] * sum;
-                    }
-                }
+            at.v_n = v_n;
+            for i in 0..3 {
+                at.wander[i][i] = s.variance[i];
             }
         }
-        Linear {
-            cost,
-            information,
-            gradient,
-            q_nb: q_nb * from_rotation_vector(&turned),
-            v_n: v,
-            effect: effect.into(),
-            wander: wander.into(),
-        }
+        at.q_nb *= from_rotation_vector(&at.turned);
+        at
     }
 
     /// The end of the window after [`Problem::refine`]: attitude, velocity of the IMU and their covariance
@@ -240,16 +256,16 @@ impl Problem<'_> {
         let mut effect = SMatrix::<f64, 12, 9>::zeros();
         effect
             .fixed_view_mut::<6, 9>(0, 0)
-            .copy_from(&linear.effect);
+            .copy_from(&linear.effect.into());
         effect.fixed_view_mut::<6, 6>(6, 3).fill_with_identity();
         let mut covariance = effect * parameters * effect.transpose();
         let mut wander = covariance.fixed_view_mut::<6, 6>(0, 0);
-        wander += linear.wander;
+        wander += SMatrix::from(linear.wander);
         Some((linear.q_nb, linear.v_n, covariance))
     }
 
     /// Improves a guess on the first `count` segments. Levenberg-Marquardt; Nocedal & Wright, section 10.3.
-    fn improve(&self, guess: &Guess, count: usize, gyro: &Vector3) -> Solution {
+    fn improve(&self, guess: &Guess, count: usize, gyro: &Vector3) -> Minimum {
         let mut best = *guess;
         let mut linear = self.linearise(&best, count, gyro);
         let mut damping = 1e-3;
@@ -288,7 +304,7 @@ impl Problem<'_> {
                 }
             }
         }
-        Solution {
+        Minimum {
             guess: best,
             end: linear.q_nb,
             cost: linear.cost,
@@ -296,12 +312,12 @@ impl Problem<'_> {
     }
 
     /// A solution improved on the whole window.
-    pub(super) fn refine(&self, guess: &Guess) -> Solution {
+    pub(super) fn refine(&self, guess: &Guess) -> Minimum {
         self.improve(guess, self.segments.len(), &self.gyro.0)
     }
 
     /// The minima found from all headings, best first.
-    pub(super) fn solve(&self) -> Vec<Solution> {
+    pub(super) fn solve(&self) -> Vec<Minimum> {
         let n = self.segments.len();
         // The first two seconds' mean specific force in `n` and in body axes: all but the turn about it.
         let (mut t, mut early) = (0.0, 1);
@@ -336,7 +352,7 @@ impl Problem<'_> {
         } else {
             &[0.0]
         };
-        let mut found: Vec<Solution> = Vec::new();
+        let mut found: Vec<Minimum> = Vec::new();
         for heading in 0..self.set.headings {
             let angle = std::f64::consts::TAU * heading as f64 / self.set.headings as f64;
             let q_nb = from_rotation_vector(&(up * angle)) * level;
@@ -372,7 +388,7 @@ impl Problem<'_> {
     }
 }
 
-impl Solution {
+impl Minimum {
     /// Whether another one is the same minimum, at the start and at the end of the window.
     fn is_near(&self, other: &Self, same: f64) -> bool {
         self.guess.q_nb.angle_to(&other.guess.q_nb) < same && self.end.angle_to(&other.end) < same

@@ -4,9 +4,8 @@ use super::{Aids, NavigateError, resolve_mounting, settings, study, tell};
 use crate::{
     drive::Drive,
     estimator::{Estimator, STAMP_ROUNDING},
-    replay::{Observer, ReplayError, Settings, Vibration, replay},
+    replay::{ReplayError, Settings, Vibration, begin},
 };
-use std::cell::RefCell;
 use undrift_noise::BiasModel;
 
 /// A drive where its navigation has begun.
@@ -19,16 +18,6 @@ pub struct Started {
     pub vibration: Option<Vibration>,
 }
 
-/// Keeps the first filter that it sees.
-struct First<'a>(&'a RefCell<Option<Box<dyn Estimator>>>);
-
-impl Observer for First<'_> {
-    fn sample(&mut self, filter: &dyn Estimator) -> Result<(), ReplayError> {
-        self.0.borrow_mut().get_or_insert_with(|| filter.boxed());
-        Ok(())
-    }
-}
-
 /// Aligns a drive: its filter as [`super::navigate`] begins it.
 ///
 /// # Errors
@@ -38,16 +27,9 @@ pub fn start(drive: &Drive, kind: BiasModel) -> Result<Started, NavigateError> {
     let mut settings = settings(&drive, kind)?;
     let study = study(&drive, &settings, drive.open_gnss()?)?;
     tell(&mut settings, &drive, study.as_ref());
-    let begun = RefCell::new(None);
-    let mut imu = drive.open_imu()?.take_while(|_| begun.borrow().is_none());
     let mut aids = Aids::open(&drive)?;
-    replay(
-        &mut imu,
-        &mut aids.measurements(),
-        &settings,
-        &mut First(&begun),
-    )?;
-    let Some(filter) = begun.take() else {
+    let begun = begin(&mut drive.open_imu()?, &mut aids.measurements(), &settings)?;
+    let Some(filter) = begun else {
         // It ended with the sample that it began in.
         return Err(ReplayError::Filter(undrift_nav::filter::FilterError::Diverged).into());
     };
