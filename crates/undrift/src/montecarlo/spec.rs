@@ -119,55 +119,9 @@ impl Spec {
         let duration = trajectory.duration;
         let (gnss, correlated) = read_gnss(&top.section("gnss")?, duration)?;
 
-        let states = top.section("states")?;
-        let std = |key, quantity| match states.quantity(key, quantity)? {
-            Some(std) if std < 0.0 => {
-                Err(states.error(key, "standard deviations must not be negative"))
-            }
-            std => Ok(std.unwrap_or(0.0)),
-        };
-        let scale_factor = std("scale_factor", Quantity::Dimensionless)?;
-        let time_offset = std("time_offset", Quantity::Time)?;
-        states.only_known()?;
-
-        let initial = top.section("initial")?;
-        let truth_std = initial.vector("truth_std", Quantity::Angle)?;
-        if truth_std.is_some_and(|std| std.iter().any(|s| *s <= 0.0)) {
-            return Err(initial
-                .error("truth_std", "standard deviations must be positive")
-                .into());
-        }
-        if truth_std.is_some() && initial.get("attitude").is_some() {
-            return Err(initial
-                .error("attitude", "set truth_std or attitude, not both")
-                .into());
-        }
-        let align = read_initial(&initial)?;
-
-        let epochs = top.section("epochs")?;
-        let every = epochs.quantity("every", Quantity::Time)?.unwrap_or(1.0);
-        let samples = every * rate_hz;
-        if !(samples > 0.5 && (samples - samples.round()).abs() < 1e-6 * samples) {
-            return Err(epochs
-                .error(
-                    "every",
-                    format!(
-                        "must be a whole number of samples, which are {} s apart",
-                        1.0 / rate_hz
-                    ),
-                )
-                .into());
-        }
-        let settle = epochs.quantity("settle", Quantity::Time)?.unwrap_or(60.0);
-        if !(settle >= 0.0 && settle + every <= duration) {
-            return Err(epochs
-                .error(
-                    "settle",
-                    format!("must be shorter than the drive of {duration} s"),
-                )
-                .into());
-        }
-        epochs.only_known()?;
+        let [scale_factor, time_offset] = read_states(&top.section("states")?)?;
+        let (align, truth_std) = read_start(&top.section("initial")?)?;
+        let (every, settle) = read_epochs(&top.section("epochs")?, rate_hz, duration)?;
         Ok(Self {
             trajectory,
             rate_hz,
@@ -297,4 +251,52 @@ fn read_gnss(
     }
     section.only_known()?;
     Ok((gnss, time.map(|time| Correlated { share, time })))
+}
+
+/// Standard deviations of the gyros' scale factors and of the time offsets \[s\].
+fn read_states(section: &Section) -> Result<[f64; 2], ConfigError> {
+    let std = |key, quantity| match section.quantity(key, quantity)? {
+        Some(std) if std < 0.0 => {
+            Err(section.error(key, "standard deviations must not be negative"))
+        }
+        std => Ok(std.unwrap_or(0.0)),
+    };
+    let scale_factor = std("scale_factor", Quantity::Dimensionless)?;
+    let time_offset = std("time_offset", Quantity::Time)?;
+    section.only_known()?;
+    Ok([scale_factor, time_offset])
+}
+
+/// How the filter starts, and [`Spec::truth_std`].
+fn read_start(section: &Section) -> Result<(AlignSettings, Option<Vector3>), ConfigError> {
+    let truth_std = section.vector("truth_std", Quantity::Angle)?;
+    if truth_std.is_some_and(|std| std.iter().any(|s| *s <= 0.0)) {
+        return Err(section.error("truth_std", "standard deviations must be positive"));
+    }
+    if truth_std.is_some() && section.get("attitude").is_some() {
+        return Err(section.error("attitude", "set truth_std or attitude, not both"));
+    }
+    Ok((read_initial(section)?, truth_std))
+}
+
+/// Spacing of the epochs and the beginning left out \[s\].
+fn read_epochs(section: &Section, rate_hz: f64, duration: f64) -> Result<(f64, f64), ConfigError> {
+    let every = section.quantity("every", Quantity::Time)?.unwrap_or(1.0);
+    let samples = every * rate_hz;
+    if !(samples > 0.5 && (samples - samples.round()).abs() < 1e-6 * samples) {
+        let apart = 1.0 / rate_hz;
+        return Err(section.error(
+            "every",
+            format!("must be a whole number of samples, which are {apart} s apart"),
+        ));
+    }
+    let settle = section.quantity("settle", Quantity::Time)?.unwrap_or(60.0);
+    if !(settle >= 0.0 && settle + every <= duration) {
+        return Err(section.error(
+            "settle",
+            format!("must be shorter than the drive of {duration} s"),
+        ));
+    }
+    section.only_known()?;
+    Ok((every, settle))
 }
