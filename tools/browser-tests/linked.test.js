@@ -237,7 +237,7 @@ test("on a phone the names below boxes are whole, and tables show that they go o
   for (const name of ["outages", "demo"]) {
     const { page, close } = await open(browser, name, { ...from, viewport: { width: 390, height: 800 }, isMobile: true, hasTouch: true });
     const cut = await page.evaluate(() => report.plots.filter(p => p.panel.x.names.length).flatMap(({ u, panel }) => {
-      const { labels, upright } = axisTicks(panel.x, "x", u.scales.x.min, u.scales.x.max, u.bbox.width / devicePixelRatio);
+      const { labels, upright } = nameLabels(panel.x.names, u.bbox.width / devicePixelRatio / (u.scales.x.max - u.scales.x.min) - 8);
       // Upright or not, each has its own line's room below the axis.
       return labels.filter((label, i) => label.replace(/\n/g, "") !== panel.x.names[i].replace(/ /g, m => label.includes("\n") ? "" : m)).concat(upright && u.height - u.bbox.height / devicePixelRatio < 60 ? ["low"] : []);
     }));

@@ -1,4 +1,4 @@
-// Axes of a plot on the screen: ticks and labels that have room.
+// Axes of a plot on the screen: ticks and labels that have room. Where uPlot knows better, they are its own.
 "use strict";
 
 const FONT = "12px system-ui, sans-serif";
@@ -29,28 +29,32 @@ function wrapName(name, room) {
   return shown.join("\n");
 }
 
-// Names below an axis stand upright where they would be cut short beside each other.
-function namesUpright(names, room) {
-  return names.some(name => wrapName(name, room).split("\n").some(line => line.endsWith("…") && !name.endsWith("…")));
+// Names below an axis with so much room for each: in lines, or all upright where they would be cut short beside each other.
+function nameLabels(names, room) {
+  const labels = names.map(name => wrapName(name, room));
+  const upright = names.some((name, i) => !name.endsWith("…") && /…$/m.test(labels[i]));
+  return { upright, labels: upright ? names.map(name => fit(name, 150)) : labels };
 }
 
-// Ticks of an axis and their labels, for a length in pixels: as many as stand apart.
-function axisTicks(axis, along, min, max, length) {
-  if (axis.names.length) {
-    const ticks = axis.names.map((_, i) => i).filter(i => i >= min && i <= max);
-    const room = length / (max - min) - 8;
-    const upright = namesUpright(axis.names, room);
-    return { ticks, upright, labels: ticks.map(i => upright ? fit(axis.names[i], 150) : wrapName(axis.names[i], room)) };
+// Pixels between ticks: ten of x at most, which leave room between their labels.
+function tickSpace(u, i, min, max, length) {
+  if (u.axes[i].scale === "y") return 32;
+  const power = 10 ** Math.floor(Math.log10((max - min) / 5));
+  const ends = u.scales.x.distr === 3 ? [] : tickLabels([Math.ceil(min / power) * power, Math.floor(max / power) * power]);
+  return Math.max(46, length / 10, ...ends.map(label => textWidth(label) + 12));
+}
+
+// Ticks of a logarithmic axis, where uPlot's own begin at its end, round or not: round numbers of every n-th power of ten, within
+// one multiples of the step of a linear axis.
+function logSplits(u, i, min, max, step, space) {
+  const decade = lengthOf(u, u.axes[i].scale) / Math.log10(max / min), ticks = [];
+  if (max < 10 * min) for (let k = Math.ceil(min / step); k * step <= max; k++) ticks.push(k * step);
+  else {
+    const at = [[1, 2, 5], [1, 3], [1]].find(at => at.length === 1 || decade * Math.log10(at[1]) >= space);
+    const every = Math.ceil(space / decade);
+    for (let p = every * Math.ceil((Math.log10(min) - 1) / every); 10 ** p <= max; p += every) ticks.push(...at.map(m => m * 10 ** p));
   }
-  const at = mapper(min, max, axis.log, 0, length);
-  const room = STYLE.ticks[along];
-  let most = Math.max(1, Math.min(room.most, Math.floor(length / room.pixels)));
-  for (;; most--) {
-    const ticks = axis.log ? logTicks(min, max, most) : linearTicks(min, max, most);
-    const labels = tickLabels(ticks);
-    const apart = along === "y" || labels.every((label, i) => !i || at(ticks[i]) - at(ticks[i - 1]) > (textWidth(label) + textWidth(labels[i - 1])) / 2 + 12);
-    if (apart || most <= 1) return { ticks, labels };
-  }
+  return ticks.filter(tick => tick >= min * (1 - 1e-9) && tick <= max * (1 + 1e-9));
 }
 
 function mapper(min, max, log, from, to) {

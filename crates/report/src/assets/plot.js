@@ -56,19 +56,16 @@ class Plot extends Gestures {
     const { width, height } = this.size();
     const axis = along => ({
       scale: along, side: along === "x" ? 2 : 3, label: panel[along].label ? u => fit(panel[along].label, lengthOf(u, along)) : undefined, labelSize: panel[along].label ? 22 : 0,
-      font: FONT, labelFont: FONT, labelGap: 2, gap: 4, space: () => 0, incrs: [10],
+      font: FONT, labelFont: FONT, labelGap: 2, gap: 4, space: tickSpace,
       stroke: () => this.palette.soft,
       grid: { stroke: () => this.palette.grid, width: 1, show: !(along === "x" && panel.x.names.length) },
       ticks: { stroke: () => this.palette.rule, width: 1, size: 4 },
       border: { show: true, stroke: () => this.palette.soft, width: 1 },
-      splits: (u, _, min, max) => axisTicks(panel[along], along, min, max, lengthOf(u, along)).ticks,
+      splits: panel[along].names.length ? (u, _, min, max) => [...panel.x.names.keys()].filter(i => i >= min && i <= max) : panel[along].log ? logSplits : undefined,
       filter: (_, splits) => splits,
-      values: (u, splits) => {
-        const { min, max } = u.scales[along];
-        return panel[along].names.length ? axisTicks(panel[along], along, min, max, lengthOf(u, along)).labels : tickLabels(splits);
-      },
-      rotate: u => along === "x" && this.upright(u) ? 90 : 0,
-      size: (u, labels) => along === "y" || this.upright(u)
+      values: (u, splits) => panel[along].names.length ? splits.map(i => this.names(u).labels[i]) : tickLabels(splits),
+      rotate: u => along === "x" && this.names(u).upright ? 90 : 0,
+      size: (u, labels) => along === "y" || this.names(u).upright
         ? 12 + Math.max(12, ...(labels || []).map(l => textWidth(l)))
         : 12 + 15 * Math.max(1, ...(labels || []).map(l => String(l).split("\n").length)),
     });
@@ -327,17 +324,16 @@ class Plot extends Gestures {
     const line = (d, colour) => `<path d="${d}" stroke="${colours[colour]}"/>`;
     const text = (left, top, content, anchor) => `<text x="${px(left)}" y="${px(top)}" text-anchor="${anchor}">${escapeXml(content)}</text>`;
     let ground = spans(panel, at).map(([l, r]) => `<path d="M${px(l)} 0H${px(r)}V${height}H${px(l)}Z" fill="${colours.shade}"/>`).join(""), marks = "";
-    const down = axisTicks(panel.y, "y", ...y, height), across = axisTicks(panel.x, "x", ...x, width);
-    down.ticks.forEach((tick, i) => {
+    for (const [tick, label] of this.ticks(1, y)) {
       const top = px(at.y(tick));
       ground += line(`M0 ${top}H${width}`, "grid");
-      marks += line(`M-4 ${top}H0`, "soft") + text(-8, top + 4.5, down.labels[i], "end");
-    });
-    if (!panel.x.names.length) across.ticks.forEach((tick, i) => {
+      marks += line(`M-4 ${top}H0`, "soft") + text(-8, top + 4.5, label, "end");
+    }
+    if (!panel.x.names.length) for (const [tick, label] of this.ticks(0, x)) {
       const left = px(at.x(tick));
       ground += line(`M${left} 0V${height}`, "grid");
-      marks += line(`M${left} ${height}v4`, "soft") + text(left, height + 17, across.labels[i], "middle");
-    });
+      marks += line(`M${left} ${height}v4`, "soft") + text(left, height + 17, label, "middle");
+    }
     view.querySelector(".ground").innerHTML = ground;
     view.querySelector(".ticks").innerHTML = marks;
     const map = view.querySelector(".map"), of = map && mapMarks(at);
@@ -370,11 +366,17 @@ class Plot extends Gestures {
     return best;
   }
 
-  upright(u) {
-    const { names } = this.panel.x;
-    if (!names.length) return false;
+  // The names below the axis of x as they have room.
+  names(u) {
     const { min, max } = u.scales.x;
-    return namesUpright(names, (u.bbox.width / devicePixelRatio || u.width - 80) / (max - min) - 8);
+    return nameLabels(this.panel.x.names, (u.bbox.width / devicePixelRatio || u.width - 80) / (max - min) - 8);
+  }
+
+  // Ticks of an axis over a range with their labels, in the steps of the screen.
+  ticks(i, [min, max]) {
+    const { u } = this, axis = u.axes[i], ticks = axis._found[1] ? axis.splits(u, i, min, max, ...axis._found) : [];
+    const labels = axis.values(u, ticks);
+    return ticks.map((tick, k) => [tick, labels[k]]);
   }
 
   // The cursor moved here: what is over the same time shows that too.

@@ -1,34 +1,10 @@
-// What a panel looks like at a scale: ticks, and every series as paths. A plot on the screen and a
-// saved file are drawn from the same paths.
+// What a panel looks like at a scale: numbers as text, and every series as paths. A plot on the screen
+// and a saved file are drawn from the same paths.
 "use strict";
 
-// Colours, widths of lines and steps of ticks, and the rule by which they are chosen: style.json of the program.
+// Colours and widths of lines: style.json of the program.
 const DATA = JSON.parse(document.getElementById("data").textContent);
 const STYLE = DATA.style;
-
-function linearTicks(min, max, most) {
-  const span = max - min;
-  if (!(span > 0 && span < Infinity)) return [];
-  const power = 10 ** Math.floor(Math.log10(span / most));
-  const step = STYLE.ticks.linear.map(m => m * power).find(s => span / s <= most) || 10 * power;
-  const ticks = [];
-  const first = Math.ceil(min / step - 1e-9);
-  for (let i = 0; i <= most && (first + i) * step <= max + 1e-9 * step; i++) ticks.push((first + i) * step);
-  return ticks;
-}
-
-function logTicks(min, max, most) {
-  const first = Math.floor(Math.log10(min)), last = Math.ceil(Math.log10(max)), span = Math.log10(max / min);
-  if (!(span > 0 && span < Infinity)) return [];
-  const within = (every, at) => {
-    const ticks = [];
-    for (let p = first; p <= last; p++) if (p % every === 0) ticks.push(...at.map(m => m * 10 ** p));
-    return ticks.filter(tick => tick >= min * (1 - 1e-9) && tick <= max * (1 + 1e-9));
-  };
-  const lists = STYLE.ticks.logarithmic.filter(list => span <= list.decades).map(list => within(1, list.at));
-  const ticks = lists.find(list => list.length > 1 && list.length <= most) || within(Math.max(1, Math.ceil(span / most)), [1]);
-  return ticks.length > 1 ? ticks : linearTicks(min, max, most).filter(t => t > 0);
-}
 
 const SUPER = { "-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹" };
 

@@ -1,9 +1,6 @@
 //! Axes of a panel: the part that is seen, and its ticks.
 
-use super::{
-    panel::{Axis, Kind, Panel},
-    style::style,
-};
+use super::panel::{Axis, Kind, Panel};
 use std::ops::Range;
 
 /// Which way an axis goes.
@@ -52,9 +49,8 @@ impl Scale {
 
     /// Where the axis has ticks: as many as it has room for, and of x as stand apart.
     pub fn ticks(&self) -> Vec<(f64, String)> {
-        let ticks = &style().ticks;
-        let room = if self.upright { &ticks.y } else { &ticks.x };
-        let mut most = room.most.min((self.length / room.pixels) as usize).max(1);
+        let (most, room) = if self.upright { (8, 28.0) } else { (10, 46.0) };
+        let mut most = ((self.length / room) as usize).clamp(1, most);
         loop {
             let labels = labels(&if self.logarithmic {
                 logarithmic(&self.range, most)
@@ -101,10 +97,8 @@ fn linear(range: &Range<f64>, most: usize) -> Vec<f64> {
         return Vec::new();
     }
     let power = 10f64.powf((span / most as f64).log10().floor());
-    let steps = style().ticks.linear.iter().map(|step| step * power);
-    let step = { steps }
-        .find(|step| span / step <= most as f64)
-        .unwrap_or(10.0 * power);
+    let mut steps = [1.0, 2.0, 5.0].into_iter().map(|step| step * power);
+    let step = { steps.find(|step| span / step <= most as f64) }.unwrap_or(10.0 * power);
     let first = (range.start / step - 1e-9).ceil();
     (0..=most)
         .map(|i| (first + i as f64) * step)
@@ -112,7 +106,16 @@ fn linear(range: &Range<f64>, most: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Round numbers of a logarithmic axis, at most `most` of them.
+/// Ticks within each decade of a logarithmic axis of so many decades at most.
+const LOGARITHMIC: [(f64, &[f64]); 4] = [
+    (0.8, &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0]),
+    (4.0, &[1.0, 2.0, 5.0]),
+    (4.0, &[1.0, 3.0]),
+    (20.0, &[1.0]),
+];
+
+/// Round numbers of a logarithmic axis, at most `most` of them; every n-th power of ten where those of a list are too
+/// many, and as on a linear axis where they are too few.
 fn logarithmic(range: &Range<f64>, most: usize) -> Vec<f64> {
     let (first, last) = (range.start.log10(), range.end.log10());
     let span = last - first;
@@ -125,10 +128,10 @@ fn logarithmic(range: &Range<f64>, most: usize) -> Vec<f64> {
         let held = range.start * (1.0 - 1e-9)..=range.end * (1.0 + 1e-9);
         ticks.filter(|tick| held.contains(tick)).collect()
     };
-    let lists = style().ticks.logarithmic.iter();
-    let ticks = lists
-        .filter(|steps| span <= steps.decades)
-        .map(|steps| within(1, &steps.at))
+    let ticks = LOGARITHMIC.iter();
+    let ticks = ticks
+        .filter(|(decades, _)| span <= *decades)
+        .map(|(_, at)| within(1, at))
         .find(|ticks| (2..=most).contains(&ticks.len()))
         .unwrap_or_else(|| within((span / most as f64).ceil().max(1.0) as i32, &[1.0]));
     if ticks.len() > 1 {

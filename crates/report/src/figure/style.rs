@@ -1,4 +1,4 @@
-//! Colours, widths of lines and steps of ticks. `assets/style.json` is their one source: the page's
+//! Colours and widths of lines. `assets/style.json` is their one source: the page's
 //! script reads it too.
 
 use super::panel::Kind;
@@ -25,30 +25,6 @@ pub(crate) struct Style {
     pub dot: f64,
     /// How much of its colour a band has.
     pub tint: f64,
-    pub ticks: Ticks,
-}
-
-/// Where axes have ticks; the source says the rule.
-#[derive(Deserialize)]
-pub(crate) struct Ticks {
-    pub x: Room,
-    pub y: Room,
-    pub linear: Vec<f64>,
-    pub logarithmic: Vec<Steps>,
-}
-
-/// How many ticks an axis takes.
-#[derive(Deserialize)]
-pub(crate) struct Room {
-    pub most: usize,
-    pub pixels: f64,
-}
-
-/// Steps within a decade.
-#[derive(Deserialize)]
-pub(crate) struct Steps {
-    pub decades: f64,
-    pub at: Vec<f64>,
 }
 
 /// The style.
