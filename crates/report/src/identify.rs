@@ -2,79 +2,36 @@
 //! deviation and the candidates with their drift.
 
 mod axis;
+mod bounds;
 mod lines;
 mod orders;
 pub(crate) mod pool;
 mod temperatures;
+mod units;
+mod verdict;
 
 use super::{
     Block, Cell, Figure, Section, Series, Table,
     numbers::{count, short, span},
     parts::{Run, capital, points, prefixed, run_colour, spoken_list, text, warnings},
-    text::verdict,
 };
 use axis::{allan_panel, of_axis, psd_panel};
 pub(crate) use axis::{correlation, drift_table, of_others, record};
+pub(crate) use bounds::bounds;
 pub(crate) use lines::lines;
 pub(crate) use orders::{adequacy, adequacy_line, pandit_wu};
-use std::f64::consts::PI;
 pub(crate) use temperatures::temperatures;
 use undrift::noise::{model_file::AXES, normality::Test};
 use undrift::results::{Axis, Identify, Term};
+use units::{Unit, with_unit};
+pub(crate) use units::{Units, units};
+pub(crate) use verdict::{is_allan, verdict};
 
 /// Level of the tests.
 const LEVEL: f64 = 0.05;
 
 /// What the source paper's Table 2 compares.
 const PAPER_KS: &str = "The source paper's Kolmogorov-Smirnov value, 0.4918, is the distance of its samples in rad/s from N(0, 1), without scaling: a normal distribution of 0.0061 rad/s, which its AIC stands for, is 0.4915 from it. Here the samples are scaled to their own mean and standard deviation first.";
-
-/// Units of an axis in the report.
-pub(crate) struct Units {
-    /// From SI.
-    pub scale: f64,
-    /// Of a sample.
-    pub sample: &'static str,
-    /// Of a sum of squares, SI.
-    pub squares: &'static str,
-    /// Of white noise, a root of an hour.
-    pub white: &'static str,
-    /// Of bias instability and what it is of SI.
-    pub instability: &'static str,
-    pub instability_scale: f64,
-    /// Of a random walk's growth, the square root of an hour.
-    pub walk: &'static str,
-    /// Of the integral.
-    pub drift: &'static str,
-}
-
-const GYRO: Units = Units {
-    scale: 180.0 / PI,
-    sample: "°/s",
-    squares: "rad²/s²",
-    white: "°/√h",
-    instability: "°/h",
-    instability_scale: 180.0 / PI * 3600.0,
-    walk: "°/h/√h",
-    drift: "°",
-};
-const ACCEL: Units = Units {
-    scale: 1.0,
-    sample: "m/s²",
-    squares: "m²/s⁴",
-    white: "m/s/√h",
-    instability: "µg",
-    instability_scale: 1e6 / undrift::nav::earth::STANDARD_GRAVITY,
-    walk: "µg/√h",
-    drift: "m/s",
-};
-
-pub(crate) fn units(name: &str) -> &'static Units {
-    if name.starts_with("gyro") {
-        &GYRO
-    } else {
-        &ACCEL
-    }
-}
 
 /// "gyro x" of "gyro_x".
 pub(crate) fn spoken(name: &str) -> String {
@@ -118,26 +75,13 @@ pub fn sections(runs: &[Run<'_, Identify>]) -> Vec<Section> {
 /// White noise, bias instability or random walk and the model of an axis, in few words.
 fn in_short(name: &str, axis: &Axis) -> String {
     let (unit, terms) = (units(name), &axis.allan_terms);
-    let white = terms.white.value * 60.0 * unit.scale;
-    let white = format!("N {} {}", short(white), unit.white);
+    let white = format!("N {}", with_unit(terms.white.value, unit.white));
     let slow = [
-        (
-            "B",
-            &terms.bias_instability,
-            unit.instability_scale,
-            unit.instability,
-        ),
-        (
-            "K",
-            &terms.random_walk,
-            60.0 * unit.instability_scale,
-            unit.walk,
-        ),
+        ("B", &terms.bias_instability, unit.bias),
+        ("K", &terms.random_walk, unit.walk),
     ];
-    let slow = slow.into_iter().filter(|(_, term, ..)| term.seen);
-    let slow = slow.map(|(letter, term, scale, unit)| {
-        format!("{letter} {} {unit}", short(term.value * scale))
-    });
+    let slow = slow.into_iter().filter(|(_, term, _)| term.seen);
+    let slow = slow.map(|(letter, term, unit)| format!("{letter} {}", with_unit(term.value, unit)));
     let model = axis.chosen.name.clone();
     let parts = [white].into_iter().chain(slow).chain([model]);
     Vec::from_iter(parts.filter(|part| !part.is_empty())).join(", ")
@@ -280,16 +224,13 @@ fn of_allan<'a>() -> [Column<'a>; 4] {
     [
         ("axis", &|a| (&a.label).into()),
         ("white noise", &|a| {
-            let (unit, white) = (units(a.name), a.axis.allan_terms.white.value);
-            format!("{} {}", short(white * 60.0 * unit.scale), unit.white).into()
+            with_unit(a.axis.allan_terms.white.value, units(a.name).white).into()
         }),
         ("bias instability", &|a| {
-            let (unit, term) = (units(a.name), &a.axis.allan_terms.bias_instability);
-            seen(term, unit.instability_scale, unit.instability)
+            seen(&a.axis.allan_terms.bias_instability, units(a.name).bias)
         }),
         ("random walk", &|a| {
-            let (unit, term) = (units(a.name), &a.axis.allan_terms.random_walk);
-            seen(term, 60.0 * unit.instability_scale, unit.walk)
+            seen(&a.axis.allan_terms.random_walk, units(a.name).walk)
         }),
     ]
 }
@@ -308,9 +249,9 @@ fn models<'a>(axes: impl Iterator<Item = Named<'a>>) -> Table {
 }
 
 /// A term of the Allan deviation, if the record shows it.
-fn seen(term: &Term, scale: f64, unit: &str) -> Cell {
+fn seen(term: &Term, unit: Unit) -> Cell {
     if term.seen {
-        format!("{} {unit}", short(term.value * scale)).into()
+        with_unit(term.value, unit).into()
     } else {
         "not detected".into()
     }

@@ -12,6 +12,5 @@ pub use crate::{
     plain::{Mark, unmarked},
     tune::plain as tune,
 };
-pub(crate) use identify::{bounds, verdict};
 pub use identify::{correlation_csv, identify};
 pub use navigate::navigate;

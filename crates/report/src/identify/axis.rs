@@ -1,12 +1,11 @@
 //! One axis of an identified record in all detail.
 
 use super::orders::{adequacy, pandit_wu};
-use super::{LEVEL, Units, units};
+use super::{LEVEL, Units, bounds, units};
 use crate::{
     Axis as PlotAxis, Cell, Figure, Panel, Section, Series, Table,
     numbers::{error, get, probability, short},
     parts::{Clock, capital, points, run_colour, text, warnings},
-    text::bounds,
 };
 use std::f64::consts::{LN_2, PI, TAU};
 use undrift::noise::order_statistics::quantile;

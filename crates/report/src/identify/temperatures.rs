@@ -41,12 +41,11 @@ fn quadratic(name: &str, of: &AxisTemperature) -> String {
     }
 }
 
-/// A coefficient and its interval by kelvin: °/h of a gyro, µg of an accelerometer.
+/// A coefficient and its interval by kelvin: °/h of a gyro, mg of an accelerometer.
 fn per_kelvin(name: &str, value: Number, [low, high]: [Number; 2], kelvin: &str) -> String {
-    let unit = units(name);
-    let shown = |number: Number| short(number.0 * unit.instability_scale);
-    let [value, low, high] = [value, low, high].map(shown);
-    format!("{value} {}/{kelvin} ({low} to {high})", unit.instability)
+    let (unit, factor) = units(name).bias;
+    let [value, low, high] = [value, low, high].map(|number| short(number.0 * factor));
+    format!("{value} {unit}/{kelvin} ({low} to {high})")
 }
 
 #[cfg(test)]
@@ -89,6 +88,9 @@ mod tests {
             |row: usize| -> Vec<&str> { table.rows[row].iter().map(|cell| &*cell.text).collect() };
         assert_eq!(texts(0)[1], "12.0 °/h/K (11.0 to 13.0)");
         assert_eq!(texts(0)[3..5], ["30.0", "20.0 to 40.0"]);
-        assert_eq!(texts(1)[1], "not determined: 20.0 µg/K (-10.0 to 50.0)");
+        assert_eq!(
+            texts(1)[1],
+            "not determined: 0.0200 mg/K (-0.0100 to 0.0500)"
+        );
     }
 }

@@ -2,12 +2,11 @@
 
 mod terms;
 
-pub(crate) use terms::{bounds, verdict};
-
 use crate::{
     Table,
     identify::{
-        adequacy_line, drift_table, identified, lines, of_others, pool, temperatures, units,
+        adequacy_line, bounds, drift_table, identified, lines, of_others, pool, temperatures,
+        units, verdict,
     },
     plain::{Mark, plain_table},
 };
@@ -18,8 +17,8 @@ use undrift::results::{Axis, Detrend, Identify};
 /// axis before.
 pub fn identify(result: &Identify, details: bool, mark: Mark) -> String {
     let alarm = result.pool.as_ref().and_then(pool::not_one);
-    let verdict = alarm.map_or(String::new(), |text| wrapped(&text));
-    let verdict = verdict + &wrapped(&terms::verdict(result));
+    let alarm = alarm.map_or(String::new(), |text| wrapped(&text));
+    let verdict = alarm + &wrapped(&verdict(result));
     let temperatures = captioned(
         "Bias over temperature, 95 % intervals:",
         &temperatures(identified("", result)),
@@ -120,8 +119,8 @@ fn of_axis(name: &str, axis: &Axis, mark: Mark) -> String {
     lines.push(axis.stationarity.clone());
     lines.push(format!(
         "Allan: white noise {:.4} {}; skewness {:.3}, excess kurtosis {:.3}",
-        axis.allan_terms.white.value * unit.scale * 60.0,
-        unit.white,
+        axis.allan_terms.white.value * unit.white.1,
+        unit.white.0,
         axis.skewness.0,
         axis.kurtosis_excess.0
     ));
@@ -136,7 +135,7 @@ fn of_axis(name: &str, axis: &Axis, mark: Mark) -> String {
     lines.extend(candidates.lines().map(str::to_owned));
     lines.extend(of_others(axis));
     lines.extend(axis.chosen.reason.clone());
-    let bounds = terms::bounds(name, axis);
+    let bounds = bounds(name, axis);
     lines.extend(bounds.iter().map(|bound| {
         let (parameter, unit) = (&bound.parameter, bound.unit);
         format!(

@@ -1,0 +1,77 @@
+//! Whether a static recording serves.
+
+use super::spoken;
+use crate::numbers::{short, span};
+use undrift::{
+    noise::screening::{RecordError, rounding::MOSTLY_SHOWN},
+    results::{Axis, Identify},
+};
+
+/// Whether the record serves, and why not.
+pub(crate) fn verdict(result: &Identify) -> String {
+    let axes: Vec<(&str, &Axis)> = result.in_order().collect();
+    let known = axes.iter().filter(|(_, axis)| axis.error.is_none());
+    let known: Vec<_> = known.collect();
+    let doubts: Vec<String> = axes
+        .iter()
+        .filter_map(|(name, axis)| doubt(name, axis))
+        .collect();
+    let doubts = doubts.join("; ");
+    let Some((_, first)) = known.first() else {
+        return format!("Not usable: {doubts}.");
+    };
+    let rate = result.rate_hz.0;
+    let of = match known.len() {
+        n if n < axes.len() => format!("{n} of {} axes", axes.len()),
+        1 => "1 axis".to_owned(),
+        n => format!("{n} axes"),
+    };
+    let recordings = match &result.pool {
+        Some(pool) => format!(" in {} recordings", pool.records.len()),
+        None => String::new(),
+    };
+    let record = format!(
+        "{of}, {}{recordings} at {} Hz",
+        span(first.samples as f64 / rate),
+        short(rate)
+    );
+    let horizon = first.chosen.drift_score.keys();
+    let longest = horizon
+        .filter_map(|key| key.parse::<f64>().ok())
+        .fold(0.0, f64::max);
+    let brief = match longest {
+        _ if is_allan(result) => " Allan deviations alone: no models.".to_owned(),
+        60.0.. => String::new(),
+        s => format!(" It is too short to judge drifts beyond {s} s."),
+    };
+    match doubts.as_str() {
+        "" => format!("Usable: {record}.{brief}"),
+        doubts => format!("Usable with care: {doubts} ({record}).{brief}"),
+    }
+}
+
+/// Why an axis is not to be trusted.
+fn doubt(name: &str, axis: &Axis) -> Option<String> {
+    let why = match &axis.error {
+        Some(error) if *error == RecordError::Constant.to_string() => {
+            let name = spoken(name);
+            return Some(format!(
+                "{name} is constant and was left out; check its column or the sensor"
+            ));
+        }
+        Some(error) => error.as_str(),
+        None if axis.moving == Some(true) => "the recording is not static",
+        None if !axis.saturation.is_empty() => "the axis is saturated",
+        None if !axis.hanging.is_empty() => "the sensor is frozen",
+        None if axis.noise_shown.is_some_and(|share| share.0 < MOSTLY_SHOWN) => {
+            "rounding hides most of the noise"
+        }
+        None => return None,
+    };
+    Some(format!("{}: {why}", spoken(name)))
+}
+
+/// Whether the result is of the Allan deviations alone.
+pub(crate) fn is_allan(result: &Identify) -> bool {
+    result.axes.values().all(|axis| axis.candidates.is_empty())
+}
