@@ -11,12 +11,17 @@ mod solution;
 mod start;
 mod words;
 
-pub use fill::{all, cut, demo, navigated, outcome};
+pub use fill::{cut, demo, navigated, outcome};
 pub use recording::mend;
 pub use solution::{cause, ended, verdict};
 pub use start::{alignment, mounting, unsolved};
 
 use undrift::findings::Finding;
+
+/// The sentences of findings.
+pub fn all(findings: &[Finding]) -> Vec<String> {
+    findings.iter().map(say).collect()
+}
 
 /// The sentence of a finding.
 pub fn say(finding: &Finding) -> String {
@@ -48,25 +53,7 @@ pub fn say(finding: &Finding) -> String {
         F::LargeInnovations { start } => solution::large_innovations(*start),
         F::StartedLate { time } => solution::started_late(*time),
         F::NoReference { outages } => solution::no_reference(*outages),
-        F::Frozen {
-            start,
-            length,
-            samples,
-        } => sensors::frozen(*start, *length, *samples),
-        F::Held {
-            axis,
-            value,
-            start,
-            length,
-            samples,
-            saturated,
-        } => sensors::held(*axis, *value, [*start, *length], *samples, *saturated),
-        F::Constant {
-            axis,
-            value,
-            samples,
-            ..
-        } => sensors::always(*axis, *value, *samples),
+        F::Frozen { .. } | F::Held { .. } | F::Constant { .. } => sensors::still(finding),
         F::WrongGravity { ratio } => sensors::wrong_gravity(*ratio),
         F::NotDown { down } => sensors::not_down(*down),
         F::WrongTurnRate { ratio } => sensors::wrong_turn_rate(*ratio),
@@ -118,26 +105,13 @@ pub fn say(finding: &Finding) -> String {
             adapted,
             correlated,
         } => fixes::wrong_accuracy(*part, *factor, *adapted, *correlated),
-        F::Skipped { log, kinds, .. } => logs::skipped(*log, kinds),
-        F::OutOfOrder { log, rows, line } => logs::out_of_order(*log, *rows, *line),
-        F::SharedStamps {
-            log,
-            rows,
-            interval,
-        } => logs::shared_stamps(*log, *rows, *interval),
-        F::SetBack { log, line, step } => logs::set_back(*log, *line, *step),
-        F::Gaps {
-            log,
-            gaps,
-            start,
-            length,
-        } => logs::gaps(*log, *gaps, *start, *length),
-        F::Unused { log } => logs::unused(*log),
-        F::Outliers {
-            log,
-            rejected,
-            weakened,
-        } => logs::outliers(*log, *rejected, *weakened),
+        F::Skipped { log, .. }
+        | F::OutOfOrder { log, .. }
+        | F::SharedStamps { log, .. }
+        | F::SetBack { log, .. }
+        | F::Gaps { log, .. }
+        | F::Unused { log }
+        | F::Outliers { log, .. } => logs::of(*log, finding),
         F::Uneven {
             gaps,
             jitter_rms,

@@ -1,19 +1,13 @@
 //! Results with their sentences.
 
-use super::{alignment, mounting, say};
+use super::{alignment, all, mounting, say};
 use undrift::{
     demo::{self, Demo},
-    findings::Finding,
     fleet::FleetOutcome,
     navigate::Report,
     noise::BiasModel,
     results,
 };
-
-/// The sentences of findings.
-pub fn all(findings: &[Finding]) -> Vec<String> {
-    findings.iter().map(say).collect()
-}
 
 /// A navigated drive as a result; `drive` is what was navigated.
 pub fn navigated(report: &Report, kind: BiasModel, drive: results::Drive) -> results::Navigate {

@@ -5,40 +5,48 @@ use crate::{
     constants::{Constant, constant},
     numbers::short,
 };
+use undrift::findings::Finding;
 
-pub(super) fn frozen(start: f64, length: f64, samples: u64) -> String {
-    format!(
-        "all six IMU axes repeat the same values for {length:.2} s from {} s ({samples} samples): the log or the sensor is frozen",
-        at(start)
-    )
-}
-
-/// An axis (0 to 2 gyros, 3 to 5 accelerometers) that holds its value from a start for a length \[s\].
-pub(super) fn held(
-    axis: usize,
-    value: f64,
-    [start, length]: [f64; 2],
-    samples: u64,
-    saturated: bool,
-) -> String {
-    format!(
-        "{} stays at {value} (as logged) for {length:.2} s from {} s ({samples} samples){}",
-        name(axis),
-        at(start),
-        if saturated {
-            ", its largest or smallest value: the sensor is saturated or too coarse"
-        } else {
-            ": the sensor is frozen, disconnected or too coarse"
-        }
-    )
-}
-
-pub(super) fn always(axis: usize, value: f64, samples: u64) -> String {
-    let key = if axis < 3 { "imu.gyro" } else { "imu.accel" };
-    format!(
-        "{} is constant ({value}) in all {samples} samples: check {key}; if the column is right, the sensor is faulty or too coarse",
-        name(axis)
-    )
+/// Values that the IMU repeats.
+pub(super) fn still(finding: &Finding) -> String {
+    match finding {
+        Finding::Frozen {
+            start,
+            length,
+            samples,
+        } => format!(
+            "all six IMU axes repeat the same values for {length:.2} s from {} s ({samples} samples): the log or the sensor is frozen",
+            at(*start)
+        ),
+        Finding::Held {
+            axis,
+            value,
+            start,
+            length,
+            samples,
+            saturated,
+        } => format!(
+            "{} stays at {value} (as logged) for {length:.2} s from {} s ({samples} samples){}",
+            name(*axis),
+            at(*start),
+            if *saturated {
+                ", its largest or smallest value: the sensor is saturated or too coarse"
+            } else {
+                ": the sensor is frozen, disconnected or too coarse"
+            }
+        ),
+        Finding::Constant {
+            axis,
+            value,
+            samples,
+            ..
+        } => format!(
+            "{} is constant ({value}) in all {samples} samples: check {}; if the column is right, the sensor is faulty or too coarse",
+            name(*axis),
+            if *axis < 3 { "imu.gyro" } else { "imu.accel" }
+        ),
+        _ => String::new(),
+    }
 }
 
 /// Samples corrected for temperature, those without one, and those at temperatures that the model's recording did not cover.
