@@ -1,6 +1,6 @@
 //! The numbers of figures as JSON, in few bytes.
 
-use super::{Axis, Figure, Panel, Series, figure::style, markup::file_stem};
+use super::{Figure, Panel, PlotAxis, Series, figure::style, markup::file_stem};
 use serde_json::{Value, json};
 use std::{collections::HashMap, ops::Range};
 
@@ -47,7 +47,7 @@ fn panel(panel: &Panel, lists: &mut Lists) -> Value {
 }
 
 /// An axis: from where to where it goes at first, and whether it does so whatever is hidden.
-fn axis(axis: &Axis, seen: Range<f64>) -> Value {
+fn axis(axis: &PlotAxis, seen: Range<f64>) -> Value {
     json!({
         "label": axis.label,
         "log": axis.logarithmic,
@@ -65,7 +65,7 @@ fn series(series: &Series, lists: &mut Lists) -> Value {
     let mut value = json!({
         "name": series.name,
         "colour": series.colour,
-        "style": series.kind,
+        "style": series.drawn,
         "x": lists.place(&series.x),
         "y": columns.collect::<Vec<_>>(),
     });
@@ -177,7 +177,7 @@ mod tests {
 
     #[test]
     fn equal_lists_are_kept_once() {
-        let mut panel = Panel::new("", Axis::new(""), Axis::new(""));
+        let mut panel = Panel::new("", PlotAxis::new(""), PlotAxis::new(""));
         let points: Vec<(f64, f64)> = vec![(0.0, f64::NAN), (1.0, 2.0), (5.0, 3.0)];
         panel.add(Series::line("</script>", 0, points.clone()));
         panel.add(Series::line("b", 1, points));

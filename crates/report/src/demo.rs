@@ -1,7 +1,7 @@
 //! The report of the demo: how much less the recommended model drifts, every model beside it, and what is not better.
 
 use super::{
-    Axis, Block, Cell, Figure, Panel, Section, Series, Table, identify,
+    Block, Cell, Figure, Panel, PlotAxis, Section, Series, Table, identify,
     numbers::short,
     outages, paper,
     parts::{Run, points, prefixed, quartiles, spoken_list, text},
@@ -163,8 +163,8 @@ fn drift(demo: &Demo) -> Option<Section> {
 fn curves(demo: &Demo, of: &CutLength) -> Option<Block> {
     let mut panel = Panel::new(
         "",
-        Axis::new("time since the cut [s]"),
-        Axis::new("horizontal error, RMS [m]"),
+        PlotAxis::new("time since the cut [s]"),
+        PlotAxis::new("horizontal error, RMS [m]"),
     );
     let mut others = "other methods";
     let in_order = demo.models.iter().filter(|m| m.name != PAPER);
@@ -207,8 +207,8 @@ fn spread(demo: &Demo, of: &CutLength) -> Option<Block> {
     });
     let boxes: Vec<(&str, [f64; 5])> = boxes.collect();
     let names = boxes.iter().map(|(name, _)| *name);
-    let y = Axis::new("largest horizontal error [m]");
-    let mut panel = Panel::new("", Axis::categories(names), y);
+    let y = PlotAxis::new("largest horizontal error [m]");
+    let mut panel = Panel::new("", PlotAxis::categories(names), y);
     let all = (0..).map(f64::from).zip(boxes.iter().map(|b| b.1));
     panel.add(Series::boxes("", 7, all.collect()));
     let caption = format!(

@@ -88,10 +88,10 @@ pub(crate) fn of(figure: &Figure, id: &str) -> Drawing {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Axis, Block, Panel, Section, Series};
+    use crate::{Block, Panel, PlotAxis, Section, Series};
 
     fn document() -> Document {
-        let mut panel = Panel::new("Title", Axis::new("x"), Axis::new("y"));
+        let mut panel = Panel::new("Title", PlotAxis::new("x"), PlotAxis::new("y"));
         panel.add(Series::line("", 7, vec![(0.0, 0.0), (1.0, 1.0)]));
         let figure = Figure {
             name: "../a/b c".into(),

@@ -229,7 +229,7 @@ fn base64(bytes: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Axis, Cell, Panel, Section};
+    use crate::{Cell, Panel, PlotAxis, Section};
     use undrift::nav::earth::Geodetic;
 
     #[test]
@@ -297,7 +297,7 @@ mod tests {
     #[test]
     fn tiles_are_allowed_below_a_map_with_a_place_alone() {
         let with = |origin: Option<Geodetic>| {
-            let map = Panel::new("", Axis::new(""), Axis::new("")).to_scale();
+            let map = Panel::new("", PlotAxis::new(""), PlotAxis::new("")).to_scale();
             let figure = Figure::of("map", "", 1, [map.georeferenced(origin)]);
             render(&Document {
                 sections: Section::of("", figure).into_iter().collect(),

@@ -26,7 +26,7 @@ pub mod say;
 pub mod text;
 mod tune;
 
-pub use crate::figure::panel::{Axis, Panel, Series};
+pub use crate::figure::panel::{Panel, PlotAxis, Series};
 pub use compare::{document, of_results};
 pub use document::{Block, Cell, Document, Figure, Section, Table};
 pub use numbers::short;

@@ -1,7 +1,7 @@
 //! The report of a Monte Carlo: whether the filter knows its own errors.
 
 use super::{
-    Axis, Block, Cell, Figure, Panel, Section, Series, Table,
+    Block, Cell, Figure, Panel, PlotAxis, Section, Series, Table,
     numbers::{error, percent, short, span},
     parts::{Run, model_colour, prefixed, text, warnings},
     plain::{Mark, plain_table},
@@ -178,8 +178,9 @@ fn group(models: &[Model<'_>], name: &str) -> Option<Panel> {
         .map(|(m, g)| per_freedom(m.run, &g.average, g.freedom));
     let curves: Vec<Vec<(f64, f64)>> = curves.collect();
     let largest = curves.iter().flatten().map(|p| p.1).fold(3.0, f64::max);
-    let y = Axis::logarithmic("average NEES / dof").within(RANGE.0..(1.3 * largest).min(RANGE.1));
-    let mut panel = Panel::new(name, Axis::new("time [s]"), y);
+    let y =
+        PlotAxis::logarithmic("average NEES / dof").within(RANGE.0..(1.3 * largest).min(RANGE.1));
+    let mut panel = Panel::new(name, PlotAxis::new("time [s]"), y);
     let started = first.run.time_s.first().map_or(0.0, |t| t.0);
     panel.shade(started, first.model.started_s.0 + first.run.settle_s.0);
     for (at, ((m, _), points)) in with.iter().zip(curves).enumerate().rev() {

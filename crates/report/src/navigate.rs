@@ -6,7 +6,7 @@ mod panels;
 mod summary;
 
 use super::{
-    Axis, Block, Figure, Panel, Section, Series,
+    Block, Figure, Panel, PlotAxis, Section, Series,
     parts::{Clock, Run, on_the_ground, origin, run_colour},
 };
 use crate::date;
@@ -86,10 +86,10 @@ fn solution(shown: &Shown<'_>) -> Option<Section> {
         return None;
     }
     let start = shown.series.iter().find_map(|(_, s)| origin(&s.track));
-    let ground = Panel::new("", Axis::new("east [m]"), Axis::new("north [m]"));
+    let ground = Panel::new("", PlotAxis::new("east [m]"), PlotAxis::new("north [m]"));
     let ground = ground.to_scale().georeferenced(start);
     let mut ground = ground.over_time(shown.clock.zero());
-    let mut height = panel_over_time(Axis::new("height [m]"), shown);
+    let mut height = panel_over_time(PlotAxis::new("height [m]"), shown);
     let mut first = None;
     for (at, (name, run)) in shown.series.iter().enumerate() {
         let colour = run_colour(at);
@@ -180,7 +180,7 @@ fn points_of(
 /// Standard deviations: a panel for each of position, velocity and attitude.
 fn deviations(shown: &Shown<'_>) -> Option<Section> {
     let panel = |(label, components): (&str, [Component; 3])| {
-        let y = Axis::logarithmic(&format!("σ of {label}"));
+        let y = PlotAxis::logarithmic(&format!("σ of {label}"));
         let mut panel = panel_over_time(y, shown);
         for (at, (run, s)) in shown.series.iter().enumerate() {
             for (which, (key, name, ..)) in components.iter().enumerate() {

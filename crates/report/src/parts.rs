@@ -1,6 +1,6 @@
 //! What the reports share: sentences, curves as points, colours.
 
-use crate::{Axis, Block, Series, say};
+use crate::{Block, PlotAxis, Series, say};
 use undrift::findings::{self, Finding};
 use undrift::nav::earth::Geodetic;
 use undrift::noise::order_statistics::quantile;
@@ -265,12 +265,12 @@ pub fn origin(track: &Track) -> Option<Geodetic> {
 }
 
 /// An axis for values, logarithmic where the values reach over more than a decade and a half.
-pub fn axis_for(values: &[f64], label: &str) -> Axis {
+pub fn axis_for(values: &[f64], label: &str) -> PlotAxis {
     let (least, most) = (quantile(values, 0.0), quantile(values, 1.0));
     if least > 0.0 && most / least > 30.0 {
-        Axis::logarithmic(label)
+        PlotAxis::logarithmic(label)
     } else {
-        Axis::new(label)
+        PlotAxis::new(label)
     }
 }
 

@@ -62,8 +62,8 @@ fn part<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, ReadError> {
     })
 }
 
-/// A step on the way to a place in JSON.
-enum Step {
+/// One part of the path to a place in JSON.
+enum Part {
     Key(String),
     Index(usize),
 }
@@ -87,20 +87,20 @@ fn key_at(text: &str, line: usize, column: usize) -> String {
                     }
                 }
             }
-            (b'{', _) => path.push(Step::Key(String::new())),
-            (b'[', _) => path.push(Step::Index(0)),
+            (b'{', _) => path.push(Part::Key(String::new())),
+            (b'[', _) => path.push(Part::Index(0)),
             (b'}' | b']', _) => drop(path.pop()),
-            (b':', Some(Step::Key(key))) => *key = String::from_utf8_lossy(&word).into_owned(),
-            (b',', Some(Step::Index(index))) => *index += 1,
+            (b':', Some(Part::Key(key))) => *key = String::from_utf8_lossy(&word).into_owned(),
+            (b',', Some(Part::Index(index))) => *index += 1,
             _ => {}
         }
     }
     let mut place = String::new();
     for step in path {
         match step {
-            Step::Index(index) => place += &format!("[{index}]"),
-            Step::Key(key) if place.is_empty() || key.is_empty() => place += &key,
-            Step::Key(key) => place += &format!(".{key}"),
+            Part::Index(index) => place += &format!("[{index}]"),
+            Part::Key(key) if place.is_empty() || key.is_empty() => place += &key,
+            Part::Key(key) => place += &format!(".{key}"),
         }
     }
     place

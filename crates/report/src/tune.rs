@@ -1,7 +1,7 @@
 //! The report of a tuning: what the drives say of the noise, and what it buys.
 
 use super::{
-    Axis, Block, Figure, Panel, Section, Series, Table,
+    Block, Figure, Panel, PlotAxis, Section, Series, Table,
     numbers::{percent, short, span},
     parts::{Run, capital, prefixed, text},
     plain::{Mark, plain_table},
@@ -224,8 +224,8 @@ fn calibration(tune: &Tune) -> Option<Block> {
     let panel = |drift: &TunedDrift| {
         let mut panel = Panel::new(
             &span(drift.length_s.0),
-            Axis::new("share of a normal distribution"),
-            Axis::new("share of the errors").within(0.0..1.05),
+            PlotAxis::new("share of a normal distribution"),
+            PlotAxis::new("share of the errors").within(0.0..1.05),
         );
         panel.series = vec![
             Series::dashed("a correct σ", 0, points(NORMAL)),

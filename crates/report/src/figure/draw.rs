@@ -380,15 +380,15 @@ fn text((left, top): (f64, f64), content: &str, attributes: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figure::panel::{Axis, Series};
+    use crate::figure::panel::{PlotAxis, Series};
 
     fn panel(names: &[&str]) -> Panel {
         let x = if names.is_empty() {
-            Axis::new("time [s]")
+            PlotAxis::new("time [s]")
         } else {
-            Axis::categories(names.iter().copied())
+            PlotAxis::categories(names.iter().copied())
         };
-        let mut panel = Panel::new("Title", x, Axis::new("error [m]"));
+        let mut panel = Panel::new("Title", x, PlotAxis::new("error [m]"));
         panel.add(Series::line("<a & b>", 7, vec![(0.0, 0.0), (1.0, 1.0)]));
         panel
     }

@@ -6,7 +6,7 @@ use undrift::nav::earth::Geodetic;
 
 /// One axis of a panel.
 #[derive(Clone, Debug)]
-pub struct Axis {
+pub struct PlotAxis {
     pub(crate) label: String,
     pub(crate) logarithmic: bool,
     pub(crate) range: Option<Range<f64>>,
@@ -14,7 +14,7 @@ pub struct Axis {
     pub(crate) names: Vec<String>,
 }
 
-impl Axis {
+impl PlotAxis {
     /// A linear axis, as long as its curves.
     pub fn new(label: &str) -> Self {
         Self {
@@ -102,7 +102,7 @@ impl Axis {
 /// How a series is drawn: by this name also in the data of a page and, of lines, in `style.json`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub(crate) enum Kind {
+pub(crate) enum Drawn {
     Thin,
     Line,
     Thick,
@@ -123,7 +123,7 @@ pub(crate) enum Kind {
 pub struct Series {
     pub(crate) name: String,
     pub(crate) colour: usize,
-    pub(crate) kind: Kind,
+    pub(crate) drawn: Drawn,
     pub(crate) x: Vec<f64>,
     /// Values at each x: one column; of a band its lower and upper bound; of boxes the minimum,
     /// first quartile, median, third quartile and maximum.
@@ -137,16 +137,16 @@ pub struct Series {
 }
 
 impl Series {
-    fn new(name: &str, colour: usize, kind: Kind, points: Vec<(f64, f64)>) -> Self {
+    fn new(name: &str, colour: usize, drawn: Drawn, points: Vec<(f64, f64)>) -> Self {
         let (x, y) = points.into_iter().unzip();
-        Self::of_columns(name, colour, kind, x, vec![y])
+        Self::of_columns(name, colour, drawn, x, vec![y])
     }
 
-    fn of_columns(name: &str, colour: usize, kind: Kind, x: Vec<f64>, y: Vec<Vec<f64>>) -> Self {
+    fn of_columns(name: &str, colour: usize, drawn: Drawn, x: Vec<f64>, y: Vec<Vec<f64>>) -> Self {
         Self {
             name: name.to_owned(),
             colour,
-            kind,
+            drawn,
             x,
             y,
             dash: 0,
@@ -175,39 +175,39 @@ impl Series {
     pub(crate) fn points_within(name: &str, colour: usize, sigma: Vec<[f64; 2]>) -> Self {
         Self {
             sigma,
-            ..Self::new(name, colour, Kind::Points, Vec::new())
+            ..Self::new(name, colour, Drawn::Points, Vec::new())
         }
     }
 
     /// A line in one of eight colours, broken where y is not a number. Without a name it is not in
     /// the legend.
     pub fn line(name: &str, colour: usize, points: Vec<(f64, f64)>) -> Self {
-        Self::new(name, colour, Kind::Line, points)
+        Self::new(name, colour, Drawn::Line, points)
     }
 
     /// A thin line, for a noisy curve.
     pub fn thin(name: &str, colour: usize, points: Vec<(f64, f64)>) -> Self {
-        Self::new(name, colour, Kind::Thin, points)
+        Self::new(name, colour, Drawn::Thin, points)
     }
 
     /// A thick line, for the curve that matters.
     pub fn thick(name: &str, colour: usize, points: Vec<(f64, f64)>) -> Self {
-        Self::new(name, colour, Kind::Thick, points)
+        Self::new(name, colour, Drawn::Thick, points)
     }
 
     /// A dashed line.
     pub fn dashed(name: &str, colour: usize, points: Vec<(f64, f64)>) -> Self {
-        Self::new(name, colour, Kind::Dashed, points)
+        Self::new(name, colour, Drawn::Dashed, points)
     }
 
     /// Single points.
     pub fn dots(name: &str, colour: usize, points: Vec<(f64, f64)>) -> Self {
-        Self::new(name, colour, Kind::Dots, points)
+        Self::new(name, colour, Drawn::Dots, points)
     }
 
     /// Bars from zero to y; of several series with bars at the same x they stand side by side.
     pub fn bars(name: &str, colour: usize, points: Vec<(f64, f64)>) -> Self {
-        Self::new(name, colour, Kind::Bars, points)
+        Self::new(name, colour, Drawn::Bars, points)
     }
 
     /// A light band between a lower and an upper curve: x, lower, upper.
@@ -215,7 +215,7 @@ impl Series {
         let x = bounds.iter().map(|b| b.0).collect();
         let lower = bounds.iter().map(|b| b.1).collect();
         let upper = bounds.iter().map(|b| b.2).collect();
-        Self::of_columns(name, colour, Kind::Band, x, vec![lower, upper])
+        Self::of_columns(name, colour, Drawn::Band, x, vec![lower, upper])
     }
 
     /// Boxes with whiskers: x, and there the minimum, first quartile, median, third quartile and
@@ -223,7 +223,7 @@ impl Series {
     pub fn boxes(name: &str, colour: usize, boxes: Vec<(f64, [f64; 5])>) -> Self {
         let y = (0..5).map(|i| boxes.iter().map(|b| b.1[i]).collect());
         let x = boxes.iter().map(|b| b.0).collect();
-        Self::of_columns(name, colour, Kind::Boxes, x, y.collect())
+        Self::of_columns(name, colour, Drawn::Boxes, x, y.collect())
     }
 
     /// All points that the series passes through: x and y.
@@ -238,8 +238,8 @@ impl Series {
 #[derive(Clone, Debug)]
 pub struct Panel {
     pub(crate) title: String,
-    pub(crate) x: Axis,
-    pub(crate) y: Axis,
+    pub(crate) x: PlotAxis,
+    pub(crate) y: PlotAxis,
     pub(crate) series: Vec<Series>,
     /// Spans of x on a shaded ground.
     pub(crate) shades: Vec<(f64, f64)>,
@@ -254,7 +254,7 @@ pub struct Panel {
 
 impl Panel {
     /// An empty panel.
-    pub fn new(title: &str, x: Axis, y: Axis) -> Self {
+    pub fn new(title: &str, x: PlotAxis, y: PlotAxis) -> Self {
         Self {
             title: title.to_owned(),
             x,
@@ -313,11 +313,11 @@ mod tests {
 
     #[test]
     fn an_axis_holds_what_it_shows() {
-        let axis = Axis::logarithmic("x").within(0.1..10.0);
+        let axis = PlotAxis::logarithmic("x").within(0.1..10.0);
         assert!(axis.holds(1.0) && !axis.holds(20.0) && !axis.holds(-1.0) && !axis.holds(f64::NAN));
-        let range = Axis::new("y").range_of([1.0, 3.0].into_iter(), 0.1);
+        let range = PlotAxis::new("y").range_of([1.0, 3.0].into_iter(), 0.1);
         assert!((range.start - 0.8).abs() < 1e-12 && (range.end - 3.2).abs() < 1e-12);
-        assert!(Axis::logarithmic("x").within(0.0..1.0).range.is_none());
-        assert!(Axis::new("y").range_of(std::iter::empty(), 0.0).end >= 1.0);
+        assert!(PlotAxis::logarithmic("x").within(0.0..1.0).range.is_none());
+        assert!(PlotAxis::new("y").range_of(std::iter::empty(), 0.0).end >= 1.0);
     }
 }

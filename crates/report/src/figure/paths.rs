@@ -1,7 +1,7 @@
 //! The curves of a panel as SVG paths, in pixels of the plot.
 
 use super::{
-    panel::{Kind, Panel, Series},
+    panel::{Drawn, Panel, Series},
     scale::{Scale, Window, bar_slot, px},
     style::style,
 };
@@ -10,20 +10,20 @@ use super::{
 pub(super) fn paths(panel: &Panel, index: usize, window: &Window) -> String {
     let series = &panel.series[index];
     let column = |i: usize| series.y.get(i).map_or(&[][..], Vec::as_slice);
-    match series.kind {
-        Kind::Thin | Kind::Line | Kind::Thick | Kind::Dashed => {
+    match series.drawn {
+        Drawn::Thin | Drawn::Line | Drawn::Thick | Drawn::Dashed => {
             path(series, &line(&series.x, column(0), window))
         }
-        Kind::Dots | Kind::Points => path(series, &dots(&series.x, column(0), window)),
-        Kind::Band => path(series, &band(&series.x, [column(0), column(1)], window)),
-        Kind::Bars => {
+        Drawn::Dots | Drawn::Points => path(series, &dots(&series.x, column(0), window)),
+        Drawn::Band => path(series, &band(&series.x, [column(0), column(1)], window)),
+        Drawn::Bars => {
             let bars = series.points().filter_map(|(x, y)| {
                 let [left, right] = sides(x, bar_slot(panel, index), &window.x)?;
                 Some(rectangle(left, window.y.base(), right, window.y.pixel(y)?))
             });
             path(series, &bars.collect::<String>())
         }
-        Kind::Boxes => {
+        Drawn::Boxes => {
             let slot = bar_slot(panel, index);
             let boxes = series.x.iter().enumerate().filter_map(|(i, &x)| {
                 let mut levels = [0.0; 5];
@@ -44,8 +44,8 @@ pub(super) fn paths(panel: &Panel, index: usize, window: &Window) -> String {
             }
             let colour = style().colour(series.colour);
             fill(&areas, colour, style().tint)
-                + &stroke(&lines, colour, style().width(Kind::Thin))
-                + &stroke(&medians, colour, style().width(Kind::Thick))
+                + &stroke(&lines, colour, style().width(Drawn::Thin))
+                + &stroke(&medians, colour, style().width(Drawn::Thick))
         }
     }
 }
@@ -54,11 +54,11 @@ pub(super) fn paths(panel: &Panel, index: usize, window: &Window) -> String {
 pub(super) fn key(series: &Series) -> String {
     path(
         series,
-        match series.kind {
-            Kind::Thin | Kind::Line | Kind::Thick | Kind::Dashed => "M0 6H18",
-            Kind::Dots | Kind::Points => "M9 6h.01",
-            Kind::Band => "M0 1H18V11H0Z",
-            Kind::Bars | Kind::Boxes => "M3 1H15V11H3Z",
+        match series.drawn {
+            Drawn::Thin | Drawn::Line | Drawn::Thick | Drawn::Dashed => "M0 6H18",
+            Drawn::Dots | Drawn::Points => "M9 6h.01",
+            Drawn::Band => "M0 1H18V11H0Z",
+            Drawn::Bars | Drawn::Boxes => "M3 1H15V11H3Z",
         },
     )
 }
@@ -67,12 +67,12 @@ pub(super) fn key(series: &Series) -> String {
 fn path(series: &Series, d: &str) -> String {
     let style = style();
     let colour = style.colour(series.colour);
-    match series.kind {
-        Kind::Band | Kind::Boxes => fill(d, colour, style.tint),
-        Kind::Bars => fill(d, colour, 1.0),
-        Kind::Dots => round(d, colour, style.dot),
-        Kind::Points => round(d, colour, style.width(Kind::Points)),
-        Kind::Dashed => dashed(d, colour, style.width(Kind::Dashed), &style.dash),
+    match series.drawn {
+        Drawn::Band | Drawn::Boxes => fill(d, colour, style.tint),
+        Drawn::Bars => fill(d, colour, 1.0),
+        Drawn::Dots => round(d, colour, style.dot),
+        Drawn::Points => round(d, colour, style.width(Drawn::Points)),
+        Drawn::Dashed => dashed(d, colour, style.width(Drawn::Dashed), &style.dash),
         line if series.dash == 0 => stroke(d, colour, style.width(line)),
         line => dashed(d, colour, style.width(line), style.pattern(series.dash)),
     }
@@ -208,10 +208,10 @@ fn band(x: &[f64], bounds: [&[f64]; 2], window: &Window) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figure::panel::Axis;
+    use crate::figure::panel::PlotAxis;
 
     fn window() -> Window {
-        let axis = || Axis::new("").within(0.0..10.0);
+        let axis = || PlotAxis::new("").within(0.0..10.0);
         Panel::new("", axis(), axis()).window(100.0, 100.0)
     }
 

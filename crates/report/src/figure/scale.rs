@@ -1,6 +1,6 @@
 //! Axes of a panel: the part that is seen, and its ticks.
 
-use super::panel::{Axis, Kind, Panel};
+use super::panel::{Drawn, Panel, PlotAxis};
 use std::ops::Range;
 
 /// Which way an axis goes.
@@ -21,7 +21,7 @@ pub(super) struct Scale {
 }
 
 impl Scale {
-    pub fn new(axis: &Axis, along: Along, range: Range<f64>, length: f64) -> Self {
+    pub fn new(axis: &PlotAxis, along: Along, range: Range<f64>, length: f64) -> Self {
         Self {
             range,
             length,
@@ -197,7 +197,7 @@ impl Panel {
         let mut ys = Vec::new();
         let mut dots = false;
         for (i, series) in self.series.iter().enumerate() {
-            let wide = matches!(series.kind, Kind::Bars | Kind::Boxes);
+            let wide = matches!(series.drawn, Drawn::Bars | Drawn::Boxes);
             let slot = if wide { bar_slot(self, i) } else { [0.0; 2] };
             for (x, y) in series.points() {
                 if self.x.holds(x) && self.y.holds(y) {
@@ -205,10 +205,10 @@ impl Panel {
                     ys.push(y);
                 }
             }
-            if matches!(series.kind, Kind::Dots | Kind::Points) {
+            if matches!(series.drawn, Drawn::Dots | Drawn::Points) {
                 dots = true;
             }
-            if series.kind == Kind::Bars && !self.y.logarithmic {
+            if series.drawn == Drawn::Bars && !self.y.logarithmic {
                 ys.push(0.0);
             }
         }
@@ -249,13 +249,13 @@ impl Panel {
 /// From where to where a bar or box stands, seen from its x: those of several series stand side by
 /// side where two are at one x.
 pub(super) fn bar_slot(panel: &Panel, index: usize) -> [f64; 2] {
-    let wide = |kind: Kind| matches!(kind, Kind::Bars | Kind::Boxes);
+    let wide = |drawn: Drawn| matches!(drawn, Drawn::Bars | Drawn::Boxes);
     let of_kind = || {
         panel
             .series
             .iter()
             .enumerate()
-            .filter(|(_, s)| wide(s.kind))
+            .filter(|(_, s)| wide(s.drawn))
     };
     let mut xs: Vec<f64> = of_kind().flat_map(|(_, s)| s.x.iter().copied()).collect();
     xs.retain(|x| x.is_finite());
@@ -317,7 +317,7 @@ mod tests {
 
     #[test]
     fn labels_stand_apart() {
-        let axis = Axis::new("");
+        let axis = PlotAxis::new("");
         for length in [60.0, 200.0, 400.0, 2000.0] {
             let ticks = Scale::new(&axis, Along::X, 0.0..1e5, length).ticks();
             assert!(!ticks.is_empty() && ticks.len() <= 11);
@@ -329,7 +329,7 @@ mod tests {
 
     #[test]
     fn to_scale_a_metre_is_a_metre() {
-        let mut panel = Panel::new("", Axis::new("east"), Axis::new("north")).to_scale();
+        let mut panel = Panel::new("", PlotAxis::new("east"), PlotAxis::new("north")).to_scale();
         panel.add(Series::line("", 0, vec![(0.0, 0.0), (100.0, 10.0)]));
         let window = panel.window(400.0, 200.0);
         let ratio = (window.x.range.end - window.x.range.start)
@@ -342,7 +342,7 @@ mod tests {
 
     #[test]
     fn bars_of_two_series_stand_side_by_side() {
-        let mut panel = Panel::new("", Axis::categories(["a", "b"]), Axis::new("y"));
+        let mut panel = Panel::new("", PlotAxis::categories(["a", "b"]), PlotAxis::new("y"));
         panel.add(Series::bars("one", 1, vec![(0.0, 1.0), (1.0, 2.0)]));
         panel.add(Series::line("between", 3, vec![(0.0, 1.0)]));
         panel.add(Series::bars("two", 2, vec![(0.0, 1.0), (1.0, 2.0)]));
@@ -350,7 +350,7 @@ mod tests {
         assert!(-0.4 < one[0] && one[1] < two[0] && two[1] < 0.4);
         assert_eq!(panel.window(1.0, 1.0).y.range.start, -0.1);
         // Each at an x of its own: above its name.
-        let mut panel = Panel::new("", Axis::categories(["a", "b"]), Axis::new("y"));
+        let mut panel = Panel::new("", PlotAxis::categories(["a", "b"]), PlotAxis::new("y"));
         panel.add(Series::bars("one", 1, vec![(0.0, 1.0)]));
         panel.add(Series::bars("two", 2, vec![(1.0, 2.0)]));
         for index in [0, 1] {

@@ -1,7 +1,7 @@
 //! Colours and widths of lines. `assets/style.json` is their one source: the page's
 //! script reads it too.
 
-use super::panel::Kind;
+use super::panel::Drawn;
 use serde::Deserialize;
 use std::{collections::BTreeMap, fmt::Write, sync::LazyLock};
 
@@ -16,7 +16,7 @@ type Colour = [String; 2];
 pub(crate) struct Style {
     inks: BTreeMap<String, Colour>,
     colours: Vec<Colour>,
-    widths: BTreeMap<Kind, f64>,
+    widths: BTreeMap<Drawn, f64>,
     /// Pixels drawn and left free of a dashed line.
     pub dash: String,
     /// Of other lines, by which those of one panel are told apart without colours; the first is empty.
@@ -51,7 +51,7 @@ impl Style {
     }
 
     /// Width of a kind of line \[pixel\].
-    pub fn width(&self, kind: Kind) -> f64 {
+    pub fn width(&self, kind: Drawn) -> f64 {
         self.widths.get(&kind).copied().unwrap_or(1.0)
     }
 
@@ -79,7 +79,7 @@ mod tests {
         let hex = |colour: &String| colour.len() == 7 && colour.starts_with('#');
         assert!(style.inks.values().chain(&style.colours).flatten().all(hex));
         assert!(style.dashes.len() > 4 && style.pattern(style.dashes.len()).is_empty());
-        assert!(style.width(Kind::Thick) > style.width(Kind::Line));
+        assert!(style.width(Drawn::Thick) > style.width(Drawn::Line));
         assert!(style.css().contains("--c7: light-dark(#0072b2, #4b9fe0);"));
     }
 }

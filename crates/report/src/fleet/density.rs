@@ -55,7 +55,7 @@ pub(super) fn density(points: &[(f64, f64)], panel: &Panel) -> Vec<Series> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Axis;
+    use crate::PlotAxis;
 
     #[test]
     fn cells_hold_all_points_and_little_else() {
@@ -63,7 +63,7 @@ mod tests {
             .map(|k| (f64::from(k % 317), 1.0 + f64::from(k % 1009)))
             .chain([(f64::NAN, 1.0), (3.0, -1.0)])
             .collect();
-        let panel = Panel::new("", Axis::new(""), Axis::logarithmic(""));
+        let panel = Panel::new("", PlotAxis::new(""), PlotAxis::logarithmic(""));
         let shades = density(&points, &panel);
         assert!((2..=SHADES as usize).contains(&shades.len()));
         // Three points a cell, and no more cells than there are.

@@ -2,7 +2,7 @@
 
 use super::{NAMES, ROWS, answers, density::density, many, shortened};
 use crate::{
-    Axis, Block, Cell, Figure, Panel, Section, Series, Table,
+    Block, Cell, Figure, Panel, PlotAxis, Section, Series, Table,
     numbers::{count, get, probability, short},
     parts::{axis_for, capital, first_few, model_colour, quartiles, text},
 };
@@ -160,7 +160,7 @@ fn level(level: Option<Level>) -> String {
 }
 
 /// An empty plot of a measure's values.
-fn panel(measure: &Measure, x: Axis, values: &[f64]) -> Panel {
+fn panel(measure: &Measure, x: PlotAxis, values: &[f64]) -> Panel {
     let label = head(&measure.name.replace('_', " "), measure);
     Panel::new("", x, axis_for(values, &label))
 }
@@ -170,7 +170,7 @@ fn spread(run: &Fleet, measure: &Measure) -> Option<Block> {
     let all = measure.parts.iter().map(|part| values(run, measure, part));
     let all: Vec<Vec<f64>> = all.collect();
     let names = measure.parts.iter().map(|part| part.part.as_str());
-    let mut panel = panel(measure, Axis::categories(names), &all.concat());
+    let mut panel = panel(measure, PlotAxis::categories(names), &all.concat());
     for (place, (part, values)) in measure.parts.iter().zip(&all).enumerate() {
         if let Some(quartiles) = quartiles(values) {
             let colour = model_colour(&part.part, place);
@@ -233,7 +233,7 @@ fn temperature(run: &Fleet, measure: &Measure) -> Option<Block> {
         parts.push((part, model_colour(&part.part, place), points, medians));
     }
     let many = all.len() > DOTS;
-    let empty = || panel(measure, Axis::new("temperature [°C]"), &all);
+    let empty = || panel(measure, PlotAxis::new("temperature [°C]"), &all);
     let mut panels = Vec::new();
     if many {
         for (part, colour, points, medians) in parts {
@@ -316,9 +316,9 @@ fn groups(measure: &Measure, what: &str, groups: &[Group]) -> Vec<Block> {
         series.push(Series::dots(&part.part, colour, points));
     }
     let x = if sorted.len() <= NAMED {
-        Axis::categories(sorted.iter().map(|group| group.name.as_str()))
+        PlotAxis::categories(sorted.iter().map(|group| group.name.as_str()))
     } else {
-        Axis::new(&format!("{what}s, the largest of {by} first"))
+        PlotAxis::new(&format!("{what}s, the largest of {by} first"))
     };
     let mut panel = panel(measure, x, &all);
     panel.series = series;

@@ -3,7 +3,7 @@
 use super::orders::{adequacy, pandit_wu};
 use super::{LEVEL, Units, bounds, units};
 use crate::{
-    Axis as PlotAxis, Cell, Figure, Panel, Section, Series, Table,
+    Cell, Figure, Panel, PlotAxis, Section, Series, Table,
     numbers::{error, get, probability, short},
     parts::{Clock, capital, points, run_colour, text, warnings},
 };

@@ -5,7 +5,7 @@ use super::{
     panels::{Shown, panel_over_time},
 };
 use crate::{
-    Axis, Block, Figure, Panel, Section, Series,
+    Block, Figure, Panel, PlotAxis, Section, Series,
     numbers::short,
     parts::{Run, broken, extent, level, prefixed, run_colour},
 };
@@ -34,10 +34,10 @@ pub(super) fn innovations(runs: &[Run<'_, Navigate>], shown: &Shown<'_>) -> Opti
             return None;
         }
         let panels = ["north", "east", "down"].map(|component| {
-            let y = Axis::new(&format!("{part} {component} [σ]"));
+            let y = PlotAxis::new(&format!("{part} {component} [σ]"));
             panel(&with, component, y, &[-1.96, 1.96], shown)
         });
-        let y = Axis::logarithmic("NIS / degrees of freedom");
+        let y = PlotAxis::logarithmic("NIS / degrees of freedom");
         let nis = panel(&with, "nis", y, &[1.0], shown);
         let caption = shown.caption(&format!(
             "Innovations of the {part} divided by their predicted standard deviations, with 95 % bounds (dashed), and NIS per degree of freedom, 1 on average if the model is correct{thinned}"
@@ -58,7 +58,7 @@ pub(super) fn innovations(runs: &[Run<'_, Navigate>], shown: &Shown<'_>) -> Opti
 }
 
 /// One curve of all runs with its bounds; of NIS also that of the rejected fixes.
-fn panel(runs: &[OfRun<'_>], which: &str, y: Axis, bounds: &[f64], shown: &Shown<'_>) -> Panel {
+fn panel(runs: &[OfRun<'_>], which: &str, y: PlotAxis, bounds: &[f64], shown: &Shown<'_>) -> Panel {
     // A line is no innovation where there was no fix.
     let gaps = shown.series.iter().flat_map(|(_, s)| &s.without_gnss_s);
     let gaps = gaps.map(|(from, to)| (shown.clock.at(from.0), shown.clock.at(to.0)));

@@ -2,7 +2,7 @@
 
 use super::{BAND, Component};
 use crate::{
-    Axis, Panel, Series,
+    Panel, PlotAxis, Series,
     parts::{Clock, extent, run_colour, unwrapped},
 };
 use std::collections::BTreeMap;
@@ -66,7 +66,7 @@ pub(super) fn component_panel(
     }
     let label = [*name, what, &format!("[{unit}]")];
     let label = label.into_iter().filter(|word| !word.is_empty());
-    let mut y = Axis::new(&Vec::from_iter(label).join(" "));
+    let mut y = PlotAxis::new(&Vec::from_iter(label).join(" "));
     let bounds = bounds.map(|bounds| shown.clock.points(bounds, 3.0 * factor));
     if let Some(bounds) = &bounds {
         let limit = limit(&curves, bounds);
@@ -113,8 +113,8 @@ fn settled(points: &[(f64, f64)]) -> Vec<f64> {
 }
 
 /// A panel over time, with the spans without GNSS of a single run.
-pub(super) fn panel_over_time(y: Axis, shown: &Shown<'_>) -> Panel {
-    let x = Axis::new(&shown.clock.label());
+pub(super) fn panel_over_time(y: PlotAxis, shown: &Shown<'_>) -> Panel {
+    let x = PlotAxis::new(&shown.clock.label());
     let mut panel = Panel::new("", x, y).over_time(shown.clock.zero());
     if let [(_, only)] = shown.series.as_slice() {
         for (from, to) in &only.without_gnss_s {
@@ -152,7 +152,7 @@ pub(super) fn sensor_panel(component: &Component, shown: &Shown<'_>) -> Option<P
     let low = quantile(&settled(&lower), 0.05).min(quantile(&values, 0.0));
     let high = quantile(&settled(&upper), 0.95).max(quantile(&values, 1.0));
     let room = 0.08 * (high - low);
-    let y = Axis::new(&format!("{name} [{unit}]")).within(low - room..high + room);
+    let y = PlotAxis::new(&format!("{name} [{unit}]")).within(low - room..high + room);
     let mut panel = panel_over_time(y, shown);
     panel.add(Series::band("±3σ", BAND, &band));
     panel.add(Series::thin("estimate", run_colour(0), estimate));

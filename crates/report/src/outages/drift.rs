@@ -2,7 +2,7 @@
 
 use super::Model;
 use crate::{
-    Axis, Block, Figure, Panel, Section, Series,
+    Block, Figure, Panel, PlotAxis, Section, Series,
     numbers::short,
     parts::{Clock, axis_for, coinciding, model_pattern, quartiles, run_colour},
 };
@@ -66,7 +66,7 @@ fn curves(models: &[&Model<'_>]) -> Option<Block> {
         return None;
     }
     let y = axis_for(&drifts, "horizontal error, RMS [m]");
-    let mut panel = Panel::new("", Axis::new("time since the cut [s]"), y);
+    let mut panel = Panel::new("", PlotAxis::new("time since the cut [s]"), y);
     let drawn = models.iter().filter(|m| !m.drift.is_empty());
     for line in lines(&Vec::from_iter(drawn.map(|m| (*m, m.drift.clone())))) {
         panel.add(line);
@@ -85,7 +85,7 @@ fn spread(models: &[&Model<'_>]) -> Option<Block> {
     }
     let several = models.iter().any(|m| m.run > 0);
     let y = axis_for(&largest(models), LARGEST);
-    let mut panel = Panel::new("", Axis::categories(keys.iter().copied()), y);
+    let mut panel = Panel::new("", PlotAxis::categories(keys.iter().copied()), y);
     let runs = models.iter().map(|m| m.run).max().unwrap_or(0) + 1;
     let mut squares: Vec<(f64, f64)> = Vec::new();
     for run in 0..runs {
@@ -127,7 +127,7 @@ fn outage_by_outage(models: &[&Model<'_>]) -> Option<Block> {
     if all.is_empty() {
         return None;
     }
-    let panel = Panel::new("", Axis::new(&clock.label()), axis_for(&all, LARGEST));
+    let panel = Panel::new("", PlotAxis::new(&clock.label()), axis_for(&all, LARGEST));
     let mut panel = panel.over_time(clock.zero());
     let drawn = models.iter().map(|model| {
         let outages = model.errors.per_outage.iter().zip(model.largest());

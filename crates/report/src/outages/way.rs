@@ -1,7 +1,7 @@
 //! Where GNSS was cut, and where the models went.
 
 use crate::{
-    Axis, Figure, Panel, Section, Series,
+    Figure, Panel, PlotAxis, Section, Series,
     numbers::get,
     parts::{Clock, Run, grouped, model_colour, model_pattern, on_the_ground, origin},
 };
@@ -55,7 +55,7 @@ fn panel(name: &str, run: &Outages, ways: bool) -> Panel {
         way.map(|(time, place)| (clock.at(time), place)).collect()
     };
     let points = on_clock(track);
-    let panel = Panel::new(name, Axis::new("east [m]"), Axis::new("north [m]"));
+    let panel = Panel::new(name, PlotAxis::new("east [m]"), PlotAxis::new("north [m]"));
     // A simulated drive was nowhere.
     let real = origin.filter(|_| run.drive.simulated.is_none());
     let panel = panel.to_scale().georeferenced(real);

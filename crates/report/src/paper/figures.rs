@@ -2,7 +2,7 @@
 
 use super::{AXIS, Paper};
 use crate::{
-    Axis as PlotAxis, Block, Figure, Panel, Series,
+    Block, Figure, Panel, PlotAxis, Series,
     identify::{correlation, record, units},
     parts::{on_the_ground, origin, points},
 };

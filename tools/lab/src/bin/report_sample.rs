@@ -3,7 +3,7 @@
 
 use std::{f64::consts::TAU, path::PathBuf};
 use undrift_report::{
-    Axis, Block, Cell, Document, Figure, Panel, Section, Series, Table, figures, html,
+    Block, Cell, Document, Figure, Panel, PlotAxis as Axis, Section, Series, Table, figures, html,
 };
 
 const HOSTILE: &str = "</script><img src=x onerror=alert(1)><!--<script>\"'&";

@@ -9,7 +9,7 @@ use undrift::noise::{
     model_file::AxisModel,
     screening::{OutlierRule, outliers, remove_constant},
 };
-use undrift_report::{Axis, Panel, Series, figure::draw::draw as draw_panels};
+use undrift_report::{Panel, PlotAxis as Axis, Series, figure::draw::draw as draw_panels};
 
 /// Colour of each run.
 const COLOURS: [usize; 3] = [5, 7, 4];
