@@ -92,10 +92,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (drive, files) = navigate::load(&arguments.drive, &arguments.common, outputs)?;
     let logs = Logs::load(&drive).map_err(|error| anyhow!(sentences::unsolved(error)))?;
     if let Some(mounting) = &logs.mounting {
-        note(format!(
-            "estimated mounting: {}",
-            sentences::mounting(mounting)
-        ));
+        note(sentences::estimated(&sentences::mounting(mounting)));
     }
     let plan = Schedule::asked(arguments.at.clone(), every, count, start)
         .context("specify the outages: --count N, --every SECONDS, or --at T1,T2,…")?;
@@ -139,7 +136,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
     if result.models.is_empty() {
-        bail!("no model could be run");
+        bail!(sentences::NO_MODEL);
     }
     Ok(())
 }

@@ -59,9 +59,8 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    if let Some(share) = arguments.hold_out {
-        let problem = format!("--hold-out {share}: must be 0 to 0.9, a share of each drive");
-        ensure!((0.0..=0.9).contains(&share), Invalid(problem));
+    if let Some(problem) = sentences::hold_out("--hold-out", arguments.hold_out) {
+        bail!(Invalid(problem));
     }
     ensure!(
         arguments.data.len() <= 1 || arguments.data.len() == arguments.drives.len(),
@@ -112,10 +111,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     })?;
     for logs in &logs {
         if let Some(mounting) = &logs.mounting {
-            note(format!(
-                "estimated mounting: {}",
-                sentences::mounting(mounting)
-            ));
+            note(sentences::estimated(&sentences::mounting(mounting)));
         }
     }
     let paths = arguments.drives.iter().map(PathBuf::as_path);

@@ -110,7 +110,7 @@ pub fn outages<'py>(
     if result.models.is_empty() {
         let failed = result.failed.iter();
         let failed: Vec<String> = failed.map(|(name, why)| format!("{name}: {why}")).collect();
-        let problem = format!("no model could be run: {}", failed.join("; "));
+        let problem = format!("{}: {}", say::NO_MODEL, failed.join("; "));
         return Err(error(problem));
     }
     let runs = outcomes.into_iter().filter_map(|(_, outcome)| outcome.ok());

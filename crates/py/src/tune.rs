@@ -24,10 +24,7 @@ pub fn tune(
     hold_out: Option<f64>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(String, String, Vec<String>, NoiseModel)> {
-    if let Some(share) = hold_out
-        && !(0.0..=0.9).contains(&share)
-    {
-        let problem = format!("hold_out {share}: must be 0 to 0.9, a share of each drive");
+    if let Some(problem) = say::hold_out("hold_out", hold_out) {
         return Err(error(problem));
     }
     let options = Options {

@@ -14,9 +14,20 @@ mod words;
 pub use fill::{cut, demo, navigated, outcome};
 pub use recording::mend;
 pub use solution::{cause, ended, verdict};
-pub use start::{alignment, mounting, unsolved};
+pub use start::{alignment, estimated, mounting, unsolved};
 
 use undrift::findings::Finding;
+
+/// Why an experiment with outages has no result.
+pub const NO_MODEL: &str = "no model could be run";
+
+/// What is wrong with the share of each drive that a tuning holds out, by the name of its option.
+pub fn hold_out(option: &str, share: Option<f64>) -> Option<String> {
+    let share = share.filter(|share| !(0.0..=0.9).contains(share))?;
+    Some(format!(
+        "{option} {share}: must be 0 to 0.9, a share of each drive"
+    ))
+}
 
 /// The sentences of findings.
 pub fn all(findings: &[Finding]) -> Vec<String> {

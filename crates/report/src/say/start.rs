@@ -56,6 +56,11 @@ pub fn mounting(mounting: &Mounting) -> String {
     )
 }
 
+/// The note of a mounting that was estimated, as [`mounting`] gives it.
+pub fn estimated(mounting: &str) -> String {
+    format!("estimated mounting: {mounting}")
+}
+
 /// Why a drive has no solution, with what was found out about its logs.
 pub fn unsolved(error: NavigateError) -> Box<dyn Error + Send + Sync> {
     match error.findings().as_slice() {

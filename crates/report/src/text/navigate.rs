@@ -14,7 +14,7 @@ pub fn navigate(result: &Navigate) -> String {
     let s = &result.summary;
     let mut lines = vec![say::verdict(&result.findings)];
     let mounting = result.mounting.as_ref();
-    lines.extend(mounting.map(|mounting| format!("estimated mounting: {mounting}")));
+    lines.extend(mounting.map(|mounting| say::estimated(mounting)));
     lines.push(format!("bias model {}; {}", result.bias_model, s.alignment));
     lines.push(format!(
         "navigated {} samples from {:.3} s to {:.3} s, after {} samples and {} fixes for alignment",
