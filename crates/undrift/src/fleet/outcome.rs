@@ -6,7 +6,7 @@ use crate::{
     findings::Finding,
     hash::hexadecimal,
     reference::COMPONENTS,
-    results::{self, known},
+    results::{self, Axis, Cut, Navigate, Number, OutageErrors, known},
 };
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -46,7 +46,7 @@ pub struct FleetOutcome {
 }
 
 /// Numbers of a bias model or an axis.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Row {
     /// The bias model or axis.
@@ -129,45 +129,66 @@ fn sound(text: &str) -> Option<String> {
     (sum.strip_suffix('"')? == found).then_some(text)
 }
 
-/// Horizons of the drift scores of an identified axis \[s\].
-pub(super) const HORIZONS: [(&str, f64); 3] =
-    [("drift_1s", 1.0), ("drift_10s", 10.0), ("drift_60s", 60.0)];
+/// A number of a task's rows: its column, and where the task's result has it.
+pub(super) type Field<R> = (&'static str, fn(&R) -> Number);
+
+/// Of an outage, before the errors in it.
+pub(super) const OUTAGES: [Field<(Cut, OutageErrors)>; 2] = [
+    ("start_s", |(_, errors)| errors.start_s),
+    ("length_s", |(cut, _)| cut.length_s),
+];
+
+/// Of a navigated drive, before the errors against the truth.
+pub(super) const NAVIGATE: [Field<Navigate>; 4] = [
+    ("started_s", |of| of.summary.started),
+    ("ended_s", |of| of.summary.ended),
+    ("nis_position", |of| of.position.nis_per_dof),
+    ("nis_velocity", |of| of.velocity.nis_per_dof),
+];
+
+/// Of an axis or a length of outages in the vehicle.
+pub(super) const TUNE: [&str; 6] = [
+    "length_s",
+    "white_noise",
+    "random_walk",
+    "white_noise_ratio",
+    "drift_before_m",
+    "drift_after_m",
+];
+
+/// Of an identified axis.
+pub(super) const IDENTIFY: [Field<Axis>; 8] = [
+    ("samples", |axis| Number(axis.samples as f64)),
+    ("mean", |axis| axis.mean),
+    ("white_noise", |axis| axis.allan_terms.white.value.into()),
+    ("bias_instability", |axis| {
+        axis.allan_terms.bias_instability.value.into()
+    }),
+    ("random_walk", |axis| {
+        axis.allan_terms.random_walk.value.into()
+    }),
+    ("drift_1s", |axis| drift(axis, "1")),
+    ("drift_10s", |axis| drift(axis, "10")),
+    ("drift_60s", |axis| drift(axis, "60")),
+];
+
+/// Drift of the recommended model over a horizon [s].
+fn drift(axis: &Axis, horizon: &str) -> Number {
+    let scores = &axis.chosen.drift_score;
+    scores.get(horizon).copied().unwrap_or_default()
+}
 
 /// Names of the numbers of a task's rows.
 pub(super) fn columns(task: &str) -> Vec<String> {
-    let of = |prefix: &'static str| {
-        COMPONENTS
-            .iter()
-            .map(move |name| format!("{prefix}_{name}"))
-    };
-    let words = |words: &[&str]| words.iter().map(|w| (*w).to_owned()).collect::<Vec<_>>();
+    fn of<R>(fields: &[Field<R>], errors: &[&str]) -> Vec<String> {
+        let fields = fields.iter().map(|(name, _)| (*name).to_owned());
+        let of = |kind| COMPONENTS.map(|name| format!("{kind}_{name}"));
+        fields.chain(errors.iter().flat_map(of)).collect()
+    }
     match task {
-        "outages" => words(&["start_s", "length_s"])
-            .into_iter()
-            .chain(of("max"))
-            .chain(of("end"))
-            .collect(),
-        "navigate" => words(&["started_s", "ended_s", "nis_position", "nis_velocity"])
-            .into_iter()
-            .chain(of("rms"))
-            .collect(),
-        "tune" => words(&[
-            "length_s",
-            "white_noise",
-            "random_walk",
-            "white_noise_ratio",
-            "drift_before_m",
-            "drift_after_m",
-        ]),
-        _ => words(&[
-            "samples",
-            "mean",
-            "white_noise",
-            "bias_instability",
-            "random_walk",
-        ])
-        .into_iter()
-        .chain(HORIZONS.map(|(name, _)| name.to_owned()))
-        .collect(),
+        "outages" => of(&OUTAGES, &["max", "end"]),
+        "navigate" => of(&NAVIGATE, &["rms"]),
+        "tune" => TUNE.map(str::to_owned).to_vec(),
+        _ => of(&IDENTIFY, &[]),
     }
 }

@@ -1,6 +1,9 @@
 //! One log into its outcome.
 
-use super::{FleetOutcome, Job, Plan, RecordSettings, Row, Task, inputs, outcome::HORIZONS};
+use super::{
+    FleetOutcome, Job, Plan, RecordSettings, Row, Task, inputs,
+    outcome::{Field, IDENTIFY, NAVIGATE, OUTAGES, TUNE},
+};
 use crate::{
     drive::{Drive, read_text},
     findings::{self, Finding, Log},
@@ -8,7 +11,8 @@ use crate::{
     navigate::{self, Wanted},
     outages::{Logs, ScheduleError},
     record,
-    reference::Errors,
+    reference::COMPONENTS,
+    results::{self, Cut, ModelErrors, Number, Numbers},
     temperature,
     tune::{
         self,
@@ -178,12 +182,14 @@ fn mean_temperature(path: &Path) -> Result<Option<f64>, ReadError> {
     Ok((count > 0).then(|| sum / count as f64 - column.zero))
 }
 
-fn number(value: f64) -> Option<f64> {
-    value.is_finite().then_some(value)
+/// The numbers of a result in their columns.
+fn values<R>(fields: &[Field<R>], result: &R) -> Vec<Option<f64>> {
+    fields.iter().map(|(_, of)| of(result).get()).collect()
 }
 
-fn errors(errors: &Errors) -> impl Iterator<Item = Option<f64>> {
-    errors.0.into_iter().map(number)
+/// Errors by component; of no reference they are empty.
+fn components(errors: Option<&Numbers>) -> impl Iterator<Item = Option<f64>> {
+    COMPONENTS.iter().map(move |name| errors?.get(*name)?.get())
 }
 
 fn outages(
@@ -197,32 +203,29 @@ fn outages(
     let logs = Logs::load(&drive)?;
     let schedule = plan.schedule().ok_or(ScheduleError::Zero)?;
     let cuts = logs.plan(&schedule, plan.length_s)?;
-    let results = logs.run(kinds, &cuts, smooth, &|_| {})?;
-    outcome.findings = logs.findings(&results);
-    for (name, run) in &results {
-        let run = match run {
-            Ok(run) => run,
+    let runs = logs.run(kinds, &cuts, smooth, &|_| {})?;
+    outcome.findings = logs.findings(&runs);
+    for (name, run) in &runs {
+        let found = match run {
+            Ok(run) => ModelErrors::from(&run.errors),
             Err(error) => {
                 outcome.failed_parts.insert(name.clone(), told(error));
                 continue;
             }
         };
-        let per_outage = run.errors.per_outage.iter().zip(&cuts).zip(1..);
-        outcome
-            .rows
-            .extend(per_outage.map(|((outage, cut), which)| {
-                Row {
-                    part: name.clone(),
-                    outage: Some(which),
-                    note: None,
-                    finding: run.errors.finding.clone(),
-                    values: [number(outage.start_s), number(cut.end - cut.start)]
-                        .into_iter()
-                        .chain(errors(&outage.max))
-                        .chain(errors(&outage.end))
-                        .collect(),
-                }
-            }));
+        let per_outage = cuts.iter().map(Cut::from).zip(found.per_outage);
+        outcome.rows.extend(per_outage.zip(1..).map(|(of, which)| {
+            let mut values = values(&OUTAGES, &of);
+            values.extend(components(Some(&of.1.max)));
+            values.extend(components(Some(&of.1.end)));
+            Row {
+                part: name.clone(),
+                outage: Some(which),
+                finding: found.finding.clone(),
+                values,
+                ..Row::default()
+            }
+        }));
     }
     Ok(())
 }
@@ -240,37 +243,27 @@ fn navigate(
             ..Wanted::default()
         };
         let name = kind.name().to_owned();
-        let report = match navigate::navigate(&drive, *kind, wanted) {
-            Ok(report) => report,
+        let result = match navigate::navigate(&drive, *kind, wanted) {
+            Ok(report) => report.result(*kind, results::Drive::default()),
             Err(error) => {
                 outcome.findings.extend(error.findings());
                 outcome.failed_parts.insert(name, told(&error));
                 continue;
             }
         };
-        for finding in report.findings() {
+        let mut values = values(&NAVIGATE, &result);
+        values.extend(components(result.rms_error.as_ref()));
+        for finding in result.findings {
             if !outcome.findings.contains(&finding) {
                 outcome.findings.push(finding);
             }
         }
-        let summary = &report.summary;
-        let nis = |sums: &crate::replay::Innovations| sums.per_dof().and_then(number);
-        let unknown = Errors::UNKNOWN;
-        let rms = report.rmse.as_ref().map_or(&unknown, |(errors, _)| errors);
+        let diverged = result.summary.diverged;
         outcome.rows.push(Row {
             part: name,
-            outage: None,
-            note: None,
-            finding: summary.diverged.map(|time| Finding::Diverged { time }),
-            values: [
-                summary.started.and_then(number),
-                number(summary.ended),
-                nis(&summary.position),
-                nis(&summary.velocity),
-            ]
-            .into_iter()
-            .chain(errors(rms))
-            .collect(),
+            finding: diverged.map(|time| Finding::Diverged { time }),
+            values,
+            ..Row::default()
         });
     }
     Ok(())
@@ -283,19 +276,19 @@ fn tuned(job: &Job, outcome: &mut FleetOutcome) -> Result<(), Failure> {
     outcome
         .sensor
         .get_or_insert_with(|| tuned.start.name.clone());
-    let row = |part: String, values: [f64; 6]| Row {
+    let row = |part: String, values: [f64; TUNE.len()]| Row {
         part,
-        outage: None,
-        note: None,
-        finding: None,
-        values: values.map(number).to_vec(),
+        values: values.map(|value| Number(value).get()).to_vec(),
+        ..Row::default()
     };
+    // The result has factors where the white noise follows the vibration; logs are compared by its density.
+    let densities = tuned.densities();
     for (axis, name) in AXES.iter().enumerate() {
         let found = |i: usize, value: f64| match tuned.fit.determines(&tuned.prior, i) {
             true => value,
             false => f64::NAN,
         };
-        let white = found(WHITE + axis, tuned.densities()[axis]);
+        let white = found(WHITE + axis, densities[axis]);
         let walk = found(WALK + axis, tuned.fit.noise.walk[axis]);
         let louder = white / tuned.start.white[axis];
         let values = [f64::NAN, white, walk, louder, f64::NAN, f64::NAN];
@@ -331,43 +324,24 @@ fn identify(
     }
     let record = record.with_gaps();
     let options = identify::options(&record, rate_hz, settings.n_max, settings.detrend);
-    let identified = identify::run(&record, &options, || {});
-    for (name, found) in &identified.axes {
-        let axis = match found {
-            Ok(axis) => axis,
-            Err(error) => {
-                outcome
-                    .failed_parts
-                    .insert((*name).to_owned(), error.to_string());
-                continue;
-            }
+    let result = identify::run(&record, &options, || {}).result(&job.log);
+    for name in record.axes {
+        let Some(axis) = result.axes.get(name) else {
+            continue;
         };
+        if let Some(error) = &axis.error {
+            outcome.failed_parts.insert(name.to_owned(), error.clone());
+            continue;
+        }
+        let warnings = axis.warnings.iter();
         outcome
             .warnings
-            .extend(axis.warnings.iter().map(|w| format!("{name}: {w}")));
-        let terms = &axis.allan_terms;
-        let chosen = axis.recommended();
-        let drift = |horizon: f64| {
-            // Horizons are rounded to whole samples.
-            let mut scores = chosen.score.iter();
-            let found = scores.find(|s| (s.horizon_s - horizon).abs() < 0.5 * horizon);
-            found.and_then(|score| number(score.rms))
-        };
+            .extend(warnings.map(|w| format!("{name}: {w}")));
         outcome.rows.push(Row {
-            part: (*name).to_owned(),
-            outage: None,
-            note: Some(chosen.name.clone()),
-            finding: None,
-            values: [
-                number(axis.samples as f64),
-                number(axis.mean),
-                number(terms.white.value),
-                number(terms.bias_instability.value),
-                number(terms.random_walk.value),
-            ]
-            .into_iter()
-            .chain(HORIZONS.map(|(_, horizon)| drift(horizon)))
-            .collect(),
+            part: name.to_owned(),
+            note: Some(axis.chosen.name.clone()),
+            values: values(&IDENTIFY, axis),
+            ..Row::default()
         });
     }
     Ok(())

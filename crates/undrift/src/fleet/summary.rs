@@ -101,8 +101,9 @@ impl Summary {
                 untrusted.push(part.to_owned());
             }
             for (place, measure) in MEASURES.iter().enumerate() {
-                let fits = measure.task == outcome.task && part.starts_with(measure.parts);
-                let value = fits.then(|| (measure.of)(outcome, &rows)).flatten();
+                let (task, parts) = measure.of;
+                let fits = task == outcome.task && part.starts_with(parts);
+                let value = fits.then(|| measure.value(outcome, &rows)).flatten();
                 if let Some(value) = value.filter(|v| v.is_finite()) {
                     values.insert((place, part.to_owned()), value);
                 }
@@ -186,7 +187,7 @@ impl Summary {
             name: measure.name.into(),
             what: measure.what.into(),
             unit: measure.unit.into(),
-            task: measure.task.into(),
+            task: measure.of.0.into(),
             parts: of_parts
                 .map(|(at, part)| self.part(place, part, level(at)))
                 .collect(),
