@@ -1,7 +1,7 @@
 //! What a measure depends on: which unit, which type, is it the temperature? Each effect is a factor on the measure,
 //! estimated together with the others by a [mixed model](super::mixed) of its logarithm.
 
-use super::mixed::{Contrast, Fit, Level as Of, Nested, Shift, quantile_95};
+use super::mixed::{Contrast, Fit, Grouping, Nested, Shift, quantile_95};
 use crate::{
     results::{Effect, FleetEffects, Level, Scatter, Slope},
     series::to_digits,
@@ -147,9 +147,11 @@ impl<'a> Design<'a> {
     }
 }
 
-/// Fits the model; `None` where there are too few logs.
-pub fn effects(samples: &[Sample<'_>], parts: usize) -> Option<Effects> {
-    let design = Design::of(samples, parts);
+/// The samples with values as rows, unit by unit; the names of the units, and the places of the logs among the samples.
+fn nested<'a>(
+    samples: &[Sample<'a>],
+    design: &Design<'a>,
+) -> (Nested, Vec<Option<&'a str>>, Vec<usize>) {
     let mut nested = Nested::new(design.columns);
     // Logs without a unit are units of their own.
     let mut by_unit: BTreeMap<(Option<&str>, usize), Vec<usize>> = BTreeMap::new();
@@ -157,8 +159,7 @@ pub fn effects(samples: &[Sample<'_>], parts: usize) -> Option<Effects> {
         let own = if sample.unit.is_some() { 0 } else { place + 1 };
         by_unit.entry((sample.unit, own)).or_default().push(place);
     }
-    let mut names = Vec::new();
-    let mut places = Vec::new();
+    let (mut names, mut places) = (Vec::new(), Vec::new());
     for ((name, _), logs) in by_unit {
         let with_rows = logs.into_iter().map(|log| (log, samples.get(log)));
         let with_rows = with_rows.filter_map(|(log, sample)| Some((log, design.rows(sample?))));
@@ -170,27 +171,28 @@ pub fn effects(samples: &[Sample<'_>], parts: usize) -> Option<Effects> {
             places.extend(logs);
         }
     }
+    (nested, names, places)
+}
+
+/// Fits the model; `None` where there are too few logs.
+pub fn effects(samples: &[Sample<'_>], parts: usize) -> Option<Effects> {
+    let design = Design::of(samples, parts);
+    let (mut nested, names, places) = nested(samples, &design);
     let mut fit = nested.fit(None)?;
     let named: Vec<bool> = names.iter().map(Option::is_some).collect();
     // Where each unit has one log, it is the logs that are compared, under the names of their units.
-    let has_units = nested.has(Of::Unit);
-    let logs_are_units = !has_units && named.iter().any(|named| *named);
-    let mut logs = Vec::new();
-    if !logs_are_units {
-        let all = vec![true; places.len()];
-        let shifts = set_aside(&mut nested, &mut fit, Of::Log, &all, OF_LOGS, 0);
-        let probabilities = holm(&probabilities(&shifts, &all));
-        for (log, shift) in shifts.iter().enumerate() {
-            let (Some(shift), Some(place)) = (shift, places.get(log)) else {
-                continue;
-            };
-            if nested.is_aside(Of::Log, log) {
-                let p = probabilities.get(log).copied().flatten().unwrap_or(1.0);
-                logs.push((*place, around(shift, p, true)));
-            }
-        }
-    }
-    let level = if has_units { Of::Unit } else { Of::Log };
+    let has_units = nested.has(Grouping::Unit);
+    let logs_are_units = !has_units && named.contains(&true);
+    let logs = if logs_are_units {
+        Vec::new()
+    } else {
+        outlying_logs(&mut nested, &mut fit, &places)
+    };
+    let level = if has_units {
+        Grouping::Unit
+    } else {
+        Grouping::Log
+    };
     let tested = if has_units || logs_are_units {
         named
     } else {
@@ -207,70 +209,22 @@ pub fn effects(samples: &[Sample<'_>], parts: usize) -> Option<Effects> {
     let temperature = fit.contrast(&nested, &[(design.temperature, 1.0)]);
 
     // One family of questions: units, each factor, temperature.
-    let of_factor = |levels: &Vec<(&str, Contrast)>| {
-        let p = levels.iter().map(|(_, contrast)| contrast.probability());
-        let p = Vec::from_iter(p.map(Some));
-        // Of two levels one is the other's inverse.
-        if p.len() == 2 { p } else { holm(&p) }
-    };
     let mut questions = vec![holm(&probabilities(&shifts, &tested))];
-    questions.extend(factors.iter().map(of_factor));
+    questions.extend(factors.iter().map(|levels| of_factor(levels)));
     questions.push(vec![temperature.map(|slope| slope.probability())]);
     let mut questions = of_one_family(questions).into_iter();
+    let mut answers = || questions.next().unwrap_or_default();
 
-    let of_units = questions.next().unwrap_or_default();
-    let predicted = if has_units {
-        nested.predictions(&fit)
-    } else {
-        Vec::new()
-    };
-    let mut units = BTreeMap::new();
-    let freedom = nested.between_freedom(&fit).max(1.0);
-    for (place, name) in names.iter().enumerate() {
-        let (Some(name), Some(p)) = (name, of_units.get(place).copied().flatten()) else {
-            continue;
-        };
-        let found = p < SIGNIFICANCE;
-        let effect = match (predicted.get(place), shifts.get(place)) {
-            (Some((mean, square)), _) => {
-                let half = quantile_95(freedom) * square.sqrt();
-                factor(*mean, half, freedom, p, found)
-            }
-            (None, Some(Some(shift))) => around(shift, p, found),
-            _ => continue,
-        };
-        units.insert((*name).to_owned(), effect);
-    }
+    let units = of_units(&nested, &fit, &names, &shifts, &answers());
     let factors = factors.into_iter().map(|levels| {
-        let p = questions.next().unwrap_or_default();
         let effect = |((name, contrast), p): ((&str, Contrast), Option<f64>)| {
             (name.to_owned(), of_contrast(&contrast, p.unwrap_or(1.0)))
         };
-        levels.into_iter().zip(p).map(effect).collect()
+        levels.into_iter().zip(answers()).map(effect).collect()
     });
     let factors = Vec::from_iter(factors);
-    let p = questions.next().unwrap_or_default();
-    let temperature = temperature.map(|slope| {
-        let percent = |log: f64| to_digits(100.0 * log.exp_m1()).into();
-        let p = p.first().copied().flatten().unwrap_or(1.0);
-        Slope {
-            percent_per_k: percent(slope.estimate),
-            low: percent(slope.estimate - slope.half_width()),
-            high: percent(slope.estimate + slope.half_width()),
-            freedom: to_digits(slope.freedom).into(),
-            p: to_digits(p).into(),
-            found: p < SIGNIFICANCE,
-        }
-    });
-    let level = |part: usize| {
-        let contrast = fit.contrast(&nested, &design.level(part))?;
-        let at = |log: f64| to_digits(log.exp()).into();
-        Some(Level {
-            value: at(contrast.estimate),
-            low: at(contrast.estimate - contrast.half_width()),
-            high: at(contrast.estimate + contrast.half_width()),
-        })
-    };
+    let p = answers().first().copied().flatten().unwrap_or(1.0);
+    let level = |part: usize| Some(at_reference(&fit.contrast(&nested, &design.level(part))?));
     let scatter = |ratio: f64| to_digits((fit.variance * ratio).sqrt()).into();
     Some(Effects {
         levels: (0..design.parts).map(level).collect(),
@@ -285,12 +239,87 @@ pub fn effects(samples: &[Sample<'_>], parts: usize) -> Option<Effects> {
                 log: scatter(fit.ratios[0]),
                 rest: scatter(1.0),
             },
-            temperature,
+            temperature: temperature.map(|slope| of_temperature(&slope, p)),
         },
         units,
         factors,
         logs,
     })
+}
+
+/// Logs that do not belong, which are set aside.
+fn outlying_logs(nested: &mut Nested, fit: &mut Fit, places: &[usize]) -> Vec<(usize, Effect)> {
+    let all = vec![true; places.len()];
+    let shifts = set_aside(nested, fit, Grouping::Log, &all, OF_LOGS, 0);
+    let probabilities = holm(&probabilities(&shifts, &all));
+    let logs = shifts.iter().zip(places).zip(probabilities).enumerate();
+    let aside = logs.filter(|(log, _)| nested.is_aside(Grouping::Log, *log));
+    aside
+        .filter_map(|(_, ((shift, place), p))| {
+            Some((*place, around(shift.as_ref()?, p.unwrap_or(1.0), true)))
+        })
+        .collect()
+}
+
+/// The units that have names, with their adjusted probabilities: by their predictions, or by the shifts of logs that
+/// stand for them.
+fn of_units(
+    nested: &Nested,
+    fit: &Fit,
+    names: &[Option<&str>],
+    shifts: &[Option<Shift>],
+    p: &[Option<f64>],
+) -> BTreeMap<String, Effect> {
+    let predicted = if nested.has(Grouping::Unit) {
+        nested.predictions(fit)
+    } else {
+        Vec::new()
+    };
+    let freedom = nested.between_freedom(fit).max(1.0);
+    let unit = |(place, (name, p)): (usize, (&Option<&str>, &Option<f64>))| {
+        let (name, p) = ((*name)?, (*p)?);
+        let found = p < SIGNIFICANCE;
+        let effect = match predicted.get(place) {
+            Some((mean, square)) => {
+                let half = quantile_95(freedom) * square.sqrt();
+                factor(*mean, half, freedom, p, found)
+            }
+            None => around(shifts.get(place)?.as_ref()?, p, found),
+        };
+        Some((name.to_owned(), effect))
+    };
+    let units = names.iter().zip(p).enumerate();
+    units.filter_map(unit).collect()
+}
+
+/// Probabilities of the levels of a factor, adjusted among themselves.
+fn of_factor(levels: &[(&str, Contrast)]) -> Vec<Option<f64>> {
+    let p = levels.iter().map(|(_, contrast)| contrast.probability());
+    let p = Vec::from_iter(p.map(Some));
+    // Of two levels one is the other's inverse.
+    if p.len() == 2 { p } else { holm(&p) }
+}
+
+fn of_temperature(slope: &Contrast, p: f64) -> Slope {
+    let percent = |log: f64| to_digits(100.0 * log.exp_m1()).into();
+    Slope {
+        percent_per_k: percent(slope.estimate),
+        low: percent(slope.estimate - slope.half_width()),
+        high: percent(slope.estimate + slope.half_width()),
+        freedom: to_digits(slope.freedom).into(),
+        p: to_digits(p).into(),
+        found: p < SIGNIFICANCE,
+    }
+}
+
+/// The level of a part from its logarithm.
+fn at_reference(log: &Contrast) -> Level {
+    let at = |log: f64| to_digits(log.exp()).into();
+    Level {
+        value: at(log.estimate),
+        low: at(log.estimate - log.half_width()),
+        high: at(log.estimate + log.half_width()),
+    }
 }
 
 /// The stated levels of a factor against the others, where there are several that the logs tell apart.
@@ -314,10 +343,10 @@ fn compared<'a>(
     stated.iter().filter_map(one).collect()
 }
 
-fn shifts(nested: &Nested, fit: &Fit, level: Of) -> Vec<Option<Shift>> {
+fn shifts(nested: &Nested, fit: &Fit, level: Grouping) -> Vec<Option<Shift>> {
     match level {
-        Of::Unit => nested.unit_shifts(fit),
-        Of::Log => nested.log_shifts(fit),
+        Grouping::Unit => nested.unit_shifts(fit),
+        Grouping::Log => nested.log_shifts(fit),
     }
 }
 
@@ -334,7 +363,7 @@ fn probabilities(shifts: &[Option<Shift>], tested: &[bool]) -> Vec<Option<f64>> 
 fn set_aside(
     nested: &mut Nested,
     fit: &mut Fit,
-    level: Of,
+    level: Grouping,
     tested: &[bool],
     significance: f64,
     ahead: usize,

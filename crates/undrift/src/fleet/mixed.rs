@@ -43,7 +43,7 @@ pub struct Nested {
 
 /// The levels of random intercepts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Level {
+pub enum Grouping {
     Log,
     Unit,
 }
@@ -93,12 +93,12 @@ impl Nested {
     }
 
     /// How many logs and units.
-    pub fn count(&self, level: Level) -> usize {
+    pub fn count(&self, level: Grouping) -> usize {
         self.aside[level as usize].len()
     }
 
     /// Whether a unit or log has an intercept of its own.
-    pub fn is_aside(&self, level: Level, which: usize) -> bool {
+    pub fn is_aside(&self, level: Grouping, which: usize) -> bool {
         self.aside[level as usize]
             .get(which)
             .copied()
@@ -106,17 +106,17 @@ impl Nested {
     }
 
     /// Gives a unit or log an intercept of its own, or takes it back.
-    pub fn set_aside(&mut self, level: Level, which: usize, aside: bool) {
+    pub fn set_aside(&mut self, level: Grouping, which: usize, aside: bool) {
         if let Some(slot) = self.aside[level as usize].get_mut(which) {
             *slot = aside;
         }
     }
 
     /// Whether the intercepts of a level can be told from those of the one below.
-    pub fn has(&self, level: Level) -> bool {
+    pub fn has(&self, level: Grouping) -> bool {
         match level {
-            Level::Log => self.sizes.iter().any(|n| *n > 1),
-            Level::Unit => self.units.len() > 1 && self.units.iter().any(|logs| logs.len() > 1),
+            Grouping::Log => self.sizes.iter().any(|n| *n > 1),
+            Grouping::Unit => self.units.len() > 1 && self.units.iter().any(|logs| logs.len() > 1),
         }
     }
 
@@ -139,7 +139,8 @@ impl Nested {
     /// Intercepts of their own, which cost a degree of freedom each.
     fn intercepts(&self) -> f64 {
         let logs = self.aside[0].iter().filter(|aside| **aside).count();
-        let of_unit = |logs: &Range<usize>| logs.clone().any(|log| !self.is_aside(Level::Log, log));
+        let of_unit =
+            |logs: &Range<usize>| logs.clone().any(|log| !self.is_aside(Grouping::Log, log));
         let units = self.units.iter().zip(&self.aside[1]);
         let units = units.filter(|(logs, aside)| **aside && of_unit(logs));
         (logs + units.count()) as f64

@@ -127,7 +127,7 @@ pub fn run(
     // stays bounded because no more jobs are handed out than there are threads.
     let next = AtomicUsize::new(0);
     let seen = Mutex::new(HashSet::new());
-    let results: Mutex<Vec<(usize, Result<Step, FleetError>)>> = Mutex::default();
+    let results: Mutex<Vec<(usize, Result<JobDone, FleetError>)>> = Mutex::default();
     let work = || {
         while let Some((place, job)) = {
             let place = next.fetch_add(1, Relaxed);
@@ -186,7 +186,7 @@ enum State {
     Twice,
 }
 
-struct Step {
+struct JobDone {
     fingerprint: String,
     state: State,
     /// Whether an outcome was there that cannot be used.
@@ -199,9 +199,9 @@ fn one(
     options: Options,
     say: &(impl Fn(&mut FleetOutcome) + Sync),
     seen: &Mutex<HashSet<String>>,
-) -> Result<(Step, Option<FleetOutcome>), FleetError> {
+) -> Result<(JobDone, Option<FleetOutcome>), FleetError> {
     let fingerprint = fingerprint(job);
-    let mut step = Step {
+    let mut step = JobDone {
         fingerprint: fingerprint.clone(),
         state: State::Twice,
         damaged: false,

@@ -1,14 +1,14 @@
 //! A table of logs, a row each: comma-separated values after RFC 4180, or with semicolons or tabs.
 
 /// Rows of text under a header.
-pub(super) struct Rows {
+pub(super) struct LogTable {
     pub header: Vec<String>,
     /// Each with its line in the file, counted from 1.
     pub rows: Vec<(usize, Vec<String>)>,
 }
 
 /// Splits a text into rows; empty lines are none. `Err` has the line and what is wrong there.
-pub(super) fn read(text: &str) -> Result<Rows, (usize, String)> {
+pub(super) fn read(text: &str) -> Result<LogTable, (usize, String)> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let first = text.lines().next().unwrap_or_default();
     let often = |c: &char| first.matches(*c).count();
@@ -31,7 +31,7 @@ pub(super) fn read(text: &str) -> Result<Rows, (usize, String)> {
         );
         return Err((*line, message));
     }
-    Ok(Rows { header, rows })
+    Ok(LogTable { header, rows })
 }
 
 /// Rows, each with the line that it begins in.

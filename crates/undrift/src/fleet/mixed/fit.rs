@@ -1,11 +1,11 @@
 //! The restricted likelihood, its maximum, and contrasts of the fixed effects.
 
-use super::{ALIASED, Level, Nested, sums::Sums};
-use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use super::{ALIASED, Grouping, Nested, sums::Sums};
+use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector2, Vector3};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// The profiled restricted likelihood at some ratios of variances.
-pub(super) struct Profile {
+pub(super) struct Likelihood {
     /// Residual sum of squares r′V⁻¹r for σ² = 1.
     pub squares: f64,
     /// ln|V| + ln|X′V⁻¹X|.
@@ -18,7 +18,7 @@ pub(super) struct Profile {
     pub aliased: Vec<bool>,
 }
 
-impl Profile {
+impl Likelihood {
     pub fn of(sums: &Sums, ratios: [f64; 2]) -> Option<Self> {
         let (all, determinant) = sums.weighted(ratios);
         let p = all.nrows() - 1;
@@ -87,7 +87,7 @@ pub struct Fit {
     pub ratios: [f64; 2],
     /// Variance of a row.
     pub variance: f64,
-    pub(super) profile: Profile,
+    pub(super) profile: Likelihood,
     /// The covariance of ln σ² and of the ln λ that are not zero, and the changes of (X′V⁻¹X)⁻¹ with the latter.
     curvature: Option<(Matrix3<f64>, [DMatrix<f64>; 2])>,
 }
@@ -143,7 +143,7 @@ impl Nested {
     /// too few, or leave nothing beside the fixed effects.
     pub fn fit(&self, near: Option<[f64; 2]>) -> Option<Fit> {
         let sums = Sums::of(self);
-        let free = [Level::Log, Level::Unit].map(|level| self.has(level));
+        let free = [Grouping::Log, Grouping::Unit].map(|level| self.has(level));
         let starts = |free: bool| if free { &STARTS[..] } else { &STARTS[..1] };
         let mut best = near.unwrap_or_default();
         let mut least = sums.criterion(best);
@@ -170,7 +170,7 @@ impl Nested {
                 break;
             }
         }
-        let profile = Profile::of(&sums, best)?;
+        let profile = Likelihood::of(&sums, best)?;
         let variance = profile.squares / profile.freedom;
         Some(Fit {
             ratios: best,
@@ -196,7 +196,7 @@ impl Nested {
 
 impl Sums {
     pub fn criterion(&self, ratios: [f64; 2]) -> f64 {
-        Profile::of(self, ratios).map_or(f64::INFINITY, |profile| profile.criterion())
+        Likelihood::of(self, ratios).map_or(f64::INFINITY, |profile| profile.criterion())
     }
 
     /// A step of Newton's method in the logarithms of the ratios that are not zero.
@@ -218,16 +218,13 @@ impl Sums {
         } else {
             0.0
         };
-        let determinant = bend[0] * bend[1] - mixed * mixed;
-        let newton = if bend[0] > 0.0 && determinant > 0.0 {
-            [
-                (mixed * slope[1] - bend[1] * slope[0]) / determinant,
-                (mixed * slope[0] - bend[0] * slope[1]) / determinant,
-            ]
-        } else {
-            slope.map(|slope| -slope.signum())
+        let curved = Matrix2::new(bend[0], mixed, mixed, bend[1]).cholesky();
+        let newton = match curved {
+            Some(curved) => curved.solve(&Vector2::from(slope)).map(|step| -step).into(),
+            None => slope.map(|slope| -slope.signum()),
         };
-        let mut scale = (1.5 / newton[0].abs().max(newton[1].abs())).min(1.0);
+        let [a, b]: [f64; 2] = newton;
+        let mut scale = (1.5 / a.abs().max(b.abs())).min(1.0);
         for _ in 0..12 {
             let next = moved(newton.map(|step| scale * step));
             let value = self.criterion(next);
@@ -269,9 +266,9 @@ impl Sums {
     ) -> Option<(Matrix3<f64>, [DMatrix<f64>; 2])> {
         let at = |a: f64, b: f64| {
             let ratios = [ratios[0] * (WIDE * a).exp(), ratios[1] * (WIDE * b).exp()];
-            Profile::of(self, ratios)
+            Likelihood::of(self, ratios)
         };
-        let value = |p: &Profile| p.squares / variance + p.determinants;
+        let value = |p: &Likelihood| p.squares / variance + p.determinants;
         let (middle, p) = (at(0.0, 0.0)?, self.products.nrows() - 1);
         let mut bend = Matrix3::<f64>::identity();
         bend[(0, 0)] = middle.freedom;
@@ -326,7 +323,7 @@ impl Fit {
         let between = of
             .iter()
             .all(|(column, _)| nested.between.get(*column) == Some(&true));
-        if between && nested.has(Level::Unit) {
+        if between && nested.has(Grouping::Unit) {
             freedom = freedom.min(nested.between_freedom(self));
         }
         Some(Contrast {

@@ -1,8 +1,8 @@
 //! Units and logs one by one: predictions (BLUP), and whether one has its place among the others.
 
 use super::{
-    Fit, Level, LogWeights, Nested,
-    fit::{Profile, two_sided},
+    Fit, Grouping, LogWeights, Nested,
+    fit::{Likelihood, two_sided},
     log_weights,
     sums::Sums,
     unit_weights,
@@ -40,7 +40,7 @@ fn form(matrix: &DMatrix<f64>, vector: &DVector<f64>) -> f64 {
 
 impl Nested {
     fn weights(&self, log: usize, ratio: f64) -> LogWeights {
-        log_weights(self.size(log), ratio, self.is_aside(Level::Log, log))
+        log_weights(self.size(log), ratio, self.is_aside(Grouping::Log, log))
     }
 
     fn unit(&self, unit: usize, ratios: [f64; 2], beta: &DVector<f64>) -> Unit {
@@ -58,7 +58,7 @@ impl Nested {
         Unit {
             residual: y - sum.dot(beta),
             weight,
-            left: unit_weights(weight, ratios[1], self.is_aside(Level::Unit, unit)).0,
+            left: unit_weights(weight, ratios[1], self.is_aside(Grouping::Unit, unit)).0,
             sum,
         }
     }
@@ -75,7 +75,7 @@ impl Nested {
             if of.weight <= 0.0 {
                 return None;
             }
-            if self.is_aside(Level::Unit, unit) {
+            if self.is_aside(Grouping::Unit, unit) {
                 let mean = &of.sum / of.weight;
                 let square = fit.ratios[1] + 1.0 / of.weight + form(inverse, &mean);
                 return Some(Shift::without(
@@ -95,7 +95,7 @@ impl Nested {
     /// Each log against the others and the rest of its unit, as [`Self::unit_shifts`].
     pub fn log_shifts(&self, fit: &Fit) -> Vec<Option<Shift>> {
         let p = self.columns - 1;
-        let Profile { beta, inverse, .. } = &fit.profile;
+        let Likelihood { beta, inverse, .. } = &fit.profile;
         let units: Vec<Unit> = (0..self.units.len())
             .map(|unit| self.unit(unit, fit.ratios, beta))
             .collect();
@@ -114,9 +114,9 @@ impl Nested {
                 let of_x = DVector::from_iterator(p, sum.iter().copied().take(p));
                 let residual = sum.last().copied().unwrap_or_default() - of_x.dot(beta);
                 let expected = unit.left * unit.residual;
-                if self.is_aside(Level::Log, log) {
+                if self.is_aside(Grouping::Log, log) {
                     // A unit without another log says nothing about its own one.
-                    let alone = unit.weight <= 0.0 && self.is_aside(Level::Unit, place);
+                    let alone = unit.weight <= 0.0 && self.is_aside(Grouping::Unit, place);
                     let rest = &of_x / n - unit.left * &unit.sum;
                     let square = fit.ratios[0] + 1.0 / n + unit.left + form(inverse, &rest);
                     shifts.push((!alone).then(|| {
@@ -151,7 +151,7 @@ impl Nested {
         let known = Sums::of(self);
         for (ratio, likelihood) in self.spreads(&known, fit) {
             let ratios = [fit.ratios[0], ratio];
-            let Some(profile) = Profile::of(&known, ratios) else {
+            let Some(profile) = Likelihood::of(&known, ratios) else {
                 continue;
             };
             for (sum, (mean, square)) in sums.iter_mut().zip(self.predicted(ratios, &profile)) {
@@ -168,7 +168,7 @@ impl Nested {
     }
 
     /// The same at some ratios.
-    pub(super) fn predicted(&self, ratios: [f64; 2], profile: &Profile) -> Vec<(f64, f64)> {
+    pub(super) fn predicted(&self, ratios: [f64; 2], profile: &Likelihood) -> Vec<(f64, f64)> {
         let variance = profile.squares / profile.freedom;
         let inverse = &profile.inverse;
         let one = |place: usize| {
@@ -186,7 +186,7 @@ impl Nested {
         const STEPS: u8 = 16;
         /// −2 ln of the likelihood that is left.
         const LEFT: f64 = 9.0;
-        if !self.has(Level::Unit) {
+        if !self.has(Grouping::Unit) {
             return vec![(fit.ratios[1], 1.0)];
         }
         let at = |root: f64| sums.criterion([fit.ratios[0], root * root]);

@@ -2,7 +2,7 @@
 //! and all units with as many such logs: the products of each kind are added up once, so an evaluation costs the
 //! kinds of logs and the units whose logs have different numbers of rows, and not the logs.
 
-use super::{Level, Nested, log_weights, unit_weights};
+use super::{Grouping, Nested, log_weights, unit_weights};
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 
@@ -17,7 +17,7 @@ pub(super) struct Sums {
     /// Units by whether they are set aside, the rows of each log, and their logs.
     units: BTreeMap<(bool, usize, usize), Alike>,
     /// Units whose logs have different numbers of rows, and whether they are set aside.
-    uneven: Vec<(bool, Vec<Logs>)>,
+    uneven: Vec<(bool, Vec<AlikeLogs>)>,
 }
 
 /// Logs or units with the same weights: how many, and Σss′ of their sums s = \[X y\]′1, its lower triangle by rows.
@@ -28,7 +28,7 @@ struct Alike {
 }
 
 /// Logs of a unit with the same number of rows: that, how many, and their sum \[X y\]′1.
-struct Logs {
+struct AlikeLogs {
     rows: usize,
     count: usize,
     sum: Vec<f64>,
@@ -74,10 +74,10 @@ impl Sums {
             uneven: Vec::new(),
         };
         for (unit, logs) in nested.units.iter().enumerate() {
-            let mut kinds: Vec<Logs> = Vec::new();
+            let mut kinds: Vec<AlikeLogs> = Vec::new();
             for log in logs.clone() {
                 let (rows, sum) = (nested.size(log), nested.sum(log));
-                let aside = nested.is_aside(Level::Log, log);
+                let aside = nested.is_aside(Grouping::Log, log);
                 sums.logs.entry((aside, rows)).or_default().add(sum);
                 if aside {
                     continue;
@@ -86,14 +86,14 @@ impl Sums {
                     kind.count += 1;
                     add_to(&mut kind.sum, 1.0, sum);
                 } else {
-                    kinds.push(Logs {
+                    kinds.push(AlikeLogs {
                         rows,
                         count: 1,
                         sum: sum.to_vec(),
                     });
                 }
             }
-            let aside = nested.is_aside(Level::Unit, unit);
+            let aside = nested.is_aside(Grouping::Unit, unit);
             match kinds.as_slice() {
                 [] => {}
                 [all] => {

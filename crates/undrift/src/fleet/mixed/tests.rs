@@ -1,6 +1,6 @@
 //! Against statsmodels and dense matrices (`testdata/golden/mixed.py`), and against closed forms.
 
-use super::{Level, Nested, sums::Sums};
+use super::{Grouping, Nested, sums::Sums};
 use nalgebra::DMatrix;
 use serde::Deserialize;
 
@@ -117,8 +117,8 @@ fn sums_are_those_of_dense_matrices() {
         .flat_map(|case| [(case, false), (case, true)])
     {
         let mut nested = nested(case);
-        nested.set_aside(Level::Unit, UNIT, aside);
-        nested.set_aside(Level::Log, LOG, aside);
+        nested.set_aside(Grouping::Unit, UNIT, aside);
+        nested.set_aside(Grouping::Log, LOG, aside);
         let sums = Sums::of(&nested);
         let rows = case.y.len();
         let alike = |of: &[usize]| DMatrix::from_fn(rows, rows, |i, j| f64::from(of[i] == of[j]));
@@ -204,7 +204,7 @@ fn a_unit_against_the_others() {
     let y: Vec<Vec<f64>> = BALANCED.iter().map(|logs| logs.to_vec()).collect();
     let mut nested = one_way(&y);
     let within = nested.unit_shifts(&nested.fit(None).unwrap())[4].unwrap();
-    nested.set_aside(Level::Unit, 4, true);
+    nested.set_aside(Grouping::Unit, 4, true);
     let fit = nested.fit(None).unwrap();
     let without = nested.unit_shifts(&fit)[4].unwrap();
     let means: Vec<f64> = y
