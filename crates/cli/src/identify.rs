@@ -17,7 +17,7 @@ use clap::{
 use std::path::{Path, PathBuf};
 use undrift::{
     findings,
-    identify::{self, Identified, NotStatic, Pooled, Trend},
+    identify::{self, Identified, Prepared, RecordingError, Settings, Trend},
     io::{Opened, table::Column},
     nav::units::{Quantity, unit_factor},
     noise::ImuModel,
@@ -116,11 +116,6 @@ fn span(text: &str) -> Result<(f64, f64), String> {
         .ok_or_else(|| "write two times in seconds after the first sample, such as 120,480".into())
 }
 
-/// Samples of a record.
-fn length(record: &Record) -> usize {
-    record.samples.first().map_or(0, Vec::len)
-}
-
 /// What the record's columns are.
 fn format(arguments: &Arguments) -> Result<RecordFormat> {
     let known = |unit: &str, quantity| {
@@ -155,24 +150,21 @@ fn format(arguments: &Arguments) -> Result<RecordFormat> {
     })
 }
 
-/// A record, read and checked.
-struct Taken {
-    record: Record,
-    name: String,
-    rate_hz: f64,
-    /// Why it is no static recording, with --force.
-    forced: Option<NotStatic>,
-}
-
 pub fn run(arguments: &Arguments) -> Result<()> {
     let outputs = arguments.result.files().chain(arguments.output.as_deref());
     let mut files = Files::claim(arguments.records.iter().map(PathBuf::as_path), outputs)?;
     let format = format(arguments)?;
+    let settings = Settings {
+        rate_hz: arguments.rate,
+        span: arguments.span,
+        n_max: arguments.n_max,
+        trend: arguments.detrend.unwrap_or_default(),
+    };
     let base = arguments.base.as_ref();
     let base = base
         .map(|name| ImuModel::resolve(name, Path::new("")))
         .transpose()?;
-    let mut taken = Vec::with_capacity(arguments.records.len());
+    let mut recordings = Vec::with_capacity(arguments.records.len());
     for (at, path) in arguments.records.iter().enumerate() {
         if arguments.records[..at].contains(path) {
             bail!(
@@ -180,20 +172,18 @@ pub fn run(arguments: &Arguments) -> Result<()> {
                 path.display()
             );
         }
-        let record = stage("reading", || read(arguments, path, &format))?;
+        let record = stage("reading", || read(path, &format))?;
         files = files.and_read(record.file.as_deref());
-        taken.push(take(arguments, record)?);
+        recordings.push(prepare(record, &settings, arguments.force)?);
     }
-    tell_apart(&mut taken);
-    if let ([one], true) = (&taken[..], arguments.allan) {
-        let options = options(arguments, one);
-        return show(
-            arguments,
-            &files,
-            &identify::allan_deviations(&one.record, &one.name, &options),
-        );
+    tell_apart(&mut recordings);
+    if let ([one], true) = (&recordings[..], arguments.allan) {
+        let result = identify::allan_deviations(one, &settings);
+        return show(arguments, &files, &result);
     }
-    let (identified, name) = identify(arguments, &taken)?;
+    let names: Vec<&str> = recordings.iter().map(|one| one.name.as_str()).collect();
+    let name = results::names(&names);
+    let identified = identify(&recordings, &settings)?;
     let result = identified.result(&name);
     show(arguments, &files, &result)?;
     let differ = result.pool.as_ref().is_some_and(|pool| !pool.homogeneous);
@@ -208,14 +198,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         warn(format!("{} is not written (--strict)", file.display()));
         return Ok(());
     }
-    let provenance = match &taken[..] {
-        [one] => identify::provenance(&one.record, &name, one.rate_hz)?,
-        several => identify::provenance_of_several(&pooled(several), &name, identified.rate_hz)?,
-    };
+    let provenance = identify::provenance(&recordings, &name, identified.rate_hz)?;
     let mut model = identified.model(base.as_ref(), &name, provenance)?;
-    for one in &taken {
-        if let Some(problem) = &one.forced {
-            let of = match taken.len() {
+    for one in &recordings {
+        if let Some(problem) = &one.not_static {
+            let of = match recordings.len() {
                 1 => String::new(),
                 _ => format!("{}: ", one.name),
             };
@@ -252,92 +239,60 @@ fn show(arguments: &Arguments, files: &Files, result: &results::Identify) -> Res
         }
     }
     if result.axes.values().all(|axis| axis.error.is_some()) {
-        bail!("no axis could be identified");
+        bail!(RecordingError::NoAxis);
     }
     Ok(())
 }
 
-/// Checks a record and cuts it to --span.
-fn take(arguments: &Arguments, record: Record) -> Result<Taken> {
+/// Makes a record ready; one that is not static is refused, or warned of with --force.
+fn prepare(record: Record, settings: &Settings, force: bool) -> Result<Prepared> {
+    let name = record.name.display().to_string();
     for kind in record.skipped.to_string().lines() {
-        warn(format!("{}: {kind}", record.name.display()));
+        warn(format!("{name}: {kind}"));
     }
-    let rate_hz = identify::rate(arguments.rate, record.timing.as_ref())
-        .with_context(|| record.name.display().to_string())?;
-    let record = match arguments.span {
-        Some((start, _)) if start * rate_hz >= length(&record) as f64 => bail!(
-            "{}: --span begins at {start} s, after the end of the recording at {:.1} s",
-            record.name.display(),
-            length(&record) as f64 / rate_hz
-        ),
-        Some(span) => record.within(span, rate_hz),
-        None => record,
-    };
+    let prepared = identify::prepare(record, settings).with_context(|| name.clone())?;
+    let record = &prepared.record;
     let uneven = findings::of_timing(record.timing.as_ref());
     uneven.iter().map(sentences::say).for_each(warn);
-    let forced = check(arguments, &record, rate_hz)?;
-    let record = record.with_gaps();
-    tell_settings(arguments, &record, rate_hz);
-    let name = match arguments.span {
-        Some((start, end)) => format!("{}, {start} to {end} s", results::name(&record.name)),
-        None => results::name(&record.name),
-    };
-    Ok(Taken {
-        record,
-        name,
-        rate_hz,
-        forced,
-    })
+    match &prepared.not_static {
+        Some(problem) if !force => bail!("{name}: {}", sentences::refused(record, problem)),
+        Some(problem) => {
+            terminal::doubt();
+            warn(format!("{name}: {problem}"));
+        }
+        None => {}
+    }
+    tell_settings(&prepared, settings);
+    Ok(prepared)
 }
 
 /// Records of one name, in different folders, by their paths.
-fn tell_apart(taken: &mut [Taken]) {
-    let names: Vec<String> = taken.iter().map(|one| one.name.clone()).collect();
-    for one in taken {
+fn tell_apart(recordings: &mut [Prepared]) {
+    let names: Vec<String> = recordings.iter().map(|one| one.name.clone()).collect();
+    for one in recordings {
         if names.iter().filter(|name| **name == one.name).count() > 1 {
             one.name = one.record.name.display().to_string();
         }
     }
 }
 
-fn pooled(taken: &[Taken]) -> Vec<Pooled<'_>> {
-    let records = taken.iter().map(|one| Pooled {
-        name: &one.name,
-        record: &one.record,
-        rate_hz: one.rate_hz,
-    });
-    records.collect()
-}
-
-fn options<'a>(arguments: &Arguments, one: &'a Taken) -> undrift::noise::identify::Options<'a> {
-    let trend = arguments.detrend.unwrap_or_default();
-    identify::options(&one.record, one.rate_hz, arguments.n_max, trend)
-}
-
-/// What the record shows, or all together, and what that is called.
-fn identify(arguments: &Arguments, taken: &[Taken]) -> Result<(Identified, String)> {
-    let axes = taken.first().map_or(0, |one| one.record.axes.len());
+/// What the recordings show together.
+fn identify(recordings: &[Prepared], settings: &Settings) -> Result<Identified> {
+    let axes = recordings.first().map_or(0, |one| one.record.axes.len());
     stage("identification", || {
         let bar = Bar::new("identified", axes as u64, "axes");
-        if let [one] = taken {
-            let found = identify::run(&one.record, &options(arguments, one), || bar.add(1));
-            return Ok((found, one.name.clone()));
-        }
-        let names: Vec<&str> = taken.iter().map(|one| one.name.as_str()).collect();
-        let trend = arguments.detrend.unwrap_or_default();
-        let found = identify::run_pool(&pooled(taken), arguments.n_max, trend, || bar.add(1))?;
-        Ok((found, results::names(&names)))
+        Ok(identify::recordings(recordings, settings, || bar.add(1))?)
     })
 }
 
 /// Reads the record: of a drive file the log of its `[imu]`.
-fn read(arguments: &Arguments, path: &Path, format: &RecordFormat) -> Result<Record> {
+fn read(path: &Path, format: &RecordFormat) -> Result<Record> {
     if path.extension().is_some_and(|ending| ending == "toml") {
         let stated = [
-            ("--columns", !arguments.columns.is_empty()),
-            ("--units", arguments.units.is_some()),
-            ("--axis", arguments.axis.is_some()),
-            ("--topic", arguments.topic.is_some()),
+            ("--columns", !format.columns.is_empty()),
+            ("--units", format.units.is_some()),
+            ("--axis", format.axis.is_some()),
+            ("--topic", format.topic.is_some()),
         ];
         if let Some((option, _)) = stated.iter().find(|(_, stated)| *stated) {
             bail!(
@@ -350,48 +305,22 @@ fn read(arguments: &Arguments, path: &Path, format: &RecordFormat) -> Result<Rec
     let opened = Opened::open(path)?;
     details::opened("record", &opened);
     let record = record::read(opened, format)?;
-    if !record.guessed.is_empty() {
-        let options = record.guessed.iter();
-        let options = options.map(|(option, value)| format!("{option} \"{value}\""));
-        let options = options.collect::<Vec<_>>().join(" ");
-        note(format!("guessed from the values: {options}"));
+    if let Some(guessed) = sentences::guessed(&record) {
+        note(guessed);
     }
     Ok(record)
 }
 
-/// Refuses a recording that is not static; with --force the problem is a warning and returned.
-fn check(arguments: &Arguments, record: &Record, rate_hz: f64) -> Result<Option<NotStatic>> {
-    let problem = identify::not_static(record, rate_hz);
-    let guessed = record
-        .guessed
-        .iter()
-        .any(|(option, _)| *option == "--columns");
-    match problem {
-        Some(_) if guessed && !arguments.force => bail!(
-            "{}: the column names do not show which are gyros and accelerometers; specify them with --columns and --units",
-            record.name.display()
-        ),
-        Some(problem) if !arguments.force => bail!(
-            "{}: {problem}; {}, or use --force to identify it anyway",
-            record.name.display(),
-            sentences::mend(&problem)
-        ),
-        Some(problem) => {
-            terminal::doubt();
-            warn(format!("{}: {problem}", record.name.display()));
-            Ok(Some(problem))
-        }
-        None => Ok(None),
-    }
-}
-
-fn tell_settings(arguments: &Arguments, record: &Record, rate_hz: f64) {
+fn tell_settings(prepared: &Prepared, settings: &Settings) {
+    let Prepared {
+        record, rate_hz, ..
+    } = prepared;
     detail(1, || {
         format!(
             "record: {} axes of {} samples at {rate_hz} Hz ({}), {}",
             record.axes.len(),
-            record.samples.first().map_or(0, Vec::len),
-            match arguments.rate {
+            record.length(),
+            match settings.rate_hz {
                 Some(_) => "as stated",
                 None => "from its time stamps",
             },
@@ -401,8 +330,8 @@ fn tell_settings(arguments: &Arguments, record: &Record, rate_hz: f64) {
     detail(1, || {
         format!(
             "settings: ARMA(2n, 2n-1) for n up to {}, {} removed",
-            arguments.n_max,
-            match arguments.detrend.unwrap_or_default() {
+            settings.n_max,
+            match settings.trend {
                 Trend::Temperature if record.temperature.is_none() => "the mean",
                 Trend::Constant => "the mean",
                 Trend::Linear => "a straight line",

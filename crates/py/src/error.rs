@@ -70,6 +70,7 @@ pub fn in_python(text: &str) -> String {
                 made.push('=');
                 rest = value;
             }
+            ("force", None) => made.push_str("force=True"),
             (_, None) => made.push_str(&name.replace('-', "_")),
         }
     }

@@ -7,10 +7,10 @@ use crate::{
     work::{self, Progress},
 };
 use pyo3::prelude::*;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use undrift::{
     findings,
-    identify::{self as identification, Pooled, Trend},
+    identify::{self as identification, Prepared, RecordingError, Settings, Trend},
     io::{Memory, Opened, source::BytesRead, table::Column},
     noise::Provenance,
     record::{self, Record, RecordFormat},
@@ -71,18 +71,22 @@ pub fn identify(
         temperature: false,
         topic,
     };
-    let mut sources = Vec::with_capacity(records.len());
-    for (path, memory) in records {
-        let memory = memory
-            .map(|named| columns::columns(&path, named))
-            .transpose()?;
-        sources.push((path, memory));
-    }
+    let settings = Settings {
+        rate_hz: rate,
+        span: None,
+        n_max,
+        trend,
+    };
+    let source = |(path, named): (PathBuf, Option<Named<'_>>)| {
+        let memory = named.map(|named| columns::columns(&path, named));
+        Ok((path, memory.transpose()?))
+    };
+    let sources = records.into_iter().map(source);
+    let sources = sources.collect::<PyResult<Vec<_>>>()?;
     let counted = Progress::default();
     let identify = || -> Result<Identified, Failure> {
         let mut warnings = Vec::new();
-        let mut taken = Vec::with_capacity(sources.len());
-        for (path, memory) in sources {
+        let prepared = sources.into_iter().map(|(path, memory)| {
             let opened = match memory {
                 Some(columns) => {
                     Opened::memory(&path, Memory::Columns(columns), &BytesRead::default())?
@@ -90,84 +94,71 @@ pub fn identify(
                 None => Opened::open(&path)?,
             };
             let record = record::read(opened, &format)?;
-            warnings.extend(of_record(&path, &record));
-            let rate = identification::rate(rate, record.timing.as_ref())
-                .map_err(|problem| format!("{}: {problem}", path.display()))?;
-            if let Some(problem) = identification::not_static(&record, rate) {
-                let message = format!("{}: {problem}", path.display());
-                if !force {
-                    let mend = say::mend(&problem);
-                    let force = "or use force=True to identify it anyway";
-                    return Err(format!("{message}; {mend}, {force}").into());
-                }
-                warnings.push(message);
-            }
-            taken.push((results::name(&path), record.with_gaps(), rate));
-        }
-        let axes = taken.iter().map(|(_, record, _)| record.axes.len() as u64);
-        // Several records are identified axis by axis together.
-        counted.of(axes.max().unwrap_or(0));
-        let (found, name, provenance) = match &taken[..] {
-            [(name, record, rate)] => {
-                let options = identification::options(record, *rate, n_max, trend);
-                let found = identification::run(record, &options, || counted.add(1));
-                let provenance = identification::provenance(record, name, *rate)?;
-                (found, name.clone(), provenance)
-            }
-            several => {
-                let pooled = several.iter().map(|(name, record, rate_hz)| Pooled {
-                    name,
-                    record,
-                    rate_hz: *rate_hz,
-                });
-                let pooled: Vec<Pooled<'_>> = pooled.collect();
-                let names: Vec<&str> = pooled.iter().map(|one| one.name).collect();
-                let name = results::names(&names);
-                let found = identification::run_pool(&pooled, n_max, trend, || counted.add(1))?;
-                let rate = found.rate_hz;
-                let provenance = identification::provenance_of_several(&pooled, &name, rate)?;
-                (found, name, provenance)
-            }
-        };
-        if found.axes.iter().all(|(_, axis)| axis.is_err()) {
-            let why = found
-                .axes
-                .iter()
-                .filter_map(|(name, axis)| Some(format!("{name}: {}", axis.as_ref().err()?)));
-            return Err(format!(
-                "no axis could be identified: {}",
-                why.collect::<Vec<_>>().join("; ")
-            )
-            .into());
-        }
-        Ok(Identified {
-            found,
-            name,
-            provenance,
-            warnings,
-        })
+            prepare(record, &settings, force, &mut warnings)
+        });
+        let prepared = prepared.collect::<Result<Vec<_>, _>>()?;
+        identified(&prepared, &settings, warnings, &counted)
     };
     work::run_with(py, progress.as_ref(), &counted, identify)?.map_err(error)
 }
 
-/// What should be said of a record.
-fn of_record(path: &Path, record: &Record) -> Vec<String> {
-    let mut said = Vec::new();
+/// Makes a record ready; one that is not static is refused, or warned of if that is forced.
+fn prepare(
+    record: Record,
+    settings: &Settings,
+    force: bool,
+    warnings: &mut Vec<String>,
+) -> Result<Prepared, Failure> {
+    let name = record.name.display().to_string();
     if !record.skipped.is_empty() {
-        said.push(format!("{}: {}", path.display(), record.skipped));
+        warnings.push(format!("{name}: {}", record.skipped));
     }
-    said.extend(record.guessed.iter().map(|(option, value)| {
-        format!(
-            "{}: guessed from the values: {option} {value}",
-            path.display()
-        )
-    }));
-    said.extend(
+    warnings.extend(say::guessed(&record).map(|guessed| format!("{name}: {guessed}")));
+    let prepared = identification::prepare(record, settings);
+    let prepared = prepared.map_err(|problem| format!("{name}: {problem}"))?;
+    let record = &prepared.record;
+    warnings.extend(
         findings::of_timing(record.timing.as_ref())
             .as_ref()
             .map(say::say),
     );
-    said
+    match &prepared.not_static {
+        Some(problem) if !force => {
+            return Err(format!("{name}: {}", say::refused(record, problem)).into());
+        }
+        Some(problem) => warnings.push(format!("{name}: {problem}")),
+        None => {}
+    }
+    Ok(prepared)
+}
+
+/// What the recordings show together.
+fn identified(
+    prepared: &[Prepared],
+    settings: &Settings,
+    warnings: Vec<String>,
+    counted: &Progress,
+) -> Result<Identified, Failure> {
+    let axes = prepared.iter().map(|one| one.record.axes.len() as u64);
+    // Several records are identified axis by axis together.
+    counted.of(axes.max().unwrap_or(0));
+    let found = identification::recordings(prepared, settings, || counted.add(1))?;
+    let names: Vec<&str> = prepared.iter().map(|one| one.name.as_str()).collect();
+    let name = results::names(&names);
+    let why = found
+        .axes
+        .iter()
+        .filter_map(|(name, axis)| Some(format!("{name}: {}", axis.as_ref().err()?)));
+    let why: Vec<String> = why.collect();
+    if why.len() == found.axes.len() {
+        return Err(format!("{}: {}", RecordingError::NoAxis, why.join("; ")).into());
+    }
+    Ok(Identified {
+        provenance: identification::provenance(prepared, &name, found.rate_hz)?,
+        found,
+        name,
+        warnings,
+    })
 }
 
 #[pymethods]

@@ -12,7 +12,7 @@ mod start;
 mod words;
 
 pub use fill::{cut, demo, navigated, outcome};
-pub use recording::mend;
+pub use recording::{guessed, refused};
 pub use solution::{cause, ended, verdict};
 pub use start::{alignment, estimated, mounting, unsolved};
 

@@ -6,7 +6,7 @@
 
 use std::error::Error;
 use std::path::Path;
-use undrift::identify::{self, Trend};
+use undrift::identify::{self, Settings, Trend};
 use undrift::io::Opened;
 use undrift::record::{self, RecordFormat};
 use undrift::{Identified, ImuModel};
@@ -19,11 +19,16 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // SI units from here on: rad/s and m/s².
     let record = record::read(Opened::open(Path::new(file))?, &RecordFormat::default())?;
-    let rate_hz = identify::rate(Some(rate_hz.parse()?), record.timing.as_ref())?;
+    let settings = Settings {
+        rate_hz: Some(rate_hz.parse()?),
+        span: None,
+        n_max: 2,
+        trend: Trend::Constant,
+    };
+    let recordings = [identify::prepare(record, &settings)?];
 
     // Each axis is tested for rest, outliers, stationarity and whiteness; candidates are fitted on its first half.
-    let options = identify::options(&record, rate_hz, 2, Trend::Constant);
-    let found: Identified = identify::run(&record, &options, || ());
+    let found: Identified = identify::recordings(&recordings, &settings, || ())?;
 
     for (name, axis) in &found.axes {
         match axis {
@@ -48,7 +53,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             "{axis}: no data sheet for the turn-on constant, taken as large as the record allows"
         );
     }
-    let provenance = identify::provenance(&record, "example", rate_hz)?;
+    let provenance = identify::provenance(&recordings, "example", found.rate_hz)?;
     let model = found.model(base.as_ref(), "example", provenance)?;
     print!("{}", model.to_toml());
     Ok(())

@@ -26,7 +26,11 @@ pub use outcome::{FleetOutcome, Row};
 pub use process::process;
 pub use run::{Done, FleetError, Options, job_path, process_on, run, shard};
 
-use crate::{identify::Trend, outages::Schedule, record::RecordFormat};
+use crate::{
+    identify::{Settings, Trend},
+    outages::Schedule,
+    record::RecordFormat,
+};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::{
     collections::BTreeMap,
@@ -185,6 +189,15 @@ impl RecordSettings {
             units: self.units.clone(),
             temperature: false,
             topic: self.topic.clone(),
+        }
+    }
+
+    fn identification(&self) -> Settings {
+        Settings {
+            rate_hz: self.rate_hz,
+            span: None,
+            n_max: self.n_max,
+            trend: self.detrend,
         }
     }
 }

@@ -8,10 +8,10 @@ mod series;
 mod settings;
 
 pub use allan::allan_deviations;
-pub use pool::{Determined, Pool, Pooled, run_pool};
+pub use pool::{Determined, Pool};
 pub use rest::{Likely, NotStatic, not_static};
 pub use series::RecordSeries;
-pub use settings::{RecordingError, common_rate, options, provenance, provenance_of_several, rate};
+pub use settings::{Prepared, RecordingError, Settings, prepare, provenance};
 pub use undrift_noise::screening::Trend;
 
 use crate::record::Record;
@@ -50,6 +50,24 @@ pub struct AxisError {
     pub record: Option<String>,
     /// What is wrong.
     pub error: IdentifyError,
+}
+
+/// Identifies a recording, or several of one sensor or type together. `done` is called after each axis.
+///
+/// # Errors
+/// Several of different sample rates or axes.
+pub fn recordings(
+    prepared: &[Prepared],
+    settings: &Settings,
+    done: impl Fn() + Sync,
+) -> Result<Identified, RecordingError> {
+    match prepared {
+        [one] => {
+            let options = settings.options(&one.record, one.rate_hz);
+            Ok(run(&one.record, &options, done))
+        }
+        several => pool::run_pool(several, settings, done),
+    }
 }
 
 /// Identifies every axis of a record, on all cores. `done` is called after each axis.

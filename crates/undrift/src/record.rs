@@ -84,9 +84,14 @@ fn named_axis(column: &str) -> Option<(usize, Option<String>)> {
 }
 
 impl Record {
+    /// Samples of an axis.
+    pub fn length(&self) -> usize {
+        self.samples.first().map_or(0, Vec::len)
+    }
+
     /// The part of a record at a rate \[Hz\] between two times after its first sample \[s\].
     pub fn within(mut self, span: (f64, f64), rate_hz: f64) -> Self {
-        let length = self.samples.first().map_or(0, Vec::len);
+        let length = self.length();
         // Beyond either end is the end.
         let at = |time: f64| ((time * rate_hz).round() as usize).min(length);
         let part = at(span.0)..at(span.1).max(at(span.0));

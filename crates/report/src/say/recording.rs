@@ -1,9 +1,28 @@
-//! What to do about a record that is no static recording.
+//! What is said of a recording before it is identified.
 
-use undrift::identify::{Likely, NotStatic};
+use undrift::{
+    identify::{Likely, NotStatic},
+    record::Record,
+};
 
-/// The mend of a record that was refused.
-pub fn mend(problem: &NotStatic) -> String {
+/// What nobody stated and no name says of a record, as the options that would state it.
+pub fn guessed(record: &Record) -> Option<String> {
+    let options = record.guessed.iter();
+    let options = options.map(|(option, value)| format!(" {option} \"{value}\""));
+    let options: String = options.collect();
+    (!options.is_empty()).then(|| format!("guessed from the values:{options}"))
+}
+
+/// Why a record that is no static recording is refused, and what to do.
+pub fn refused(record: &Record, problem: &NotStatic) -> String {
+    let mut guessed = record.guessed.iter();
+    match guessed.any(|(option, _)| *option == "--columns") {
+        true => "the column names do not show which are gyros and accelerometers; specify them with --columns and --units".into(),
+        false => format!("{problem}; {}, or use --force to identify it anyway", mend(problem)),
+    }
+}
+
+fn mend(problem: &NotStatic) -> String {
     match problem {
         NotStatic::Force {
             likely, gyro_unit, ..

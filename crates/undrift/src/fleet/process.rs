@@ -318,19 +318,21 @@ fn identify(
     outcome.findings.extend(findings::of_skipped(&[skipped]));
     let timing = record.timing.as_ref();
     outcome.findings.extend(findings::of_timing(timing));
-    let rate_hz = identify::rate(settings.rate_hz, timing)?;
-    if let Some(problem) = identify::not_static(&record, rate_hz) {
+    let settings = settings.identification();
+    let mut prepared = identify::prepare(record, &settings)?;
+    if let Some(problem) = prepared.not_static.take() {
         return Err(problem.into());
     }
-    let record = record.with_gaps();
-    let options = identify::options(&record, rate_hz, settings.n_max, settings.detrend);
-    let result = identify::run(&record, &options, || {}).result(&job.log);
-    for name in record.axes {
-        let Some(axis) = result.axes.get(name) else {
+    let identified = identify::recordings(&[prepared], &settings, || {})?;
+    let result = identified.result(&job.log);
+    for (name, _) in &identified.axes {
+        let Some(axis) = result.axes.get(*name) else {
             continue;
         };
         if let Some(error) = &axis.error {
-            outcome.failed_parts.insert(name.to_owned(), error.clone());
+            outcome
+                .failed_parts
+                .insert((*name).to_owned(), error.clone());
             continue;
         }
         let warnings = axis.warnings.iter();
@@ -338,7 +340,7 @@ fn identify(
             .warnings
             .extend(warnings.map(|w| format!("{name}: {w}")));
         outcome.rows.push(Row {
-            part: name.to_owned(),
+            part: (*name).to_owned(),
             note: Some(axis.chosen.name.clone()),
             values: values(&IDENTIFY, axis),
             ..Row::default()

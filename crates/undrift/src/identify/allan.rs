@@ -1,17 +1,18 @@
 //! The Allan deviations of a record alone: what is there in a second, before tests and models.
 
-use super::result::{deviation, unit};
-use crate::{
-    record::Record,
-    results::{self, Identify, SCHEMA, VERSION},
+use super::{
+    Prepared, Settings,
+    result::{deviation, unit},
 };
+use crate::results::{self, Identify, SCHEMA, VERSION};
 use rayon::prelude::*;
-use undrift_noise::identify::{AllanDeviation, Options, allan_deviation};
+use undrift_noise::identify::{AllanDeviation, allan_deviation};
 
-/// The Allan deviation of every axis of a record and its terms, on all cores, as a result without tests and models;
-/// `name` is what the record is called.
+/// The Allan deviation of every axis of a recording and its terms, on all cores, as a result without tests and models.
 #[must_use]
-pub fn allan_deviations(record: &Record, name: &str, options: &Options<'_>) -> Identify {
+pub fn allan_deviations(prepared: &Prepared, settings: &Settings) -> Identify {
+    let record = &prepared.record;
+    let options = &settings.options(record, prepared.rate_hz);
     let axes = record.axes.par_iter().zip(&record.samples);
     let axes = axes.map(|(axis, samples)| {
         let found = match allan_deviation(samples, options) {
@@ -36,8 +37,8 @@ pub fn allan_deviations(record: &Record, name: &str, options: &Options<'_>) -> I
     Identify {
         undrift: VERSION.into(),
         schema: SCHEMA,
-        record: name.into(),
-        rate_hz: options.rate_hz.into(),
+        record: prepared.name.clone(),
+        rate_hz: prepared.rate_hz.into(),
         timing: record.timing.clone(),
         skipped_rows: record.skipped.total(),
         axes: axes.collect(),

@@ -1,17 +1,16 @@
 //! Several records of one sensor or type: one model, the spread of the turn-on constants, the record that differs.
 
-use super::{AxisError, Identified, RecordSeries, RecordingError, common_rate, options};
-use crate::{
-    record::Record,
-    results::{self, AxisPool, Differing, Number, PooledRecord, RecordShare},
+use super::{
+    AxisError, Identified, RecordSeries, RecordingError,
+    settings::{Prepared, Settings, common_rate},
 };
+use crate::results::{self, AxisPool, Differing, Number, PooledRecord, RecordShare};
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use std::collections::BTreeMap;
 use undrift_noise::{
     identify::{self as noise, Between, Difference, IdentifyError, Sampled, Share},
     number::rounded,
-    screening::Trend,
 };
 
 /// Probability that records of one process are taken for different ones, of all records and axes together.
@@ -20,23 +19,6 @@ pub const FALSE_ALARM: f64 = 0.01;
 const LAID_DOWN: f64 = 0.087;
 /// Probability of taking a sensor that was not moved for one that was.
 const MOVED: f64 = 0.05;
-
-/// A record of several.
-#[derive(Clone, Copy, Debug)]
-pub struct Pooled<'a> {
-    /// What it is called.
-    pub name: &'a str,
-    /// The record.
-    pub record: &'a Record,
-    /// Its sample rate \[Hz\].
-    pub rate_hz: f64,
-}
-
-impl Pooled<'_> {
-    pub(super) fn samples(&self) -> usize {
-        self.record.samples.first().map_or(0, Vec::len)
-    }
-}
 
 /// What several records show beyond their common model.
 pub struct Pool {
@@ -85,17 +67,17 @@ impl Determined {
 ///
 /// # Errors
 /// Records of different sample rates or axes.
-pub fn run_pool(
-    records: &[Pooled<'_>],
-    n_max: usize,
-    trend: Trend,
+pub(super) fn run_pool(
+    records: &[Prepared],
+    settings: &Settings,
     done: impl Fn() + Sync,
 ) -> Result<Identified, RecordingError> {
     let rate_hz = common_rate(records)?;
     let first = records.first().ok_or(RecordingError::NoAxis)?;
     let names = &first.record.axes;
     let level = FALSE_ALARM / names.len().max(1) as f64;
-    let longest = (0..records.len()).max_by_key(|k| (records[*k].samples(), records.len() - k));
+    let longest =
+        (0..records.len()).max_by_key(|k| (records[*k].record.length(), records.len() - k));
     let longest = longest.unwrap_or(0);
     let found: Vec<_> = names
         .par_iter()
@@ -103,7 +85,7 @@ pub fn run_pool(
         .map(|(axis, name)| {
             let sampled = records.iter().map(|pooled| Sampled {
                 samples: &pooled.record.samples[axis],
-                options: options(pooled.record, rate_hz, n_max, trend),
+                options: settings.options(&pooled.record, rate_hz),
             });
             let sampled: Vec<Sampled<'_>> = sampled.collect();
             let found = noise::identify_pool(&sampled, name.starts_with("accel"), level);
@@ -160,7 +142,7 @@ pub fn run_pool(
                 ));
             }
             Err(problem) => {
-                let record = problem.record.map(|k| records[k].name.to_owned());
+                let record = problem.record.map(|k| records[k].name.clone());
                 let error: IdentifyError = problem.error;
                 identified
                     .axes
@@ -171,7 +153,7 @@ pub fn run_pool(
     let (moved, tilt) = laid_down(&axes);
     let names = records
         .iter()
-        .map(|pooled| (pooled.name.to_owned(), pooled.samples()));
+        .map(|pooled| (pooled.name.clone(), pooled.record.length()));
     identified.pool = Some(Pool {
         records: names.collect(),
         axes,

@@ -1,12 +1,8 @@
-//! What a record is identified with.
+//! What a recording is identified with, and how it is made ready for that.
 
-use super::Pooled;
-use crate::{hash, record::Record};
-use undrift_noise::{
-    Provenance, Recording,
-    identify::Options,
-    screening::{Timing, Trend},
-};
+use super::{NotStatic, not_static};
+use crate::{hash, record::Record, results};
+use undrift_noise::{Provenance, Recording, identify::Options, screening::Trend};
 
 /// Most that a stated rate may be off the time stamps, relative.
 const RATE_TOLERANCE: f64 = 0.01;
@@ -28,6 +24,14 @@ pub enum RecordingError {
         stated: f64,
         /// Of the stamps \[Hz\].
         stamps: f64,
+    },
+    /// The part to use begins after the end.
+    #[error("--span begins at {start} s, after the end of the recording at {length:.1} s")]
+    Span {
+        /// Where the part begins \[s\].
+        start: f64,
+        /// Length of the recording \[s\].
+        length: f64,
     },
     /// Recordings of different sample rates.
     #[error(
@@ -62,53 +66,100 @@ pub enum RecordingError {
     NoAxis,
 }
 
-/// The sample rate to go by \[Hz\]: stated, or from the stamps.
-///
-/// # Errors
-/// When there is neither, or the two disagree by more than 1 %.
-pub fn rate(stated: Option<f64>, timing: Option<&Timing>) -> Result<f64, RecordingError> {
-    let stamps = timing.map(|timing| timing.rate_hz);
-    if let (Some(stated), Some(stamps)) = (stated, stamps)
-        && (stated / stamps - 1.0).abs() > RATE_TOLERANCE
-    {
-        return Err(RecordingError::WrongRate { stated, stamps });
-    }
-    stated.or(stamps).ok_or(RecordingError::NoRate)
+/// What is asked of an identification.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// Sample rate \[Hz\]; by the time stamps if absent.
+    pub rate_hz: Option<f64>,
+    /// The part of a recording to use, from and to \[s\] after its first sample; all of it if absent.
+    pub span: Option<(f64, f64)>,
+    /// Largest n of ARMA(2n, 2n−1) that the Pandit-Wu search may choose.
+    pub n_max: usize,
+    /// What is taken out first; temperature is not, of a record without one.
+    pub trend: Trend,
 }
 
-/// The options for a record at a rate \[Hz\]; a record without temperatures has none taken out.
-pub fn options(record: &Record, rate_hz: f64, n_max: usize, trend: Trend) -> Options<'_> {
-    Options {
-        n_max,
-        trend,
-        temperature: record.temperature.as_deref(),
-        ..Options::at(rate_hz)
+impl Settings {
+    /// The options for a record at a rate \[Hz\].
+    pub(super) fn options<'a>(&self, record: &'a Record, rate_hz: f64) -> Options<'a> {
+        Options {
+            n_max: self.n_max,
+            trend: self.trend,
+            temperature: record.temperature.as_deref(),
+            ..Options::at(rate_hz)
+        }
     }
+}
+
+/// A recording ready to be identified: evenly sampled, NaN where a sample is missing.
+#[derive(Clone, Debug)]
+pub struct Prepared {
+    /// What results call it.
+    pub name: String,
+    /// Its samples.
+    pub record: Record,
+    /// Sample rate \[Hz\].
+    pub rate_hz: f64,
+    /// Why it is no static recording, if it is none.
+    pub not_static: Option<NotStatic>,
+}
+
+/// Makes a record ready to be identified: its rate, the part to use, whether it is static, its gaps.
+///
+/// # Errors
+/// When nothing gives the rate, the one stated is off the time stamps by more than 1 %, or the part to use is empty.
+pub fn prepare(record: Record, settings: &Settings) -> Result<Prepared, RecordingError> {
+    let stamps = record.timing.as_ref().map(|timing| timing.rate_hz);
+    let rate_hz = match (settings.rate_hz, stamps) {
+        (Some(stated), Some(stamps)) if (stated / stamps - 1.0).abs() > RATE_TOLERANCE => {
+            return Err(RecordingError::WrongRate { stated, stamps });
+        }
+        (stated, stamps) => stated.or(stamps).ok_or(RecordingError::NoRate)?,
+    };
+    let mut name = results::name(&record.name);
+    let record = match settings.span {
+        Some(span) => {
+            let (start, length) = (span.0, record.length() as f64);
+            if start * rate_hz >= length {
+                let length = length / rate_hz;
+                return Err(RecordingError::Span { start, length });
+            }
+            name += &format!(", {start} to {} s", span.1);
+            record.within(span, rate_hz)
+        }
+        None => record,
+    };
+    Ok(Prepared {
+        name,
+        not_static: not_static(&record, rate_hz),
+        record: record.with_gaps(),
+        rate_hz,
+    })
 }
 
 /// The sample rate \[Hz\] of several records: that of the longest, which the others' are within the accuracy of a nominal one.
 ///
 /// # Errors
 /// Rates that differ by more than 1 %, or different axes.
-pub fn common_rate(records: &[Pooled<'_>]) -> Result<f64, RecordingError> {
-    let longest = records.iter().max_by_key(|pooled| pooled.samples());
+pub(super) fn common_rate(records: &[Prepared]) -> Result<f64, RecordingError> {
+    let longest = records.iter().max_by_key(|one| one.record.length());
     let (Some(first), Some(longest)) = (records.first(), longest) else {
         return Err(RecordingError::NoRate);
     };
     for other in records {
         if (other.rate_hz / first.rate_hz - 1.0).abs() > RATE_TOLERANCE {
             return Err(RecordingError::Rates {
-                first: first.name.to_owned(),
+                first: first.name.clone(),
                 first_hz: first.rate_hz,
-                other: other.name.to_owned(),
+                other: other.name.clone(),
                 other_hz: other.rate_hz,
             });
         }
         if other.record.axes != first.record.axes {
             return Err(RecordingError::Axes {
-                first: first.name.to_owned(),
+                first: first.name.clone(),
                 first_axes: first.record.axes.join(" "),
-                other: other.name.to_owned(),
+                other: other.name.clone(),
                 other_axes: other.record.axes.join(" "),
             });
         }
@@ -116,52 +167,38 @@ pub fn common_rate(records: &[Pooled<'_>]) -> Result<f64, RecordingError> {
     Ok(longest.rate_hz)
 }
 
-/// Where the model of several records comes from, which `name` stands for, at a rate \[Hz\].
+/// Where a model comes from: recordings, which `name` stands for, at a rate \[Hz\], with the hashes of their files.
 ///
 /// # Errors
 /// If a file cannot be read.
-pub fn provenance_of_several(
-    records: &[Pooled<'_>],
+pub fn provenance(
+    recordings: &[Prepared],
     name: &str,
     rate_hz: f64,
 ) -> std::io::Result<Provenance> {
-    let recording = |pooled: &Pooled<'_>| {
-        let own = provenance(pooled.record, pooled.name, rate_hz)?;
+    let recording = |one: &Prepared| {
         Ok(Recording {
-            record: pooled.name.to_owned(),
-            samples: own.samples,
-            sha256: own.sha256,
+            record: one.name.clone(),
+            samples: one.record.samples.first().map(|s| s.len() as u64),
+            sha256: one.record.file.as_deref().map(hash::of_file).transpose()?,
         })
     };
-    let recordings = records
+    let mut recordings = recordings
         .iter()
         .map(recording)
         .collect::<std::io::Result<Vec<_>>>()?;
+    let samples = recordings.iter().map(|one| one.samples).sum();
+    // One has no list of its own.
+    let sha256 = match recordings.len() {
+        1 => recordings.remove(0).sha256,
+        _ => None,
+    };
     Ok(Provenance {
         record: Some(name.to_owned()),
         rate_hz: Some(rate_hz),
-        samples: recordings.iter().map(|recording| recording.samples).sum(),
-        sha256: None,
+        samples,
+        sha256,
         recordings,
-        program: Some(program()),
-    })
-}
-
-fn program() -> String {
-    format!("undrift {}", env!("CARGO_PKG_VERSION"))
-}
-
-/// Where a model comes from: a record called `name` at a rate \[Hz\], with the hash of its file, if it is one.
-///
-/// # Errors
-/// If the file cannot be read.
-pub fn provenance(record: &Record, name: &str, rate_hz: f64) -> std::io::Result<Provenance> {
-    Ok(Provenance {
-        record: Some(name.to_owned()),
-        rate_hz: Some(rate_hz),
-        samples: record.samples.first().map(|s| s.len() as u64),
-        sha256: record.file.as_deref().map(hash::of_file).transpose()?,
-        program: Some(program()),
-        recordings: Vec::new(),
+        program: Some(format!("undrift {}", env!("CARGO_PKG_VERSION"))),
     })
 }

@@ -1,7 +1,8 @@
 use super::*;
+use crate::record::Record;
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
-use undrift_noise::{ImuModel, Provenance};
+use undrift_noise::{ImuModel, Provenance, screening::Trend};
 
 type Random = rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -75,6 +76,22 @@ fn record(axes: &[&'static str], constants: &[f64], samples: usize, seed: u64) -
     }
 }
 
+fn prepared(name: &str, record: &Record, rate_hz: f64) -> Prepared {
+    Prepared {
+        name: name.to_owned(),
+        record: record.clone(),
+        rate_hz,
+        not_static: None,
+    }
+}
+
+const SETTINGS: Settings = Settings {
+    rate_hz: None,
+    span: None,
+    n_max: 1,
+    trend: Trend::Constant,
+};
+
 const AXES: [&str; 2] = ["gyro_x", "accel_x"];
 
 /// Seeds 1 to 5.
@@ -86,14 +103,10 @@ fn the_turn_on_sigma_of_gyros_is_that_between_switch_ons() {
         .map(|(seed, constant)| record(&AXES, &[constant, 0.3], 2000, seed))
         .collect();
     let names = ["a", "b", "c", "d", "e"];
-    let pooled = |count: usize| -> Vec<Pooled<'_>> {
+    let pooled = |count: usize| -> Vec<Prepared> {
         let pooled = names.iter().zip(&records).take(count);
         pooled
-            .map(|(name, record)| Pooled {
-                name,
-                record,
-                rate_hz: 100.0,
-            })
+            .map(|(name, record)| prepared(name, record, 100.0))
             .collect()
     };
     let mut sheet = ImuModel::default();
@@ -101,7 +114,7 @@ fn the_turn_on_sigma_of_gyros_is_that_between_switch_ons() {
         axis.turn_on = 0.5;
     }
     let model = |count: usize| {
-        let found = run_pool(&pooled(count), 1, Trend::Constant, || ()).unwrap();
+        let found = run_pool(&pooled(count), &SETTINGS, || ()).unwrap();
         assert!(found.pool.as_ref().unwrap().is_homogeneous());
         found
             .model(Some(&sheet), "all", Provenance::default())
@@ -136,17 +149,11 @@ fn records_that_do_not_go_together_are_refused() {
     let one = record(&AXES, &[0.0, 0.0], 2000, 1);
     let other = record(&AXES[..1], &[0.0], 2000, 2);
     let refused = |record, rate_hz| {
-        let first = Pooled {
-            name: "a.csv",
-            record: &one,
-            rate_hz: 100.0,
-        };
-        let second = Pooled {
-            name: "b.csv",
-            record,
-            rate_hz,
-        };
-        let found = run_pool(&[first, second], 1, Trend::Constant, || ());
+        let pooled = [
+            prepared("a.csv", &one, 100.0),
+            prepared("b.csv", record, rate_hz),
+        ];
+        let found = run_pool(&pooled, &SETTINGS, || ());
         found.err().map(|error| error.to_string())
     };
     let rates = refused(&one, 50.0).unwrap();
@@ -161,12 +168,9 @@ fn records_that_do_not_go_together_are_refused() {
     );
     // Within the accuracy of a nominal rate, but a record too short: that axis has no model, and the record is in the error.
     let brief = record(&AXES, &[0.0, 0.0], 500, 3);
-    let pooled = [("a.csv", &one), ("b.csv", &brief)].map(|(name, record)| Pooled {
-        name,
-        record,
-        rate_hz: 100.0,
-    });
-    let found = run_pool(&pooled, 1, Trend::Constant, || ()).unwrap();
+    let pooled =
+        [("a.csv", &one), ("b.csv", &brief)].map(|(name, record)| prepared(name, record, 100.0));
+    let found = run_pool(&pooled, &SETTINGS, || ()).unwrap();
     let error = found.axes[0].1.as_ref().unwrap_err().to_string();
     assert!(error.starts_with("b.csv: "), "{error}");
 }
