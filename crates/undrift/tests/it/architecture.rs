@@ -86,14 +86,15 @@ fn the_filter_neither_allocates_nor_needs_std() {
 }
 
 /// Text of a source file without its tests and comments.
-fn product(source: &str) -> String {
+pub fn product(source: &str) -> String {
     let without_tests = source.split("#[cfg(test)]\nmod tests {").next();
     let lines = without_tests.unwrap_or_default().lines();
     let code = lines.filter(|line| !line.trim_start().starts_with("//"));
     code.collect::<Vec<_>>().join("\n")
 }
 
-fn sources(folder: &Path, all: &mut Vec<PathBuf>) {
+/// The source files of a folder.
+pub fn sources(folder: &Path, all: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         if path.is_dir() {

@@ -2,6 +2,7 @@
 
 mod alignment;
 mod architecture;
+mod circles;
 mod epochs;
 mod faults;
 mod fix_study;
