@@ -82,7 +82,12 @@ pub(crate) fn independent(std: &Vector3) -> Option<Matrix3> {
     usable.then(|| Matrix3::from_diagonal(&std.component_mul(std)))
 }
 
-/// The same, counted where it is `None`.
+/// Whether a matrix can be a covariance: finite and positive definite.
+pub(crate) fn is_covariance(full: &Matrix3) -> bool {
+    full.iter().all(|value| value.is_finite()) && full.cholesky().is_some()
+}
+
+/// [`independent`], counted where it is `None`.
 pub(crate) fn diagonal(std: &Vector3, line: u64, skipped: &mut Skipped) -> Option<Matrix3> {
     let covariance = independent(std);
     if covariance.is_none() {

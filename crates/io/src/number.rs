@@ -22,6 +22,11 @@ pub fn parse(field: &[u8]) -> Option<f64> {
     }
 }
 
+/// The same; `None` if it is not finite either.
+pub(crate) fn parse_finite(field: &[u8]) -> Option<f64> {
+    parse(field).filter(|value| value.is_finite())
+}
+
 /// Parses the decimal number that `bytes` starts with: its value and its length in bytes. `None`
 /// if there is none, which includes `nan` and `inf`.
 #[inline]

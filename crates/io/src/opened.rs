@@ -128,12 +128,6 @@ impl Opened {
         Ok(self)
     }
 
-    /// Refuses what is no text of rows.
-    fn rows(&self) -> Result<(), ReadError> {
-        let foreign = foreign::not_rows(&self.start);
-        foreign.map_or(Ok(()), |foreign| Err(foreign.in_place_of_a_log(&self.name)))
-    }
-
     /// Reads a log in memory, called `name`; `read` counts its bytes.
     ///
     /// # Errors
@@ -210,14 +204,9 @@ impl Opened {
     /// If there is no line, or Parquet cannot be read.
     pub fn preview(&mut self, rows: usize) -> Result<Preview, ReadError> {
         self.read_to(rows.saturating_mul(ROW) as u64);
-        let source = match &self.origin {
-            Origin::Columns(columns) => TableSource::Columns(columns.clone()),
-            Origin::Folder => return Err(self.no_table()),
-            _ if table::is_parquet(&self.start) => self.parquet()?,
-            _ => {
-                self.rows()?;
-                TableSource::Text(self.beginning())
-            }
+        let source = match self.unlike_text()? {
+            Some(source) => source,
+            None => TableSource::Text(self.beginning()),
         };
         table::preview(source, rows).map_err(|error| error.of(&self.name))
     }
@@ -242,14 +231,9 @@ impl Opened {
     /// If it has no line, or lacks a wanted column.
     pub fn table(mut self, options: &TableOptions) -> Result<Table, ReadError> {
         let name = self.name.clone();
-        let source = match &self.origin {
-            Origin::Columns(columns) => TableSource::Columns(columns.clone()),
-            Origin::Folder => return Err(self.no_table()),
-            _ if table::is_parquet(&self.start) => self.parquet()?,
-            _ => {
-                self.rows()?;
-                TableSource::Text(self.into_source())
-            }
+        let source = match self.unlike_text()? {
+            Some(source) => source,
+            None => TableSource::Text(self.into_source()),
         };
         Table::new(&name, source, options)
     }
@@ -297,9 +281,24 @@ impl Opened {
         }
     }
 
-    fn no_table(&self) -> ReadError {
-        ReadError::new(&self.name, "is the folder of a ROS 2 bag, not a table")
-            .mend("remove the columns, or give a file")
+    /// The table that it is, where that is not text.
+    ///
+    /// # Errors
+    /// If it is no table.
+    fn unlike_text(&mut self) -> Result<Option<TableSource>, ReadError> {
+        match &self.origin {
+            Origin::Columns(columns) => Ok(Some(TableSource::Columns(columns.clone()))),
+            Origin::Folder => {
+                let problem = "is the folder of a ROS 2 bag, not a table";
+                let error = ReadError::new(&self.name, problem);
+                Err(error.mend("remove the columns, or give a file"))
+            }
+            _ if table::is_parquet(&self.start) => self.parquet().map(Some),
+            _ => match foreign::not_rows(&self.start) {
+                Some(foreign) => Err(foreign.in_place_of_a_log(&self.name)),
+                None => Ok(None),
+            },
+        }
     }
 
     /// Reads on until the beginning has so many bytes, or all that there are.

@@ -7,7 +7,7 @@ use undrift_nav::{Matrix3, Vector3};
 use super::options::FixOptions;
 use crate::ReadError;
 use crate::entry::Fix;
-use crate::fix::{on_earth, shown};
+use crate::fix::{is_covariance, on_earth, shown};
 use crate::format::Format;
 use crate::skipped::{SkipKind, Skipped};
 
@@ -118,7 +118,7 @@ impl LogFixes {
 
 /// Whether a covariance is one; counted where not.
 fn sound(covariance: &Matrix3, at: u64, skipped: &mut Skipped) -> bool {
-    let sound = covariance.iter().all(|x| x.is_finite()) && covariance.cholesky().is_some();
+    let sound = is_covariance(covariance);
     if !sound {
         let [n, e, d] = [0, 1, 2].map(|i| covariance[(i, i)]);
         let detail = format_args!("variances {n}, {e}, {d}");

@@ -373,7 +373,7 @@ fn without_unit(name: &str) -> String {
 }
 
 fn number_at(fields: &[&[u8]], place: Option<usize>) -> Option<f64> {
-    number::parse(fields.get(place?)?).filter(|value| value.is_finite())
+    number::parse_finite(fields.get(place?)?)
 }
 
 #[cfg(test)]

@@ -104,14 +104,14 @@ impl Point {
         if let Some((_, detail)) = missing.into_iter().find(|(is, _)| *is) {
             return ready.skip(self.line, SkipKind::MissingField, detail);
         }
-        let finite = |text: &str| number::parse(text.as_bytes()).filter(|value| value.is_finite());
         let geoid = if self.geoid.is_empty() {
             Some(0.0)
         } else {
-            finite(&self.geoid)
+            number::parse_finite(self.geoid.as_bytes())
         };
+        let elevation = number::parse_finite(self.elevation.as_bytes());
         let (Some(lat), Some(lon), Some(elevation), Some(geoid)) =
-            (self.lat, self.lon, finite(&self.elevation), geoid)
+            (self.lat, self.lon, elevation, geoid)
         else {
             return ready.skip(self.line, SkipKind::Text, "a position that is not a number");
         };
@@ -250,7 +250,7 @@ fn point(start: &BytesStart, line: u64) -> Point {
     let degrees = |name: &str| {
         let attribute = start.try_get_attribute(name).ok().flatten()?;
         let text = attribute.normalized_value(XmlVersion::Implicit1_0).ok()?;
-        number::parse(text.trim().as_bytes()).filter(|value| value.is_finite())
+        number::parse_finite(text.trim().as_bytes())
     };
     Point {
         line,

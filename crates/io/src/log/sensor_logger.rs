@@ -228,9 +228,7 @@ impl Reader {
     fn row(&mut self, at: u64, line: &str, ready: &mut Ready) -> Result<(), ReadError> {
         let fields: Vec<&str> = line.split(',').map(str::trim).collect();
         let file = fields.first().copied().unwrap_or_default();
-        let number = |place: Option<usize>| {
-            number::parse(fields.get(place?)?.as_bytes()).filter(|value| value.is_finite())
-        };
+        let number = |place: Option<usize>| number::parse_finite(fields.get(place?)?.as_bytes());
         let is_place = PLACES.contains(&file);
         let places = match is_place {
             true => self.place.and_then(|places| places[0]),

@@ -14,14 +14,9 @@ use super::write_fixed;
 pub(super) fn format() -> TextFormat {
     TextFormat {
         head: String::new(),
-        body: Body::Rows(is_whole, write_row),
+        body: Body::Rows(SolutionRow::is_whole, write_row),
         tail: "",
     }
-}
-
-fn is_whole(row: &SolutionRow) -> bool {
-    let mut rest = row.v_n.iter().chain(row.rpy.iter());
-    row.has_position() && rest.all(|x| x.is_finite())
 }
 
 fn write_row(buf: &mut Vec<u8>, row: &SolutionRow, beside: &Beside) -> io::Result<()> {

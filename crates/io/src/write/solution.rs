@@ -101,4 +101,10 @@ impl SolutionRow {
             .iter()
             .all(|x| x.is_finite())
     }
+
+    /// The same of velocity and attitude too.
+    pub(super) fn is_whole(&self) -> bool {
+        let mut rest = self.v_n.iter().chain(self.rpy.iter());
+        self.has_position() && rest.all(|x| x.is_finite())
+    }
 }

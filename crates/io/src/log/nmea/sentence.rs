@@ -57,7 +57,7 @@ impl Sentence<'_> {
 
     /// A finite number; `None` for an empty field and for text.
     pub(super) fn number(&self, number: usize) -> Option<f64> {
-        number::parse(self.field(number)).filter(|value| value.is_finite())
+        number::parse_finite(self.field(number))
     }
 
     /// The angle [°] of two fields: `dddmm.mmm`, and a letter of which the second is negative.

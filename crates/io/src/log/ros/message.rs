@@ -7,7 +7,7 @@ use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::FixQuality;
 use undrift_nav::{Matrix3, Vector3};
 
-use crate::fix::{finite, on_earth};
+use crate::fix::{finite, is_covariance, on_earth};
 use crate::log::StreamKind;
 use crate::log::bytes::ByteFields;
 use crate::skipped::{SkipKind, Unfit};
@@ -171,8 +171,7 @@ fn ned(enu: &Vector3) -> Vector3 {
 fn ned_covariance(enu: Matrix3) -> Option<Matrix3> {
     let turn = Matrix3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0);
     let ned = turn * ((enu + enu.transpose()) / 2.0) * turn;
-    let usable = ned.iter().all(|value| value.is_finite()) && ned.cholesky().is_some();
-    usable.then_some(ned)
+    Some(ned).filter(is_covariance)
 }
 
 /// The first three of an array.

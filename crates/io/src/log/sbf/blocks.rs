@@ -4,7 +4,7 @@ use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::{FixQuality, TruthSample};
 use undrift_nav::{Matrix3, Vector3};
 
-use crate::fix::independent;
+use crate::fix::{independent, is_covariance};
 use crate::log::bytes::{ByteFields, Number};
 
 pub(super) const PVT: u16 = 4007;
@@ -100,12 +100,9 @@ pub(super) fn covariance(body: &[u8]) -> Option<Option<Matrix3>> {
     let error = [fields.u8()?, fields.u8()?][1];
     // North, east, up, clock; then pairs.
     let [nn, ee, uu, _, ne, nu, _, eu, _, _] = floats(&mut fields)?;
-    let of = |[nn, ee, uu, ne, nu, eu]: [f64; 6]| {
-        let full = Matrix3::new(nn, ne, -nu, ne, ee, -eu, -nu, -eu, uu);
-        full.cholesky().map(|_| full)
-    };
-    let values = known([nn, ee, uu, ne, nu, eu]).filter(|_| error == 0);
-    Some(values.and_then(of))
+    let full = Matrix3::new(nn, ne, -nu, ne, ee, -eu, -nu, -eu, uu);
+    let is_known = error == 0 && known([nn, ee, uu, ne, nu, eu]).is_some();
+    Some(Some(full).filter(|full| is_known && is_covariance(full)))
 }
 
 /// Rates [rad/s] and specific forces [m/s²] of a sensor.

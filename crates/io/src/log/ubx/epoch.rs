@@ -15,7 +15,7 @@ use undrift_nav::{Matrix3, Vector3};
 use super::bytes::{i1, i4, r4, u1, u2, u4};
 use crate::entry::Fix;
 use crate::epoch::ClockSource;
-use crate::fix::on_earth;
+use crate::fix::{independent, is_covariance, on_earth};
 use crate::log::receiver::Ready;
 use crate::skipped::SkipKind;
 use crate::time::{WEEK, WeekClock};
@@ -252,17 +252,16 @@ impl Epoch {
     /// The covariance of NAV-COV, else that of the accuracies, else none: counted.
     fn usable(&self, which: usize, std: Vector3, ready: &mut Ready) -> Option<Matrix3> {
         if let Some(full) = self.covariances.get(which).copied().flatten() {
-            let finite = full.iter().all(|number| number.is_finite());
-            if finite && full.cholesky().is_some() {
+            if is_covariance(&full) {
                 return Some(full);
             }
             ready.skip(self.at, SkipKind::Uncertainty, "a covariance of NAV-COV");
         }
-        if std.iter().all(|s| (s * s).is_normal()) {
-            return Some(Matrix3::from_diagonal(&std.component_mul(&std)));
+        let covariance = independent(&std);
+        if covariance.is_none() {
+            ready.skip(self.at, SkipKind::Uncertainty, "an accuracy of 0");
         }
-        ready.skip(self.at, SkipKind::Uncertainty, "an accuracy of 0");
-        None
+        covariance
     }
 }
 
