@@ -16,8 +16,8 @@ mod segments;
 pub(crate) mod settings;
 mod wahba;
 
-pub(crate) use clocks::rounded;
-pub use clocks::{ClockFault, Stamps, compare};
+pub use clocks::{ClockFault, Stamps};
+pub(crate) use clocks::{compare, rounded};
 pub use result::{
     Alignment, AlignmentFailure, AttitudeSource, HeadingSource, MotionFailure, RestFailure,
 };
@@ -47,9 +47,6 @@ pub struct Aligned {
     /// How it was found.
     pub how: Alignment,
 }
-
-/// Slower is rest [m/s].
-const STANDS: f64 = 0.5;
 
 /// A rest: attitude against a frame of arbitrary azimuth, mean specific force \[m/s²\], length and end \[s\].
 type Rested = (Quaternion, Vector3, f64, f64);
@@ -333,7 +330,7 @@ impl Aligner {
         let rest = match self.settings.heading {
             _ if self.rested.is_none() => RestFailure::NoRest,
             Heading::Course if fastest >= min_speed => RestFailure::NoFastFix { min_speed },
-            Heading::Course if fastest < STANDS => RestFailure::NeverMoved { fastest },
+            Heading::Course if fastest < self.set.rest_speed => RestFailure::NeverMoved { fastest },
             Heading::Course => RestFailure::TooSlow { min_speed, fastest },
             _ => RestFailure::NoHeading,
         };

@@ -15,7 +15,7 @@
 use crate::{
     replay::Repeats,
     settings::{
-        FixStudySettings,
+        EngineSettings, FixStudySettings,
         fix_errors::{Correlated, FixErrors},
     },
 };
@@ -59,8 +59,12 @@ struct Track {
 }
 
 /// Looks into the first fixes of a log; `None` where there are too few with position and velocity.
-pub fn study(fixes: impl IntoIterator<Item = GnssFix>, set: &FixStudySettings) -> Option<FixStudy> {
-    let mut repeats = Repeats::default();
+pub fn study(
+    fixes: impl IntoIterator<Item = GnssFix>,
+    settings: &EngineSettings,
+) -> Option<FixStudy> {
+    let set = &settings.fix_study;
+    let mut repeats = Repeats::new(settings.receiver);
     let own = fixes.into_iter().filter(|fix| !repeats.is(fix));
     let track = Track::of(own.take(set.most));
     let n = track.time.len();

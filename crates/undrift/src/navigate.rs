@@ -168,7 +168,7 @@ pub fn study<E>(
             None
         }
     });
-    let study = fixes::study(fixes, &set.fix_study);
+    let study = fixes::study(fixes, set);
     failed.map_or(Ok(study), Err)
 }
 

@@ -82,7 +82,7 @@ pub fn replay(
     observer: &mut dyn Observer,
 ) -> Result<Summary, ReplayError> {
     let mut run = run::Run::new(settings);
-    let mut aiding = measurement::Queue::new(aiding);
+    let mut aiding = measurement::Queue::new(aiding, settings.engine.receiver);
     for sample in imu {
         undrift_noise::interrupt::check();
         if let Some(checked) = run.check(sample?) {

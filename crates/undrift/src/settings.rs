@@ -46,6 +46,8 @@ settings! {
         alignment_rest: AlignmentRestSettings = AlignmentRestSettings::default(),
         /// Alignment in motion.
         alignment_motion: AlignmentMotionSettings = AlignmentMotionSettings::default(),
+        /// How the clocks of logs that do not overlap differ.
+        clocks: ClockSettings = ClockSettings::default(),
         /// Gaps in the samples.
         gaps: GapSettings = GapSettings::default(),
         /// Implausible samples.
@@ -172,6 +174,24 @@ settings! {
         same: f64 = 0.15,
     }
 
+    /// How the clocks of logs that do not overlap differ.
+    ClockSettings {
+        /// Spans of the same drive differ by less than this factor.
+        same_drive: f64 = 2.0,
+        /// No receiver has a shorter interval \[s\] …
+        shortest_fix: f64 = 0.01,
+        /// … and no IMU a shorter one than this \[s\].
+        shortest_sample: f64 = 2e-5,
+        /// Unix times of the years 2001 to 2065 \[s\].
+        unix: [f64; 2] = [1e9, 3e9],
+        /// Times since boot, of the day and of the week are less than this \[s\].
+        not_unix: f64 = 1e8,
+        /// Time zones and days: logs that are more hours apart differ in something else.
+        most_hours: f64 = 24.0,
+        /// Logs of a drive begin at most so long one after the other to be whole hours apart \[s\].
+        together: f64 = 300.0,
+    }
+
     /// Gaps in the samples.
     GapSettings {
         /// A sample after more than this many intervals is a gap, not just late.
@@ -212,6 +232,8 @@ settings! {
         frozen_times: f64 = 20.0,
         /// If all axes of a sensor repeat their values for this long at rest \[s\], repetitions carry no information.
         noiseless: f64 = 5.0,
+        /// Speed of the solution above which the vehicle does not rest \[m/s\]: walking pace.
+        moves: f64 = 1.0,
         /// A saturated one repeats its largest or smallest value for this many times the usual number …
         saturated_times: f64 = 4.0,
         /// … this many usual standard deviations from its mean.
@@ -236,6 +258,8 @@ settings! {
         from: f64 = 1.5,
         /// Time over which the noise is averaged \[s\].
         memory: f64 = 3.0,
+        /// A sample longer than this many intervals ends a block.
+        gap: f64 = 1.5,
     }
 
     /// Which fixes are accepted. NIS is per degree of freedom.
@@ -261,6 +285,8 @@ settings! {
         agree: f64 = 0.3,
         /// … or by this many standard deviations of two fixes.
         agree_sigmas: f64 = 2.0,
+        /// Fixes rejected within this time after the solution accepted others belong to the run before \[s\].
+        goes_on: f64 = 3.0,
     }
 
     /// How the factor on the stated covariance of the fixes is learned.
@@ -279,6 +305,12 @@ settings! {
 
     /// Receiver faults, and for how long its fixes are rejected.
     ReceiverSettings {
+        /// A receiver does not measure the same numbers twice: a fix equal to one within this time before \[s\] is that one, held by the logger, …
+        repeated: f64 = 2.0,
+        /// … unless it is slower than this \[m/s\].
+        repeated_speed: f64 = 0.1,
+        /// A time offset of more prior standard deviations than this is no offset but an error of the sensors.
+        most_late: f64 = 10.0,
         /// A receiver that repeats a position while the solution moves by more than this many of its standard deviations is frozen …
         frozen_sigmas: f64 = 3.0,
         /// … if the solution is faster than this \[m/s\].
@@ -422,6 +454,8 @@ settings! {
         least_blocks: usize = 5,
         /// Whitened innovations count up to this size: a single outlier does not make a lean.
         clip: f64 = 4.0,
+        /// Prior standard deviations beyond which an estimated parameter is remarked on.
+        far: f64 = 5.0,
     }
 
     /// How rest is recognised while navigating.
@@ -518,5 +552,9 @@ settings! {
         turn_scale: [f64; 2] = [0.6, 1.7],
         /// Sum of squares of the accelerations that is enough to judge by \[m²/s⁴\]: some ten seconds of 0.5 m/s².
         enough_push: f64 = 2.5,
+        /// A component of the velocity has the wrong sign where its innovations are this part of it, on the average: −2 if the solution ignores it, closer to 0 the more it follows …
+        wrong_sign: f64 = -0.6,
+        /// … and the sum of its squares is above this \[m²/s²\].
+        sign_motion: f64 = 5.0,
     }
 }

@@ -215,8 +215,9 @@ pub fn of_disagreement(summary: &Summary) -> Vec<Finding> {
     found.extend(summary.leans.iter().copied().map(Finding::OneSided));
     found.extend(
         summary
-            .wrong_signs()
-            .map(|axis| Finding::WrongSign { axis }),
+            .wrong_signs
+            .iter()
+            .map(|axis| Finding::WrongSign { axis: *axis }),
     );
     found.extend(
         summary

@@ -33,7 +33,7 @@ impl Report {
             position: nis(&s.position),
             velocity: nis(&s.velocity),
             std_factors: StdFactors { position, velocity },
-            velocity_sign_wrong: s.wrong_signs().map(|i| AXES[i].into()).collect(),
+            velocity_sign_wrong: s.wrong_signs.iter().map(|i| AXES[*i].into()).collect(),
             rms_error: self.rmse.as_ref().map(|(errors, _)| errors.numbers()),
             nees_per_dof: groups
                 .map(|((name, ..), mean)| (name.replace(' ', "_"), mean.per_freedom().into()))

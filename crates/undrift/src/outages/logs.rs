@@ -83,7 +83,7 @@ impl Logs {
         let applied = gnss
             .iter()
             .map(|fix| drive.quality.apply(fix, &of_engine.quality));
-        let study = fixes::study(applied, &of_engine.fix_study);
+        let study = fixes::study(applied, &of_engine);
         let health = |reader: Option<ScalarReader>| reader.map(|r| (r.skipped().clone(), r.gaps()));
         Ok(Self {
             drive,

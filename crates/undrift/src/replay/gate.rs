@@ -178,7 +178,7 @@ impl FixGate {
             if open.end > open.start {
                 open.growth = (open.last - open.first) / (open.end - open.start);
             }
-            summary.contradicted(open);
+            summary.contradicted(open, self.set.goes_on);
         }
     }
 

@@ -3,6 +3,7 @@
 pub use undrift_nav::sample::Scalar;
 
 use super::events::Part;
+use crate::settings::ReceiverSettings;
 use std::collections::VecDeque;
 use undrift_nav::sample::GnssFix;
 
@@ -74,8 +75,8 @@ pub(super) struct Queue<I: Iterator> {
 }
 
 /// Tells fixes that repeat the one before.
-#[derive(Default)]
 pub(crate) struct Repeats {
+    set: ReceiverSettings,
     /// The last fix that did not repeat the one before.
     last: Option<GnssFix>,
     /// Whether its position was another one than that before.
@@ -83,24 +84,29 @@ pub(crate) struct Repeats {
     count: u64,
 }
 
-/// A receiver does not come upon the same numbers twice: a fix equal to one so short a time before \[s\] is that one,
-/// held by whoever wrote the log.
-const REPEATED: f64 = 2.0;
-/// … unless it stands [m/s].
-const STANDS: f64 = 0.1;
-
 impl Repeats {
+    pub(crate) fn new(set: ReceiverSettings) -> Self {
+        Self {
+            set,
+            last: None,
+            moved: false,
+            count: 0,
+        }
+    }
+
     /// Whether a fix is the one before again.
     pub(crate) fn is(&mut self, fix: &GnssFix) -> bool {
         let again = self.last.is_some_and(|last| {
             let position = last.position.map(|p| p.0) == fix.position.map(|p| p.0);
             let velocity = last.velocity.map(|v| v.0) == fix.velocity.map(|v| v.0);
-            let moves = fix.velocity.map_or(self.moved, |(v, _)| v.norm() > STANDS);
+            let moves = fix
+                .velocity
+                .map_or(self.moved, |(v, _)| v.norm() > self.set.repeated_speed);
             fix.position.is_some()
                 && position
                 && velocity
                 && moves
-                && fix.time - last.time < REPEATED
+                && fix.time - last.time < self.set.repeated
         });
         if !again {
             let positions = self
@@ -120,14 +126,14 @@ impl Repeats {
 }
 
 impl<E, I: Iterator<Item = Result<Measurement, E>>> Queue<I> {
-    pub(super) fn new(stream: I) -> Self {
+    pub(super) fn new(stream: I, set: ReceiverSettings) -> Self {
         Self {
             stream: stream.fuse().peekable(),
             fixes: VecDeque::new(),
             positions: VecDeque::new(),
             velocities: VecDeque::new(),
             others: VecDeque::new(),
-            repeats: Repeats::default(),
+            repeats: Repeats::new(set),
         }
     }
 
@@ -226,7 +232,7 @@ mod tests {
         };
         let order = |offset| {
             let items = [fix(1.0), speed(1.1), speed(1.3), fix(2.0), speed(2.1)];
-            let mut queue = Queue::new(items.into_iter());
+            let mut queue = Queue::new(items.into_iter(), ReceiverSettings::default());
             let mut seen = Vec::new();
             let latency = Latency {
                 position: offset,
@@ -258,7 +264,10 @@ mod tests {
                 quality: Default::default(),
             }))
         };
-        let mut queue = Queue::new([fix(1.0), fix(2.0)].into_iter());
+        let mut queue = Queue::new(
+            [fix(1.0), fix(2.0)].into_iter(),
+            ReceiverSettings::default(),
+        );
         let latency = Latency {
             position: 0.2,
             velocity: Some(-0.1),

@@ -1,7 +1,7 @@
 //! Why a log has no alignment.
 
 use super::events::{Implausible, Log};
-use crate::align::{AlignmentFailure, ClockFault, RestFailure, Stamps, compare, rounded};
+use crate::align::{AlignmentFailure, ClockFault, RestFailure, Stamps, rounded};
 use undrift_io::skipped::Skipped;
 
 /// A log without an alignment, and what is known of why.
@@ -10,8 +10,8 @@ use undrift_io::skipped::Skipped;
 pub struct NotAligned {
     /// What was missing.
     pub failure: AlignmentFailure,
-    /// The stamps of samples and fixes, where there were both.
-    pub times: Option<[Stamps; 2]>,
+    /// The stamps of samples and fixes, where there were both, and how their clocks differ if they do not overlap.
+    pub times: Option<([Stamps; 2], ClockFault)>,
     /// Units, axes, signs or times that cannot be right.
     pub implausible: Vec<Implausible>,
     /// What was skipped in each log.
@@ -29,7 +29,9 @@ impl NotAligned {
             )
         );
         match (self.failure, self.times) {
-            (AlignmentFailure::NoOverlap, Some([imu, gnss])) => Reason::of_clocks(imu, gnss),
+            (AlignmentFailure::NoOverlap, Some(([imu, gnss], fault))) => {
+                Reason::of_clocks(imu, gnss, fault)
+            }
             (failure, _) if slow && self.implausible.iter().any(of_velocity) => {
                 Reason::ByVelocity(failure)
             }
@@ -103,9 +105,9 @@ enum Reason {
 
 impl Reason {
     /// Of two logs without a common time.
-    fn of_clocks(imu: Stamps, gnss: Stamps) -> Self {
+    fn of_clocks(imu: Stamps, gnss: Stamps, fault: ClockFault) -> Self {
         const GNSS: &str = "GNSS";
-        match compare(&imu, &gnss) {
+        match fault {
             ClockFault::Unit(of, unit) => {
                 let (log, table) = match of {
                     Log::Gnss => (GNSS, "gnss"),

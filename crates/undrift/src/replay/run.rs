@@ -17,7 +17,7 @@ use super::{
     watch::Streak,
 };
 use crate::{
-    align::{Aligner, Heading, Stamps},
+    align::{Aligner, Heading, Stamps, compare},
     estimator::STAMP_ROUNDING,
     settings::replay::{GnssUse, Settings},
 };
@@ -26,9 +26,6 @@ use undrift_nav::{
     parameters::Parameter,
     sample::{GnssFix, ImuSample},
 };
-
-/// Prior standard deviations beyond which an estimated parameter is remarked on.
-const FAR: f64 = 5.0;
 
 /// The state of a replay between samples.
 pub(super) struct Run<'a> {
@@ -133,10 +130,11 @@ impl<'a> Run<'a> {
         self.inertial.last(moves, &mut self.summary)
     }
 
-    /// Whether the solution moves by more than walking pace.
+    /// Whether the solution moves.
     fn moves(&self) -> bool {
         let solution = self.solution.as_ref();
-        solution.is_some_and(|solution| solution.filter.nav().v_n.norm() > 1.0)
+        let least = self.settings.engine.samples.moves;
+        solution.is_some_and(|solution| solution.filter.nav().v_n.norm() > least)
     }
 
     /// A sample, and the measurements up to its end.
@@ -207,6 +205,7 @@ impl<'a> Run<'a> {
         observer: &mut dyn Observer,
     ) -> Result<Summary, ReplayError> {
         self.summary.implausible = self.plausible.findings();
+        self.summary.judge_signs(&self.settings.engine.plausibility);
         self.summary.repeated = aiding.repeated();
         self.summary.louder = self.vibration.as_ref().and_then(Vibration::louder);
         if self.has_ended() {
@@ -224,7 +223,10 @@ impl<'a> Run<'a> {
             });
             return Err(ReplayError::NotAligned(Box::new(NotAligned {
                 failure: self.alignment.aligner.failure(self.log.fixes),
-                times: samples.zip(fixes).map(|(imu, gnss)| [imu, gnss]),
+                times: samples.zip(fixes).map(|(imu, gnss)| {
+                    let fault = compare(&imu, &gnss, &self.settings.engine.clocks);
+                    ([imu, gnss], fault)
+                }),
                 implausible: self.summary.implausible,
                 skipped: Vec::new(),
             })));
@@ -254,7 +256,8 @@ impl<'a> Run<'a> {
                     .iter()
                     .copied()
                     .max_by(|a, b| a.abs().total_cmp(&b.abs()));
-                let far = furthest.filter(|value| value.abs() > FAR * prior.std);
+                let far = furthest
+                    .filter(|value| value.abs() > self.settings.engine.watch.far * prior.std);
                 let of_fixes = [Parameter::PositionError, Parameter::VelocityError];
                 let far = far.filter(|_| !of_fixes.contains(&kind));
                 self.summary
@@ -378,7 +381,7 @@ impl<'a> Run<'a> {
         self.course = CourseWatch::new(self.settings.engine.course);
         let solution = self
             .solution
-            .insert(Solution::new(aligned.filter, self.settings.engine.gaps));
+            .insert(Solution::new(aligned.filter, &self.settings.engine));
         if let Some(vibration) = &self.vibration {
             solution.filter.set_white_noise(&vibration.variances());
         }

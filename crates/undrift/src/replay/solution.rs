@@ -8,16 +8,15 @@ use super::{
 };
 use crate::{
     estimator::{Estimator, STAMP_ROUNDING},
-    settings::GapSettings,
+    settings::{EngineSettings, GapSettings},
 };
 use undrift_nav::{parameters::Parameter, sample::ImuSample};
-
-/// A time offset of so many standard deviations of what may be expected is no offset, but what the sensors are wrong by.
-const MOST_LATE: f64 = 10.0;
 
 pub(super) struct Solution {
     pub(super) filter: Box<dyn Estimator>,
     set: GapSettings,
+    /// [`ReceiverSettings::most_late`](crate::settings::ReceiverSettings::most_late).
+    most_late: f64,
     /// While a gap is being bridged.
     bridge: Option<Bridge>,
     /// Time of the last node of a smoother \[s\].
@@ -25,19 +24,20 @@ pub(super) struct Solution {
 }
 
 impl Solution {
-    pub(super) fn new(filter: Box<dyn Estimator>, set: GapSettings) -> Self {
+    pub(super) fn new(filter: Box<dyn Estimator>, settings: &EngineSettings) -> Self {
         Self {
             filter,
-            set,
+            set: settings.gaps,
+            most_late: settings.receiver.most_late,
             bridge: None,
             last_node: f64::NEG_INFINITY,
         }
     }
 
-    /// By how much fixes hold later than their stamps, as estimated within [`MOST_LATE`].
+    /// By how much fixes hold later than their stamps, as estimated within limits.
     pub(super) fn latency(&self) -> Latency {
         let offset = |kind| {
-            let most = MOST_LATE * self.filter.parameters().prior(kind)?.std;
+            let most = self.most_late * self.filter.parameters().prior(kind)?.std;
             Some(self.filter.time_offset(kind)?.0.clamp(-most, most))
         };
         Latency {

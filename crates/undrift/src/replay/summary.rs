@@ -4,7 +4,10 @@ use super::{
     CovarianceHealth,
     events::{Contradiction, HeadingOff, Implausible, Lean, Restart, SampleFault},
 };
-use crate::{align::Alignment, settings::replay::Doubt};
+use crate::{
+    align::Alignment,
+    settings::{PlausibilitySettings, replay::Doubt},
+};
 use serde::{Deserialize, Serialize};
 use undrift_nav::{
     Vector3,
@@ -128,6 +131,8 @@ pub struct Summary {
     /// Regression of the innovations of velocity on the measured velocity, component by component:
     /// sums of products and of squares.
     pub(super) against_velocity: [(f64, f64); 3],
+    /// Components of the velocity, 0 to 2 for north, east, down, that seem to have the wrong sign.
+    pub wrong_signs: Vec<usize>,
     /// Short gaps in the samples that were bridged by interpolation.
     pub bridged: u64,
     /// Gaps too long for that: their number, the first one's time \[s\], the longest \[s\]. The covariance was
@@ -155,23 +160,17 @@ pub struct Summary {
     pub suspect: Option<f64>,
 }
 
-/// Fixes rejected within this time after the solution accepted others belong to the run before \[s\].
-const GOES_ON: f64 = 3.0;
 /// Events of a kind that are kept one by one.
 pub const MOST_EVENTS: usize = 1000;
-/// A component of the velocity has the wrong sign where its innovations are this part of it, on the
-/// average: −2 if the solution ignores it, closer to 0 the more it follows …
-const WRONG_SIGN: f64 = -0.6;
-/// … and there has been this much motion [m²/s²].
-const MOTION: f64 = 5.0;
 
 impl Summary {
-    /// Components of the velocity, 0 to 2 for north, east, down, that seem to have the wrong sign.
-    pub fn wrong_signs(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..3).filter(|i| {
+    /// Judges the signs of the velocity, at the end of the log.
+    pub(super) fn judge_signs(&mut self, set: &PlausibilitySettings) {
+        let wrong = |i: &usize| {
             let (products, squares) = self.against_velocity[*i];
-            squares > MOTION && products < WRONG_SIGN * squares
-        })
+            squares > set.sign_motion && products < set.wrong_sign * squares
+        };
+        self.wrong_signs = (0..3).filter(wrong).collect();
     }
 
     /// Notes a gap of `length` \[s\] too long to interpolate over.
@@ -250,13 +249,13 @@ impl Summary {
         }
     }
 
-    /// Notes a run of rejected fixes; where the solution has just accepted others of the kind, it is
-    /// the same one that goes on.
-    pub(super) fn contradicted(&mut self, what: Contradiction) {
+    /// Notes a run of rejected fixes; where the solution has accepted others of the kind less than `goes_on` \[s\]
+    /// before, it is the same one that goes on.
+    pub(super) fn contradicted(&mut self, what: Contradiction, goes_on: f64) {
         let same = |c: &&mut Contradiction| c.part == what.part;
         if let Some(last) = self.contradictions.iter_mut().rev().find(same)
             && last.gave_way
-            && what.start - last.end < GOES_ON
+            && what.start - last.end < goes_on
         {
             last.end = what.end;
             last.fixes += what.fixes;

@@ -23,8 +23,6 @@ const FIRST: usize = 16;
 const BINS: usize = 13;
 /// Expectation of the median of so many exponential values of mean 1: Σ 1/i from 7 to 13.
 const MEDIAN: f64 = 0.7301;
-/// A sample longer than this many intervals ends a block.
-const GAP: f64 = 1.5;
 
 /// What the samples of a drive have shown so far.
 #[derive(Clone)]
@@ -118,7 +116,7 @@ impl Vibration {
         if self.each == 0 {
             return None;
         }
-        if sample.dt > GAP * self.step {
+        if sample.dt > self.set.gap * self.step {
             (self.count, self.sum, self.means) = (0, [0.0; AXES], 0);
             return None;
         }

@@ -6,7 +6,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use undrift::{
     fixes::{FixStudy, study},
-    settings::FixStudySettings,
+    settings::EngineSettings,
 };
 use undrift_nav::{
     Matrix3, Vector3,
@@ -97,7 +97,7 @@ fn fixes(errors: &Errors, seed: u64) -> Vec<GnssFix> {
 }
 
 fn studied(errors: &Errors, seed: u64) -> FixStudy {
-    study(fixes(errors, seed), &FixStudySettings::default()).expect("fixes enough")
+    study(fixes(errors, seed), &EngineSettings::default()).expect("fixes enough")
 }
 
 #[test]
