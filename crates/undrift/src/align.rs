@@ -29,7 +29,7 @@ use crate::{
     settings::{AlignmentSettings, replay::Settings},
 };
 use basis::{noise_of_mean, walk};
-use motion::Motion;
+use motion::MotionAligner;
 use rest::Rest;
 use undrift_nav::{
     Matrix3, Quaternion, Vector3,
@@ -70,7 +70,7 @@ pub struct Aligner {
     rested: Option<Rested>,
     /// Whether GNSS ever agreed that the vehicle stood.
     stood: bool,
-    motion: Motion,
+    motion: MotionAligner,
     /// Stamp of the sample that `motion` had last \[s\].
     given: Option<f64>,
     omega_b: Vector3,
@@ -93,7 +93,7 @@ impl Aligner {
             level: Quaternion::identity(),
             rested: None,
             stood: false,
-            motion: Motion::new(settings),
+            motion: MotionAligner::new(settings),
             given: None,
             omega_b: Vector3::zeros(),
             last_fix: None,

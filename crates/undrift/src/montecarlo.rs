@@ -80,7 +80,7 @@ pub const FEWEST_RUNS: usize = 2;
 const BATCH: usize = 64;
 
 /// What all runs share.
-struct Stage<'a> {
+struct Shared<'a> {
     spec: &'a Spec,
     ideal: Vec<ImuSample>,
     /// Truth at every `stride`-th sample.
@@ -103,7 +103,7 @@ pub fn run(
     seed: u64,
     done: impl Fn() + Sync,
 ) -> Result<MonteCarlo, MonteCarloError> {
-    let stage = Stage::new(spec)?;
+    let stage = Shared::new(spec)?;
     let most = MAX_RUN_EPOCHS / stage.truth.len().max(1);
     if !(FEWEST_RUNS..=most).contains(&runs) {
         return Err(MonteCarloError::Runs { runs, most });
@@ -113,10 +113,10 @@ pub fn run(
     let seeds: Vec<[u64; 2]> = (0..runs)
         .map(|_| [master.next_u64(), master.next_u64()])
         .collect();
-    let mut sums: Vec<report::Sums> = stage
+    let mut sums: Vec<report::RunSums> = stage
         .models
         .iter()
-        .map(|_| report::Sums::new(stage.truth.len(), stage.fix_times.len()))
+        .map(|_| report::RunSums::new(stage.truth.len(), stage.fix_times.len()))
         .collect();
     for (batch, seeds) in seeds.chunks(BATCH).enumerate() {
         let outcomes: Vec<_> = seeds
@@ -172,7 +172,7 @@ impl MonteCarloError {
     }
 }
 
-impl<'a> Stage<'a> {
+impl<'a> Shared<'a> {
     fn new(spec: &'a Spec) -> Result<Self, MonteCarloError> {
         let stride = (spec.every * spec.rate_hz).round().max(1.0) as usize;
         let mut ideal = Vec::new();
@@ -235,7 +235,7 @@ impl<'a> Stage<'a> {
                 now.set([now.get()[1], (k + 1, bias)]);
                 Ok(sample)
             });
-            let mut watch = Watch {
+            let mut watch = RunWatch {
                 stage: self,
                 settings: &settings,
                 now: &now,
@@ -348,15 +348,15 @@ impl Drawn {
 }
 
 /// Looks at a run.
-struct Watch<'a> {
-    stage: &'a Stage<'a>,
+struct RunWatch<'a> {
+    stage: &'a Shared<'a>,
     settings: &'a Settings,
     /// The last two samples by their number from 1 and, at epochs, the true bias after them: the replay holds one back.
     now: &'a Cell<[(usize, [f64; AXES]); 2]>,
     outcome: RunOutcome,
 }
 
-impl Watch<'_> {
+impl RunWatch<'_> {
     /// Whether the navigation has settled at `time` \[s\]; the first time asked is its beginning.
     fn settled(&mut self, time: f64) -> bool {
         let started = *self.outcome.started.get_or_insert(time);
@@ -364,7 +364,7 @@ impl Watch<'_> {
     }
 }
 
-impl Observer for Watch<'_> {
+impl Observer for RunWatch<'_> {
     fn sample(&mut self, filter: &dyn Estimator) -> Result<(), ReplayError> {
         let settled = self.settled(filter.nav().time);
         let interval = self.settings.sensors[0].interval;

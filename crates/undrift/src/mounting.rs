@@ -122,8 +122,8 @@ struct Block {
 }
 
 impl Block {
-    fn add(&mut self, dt: f64, motion: &Motion, forward: &Vector3) {
-        let Motion { v, omega, down, .. } = motion;
+    fn add(&mut self, dt: f64, motion: &BodyMotion, forward: &Vector3) {
+        let BodyMotion { v, omega, down, .. } = motion;
         // Reversing counts as the same axis the other way round; most of the driving is forward.
         let sign = if v.dot(forward) < 0.0 { -1.0 } else { 1.0 };
         self.span += dt;
@@ -151,7 +151,7 @@ impl AddAssign<&Block> for Block {
 }
 
 /// What moves, in sensor axes.
-struct Motion {
+struct BodyMotion {
     v: Vector3,
     omega: Vector3,
     down: Vector3,
@@ -167,7 +167,7 @@ struct Blocks {
 }
 
 impl Blocks {
-    fn add(&mut self, dt: f64, motion: &Motion) {
+    fn add(&mut self, dt: f64, motion: &BodyMotion) {
         let forward = self.sum.along + self.present.along;
         self.present.add(dt, motion, &forward);
         if self.present.span < BLOCK {
@@ -288,7 +288,7 @@ impl MountingEstimator {
             return;
         }
         let v = q_nb.inverse() * v_n;
-        let motion = Motion {
+        let motion = BodyMotion {
             v,
             omega: *omega_nb_b,
             down: q_nb.inverse() * Vector3::z(),
@@ -297,7 +297,7 @@ impl MountingEstimator {
         self.all.add(dt, &motion);
         if speed > MIN_SPEED && omega_nb_b.norm() < STRAIGHT {
             let v = v / speed;
-            self.straight.add(dt, &Motion { v, ..motion });
+            self.straight.add(dt, &BodyMotion { v, ..motion });
         }
     }
 
@@ -323,7 +323,7 @@ pub fn estimate(
     gnss: &mut Measurements,
     settings: &Settings,
 ) -> Result<Mounting, MountingError> {
-    let mut watch = Watch {
+    let mut watch = MountingWatch {
         estimator: MountingEstimator::default(),
         last: None,
     };
@@ -336,12 +336,12 @@ pub fn estimate(
     watch.estimator.estimate()
 }
 
-struct Watch {
+struct MountingWatch {
     estimator: MountingEstimator,
     last: Option<f64>,
 }
 
-impl Observer for Watch {
+impl Observer for MountingWatch {
     fn sample(&mut self, filter: &dyn Estimator) -> Result<(), ReplayError> {
         let nav = filter.nav();
         let std = filter.nav_std();

@@ -26,7 +26,7 @@ use crate::{
     results,
     settings::{fix_errors::StdFactors, replay::Settings},
 };
-use fit::{Fit, Log, fit, under, unseen_likelihood};
+use fit::{Fit, FitLog, fit, under, unseen_likelihood};
 use judge::{Following, Judged, Unseen, judge};
 use noise::Noise;
 use prior::Prior;
@@ -134,7 +134,7 @@ const HALF: f64 = 0.5;
 
 /// The drives under one kind of white noise, and what they say of it.
 struct Way<'a> {
-    logs: Vec<Log<'a>>,
+    logs: Vec<FitLog<'a>>,
     prior: Prior,
     fit: Fit,
 }
@@ -143,7 +143,7 @@ struct Way<'a> {
 /// loud as the samples show, an alignment of some seconds may not succeed.
 fn first_of(
     from: &[Noise],
-    logs: &[Log],
+    logs: &[FitLog],
     start: &Start,
     prior: &Prior,
     sure: bool,
@@ -159,7 +159,7 @@ fn first_of(
 }
 
 /// What is known before the drives.
-fn prior_of(logs: &[Log], start: &Start) -> Prior {
+fn prior_of(logs: &[FitLog], start: &Start) -> Prior {
     let of_drives: Vec<&Settings> = logs.iter().map(|log| &log.settings).collect();
     Prior::new(start, &of_drives)
 }
@@ -173,12 +173,12 @@ fn begins(logs: &Logs, settings: &Settings) -> Result<Option<f64>, ReplayError> 
 
 /// Noise while the vehicle stands, of the drives' seen parts: the root mean square of those that have any. What hovers
 /// or floats does not stand.
-fn standing(logs: &[Log]) -> Option<[f64; AXES]> {
-    let seen = |log: &Log| {
+fn standing(logs: &[FitLog]) -> Option<[f64; AXES]> {
+    let seen = |log: &FitLog| {
         let end = log.imu.partition_point(|s| s.time <= log.until);
         idle(&log.imu[..end], log.aiding)
     };
-    let stands = |log: &&Log| log.settings.constraints.zero_velocity.is_some();
+    let stands = |log: &&FitLog| log.settings.constraints.zero_velocity.is_some();
     root_mean_square(
         &logs
             .iter()
@@ -190,8 +190,8 @@ fn standing(logs: &[Log]) -> Option<[f64; AXES]> {
 
 /// White noise that the samples of the drives' seen parts show ([`crate::replay::Vibration`]): the root mean square.
 /// `None` of logs too slow to look.
-pub fn vibrating(logs: &[Log]) -> Option<[f64; AXES]> {
-    let seen = |log: &Log| {
+pub fn vibrating(logs: &[FitLog]) -> Option<[f64; AXES]> {
+    let seen = |log: &FitLog| {
         let end = log.imu.partition_point(|s| s.time <= log.until);
         densities(&log.imu[..end], &log.settings)
     };
@@ -229,7 +229,7 @@ fn load(drives: &[Drive], start: &Start, noise: &Noise) -> Result<Vec<Logs>, Nav
 }
 
 /// The share of a drive that the fit sees, and from when to when the fixes lie that it does not see \[s\].
-fn split(all: &Logs, hold_out: Option<f64>) -> Result<(Log<'_>, (f64, f64)), NavigateError> {
+fn split(all: &Logs, hold_out: Option<f64>) -> Result<(FitLog<'_>, (f64, f64)), NavigateError> {
     let mut settings = settings(&all.drive, BiasModel::Arma)?;
     tell(&mut settings, &all.drive, all.study());
     let (mut first, last) = match (all.gnss.first(), all.gnss.last()) {
@@ -240,7 +240,7 @@ fn split(all: &Logs, hold_out: Option<f64>) -> Result<(Log<'_>, (f64, f64)), Nav
         first = begins(all, &settings)?.unwrap_or(first);
     }
     let until = last - hold_out.unwrap_or(HALF) * (last - first);
-    let log = Log {
+    let log = FitLog {
         imu: &all.imu,
         aiding: &all.aiding,
         settings,
@@ -256,14 +256,14 @@ fn following<'a>(
     sure: bool,
     goes_on: &dyn Fn(f64) -> bool,
 ) -> Option<Way<'a>> {
-    let logs = steady.logs.iter().map(|log| Log {
+    let logs = steady.logs.iter().map(|log| FitLog {
         settings: Settings {
             vibration: Some([1.0; AXES]),
             ..log.settings.clone()
         },
         ..*log
     });
-    let logs: Vec<Log> = logs.collect();
+    let logs: Vec<FitLog> = logs.collect();
     let prior = prior_of(&logs, start);
     let centre = Noise::new(&prior.centre);
     let from = Noise {

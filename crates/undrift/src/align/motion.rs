@@ -34,7 +34,7 @@ fn longest(set: &AlignmentMotionSettings, variance: f64) -> f64 {
 
 /// The window and what became of the searches in it.
 #[derive(Default)]
-pub(super) struct Motion {
+pub(super) struct MotionAligner {
     set: AlignmentMotionSettings,
     /// Samples of the window, whole; the last one may reach beyond the last fix.
     samples: VecDeque<ImuSample>,
@@ -54,13 +54,13 @@ pub(super) struct Motion {
 }
 
 /// A result: the filter at the last fix of the window.
-pub(super) struct Found {
+pub(super) struct AlignedInMotion {
     pub(super) filter: Box<dyn Estimator>,
     /// Length of the window \[s\].
     pub(super) duration: f64,
 }
 
-impl Motion {
+impl MotionAligner {
     pub(super) fn new(settings: &Settings) -> Self {
         let set = settings.engine.alignment_motion;
         let turn_on = bias_variances(&settings.sensors[..3], set.gyro_floor).max();
@@ -106,7 +106,7 @@ impl Motion {
         fix: &GnssFix,
         settings: &Settings,
         rest: Option<GyroBias>,
-    ) -> Option<Found> {
+    ) -> Option<AlignedInMotion> {
         if fix.position.is_none() || fix.velocity.is_none() || self.samples.is_empty() {
             return None;
         }
@@ -150,7 +150,7 @@ impl Motion {
         &mut self,
         settings: &Settings,
         rest: Option<GyroBias>,
-    ) -> Result<Found, MotionFailure> {
+    ) -> Result<AlignedInMotion, MotionFailure> {
         let spread = self.spread_now();
         self.spread = self.spread.max(spread);
         let (gyro, accel) = settings.sensors.split_at(3);
@@ -234,7 +234,7 @@ impl Motion {
         };
         let filter = filter(&end, &last, &solution.guess, &(covariance * fit), settings)
             .ok_or(MotionFailure::Misfit(fit))?;
-        Ok(Found {
+        Ok(AlignedInMotion {
             filter,
             duration: last.time - first.time,
         })

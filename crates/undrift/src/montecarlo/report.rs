@@ -29,7 +29,7 @@ pub(super) struct RunOutcome {
 }
 
 /// Running sums over the runs.
-pub(super) struct Sums {
+pub(super) struct RunSums {
     diverged: usize,
     started: f64,
     freedom: [usize; GROUPS],
@@ -72,7 +72,7 @@ impl Moments {
     }
 }
 
-impl Sums {
+impl RunSums {
     pub(super) fn new(epochs: usize, fixes: usize) -> Self {
         Self {
             diverged: 0,

@@ -26,12 +26,12 @@ pub(super) struct Inertial {
     pending: Option<(ImuSample, [f64; AXES])>,
     /// Whether all axes repeat their values while the vehicle stands: a simulated sensor without noise.
     noiseless: bool,
-    axes: [Axis; AXES],
+    axes: [AxisWatch; AXES],
 }
 
 /// What an axis usually does. Values are rates \[rad/s\] and specific forces \[m/s²\].
 #[derive(Clone, Copy)]
-struct Axis {
+struct AxisWatch {
     /// The present value, the interval of its first sample \[s\], since when \[s\], and in how many samples.
     value: f64,
     dt: f64,
@@ -55,7 +55,7 @@ struct Axis {
     doubted: Option<f64>,
 }
 
-impl Axis {
+impl AxisWatch {
     const NEW: Self = Self {
         value: f64::NAN,
         dt: 0.0,
@@ -162,7 +162,7 @@ impl Inertial {
             before: None,
             pending: None,
             noiseless: false,
-            axes: [Axis::NEW; AXES],
+            axes: [AxisWatch::NEW; AXES],
         }
     }
 
@@ -206,7 +206,7 @@ impl Inertial {
         for (i, axis) in self.axes.iter_mut().enumerate() {
             stuck[i] = axis.is_stuck(set, (sample.time, sample.dt), values[i]);
         }
-        let still = |axis: &Axis| sample.time - axis.since >= set.noiseless;
+        let still = |axis: &AxisWatch| sample.time - axis.since >= set.noiseless;
         self.noiseless |= !moves && self.axes.iter().all(still);
         if self.noiseless {
             stuck = [false; AXES];

@@ -28,7 +28,7 @@ const SHUT: Gate = Gate {
     reject: -1.0,
 };
 /// One part of the fixes.
-struct Channel {
+struct FixPart {
     part: Part,
     gate: FixGate,
     scale: Scale,
@@ -39,8 +39,8 @@ struct Channel {
 /// What is known of the receiver so far.
 pub(super) struct Receiver<'a> {
     settings: &'a EngineSettings,
-    position: Channel,
-    velocity: Channel,
+    position: FixPart,
+    velocity: FixPart,
     /// The last position, since when it has been the same \[s\], and the velocity then.
     same: Option<(Position, f64, Option<Vector3>)>,
     /// By how much the same fix has pulled at the velocity of late, north and east \[m/s\], and when last \[s\].
@@ -55,7 +55,7 @@ pub(super) struct Receiver<'a> {
 
 impl<'a> Receiver<'a> {
     pub(super) fn new(time: f64, settings: &'a EngineSettings) -> Self {
-        let channel = |part| Channel {
+        let channel = |part| FixPart {
             part,
             gate: FixGate::new(part, time, settings.gate),
             scale: Scale::new(settings.adapt),
@@ -293,7 +293,7 @@ struct Offer {
     speed_doubted: bool,
 }
 
-impl Channel {
+impl FixPart {
     fn update(
         &mut self,
         filter: &mut dyn Estimator,

@@ -5,7 +5,7 @@ use undrift_nav::{Vector3, covariance::AXES, sample::ImuSample, shaping::Shaping
 
 /// What the last block was.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Block {
+pub(super) struct RestBlock {
     /// Whether the vehicle stood.
     pub(super) rest: bool,
     /// Whether GNSS says so, too.
@@ -57,7 +57,7 @@ impl RestDetector {
         sample: &ImuSample,
         expected: &(Vector3, Vector3),
         speed: Option<(f64, f64)>,
-    ) -> Option<Block> {
+    ) -> Option<RestBlock> {
         let (rate, force) = (sample.dtheta / sample.dt, sample.dvel / sample.dt);
         for i in 0..3 {
             for (axis, value) in [(i, rate[i]), (3 + i, force[i])] {
@@ -135,7 +135,7 @@ impl RestDetector {
                     < trust * self.set.level + tolerance(3 + i)
                 && halves[i].abs() < self.set.force + 2.0 * tolerance(3 + i)
         });
-        Some(Block {
+        Some(RestBlock {
             rest: possible && steady && (quiet || stands),
             confirmed: stands,
             rate: block_rate,

@@ -32,8 +32,8 @@ pub(super) struct Run<'a> {
     settings: &'a Settings,
     summary: Summary,
     solution: Option<Solution>,
-    alignment: Alignment,
-    log: Log,
+    alignment: CurrentAlignment,
+    log: LogProgress,
     /// Watch over solution and fixes.
     receiver: Receiver<'a>,
     streak: Streak,
@@ -45,7 +45,7 @@ pub(super) struct Run<'a> {
 }
 
 /// The alignment that goes on: the first one, or another one beside or after a solution.
-struct Alignment {
+struct CurrentAlignment {
     aligner: Aligner,
     /// Whether one goes on beside the solution.
     again: bool,
@@ -53,7 +53,7 @@ struct Alignment {
 
 /// What of the log went by.
 #[derive(Default)]
-struct Log {
+struct LogProgress {
     /// Time of the first sample \[s\].
     first_sample: Option<f64>,
     /// Stamps of the fixes read so far.
@@ -66,7 +66,7 @@ struct Log {
     last_velocity: Option<f64>,
 }
 
-impl Log {
+impl LogProgress {
     /// Notes a fix, or a part of it, that was used or withheld; when the one before was.
     fn shown(&mut self, time: f64, with_velocity: bool) -> Option<f64> {
         if with_velocity {
@@ -95,11 +95,11 @@ impl<'a> Run<'a> {
             settings,
             summary: Summary::default(),
             solution: None,
-            alignment: Alignment {
+            alignment: CurrentAlignment {
                 aligner: Aligner::new(settings),
                 again: false,
             },
-            log: Log::default(),
+            log: LogProgress::default(),
             receiver: Receiver::new(f64::NEG_INFINITY, &settings.engine),
             streak: Streak::new(settings.engine.watch),
             plausible: Plausible::new(settings),
@@ -296,7 +296,7 @@ impl<'a> Run<'a> {
             why,
             resumed: None,
         });
-        self.alignment = Alignment {
+        self.alignment = CurrentAlignment {
             aligner: self.second_aligner(),
             again: true,
         };

@@ -3,7 +3,7 @@
 use super::{
     measurement::Scalar,
     observer::Observer,
-    rest::{Block, RestDetector},
+    rest::{RestBlock, RestDetector},
     solution::Solution,
     summary::Summary,
 };
@@ -191,7 +191,7 @@ fn nis_of_rest(filter: &dyn Estimator, std: f64) -> f64 {
 /// Updates at the end of a block; whether the vehicle stood.
 fn stand_still(
     filter: &mut dyn Estimator,
-    block: &Block,
+    block: &RestBlock,
     stood: &mut bool,
     settings: &Settings,
     summary: &mut Summary,

@@ -18,7 +18,7 @@
 
 use super::{
     noise::{self, LASTING, Noise, Vector, WALK, WHITE},
-    steps::{Input, MOST, Step},
+    steps::{Input, LinearStep, MOST},
 };
 use crate::vehicle::NonHolonomic;
 use undrift_nav::covariance::{AXES, NAV};
@@ -84,7 +84,7 @@ fn reach(input: &Input, gyro: bool) -> [(usize, [f64; 3], usize); 3] {
 impl<const N: usize> State<N> {
     /// Over a step, to the update at its end.
     #[inline(always)]
-    pub fn predict(&mut self, step: &Step<N>, noise: &Noise, fixed: &Fixed) {
+    pub fn predict(&mut self, step: &LinearStep<N>, noise: &Noise, fixed: &Fixed) {
         if step.span > 0.0 {
             let x = std::array::from_fn::<f64, NAV, _>(|i| dot(&step.nav[i], &self.x));
             for i in NAV..N {
@@ -135,7 +135,12 @@ impl<const N: usize> State<N> {
 
     /// The update at the end of a step; `None` where the innovation's covariance is not positive.
     #[inline(always)]
-    pub fn update(&mut self, step: &Step<N>, noise: &Noise, fixed: &Fixed) -> Option<Done<N>> {
+    pub fn update(
+        &mut self,
+        step: &LinearStep<N>,
+        noise: &Noise,
+        fixed: &Fixed,
+    ) -> Option<Done<N>> {
         let size = step.size;
         // H P.
         let mut hp = [[0.0; N]; MOST];
@@ -182,7 +187,7 @@ impl<const N: usize> State<N> {
     }
 
     /// A step without its update.
-    pub fn skip(&mut self, step: &Step<N>) {
+    pub fn skip(&mut self, step: &LinearStep<N>) {
         for (x, correction) in self.x.iter_mut().zip(&step.correction) {
             *x -= correction;
         }
@@ -192,7 +197,7 @@ impl<const N: usize> State<N> {
     #[inline(always)]
     pub fn back_predict(
         &mut self,
-        step: &Step<N>,
+        step: &LinearStep<N>,
         noise: &Noise,
         fixed: &Fixed,
         gradient: &mut Vector,
@@ -248,7 +253,7 @@ impl<const N: usize> State<N> {
     #[inline(always)]
     pub fn back_update(
         &mut self,
-        step: &Step<N>,
+        step: &LinearStep<N>,
         done: &Done<N>,
         scored: Option<(f64, f64)>,
         noise: &Noise,
@@ -322,7 +327,7 @@ impl<const N: usize> State<N> {
 /// The entries of the covariance that unit noise of an axis brings over a step: of white noise, and of a random walk.
 #[inline(always)]
 fn each<const N: usize>(
-    step: &Step<N>,
+    step: &LinearStep<N>,
     axis: usize,
     mut entry: impl FnMut(usize, usize, f64, f64),
 ) {

@@ -25,7 +25,7 @@ use undrift_nav::{
 };
 
 /// A drive in memory.
-pub struct Log<'a> {
+pub struct FitLog<'a> {
     /// Inertial samples.
     pub imu: &'a [ImuSample],
     /// Fixes and what else there is.
@@ -113,8 +113,8 @@ struct Linear<const N: usize> {
 }
 
 impl<const N: usize> Linear<N> {
-    fn new(logs: &[Log], about: Noise, start: &Start) -> Result<Self, ReplayError> {
-        let drive = |log: &Log| {
+    fn new(logs: &[FitLog], about: Noise, start: &Start) -> Result<Self, ReplayError> {
+        let drive = |log: &FitLog| {
             let (sender, receiver) = std::sync::mpsc::channel::<Logged>();
             let settings = Settings {
                 log: Some(sender),
@@ -200,7 +200,7 @@ macro_rules! by_size {
 }
 
 /// Number of states of a drive's filter.
-fn states(log: &Log) -> usize {
+fn states(log: &FitLog) -> usize {
     NAV + 6 + log.settings.parameters.states()
 }
 
@@ -210,7 +210,7 @@ fn states(log: &Log) -> usize {
 /// # Errors
 /// A drive that cannot be navigated.
 pub fn fit(
-    logs: &[Log],
+    logs: &[FitLog],
     start: &Start,
     prior: &Prior,
     from: Noise,
@@ -222,7 +222,7 @@ pub fn fit(
 }
 
 fn fit_sized<const N: usize>(
-    logs: &[Log],
+    logs: &[FitLog],
     start: &Start,
     prior: &Prior,
     from: Noise,
@@ -353,23 +353,23 @@ fn uncertainty<const N: usize>(linear: &Linear<N>, prior: &Prior, z: &Vector) ->
 /// # Errors
 /// A drive that cannot be navigated.
 pub fn unseen_likelihood(
-    logs: &[Log],
+    logs: &[FitLog],
     start: &Start,
     noise: &Noise,
     spans: &[(f64, f64)],
 ) -> Result<f64, ReplayError> {
-    let whole = logs.iter().map(|log| Log {
+    let whole = logs.iter().map(|log| FitLog {
         until: f64::INFINITY,
         settings: log.settings.clone(),
         ..*log
     });
-    let whole: Vec<Log> = whole.collect();
+    let whole: Vec<FitLog> = whole.collect();
     let of_unseen = by_size!(logs, of_unseen);
     of_unseen(&whole, start, noise, spans)
 }
 
 fn of_unseen<const N: usize>(
-    logs: &[Log],
+    logs: &[FitLog],
     start: &Start,
     noise: &Noise,
     spans: &[(f64, f64)],

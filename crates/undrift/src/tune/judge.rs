@@ -1,6 +1,6 @@
 //! What a noise buys: drift on spans without fixes that the fit has not seen.
 
-use super::fit::Log;
+use super::fit::FitLog;
 use crate::{
     outages::{OutageErrors, run},
     reference::{Coverage, HORIZONTAL},
@@ -76,7 +76,7 @@ fn rms(drift: &[[f64; 2]]) -> [f64; 2] {
 /// A drive to judge on.
 pub struct Unseen<'a> {
     /// The drive.
-    pub log: &'a Log<'a>,
+    pub log: &'a FitLog<'a>,
     /// The reference; empty for the withheld fixes.
     pub truth: &'a [TruthSample],
     /// Settings before, and after with one density of white noise and, where that was tried, with white noise that follows

@@ -1,6 +1,6 @@
 //! The parameters that are identified: standard deviations, by their logarithms.
 
-use super::steps::{MOST, Step};
+use super::steps::{LinearStep, MOST};
 use crate::{estimator::Channel, settings::fix_errors::StdFactors, vehicle::NonHolonomic};
 use undrift_nav::covariance::AXES;
 
@@ -68,7 +68,7 @@ impl Noise {
 
 /// A measurement's covariance under a noise.
 pub(super) fn covariance<const N: usize>(
-    step: &Step<N>,
+    step: &LinearStep<N>,
     noise: &Noise,
     was: &NonHolonomic,
 ) -> [[f64; MOST]; MOST] {
@@ -108,7 +108,7 @@ impl Noise {
 
 /// Adds to a gradient what the derivative `by` of a measurement's covariance comes to.
 pub(super) fn of_covariance<const N: usize>(
-    step: &Step<N>,
+    step: &LinearStep<N>,
     noise: &Noise,
     was: &NonHolonomic,
     by: &[[f64; MOST]; MOST],
@@ -137,7 +137,7 @@ pub(super) fn of_covariance<const N: usize>(
 }
 
 /// Lateral acceleration that the replay widened the constraint by \[m/s²\].
-fn lateral<const N: usize>(step: &Step<N>, was: &NonHolonomic) -> f64 {
+fn lateral<const N: usize>(step: &LinearStep<N>, was: &NonHolonomic) -> f64 {
     if was.slip > 0.0 {
         ((step.noise[0][0].sqrt() - was.right) / was.slip).max(0.0)
     } else {

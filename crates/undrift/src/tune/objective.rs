@@ -9,7 +9,7 @@
 use super::{
     filter::{Done, Fixed, State},
     noise::{COUNT, Noise, Vector},
-    steps::{Segment, Step, is_fix},
+    steps::{LinearSegment, LinearStep, is_fix},
 };
 use crate::estimator::Channel;
 use rayon::prelude::*;
@@ -62,7 +62,7 @@ struct Window {
 
 /// A condensed drive and the windows on it.
 pub struct Objective<const N: usize> {
-    segments: Vec<Segment<N>>,
+    segments: Vec<LinearSegment<N>>,
     fixed: Fixed,
     plan: Plan,
     windows: Vec<Window>,
@@ -106,7 +106,7 @@ impl Sum for Score {
 }
 
 /// Where a step of a window is: among all, or among those that are joined.
-enum Place {
+enum WindowStep {
     Own(usize),
     Joined(usize),
 }
@@ -125,7 +125,7 @@ struct Seed<const N: usize> {
 
 impl<const N: usize> Objective<N> {
     /// Of condensed replays.
-    pub fn new(segments: Vec<Segment<N>>, fixed: Fixed, plan: Plan) -> Self {
+    pub fn new(segments: Vec<LinearSegment<N>>, fixed: Fixed, plan: Plan) -> Self {
         let mut windows = Vec::new();
         let (mut fixes, mut span) = (0_u32, 0.0);
         for (index, segment) in segments.iter().enumerate() {
@@ -133,7 +133,7 @@ impl<const N: usize> Objective<N> {
             let last = segment.steps.iter().rfind(|step| is_fix(step.channel));
             let end = last.map_or(f64::NEG_INFINITY, |step| step.time);
             span += (end - settled).max(0.0);
-            let scored = |step: &&Step<N>| is_fix(step.channel) && step.time >= settled;
+            let scored = |step: &&LinearStep<N>| is_fix(step.channel) && step.time >= settled;
             fixes += segment.steps.iter().filter(scored).count() as u32;
             for length in plan.lengths {
                 let every = (plan.stagger * length).max(plan.least);
@@ -174,7 +174,7 @@ impl<const N: usize> Objective<N> {
 
     /// First and last time that anything is scored at or begins from \[s\].
     pub fn span(&self) -> Option<(f64, f64)> {
-        let times = |segment: &Segment<N>| {
+        let times = |segment: &LinearSegment<N>| {
             let last = segment.steps.last()?.time;
             Some((segment.start + self.plan.settled, last))
         };
@@ -202,8 +202,9 @@ impl<const N: usize> Objective<N> {
         let segment = &self.segments[index];
         let settled = segment.start + self.plan.settled;
         let within = |time: f64| time >= from && time < to;
-        let is_scored =
-            |step: &Step<N>| is_fix(step.channel) && step.time >= settled && within(step.time);
+        let is_scored = |step: &LinearStep<N>| {
+            is_fix(step.channel) && step.time >= settled && within(step.time)
+        };
         let mut score = Score::ZERO;
         let mut state = State {
             x: [0.0; N],
@@ -273,13 +274,13 @@ impl<const N: usize> Objective<N> {
     #[inline(always)]
     fn window(
         &self,
-        segment: &Segment<N>,
+        segment: &LinearSegment<N>,
         window: &Window,
         mut state: State<N>,
         noise: &Noise,
     ) -> (Score, Seed<N>) {
         let mut score = Score::ZERO;
-        let mut done: Vec<(Place, Option<Scored<N>>)> = Vec::new();
+        let mut done: Vec<(WindowStep, Option<Scored<N>>)> = Vec::new();
         let mut scored = [false; 2];
         let mut next = window.from + 1;
         while next < segment.steps.len() {
@@ -292,9 +293,9 @@ impl<const N: usize> Objective<N> {
                 (k, step, joined) = (*last, &**sum, true);
             }
             let place = if joined {
-                Place::Joined(next)
+                WindowStep::Joined(next)
             } else {
-                Place::Own(k)
+                WindowStep::Own(k)
             };
             next = k + 1;
             state.predict(step, noise, &self.fixed);
@@ -334,8 +335,8 @@ impl<const N: usize> Objective<N> {
         };
         for (place, update) in done.iter().rev() {
             let step = match place {
-                Place::Own(k) => &segment.steps[*k],
-                Place::Joined(k) => match &segment.without_fixes[*k] {
+                WindowStep::Own(k) => &segment.steps[*k],
+                WindowStep::Joined(k) => match &segment.without_fixes[*k] {
                     Some((_, sum)) => &**sum,
                     None => continue,
                 },
@@ -354,7 +355,7 @@ impl<const N: usize> Objective<N> {
     }
 
     /// Log-likelihood of a measurement, and the derivative of its loss.
-    fn loss(&self, done: &Done<N>, step: &Step<N>) -> (f64, f64) {
+    fn loss(&self, done: &Done<N>, step: &LinearStep<N>) -> (f64, f64) {
         // The same share of right measurements lies beyond it, whatever the number of components.
         let limit = self.plan.huber * self.plan.huber * step.size as f64 / 3.0;
         let (rho, c) = if done.nis <= limit {

@@ -16,7 +16,7 @@ pub const MOST: usize = 3;
 
 /// The way from one update to the next, and that update. `N` is the most states there are room for.
 #[derive(Clone, Debug)]
-pub struct Step<const N: usize> {
+pub struct LinearStep<const N: usize> {
     /// Time of the update \[s\].
     pub time: f64,
     /// Since the update before \[s\].
@@ -58,15 +58,15 @@ pub struct Input {
 
 /// What follows one alignment.
 #[derive(Clone, Debug)]
-pub struct Segment<const N: usize> {
+pub struct LinearSegment<const N: usize> {
     /// When navigation began \[s\].
     pub start: f64,
     /// Covariance then.
     pub covariance: Box<[[f64; N]; N]>,
     /// Update by update.
-    pub steps: Vec<Step<N>>,
+    pub steps: Vec<LinearStep<N>>,
     /// For a span without fixes: from a step on, all up to another one as a single step, and that one's place.
-    pub without_fixes: Vec<Option<(usize, Box<Step<N>>)>>,
+    pub without_fixes: Vec<Option<(usize, Box<LinearStep<N>>)>>,
 }
 
 /// White noise that follows the vibration: what it is told by in what a replay logs.
@@ -94,8 +94,8 @@ impl Followed {
 pub fn condense<const N: usize>(
     logged: impl IntoIterator<Item = Logged>,
     followed: Option<&Followed>,
-) -> Vec<Segment<N>> {
-    let mut segments: Vec<Segment<N>> = Vec::new();
+) -> Vec<LinearSegment<N>> {
+    let mut segments: Vec<LinearSegment<N>> = Vec::new();
     for entry in logged {
         match (entry, segments.last_mut()) {
             (Logged::Start(start, p), _) => {
@@ -105,7 +105,7 @@ pub fn condense<const N: usize>(
                         *value = p[(i, j)];
                     }
                 }
-                segments.push(Segment {
+                segments.push(LinearSegment {
                     start,
                     covariance,
                     steps: Vec::new(),
@@ -114,7 +114,9 @@ pub fn condense<const N: usize>(
             }
             (Logged::Update(update), Some(segment)) => {
                 let before = segment.steps.last().map_or(segment.start, |step| step.time);
-                segment.steps.push(Step::new(&update, before, followed));
+                segment
+                    .steps
+                    .push(LinearStep::new(&update, before, followed));
             }
             (Logged::Update(_), None) => {}
         }
@@ -134,12 +136,14 @@ pub fn is_fix(channel: Channel) -> bool {
 const LONGEST: f64 = 0.25;
 
 /// Steps that end with fixes joined with the one after them.
-fn without_fixes<const N: usize>(steps: &[Step<N>]) -> Vec<Option<(usize, Box<Step<N>>)>> {
+fn without_fixes<const N: usize>(
+    steps: &[LinearStep<N>],
+) -> Vec<Option<(usize, Box<LinearStep<N>>)>> {
     let mut joined: Vec<_> = steps.iter().map(|_| None).collect();
     let mut first = 0;
     while first < steps.len() {
         let mut last = first;
-        let mut sum: Option<Step<N>> = None;
+        let mut sum: Option<LinearStep<N>> = None;
         while is_fix(steps[last].channel) && last + 1 < steps.len() {
             let so_far = sum.as_ref().unwrap_or(&steps[first]);
             if so_far.span + steps[last + 1].span > LONGEST {
@@ -177,7 +181,7 @@ fn inputs<const N: usize>(nav: &[[f64; N]; NAV], span: f64) -> [Input; AXES] {
     })
 }
 
-impl<const N: usize> Step<N> {
+impl<const N: usize> LinearStep<N> {
     /// This one without its update, and the one after it.
     fn then(&self, next: &Self) -> Self {
         let span = self.span + next.span;

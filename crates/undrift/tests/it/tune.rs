@@ -11,7 +11,7 @@ use undrift::{
     tune::{
         Tuned, file,
         filter::Fixed,
-        fit::{Fit, Log, fit, under},
+        fit::{Fit, FitLog, fit, under},
         noise::{COUNT, FIX, LASTING, Noise, RULE, Vector, WALK},
         objective::{Objective, Plan},
         prior::Prior,
@@ -164,7 +164,7 @@ fn the_noise_of_a_simulated_drive_is_found() {
     for seed in [11, 12] {
         let (log, fixes) = drive(&settings, 900.0, seed);
         let prior = Prior::new(&start, &[&plain()]);
-        let logs = [Log {
+        let logs = [FitLog {
             imu: &log.imu,
             aiding: &fixes,
             settings: plain(),

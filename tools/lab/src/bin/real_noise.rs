@@ -21,7 +21,7 @@ use undrift::{
     replay::{Measurement, Settings},
     simulate::{GnssNoise, RecordedErrors, Simulation, Trajectory, simulate},
     tune::{
-        fit::{Log, fit},
+        fit::{FitLog, fit},
         noise::Noise,
         prior::Prior,
         start::Start,
@@ -200,10 +200,10 @@ fn tuned(drives: &[(Simulation, Vec<ImuSample>)]) -> Result<ImuModel, Failure> {
         .iter()
         .map(|(drive, _)| Measurement::of_fixes(&drive.gnss))
         .collect();
-    let logs: Vec<Log> = drives
+    let logs: Vec<FitLog> = drives
         .iter()
         .zip(&aiding)
-        .map(|((_, imu), aiding)| Log {
+        .map(|((_, imu), aiding)| FitLog {
             imu,
             aiding,
             settings: settings.clone(),

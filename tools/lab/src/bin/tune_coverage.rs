@@ -20,7 +20,7 @@ use undrift::{
     replay::{Measurement, Outage, Settings},
     simulate::{GnssNoise, Trajectory, simulate},
     tune::{
-        fit::{Log, fit, under},
+        fit::{FitLog, fit, under},
         noise::{COUNT, FIX, Noise, WALK},
         prior::Prior,
         start::Start,
@@ -94,7 +94,7 @@ fn one(seed: u64, seconds: f64, following: bool) -> ([(bool, f64); COUNT], [f64;
     };
     let log = drive(seed);
     let fixes = aiding(&log.gnss);
-    let logs = [Log {
+    let logs = [FitLog {
         imu: &log.imu,
         aiding: &fixes,
         settings: plain.clone(),

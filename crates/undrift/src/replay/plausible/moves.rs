@@ -25,14 +25,11 @@ const MENDS: [(FixMend, [f64; 4]); 11] = [
     (PositionInRadians, [0.017_453_3, 0.0, 0.0, 0.017_453_3]),
 ];
 
-/// A fix with velocity: time \[s\], velocity and position.
-type Place = (f64, Vector3, Option<(Geodetic, f64)>);
-
 /// What is known so far.
 pub(super) struct Moves {
     set: PlausibilitySettings,
-    /// The last fix, where the present window of motion began, and how far velocity went since \[m\].
-    last: Option<Place>,
+    /// Time and velocity of the last fix, where the present window of motion began, and how far velocity went since \[m\].
+    last: Option<(f64, Vector3)>,
     began: Option<(f64, Geodetic)>,
     moved: Vector3,
     /// Windows of motion, those that are as they should be, and the sum of what each of [`MENDS`] leaves
@@ -64,12 +61,12 @@ impl Moves {
             }
             _ => None,
         };
-        let last = self.last.replace((time, velocity, position));
+        let last = self.last.replace((time, velocity));
         let Some((position, std)) = position else {
             self.began = None;
             return;
         };
-        let (Some((last, before, _)), Some((start, origin))) = (last, self.began) else {
+        let (Some((last, before)), Some((start, origin))) = (last, self.began) else {
             (self.began, self.moved) = (Some((time, position)), Vector3::zeros());
             return;
         };

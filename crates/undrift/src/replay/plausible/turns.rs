@@ -51,7 +51,7 @@ impl Regression {
 
 /// Angles about the vertical and about the body axes \[rad\], and specific force over time [m/s], body axes.
 #[derive(Clone, Copy, Default)]
-struct Sums {
+struct Integrals {
     yaw: f64,
     angle: Vector3,
     velocity: Vector3,
@@ -73,8 +73,8 @@ struct Turn {
 pub(super) struct Turns {
     set: PlausibilitySettings,
     /// What was gathered since the start, now and at the last times in order.
-    sums: Sums,
-    history: VecDeque<(f64, Sums)>,
+    sums: Integrals,
+    history: VecDeque<(f64, Integrals)>,
     /// Where the present window of turning began: time \[s\], course \[rad\] and speed [m/s].
     course: Option<(f64, f64, f64)>,
     /// Windows whose later samples are still to come.
@@ -92,7 +92,7 @@ impl Turns {
     pub(super) fn new(set: PlausibilitySettings) -> Self {
         Self {
             set,
-            sums: Sums::default(),
+            sums: Integrals::default(),
             history: VecDeque::new(),
             course: None,
             waiting: VecDeque::new(),
@@ -167,14 +167,14 @@ impl Turns {
     }
 
     /// What was gathered until `time` \[s\], if that is in the history.
-    fn sums_at(&self, time: f64) -> Option<Sums> {
+    fn sums_at(&self, time: f64) -> Option<Integrals> {
         let after = self.history.partition_point(|entry| entry.0 < time);
         let (a, b) = (
             self.history.get(after.checked_sub(1)?)?,
             self.history.get(after)?,
         );
         let part = (time - a.0) / (b.0 - a.0);
-        Some(Sums {
+        Some(Integrals {
             yaw: a.1.yaw + part * (b.1.yaw - a.1.yaw),
             angle: a.1.angle.lerp(&b.1.angle, part),
             velocity: a.1.velocity.lerp(&b.1.velocity, part),
