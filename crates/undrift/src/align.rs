@@ -41,7 +41,7 @@ use undrift_nav::{
 };
 
 /// A filter ready to run, and how it was aligned.
-pub struct Aligned {
+pub(crate) struct Aligned {
     /// At the time of the fix that completed the alignment.
     pub filter: Box<dyn Estimator>,
     /// How it was found.
@@ -59,7 +59,7 @@ struct Seen {
 }
 
 /// The state of an alignment.
-pub struct Aligner {
+pub(crate) struct Aligner {
     settings: AlignSettings,
     set: AlignmentSettings,
     time: Option<f64>,

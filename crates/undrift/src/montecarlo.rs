@@ -74,7 +74,7 @@ pub enum MonteCarloError {
 }
 
 /// Fewest runs: an average over fewer has no spread to speak of.
-pub const FEWEST_RUNS: usize = 2;
+const FEWEST_RUNS: usize = 2;
 
 /// Runs carried out before their results are added up and forgotten.
 const BATCH: usize = 64;

@@ -265,7 +265,7 @@ impl Blocks {
 
 /// Gathers the directions of motion and of down. Streamed: kept are sums over blocks of 5 s.
 #[derive(Clone, Debug, Default)]
-pub struct MountingEstimator {
+struct MountingEstimator {
     /// Of driving fast and straight, by unit vectors.
     straight: Blocks,
     /// Of all driving, by velocities.

@@ -13,7 +13,7 @@ use undrift_nav::sample::TruthSample;
 use undrift_noise::order_statistics::quantile;
 
 /// Lengths of the outages \[s\].
-pub const LENGTHS: [f64; 3] = [10.0, 30.0, 60.0];
+const LENGTHS: [f64; 3] = [10.0, 30.0, 60.0];
 /// The one that counts most \[s\].
 const TOLD: f64 = 30.0;
 /// Seed of the bootstrap.
