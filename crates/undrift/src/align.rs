@@ -59,6 +59,7 @@ struct Seen {
 }
 
 /// The state of an alignment.
+#[derive(Default)]
 pub(crate) struct Aligner {
     settings: AlignSettings,
     set: AlignmentSettings,
@@ -88,19 +89,10 @@ impl Aligner {
         Self {
             settings: settings.align.clone(),
             set: settings.engine.alignment,
-            time: None,
             rest: Rest::new(gyro, accel, settings.engine.alignment_rest),
-            level: Quaternion::identity(),
-            rested: None,
-            stood: false,
             motion: MotionAligner::new(settings),
-            given: None,
-            omega_b: Vector3::zeros(),
-            last_fix: None,
             positions: Positions::new(settings.engine.derived_velocity),
-            speed: 0.0,
-            fastest: 0.0,
-            fixes: 0,
+            ..Self::default()
         }
     }
 

@@ -30,6 +30,7 @@ pub(crate) struct DerivedVelocity {
 }
 
 /// The last positions.
+#[derive(Default)]
 pub(crate) struct Positions {
     set: DerivedVelocitySettings,
     last: VecDeque<(f64, Geodetic)>,
@@ -39,7 +40,7 @@ impl Positions {
     pub(crate) fn new(set: DerivedVelocitySettings) -> Self {
         Self {
             set,
-            last: VecDeque::new(),
+            ..Self::default()
         }
     }
 

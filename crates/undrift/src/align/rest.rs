@@ -5,6 +5,7 @@ use crate::settings::AlignmentRestSettings;
 use undrift_nav::{Vector3, shaping::ShapingFilter};
 
 /// Tells rest by comparing block means, and keeps what it says.
+#[derive(Default)]
 pub(super) struct Rest {
     set: AlignmentRestSettings,
     /// Tolerances of a block's means [rad/s, m/s²].
@@ -43,15 +44,7 @@ impl Rest {
             rate_tolerance: set.rate + set.sigmas * noise_of_mean(gyro, set.block).sqrt(),
             force_tolerance: set.force + set.sigmas * noise_of_mean(accel, set.block).sqrt(),
             needed: (needed as u32).clamp(set.fewest_blocks, set.most_blocks),
-            duration: 0.0,
-            dtheta: Vector3::zeros(),
-            dvel: Vector3::zeros(),
-            blocks: 0,
-            mean_rate: Vector3::zeros(),
-            mean_force: Vector3::zeros(),
-            bias: Vector3::zeros(),
-            bias_blocks: 0,
-            rested_force: None,
+            ..Self::default()
         }
     }
 

@@ -72,6 +72,7 @@ type Information = SMatrix<f64, 9, 9>;
 pub(super) type EndCovariance = SMatrix<f64, 12, 12>;
 
 /// A guess put through the window up to some segment: cost with its linearisation `JᵀJ` and `Jᵀr`, and how far it came.
+#[derive(Default)]
 struct Linearised {
     cost: f64,
     information: Information,
@@ -184,14 +185,8 @@ impl Problem<'_> {
     /// A guess at the start of the window, with the priors of the biases; `gyro` is the mean of the gyro prior.
     fn start(&self, guess: &Guess, gyro: &Vector3) -> Linearised {
         let mut at = Linearised {
-            cost: 0.0,
-            information: Information::zeros(),
-            gradient: Unknowns::zeros(),
             q_nb: guess.q_nb,
-            v_n: Vector3::zeros(),
-            turned: Vector3::zeros(),
-            wander: [[0.0; 6]; 6],
-            effect: [[0.0; 6]; 9],
+            ..Linearised::default()
         };
         for i in 0..3 {
             at.effect[i][3 + i] = 1.0;

@@ -13,6 +13,7 @@ const WINDOW: usize = 16;
 const MEDIAN: f64 = 0.789;
 
 /// The size of the innovations of one kind of measurement, now and as a rule.
+#[derive(Default)]
 pub(super) struct Fading {
     set: FadingSettings,
     recent: [f64; WINDOW],
@@ -28,12 +29,8 @@ impl Fading {
     pub(super) fn new(set: FadingSettings) -> Self {
         Self {
             set,
-            recent: [0.0; WINDOW],
-            count: 0,
             usual: 1.0,
-            last: Vector3::zeros(),
-            products: 0.0,
-            squares: 0.0,
+            ..Self::default()
         }
     }
 

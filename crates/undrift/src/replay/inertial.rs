@@ -30,7 +30,7 @@ pub(super) struct Inertial {
 }
 
 /// What an axis usually does. Values are rates \[rad/s\] and specific forces \[m/s²\].
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct AxisWatch {
     /// The present value, the interval of its first sample \[s\], since when \[s\], and in how many samples.
     value: f64,
@@ -56,24 +56,6 @@ struct AxisWatch {
 }
 
 impl AxisWatch {
-    const NEW: Self = Self {
-        value: f64::NAN,
-        dt: 0.0,
-        since: 0.0,
-        samples: 0,
-        ended: 0,
-        of_ended: 0,
-        least: f64::INFINITY,
-        most: f64::NEG_INFINITY,
-        mean: 0.0,
-        variance: 0.0,
-        known: 0.0,
-        step: 0.0,
-        seen: 0,
-        jumped: false,
-        doubted: None,
-    };
-
     /// Takes in a value; whether the axis holds it for longer than it can.
     fn is_stuck(&mut self, set: &SampleSettings, (time, dt): (f64, f64), value: f64) -> bool {
         // Of a log of increments those repeat, while the rounding of its times changes the rates.
@@ -156,13 +138,19 @@ fn is_same(a: f64, b: f64) -> bool {
 
 impl Inertial {
     pub(super) fn new(rotation: Matrix3, set: SampleSettings) -> Self {
+        let axis = AxisWatch {
+            value: f64::NAN,
+            least: f64::INFINITY,
+            most: f64::NEG_INFINITY,
+            ..AxisWatch::default()
+        };
         Self {
             set,
             rotation,
             before: None,
             pending: None,
             noiseless: false,
-            axes: [AxisWatch::NEW; AXES],
+            axes: [axis; AXES],
         }
     }
 

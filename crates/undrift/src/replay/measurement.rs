@@ -75,6 +75,7 @@ pub(super) struct Queue<I: Iterator> {
 }
 
 /// Tells fixes that repeat the one before.
+#[derive(Default)]
 pub(crate) struct Repeats {
     set: ReceiverSettings,
     /// The last fix that did not repeat the one before.
@@ -88,9 +89,7 @@ impl Repeats {
     pub(crate) fn new(set: ReceiverSettings) -> Self {
         Self {
             set,
-            last: None,
-            moved: false,
-            count: 0,
+            ..Self::default()
         }
     }
 

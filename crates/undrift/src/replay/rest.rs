@@ -17,6 +17,7 @@ pub(super) struct RestBlock {
 }
 
 /// Sums over the present block and the learned level of rest.
+#[derive(Default)]
 pub(super) struct RestDetector {
     set: RestSettings,
     /// Variance of a sample's white noise, gyros [rad²/s²], then accelerometers [m²/s⁴].
@@ -38,14 +39,8 @@ impl RestDetector {
         Self {
             set,
             noise: core::array::from_fn(|i| sensors[i].r.max(1e-16)),
-            level: [0.0; AXES],
-            learned: 0,
             moving: f64::INFINITY,
-            count: 0.0,
-            duration: 0.0,
-            sum: [0.0; AXES],
-            squares: [0.0; AXES],
-            first_half: (0.0, Vector3::zeros()),
+            ..Self::default()
         }
     }
 

@@ -9,6 +9,7 @@ use undrift_nav::{Vector3, filter::Update};
 use undrift_noise::order_statistics::upper_median;
 
 /// Updates, their NIS and degrees of freedom since the count began, and when that was \[s\].
+#[derive(Default)]
 pub(super) struct Streak {
     set: WatchSettings,
     updates: u32,
@@ -24,12 +25,7 @@ impl Streak {
     pub(super) fn new(set: WatchSettings) -> Self {
         Self {
             set,
-            updates: 0,
-            nis: 0.0,
-            dof: 0,
-            start: 0.0,
-            sound: false,
-            sick_since: None,
+            ..Self::default()
         }
     }
 

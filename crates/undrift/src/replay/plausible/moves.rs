@@ -26,6 +26,7 @@ const MENDS: [(FixMend, [f64; 4]); 11] = [
 ];
 
 /// What is known so far.
+#[derive(Default)]
 pub(super) struct Moves {
     set: PlausibilitySettings,
     /// Time and velocity of the last fix, where the present window of motion began, and how far velocity went since \[m\].
@@ -43,12 +44,7 @@ impl Moves {
     pub(super) fn new(set: PlausibilitySettings) -> Self {
         Self {
             set,
-            last: None,
-            began: None,
-            moved: Vector3::zeros(),
-            moves: 0,
-            sane: 0,
-            unexplained: [0.0; MENDS.len()],
+            ..Self::default()
         }
     }
 
