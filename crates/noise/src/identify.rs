@@ -21,10 +21,10 @@ use crate::{
     allan::{self, DeviationKind, Grid},
     correlation::{self, Partial},
     drift_score::{self, HORIZONS_S, Scored},
-    normality,
+    normality::{self, Normality},
     screening::{RecordError, Trend},
     spectrum,
-    stationarity::{self, Adf, Deterministic, KpssLags, Lags},
+    stationarity::{self, Adf, Deterministic, Kpss, KpssLags, Lags, PhillipsPerron},
     temperature::{self, Regressors},
     whiteness,
 };
@@ -118,6 +118,13 @@ fn turn_on_of(mean: f64, accelerometer: bool) -> f64 {
     }
 }
 
+/// The standard deviation of the turn-on constants that records show [unit].
+fn turn_on_of_all(records: &[Prepared], accelerometer: bool) -> f64 {
+    let means = records.iter().map(|record| record.screened.mean);
+    let squares = means.map(|mean| turn_on_of(mean, accelerometer).powi(2));
+    (squares.sum::<f64>() / records.len() as f64).sqrt()
+}
+
 /// Horizons that fit four times into half a record of so many samples \[s\].
 fn horizons(samples: usize, rate_hz: f64) -> Result<Vec<f64>, IdentifyError> {
     let half = (samples / 2) as f64 / rate_hz;
@@ -135,11 +142,18 @@ fn horizons(samples: usize, rate_hz: f64) -> Result<Vec<f64>, IdentifyError> {
     Ok(fitting)
 }
 
-/// A test by the name of the rule that chose its lags.
-type ByRule = (&'static str, Adf);
+/// The tests of a record.
+struct Tests {
+    adf: Adf,
+    /// By the name of the rule that chose its lags.
+    adf_chosen: Vec<(&'static str, Adf)>,
+    kpss: Kpss,
+    phillips_perron: PhillipsPerron,
+    normality: Normality,
+}
 
-/// The augmented Dickey-Fuller test at fixed lags, and with the lags that each rule chooses.
-fn dickey_fuller(x: &[f64]) -> Result<(Adf, Vec<ByRule>), RecordError> {
+fn tests(screened: &screened::Screened) -> Result<Tests, RecordError> {
+    let x = &screened.bridged;
     let adf = |lags| stationarity::adf(x, Deterministic::Constant, lags);
     let rules = [
         ("aic", Lags::Aic(Some(ADF_LAGS))),
@@ -147,8 +161,17 @@ fn dickey_fuller(x: &[f64]) -> Result<(Adf, Vec<ByRule>), RecordError> {
         ("last_significant", Lags::LastSignificant(Some(ADF_LAGS))),
     ];
     let chosen = rules.map(|(name, lags)| adf(lags).map(|test| (name, test)));
-    let chosen = chosen.into_iter().collect::<Result<_, _>>()?;
-    Ok((adf(Lags::Fixed(ADF_LAGS))?, chosen))
+    Ok(Tests {
+        adf_chosen: chosen.into_iter().collect::<Result<_, _>>()?,
+        adf: adf(Lags::Fixed(ADF_LAGS))?,
+        kpss: stationarity::kpss(x, Deterministic::Constant, KpssLags::Legacy)?,
+        phillips_perron: stationarity::phillips_perron(x, Deterministic::Constant, None)?,
+        normality: Normality {
+            // Bridged, or less a trend, the samples no longer lie on their grid.
+            quantisation: screened.quantisation,
+            ..normality::normality(x)?
+        },
+    })
 }
 
 /// Coverage of the intervals of Allan deviations.
@@ -260,10 +283,7 @@ fn conclude(
     options: &Options<'_>,
 ) -> Result<(Axis, Vec<Vec<f64>>), IdentifyError> {
     let rate = options.rate_hz;
-    let constants = records
-        .iter()
-        .map(|r| turn_on_of(r.screened.mean, accelerometer).powi(2));
-    let turn_on = (constants.sum::<f64>() / records.len() as f64).sqrt();
+    let turn_on = turn_on_of_all(&records, accelerometer);
     let curves: Vec<allan::Curve> = records.iter().map(|record| record.allan.clone()).collect();
     let samples = records.iter().map(|record| record.samples).sum();
     let mut cleaned: Vec<Vec<f64>> = Vec::new();
@@ -283,16 +303,11 @@ fn conclude(
     } = first;
     let bridged = &screened.bridged;
 
-    let (adf, adf_chosen) = dickey_fuller(bridged)?;
-    let kpss = stationarity::kpss(bridged, Deterministic::Constant, KpssLags::Legacy)?;
-    let phillips_perron = stationarity::phillips_perron(bridged, Deterministic::Constant, None)?;
-    let mut normality = normality::normality(bridged)?;
-    // Bridged, or less a trend, the samples no longer lie on their grid.
-    normality.quantisation = screened.quantisation;
+    let tests = tests(&screened)?;
     let curve = allan::pooled(&curves).ok_or(IdentifyError::NoCandidate)?;
     let allan_terms = allan::fit_terms(&curve)?;
 
-    let coarse = normality
+    let coarse = screened
         .quantisation
         .is_some_and(|q| q.step_over_deviation > COARSE);
     let task = candidates::Task {
@@ -307,12 +322,7 @@ fn conclude(
     };
     let tried = candidates::candidates(&task);
     let candidates = tried.candidates;
-    let own: Vec<usize> = (0..candidates.len())
-        .filter(|i| !candidates[*i].compared)
-        .collect();
-    let scored: Vec<Scored> = own.iter().map(|i| scored(&candidates[*i])).collect();
-    let recommended = drift_score::recommend(&scored).ok_or(IdentifyError::NoCandidate)?;
-    let index = own[recommended.index];
+    let (index, reason) = recommended(&candidates).ok_or(IdentifyError::NoCandidate)?;
     let chosen = &candidates[index];
     let intervals = match screened.coarse {
         true => Vec::new(),
@@ -328,17 +338,22 @@ fn conclude(
         mean: screened.mean,
         removed: screened.removed,
         temperature: screened.temperature.and_then(Result::ok),
-        stationarity: stationarity::verdict(&adf, &kpss, &phillips_perron, ma_root),
+        stationarity: stationarity::verdict(
+            &tests.adf,
+            &tests.kpss,
+            &tests.phillips_perron,
+            ma_root,
+        ),
         outliers: screened.outliers,
         motion: screened.motion,
         saturation: screened.saturation,
         hanging: screened.hanging,
         noise_shown: screened.noise_shown,
-        adf,
-        adf_chosen,
-        kpss,
-        phillips_perron,
-        normality,
+        adf: tests.adf,
+        adf_chosen: tests.adf_chosen,
+        kpss: tests.kpss,
+        phillips_perron: tests.phillips_perron,
+        normality: tests.normality,
         acf: correlation::autocorrelation(bridged, LAGS)?,
         pacf: correlation::partial_autocorrelation(bridged, LAGS, Partial::YuleWalker)?,
         whiteness: whiteness::portmanteau(bridged, &[20], 0)?[0],
@@ -348,13 +363,13 @@ fn conclude(
         allan_gauss_markov: allan::fit_gauss_markov(&curve).ok(),
         allan: task.curve.clone(),
         allan_terms,
-        residuals: residuals::of_models(tried.pandit_wu.as_ref(), chosen, task.records[0]),
+        residuals: residuals::of_models(tried.pandit_wu.as_ref(), chosen.arma(), task.records[0]),
         pandit_wu: tried.pandit_wu,
         box_jenkins: tried.box_jenkins,
         scales: tried.scales,
         intervals,
         chosen: index,
-        reason: recommended.reason,
+        reason,
         candidates,
         not_fitted: tried.not_fitted,
         warnings,
@@ -362,12 +377,18 @@ fn conclude(
     Ok((axis, cleaned))
 }
 
-fn scored(candidate: &Candidate) -> Scored {
-    Scored {
+/// Position of the candidate that is recommended, and why; of methods of the literature none is.
+fn recommended(candidates: &[Candidate]) -> Option<(usize, String)> {
+    let own = candidates.iter().enumerate();
+    let own = own.filter(|(_, candidate)| !candidate.compared);
+    let scored = own.clone().map(|(_, candidate)| Scored {
         name: candidate.name.clone(),
         states: candidate.states,
         parameters: candidate.parameters,
         aic: candidate.aic,
         horizons: candidate.score.clone(),
-    }
+    });
+    let found = drift_score::recommend(&Vec::from_iter(scored))?;
+    let (index, _) = own.clone().nth(found.index)?;
+    Some((index, found.reason))
 }

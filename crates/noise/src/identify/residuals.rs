@@ -1,6 +1,6 @@
 //! What is left of a record when a model has predicted it: white where the model is right.
 
-use super::{Candidate, LAGS, SEARCH_SAMPLES};
+use super::{LAGS, SEARCH_SAMPLES};
 use crate::{
     arma::ArmaFit,
     correlation::{self, Partial},
@@ -23,12 +23,12 @@ pub struct Residuals {
 /// Of the model that the paper's procedure chose and, where that is another ARMA, of the recommended one.
 pub(super) fn of_models(
     table: Option<&PanditWu>,
-    recommended: &Candidate,
+    recommended: Option<&ArmaFit>,
     half: &[f64],
 ) -> Vec<Residuals> {
     let by_f = table.and_then(|table| table.fit(table.by_f));
     let other = |fit: &&ArmaFit| by_f.is_none_or(|by_f| by_f.order() != fit.order());
-    let fits = by_f.into_iter().chain(recommended.arma().filter(other));
+    let fits = by_f.into_iter().chain(recommended.filter(other));
     fits.filter_map(|fit| Residuals::of(fit, half)).collect()
 }
 
