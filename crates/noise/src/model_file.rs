@@ -260,17 +260,8 @@ impl ImuModel {
         read::from_text(text, file)
     }
 
-    /// Reads a model from a table of another file, e.g. an inline `model = { … }`, where `format`
-    /// and `version` may be left out. `file` and the dotted key `path` of the table are for
-    /// messages; see [`ImuModel::from_spanned`] for messages with a line.
-    ///
-    /// # Errors
-    /// [`ModelError::Entry`] as [`ImuModel::from_toml`].
-    pub fn from_table(table: &toml::Table, file: &str, path: &str) -> Result<Self, ModelError> {
-        read::from_plain(table, file, path)
-    }
-
-    /// As [`ImuModel::from_table`], from a table that knows its place in `text`.
+    /// Reads a model from a table in the `text` of another file, e.g. an inline `model = { … }`, where `format`
+    /// and `version` may be left out. `file` and the dotted key `path` of the table are for messages.
     ///
     /// # Errors
     /// [`ModelError::Entry`] as [`ImuModel::from_toml`], with the line in `text`.

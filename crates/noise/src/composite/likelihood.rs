@@ -37,14 +37,6 @@ impl RecordLikelihood {
         };
         self.log_likelihood + freedom
     }
-
-    /// Log-likelihood with all variances of the model scaled by the best common factor
-    /// `Σ(v²/V)/n`.
-    pub fn with_best_scale(&self) -> f64 {
-        let n = self.observations as f64;
-        let scale = self.sum_of_squares / n;
-        -0.5 * (n * (std::f64::consts::TAU * scale).ln() + n + self.log_determinant)
-    }
 }
 
 /// Exact log-likelihood of `record` under `filter`, started at `p0`: a random walk starts at zero
@@ -131,7 +123,7 @@ pub(crate) fn present_mean(record: &[f64]) -> Result<(f64, usize), CompositeErro
     }
 }
 
-struct Sums {
+struct LikelihoodSums {
     squares: f64,
     ones_cross: f64,
     ones_squares: f64,
@@ -139,11 +131,15 @@ struct Sums {
     observations: usize,
 }
 
-fn sums<const N: usize>(record: &[f64], filter: &ShapingFilter, centre: f64) -> Option<Sums> {
+fn sums<const N: usize>(
+    record: &[f64],
+    filter: &ShapingFilter,
+    centre: f64,
+) -> Option<LikelihoodSums> {
     let steady = steady::steady_state::<N>(filter).and_then(|(model, v)| {
         let p0 = std::array::from_fn(|i| std::array::from_fn(|j| filter.p0[i][j] / v));
         let sums = steady::sums(record, centre, &model, &p0)?;
-        Some(Sums {
+        Some(LikelihoodSums {
             squares: sums.squares / v,
             ones_cross: sums.cross / v,
             ones_squares: sums.ones / v,
@@ -155,8 +151,12 @@ fn sums<const N: usize>(record: &[f64], filter: &ShapingFilter, centre: f64) -> 
 }
 
 /// One sample after the other, for a model that has no steady state.
-fn pass<const N: usize>(record: &[f64], mut filter: Predictor<N>, centre: f64) -> Option<Sums> {
-    let mut sums = Sums {
+fn pass<const N: usize>(
+    record: &[f64],
+    mut filter: Predictor<N>,
+    centre: f64,
+) -> Option<LikelihoodSums> {
+    let mut sums = LikelihoodSums {
         squares: 0.0,
         ones_cross: 0.0,
         ones_squares: 0.0,

@@ -128,17 +128,6 @@ pub(super) fn from_text(text: &str, file: &str) -> Result<ImuModel, ModelError> 
     model(&top)
 }
 
-pub(super) fn from_plain(
-    table: &toml::Table,
-    file: &str,
-    path: &str,
-) -> Result<ImuModel, ModelError> {
-    // Written to be read: without lines, which would be those of this text.
-    let text = table.to_string();
-    let table = parse(&text, file)?;
-    model(&Table::top(table.get_ref(), None, file, path))
-}
-
 pub(super) fn model(top: &Table<'_>) -> Result<ImuModel, ModelError> {
     top.only(&TOP_KEYS)?;
     if let Some(format) = top.text("format")?

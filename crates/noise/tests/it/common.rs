@@ -112,3 +112,10 @@ pub fn near(value: f64, expected: f64, tolerance: f64, what: &str) {
         "{what}: {value:e} for {expected:e}"
     );
 }
+
+/// Log-likelihood with all variances of the model scaled by the best common factor `Σ(v²/V)/n`.
+pub fn with_best_scale(found: &undrift_noise::composite::RecordLikelihood) -> f64 {
+    let n = found.observations as f64;
+    let scale = found.sum_of_squares / n;
+    -0.5 * (n * (std::f64::consts::TAU * scale).ln() + n + found.log_determinant)
+}

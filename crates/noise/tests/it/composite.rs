@@ -1,5 +1,6 @@
 //! Composite models: likelihood against its definition, fits against the simulated truth.
 
+use crate::common::with_best_scale;
 use undrift_nav::shaping::ShapingFilter;
 use undrift_noise::arma::{self, Mean};
 use undrift_noise::composite::{
@@ -141,12 +142,12 @@ fn arma11_and_its_decomposition_have_one_likelihood() {
             assert!(miss.abs() < 1e-6, "φ {phi}, gap {gap}: {miss:e}");
             if !gap && phi < 1.0 {
                 let best = arma::log_likelihood(&record, &[phi], &[theta], Mean::Known(0.0), false);
-                let miss = b.with_best_scale() - best.unwrap().log_likelihood;
+                let miss = with_best_scale(&b) - best.unwrap().log_likelihood;
                 assert!(miss.abs() < 1e-6, "φ {phi}: {miss:e}");
                 let best = arma::log_likelihood(&record, &[phi], &[theta], Mean::Estimated, false);
                 let ours = log_likelihood(&record, &arma, Level::Estimated).unwrap();
                 let best = best.unwrap();
-                assert!((ours.with_best_scale() - best.log_likelihood).abs() < 1e-6);
+                assert!((with_best_scale(&ours) - best.log_likelihood).abs() < 1e-6);
                 assert!((ours.level - best.mean).abs() < 1e-9 * sigma);
             }
         }
