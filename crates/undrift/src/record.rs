@@ -241,7 +241,7 @@ fn read_table(
 ) -> Result<Record, ReadError> {
     let beginning = opened.preview(BEGINNING)?;
     let found = find(&beginning, format);
-    let Found {
+    let RecordColumns {
         axes,
         time,
         zero,
@@ -311,7 +311,7 @@ fn too_large(problem: String) -> ReadError {
 }
 
 /// A column of a record.
-struct Axis {
+struct AxisColumn {
     /// Its place in [`AXES`].
     index: usize,
     column: Column,
@@ -322,8 +322,8 @@ struct Axis {
 }
 
 /// Where a table has what of a record.
-struct Found {
-    axes: Vec<Axis>,
+struct RecordColumns {
+    axes: Vec<AxisColumn>,
     /// Factor from the time column, the last that is wanted, to seconds.
     time: Option<f64>,
     /// What the column of temperatures has at 0 °C, if there is one.
@@ -335,7 +335,7 @@ struct Found {
 
 /// Finds the columns; `Err` says what is missing. What neither the format nor the header says is guessed of six
 /// axes.
-fn find(beginning: &Preview, format: &RecordFormat) -> Result<Found, String> {
+fn find(beginning: &Preview, format: &RecordFormat) -> Result<RecordColumns, String> {
     let header = &beginning.header;
     let mut guessed = Vec::new();
     let mut guess = None;
@@ -401,7 +401,7 @@ fn find(beginning: &Preview, format: &RecordFormat) -> Result<Found, String> {
         optional,
         ..TableOptions::default()
     };
-    Ok(Found {
+    Ok(RecordColumns {
         axes,
         time,
         zero,
@@ -429,12 +429,12 @@ fn bare(column: &Column) -> String {
 }
 
 /// The columns of the axes: as stated, else by the names in the header.
-fn find_axes(header: &[String], format: &RecordFormat) -> Result<Vec<Axis>, String> {
+fn find_axes(header: &[String], format: &RecordFormat) -> Result<Vec<AxisColumn>, String> {
     let named = |column: &Column| match column {
         Column::Name(name) => named_axis(name),
         Column::Number(n) => named_axis(header.get(n.wrapping_sub(1))?),
     };
-    let axis = |index, column: &Column, unit| Axis {
+    let axis = |index, column: &Column, unit| AxisColumn {
         index,
         column: column.clone(),
         unit,
@@ -443,7 +443,7 @@ fn find_axes(header: &[String], format: &RecordFormat) -> Result<Vec<Axis>, Stri
     match format.columns.as_slice() {
         [] => {
             let columns = (1..=header.len()).map(Column::Number);
-            let found: Vec<Axis> = columns
+            let found: Vec<AxisColumn> = columns
                 .filter_map(|column| named(&column).map(|(index, unit)| axis(index, &column, unit)))
                 .collect();
             let twice = (0..AXES.len()).any(|k| found.iter().filter(|a| a.index == k).count() > 1);
@@ -484,7 +484,7 @@ fn find_axes(header: &[String], format: &RecordFormat) -> Result<Vec<Axis>, Stri
 }
 
 /// The factor from an axis's unit, stated, by its name or guessed, to SI.
-fn scale(axis: &mut Axis, format: &RecordFormat) -> Result<f64, String> {
+fn scale(axis: &mut AxisColumn, format: &RecordFormat) -> Result<f64, String> {
     let (quantity, stated) = match (axis.index < 3, &format.units) {
         (true, units) => (Quantity::AngularRate, units.as_ref().map(|(gyro, _)| gyro)),
         (false, units) => (

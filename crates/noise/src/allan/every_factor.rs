@@ -86,7 +86,7 @@ pub(super) fn energies(
 }
 
 /// Energies by FFT, and what bounds their errors.
-struct Found {
+struct Energies {
     /// At m = 0, 1, …
     energies: Vec<f64>,
     /// Bound of the error by rounding in the FFTs.
@@ -95,7 +95,7 @@ struct Found {
     squares: f64,
 }
 
-impl Found {
+impl Energies {
     fn add(&mut self, other: &Self, sign: f64) {
         for (sum, energy) in self.energies.iter_mut().zip(&other.energies) {
             *sum += sign * energy;
@@ -119,7 +119,7 @@ impl Found {
 
 /// The energies up to `limit` of blocks of `length` phases, which overlap by what `limit` spans, less
 /// those of the overlaps.
-fn pass(sums: &[f64], limit: usize, length: usize) -> Found {
+fn pass(sums: &[f64], limit: usize, length: usize) -> Energies {
     let overlap = 2 * limit + 1;
     let plan = Plan::new(length, limit);
     if length >= sums.len() {
@@ -136,18 +136,18 @@ fn pass(sums: &[f64], limit: usize, length: usize) -> Found {
         }
         found
     };
-    let mut total = Found {
+    let mut total = Energies {
         energies: vec![0.0; limit + 1],
         rounding: 0.0,
         squares: 0.0,
     };
-    let blocks: Vec<Found> = starts.par_iter().map(one).collect();
+    let blocks: Vec<Energies> = starts.par_iter().map(one).collect();
     blocks.iter().for_each(|found| total.add(found, 1.0));
     total
 }
 
 /// The energies up to `limit` of one record or block.
-fn record(sums: &[f64], plan: &Plan) -> Found {
+fn record(sums: &[f64], plan: &Plan) -> Energies {
     crate::interrupt::check();
     let (mut x, squares) = less_line(sums);
     let whole = plan.whole(&x);
@@ -166,7 +166,7 @@ fn record(sums: &[f64], plan: &Plan) -> Found {
         *energy = outer + 2.0 * whole[2 * m] + 4.0 * (inner - 2.0 * whole[m] + *energy);
     }
     let octaves = (plan.longest() as f64).log2();
-    Found {
+    Energies {
         energies,
         rounding: ROUNDING * f64::EPSILON * octaves * squared[last],
         squares,

@@ -97,16 +97,16 @@ fn type_of(averages: &[f64], near: f64) -> i32 {
 
 /// Lag-1 autocorrelation of samples whose mean is `near` a number; none of a constant.
 fn lag_one(x: &[f64], near: f64) -> Option<f64> {
-    let about = Sums::about(x, near);
+    let about = LagOneSums::about(x, near);
     if about.squared() > LEFT * about.squares {
         return Some(about.lagged() / about.squared());
     }
-    let about = Sums::about(x, near + about.mean());
+    let about = LagOneSums::about(x, near + about.mean());
     (about.squared() > LEFT * about.squares).then(|| about.lagged() / about.squared())
 }
 
-/// Sums over samples less a number: of themselves, their squares and the products of neighbours.
-struct Sums {
+/// LagOneSums over samples less a number: of themselves, their squares and the products of neighbours.
+struct LagOneSums {
     count: f64,
     total: f64,
     squares: f64,
@@ -115,7 +115,7 @@ struct Sums {
     ends: f64,
 }
 
-impl Sums {
+impl LagOneSums {
     fn about(x: &[f64], near: f64) -> Self {
         let (Some((&last, early)), Some(&first)) = (x.split_last(), x.first()) else {
             return Self {

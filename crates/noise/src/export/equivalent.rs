@@ -17,16 +17,16 @@ pub(super) struct Equivalent {
     /// Where its numbers come from.
     pub source: String,
     /// Gyros [rad/s].
-    pub gyro: [Axis; 3],
+    pub gyro: [EquivalentAxis; 3],
     /// Accelerometers [m/s²].
-    pub accel: [Axis; 3],
+    pub accel: [EquivalentAxis; 3],
     /// What was derived or left out, a sentence each.
     pub remarks: Vec<String>,
 }
 
 /// An axis in terms of white noise and slow processes; "unit" as in [`AxisModel`].
 #[derive(Default)]
-pub(super) struct Axis {
+pub(super) struct EquivalentAxis {
     /// White density N [unit·√s].
     pub white: f64,
     /// Standard deviation of the turn-on constant [unit].
@@ -38,7 +38,7 @@ pub(super) struct Axis {
 impl Equivalent {
     pub fn of(model: &ImuModel, format: ModelFormat) -> Result<Self, ModelError> {
         let mut remarks = Vec::new();
-        let mut axes: [Axis; 6] = Default::default();
+        let mut axes: [EquivalentAxis; 6] = Default::default();
         for ((name, axis), slot) in model.known_axes()?.into_iter().zip(&mut axes) {
             *slot = equivalent(name, axis, &mut remarks);
         }
@@ -92,7 +92,7 @@ fn unseen_walk(white: f64, length: f64) -> f64 {
     3f64.sqrt() * white / (0.1 * length)
 }
 
-fn equivalent(name: &str, axis: &AxisModel, remarks: &mut Vec<String>) -> Axis {
+fn equivalent(name: &str, axis: &AxisModel, remarks: &mut Vec<String>) -> EquivalentAxis {
     let has_terms = !axis.instability.is_empty() || axis.random_walk.is_some();
     let arma = axis.arma.as_ref().filter(|_| !has_terms);
     let (of_arma, slow) = arma.map(|arma| of_arma(name, arma, remarks)).unzip();
@@ -137,7 +137,7 @@ fn equivalent(name: &str, axis: &AxisModel, remarks: &mut Vec<String>) -> Axis {
             "{name}: its lines and narrow resonances are omitted: {lines}."
         ));
     }
-    Axis {
+    EquivalentAxis {
         white,
         turn_on: axis.turn_on,
         slow,
@@ -188,13 +188,13 @@ fn list(values: impl Iterator<Item = f64>, unit: &str) -> String {
 }
 
 /// Root mean square over the three axes.
-pub(super) fn rms(axes: &[Axis; 3], of: impl Fn(&Axis) -> f64) -> f64 {
+pub(super) fn rms(axes: &[EquivalentAxis; 3], of: impl Fn(&EquivalentAxis) -> f64) -> f64 {
     (axes.iter().map(|axis| of(axis).powi(2)).sum::<f64>() / 3.0).sqrt()
 }
 
 /// One correlation time \[s\] for several axes: the longest, a random walk counting as one hour.
 /// `None` where nothing moves.
-pub(super) fn common_tau<'a>(axes: impl Iterator<Item = &'a Axis>) -> Option<f64> {
+pub(super) fn common_tau<'a>(axes: impl Iterator<Item = &'a EquivalentAxis>) -> Option<f64> {
     axes.filter_map(|axis| match (axis.slow.slowest(), axis.slow.walk) {
         (Some(of), None) => Some(of.tau_s),
         (of, Some(_)) => Some(of.map_or(UNIT_ROOT_TAU, |of| of.tau_s.max(UNIT_ROOT_TAU))),

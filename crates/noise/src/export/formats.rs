@@ -1,6 +1,6 @@
 //! The texts of the formats.
 
-use super::equivalent::{Axis, Equivalent, common_tau, driven, rms};
+use super::equivalent::{Equivalent, EquivalentAxis, common_tau, driven, rms};
 use crate::composite::GaussMarkov;
 
 /// EKF2's prediction, EKF2_PREDICT_US = 10000 unless changed \[Hz\].
@@ -13,7 +13,7 @@ const HOUR: f64 = 3600.0;
 pub(super) fn kalibr(imu: &Equivalent, rate_hz: f64) -> String {
     let mut out = Text::about(imu, "#");
     out.comment("Each number is the root mean square of the three axes.");
-    let process = |axis: &Axis| !axis.slow.processes.is_empty();
+    let process = |axis: &EquivalentAxis| !axis.slow.processes.is_empty();
     if imu.gyro.iter().chain(&imu.accel).any(process) {
         out.comment(
             "Kalibr has no Gauss-Markov bias (σ, τ): its random walk is the driving noise σ √(2/τ), valid for times much shorter than τ.",
@@ -40,11 +40,11 @@ pub(super) fn kf_gins(imu: &Equivalent) -> String {
     );
     let tau = common_tau(imu.gyro.iter().chain(&imu.accel)).unwrap_or(HOUR);
     let degree = 1f64.to_radians();
-    let std = |axis: &Axis| driven(axis.slow.drive(), tau);
-    let list = |axes: &[Axis; 3], unit: f64, of: &dyn Fn(&Axis) -> f64| {
+    let std = |axis: &EquivalentAxis| driven(axis.slow.drive(), tau);
+    let list = |axes: &[EquivalentAxis; 3], unit: f64, of: &dyn Fn(&EquivalentAxis) -> f64| {
         row(axes.iter().map(|axis| of(axis) / unit))
     };
-    let white = |axis: &Axis| axis.white;
+    let white = |axis: &EquivalentAxis| axis.white;
     // To the root hour: the unit over 60 √s.
     let arw = list(&imu.gyro, degree / 60.0, &white);
     let vrw = list(&imu.accel, 1.0 / 60.0, &white);
@@ -104,13 +104,20 @@ pub(super) fn px4(imu: &Equivalent, rate_hz: f64) -> String {
         "Each number is the root mean square of the three axes, as a standard deviation per prediction at {rate} Hz, N/√dt (EKF2_PREDICT_US). For a Gauss-Markov bias it is the driving noise. A noise model does not include vibration, which PX4's defaults allow for."
     ));
     let root = rate_hz.sqrt();
-    let white = |axis: &Axis| axis.white * root;
-    let drive = |axis: &Axis| axis.slow.drive() * root;
-    let turn_on = |axis: &Axis| axis.turn_on;
+    let white = |axis: &EquivalentAxis| axis.white * root;
+    let drive = |axis: &EquivalentAxis| axis.slow.drive() * root;
+    let turn_on = |axis: &EquivalentAxis| axis.turn_on;
     let (gyro, accel) = (&imu.gyro, &imu.accel);
     /// Name, axes, what of an axis, PX4's range and unit.
-    type Parameter<'a> = (&'a str, &'a [Axis; 3], OfAxis<'a>, f64, f64, &'a str);
-    type OfAxis<'a> = &'a dyn Fn(&Axis) -> f64;
+    type Parameter<'a> = (
+        &'a str,
+        &'a [EquivalentAxis; 3],
+        OfAxis<'a>,
+        f64,
+        f64,
+        &'a str,
+    );
+    type OfAxis<'a> = &'a dyn Fn(&EquivalentAxis) -> f64;
     let parameters: [Parameter; 6] = [
         ("EKF2_GYR_NOISE", gyro, &white, 1e-4, 0.1, "rad/s"),
         ("EKF2_ACC_NOISE", accel, &white, 0.01, 1.0, "m/s²"),
@@ -149,7 +156,7 @@ pub(super) fn matlab(imu: &Equivalent, rate_hz: f64) -> String {
         ("gyro", "gyroparams", &imu.gyro),
         ("accel", "accelparams", &imu.accel),
     ] {
-        let list = |of: &dyn Fn(&Axis) -> f64| row(axes.iter().map(of));
+        let list = |of: &dyn Fn(&EquivalentAxis) -> f64| row(axes.iter().map(of));
         let white = list(&|axis| axis.white);
         let walk = list(&|axis| axis.slow.beside_slowest());
         out.body += &format!("{name} = {constructor}('NoiseType', 'single-sided', ...\n");

@@ -37,13 +37,13 @@ fn polynomial(coefficients: &[f64], z: Complex64) -> Complex64 {
 }
 
 /// A pole with its share of the spectrum.
-struct Part {
+struct PartialFraction {
     pole: Complex64,
     /// c(1 − λ²), which is finite at λ = 1 [unit²].
     drive: Complex64,
 }
 
-impl Part {
+impl PartialFraction {
     fn of(arma: &Arma, poles: &[Complex64], at: usize) -> Self {
         let pole = poles[at];
         let others = poles.iter().enumerate().filter(|(l, _)| *l != at);
@@ -88,12 +88,13 @@ pub(super) fn parts(arma: &Arma) -> Parts {
     // It decays slowly, and no oscillation is faster than that.
     let is_slow = |pole: Complex64| tau_s(pole) >= SLOW && pole.arg().abs() * SLOW <= interval;
     let all = (0..poles.len()).filter(|i| poles[*i].norm() > 0.0);
-    let all = all.map(|i| Part::of(arma, &poles, i));
-    let (slow, rest): (Vec<Part>, Vec<Part>) = all.partition(|part| is_slow(part.pole));
+    let all = all.map(|i| PartialFraction::of(arma, &poles, i));
+    let (slow, rest): (Vec<PartialFraction>, Vec<PartialFraction>) =
+        all.partition(|part| is_slow(part.pole));
     let mut bias = Slow::default();
-    let is_joined = !slow.iter().all(Part::is_process);
+    let is_joined = !slow.iter().all(PartialFraction::is_process);
     if is_joined {
-        let step: f64 = slow.iter().map(Part::step).sum();
+        let step: f64 = slow.iter().map(PartialFraction::step).sum();
         bias.walk = (step > 0.0).then(|| (step / interval).sqrt());
     } else {
         for part in &slow {
@@ -122,9 +123,10 @@ pub(super) fn parts(arma: &Arma) -> Parts {
 
 /// Spectrum at frequency 0 less that of the slow poles [unit²]. Nothing large is subtracted: to the other poles' sums
 /// comes a polynomial of cosines of degree q − p, known from as many frequencies away from 0.
-fn density(arma: &Arma, slow: &[Part], rest: &[Part]) -> f64 {
-    let sum =
-        |parts: &[Part], angle: f64| -> f64 { parts.iter().map(|part| part.spectrum(angle)).sum() };
+fn density(arma: &Arma, slow: &[PartialFraction], rest: &[PartialFraction]) -> f64 {
+    let sum = |parts: &[PartialFraction], angle: f64| -> f64 {
+        parts.iter().map(|part| part.spectrum(angle)).sum()
+    };
     let left = |angle: f64| {
         let z = Complex64::from_polar(1.0, angle);
         let all = (polynomial(&arma.ma, z) / polynomial(&arma.ar, z)).norm_sqr();

@@ -105,7 +105,7 @@ struct Fitted {
 }
 
 /// Records, or half of one.
-struct Part<'a> {
+struct TrainingSet<'a> {
     records: Vec<&'a [f64]>,
     /// They end to end, straight lines over what is missing: of the products of samples, few are of two records.
     end_to_end: Vec<f64>,
@@ -117,7 +117,7 @@ struct Part<'a> {
 
 /// What is fitted, and the records to score, each with the number of samples that come before the scored ones.
 struct Fold<'a> {
-    fitted: Part<'a>,
+    fitted: TrainingSet<'a>,
     scored: Vec<(&'a [f64], usize)>,
 }
 
@@ -158,7 +158,7 @@ impl Recipe {
     /// near which that of an ARMA may lie.
     fn fit(
         self,
-        part: &Part,
+        part: &TrainingSet,
         whole: Option<&Fitted>,
         known: &[(Vec<f64>, Vec<f64>)],
     ) -> Option<Fitted> {
@@ -241,7 +241,7 @@ impl Fitted {
     }
 }
 
-impl<'a> Part<'a> {
+impl<'a> TrainingSet<'a> {
     fn new(records: Vec<&'a [f64]>, rate_hz: f64) -> Option<Self> {
         let bridged: Vec<Vec<f64>> = records.iter().map(|record| bridge(record, 0.0)).collect();
         let curve = |record: &Vec<f64>| {
@@ -268,7 +268,7 @@ impl<'a> Fold<'a> {
     /// The first samples of a record to fit, the rest to score.
     fn of_half(record: &'a [f64], first: usize, rate_hz: f64) -> Option<Self> {
         Some(Self {
-            fitted: Part::new(vec![&record[..first]], rate_hz)?,
+            fitted: TrainingSet::new(vec![&record[..first]], rate_hz)?,
             scored: vec![(record, first)],
         })
     }
@@ -298,7 +298,7 @@ impl<'a> Fold<'a> {
                     fitted.push(*record);
                 }
             }
-            let fitted = Part::new(fitted, rate_hz)?;
+            let fitted = TrainingSet::new(fitted, rate_hz)?;
             Some(Self { fitted, scored })
         };
         (0..groups).filter_map(fold).collect()
@@ -429,7 +429,11 @@ fn in_terms(terms: &CompositeTerms) -> AxisModel {
 
 /// A sum of terms by maximum likelihood. None too where the likelihood of the whole leaves a term out: the
 /// model without it is a candidate itself. A half may leave one out.
-fn terms(set: TermSet, part: &Part, whole: Option<&Fitted>) -> Option<composite::CompositeFit> {
+fn terms(
+    set: TermSet,
+    part: &TrainingSet,
+    whole: Option<&Fitted>,
+) -> Option<composite::CompositeFit> {
     let start = whole.and_then(|whole| match &whole.origin {
         Origin::Composite(fit) => Some(fit.terms),
         _ => None,
@@ -458,7 +462,7 @@ fn arma_of(fit: ArmaFit, rate_hz: f64) -> (AxisModel, Origin) {
     (model, Origin::Arma(Box::new(fit)))
 }
 
-fn burg(p: usize, part: &Part) -> Option<AxisModel> {
+fn burg(p: usize, part: &TrainingSet) -> Option<AxisModel> {
     let fit = arma::burg(&part.end_to_end, p).ok()?;
     let arma = Arma {
         ar: fit.ar,
@@ -485,7 +489,7 @@ pub(super) fn candidates(task: &Task) -> Tried {
     // The averages of one sample are the ARMA(1,1) of the full rate.
     let blocks = &scales::BLOCKS[1..];
     let beside = |filter: &ShapingFilter| task.beside(filter);
-    let whole = Part {
+    let whole = TrainingSet {
         end_to_end: task.records.iter().flat_map(|r| bridge(r, 0.0)).collect(),
         records: task.records.clone(),
         rate_hz: task.rate_hz,

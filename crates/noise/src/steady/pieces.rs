@@ -144,7 +144,7 @@ fn is_companion<const N: usize>(closed: &Matrix<N>, h: &Vector<N>) -> bool {
 }
 
 /// Values of every lane: of two sums, and of two vectors.
-type Rows<const N: usize> = ([[f64; LANES]; 2], [[f64; LANES]; N], [[f64; LANES]; N]);
+type LaneValues<const N: usize> = ([[f64; LANES]; 2], [[f64; LANES]; N], [[f64; LANES]; N]);
 
 struct Side<'a, const N: usize, const COMPANION: bool> {
     tables: &'a Tables<N>,
@@ -154,9 +154,9 @@ struct Side<'a, const N: usize, const COMPANION: bool> {
 
 impl<const N: usize, const COMPANION: bool> Task for Side<'_, N, COMPANION> {
     /// Squares and level, b, end. Not taken apart here: the compiler would arrange the lanes for it.
-    type Output = Rows<N>;
+    type Output = LaneValues<N>;
     #[inline(always)]
-    fn run<const FUSED: bool>(self) -> Rows<N> {
+    fn run<const FUSED: bool>(self) -> LaneValues<N> {
         let Tables {
             closed,
             h,

@@ -1,6 +1,6 @@
 //! What an inspection guesses of a table's columns and units.
 
-use super::Axis;
+use super::AxisColumn;
 use crate::{
     drive::{Section, parse},
     inspect,
@@ -42,9 +42,9 @@ impl Guess {
     }
 
     /// The columns as the axes of a record.
-    pub(super) fn axes(&self) -> Result<Vec<Axis>, String> {
+    pub(super) fn axes(&self) -> Result<Vec<AxisColumn>, String> {
         let columns = self.gyro.iter().chain(&self.accel).enumerate();
-        let axes = columns.map(|(index, column)| Axis {
+        let axes = columns.map(|(index, column)| AxisColumn {
             index,
             column: column.clone(),
             unit: None,
@@ -54,7 +54,7 @@ impl Guess {
     }
 
     /// Gives the axes without a unit the one that was guessed.
-    pub(super) fn fill_units(&self, axes: &mut [Axis]) -> Result<(), String> {
+    pub(super) fn fill_units(&self, axes: &mut [AxisColumn]) -> Result<(), String> {
         if self.increments {
             return Err(INCREMENTS.into());
         }
