@@ -2,7 +2,7 @@
 
 use undrift::{
     nav::units::{Quantity, unit_factor},
-    noise::{AxisModel, ImuModel},
+    noise::{AxisModel, ImuModel, number::rounded},
 };
 
 const HEADS: [[&str; 2]; 8] = [
@@ -73,16 +73,14 @@ fn row(name: &str, model: &ImuModel) -> [String; HEADS.len()] {
     ]
 }
 
-/// A number with three significant digits, without zeros behind them; a dash for zero.
+/// A number with three significant digits or more, without zeros behind them; a dash for zero.
 fn plain(value: f64) -> String {
     if value == 0.0 {
         return "-".into();
     }
-    let decimals = (2.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
-    let text = format!("{value:.decimals$}");
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').into(),
-        false => text,
+    match value.abs() < 1000.0 {
+        true => rounded(value, 3).to_string(),
+        false => format!("{value:.0}"),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Series for plots, streamed: their size is bounded whatever the length of what they show.
 
 use crate::results::{Curve, Number, numbers};
+use undrift_noise::number::rounded;
 
 /// Buckets of an [`Envelope`] that fill a plot's width.
 pub const BUCKETS: usize = 1000;
@@ -179,7 +180,7 @@ impl<const N: usize> Thinned<N> {
 
 /// Rounded to six significant digits, more than a plot shows.
 pub fn to_digits(value: f64) -> f64 {
-    format!("{value:.5e}").parse().unwrap_or(value)
+    rounded(value, 6)
 }
 
 /// Rounded to a thousandth: times \[s\], heights \[m\].
