@@ -6,7 +6,7 @@ use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use undrift::noise::correlation::{self, Partial};
 use undrift::noise::normality;
-use undrift::noise::screening;
+use undrift::noise::screening::{self, Trend};
 use undrift::noise::spectrum::{self, Density};
 use undrift::noise::whiteness;
 
@@ -217,19 +217,21 @@ pub fn detrend(
 ) -> PyResult<Detrended> {
     let x = samples(&x)?;
     let temperature = temperature.as_ref().map(samples).transpose()?;
-    let plain = py.detach(|| match (kind, temperature) {
-        ("constant", None) => screening::remove_constant(x).map_err(error),
-        ("linear", None) => screening::remove_linear(x).map_err(error),
-        ("temperature", Some(temperature)) => {
+    let trend = Trend::named(kind).ok_or_else(|| {
+        error(format!(
+            "unknown trend {kind:?}; available: constant, linear, temperature"
+        ))
+    })?;
+    let plain = py.detach(|| match (trend, temperature) {
+        (Trend::Constant, None) => screening::remove_constant(x).map_err(error),
+        (Trend::Linear, None) => screening::remove_linear(x).map_err(error),
+        (Trend::Temperature, Some(temperature)) => {
             screening::remove_temperature(x, temperature).map_err(error)
         }
-        ("temperature", None) => Err(error("the trend over temperature needs the temperature")),
-        ("constant" | "linear", Some(_)) => {
-            Err(error(format!("a {kind} trend does not use a temperature")))
+        (Trend::Temperature, None) => {
+            Err(error("the trend over temperature needs the temperature"))
         }
-        _ => Err(error(format!(
-            "unknown trend {kind:?}; available: constant, linear, temperature"
-        ))),
+        (_, Some(_)) => Err(error(format!("a {kind} trend does not use a temperature"))),
     })?;
     Ok(Detrended {
         residuals: Array(plain.residuals),
