@@ -70,9 +70,6 @@ pub struct Arguments {
     /// What to do with the drives. Default: the manifest's task, else outages
     #[arg(long, value_name = "VERB", value_enum)]
     task: Option<Task>,
-    /// The same as --task tune
-    #[arg(long, conflicts_with = "task")]
-    tune: bool,
     /// Serial number of the IMU; {stem}, {folder} and {parent} stand for parts of the log's name
     #[arg(long, value_name = "TEXT")]
     unit: Option<String>,
@@ -262,7 +259,6 @@ fn is_manifest(text: &str) -> bool {
 /// The command line has the last word.
 fn override_by(choice: &mut Choice, arguments: &Arguments) {
     choice.verb = match arguments.task {
-        _ if arguments.tune => Verb::Tune,
         Some(Task::Outages) => Verb::Outages,
         Some(Task::Navigate) => Verb::Navigate,
         Some(Task::Tune) => Verb::Tune,

@@ -537,7 +537,7 @@ fn a_fleet_is_tuned_drive_by_drive() {
     let Output { status, stderr, .. } = Command::new(env!("CARGO_BIN_EXE_undrift"))
         .arg("fleet")
         .arg(drives)
-        .args(["--tune", "--unit", "{parent}", "-o"])
+        .args(["--task", "tune", "--unit", "{parent}", "-o"])
         .arg(&out)
         .output()
         .unwrap();
