@@ -144,18 +144,9 @@ impl Default for Plan {
 impl Plan {
     /// The schedule for one drive; there is one.
     pub fn schedule(&self) -> Option<Schedule> {
-        let Self {
-            start_s,
-            every_s,
-            count,
-            ..
-        } = *self;
-        let every = if count.is_none() {
-            every_s.or(Some(EVERY))
-        } else {
-            every_s
-        };
-        Schedule::asked(self.at_s.clone(), every, count, start_s)
+        let usual = self.count.is_none().then_some(EVERY);
+        let every = self.every_s.or(usual);
+        Schedule::asked(self.at_s.clone(), every, self.count, self.start_s)
     }
 }
 

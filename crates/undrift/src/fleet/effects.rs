@@ -3,7 +3,7 @@
 
 use super::mixed::{Contrast, Fit, Grouping, Nested, Shift, quantile_95};
 use crate::{
-    results::{Effect, FleetEffects, Level, Scatter, Slope},
+    results::{Effect, FleetEffects, Level, Number, Scatter, Slope},
     series::to_digits,
 };
 use std::collections::{BTreeMap, BTreeSet};
@@ -36,6 +36,7 @@ const FEW: usize = 300;
 const ROUNDS: usize = 12;
 
 /// What a measure depends on.
+#[derive(Default)]
 pub struct Effects {
     pub model: FleetEffects,
     /// By part: the level at [`REFERENCE_C`].
@@ -224,7 +225,11 @@ pub fn effects(samples: &[Sample<'_>], parts: usize) -> Option<Effects> {
     });
     let factors = Vec::from_iter(factors);
     let p = answers().first().copied().flatten().unwrap_or(1.0);
-    let level = |part: usize| Some(at_reference(&fit.contrast(&nested, &design.level(part))?));
+    let level = |part: usize| {
+        let log = fit.contrast(&nested, &design.level(part))?;
+        let [value, low, high] = interval(log.estimate, log.half_width(), f64::exp);
+        Some(Level { value, low, high })
+    };
     let scatter = |ratio: f64| to_digits((fit.variance * ratio).sqrt()).into();
     Some(Effects {
         levels: (0..design.parts).map(level).collect(),
@@ -301,24 +306,15 @@ fn of_factor(levels: &[(&str, Contrast)]) -> Vec<Option<f64>> {
 }
 
 fn of_temperature(slope: &Contrast, p: f64) -> Slope {
-    let percent = |log: f64| to_digits(100.0 * log.exp_m1()).into();
+    let percent = |log: f64| 100.0 * log.exp_m1();
+    let [percent_per_k, low, high] = interval(slope.estimate, slope.half_width(), percent);
     Slope {
-        percent_per_k: percent(slope.estimate),
-        low: percent(slope.estimate - slope.half_width()),
-        high: percent(slope.estimate + slope.half_width()),
+        percent_per_k,
+        low,
+        high,
         freedom: to_digits(slope.freedom).into(),
         p: to_digits(p).into(),
         found: p < SIGNIFICANCE,
-    }
-}
-
-/// The level of a part from its logarithm.
-fn at_reference(log: &Contrast) -> Level {
-    let at = |log: f64| to_digits(log.exp()).into();
-    Level {
-        value: at(log.estimate),
-        low: at(log.estimate - log.half_width()),
-        high: at(log.estimate + log.half_width()),
     }
 }
 
@@ -449,12 +445,17 @@ fn of_one_family(mut questions: Vec<Vec<Option<f64>>>) -> Vec<Vec<Option<f64>>> 
     questions
 }
 
+/// What a logarithm and the ends of its interval stand for.
+fn interval(log: f64, half: f64, of: impl Fn(f64) -> f64) -> [Number; 3] {
+    [log, log - half, log + half].map(|log| to_digits(of(log)).into())
+}
+
 fn factor(log: f64, half: f64, freedom: f64, p: f64, found: bool) -> Effect {
-    let at = |log: f64| to_digits(log.exp()).into();
+    let [times, low, high] = interval(log, half, f64::exp);
     Effect {
-        times: at(log),
-        low: at(log - half),
-        high: at(log + half),
+        times,
+        low,
+        high,
         freedom: to_digits(freedom).into(),
         p: to_digits(p).into(),
         found,

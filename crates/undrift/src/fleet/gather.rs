@@ -1,6 +1,6 @@
 //! The outcomes in a folder into one table and one summary.
 
-use super::{FleetError, FleetOutcome, job_path, summary::Summary};
+use super::{FleetError, FleetOutcome, job_path, summary::Tally};
 use crate::results::{self, Fleet};
 use std::{
     io,
@@ -29,7 +29,7 @@ pub struct Gathering {
     path: PathBuf,
     #[cfg(feature = "parquet")]
     table: super::table::Table,
-    summary: Summary,
+    summary: Tally,
 }
 
 impl Gathering {
@@ -44,7 +44,7 @@ impl Gathering {
             #[cfg(feature = "parquet")]
             table: super::table::Table::create(&path).map_err(FleetError::file(&path))?,
             path,
-            summary: Summary::default(),
+            summary: Tally::default(),
         })
     }
 

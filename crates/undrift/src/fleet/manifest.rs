@@ -7,7 +7,7 @@ mod table;
 pub use choice::{Choice, Verb};
 
 use super::{Job, Task};
-use crate::drive::{ConfigError, DriveError, Section, parse, read_text};
+use crate::drive::{ConfigError, Section, parse};
 use choice::read_choice;
 use std::path::Path;
 
@@ -126,20 +126,11 @@ pub struct Manifest {
 }
 
 impl Manifest {
-    /// Reads a manifest.
-    ///
-    /// # Errors
-    /// A file that cannot be read or says something it cannot.
-    pub fn load(path: &Path) -> Result<Self, DriveError> {
-        let (text, file) = read_text(path)?;
-        Ok(Self::from_toml(&text, &file, |_| {})?)
-    }
-
     /// Reads the text of a manifest; `file` is what messages call it. `change` has the last word on what
     /// the manifest says of all and of each log.
     ///
     /// # Errors
-    /// As [`Manifest::load`].
+    /// A text that says something it cannot.
     pub fn from_toml(
         text: &str,
         file: &str,
@@ -259,17 +250,17 @@ impl Manifest {
     /// # Errors
     /// A malformed pattern; a file that cannot be read.
     pub fn look(folder: &str, lookup: &Lookup) -> Result<Vec<String>, String> {
-        match lookup {
-            Lookup::Files(pattern) => {
-                Self::matching(folder, pattern, Path::is_file).map_err(|error| error.to_string())
+        let found = match lookup {
+            Lookup::Files(pattern) => Self::matching(folder, pattern, Path::is_file),
+            Lookup::Folders(pattern) => Self::matching(folder, pattern, Path::is_dir),
+            Lookup::Text(name) => {
+                let text = std::fs::read_to_string(Path::new(folder).join(name));
+                return text
+                    .map(|text| vec![text])
+                    .map_err(|error| error.to_string());
             }
-            Lookup::Folders(pattern) => {
-                Self::matching(folder, pattern, Path::is_dir).map_err(|error| error.to_string())
-            }
-            Lookup::Text(name) => std::fs::read_to_string(Path::new(folder).join(name))
-                .map(|text| vec![text])
-                .map_err(|error| error.to_string()),
-        }
+        };
+        found.map_err(|error| error.to_string())
     }
 
     /// What a pattern stands for on this machine.

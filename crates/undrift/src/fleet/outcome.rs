@@ -158,18 +158,16 @@ pub(super) const TUNE: [&str; 6] = [
 
 /// Of an identified axis.
 pub(super) const IDENTIFY: [Field<Axis>; 8] = [
-    ("samples", |axis| Number(axis.samples as f64)),
-    ("mean", |axis| axis.mean),
-    ("white_noise", |axis| axis.allan_terms.white.value.into()),
-    ("bias_instability", |axis| {
-        axis.allan_terms.bias_instability.value.into()
+    ("samples", |of| Number(of.samples as f64)),
+    ("mean", |of| of.mean),
+    ("white_noise", |of| Number(of.allan_terms.white.value)),
+    ("bias_instability", |of| {
+        Number(of.allan_terms.bias_instability.value)
     }),
-    ("random_walk", |axis| {
-        axis.allan_terms.random_walk.value.into()
-    }),
-    ("drift_1s", |axis| drift(axis, "1")),
-    ("drift_10s", |axis| drift(axis, "10")),
-    ("drift_60s", |axis| drift(axis, "60")),
+    ("random_walk", |of| Number(of.allan_terms.random_walk.value)),
+    ("drift_1s", |of| drift(of, "1")),
+    ("drift_10s", |of| drift(of, "10")),
+    ("drift_60s", |of| drift(of, "60")),
 ];
 
 /// Drift of the recommended model over a horizon [s].

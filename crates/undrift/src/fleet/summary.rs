@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 use undrift_noise::order_statistics::median;
 
 /// One log's numbers.
-struct Log {
+struct OneLog {
     name: String,
     unit: Option<String>,
     sensor: Option<String>,
@@ -32,7 +32,7 @@ struct Log {
     untrusted: Vec<String>,
 }
 
-impl Log {
+impl OneLog {
     fn label(&self, name: &str) -> Option<&str> {
         self.labels.get(name).map(String::as_str)
     }
@@ -40,15 +40,15 @@ impl Log {
 
 /// Logs of a measure, their labels and why one is left out, and the effects on it.
 type Known<'a> = (
-    Vec<&'a Log>,
+    Vec<&'a OneLog>,
     Vec<(&'a str, Option<LeftOut>)>,
     Option<Effects>,
 );
 
 /// What is kept of the outcomes, a few numbers of each.
 #[derive(Default)]
-pub struct Summary {
-    logs: Vec<Log>,
+pub struct Tally {
+    logs: Vec<OneLog>,
     tasks: BTreeMap<String, u64>,
     /// Bias models and axes in the order in which they came.
     parts: Vec<String>,
@@ -57,7 +57,7 @@ pub struct Summary {
     warned: Vec<Warned>,
 }
 
-impl Summary {
+impl Tally {
     /// Adds an outcome.
     pub fn add(&mut self, outcome: &FleetOutcome) {
         let (log, unit) = (&outcome.log, &outcome.unit);
@@ -109,7 +109,7 @@ impl Summary {
                 }
             }
         }
-        self.logs.push(Log {
+        self.logs.push(OneLog {
             name: log.clone(),
             unit: unit.clone(),
             sensor: outcome.sensor.clone(),
@@ -136,9 +136,13 @@ impl Summary {
     }
 
     /// The logs that have a part of a measure, with its value.
-    fn of<'a>(&'a self, place: usize, part: &'a str) -> impl Iterator<Item = (&'a Log, f64)> + 'a {
+    fn of<'a>(
+        &'a self,
+        place: usize,
+        part: &'a str,
+    ) -> impl Iterator<Item = (&'a OneLog, f64)> + 'a {
         let key = (place, part.to_owned());
-        let value = move |log: &'a Log| Some((log, *log.values.get(&key)?));
+        let value = move |log: &'a OneLog| Some((log, *log.values.get(&key)?));
         self.logs.iter().filter_map(value)
     }
 
@@ -154,34 +158,28 @@ impl Summary {
             return None;
         }
         let (logs, labels, effects) = self.effects(place, &parts);
-        let (mut levels, mut units, mut factors) = (Vec::new(), BTreeMap::new(), Vec::new());
-        let (mut outliers, mut model) = (Vec::new(), None);
-        if let Some(effects) = effects {
-            let outlier = |(at, effect): (usize, Effect)| {
-                let log = logs.get(at)?;
-                Some(FleetOutlier {
-                    log: log.name.clone(),
-                    unit: log.unit.clone(),
-                    report: log.label("report").map(str::to_owned),
-                    temperature_c: log.temperature_c.into(),
-                    effect,
-                })
-            };
-            outliers = effects.logs.into_iter().filter_map(outlier).collect();
-            outliers.sort_by(|a, b| a.effect.p.0.total_cmp(&b.effect.p.0));
-            levels = effects.levels;
-            units = effects.units;
-            factors = effects.factors;
-            model = Some(effects.model);
-        }
-        let mut factors = factors.into_iter();
+        let model = effects.as_ref().map(|effects| effects.model);
+        let effects = effects.unwrap_or_default();
+        let outlier = |(at, effect): (usize, Effect)| {
+            let log = logs.get(at)?;
+            Some(FleetOutlier {
+                log: log.name.clone(),
+                unit: log.unit.clone(),
+                report: log.label("report").map(str::to_owned),
+                temperature_c: log.temperature_c.into(),
+                effect,
+            })
+        };
+        let mut outliers: Vec<_> = effects.logs.into_iter().filter_map(outlier).collect();
+        outliers.sort_by(|a, b| a.effect.p.0.total_cmp(&b.effect.p.0));
+        let mut factors = effects.factors.into_iter();
         let sensors = factors.next().unwrap_or_default();
         let by_label = labels.into_iter().map(|(label, left_out)| {
             let factor = left_out.is_none().then(|| factors.next()).flatten();
             self.label(place, &parts, label, left_out, factor)
         });
         let by_label = by_label.collect();
-        let level = |at: usize| levels.get(at).copied().flatten();
+        let level = |at: usize| effects.levels.get(at).copied().flatten();
         let of_parts = parts.iter().enumerate();
         Some(FleetMeasure {
             name: measure.name.into(),
@@ -194,7 +192,7 @@ impl Summary {
             best: self.best(place, &parts),
             effects: model,
             outliers,
-            by_unit: self.groups(place, &parts, &units, |log| log.unit.as_deref()),
+            by_unit: self.groups(place, &parts, &effects.units, |log| log.unit.as_deref()),
             by_sensor: self.groups(place, &parts, &sensors, |log| log.sensor.as_deref()),
             by_label,
         })
@@ -224,7 +222,7 @@ impl Summary {
 
     /// The logs that have the measure, their labels, and what it depends on; of a solution that diverged it does not.
     fn effects(&self, place: usize, parts: &[&str]) -> Known<'_> {
-        let sample = |log: &Log| {
+        let sample = |log: &OneLog| {
             let value = |(at, part): (usize, &&str)| {
                 let part = (*part).to_owned();
                 let trusted = !log.untrusted.contains(&part);
@@ -238,7 +236,7 @@ impl Summary {
                 .collect::<Vec<_>>()
         };
         let logs = self.logs.iter().map(|log| (log, sample(log)));
-        let (logs, values): (Vec<&Log>, Vec<_>) = logs.filter(|(_, v)| !v.is_empty()).unzip();
+        let (logs, values): (Vec<&OneLog>, Vec<_>) = logs.filter(|(_, v)| !v.is_empty()).unzip();
         let known: Vec<_> = logs
             .iter()
             .map(|log| (log.unit.as_deref(), &log.labels))
@@ -302,17 +300,17 @@ impl Summary {
         place: usize,
         parts: &[&str],
         effects: &BTreeMap<String, Effect>,
-        group: impl Fn(&Log) -> Option<&str>,
+        group: impl Fn(&OneLog) -> Option<&str>,
     ) -> Vec<FleetGroup> {
         let keys: Vec<(usize, String)> = parts.iter().map(|p| (place, (*p).to_owned())).collect();
-        let mut groups: BTreeMap<&str, Vec<&Log>> = BTreeMap::new();
+        let mut groups: BTreeMap<&str, Vec<&OneLog>> = BTreeMap::new();
         for log in &self.logs {
             let any = keys.iter().any(|key| log.values.contains_key(key));
             if let (Some(name), true) = (group(log), any) {
                 groups.entry(name).or_default().push(log);
             }
         }
-        let of_group = |(name, logs): (&str, Vec<&Log>)| {
+        let of_group = |(name, logs): (&str, Vec<&OneLog>)| {
             let of_part = |key: &(usize, String)| {
                 let values = logs.iter().filter_map(|log| log.values.get(key).copied());
                 let middle = median(&values.collect::<Vec<_>>());
@@ -330,7 +328,7 @@ impl Summary {
     }
 }
 
-fn log(log: &Log) -> FleetLog {
+fn log(log: &OneLog) -> FleetLog {
     let mut values: BTreeMap<String, Numbers> = BTreeMap::new();
     for ((place, part), value) in &log.values {
         let Some(measure) = MEASURES.get(*place) else {

@@ -1,6 +1,6 @@
 //! All outcomes as one table: a row for each outage, bias model or axis of each log, or for what failed.
 
-use super::{FleetOutcome, outcome::columns};
+use super::{FleetOutcome, Row, outcome::columns};
 use crate::findings::Finding;
 use std::{io, path::Path};
 use undrift_io::write::parquet_table::{ParquetTableWriter, Value};
@@ -58,16 +58,10 @@ impl Table {
             .iter()
             .map(|name| outcome.columns.iter().position(|column| column == name))
             .collect();
-        let rows = outcome.rows.iter().map(|row| {
-            let part = Some(row.part.as_str());
-            (
-                part,
-                row.note.as_deref(),
-                None,
-                row.outage,
-                row.values.as_slice(),
-            )
-        });
+        let rows = outcome
+            .rows
+            .iter()
+            .map(|row| (Some(row.part.as_str()), None, row));
         let labels = &outcome.labels;
         // Texts by texts can always be written.
         let labels =
@@ -80,30 +74,30 @@ impl Table {
         });
         let skipped = i32::try_from(skipped.sum::<u64>()).unwrap_or(i32::MAX);
         let whole = outcome.failed.as_deref().map(|why| (None, why));
-        let failed = outcome.failed_parts.iter();
+        let (failed, nothing) = (outcome.failed_parts.iter(), Row::default());
         // What failed as a whole says why its parts did.
         let parts = failed.map(|(part, why)| (Some(part.as_str()), why.as_str()));
         let failed = whole
             .into_iter()
             .chain(parts)
-            .map(|(part, why)| (part, None, Some(why), None, [].as_slice()));
-        for (part, note, failed, outage, values) in rows.chain(failed) {
+            .map(|(part, why)| (part, Some(why), &nothing));
+        for (part, failed, row) in rows.chain(failed) {
             let texts = [
                 Some(outcome.log.as_str()),
                 outcome.unit.as_deref(),
                 outcome.sensor.as_deref(),
                 Some(outcome.task.as_str()),
                 part,
-                note,
+                row.note.as_deref(),
                 failed,
                 Some(fingerprint),
                 labels.as_deref(),
                 warnings.as_deref(),
             ];
-            let value = |place: &Option<usize>| place.and_then(|place| *values.get(place)?);
+            let value = |place: &Option<usize>| place.and_then(|place| *row.values.get(place)?);
             let numbers = [outcome.temperature_c].into_iter();
             let numbers = numbers.chain(places.iter().map(value)).map(Value::Number);
-            let outage = outage.and_then(|n| i32::try_from(n).ok());
+            let outage = row.outage.and_then(|n| i32::try_from(n).ok());
             let row = texts
                 .into_iter()
                 .map(Value::Text)

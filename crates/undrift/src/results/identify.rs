@@ -53,30 +53,30 @@ pub struct Identify {
 impl Identify {
     /// The axes in the order of a sensor.
     pub fn in_order(&self) -> impl Iterator<Item = (&str, &Axis)> {
-        let known = AXES
-            .iter()
-            .filter_map(|name| self.axes.get_key_value(*name));
-        let others = self
-            .axes
-            .iter()
-            .filter(|(name, _)| !AXES.contains(&name.as_str()));
-        known
-            .chain(others)
-            .map(|(name, axis)| (name.as_str(), axis))
+        in_order(&self.axes)
     }
+}
+
+/// What is known by axis, in the order of a sensor; other names last.
+fn in_order<T>(axes: &BTreeMap<String, T>) -> impl Iterator<Item = (&str, &T)> {
+    let known = AXES.iter().filter_map(|name| axes.get_key_value(*name));
+    let others = axes
+        .iter()
+        .filter(|(name, _)| !AXES.contains(&name.as_str()));
+    known.chain(others).map(|(name, of)| (name.as_str(), of))
 }
 
 /// Of an axis that has an error there is nothing else.
 fn axes<S: Serializer>(axes: &BTreeMap<String, Axis>, serializer: S) -> Result<S::Ok, S::Error> {
     #[derive(Serialize)]
     #[serde(untagged)]
-    enum Found<'a> {
-        Failed { error: &'a String },
+    enum AxisOrError<'a> {
+        Error { error: &'a String },
         Axis(&'a Axis),
     }
     serializer.collect_map(axes.iter().map(|(name, axis)| match &axis.error {
-        Some(error) => (name, Found::Failed { error }),
-        None => (name, Found::Axis(axis)),
+        Some(error) => (name, AxisOrError::Error { error }),
+        None => (name, AxisOrError::Axis(axis)),
     }))
 }
 

@@ -130,11 +130,3 @@ pub(super) const MEASURES: [Measure; 14] = [
         column: ("bias_instability", 1e3 / STANDARD_GRAVITY),
     },
 ];
-
-#[test]
-fn every_measure_has_its_column() {
-    for measure in &MEASURES {
-        let columns = crate::fleet::outcome::columns(measure.of.0);
-        assert!(columns.iter().any(|name| name == measure.column.0));
-    }
-}

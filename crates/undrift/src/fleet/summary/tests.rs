@@ -5,7 +5,7 @@ use super::*;
 /// Sixty logs, six of each of ten units; the drift of those in the truck is 1.8 times the others', of which each
 /// differs a little; that of log 13 is 20 times as large.
 fn fleet() -> Fleet {
-    let mut summary = Summary::default();
+    let mut summary = Tally::default();
     for k in 0..60_u32 {
         let label = |name: &str, value: String| (name.to_owned(), value);
         let scatter = 1.0 + 0.01 * f64::from(k * 7 % 13) + 0.03 * f64::from(k / 6 * 3 % 7);
@@ -74,4 +74,12 @@ fn a_log_that_stands_out_has_its_report() {
     let [outlier] = fleet().measures.remove(0).outliers.try_into().unwrap();
     assert_eq!(outlier.log, "13");
     assert_eq!(outlier.report.as_deref(), Some("13.html"));
+}
+
+#[test]
+fn every_measure_has_its_column() {
+    for measure in &MEASURES {
+        let columns = crate::fleet::outcome::columns(measure.of.0);
+        assert!(columns.iter().any(|name| name == measure.column.0));
+    }
 }

@@ -3,7 +3,6 @@
 use super::Number;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use undrift_noise::model_file::AXES;
 
 /// What several records show beyond their common model.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -28,10 +27,7 @@ pub struct Pool {
 impl Pool {
     /// The axes in the order of a sensor.
     pub fn in_order(&self) -> impl Iterator<Item = (&str, &AxisPool)> {
-        let known = AXES
-            .iter()
-            .filter_map(|name| self.axes.get_key_value(*name));
-        known.map(|(name, axis)| (name.as_str(), axis))
+        super::in_order(&self.axes)
     }
 }
 
