@@ -7,7 +7,7 @@ use crate::{
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
-use undrift::{inspect, vehicle::Profile};
+use undrift::{inspect, results, vehicle::Profile};
 use undrift_report::inspect as report;
 
 /// Describe log files and write a starter drive file.
@@ -44,11 +44,8 @@ fn profile(name: &str) -> Result<Profile, String> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let outputs = arguments
-        .json
-        .file()
-        .into_iter()
-        .chain(arguments.output.as_deref());
+    let json = arguments.json.file().into_iter();
+    let outputs = json.chain(arguments.output.as_deref());
     let files = Files::claim(arguments.files.iter().map(PathBuf::as_path), outputs)?;
     let mut inspections = Vec::new();
     for file in &arguments.files {
@@ -62,7 +59,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let motion = terminal::stage("aligning", || inspect::motion(&mut inspections));
     inspections.iter_mut().for_each(report::fill);
-    let json = serde_json::to_string_pretty(&inspections)?;
+    let json = results::text(&inspections);
     let shown = arguments.json.write(&files, &json)?;
     if !shown {
         for inspection in &inspections {

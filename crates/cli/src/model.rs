@@ -10,7 +10,10 @@ use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},
 };
-use undrift::noise::{ImuModel, ModelFormat};
+use undrift::{
+    noise::{ImuModel, ModelFormat},
+    results,
+};
 
 /// Write the noise model of an IMU for Kalibr, KF-GINS, ROS, PX4 or MATLAB.
 #[derive(Args)]
@@ -40,18 +43,15 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let outputs = arguments
-        .json
-        .file()
-        .into_iter()
-        .chain(arguments.output.as_deref());
+    let json = arguments.json.file().into_iter();
+    let outputs = json.chain(arguments.output.as_deref());
     let Some(name) = &arguments.model else {
         return list(arguments, &Files::claim([], outputs)?);
     };
     let files = Files::claim([Path::new(name)], outputs)?;
     let model = ImuModel::resolve(name, Path::new(""))?;
     if arguments.json.is_wanted() {
-        let json = serde_json::to_string_pretty(&keys(&model)?)?;
+        let json = results::text(&keys(&model)?);
         arguments.json.write(&files, &json)?;
     }
     let Some(format) = arguments.to else {
@@ -71,7 +71,7 @@ fn list(arguments: &Arguments, files: &Files) -> Result<()> {
             .iter()
             .map(|(name, model)| Ok((*name, keys(model)?)))
             .collect::<Result<_>>()?;
-        let json = serde_json::to_string_pretty(&all)?;
+        let json = results::text(&all);
         if arguments.json.write(files, &json)? && arguments.output.is_none() {
             return Ok(());
         }
@@ -79,7 +79,7 @@ fn list(arguments: &Arguments, files: &Files) -> Result<()> {
     write(arguments, files, &presets::table(&presets))
 }
 
-/// The model file's own keys and values.
+/// The model file's own keys and values, which have a schema of their own.
 fn keys(model: &ImuModel) -> Result<toml::Table> {
     Ok(toml::from_str(&model.to_toml())?)
 }

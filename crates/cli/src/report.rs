@@ -3,8 +3,8 @@
 use crate::output::{Files, JsonOutput};
 use anyhow::{Context, Result};
 use clap::Args;
-use serde::Serialize;
 use std::path::{Path, PathBuf};
+use undrift::results::{self, ReportFiles};
 use undrift_report::{Document, figures, html};
 
 /// Make a report of one result, or compare several.
@@ -116,32 +116,26 @@ impl ResultOutput {
     }
 }
 
-/// What was made of what.
-#[derive(Serialize)]
-struct Made<'a> {
-    figures: Option<&'a Path>,
-    report: Option<&'a Path>,
-    results: &'a [PathBuf],
-}
-
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let made = Made {
-        figures: arguments.figures.as_deref(),
-        report: arguments.output.as_deref(),
-        results: &arguments.results,
-    };
-    let inputs = made.results.iter().map(PathBuf::as_path);
-    let outputs = made.report.into_iter().chain(arguments.json.file());
-    let files = Files::claim(inputs, outputs)?;
+    let (report, figures) = (arguments.output.as_deref(), arguments.figures.as_deref());
+    let inputs = arguments.results.iter().map(PathBuf::as_path);
+    let outputs = report.into_iter().chain(arguments.json.file());
+    let files = Files::claim(inputs.clone(), outputs)?;
     let read = |path: &PathBuf| {
         let text = std::fs::read_to_string(path);
         let text = text.with_context(|| format!("cannot read {}", path.display()));
         Ok((path.clone(), text?))
     };
-    let results = made.results.iter().map(read).collect::<Result<Vec<_>>>()?;
-    let document = undrift_report::of_results(&results)?;
-    write(&files, &document, made.report, made.figures)?;
-    let json = serde_json::to_string_pretty(&made)?;
+    let texts = arguments.results.iter().map(read);
+    let document = undrift_report::of_results(&texts.collect::<Result<Vec<_>>>()?)?;
+    write(&files, &document, report, figures)?;
+    let name = |path: &Path| path.display().to_string();
+    let made = ReportFiles {
+        figures: figures.map(name),
+        report: report.map(name),
+        results: inputs.map(name).collect(),
+    };
+    let json = results::text(&made);
     arguments.json.write(&files, &json).map(drop)
 }
 

@@ -17,7 +17,7 @@ mod outages;
 mod text;
 mod tune;
 
-pub use any::Results;
+pub use any::{ReportFiles, Results};
 pub use curve::{Curve, Track};
 pub use demo::{
     CutLength, Demo, DemoModel, Estimate, OneOne, Paper, PaperSolution, PooledErrors, ScanPoint,

@@ -27,6 +27,34 @@ pub fn conforms(result: &str) {
     );
 }
 
+/// What verbs write beside results is one of the schema's other shapes.
+#[test]
+fn what_is_no_result_conforms_too() {
+    let here = std::env::temp_dir().join(format!("undrift-schema-{}", std::process::id()));
+    std::fs::create_dir_all(&here).unwrap();
+    std::fs::write(here.join("imu.csv"), "time,gx,gy\n0,1,2\n1,1,2\n").unwrap();
+    let fleet = undrift::results::Fleet::default();
+    std::fs::write(here.join("fleet.json"), text(&fleet)).unwrap();
+    let root: Value =
+        serde_json::from_str(include_str!("../../../../docs/schema/results.schema.json")).unwrap();
+    for arguments in [
+        &["inspect", "imu.csv", "--json", "-"][..],
+        &["report", "fleet.json", "-o", "a.html", "--json", "-"],
+    ] {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_undrift"));
+        let output = command.args(arguments).current_dir(&here).output().unwrap();
+        let value: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let problems = root["anyOf"].as_array().unwrap().iter().map(|shape| {
+            let mut problems = Vec::new();
+            check(shape, &root, &value, "", &mut problems);
+            problems
+        });
+        let problems: Vec<_> = problems.collect();
+        assert!(problems.iter().any(Vec::is_empty), "{problems:#?}");
+    }
+    std::fs::remove_dir_all(&here).unwrap();
+}
+
 fn resolved<'a>(schema: &'a Value, root: &'a Value) -> &'a Value {
     match schema["$ref"].as_str() {
         Some(path) => resolved(root.pointer(path.strip_prefix('#').unwrap()).unwrap(), root),

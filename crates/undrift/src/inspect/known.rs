@@ -4,6 +4,7 @@ use serde::Serialize;
 
 /// How the value of a key is known.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Known {
     /// It follows from the file.
@@ -85,6 +86,7 @@ pub enum Known {
 
 /// Something worth knowing about a file.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Note {
     /// No header names the columns, and their numbers do not show what they are.
@@ -112,6 +114,7 @@ pub enum Note {
 
 /// What a part of a file holds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Content {
     /// The mean specific force \[m/s²\].

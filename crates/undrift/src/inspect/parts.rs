@@ -1,14 +1,16 @@
 //! What an inspection finds: the parts of a file, and the keys of a drive file that read them.
 
 use super::known::{Content, Known, Note};
-use serde::Serialize;
-use std::path::PathBuf;
+use serde::{Serialize, Serializer};
+use std::path::{Path, PathBuf};
 use undrift_io::Memory;
 
 /// What a file is.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Inspection {
     /// The file, as it was given.
+    #[serde(serialize_with = "shown")]
     pub file: PathBuf,
     /// Name of its format in a drive file.
     pub format: &'static str,
@@ -29,6 +31,8 @@ pub struct Inspection {
 
 /// A table of `DRIVE.toml` that reads something of the file.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(rename = "InspectedPart"))]
 pub struct Part {
     /// `imu`, `gnss` or `truth`.
     pub table: &'static str,
@@ -45,6 +49,8 @@ pub struct Part {
 
 /// A key of a drive file.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(rename = "InspectedLine"))]
 pub struct Line {
     /// The key.
     pub key: &'static str,
@@ -58,6 +64,7 @@ pub struct Line {
 
 /// What a part holds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Measured {
     /// Samples, fixes or reference solutions.
     pub records: u64,
@@ -87,6 +94,8 @@ pub struct Measured {
 
 /// When something starts.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(rename = "InspectedStart"))]
 pub struct Start {
     /// UTC, `yyyy-mm-ddThh:mm:ss.sssZ`.
     pub utc: String,
@@ -110,6 +119,11 @@ impl Line {
     pub(super) fn text(key: &'static str, value: &str, known: Known) -> Self {
         Self::new(key, quoted(value), known)
     }
+}
+
+/// A path as text, whatever its bytes.
+fn shown<S: Serializer>(path: &Path, to: S) -> Result<S::Ok, S::Error> {
+    to.collect_str(&path.display())
 }
 
 /// A text as TOML writes it.

@@ -38,3 +38,15 @@ impl Results {
         }
     }
 }
+
+/// What `report` wrote, and of which results.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ReportFiles {
+    /// The folder of its figures.
+    pub figures: Option<String>,
+    /// The page.
+    pub report: Option<String>,
+    /// The files of the results.
+    pub results: Vec<String>,
+}

@@ -2,13 +2,27 @@
 
 use schemars::{Schema, generate::SchemaSettings};
 use std::path::PathBuf;
-use undrift::results::Results;
+use undrift::{
+    inspect::Inspection,
+    results::{ReportFiles, Results},
+};
 
 /// The schemas by their files.
 fn schemas() -> Vec<(PathBuf, String)> {
     let written = SchemaSettings::draft2020_12().for_serialize();
-    let mut results: Schema = written.into_generator().into_root_schema_for::<Results>();
+    let mut generator = written.into_generator();
+    let others = [
+        generator.subschema_for::<Vec<Inspection>>(),
+        generator.subschema_for::<ReportFiles>(),
+    ];
+    let mut results: Schema = generator.into_root_schema_for::<Results>();
     add_kinds(&mut results);
+    if let Some(all) = results
+        .pointer_mut("/anyOf")
+        .and_then(|all| all.as_array_mut())
+    {
+        all.extend(others.map(Schema::to_value));
+    }
     [("results", results)]
         .into_iter()
         .map(|(name, schema)| {
