@@ -33,34 +33,16 @@ pub enum RecordingError {
         /// Length of the recording \[s\].
         length: f64,
     },
-    /// Recordings of different sample rates.
+    /// Recordings of different sample rates \[Hz\]: the first, and another.
     #[error(
-        "{other} has {other_hz:.3} Hz, {first} {first_hz:.3} Hz: recordings that are identified together need the same sample rate"
+        "{} has {:.3} Hz, {} {:.3} Hz: recordings that are identified together need the same sample rate", .1.0, .1.1, .0.0, .0.1
     )]
-    Rates {
-        /// The first record.
-        first: String,
-        /// Its rate \[Hz\].
-        first_hz: f64,
-        /// The other one.
-        other: String,
-        /// Its rate \[Hz\].
-        other_hz: f64,
-    },
-    /// Recordings of different axes.
+    Rates((String, f64), (String, f64)),
+    /// Recordings of different axes: the first, and another.
     #[error(
-        "{other} has {other_axes}, {first} {first_axes}: recordings that are identified together need the same axes"
+        "{} has {}, {} {}: recordings that are identified together need the same axes", .1.0, .1.1, .0.0, .0.1
     )]
-    Axes {
-        /// The first record.
-        first: String,
-        /// Its axes.
-        first_axes: String,
-        /// The other one.
-        other: String,
-        /// Its axes.
-        other_axes: String,
-    },
+    Axes((String, String), (String, String)),
     /// No axis could be identified.
     #[error("no axis could be identified")]
     NoAxis,
@@ -148,20 +130,12 @@ pub(super) fn common_rate(records: &[Prepared]) -> Result<f64, RecordingError> {
     };
     for other in records {
         if (other.rate_hz / first.rate_hz - 1.0).abs() > RATE_TOLERANCE {
-            return Err(RecordingError::Rates {
-                first: first.name.clone(),
-                first_hz: first.rate_hz,
-                other: other.name.clone(),
-                other_hz: other.rate_hz,
-            });
+            let rate = |one: &Prepared| (one.name.clone(), one.rate_hz);
+            return Err(RecordingError::Rates(rate(first), rate(other)));
         }
         if other.record.axes != first.record.axes {
-            return Err(RecordingError::Axes {
-                first: first.name.clone(),
-                first_axes: first.record.axes.join(" "),
-                other: other.name.clone(),
-                other_axes: other.record.axes.join(" "),
-            });
+            let axes = |one: &Prepared| (one.name.clone(), one.record.axes.join(" "));
+            return Err(RecordingError::Axes(axes(first), axes(other)));
         }
     }
     Ok(longest.rate_hz)
