@@ -60,13 +60,9 @@ pub struct Share {
     pub warnings: Vec<String>,
 }
 
-/// Records of one axis, identified together.
-#[derive(Clone, Debug)]
+/// What records of one axis, identified together, show beyond its model.
+#[derive(Clone, Debug, Default)]
 pub struct Pool {
-    /// The model of all records, with tests, spectrum and correlations of the longest.
-    pub axis: Axis,
-    /// Position of the longest.
-    pub longest: usize,
     /// The records in the order given.
     pub records: Vec<Share>,
     /// The spread of their constants.
@@ -85,7 +81,8 @@ pub struct Pool {
     pub differing: Vec<Difference>,
 }
 
-/// Identifies one axis from several records of it. `level` is the probability of taking any of them for different though
+/// Identifies one axis from several records of it: the model of all, with tests, spectrum and correlations of the
+/// longest, and what they show beyond it. `level` is the probability of taking any of them for different though
 /// all are of one process.
 ///
 /// # Errors
@@ -94,7 +91,7 @@ pub fn identify_pool(
     records: &[Sampled<'_>],
     accelerometer: bool,
     level: f64,
-) -> Result<Pool, PoolError> {
+) -> Result<(Axis, Pool), PoolError> {
     let in_record = |record| move |error| PoolError { record, error };
     let longest = (0..records.len()).max_by_key(|k| (records[*k].samples.len(), records.len() - k));
     let longest = longest.ok_or(PoolError {
@@ -145,8 +142,7 @@ pub fn identify_pool(
     let compared = Records::new(&cleaned, block, 1.0 / rate_hz, terms);
     let found = compared.compare(&mut shares, level);
     let between = Between::of(shares.iter().map(|s| (s.level, s.level_standard_error)));
-    Ok(Pool {
-        longest,
+    let pool = Pool {
         common: turn_on_of(between.mean, accelerometer),
         between,
         records: shares,
@@ -155,8 +151,8 @@ pub fn identify_pool(
         inflation: found.inflation,
         p_value: found.p_value,
         differing: found.differing,
-        axis,
-    })
+    };
+    Ok((axis, pool))
 }
 
 /// The sum of terms that records are compared by: the recommended one, else the most likely one, else white noise.

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use std::collections::BTreeMap;
 use undrift_noise::{
-    identify::{self as noise, Between, Difference, IdentifyError, Sampled, Share},
+    identify::{self as noise, Between, IdentifyError, Sampled, Share},
     number::rounded,
 };
 
@@ -25,23 +25,11 @@ pub struct Pool {
     /// Names and samples of the records.
     pub records: Vec<(String, usize)>,
     /// The axes that were identified, by name.
-    pub axes: Vec<(&'static str, PooledAxis)>,
+    pub axes: Vec<(&'static str, noise::Pool)>,
     /// Whether the sensor was laid down differently between the records; `None` where that cannot be seen.
     pub moved: Option<bool>,
     /// Largest angle between the specific forces of two records \[rad\]; 0 without three accelerometers.
     pub tilt: f64,
-}
-
-/// One axis of several records: [`noise::Pool`] without the axis' model.
-pub struct PooledAxis {
-    records: Vec<Share>,
-    between: Between,
-    common: f64,
-    likelihood_ratio: f64,
-    degrees_of_freedom: f64,
-    inflation: f64,
-    p_value: f64,
-    differing: Vec<Difference>,
 }
 
 /// The standard deviation of a turn-on constant that several records determine.
@@ -92,7 +80,7 @@ pub(super) fn run_pool(
             let grid = found
                 .as_ref()
                 .ok()
-                .and_then(|pool| pool.axis.normality.quantisation);
+                .and_then(|(axis, _)| axis.normality.quantisation);
             let samples = sampled[longest].samples;
             let series = RecordSeries::of(samples, rate_hz, grid.map(|grid| grid.step));
             done();
@@ -115,31 +103,14 @@ pub(super) fn run_pool(
     for (name, found, series) in found {
         identified.series.push(series);
         match found {
-            Ok(found) => {
-                let noise::Pool {
-                    mut axis,
-                    records: shares,
-                    ..
-                } = found;
-                for (pooled, share) in records.iter().zip(&shares) {
+            Ok((mut axis, pool)) => {
+                for (pooled, share) in records.iter().zip(&pool.records) {
                     let of_it = share.warnings.iter();
                     axis.warnings
                         .extend(of_it.map(|text| format!("{}: {text}", pooled.name)));
                 }
                 identified.axes.push((name, Ok(axis)));
-                axes.push((
-                    name,
-                    PooledAxis {
-                        records: shares,
-                        between: found.between,
-                        common: found.common,
-                        likelihood_ratio: found.likelihood_ratio,
-                        degrees_of_freedom: found.degrees_of_freedom,
-                        inflation: found.inflation,
-                        p_value: found.p_value,
-                        differing: found.differing,
-                    },
-                ));
+                axes.push((name, pool));
             }
             Err(problem) => {
                 let record = problem.record.map(|k| records[k].name.clone());
@@ -168,9 +139,9 @@ pub(super) fn run_pool(
 /// A tilt moves the specific force across its direction and not along it; constants of the sensor do both alike. So
 /// where the scatter across is larger than that of the force's size, by an F test of 2(n − 1) and n − 1 degrees of
 /// freedom, the sensor was moved.
-fn laid_down(axes: &[(&'static str, PooledAxis)]) -> (Option<bool>, f64) {
+fn laid_down(axes: &[(&'static str, noise::Pool)]) -> (Option<bool>, f64) {
     let accels = axes.iter().filter(|(name, _)| name.starts_with("accel"));
-    let accels: Vec<&PooledAxis> = accels.map(|(_, axis)| axis).collect();
+    let accels: Vec<&noise::Pool> = accels.map(|(_, axis)| axis).collect();
     let [x, y, z] = accels[..] else {
         return (None, 0.0);
     };
@@ -204,7 +175,7 @@ fn laid_down(axes: &[(&'static str, PooledAxis)]) -> (Option<bool>, f64) {
 }
 
 impl Pool {
-    fn axis(&self, name: &str) -> Option<&PooledAxis> {
+    fn axis(&self, name: &str) -> Option<&noise::Pool> {
         self.axes
             .iter()
             .find(|(axis, _)| *axis == name)
@@ -302,7 +273,7 @@ impl Pool {
         }
     }
 
-    fn axis_result(&self, name: &str, axis: &PooledAxis) -> AxisPool {
+    fn axis_result(&self, name: &str, axis: &noise::Pool) -> AxisPool {
         let between = &axis.between;
         let turn_on = self.turn_on(name).map(|found| results::TurnOn {
             records: between.records as u64,

@@ -12,7 +12,7 @@ fn normal(random: &mut Random, sigma: f64) -> f64 {
 
 /// Whether accelerometers with such levels were laid down differently.
 fn moved(forces: &[[f64; 3]]) -> Option<bool> {
-    let axis = |i: usize| PooledAxis {
+    let axis = |i: usize| noise::Pool {
         records: forces
             .iter()
             .map(|force| Share {
@@ -20,13 +20,7 @@ fn moved(forces: &[[f64; 3]]) -> Option<bool> {
                 ..Share::default()
             })
             .collect(),
-        between: Between::default(),
-        common: 0.0,
-        likelihood_ratio: 0.0,
-        degrees_of_freedom: 0.0,
-        inflation: 1.0,
-        p_value: 1.0,
-        differing: Vec::new(),
+        ..noise::Pool::default()
     };
     laid_down(&[
         ("accel_x", axis(0)),
