@@ -20,6 +20,15 @@ use undrift_report::{figures, text};
 
 /// Static records in the folder of `--data`: the one identified, and the one played back on the drives.
 const RECORDS: [&str; 2] = ["run2.csv.gz", "run1.csv.gz"];
+/// Files in the folder of `--out`.
+const FILES: [&str; 6] = [
+    "demo.json",
+    "figure1-record.csv",
+    "figure3-correlation.csv",
+    "figure4-trajectory.csv",
+    "figure5-drift.csv",
+    "demo.svg",
+];
 
 /// Identify a sensor, cut GNSS on simulated drives, and compare the noise models.
 ///
@@ -52,10 +61,22 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let files = Files::claim([], arguments.result.files())?;
     if let Some(folder) = &arguments.out {
         output::make_folder(folder)?;
     }
+    let within = |folder: &Option<PathBuf>, names: &[&str]| {
+        let files = folder
+            .iter()
+            .flat_map(|folder| names.iter().map(|name| folder.join(name)));
+        Vec::from_iter(files)
+    };
+    let inputs = within(&arguments.data, &RECORDS);
+    let outputs = within(&arguments.out, &FILES);
+    let outputs = outputs.iter().map(PathBuf::as_path);
+    let files = Files::claim(
+        inputs.iter().map(PathBuf::as_path),
+        outputs.chain(arguments.result.files()),
+    )?;
     let bar = Bar::at_once("simulated", arguments.drives, "drives");
     let source = match &arguments.data {
         Some(folder) => recorded(folder)?,
@@ -121,17 +142,16 @@ fn write(
     result: &results::Demo,
     json: &str,
 ) -> Result<()> {
-    let put = |name: &str, text: &str| files.write(&folder.join(name), text);
-    put("demo.json", json)?;
-    put(
-        "figure1-record.csv",
-        &tables::record_csv(&demo.record, demo::RATE_HZ),
-    )?;
-    put(
-        "figure3-correlation.csv",
-        &text::correlation_csv(&result.identification, "gyro_z"),
-    )?;
-    put("figure4-trajectory.csv", &tables::trajectory_csv(demo))?;
-    put("figure5-drift.csv", &tables::drift_csv(result))?;
-    write_drawn(files, &folder.join("demo.svg"), json, figures::experiment)
+    let texts = [
+        json.to_owned(),
+        tables::record_csv(&demo.record, demo::RATE_HZ),
+        text::correlation_csv(&result.identification, "gyro_z"),
+        tables::trajectory_csv(demo),
+        tables::drift_csv(result),
+    ];
+    for (name, text) in FILES.iter().zip(texts) {
+        files.write(&folder.join(name), &text)?;
+    }
+    let [.., picture] = FILES;
+    write_drawn(files, &folder.join(picture), json, figures::experiment)
 }

@@ -1,6 +1,6 @@
 //! `undrift report`: results that were written as JSON, for reading.
 
-use crate::output::{Files, JsonOutput};
+use crate::output::{Files, JsonOutput, make_folder};
 use anyhow::{Context, Result};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -149,7 +149,10 @@ fn write(
         files.write(path, &html::render(document))?;
     }
     if let Some(folder) = figures {
-        figures::write(document, folder).map_err(anyhow::Error::msg)?;
+        make_folder(folder)?;
+        for (name, svg) in figures::svgs(document) {
+            files.write(&folder.join(name), &svg)?;
+        }
     }
     Ok(())
 }

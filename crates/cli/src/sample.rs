@@ -1,6 +1,9 @@
 //! `undrift sample`: simulated logs to try the other verbs on.
 
-use crate::terminal::say;
+use crate::{
+    output::{self, Files},
+    terminal::say,
+};
 use anyhow::{Context, Result};
 use clap::Args;
 use std::path::PathBuf;
@@ -51,16 +54,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         arguments.folder.join("static.csv"),
         arguments.folder.join("drive"),
     );
-    let written = std::fs::create_dir_all(&arguments.folder)
-        .and_then(|()| at_rest.write_record(&record))
-        .and_then(|()| {
-            let driven = SimulatedLog {
-                trajectory: &Trajectory::car(DRIVE, seed),
-                seed: seed.wrapping_add(1),
-                ..at_rest
-            };
-            driven.write(&drive)
-        });
+    output::make_folder(&drive)?;
+    let outputs = SimulatedLog::FILES.map(|name| drive.join(name));
+    Files::claim([], outputs.iter().chain([&record]).map(PathBuf::as_path))?;
+    let driven = SimulatedLog {
+        trajectory: &Trajectory::car(DRIVE, seed),
+        seed: seed.wrapping_add(1),
+        ..at_rest
+    };
+    let written = at_rest.write_record(&record);
+    let written = written.and_then(|()| driven.write(&drive));
     written.with_context(|| format!("cannot write into {}", arguments.folder.display()))?;
     say(format!(
         "static recording: {}\ndrive: {}",

@@ -46,11 +46,15 @@ pub fn man(arguments: &Man, mut command: Command) -> Result<()> {
         return terminal::result(page(&command)?.trim_end());
     };
     output::make_folder(folder)?;
-    let files = Files::claim([], [])?;
     let verbs = command.get_subcommands().filter(|verb| !verb.is_hide_set());
-    for command in [&command].into_iter().chain(verbs) {
+    let pages = [&command].into_iter().chain(verbs).map(|command| {
         let name = command.get_display_name().unwrap_or(command.get_name());
-        files.write(&folder.join(format!("{name}.1")), &page(command)?)?;
+        (folder.join(format!("{name}.1")), command)
+    });
+    let pages = Vec::from_iter(pages);
+    let files = Files::claim([], pages.iter().map(|(file, _)| file.as_path()))?;
+    for (file, command) in &pages {
+        files.write(file, &page(command)?)?;
     }
     Ok(())
 }

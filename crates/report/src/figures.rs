@@ -10,9 +10,23 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Writes every figure of the document into a directory, which is made where it is missing, as SVG; returns
-/// what was written. Letters of a name that a file cannot have become dashes; a second figure of one
-/// name becomes NAME-2.
+/// Every figure of the document as the name and the text of an SVG file. Letters of a name that a file cannot have become
+/// dashes; a second figure of one name becomes NAME-2.
+pub fn svgs(document: &Document) -> impl Iterator<Item = (String, String)> {
+    let mut names: HashMap<String, usize> = HashMap::new();
+    document.figures().map(move |figure| {
+        let stem = file_stem(&figure.name);
+        let nth = names.entry(stem.clone()).or_insert(0);
+        *nth += 1;
+        let name = match nth {
+            1 => format!("{stem}.svg"),
+            _ => format!("{stem}-{nth}.svg"),
+        };
+        (name, of(figure, "panel").file())
+    })
+}
+
+/// Writes [`svgs`] into a directory, which is made where it is missing; returns what was written.
 ///
 /// # Errors
 /// A sentence for the user when a file cannot be written.
@@ -20,17 +34,9 @@ pub fn write(document: &Document, dir: &Path) -> Result<Vec<PathBuf>, String> {
     let at = |path: &Path, problem: String| format!("cannot write {}: {problem}", path.display());
     std::fs::create_dir_all(dir).map_err(|e| at(dir, e.to_string()))?;
     let mut written = Vec::new();
-    let mut names: HashMap<String, usize> = HashMap::new();
-    for figure in document.figures() {
-        let stem = file_stem(&figure.name);
-        let nth = names.entry(stem.clone()).or_insert(0);
-        *nth += 1;
-        let path = dir.join(match nth {
-            1 => format!("{stem}.svg"),
-            _ => format!("{stem}-{nth}.svg"),
-        });
-        undrift::io::write::write_whole(&path, of(figure, "panel").file())
-            .map_err(|e| at(&path, e.to_string()))?;
+    for (name, svg) in svgs(document) {
+        let path = dir.join(name);
+        undrift::io::write::write_whole(&path, svg).map_err(|e| at(&path, e.to_string()))?;
         written.push(path);
     }
     Ok(written)

@@ -2,10 +2,10 @@
 
 use super::{GnssFixes, GnssNoise, IdealImu, SensorErrors, SimulationError, Trajectory};
 use std::{
-    fs::File,
     io::{self, BufWriter, Write},
     path::Path,
 };
+use undrift_io::write::{PendingFile, write_whole};
 use undrift_nav::{sample::Position, shaping::ShapingFilter};
 
 /// A drive and its sensors.
@@ -31,24 +31,33 @@ pub struct SimulatedLog<'a> {
 const TRUTH_EVERY: usize = 10;
 
 impl SimulatedLog<'_> {
-    /// Writes `imu.csv`, `gnss.csv`, `truth.csv` and `drive.toml` into a folder, streamed.
+    /// The files that [`SimulatedLog::write`] makes in its folder.
+    pub const FILES: [&'static str; 4] = ["imu.csv", "truth.csv", "gnss.csv", "drive.toml"];
+
+    /// Writes a drive into a folder, streamed; each file whole or not at all.
     ///
     /// # Errors
     /// What cannot be simulated or written.
     pub fn write(&self, folder: &Path) -> io::Result<()> {
         std::fs::create_dir_all(folder)?;
-        let create = |name| File::create(folder.join(name)).map(BufWriter::new);
-        self.write_inertial(create("imu.csv")?, create("truth.csv")?)?;
-        self.write_fixes(create("gnss.csv")?)?;
-        std::fs::write(folder.join("drive.toml"), self.drive_file())
+        let [imu, truth, gnss, drive] = Self::FILES.map(|name| folder.join(name));
+        let [mut imu, mut truth, mut gnss] = [create(&imu)?, create(&truth)?, create(&gnss)?];
+        self.write_inertial(&mut imu, &mut truth)?;
+        self.write_fixes(&mut gnss)?;
+        for file in [imu, truth, gnss] {
+            file.into_inner()?.finish()?;
+        }
+        write_whole(&drive, self.drive_file())
     }
 
-    /// Writes the inertial log alone.
+    /// Writes the inertial log alone, whole or not at all.
     ///
     /// # Errors
     /// What cannot be simulated or written.
     pub fn write_record(&self, file: &Path) -> io::Result<()> {
-        self.write_inertial(BufWriter::new(File::create(file)?), io::sink())
+        let mut imu = create(file)?;
+        self.write_inertial(&mut imu, io::sink())?;
+        imu.into_inner()?.finish()
     }
 
     fn write_inertial(&self, mut imu: impl Write, mut truth: impl Write) -> io::Result<()> {
@@ -98,8 +107,7 @@ impl SimulatedLog<'_> {
                 )?;
             }
         }
-        imu.flush()?;
-        truth.flush()
+        Ok(())
     }
 
     fn write_fixes(&self, mut gnss: impl Write) -> io::Result<()> {
@@ -133,7 +141,7 @@ impl SimulatedLog<'_> {
             }
             writeln!(gnss)?;
         }
-        gnss.flush()
+        Ok(())
     }
 
     fn drive_file(&self) -> String {
@@ -167,6 +175,10 @@ attitude = ["roll_deg", "pitch_deg", "yaw_deg"]
             self.model, lever.x, lever.y, lever.z
         )
     }
+}
+
+fn create(file: &Path) -> io::Result<BufWriter<PendingFile>> {
+    PendingFile::create(file).map(BufWriter::new)
 }
 
 fn invalid(error: SimulationError) -> io::Error {

@@ -325,6 +325,20 @@ fn names_that_promise_another_content() {
 }
 
 #[test]
+fn samples_are_not_written_in_part() {
+    let case = good().write("samples_refused");
+    std::fs::create_dir_all(case.path("logs/drive/truth.csv")).unwrap();
+    let outcome = case.run(&["sample", "logs"]);
+    assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
+    says(
+        &outcome.stderr,
+        &["cannot write logs/drive/truth.csv: it is a folder"],
+    );
+    assert!(case.read("logs/static.csv").is_none());
+    assert!(case.read("logs/drive/imu.csv").is_none());
+}
+
+#[test]
 fn a_result_never_replaces_what_it_is_made_from() {
     let case = good().write("replaces");
     let (imu, gnss, drive) = (
@@ -333,6 +347,10 @@ fn a_result_never_replaces_what_it_is_made_from() {
         case.read("drive.toml"),
     );
     let dotted = format!("{}/../replaces/imu.csv", case.path("").display());
+    std::fs::create_dir(case.path("rest")).unwrap();
+    for record in ["rest/run1.csv.gz", "rest/run2.csv.gz"] {
+        case.put(record, imu_text().as_bytes());
+    }
     for arguments in [
         &["navigate", "drive.toml", "-o", "imu.csv"][..],
         &["navigate", "drive.toml", "-o", &dotted],
@@ -353,6 +371,7 @@ fn a_result_never_replaces_what_it_is_made_from() {
         &["inspect", "imu.csv", "-o", "imu.csv"],
         &["identify", "imu.csv", "-o", "imu.csv"],
         &["identify", "imu.csv", "--json", "imu.csv"],
+        &["demo", "--data", "rest", "--json", "rest/run1.csv.gz"],
     ] {
         let outcome = case.run(arguments);
         assert_eq!(outcome.code, Some(1), "{arguments:?} {}", outcome.stderr);

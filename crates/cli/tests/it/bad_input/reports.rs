@@ -315,6 +315,16 @@ fn figures_become_files() {
     };
     // PNG comes from the page.
     assert!(count("svg") >= 8 && count("png") == 0);
+    // A result that is called like one of its figures stays.
+    let outcome = case.run(&["navigate", "drive.toml", "--json", "nav.json"]);
+    assert!(outcome.succeeded(), "{}", outcome.stderr);
+    let mut files = std::fs::read_dir(&figures).unwrap().flatten();
+    let figure = format!("figures/{}", files.next().unwrap().file_name().display());
+    std::fs::copy(case.path("nav.json"), case.path(&figure)).unwrap();
+    let outcome = case.run(&["report", &figure, "--figures", "figures"]);
+    assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
+    says(&outcome.stderr, &["this run reads it"]);
+    assert!(case.read(&figure) == case.read("nav.json"));
 }
 
 #[test]
