@@ -49,7 +49,7 @@ pub(super) fn of(log: Log, finding: &Finding) -> String {
             "{name}: rejected {} and down-weighted {weakened}, all far from the prediction",
             many(*rejected, "measurement")
         ),
-        _ => String::new(),
+        other => unreachable!("not one of a log: {other:?}"),
     }
 }
 

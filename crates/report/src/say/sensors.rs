@@ -45,7 +45,7 @@ pub(super) fn still(finding: &Finding) -> String {
             name(*axis),
             if *axis < 3 { "imu.gyro" } else { "imu.accel" }
         ),
-        _ => String::new(),
+        other => unreachable!("not one of a value that repeats: {other:?}"),
     }
 }
 
