@@ -21,6 +21,7 @@ use crate::{
     parameters::Coupling,
     shaping::{AxisMatrix, MAX_ORDER, ShapingFilter},
 };
+use core::array::from_fn;
 
 pub use crate::sample::AXES;
 
@@ -258,7 +259,7 @@ impl Sensors {
 
     /// Standard deviations of the sensor errors `H x` [rad/s, m/s²] under a covariance of the error state.
     pub fn error_std(&self, covariance: impl Fn(usize, usize) -> f64) -> [f64; AXES] {
-        core::array::from_fn(|axis| {
+        from_fn(|axis| {
             let (filter, at) = (&self.axes[axis], self.start[axis]);
             let mut variance = 0.0;
             for i in 0..filter.order {
@@ -350,12 +351,13 @@ impl Sensors {
         let moved = transition.carry(nav, &errors);
         // Lying down, so that what is done to a state is done to a row; row by row, so that no wide read
         // waits for narrow writes.
-        let mut turned = [[0.0; EVEN]; N];
-        for j in 0..N {
+        let mut turned: [[f64; EVEN]; N] = from_fn(|j| {
+            let mut row = [0.0; EVEN];
             for i in 0..NAV {
-                turned[j][i] = moved[i][j];
+                row[i] = moved[i][j];
             }
-        }
+            row
+        });
 
         // Navigation block: A J Aᵀ as A (A J)ᵀ, J the joint covariance of (n, ε).
         let gamma = transition.input();

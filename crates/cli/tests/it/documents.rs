@@ -112,7 +112,7 @@ fn the_tutorial_prints_what_it_shows() {
 
 /// Commands of the pages that this test leaves out, and why.
 const LEFT_OUT: [(&str, &str); 6] = [
-    ("undrift demo", "the gate's stage demo runs it; minutes"),
+    ("undrift demo", "minutes; the browser tests make its report"),
     (
         "undrift completions",
         "writes where shells look; terminal.rs",

@@ -24,7 +24,7 @@ const SAMPLES: usize = 2000;
 pub struct Beginning {
     /// Time of the first sample \[s\].
     pub time: Option<f64>,
-    /// Mean interval of the samples, gaps left out \[s\].
+    /// Mean interval of the samples, gaps left out \[s\]; none where one of them cannot be read.
     pub interval: Option<f64>,
 }
 
@@ -99,19 +99,24 @@ fn begin(logs: &Logs, (path, format): &(PathBuf, ImuFormat)) -> (Option<Epoch>, 
         return Default::default();
     };
     let mut epoch = reader.epoch();
-    let mut read = Vec::with_capacity(SAMPLES);
+    let (mut read, mut failed) = (Vec::with_capacity(SAMPLES), false);
     while read.len() < SAMPLES
-        && let Some(Ok(sample)) = reader.next()
+        && let Some(sample) = reader.next()
     {
+        let Ok(sample) = sample else {
+            failed = true;
+            break;
+        };
         read.push(sample);
         if read.len() <= RECORDS {
             epoch = epoch.or(reader.epoch());
         }
     }
+    // The first interval is made up.
+    let intervals = read.iter().skip(1).map(|sample| sample.dt).collect();
     let beginning = Beginning {
         time: read.first().map(|sample: &ImuSample| sample.time),
-        // The first interval is made up.
-        interval: mean_interval(read.iter().skip(1).map(|sample| sample.dt).collect()),
+        interval: mean_interval(intervals).filter(|_| !failed),
     };
     (
         epoch.filter(|_| format.time_offset.abs() < OTHER_CLOCK),
