@@ -261,7 +261,7 @@ impl ImuModel {
     }
 
     /// Reads a model from a table in the `text` of another file, e.g. an inline `model = { … }`, where `format`
-    /// and `version` may be left out. `file` and the dotted key `path` of the table are for messages.
+    /// and `version` are optional. Messages name `file` and the dotted key `path` of the table.
     ///
     /// # Errors
     /// [`ModelError::Entry`] as [`ImuModel::from_toml`], with the line in `text`.

@@ -105,7 +105,7 @@ fn lag_one(x: &[f64], near: f64) -> Option<f64> {
     (about.squared() > LEFT * about.squares).then(|| about.lagged() / about.squared())
 }
 
-/// LagOneSums over samples less a number: of themselves, their squares and the products of neighbours.
+/// Sums over samples less a number: of themselves, their squares and the products of neighbours.
 struct LagOneSums {
     count: f64,
     total: f64,

@@ -1,4 +1,4 @@
-// Axes of a plot on the screen: ticks and labels that have room. Where uPlot knows better, they are its own.
+// Axes of a plot on the screen: ticks and labels that have room. Linear ticks are uPlot's own.
 "use strict";
 
 const FONT = "12px system-ui, sans-serif";

@@ -24,7 +24,7 @@ const SAMPLES: usize = 2000;
 pub struct Beginning {
     /// Time of the first sample \[s\].
     pub time: Option<f64>,
-    /// Mean interval of the samples, gaps left out \[s\]; none where one of them cannot be read.
+    /// Mean interval of the samples without gaps \[s\]; `None` if one of them cannot be read.
     pub interval: Option<f64>,
 }
 

@@ -82,7 +82,7 @@ pub struct Prepared {
     pub record: Record,
     /// Sample rate \[Hz\].
     pub rate_hz: f64,
-    /// Why it is no static recording, if it is none.
+    /// Why it is not a static recording, if so.
     pub not_static: Option<NotStatic>,
 }
 

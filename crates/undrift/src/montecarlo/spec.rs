@@ -279,7 +279,7 @@ fn read_start(section: &Section) -> Result<(AlignSettings, Option<Vector3>), Con
     Ok((read_initial(section)?, truth_std))
 }
 
-/// Spacing of the epochs and the beginning left out \[s\].
+/// Spacing of the epochs, and the time at the start that is not evaluated \[s\].
 fn read_epochs(section: &Section, rate_hz: f64, duration: f64) -> Result<(f64, f64), ConfigError> {
     let every = section.quantity("every", Quantity::Time)?.unwrap_or(1.0);
     let samples = every * rate_hz;
