@@ -20,6 +20,7 @@ pub mod normality;
 pub mod number;
 pub mod order_statistics;
 pub mod pandit_wu;
+pub mod parallel;
 mod prediction;
 pub mod presets;
 mod quasi_newton;

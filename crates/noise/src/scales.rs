@@ -21,7 +21,7 @@ pub use lift::{Lifted, lift};
 use crate::arma::{ArmaError, ArmaFit, FitOptions, fit};
 use crate::composite::{CompositeError, average_in_blocks};
 use crate::number::OrNull;
-use rayon::prelude::*;
+use crate::parallel;
 use serde::{Deserialize, Serialize};
 use undrift_nav::shaping::ShapingFilter;
 
@@ -156,10 +156,8 @@ pub fn identify(
     if record.iter().any(|v| v.is_infinite()) {
         return Err(CompositeError::NotFinite);
     }
-    let mut scales: Vec<ScaleFit> = blocks
-        .par_iter()
-        .map(|&block| scale(record, interval, block, effort))
-        .collect();
+    let of_block = |k: usize| scale(record, interval, blocks[k], effort);
+    let mut scales: Vec<ScaleFit> = parallel::collect(blocks.len(), of_block);
     scales.sort_by_key(|s| s.block);
     let seen: Vec<usize> = (0..scales.len()).filter(|&i| scales[i].seen).collect();
     let agreeable = |&i: &usize| {

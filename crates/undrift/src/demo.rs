@@ -22,8 +22,8 @@ use crate::{
     simulate::{REST_BEFORE, SimulationError},
 };
 use models::Model;
-use rayon::prelude::*;
 use sensor::Ride;
+use undrift_noise::parallel;
 use undrift_noise::{ModelError, identify::Options, model_file::AXES};
 
 /// Data sheet of the sensor.
@@ -247,15 +247,16 @@ fn ridden(
     done: &(dyn Fn(u64) + Sync),
 ) -> Vec<Vec<ModelOutcome>> {
     let of_model = |model: &Model| {
-        let outcomes = rides.par_iter().flat_map(|ride| {
+        let outcomes = parallel::collect(rides.len(), |drive| {
+            let ride = &rides[drive];
             let settings = settings(ride, length, model);
             let named = [(model.name.to_owned(), settings)];
             let samples = ride.samples(model.samples);
             outages::run(samples, &ride.fixes, &ride.simulation.truth, &named, done)
         });
-        outcomes.collect()
+        outcomes.into_iter().flatten().collect()
     };
-    models.par_iter().map(of_model).collect()
+    parallel::collect(models.len(), |k| of_model(&models[k]))
 }
 
 /// How a model navigates a drive.

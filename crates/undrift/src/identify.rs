@@ -15,7 +15,7 @@ pub use settings::{Prepared, RecordingError, Settings, prepare, provenance};
 pub use undrift_noise::screening::Trend;
 
 use crate::record::Record;
-use rayon::prelude::*;
+use undrift_noise::parallel;
 use undrift_noise::{
     ImuModel, Provenance,
     identify::{Axis, IdentifyError, Options, identify},
@@ -72,25 +72,22 @@ pub fn recordings(
 
 /// Identifies every axis of a record, on all cores. `done` is called after each axis.
 pub fn run(record: &Record, options: &Options<'_>, done: impl Fn() + Sync) -> Identified {
-    let (axes, series) = record
-        .axes
-        .par_iter()
-        .zip(&record.samples)
-        .map(|(name, samples)| {
-            let found = identify(samples, name.starts_with("accel"), options);
-            let step = found
-                .as_ref()
-                .ok()
-                .and_then(|axis| axis.normality.quantisation);
-            let series = RecordSeries::of(samples, options.rate_hz, step.map(|q| q.step));
-            done();
-            let found = found.map_err(|error| AxisError {
-                record: None,
-                error,
-            });
-            ((*name, found), series)
-        })
-        .unzip();
+    let axes = parallel::collect(record.axes.len(), |axis| {
+        let (name, samples) = (record.axes[axis], &record.samples[axis]);
+        let found = identify(samples, name.starts_with("accel"), options);
+        let step = found
+            .as_ref()
+            .ok()
+            .and_then(|axis| axis.normality.quantisation);
+        let series = RecordSeries::of(samples, options.rate_hz, step.map(|q| q.step));
+        done();
+        let found = found.map_err(|error| AxisError {
+            record: None,
+            error,
+        });
+        ((name, found), series)
+    });
+    let (axes, series) = axes.into_iter().unzip();
     Identified {
         rate_hz: options.rate_hz,
         timing: record.timing.clone(),

@@ -30,7 +30,6 @@ use crate::{
 use rand::{Rng, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use rayon::prelude::*;
 use std::cell::Cell;
 use undrift_nav::{
     Matrix3, Quaternion, Vector3,
@@ -40,6 +39,7 @@ use undrift_nav::{
     sample::{GnssFix, ImuSample, Position, TruthSample},
 };
 use undrift_noise::ModelError;
+use undrift_noise::parallel;
 
 /// Why there is no Monte Carlo.
 #[derive(Debug, thiserror::Error)]
@@ -119,14 +119,11 @@ pub fn run(
         .map(|_| report::RunSums::new(stage.truth.len(), stage.fix_times.len()))
         .collect();
     for (batch, seeds) in seeds.chunks(BATCH).enumerate() {
-        let outcomes: Vec<_> = seeds
-            .par_iter()
-            .map(|seeds| {
-                let outcome = stage.one_run(*seeds);
-                done();
-                outcome
-            })
-            .collect();
+        let outcomes = parallel::collect(seeds.len(), |run| {
+            let outcome = stage.one_run(seeds[run]);
+            done();
+            outcome
+        });
         // In the order of the runs, so that sums round alike on any number of cores.
         for (at, outcome) in outcomes.into_iter().enumerate() {
             let outcomes = outcome.map_err(|error| error.at_run(batch * BATCH + at + 1))?;

@@ -4,7 +4,7 @@
 
 use crate::{
     estimator::{Estimator, STAMP_ROUNDING},
-    results::{Number, Numbers},
+    results::{Numbers, by_name},
 };
 use undrift_nav::{
     Matrix3, Quaternion, Vector3,
@@ -39,10 +39,7 @@ pub struct Errors(pub [f64; 10]);
 impl Errors {
     /// By component.
     pub fn numbers(&self) -> Numbers {
-        let named = COMPONENTS.iter().zip(self.0);
-        named
-            .map(|(name, value)| ((*name).to_owned(), Number(value)))
-            .collect()
+        by_name(COMPONENTS.into_iter().zip(self.0))
     }
 
     /// Nothing known.

@@ -10,6 +10,7 @@ mod demo;
 mod drive;
 mod fleet;
 mod identify;
+mod known;
 mod montecarlo;
 mod navigate;
 mod number;
@@ -32,11 +33,11 @@ pub use identify::{
     Differing, GridFit, Histogram, Identify, NotFitted, Order, OrderRow, OrderTest, Origin,
     PanditWuOrders, ParameterInterval, Pool, PooledRecord, Psd, RecordShare, Residuals, TurnOn,
 };
+pub(crate) use known::{finding, findings};
 pub use montecarlo::{Group, MonteCarlo, MonteCarloDrive, MonteCarloModel, NisKind, Verdict};
-pub(crate) use navigate::known;
 pub use navigate::{Fixes, Navigate, NavigateSeries, Nis, Parameter, StdFactors, Summary};
-pub(crate) use number::numbers;
 pub use number::{Number, Numbers};
+pub(crate) use number::{by_name, numbers};
 pub use outages::{Cut, Drift, ModelErrors, NisOfParts, OutageErrors, OutageSeries, Outages};
 pub use text::text;
 pub use tune::{Tune, TunedDrift, TunedParameter, TunedVibration};

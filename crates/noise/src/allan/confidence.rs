@@ -8,8 +8,8 @@
 
 use super::deviation::{Curve, DeviationKind, Point};
 use super::noise_type::noise_types;
+use crate::parallel;
 use crate::screening::record::RecordError;
-use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Terms of the sum over lags; with more it is an integral, or where that is not smooth, a sum on a
@@ -87,8 +87,11 @@ pub fn intervals_of(
             upper: scale(quantile(0.5 - 0.5 * level)),
         }
     };
-    let points = curve.points.par_iter().zip(alphas).with_min_len(SHARE);
-    Ok(points.map(bound).collect())
+    let shares = parallel::collect(curve.points.len().div_ceil(SHARE), |share| {
+        let points = curve.points.iter().zip(alphas).skip(share * SHARE);
+        Vec::from_iter(points.take(SHARE).map(bound))
+    });
+    Ok(shares.into_iter().flatten().collect())
 }
 
 /// Equivalent degrees of freedom of a variance at `m` of `samples` rates under noise type `alpha`

@@ -5,8 +5,8 @@
 //! to `S`, which none of them sees; without it `S` stays small and keeps its digits.
 
 use super::{every_factor, octaves};
+use crate::parallel;
 use crate::screening::record::{RecordError, check, check_rate, mean, prefix_sums};
-use rayon::prelude::*;
 
 /// Which deviation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -257,7 +257,7 @@ fn energies(
         DeviationKind::Overlapping if factors.len() >= SPREAD => {
             every_factor::energies(&sums, factors, |m| one(&m))
         }
-        _ if factors.len() >= SPREAD => factors.par_iter().map(one).collect(),
+        _ if factors.len() >= SPREAD => parallel::collect(factors.len(), |k| one(&factors[k])),
         DeviationKind::Overlapping | DeviationKind::Hadamard => {
             shared_pass(&sums, rates.len(), kind, factors)
         }

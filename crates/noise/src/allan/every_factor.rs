@@ -21,8 +21,8 @@
 //! differences at their period, and where that is short, half of all factors are such.
 
 use super::sliding_products::Plan;
+use crate::parallel;
 use crate::screening::record::{mean, prefix_sums, sum_of};
-use rayon::prelude::*;
 
 /// Relative error up to which an energy is taken. The deviation has half of it, of which a record's
 /// chance is at least 1 / √(2N): 10⁵ times as much at 10⁸ samples.
@@ -78,7 +78,7 @@ pub(super) fn energies(
         });
     }
     strays.append(&mut open);
-    let summed: Vec<f64> = strays.par_iter().map(|&k| direct(factors[k])).collect();
+    let summed = parallel::collect(strays.len(), |k| direct(factors[strays[k]]));
     for (&k, energy) in strays.iter().zip(summed) {
         energies[k] = energy;
     }
@@ -128,7 +128,8 @@ fn pass(sums: &[f64], limit: usize, length: usize) -> Energies {
     let starts: Vec<usize> = (0..sums.len() - overlap)
         .step_by(length - overlap)
         .collect();
-    let one = |&start: &usize| {
+    let one = |k: usize| {
+        let start: usize = starts[k];
         let end = sums.len().min(start + length);
         let mut found = record(&sums[start..end], &plan);
         if end < sums.len() {
@@ -141,7 +142,7 @@ fn pass(sums: &[f64], limit: usize, length: usize) -> Energies {
         rounding: 0.0,
         squares: 0.0,
     };
-    let blocks: Vec<Energies> = starts.par_iter().map(one).collect();
+    let blocks = parallel::collect(starts.len(), one);
     blocks.iter().for_each(|found| total.add(found, 1.0));
     total
 }

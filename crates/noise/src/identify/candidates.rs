@@ -8,6 +8,7 @@
 use super::{
     Candidate, GRID_ORDER, HIGH_ORDER_SAMPLES, NotFitted, Origin, SEARCH_SAMPLES, horizons, remarks,
 };
+use crate::parallel;
 use crate::{
     BiasModel,
     allan::{self, Curve, DeviationKind, Grid, Terms},
@@ -22,7 +23,6 @@ use crate::{
     temperature::Regressors,
     whiteness,
 };
-use rayon::prelude::*;
 use undrift_nav::shaping::ShapingFilter;
 
 /// Effort of the search over orders.
@@ -520,10 +520,9 @@ pub(super) fn candidates(task: &Task) -> Tried {
     let reversed: Vec<Vec<f64>> = task.records.iter().map(backward).collect();
     let folds = Fold::all(&task.records, &reversed, task.rate_hz);
     let recipes = recipes(task, pandit_wu.as_ref());
-    let candidates: Vec<Candidate> = recipes
-        .into_par_iter()
-        .filter_map(|recipe| task.candidate(recipe, fit(recipe)?, &folds))
-        .collect();
+    let candidate = |k: usize| task.candidate(recipes[k], fit(recipes[k])?, &folds);
+    let candidates = parallel::collect(recipes.len(), candidate);
+    let candidates: Vec<Candidate> = candidates.into_iter().flatten().collect();
     let missing = Method::ALL.into_iter().filter(|method| {
         let name = method.candidate();
         candidates.iter().all(|candidate| candidate.name != name)

@@ -5,7 +5,8 @@ use crate::{
     identify::result::{adequacy, pandit_wu},
     outages::path,
     results::{
-        self, Curve, CutLength, DemoModel, Drift, OneOne, SCHEMA, ScanPoint, VERSION, numbers,
+        self, Curve, CutLength, DemoModel, Drift, OneOne, SCHEMA, ScanPoint, VERSION, by_name,
+        numbers,
     },
     series::{to_digits, to_millimetre, to_millisecond},
 };
@@ -43,8 +44,7 @@ impl Demo {
     }
 
     fn by_name(&self, of: &[Pooled]) -> BTreeMap<String, results::PooledErrors> {
-        let names = self.models.iter().map(|(name, _)| (*name).to_owned());
-        names.zip(of.iter().map(Into::into)).collect()
+        by_name(self.models.iter().map(|(name, _)| *name).zip(of))
     }
 }
 
@@ -89,10 +89,8 @@ impl From<&Paper> for results::Paper {
             adequacy: of.orders.as_ref().map(adequacy).unwrap_or_default(),
             one_one: one_one.collect(),
             residuals: of.residuals.as_ref().map(Into::into),
-            largest: largest
-                .map(|(name, e)| (name.clone(), e.numbers()))
-                .collect(),
-            solutions: solutions.map(|t| (t.name.to_owned(), t.into())).collect(),
+            largest: by_name(largest.map(|(name, e)| (name.as_str(), e.numbers()))),
+            solutions: by_name(solutions.map(|t| (t.name, t))),
             scan: of
                 .scan
                 .iter()

@@ -15,13 +15,13 @@ use crate::{
 use rand::{Rng, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use rayon::prelude::*;
 use undrift_nav::{
     Vector3, covariance,
     earth::STANDARD_GRAVITY,
     sample::{GnssFix, ImuSample},
     shaping::ShapingFilter,
 };
+use undrift_noise::parallel;
 use undrift_noise::{AxisModel, BiasModel, ImuModel, model_file::AXES};
 
 /// White noise of the gyros [deg/√h].
@@ -173,16 +173,18 @@ pub(super) fn rides(
         Source::Recorded { played, .. } => Some(centred(played, experiment.drives)?),
     };
     let (_, seeds) = seeds(experiment);
-    let ride = |(drive, seed): (usize, &u64)| {
+    let ride = |drive: usize| {
+        let seed = seeds[drive];
         let errors = match &played {
             Some(played) => played[drive * samples..][..samples].to_vec(),
-            None => drawn(*seed, samples)?,
+            None => drawn(seed, samples)?,
         };
-        let ride = Ride::new(*seed, &errors);
+        let ride = Ride::new(seed, &errors);
         done();
         ride
     };
-    seeds.par_iter().enumerate().map(ride).collect()
+    let rides = parallel::collect(seeds.len(), ride);
+    rides.into_iter().collect()
 }
 
 /// Errors of the simulated sensor.

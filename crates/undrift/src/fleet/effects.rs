@@ -3,7 +3,7 @@
 
 use super::mixed::{Contrast, Fit, Grouping, Nested, Shift, quantile_95};
 use crate::{
-    results::{Effect, FleetEffects, Level, Number, Scatter, Slope},
+    results::{Effect, FleetEffects, Level, Number, Scatter, Slope, by_name},
     series::to_digits,
 };
 use std::collections::{BTreeMap, BTreeSet};
@@ -221,7 +221,7 @@ pub fn effects(samples: &[Sample<'_>], parts: usize) -> Option<Effects> {
         let effect = |((name, contrast), p): ((&str, Contrast), Option<f64>)| {
             (name.to_owned(), of_contrast(&contrast, p.unwrap_or(1.0)))
         };
-        levels.into_iter().zip(answers()).map(effect).collect()
+        by_name(levels.into_iter().zip(answers()).map(effect))
     });
     let factors = Vec::from_iter(factors);
     let p = answers().first().copied().flatten().unwrap_or(1.0);
@@ -294,7 +294,7 @@ fn of_units(
         Some((name.to_owned(), effect))
     };
     let units = names.iter().zip(p).enumerate();
-    units.filter_map(unit).collect()
+    by_name(units.filter_map(unit))
 }
 
 /// Probabilities of the levels of a factor, adjusted among themselves.

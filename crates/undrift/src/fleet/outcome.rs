@@ -6,7 +6,7 @@ use crate::{
     findings::Finding,
     hash::hexadecimal,
     reference::COMPONENTS,
-    results::{self, Axis, Cut, Navigate, Number, OutageErrors, known},
+    results::{self, Axis, Cut, Navigate, Number, OutageErrors, finding, findings},
 };
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -35,7 +35,7 @@ pub struct FleetOutcome {
     /// Bias models or axes that nothing came of, and why.
     pub failed_parts: BTreeMap<String, String>,
     /// What was found out about the log.
-    #[serde(default, deserialize_with = "known")]
+    #[serde(default, deserialize_with = "findings")]
     pub findings: Vec<Finding>,
     /// The same in sentences, and those of identified axes; who keeps outcomes fills them in.
     pub warnings: Vec<String>,
@@ -56,7 +56,7 @@ pub struct Row {
     /// The model that was recommended, or the sentence of `finding`.
     pub note: Option<String>,
     /// Why the numbers cannot be trusted, if so.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "finding")]
     pub finding: Option<Finding>,
     /// A number for each of [`FleetOutcome::columns`]; `None` where there is none.
     pub values: Vec<Option<f64>>,

@@ -11,7 +11,7 @@ use super::{
 use crate::{
     results::{
         Bin, Effect, Fleet, FleetGroup, FleetLabel, FleetLog, FleetMeasure, FleetOutlier,
-        FleetPart, LeftOut, Level, Number, Numbers, SCHEMA, Trouble, VERSION, Warned,
+        FleetPart, LeftOut, Level, Number, Numbers, SCHEMA, Trouble, VERSION, Warned, by_name,
     },
     series::to_digits,
 };
@@ -278,7 +278,7 @@ impl Tally {
 
     /// On how many of the logs that have all parts each one is the least.
     fn best(&self, place: usize, parts: &[&str]) -> BTreeMap<String, u64> {
-        let mut best = vec![0; parts.len()];
+        let mut best = vec![0_u64; parts.len()];
         for log in &self.logs {
             let value = |part: &&str| log.values.get(&(place, (*part).to_owned())).copied();
             let values: Option<Vec<f64>> = parts.iter().map(value).collect();
@@ -291,7 +291,7 @@ impl Tally {
             }
         }
         let counts = parts.iter().zip(best);
-        counts.map(|(part, n)| ((*part).to_owned(), n)).collect()
+        by_name(counts.map(|(part, n)| (*part, n)))
     }
 
     /// The medians of the logs of each group, and what it differs by.
@@ -315,12 +315,12 @@ impl Tally {
                 let values = logs.iter().filter_map(|log| log.values.get(key).copied());
                 let middle = median(&values.collect::<Vec<_>>());
                 let known = middle.is_finite();
-                known.then(|| (key.1.clone(), Number(to_digits(middle))))
+                known.then(|| (key.1.clone(), to_digits(middle)))
             };
             FleetGroup {
                 name: name.to_owned(),
                 logs: logs.len() as u64,
-                median: keys.iter().filter_map(of_part).collect(),
+                median: by_name(keys.iter().filter_map(of_part)),
                 effect: effects.get(name).copied(),
             }
         };

@@ -5,16 +5,16 @@ use super::{
     result::{deviation, unit},
 };
 use crate::results::{self, Identify, SCHEMA, VERSION};
-use rayon::prelude::*;
 use undrift_noise::identify::{AllanDeviation, allan_deviation};
+use undrift_noise::parallel;
 
 /// The Allan deviation of every axis of a recording and its terms, on all cores, as a result without tests and models.
 #[must_use]
 pub fn allan_deviations(prepared: &Prepared, settings: &Settings) -> Identify {
     let record = &prepared.record;
     let options = &settings.options(record, prepared.rate_hz);
-    let axes = record.axes.par_iter().zip(&record.samples);
-    let axes = axes.map(|(axis, samples)| {
+    let axes = parallel::collect(record.axes.len(), |k| {
+        let (axis, samples) = (record.axes[k], &record.samples[k]);
         let found = match allan_deviation(samples, options) {
             Ok(AllanDeviation {
                 curve,
@@ -32,7 +32,7 @@ pub fn allan_deviations(prepared: &Prepared, settings: &Settings) -> Identify {
                 ..results::Axis::default()
             },
         };
-        ((*axis).to_owned(), found)
+        (axis, found)
     });
     Identify {
         undrift: VERSION.into(),
@@ -41,7 +41,7 @@ pub fn allan_deviations(prepared: &Prepared, settings: &Settings) -> Identify {
         rate_hz: prepared.rate_hz.into(),
         timing: record.timing.clone(),
         skipped_rows: record.skipped.total(),
-        axes: axes.collect(),
+        axes: results::by_name(axes),
         pool: None,
     }
 }

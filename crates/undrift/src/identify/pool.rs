@@ -4,10 +4,9 @@ use super::{
     AxisError, Identified, RecordSeries, RecordingError,
     settings::{Prepared, Settings, common_rate},
 };
-use crate::results::{self, AxisPool, Differing, Number, PooledRecord, RecordShare};
-use rayon::prelude::*;
+use crate::results::{self, AxisPool, Differing, Number, PooledRecord, RecordShare, by_name};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
-use std::collections::BTreeMap;
+use undrift_noise::parallel;
 use undrift_noise::{
     identify::{self as noise, Between, IdentifyError, Sampled, Share},
     number::rounded,
@@ -67,26 +66,22 @@ pub(super) fn run_pool(
     let longest =
         (0..records.len()).max_by_key(|k| (records[*k].record.length(), records.len() - k));
     let longest = longest.unwrap_or(0);
-    let found: Vec<_> = names
-        .par_iter()
-        .enumerate()
-        .map(|(axis, name)| {
-            let sampled = records.iter().map(|pooled| Sampled {
-                samples: &pooled.record.samples[axis],
-                options: settings.options(&pooled.record, rate_hz),
-            });
-            let sampled: Vec<Sampled<'_>> = sampled.collect();
-            let found = noise::identify_pool(&sampled, name.starts_with("accel"), level);
-            let grid = found
-                .as_ref()
-                .ok()
-                .and_then(|(axis, _)| axis.normality.quantisation);
-            let samples = sampled[longest].samples;
-            let series = RecordSeries::of(samples, rate_hz, grid.map(|grid| grid.step));
-            done();
-            (*name, found, series)
-        })
-        .collect();
+    let found = parallel::collect(names.len(), |axis| {
+        let sampled = records.iter().map(|pooled| Sampled {
+            samples: &pooled.record.samples[axis],
+            options: settings.options(&pooled.record, rate_hz),
+        });
+        let sampled: Vec<Sampled<'_>> = sampled.collect();
+        let found = noise::identify_pool(&sampled, names[axis].starts_with("accel"), level);
+        let grid = found
+            .as_ref()
+            .ok()
+            .and_then(|(axis, _)| axis.normality.quantisation);
+        let samples = sampled[longest].samples;
+        let series = RecordSeries::of(samples, rate_hz, grid.map(|grid| grid.step));
+        done();
+        (names[axis], found, series)
+    });
     let mut identified = Identified {
         rate_hz,
         timing: records[longest].record.timing.clone(),
@@ -258,7 +253,7 @@ impl Pool {
         let axes = self
             .axes
             .iter()
-            .map(|(name, axis)| ((*name).to_owned(), self.axis_result(name, axis)));
+            .map(|(name, axis)| (*name, self.axis_result(name, axis)));
         let records = self.records.iter().map(|(record, samples)| PooledRecord {
             record: record.clone(),
             samples: *samples as u64,
@@ -269,7 +264,7 @@ impl Pool {
             homogeneous: self.is_homogeneous(),
             moved: self.moved,
             tilt: self.tilt.into(),
-            axes: axes.collect::<BTreeMap<_, _>>(),
+            axes: by_name(axes),
         }
     }
 

@@ -3,7 +3,7 @@
 use super::Identified;
 use crate::results::{
     self, Adf, Allan, ArmaOrigin, BoxJenkins, GridFit, Identify, Number, Numbers, OrderRow,
-    OrderTest, Origin, PanditWuOrders, SCHEMA, VERSION, numbers,
+    OrderTest, Origin, PanditWuOrders, SCHEMA, VERSION, by_name, numbers,
 };
 use undrift_noise::{
     allan::{Interval, Point, Terms},
@@ -39,7 +39,7 @@ impl Identified {
                         ..results::Axis::default()
                     },
                 };
-                ((*name).to_owned(), axis)
+                (*name, axis)
             });
         Identify {
             undrift: VERSION.into(),
@@ -48,7 +48,7 @@ impl Identified {
             rate_hz: self.rate_hz.into(),
             timing: self.timing.clone(),
             skipped_rows: self.skipped_rows,
-            axes: axes.collect(),
+            axes: by_name(axes),
             pool: self.pool.as_ref().map(super::Pool::result),
         }
     }
@@ -73,7 +73,7 @@ fn axis(name: &str, axis: &Axis) -> results::Axis {
         noise_shown: axis.noise_shown.map(Number),
         adf: Adf {
             fixed: axis.adf,
-            by_rule: by_rule.map(|(rule, adf)| ((*rule).into(), *adf)).collect(),
+            by_rule: by_name(by_rule.copied()),
         },
         kpss: axis.kpss,
         phillips_perron: axis.phillips_perron,
@@ -211,9 +211,7 @@ fn box_jenkins(selection: &Selection) -> BoxJenkins {
 fn candidate(candidate: &Candidate) -> results::Candidate {
     let by_horizon = |of: fn(&HorizonScore) -> f64| -> Numbers {
         let scores = candidate.score.iter();
-        scores
-            .map(|s| (format!("{}", s.horizon_s.round()), of(s).into()))
-            .collect()
+        by_name(scores.map(|s| (s.horizon_s.round().to_string(), of(s))))
     };
     let model = &candidate.model;
     let arma = model.arma.as_ref();

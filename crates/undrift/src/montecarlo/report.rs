@@ -6,7 +6,7 @@ use crate::{
         average_bounds,
     },
     replay::STAMP_ROUNDING,
-    results::{Group, MonteCarloModel, NisKind, Number, Verdict, numbers},
+    results::{Group, MonteCarloModel, NisKind, Number, Verdict, by_name, numbers},
 };
 use undrift_nav::sample::TruthSample;
 
@@ -122,12 +122,8 @@ impl RunSums {
         let from = self.started + settle - STAMP_ROUNDING;
         let first_epoch = truth.partition_point(|t| t.time < from);
         let first_fix = fix_times.partition_point(|t| *t < from);
-        let coverage = (0..COMPONENTS).filter_map(|i| {
-            Some((
-                COMPONENT_NAMES[i].into(),
-                numbers(self.settled.coverage(i)?),
-            ))
-        });
+        let coverage = (0..COMPONENTS)
+            .filter_map(|i| Some((COMPONENT_NAMES[i], numbers(self.settled.coverage(i)?))));
         MonteCarloModel {
             name,
             diverged: self.diverged as u64,
@@ -136,7 +132,7 @@ impl RunSums {
                 .filter(|group| self.freedom[*group] > 0)
                 .map(|group| self.group(group, first_epoch))
                 .collect(),
-            coverage: coverage.collect(),
+            coverage: by_name(coverage),
             nis: ["position", "velocity"]
                 .into_iter()
                 .enumerate()

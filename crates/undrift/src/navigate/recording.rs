@@ -7,7 +7,7 @@ use crate::{
     findings::WITHOUT_GNSS,
     reference::{COMPONENTS, Errors},
     replay::MOST_EVENTS,
-    results::{Curve, Fixes, NavigateSeries, Track},
+    results::{Curve, Fixes, NavigateSeries, Track, by_name},
     series::{Envelope, ROWS, Thinned, to_digits, to_millimetre, to_millisecond},
 };
 use std::collections::BTreeMap;
@@ -218,8 +218,6 @@ fn add(series: &mut [Envelope], time: f64, values: impl IntoIterator<Item = f64>
 
 fn named(names: &[&str], series: &[Envelope]) -> BTreeMap<String, Curve> {
     let named = names.iter().zip(series);
-    named
-        .filter(|(_, series)| !series.is_empty())
-        .map(|(name, series)| ((*name).to_owned(), series.curve()))
-        .collect()
+    let known = named.filter(|(_, series)| !series.is_empty());
+    by_name(known.map(|(name, series)| (*name, series.curve())))
 }

@@ -4,7 +4,9 @@ use super::Report;
 use crate::{
     consistency::GROUP,
     replay::{self, Innovations},
-    results::{Drive, Navigate, Nis, Number, Parameter, SCHEMA, StdFactors, Summary, VERSION},
+    results::{
+        Drive, Navigate, Nis, Number, Parameter, SCHEMA, StdFactors, Summary, VERSION, by_name,
+    },
 };
 use undrift_noise::BiasModel;
 
@@ -35,9 +37,9 @@ impl Report {
             std_factors: StdFactors { position, velocity },
             velocity_sign_wrong: s.wrong_signs.iter().map(|i| AXES[*i].into()).collect(),
             rms_error: self.rmse.as_ref().map(|(errors, _)| errors.numbers()),
-            nees_per_dof: groups
-                .map(|((name, ..), mean)| (name.replace(' ', "_"), mean.per_freedom().into()))
-                .collect(),
+            nees_per_dof: by_name(
+                groups.map(|((name, ..), mean)| (name.replace(' ', "_"), mean.per_freedom())),
+            ),
             compared_samples: self.rmse.as_ref().map(|(_, n)| *n),
             skipped: skipped.into(),
             summary: summary(s),
@@ -79,7 +81,7 @@ fn summary(s: &replay::Summary) -> Summary {
         zero_velocity: s.zero_velocity,
         odometer: s.odometer,
         barometer: s.barometer,
-        parameters: s.parameters.iter().map(parameter).collect(),
+        parameters: by_name(s.parameters.iter().map(parameter)),
         contradictions: s.contradictions.clone(),
         more_contradictions: s.more_contradictions,
         leans: s.leans.clone(),

@@ -9,7 +9,7 @@ use crate::{
     replay::Outage,
     results::{
         Cut, Drift, ModelErrors, NisOfParts, Number, Numbers, OutageErrors, Outages, SCHEMA, Track,
-        VERSION, numbers,
+        VERSION, by_name, numbers,
     },
     series::{ROWS, Thinned, to_digits, to_millimetre, to_millisecond},
 };
@@ -70,14 +70,10 @@ impl From<&errors::ModelErrors> for ModelErrors {
             median: errors.median.numbers(),
             end_rms: errors.end_rms.numbers(),
             nees: by_group(&errors.nees),
-            inside_sigma: GROUPS
-                .iter()
-                .enumerate()
-                .filter_map(|(group, (name, _))| {
-                    let shares = errors.coverage.shares(group)?;
-                    Some(((*name).to_owned(), shares.map(Number)))
-                })
-                .collect(),
+            inside_sigma: by_name(GROUPS.iter().enumerate().filter_map(|(group, (name, _))| {
+                let shares = errors.coverage.shares(group)?;
+                Some((*name, shares.map(Number)))
+            })),
             left_out: errors.left_out as u64,
             per_outage: errors.per_outage.iter().map(outage).collect(),
             finding: errors.finding.clone(),
@@ -89,9 +85,7 @@ impl From<&errors::ModelErrors> for ModelErrors {
 fn by_group(values: &[f64; 3]) -> Numbers {
     let named = GROUPS.iter().zip(values);
     let known = named.filter(|(_, value)| value.is_finite());
-    known
-        .map(|((name, _), value)| ((*name).to_owned(), Number(*value)))
-        .collect()
+    by_name(known.map(|((name, _), value)| (*name, *value)))
 }
 
 fn drift(run: &ModelRun) -> Drift {

@@ -8,11 +8,11 @@ use crate::{
     replay::{Measurement, Observer, ReplayError, Settings, Summary, replay},
     smooth::{self, History},
 };
-use rayon::prelude::*;
 use undrift_nav::{
     mechanisation::NavState,
     sample::{GnssFix, ImuSample, TruthSample},
 };
+use undrift_noise::parallel;
 
 /// Samples from one report of progress to the next.
 const PROGRESS_EVERY: usize = 4096;
@@ -27,18 +27,16 @@ pub fn run(
     models: &[(String, Settings)],
     done: &(dyn Fn(u64) + Sync),
 ) -> Vec<ModelOutcome> {
-    models
-        .par_iter()
-        .map(|(name, settings)| {
-            let run = run_model(imu, aiding, truth, settings, done);
-            let run = run.map(|(errors, summary)| ModelRun {
-                name: name.clone(),
-                errors,
-                summary,
-            });
-            (name.clone(), run)
-        })
-        .collect()
+    parallel::collect(models.len(), |k| {
+        let (name, settings) = &models[k];
+        let run = run_model(imu, aiding, truth, settings, done);
+        let run = run.map(|(errors, summary)| ModelRun {
+            name: name.clone(),
+            errors,
+            summary,
+        });
+        (name.clone(), run)
+    })
 }
 
 fn run_model(

@@ -1,9 +1,12 @@
 //! A navigated drive.
 
-use super::{Curve, Drive, Number, Numbers, Track};
+use super::{
+    Curve, Drive, Number, Numbers, Track,
+    known::{findings, known},
+};
 use crate::findings::Finding;
 use crate::replay::{Contradiction, CovarianceHealth, Implausible, Innovations, Lean, Restart};
-use serde::{Deserialize, Deserializer, Serialize, de::IgnoredAny};
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// A navigated drive.
@@ -42,7 +45,7 @@ pub struct Navigate {
     /// Counts and findings of the replay.
     pub summary: Summary,
     /// What was found out about logs and solution.
-    #[serde(deserialize_with = "known")]
+    #[serde(deserialize_with = "findings")]
     pub findings: Vec<Finding>,
     /// The same in sentences; filled in where results are shown.
     pub warnings: Vec<String>,
@@ -143,24 +146,6 @@ pub struct Summary {
     pub covariance: Option<CovarianceHealth>,
     /// Since when the innovations were far beyond their predicted size \[s\].
     pub suspect: Option<f64>,
-}
-
-/// Those of a list that this version knows: others may have other kinds of them.
-pub(crate) fn known<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
-    list: D,
-) -> Result<Vec<T>, D::Error> {
-    #[derive(Deserialize)]
-    #[serde(untagged)]
-    enum Event<T> {
-        Known(T),
-        Other(IgnoredAny),
-    }
-    let list = Vec::<Event<T>>::deserialize(list)?;
-    let known = |event| match event {
-        Event::Known(event) => Some(event),
-        Event::Other(_) => None,
-    };
-    Ok(list.into_iter().filter_map(known).collect())
 }
 
 /// An estimated parameter: its last values and their standard deviations \[m, s, rad or no unit\].

@@ -45,6 +45,17 @@ impl From<Option<f64>> for Number {
     }
 }
 
+/// Values by name. Unlike `collect`, it does not sort first: one copy less of the sort in the program for each use.
+pub(crate) fn by_name<N: Into<String>, V: Into<W>, W>(
+    pairs: impl IntoIterator<Item = (N, V)>,
+) -> BTreeMap<String, W> {
+    let mut map = BTreeMap::new();
+    for (name, value) in pairs {
+        map.insert(name.into(), value.into());
+    }
+    map
+}
+
 /// Numbers of plain values.
 pub(crate) fn numbers(values: impl IntoIterator<Item = f64>) -> Vec<Number> {
     values.into_iter().map(Number).collect()

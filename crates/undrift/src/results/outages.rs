@@ -1,6 +1,9 @@
 //! What GNSS outages do.
 
-use super::{Drive, Number, Numbers, Track, navigate::known};
+use super::{
+    Drive, Number, Numbers, Track,
+    known::{finding, findings},
+};
 use crate::findings::Finding;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -31,7 +34,7 @@ pub struct Outages {
     /// Normalised innovations squared of each model per degree of freedom.
     pub nis_per_dof: BTreeMap<String, NisOfParts>,
     /// What was found out about the logs.
-    #[serde(deserialize_with = "known")]
+    #[serde(deserialize_with = "findings")]
     pub findings: Vec<Finding>,
     /// The same in sentences; filled in where results are shown.
     pub warnings: Vec<String>,
@@ -74,7 +77,7 @@ pub struct ModelErrors {
     /// Outage by outage.
     pub per_outage: Vec<OutageErrors>,
     /// Why the numbers cannot be trusted, if so.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "finding")]
     pub finding: Option<Finding>,
     /// The same as a sentence; filled in where results are shown.
     #[serde(skip_serializing_if = "Option::is_none")]

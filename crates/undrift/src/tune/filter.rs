@@ -86,16 +86,18 @@ impl<const N: usize> State<N> {
     #[inline(always)]
     pub fn predict(&mut self, step: &LinearStep<N>, noise: &Noise, fixed: &Fixed) {
         if step.span > 0.0 {
-            let x = std::array::from_fn::<f64, NAV, _>(|i| dot(&step.nav[i], &self.x));
+            let before = self.x;
+            for i in 0..NAV {
+                self.x[i] = dot(&step.nav[i], &before);
+            }
             for i in NAV..N {
                 self.x[i] *= step.left[i];
             }
-            self.x[..NAV].copy_from_slice(&x);
             add(&mut self.x, -1.0, &step.shift);
 
             let mut rows = [[0.0; N]; NAV];
-            for (row, phi) in rows.iter_mut().zip(&step.nav) {
-                *row = combined(phi, &self.p);
+            for i in 0..NAV {
+                rows[i] = combined(&step.nav[i], &self.p);
             }
             for i in 0..NAV {
                 for j in 0..=i {
@@ -144,28 +146,34 @@ impl<const N: usize> State<N> {
         let size = step.size;
         // H P.
         let mut hp = [[0.0; N]; MOST];
-        for (row, h) in hp.iter_mut().zip(&step.h).take(size) {
-            for (factor, p) in h.iter().zip(&self.p) {
-                if *factor != 0.0 {
-                    add(row, *factor, p);
+        for a in 0..size {
+            for i in 0..N {
+                if step.h[a][i] != 0.0 {
+                    add(&mut hp[a], step.h[a][i], &self.p[i]);
                 }
             }
         }
         let mut s = noise::covariance(step, noise, &fixed.rule);
         let mut innovation = [0.0; MOST];
-        for (a, h) in step.h.iter().enumerate().take(size) {
-            innovation[a] = step.innovation[a] - dot(h, &self.x);
+        for a in 0..size {
+            innovation[a] = step.innovation[a] - dot(&step.h[a], &self.x);
             for b in 0..size {
-                s[a][b] += dot(h, &hp[b]);
+                s[a][b] += dot(&step.h[a], &hp[b]);
             }
         }
         let (inverse, ln_det) = invert(&s, size)?;
-        let weighted: [f64; MOST] =
-            std::array::from_fn(|a| (0..size).map(|b| inverse[a][b] * innovation[b]).sum());
+        let mut weighted = [0.0; MOST];
+        for a in 0..size {
+            for b in 0..size {
+                weighted[a] += inverse[a][b] * innovation[b];
+            }
+        }
         let mut gain = [[0.0; MOST]; N];
         for i in 0..N {
             for a in 0..size {
-                gain[i][a] = (0..size).map(|b| hp[b][i] * inverse[b][a]).sum();
+                for b in 0..size {
+                    gain[i][a] += hp[b][i] * inverse[b][a];
+                }
             }
         }
         for i in 0..N {
@@ -226,22 +234,24 @@ impl<const N: usize> State<N> {
         for i in NAV..N {
             x[i] = self.x[i] * step.left[i];
         }
-        for (value, phi) in self.x.iter().zip(&step.nav) {
-            add(&mut x, *value, phi);
+        for i in 0..NAV {
+            add(&mut x, self.x[i], &step.nav[i]);
         }
         self.x = x;
         // P̄ Φ, then Φᵀ of that.
         let mut right = [[0.0; N]; N];
-        for (row, p) in right.iter_mut().zip(&self.p) {
-            let factors: [f64; NAV] = std::array::from_fn(|k| p[k]);
-            *row = combined(&factors, &step.nav);
+        for i in 0..N {
+            right[i] = combined(&self.p[i][..NAV], &step.nav);
             for j in NAV..N {
-                row[j] += p[j] * step.left[j];
+                right[i][j] += self.p[i][j] * step.left[j];
             }
         }
         let (of_nav, _) = right.split_at(NAV);
         for i in 0..N {
-            let factors: [f64; NAV] = std::array::from_fn(|k| step.nav[k][i]);
+            let mut factors = [0.0; NAV];
+            for k in 0..NAV {
+                factors[k] = step.nav[k][i];
+            }
             self.p[i] = combined(&factors, of_nav);
             if i >= NAV {
                 add(&mut self.p[i], step.left[i], &right[i]);
@@ -274,7 +284,9 @@ impl<const N: usize> State<N> {
         let mut kpk = [[0.0; MOST]; MOST];
         for a in 0..size {
             for b in 0..size {
-                kpk[a][b] = (0..N).map(|i| kp[a][i] * done.gain[i][b]).sum();
+                for i in 0..N {
+                    kpk[a][b] += kp[a][i] * done.gain[i][b];
+                }
             }
         }
         let mut by_r = [[0.0; MOST]; MOST];
@@ -307,19 +319,16 @@ impl<const N: usize> State<N> {
                 add(&mut of_h[a], 0.5 * inner[a][b], &step.h[b]);
             }
         }
-        for (h, of_h) in step.h.iter().zip(&of_h).take(size) {
+        for a in 0..size {
             for i in 0..N {
-                if h[i] != 0.0 {
-                    add(&mut self.p[i], h[i], of_h);
+                if step.h[a][i] != 0.0 {
+                    add(&mut self.p[i], step.h[a][i], &of_h[a]);
                 }
             }
             for i in 0..N {
-                let factor = of_h[i];
-                add(&mut self.p[i], factor, h);
+                add(&mut self.p[i], of_h[a][i], &step.h[a]);
             }
-        }
-        for (h, factor) in step.h.iter().zip(outer).take(size) {
-            add(&mut self.x, factor, h);
+            add(&mut self.x, outer[a], &step.h[a]);
         }
     }
 }
@@ -355,18 +364,22 @@ fn each<const N: usize>(
     }
 }
 
+// Indices here and above: iterators would be inlined only where the compiler happens to put both in one unit.
 #[inline(always)]
 fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
     let mut sums = [0.0; 4];
     let (a4, a_rest) = a.as_chunks::<4>();
     let (b4, b_rest) = b.as_chunks::<4>();
-    for (a, b) in a4.iter().zip(b4) {
+    for i in 0..a4.len() {
         for k in 0..4 {
-            sums[k] += a[k] * b[k];
+            sums[k] += a4[i][k] * b4[i][k];
         }
     }
-    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
-    sums.iter().sum::<f64>() + rest
+    let mut rest = 0.0;
+    for i in 0..a_rest.len() {
+        rest += a_rest[i] * b_rest[i];
+    }
+    sums[0] + sums[1] + sums[2] + sums[3] + rest
 }
 
 /// Σ factor · row, eight columns at a time so that the sums stay in registers.
@@ -376,10 +389,10 @@ fn combined<const N: usize>(factors: &[f64], rows: &[[f64; N]]) -> [f64; N] {
     let (blocks, _) = out.as_chunks_mut::<8>();
     for (b, sum) in blocks.iter_mut().enumerate() {
         let mut own = [0.0; 8];
-        for (factor, row) in factors.iter().zip(rows) {
-            let (row, _) = row.as_chunks::<8>();
+        for i in 0..factors.len() {
+            let (row, _) = rows[i].as_chunks::<8>();
             for k in 0..8 {
-                own[k] += factor * row[b][k];
+                own[k] += factors[i] * row[b][k];
             }
         }
         *sum = own;
@@ -389,8 +402,8 @@ fn combined<const N: usize>(factors: &[f64], rows: &[[f64; N]]) -> [f64; N] {
 
 #[inline(always)]
 fn add<const N: usize>(to: &mut [f64; N], factor: f64, from: &[f64; N]) {
-    for (to, from) in to.iter_mut().zip(from) {
-        *to += factor * from;
+    for i in 0..N {
+        to[i] += factor * from[i];
     }
 }
 

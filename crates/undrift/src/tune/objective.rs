@@ -12,9 +12,9 @@ use super::{
     steps::{LinearSegment, LinearStep, is_fix},
 };
 use crate::estimator::Channel;
-use rayon::prelude::*;
 use std::{iter::Sum, ops::AddAssign};
 use undrift_nav::covariance::four_lanes;
+use undrift_noise::{interrupt, parallel};
 
 /// How the objective is laid out.
 #[derive(Clone, Copy, Debug)]
@@ -184,16 +184,13 @@ impl<const N: usize> Objective<N> {
 
     /// Of the windows that begin, and the fixes, from one time to before another \[s\].
     pub fn score_between(&self, noise: &Noise, from: f64, to: f64) -> Score {
-        let parts: Vec<Score> = (0..self.segments.len())
-            .into_par_iter()
-            .map(|index| {
-                undrift_noise::interrupt::check();
-                four_lanes(
-                    #[inline(always)]
-                    || self.segment(index, noise, (from, to)),
-                )
-            })
-            .collect();
+        let parts = parallel::collect(self.segments.len(), |index| {
+            interrupt::check();
+            four_lanes(
+                #[inline(always)]
+                || self.segment(index, noise, (from, to)),
+            )
+        });
         parts.into_iter().sum()
     }
 
@@ -237,15 +234,13 @@ impl<const N: usize> Objective<N> {
                 next += 1;
             }
         }
-        let mut seeds: Vec<(Score, Seed<N>)> = starts
-            .into_par_iter()
-            .map(|(window, state)| {
-                four_lanes(
-                    #[inline(always)]
-                    || self.window(segment, window, state, noise),
-                )
-            })
-            .collect();
+        let mut seeds = parallel::collect(starts.len(), |k| {
+            let (window, state) = &starts[k];
+            four_lanes(
+                #[inline(always)]
+                || self.window(segment, window, state.clone(), noise),
+            )
+        });
         for (own, _) in &seeds {
             score += own;
         }

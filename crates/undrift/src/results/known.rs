@@ -1,0 +1,31 @@
+//! What this version knows of lists that other versions may have more kinds in.
+
+use crate::findings::Finding;
+use serde::{Deserialize, Deserializer, de::DeserializeOwned, de::Error};
+use serde_json::Value;
+
+/// Those of a list that this version knows.
+pub(crate) fn known<'de, D: Deserializer<'de>, T: DeserializeOwned>(
+    list: D,
+) -> Result<Vec<T>, D::Error> {
+    let list = Vec::<Value>::deserialize(list)?;
+    let known = list.into_iter().map(T::deserialize);
+    Ok(known.filter_map(Result::ok).collect())
+}
+
+/// The findings of a list that this version knows.
+pub(crate) fn findings<'de, D: Deserializer<'de>>(list: D) -> Result<Vec<Finding>, D::Error> {
+    let list = Vec::<Value>::deserialize(list)?;
+    Ok(list.into_iter().filter_map(|of| read(of).ok()).collect())
+}
+
+/// A finding, if there is one.
+pub(crate) fn finding<'de, D: Deserializer<'de>>(one: D) -> Result<Option<Finding>, D::Error> {
+    let one = Option::<Value>::deserialize(one)?;
+    one.map(read).transpose().map_err(D::Error::custom)
+}
+
+/// Of a value, so that the many kinds are compiled once and not for each format and crate that reads them.
+fn read(value: Value) -> serde_json::Result<Finding> {
+    Finding::deserialize(value)
+}
