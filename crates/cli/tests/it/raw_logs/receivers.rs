@@ -132,11 +132,26 @@ pub fn novatel(log: &Log, folder: &Path) -> Vec<PathBuf> {
 
 /// As NovAtel's: it begins with 0 and is not inverted.
 fn crc_32(bytes: &[u8]) -> u32 {
-    bytes.iter().fold(0, |crc, byte| {
-        (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
-            crc >> 1 ^ if crc & 1 == 1 { 0xEDB8_8320 } else { 0 }
-        })
-    })
+    const OF_BYTES: [u32; 256] = {
+        let mut of_bytes = [0; 256];
+        let mut byte = 0;
+        while byte < 256 {
+            let mut crc = byte as u32;
+            let mut bit = 0;
+            while bit < 8 {
+                crc = crc >> 1 ^ if crc & 1 == 1 { 0xEDB8_8320 } else { 0 };
+                bit += 1;
+            }
+            of_bytes[byte] = crc;
+            byte += 1;
+        }
+        of_bytes
+    };
+    let mut crc = 0;
+    for byte in bytes {
+        crc = crc >> 8 ^ OF_BYTES[(crc as u8 ^ byte) as usize];
+    }
+    crc
 }
 
 /// ExtSensorMeas, PVTGeodetic, PosCovGeodetic and VelCovGeodetic.
@@ -183,11 +198,13 @@ fn sbf_block(out: &mut Vec<u8>, number: u16, time: f64, body: &[u8]) {
     pack!(covered; number, length as u16, week_ms(time), WEEK as u16);
     covered.extend(body);
     covered.resize(length - 4, 0);
-    let crc = covered.iter().fold(0u16, |crc, byte| {
-        (0..8).fold(crc ^ u16::from(*byte) << 8, |crc, _| {
-            crc << 1 ^ if crc >> 15 == 1 { 0x1021 } else { 0 }
-        })
-    });
+    let mut crc = 0_u16;
+    for byte in &covered {
+        crc ^= u16::from(*byte) << 8;
+        for _ in 0..8 {
+            crc = crc << 1 ^ if crc >> 15 == 1 { 0x1021 } else { 0 };
+        }
+    }
     out.extend(b"$@");
     pack!(*out; crc);
     out.extend(covered);
