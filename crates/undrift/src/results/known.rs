@@ -29,3 +29,28 @@ pub(crate) fn finding<'de, D: Deserializer<'de>>(one: D) -> Result<Option<Findin
 fn read(value: Value) -> serde_json::Result<Finding> {
     Finding::deserialize(value)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Deserialize)]
+    struct Found {
+        #[serde(deserialize_with = "findings")]
+        findings: Vec<Finding>,
+        #[serde(default, deserialize_with = "finding")]
+        finding: Option<Finding>,
+    }
+
+    #[test]
+    fn findings_of_other_versions_are_passed_over() {
+        let text = r#"{"findings": [{"finding": "no_such"}, {"finding": "diverged", "time": 3.5}], "finding": null}"#;
+        let found: Found = serde_json::from_str(text).unwrap();
+        assert_eq!(found.findings, [Finding::Diverged { time: 3.5 }]);
+        assert_eq!(found.finding, None);
+        let alone = r#"{"findings": [], "finding": {"finding": "no_such"}}"#;
+        let error = serde_json::from_str::<Found>(alone).err().unwrap();
+        assert!(error.to_string().contains("no_such"), "{error}");
+        assert_eq!(error.line(), 1);
+    }
+}
