@@ -3,11 +3,11 @@
 use rayon::prelude::*;
 use std::sync::Mutex;
 
-/// What `one` makes of 0, 1, … `count` − 1, worked out on rayon's threads, in order.
+/// A parallel map: `one` of 0, 1, … `count` − 1, on rayon's threads; results in this order.
 ///
-/// For work of which each part takes long against the lock of its place. The spreading itself is compiled once for all
-/// that is spread: rayon's own chains are thousands of lines of code for each closure.
-pub fn collect<T: Send>(count: usize, one: impl Fn(usize) -> T + Sync) -> Vec<T> {
+/// For work of which each part takes long against locking a mutex. The scheduling is compiled once for all callers:
+/// rayon's parallel iterators are thousands of lines of code, monomorphised for each closure.
+pub fn map<T: Send>(count: usize, one: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let places: Vec<Mutex<Option<T>>> = (0..count).map(|_| Mutex::new(None)).collect();
     each(count, &|at| {
         let made = one(at);
@@ -30,16 +30,16 @@ mod tests {
 
     #[test]
     fn parts_keep_their_order() {
-        let squares = collect(1000, |k| collect(2, |j| k * k + j));
+        let squares = map(1000, |k| map(2, |j| k * k + j));
         for (k, found) in squares.iter().enumerate() {
             assert_eq!(*found, [k * k, k * k + 1]);
         }
-        assert!(collect(0, |k| k).is_empty());
+        assert!(map(0, |k| k).is_empty());
     }
 
     #[test]
     fn a_panic_of_one_part_is_one_of_the_whole() {
-        let lost = std::panic::catch_unwind(|| collect(4, |k| assert!(k != 2)));
+        let lost = std::panic::catch_unwind(|| map(4, |k| assert!(k != 2)));
         assert!(lost.is_err());
     }
 }

@@ -157,7 +157,7 @@ pub fn identify(
         return Err(CompositeError::NotFinite);
     }
     let of_block = |k: usize| scale(record, interval, blocks[k], effort);
-    let mut scales: Vec<ScaleFit> = parallel::collect(blocks.len(), of_block);
+    let mut scales: Vec<ScaleFit> = parallel::map(blocks.len(), of_block);
     scales.sort_by_key(|s| s.block);
     let seen: Vec<usize> = (0..scales.len()).filter(|&i| scales[i].seen).collect();
     let agreeable = |&i: &usize| {

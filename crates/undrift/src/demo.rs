@@ -23,8 +23,7 @@ use crate::{
 };
 use models::Model;
 use sensor::Ride;
-use undrift_noise::parallel;
-use undrift_noise::{ModelError, identify::Options, model_file::AXES};
+use undrift_noise::{ModelError, identify::Options, model_file::AXES, parallel};
 
 /// Data sheet of the sensor.
 pub const PRESET: &str = "adis16405";
@@ -247,7 +246,7 @@ fn ridden(
     done: &(dyn Fn(u64) + Sync),
 ) -> Vec<Vec<ModelOutcome>> {
     let of_model = |model: &Model| {
-        let outcomes = parallel::collect(rides.len(), |drive| {
+        let outcomes = parallel::map(rides.len(), |drive| {
             let ride = &rides[drive];
             let settings = settings(ride, length, model);
             let named = [(model.name.to_owned(), settings)];
@@ -256,7 +255,7 @@ fn ridden(
         });
         outcomes.into_iter().flatten().collect()
     };
-    parallel::collect(models.len(), |k| of_model(&models[k]))
+    parallel::map(models.len(), |k| of_model(&models[k]))
 }
 
 /// How a model navigates a drive.

@@ -15,11 +15,11 @@ pub use settings::{Prepared, RecordingError, Settings, prepare, provenance};
 pub use undrift_noise::screening::Trend;
 
 use crate::record::Record;
-use undrift_noise::parallel;
 use undrift_noise::{
     ImuModel, Provenance,
     identify::{Axis, IdentifyError, Options, identify},
     model_file::AXES,
+    parallel,
     screening::Timing,
     temperature::Temperature,
 };
@@ -72,7 +72,7 @@ pub fn recordings(
 
 /// Identifies every axis of a record, on all cores. `done` is called after each axis.
 pub fn run(record: &Record, options: &Options<'_>, done: impl Fn() + Sync) -> Identified {
-    let axes = parallel::collect(record.axes.len(), |axis| {
+    let axes = parallel::map(record.axes.len(), |axis| {
         let (name, samples) = (record.axes[axis], &record.samples[axis]);
         let found = identify(samples, name.starts_with("accel"), options);
         let step = found

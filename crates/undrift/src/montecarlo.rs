@@ -38,8 +38,7 @@ use undrift_nav::{
     filter::Update,
     sample::{GnssFix, ImuSample, Position, TruthSample},
 };
-use undrift_noise::ModelError;
-use undrift_noise::parallel;
+use undrift_noise::{ModelError, parallel};
 
 /// Why there is no Monte Carlo.
 #[derive(Debug, thiserror::Error)]
@@ -119,7 +118,7 @@ pub fn run(
         .map(|_| report::RunSums::new(stage.truth.len(), stage.fix_times.len()))
         .collect();
     for (batch, seeds) in seeds.chunks(BATCH).enumerate() {
-        let outcomes = parallel::collect(seeds.len(), |run| {
+        let outcomes = parallel::map(seeds.len(), |run| {
             let outcome = stage.one_run(seeds[run]);
             done();
             outcome

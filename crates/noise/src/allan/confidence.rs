@@ -87,8 +87,9 @@ pub fn intervals_of(
             upper: scale(quantile(0.5 - 0.5 * level)),
         }
     };
-    let shares = parallel::collect(curve.points.len().div_ceil(SHARE), |share| {
-        let points = curve.points.iter().zip(alphas).skip(share * SHARE);
+    let shares = parallel::map(curve.points.len().div_ceil(SHARE), |share| {
+        let from = share * SHARE;
+        let points = curve.points[from..].iter().zip(&alphas[from..]);
         Vec::from_iter(points.take(SHARE).map(bound))
     });
     Ok(shares.into_iter().flatten().collect())

@@ -257,7 +257,7 @@ fn energies(
         DeviationKind::Overlapping if factors.len() >= SPREAD => {
             every_factor::energies(&sums, factors, |m| one(&m))
         }
-        _ if factors.len() >= SPREAD => parallel::collect(factors.len(), |k| one(&factors[k])),
+        _ if factors.len() >= SPREAD => parallel::map(factors.len(), |k| one(&factors[k])),
         DeviationKind::Overlapping | DeviationKind::Hadamard => {
             shared_pass(&sums, rates.len(), kind, factors)
         }

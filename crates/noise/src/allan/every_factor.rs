@@ -78,7 +78,7 @@ pub(super) fn energies(
         });
     }
     strays.append(&mut open);
-    let summed = parallel::collect(strays.len(), |k| direct(factors[strays[k]]));
+    let summed = parallel::map(strays.len(), |k| direct(factors[strays[k]]));
     for (&k, energy) in strays.iter().zip(summed) {
         energies[k] = energy;
     }
@@ -129,7 +129,7 @@ fn pass(sums: &[f64], limit: usize, length: usize) -> Energies {
         .step_by(length - overlap)
         .collect();
     let one = |k: usize| {
-        let start: usize = starts[k];
+        let start = starts[k];
         let end = sums.len().min(start + length);
         let mut found = record(&sums[start..end], &plan);
         if end < sums.len() {
@@ -142,7 +142,7 @@ fn pass(sums: &[f64], limit: usize, length: usize) -> Energies {
         rounding: 0.0,
         squares: 0.0,
     };
-    let blocks = parallel::collect(starts.len(), one);
+    let blocks = parallel::map(starts.len(), one);
     blocks.iter().for_each(|found| total.add(found, 1.0));
     total
 }

@@ -8,7 +8,6 @@
 use super::{
     Candidate, GRID_ORDER, HIGH_ORDER_SAMPLES, NotFitted, Origin, SEARCH_SAMPLES, horizons, remarks,
 };
-use crate::parallel;
 use crate::{
     BiasModel,
     allan::{self, Curve, DeviationKind, Grid, Terms},
@@ -18,6 +17,7 @@ use crate::{
     drift_score::{self, HorizonScore},
     model_file::{Arma, AxisModel},
     pandit_wu::{self, PanditWu, PanditWuOptions},
+    parallel,
     scales::{self, Scales},
     screening::bridge::bridge,
     temperature::Regressors,
@@ -521,7 +521,7 @@ pub(super) fn candidates(task: &Task) -> Tried {
     let folds = Fold::all(&task.records, &reversed, task.rate_hz);
     let recipes = recipes(task, pandit_wu.as_ref());
     let candidate = |k: usize| task.candidate(recipes[k], fit(recipes[k])?, &folds);
-    let candidates = parallel::collect(recipes.len(), candidate);
+    let candidates = parallel::map(recipes.len(), candidate);
     let candidates: Vec<Candidate> = candidates.into_iter().flatten().collect();
     let missing = Method::ALL.into_iter().filter(|method| {
         let name = method.candidate();

@@ -21,8 +21,7 @@ use undrift_nav::{
     sample::{GnssFix, ImuSample},
     shaping::ShapingFilter,
 };
-use undrift_noise::parallel;
-use undrift_noise::{AxisModel, BiasModel, ImuModel, model_file::AXES};
+use undrift_noise::{AxisModel, BiasModel, ImuModel, model_file::AXES, parallel};
 
 /// White noise of the gyros [deg/√h].
 const GYRO_WHITE: [f64; 3] = [2.44, 2.54, 2.32];
@@ -183,7 +182,7 @@ pub(super) fn rides(
         done();
         ride
     };
-    let rides = parallel::collect(seeds.len(), ride);
+    let rides = parallel::map(seeds.len(), ride);
     rides.into_iter().collect()
 }
 

@@ -5,15 +5,17 @@ use super::{
     result::{deviation, unit},
 };
 use crate::results::{self, Identify, SCHEMA, VERSION};
-use undrift_noise::identify::{AllanDeviation, allan_deviation};
-use undrift_noise::parallel;
+use undrift_noise::{
+    identify::{AllanDeviation, allan_deviation},
+    parallel,
+};
 
 /// The Allan deviation of every axis of a recording and its terms, on all cores, as a result without tests and models.
 #[must_use]
 pub fn allan_deviations(prepared: &Prepared, settings: &Settings) -> Identify {
     let record = &prepared.record;
     let options = &settings.options(record, prepared.rate_hz);
-    let axes = parallel::collect(record.axes.len(), |k| {
+    let axes = parallel::map(record.axes.len(), |k| {
         let (axis, samples) = (record.axes[k], &record.samples[k]);
         let found = match allan_deviation(samples, options) {
             Ok(AllanDeviation {

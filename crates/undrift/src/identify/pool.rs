@@ -6,10 +6,10 @@ use super::{
 };
 use crate::results::{self, AxisPool, Differing, Number, PooledRecord, RecordShare, by_name};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
-use undrift_noise::parallel;
 use undrift_noise::{
     identify::{self as noise, Between, IdentifyError, Sampled, Share},
     number::rounded,
+    parallel,
 };
 
 /// Probability that records of one process are taken for different ones, of all records and axes together.
@@ -66,7 +66,7 @@ pub(super) fn run_pool(
     let longest =
         (0..records.len()).max_by_key(|k| (records[*k].record.length(), records.len() - k));
     let longest = longest.unwrap_or(0);
-    let found = parallel::collect(names.len(), |axis| {
+    let found = parallel::map(names.len(), |axis| {
         let sampled = records.iter().map(|pooled| Sampled {
             samples: &pooled.record.samples[axis],
             options: settings.options(&pooled.record, rate_hz),

@@ -27,7 +27,7 @@ pub fn run(
     models: &[(String, Settings)],
     done: &(dyn Fn(u64) + Sync),
 ) -> Vec<ModelOutcome> {
-    parallel::collect(models.len(), |k| {
+    parallel::map(models.len(), |k| {
         let (name, settings) = &models[k];
         let run = run_model(imu, aiding, truth, settings, done);
         let run = run.map(|(errors, summary)| ModelRun {

@@ -8,21 +8,26 @@ use serde_json::Value;
 pub(crate) fn known<'de, D: Deserializer<'de>, T: DeserializeOwned>(
     list: D,
 ) -> Result<Vec<T>, D::Error> {
-    let list = Vec::<Value>::deserialize(list)?;
-    let known = list.into_iter().map(T::deserialize);
-    Ok(known.filter_map(Result::ok).collect())
+    readable(list, T::deserialize)
 }
 
 /// The findings of a list that this version knows.
 pub(crate) fn findings<'de, D: Deserializer<'de>>(list: D) -> Result<Vec<Finding>, D::Error> {
-    let list = Vec::<Value>::deserialize(list)?;
-    Ok(list.into_iter().filter_map(|of| read(of).ok()).collect())
+    readable(list, read)
 }
 
 /// A finding, if there is one.
 pub(crate) fn finding<'de, D: Deserializer<'de>>(one: D) -> Result<Option<Finding>, D::Error> {
     let one = Option::<Value>::deserialize(one)?;
     one.map(read).transpose().map_err(D::Error::custom)
+}
+
+fn readable<'de, D: Deserializer<'de>, T>(
+    list: D,
+    read: fn(Value) -> serde_json::Result<T>,
+) -> Result<Vec<T>, D::Error> {
+    let list = Vec::<Value>::deserialize(list)?;
+    Ok(list.into_iter().filter_map(|of| read(of).ok()).collect())
 }
 
 /// Of a value, so that the many kinds are compiled once and not for each format and crate that reads them.

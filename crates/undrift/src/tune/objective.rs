@@ -184,7 +184,7 @@ impl<const N: usize> Objective<N> {
 
     /// Of the windows that begin, and the fixes, from one time to before another \[s\].
     pub fn score_between(&self, noise: &Noise, from: f64, to: f64) -> Score {
-        let parts = parallel::collect(self.segments.len(), |index| {
+        let parts = parallel::map(self.segments.len(), |index| {
             interrupt::check();
             four_lanes(
                 #[inline(always)]
@@ -234,7 +234,7 @@ impl<const N: usize> Objective<N> {
                 next += 1;
             }
         }
-        let mut seeds = parallel::collect(starts.len(), |k| {
+        let mut seeds = parallel::map(starts.len(), |k| {
             let (window, state) = &starts[k];
             four_lanes(
                 #[inline(always)]

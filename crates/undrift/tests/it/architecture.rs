@@ -116,15 +116,14 @@ fn no_result_is_serialised_by_hand() {
     for name in ["undrift", "report", "cli", "py"] {
         sources(&crates.join(name).join("src"), &mut files);
     }
-    // Where text is made of a result, where findings are read before it is known of which kind they are, and what a page
-    // draws with, which is no result.
-    let others = [
-        "undrift/src/results/text.rs",
-        "undrift/src/results/known.rs",
-        "report/src/data.rs",
-    ];
-    files.retain(|path| !others.iter().any(|other| path.ends_with(other)));
+    // The one place where text is made of a result.
+    // And what a page draws with, which is no result.
+    files.retain(|path| {
+        !path.ends_with("undrift/src/results/text.rs") && !path.ends_with("report/src/data.rs")
+    });
     for path in files {
+        // What is read before it is known whether it can be.
+        let reads_values = path.ends_with("undrift/src/results/known.rs");
         let source = std::fs::read_to_string(&path).unwrap();
         let code = product(&source);
         for by_hand in [
@@ -137,7 +136,12 @@ fn no_result_is_serialised_by_hand() {
             "serde_json::to_vec",
             "serde_json::to_writer",
         ] {
-            assert!(!code.contains(by_hand), "{}: {by_hand}", path.display());
+            let allowed = reads_values && by_hand == "serde_json::Value";
+            assert!(
+                allowed || !code.contains(by_hand),
+                "{}: {by_hand}",
+                path.display()
+            );
         }
     }
 }

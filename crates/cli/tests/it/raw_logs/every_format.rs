@@ -138,20 +138,18 @@ fn differences(log: &Log, read: &Log, format: &Format) -> Vec<String> {
         }
         let unlike = |k: usize| {
             let of = &log.samples[k];
-            let apart = [of.gyro - sample.gyro, of.accel - sample.accel];
-            (k, apart.map(|apart| apart.amax()))
+            (of.gyro - sample.gyro).norm() + (of.accel - sample.accel).norm() + 1e-6 * off(k)
         };
-        let mut same = unlike(at);
-        if same.1[0] > format.sensors[0] || same.1[1] > format.sensors[1] {
-            // The nearest by value among the neighbours, where the clock is off by a sample.
-            let near = at.saturating_sub(2)..(at + 3).min(log.samples.len());
-            let sum = |(k, apart): &(usize, [f64; 2])| apart[0] + apart[1] + 1e-6 * off(*k);
-            let nearest = near.map(unlike).min_by(|a, b| sum(a).total_cmp(&sum(b)));
-            same = nearest.unwrap_or(same);
+        // The nearest by value among the neighbours, where the clock is off by a sample.
+        let (mut same, mut least) = (at, unlike(at));
+        for k in at.saturating_sub(2)..(at + 3).min(log.samples.len()) {
+            // One component alone tells of most that they are not.
+            if (log.samples[k].gyro.x - sample.gyro.x).abs() < least && unlike(k) < least {
+                (same, least) = (k, unlike(k));
+            }
         }
-        let (same, [rate, force]) = same;
-        rates = rates.max(rate);
-        forces = forces.max(force);
+        rates = rates.max((log.samples[same].gyro - sample.gyro).amax());
+        forces = forces.max((log.samples[same].accel - sample.accel).amax());
         times = times.max(off(same));
         alike += 1;
     }

@@ -132,24 +132,12 @@ pub fn novatel(log: &Log, folder: &Path) -> Vec<PathBuf> {
 
 /// As NovAtel's: it begins with 0 and is not inverted.
 fn crc_32(bytes: &[u8]) -> u32 {
-    const OF_BYTES: [u32; 256] = {
-        let mut of_bytes = [0; 256];
-        let mut byte = 0;
-        while byte < 256 {
-            let mut crc = byte as u32;
-            let mut bit = 0;
-            while bit < 8 {
-                crc = crc >> 1 ^ if crc & 1 == 1 { 0xEDB8_8320 } else { 0 };
-                bit += 1;
-            }
-            of_bytes[byte] = crc;
-            byte += 1;
-        }
-        of_bytes
-    };
-    let mut crc = 0;
+    let mut crc = 0_u32;
     for byte in bytes {
-        crc = crc >> 8 ^ OF_BYTES[(crc as u8 ^ byte) as usize];
+        crc ^= u32::from(*byte);
+        for _ in 0..8 {
+            crc = crc >> 1 ^ if crc & 1 == 1 { 0xEDB8_8320 } else { 0 };
+        }
     }
     crc
 }
