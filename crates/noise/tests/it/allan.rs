@@ -1,6 +1,7 @@
 //! Allan deviations against published and computed references.
 
-use crate::common::{self, close, data, numbers, reference, series, white_noise};
+use crate::common::{self, close, numbers, reference, series, white_noise};
+use crate::public;
 use undrift_noise::allan::confidence::intervals;
 use undrift_noise::allan::{
     DeviationKind, Grid, deviations, deviations_at, factors_of, fit_gauss_markov, fit_terms,
@@ -156,18 +157,19 @@ fn octave_grid_is_that_of_allantools() {
 
 #[test]
 fn real_record_against_an_independent_package() {
-    let path = data().join("adis16405-static/run1_allan_variance_reference.csv");
-    let Ok(text) = std::fs::read_to_string(path) else {
-        println!("skipped: no shared data");
+    let Some(path) = public::find("adis16405-static/run1_allan_variance_reference.csv") else {
         return;
     };
+    let text = std::fs::read_to_string(path).unwrap();
     let rows: Vec<Vec<f64>> = text
         .lines()
         .skip(1)
         .map(|line| line.split(',').map(|v| v.parse().unwrap()).collect())
         .collect();
     assert_eq!(rows.len(), 18);
-    let axes = common::columns("adis16405-static/run1.csv.gz");
+    let Some(axes) = common::record("adis16405-static/run1.csv.gz") else {
+        return;
+    };
     for (axis, mut rates) in axes.into_iter().enumerate() {
         if axis >= 3 {
             // The file has multiples of 1/300 g rounded to five digits; the reference took the counts

@@ -1,6 +1,6 @@
 //! The real z gyro: the global optimum at the full rate has no bias in it, block averages do.
 
-use crate::common::{columns, data, number, reference};
+use crate::common::{number, record, reference};
 use undrift_noise::arma::{FitOptions, fit};
 
 #[test]
@@ -8,12 +8,9 @@ use undrift_noise::arma::{FitOptions, fit};
 fn the_real_gyro_at_several_scales() {
     let Some(reference) = reference() else { return };
     let file = "adis16405-static/run1.csv.gz";
-    if !data().join(file).exists() {
-        println!("skipped: no real records");
-        return;
-    }
+    let Some(axes) = record(file) else { return };
     // Gyros x, y, z first [deg/s].
-    let z: Vec<f64> = columns(file)[2].iter().map(|v| v.to_radians()).collect();
+    let z: Vec<f64> = axes[2].iter().map(|v| v.to_radians()).collect();
     let expected = &reference["real_adis16405_imu1_gz"];
     for block in [1, 10, 100, 500] {
         let means: Vec<f64> = z

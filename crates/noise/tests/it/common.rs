@@ -1,8 +1,9 @@
-//! Reference values and series of the shared data folder.
+//! Reference values and series of the public data.
 
 pub mod generators;
 pub mod random_starts;
 
+use crate::public;
 use flate2::read::GzDecoder;
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -10,7 +11,6 @@ use rand_xoshiro::rand_core::SeedableRng;
 use serde_json::Value;
 use std::fs::File;
 use std::io::Read;
-use std::path::PathBuf;
 
 /// The classical series in the reference file.
 pub const CLASSIC: [&str; 8] = [
@@ -37,17 +37,9 @@ pub fn white_noise(seed: u64, count: usize) -> Vec<f64> {
         .collect()
 }
 
-/// The shared data folder.
-pub fn data() -> PathBuf {
-    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data"))
-}
-
-/// The file of reference values, or a word that the test is skipped.
+/// The file of reference values, if it is there.
 pub fn reference() -> Option<Value> {
-    let Ok(text) = std::fs::read_to_string(data().join("series/reference.json")) else {
-        println!("skipped: no shared data");
-        return None;
-    };
+    let text = std::fs::read_to_string(public::find("series/reference.json")?).unwrap();
     // The file writes what is undefined as NaN, which is not JSON.
     Some(serde_json::from_str(&text.replace("NaN", "null")).expect("valid JSON"))
 }
@@ -55,7 +47,7 @@ pub fn reference() -> Option<Value> {
 /// Columns of a gzip'd CSV, its header left out.
 pub fn columns(path: &str) -> Vec<Vec<f64>> {
     let mut text = String::new();
-    let file = File::open(data().join(path)).expect("the shared file");
+    let file = File::open(public::folder().join(path)).expect("a file of the public data");
     GzDecoder::new(file)
         .read_to_string(&mut text)
         .expect("text");
@@ -69,6 +61,11 @@ pub fn columns(path: &str) -> Vec<Vec<f64>> {
         }
     }
     columns
+}
+
+/// The columns of a record of the public data, if it is there.
+pub fn record(path: &str) -> Option<Vec<Vec<f64>>> {
+    public::find(path).map(|_| columns(path))
 }
 
 /// One simulated series, or a classical one out of the reference file.

@@ -355,12 +355,11 @@ fn scales_lift_back_to_the_truth() {
 #[test]
 #[ignore = "slow: fits on a recording of hours"]
 fn the_slow_bias_of_a_real_gyro() {
-    if !common::data().join("adis16405-static/run2.csv.gz").exists() {
-        println!("skipped: no shared data (adis16405-static)");
+    let Some(mut axes) = common::record("adis16405-static/run2.csv.gz") else {
         return;
-    }
+    };
     // z gyro [deg/s] at nominally 100 Hz, 1 000 000 samples.
-    let mut record = common::columns("adis16405-static/run2.csv.gz").swap_remove(2);
+    let mut record = axes.swap_remove(2);
     record.iter_mut().for_each(|v| *v = v.to_radians());
     let clock = Instant::now();
     let found = scales::identify(&record, T, &BLOCKS, 0.1).unwrap();

@@ -21,9 +21,12 @@ mod lines;
 mod model_file;
 mod model_file_properties;
 mod normality;
+mod packages;
 mod pool;
 mod presets;
 mod properties;
+#[path = "../../../../tools/public_data.rs"]
+mod public;
 mod screening;
 mod spectrum;
 mod stationarity;
