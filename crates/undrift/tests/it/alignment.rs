@@ -1,6 +1,6 @@
-//! Alignment and mounting: simulated cars and flights that start in the middle, and the public drives in
-//! `../shared/data`. Skipped, and said so, where the data is missing.
+//! Alignment and mounting: simulated cars and flights that start in the middle, and the public drives.
 
+use crate::public;
 use std::path::{Path, PathBuf};
 use undrift::{
     align::{AlignSettings, AttitudeSource, Heading},
@@ -354,11 +354,7 @@ fn root() -> PathBuf {
 
 /// The drive of an example file from `cut` [s] of its time base on, if its data is there.
 fn example(name: &str, folder: &str, cut: f64, change: &[(&str, &str)]) -> Option<Drive> {
-    let data = root().join("../shared/data").join(folder);
-    if !data.is_dir() {
-        println!("skipped: {} is missing", data.display());
-        return None;
-    }
+    let data = public::find(folder)?;
     let home = root().join("examples");
     let mut text = std::fs::read_to_string(home.join(name)).unwrap();
     for (from, to) in change {

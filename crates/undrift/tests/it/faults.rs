@@ -1,6 +1,6 @@
 //! What wrong fixes do to a solution: gross outliers, jumps, spoofing, wrong accuracies, a frozen
-//! receiver, wrong times and lever arms. Figures as in docs/faults.md. Tests on the public drive are
-//! skipped, and say so, where the data is missing.
+//! receiver, wrong times and lever arms. Figures as in docs/faults.md: those of the public drive. Each test is made on a
+//! simulated drive too.
 //!
 //! Random numbers are xoshiro256++ from the seeds given.
 
@@ -9,7 +9,8 @@ mod outliers;
 mod receiver;
 mod sensors;
 
-use std::path::{Path, PathBuf};
+use crate::public;
+use std::path::Path;
 use undrift::{
     drive::Drive,
     estimator::Estimator,
@@ -18,33 +19,30 @@ use undrift::{
         Vector3,
         mechanisation::NavState,
         sample::{GnssFix, ImuSample, Position},
+        shaping::ShapingFilter,
     },
     navigate::settings,
     noise::BiasModel,
     outages::{self, Schedule},
     reference::HORIZONTAL,
     replay::{Measurement, Observer, ReplayError, Settings, Summary, replay},
+    simulate::{GnssNoise, Trajectory, simulate},
 };
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
-}
 
 /// A log in memory with its settings.
 struct Log {
     imu: Vec<ImuSample>,
     gnss: Vec<GnssFix>,
     settings: Settings,
+    /// When the vehicle is under way \[s\] after the first fix.
+    from: f64,
 }
 
 /// The real drive, if it is there.
 fn rtk_drive() -> Option<Log> {
-    let folder = root().join("../shared/data/rtk-drive");
-    if !folder.is_dir() {
-        println!("skipped: {} is missing", folder.display());
-        return None;
-    }
-    let drive = Drive::load(&root().join("examples/rtk-drive.toml"), Some(&folder)).unwrap();
+    let folder = public::find("rtk-drive")?;
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/rtk-drive.toml");
+    let drive = Drive::load(&example, Some(&folder)).unwrap();
     let imu: Result<Vec<_>, ReadError> = drive.open_imu().unwrap().collect();
     let gnss: Result<Vec<_>, ReadError> = drive.open_gnss().unwrap().collect();
     Some(Log {
@@ -55,7 +53,54 @@ fn rtk_drive() -> Option<Log> {
             vibration: None,
             ..settings(&drive, BiasModel::Arma).unwrap()
         },
+        from: 40.0,
     })
+}
+
+/// A sensor of the class of the real drive's.
+fn sensors(interval: f64) -> [ShapingFilter; 6] {
+    let sensor = |white: f64, walk: f64, turn_on: f64| {
+        ShapingFilter::white(white, interval)
+            .and_then(|f| f.plus(&ShapingFilter::random_walk(walk, interval)?))
+            .and_then(|f| f.plus(&ShapingFilter::constant(turn_on, interval)?))
+            .unwrap()
+    };
+    let gyro = sensor(
+        0.01f64.to_radians(),
+        0.0005f64.to_radians(),
+        0.3f64.to_radians(),
+    );
+    let accel = sensor(1e-3, 1e-4, 0.1);
+    [gyro, gyro, gyro, accel, accel, accel]
+}
+
+/// Ten minutes of a simulated car with an antenna at (0.8, -0.4, -1.2) m.
+fn simulated_car(seed: u64) -> Log {
+    let lever_arm = Vector3::new(0.8, -0.4, -1.2);
+    let noise = GnssNoise {
+        position_std: [0.01, 0.01, 0.02],
+        velocity_std: [0.05; 3],
+        rate_hz: 5.0,
+        start: 1.037,
+        lever_arm,
+        ..GnssNoise::default()
+    };
+    let car = Trajectory::car(600.0, seed);
+    let log = simulate(&car, 100.0, Some(&sensors(0.01)), &noise, seed).unwrap();
+    let settings = Settings {
+        lever_arm,
+        ..Settings::new(sensors(0.01))
+    };
+    Log {
+        imu: log.imu,
+        gnss: log.gnss,
+        settings,
+        from: 110.0,
+    }
+}
+
+fn simulated() -> Log {
+    simulated_car(1)
 }
 
 #[derive(Default)]
@@ -119,9 +164,9 @@ fn drift_from(
     results[0].1.as_ref().unwrap().errors.rms.0[HORIZONTAL]
 }
 
-/// As the project's figures for the real drive: from 40 s on.
+/// As the project's figures for the real drive.
 fn drift(log: &Log, gnss: &[GnssFix], settings: &Settings, reference: &[GnssFix]) -> f64 {
-    drift_from(40.0, log, gnss, settings, reference)
+    drift_from(log.from, log, gnss, settings, reference)
 }
 
 /// Largest horizontal distance [m] and angle of roll, pitch, yaw [deg] between two tracks, at the

@@ -9,6 +9,8 @@ mod fix_study;
 mod mechanisation;
 mod montecarlo;
 mod prose;
+#[path = "../../../../tools/public_data.rs"]
+mod public;
 mod public_drives;
 mod pull_away;
 mod rest;

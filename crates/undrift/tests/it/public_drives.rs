@@ -1,6 +1,6 @@
-//! The example files on the public drives in `../shared/data`, with the figures that the project
-//! promises of them. Skipped, and said so, where the data is missing.
+//! The example files on the public drives, with the figures that the project promises of them.
 
+use crate::public;
 use std::path::{Path, PathBuf};
 use undrift::{
     drive::Drive,
@@ -16,18 +16,14 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// The drive of an example file on the data in `folder`, if it is there.
-fn example(name: &str, folder: &Path) -> Option<Drive> {
-    if !folder.is_dir() {
-        println!("skipped: {} is missing", folder.display());
-        return None;
-    }
-    let drive = Drive::load(&root().join("examples").join(name), Some(folder));
-    Some(drive.unwrap_or_else(|e| panic!("{e}")))
+/// The drive of an example file on the public data in `folder`, if it is there.
+fn example(name: &str, folder: &str) -> Option<Drive> {
+    Some(load(name, &public::find(folder)?))
 }
 
-fn data(folder: &str) -> PathBuf {
-    root().join("../shared/data").join(folder)
+fn load(name: &str, folder: &Path) -> Drive {
+    let drive = Drive::load(&root().join("examples").join(name), Some(folder));
+    drive.unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn cut(drive: &Drive, models: &[BiasModel], plan: &Schedule, length: f64) -> Vec<ModelErrors> {
@@ -75,7 +71,7 @@ fn navego_plan() -> Schedule {
 
 #[test]
 fn navego_outages() {
-    let Some(drive) = example("navego-adis16405.toml", &data("navego-adis16405")) else {
+    let Some(drive) = example("navego-adis16405.toml", "navego-adis16405") else {
         return;
     };
     let result = cut(
@@ -97,7 +93,7 @@ fn navego_outages() {
 
     let removed = example(
         "navego-adis16405-constants-removed.toml",
-        &data("navego-adis16405"),
+        "navego-adis16405",
     )
     .unwrap();
     let white = cut(&removed, &[BiasModel::White], &navego_plan(), 10.0)[0]
@@ -116,7 +112,7 @@ fn navego_outages() {
 
 #[test]
 fn navego_whole_run() {
-    let Some(drive) = example("navego-adis16405.toml", &data("navego-adis16405")) else {
+    let Some(drive) = example("navego-adis16405.toml", "navego-adis16405") else {
         return;
     };
     let report = navigate(&drive, BiasModel::Arma, Wanted::default()).unwrap();
@@ -133,7 +129,7 @@ fn navego_whole_run() {
 
 #[test]
 fn rtk_drive_outages() {
-    let Some(drive) = example("rtk-drive.toml", &data("rtk-drive")) else {
+    let Some(drive) = example("rtk-drive.toml", "rtk-drive") else {
         return;
     };
     // Where the cuts fall moves the figure of one start between 2.9 and 4.1 m.
@@ -157,7 +153,7 @@ fn rtk_drive_outages() {
 
 #[test]
 fn uav_flight_aligns_and_stays_with_the_aircrafts_own_filter() {
-    let Some(drive) = example("uav-flight.toml", &data("uav-flight")) else {
+    let Some(drive) = example("uav-flight.toml", "uav-flight") else {
         return;
     };
     let report = navigate(&drive, BiasModel::Arma, Wanted::default()).unwrap();
@@ -179,7 +175,7 @@ fn ublox_drives_align_without_being_told_the_mounting() {
         "parkinglot-maneuvers",
         "urban-stop-go-tight-turns-nominal-001",
     ] {
-        let folder = data("ublox-drives").join(drive_name);
+        let folder = format!("ublox-drives/{drive_name}");
         let Some(drive) = example("ublox-drives.toml", &folder) else {
             return;
         };
@@ -204,13 +200,18 @@ fn ublox_drives_align_without_being_told_the_mounting() {
 }
 
 /// Made by `tools/make-drive30` at the project's root, which `.ci/run` runs.
-fn drive30(variant: &str) -> PathBuf {
-    root().join("target/drive30").join(variant)
+fn drive30(name: &str, variant: &str) -> Option<Drive> {
+    let folder = format!("target/drive30/{variant}");
+    if root().join(&folder).is_dir() {
+        return Some(load(name, &root().join(&folder)));
+    }
+    public::skipped(&folder);
+    None
 }
 
 #[test]
 fn simulated_half_hour_agrees_with_other_implementations() {
-    let Some(drive) = example("drive30.toml", &drive30("seed1")) else {
+    let Some(drive) = drive30("drive30.toml", "seed1") else {
         return;
     };
     // Fifteen starts, 240 s after the first sample and then every 104 s: its outages.json.
@@ -231,7 +232,7 @@ fn simulated_half_hour_agrees_with_other_implementations() {
 
 #[test]
 fn simulated_half_hour_without_noise() {
-    let Some(drive) = example("drive30-noise-free.toml", &drive30("noise-free")) else {
+    let Some(drive) = drive30("drive30-noise-free.toml", "noise-free") else {
         return;
     };
     let report = navigate(&drive, BiasModel::GaussMarkov, Wanted::default()).unwrap();

@@ -1,4 +1,4 @@
-//! The rest detector on a simulated car and on the public drives in `../shared/data`: what it takes
+//! The rest detector on a simulated car and on the public drives: what it takes
 //! for rest while GNSS says that the vehicle moves, and how many of the stops it finds, with the
 //! GNSS and where it is cut. Skipped, and said so, where the data is missing.
 
@@ -167,11 +167,9 @@ fn simulated_car() {
 /// An example file on a public drive, its heading given so that it starts at rest.
 fn public(example: &str, folder: &str, heading: Option<f64>, found: [f64; 3]) {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let data = root.join("../shared/data").join(folder);
-    if !data.is_dir() {
-        println!("skipped: {} is missing", data.display());
+    let Some(data) = crate::public::find(folder) else {
         return;
-    }
+    };
     let drive = Drive::load(&root.join("examples").join(example), Some(&data)).unwrap();
     let mut settings = settings(&drive, BiasModel::Arma).unwrap();
     if let Some(heading) = heading {

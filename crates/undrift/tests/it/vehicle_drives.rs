@@ -1,6 +1,6 @@
-//! Real cars under the car profile, with the figures that the project promises. Skipped, and said so,
-//! where the data is missing.
+//! Real cars under the car profile, with the figures that the project promises.
 
+use crate::public;
 use std::path::{Path, PathBuf};
 use undrift::{
     drive::Drive,
@@ -17,11 +17,7 @@ fn root() -> PathBuf {
 }
 
 fn example(name: &str, folder: &str) -> Option<Drive> {
-    let folder = root().join("../shared/data").join(folder);
-    if !folder.is_dir() {
-        println!("skipped: {} is missing", folder.display());
-        return None;
-    }
+    let folder = public::find(folder)?;
     let drive = Drive::load(&root().join("examples").join(name), Some(&folder));
     let (drive, _) = resolve_mounting(&drive.unwrap()).unwrap();
     Some(drive)

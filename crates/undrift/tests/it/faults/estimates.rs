@@ -1,57 +1,14 @@
 //! Wrong times and lever arms, which the filter can estimate.
 
-use super::{Log, drift_from, navigate, rtk_drive};
+use super::{drift_from, navigate, rtk_drive, simulated_car as simulated};
 use undrift::{
     nav::{
         Vector3,
         parameters::{Parameter, Parameters, Prior},
         sample::GnssFix,
-        shaping::ShapingFilter,
     },
-    replay::{GnssUse, Settings, Summary},
-    simulate::{GnssNoise, Trajectory, simulate},
+    replay::{GnssUse, Summary},
 };
-
-/// A sensor of the class of the real drive's.
-fn sensors(interval: f64) -> [ShapingFilter; 6] {
-    let sensor = |white: f64, walk: f64, turn_on: f64| {
-        ShapingFilter::white(white, interval)
-            .and_then(|f| f.plus(&ShapingFilter::random_walk(walk, interval)?))
-            .and_then(|f| f.plus(&ShapingFilter::constant(turn_on, interval)?))
-            .unwrap()
-    };
-    let gyro = sensor(
-        0.01f64.to_radians(),
-        0.0005f64.to_radians(),
-        0.3f64.to_radians(),
-    );
-    let accel = sensor(1e-3, 1e-4, 0.1);
-    [gyro, gyro, gyro, accel, accel, accel]
-}
-
-/// Ten minutes of a simulated car with an antenna at (0.8, -0.4, -1.2) m.
-fn simulated(seed: u64) -> Log {
-    let lever_arm = Vector3::new(0.8, -0.4, -1.2);
-    let noise = GnssNoise {
-        position_std: [0.01, 0.01, 0.02],
-        velocity_std: [0.05; 3],
-        rate_hz: 5.0,
-        start: 1.037,
-        lever_arm,
-        ..GnssNoise::default()
-    };
-    let car = Trajectory::car(600.0, seed);
-    let log = simulate(&car, 100.0, Some(&sensors(0.01)), &noise, seed).unwrap();
-    let settings = Settings {
-        lever_arm,
-        ..Settings::new(sensors(0.01))
-    };
-    Log {
-        imu: log.imu,
-        gnss: log.gnss,
-        settings,
-    }
-}
 
 fn estimate(summary: &Summary, kind: Parameter) -> (Vec<f64>, Vec<f64>) {
     let (_, value, std) = summary.parameters.iter().find(|p| p.0 == kind).unwrap();

@@ -1,6 +1,6 @@
 //! Single fixes, and a few in a row, that are far off.
 
-use super::{apart, at, drift, hurried, moved, navigate, rtk_drive};
+use super::{Log, apart, at, drift, hurried, moved, navigate, rtk_drive, simulated};
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use undrift::nav::{Vector3, sample::GnssFix};
@@ -11,9 +11,19 @@ fn uniform(dice: &mut Xoshiro256PlusPlus) -> f64 {
 
 #[test]
 fn gross_outliers() {
-    let Some(log) = rtk_drive() else { return };
-    let (clean, summary) = navigate(&log, &log.gnss);
-    let nominal = drift(&log, &log.gnss, &log.settings, &log.gnss);
+    check_gross_outliers(&simulated());
+}
+
+#[test]
+fn gross_outliers_on_the_real_drive() {
+    if let Some(log) = rtk_drive() {
+        check_gross_outliers(&log);
+    }
+}
+
+fn check_gross_outliers(log: &Log) {
+    let (clean, summary) = navigate(log, &log.gnss);
+    let nominal = drift(log, &log.gnss, &log.settings, &log.gnss);
     println!(
         "clean: drift {nominal:.3} m; left out {}",
         summary.position.rejected + summary.velocity.rejected
@@ -31,9 +41,9 @@ fn gross_outliers() {
                 if hit { moved(fix, way * size) } else { *fix }
             })
             .collect();
-        let (track, summary) = navigate(&log, &shown);
+        let (track, summary) = navigate(log, &shown);
         let (distance, angle, rms) = apart(&track, &clean, summary.started.unwrap());
-        let drift = drift(&log, &shown, &log.settings, &log.gnss);
+        let drift = drift(log, &shown, &log.settings, &log.gnss);
         println!(
             "seed {seed}: {count} outliers, {} positions left out; drift {drift:.3} m; from the clean solution at most {distance:.3} m, {angle:.3} deg, RMS {rms:.4} m",
             summary.position.rejected
@@ -46,17 +56,27 @@ fn gross_outliers() {
 
 #[test]
 fn single_jump() {
-    let Some(log) = rtk_drive() else { return };
-    let (clean, _) = navigate(&log, &log.gnss);
+    check_single_jump(&simulated());
+}
+
+#[test]
+fn single_jump_on_the_real_drive() {
+    if let Some(log) = rtk_drive() {
+        check_single_jump(&log);
+    }
+}
+
+fn check_single_jump(log: &Log) {
+    let (clean, _) = navigate(log, &log.gnss);
     for (time, way) in [
-        (100.0, Vector3::x()),
-        (250.0, Vector3::y()),
-        (400.0, -Vector3::x()),
+        (60.0, Vector3::x()),
+        (210.0, Vector3::y()),
+        (360.0, -Vector3::x()),
     ] {
         let mut shown = log.gnss.clone();
-        let k = at(&shown, time);
+        let k = at(&shown, log.from + time);
         shown[k] = moved(&shown[k], way * 50.0);
-        let (track, summary) = navigate(&log, &shown);
+        let (track, summary) = navigate(log, &shown);
         let (distance, angle, _) = apart(&track, &clean, shown[k].time);
         let jump = summary
             .contradictions
@@ -74,17 +94,27 @@ fn single_jump() {
 
 #[test]
 fn several_jumps_in_sequence() {
-    let Some(log) = rtk_drive() else { return };
-    let (clean, _) = navigate(&log, &log.gnss);
+    check_several_jumps_in_sequence(&simulated());
+}
+
+#[test]
+fn several_jumps_in_sequence_on_the_real_drive() {
+    if let Some(log) = rtk_drive() {
+        check_several_jumps_in_sequence(&log);
+    }
+}
+
+fn check_several_jumps_in_sequence(log: &Log) {
+    let (clean, _) = navigate(log, &log.gnss);
     let mut dice = Xoshiro256PlusPlus::seed_from_u64(11);
     // Eight fixes, two seconds, wherever.
     let mut shown = log.gnss.clone();
-    let k = at(&shown, 200.0);
+    let k = at(&shown, log.from + 160.0);
     for fix in &mut shown[k..k + 8] {
         let way = direction(&mut dice) * (20.0 + 100.0 * uniform(&mut dice));
         *fix = moved(fix, way);
     }
-    let (track, summary) = navigate(&log, &shown);
+    let (track, summary) = navigate(log, &shown);
     let (distance, angle, _) = apart(&track, &clean, shown[k].time);
     println!(
         "eight wild fixes: moved by {distance:.3} m, {angle:.3} deg; {:?}",
@@ -97,7 +127,7 @@ fn several_jumps_in_sequence() {
     for fix in &mut shown[k..k + 20] {
         *fix = moved(fix, Vector3::new(20.0, 20.0, 10.0));
     }
-    let (track, summary) = navigate(&log, &shown);
+    let (track, summary) = navigate(log, &shown);
     let (distance, angle, _) = apart(&track, &clean, shown[k].time);
     println!(
         "5 s at 30 m: moved by {distance:.3} m, {angle:.3} deg; {:?}",
@@ -114,9 +144,19 @@ fn several_jumps_in_sequence() {
 
 #[test]
 fn outliers_of_velocity() {
-    let Some(log) = rtk_drive() else { return };
-    let (clean, _) = navigate(&log, &log.gnss);
-    let nominal = drift(&log, &log.gnss, &log.settings, &log.gnss);
+    check_outliers_of_velocity(&simulated());
+}
+
+#[test]
+fn outliers_of_velocity_on_the_real_drive() {
+    if let Some(log) = rtk_drive() {
+        check_outliers_of_velocity(&log);
+    }
+}
+
+fn check_outliers_of_velocity(log: &Log) {
+    let (clean, _) = navigate(log, &log.gnss);
+    let nominal = drift(log, &log.gnss, &log.settings, &log.gnss);
     let mut dice = Xoshiro256PlusPlus::seed_from_u64(3);
     let shown: Vec<GnssFix> = log
         .gnss
@@ -127,9 +167,9 @@ fn outliers_of_velocity() {
             if hit { hurried(fix, way * size) } else { *fix }
         })
         .collect();
-    let (track, summary) = navigate(&log, &shown);
+    let (track, summary) = navigate(log, &shown);
     let (distance, angle, rms) = apart(&track, &clean, summary.started.unwrap());
-    let drift = drift(&log, &shown, &log.settings, &log.gnss);
+    let drift = drift(log, &shown, &log.settings, &log.gnss);
     println!(
         "velocity outliers: {} left out; drift {drift:.3} m; at most {distance:.3} m, {angle:.3} deg, RMS {rms:.4} m",
         summary.velocity.rejected
@@ -140,16 +180,27 @@ fn outliers_of_velocity() {
 
 #[test]
 fn outlier_as_the_first_fix_after_an_outage() {
-    let Some(log) = rtk_drive() else { return };
+    check_outlier_as_the_first_fix_after_an_outage(&simulated());
+}
+
+#[test]
+fn outlier_as_the_first_fix_after_an_outage_on_the_real_drive() {
+    if let Some(log) = rtk_drive() {
+        check_outlier_as_the_first_fix_after_an_outage(&log);
+    }
+}
+
+fn check_outlier_as_the_first_fix_after_an_outage(log: &Log) {
     for (length, size) in [(10.0, 50.0), (10.0, 20.0), (30.0, 100.0), (30.0, 20.0)] {
         let (mut clean, mut shown) = (log.gnss.clone(), log.gnss.clone());
-        let (from, to) = (at(&clean, 200.0), at(&clean, 200.0 + length));
+        let start = log.from + 160.0;
+        let (from, to) = (at(&clean, start), at(&clean, start + length));
         shown[to] = moved(&shown[to], Vector3::new(size, 0.0, 0.0));
         clean.drain(from..to);
         shown.drain(from..to);
         let end = clean[from].time;
-        let (reference, _) = navigate(&log, &clean);
-        let (track, summary) = navigate(&log, &shown);
+        let (reference, _) = navigate(log, &clean);
+        let (track, summary) = navigate(log, &shown);
         let (distance, _, _) = apart(&track, &reference, end);
         let (later, angle, _) = apart(&track, &reference, end + 5.0);
         println!(
@@ -162,8 +213,18 @@ fn outlier_as_the_first_fix_after_an_outage() {
 
 #[test]
 fn outlier_during_alignment() {
-    let Some(log) = rtk_drive() else { return };
-    let (clean, summary) = navigate(&log, &log.gnss);
+    check_outlier_during_alignment(&simulated());
+}
+
+#[test]
+fn outlier_during_alignment_on_the_real_drive() {
+    if let Some(log) = rtk_drive() {
+        check_outlier_during_alignment(&log);
+    }
+}
+
+fn check_outlier_during_alignment(log: &Log) {
+    let (clean, summary) = navigate(log, &log.gnss);
     let started = summary.started.unwrap();
     // The fix that completes the alignment, and one before it.
     let last = log
@@ -174,7 +235,7 @@ fn outlier_during_alignment() {
     for k in [last, last - 1, last - 20] {
         let mut shown = log.gnss.clone();
         shown[k] = moved(&shown[k], Vector3::new(30.0, 40.0, 0.0));
-        let (track, summary) = navigate(&log, &shown);
+        let (track, summary) = navigate(log, &shown);
         let (later, angle, _) = apart(&track, &clean, started + 10.0);
         println!(
             "50 m off at fix {} of {last}: after 10 s {later:.3} m, {angle:.3} deg; {:?}",

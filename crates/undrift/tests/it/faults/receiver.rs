@@ -1,6 +1,6 @@
 //! A receiver that is pulled away, frozen, wrong about its accuracy or about a sign.
 
-use super::{apart, at, drift, hurried, moved, navigate, navigate_with, rtk_drive};
+use super::{Log, apart, at, drift, hurried, moved, navigate, navigate_with, rtk_drive, simulated};
 use undrift::{
     nav::{Vector3, sample::GnssFix},
     replay::{Settings, Summary},
@@ -13,10 +13,11 @@ fn sideways(fix: &GnssFix) -> Vector3 {
 }
 
 /// A minute in which the position is pulled away sideways at 0.5 m/s, then left there.
-fn spoofed(gnss: &[GnssFix], velocity_follows: bool, smooth: f64) -> Vec<GnssFix> {
-    let k = at(gnss, 200.0);
-    let (start, way) = (gnss[k].time, sideways(&gnss[k]));
-    gnss.iter()
+fn spoofed(log: &Log, velocity_follows: bool, smooth: f64) -> Vec<GnssFix> {
+    let first = &log.gnss[at(&log.gnss, log.from + 160.0)];
+    let (start, way) = (first.time, sideways(first));
+    log.gnss
+        .iter()
         .map(|fix| {
             let since = fix.time - start;
             let ramp = |t: f64| {
@@ -40,10 +41,20 @@ fn spoofed(gnss: &[GnssFix], velocity_follows: bool, smooth: f64) -> Vec<GnssFix
 
 #[test]
 fn slow_spoofing_is_reported() {
-    let Some(log) = rtk_drive() else { return };
+    check_slow_spoofing_is_reported(&simulated());
+}
+
+#[test]
+fn slow_spoofing_is_reported_on_the_real_drive() {
+    if let Some(log) = rtk_drive() {
+        check_slow_spoofing_is_reported(&log);
+    }
+}
+
+fn check_slow_spoofing_is_reported(log: &Log) {
     for (velocity_follows, smooth) in [(false, 0.0), (true, 0.0), (false, 10.0), (true, 10.0)] {
-        let shown = spoofed(&log.gnss, velocity_follows, smooth);
-        let (_, summary) = navigate(&log, &shown);
+        let shown = spoofed(log, velocity_follows, smooth);
+        let (_, summary) = navigate(log, &shown);
         println!("velocity follows: {velocity_follows}, smooth over {smooth} s:");
         for c in &summary.contradictions {
             println!("  {c:?}");
@@ -54,7 +65,7 @@ fn slow_spoofing_is_reported() {
         for c in &summary.leans {
             println!("  {c:?}");
         }
-        let start = shown[at(&shown, 200.0)].time;
+        let start = shown[at(&shown, log.from + 160.0)].time;
         let during = |from: f64, to: f64| to > start && from < start + 60.0;
         let left_out = summary
             .contradictions
@@ -92,23 +103,33 @@ fn stated(gnss: &[GnssFix], factor: f64) -> Vec<GnssFix> {
 
 #[test]
 fn wrong_accuracies_are_found() {
-    let Some(log) = rtk_drive() else { return };
+    check_wrong_accuracies_are_found(&simulated());
+}
+
+#[test]
+fn wrong_accuracies_are_found_on_the_real_drive() {
+    if let Some(log) = rtk_drive() {
+        check_wrong_accuracies_are_found(&log);
+    }
+}
+
+fn check_wrong_accuracies_are_found(log: &Log) {
     let adaptive = Settings {
         adapt: true,
         ..log.settings.clone()
     };
-    let nominal = drift(&log, &log.gnss, &log.settings, &log.gnss);
-    let (_, summary) = navigate_with(&log, &log.gnss, &adaptive);
+    let nominal = drift(log, &log.gnss, &log.settings, &log.gnss);
+    let (_, summary) = navigate_with(log, &log.gnss, &adaptive);
     let own = summary.adapted.map(Option::unwrap);
     println!("as stated: drift {nominal:.3} m; factors found {own:.3?}");
     for factor in [0.15, 1.0, 7.0] {
         let shown = stated(&log.gnss, factor);
-        let (_, plain) = navigate(&log, &shown);
-        let (_, summary) = navigate_with(&log, &shown, &adaptive);
+        let (_, plain) = navigate(log, &shown);
+        let (_, summary) = navigate_with(log, &shown, &adaptive);
         let found = summary.adapted.map(Option::unwrap);
         let (before, after) = (
-            drift(&log, &shown, &log.settings, &log.gnss),
-            drift(&log, &shown, &adaptive, &log.gnss),
+            drift(log, &shown, &log.settings, &log.gnss),
+            drift(log, &shown, &adaptive, &log.gnss),
         );
         let nis = |s: &Summary| [s.position.per_dof().unwrap(), s.velocity.per_dof().unwrap()];
         println!(
@@ -127,10 +148,21 @@ fn wrong_accuracies_are_found() {
 
 #[test]
 fn a_frozen_receiver_is_not_believed() {
-    let Some(log) = rtk_drive() else { return };
-    let (clean, _) = navigate(&log, &log.gnss);
+    check_a_frozen_receiver_is_not_believed(&simulated());
+}
+
+#[test]
+fn a_frozen_receiver_is_not_believed_on_the_real_drive() {
+    if let Some(log) = rtk_drive() {
+        check_a_frozen_receiver_is_not_believed(&log);
+    }
+}
+
+fn check_a_frozen_receiver_is_not_believed(log: &Log) {
+    let (clean, _) = navigate(log, &log.gnss);
     // In motion; and standing at a light, where the start is at first no more than an odd acceleration.
-    for (when, keeps_velocity) in [(120.0, false), (120.0, true), (200.0, false)] {
+    for (when, keeps_velocity) in [(80.0, false), (80.0, true), (160.0, false)] {
+        let when = log.from + when;
         let mut shown = log.gnss.clone();
         let (from, to) = (at(&shown, when), at(&shown, when + 20.0));
         let held = shown[from];
@@ -140,7 +172,7 @@ fn a_frozen_receiver_is_not_believed() {
                 .velocity
                 .map(|(v, r)| (if keeps_velocity { v } else { Vector3::zeros() }, r));
         }
-        let (track, summary) = navigate(&log, &shown);
+        let (track, summary) = navigate(log, &shown);
         let (distance, _, _) = apart(&track, &clean, held.time);
         let (later, angle, _) = apart(&track, &clean, shown[to].time + 10.0);
         println!(
@@ -152,15 +184,29 @@ fn a_frozen_receiver_is_not_believed() {
         );
         assert!(summary.contradictions.iter().any(|c| c.frozen));
         // The start from the light is at first taken for errors of the sensors.
-        let limit = if when > 150.0 { (1.0, 6.0) } else { (0.3, 2.0) };
+        let limit = if when > log.from + 100.0 {
+            (1.0, 6.0)
+        } else {
+            (0.3, 2.0)
+        };
         assert!(later < limit.0 && angle < limit.1);
     }
 }
 
 #[test]
 fn a_wrong_sign_is_named() {
-    let Some(log) = rtk_drive() else { return };
-    let (_, summary) = navigate(&log, &log.gnss);
+    check_a_wrong_sign_is_named(&simulated());
+}
+
+#[test]
+fn a_wrong_sign_is_named_on_the_real_drive() {
+    if let Some(log) = rtk_drive() {
+        check_a_wrong_sign_is_named(&log);
+    }
+}
+
+fn check_a_wrong_sign_is_named(log: &Log) {
+    let (_, summary) = navigate(log, &log.gnss);
     assert!(summary.wrong_signs.is_empty());
     let mut shown = log.gnss.clone();
     for fix in &mut shown {
@@ -168,7 +214,7 @@ fn a_wrong_sign_is_named() {
             v.z = -v.z;
         }
     }
-    let (_, summary) = navigate(&log, &shown);
+    let (_, summary) = navigate(log, &shown);
     let wrong = summary.wrong_signs;
     println!(
         "velocity down reversed: named {wrong:?}; NIS {:?} {:?}, left out {} {}; leans {}, suspect {:?}, restarts {:?}",
