@@ -8,12 +8,12 @@ import { fileURLToPath, pathToFileURL } from "node:url";
 import { gzipSync } from "node:zlib";
 import { launch } from "./browser.js";
 import { download } from "./page.js";
+import { publicData, skipped } from "./data.js";
 
 const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
 const target = process.env.CARGO_TARGET_DIR || path.join(root, "target");
 const file = path.join(target, "web/undrift.html"), native = path.join(target, "release/undrift");
 const missing = existsSync(file) ? false : `${file} is missing: tools/web makes it`;
-const shared = path.resolve(root, "../shared/data");
 const scratch = path.join(target, "web/scratch");
 
 let browser;
@@ -156,7 +156,7 @@ test("on a phone nothing is wider than the page, and the tabs answer to the keyb
   await close();
 });
 
-// Every log of the golden files, and drives of the shared data.
+// Every log of the golden files, and public drives.
 const golden = path.join(root, "testdata/golden");
 const isLog = name => !/\.(py|json|toml|m|mat|yaml|params|kml|geojson|db3-wal|txt|md)$/.test(name);
 const logs = readdirSync(golden, { recursive: true }).map(String).filter(name => isLog(name) && statSync(path.join(golden, name)).isFile());
@@ -177,14 +177,15 @@ test(`inspect says the same as the command of ${logs.length} logs`, { skip: miss
 const DRIVES = [["rtk-drive", ["imu.csv.gz", "gnss.pos"]], ["uav-flight", null], ["navego-adis16405", null]];
 for (const [drive] of DRIVES) {
   const example = path.join(root, `examples/${drive}.toml`);
-  const skip = missing || (existsSync(path.join(shared, drive)) && existsSync(example) ? false : `${drive} is missing`);
-  test(`${drive}: navigated as by the command`, { skip }, async () => {
+  const name = `${drive}: navigated as by the command`, folder = path.join(publicData, drive);
+  const skip = missing || (existsSync(folder) ? false : skipped(name, `DATA/${drive}`));
+  test(name, { skip }, async () => {
     const { page, close } = await open();
     const text = readFileSync(example, "utf8"), names = Array.from(text.matchAll(/^file *= *"(.+)"/gm), found => found[1]);
     const toml = path.join(scratch, "drive.toml"), out = path.join(scratch, "native.json");
     writeFileSync(toml, text.replaceAll(/^file *= *"(.+\/)?(.+)"/gm, 'file = "$2"'));
-    execFileSync(native, ["navigate", example, "--data", path.join(shared, drive), "--model", "adis16405", "--json", out, "-q"]);
-    await put(page, [toml, ...names.map(name => path.join(shared, drive, name))]);
+    execFileSync(native, ["navigate", example, "--data", folder, "--model", "adis16405", "--json", out, "-q"]);
+    await put(page, [toml, ...names.map(name => path.join(folder, name))]);
     const own = await run(page, ["navigate", "drive.toml", "--model", "adis16405", "--json", "own.json"], ["own.json"]);
     assert.equal(own.code, 0, own.warnings.join("\n"));
     const [a, b] = [JSON.parse(readFileSync(out, "utf8")), JSON.parse(own.files["own.json"])];

@@ -25,6 +25,15 @@ def command() -> str | None:
     return os.environ.get("UNDRIFT") or (str(newest[-1]) if newest else shutil.which("undrift"))
 
 
+def pytest_runtest_logreport(report: pytest.TestReport) -> None:
+    """Reports what is skipped in the file ``UNDRIFT_SKIPPED`` too, which the gate collects."""
+    record = os.environ.get("UNDRIFT_SKIPPED")
+    if report.skipped and record and isinstance(report.longrepr, tuple):
+        reason = report.longrepr[2].removeprefix("Skipped: ")
+        with Path(record).open("a") as out:
+            out.write(f"skipped: python::{report.nodeid} without {reason}\n")
+
+
 @pytest.fixture(scope="session")
 def terminal() -> Callable[..., subprocess.CompletedProcess[str]]:
     """Runs the command with arguments, whatever its exit code."""

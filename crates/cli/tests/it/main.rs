@@ -7,6 +7,8 @@ mod identify;
 mod inspect;
 mod mistakes;
 mod model;
+#[path = "../../../../tools/public_data.rs"]
+mod public;
 mod raw_logs;
 mod schema;
 mod terminal;

@@ -1,5 +1,5 @@
-//! Raw logs of public drives in `../shared/data`, in the formats that can hold them and with the axes of the IMU turned:
-//! nothing but `inspect` and `outages`. Skipped, and said so, where the data is missing.
+//! Raw logs of drives, public and simulated, in the formats that can hold them and with the axes of the IMU turned:
+//! nothing but `inspect` and `outages`.
 
 /// Appends numbers, little-endian.
 macro_rules! pack {

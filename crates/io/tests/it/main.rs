@@ -3,6 +3,8 @@
 mod dates;
 mod hostile;
 mod properties;
+#[path = "../../../../tools/public_data.rs"]
+mod public;
 mod public_data;
 mod round_trip;
 mod written;

@@ -1,7 +1,6 @@
 //! The readers on real logs, which are not part of the project.
 
-use std::path::PathBuf;
-
+use crate::public::find;
 use undrift_io::Opened;
 use undrift_io::format::Format;
 use undrift_io::gnss::{
@@ -14,16 +13,6 @@ use undrift_io::truth::{TruthFormat, TruthReader};
 use undrift_nav::earth::{Geodetic, STANDARD_GRAVITY};
 use undrift_nav::sample::{FixQuality, GnssFix, ImuSample, Position, TruthSample};
 use undrift_nav::{Matrix3, Vector3};
-
-/// The file, or `None` with a note where the data are not there.
-fn data(name: &str) -> Option<PathBuf> {
-    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
-    if !PathBuf::from(root).is_dir() {
-        println!("skipped: ../shared/data is missing");
-        return None;
-    }
-    Some(PathBuf::from(root).join(name))
-}
 
 fn name(text: &str) -> Column {
     Column::Name(text.into())
@@ -44,7 +33,7 @@ fn degrees() -> f64 {
 
 /// All samples; nothing may have been skipped.
 fn imu(file: &str, format: &ImuFormat) -> Option<(Vec<ImuSample>, u64)> {
-    let mut reader = ImuReader::open(&data(file)?, format).unwrap();
+    let mut reader = ImuReader::open(&find(file)?, format).unwrap();
     let samples: Vec<ImuSample> = reader.by_ref().map(Result::unwrap).collect();
     assert!(reader.skipped().is_empty(), "{file}: {}", reader.skipped());
     Some((samples, reader.gaps().count))
@@ -96,7 +85,7 @@ fn place(fix: &GnssFix) -> Geodetic {
 /// A part of a flight, with IMU, IMU2, GPS and GPA; the numbers are those that pymavlink reads.
 #[test]
 fn ardupilot() {
-    let Some(path) = data("fixtures/ardupilot-test.BIN") else {
+    let Some(path) = find("fixtures/ardupilot-test.BIN") else {
         return;
     };
     assert_eq!(Opened::open(&path).unwrap().format(), Format::DataFlash);
@@ -149,7 +138,7 @@ fn navego() {
     assert!(near(last.dvel.z, -9.980_594_91 * last.dt));
 
     let constant = with_stds("height_m", [5.0, 5.0, 10.0], [0.05; 3]);
-    let path = data("navego-adis16405/gnss.csv.gz").unwrap();
+    let path = find("navego-adis16405/gnss.csv.gz").unwrap();
     assert_ne!(Opened::open(&path).unwrap().format(), Format::Rtklib);
     let fixes = gnss(GnssReader::open(&path, &constant.clone().into()).unwrap());
     assert_eq!(fixes.len(), 2187);
@@ -165,7 +154,7 @@ fn navego() {
         attitude: Some(names(["roll_deg", "pitch_deg", "yaw_deg"])),
         ..TruthFormat::degrees(name("t_s"), names(["lat_deg", "lon_deg", "height_m"]))
     };
-    let path = data("navego-adis16405/truth.csv.gz").unwrap();
+    let path = find("navego-adis16405/truth.csv.gz").unwrap();
     let truth: Result<Vec<TruthSample>, _> = TruthReader::open(&path, &format.clone().into())
         .unwrap()
         .collect();
@@ -201,7 +190,7 @@ fn rtk_drive() {
     assert_eq!(last.time, 243_810.46);
     assert!(near(last.dtheta.z, 0.221 * degrees() * last.dt));
 
-    let path = data("rtk-drive/gnss.pos").unwrap();
+    let path = find("rtk-drive/gnss.pos").unwrap();
     assert_eq!(Opened::open(&path).unwrap().format(), Format::Rtklib);
     let fixes = gnss(GnssReader::open(&path, &GnssLog::new(Format::Rtklib).into()).unwrap());
     assert_eq!(fixes.len(), 2197);
@@ -241,7 +230,7 @@ fn uav_flight() {
         -9.633_111 * samples[34_811].dt
     ));
     let constant = with_stds("alt_m", [3.0; 3], [0.5; 3]);
-    let path = data("uav-flight/gnss.csv.gz").unwrap();
+    let path = find("uav-flight/gnss.csv.gz").unwrap();
     let fixes = gnss(GnssReader::open(&path, &constant.clone().into()).unwrap());
     assert_eq!((fixes.len(), fixes[0].time), (674, 22.041));
     let expected = Geodetic::from_degrees(45.328_828_935, -93.230_936_428, 247.396);
@@ -249,7 +238,7 @@ fn uav_flight() {
 
     // The aircraft's own solution is 0°, 0° until its first fix.
     let format = TruthFormat::degrees(name("t_s"), names(["lat_deg", "lon_deg", "alt_m"]));
-    let path = data("uav-flight/onboard.csv.gz").unwrap();
+    let path = find("uav-flight/onboard.csv.gz").unwrap();
     let mut reader = TruthReader::open(&path, &format.clone().into()).unwrap();
     let count = reader.by_ref().map(Result::unwrap).count() as u64;
     assert_eq!(count, 34_812 - 1239);
@@ -288,7 +277,7 @@ fn ublox_drives() {
             return;
         };
         assert_eq!(samples.len(), rows, "{drive}");
-        let path = data(&format!("ublox-drives/{drive}/gnss.csv.gz")).unwrap();
+        let path = find(&format!("ublox-drives/{drive}/gnss.csv.gz")).unwrap();
         let fixes = gnss(GnssReader::open(&path, &in_file.clone().into()).unwrap());
         assert_eq!(
             (fixes.len(), fixes[fix_rows - 1].time),

@@ -1,16 +1,20 @@
-//! The shared drives, their drive files written by hand, and the command on them.
+//! The drives, public and one simulated, their drive files written by hand, and the command on them.
 
 use super::log::{Log, mounting, rotation, text};
+use crate::public;
 use serde_json::Value;
 use std::{
     fs,
     path::{Path, PathBuf},
     process::Command,
+    sync::OnceLock,
 };
 use undrift::{
     Drive,
     nav::{Matrix3, Vector3, attitude::from_rpy},
     navigate::resolve_mounting,
+    noise::{BiasModel, ImuModel},
+    simulate::{GnssNoise, SimulatedLog, Trajectory},
 };
 
 /// Estimate against the drive file written by hand \[deg\].
@@ -56,7 +60,7 @@ position = [7, 8, 9]
 position_std = "3, 3, 6 m"
 "#;
 
-/// A shared drive.
+/// A drive.
 pub struct Shared {
     pub name: &'static str,
     /// Where its files are.
@@ -71,12 +75,12 @@ fn root() -> PathBuf {
 }
 
 impl Shared {
+    /// `simulated`, or a public drive if it is there.
     pub fn find(name: &'static str) -> Option<Self> {
-        let data = root().join("../shared/data").join(name);
-        if !data.is_dir() {
-            println!("skipped: {} is missing", data.display());
-            return None;
+        if name == "simulated" {
+            return Some(Self::simulated());
         }
+        let data = public::find(name)?;
         let example = |file: &str| text(&root().join("examples").join(file));
         let by_hand = match name.split('/').next() {
             Some("rtk-drive") => example("rtk-drive-car.toml"),
@@ -93,6 +97,40 @@ impl Shared {
             car: by_hand.contains_key("vehicle"),
             by_hand: by_hand.to_string(),
         })
+    }
+
+    /// Five minutes of a simulated car in town with a receiver of a few metres.
+    fn simulated() -> Self {
+        static WRITTEN: OnceLock<PathBuf> = OnceLock::new();
+        let data = WRITTEN.get_or_init(|| {
+            let data = Path::new(env!("CARGO_TARGET_TMPDIR")).join("raw-logs-drive");
+            let model = ImuModel::preset("icm20602").unwrap();
+            let car = SimulatedLog {
+                trajectory: &Trajectory::car(300.0, 1),
+                rate_hz: 50.0,
+                filters: &model.shaping(BiasModel::GaussMarkov, 0.02).unwrap(),
+                gnss: &GnssNoise {
+                    position_std: [2.0, 2.0, 4.0],
+                    velocity_std: [0.1; 3],
+                    rate_hz: 2.0,
+                    ..GnssNoise::default()
+                },
+                seed: 1,
+                model: "icm20602",
+                temperature_c: None,
+            };
+            car.write(&data).unwrap();
+            data
+        });
+        let mut by_hand: toml::Table = text(&data.join("drive.toml")).parse().unwrap();
+        by_hand.remove("truth");
+        by_hand.insert("vehicle".into(), toml::toml! { profile = "car" }.into());
+        Self {
+            name: "simulated",
+            data: data.clone(),
+            by_hand: by_hand.to_string(),
+            car: true,
+        }
     }
 
     pub fn log(&self) -> Log {

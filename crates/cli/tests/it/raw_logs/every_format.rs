@@ -1,4 +1,4 @@
-//! Every shared drive in every format that can hold it.
+//! Every drive in every format that can hold it.
 //!
 //! Left out:
 //! * ROS 2's `.db3`: SQLite's pages take a writer of their own, and its messages are those of the MCAP.
@@ -227,6 +227,7 @@ macro_rules! drives {
 }
 
 drives! {
+    simulated: "simulated", All;
     rtk_drive: "rtk-drive", First;
     long_drive: "ublox-drives/mixed-road-long-drive-nominal-001", First;
     parking_lot: "ublox-drives/parkinglot-maneuvers", First;

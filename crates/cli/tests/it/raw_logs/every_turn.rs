@@ -124,6 +124,7 @@ fn six(name: &'static str) {
 }
 
 six_turns! { six;
+    simulated: "simulated";
     long_drive: "ublox-drives/mixed-road-long-drive-nominal-001";
     parking_lot: "ublox-drives/parkinglot-maneuvers";
     stop_and_go: "ublox-drives/urban-stop-go-tight-turns-nominal-001";

@@ -1,4 +1,4 @@
-//! Drives of `../shared/data` as samples and fixes, read with drive files written by hand.
+//! Drives as samples and fixes, read with drive files written by hand.
 
 use std::{fs, path::Path};
 use undrift::{
