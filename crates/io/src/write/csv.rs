@@ -3,8 +3,9 @@
 
 use std::io::{self, Write};
 
+use super::fixed::FixedRow;
 use super::solution::{COLUMNS, SolutionRow, UNIX_TIME, YAW};
-use super::text::write_turn;
+use super::text::in_turn;
 use super::text_writer::{Beside, Body, TextFormat, TextWriter};
 use super::write_fixed;
 
@@ -26,17 +27,22 @@ pub(super) fn format(dated: bool) -> TextFormat {
     }
 }
 
-fn write_row(buf: &mut Vec<u8>, row: &SolutionRow, beside: &Beside) -> io::Result<()> {
-    for (k, (_, decimals, value)) in COLUMNS.iter().enumerate() {
-        if k > 0 {
-            buf.push(b',');
-        }
-        if k == YAW {
-            write_turn(buf, value(row), *decimals);
-        } else {
-            write_fixed(buf, value(row), *decimals);
-        }
+static ROW: FixedRow<{ COLUMNS.len() }> = FixedRow::new(decimals());
+
+const fn decimals() -> [usize; COLUMNS.len()] {
+    let mut decimals = [0; COLUMNS.len()];
+    let mut k = 0;
+    while k < COLUMNS.len() {
+        decimals[k] = COLUMNS[k].1;
+        k += 1;
     }
+    decimals
+}
+
+fn write_row(buf: &mut Vec<u8>, row: &SolutionRow, beside: &Beside) -> io::Result<()> {
+    let mut values = row.values();
+    values[YAW] = in_turn(values[YAW], COLUMNS[YAW].1);
+    ROW.write(buf, &values);
     if let Some(epoch) = beside.epoch {
         buf.push(b',');
         write_fixed(buf, row.unix_time(epoch), 6);
@@ -103,7 +109,14 @@ mod tests {
 
     #[test]
     fn yaw_stays_below_a_full_turn() {
-        for yaw in [-1e-12, TAU, TAU - 1e-12, -3.0 * TAU] {
+        for yaw in [
+            -1e-12,
+            TAU,
+            TAU - 1e-12,
+            -3.0 * TAU,
+            -0.5,
+            359.9999996f64.to_radians(),
+        ] {
             let mut turned = row();
             turned.rpy.z = yaw;
             let text = text_of(&[turned]);

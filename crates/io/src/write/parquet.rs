@@ -21,8 +21,8 @@ pub(super) fn values(
     row: &SolutionRow,
     epoch: Option<Epoch>,
 ) -> impl Iterator<Item = Value<'static>> {
-    let state = COLUMNS.iter().enumerate().map(|(k, (.., value))| {
-        let value = match value(row) {
+    let state = row.values().into_iter().enumerate().map(|(k, value)| {
+        let value = match value {
             // Just below a full turn rounds to one.
             yaw if k == YAW => yaw.rem_euclid(360.0) % 360.0,
             value => value,
@@ -106,11 +106,7 @@ mod tests {
             [270.0, 0.0, 0.0]
         );
         for (k, values) in rows.iter().enumerate() {
-            for ((ours, written), name) in values
-                .iter()
-                .zip(COLUMNS.map(|(.., of)| of(&row(k as f64))))
-                .zip(&names)
-            {
+            for ((ours, written), name) in values.iter().zip(row(k as f64).values()).zip(&names) {
                 let equal = ours.to_bits() == written.to_bits();
                 let not_finite = !written.is_finite() && ours.is_nan();
                 assert!(

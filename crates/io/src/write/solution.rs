@@ -5,43 +5,40 @@ use undrift_nav::earth::Geodetic;
 
 use crate::epoch::Epoch;
 
-/// A column: its name, its decimals, and its number in a row, in its unit.
-pub(super) type Column = (&'static str, usize, fn(&SolutionRow) -> f64);
-
-/// Columns: a latitude of 1e-11° is a micrometre; of sensor errors there are as many decimals as a
-/// navigation-grade unit would need.
-pub(super) static COLUMNS: [Column; 31] = [
-    ("time_s", 4, |r| r.time),
-    ("lat_deg", 11, |r| r.position.lat.to_degrees()),
-    ("lon_deg", 11, |r| r.position.lon.to_degrees()),
-    ("height_m", 4, |r| r.position.height),
-    ("vn_mps", 5, |r| r.v_n.x),
-    ("ve_mps", 5, |r| r.v_n.y),
-    ("vd_mps", 5, |r| r.v_n.z),
-    ("roll_deg", 6, |r| r.rpy.x.to_degrees()),
-    ("pitch_deg", 6, |r| r.rpy.y.to_degrees()),
-    ("yaw_deg", 6, |r| r.rpy.z.to_degrees()),
-    ("north_std_m", 4, |r| r.nav_std[0]),
-    ("east_std_m", 4, |r| r.nav_std[1]),
-    ("down_std_m", 4, |r| r.nav_std[2]),
-    ("vn_std_mps", 5, |r| r.nav_std[3]),
-    ("ve_std_mps", 5, |r| r.nav_std[4]),
-    ("vd_std_mps", 5, |r| r.nav_std[5]),
-    ("roll_std_deg", 6, |r| r.nav_std[6].to_degrees()),
-    ("pitch_std_deg", 6, |r| r.nav_std[7].to_degrees()),
-    ("yaw_std_deg", 6, |r| r.nav_std[8].to_degrees()),
-    ("gyro_bias_x_dps", 8, |r| r.gyro_error.x.to_degrees()),
-    ("gyro_bias_y_dps", 8, |r| r.gyro_error.y.to_degrees()),
-    ("gyro_bias_z_dps", 8, |r| r.gyro_error.z.to_degrees()),
-    ("accel_bias_x_mps2", 7, |r| r.accel_error.x),
-    ("accel_bias_y_mps2", 7, |r| r.accel_error.y),
-    ("accel_bias_z_mps2", 7, |r| r.accel_error.z),
-    ("gyro_bias_x_std_dps", 8, |r| r.error_std[0].to_degrees()),
-    ("gyro_bias_y_std_dps", 8, |r| r.error_std[1].to_degrees()),
-    ("gyro_bias_z_std_dps", 8, |r| r.error_std[2].to_degrees()),
-    ("accel_bias_x_std_mps2", 7, |r| r.error_std[3]),
-    ("accel_bias_y_std_mps2", 7, |r| r.error_std[4]),
-    ("accel_bias_z_std_mps2", 7, |r| r.error_std[5]),
+/// Columns of a row, the names with their units, and decimals: a latitude of 1e-11° is a micrometre; of sensor errors
+/// there are as many decimals as a navigation-grade unit would need.
+pub(super) const COLUMNS: [(&str, usize); 31] = [
+    ("time_s", 4),
+    ("lat_deg", 11),
+    ("lon_deg", 11),
+    ("height_m", 4),
+    ("vn_mps", 5),
+    ("ve_mps", 5),
+    ("vd_mps", 5),
+    ("roll_deg", 6),
+    ("pitch_deg", 6),
+    ("yaw_deg", 6),
+    ("north_std_m", 4),
+    ("east_std_m", 4),
+    ("down_std_m", 4),
+    ("vn_std_mps", 5),
+    ("ve_std_mps", 5),
+    ("vd_std_mps", 5),
+    ("roll_std_deg", 6),
+    ("pitch_std_deg", 6),
+    ("yaw_std_deg", 6),
+    ("gyro_bias_x_dps", 8),
+    ("gyro_bias_y_dps", 8),
+    ("gyro_bias_z_dps", 8),
+    ("accel_bias_x_mps2", 7),
+    ("accel_bias_y_mps2", 7),
+    ("accel_bias_z_mps2", 7),
+    ("gyro_bias_x_std_dps", 8),
+    ("gyro_bias_y_std_dps", 8),
+    ("gyro_bias_z_std_dps", 8),
+    ("accel_bias_x_std_mps2", 7),
+    ("accel_bias_y_std_mps2", 7),
+    ("accel_bias_z_std_mps2", 7),
 ];
 /// The last column where the log has a date: Unix time \[s\].
 pub(super) const UNIX_TIME: &str = "unix_time_s";
@@ -84,6 +81,44 @@ impl SolutionRow {
             accel_error: unknown,
             error_std: [f64::NAN; 6],
         }
+    }
+
+    /// The numbers of [`COLUMNS`].
+    #[inline]
+    pub(super) fn values(&self) -> [f64; COLUMNS.len()] {
+        [
+            self.time,
+            self.position.lat.to_degrees(),
+            self.position.lon.to_degrees(),
+            self.position.height,
+            self.v_n.x,
+            self.v_n.y,
+            self.v_n.z,
+            self.rpy.x.to_degrees(),
+            self.rpy.y.to_degrees(),
+            self.rpy.z.to_degrees(),
+            self.nav_std[0],
+            self.nav_std[1],
+            self.nav_std[2],
+            self.nav_std[3],
+            self.nav_std[4],
+            self.nav_std[5],
+            self.nav_std[6].to_degrees(),
+            self.nav_std[7].to_degrees(),
+            self.nav_std[8].to_degrees(),
+            self.gyro_error.x.to_degrees(),
+            self.gyro_error.y.to_degrees(),
+            self.gyro_error.z.to_degrees(),
+            self.accel_error.x,
+            self.accel_error.y,
+            self.accel_error.z,
+            self.error_std[0].to_degrees(),
+            self.error_std[1].to_degrees(),
+            self.error_std[2].to_degrees(),
+            self.error_std[3],
+            self.error_std[4],
+            self.error_std[5],
+        ]
     }
 
     /// Unix time \[s\].

@@ -2,16 +2,27 @@
 
 use undrift_nav::earth::Geodetic;
 
-use super::write_fixed;
+use super::fixed::{POWERS, write_fixed};
 
-/// Appends an angle \[deg\] in [0, 360): just below a full turn rounds to zero.
-pub(super) fn write_turn(buf: &mut Vec<u8>, degrees: f64, decimals: usize) {
-    let from = buf.len();
-    write_fixed(buf, degrees.rem_euclid(360.0), decimals);
-    if buf[from..].starts_with(b"360") {
-        buf.truncate(from);
-        write_fixed(buf, 0.0, decimals);
+/// An angle \[deg\] in [0, 360) as it is written with so many decimals: what would be rounded to a full turn is zero.
+pub(super) fn in_turn(degrees: f64, decimals: usize) -> f64 {
+    let mut turn = match degrees < 0.0 {
+        true => degrees + 360.0,
+        false => degrees,
+    };
+    if !(0.0..360.0).contains(&turn) {
+        turn = degrees.rem_euclid(360.0);
     }
+    let nearly = 360.0 - 0.5 / POWERS.get(decimals).copied().unwrap_or(f64::INFINITY);
+    match turn >= nearly {
+        true => 0.0,
+        false => turn,
+    }
+}
+
+/// Appends an angle \[deg\] in [0, 360).
+pub(super) fn write_turn(buf: &mut Vec<u8>, degrees: f64, decimals: usize) {
+    write_fixed(buf, in_turn(degrees, decimals), decimals);
 }
 
 /// Latitude and longitude \[deg\] as a map takes them, longitude in [−180, 180).
