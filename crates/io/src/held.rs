@@ -67,21 +67,21 @@ impl HeldAxis {
 
     #[inline]
     fn end(&mut self) {
-        let repeat = self.present;
-        if repeat.samples == 0 {
+        let Repeat { value, samples, .. } = self.present;
+        if samples == 0 {
             return;
         }
         self.ended += 1;
-        self.samples += repeat.samples;
-        if repeat.samples > self.longest.samples {
-            self.longest = repeat;
+        self.samples += samples;
+        if samples > self.longest.samples {
+            self.longest = self.present;
         }
-        let longer = |of: &Repeat| repeat.value == of.value && repeat.samples > of.samples;
-        if self.ended == 1 || repeat.value < self.least.value || longer(&self.least) {
-            self.least = repeat;
+        let longer = |of: &Repeat| value == of.value && samples > of.samples;
+        if self.ended == 1 || value < self.least.value || longer(&self.least) {
+            self.least = self.present;
         }
-        if self.ended == 1 || repeat.value > self.most.value || longer(&self.most) {
-            self.most = repeat;
+        if self.ended == 1 || value > self.most.value || longer(&self.most) {
+            self.most = self.present;
         }
     }
 

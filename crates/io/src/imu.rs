@@ -197,8 +197,8 @@ impl Kind for Imu {
             sample.dvel -= accel * dt;
         }
         // Increments that were collected in next to no time cannot be scaled to a gap.
-        let values = sample.dtheta.iter().chain(&sample.dvel);
-        if values.copied().any(|value| !value.is_finite()) {
+        let finite = |increment: &Vector3| increment.as_slice().iter().all(|x| x.is_finite());
+        if !(finite(&sample.dtheta) && finite(&sample.dvel)) {
             skipped.add(SkipKind::OutOfRange, row.line, format_args!("{dt} s"));
             return Ok(None);
         }
@@ -225,8 +225,9 @@ impl Imu {
         skipped: &mut Skipped,
     ) -> Option<(f64, Values)> {
         let format = &self.format;
+        let amax = |v: &Vector3| v.x.abs().max(v.y.abs()).max(v.z.abs());
         let largest =
-            (values.gyro.amax() * format.gyro_scale).max(values.accel.amax() * format.accel_scale);
+            (amax(&values.gyro) * format.gyro_scale).max(amax(&values.accel) * format.accel_scale);
         if largest > MAX_VALUE {
             skipped.add(SkipKind::OutOfRange, line, largest);
             return None;

@@ -9,6 +9,7 @@ const POWERS: [f64; 23] = [
     1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
     1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
 ];
+const TENS: [u64; 8] = [1, 10, 100, 1000, 10_000, 100_000, 1_000_000, 10_000_000];
 const MAX_EXACT_MANTISSA: u64 = 1 << 53;
 /// Digits that fit a `u64` whatever they are.
 const MAX_DIGITS: usize = 19;
@@ -40,7 +41,7 @@ pub fn parse_prefix(bytes: &[u8]) -> Option<(f64, usize)> {
     let mut exponent = 0;
     if bytes.get(at) == Some(&b'.') {
         let fraction_from = at + 1;
-        at = digits(bytes, fraction_from, &mut mantissa);
+        at = many_digits(bytes, fraction_from, &mut mantissa);
         digit_count += at - fraction_from;
         exponent = -((at - fraction_from) as i64);
     }
@@ -78,6 +79,40 @@ fn digits(bytes: &[u8], mut at: usize, mantissa: &mut u64) -> usize {
     }
     *mantissa = m;
     at
+}
+
+/// The same, eight bytes at a time, which is quicker where there are several digits.
+#[inline]
+fn many_digits(bytes: &[u8], mut at: usize, mantissa: &mut u64) -> usize {
+    while let Some(word) = bytes.get(at..).and_then(|rest| rest.first_chunk()) {
+        // What is a digit becomes 0 to 9, anything else more.
+        let word = u64::from_le_bytes(*word) ^ 0x3030_3030_3030_3030;
+        let beyond_9 = (word | word.wrapping_add(0x7676_7676_7676_7676)) & 0x8080_8080_8080_8080;
+        let count = beyond_9.trailing_zeros() as usize / 8;
+        let Some(power) = TENS.get(count) else {
+            *mantissa = mantissa
+                .wrapping_mul(100_000_000)
+                .wrapping_add(eight_digits(word));
+            at += 8;
+            continue;
+        };
+        // Less than eight: behind as many zeros as there are other bytes.
+        let word = (word << 8) << (56 - 8 * count);
+        *mantissa = mantissa
+            .wrapping_mul(*power)
+            .wrapping_add(eight_digits(word));
+        return at + count;
+    }
+    digits(bytes, at, mantissa)
+}
+
+/// The number whose digits these bytes are, the first in the lowest: joined to two digits each, four each, all
+/// eight, all pairs at once.
+#[inline]
+fn eight_digits(word: u64) -> u64 {
+    let twos = (word * 10 + (word >> 8)) & 0x00ff_00ff_00ff_00ff;
+    let fours = (twos * 100 + (twos >> 16)) & 0x0000_ffff_0000_ffff;
+    (fours * 10_000 + (fours >> 32)) & 0xffff_ffff
 }
 
 /// The signed exponent at `at` and where it ends; sizes beyond any double are kept bounded.
@@ -137,6 +172,31 @@ mod tests {
             let digits = next(&mut state) % 10u64.pow((next(&mut state) % 19) as u32);
             let exponent = (next(&mut state) % 60) as i64 - 30;
             check(&format!("-{digits}e{exponent}"));
+        }
+    }
+
+    /// Where the digits end and what they are does not depend on the bytes around them.
+    #[test]
+    fn eight_bytes_at_a_time_agree_with_one_at_a_time() {
+        let mut state = 3;
+        for _ in 0..200_000 {
+            let any = next(&mut state).to_le_bytes();
+            let mut bytes = [b'0'; 20];
+            for (k, byte) in bytes.iter_mut().enumerate() {
+                let random = next(&mut state);
+                *byte = match random % 16 {
+                    0 => any[k % 8],
+                    1 => b"./:,\r\0"[(random >> 8) as usize % 6],
+                    _ => b'0' + (random >> 8) as u8 % 10,
+                };
+            }
+            let bytes = &bytes[..next(&mut state) as usize % 21];
+            let [mut one, mut eight] = [7; 2];
+            let ends = [
+                digits(bytes, 0, &mut one),
+                many_digits(bytes, 0, &mut eight),
+            ];
+            assert_eq!((ends[0], one), (ends[1], eight), "{bytes:?}");
         }
     }
 

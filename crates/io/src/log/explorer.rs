@@ -49,8 +49,10 @@ const ATTITUDE: usize = 9;
 
 /// Whether a text has such a line of names.
 pub(crate) fn detect(start: &[u8]) -> bool {
-    let mut lines = start.split(|&byte| byte == b'\n').take(HEAD);
-    lines.any(|line| Columns::of(line).is_some())
+    let lines = start.split(|&byte| byte == b'\n').take(HEAD);
+    // All names have a capital letter; rows of numbers are passed over quickly.
+    let mut named = lines.filter(|line| line.iter().any(u8::is_ascii_uppercase));
+    named.any(|line| Columns::of(line).is_some())
 }
 
 /// Where the columns are.

@@ -32,6 +32,9 @@ const MAX_TEXT: usize = 64;
 
 /// Whether the first bytes of a file are GPX: XML whose root is `gpx`.
 pub(crate) fn detect(start: &[u8]) -> bool {
+    if memchr::memchr(b'<', start).is_none() {
+        return false;
+    }
     let mut points = Points::new(Box::new(std::io::Cursor::new(start.to_vec())));
     loop {
         match points.next() {

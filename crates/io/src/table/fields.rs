@@ -39,6 +39,15 @@ impl Delimiter {
         }
     }
 
+    /// What begins with a field: without the rest of a run of blanks.
+    #[inline]
+    fn without_run(self, mut bytes: &[u8]) -> &[u8] {
+        while let (Self::Blanks, [b' ' | b'\t', rest @ ..]) = (self, bytes) {
+            bytes = rest;
+        }
+        bytes
+    }
+
     /// Whether the byte is padding inside a field's bounds.
     #[inline]
     fn pads(self, byte: u8) -> bool {
@@ -185,24 +194,29 @@ pub(crate) fn parse_row(
     stamps: Option<&mut Stamps>,
     out: &mut [f64],
 ) -> Result<(), Defect> {
-    match delimiter {
-        Delimiter::Byte(byte) if parse_plain_row(line, byte, wanted, out) => Ok(()),
-        _ => parse_any_row(line, delimiter, wanted, keep, stamps, out),
+    if parse_plain_row(line, delimiter, wanted, out) {
+        return Ok(());
     }
+    parse_any_row(line, delimiter, wanted, keep, stamps, out)
 }
 
 /// The usual row: finite numbers without padding or quotes. False if it is not one, or lacks a
 /// column; `out` is then filled in part.
 #[inline]
-fn parse_plain_row(line: &[u8], delimiter: u8, wanted: &[(usize, usize)], out: &mut [f64]) -> bool {
-    let mut rest = line;
+fn parse_plain_row(
+    line: &[u8],
+    delimiter: Delimiter,
+    wanted: &[(usize, usize)],
+    out: &mut [f64],
+) -> bool {
+    let mut rest = delimiter.without_run(line);
     let mut column = 0;
     let mut last = 0.0;
     for &(target, slot) in wanted {
         while column < target {
-            let is_end = |&byte: &u8| byte == delimiter || byte == b'"';
+            let is_end = |&byte: &u8| delimiter.ends(byte) || byte == b'"';
             match rest.iter().position(is_end) {
-                Some(end) if rest[end] == delimiter => rest = &rest[end + 1..],
+                Some(end) if rest[end] != b'"' => rest = delimiter.without_run(&rest[end + 1..]),
                 _ => return false,
             }
             column += 1;
@@ -212,7 +226,7 @@ fn parse_plain_row(line: &[u8], delimiter: u8, wanted: &[(usize, usize)], out: &
                 return false;
             };
             rest = match rest.get(length..) {
-                Some([byte, rest @ ..]) if *byte == delimiter => rest,
+                Some([byte, rest @ ..]) if delimiter.ends(*byte) => delimiter.without_run(rest),
                 Some([]) => &[],
                 _ => return false,
             };
@@ -362,35 +376,32 @@ mod tests {
     fn the_short_way_agrees_with_the_long_one() {
         let pieces = [
             "1.5", "-2e3", "7", "8.", "", " ", "4 ", "\"5\"", "\"a,b\"", "x", "nan", "1e999", "\"",
+            "\t6",
         ];
-        let comma = Delimiter::Byte(b',');
         let wanted = [(0, 2), (2, 0), (2, 3), (3, 1)];
-        let (mut state, mut plain) = (1u64, 0);
-        for _ in 0..100_000 {
-            let mut line = String::new();
-            for k in 0..6 {
-                state = state
-                    .wrapping_mul(6_364_136_223_846_793_005)
-                    .wrapping_add(1);
-                if k > 0 {
-                    line.push(',');
+        for (delimiter, between) in [(Delimiter::Byte(b','), ','), (Delimiter::Blanks, ' ')] {
+            let (mut state, mut plain) = (1u64, 0);
+            for _ in 0..100_000 {
+                let mut line = String::new();
+                for k in 0..6 {
+                    state = state
+                        .wrapping_mul(6_364_136_223_846_793_005)
+                        .wrapping_add(1);
+                    if k > 0 {
+                        line.push(between);
+                    }
+                    line += pieces[(state >> 33) as usize % pieces.len()];
                 }
-                line += pieces[(state >> 33) as usize % pieces.len()];
+                let (mut short, mut long) = ([0.0; 4], [0.0; 4]);
+                let bytes = line.as_bytes();
+                if parse_plain_row(bytes, delimiter, &wanted, &mut short) {
+                    let other =
+                        parse_any_row(bytes, delimiter, &wanted, Keep::Finite, None, &mut long);
+                    assert_eq!((other, short), (Ok(()), long), "{line}");
+                    plain += 1;
+                }
             }
-            let (mut short, mut long) = ([0.0; 4], [0.0; 4]);
-            if parse_plain_row(line.as_bytes(), b',', &wanted, &mut short) {
-                let other = parse_any_row(
-                    line.as_bytes(),
-                    comma,
-                    &wanted,
-                    Keep::Finite,
-                    None,
-                    &mut long,
-                );
-                assert_eq!((other, short), (Ok(()), long), "{line}");
-                plain += 1;
-            }
+            assert!(plain > 1000, "{delimiter:?}: {plain}");
         }
-        assert!(plain > 1000, "{plain}");
     }
 }
