@@ -27,8 +27,8 @@ pub use crate::sample::AXES;
 
 /// Navigation errors: position, velocity, misalignment.
 pub const NAV: usize = 9;
-/// Columns that [`NAV`] are carried as, two at a time.
-const EVEN: usize = NAV + 1;
+/// Columns that [`NAV`] are carried as, four at a time.
+const EVEN: usize = NAV + 3;
 
 /// The linear map of one step from navigation and sensor errors to navigation errors.
 #[derive(Clone, Copy, Debug)]
@@ -132,17 +132,12 @@ impl Transition {
         gamma
     }
 
-    /// `[Φ Γ]` times the rows `nav`, `[δr; δv; ψ]`, and `errors`, `[ε_gyro; ε_accel]`, giving `[δr'; δv'; ψ']`.
+    /// `[Φ Γ]` times the rows `nav`, `[δr; δv; ψ]`, and `errors`, `[ε_gyro; ε_accel]`: `nav` becomes `[δr'; δv'; ψ']`.
     ///
     /// Misalignment first, velocity from the mean of old and new misalignment, position from the
     /// mean of old and new velocity: second order in the step.
     #[inline(always)]
-    pub fn carry<const W: usize>(
-        &self,
-        nav: &[[f64; W]; NAV],
-        errors: &[[f64; W]; AXES],
-    ) -> [[f64; W]; NAV] {
-        let mut out = [[0.0; W]; NAV];
+    pub fn carry<const W: usize>(&self, nav: &mut [[f64; W]; NAV], errors: &[[f64; W]; AXES]) {
         let (rr, vr, vv, pr, pv, c) =
             (&self.rr, &self.vr, &self.vv, &self.pr, &self.pv, &self.c_dt);
         let (z, f) = (&self.frame_turn, &self.dvel_n);
@@ -180,19 +175,18 @@ impl Transition {
                 v[1] + push(1) + (f.z * m[0] - f.x * m[2]),
                 v[2] + push(2) + (f.x * m[1] - f.y * m[0]),
             ];
-            out[0][k] = r[0] + rr[(0, 0)] * r[0] + rr[(0, 2)] * r[2] + h * (v[0] + v_new[0]);
-            out[1][k] = r[1]
+            nav[0][k] = r[0] + rr[(0, 0)] * r[0] + rr[(0, 2)] * r[2] + h * (v[0] + v_new[0]);
+            nav[1][k] = r[1]
                 + rr[(1, 0)] * r[0]
                 + rr[(1, 1)] * r[1]
                 + rr[(1, 2)] * r[2]
                 + h * (v[1] + v_new[1]);
-            out[2][k] = r[2] + h * (v[2] + v_new[2]);
+            nav[2][k] = r[2] + h * (v[2] + v_new[2]);
             for i in 0..3 {
-                out[3 + i][k] = v_new[i];
-                out[6 + i][k] = p_new[i];
+                nav[3 + i][k] = v_new[i];
+                nav[6 + i][k] = p_new[i];
             }
         }
-        out
     }
 }
 
@@ -254,7 +248,9 @@ impl Sensors {
         coupling: &Coupling,
     ) -> [f64; AXES] {
         let (x, _) = x.as_chunks::<1>();
-        self.error_rows(x, coupling).map(|[error]| error)
+        let mut errors = [[0.0; 1]; AXES];
+        self.add_errors(&mut errors, x, coupling);
+        errors.map(|[error]| error)
     }
 
     /// Standard deviations of the sensor errors `H x` [rad/s, m/s²] under a covariance of the error state.
@@ -277,14 +273,14 @@ impl Sensors {
         self.step_rows(x, 1);
     }
 
-    /// The six sensor errors `H x + U p` of the states whose rows these are.
+    /// Adds the six sensor errors `H x + U p` of the states whose rows these are.
     #[inline(always)]
-    fn error_rows<const W: usize>(
+    fn add_errors<const W: usize>(
         &self,
+        errors: &mut [[f64; W]; AXES],
         rows: &[[f64; W]],
         coupling: &Coupling,
-    ) -> [[f64; W]; AXES] {
-        let mut errors = [[0.0; W]; AXES];
+    ) {
         for (axis, filter) in self.axes.iter().enumerate() {
             let error = &mut errors[axis];
             for i in 0..filter.order {
@@ -294,7 +290,6 @@ impl Sensors {
                 add_row(error, *factor, &rows[*index]);
             }
         }
-        errors
     }
 
     /// `M ← Φ M`, Φ the transition of the whole error state over a step: what carries the product of
@@ -306,13 +301,19 @@ impl Sensors {
         coupling: &Coupling,
         part: Part,
     ) {
-        let errors = self.error_rows(m, coupling);
-        if let Some(nav) = m.first_chunk_mut() {
-            *nav = transition.carry(nav, &errors);
-        }
-        if part == Part::Last {
-            self.step_rows(m, N);
-        }
+        four_lanes(
+            #[inline(always)]
+            || {
+                let mut errors = [[0.0; N]; AXES];
+                self.add_errors(&mut errors, m, coupling);
+                if let Some(nav) = m.first_chunk_mut() {
+                    transition.carry(nav, &errors);
+                }
+                if part == Part::Last {
+                    self.step_rows(m, N);
+                }
+            },
+        );
     }
 
     /// `P ← [Φ ΓH; 0 F] P […]ᵀ + Q` over a step of `transition`, `dt` seconds long.
@@ -344,24 +345,25 @@ impl Sensors {
         debug_assert!(self.states() <= N);
         // A [P_n; H P_x + U P_p], A = [Φ Γ]: the navigation rows of the new covariance, before the
         // sensors' own step and the white noise.
-        let errors = self.error_rows(p, coupling);
-        let Some(nav) = p.first_chunk() else {
+        let mut errors = [[0.0; N]; AXES];
+        self.add_errors(&mut errors, p, coupling);
+        let Some(moved) = p.first_chunk_mut() else {
             return;
         };
-        let moved = transition.carry(nav, &errors);
+        transition.carry(moved, &errors);
         // Lying down, so that what is done to a state is done to a row; row by row, so that no wide read
         // waits for narrow writes.
-        let mut turned: [[f64; EVEN]; N] = from_fn(|j| {
-            let mut row = [0.0; EVEN];
+        let mut turned = [[0.0; EVEN]; N];
+        for j in 0..N {
             for i in 0..NAV {
-                row[i] = moved[i][j];
+                turned[j][i] = moved[i][j];
             }
-            row
-        });
+        }
 
         // Navigation block: A J Aᵀ as A (A J)ᵀ, J the joint covariance of (n, ε).
         let gamma = transition.input();
-        let mut errors = self.error_rows(&turned, coupling);
+        let mut errors = [[0.0; EVEN]; AXES];
+        self.add_errors(&mut errors, &turned, coupling);
         for (axis, filter) in self.axes.iter().enumerate() {
             add_row(
                 &mut errors[axis],
@@ -369,17 +371,19 @@ impl Sensors {
                 &gamma[axis],
             );
         }
-        let Some(nav) = turned.first_chunk() else {
-            return;
-        };
-        let nav = transition.carry(nav, &errors);
+        if let Some(nav) = turned.first_chunk_mut() {
+            transition.carry(nav, &errors);
+        }
 
         // Cross block: the states' step, and the noise that drives both.
         if part == Part::Last {
             self.step_rows(&mut turned, EVEN);
             for (axis, filter) in self.axes.iter().enumerate() {
                 for k in 0..filter.order {
-                    add_row(&mut turned[self.start[axis] + k], filter.s[k], &gamma[axis]);
+                    // Few models have any.
+                    if filter.s[k] != 0.0 {
+                        add_row(&mut turned[self.start[axis] + k], filter.s[k], &gamma[axis]);
+                    }
                 }
             }
             self.step_state_covariance(p);
@@ -387,8 +391,8 @@ impl Sensors {
 
         for i in 0..NAV {
             for j in 0..=i {
-                p[i][j] = nav[i][j];
-                p[j][i] = nav[i][j];
+                p[i][j] = turned[i][j];
+                p[j][i] = turned[i][j];
             }
         }
         for j in NAV..N {
@@ -475,6 +479,12 @@ fn step_rows_of<const K: usize, const W: usize>(f: &AxisMatrix, rows: &mut [[f64
     let Some(rows) = rows.first_chunk_mut::<K>() else {
         return;
     };
+    if let [row] = rows.as_mut_slice() {
+        for k in 0..W {
+            row[k] *= if k < end { f[0][0] } else { 1.0 };
+        }
+        return;
+    }
     let before = *rows;
     for i in 0..K {
         let mut moved = before[0];

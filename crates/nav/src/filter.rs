@@ -364,7 +364,9 @@ impl<const N: usize> Filter<N> {
     /// one or more parts, with updates between them where a fix falls inside.
     pub fn begin(&mut self, sample: &ImuSample) {
         let (rate, force) = (sample.dtheta / sample.dt, sample.dvel / sample.dt);
-        self.coupling = Coupling::new(&self.parameters, self.sensors.states(), &rate, &force);
+        let behind = self.sensors.states();
+        self.coupling
+            .follow(&self.parameters, behind, &rate, &force);
         let error = self.sensors.predicted_error(&self.x, &self.coupling);
         let gyro = Vector3::new(error[0], error[1], error[2]);
         let accel = Vector3::new(error[3], error[4], error[5]);
@@ -745,8 +747,9 @@ impl<const N: usize> Filter<N> {
     /// # Errors
     /// [`FilterError::Diverged`] if it is not.
     pub fn check(&self) -> Result<(), FilterError> {
-        let diagonal_ok = (0..N).all(|i| self.p[(i, i)] >= 0.0 && self.p[(i, i)].is_finite());
-        if diagonal_ok && self.nav.is_valid() {
+        let columns = self.p.data.0.iter().enumerate();
+        let mut diagonal = columns.map(|(i, column)| column[i]);
+        if diagonal.all(|variance| (0.0..=f64::MAX).contains(&variance)) && self.nav.is_valid() {
             Ok(())
         } else {
             Err(FilterError::Diverged)

@@ -169,7 +169,7 @@ impl NavState {
         self.position.is_valid()
             && self.position.lat.abs() < MAX_LATITUDE
             && self.v_n.norm_squared() < MAX_SPEED * MAX_SPEED
-            && self.q_nb.coords.iter().all(|c| c.is_finite())
+            && self.q_nb.coords.as_slice().iter().all(|c| c.is_finite())
     }
 }
 

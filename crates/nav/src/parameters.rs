@@ -125,6 +125,9 @@ impl Prior {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Parameters {
     priors: [Option<Prior>; Parameter::ALL.len()],
+    /// States of the kinds before each, of those that are estimated, and of all.
+    starts: [u8; Parameter::ALL.len()],
+    states: u8,
 }
 
 impl Parameters {
@@ -136,12 +139,24 @@ impl Parameters {
     /// These and one more.
     pub fn with(mut self, kind: Parameter, prior: Prior) -> Self {
         self.priors[kind as usize] = Some(prior);
-        self
+        self.placed()
     }
 
     /// These but one.
     pub fn without(mut self, kind: Parameter) -> Self {
         self.priors[kind as usize] = None;
+        self.placed()
+    }
+
+    /// With every kind at its place.
+    fn placed(mut self) -> Self {
+        self.states = 0;
+        for kind in Parameter::ALL {
+            self.starts[kind as usize] = self.states;
+            if self.prior(kind).is_some() {
+                self.states += kind.width() as u8;
+            }
+        }
         self
     }
 
@@ -154,15 +169,14 @@ impl Parameters {
     /// Number of their states.
     #[inline]
     pub fn states(&self) -> usize {
-        self.blocks().map(|(kind, ..)| kind.width()).sum()
+        usize::from(self.states)
     }
 
     /// Place of a kind's first state behind those of the sensors.
     #[inline]
     pub fn start(&self, kind: Parameter) -> Option<usize> {
-        self.blocks()
-            .find(|(k, ..)| *k == kind)
-            .map(|(_, start, _)| start)
+        self.prior(kind)
+            .map(|_| usize::from(self.starts[kind as usize]))
     }
 
     /// States and prior of every block, with so many states before the first.
@@ -180,13 +194,8 @@ impl Parameters {
     /// Kind, place of the first state and prior of every block.
     #[inline]
     pub fn blocks(&self) -> impl Iterator<Item = (Parameter, usize, Prior)> + '_ {
-        let mut start = 0;
-        Parameter::ALL.into_iter().filter_map(move |kind| {
-            let prior = self.priors[kind as usize]?;
-            let at = start;
-            start += kind.width();
-            Some((kind, at, prior))
-        })
+        let kinds = Parameter::ALL.into_iter();
+        kinds.filter_map(move |kind| Some((kind, self.start(kind)?, self.prior(kind)?)))
     }
 }
 
@@ -209,11 +218,24 @@ impl Coupling {
     /// axes; `behind` is the place of the first parameter in the error state.
     #[inline]
     pub fn new(parameters: &Parameters, behind: usize, rate: &Vector3, force: &Vector3) -> Self {
-        use Parameter::{AccelMisalignment, AccelScale, GyroMisalignment, GyroScale};
         let mut coupling = Self::NONE;
+        coupling.follow(parameters, behind, rate, force);
+        coupling
+    }
+
+    /// Becomes that of another sample, of the same parameters, in place.
+    #[inline]
+    pub(crate) fn follow(
+        &mut self,
+        parameters: &Parameters,
+        behind: usize,
+        rate: &Vector3,
+        force: &Vector3,
+    ) {
+        use Parameter::{AccelMisalignment, AccelScale, GyroMisalignment, GyroScale};
         let mut counts = [0; AXES];
         let mut add = |axis: usize, index: usize, factor: f64| {
-            coupling.terms[axis][counts[axis]] = (behind + index, factor);
+            self.terms[axis][counts[axis]] = (behind + index, factor);
             counts[axis] += 1;
         };
         for (triad, u, scale, misalignment) in [
@@ -233,8 +255,7 @@ impl Coupling {
                 }
             }
         }
-        coupling.len = counts.into_iter().max().unwrap_or(0);
-        coupling
+        self.len = counts.into_iter().max().unwrap_or(0);
     }
 
     /// Whether no parameter acts on the sensors.

@@ -74,10 +74,9 @@ fn sensors(orders: [usize; AXES]) -> Sensors {
 /// `[Φ Γ]`, column by column.
 fn whole(transition: &Transition) -> [[f64; JOINT]; NAV] {
     let unit = |row: usize| core::array::from_fn(|column| f64::from(row == column));
-    transition.carry(
-        &core::array::from_fn(unit),
-        &core::array::from_fn(|axis| unit(NAV + axis)),
-    )
+    let mut rows = core::array::from_fn(unit);
+    transition.carry(&mut rows, &core::array::from_fn(|axis| unit(NAV + axis)));
+    rows
 }
 
 proptest! {
