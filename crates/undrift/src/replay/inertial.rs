@@ -65,8 +65,12 @@ impl AxisWatch {
             if self.samples > 0 {
                 self.ended += 1;
                 self.of_ended += self.samples;
-                self.least = self.least.min(self.value);
-                self.most = self.most.max(self.value);
+                if self.value < self.least {
+                    self.least = self.value;
+                }
+                if self.value > self.most {
+                    self.most = self.value;
+                }
             }
             (self.value, self.dt) = (value, dt);
             (self.since, self.samples) = (time, 1);
@@ -75,18 +79,25 @@ impl AxisWatch {
         if self.ended < set.least_values {
             return false;
         }
+        let lasts = time - self.since >= set.frozen;
+        let extreme = value <= self.least || value >= self.most;
+        // Most values are neither.
+        if self.jumped || !(lasts || extreme) {
+            return self.jumped;
+        }
         let usual = self.of_ended as f64 / self.ended as f64;
         let times = self.samples as f64 / usual;
-        let frozen = time - self.since >= set.frozen && times >= set.frozen_times;
         let far = (value - self.mean).abs() > set.saturated_spread * self.variance.sqrt();
-        let extreme = value <= self.least || value >= self.most;
-        self.jumped || frozen || (far && extreme && times >= set.saturated_times)
+        (lasts && times >= set.frozen_times) || (far && extreme && times >= set.saturated_times)
     }
 
     /// Whether this value, as far from the one before as a spike, comes again: a range that ends there.
     fn jumps(&mut self, set: &SampleSettings, least: f64, around: [f64; 2], value: f64) -> bool {
+        // What comes again is rare, and quickly seen.
+        if self.jumped || !is_same(value, around[1]) || self.seen < set.least_values {
+            return self.jumped;
+        }
         let off = (value - around[0]).abs();
-        let known = self.seen >= set.least_values;
         // Of an axis that never repeats a value less is enough.
         let repeats = self.of_ended as f64 > set.alone * self.ended as f64;
         let limit = if repeats {
@@ -94,7 +105,7 @@ impl AxisWatch {
         } else {
             (set.jump_steps * self.step).max(0.5 * least)
         };
-        self.jumped |= known && off > limit && is_same(value, around[1]);
+        self.jumped = off > limit;
         self.jumped
     }
 
@@ -189,6 +200,7 @@ impl Inertial {
         // A neighbour beyond a gap is none.
         let next = next.filter(|(next, _)| next.dt < 1.5 * sample.dt);
         let mut replaced = values;
+        let mut sound = true;
         let mut doubt = [0.0; AXES];
         let mut stuck = [false; AXES];
         for (i, axis) in self.axes.iter_mut().enumerate() {
@@ -232,6 +244,7 @@ impl Inertial {
                 };
                 doubt[i] = grown(sample.time - since) - grown(from - since);
                 replaced[i] = axis.mean;
+                sound = false;
                 summary.stuck(i, since, sample.time);
                 if let Some(before) = &mut self.before {
                     before[i] = replaced[i];
@@ -243,6 +256,7 @@ impl Inertial {
                 && axis.is_spike(set, spike, around, value)
             {
                 replaced[i] = 0.5 * (around[0] + around[1]);
+                sound = false;
                 let std = set.replaced_steps * axis.step + (around[1] - around[0]).abs();
                 doubt[i] = std * std * sample.dt * sample.dt;
                 summary.spike(i, sample.time);
@@ -254,7 +268,7 @@ impl Inertial {
             }
             axis.learn(set, sample.dt, value);
         }
-        if replaced == values {
+        if sound || replaced == values {
             return Checked {
                 sample,
                 doubt: None,

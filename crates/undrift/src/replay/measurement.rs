@@ -140,15 +140,15 @@ impl<E, I: Iterator<Item = Result<Measurement, E>>> Queue<I> {
     pub(super) fn next_until(&mut self, time: f64, latency: Latency) -> Option<Result<Due, E>> {
         let earliest = latency.velocity.unwrap_or(0.0).min(latency.position);
         let ahead = time - earliest.min(0.0);
-        while let Some(next) = self
-            .stream
-            .next_if(|m| m.as_ref().map_or(true, |m| m.time() <= ahead))
-        {
-            match next {
-                Ok(Measurement::Gnss(fix)) if self.repeats.is(&fix) => {}
-                Ok(Measurement::Gnss(fix)) => self.fixes.push_back(fix),
-                Ok(other) => self.others.push_back(other),
-                Err(error) => return Some(Err(error)),
+        let is_due = |m: &Result<Measurement, E>| m.as_ref().map_or(true, |m| m.time() <= ahead);
+        // `next_if` would move the measurement to look at it.
+        while self.stream.peek().is_some_and(is_due) {
+            match self.stream.next() {
+                Some(Ok(Measurement::Gnss(fix))) if self.repeats.is(&fix) => {}
+                Some(Ok(Measurement::Gnss(fix))) => self.fixes.push_back(fix),
+                Some(Ok(other)) => self.others.push_back(other),
+                Some(Err(error)) => return Some(Err(error)),
+                None => {}
             }
         }
         if latency.velocity.is_some() {
@@ -160,6 +160,10 @@ impl<E, I: Iterator<Item = Result<Measurement, E>>> Queue<I> {
                     self.velocities.push_back(fix);
                 }
             }
+        }
+        let fixes = [&self.fixes, &self.positions, &self.velocities];
+        if self.others.is_empty() && fixes.iter().all(|fixes| fixes.is_empty()) {
+            return None;
         }
         let stamp = |fixes: &VecDeque<GnssFix>| fixes.front().map(|fix| fix.time);
         let later = |stamp: Option<f64>, by: f64| stamp.map_or(f64::INFINITY, |time| time + by);

@@ -9,7 +9,7 @@ use crate::settings::{VibrationSettings, replay::Settings};
 use nalgebra::{Complex, SMatrix, SVector};
 use std::f64::consts::PI;
 use undrift_nav::{
-    covariance::AXES,
+    covariance::{AXES, four_lanes},
     filter::Each,
     sample::ImuSample,
     shaping::{MAX_ORDER, ShapingFilter},
@@ -73,7 +73,8 @@ impl Vibration {
         let wave = |k: usize, bin: usize| {
             let window = 0.5 - 0.5 * (2.0 * PI * (k as f64 + 0.5) / BLOCK as f64).cos();
             let angle = 2.0 * PI * ((FIRST + bin) * k % BLOCK) as f64 / BLOCK as f64;
-            [angle.cos(), angle.sin()].map(|w| w * window * scale)
+            // Of sums, which are means times the interval.
+            [angle.cos(), angle.sin()].map(|w| w * window * scale / interval)
         };
         let mut waves = Box::new([[[0.0; 2]; BINS]; BLOCK]);
         for (k, waves) in waves.iter_mut().enumerate() {
@@ -131,15 +132,17 @@ impl Vibration {
         if self.means == 0 {
             self.block = [[[0.0; AXES]; 2]; BINS];
         }
-        let waves = &self.waves[self.means];
-        for bin in 0..BINS {
-            for part in 0..2 {
-                let wave = waves[bin][part] / self.interval;
-                for i in 0..AXES {
-                    self.block[bin][part][i] += wave * self.sum[i];
+        let (waves, sum) = (&self.waves[self.means], self.sum);
+        four_lanes(
+            #[inline(always)]
+            || {
+                for (sums, wave) in self.block.iter_mut().flatten().zip(waves.iter().flatten()) {
+                    for i in 0..AXES {
+                        sums[i] += wave * sum[i];
+                    }
                 }
-            }
-        }
+            },
+        );
         (self.count, self.sum) = (0, [0.0; AXES]);
         self.means += 1;
         if self.means < BLOCK {

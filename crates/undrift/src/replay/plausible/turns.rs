@@ -181,28 +181,42 @@ impl Turns {
         })
     }
 
+    /// The same of the yaw alone; `after` is the first entry that is not before an earlier time, and moves on.
+    fn yaw_at(&self, time: f64, after: &mut usize) -> Option<f64> {
+        while self.history.get(*after).is_some_and(|entry| entry.0 < time) {
+            *after += 1;
+        }
+        let (a, b) = (
+            self.history.get(after.checked_sub(1)?)?,
+            self.history.get(*after)?,
+        );
+        Some(a.1.yaw + (time - a.0) / (b.0 - a.0) * (b.1.yaw - a.1.yaw))
+    }
+
     /// Compares what a vehicle did over ground with what its sensors saw, turns at every lag.
     fn compare(&mut self, window: &Turn) {
+        let mut after = [0; 2];
         for k in 0..self.lags.len() {
             let late = (k as f64 - LAGS as f64) * self.set.lag;
             let (start, end) = (window.start + late, window.end + late);
-            let (Some(a), Some(b)) = (self.sums_at(start), self.sums_at(end)) else {
-                continue;
-            };
-            self.lags[k].add(b.yaw - a.yaw, window.turn);
-            if k != LAGS {
-                continue;
+            let a = self.yaw_at(start, &mut after[0]);
+            let b = self.yaw_at(end, &mut after[1]);
+            if let (Some(a), Some(b)) = (a, b) {
+                self.lags[k].add(b - a, window.turn);
             }
-            for (axis, regression) in self.axes.iter_mut().enumerate() {
-                regression.add(b.angle[axis] - a.angle[axis], window.turn);
-            }
-            let span = end - start;
-            let force = (b.velocity - a.velocity) / span;
-            let seen = [window.faster, window.speed * window.turn].map(|change| change / span);
-            for (seen, regressions) in seen.into_iter().zip(&mut self.pushes) {
-                for (axis, regression) in regressions.iter_mut().enumerate() {
-                    regression.add(force[axis], seen);
-                }
+        }
+        let (Some(a), Some(b)) = (self.sums_at(window.start), self.sums_at(window.end)) else {
+            return;
+        };
+        for (axis, regression) in self.axes.iter_mut().enumerate() {
+            regression.add(b.angle[axis] - a.angle[axis], window.turn);
+        }
+        let span = window.end - window.start;
+        let force = (b.velocity - a.velocity) / span;
+        let seen = [window.faster, window.speed * window.turn].map(|change| change / span);
+        for (seen, regressions) in seen.into_iter().zip(&mut self.pushes) {
+            for (axis, regression) in regressions.iter_mut().enumerate() {
+                regression.add(force[axis], seen);
             }
         }
     }
