@@ -646,3 +646,6 @@ impl<const N: usize> Estimator for Sized<N> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;
