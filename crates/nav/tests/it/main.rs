@@ -6,3 +6,4 @@ mod properties;
 mod refused;
 mod smoother;
 mod start;
+mod weakened;
