@@ -451,6 +451,87 @@ mod tests {
         }
     }
 
+    /// Names of units and their definition in SI: Le Système international d'unités, 9th edition (BIPM 2019), where nothing
+    /// else is said.
+    const DEFINITIONS: [(&str, Quantity, f64); 44] = [
+        ("s sec secs second seconds", Time, 1.0),
+        ("ms msec", Time, 1e-3),
+        ("us \u{b5}s \u{3bc}s usec", Time, 1e-6),
+        ("ns nsec", Time, 1e-9),
+        ("min minute minutes", Time, 60.0),
+        ("h hr hrs hour hours", Time, 60.0 * 60.0),
+        ("d day days", Time, 24.0 * 60.0 * 60.0),
+        ("Hz hz", Frequency, 1.0),
+        ("mHz", Frequency, 1e-3),
+        ("kHz khz", Frequency, 1e3),
+        ("MHz", Frequency, 1e6),
+        ("m metre metres meter meters", Length, 1.0),
+        ("mm", Length, 1e-3),
+        ("cm", Length, 1e-2),
+        ("km", Length, 1e3),
+        // The international foot of 1959.
+        ("ft feet", Length, 0.3048),
+        ("rad radian radians", Angle, 1.0),
+        ("mrad", Angle, 1e-3),
+        ("urad \u{b5}rad \u{3bc}rad", Angle, 1e-6),
+        ("deg degs degree degrees \u{b0} \u{ba}", Angle, PI / 180.0),
+        ("mdeg", Angle, 1e-3 * PI / 180.0),
+        ("arcmin", Angle, PI / 180.0 / 60.0),
+        ("arcsec asec", Angle, PI / 180.0 / 3600.0),
+        ("rev turn", Angle, 2.0 * PI),
+        ("dps", AngularRate, PI / 180.0),
+        ("mdps", AngularRate, 1e-3 * PI / 180.0),
+        ("udps \u{b5}dps \u{3bc}dps", AngularRate, 1e-6 * PI / 180.0),
+        ("dph", AngularRate, PI / 180.0 / 3600.0),
+        ("rpm", AngularRate, 2.0 * PI / 60.0),
+        // Standard gravity of the third General Conference on Weights and Measures, 1901.
+        ("g", Acceleration, 9.806_65),
+        ("mg", Acceleration, 9.806_65e-3),
+        ("ug \u{b5}g \u{3bc}g", Acceleration, 9.806_65e-6),
+        ("ng", Acceleration, 9.806_65e-9),
+        // The gal, a centimetre a second squared.
+        ("Gal", Acceleration, 1e-2),
+        ("mGal", Acceleration, 1e-5),
+        ("uGal \u{b5}Gal \u{3bc}Gal", Acceleration, 1e-8),
+        ("mps", Velocity, 1.0),
+        ("kmh kph", Velocity, 1000.0 / 3600.0),
+        // The statute mile of 5280 international feet.
+        ("mph", Velocity, 5280.0 * 0.3048 / 3600.0),
+        // The international nautical mile of 1929.
+        ("kn kt kts knot knots", Velocity, 1852.0 / 3600.0),
+        ("%", Dimensionless, 1e-2),
+        ("ppm", Dimensionless, 1e-6),
+        // Of these the change with temperature of an angular rate.
+        ("K kelvin degC \u{b0}C celsius", RatePerKelvin, 1.0),
+        ("mK", RatePerKelvin, 1e-3),
+    ];
+
+    #[test]
+    fn every_name_of_a_unit_is_its_definition() {
+        let names = DEFINITIONS.iter().flat_map(|row| row.0.split(' '));
+        for name in expression::SYMBOLS.iter().flat_map(|row| row.0) {
+            assert!(
+                names.clone().any(|known| known == *name),
+                "{name}: what is it?"
+            );
+        }
+        for (names, quantity, si) in DEFINITIONS {
+            for name in names.split(' ') {
+                let factor = match quantity {
+                    RatePerKelvin => {
+                        unit_factor(&std::format!("rad/s/{name}"), quantity).map(|f| 1.0 / f)
+                    }
+                    _ => unit_factor(name, quantity),
+                };
+                let factor = factor.unwrap_or_else(|e| panic!("{name}: {e}"));
+                assert!(
+                    (factor - si).abs() <= RELATIVE * si,
+                    "{name}: {factor} {si}"
+                );
+            }
+        }
+    }
+
     #[test]
     fn messages_say_what_was_expected() {
         let message = |text, quantity| parse(text, quantity).unwrap_err().to_string();

@@ -399,4 +399,68 @@ mod tests {
             assert_eq!(found.and_then(|f| f.1).as_deref(), unit, "{name}");
         }
     }
+
+    #[test]
+    fn every_ending_and_spelling_is_the_unit_that_it_says() {
+        use Quantity::*;
+        let (degree, g) = (std::f64::consts::PI / 180.0, 9.806_65);
+        let endings = [
+            ("_radps", AngularRate, 1.0),
+            ("_rad_s", AngularRate, 1.0),
+            ("_degps", AngularRate, degree),
+            ("_deg_s", AngularRate, degree),
+            ("_dps", AngularRate, degree),
+            ("_mps2", Acceleration, 1.0),
+            ("_m_s2", Acceleration, 1.0),
+            ("_mps", Velocity, 1.0),
+            ("_m_s", Velocity, 1.0),
+            ("_mg", Acceleration, 1e-3 * g),
+            ("_g", Acceleration, g),
+            ("_deg", Angle, degree),
+            ("_rad", Angle, 1.0),
+            ("_sec", Time, 1.0),
+            ("_ms", Time, 1e-3),
+            ("_us", Time, 1e-6),
+            ("_ns", Time, 1e-9),
+            ("_s", Time, 1.0),
+            ("_m", Length, 1.0),
+            ("_hz", Frequency, 1.0),
+        ];
+        let temperatures = ["_kelvin", "_celsius", "_degc", "_c"];
+        let spellings = [
+            ("dps", AngularRate, degree),
+            ("°/s", AngularRate, degree),
+            ("degrees/s", AngularRate, degree),
+            ("rad s^-1", AngularRate, 1.0),
+            ("rad·s^-1", AngularRate, 1.0),
+            ("rps", AngularRate, 1.0),
+            ("m s^-2", Acceleration, 1.0),
+            ("m/s2", Acceleration, 1.0),
+            ("m/s²", Acceleration, 1.0),
+            ("mps2", Acceleration, 1.0),
+            ("m/s/s", Acceleration, 1.0),
+            ("m s^-1", Velocity, 1.0),
+            ("mps", Velocity, 1.0),
+            ("°", Angle, degree),
+            ("degrees", Angle, degree),
+            ("µs", Time, 1e-6),
+            ("usec", Time, 1e-6),
+            ("sec", Time, 1.0),
+            ("seconds", Time, 1.0),
+        ];
+        for (ending, _) in SUFFIXES {
+            let known = endings.iter().any(|row| row.0 == ending) || temperatures.contains(&ending);
+            assert!(known, "{ending}: what is it?");
+        }
+        let names = endings.map(|(ending, quantity, si)| (format!("x{ending}"), quantity, si));
+        let bracketed = spellings.map(|(unit, quantity, si)| (format!("x [{unit}]"), quantity, si));
+        for (name, quantity, si) in names.into_iter().chain(bracketed) {
+            let (stem, unit) = split_unit(&name);
+            assert_eq!(stem, "x");
+            let factor = unit_factor(&unit.unwrap(), quantity);
+            let factor = factor.unwrap_or_else(|error| panic!("{name}: {error}"));
+            // Roundings of the factor.
+            assert!((factor / si - 1.0).abs() < 1e-15, "{name}: {factor}");
+        }
+    }
 }

@@ -267,66 +267,69 @@ const VELOCITY: Dimension = [-2, 2, 0, 0];
 const TEMPERATURE: Dimension = [0, 0, 0, 2];
 const DEG: f64 = PI / 180.0;
 
-/// One symbol with its prefix. `m` is the metre, `h` the hour, `g` standard gravity.
+/// Symbols with their prefix, their factor to SI and dimension. `m` is the metre, `h` the hour, `g` standard gravity; a
+/// degree Celsius is a kelvin: temperatures are differences.
+pub(super) const SYMBOLS: [(&[&str], f64, Dimension); 44] = [
+    (&["s", "sec", "secs", "second", "seconds"], 1.0, TIME),
+    (&["ms", "msec"], 1e-3, TIME),
+    (&["us", "µs", "μs", "usec"], 1e-6, TIME),
+    (&["ns", "nsec"], 1e-9, TIME),
+    (&["min", "minute", "minutes"], 60.0, TIME),
+    (&["h", "hr", "hrs", "hour", "hours"], 3600.0, TIME),
+    (&["d", "day", "days"], 86_400.0, TIME),
+    (&["Hz", "hz"], 1.0, FREQUENCY),
+    (&["mHz"], 1e-3, FREQUENCY),
+    (&["kHz", "khz"], 1e3, FREQUENCY),
+    (&["MHz"], 1e6, FREQUENCY),
+    (&["m", "metre", "metres", "meter", "meters"], 1.0, LENGTH),
+    (&["mm"], 1e-3, LENGTH),
+    (&["cm"], 1e-2, LENGTH),
+    (&["km"], 1e3, LENGTH),
+    (&["ft", "feet"], 0.3048, LENGTH),
+    (&["rad", "radian", "radians"], 1.0, ANGLE),
+    (&["mrad"], 1e-3, ANGLE),
+    (&["urad", "µrad", "μrad"], 1e-6, ANGLE),
+    (&["deg", "degs", "degree", "degrees", "°", "º"], DEG, ANGLE),
+    (&["mdeg"], 1e-3 * DEG, ANGLE),
+    (&["arcmin"], DEG / 60.0, ANGLE),
+    (&["arcsec", "asec"], DEG / 3600.0, ANGLE),
+    (&["rev", "turn"], TAU, ANGLE),
+    (&["dps"], DEG, RATE),
+    (&["mdps"], 1e-3 * DEG, RATE),
+    (&["udps", "µdps", "μdps"], 1e-6 * DEG, RATE),
+    (&["dph"], DEG / 3600.0, RATE),
+    (&["rpm"], TAU / 60.0, RATE),
+    (&["g"], STANDARD_GRAVITY, ACCELERATION),
+    (&["mg"], 1e-3 * STANDARD_GRAVITY, ACCELERATION),
+    (&["ug", "µg", "μg"], 1e-6 * STANDARD_GRAVITY, ACCELERATION),
+    (&["ng"], 1e-9 * STANDARD_GRAVITY, ACCELERATION),
+    (&["Gal"], 1e-2, ACCELERATION),
+    (&["mGal"], 1e-5, ACCELERATION),
+    (&["uGal", "µGal", "μGal"], 1e-8, ACCELERATION),
+    (&["mps"], 1.0, VELOCITY),
+    (&["kmh", "kph"], 1.0 / 3.6, VELOCITY),
+    (&["mph"], 0.44704, VELOCITY),
+    (
+        &["kn", "kt", "kts", "knot", "knots"],
+        1852.0 / 3600.0,
+        VELOCITY,
+    ),
+    (&["K", "kelvin", "degC", "°C", "celsius"], 1.0, TEMPERATURE),
+    (&["mK"], 1e-3, TEMPERATURE),
+    (&["%"], 1e-2, [0; 4]),
+    (&["ppm"], 1e-6, [0; 4]),
+];
+
+/// One symbol, raw counts among them.
 fn symbol(word: &str) -> Option<Unit> {
-    let (factor, dimension) = match word {
-        "LSB" | "lsb" | "counts" => {
-            return Some(Unit {
-                factor: 1.0,
-                dimension: [0; 4],
-                counts: 2,
-            });
-        }
-        "s" | "sec" | "secs" | "second" | "seconds" => (1.0, TIME),
-        "ms" | "msec" => (1e-3, TIME),
-        "us" | "µs" | "μs" | "usec" => (1e-6, TIME),
-        "ns" | "nsec" => (1e-9, TIME),
-        "min" | "minute" | "minutes" => (60.0, TIME),
-        "h" | "hr" | "hrs" | "hour" | "hours" => (3600.0, TIME),
-        "d" | "day" | "days" => (86_400.0, TIME),
-        "Hz" | "hz" => (1.0, FREQUENCY),
-        "mHz" => (1e-3, FREQUENCY),
-        "kHz" | "khz" => (1e3, FREQUENCY),
-        "MHz" => (1e6, FREQUENCY),
-        "m" | "metre" | "metres" | "meter" | "meters" => (1.0, LENGTH),
-        "mm" => (1e-3, LENGTH),
-        "cm" => (1e-2, LENGTH),
-        "km" => (1e3, LENGTH),
-        "ft" | "feet" => (0.3048, LENGTH),
-        "rad" | "radian" | "radians" => (1.0, ANGLE),
-        "mrad" => (1e-3, ANGLE),
-        "urad" | "µrad" | "μrad" => (1e-6, ANGLE),
-        "deg" | "degs" | "degree" | "degrees" | "°" | "º" => (DEG, ANGLE),
-        "mdeg" => (1e-3 * DEG, ANGLE),
-        "arcmin" => (DEG / 60.0, ANGLE),
-        "arcsec" | "asec" => (DEG / 3600.0, ANGLE),
-        "rev" | "turn" => (TAU, ANGLE),
-        "dps" => (DEG, RATE),
-        "mdps" => (1e-3 * DEG, RATE),
-        "udps" | "µdps" | "μdps" => (1e-6 * DEG, RATE),
-        "dph" => (DEG / 3600.0, RATE),
-        "rpm" => (TAU / 60.0, RATE),
-        "g" => (STANDARD_GRAVITY, ACCELERATION),
-        "mg" => (1e-3 * STANDARD_GRAVITY, ACCELERATION),
-        "ug" | "µg" | "μg" => (1e-6 * STANDARD_GRAVITY, ACCELERATION),
-        "ng" => (1e-9 * STANDARD_GRAVITY, ACCELERATION),
-        "Gal" => (1e-2, ACCELERATION),
-        "mGal" => (1e-5, ACCELERATION),
-        "uGal" | "µGal" | "μGal" => (1e-8, ACCELERATION),
-        "mps" => (1.0, VELOCITY),
-        "kmh" | "kph" => (1.0 / 3.6, VELOCITY),
-        "mph" => (0.44704, VELOCITY),
-        "kn" | "kt" | "kts" | "knot" | "knots" => (1852.0 / 3600.0, VELOCITY),
-        // Differences: a degree Celsius is a kelvin.
-        "K" | "kelvin" | "degC" | "°C" | "celsius" => (1.0, TEMPERATURE),
-        "mK" => (1e-3, TEMPERATURE),
-        "%" => (1e-2, [0; 4]),
-        "ppm" => (1e-6, [0; 4]),
-        _ => return None,
-    };
-    Some(Unit {
+    let unit = |factor, dimension, counts| Unit {
         factor,
         dimension,
-        counts: 0,
-    })
+        counts,
+    };
+    if matches!(word, "LSB" | "lsb" | "counts") {
+        return Some(unit(1.0, [0; 4], 2));
+    }
+    let (_, factor, dimension) = SYMBOLS.iter().find(|(names, ..)| names.contains(&word))?;
+    Some(unit(*factor, *dimension, 0))
 }
