@@ -16,6 +16,7 @@ mod pull_away;
 mod rest;
 mod settings;
 mod shaping_forms;
+mod smoothed_errors;
 mod smoothing;
 mod streams;
 mod temperature;
