@@ -347,3 +347,6 @@ fn aligned(filter: Box<dyn Estimator>, source: AttitudeSource) -> Aligned {
 fn diagonal(std: &Vector3) -> Matrix3 {
     Matrix3::from_diagonal(&std.component_mul(std))
 }
+
+#[cfg(test)]
+mod tests;

@@ -427,4 +427,27 @@ mod tests {
         let error = estimator.estimate().unwrap_err();
         assert!(matches!(error, MountingError::Wanders { .. }), "{error}");
     }
+
+    #[test]
+    fn the_yaw_is_no_better_known_than_the_heading() {
+        // 100 s of straight driving without scatter: the filter's heading error is another one after each minute.
+        let heading = 0.04;
+        let mut estimator = MountingEstimator::default();
+        for second in 0..100 {
+            let q_nb = from_rpy(&Vector3::new(0.0, 0.0, f64::from(second)));
+            let std = Vector3::new(0.003, 0.003, heading);
+            estimator.add(
+                1.0,
+                &q_nb,
+                &(q_nb * Vector3::x() * 10.0),
+                &Vector3::zeros(),
+                &std,
+            );
+        }
+        let found = estimator.estimate().unwrap();
+        let expected = (heading * heading / (100.0 / 60.0) + FLOOR[2] * FLOOR[2]).sqrt();
+        // Rounding of directions, 1e-16.
+        assert!((found.std.z - expected).abs() < 1e-12, "{}", found.std.z);
+        assert!((found.std.y - FLOOR[1]).abs() < 1e-12 && (found.std.x - FLOOR[0]).abs() < 1e-12);
+    }
 }

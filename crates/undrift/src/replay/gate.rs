@@ -388,4 +388,27 @@ mod tests {
             scale.factor()
         );
     }
+
+    #[test]
+    fn a_fix_is_weakened_where_right_ones_are_rare_and_rejected_where_there_are_no_right_ones() {
+        let limits = |size: f64| {
+            let mut summary = Summary::default();
+            let mut gate = FixGate::new(Part::Position, 0.0, GateSettings::default());
+            let usual = [size * SIGMA; 40];
+            assert_eq!(show(&mut gate, 0.0, &usual, &mut summary), ".".repeat(40));
+            let r = Matrix3::identity() * (SIGMA * SIGMA);
+            gate.judge(10.0, &Vector3::zeros(), &r, 15.0)
+        };
+        // χ² of three components is beyond 15 once in 540 right fixes, beyond 90 never.
+        let (weaken, reject) = (15.0, 90.0);
+        assert_eq!(limits(1.0), Verdict::Limits(Gate { weaken, reject }));
+        // Where innovations are usually larger, the limits are as many times the usual: here a squared size of 9 in place
+        // of the median of χ², 2.366 (Abramowitz & Stegun, table 26.8; MEDIAN has three digits).
+        let Verdict::Limits(larger) = limits(3.0) else {
+            panic!("nothing was rejected");
+        };
+        let times = 9.0 / 2.366;
+        assert!((larger.weaken / (weaken * times) - 1.0).abs() < 1e-3);
+        assert!((larger.reject / (reject * times) - 1.0).abs() < 1e-3);
+    }
 }

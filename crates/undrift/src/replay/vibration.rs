@@ -367,4 +367,24 @@ mod tests {
             );
         }
     }
+
+    #[test]
+    fn what_the_model_has_in_the_band_is_not_added_again() {
+        let factor = 1.5;
+        let mut vibration =
+            Vibration::new(&sensors(), &[factor; AXES], VibrationSettings::default());
+        // Nine times the model's density: eight are beyond it, times the factor's square.
+        vibration.level = vibration.model.map(|model| 9.0 * model);
+        vibration.known = VibrationSettings::default().memory;
+        // In the band the Gauss-Markov process of the model is nothing: its density is that of the white noise.
+        let expected = (1.0 + factor * factor * 8.0) * WHITE * WHITE / STEP;
+        for variance in vibration.variances() {
+            assert!((variance / expected - 1.0).abs() < 1e-4, "{variance}");
+        }
+        vibration.count();
+        let louder = (1.0 + factor * factor * 8.0).sqrt();
+        for times in vibration.louder().unwrap() {
+            assert!((times / louder - 1.0).abs() < 1e-12, "{times}");
+        }
+    }
 }
