@@ -295,4 +295,32 @@ mod tests {
         };
         assert_eq!(all(text, &attitude_only).0[1].rpy, Some(rpy));
     }
+
+    #[test]
+    fn the_offset_is_added_to_the_times_of_a_log_and_of_a_table() {
+        let record = |k: u32| {
+            let mut values = [0.0; 17];
+            let (lat, lon) = (45f64.to_radians(), 90f64.to_radians());
+            values[..4].copy_from_slice(&[100.0 + f64::from(k), lat, lon, 7.0]);
+            values.map(f64::to_le_bytes)
+        };
+        let bytes: Vec<u8> = (0..5).flat_map(record).flatten().collect();
+        let log = TruthLog {
+            format: Format::Sbet,
+            stream: None,
+            time_offset: -2.5,
+            span: None,
+        };
+        let opened = Opened::stream(Path::new("truth.sbet"), Box::new(Cursor::new(bytes)));
+        let reader = TruthReader::new(opened.unwrap(), &log.into()).unwrap();
+        let times: Vec<f64> = reader.map(|sample| sample.unwrap().time).collect();
+        assert_eq!(times, [97.5, 98.5, 99.5, 100.5, 101.5]);
+
+        let table = TruthFormat {
+            time_offset: -2.5,
+            ..TruthFormat::degrees(Column::Number(1), group(2))
+        };
+        let (samples, _) = all("100,45,90,7\n101,45,90,7\n", &table);
+        assert_eq!([samples[0].time, samples[1].time], [97.5, 98.5]);
+    }
 }

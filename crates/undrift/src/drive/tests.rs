@@ -118,3 +118,39 @@ fn the_schema_of_a_drive_file_is_what_its_reader_takes() {
     schema["required"] = json!(["imu", "gnss"]);
     publish(&root.join("docs/schema/drive.schema.json"), &schema);
 }
+
+/// `time_offset` of a log is added to its times, in seconds whatever its unit.
+#[test]
+fn the_offset_of_a_log_is_added_to_its_times() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    file("truth.csv", "10,45,7,300\n11,45,7,300\n");
+    file("gnss.csv", "10,45,7,300\n11,45,7,300\n");
+    let text = r#"
+[imu]
+file = "imu.csv"
+time = 1
+gyro = [2, 3, 4]
+gyro_unit = "deg/s"
+accel = [5, 6, 7]
+accel_unit = "g"
+[gnss]
+file = "gnss.csv"
+time = 1
+time_offset = "-500 ms"
+position = [2, 3, 4]
+position_std = "1 m"
+[truth]
+file = "truth.csv"
+time = 1
+time_offset = "2 s"
+position = [2, 3, 4]
+"#;
+    let drive = Drive::from_toml(text, "drive.toml", folder.path(), folder.path()).unwrap();
+    let truth = drive.open_truth().unwrap().unwrap();
+    let times: Vec<f64> = truth.map(|sample| sample.unwrap().time).collect();
+    assert_eq!(times, [12.0, 13.0]);
+    let gnss = drive.open_gnss().unwrap();
+    let times: Vec<f64> = gnss.map(|fix| fix.unwrap().time).collect();
+    assert_eq!(times, [9.5, 10.5]);
+}
