@@ -1,7 +1,8 @@
 //! Writes a simulated car drive as a log: imu.csv, gnss.csv, truth.csv and drive.toml.
 //!
-//! `cargo run --release -p undrift-lab --bin simulate_log -- DIR [SECONDS [RATE_HZ [SEED]]]`, by
-//! default eight hours at 100 Hz. The sensor is the preset adis16405 with all its terms.
+//! `cargo run --release -p undrift-lab --bin simulate_log -- DIR [SECONDS [RATE_HZ [SEED [MODEL [MOTION]]]]]`,
+//! by default eight hours at 100 Hz. The sensor has all terms of a model, a file or a preset, by default adis16405; the
+//! motion is that of a `car`, or `rest`.
 
 use std::path::Path;
 use undrift::{
@@ -18,14 +19,20 @@ fn main() -> Result<(), Failure> {
         Ok(arguments.next().map_or(Ok(default), |text| text.parse())?)
     };
     let (duration, rate_hz, seed) = (number(28_800.0)?, number(100.0)?, number(1.0)? as u64);
-    let model = ImuModel::preset("adis16405").ok_or("no such preset")?;
+    let name = arguments.next().unwrap_or_else(|| "adis16405".to_owned());
+    let model = ImuModel::resolve(&name, Path::new(""))?;
+    let trajectory = match arguments.next().as_deref() {
+        None | Some("car") => Trajectory::car(duration, seed),
+        Some("rest") => Trajectory::rest(duration),
+        Some(other) => return Err(format!("no motion {other}").into()),
+    };
     let log = SimulatedLog {
-        trajectory: &Trajectory::car(duration, seed),
+        trajectory: &trajectory,
         rate_hz,
         filters: &model.shaping(BiasModel::GaussMarkov, 1.0 / rate_hz)?,
         gnss: &GnssNoise::default(),
         seed,
-        model: "adis16405",
+        model: &name,
         temperature_c: None,
     };
     log.write(Path::new(&folder))?;

@@ -17,14 +17,15 @@ const DT: f64 = 0.005;
 pub fn run(task: &str, count: u32) -> Result<(), Box<dyn std::error::Error>> {
     match task {
         "predict-9" => predict::<9>(count)?,
-        "predict-15" => predict::<15>(count)?,
+        // As `undrift_estimator::build` holds 15 states.
+        "predict-15" => predict::<16>(count)?,
         "predict-21" => predict::<21>(count)?,
         "predict-33" => predict::<33>(count)?,
         "dense-9" => dense::<9>(count),
         "dense-15" => dense::<15>(count),
         "dense-21" => dense::<21>(count),
         "dense-33" => dense::<33>(count),
-        "update-15" => update::<15>(count)?,
+        "update-15" => update::<16>(count)?,
         "update-33" => update::<33>(count)?,
         "shaping" => shaping(count)?,
         _ => return Err(format!("no task {task}").into()),
