@@ -102,13 +102,13 @@ fn assert_same<const N: usize>(own: &dyn Estimator, filter: &Filter<N>) {
 #[test]
 fn the_smallest_size_that_holds_the_states_is_taken() {
     for (states, size) in [
-        (9, 15),
-        (15, 15),
-        (16, 21),
+        (9, 16),
+        (16, 16),
+        (17, 21),
         (21, 21),
-        (22, 27),
-        (27, 27),
-        (28, 33),
+        (22, 28),
+        (28, 28),
+        (29, 33),
         (33, 33),
         (34, 45),
         (45, 45),
@@ -206,10 +206,10 @@ fn same_run<const N: usize>(states: usize) {
 
 #[test]
 fn every_size_runs_as_the_filter_does() {
-    same_run::<15>(9);
-    same_run::<15>(15);
+    same_run::<16>(9);
+    same_run::<16>(15);
     same_run::<21>(18);
-    same_run::<27>(27);
+    same_run::<28>(27);
     same_run::<33>(30);
     same_run::<45>(45);
     same_run::<73>(60);

@@ -1,6 +1,7 @@
 //! The filter from outside: Jacobians, measurements, smoother, properties.
 
 mod aiding;
+mod doubts;
 mod jacobians;
 mod properties;
 mod refused;

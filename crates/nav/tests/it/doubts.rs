@@ -1,0 +1,223 @@
+//! What each doubt adds to the covariance, in closed form: nothing less and nothing beside it.
+
+use nalgebra::SMatrix;
+use undrift_nav::{
+    Matrix3, Vector3,
+    attitude::from_rpy,
+    covariance::{AXES, NAV},
+    earth::Geodetic,
+    filter::{Filter, Gate, InitialStd},
+    mechanisation::NavState,
+    parameters::{Parameter, Parameters, Prior},
+    sample::{ImuSample, Position},
+    shaping::ShapingFilter,
+};
+
+/// Nine, gyros of one, one and two states, accelerometers of one, a lever arm.
+const N: usize = 19;
+const DT: f64 = 0.1;
+/// Rounding of sums of products of numbers up to 100.
+const EXACT: f64 = 1e-12;
+
+fn sample(k: usize) -> ImuSample {
+    let time = (k + 1) as f64 * DT;
+    ImuSample {
+        time,
+        dt: DT,
+        dtheta: Vector3::new(0.1, -0.2, 0.3 * (0.4 * time).sin()) * DT,
+        dvel: Vector3::new((0.3 * time).cos(), 0.5, -9.8) * DT,
+    }
+}
+
+/// A filter that has been aided for five seconds: every block of its covariance is full.
+fn aided() -> Filter<N> {
+    let nav = NavState {
+        time: 0.0,
+        position: Geodetic::from_degrees(45.0, 7.0, 300.0),
+        v_n: Vector3::new(8.0, -3.0, 0.5),
+        q_nb: from_rpy(&Vector3::new(0.1, -0.2, 1.0)),
+    };
+    let std = InitialStd {
+        position: Vector3::repeat(2.0),
+        velocity: Vector3::repeat(0.5),
+        attitude: Vector3::repeat(0.05),
+    };
+    let constant = |sigma: f64| ShapingFilter::constant(sigma, DT).unwrap();
+    let slow = ShapingFilter::gauss_markov(5e-3, 20.0, DT).unwrap();
+    let gyro = constant(1e-2);
+    let sensors = [
+        gyro,
+        gyro,
+        gyro.plus(&slow).unwrap(),
+        constant(0.1),
+        constant(0.1),
+        constant(0.1),
+    ];
+    let lever = Parameters::none().with(Parameter::LeverArm, Prior::constant(0.5));
+    let mut filter = Filter::new(nav, &std, sensors, lever).unwrap();
+    for k in 0..50 {
+        filter.predict(&sample(k));
+        if k % 10 == 9 {
+            let antenna = filter
+                .nav()
+                .position
+                .displaced(&Vector3::new(0.3, -0.2, 0.1));
+            let seen = filter.observe_position(&Position::Geodetic(antenna), &Vector3::x());
+            filter
+                .update(&seen, &Matrix3::identity(), &Gate::OPEN, None)
+                .unwrap();
+            let turn = filter.observe_earth_rate(&(sample(k).dtheta / DT));
+            filter
+                .update(&turn, &(Matrix3::identity() * 1e-6), &Gate::OPEN, None)
+                .unwrap();
+        }
+    }
+    filter
+}
+
+/// What `doubt` adds to the covariance.
+fn added(filter: &mut Filter<N>, doubt: impl FnOnce(&mut Filter<N>)) -> SMatrix<f64, N, N> {
+    let before = *filter.covariance();
+    doubt(filter);
+    filter.covariance() - before
+}
+
+#[track_caller]
+fn assert_is(added: &SMatrix<f64, N, N>, expected: &SMatrix<f64, N, N>) {
+    let off = (added - expected).amax();
+    assert!(off < EXACT, "off by {off:e}: {added:.3e} {expected:.3e}");
+}
+
+#[test]
+fn fading_multiplies_the_covariance_by_the_factor_itself() {
+    let mut filter = aided();
+    let before = *filter.covariance();
+    let factor = 1.5;
+    filter.fade(factor);
+    let after = *filter.covariance();
+    for i in 0..NAV {
+        for j in 0..NAV {
+            let ratio = after[(i, j)] / before[(i, j)];
+            assert!((ratio - factor).abs() < EXACT, "{i} {j}: {ratio}");
+        }
+    }
+    // A sensor's error is known at least as well as before the first sample, …
+    let (mut limited, mut free) = (0, 0);
+    for axis in 0..AXES {
+        let (sensor, at) = (filter.sensors().axis(axis), filter.sensors().start(axis));
+        for i in 0..sensor.order {
+            let (now, room) = (before[(at + i, at + i)], sensor.p0[i][i]);
+            let expected = (factor * now).min(room).max(now);
+            assert!(
+                (after[(at + i, at + i)] / expected - 1.0).abs() < EXACT,
+                "{axis} {i}"
+            );
+            *(if expected < factor * now {
+                &mut limited
+            } else {
+                &mut free
+            }) += 1;
+        }
+    }
+    assert!(
+        limited > 0 && free > 0,
+        "both cases are to be seen: {limited} {free}"
+    );
+    // … a constant is not forgotten, …
+    let at = filter.parameter_start(Parameter::LeverArm).unwrap();
+    for i in at..N {
+        assert_eq!(after[(i, i)], before[(i, i)]);
+    }
+    // … and what is correlated stays so to the same degree.
+    for i in 0..N {
+        for j in 0..N {
+            let of = |p: &SMatrix<f64, N, N>| p[(i, j)] / (p[(i, i)] * p[(j, j)]).sqrt();
+            assert!((of(&after) - of(&before)).abs() < EXACT, "{i} {j}");
+        }
+    }
+}
+
+#[test]
+fn a_heading_in_doubt_takes_its_gyro_with_it() {
+    let mut filter = aided();
+    let gyros = |filter: &Filter<N>| filter.sensor_error_std().map(|std| std * std);
+    let before = gyros(&filter);
+    let (heading, gyro) = (0.2, 0.03);
+    let added = added(&mut filter, |filter| filter.doubt_heading(heading, gyro));
+    let mut expected = SMatrix::zeros();
+    expected[(8, 8)] = heading * heading;
+    // The error is the sum of the two states: each takes half of it, both together.
+    let at = filter.sensors().start(2);
+    for i in at..at + 2 {
+        for j in at..at + 2 {
+            expected[(i, j)] = 0.25 * gyro * gyro;
+        }
+    }
+    assert_is(&added, &expected);
+    let after = gyros(&filter);
+    for axis in 0..AXES {
+        let more = if axis == 2 { gyro * gyro } else { 0.0 };
+        assert!((after[axis] - before[axis] - more).abs() < EXACT, "{axis}");
+    }
+}
+
+#[test]
+fn unseen_motion_is_a_constant_acceleration_and_turn_rate() {
+    let mut filter = aided();
+    let (time, rate, accel) = (3.0, 0.2, 2.0);
+    let added = added(&mut filter, |filter| filter.grow(time, rate, accel));
+    // δr = ½ a t² and δv = a t of the same a: fully correlated.
+    let (r, v) = (0.5 * accel * time * time, accel * time);
+    let mut expected = SMatrix::zeros();
+    for i in 0..3 {
+        expected[(i, i)] = r * r;
+        expected[(3 + i, 3 + i)] = v * v;
+        expected[(i, 3 + i)] = r * v;
+        expected[(3 + i, i)] = r * v;
+        expected[(6 + i, 6 + i)] = (rate * time) * (rate * time);
+    }
+    assert_is(&added, &expected);
+    // The next sample has no predecessor to be combined with.
+    let mut alone = filter.clone();
+    alone.set_nav(*filter.nav());
+    alone.predict(&sample(80));
+    filter.predict(&sample(80));
+    assert_eq!(filter.nav(), alone.nav());
+}
+
+#[test]
+fn a_contradicted_solution_doubts_position_velocity_and_level_but_not_its_heading() {
+    let mut filter = aided();
+    let added = added(&mut filter, |filter| filter.doubt(20.0, 3.0, 0.05));
+    let mut expected = SMatrix::zeros();
+    for i in 0..3 {
+        expected[(i, i)] = 400.0;
+        expected[(3 + i, 3 + i)] = 9.0;
+    }
+    for i in 6..8 {
+        expected[(i, i)] = 0.0025;
+    }
+    assert_is(&added, &expected);
+}
+
+#[test]
+fn a_doubted_sample_is_turned_from_the_body_to_north_east_down() {
+    let mut filter = aided();
+    // Facing east, level: forward is east, right is south.
+    filter.set_nav(NavState {
+        q_nb: from_rpy(&Vector3::new(0.0, 0.0, std::f64::consts::FRAC_PI_2)),
+        ..*filter.nav()
+    });
+    let turn = Matrix3::from_diagonal(&Vector3::new(0.04, 0.01, 0.09));
+    let velocity = Matrix3::from_diagonal(&Vector3::new(4.0, 1.0, 9.0));
+    let added = added(&mut filter, |filter| filter.widen(&turn, &velocity));
+    let mut expected = SMatrix::zeros();
+    for (i, (velocity, turn)) in [(1.0, 0.01), (4.0, 0.04), (9.0, 0.09)]
+        .into_iter()
+        .enumerate()
+    {
+        expected[(3 + i, 3 + i)] = velocity;
+        expected[(6 + i, 6 + i)] = turn;
+    }
+    assert_is(&added, &expected);
+}
