@@ -97,3 +97,6 @@ pub fn replay(
     }
     run.end(&mut aiding, observer)
 }
+
+#[cfg(test)]
+mod tests;

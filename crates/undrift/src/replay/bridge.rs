@@ -59,3 +59,6 @@ impl Bridge {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -100,3 +100,6 @@ impl CourseWatch {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -35,3 +35,6 @@ impl CovarianceHealth {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

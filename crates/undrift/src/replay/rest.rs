@@ -147,3 +147,6 @@ impl RestDetector {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -149,3 +149,6 @@ impl LeanWatch {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
