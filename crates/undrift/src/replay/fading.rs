@@ -66,3 +66,6 @@ impl Fading {
         (size / (set.from * usual)).min(set.most)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -363,3 +363,6 @@ impl FixPart {
         Ok(update)
     }
 }
+
+#[cfg(test)]
+mod tests;
