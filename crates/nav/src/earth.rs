@@ -268,6 +268,23 @@ mod tests {
         assert!((pole - GRAVITY_POLE).abs() < 1e-9, "{pole}");
     }
 
+    /// The second-order free-air correction of GRS80 as geodesy publishes it: Hinze et al. 2005, Geophysics 70(4), eq. 5,
+    /// −(0.308 769 1 − 0.000 439 8 sin²φ) h + 7.2125e-8 h² mGal.
+    #[test]
+    fn gravity_falls_with_height_as_published() {
+        for lat_deg in [0.0f64, 30.0, 45.0, 60.0, 90.0] {
+            let lat = lat_deg.to_radians();
+            let s2 = lat.sin() * lat.sin();
+            for height in [-400.0, 1000.0, 5000.0] {
+                let published =
+                    -(0.308_769_1 - 0.000_439_8 * s2) * height + 7.2125e-8 * height * height;
+                let ours = (gravity(lat, height) - gravity(lat, 0.0)) / 1e-5;
+                // The published slope is a straight line in sin²φ, and of GRS80: 2e-5 of it.
+                assert!((ours / published - 1.0).abs() < 1e-4, "{ours} {published}");
+            }
+        }
+    }
+
     #[test]
     fn radii_are_the_curvature_of_the_ellipsoid() {
         let here = Geodetic::from_degrees(-32.83, -68.79, 700.0);

@@ -470,6 +470,9 @@ mod tests {
             let made = ShapingFilter::arma(phi, &[0.3], 1.0, T);
             assert_eq!(made, Err(ShapingError::Unstable), "{phi:?}");
         }
+        // Without noise nothing grows, and it is no more a model for that.
+        let silent = ShapingFilter::arma(&[1.1], &[], 0.0, T);
+        assert_eq!(silent, Err(ShapingError::Unstable));
         assert!(ShapingFilter::white(f64::NAN, T).is_err());
         assert!(ShapingFilter::white(-1.0, T).is_err());
         assert!(ShapingFilter::white(1.0, 0.0).is_err());

@@ -336,7 +336,7 @@ mod tests {
     use super::*;
     use crate::earth::STANDARD_GRAVITY;
     use core::f64::consts::PI;
-    use std::string::ToString;
+    use std::{format, string::ToString};
 
     /// A few roundings of the factor.
     const RELATIVE: f64 = 1e-15;
@@ -530,6 +530,20 @@ mod tests {
                 );
             }
         }
+    }
+
+    /// Eight levels of parentheses or roots, and no more: the parser calls itself at each.
+    #[test]
+    fn parentheses_and_roots_nest_eight_deep() {
+        let inside = |open: &str, depth: usize| {
+            let unit = format!("{}m{}", open.repeat(depth), ")".repeat(depth));
+            unit_factor(&unit, Length)
+        };
+        assert_eq!(inside("(", 8), Ok(1.0));
+        assert!(inside("(", 9).is_err());
+        // The root of m⁸ three times over is m.
+        assert_eq!(unit_factor("sqrt(sqrt(sqrt(m^8)))", Length), Ok(1.0));
+        assert!(unit_factor(&"√".repeat(1_000_000), Length).is_err());
     }
 
     #[test]

@@ -7,4 +7,5 @@ mod properties;
 mod refused;
 mod smoother;
 mod start;
+mod values;
 mod weakened;
