@@ -2,7 +2,7 @@
 //!
 //! While the filter runs forward, [`History`] writes down at each node its state, its covariance and
 //! the [`Tape`](undrift_nav::tape::Tape) of the span since the node before, in a temporary file: memory does not grow with the
-//! log but for the result. [`History::smooth`] then goes through the nodes from the last to the first
+//! log but for the result. Where there is no folder for one, as in a browser, it is memory. [`History::smooth`] then goes through the nodes from the last to the first
 //! and carries the adjoint λ, Λ along; the smoothed error at a node is `P λ`, its covariance
 //! `P − P Λ P` (see [`undrift_nav::tape`]). Exact for the linearised filter at the nodes, whatever
 //! lies between them: updates of any kind, outages, states without noise.
@@ -110,9 +110,51 @@ impl Smoothed {
 /// Numbers of a record before the matrices: a flag, time, position, velocity, quaternion, rate, how long the filter has run.
 const HEAD: usize = 16;
 
+/// Where the forward pass is kept until it is smoothed.
+enum Store {
+    File(BufWriter<File>),
+    Memory(Vec<u8>),
+}
+
+impl Store {
+    /// A temporary file without a name, or memory where no folder takes one.
+    fn new() -> io::Result<Self> {
+        use io::ErrorKind::{NotFound, PermissionDenied, ReadOnlyFilesystem};
+        // The standard library panics when WebAssembly asks it for the folder.
+        if cfg!(target_family = "wasm") {
+            return Ok(Self::Memory(Vec::new()));
+        }
+        match tempfile::tempfile() {
+            Ok(file) => Ok(Self::File(BufWriter::with_capacity(1 << 16, file))),
+            Err(error) => match error.kind() {
+                NotFound | PermissionDenied | ReadOnlyFilesystem => Ok(Self::Memory(Vec::new())),
+                _ => Err(error),
+            },
+        }
+    }
+
+    fn append(&mut self, bytes: &[u8]) -> io::Result<()> {
+        match self {
+            Self::File(file) => file.write_all(bytes),
+            Self::Memory(kept) => kept.write_all(bytes),
+        }
+    }
+
+    /// Fills `bytes` with what was appended from position `at` on.
+    fn read(&mut self, at: usize, bytes: &mut [u8]) -> io::Result<()> {
+        match self {
+            Self::File(file) => {
+                file.seek(SeekFrom::Start(at as u64))?;
+                file.get_mut().read_exact(bytes)
+            }
+            Self::Memory(kept) => kept.get(at..).unwrap_or_default().read_exact(bytes),
+        }
+    }
+}
+
 /// The forward pass, node by node.
 pub struct History {
-    file: BufWriter<File>,
+    store: Store,
     /// States of the filter.
     states: usize,
     nodes: usize,
@@ -121,13 +163,13 @@ pub struct History {
 }
 
 impl History {
-    /// Empty, in a temporary file without a name.
+    /// Empty, in a temporary file without a name, or in memory where no folder takes one.
     ///
     /// # Errors
-    /// If no temporary file can be made.
+    /// If the folder is there and the file cannot be made all the same.
     pub fn new() -> io::Result<Self> {
         Ok(Self {
-            file: BufWriter::with_capacity(1 << 16, tempfile::tempfile()?),
+            store: Store::new()?,
             states: 0,
             nodes: 0,
             sensors: None,
@@ -192,7 +234,7 @@ impl History {
             None => put(&vec![0.0; n * n + n + n * (n + 1) / 2]),
         }
         self.nodes += 1;
-        self.file.write_all(&self.record)
+        self.store.append(&self.record)
     }
 
     /// Goes back through the nodes; `None` if there are none.
@@ -206,8 +248,6 @@ impl History {
         let n = self.states;
         let packed = n * (n + 1) / 2;
         let length = HEAD + (n - NAV) + packed + n * n + n + packed;
-        self.file.flush()?;
-        let file = self.file.get_mut();
 
         // Blocks of about a megabyte, from the end.
         let per_block = ((1 << 20) / (8 * length)).max(1);
@@ -220,8 +260,7 @@ impl History {
         while end > 0 {
             let begin = end.saturating_sub(per_block);
             bytes.resize((end - begin) * length * 8, 0);
-            file.seek(SeekFrom::Start((begin * length * 8) as u64))?;
-            file.read_exact(&mut bytes)?;
+            self.store.read(begin * length * 8, &mut bytes)?;
             for record in bytes.chunks_exact(length * 8).rev() {
                 let mut numbers = record.chunks_exact(8).map(|b| {
                     let mut word = [0; 8];

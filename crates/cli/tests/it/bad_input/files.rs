@@ -424,6 +424,26 @@ fn a_full_disk_leaves_the_old_file() {
     assert!(!names.iter().any(|name| name.contains("part")), "{names:?}");
 }
 
+/// The nodes are kept in memory then, as in a browser.
+#[cfg(unix)]
+#[test]
+fn smoothing_without_a_temporary_folder_gives_the_same() {
+    let case = good().write("no_temporary_folder");
+    let smoothed = |temporary: &Path, solution: &str| {
+        let done = Command::new(env!("CARGO_BIN_EXE_undrift"))
+            .args(["navigate", "drive.toml", "--smooth", "-o", solution])
+            .current_dir(case.path(""))
+            .env("TMPDIR", temporary)
+            .output()
+            .unwrap();
+        let stderr = String::from_utf8_lossy(&done.stderr);
+        assert!(done.status.success(), "{stderr}");
+        case.read(solution).unwrap()
+    };
+    let with = smoothed(&case.path(""), "with.csv");
+    assert_eq!(smoothed(&case.path("nowhere"), "without.csv"), with);
+}
+
 #[test]
 fn a_folder_that_cannot_hold_the_result() {
     let case = good().write("no_folder");
