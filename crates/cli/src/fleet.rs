@@ -6,7 +6,7 @@ use crate::{
     progress::Bar,
     report::{ResultOutput, write_drawn},
     style,
-    terminal::{self, detail, note, say, stage, warn},
+    terminal::{self, Invalid, detail, note, say, stage, warn},
 };
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
@@ -182,10 +182,10 @@ fn refuse_urls(arguments: &Arguments) -> Result<()> {
     let names = arguments.logs.iter().map(String::as_str);
     let mut names = names.chain([&*output]).chain(arguments.data.as_deref());
     if let Some(name) = names.find(|name| name.contains("://")) {
-        bail!(
+        bail!(Invalid(format!(
             "{name}: the command reads and writes files of this machine; for URLs use undrift.fleet.run or \
              undrift.fleet.process_to of the Python package (docs/fleet.md), which give the same results"
-        );
+        )));
     }
     Ok(())
 }

@@ -24,7 +24,7 @@ use undrift::{
     record::{self, Record, RecordFormat},
     results,
 };
-use undrift_report::{say as sentences, text};
+use undrift_report::{say as sentences, text, usable};
 
 /// The trends by their names.
 fn trends() -> impl TypedValueParser<Value = Trend> {
@@ -167,10 +167,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut recordings = Vec::with_capacity(arguments.records.len());
     for (at, path) in arguments.records.iter().enumerate() {
         if arguments.records[..at].contains(path) {
-            bail!(
+            bail!(Invalid(format!(
                 "{} is given twice: each recording counts as a switch-on of its own",
                 path.display()
-            );
+            )));
         }
         let record = stage("reading", || read(path, &format))?;
         files = files.and_read(record.file.as_deref());
@@ -188,7 +188,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     show(arguments, &files, &result)?;
     let differ = result.pool.as_ref().is_some_and(|pool| !pool.homogeneous);
     if differ {
-        terminal::doubt();
         warn("the recordings are not of one sensor: identify those that differ on their own");
     }
     let Some(file) = &arguments.output else {
@@ -217,6 +216,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
 /// Writes and prints what was found, and warns of axes that could not be identified.
 fn show(arguments: &Arguments, files: &Files, result: &results::Identify) -> Result<()> {
+    if !usable::identify(result) {
+        terminal::doubt();
+    }
     let shown =
         arguments.result.is_wanted() && arguments.result.write(files, &results::text(result))?;
     if !shown {
@@ -234,7 +236,6 @@ fn show(arguments: &Arguments, files: &Files, result: &results::Identify) -> Res
     }
     for (name, axis) in result.in_order() {
         if let Some(error) = &axis.error {
-            terminal::doubt();
             warn(format!("{name}: {error}"));
         }
     }
@@ -295,10 +296,10 @@ fn read(path: &Path, format: &RecordFormat) -> Result<Record> {
             ("--topic", format.topic.is_some()),
         ];
         if let Some((option, _)) = stated.iter().find(|(_, stated)| *stated) {
-            bail!(
+            bail!(Invalid(format!(
                 "{}: {option} is for a log; of a drive file change [imu]",
                 path.display()
-            );
+            )));
         }
         return Ok(record::read_drive(path, format.temperature)?);
     }

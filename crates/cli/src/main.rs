@@ -27,21 +27,34 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;
 
-const AFTER_HELP: &str = "\
+const EXAMPLES: &str = "\
 Setup:
   completions  Print the completions of bash, zsh, fish, elvish or powershell
   man          Print the manual page, or write those of all verbs
 
 Examples:
   undrift demo --out out
-  undrift help outages
+  undrift help outages";
 
-Exit codes:
-  0  done
-  1  failed: the message states file, line, key and what to do
-  2  invalid command line
-  3  done, but the result cannot be trusted; only with --strict, otherwise 0 and a warning
+/// Exit codes and their meaning; docs/terminal.md has the same table, and when each verb ends with 3.
+const EXIT_CODES: [(u8, &str); 5] = [
+    (0, "done"),
+    (
+        1,
+        "failed: the message states file, line, key and what to do",
+    ),
+    (
+        INVALID,
+        "invalid command line, or a value that an option cannot have",
+    ),
+    (
+        UNTRUSTED,
+        "done, but the result is not usable as it is; only with --strict, otherwise 0",
+    ),
+    (130, "ended by Ctrl-C, as a shell reports it"),
+];
 
+const ENVIRONMENT: &str = "\
 Environment:
   NO_COLOR        if set, no colours
   CLICOLOR_FORCE  if set and not 0, colours even if standard output is not a terminal";
@@ -55,7 +68,7 @@ const UNTRUSTED: u8 = 3;
 /// measure how far the solution drifts when GNSS is cut.
 #[derive(Parser)]
 #[command(name = "undrift", version, arg_required_else_help = true)]
-#[command(subcommand_value_name = "VERB", subcommand_help_heading = "Verbs", after_help = AFTER_HELP)]
+#[command(subcommand_value_name = "VERB", subcommand_help_heading = "Verbs", after_help = after_help())]
 struct Arguments {
     #[command(subcommand)]
     verb: Verb,
@@ -82,6 +95,12 @@ enum Verb {
     Man(setup::Man),
 }
 
+fn after_help() -> String {
+    let codes = EXIT_CODES.map(|(code, meaning)| format!("\n  {code:<3}  {meaning}"));
+    let codes = codes.concat();
+    format!("{EXAMPLES}\n\nExit codes:{codes}\n\n{ENVIRONMENT}")
+}
+
 fn main() -> ExitCode {
     terminal::colour_from(std::env::args_os());
     let parsed = Arguments::try_parse().map_err(with_verbs);
@@ -106,7 +125,7 @@ fn main() -> ExitCode {
     match result {
         Ok(()) if terminal.strict && terminal::doubted() => {
             terminal::error(&anyhow::anyhow!(
-                "the result cannot be trusted; see the warnings"
+                "the result is not usable as it is; see its verdict and the warnings"
             ));
             ExitCode::from(UNTRUSTED)
         }

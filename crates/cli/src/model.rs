@@ -2,7 +2,8 @@
 
 use crate::{
     output::{Files, JsonOutput},
-    presets, terminal,
+    presets,
+    terminal::{self, Invalid},
 };
 use anyhow::Result;
 use clap::Args;
@@ -11,7 +12,7 @@ use std::{
     path::{Path, PathBuf},
 };
 use undrift::{
-    noise::{ImuModel, ModelFormat},
+    noise::{ImuModel, ModelError, ModelFormat},
     results,
 };
 
@@ -57,7 +58,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let Some(format) = arguments.to else {
         return Ok(());
     };
-    write(arguments, &files, &model.export(format, arguments.rate)?)
+    let exported = model.export(format, arguments.rate);
+    let exported = exported.map_err(|error| match error {
+        ModelError::BadRate(_) => Invalid(error.to_string()).into(),
+        _ => anyhow::Error::from(error),
+    });
+    write(arguments, &files, &exported?)
 }
 
 /// The presets as a table, as JSON, or both.

@@ -131,7 +131,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 /// The files that were asked for.
 fn outputs(arguments: &Arguments, drive: &Drive) -> Result<Vec<SolutionFile>> {
     if arguments.format.is_some() && arguments.output.len() > 1 {
-        bail!("--format needs a single -o; several are written by their extensions");
+        let mistake = "--format needs a single -o; several are written by their extensions";
+        bail!(Invalid(mistake.into()));
     }
     let options = SolutionOptions {
         epoch: drive.epoch,

@@ -5,7 +5,7 @@ use crate::{
     progress::Bar,
     report::{ResultOutput, write_drawn},
     style,
-    terminal::{note, say, stage, warn},
+    terminal::{Invalid, note, say, stage, warn},
 };
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
@@ -14,7 +14,7 @@ use undrift::{
     fleet::Choice,
     io::write::{SolutionFile, SolutionFormat, SolutionOptions, solution::SolutionRow},
     noise::BiasModel,
-    outages::{Logs, Schedule},
+    outages::{Logs, Schedule, ScheduleError},
     replay::{Outage, STAMP_ROUNDING},
     results,
 };
@@ -88,15 +88,17 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(path) = &arguments.track {
         track_format(path)?;
     }
+    let plan = Schedule::asked(arguments.at.clone(), every, count, start).ok_or_else(|| {
+        let wanted = "specify the outages: --count N, --every SECONDS, or --at T1,T2,…";
+        Invalid(wanted.into())
+    })?;
     let outputs = arguments.result.files().chain(arguments.track.as_deref());
     let (drive, files) = navigate::load(&arguments.drive, &arguments.common, outputs)?;
     let logs = Logs::load(&drive).map_err(|error| anyhow!(sentences::unsolved(error)))?;
     if let Some(mounting) = &logs.mounting {
         note(sentences::estimated(&sentences::mounting(mounting)));
     }
-    let plan = Schedule::asked(arguments.at.clone(), every, count, start)
-        .context("specify the outages: --count N, --every SECONDS, or --at T1,T2,…")?;
-    let cuts = logs.plan(&plan, length)?;
+    let cuts = logs.plan(&plan, length).map_err(refused)?;
     let outcomes = stage("navigation", || {
         let total = logs.imu.len() * arguments.bias_models.len();
         let bar = Bar::new("navigated", total as u64, "samples");
@@ -141,11 +143,23 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
+/// What no log could be cut by is a mistake of the command line.
+fn refused(error: ScheduleError) -> anyhow::Error {
+    use ScheduleError::{Every, Length, Start, Zero};
+    match error {
+        Length(_) | Start(_) | Every(_) | Zero => Invalid(error.to_string()).into(),
+        _ => error.into(),
+    }
+}
+
 /// The format of the track, known before anything is run.
-fn track_format(path: &Path) -> Result<SolutionFormat> {
+fn track_format(path: &Path) -> Result<SolutionFormat, Invalid> {
     SolutionFormat::from_path(path)
         .filter(|format| format.is_map())
-        .with_context(|| format!("--track {}: must be .kml, .geojson or .gpx", path.display()))
+        .ok_or_else(|| {
+            let path = path.display();
+            Invalid(format!("--track {path}: must be .kml, .geojson or .gpx"))
+        })
 }
 
 fn write_track(path: &Path, logs: &Logs, cuts: &[Outage], drive: &Path) -> Result<()> {

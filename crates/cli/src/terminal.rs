@@ -43,7 +43,7 @@ pub struct Options {
     /// When to use colours
     #[arg(long, global = true, value_name = "WHEN", value_enum, default_value_t = ColorChoice::Auto)]
     color: ColorChoice,
-    /// Exit with code 3 if the result cannot be trusted
+    /// Exit with code 3 if the result is not usable as it is
     #[arg(long, global = true)]
     pub strict: bool,
 }

@@ -8,7 +8,7 @@ use crate::{
     signals, style,
     terminal::{self, Invalid, detail, note, say, stage},
 };
-use anyhow::{Context, Result, anyhow, bail, ensure};
+use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use undrift::{
@@ -17,7 +17,7 @@ use undrift::{
     results,
     tune::{self, Options, Stage},
 };
-use undrift_report::{say as sentences, text};
+use undrift_report::{say as sentences, text, usable};
 
 /// Identify the noise of a sensor in its vehicle from drives, and tune the filter with it.
 ///
@@ -62,12 +62,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(problem) = sentences::hold_out("--hold-out", arguments.hold_out) {
         bail!(Invalid(problem));
     }
-    ensure!(
-        arguments.data.len() <= 1 || arguments.data.len() == arguments.drives.len(),
-        "--data occurs {} times for {} drives: set it once, or once for each drive",
-        arguments.data.len(),
-        arguments.drives.len()
-    );
+    let (folders, drives) = (arguments.data.len(), arguments.drives.len());
+    if folders > 1 && folders != drives {
+        bail!(Invalid(format!(
+            "--data occurs {folders} times for {drives} drives: set it once, or once for each drive"
+        )));
+    }
     let mut drives = Vec::new();
     for (k, path) in arguments.drives.iter().enumerate() {
         let data = arguments.data.get(k).or(arguments.data.first());
@@ -116,7 +116,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let paths = arguments.drives.iter().map(PathBuf::as_path);
     let result = found.result(paths.zip(&drives));
-    if !result.converged || !result.unaligned.is_empty() {
+    if !usable::tune(&result) {
         terminal::doubt();
     }
     let json = results::text(&result);

@@ -95,7 +95,7 @@ fn alarms(run: &Fleet) -> Vec<String> {
         let n = many(troubles.len() as u64, what);
         (!list.is_empty()).then(|| format!("{n} {happened}: {}", first_few(&list, most)))
     };
-    let untrusted = "of single models or axes failed or cannot be trusted";
+    let untrusted = "of single logs, models or axes failed or are not usable";
     let alarms = [
         alarm(&run.failed, "log", "failed"),
         alarm(&run.untrusted, "result", untrusted),
@@ -165,7 +165,7 @@ fn troubles(run: &Fleet) -> Option<Section> {
         let sentences = w.warnings.iter();
         sentences.map(|text| (w.log.as_str(), "all", text.replace(&w.log, "…")))
     });
-    let untrusted = "Models and axes that failed or cannot be trusted.";
+    let untrusted = "Logs, models and axes that failed or are not usable.";
     let tables = [
         folded("failed", "Logs that failed.", causes_of(&run.failed)),
         folded("untrusted", untrusted, causes_of(&run.untrusted)),

@@ -25,6 +25,7 @@ use undrift::noise::{model_file::AXES, normality::Test};
 use undrift::results::{Axis, Identify, Term};
 use units::{Unit, with_unit};
 pub(crate) use units::{Units, units};
+pub use verdict::is_usable;
 pub(crate) use verdict::{is_allan, verdict};
 
 /// Level of the tests.

@@ -26,6 +26,11 @@ pub mod say;
 pub mod text;
 mod tune;
 
+/// Whether the verdict on a result is `usable`, without reservation.
+pub mod usable {
+    pub use crate::{identify::is_usable as identify, tune::is_usable as tune};
+}
+
 pub use crate::figure::panel::{Panel, PlotAxis, Series};
 pub use compare::{document, of_results};
 pub use document::{Block, Cell, Document, Figure, Section, Table};

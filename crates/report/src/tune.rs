@@ -5,8 +5,12 @@ use super::{
     numbers::{percent, short, span},
     parts::{Run, capital, prefixed, text},
     plain::{Mark, plain_table},
+    say::usable,
 };
-use undrift::results::{Tune, TunedDrift, TunedParameter};
+use undrift::{
+    findings::Severity,
+    results::{Tune, TunedDrift, TunedParameter},
+};
 
 /// Shares of a normal distribution inside one, two and three standard deviations.
 const NORMAL: [f64; 3] = [0.6827, 0.9545, 0.9973];
@@ -58,30 +62,47 @@ pub fn plain(tune: &Tune, mark: Mark) -> String {
 
 /// Whether it is of use, in a sentence.
 fn verdict(tune: &Tune) -> String {
+    let (severity, why) = judgement(tune);
+    format!("{}: {why}", usable(severity))
+}
+
+/// Whether the verdict is `usable`.
+pub fn is_usable(tune: &Tune) -> bool {
+    judgement(tune).0 == Severity::Note
+}
+
+fn judgement(tune: &Tune) -> (Severity, String) {
+    use Severity::{Note, Unusable, Warning};
     if let [first, ..] = tune.unaligned.as_slice() {
-        return format!(
-            "not usable: {first} cannot be aligned with the noise found. Set `attitude` under [initial], or tune on a \
+        let why = format!(
+            "{first} cannot be aligned with the noise found. Set `attitude` under [initial], or tune on a \
              longer drive with more turns and changes of speed"
         );
+        return (Unusable, why);
     }
     if tune.stopped {
-        return "usable with care: stopped early and not tested; the noise is the best so far"
-            .into();
+        let why = "stopped early and not tested; the noise is the best so far";
+        return (Warning, why.into());
     }
     let judged = |length: f64| tune.drift.iter().find(|d| d.length_s.0 == length);
     let Some(drift) = judged(30.0).or_else(|| tune.drift.last()) else {
-        return "usable with care: not tested, because the drives are too short to hold out outages; tune on longer drives".into();
+        let why = "not tested, because the drives are too short to hold out outages; tune on longer drives";
+        return (Warning, why.into());
     };
     let (low, high) = (drift.ratio_low.0, drift.ratio_high.0);
     let is_honest = drift.after_within[1].0 >= 0.9;
-    let found = match () {
-        () if high < 1.0 && is_honest => "usable: less drift",
-        () if high < 1.0 => "usable with care: less drift, but the solution is optimistic",
-        () if low > 1.0 => "not usable: more drift than before",
-        () if is_honest => "usable: no significant change of drift",
-        () => "usable with care: no significant change of drift, and the solution is optimistic",
+    let (severity, found) = match () {
+        () if low > 1.0 => (Unusable, "more drift than before"),
+        () if !tune.converged => (Warning, "the fit has not converged"),
+        () if high < 1.0 && is_honest => (Note, "less drift"),
+        () if high < 1.0 => (Warning, "less drift, but the solution is optimistic"),
+        () if is_honest => (Note, "no significant change of drift"),
+        () => (
+            Warning,
+            "no significant change of drift, and the solution is optimistic",
+        ),
     };
-    format!(
+    let why = format!(
         "{found}. {} without GNSS: {} m; before: {} m (ratio {}, 95 % interval {} to {}), over {} held-out outages",
         span(drift.length_s.0),
         short(drift.after_m.0),
@@ -90,7 +111,8 @@ fn verdict(tune: &Tune) -> String {
         short(low),
         short(high),
         drift.outages
-    )
+    );
+    (severity, why)
 }
 
 fn what_was_done(tune: &Tune) -> String {

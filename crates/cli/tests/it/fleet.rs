@@ -522,7 +522,7 @@ fn what_cannot_be_is_told() {
         assert!(stderr.contains(wanted), "{stderr}");
     }
     let (code, _, stderr) = run(&folder, Path::new("s3://bucket/out"), &[]);
-    assert_eq!(code, Some(1));
+    assert_eq!(code, Some(2));
     assert!(stderr.contains("s3://bucket/out: the command reads and writes"));
     for wrong in [["--shard", "0/2"], ["--shard", "3/2"], ["--shard", "one"]] {
         assert_eq!(run(&folder, &folder.join("out"), &wrong).0, Some(2));

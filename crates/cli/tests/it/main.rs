@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod documents;
+mod exit_codes;
 mod fleet;
 mod identify;
 mod inspect;

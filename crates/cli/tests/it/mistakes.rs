@@ -88,9 +88,8 @@ const HEAD: &str = "\
 What goes wrong when a log is used for the first time, and the first line of the answer: the cause, and what to do.
 `crates/cli/tests/it/mistakes.rs` makes each mistake with the real command on a simulated drive and compares this page;
 `UNDRIFT_BLESS=1` writes it. A result begins with its verdict: `usable`; `usable with care`, where the warning must be
-looked at first; or `not usable`, where a setting or a log is certainly wrong and the numbers mean nothing. The exit code
-is 1 for a failure, 2 for an invalid command line or value of an option, 0 for a result with any verdict, or 3 for one
-that is not `usable` with `--strict` ([the command](terminal.md)). Damaged files are in [reliability.md](reliability.md).
+looked at first; or `not usable`, where a setting or a log is certainly wrong and the numbers mean nothing. The exit codes
+are those of [every verb](terminal.md#exit-codes), without `--strict`. Damaged files are in [reliability.md](reliability.md).
 ";
 
 #[test]

@@ -7,6 +7,15 @@ use undrift::{
     results::{Axis, Identify},
 };
 
+/// Whether the record serves without reservation: its verdict is `usable`, and recordings are of one sensor.
+pub fn is_usable(result: &Identify) -> bool {
+    let of_one_sensor = result.pool.as_ref().is_none_or(|pool| pool.homogeneous);
+    of_one_sensor
+        && result
+            .in_order()
+            .all(|(name, axis)| doubt(name, axis).is_none())
+}
+
 /// Whether the record serves, and why not.
 pub(crate) fn verdict(result: &Identify) -> String {
     let axes: Vec<(&str, &Axis)> = result.in_order().collect();

@@ -9,14 +9,19 @@ use undrift::{
 /// Whether the result can be used, and why not: the first line of what is shown.
 pub fn verdict(found: &[Finding]) -> String {
     let (severity, cause) = findings::verdict(found);
-    let word = match severity {
-        Severity::Note => "usable",
-        Severity::Warning => "usable with care",
-        Severity::Unusable => "not usable",
-    };
+    let word = usable(severity);
     match cause {
         Some(cause) => format!("{word}: {}", super::say(cause)),
         None => word.into(),
+    }
+}
+
+/// The word that a verdict begins with.
+pub(crate) fn usable(severity: Severity) -> &'static str {
+    match severity {
+        Severity::Note => "usable",
+        Severity::Warning => "usable with care",
+        Severity::Unusable => "not usable",
     }
 }
 

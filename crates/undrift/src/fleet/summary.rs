@@ -9,6 +9,7 @@ use super::{
     labels::{self, Labels},
 };
 use crate::{
+    findings::{self, Severity},
     results::{
         Bin, Effect, Fleet, FleetGroup, FleetLabel, FleetLog, FleetMeasure, FleetOutlier,
         FleetPart, LeftOut, Level, Number, Numbers, SCHEMA, Trouble, VERSION, Warned, by_name,
@@ -75,6 +76,15 @@ impl Tally {
         let failed = outcome.failed_parts.iter();
         self.untrusted
             .extend(failed.map(|(part, why)| trouble(Some(part), why)));
+        // A log as a whole, by its findings: who fills in the warnings begins with their sentences.
+        if let (severity, Some(cause)) = findings::verdict(&outcome.findings)
+            && severity > Severity::Note
+        {
+            let place = outcome.findings.iter().position(|of| of == cause);
+            let why = place.and_then(|place| outcome.warnings.get(place));
+            self.untrusted
+                .push(trouble(None, why.map_or("", String::as_str)));
+        }
         if !outcome.warnings.is_empty() {
             self.warned.push(Warned {
                 log: log.clone(),

@@ -17,7 +17,7 @@ pub struct Fleet {
     pub tasks: BTreeMap<String, u64>,
     /// Logs without a result.
     pub failed: Vec<Trouble>,
-    /// Bias models and axes whose result is missing or cannot be trusted.
+    /// Logs, bias models and axes whose result is missing or not usable.
     pub untrusted: Vec<Trouble>,
     /// Logs with warnings.
     pub warned: Vec<Warned>,

@@ -21,6 +21,17 @@ fn outages_that_fit_are_cut() {
 fn outages_that_cannot_be_are_refused() {
     let case = Log::good().write("no_outages");
     let count = ["--count", "2", "--start", "40"];
+    let refused = |arguments: &[&str], code: i32, parts: &[&str]| {
+        let arguments: Vec<String> = arguments
+            .chunks(2)
+            .map(|pair| format!("{}={}", pair[0], pair[1]))
+            .collect();
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        let outcome = case.outages(&arguments);
+        assert_eq!(outcome.code, Some(code), "{arguments:?} {}", outcome.stderr);
+        assert_eq!(outcome.stdout, "", "{arguments:?}");
+        says(&outcome.stderr, parts);
+    };
     for (arguments, parts) in [
         (
             &["--at", "40,42", "--length", "5"][..],
@@ -43,22 +54,10 @@ fn outages_that_cannot_be_are_refused() {
             &["more than 100000 outages"],
         ),
         (
-            &["--count", "0", "--length", "5"],
-            &["number of outages must be above 0"],
-        ),
-        (
-            &["--every", "10", "--count", "0", "--length", "5"],
-            &["number of outages must be above 0"],
-        ),
-        (
             &[
                 "--every", "10", "--count", "9", "--start", "40", "--length", "5",
             ],
             &["only 4 of the 9 outages fit"],
-        ),
-        (
-            &["--every", "-1", "--length", "5"],
-            &["must be more than 0 s apart"],
         ),
         (
             &["--count", "1", "--start", "78", "--length", "5"],
@@ -67,6 +66,39 @@ fn outages_that_cannot_be_are_refused() {
         (
             &["--every", "10", "--start", "78", "--length", "5"],
             &["--length 5: only 1 s lie between --start 78 and the last fix"],
+        ),
+        (
+            &["--at", "500", "--length", "5"],
+            &["--at 500: a 5 s outage must begin between 1 s and 75 s"],
+        ),
+        (
+            &["--at", "0.5", "--length", "5"],
+            &["a 5 s outage must begin between 1 s and 75 s"],
+        ),
+        (
+            &["--at", "inf", "--length", "5"],
+            &["a 5 s outage must begin between 1 s and 75 s"],
+        ),
+    ] {
+        refused(arguments, 1, parts);
+    }
+    // Which no drive could be cut by.
+    for (arguments, parts) in [
+        (
+            &["--length", "5"][..],
+            &["specify the outages: --count N"][..],
+        ),
+        (
+            &["--count", "0", "--length", "5"],
+            &["number of outages must be above 0"],
+        ),
+        (
+            &["--every", "10", "--count", "0", "--length", "5"],
+            &["number of outages must be above 0"],
+        ),
+        (
+            &["--every", "-1", "--length", "5"],
+            &["must be more than 0 s apart"],
         ),
         (
             &["--count", "1", "--start", "nan", "--length", "5"],
@@ -88,29 +120,8 @@ fn outages_that_cannot_be_are_refused() {
             &[&count[..], &["--length", "nan"]].concat(),
             &["longer than 0 s, not NaN s"],
         ),
-        (
-            &["--at", "500", "--length", "5"],
-            &["--at 500: a 5 s outage must begin between 1 s and 75 s"],
-        ),
-        (
-            &["--at", "0.5", "--length", "5"],
-            &["a 5 s outage must begin between 1 s and 75 s"],
-        ),
-        (
-            &["--at", "inf", "--length", "5"],
-            &["a 5 s outage must begin between 1 s and 75 s"],
-        ),
-        (&["--length", "5"], &["specify the outages: --count N"]),
     ] {
-        let arguments: Vec<String> = arguments
-            .chunks(2)
-            .map(|pair| format!("{}={}", pair[0], pair[1]))
-            .collect();
-        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
-        let outcome = case.outages(&arguments);
-        assert_eq!(outcome.code, Some(1), "{arguments:?} {}", outcome.stderr);
-        assert_eq!(outcome.stdout, "", "{arguments:?}");
-        says(&outcome.stderr, parts);
+        refused(arguments, 2, parts);
     }
 }
 

@@ -82,7 +82,7 @@ fn outages_are_drawn() {
         .collect();
     assert_eq!(lost, [(40.0, 45.0), (60.0, 65.0)]);
     let outcome = case.outages(&[&cuts[..], &["t.csv"]].concat());
-    assert_eq!(outcome.code, Some(1));
+    assert_eq!(outcome.code, Some(2));
     says(&outcome.stderr, &["must be .kml, .geojson or .gpx"]);
 }
 
