@@ -42,7 +42,8 @@ fn the_commands_of_the_readme_run_as_printed() {
     let text = fs::read_to_string(root().join("README.md")).unwrap();
     let folder = folder("readme");
     let mut run = Vec::new();
-    for command in commands(&text) {
+    let of_the_command = |command: &String| command.starts_with("undrift ");
+    for command in commands(&text).into_iter().filter(of_the_command) {
         let (shown, succeeded) = shell(&folder, &command);
         assert!(succeeded, "{command}\n{shown}");
         // A reader who only looks at the first line has to see that it worked.
@@ -57,15 +58,32 @@ fn the_commands_of_the_readme_run_as_printed() {
     fs::remove_dir_all(&folder).unwrap();
 }
 
-/// Indented lines that begin with the program's name, without their comments.
+/// The commands of a page, without their comments: indented lines that begin with the program's name or with
+/// `cargo run`, the latter between backticks too, and the lines of blocks of a shell.
 fn commands(page: &str) -> Vec<String> {
     let mut lines = page.lines();
+    let mut block = None;
     let mut commands = Vec::new();
     while let Some(line) = lines.next() {
-        if !line.starts_with("    undrift ") {
+        if let Some(language) = line.trim_start().strip_prefix("```") {
+            block = block.is_none().then_some(language);
             continue;
         }
-        let mut command = line.trim().to_owned();
+        let command = match block {
+            Some("sh" | "bash" | "shell") => {
+                Some(line.trim()).filter(|line| !line.starts_with('#'))
+            }
+            Some("console") => line.strip_prefix("$ "),
+            Some(_) => None,
+            None => line.strip_prefix("    ").filter(|line| is_command(line)),
+        };
+        let Some(command) = command.filter(|command| !command.is_empty()) else {
+            let spans = line.split('`').skip(1).step_by(2);
+            let spans = spans.filter(|span| block.is_none() && run_by_cargo(span).is_some());
+            commands.extend(spans.map(str::to_owned));
+            continue;
+        };
+        let mut command = command.to_owned();
         while let Some(begun) = command.strip_suffix('\\') {
             command = format!("{begun}{}", lines.next().unwrap_or_default().trim());
         }
@@ -73,6 +91,81 @@ fn commands(page: &str) -> Vec<String> {
         commands.push(bare.to_owned());
     }
     commands
+}
+
+/// Whether an indented line is to be run.
+fn is_command(line: &str) -> bool {
+    line.starts_with("undrift ") || run_by_cargo(line).is_some()
+}
+
+/// The arguments of `cargo run`, but for a mention of the profile alone.
+fn run_by_cargo(command: &str) -> Option<&str> {
+    let (_, arguments) = command.split_once("cargo run ")?;
+    (arguments != "--release").then_some(arguments)
+}
+
+#[test]
+fn commands_are_found_in_lines_blocks_and_sentences() {
+    let page = "\
+As `cargo run -p a` or `cargo test` do in `cargo run --release`:
+
+    undrift one \\
+        two   # a comment
+    X=1 cargo run --bin b
+    not one
+
+```sh
+#!/bin/sh
+tools/c
+```
+```toml
+undrift = 3
+```
+```console
+$ undrift d
+what it prints, `cargo run` too
+```
+";
+    let expected = [
+        "cargo run -p a",
+        "undrift one two",
+        "X=1 cargo run --bin b",
+        "tools/c",
+        "undrift d",
+    ];
+    assert_eq!(commands(page), expected);
+}
+
+/// `cargo run` of a page by the binary that is built already, with a drive of the public data for a reader's own.
+fn without_cargo(command: &str) -> String {
+    command
+        .replacen("cargo run --release -- ", "undrift ", 1)
+        .replace("YOUR/LOGS", "DATA/rtk-drive")
+}
+
+#[test]
+fn what_the_pages_run_by_cargo_is_there() {
+    let programs = root().join("tools/lab/src/bin");
+    let mut run = 0;
+    for (name, text) in documents() {
+        for command in commands(&text) {
+            let Some(arguments) = run_by_cargo(&command) else {
+                continue;
+            };
+            run += 1;
+            let words: Vec<&str> = arguments.split_whitespace().collect();
+            match words[..] {
+                ["--release", "--", ..] => (),
+                ["--release", "-p", "undrift-lab", "--bin", program, ..] => {
+                    let [file, folder] = [format!("{program}.rs"), format!("{program}/main.rs")];
+                    let is_there = programs.join(file).is_file() || programs.join(folder).is_file();
+                    assert!(is_there, "{name}: no program {program}");
+                }
+                _ => panic!("{name}: cargo run {command}"),
+            }
+        }
+    }
+    assert!(run > 20, "{run}");
 }
 
 #[test]
@@ -112,8 +205,13 @@ fn the_tutorial_prints_what_it_shows() {
 }
 
 /// Commands of the pages that this test leaves out, and why.
-const LEFT_OUT: [(&str, &str); 6] = [
+const LEFT_OUT: [(&str, &str); 8] = [
     ("undrift demo", "minutes; the browser tests make its report"),
+    ("tools/fuzz", "minutes; weekly, in a workflow"),
+    (
+        "cargo run --release -p undrift-lab",
+        "studies of minutes to hours; `what_the_pages_run_by_cargo_is_there`",
+    ),
     (
         "undrift completions",
         "writes where shells look; terminal.rs",
@@ -154,6 +252,8 @@ fn the_commands_of_the_pages_run_as_printed() {
     // What the pages start from: the sample logs and the drive file that inspect writes of them.
     let start = [
         "undrift sample logs",
+        "for day in monday tuesday wednesday thursday; do n=$((n + 1)); undrift sample days/$day --seed $n && \
+         head -n 12001 days/$day/static.csv > $day.csv; done",
         "undrift inspect logs/drive/imu.csv logs/drive/gnss.csv -o drive.toml",
     ];
     for command in start {
@@ -163,9 +263,15 @@ fn the_commands_of_the_pages_run_as_printed() {
     let mut failed = String::new();
     let mut run = 0;
     let mut missing = BTreeSet::new();
-    for (name, text) in pages() {
-        for command in commands(&text) {
-            if LEFT_OUT.iter().any(|(start, _)| command.starts_with(start)) {
+    for (name, text) in documents() {
+        // Which tests of their own run.
+        let by_itself = |command: &String| match name.as_str() {
+            "README.md" => !command.starts_with("undrift "),
+            name => name != "tutorial.md",
+        };
+        for command in commands(&text).into_iter().filter(by_itself) {
+            let command = without_cargo(&command);
+            if LEFT_OUT.iter().any(|(start, _)| command.contains(start)) {
                 continue;
             }
             let lacking = |word: &&str| {
@@ -192,6 +298,16 @@ fn the_commands_of_the_pages_run_as_printed() {
         public::skipped(&path);
     }
     fs::remove_dir_all(&folder).unwrap();
+}
+
+/// The pages and what lies beside them, by name.
+fn documents() -> BTreeMap<String, String> {
+    let mut pages = pages();
+    for name in ["README.md", "CONTRIBUTING.md"] {
+        let text = fs::read_to_string(root().join(name)).unwrap();
+        pages.insert(name.to_owned(), text);
+    }
+    pages
 }
 
 /// Pages of the documentation, by name.
