@@ -11,5 +11,6 @@ mod model;
 #[path = "../../../../tools/public_data.rs"]
 mod public;
 mod raw_logs;
+mod repository;
 mod schema;
 mod terminal;
