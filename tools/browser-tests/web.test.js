@@ -12,7 +12,7 @@ import { publicData, skipped } from "./data.js";
 
 const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
 const target = process.env.CARGO_TARGET_DIR || path.join(root, "target");
-const file = path.join(target, "web/undrift.html"), native = path.join(target, "release/undrift");
+const file = path.join(target, "web/undrift.html"), native = path.join(target, "release/undrift"), simulate = path.join(target, "release/simulate_log");
 const missing = existsSync(file) ? false : `${file} is missing: tools/web makes it`;
 const scratch = path.join(target, "web/scratch");
 
@@ -24,8 +24,14 @@ before(async () => {
 });
 after(() => browser.close());
 
+// A button as the page's code calls it, and those that the tests have pressed.
+const called = button => button.id || button.value || button.textContent;
+const pressed = new Set();
+
 async function open(options = {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, ...options });
+  await context.exposeFunction("pressed", name => pressed.add(name));
+  await context.addInitScript(`addEventListener("click", ({ target }) => { const button = target.closest?.("button"); if (button) pressed((${called})(button)); }, true)`);
   const page = await context.newPage(), troubles = [];
   page.on("console", message => { if (["error", "warning"].includes(message.type()) && !/willReadFrequently/.test(message.text())) troubles.push(message.text()); });
   page.on("pageerror", error => troubles.push(String(error)));
@@ -55,7 +61,7 @@ async function put(page, paths) {
   });
 }
 
-const idle = page => page.waitForFunction(() => !undrift.busy() && document.getElementById("busy").hidden, null, { timeout: 180000 });
+const idle = page => page.waitForFunction(() => !undrift.busy() && document.getElementById("busy").hidden, null, { timeout: 600000 });
 
 // Numbers agree to a relative `tolerance`: the processor's fused multiplications, which WebAssembly has not, round otherwise.
 function same(own, other, tolerance, at = "") {
@@ -103,22 +109,72 @@ test("a simulated recording is identified at a click, and saved for Kalibr", { s
   await close();
 });
 
-test("a simulated drive is navigated and its GNSS cut at a click", { skip: missing }, async () => {
-  const { page, troubles, close } = await open();
-  await page.click("#sample-drive");
+// Presses a button that begins a run: a verdict, no error, a report with a figure, and files that are not empty.
+async function result(page, button) {
+  const name = await button.evaluate(called);
+  await button.click();
+  await idle(page);
+  const errors = await page.$$eval("#messages li", items => items.map(item => item.textContent).filter(text => /^error:|^Cancelled/.test(text)));
+  assert.deepEqual(errors, [], name);
+  assert.match(await page.textContent("#text"), /usable/i, name);
+  assert.match(await page.textContent("#took"), /^[\d.]+ s, version/, name);
+  await page.frameLocator("#report").locator("figure").first().waitFor({ timeout: 20000 });
+  const files = new Map();
+  const offers = page.locator("#downloads button");
+  for (let k = 0; k < await offers.count(); k++) {
+    const file = await download(page, () => offers.nth(k).click());
+    await idle(page);
+    assert.ok(file.text.length > 20, `${name}: ${file.name} is empty`);
+    files.set(file.name, file.text);
+  }
+  assert.ok(files.size > 1, name);
+  return files;
+}
+
+// The page with a drive, each of its buttons pressed.
+async function driven(page) {
   await page.waitForFunction(() => document.getElementById("toml").value.includes("[gnss]"), null, { timeout: 60000 });
   await idle(page);
-  await page.click("#drive button[value=navigate]");
-  await page.waitForFunction(() => document.getElementById("downloads").children.length > 3, null, { timeout: 60000 });
-  await idle(page);
-  const { name, text } = await download(page, () => page.locator("#downloads button", { hasText: "nav.kml" }).click());
-  assert.equal(name, "nav.kml");
-  assert.match(text, /<kml/);
+  const files = new Map(), buttons = page.locator("#drive button");
+  for (let k = 0; k < await buttons.count(); k++) files.set(await buttons.nth(k).evaluate(called), await result(page, buttons.nth(k)));
+  assert.match(files.get("navigate").get("nav.kml"), /<kml/);
+  // Smoothed, the same samples with smaller errors.
+  const [forward, smoothed] = ["navigate", "smooth"].map(name => files.get(name).get("nav.csv").trimEnd().split("\n"));
+  assert.ok(smoothed.length > 1000 && Math.abs(smoothed.length / forward.length - 1) < 0.01, `${forward.length}, ${smoothed.length}`);
+  const std = lines => Number(lines[lines.length >> 1].split(",")[lines[0].split(",").indexOf("north_std_m")]);
+  assert.ok(std(smoothed) < std(forward), `${std(smoothed)}, ${std(forward)}`);
+  for (const length of ["10", "30", "60"]) assert.equal(JSON.parse(files.get(length).get("outages.json")).outages[0].length_s, Number(length));
+  // What was tuned is in the form, for the next run.
+  assert.equal(await page.inputValue("#toml"), files.get("tune").get("tuned.toml"));
   // Nothing is sent: no map offers a background.
-  await page.frameLocator("#report").locator("canvas").first().waitFor({ timeout: 20000 });
   assert.equal(await page.frameLocator("#report").locator("input").count(), 0);
-  await page.click("#drive button[value='10']");
-  await page.waitForFunction(() => /median/.test(document.getElementById("text").textContent), null, { timeout: 180000 });
+  // The rest before the drive is a static recording.
+  await page.click("#tab-static");
+  await page.fill("#span", "0,55");
+  await result(page, page.locator("#static button"));
+  await page.click("#tab-drive");
+  assert.ok(await page.isVisible("#toml"));
+  while (await page.locator("#files button").count()) {
+    await page.locator("#files button").first().click();
+    await idle(page);
+  }
+  assert.ok(await page.isHidden("#work"));
+}
+
+test("every button gives a result with the simulated drive", { skip: missing }, async () => {
+  const { page, troubles, close } = await open();
+  await page.click("#sample-drive");
+  await driven(page);
+  assert.deepEqual(troubles, []);
+  await close();
+});
+
+test("every button gives a result with another sensor and a drive file of one's own", { skip: missing || (existsSync(simulate) ? false : `${simulate} is missing`) }, async () => {
+  const { page, troubles, close } = await open();
+  const drive = path.join(scratch, "drive");
+  execFileSync(simulate, [drive, "480", "100", "3"]);
+  await page.setInputFiles("#choose", readdirSync(drive).map(name => path.join(drive, name)));
+  await driven(page);
   assert.deepEqual(troubles, []);
   await close();
 });
@@ -228,5 +284,13 @@ test("the corpora of the fuzz targets are a result or a message", { skip: missin
   const { page, troubles, close } = await open();
   for (const name of hostile) await survives(page, path.basename(name), [readFileSync(name)], name);
   assert.deepEqual(troubles, []);
+  await close();
+});
+
+test("every button of the page is pressed by a test", { skip: missing }, async () => {
+  const { page, close } = await open();
+  const buttons = await page.locator("button").all();
+  const names = await Promise.all(buttons.map(button => button.evaluate(called)));
+  assert.deepEqual(names.filter(name => !pressed.has(name)), []);
   await close();
 });
