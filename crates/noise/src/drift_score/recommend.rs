@@ -214,6 +214,85 @@ mod tests {
         assert_eq!(recommend(&[apart, best]).unwrap().index, 0);
     }
 
+    /// A score at one horizon whose mean square is `square`, its batches `spread` to both sides of it in turn, and of so
+    /// many independent windows.
+    fn score(square: f64, spread: f64, windows: f64) -> HorizonScore {
+        HorizonScore {
+            horizon_s: 10.0,
+            rms: square.sqrt(),
+            standard_error: 0.0,
+            predicted_rms: 1.0,
+            origins: 1000,
+            windows,
+            batches: [1.0, -1.0]
+                .repeat(4)
+                .iter()
+                .map(|side| square + side * spread)
+                .collect(),
+        }
+    }
+
+    /// So many windows that their own sampling error is far below 5 %.
+    const MANY: f64 = 1e6;
+
+    #[test]
+    fn a_score_within_three_standard_errors_of_the_paired_difference_is_as_good() {
+        let best = score(1.0, 0.0, MANY);
+        // 3 % above in RMS: between what is the same anyway and what is worse anyway.
+        let gap = 1.03f64.powi(2) - 1.0;
+        // Eight differences `gap ± spread`: the standard error of their mean is spread/√7.
+        let of_errors = |errors: f64| score(1.0 + gap, gap * 7f64.sqrt() / errors, MANY);
+        assert!(is_as_good(&of_errors(2.9), &best));
+        assert!(!is_as_good(&of_errors(3.1), &best));
+        assert!(!is_as_good(&of_errors(8.0), &best));
+    }
+
+    #[test]
+    fn a_score_within_one_percent_is_as_good_however_precise() {
+        let best = score(1.0, 0.0, MANY);
+        assert!(is_as_good(&score(1.009f64.powi(2), 0.0, MANY), &best));
+        assert!(!is_as_good(&score(1.011f64.powi(2), 0.0, MANY), &best));
+    }
+
+    #[test]
+    fn a_score_more_than_five_percent_above_is_worse_however_uncertain() {
+        let best = score(1.0, 0.0, MANY);
+        assert!(is_as_good(&score(1.049f64.powi(2), 10.0, MANY), &best));
+        assert!(!is_as_good(&score(1.051f64.powi(2), 10.0, MANY), &best));
+        // Of 50 windows the sampling error of an RMS is 1/√100: two of them are 20 %.
+        let few = score(1.0, 0.0, 50.0);
+        assert!(is_as_good(&score(1.19f64.powi(2), 10.0, 50.0), &few));
+        assert!(!is_as_good(&score(1.21f64.powi(2), 10.0, 50.0), &few));
+    }
+
+    #[test]
+    fn with_fewer_than_four_batches_the_best_score_s_own_error_decides() {
+        let of_batches = |rms: f64, count: usize| {
+            let mut score = score(rms * rms, 0.0, MANY);
+            score.standard_error = 0.025;
+            score.batches.truncate(count);
+            score
+        };
+        let good = |rms, count| is_as_good(&of_batches(rms, count), &of_batches(1.0, count));
+        assert!(good(1.02, 3) && !good(1.03, 3));
+        // Four batches that differ alike leave no doubt.
+        assert!(!good(1.02, 4));
+    }
+
+    #[test]
+    fn of_equal_drift_the_simpler_is_chosen_unless_it_is_less_likely_by_two() {
+        let simple = |aic| Scored {
+            aic,
+            ..candidate("simple", 1, &[1.0, 2.0], 0.1)
+        };
+        let large = Scored {
+            aic: 100.0,
+            ..candidate("large", 3, &[1.0, 2.0], 0.1)
+        };
+        assert_eq!(recommend(&[large.clone(), simple(101.9)]).unwrap().index, 1);
+        assert_eq!(recommend(&[large, simple(102.1)]).unwrap().index, 0);
+    }
+
     #[test]
     fn no_candidate_good_everywhere() {
         let list = [
