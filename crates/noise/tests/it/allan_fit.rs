@@ -94,6 +94,38 @@ fn intervals_cover_what_they_say() {
     }
 }
 
+/// One-sided: the true white noise of 1 lies beyond the bound in one record of 20, by simulation. The error of the square
+/// is taken as normal, which leaves a little more beyond; a bound of one standard error would leave 16 % and that.
+#[test]
+fn the_upper_bound_of_white_noise_is_above_the_truth_in_19_records_of_20() {
+    const RECORDS: u64 = 500;
+    let mut beyond = 0;
+    for seed in 0..RECORDS {
+        let rates = white_and_walk(seed, 1024, 1.0, 1.0, 0.0);
+        let curve = deviations(&rates, 1.0, DeviationKind::Overlapping, Grid::Octave).unwrap();
+        beyond += u64::from(fit_terms(&curve).unwrap().white.upper_95 < 1.0);
+    }
+    // Binomial deviation 1 %.
+    let share = beyond as f64 / RECORDS as f64;
+    assert!((0.03..0.1).contains(&share), "{share}");
+}
+
+/// The 95 % point of the normal distribution, 1.6449, times the standard error of the square, which is twice the term
+/// times its own.
+#[test]
+fn an_upper_bound_is_the_95_percent_point_of_the_square() {
+    let rates = white_and_walk(5, 16_384, 1.0, 1.0, 0.05);
+    let curve = deviations(&rates, 1.0, DeviationKind::Overlapping, Grid::Octave).unwrap();
+    let terms = fit_terms(&curve).unwrap();
+    for (term, name) in [(terms.white, "white"), (terms.random_walk, "random walk")] {
+        assert!(term.seen, "{name}");
+        let error = 2.0 * term.value * term.standard_error;
+        let excess = term.upper_95 * term.upper_95 - term.value * term.value;
+        // Nine digits of the quantile are in the program.
+        close(excess / error, 1.644_853_626_951_472_2, 1e-9, name);
+    }
+}
+
 #[test]
 fn bounds_are_quantiles_of_chi_squared() {
     // Held against draws from the distribution.
