@@ -128,6 +128,57 @@ fn mackinnon_tables() {
     }
 }
 
+/// Critical values and p on both sides of the switch between the two polynomials, from `testdata/golden/mackinnon.py`.
+#[test]
+fn mackinnon_is_that_of_statsmodels() {
+    let text = include_str!("../../../../testdata/golden/mackinnon.json");
+    let golden: serde_json::Value = serde_json::from_str(text).unwrap();
+    for (kind, name) in KINDS {
+        let expected = &golden["regressions"][name];
+        for surface in expected["critical"].as_array().unwrap() {
+            let rows = surface["rows"].as_u64().unwrap() as usize;
+            let critical = critical_tau(kind, rows);
+            let ours = [critical.one, critical.five, critical.ten];
+            for (ours, theirs) in ours.into_iter().zip(numbers(&surface["values"])) {
+                // Rounding of four sums.
+                close(ours, theirs, 1e-13, &format!("{name}, {rows} rows"));
+            }
+        }
+        for at in expected["p"].as_array().unwrap() {
+            let (tau, p) = (number(&at["tau"]), number(&at["p"]));
+            // Rounding of z of some 10 in a normal tail of 1e-30 is 1e-12 of it.
+            close(p_tau(tau, kind), p, 1e-11, &format!("{name} {tau}"));
+        }
+    }
+}
+
+/// What the tables have to be by themselves: p grows with τ and hardly jumps where the polynomials meet, and the
+/// asymptotic critical values of 2010 have the p of 1994 that they are of.
+#[test]
+fn p_is_continuous_and_agrees_with_the_critical_values() {
+    for (kind, switch) in [
+        (Deterministic::None, -1.04),
+        (Deterministic::Constant, -1.61),
+        (Deterministic::Trend, -2.89),
+    ] {
+        // MacKinnon fitted each polynomial to its side alone: they meet to 0.0039, 0.0006 and 0.0004.
+        let jump = p_tau(switch + 1e-9, kind) - p_tau(switch, kind);
+        assert!((0.0..0.004).contains(&jump), "{kind:?}: {jump}");
+        let taus = (-180..=10).map(|k| 0.1 * f64::from(k));
+        let p = taus.map(|tau| p_tau(tau, kind)).collect::<Vec<_>>();
+        assert!(p.windows(2).all(|pair| pair[0] <= pair[1]), "{kind:?}");
+        let critical = critical_tau(kind, usize::MAX);
+        for (tau, level) in [
+            (critical.one, 0.01),
+            (critical.five, 0.05),
+            (critical.ten, 0.1),
+        ] {
+            // Both come from simulations of that precision.
+            near(p_tau(tau, kind), level, 2e-4, &format!("{kind:?}, {level}"));
+        }
+    }
+}
+
 #[test]
 fn kpss_is_that_of_statsmodels_and_r() {
     let Some(reference) = reference() else { return };
