@@ -7,5 +7,6 @@ mod properties;
 mod refused;
 mod smoother;
 mod start;
+mod update;
 mod values;
 mod weakened;
