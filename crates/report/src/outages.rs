@@ -320,39 +320,4 @@ fn table_of(name: &str, caption: &str, models: &[&Model<'_>], of: Statistic) -> 
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use undrift::results::Number;
-
-    #[test]
-    fn the_least_stands_out() {
-        let errors = |e: f64| ModelErrors {
-            rms: Numbers::from([(HORIZONTAL.to_owned(), Number(e))]),
-            ..ModelErrors::default()
-        };
-        let (a, b) = (errors(2.0), errors(1.0));
-        let model = |name: &str, errors| Model {
-            name: name.into(),
-            key: "",
-            run: 0,
-            errors,
-            drift: Vec::new(),
-            colour: 0,
-            usable: true,
-        };
-        // Built in place: models borrow their errors.
-        let models = [model("a", &a), model("b", &b)];
-        let table = table_of("rms", "", &[&models[0], &models[1]], |m| &m.rms).unwrap();
-        assert!(!table.rows[0][1].strong && table.rows[1][1].strong);
-        assert!(findings(&models)[0].contains(": b with 1.00 m"));
-
-        // Nothing is concluded from a run with the wrong axes.
-        let models = models.map(|m| Model { usable: false, ..m });
-        let table = table_of("rms", "", &[&models[0], &models[1]], |m| &m.rms).unwrap();
-        assert!(table.rows.iter().flatten().all(|cell| !cell.strong));
-        assert_eq!(
-            findings(&models),
-            ["No conclusion: the result is not usable."]
-        );
-    }
-}
+mod tests;

@@ -309,6 +309,7 @@ impl<I: Iterator<Item = TruthSample>> TruthCursor<I> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use undrift_nav::sample::FixQuality;
 
     fn sample(time: f64, north: f64, v: f64, yaw_deg: f64) -> TruthSample {
         TruthSample {
@@ -341,6 +342,86 @@ mod tests {
         assert!((origin.offset_to(&at.position).x - 2.25).abs() < 1e-6);
         assert!((at.v_n.unwrap().x - 3.0).abs() < 1e-12);
         assert!(cursor.at(2.1).is_none());
+    }
+
+    #[test]
+    fn coverage_counts_errors_up_to_one_two_and_three_sigma() {
+        let std = Errors(std::array::from_fn(|i| 0.5 * (1.0 + i as f64)));
+        // Ten errors on either side of each bound, in every component.
+        let mut coverage = Coverage::default();
+        let sigmas = [0.2, 0.99, -1.01, 1.14, -1.99, 2.01, 2.2, 2.99, 3.01, -3.4];
+        for sigmas in sigmas {
+            coverage.add(&Errors(std.0.map(|std| sigmas * std)), &std);
+        }
+        coverage.add(&Errors::UNKNOWN, &std);
+        for group in 0..GROUPS.len() {
+            assert_eq!(coverage.shares(group), Some([0.2, 0.5, 0.8]));
+        }
+        assert_eq!(Coverage::default().shares(0), None);
+    }
+
+    #[test]
+    fn predicted_standard_deviations_are_the_roots_of_the_covariance() {
+        let variances = [[4.0, 9.0, 16.0], [0.25, 0.36, 0.49], [1e-4, 4e-4, 9e-4]];
+        let diagonal = |v: [f64; 3]| Matrix3::from_diagonal(&Vector3::from(v));
+        let predicted = Predicted(variances.map(diagonal));
+        // Level and facing north the angles are those about north, east and down.
+        let std = predicted.std(&Quaternion::identity());
+        let degrees = |rad: f64| rad.to_degrees();
+        let expected = [
+            2.0,
+            3.0,
+            4.0,
+            13f64.sqrt(),
+            0.5,
+            0.6,
+            0.7,
+            degrees(0.01),
+            degrees(0.02),
+            degrees(0.03),
+        ];
+        for (i, (found, expected)) in std.0.into_iter().zip(expected).enumerate() {
+            assert!((found / expected - 1.0).abs() < 1e-12, "{i}: {found}");
+        }
+        // Facing east, roll is about east and pitch about south.
+        let east = from_rpy(&Vector3::new(0.0, 0.0, std::f64::consts::FRAC_PI_2));
+        let turned = predicted.std(&east);
+        assert!(
+            (turned.0[7] - degrees(0.02)).abs() < 1e-9
+                && (turned.0[8] - degrees(0.01)).abs() < 1e-9
+        );
+        // Errors of one, two and three standard deviations: (1 + 4 + 9)/3.
+        let errors = Errors(std::array::from_fn(|i| {
+            let place = GROUPS
+                .iter()
+                .rev()
+                .find(|(_, at)| i >= *at)
+                .map_or(0, |(_, at)| i - at);
+            (1.0 + place as f64) * std.0[i]
+        }));
+        for nees in predicted.nees(&Quaternion::identity(), &errors) {
+            assert!((nees - 14.0 / 3.0).abs() < 1e-9, "{nees}");
+        }
+        // A fix adds its own covariance to position and velocity, not to the attitude.
+        let place = Position::Geodetic(Geodetic::from_degrees(45.0, 7.0, 0.0));
+        let fix = GnssFix {
+            time: 0.0,
+            position: Some((place, diagonal([12.0, 16.0, 9.0]))),
+            velocity: Some((Vector3::zeros(), diagonal([0.75, 0.64, 0.51]))),
+            quality: FixQuality::Unknown,
+        };
+        let against = predicted.against_fix(&fix).std(&Quaternion::identity());
+        for (i, expected) in [4.0, 5.0, 5.0, 41f64.sqrt(), 1.0, 1.0, 1.0]
+            .into_iter()
+            .enumerate()
+        {
+            assert!(
+                (against.0[i] - expected).abs() < 1e-12,
+                "{i}: {}",
+                against.0[i]
+            );
+        }
+        assert_eq!(against.0[7..], std.0[7..]);
     }
 
     #[test]

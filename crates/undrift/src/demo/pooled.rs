@@ -136,6 +136,11 @@ fn estimate(value: f64, drawn: &[f64]) -> Estimate {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{
+        outages::{ModelRun, OutageErrors},
+        reference::Coverage,
+        replay::Summary,
+    };
 
     fn row(largest: &[f64]) -> Pooled {
         let unknown = Estimate {
@@ -152,6 +157,45 @@ mod tests {
             drift: Vec::new(),
             failed: None,
         }
+    }
+
+    /// Two drives: the statistics are of the largest error of each outage, whatever is left at its end.
+    #[test]
+    fn what_is_pooled_are_the_largest_errors_of_all_drives() {
+        let outage = |largest: f64| OutageErrors {
+            start_s: 0.0,
+            max: Errors([largest; 10]),
+            end: Errors([0.1 * largest; 10]),
+            sigma: Errors::UNKNOWN,
+            nees: [f64::NAN; 3],
+            drift: Vec::new(),
+            way: Vec::new(),
+        };
+        let drive = |largest: &[f64]| {
+            let errors = ModelErrors {
+                max: Errors::UNKNOWN,
+                rms: Errors::UNKNOWN,
+                median: Errors::UNKNOWN,
+                end_rms: Errors::UNKNOWN,
+                nees: [f64::NAN; 3],
+                coverage: Coverage::default(),
+                left_out: 0,
+                per_outage: largest.iter().map(|largest| outage(*largest)).collect(),
+                finding: None,
+            };
+            let run = ModelRun {
+                name: "one".into(),
+                errors,
+                summary: Summary::default(),
+            };
+            ("one".to_owned(), Ok(run))
+        };
+        let pooled = one(&[drive(&[6.0, 10.0]), drive(&[8.0])]);
+        assert_eq!(pooled.largest, [6.0, 10.0, 8.0]);
+        assert_eq!(pooled.max, Errors([10.0; 10]));
+        let rms = (200f64 / 3.0).sqrt();
+        assert!((pooled.rms.0[0] - rms).abs() < 1e-12, "{:?}", pooled.rms);
+        assert_eq!(pooled.horizontal.value, pooled.rms.0[HORIZONTAL]);
     }
 
     #[test]

@@ -252,3 +252,6 @@ impl Observer for OutageWatch<'_> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -187,6 +187,14 @@ impl<const N: usize> Linear<N> {
     }
 }
 
+/// What the search makes small: minus the logarithm of the drives' likelihood times the prior's density, each with its
+/// full weight, and the derivatives.
+fn cost(score: &Score, prior: &Prior, z: &Vector) -> (f64, DVector<f64>) {
+    let (penalty, slope) = prior.penalty(z);
+    let by = |i: usize, _| slope[i] - score.gradient[i];
+    (penalty - score.value, DVector::from_fn(COUNT, by))
+}
+
 /// The function of the least size that has room for the drives' states.
 macro_rules! by_size {
     ($logs:expr, $of:ident) => {
@@ -254,10 +262,7 @@ fn fit_sized<const N: usize>(
         let least = minimise(
             |z| {
                 let z = std::array::from_fn(|i| z[i]);
-                let score = linear.score(&z);
-                let (penalty, slope) = prior.penalty(&z);
-                let by = |i: usize, _| slope[i] - score.gradient[i];
-                (penalty - score.value, DVector::from_fn(COUNT, by))
+                cost(&linear.score(&z), prior, &z)
             },
             DVector::from_row_slice(&z),
             &inverse,
@@ -380,4 +385,37 @@ fn of_unseen<const N: usize>(
     Ok(each
         .map(|(drive, span)| drive.score_between(&own, span.0, f64::INFINITY).value)
         .sum())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Drives whose likelihood is normal about another value with a quarter of the prior's variance weigh four times as
+    /// much as the prior: the best lies at four fifths of the way to it.
+    #[test]
+    fn the_prior_weighs_as_much_as_its_variance_says() {
+        let settings = Settings::new([ShapingFilter::white(0.0, 0.01).unwrap(); AXES]);
+        let model = undrift_noise::ImuModel::preset("mpu6050").unwrap();
+        let prior = Prior::new(&Start::of_model(&model, 0.01).unwrap(), &[&settings]);
+        let best = |side: f64| -> Vector {
+            std::array::from_fn(|i| {
+                prior.centre[i] + 0.8 * side * prior.std(i, prior.centre[i] + side)
+            })
+        };
+        for side in [-1.0, 1.0] {
+            let z = best(side);
+            let (mut value, mut gradient) = (0.0, [0.0; COUNT]);
+            for i in 0..COUNT {
+                let std = prior.std(i, z[i]);
+                let off = z[i] - (prior.centre[i] + side * std);
+                value -= 0.5 * 4.0 * (off / std).powi(2);
+                gradient[i] = -4.0 * off / (std * std);
+            }
+            let (least, slope) = cost(&Score { value, gradient }, &prior, &z);
+            // Σ ½ (0.8² + 4 · 0.2²).
+            assert!((least - 0.4 * COUNT as f64).abs() < 1e-9, "{least}");
+            assert!(slope.amax() < 1e-9, "{slope}");
+        }
+    }
 }

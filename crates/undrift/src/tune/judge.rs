@@ -182,3 +182,59 @@ fn compared(length: f64, before: &Passes, after: &Passes) -> Option<Judged> {
         within,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference::Errors;
+
+    /// An outage with its largest horizontal error and a north error at its end, of a standard deviation of 1 m.
+    fn outage(largest: f64, end: f64) -> OutageErrors {
+        let mut errors = OutageErrors {
+            start_s: 0.0,
+            max: Errors::UNKNOWN,
+            end: Errors::UNKNOWN,
+            sigma: Errors([1.0; 10]),
+            nees: [f64::NAN; 3],
+            drift: Vec::new(),
+            way: Vec::new(),
+        };
+        errors.max.0[HORIZONTAL] = largest;
+        errors.end.0[0] = end;
+        errors
+    }
+
+    /// Pairs of the same outage before and after: largest errors as drift, errors at the end against σ.
+    #[test]
+    fn drift_is_of_the_largest_errors_and_coverage_of_those_at_the_end() {
+        let before = vec![
+            Some(vec![
+                outage(6.0, 0.5),
+                outage(8.0, 1.5),
+                outage(f64::NAN, 0.0),
+            ]),
+            None,
+            Some(vec![outage(10.0, 2.5)]),
+        ];
+        let after = vec![
+            Some(vec![outage(3.0, 0.1), outage(4.0, 0.2), outage(1.0, 0.3)]),
+            Some(vec![outage(9.0, 9.0)]),
+            Some(vec![outage(5.0, 3.5)]),
+        ];
+        let judged = compared(30.0, &before, &after).unwrap();
+        assert_eq!(judged.drift, [[6.0, 3.0], [8.0, 4.0], [10.0, 5.0]]);
+        let third = 1.0 / 3.0;
+        assert_eq!(judged.within, [[third, 2.0 * third, 1.0], [2.0 * third; 3]]);
+        let [rms_before, rms_after] = judged.rms();
+        assert!((rms_before - (200f64 / 3.0).sqrt()).abs() < 1e-12);
+        assert!((rms_after - (50f64 / 3.0).sqrt()).abs() < 1e-12);
+        // Half in every outage is half in every draw.
+        assert!(
+            judged
+                .ratio()
+                .iter()
+                .all(|ratio| (ratio - 0.5).abs() < 1e-12)
+        );
+        assert!(compared(30.0, &before[2..].to_vec(), &after[2..].to_vec()).is_none());
+    }
+}

@@ -144,3 +144,91 @@ fn lateral<const N: usize>(step: &LinearStep<N>, was: &NonHolonomic) -> f64 {
         0.0
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tune::steps::Input;
+    use nalgebra::{Matrix3, Vector3};
+    use undrift_nav::covariance::NAV;
+
+    /// A measurement of three correlated components, of two of the constraint.
+    fn step(channel: Channel) -> LinearStep<NAV> {
+        let size = if channel == Channel::NonHolonomic {
+            2
+        } else {
+            3
+        };
+        LinearStep {
+            time: 0.0,
+            span: 0.0,
+            nav: [[0.0; NAV]; NAV],
+            shift: [0.0; NAV],
+            left: [0.0; NAV],
+            inputs: [Input::default(); AXES],
+            shape: [1.0; AXES],
+            channel,
+            size,
+            h: [[0.0; NAV]; MOST],
+            innovation: [2.0, -1.5, 0.5],
+            noise: match size {
+                2 => [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0]],
+                _ => [[1.0, 0.3, -0.2], [0.3, 2.0, 0.4], [-0.2, 0.4, 3.0]],
+            },
+            weakened: 1.7,
+            correction: [0.0; NAV],
+        }
+    }
+
+    /// Log-likelihood of the innovation where the prediction has a covariance of its own, and its derivative by R:
+    /// `½ (e eᵀ − S⁻¹)`, e = S⁻¹ ν.
+    fn likelihood(step: &LinearStep<NAV>, z: &Vector) -> (f64, [[f64; MOST]; MOST]) {
+        let own = Matrix3::new(0.5, 0.1, 0.0, 0.1, 0.4, 0.1, 0.0, 0.1, 0.6);
+        let r = covariance(step, &Noise::new(z), &NonHolonomic::CAR);
+        let within = |i: usize, j: usize| i < step.size && j < step.size;
+        // Beside the components that there are, those of a unit matrix.
+        let s = Matrix3::from_fn(|i, j| match within(i, j) {
+            true => own[(i, j)] + r[i][j],
+            false => f64::from(u8::from(i == j)),
+        });
+        let nu = Vector3::from_fn(|i, _| f64::from(u8::from(i < step.size)) * step.innovation[i]);
+        let inverse = s.try_inverse().unwrap();
+        let e = inverse * nu;
+        let by = (e * e.transpose() - inverse) * 0.5;
+        let by = std::array::from_fn(|i| std::array::from_fn(|j| by[(i, j)]));
+        (-0.5 * (s.determinant().ln() + nu.dot(&e)), by)
+    }
+
+    /// Of the fixes' noise and of the constraint's, against central differences; of nothing else.
+    #[test]
+    fn the_score_of_a_measurement_s_noise_is_the_slope_of_its_likelihood() {
+        let mut z = [0.1; COUNT];
+        z[RULE..].copy_from_slice(&[-1.0, -0.5, -2.0]);
+        for (channel, moved) in [
+            (Channel::Position, FIX..FIX + 1),
+            (Channel::Velocity, FIX + 1..LASTING),
+            (Channel::NonHolonomic, RULE..COUNT),
+            (Channel::Other, 0..0),
+        ] {
+            let step = step(channel);
+            let mut gradient = [0.0; COUNT];
+            let (noise, (_, by)) = (Noise::new(&z), likelihood(&step, &z));
+            of_covariance(&step, &noise, &NonHolonomic::CAR, &by, &mut gradient);
+            for i in 0..COUNT {
+                let at = |off: f64| {
+                    let mut z = z;
+                    z[i] += off;
+                    likelihood(&step, &z).0
+                };
+                // Second order in a step of 1e-4, and rounding of 1e-15/1e-4.
+                let difference = (at(1e-4) - at(-1e-4)) / 2e-4;
+                assert!(
+                    (gradient[i] - difference).abs() < 1e-7,
+                    "{channel:?} {i}: {} {difference}",
+                    gradient[i]
+                );
+                assert_eq!(difference != 0.0, moved.contains(&i), "{channel:?} {i}");
+            }
+        }
+    }
+}

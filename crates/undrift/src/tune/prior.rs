@@ -130,3 +130,6 @@ impl Prior {
 }
 
 const _: () = assert!(WALK == WHITE + AXES && FIX == WALK + AXES);
+
+#[cfg(test)]
+mod tests;

@@ -2,6 +2,7 @@
 
 mod alignment;
 mod architecture;
+mod assertions;
 mod circles;
 mod epochs;
 mod faults;

@@ -1,0 +1,210 @@
+use super::*;
+use undrift::results::{Number, OutageErrors};
+
+#[test]
+fn the_least_stands_out() {
+    let errors = |e: f64| ModelErrors {
+        rms: Numbers::from([(HORIZONTAL.to_owned(), Number(e))]),
+        ..ModelErrors::default()
+    };
+    let (a, b) = (errors(2.0), errors(1.0));
+    let model = |name: &str, errors| Model {
+        name: name.into(),
+        key: "",
+        run: 0,
+        errors,
+        drift: Vec::new(),
+        colour: 0,
+        usable: true,
+    };
+    // Built in place: models borrow their errors.
+    let models = [model("a", &a), model("b", &b)];
+    let table = table_of("rms", "", &[&models[0], &models[1]], |m| &m.rms).unwrap();
+    assert!(!table.rows[0][1].strong && table.rows[1][1].strong);
+    assert!(findings(&models)[0].contains(": b with 1.00 m"));
+
+    // Nothing is concluded from a run with the wrong axes.
+    let models = models.map(|m| Model { usable: false, ..m });
+    let table = table_of("rms", "", &[&models[0], &models[1]], |m| &m.rms).unwrap();
+    assert!(table.rows.iter().flatten().all(|cell| !cell.strong));
+    assert_eq!(
+        findings(&models),
+        ["No conclusion: the result is not usable."]
+    );
+}
+
+/// The number of a statistic (1 to 4) of a component and a model: no two are equal.
+fn number(statistic: usize, component: usize, model: usize) -> f64 {
+    (1000 * statistic + 100 * model + 10 * component) as f64
+}
+
+const MAXIMUM: usize = 1;
+const RMS: usize = 2;
+const MEDIAN: usize = 3;
+const AT_THE_END: usize = 4;
+
+/// Two models, every number of which is another.
+fn result() -> Outages {
+    let numbers = |statistic: usize, model: usize| -> Numbers {
+        let components = COMPONENTS.iter().enumerate();
+        components
+            .map(|(at, (key, _))| ((*key).to_owned(), number(statistic, at, model).into()))
+            .collect()
+    };
+    let groups = ["position", "velocity", "attitude"];
+    let errors = |model: usize| ModelErrors {
+        max: numbers(MAXIMUM, model),
+        rms: numbers(RMS, model),
+        median: numbers(MEDIAN, model),
+        end_rms: numbers(AT_THE_END, model),
+        nees: (1..)
+            .zip(groups)
+            .map(|(at, group)| {
+                (
+                    group.to_owned(),
+                    (f64::from(at) + 0.01 * model as f64).into(),
+                )
+            })
+            .collect(),
+        inside_sigma: (1..)
+            .zip(groups)
+            .map(|(at, group)| {
+                let share = |sigmas: i32| {
+                    Number(0.1 * f64::from(at) + 0.01 * f64::from(sigmas) + 1e-3 * model as f64)
+                };
+                (group.to_owned(), [1, 2, 3].map(share))
+            })
+            .collect(),
+        per_outage: vec![OutageErrors {
+            max: numbers(MAXIMUM, model),
+            end: numbers(AT_THE_END, model),
+            ..OutageErrors::default()
+        }],
+        ..ModelErrors::default()
+    };
+    let names = ["white", "arma"].map(String::from);
+    Outages {
+        models: names.iter().cloned().zip([errors(0), errors(1)]).collect(),
+        order: names.into(),
+        reference: "truth".into(),
+        ..Outages::default()
+    }
+}
+
+/// The cells of a statistic's row of a model.
+fn row(statistic: usize, model: usize) -> Vec<String> {
+    let name = ["white", "arma"][model].to_owned();
+    let numbers = (0..COMPONENTS.len()).map(|at| number(statistic, at, model).to_string());
+    [name].into_iter().chain(numbers).collect()
+}
+
+/// The cells of a model's row of the table of consistency.
+fn covered(model: usize) -> Vec<String> {
+    let mut cells = vec![["white", "arma"][model].to_owned()];
+    for group in 1..=3 {
+        for sigmas in 1..=3 {
+            // Shares of 0.11, 0.12, 0.13 of the position, 0.21 … of the velocity, and 0.001 more of the second model.
+            cells.push(format!("{}.{model}", 10 * group + sigmas));
+        }
+        cells.push(format!("{group}.0{model}"));
+    }
+    cells
+}
+
+#[test]
+fn each_table_of_a_terminal_has_the_statistic_of_its_head() {
+    let text = plain(&result(), crate::plain::unmarked);
+    let lines: Vec<&str> = text.lines().collect();
+    let words = |at: usize| {
+        lines[at]
+            .split_whitespace()
+            .map(String::from)
+            .collect::<Vec<_>>()
+    };
+    let heads = [("maximum", MAXIMUM), ("RMS", RMS), ("median", MEDIAN)];
+    for (k, (head, statistic)) in heads.into_iter().enumerate() {
+        // A head, two models, an empty line.
+        let at = 4 * k;
+        let columns = COMPONENTS
+            .iter()
+            .flat_map(|(_, head)| head.split_whitespace());
+        assert_eq!(
+            words(at),
+            [head].into_iter().chain(columns).collect::<Vec<_>>()
+        );
+        assert_eq!(words(at + 1), row(statistic, 0));
+        assert_eq!(words(at + 2), row(statistic, 1));
+    }
+    assert_eq!(lines[12], COVERED);
+    let groups = ["position", "velocity", "attitude"];
+    let head = groups
+        .map(|group| format!("{group} 1σ  {group} 2σ  {group} 3σ  NEES"))
+        .join("  ");
+    assert_eq!(
+        words(13),
+        format!("model  {head}")
+            .split_whitespace()
+            .collect::<Vec<_>>()
+    );
+    assert_eq!(words(14), covered(0));
+    assert_eq!(words(15), covered(1));
+}
+
+#[test]
+fn each_table_of_a_report_has_the_statistic_of_its_name() {
+    let result = result();
+    let sections = sections(&[(String::new(), &result)]);
+    let tables = sections.iter().flat_map(|section| &section.blocks);
+    let tables = tables.filter_map(|block| match block {
+        Block::Table(table) => Some(table),
+        _ => None,
+    });
+    let tables: Vec<&Table> = tables.collect();
+    let names: Vec<&str> = tables.iter().map(|table| table.name.as_str()).collect();
+    assert_eq!(
+        names,
+        [
+            "errors-rms",
+            "errors-maximum",
+            "errors-median",
+            "errors-at-the-end",
+            "consistency"
+        ]
+    );
+    let statistics = [
+        (RMS, "RMS over the outages of the largest error of each."),
+        (MAXIMUM, "Largest error in any outage."),
+        (
+            MEDIAN,
+            "Median over the outages of the largest error of each.",
+        ),
+        (AT_THE_END, "RMS over the outages of the error at the end."),
+    ];
+    let cells = |table: &Table, model: usize| {
+        table.rows[model]
+            .iter()
+            .map(|cell| cell.text.clone())
+            .collect::<Vec<_>>()
+    };
+    for (table, (statistic, caption)) in tables.iter().zip(statistics) {
+        assert_eq!(table.caption, caption);
+        assert_eq!(table.head[1..], COMPONENTS.map(|(_, head)| head));
+        for model in [0, 1] {
+            assert_eq!(cells(table, model), row(statistic, model), "{}", table.name);
+        }
+    }
+    for model in [0, 1] {
+        assert_eq!(cells(tables[4], model), covered(model));
+    }
+    // The sentences compare the RMS.
+    let horizontal = COMPONENTS
+        .iter()
+        .position(|(key, _)| *key == HORIZONTAL)
+        .unwrap();
+    let least = format!("white with {} m", number(RMS, horizontal, 0));
+    let said = sections[0].blocks.iter().any(|block| match block {
+        Block::Text(text) => text.contains(&least),
+        _ => false,
+    });
+    assert!(said, "{least}");
+}
