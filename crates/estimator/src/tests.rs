@@ -348,10 +348,10 @@ fn a_late_fix_is_compared_with_the_solution_of_its_own_time() {
 
 #[test]
 fn what_was_recorded_is_the_filters_tape() {
-    let (mut own, mut filter) = twins::<27>(27);
+    let (mut own, mut filter) = twins::<28>(28);
     assert!(own.adjoint().is_none());
     own.record();
-    let mut tape = Tape::<27>::default();
+    let mut tape = Tape::<28>::default();
     own.begin(&sample(0));
     filter.begin(&sample(0));
     own.advance(None);
