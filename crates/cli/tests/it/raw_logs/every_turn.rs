@@ -94,7 +94,7 @@ fn aircraft(name: &'static str) {
             let off = (found.mounting * down).angle(&Vector3::z()).to_degrees();
             assert!(off < WITHIN_DEG, "{name}, turn {k}: down {off:.1} deg off");
         } else {
-            let refusal = refusal(&["outages", drive.to_str().unwrap()]);
+            let refusal = refusal(&["outages", drive.to_str().unwrap(), "--count", "5"]);
             assert!(
                 refusal.contains("set imu.mounting or imu.axes"),
                 "{name}, turn {k}: {refusal}"
