@@ -243,6 +243,6 @@ def test_a_command_refuses_urls(
     terminal: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path
 ) -> None:
     done = terminal("fleet", "s3://bucket/fleet.toml", "-o", tmp_path)
-    assert done.returncode == 1
+    assert done.returncode == 2
     assert "s3://bucket/fleet.toml: the command reads and writes files" in done.stderr
     assert "undrift.fleet.process_to" in done.stderr
