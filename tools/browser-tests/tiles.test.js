@@ -199,6 +199,7 @@ test("files and paper have no tiles", async () => {
   await page.emulateMedia({ media: "print" });
   await page.evaluate(() => dispatchEvent(new Event("beforeprint")));
   assert.equal(await page.locator(".tiles:visible, .credit:visible, input:visible").count(), 0);
+  await still(page);
   assert.equal(asked.length, before);
   assert.deepEqual(troubles, []);
   await close();
