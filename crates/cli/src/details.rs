@@ -65,7 +65,7 @@ pub fn drive(file: &Path, drive: &Drive) {
             arm.z,
             on(drive.gating),
             on(drive.adapt),
-            drive.gnss_use.describe(),
+            undrift::results::parts_used(drive.gnss_use),
         )
     });
     text(file);

@@ -45,6 +45,28 @@ pub struct GnssFix {
     pub quality: FixQuality,
 }
 
+impl GnssFix {
+    /// Whether its time and every number of it is finite.
+    pub fn is_finite(&self) -> bool {
+        let of_position = |(position, r): &(Position, Matrix3)| {
+            let (place, ned) = match position {
+                Position::Geodetic(place) => (place, Vector3::zeros()),
+                Position::Baseline { base, ned } => (base, *ned),
+            };
+            [place.lat, place.lon, place.height]
+                .iter()
+                .chain(ned.iter())
+                .chain(r.iter())
+                .all(|v| v.is_finite())
+        };
+        let of_velocity =
+            |(v, r): &(Vector3, Matrix3)| v.iter().chain(r.iter()).all(|v| v.is_finite());
+        self.time.is_finite()
+            && self.position.as_ref().is_none_or(of_position)
+            && self.velocity.as_ref().is_none_or(of_velocity)
+    }
+}
+
 /// Kind of GNSS solution.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FixQuality {
@@ -70,6 +92,15 @@ pub struct Scalar {
     pub value: f64,
     /// Its standard deviation, in the same unit.
     pub std: f64,
+}
+
+impl Scalar {
+    /// Whether its time and both numbers are finite.
+    pub fn is_finite(&self) -> bool {
+        [self.time, self.value, self.std]
+            .iter()
+            .all(|v| v.is_finite())
+    }
 }
 
 /// A reference solution at one instant, at the IMU.

@@ -20,14 +20,11 @@
 //!
 //! `examples/` has three of some fifty lines: `navigate`, `outages` and `identify`.
 
-pub mod align;
 pub mod columns;
 pub mod consistency;
 pub mod demo;
-mod derived;
 pub mod drive;
 pub mod findings;
-pub mod fixes;
 pub mod fleet;
 mod hash;
 pub mod identify;
@@ -41,14 +38,12 @@ pub mod reference;
 pub mod replay;
 pub mod results;
 pub mod series;
-pub mod settings;
 pub mod simulate;
 pub mod smooth;
 mod temperature;
 pub mod tune;
-pub mod vehicle;
 
-pub use undrift_estimator as estimator;
+pub use undrift_engine::{self as engine, align, estimator, fixes, settings, vehicle};
 pub use undrift_io as io;
 pub use undrift_nav as nav;
 pub use undrift_noise as noise;

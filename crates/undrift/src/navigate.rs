@@ -14,8 +14,8 @@ pub use start::{Started, start};
 use crate::{
     align::{AlignSettings, Heading},
     consistency::Consistency,
-    derived::with_velocities,
     drive::{Correlation, Drive, DriveError},
+    engine::derived::with_velocities,
     findings::Log,
     fixes::{self, FixStudy},
     mounting::{self, Mounting, MountingError},

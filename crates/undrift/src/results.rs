@@ -23,7 +23,7 @@ pub use curve::{Curve, Track};
 pub use demo::{
     CutLength, Demo, DemoModel, Estimate, OneOne, Paper, PaperSolution, PooledErrors, ScanPoint,
 };
-pub use drive::{Drive, Start, name, names};
+pub use drive::{Drive, Start, name, names, parts_used};
 pub use fleet::{
     Bin, Effect, Fleet, FleetEffects, FleetGroup, FleetLabel, FleetLog, FleetMeasure, FleetOutlier,
     FleetPart, LeftOut, Level, Scatter, Slope, Trouble, Warned,

@@ -2,8 +2,8 @@
 
 use super::{Content, Inspection, Known, Line, Note, Part, quoted, sensor::GUESS};
 use crate::{
-    derived::with_velocities,
     drive::{AXLE_STD, Drive, Logs},
+    engine::derived::with_velocities,
     mounting::{FLOOR_TURNING, MountingError, by_force, turn_ratio},
     navigate::{NavigateError, Wanted, navigate, resolve_mounting},
     settings::EngineSettings,

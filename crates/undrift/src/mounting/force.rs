@@ -7,8 +7,8 @@
 //! of the road changes over longer than a manoeuvre takes: a running mean takes it out, and what is left of it in the
 //! mean, where all goes up or down, is what the heights of the fixes show.
 
-use crate::derived::antenna;
 use nalgebra::Complex;
+use undrift_engine::derived::antenna;
 use undrift_nav::{
     Matrix3, Quaternion, Vector3,
     attitude::to_rpy,

@@ -2,7 +2,7 @@
 
 use crate::{
     consistency::COMPONENT_NAMES,
-    derived::antenna,
+    engine::derived::antenna,
     estimator::STAMP_ROUNDING,
     findings::WITHOUT_GNSS,
     reference::{COMPONENTS, Errors},

@@ -1,6 +1,6 @@
 //! Why a log has no alignment.
 
-use super::events::{Implausible, Log};
+use super::{Implausible, Log};
 use crate::align::{AlignmentFailure, ClockFault, RestFailure, Stamps, rounded};
 use undrift_io::skipped::Skipped;
 
@@ -16,6 +16,17 @@ pub struct NotAligned {
     pub implausible: Vec<Implausible>,
     /// What was skipped in each log.
     pub skipped: Vec<(Log, Skipped)>,
+}
+
+impl From<undrift_engine::NotAligned> for NotAligned {
+    fn from(why: undrift_engine::NotAligned) -> Self {
+        Self {
+            failure: why.failure,
+            times: why.times,
+            implausible: why.implausible,
+            skipped: Vec::new(),
+        }
+    }
 }
 
 impl NotAligned {

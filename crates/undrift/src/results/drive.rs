@@ -100,21 +100,19 @@ impl Drive {
             rate_hz: interval.map(|interval| to_digits(1.0 / interval)).into(),
             model: drive.model.as_ref().map(|model| model.name.clone()),
             lever_arm_m: Some(<[f64; 3]>::from(drive.lever_arm).map(Number)),
-            gnss_use: Some(drive.gnss_use.describe().into()),
+            gnss_use: Some(parts_used(drive.gnss_use).into()),
             gating: Some(drive.gating),
             adapt: Some(drive.adapt),
         }
     }
 }
 
-impl GnssUse {
-    /// The parts in words.
-    pub fn describe(self) -> &'static str {
-        match self {
-            Self::Both => "position and velocity",
-            Self::Position => "position",
-            Self::Velocity => "velocity",
-        }
+/// The parts of a fix that are used, in words.
+pub fn parts_used(used: GnssUse) -> &'static str {
+    match used {
+        GnssUse::Both => "position and velocity",
+        GnssUse::Position => "position",
+        GnssUse::Velocity => "velocity",
     }
 }
 

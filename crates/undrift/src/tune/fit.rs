@@ -10,7 +10,7 @@ use super::{
     steps::{Followed, condense},
 };
 use crate::{
-    estimator::Logged,
+    estimator::{LogTo, Logged},
     replay::{Measurement, ReplayError, replay},
     settings::replay::Settings,
     vehicle::NonHolonomic,
@@ -117,7 +117,7 @@ impl<const N: usize> Linear<N> {
         let drive = |log: &FitLog| {
             let (sender, receiver) = std::sync::mpsc::channel::<Logged>();
             let settings = Settings {
-                log: Some(sender),
+                log: Some(LogTo::new(move |logged| drop(sender.send(logged)))),
                 restart: false,
                 ..under(&log.settings, &about, start)?
             };

@@ -6,16 +6,18 @@ use std::{
 };
 
 /// Every crate of the workspace with the crates of it that it may use.
-const ALLOWED: [(&str, &[&str]); 11] = [
+const ALLOWED: [(&str, &[&str]); 12] = [
     ("undrift-nav", &[]),
     ("undrift-noise", &["undrift-nav"]),
     ("undrift-io", &["undrift-nav"]),
-    ("undrift-estimator", &["undrift-nav"]),
+    ("undrift-engine", &["undrift-nav"]),
+    ("undrift-simulate", &["undrift-nav", "undrift-noise"]),
     (
         "undrift",
         &[
             "undrift-nav",
-            "undrift-estimator",
+            "undrift-engine",
+            "undrift-simulate",
             "undrift-noise",
             "undrift-io",
         ],
@@ -83,6 +85,26 @@ fn the_filter_neither_allocates_nor_needs_std() {
     let source = include_str!("../../../nav/src/lib.rs");
     assert!(source.contains("#![no_std]"));
     assert!(!source.contains("extern crate alloc"));
+}
+
+/// The gate builds it for a microcontroller, too.
+#[test]
+fn the_navigator_knows_no_file_no_clock_and_no_thread() {
+    let source = include_str!("../../../engine/src/lib.rs");
+    assert!(source.contains("#![no_std]"));
+    let mut files = Vec::new();
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../engine/src");
+    sources(&folder, &mut files);
+    for path in files {
+        let code = product(&std::fs::read_to_string(&path).unwrap());
+        let code = code.replace("#[cfg(test)]\nextern crate std;", "");
+        for barred in ["std::", "extern crate std", "undrift_io", "undrift_noise"] {
+            let inside = code
+                .match_indices(barred)
+                .any(|(at, _)| !code[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_'));
+            assert!(!inside, "{barred} in {}", path.display());
+        }
+    }
 }
 
 /// Text of a source file without its tests and comments.

@@ -2,7 +2,7 @@
 
 use undrift::{
     drive::Drive,
-    estimator::Logged,
+    estimator::{LogTo, Logged},
     nav::{covariance::AXES, parameters::Parameters, shaping::ShapingFilter},
     noise::ImuModel,
     replay::{Measurement, Settings, replay},
@@ -101,7 +101,7 @@ fn gradient_is_that_of_the_value(start: &Start, about: Noise, factors: Option<[f
     let settings = under(&settings, &about, start).unwrap();
     let (sender, receiver) = std::sync::mpsc::channel::<Logged>();
     let logged = Settings {
-        log: Some(sender),
+        log: Some(LogTo::new(move |logged| drop(sender.send(logged)))),
         ..settings.clone()
     };
     let (imu, aiding) = (log.imu.iter().copied(), fixes.iter().copied());

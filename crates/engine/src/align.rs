@@ -1,0 +1,357 @@
+//! Initial alignment: the first position, velocity and attitude, and what is known of them.
+//!
+//! Position and velocity come from the first fixes. The attitude is given, or is found in one of two
+//! ways. After a rest (`align/rest.rs`): level and gyro bias from the mean of a span without acceleration
+//! (Groves 2013, section 5.6.2), then heading, given or from the GNSS course once the vehicle moves.
+//! In motion (`align/motion.rs`), without rest or for axes that are no vehicle's: all of it together from
+//! the changes of velocity that accelerometers, gyros and GNSS saw. `docs/alignment.md`. Streamed: sums
+//! and a bounded window are kept.
+
+mod basis;
+mod clocks;
+mod motion;
+mod rest;
+mod result;
+mod segments;
+pub(crate) mod settings;
+mod wahba;
+
+pub(crate) use clocks::compare;
+pub use clocks::rounded;
+pub use clocks::{ClockFault, Stamps};
+pub use result::{
+    Alignment, AlignmentFailure, AttitudeSource, HeadingSource, MotionFailure, RestFailure,
+};
+pub use settings::{AlignSettings, Heading};
+
+use crate::{
+    derived::{Positions, antenna},
+    estimator::{self, Aiding, Estimator},
+    settings::{AlignmentSettings, replay::Settings},
+};
+use alloc::boxed::Box;
+use basis::{noise_of_mean, walk};
+use motion::MotionAligner;
+#[allow(unused_imports, reason = "the standard library has its methods itself")]
+use nalgebra::{ComplexField, RealField};
+use rest::Rest;
+use undrift_nav::{
+    Matrix3, Quaternion, Vector3,
+    attitude::{from_rotation_vector, from_rpy},
+    earth::Geodetic,
+    filter::{FilterError, Gate, InitialStd},
+    mechanisation::NavState,
+    sample::{GnssFix, ImuSample},
+};
+
+/// A filter ready to run, and how it was aligned.
+pub(crate) struct Aligned {
+    /// At the time of the fix that completed the alignment.
+    pub filter: Box<dyn Estimator>,
+    /// How it was found.
+    pub how: Alignment,
+}
+
+/// A rest: attitude against a frame of arbitrary azimuth, mean specific force \[m/s²\], length and end \[s\].
+type Rested = (Quaternion, Vector3, f64, f64);
+
+/// A fix as an alignment takes it, each part with its covariance.
+#[derive(Clone)]
+struct Seen {
+    time: f64,
+    position: (Geodetic, Matrix3),
+    velocity: (Vector3, Matrix3),
+}
+
+/// The state of an alignment.
+#[derive(Clone, Default)]
+pub(crate) struct Aligner {
+    settings: AlignSettings,
+    set: AlignmentSettings,
+    time: Option<f64>,
+    rest: Rest,
+    /// Attitude against a frame of arbitrary azimuth, level once there was rest.
+    level: Quaternion,
+    /// The last rest.
+    rested: Option<Rested>,
+    /// Whether GNSS ever agreed that the vehicle stood.
+    stood: bool,
+    motion: MotionAligner,
+    /// Stamp of the sample that `motion` had last \[s\].
+    given: Option<f64>,
+    omega_b: Vector3,
+    last_fix: Option<(f64, Geodetic)>,
+    positions: Positions,
+    speed: f64,
+    fastest: f64,
+    fixes: u64,
+}
+
+impl Aligner {
+    /// For the given settings.
+    pub fn new(settings: &Settings) -> Self {
+        let (gyro, accel) = settings.sensors.split_at(3);
+        Self {
+            settings: settings.align.clone(),
+            set: settings.engine.alignment,
+            rest: Rest::new(gyro, accel, settings.engine.alignment_rest),
+            motion: MotionAligner::new(settings),
+            positions: Positions::new(settings.engine.derived_velocity),
+            ..Self::default()
+        }
+    }
+
+    /// Moves to `until` \[s\] within `sample`.
+    pub fn advance(&mut self, sample: &ImuSample, until: f64) {
+        if self.settings.attitude.is_none() && self.given != Some(sample.time) {
+            self.given = Some(sample.time);
+            self.motion.sample(sample);
+        }
+        let from = self.time.unwrap_or(sample.time - sample.dt);
+        let span = until.min(sample.time) - from.max(sample.time - sample.dt);
+        self.time = Some(until);
+        if span <= 0.0 {
+            return;
+        }
+        let part = span / sample.dt;
+        let (dtheta, dvel) = (sample.dtheta * part, sample.dvel * part);
+        self.omega_b = sample.dtheta / sample.dt - self.rest.bias;
+        self.level *= from_rotation_vector(&(dtheta - self.rest.bias * span));
+        if !self.rest.add(span, &dtheta, &dvel) {
+            return;
+        }
+        let stands = match self.last_fix {
+            Some((fixed, _)) if until - fixed <= self.set.pair_span => {
+                Some(self.speed < self.set.rest_speed)
+            }
+            _ => None,
+        };
+        if self.rest.holds(stands) {
+            self.rest.take_bias();
+            self.stood |= stands == Some(true);
+            // The smallest turn that makes the mean specific force point up: the azimuth stays.
+            let up = self.level * self.rest.mean_force;
+            let tilt = Quaternion::rotation_between(&up, &-Vector3::z())
+                .unwrap_or_else(|| from_rotation_vector(&(Vector3::x() * core::f64::consts::PI)));
+            self.level = tilt * self.level;
+            self.level.renormalize();
+            self.rested = Some((self.level, self.rest.mean_force, self.rest.span(), until));
+        }
+    }
+
+    /// Takes a fix; the filter, if it completes the alignment.
+    ///
+    /// # Errors
+    /// Where the alignment is complete and the filter cannot be built.
+    pub fn fix(
+        &mut self,
+        fix: &GnssFix,
+        settings: &Settings,
+    ) -> Result<Option<Aligned>, FilterError> {
+        let Some(seen) = self.see(fix) else {
+            return Ok(None);
+        };
+        self.note_speed(&seen);
+        if let Some((rpy, std)) = self.settings.attitude {
+            let std = InitialStd {
+                position: Vector3::repeat(1.0),
+                velocity: Vector3::repeat(1.0),
+                attitude: std,
+            };
+            let start = self.start(&seen, from_rpy(&rpy), settings);
+            let mut filter = estimator::build(start, &std, &settings.sensors, settings.parameters)?;
+            let correlated = settings
+                .fix_errors
+                .correlated_std(&seen.position.1, &seen.velocity.1);
+            filter.set_position_velocity_covariance(
+                &seen.position.1,
+                &seen.velocity.1,
+                &correlated,
+            );
+            return Ok(Some(aligned(filter, AttitudeSource::Given)));
+        }
+        let bias_variance = noise_of_mean(&settings.sensors[..3], self.rest.bias_span())
+            + self.set.rate_floor * self.set.rate_floor;
+        if let (Some(rested), Some(heading)) = (self.rested, self.heading(&seen)) {
+            let aligned = self.after_rest(&seen, rested, heading, bias_variance, settings);
+            return aligned.map(Some);
+        }
+        let at_rest = self.rested.map(|(.., end)| {
+            let walked = walk(&settings.sensors[..3], fix.time - end);
+            (self.rest.bias, bias_variance + walked)
+        });
+        let found = self.motion.fix(fix, settings, at_rest);
+        Ok(found.map(|found| {
+            let source = AttitudeSource::Motion {
+                duration: found.duration,
+                bias_at_rest: at_rest.is_some(),
+            };
+            aligned(found.filter, source)
+        }))
+    }
+
+    /// Position and velocity by a fix: the velocity given, measured, or from two positions.
+    fn see(&mut self, fix: &GnssFix) -> Option<Seen> {
+        let (antenna, (_, covariance)) = (antenna(fix)?, fix.position?);
+        self.fixes += 1;
+        let before = self.last_fix.replace((fix.time, antenna));
+        let before =
+            before.filter(|(time, _)| fix.time - time <= self.set.pair_span && fix.time > *time);
+        let given = self.settings.velocity.map(|(v, std)| (v, diagonal(&std)));
+        let derived = self.positions.add(fix).map(|derived| {
+            // It held a while ago: a vehicle's acceleration since then.
+            let age = fix.time - derived.time;
+            (
+                derived.v_n,
+                derived.covariance + Matrix3::identity() * age * age,
+            )
+        });
+        let velocity = given.or(fix.velocity).or(derived).or_else(|| {
+            let (time, place) = before?;
+            let span = fix.time - time;
+            let v = place.offset_to(&antenna) / span;
+            // Two positions' errors, and half the span at a vehicle's acceleration.
+            let covariance = covariance * (2.0 / (span * span));
+            Some((v, covariance + Matrix3::identity() * span * span))
+        })?;
+        Some(Seen {
+            time: fix.time,
+            position: (antenna, covariance),
+            velocity,
+        })
+    }
+
+    /// What the speed says of the rest.
+    fn note_speed(&mut self, seen: &Seen) {
+        let speed = seen.velocity.0.xy().norm();
+        self.speed = speed;
+        self.fastest = self.fastest.max(speed);
+        if speed >= self.set.rest_speed {
+            // Steady braking has steady readings too: rest begins after it.
+            self.rest.interrupt();
+        }
+        if let Some((.., end)) = self.rested
+            && !self.stood
+            && speed > self.set.start_speed + self.set.start_acceleration * (seen.time - end)
+        {
+            // Steady motion that looked like rest while there was no fix.
+            self.rested = None;
+            self.rest.forget();
+        }
+    }
+
+    /// The navigation state at a fix with an attitude.
+    fn start(&self, seen: &Seen, q_nb: Quaternion, settings: &Settings) -> NavState {
+        let lever_n = q_nb * settings.lever_arm;
+        NavState {
+            time: seen.time,
+            position: seen.position.0.displaced(&-lever_n),
+            v_n: seen.velocity.0 - q_nb * self.omega_b.cross(&settings.lever_arm),
+            q_nb,
+        }
+    }
+
+    /// The heading with its standard deviation \[rad\], where it is given or the course says it.
+    fn heading(&self, seen: &Seen) -> Option<(f64, f64, HeadingSource)> {
+        let (velocity, covariance) = &seen.velocity;
+        let speed = self.speed;
+        match self.settings.heading {
+            Heading::Given(heading, std) => Some((heading, std, HeadingSource::Given)),
+            Heading::Course if speed >= self.settings.min_speed => {
+                let course = velocity.y.atan2(velocity.x);
+                let noise = covariance.fixed_view::<2, 2>(0, 0).trace() / 2.0;
+                let floor = self.set.course_floor;
+                let std = (noise / (speed * speed) + floor * floor).sqrt();
+                (std < self.set.course_worst).then_some((course, std, HeadingSource::Course))
+            }
+            _ => None,
+        }
+    }
+
+    /// The filter with what the last rest says of level and bias, at the attitude that it had.
+    fn after_rest(
+        &self,
+        seen: &Seen,
+        (level_at_rest, force_at_rest, duration, _): Rested,
+        (heading, std, from): (f64, f64, HeadingSource),
+        bias_variance: f64,
+        settings: &Settings,
+    ) -> Result<Aligned, FilterError> {
+        let forward = self.level * Vector3::x();
+        let turn = heading - forward.y.atan2(forward.x);
+        let spin = from_rotation_vector(&Vector3::new(0.0, 0.0, turn));
+        let now = self.start(seen, spin * self.level, settings);
+        let wide = InitialStd {
+            position: Vector3::repeat(1.0),
+            velocity: Vector3::repeat(1.0),
+            attitude: Vector3::new(self.set.tilt_before, self.set.tilt_before, std),
+        };
+        let at_rest = NavState {
+            q_nb: spin * level_at_rest,
+            ..now
+        };
+        let mut filter = estimator::build(at_rest, &wide, &settings.sensors, settings.parameters)?;
+        let variance = noise_of_mean(&settings.sensors[3..], duration)
+            + self.set.level_floor * self.set.level_floor;
+        let level = Aiding::Level(force_at_rest);
+        filter.update(&level, &(Matrix3::identity() * variance), &Gate::OPEN)?;
+        if settings.sensors[..3].iter().all(|s| s.order > 0) {
+            let rate = Aiding::EarthRate(self.rest.bias);
+            let noise = Matrix3::identity() * bias_variance;
+            filter.update(&rate, &noise, &Gate::OPEN)?;
+        }
+        filter.set_nav(now);
+        let correlated = settings
+            .fix_errors
+            .correlated_std(&seen.position.1, &seen.velocity.1);
+        filter.set_position_velocity_covariance(&seen.position.1, &seen.velocity.1, &correlated);
+        let source = AttitudeSource::Rest {
+            duration,
+            heading: from,
+        };
+        Ok(aligned(filter, source))
+    }
+
+    /// Why there was no alignment; so many fixes fell within the inertial log.
+    pub fn failure(&self, fixes_within: u64) -> AlignmentFailure {
+        if self.fixes == 0 {
+            return match fixes_within {
+                0 => AlignmentFailure::NoOverlap,
+                _ => AlignmentFailure::NoPosition,
+            };
+        }
+        if self.settings.attitude.is_some() {
+            return AlignmentFailure::NoVelocity;
+        }
+        let (min_speed, fastest) = (self.settings.min_speed, self.fastest);
+        let rest = match self.settings.heading {
+            _ if self.rested.is_none() => RestFailure::NoRest,
+            Heading::Course if fastest >= min_speed => RestFailure::NoFastFix { min_speed },
+            Heading::Course if fastest < self.set.rest_speed => RestFailure::NeverMoved { fastest },
+            Heading::Course => RestFailure::TooSlow { min_speed, fastest },
+            _ => RestFailure::NoHeading,
+        };
+        AlignmentFailure::NoAttitude(rest, self.motion.failure())
+    }
+}
+
+/// A filter with how its attitude was found.
+fn aligned(filter: Box<dyn Estimator>, source: AttitudeSource) -> Aligned {
+    let (std, bias) = (filter.nav_std(), filter.sensor_error_std());
+    Aligned {
+        filter,
+        how: Alignment {
+            source,
+            level_std: std[6].max(std[7]),
+            heading_std: std[8],
+            gyro_bias_std: bias[0].max(bias[1]).max(bias[2]),
+        },
+    }
+}
+
+fn diagonal(std: &Vector3) -> Matrix3 {
+    Matrix3::from_diagonal(&std.component_mul(std))
+}
+
+#[cfg(test)]
+mod tests;

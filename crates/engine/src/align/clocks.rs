@@ -1,0 +1,170 @@
+//! How the clocks of two logs differ that do not overlap.
+
+use crate::{
+    events::Log,
+    settings::{ClockSettings, within},
+};
+use core::fmt;
+#[allow(unused_imports, reason = "the standard library has its methods itself")]
+use nalgebra::ComplexField;
+
+/// Time stamps of a log.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stamps {
+    /// The first \[s\].
+    pub first: f64,
+    /// The last \[s\].
+    pub last: f64,
+    /// How many.
+    pub count: u64,
+}
+
+/// What is wrong with the times of an inertial and a GNSS log.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ClockFault {
+    /// A log counts in this unit, not in seconds.
+    Unit(Log, &'static str),
+    /// A log has Unix time, the other has not.
+    Unix(Log),
+    /// GNSS is so many whole hours ahead of the inertial log.
+    Hours(f64),
+    /// Something else.
+    Apart,
+}
+
+/// Prefixes of a second, by which the other log is as many times shorter.
+const UNITS: [(&str, f64); 3] = [("ms", 1e3), ("us", 1e6), ("ns", 1e9)];
+const HOUR: f64 = 3600.0;
+
+impl fmt::Display for Stamps {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} to {} s", rounded(self.first), rounded(self.last))
+    }
+}
+
+/// A time to the millisecond.
+pub fn rounded(time: f64) -> f64 {
+    (time * 1e3).round() / 1e3
+}
+
+impl Stamps {
+    /// With one more, later stamp \[s\].
+    pub(crate) fn and(before: Option<Self>, time: f64) -> Self {
+        before.map_or(
+            Self {
+                first: time,
+                last: time,
+                count: 1,
+            },
+            |before| Self {
+                last: time,
+                count: before.count + 1,
+                ..before
+            },
+        )
+    }
+
+    fn span(&self) -> f64 {
+        self.last - self.first
+    }
+
+    fn interval(&self) -> f64 {
+        self.span() / self.count.saturating_sub(1).max(1) as f64
+    }
+}
+
+/// The likeliest difference between the clocks of two logs without a common time.
+pub(crate) fn compare(imu: &Stamps, gnss: &Stamps, set: &ClockSettings) -> ClockFault {
+    let longer = |long: &Stamps, short: &Stamps, shortest: f64| {
+        let is = |(_, factor): &&(&str, f64)| {
+            let ratio = long.span() / short.span() / factor;
+            (1.0 / set.same_drive..set.same_drive).contains(&ratio)
+                && long.interval() / factor >= shortest
+        };
+        UNITS.iter().find(is).map(|(unit, _)| *unit)
+    };
+    if let Some(unit) = longer(gnss, imu, set.shortest_fix) {
+        return ClockFault::Unit(Log::Gnss, unit);
+    }
+    if let Some(unit) = longer(imu, gnss, set.shortest_sample) {
+        return ClockFault::Unit(Log::Imu, unit);
+    }
+    match (within(set.unix, imu.first), within(set.unix, gnss.first)) {
+        (false, true) if imu.last.abs() < set.not_unix => return ClockFault::Unix(Log::Gnss),
+        (true, false) if gnss.last.abs() < set.not_unix => return ClockFault::Unix(Log::Imu),
+        _ => {}
+    }
+    let apart = gnss.first - imu.first;
+    let hours = (apart / HOUR).round();
+    let rest = apart - hours * HOUR;
+    let overlap = imu.last.min(gnss.last - hours * HOUR) - imu.first.max(imu.first + rest);
+    if hours != 0.0 && hours.abs() <= set.most_hours && rest.abs() < set.together && overlap > 0.0 {
+        return ClockFault::Hours(hours);
+    }
+    ClockFault::Apart
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// From a time on, at a rate \[Hz\], so long \[s\].
+    fn stamps(first: f64, rate: f64, length: f64) -> Stamps {
+        Stamps {
+            first,
+            last: first + length,
+            count: (rate * length) as u64 + 1,
+        }
+    }
+
+    #[test]
+    fn differences_of_clocks() {
+        let compare = |imu: &Stamps, gnss: &Stamps| compare(imu, gnss, &ClockSettings::default());
+        let imu = stamps(0.01, 100.0, 140.0);
+        let times = |s: Stamps, factor: f64| Stamps {
+            first: s.first * factor,
+            last: s.last * factor,
+            ..s
+        };
+        let fixes = |first| stamps(first, 2.0, 139.0);
+        for (gnss, fault) in [
+            (times(fixes(1.0), 1e3), ClockFault::Unit(Log::Gnss, "ms")),
+            (times(fixes(1.0), 1e6), ClockFault::Unit(Log::Gnss, "us")),
+            (times(fixes(1.7e9), 1e9), ClockFault::Unit(Log::Gnss, "ns")),
+            (fixes(1.7e9), ClockFault::Unix(Log::Gnss)),
+            (fixes(3601.0), ClockFault::Hours(1.0)),
+            (fixes(-7200.0), ClockFault::Hours(-2.0)),
+            (fixes(243_000.0), ClockFault::Apart),
+            // A longer drive of another day; as many times longer as a unit, but at a rate that no receiver has.
+            (stamps(1e6, 1.0, 5000.0), ClockFault::Apart),
+            (stamps(1e6, 1.0, 140_000.0), ClockFault::Apart),
+            (stamps(500.0, 1.0, 100.0), ClockFault::Apart),
+        ] {
+            assert_eq!(compare(&imu, &gnss), fault, "{gnss:?}");
+        }
+        assert_eq!(
+            compare(&stamps(1.7e9, 100.0, 140.0), &fixes(1.0)),
+            ClockFault::Unix(Log::Imu)
+        );
+        let in_ms = times(stamps(1e6, 100.0, 140.0), 1e3);
+        assert_eq!(
+            compare(&in_ms, &fixes(1.0)),
+            ClockFault::Unit(Log::Imu, "ms")
+        );
+    }
+
+    #[test]
+    fn stamps_are_collected() {
+        let all = [1.0, 2.0, 5.0]
+            .into_iter()
+            .fold(None, |before, time| Some(Stamps::and(before, time)));
+        assert_eq!(
+            all,
+            Some(Stamps {
+                first: 1.0,
+                last: 5.0,
+                count: 3
+            })
+        );
+    }
+}

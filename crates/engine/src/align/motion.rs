@@ -1,0 +1,320 @@
+//! Alignment in motion: attitude and biases from a bounded window of samples and fixes.
+//!
+//! A least-squares search over the window ([`super::wahba`]) finds attitude, velocity and biases at its end
+//! with their covariance, which the filter takes over. An uncertain or ambiguous result waits for
+//! more motion. Only the window is kept.
+
+use super::{
+    basis::{bias_variances, noise_of_mean},
+    result::MotionFailure,
+    segments::{Segment, segments},
+    wahba::{EndCovariance, Guess, Problem},
+};
+use crate::{
+    derived::antenna,
+    estimator::{self, Estimator},
+    settings::{AlignmentMotionSettings, replay::Settings},
+};
+use alloc::collections::VecDeque;
+use alloc::{boxed::Box, vec::Vec};
+#[allow(unused_imports, reason = "the standard library has its methods itself")]
+use nalgebra::ComplexField;
+use undrift_nav::{
+    Matrix3, Vector3,
+    covariance::AXES,
+    filter::InitialStd,
+    mechanisation::NavState,
+    sample::{GnssFix, ImuSample},
+};
+
+/// What is known of the gyro bias from rest: mean [rad/s] and variance.
+pub(super) type GyroBias = (Vector3, f64);
+
+/// How long a window may be with a gyro bias of this variance \[rad²/s²\], \[s\].
+fn longest(set: &AlignmentMotionSettings, variance: f64) -> f64 {
+    (set.bias_turn / variance.sqrt()).clamp(set.shortest, set.longest)
+}
+
+/// The window and what became of the searches in it.
+#[derive(Clone, Default)]
+pub(super) struct MotionAligner {
+    set: AlignmentMotionSettings,
+    /// Samples of the window, whole; the last one may reach beyond the last fix.
+    samples: VecDeque<ImuSample>,
+    fixes: VecDeque<GnssFix>,
+    /// Length of the window while there is no solution \[s\].
+    longest: f64,
+    /// The solution so far, at the window's start; the window then grows from there to [`AlignmentMotionSettings::longest`].
+    solved: Option<Guess>,
+    searched: Option<f64>,
+    /// Least time between two searches, as a share of the window, while none has succeeded; it grows where they keep failing.
+    pause: f64,
+    /// Searches of the whole window that found nothing.
+    failed: usize,
+    failure: MotionFailure,
+    /// Largest spread of velocities in a window [m/s].
+    spread: f64,
+}
+
+/// A result: the filter at the last fix of the window.
+pub(super) struct AlignedInMotion {
+    pub(super) filter: Box<dyn Estimator>,
+    /// Length of the window \[s\].
+    pub(super) duration: f64,
+}
+
+impl MotionAligner {
+    pub(super) fn new(settings: &Settings) -> Self {
+        let set = settings.engine.alignment_motion;
+        let turn_on = bias_variances(&settings.sensors[..3], set.gyro_floor).max();
+        Self {
+            set,
+            longest: longest(&set, turn_on),
+            pause: set.pause,
+            ..Self::default()
+        }
+    }
+
+    /// Takes up a sample; once for each.
+    pub(super) fn sample(&mut self, sample: &ImuSample) {
+        if sample.dt > self.set.longest_sample {
+            self.samples.clear();
+            self.fixes.clear();
+            self.solved = None;
+            return;
+        }
+        self.samples.push_back(*sample);
+        let longest = match self.solved {
+            // Its start must stay; it ends at the first fix beyond that.
+            Some(_) => 2.0 * self.set.longest,
+            None => self.longest,
+        };
+        let start = sample.time - longest;
+        while self.fixes.front().is_some_and(|fix| fix.time < start) {
+            self.fixes.pop_front();
+        }
+        // Nothing before the first fix is of use.
+        let start = self
+            .fixes
+            .front()
+            .map_or(sample.time - sample.dt, |fix| fix.time);
+        while self.samples.front().is_some_and(|s| s.time < start) {
+            self.samples.pop_front();
+        }
+    }
+
+    /// Takes a fix inside the last sample; the filter, if that makes an alignment.
+    pub(super) fn fix(
+        &mut self,
+        fix: &GnssFix,
+        settings: &Settings,
+        rest: Option<GyroBias>,
+    ) -> Option<AlignedInMotion> {
+        if fix.position.is_none() || fix.velocity.is_none() || self.samples.is_empty() {
+            return None;
+        }
+        if let Some((_, variance)) = rest {
+            self.longest = longest(&self.set, variance);
+        }
+        self.fixes.push_back(*fix);
+        let window = self
+            .fixes
+            .front()
+            .map_or(0.0, |first| fix.time - first.time);
+        let pause = match self.solved {
+            Some(_) => self.set.every,
+            None => self.set.every.max(self.pause * window),
+        };
+        if self.searched.is_some_and(|at| fix.time < at + pause) {
+            return None;
+        }
+        self.searched = Some(fix.time);
+        match self.search(settings, rest) {
+            Ok(found) => Some(found),
+            Err(failure) => {
+                let nothing =
+                    matches!(failure, MotionFailure::Ambiguous | MotionFailure::Misfit(_));
+                if nothing && window + self.pause * window > self.longest {
+                    self.failed += 1;
+                    if self.failed > self.set.patience {
+                        self.pause = (self.pause * self.set.growth).min(self.set.longest_pause);
+                    }
+                }
+                // The furthest that it ever came says most.
+                if failure.stage() >= self.failure.stage() {
+                    self.failure = failure;
+                }
+                None
+            }
+        }
+    }
+
+    fn search(
+        &mut self,
+        settings: &Settings,
+        rest: Option<GyroBias>,
+    ) -> Result<AlignedInMotion, MotionFailure> {
+        let spread = self.spread_now();
+        self.spread = self.spread.max(spread);
+        let (gyro, accel) = settings.sensors.split_at(3);
+        let gyro_prior = match rest {
+            Some((mean, variance)) => (mean, Vector3::repeat(variance)),
+            None => (Vector3::zeros(), bias_variances(gyro, self.set.gyro_floor)),
+        };
+        let segments = self.segments(&gyro_prior.0);
+        if segments.len() < self.set.fewest {
+            return Err(MotionFailure::TooFew);
+        }
+        if spread < self.set.spread {
+            return Err(MotionFailure::TooSteady {
+                change: self.spread,
+                within: self.longest,
+            });
+        }
+        let first = *self.fixes.front().ok_or(MotionFailure::TooFew)?;
+        let problem = Problem {
+            set: &self.set,
+            segments: &segments,
+            reference: gyro_prior.0,
+            place: antenna(&first).ok_or(MotionFailure::TooFew)?,
+            lever_arm: settings.lever_arm,
+            gyro: gyro_prior,
+            accel: (
+                Vector3::zeros(),
+                bias_variances(accel, self.set.accel_floor),
+            ),
+            gyro_noise: noise_of_mean(gyro, 1.0),
+            accel_noise: noise_of_mean(accel, 1.0),
+        };
+        // Noise larger than stated makes residuals and covariance larger, and a difference mean less.
+        let fit = |cost: f64| (cost / (3 * (segments.len() - 1)) as f64).max(1.0);
+        let guess = match self.solved.take() {
+            Some(guess) => guess,
+            None => {
+                let solutions = problem.solve();
+                let best = solutions.first().ok_or(MotionFailure::Ambiguous)?;
+                let rival = solutions.get(1).map_or(f64::INFINITY, |rival| rival.cost);
+                if rival - best.cost < self.set.rival * fit(best.cost) {
+                    return Err(MotionFailure::Ambiguous);
+                }
+                best.guess
+            }
+        };
+        // Once more about the bias found: a segment is linear in it.
+        let again = self.segments(&guess.gyro);
+        let problem = Problem {
+            segments: &again,
+            reference: guess.gyro,
+            ..problem
+        };
+        let solution = problem.refine(&guess);
+        let (q_nb, v_n, covariance) = problem
+            .end(&solution.guess)
+            .ok_or(MotionFailure::Ambiguous)?;
+        let fit = fit(solution.cost);
+        if fit > self.set.fit {
+            return Err(MotionFailure::Misfit(fit));
+        }
+        let c_nb = q_nb.to_rotation_matrix().into_inner();
+        let attitude = covariance.fixed_view::<3, 3>(3, 3) * fit;
+        let worst = (c_nb * attitude * c_nb.transpose()).diagonal().max().sqrt();
+        // A number that is not one is not certain either.
+        if worst.is_nan() || worst > self.set.certain {
+            return Err(MotionFailure::Uncertain(worst));
+        }
+        let last = *self.fixes.back().ok_or(MotionFailure::TooFew)?;
+        if worst > self.set.good && last.time - first.time < self.set.longest {
+            self.solved = Some(solution.guess);
+            return Err(MotionFailure::Settling(worst));
+        }
+        let end = NavState {
+            time: last.time,
+            position: antenna(&last)
+                .ok_or(MotionFailure::TooFew)?
+                .displaced(&-(q_nb * settings.lever_arm)),
+            v_n,
+            q_nb,
+        };
+        let filter = filter(&end, &last, &solution.guess, &(covariance * fit), settings)
+            .ok_or(MotionFailure::Misfit(fit))?;
+        Ok(AlignedInMotion {
+            filter,
+            duration: last.time - first.time,
+        })
+    }
+
+    /// How far apart the velocities of the window are \[m/s\].
+    fn spread_now(&self) -> f64 {
+        let (low, high) = self.fixes.iter().filter_map(|fix| fix.velocity).fold(
+            (
+                Vector3::repeat(f64::INFINITY),
+                Vector3::repeat(f64::NEG_INFINITY),
+            ),
+            |(low, high), (v, _)| (low.inf(&v), high.sup(&v)),
+        );
+        (high - low).xy().norm()
+    }
+
+    fn segments(&self, gyro: &Vector3) -> Vec<Segment> {
+        segments(
+            self.samples.iter(),
+            self.fixes.iter(),
+            self.set.spacing,
+            gyro,
+        )
+    }
+
+    /// Why there is no alignment.
+    pub(super) fn failure(&self) -> MotionFailure {
+        match self.failure {
+            MotionFailure::NoVelocity if self.searched.is_some() => MotionFailure::TooFew,
+            MotionFailure::TooSteady { within, .. } => MotionFailure::TooSteady {
+                change: self.spread,
+                within,
+            },
+            other => other,
+        }
+    }
+}
+
+/// The filter with what the window says: covariance of velocity, attitude and biases, truth less estimate.
+fn filter(
+    end: &NavState,
+    fix: &GnssFix,
+    guess: &Guess,
+    covariance: &EndCovariance,
+    settings: &Settings,
+) -> Option<Box<dyn Estimator>> {
+    let (_, position) = fix.position?;
+    let wide = settings.engine.alignment_motion.wide;
+    let std = InitialStd {
+        position: Vector3::repeat(1.0),
+        velocity: Vector3::repeat(wide),
+        attitude: Vector3::repeat(wide),
+    };
+    let mut filter = estimator::build(*end, &std, &settings.sensors, settings.parameters).ok()?;
+    let velocity = Matrix3::identity() * (wide * wide);
+    let correlated = [settings.fix_errors.split(&position).1, Vector3::zeros()];
+    filter.set_position_velocity_covariance(&position, &velocity, &correlated);
+    let (g, a) = (guess.gyro, guess.accel);
+    filter.set_sensor_error(&[g.x, g.y, g.z, a.x, a.y, a.z]);
+
+    // The window's information less the prior of the biases, which the filter has itself, as rows of a
+    // measurement without innovation: the estimate is there already.
+    let mut information = covariance.try_inverse()?;
+    let prior = filter.sensor_error_std();
+    for axis in 0..AXES {
+        if prior[axis] > 0.0 {
+            information[(6 + axis, 6 + axis)] -= 1.0 / (prior[axis] * prior[axis]);
+        }
+    }
+    let eigen = ((information + information.transpose()) * 0.5).symmetric_eigen();
+    let mut rows = eigen.eigenvectors.transpose();
+    for i in 0..12 {
+        let root = eigen.eigenvalues[i].max(0.0).sqrt();
+        rows.row_mut(i).scale_mut(root);
+    }
+    filter.update_window(&rows).ok()?;
+    filter.check().ok()?;
+    Some(filter)
+}

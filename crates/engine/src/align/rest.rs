@@ -1,0 +1,150 @@
+//! Rest, told by block means that agree, and the level and gyro bias that it gives.
+
+use super::basis::noise_of_mean;
+use crate::settings::AlignmentRestSettings;
+#[allow(unused_imports, reason = "the standard library has its methods itself")]
+use nalgebra::ComplexField;
+use undrift_nav::{Vector3, shaping::ShapingFilter};
+
+/// Tells rest by comparing block means, and keeps what it says.
+#[derive(Clone, Default)]
+pub(super) struct Rest {
+    set: AlignmentRestSettings,
+    /// Tolerances of a block's means [rad/s, m/s²].
+    rate_tolerance: f64,
+    force_tolerance: f64,
+    /// Blocks needed for the noise of the means to be small.
+    needed: u32,
+    /// Sums of the present block.
+    duration: f64,
+    dtheta: Vector3,
+    dvel: Vector3,
+    /// Blocks of the present span and their means.
+    blocks: u32,
+    mean_rate: Vector3,
+    pub(super) mean_force: Vector3,
+    /// Mean rate over all rest, what is called the gyro bias, and its blocks.
+    pub(super) bias: Vector3,
+    bias_blocks: u32,
+    /// Mean specific force of the last rest [m/s²].
+    rested_force: Option<Vector3>,
+}
+
+impl Rest {
+    /// For gyros and accelerometers of the given noise.
+    pub(super) fn new(
+        gyro: &[ShapingFilter],
+        accel: &[ShapingFilter],
+        set: AlignmentRestSettings,
+    ) -> Self {
+        let blocks = |axes, wanted: f64| noise_of_mean(axes, set.block) / (wanted * wanted);
+        let needed = blocks(gyro, set.rate_noise)
+            .max(blocks(accel, set.force_noise))
+            .ceil();
+        Self {
+            set,
+            rate_tolerance: set.rate + set.sigmas * noise_of_mean(gyro, set.block).sqrt(),
+            force_tolerance: set.force + set.sigmas * noise_of_mean(accel, set.block).sqrt(),
+            needed: (needed as u32).clamp(set.fewest_blocks, set.most_blocks),
+            ..Self::default()
+        }
+    }
+
+    /// Adds to the present block; true when it is complete and was compared.
+    pub(super) fn add(&mut self, span: f64, dtheta: &Vector3, dvel: &Vector3) -> bool {
+        self.duration += span;
+        self.dtheta += dtheta;
+        self.dvel += dvel;
+        if self.duration < self.set.block - 1e-9 {
+            return false;
+        }
+        let (rate, force) = (self.dtheta / self.duration, self.dvel / self.duration);
+        let agrees = (rate - self.mean_rate).norm() < self.rate_tolerance
+            && (force - self.mean_force).norm() < self.force_tolerance;
+        if !agrees {
+            self.blocks = 0;
+        }
+        self.blocks += 1;
+        let weight = 1.0 / f64::from(self.blocks);
+        self.mean_rate += (rate - self.mean_rate) * weight;
+        self.mean_force += (force - self.mean_force) * weight;
+        self.duration = 0.0;
+        self.dtheta = Vector3::zeros();
+        self.dvel = Vector3::zeros();
+        true
+    }
+
+    /// Whether the present span is rest; `stands` is what GNSS says, if it says something. A steady
+    /// turn has steady readings too, and so has a vehicle that pulls away steadily, and a fix may be old:
+    /// so rate and force must be those of the rest before, unless GNSS has said for a while that the
+    /// vehicle stands.
+    pub(super) fn holds(&self, stands: Option<bool>) -> bool {
+        let steady = self.bias_blocks == 0 || (self.is_steady() && self.force_is_as_before());
+        let needed = match (stands, steady) {
+            (Some(false), _) | (None, false) => return false,
+            (Some(true), true) => self.needed,
+            (None, true) => self.needed.max(self.set.blocks_unseen),
+            (Some(true), false) => self.needed.max(self.set.new_bias_blocks),
+        };
+        self.blocks >= needed
+    }
+
+    /// Whether the present span turns no faster than the rest before it did.
+    fn is_steady(&self) -> bool {
+        (self.mean_rate - self.bias).norm() < self.rate_tolerance
+    }
+
+    /// Whether the present span is on the slope of the rest before.
+    fn force_is_as_before(&self) -> bool {
+        self.rested_force
+            .is_none_or(|force| (self.mean_force - force).norm() < self.force_tolerance)
+    }
+
+    /// Takes the latest blocks of the present span into the bias; where they say another one (a
+    /// sensor warming up, or calibrating itself), only the present span counts.
+    pub(super) fn take_bias(&mut self) {
+        if !self.is_steady() {
+            self.bias_blocks = 0;
+        }
+        self.rested_force = Some(self.mean_force);
+        // The whole span when it has just become rest, later the newest block.
+        let fresh = if self.bias_blocks == 0 || self.fresh_span() {
+            self.blocks
+        } else {
+            1
+        };
+        self.bias_blocks += fresh;
+        self.bias +=
+            (self.mean_rate - self.bias) * (f64::from(fresh) / f64::from(self.bias_blocks));
+    }
+
+    /// Ends the present span.
+    pub(super) fn interrupt(&mut self) {
+        self.blocks = 0;
+        self.duration = 0.0;
+        self.dtheta = Vector3::zeros();
+        self.dvel = Vector3::zeros();
+    }
+
+    /// Forgets all rest: it was none.
+    pub(super) fn forget(&mut self) {
+        self.interrupt();
+        self.bias_blocks = 0;
+        self.bias = Vector3::zeros();
+        self.rested_force = None;
+    }
+
+    fn fresh_span(&self) -> bool {
+        self.blocks <= self.needed
+    }
+
+    /// Length of the present span \[s\].
+    pub(super) fn span(&self) -> f64 {
+        f64::from(self.blocks) * self.set.block
+    }
+
+    /// Length of all rest \[s\].
+    pub(super) fn bias_span(&self) -> f64 {
+        f64::from(self.bias_blocks.max(1)) * self.set.block
+    }
+}

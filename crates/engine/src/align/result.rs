@@ -1,0 +1,169 @@
+//! How an alignment ended: what it rests on, or why there is none.
+
+use alloc::{
+    format,
+    string::{String, ToString},
+};
+
+/// How the first attitude was found, and how well.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Alignment {
+    /// Where the attitude comes from.
+    pub source: AttitudeSource,
+    /// Standard deviation of the tilt, the larger of the two \[rad\].
+    pub level_std: f64,
+    /// Standard deviation of the heading \[rad\].
+    pub heading_std: f64,
+    /// Standard deviation of the gyro bias, the largest of the axes \[rad/s\].
+    pub gyro_bias_std: f64,
+}
+
+/// Where the first attitude comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AttitudeSource {
+    /// It is given.
+    Given,
+    /// Level and gyro bias from rest.
+    Rest {
+        /// Length of the rest \[s\].
+        duration: f64,
+        /// Where the heading comes from.
+        heading: HeadingSource,
+    },
+    /// Velocity changes.
+    Motion {
+        /// Length of the window \[s\].
+        duration: f64,
+        /// Whether the gyro bias is known from a rest before.
+        bias_at_rest: bool,
+    },
+}
+
+/// Where the heading after a rest comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HeadingSource {
+    /// It is given.
+    Given,
+    /// The GNSS course.
+    Course,
+}
+
+/// Why there was no alignment.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum AlignmentFailure {
+    /// No fix within the inertial log has a usable position.
+    #[error("no fix within the inertial log has a usable position")]
+    NoPosition,
+    /// No fix lies within the inertial log.
+    #[error("no GNSS fix lies within the IMU log: check both time columns")]
+    NoOverlap,
+    /// The attitude is given, but no fix has a velocity and no two are close enough to make one.
+    #[error("the fixes have no velocity and are too sparse to derive one; set initial.velocity")]
+    NoVelocity,
+    /// Neither rest nor motion gave the attitude.
+    #[error("{}", of_attitude(.0, .1))]
+    NoAttitude(RestFailure, MotionFailure),
+}
+
+/// Why there was no alignment after a rest, and what to set instead.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum RestFailure {
+    /// There was no rest.
+    #[error("no rest to level the IMU (set initial.attitude)")]
+    NoRest,
+    /// The course is the heading above a speed that was never reached.
+    #[error(
+        "the vehicle never reached {min_speed:.1} m/s (at most {fastest:.1} m/s), so the course gives no heading: set initial.min_speed or initial.heading"
+    )]
+    TooSlow {
+        /// That speed \[m/s\].
+        min_speed: f64,
+        /// The highest speed \[m/s\].
+        fastest: f64,
+    },
+    /// The course is the heading, and there was rest alone.
+    #[error(
+        "the vehicle never moved (at most {fastest:.1} m/s), so its heading is unknown: set initial.heading, or use a log with motion"
+    )]
+    NeverMoved {
+        /// The highest speed \[m/s\].
+        fastest: f64,
+    },
+    /// The course is the heading above a speed that no fix after the rest had.
+    #[error(
+        "no fix after a rest was faster than {min_speed:.1} m/s, so the course gives no heading (set initial.heading or initial.attitude)"
+    )]
+    NoFastFix {
+        /// That speed \[m/s\].
+        min_speed: f64,
+    },
+    /// Nothing gives the heading.
+    #[error("no heading after the rest (set initial.heading or initial.attitude)")]
+    NoHeading,
+}
+
+/// Why there was no alignment in motion, from what says least to what says most.
+#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd, thiserror::Error)]
+pub enum MotionFailure {
+    /// The fixes have no velocity.
+    #[default]
+    #[error("alignment in motion needs velocities, which the fixes lack")]
+    NoVelocity,
+    /// There were never enough fixes with a velocity one after the other.
+    #[error("alignment in motion needs more consecutive fixes with a velocity")]
+    TooFew,
+    /// The velocity hardly changed.
+    #[error(
+        "alignment in motion needs speeding up, braking or turning: the velocity changed by at most {change:.1} m/s within {within:.0} s"
+    )]
+    TooSteady {
+        /// By how much at most \[m/s\] …
+        change: f64,
+        /// … within so long \[s\].
+        within: f64,
+    },
+    /// The velocity changes fit more than one attitude.
+    #[error(
+        "alignment in motion needs more speeding up, braking or turning: the velocity changes fit more than one attitude"
+    )]
+    Ambiguous,
+    /// They give the attitude with too large a standard deviation \[rad\].
+    #[error(
+        "the attitude from velocity changes is uncertain by {:.1} deg: alignment in motion needs more speeding up, braking or turning, or the noise model is too pessimistic", .0.to_degrees()
+    )]
+    Uncertain(f64),
+    /// The log ended while the attitude had this standard deviation \[rad\].
+    #[error("the log ended while the attitude was still uncertain by {:.1} deg", .0.to_degrees())]
+    Settling(f64),
+    /// Samples and fixes do not fit together: the squared residuals over what they should be.
+    #[error(
+        "samples and fixes are inconsistent (squared residuals {0:.0} times the expected): check axes, units, time columns and standard deviations"
+    )]
+    Misfit(f64),
+}
+
+/// Without speed there is no change of velocity either: one reason is enough.
+fn of_attitude(rest: &RestFailure, motion: &MotionFailure) -> String {
+    match (rest, motion) {
+        (
+            RestFailure::TooSlow { .. } | RestFailure::NeverMoved { .. },
+            MotionFailure::NoVelocity | MotionFailure::TooFew | MotionFailure::TooSteady { .. },
+        ) => rest.to_string(),
+        _ => format!("{rest}, and {motion}"),
+    }
+}
+
+impl MotionFailure {
+    /// How far the search came.
+    pub(super) fn stage(&self) -> u8 {
+        match self {
+            Self::NoVelocity => 0,
+            Self::TooFew => 1,
+            Self::TooSteady { .. } => 2,
+            Self::Ambiguous => 3,
+            Self::Uncertain(_) => 4,
+            Self::Settling(_) => 5,
+            Self::Misfit(_) => 6,
+        }
+    }
+}

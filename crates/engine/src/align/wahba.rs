@@ -1,0 +1,394 @@
+//! Attitude and biases from velocity changes: what Wahba's problem becomes when the gyros that carry the
+//! attitude have an unknown bias.
+//!
+//! GNSS gives the velocity changes in `n`, the sensors the same changes in the axes of the window's
+//! start (`Segment`): the attitude between them is found (optimisation-based alignment, Wu & Pan
+//! 2013). A turn-on bias of degrees a second turns the window about, so attitude at the start,
+//! gyro bias and accelerometer bias are one nonlinear least-squares problem, solved by
+//! Levenberg-Marquardt from many headings; a second minimum as good as the first means wait.
+//!
+//! The sensors' white noise makes velocity and attitude wander on the way. Both are states of a Kalman
+//! filter that whitens the residuals, and the parameters' effect runs through it beside the
+//! data: generalised least squares (Rosenberg 1973; de Jong 1991). All is linear about one trajectory, so
+//! nothing becomes certain by moving the point of linearisation, as in an extended filter that starts
+//! with a wide heading.
+
+use super::segments::Segment;
+use crate::settings::AlignmentMotionSettings;
+use alloc::vec::Vec;
+#[allow(unused_imports, reason = "the standard library has its methods itself")]
+use nalgebra::ComplexField;
+use nalgebra::{SMatrix, SVector};
+use undrift_nav::{
+    Matrix3, Quaternion, Vector3,
+    attitude::{from_rotation_vector, skew},
+    earth::{Geodetic, LocalEarth},
+    preintegration::Preintegrated,
+};
+
+/// Attitude at the start of the window and constant biases in it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Guess {
+    /// Body to navigation.
+    pub(super) q_nb: Quaternion,
+    /// What the gyros read too much [rad/s].
+    pub(super) gyro: Vector3,
+    /// What the accelerometers read too much [m/s²].
+    pub(super) accel: Vector3,
+}
+
+/// A guess that has been improved, and what it costs.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Minimum {
+    pub(super) guess: Guess,
+    /// Attitude at the end of the window.
+    pub(super) end: Quaternion,
+    /// Sum of squared whitened residuals, prior included.
+    pub(super) cost: f64,
+}
+
+/// Everything but the guess.
+pub(super) struct Problem<'a> {
+    pub(super) set: &'a AlignmentMotionSettings,
+    /// In order of time; the first one is the start.
+    pub(super) segments: &'a [Segment],
+    /// Gyro bias about which they are linear [rad/s].
+    pub(super) reference: Vector3,
+    /// About where.
+    pub(super) place: Geodetic,
+    /// IMU → antenna, body axes \[m\].
+    pub(super) lever_arm: Vector3,
+    /// Prior means and variances of gyro and accelerometer bias.
+    pub(super) gyro: (Vector3, Vector3),
+    pub(super) accel: (Vector3, Vector3),
+    /// Squared densities of the sensors' white noise [rad²/s], [m²/s³].
+    pub(super) gyro_noise: f64,
+    pub(super) accel_noise: f64,
+}
+
+/// Attitude error at the start in body axes, gyro bias, accelerometer bias.
+type Unknowns = SVector<f64, 9>;
+type Information = SMatrix<f64, 9, 9>;
+
+/// Truth less estimate of velocity in `n` [m/s], attitude in body axes \[rad\], gyro bias [rad/s] and
+/// accelerometer bias [m/s²] at the end of the window: its covariance.
+pub(super) type EndCovariance = SMatrix<f64, 12, 12>;
+
+/// A guess put through the window up to some segment: cost with its linearisation `JᵀJ` and `Jᵀr`, and how far it came.
+#[derive(Default)]
+struct Linearised {
+    cost: f64,
+    information: Information,
+    gradient: Unknowns,
+    q_nb: Quaternion,
+    v_n: Vector3,
+    /// What has wandered in the attitude, body axes \[rad\].
+    turned: Vector3,
+    /// Errors of velocity in `n` and attitude in body axes: the wander's covariance, and the effect of the parameters,
+    /// column by column.
+    wander: [[f64; 6]; 6],
+    effect: [[f64; 6]; 9],
+}
+
+/// A matrix times a vector. Written out, like all that is done for each segment: it is where an alignment spends its
+/// time, and nalgebra's products of small matrices call a function for each column.
+#[inline(always)]
+fn times(matrix: &Matrix3, x: &[f64; 3]) -> [f64; 3] {
+    let mut product = [0.0; 3];
+    for j in 0..3 {
+        for i in 0..3 {
+            product[i] += matrix[(i, j)] * x[j];
+        }
+    }
+    product
+}
+
+/// Adds to the velocity's or, from 3 on, the attitude's part of a column.
+#[inline(always)]
+fn add(column: &mut [f64; 6], from: usize, part: &[f64; 3]) {
+    for i in 0..3 {
+        column[from + i] += part[i];
+    }
+}
+
+/// What errors of velocity and attitude become in a segment: `lean` takes attitude to velocity, `back` the axes along.
+#[inline(always)]
+fn carry(column: &mut [f64; 6], lean: &Matrix3, back: &Matrix3) {
+    let turned = [column[3], column[4], column[5]];
+    add(column, 0, &times(lean, &turned));
+    column[3..].copy_from_slice(&times(back, &turned));
+}
+
+impl Linearised {
+    /// Carries wander and effect over a segment: `c` takes its first axes to `n`.
+    #[inline(always)]
+    fn carry(&mut self, motion: &Preintegrated, c: &Matrix3, lean: &Matrix3, back: &Matrix3) {
+        for column in &mut self.effect {
+            carry(column, lean, back);
+        }
+        for i in 0..3 {
+            let column = |of: &Matrix3| of.column(i).into();
+            let [by_g, by_a] = [&motion.dvel_by_g, &motion.dvel_by_a];
+            add(&mut self.effect[3 + i], 0, &times(c, &column(by_g)));
+            add(&mut self.effect[3 + i], 3, &column(&motion.turn_by_g));
+            add(&mut self.effect[6 + i], 0, &times(c, &column(by_a)));
+        }
+        let wander = &mut self.wander;
+        // Symmetric: carried on both sides.
+        for _ in 0..2 {
+            for column in &mut *wander {
+                carry(column, lean, back);
+            }
+            for i in 0..6 {
+                for j in 0..i {
+                    (wander[i][j], wander[j][i]) = (wander[j][i], wander[i][j]);
+                }
+            }
+        }
+    }
+
+    /// Updates with the velocity of the IMU at the end of a segment, component by component.
+    #[inline(always)]
+    fn update(&mut self, v_n: &Vector3, variance: &Vector3) {
+        for axis in 0..3 {
+            let sum = self.wander[axis][axis] + variance[axis];
+            let residual = v_n[axis] - self.v_n[axis];
+            let (mut row, mut gain) = ([0.0; 9], [0.0; 6]);
+            for i in 0..9 {
+                row[i] = self.effect[i][axis];
+            }
+            for i in 0..6 {
+                gain[i] = self.wander[axis][i] / sum;
+            }
+            self.cost += residual * residual / sum;
+            for i in 0..9 {
+                let weighed = row[i] / sum;
+                self.gradient[i] += weighed * residual;
+                for j in 0..9 {
+                    self.information[(j, i)] += weighed * row[j];
+                }
+                for j in 0..6 {
+                    self.effect[i][j] -= gain[j] * row[i];
+                }
+            }
+            for i in 0..3 {
+                self.v_n[i] += gain[i] * residual;
+                self.turned[i] += gain[3 + i] * residual;
+            }
+            for i in 0..6 {
+                for j in 0..6 {
+                    self.wander[i][j] -= gain[i] * gain[j] * sum;
+                }
+            }
+        }
+    }
+}
+
+impl Problem<'_> {
+    /// A guess at the start of the window, with the priors of the biases; `gyro` is the mean of the gyro prior.
+    fn start(&self, guess: &Guess, gyro: &Vector3) -> Linearised {
+        let mut at = Linearised {
+            q_nb: guess.q_nb,
+            ..Linearised::default()
+        };
+        for i in 0..3 {
+            at.effect[i][3 + i] = 1.0;
+            for (at_bias, value, mean, variance) in [
+                (3 + i, guess.gyro[i], gyro[i], self.gyro.1[i]),
+                (6 + i, guess.accel[i], self.accel.0[i], self.accel.1[i]),
+            ] {
+                let miss = mean - value;
+                at.cost += miss * miss / variance;
+                at.information[(at_bias, at_bias)] += 1.0 / variance;
+                at.gradient[at_bias] += miss / variance;
+            }
+        }
+        at
+    }
+
+    /// The guess put through the first `count` segments; `gyro` is the mean of the gyro prior.
+    fn linearise(&self, guess: &Guess, count: usize, gyro: &Vector3) -> Linearised {
+        let earth = LocalEarth::at(&self.place);
+        let gravity = Vector3::new(0.0, 0.0, earth.gravity);
+        let by_gyro = guess.gyro - self.reference;
+        let mut at = self.start(guess, gyro);
+        for (k, s) in self.segments.iter().take(count).enumerate() {
+            let c = at.q_nb.to_rotation_matrix().into_inner();
+            let dvel =
+                s.motion.dvel + s.motion.dvel_by_g * by_gyro + s.motion.dvel_by_a * guess.accel;
+            let frame = earth.earth_rate() + earth.transport_rate(&s.v_n);
+            let turn = s.motion.turn * from_rotation_vector(&(s.motion.turn_by_g * by_gyro));
+            let back = turn.to_rotation_matrix().transpose().into_inner();
+            let lean = -c * skew(&dvel);
+
+            at.v_n += c * dvel
+                + lean * at.turned
+                + (gravity - (frame + earth.earth_rate()).cross(&s.v_n)) * s.motion.dt;
+            at.turned = back * at.turned;
+            at.carry(&s.motion, &c, &lean, &back);
+            for i in 0..3 {
+                at.wander[i][i] += self.accel_noise * s.motion.dt;
+                at.wander[3 + i][3 + i] += self.gyro_noise * s.motion.dt;
+            }
+            at.q_nb = from_rotation_vector(&(-frame * s.motion.dt)) * at.q_nb * turn;
+
+            let v_n = s.v_n - at.q_nb * (s.omega_b - by_gyro).cross(&self.lever_arm);
+            if k > 0 {
+                at.update(&v_n, &s.variance);
+                continue;
+            }
+            at.v_n = v_n;
+            for i in 0..3 {
+                at.wander[i][i] = s.variance[i];
+            }
+        }
+        at.q_nb *= from_rotation_vector(&at.turned);
+        at
+    }
+
+    /// The end of the window after [`Problem::refine`]: attitude, velocity of the IMU and their covariance
+    /// with the biases'; `None` where something is not determined at all.
+    pub(super) fn end(&self, guess: &Guess) -> Option<(Quaternion, Vector3, EndCovariance)> {
+        let linear = self.linearise(guess, self.segments.len(), &self.gyro.0);
+        let parameters = linear.information.try_inverse()?;
+        let mut effect = SMatrix::<f64, 12, 9>::zeros();
+        effect
+            .fixed_view_mut::<6, 9>(0, 0)
+            .copy_from(&linear.effect.into());
+        effect.fixed_view_mut::<6, 6>(6, 3).fill_with_identity();
+        let mut covariance = effect * parameters * effect.transpose();
+        let mut wander = covariance.fixed_view_mut::<6, 6>(0, 0);
+        wander += SMatrix::from(linear.wander);
+        Some((linear.q_nb, linear.v_n, covariance))
+    }
+
+    /// Improves a guess on the first `count` segments. Levenberg-Marquardt; Nocedal & Wright, section 10.3.
+    fn improve(&self, guess: &Guess, count: usize, gyro: &Vector3) -> Minimum {
+        let mut best = *guess;
+        let mut linear = self.linearise(&best, count, gyro);
+        let mut damping = 1e-3;
+        for _ in 0..self.set.iterations {
+            let mut matrix = linear.information;
+            for i in 0..9 {
+                matrix[(i, i)] *= 1.0 + damping;
+            }
+            // The attitude has no prior: without motion its heading is held by this.
+            for i in 0..3 {
+                matrix[(i, i)] += 1e-6;
+            }
+            let Some(factor) = nalgebra::Cholesky::new(matrix) else {
+                break;
+            };
+            let step = factor.solve(&linear.gradient);
+            let part = |at: usize| Vector3::new(step[at], step[at + 1], step[at + 2]);
+            let next = Guess {
+                q_nb: best.q_nb * from_rotation_vector(&part(0)),
+                gyro: best.gyro + part(3),
+                accel: best.accel + part(6),
+            };
+            let tried = self.linearise(&next, count, gyro);
+            if tried.cost <= linear.cost {
+                // What a whole step promises: small next to one standard deviation's, 1.
+                let promised = linear.gradient.dot(&step);
+                (best, linear) = (next, tried);
+                if promised < 1e-4 && damping < 1e-9 {
+                    break;
+                }
+                damping *= 0.03;
+            } else {
+                damping *= 10.0;
+                if damping > 1e6 {
+                    break;
+                }
+            }
+        }
+        Minimum {
+            guess: best,
+            end: linear.q_nb,
+            cost: linear.cost,
+        }
+    }
+
+    /// A solution improved on the whole window.
+    pub(super) fn refine(&self, guess: &Guess) -> Minimum {
+        self.improve(guess, self.segments.len(), &self.gyro.0)
+    }
+
+    /// The minima found from all headings, best first.
+    pub(super) fn solve(&self) -> Vec<Minimum> {
+        let n = self.segments.len();
+        // The first two seconds' mean specific force in `n` and in body axes: all but the turn about it.
+        let (mut t, mut early) = (0.0, 1);
+        while early + 1 < n && t < 2.0 {
+            t += self.segments[early].motion.dt;
+            early += 1;
+        }
+        let (mut body, mut turn, mut span) = (Vector3::zeros(), Quaternion::identity(), 0.0);
+        for s in &self.segments[..early] {
+            body += turn * s.motion.dvel;
+            turn *= s.motion.turn;
+            span += s.motion.dt;
+        }
+        let gravity = Vector3::new(0.0, 0.0, LocalEarth::at(&self.place).gravity);
+        let change = self.segments[early - 1].v_n - self.segments[0].v_n;
+        let force = change - gravity * span;
+        let (Some(up), Some(level)) = (
+            force.try_normalize(1e-9),
+            Quaternion::rotation_between(&body, &force).or_else(|| {
+                let across = body.cross(&Vector3::x()).try_normalize(1e-9)?;
+                Some(from_rotation_vector(&(across * core::f64::consts::PI)))
+            }),
+        ) else {
+            return Vec::new();
+        };
+
+        // A gyro bias about the vertical shows last of all: several are tried where the window could turn by it.
+        let duration: f64 = self.segments.iter().map(|s| s.motion.dt).sum();
+        let turn_on = self.gyro.1.max().sqrt();
+        let drifts: &[f64] = if turn_on * duration > 0.5 {
+            &[0.0, -1.3, 1.3]
+        } else {
+            &[0.0]
+        };
+        let mut found: Vec<Minimum> = Vec::new();
+        for heading in 0..self.set.headings {
+            let angle = core::f64::consts::TAU * heading as f64 / self.set.headings as f64;
+            let q_nb = from_rotation_vector(&(up * angle)) * level;
+            for drift in drifts {
+                let mut guess = Guess {
+                    q_nb,
+                    gyro: self.gyro.0 + q_nb.inverse() * Vector3::z() * (drift * turn_on),
+                    accel: self.accel.0,
+                };
+                let mean = guess.gyro;
+                // From a short part of the window to all of it: the sensors' axes must not have turned away.
+                for part in [n / 4, n / 2] {
+                    if part >= 4 {
+                        guess = self.improve(&guess, part, &mean).guess;
+                    }
+                }
+                let solution = self.refine(&guess);
+                if !solution.cost.is_finite() {
+                    continue;
+                }
+                match found
+                    .iter_mut()
+                    .find(|other| other.is_near(&solution, self.set.same))
+                {
+                    Some(same) if same.cost <= solution.cost => {}
+                    Some(same) => *same = solution,
+                    None => found.push(solution),
+                }
+            }
+        }
+        found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        found
+    }
+}
+
+impl Minimum {
+    /// Whether another one is the same minimum, at the start and at the end of the window.
+    fn is_near(&self, other: &Self, same: f64) -> bool {
+        self.guess.q_nb.angle_to(&other.guess.q_nb) < same && self.end.angle_to(&other.end) < same
+    }
+}

@@ -1,0 +1,67 @@
+//! Samples in place of missing ones.
+
+#[allow(unused_imports, reason = "the standard library has its methods itself")]
+use nalgebra::ComplexField;
+use undrift_nav::{Vector3, sample::ImuSample};
+
+/// The samples missing before one, made one by one: rates on a line from the last sample's to this one's.
+#[derive(Clone)]
+pub(super) struct Bridge {
+    /// End of the gap \[s\].
+    end: f64,
+    /// Interval of the samples made \[s\].
+    dt: f64,
+    steps: u64,
+    made: u64,
+    /// Angular rate [rad/s] and specific force [m/s²] before and after the gap.
+    from: (Vector3, Vector3),
+    to: (Vector3, Vector3),
+    /// In a gap too long to interpolate over: since when the covariance has yet to grow \[s\].
+    pub(super) unknown_since: Option<f64>,
+}
+
+impl Bridge {
+    /// Over the interval of `sample`, after the sample `before`; a gap longer than `longest` \[s\] is not
+    /// interpolated over.
+    pub(super) fn new(
+        sample: &ImuSample,
+        before: Option<&ImuSample>,
+        interval: f64,
+        longest: f64,
+    ) -> Self {
+        let steps = (sample.dt / interval).round().clamp(2.0, 1e6);
+        let rate = |s: &ImuSample| (s.dtheta / s.dt, s.dvel / s.dt);
+        let to = rate(sample);
+        Self {
+            end: sample.time,
+            dt: sample.dt / steps,
+            steps: steps as u64,
+            made: 0,
+            from: before.map_or(to, rate),
+            to,
+            unknown_since: (sample.dt > longest).then_some(sample.time - sample.dt),
+        }
+    }
+
+    /// End of the last sample made \[s\].
+    pub(super) fn reached(&self) -> f64 {
+        self.end - (self.steps - self.made) as f64 * self.dt
+    }
+
+    pub(super) fn next(&mut self) -> Option<ImuSample> {
+        if self.made == self.steps {
+            return None;
+        }
+        self.made += 1;
+        let weight = self.made as f64 / self.steps as f64;
+        Some(ImuSample {
+            time: self.reached(),
+            dt: self.dt,
+            dtheta: (self.from.0 * (1.0 - weight) + self.to.0 * weight) * self.dt,
+            dvel: (self.from.1 * (1.0 - weight) + self.to.1 * weight) * self.dt,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;

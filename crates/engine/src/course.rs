@@ -1,0 +1,108 @@
+//! Course against heading: what tells of a heading that position and velocity hardly see.
+//!
+//! A vehicle that drives straight goes where it points, but for a slip or a crab angle that changes slowly. How far
+//! course and heading usually are apart is learned; where that changes for good, it is the heading that went wrong (a
+//! gyro's bias that jumped, a scale factor), and its σ grows to what is seen.
+
+use super::summary::Summary;
+use crate::median::{median, upper_median};
+use crate::{estimator::Estimator, settings::CourseWatchSettings};
+#[allow(unused_imports, reason = "the standard library has its methods itself")]
+use nalgebra::{ComplexField, RealField};
+use undrift_nav::{Vector3, attitude::to_rpy, earth::wrap_pi, sample::GnssFix};
+
+/// Differences that the usual one is taken from, one a second.
+const USUAL: usize = 120;
+/// Differences that the present one is taken from.
+const RECENT: usize = 8;
+
+/// Watches the course against the heading.
+#[derive(Clone)]
+pub(super) struct CourseWatch {
+    set: CourseWatchSettings,
+    last: f64,
+    usual: [f64; USUAL],
+    learned: usize,
+    recent: [f64; RECENT],
+    seen: usize,
+    /// Whether the heading is in doubt.
+    doubted: bool,
+}
+
+impl CourseWatch {
+    pub(super) fn new(set: CourseWatchSettings) -> Self {
+        Self {
+            set,
+            last: f64::NEG_INFINITY,
+            usual: [0.0; USUAL],
+            learned: 0,
+            recent: [0.0; RECENT],
+            seen: 0,
+            doubted: false,
+        }
+    }
+
+    /// Looks at a fix that the filter was shown.
+    pub(super) fn fix(&mut self, filter: &mut dyn Estimator, fix: &GnssFix, summary: &mut Summary) {
+        let set = &self.set;
+        let Some((v, r)) = fix.velocity else { return };
+        let speed = v.xy().norm();
+        let course_std = (0.5 * (r[(0, 0)] + r[(1, 1)])).max(0.0).sqrt() / speed;
+        let straight = filter.omega_nb_b().norm() < set.straight;
+        // Axes that are far from level have no heading, and no vertical gyro.
+        let level = (filter.nav().q_nb * Vector3::z()).z > set.level;
+        let heading_std = filter.nav_std()[8];
+        if fix.time - self.last < 1.0
+            || speed < set.speed
+            || course_std > set.course_std
+            || !straight
+            || !level
+        {
+            return;
+        }
+        if fix.time - self.last > set.apart {
+            self.seen = 0;
+        }
+        self.last = fix.time;
+        let heading = to_rpy(&filter.nav().q_nb).z;
+        let off = wrap_pi(v.y.atan2(v.x) - heading);
+        self.recent[self.seen % RECENT] = off;
+        self.seen += 1;
+        if self.seen < RECENT {
+            return;
+        }
+        if self.learned < set.least {
+            self.learn(off, heading_std);
+            return;
+        }
+        let mut usual = self.usual;
+        let usual = &mut usual[..self.learned.min(USUAL)];
+        let middle = upper_median(usual);
+        usual
+            .iter_mut()
+            .for_each(|x| *x = wrap_pi(*x - middle).abs());
+        let spread = (1.4826 * upper_median(usual)).max(set.least_spread);
+        let shift = median(&self.recent.map(|x| wrap_pi(x - middle)));
+        if shift.abs() < set.spreads * spread || shift.abs() < set.sigmas * heading_std {
+            self.doubted &= shift.abs() > set.spreads * spread;
+            if !self.doubted {
+                self.learn(off, heading_std);
+            }
+            return;
+        }
+        let lacking = (shift * shift - heading_std * heading_std).sqrt();
+        filter.doubt_heading(lacking, lacking / RECENT as f64);
+        summary.heading_off(fix.time, shift, self.doubted);
+        self.doubted = true;
+    }
+
+    fn learn(&mut self, off: f64, heading_std: f64) {
+        if heading_std < self.set.known {
+            self.usual[self.learned % USUAL] = off;
+            self.learned += 1;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,175 @@
+//! What a fix says of the antenna: its place, and its velocity where the receiver reports positions only.
+
+use crate::settings::DerivedVelocitySettings;
+use alloc::collections::VecDeque;
+use alloc::vec::Vec;
+#[allow(unused_imports, reason = "the standard library has its methods itself")]
+use nalgebra::ComplexField;
+use undrift_nav::{
+    Matrix3, Vector3,
+    earth::Geodetic,
+    sample::{GnssFix, Position},
+};
+
+/// The antenna's place.
+pub fn antenna(fix: &GnssFix) -> Option<Geodetic> {
+    match &fix.position.as_ref()?.0 {
+        Position::Geodetic(geodetic) => Some(*geodetic),
+        Position::Baseline { base, ned } => Some(Geodetic::from_ecef(
+            &(base.to_ecef() + base.ned_from_ecef().transpose() * ned),
+        )),
+    }
+}
+
+/// A velocity and its covariance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct DerivedVelocity {
+    /// When it held: the middle of the positions \[s\].
+    pub(crate) time: f64,
+    /// Over ground, north, east, down [m/s].
+    pub(crate) v_n: Vector3,
+    /// Its covariance [m²/s²].
+    pub(crate) covariance: Matrix3,
+}
+
+/// The last positions.
+#[derive(Clone, Default)]
+pub(crate) struct Positions {
+    set: DerivedVelocitySettings,
+    last: VecDeque<(f64, Geodetic)>,
+}
+
+impl Positions {
+    pub(crate) fn new(set: DerivedVelocitySettings) -> Self {
+        Self {
+            set,
+            ..Self::default()
+        }
+    }
+
+    /// The slope of a straight line through the last positions; its covariance is that of what they scatter about it, so
+    /// that a bend and white noise count and an error that lasts does not. `None` of a fix with a velocity and before
+    /// there are enough.
+    pub(crate) fn add(&mut self, fix: &GnssFix) -> Option<DerivedVelocity> {
+        if fix.velocity.is_some() {
+            return None;
+        }
+        let place = antenna(fix)?;
+        if self.last.back().is_some_and(|(time, _)| fix.time <= *time) {
+            return None;
+        }
+        self.last.push_back((fix.time, place));
+        while let Some((first, _)) = self.last.front()
+            && (fix.time - first > self.set.span && self.last.len() > self.set.least
+                || fix.time - first > self.set.longest)
+        {
+            self.last.pop_front();
+        }
+        slope(self.last.make_contiguous(), &self.set)
+    }
+}
+
+/// The slope of a straight line through positions, with the covariance that their scatter about it gives.
+fn slope(places: &[(f64, Geodetic)], set: &DerivedVelocitySettings) -> Option<DerivedVelocity> {
+    let (first, origin) = *places.first()?;
+    let (last, _) = *places.last()?;
+    if places.len() < set.least || last - first < 0.5 * set.span {
+        return None;
+    }
+    let track = places.iter();
+    let track = track.map(|(time, place)| (time - first, origin.offset_to(place)));
+    let track: Vec<(f64, Vector3)> = track.collect();
+    let count = track.len() as f64;
+    let middle = track.iter().map(|(t, _)| t).sum::<f64>() / count;
+    let mean = track.iter().map(|(_, r)| r).sum::<Vector3>() / count;
+    let power: f64 = track.iter().map(|(t, _)| (t - middle).powi(2)).sum();
+    let slope = track.iter().map(|(t, r)| r * (t - middle));
+    let v_n = slope.sum::<Vector3>() / power;
+    let rest = track
+        .iter()
+        .map(|(t, r)| r - mean - v_n * (t - middle))
+        .map(|rest| rest.component_mul(&rest));
+    let variance = rest.sum::<Vector3>() / (count - 2.0) / power;
+    let floor = set.floor * set.floor;
+    Some(DerivedVelocity {
+        time: first + middle,
+        v_n,
+        covariance: Matrix3::from_diagonal(&variance.map(|v| v + floor)),
+    })
+}
+
+/// Fixes of which none has a velocity, with the slope of the positions about each one: for what may look ahead.
+pub fn with_velocities(mut fixes: Vec<GnssFix>, set: &DerivedVelocitySettings) -> Vec<GnssFix> {
+    if fixes.iter().any(|fix| fix.velocity.is_some()) {
+        return fixes;
+    }
+    let place = |fix: &GnssFix| Some((fix.time, antenna(fix)?));
+    let places: Vec<(f64, Geodetic)> = fixes.iter().filter_map(place).collect();
+    let half = 0.5 * set.span;
+    for fix in &mut fixes {
+        let from = places.partition_point(|(time, _)| *time < fix.time - half);
+        let to = places.partition_point(|(time, _)| *time <= fix.time + half);
+        let around = places.get(from..to).and_then(|around| slope(around, set));
+        // At the ends the line has its middle elsewhere.
+        let around = around.filter(|v| (v.time - fix.time).abs() < 0.25 * half);
+        fix.velocity = around.map(|velocity| (velocity.v_n, velocity.covariance));
+    }
+    fixes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use undrift_nav::sample::FixQuality;
+
+    fn fixes(rate: f64, wobble: f64) -> impl Iterator<Item = GnssFix> {
+        let start = Geodetic::from_degrees(47.0, 8.0, 400.0);
+        (0..40).map(move |k| {
+            let time = f64::from(k) / rate;
+            let side = if k % 2 == 0 { wobble } else { -wobble };
+            let place = start.displaced(&Vector3::new(3.0 * time, -4.0 * time + side, 0.0));
+            GnssFix {
+                time,
+                position: Some((Position::Geodetic(place), Matrix3::identity())),
+                velocity: None,
+                quality: FixQuality::Unknown,
+            }
+        })
+    }
+
+    #[test]
+    fn a_straight_track_has_its_velocity_in_the_middle() {
+        let mut positions = Positions::new(DerivedVelocitySettings::default());
+        let found: Vec<_> = fixes(5.0, 0.0)
+            .filter_map(|fix| positions.add(&fix))
+            .collect();
+        let last = found.last().unwrap();
+        // The span of the last positions is two seconds; an offset over the ellipsoid is exact to 1e-6 of it.
+        assert!((last.time - (39.0 / 5.0 - 1.0)).abs() < 1e-9, "{last:?}");
+        assert!(
+            (last.v_n - Vector3::new(3.0, -4.0, 0.0)).norm() < 1e-4,
+            "{last:?}"
+        );
+    }
+
+    #[test]
+    fn scatter_is_in_the_covariance_and_velocities_are_left_alone() {
+        let set = DerivedVelocitySettings::default();
+        let mut positions = Positions::new(set);
+        let found = fixes(5.0, 0.5).filter_map(|fix| positions.add(&fix)).last();
+        let covariance = found.unwrap().covariance;
+        // Eleven points, 0.5 m to each side: σ² = 0.25·11/9, Σ(t − t̄)² = 0.04·110.
+        let east = 0.25 * 11.0 / 9.0 / 4.4 + set.floor * set.floor;
+        assert!(
+            (covariance[(1, 1)] / east - 1.0).abs() < 0.02,
+            "{covariance}"
+        );
+        assert!(covariance[(0, 0)] < 1.01 * set.floor * set.floor);
+        let with_velocity = |fix: GnssFix| GnssFix {
+            velocity: Some((Vector3::zeros(), Matrix3::identity())),
+            ..fix
+        };
+        let mut positions = Positions::new(set);
+        assert!(fixes(5.0, 0.0).all(|fix| positions.add(&with_velocity(fix)).is_none()));
+    }
+}

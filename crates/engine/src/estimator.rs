@@ -1,0 +1,670 @@
+//! A filter of any size behind one set of calls, so that what drives it is compiled once.
+//!
+//! [`build`] picks the smallest size that holds the models' states. Replays, observers and Python use
+//! [`Estimator`] only; nothing but this file knows the sizes.
+
+use alloc::{boxed::Box, sync::Arc};
+#[allow(unused_imports, reason = "the standard library has its methods itself")]
+use nalgebra::ComplexField;
+use nalgebra::{DMatrix, DMatrixView, DVector, SMatrix, SVector};
+use undrift_nav::{
+    Matrix3, Quaternion, Vector3,
+    aiding::Observation,
+    attitude,
+    covariance::{AXES, NAV, Sensors},
+    earth::Geodetic,
+    filter::{Each, Filter, FilterError, Gate, InitialStd, Outcome, Update},
+    mechanisation::NavState,
+    parameters::{Parameter, Parameters},
+    sample::{ImuSample, Position},
+    shaping::ShapingFilter,
+    tape::Tape,
+};
+
+/// Stamps closer than this \[s\] are the same instant.
+pub const STAMP_ROUNDING: f64 = 1e-6;
+
+/// A measurement that a filter is updated with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Aiding {
+    /// GNSS position.
+    Position {
+        /// As measured.
+        position: Position,
+        /// IMU → antenna, body axes \[m\].
+        lever_arm: Vector3,
+        /// Standard deviation of the time-correlated part of its error, in its own axes \[m\].
+        correlated: Vector3,
+        /// When it holds \[s\]: the filter stands there or after it.
+        due: f64,
+    },
+    /// GNSS velocity.
+    Velocity {
+        /// North-east-down \[m/s\].
+        v_n: Vector3,
+        /// IMU → antenna, body axes \[m\].
+        lever_arm: Vector3,
+        /// Standard deviation of the time-correlated part of its error \[m/s\].
+        correlated: Vector3,
+        /// When it holds \[s\]: the filter stands there or after it.
+        due: f64,
+    },
+    /// Heading by the course over ground \[rad\].
+    Course(f64),
+    /// The vehicle stands.
+    ZeroVelocity,
+    /// The body turns with the Earth: angular rate as read \[rad/s\].
+    EarthRate(Vector3),
+    /// The body stands: specific force as read \[m/s²\].
+    Level(Vector3),
+    /// No velocity across the vehicle at this point, IMU → axle, body axes \[m\].
+    NonHolonomic(Vector3),
+    /// Speed of a wheel.
+    Odometer {
+        /// Forward positive \[m/s\].
+        speed: f64,
+        /// IMU → wheel, body axes \[m\].
+        lever_arm: Vector3,
+    },
+    /// Height by a barometer \[m\].
+    Barometer(f64),
+}
+
+/// What an update belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Channel {
+    /// GNSS position.
+    Position,
+    /// GNSS velocity.
+    Velocity,
+    /// No velocity across the vehicle.
+    NonHolonomic,
+    /// Any other.
+    Other,
+}
+
+impl Aiding {
+    fn channel(&self) -> Channel {
+        match self {
+            Self::Position { .. } => Channel::Position,
+            Self::Velocity { .. } => Channel::Velocity,
+            Self::NonHolonomic(_) => Channel::NonHolonomic,
+            _ => Channel::Other,
+        }
+    }
+}
+
+/// What is written down of a filter's run ([`Estimator::log_to`]): with it the run can be done again under other
+/// noise, as a linear filter about the solution of this one.
+#[derive(Clone, Debug)]
+pub enum Logged {
+    /// Navigation began, at this time \[s\], with this covariance.
+    Start(f64, DMatrix<f64>),
+    /// An update was made.
+    Update(Box<LoggedUpdate>),
+}
+
+/// Where the updates go.
+#[derive(Clone)]
+pub struct LogTo(Arc<dyn Fn(Logged) + Send + Sync>);
+
+impl LogTo {
+    /// Each is given to this.
+    pub fn new(each: impl Fn(Logged) + Send + Sync + 'static) -> Self {
+        Self(Arc::new(each))
+    }
+}
+
+impl core::fmt::Debug for LogTo {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("LogTo")
+    }
+}
+
+/// An update, and the way to it from the one before or the start.
+#[derive(Clone, Debug)]
+pub struct LoggedUpdate {
+    /// Time of the filter \[s\].
+    pub time: f64,
+    /// What was measured.
+    pub channel: Channel,
+    /// Transition of the error from after the update before.
+    pub transition: DMatrix<f64>,
+    /// Measurement matrix, a row for each component.
+    pub h: DMatrix<f64>,
+    /// Predicted less measured.
+    pub innovation: DVector<f64>,
+    /// Its covariance before weakening.
+    pub noise: DMatrix<f64>,
+    /// What the gate multiplied that by.
+    pub weakened: f64,
+    /// What was taken out of the solution.
+    pub correction: DVector<f64>,
+    /// Variance of the white noise of a sample of each axis at that time \[unit²\], gyro and accelerometer x, y, z.
+    pub white: [f64; AXES],
+}
+
+/// What a smoother needs of a span of filtering ([`undrift_nav::tape`]).
+pub struct Adjoint {
+    /// T, from an error at the start of the span to what is left of it at the end.
+    pub transition: DMatrix<f64>,
+    /// The part of λ that the span's measurements bring.
+    pub gradient: DVector<f64>,
+    /// The part of Λ that the span's measurements bring; symmetric.
+    pub information: DMatrix<f64>,
+}
+
+/// As [`Estimator::vehicle_attitude`], of `q_nb`, the place of the mounting in the error state with its estimate, and
+/// the covariance: the mounting is the vehicle's attitude against the body's as the non-holonomic constraint sees it
+/// ([`undrift_nav::filter::Filter::c_bv`]), ψ + C_v^n δ its error.
+pub fn vehicle_attitude(
+    q_nb: &Quaternion,
+    mounted: Option<(usize, [f64; 2])>,
+    p: impl Fn(usize, usize) -> f64,
+) -> (Quaternion, [f64; 3]) {
+    let std = |variance: f64| variance.max(0.0).sqrt();
+    let Some((at, [pitch, yaw])) = mounted else {
+        return (*q_nb, [6, 7, 8].map(|i| std(p(i, i))));
+    };
+    let q_nv = q_nb * attitude::from_rotation_vector(&Vector3::new(0.0, pitch, yaw));
+    let c_vn = q_nv.to_rotation_matrix();
+    let variance = |i: usize| {
+        let [a, b] = [c_vn[(i, 1)], c_vn[(i, 2)]];
+        let own = a * a * p(at, at) + 2.0 * a * b * p(at, at + 1) + b * b * p(at + 1, at + 1);
+        p(6 + i, 6 + i) + 2.0 * (a * p(6 + i, at) + b * p(6 + i, at + 1)) + own
+    };
+    (q_nv, [0, 1, 2].map(|i| std(variance(i))))
+}
+
+/// An error-state filter; its methods are those of [`Filter`] where nothing else is said.
+pub trait Estimator: Send + Sync {
+    /// Position, velocity and attitude of the IMU.
+    fn nav(&self) -> &NavState;
+    /// Size of the error state in use.
+    fn states(&self) -> usize;
+    /// Covariance of the error state; rows beyond [`Estimator::states`] are zero.
+    fn covariance(&self) -> DMatrixView<'_, f64>;
+    /// Estimated sensor states and parameters at their place in the error state.
+    fn estimates(&self) -> &[f64];
+    /// The sensors' shaping filters and their places in the error state.
+    fn sensors(&self) -> &Sensors;
+    /// The parameters that are estimated.
+    fn parameters(&self) -> &Parameters;
+    /// Estimate of a parameter and its standard deviations.
+    fn parameter(&self, kind: Parameter) -> Option<([f64; 6], [f64; 6])>;
+    /// By how much positions or velocities hold later than stamped, as [`Filter::time_offset`].
+    fn time_offset(&self, kind: Parameter) -> Option<(f64, f64)>;
+    /// How long the filter has run \[s\].
+    fn since_start(&self) -> f64;
+    /// Standard deviations of position \[m\], velocity \[m/s\] and misalignment \[rad\].
+    fn nav_std(&self) -> [f64; NAV];
+    /// Estimated sensor errors \[rad/s, m/s²\].
+    fn sensor_error(&self) -> [f64; AXES];
+    /// Their standard deviations \[rad/s, m/s²\].
+    fn sensor_error_std(&self) -> [f64; AXES];
+    /// Angular rate of the body against the navigation frame \[rad/s\].
+    fn omega_nb_b(&self) -> Vector3;
+    /// Antenna position.
+    fn antenna_position(&self, lever_b: &Vector3) -> Geodetic;
+    /// Antenna velocity, north-east-down \[m/s\].
+    fn antenna_velocity(&self, lever_b: &Vector3) -> Vector3;
+    /// Velocity of a point of the body, vehicle axes \[m/s\].
+    fn vehicle_velocity(&self, lever_b: &Vector3) -> Vector3;
+    /// Attitude of the vehicle's axes, and its standard deviations about north, east and down \[rad\]: the body's where
+    /// the mounting is not estimated.
+    fn vehicle_attitude(&self) -> (Quaternion, [f64; 3]) {
+        let (q_nb, p) = (&self.nav().q_nb, self.covariance());
+        let mounting = self.parameters().start(Parameter::Mounting);
+        let at = mounting.map(|start| self.sensors().states() + start);
+        let mounted = at.map(|at| (at, [self.estimates()[at], self.estimates()[at + 1]]));
+        vehicle_attitude(q_nb, mounted, |i, j| p[(i, j)])
+    }
+    /// Whether the solution is still one.
+    ///
+    /// # Errors
+    /// [`FilterError::Diverged`] if it is not.
+    fn check(&self) -> Result<(), FilterError>;
+
+    /// Where the sample taken up ends \[s\], if it is not done.
+    fn sample_end(&self) -> Option<f64>;
+    /// Whether there is still a solution after this sample.
+    fn bears(&self, sample: &ImuSample) -> bool;
+    /// Takes up a sample without moving yet.
+    fn begin(&mut self, sample: &ImuSample);
+    /// Moves to `time` \[s\] within the sample taken up, to its end without one.
+    fn advance(&mut self, time: Option<f64>);
+    /// Adds uncertainty for `duration` \[s\] without samples, one sigma of turn rate and acceleration.
+    fn grow(&mut self, duration: f64, rate: f64, accel: f64);
+    /// Adds uncertainty to position \[m\], velocity \[m/s\] and tilt \[rad\], one sigma.
+    fn doubt(&mut self, position: f64, velocity: f64, tilt: f64);
+    /// Sets the variance of the white noise of a sample of each axis \[rad²/s², m²/s⁴\] from now on.
+    fn set_white_noise(&mut self, variance: &[f64; AXES]);
+    /// Multiplies the covariance by a factor.
+    fn fade(&mut self, factor: f64);
+    /// Adds uncertainty to the heading \[rad\] and the error of gyro z \[rad/s\], one sigma.
+    fn doubt_heading(&mut self, heading: f64, gyro: f64);
+    /// Adds uncertainty in the turn \[rad²\] and the change of velocity \[m²/s²\] of what was just passed, body axes.
+    fn widen(&mut self, turn: &Matrix3, velocity: &Matrix3);
+    /// Innovation of a measurement, predicted less measured, zeros behind its components; `None`
+    /// where it says nothing: a course of a vehicle that points up or down.
+    fn innovation(&self, aiding: &Aiding) -> Option<Vector3>;
+    /// Updates with a measurement whose covariance is the leading block of `noise`, past a gate;
+    /// `None` where it says nothing.
+    ///
+    /// # Errors
+    /// As [`Filter::update`]; the filter is then as it was.
+    fn update(
+        &mut self,
+        aiding: &Aiding,
+        noise: &Matrix3,
+        gate: &Gate,
+    ) -> Result<Option<Update>, FilterError>;
+    /// Updates with what a window of motion says: `rows` times the errors of velocity, attitude about
+    /// body axes, gyro and accelerometer bias is noise of unit covariance.
+    ///
+    /// # Errors
+    /// As [`Estimator::update`].
+    fn update_window(&mut self, rows: &SMatrix<f64, 12, 12>) -> Result<(), FilterError>;
+    /// Takes an estimated error out; states that `error` does not reach are taken as right.
+    fn take_out(&mut self, error: &[f64]);
+    /// Puts the navigation state elsewhere.
+    fn set_nav(&mut self, nav: NavState);
+    /// Sets the estimated sensor errors \[rad/s, m/s²\].
+    fn set_sensor_error(&mut self, error: &[f64; AXES]);
+    /// Sets the covariance of position and velocity \[m², (m/s)²\],
+    /// as of a fix that both were taken from, whose position and velocity have time-correlated errors [m, m/s].
+    fn set_position_velocity_covariance(
+        &mut self,
+        position: &Matrix3,
+        velocity: &Matrix3,
+        correlated: &[Vector3; 2],
+    );
+
+    /// From now on updates are written down there, until [`Estimator::record`] is called.
+    fn log_to(&mut self, log: LogTo);
+    /// From now on what happens is recorded for [`Estimator::adjoint`].
+    fn record(&mut self);
+    /// What happened since [`Estimator::record`], if it was called.
+    fn adjoint(&self) -> Option<Adjoint>;
+    /// Calls `each` with every number that changes while the filter runs, as [`Filter::numbers`].
+    fn numbers(&mut self, each: &mut Each);
+    /// A copy, which records nothing.
+    fn boxed(&self) -> Box<dyn Estimator>;
+}
+
+/// A filter of the smallest size that holds the states of `sensors` and `parameters`, as
+/// [`Filter::new`].
+///
+/// # Errors
+/// As [`Filter::new`].
+pub fn build(
+    nav: NavState,
+    std: &InitialStd,
+    sensors: &[ShapingFilter; AXES],
+    parameters: Parameters,
+) -> Result<Box<dyn Estimator>, FilterError> {
+    let behind: usize = sensors.iter().map(|axis| axis.order).sum();
+    let build = match NAV + behind + parameters.states() {
+        // Four columns go at a time: one that is left costs nearly as much.
+        ..=16 => sized::<16>,
+        17..=21 => sized::<21>,
+        22..=28 => sized::<28>,
+        29..=33 => sized::<33>,
+        34..=45 => sized::<45>,
+        _ => sized::<73>,
+    };
+    build(nav, std, sensors, parameters)
+}
+
+fn sized<const N: usize>(
+    nav: NavState,
+    std: &InitialStd,
+    sensors: &[ShapingFilter; AXES],
+    parameters: Parameters,
+) -> Result<Box<dyn Estimator>, FilterError> {
+    let filter = Filter::<N>::new(nav, std, *sensors, parameters)?;
+    Ok(Box::new(Sized {
+        filter,
+        tape: None,
+        log: None,
+    }))
+}
+
+struct Sized<const N: usize> {
+    filter: Filter<N>,
+    /// Since the last call of `record`, or since the last update that was logged.
+    tape: Option<Box<Tape<N>>>,
+    log: Option<LogTo>,
+}
+
+/// A measurement as the filter takes it, by the number of its components.
+enum Observed<const N: usize> {
+    One(Observation<1, N>),
+    Two(Observation<2, N>),
+    Three(Observation<3, N>),
+}
+
+impl<const N: usize> Sized<N> {
+    fn observe(&self, aiding: &Aiding) -> Option<Observed<N>> {
+        let filter = &self.filter;
+        Some(match aiding {
+            Aiding::Position {
+                position,
+                lever_arm,
+                correlated,
+                due,
+            } => {
+                let observed = filter.observe_position(position, lever_arm);
+                let mut observed =
+                    filter.observe_fix_error(observed, Parameter::PositionError, correlated);
+                let late = filter.nav().time - due;
+                if late > STAMP_ROUNDING {
+                    let c_mn = observed.h.fixed_view::<3, 3>(0, 0);
+                    let moved = filter.antenna_velocity(lever_arm) * late
+                        - filter.acceleration() * (0.5 * late * late);
+                    observed.innovation -= c_mn * moved;
+                }
+                Observed::Three(observed)
+            }
+            Aiding::Velocity {
+                v_n,
+                lever_arm,
+                correlated,
+                due,
+            } => {
+                let observed = filter.observe_velocity(v_n, lever_arm);
+                let mut observed =
+                    filter.observe_fix_error(observed, Parameter::VelocityError, correlated);
+                let late = filter.nav().time - due;
+                if late > STAMP_ROUNDING {
+                    observed.innovation -= filter.acceleration() * late;
+                }
+                Observed::Three(observed)
+            }
+            Aiding::Course(course) => Observed::One(filter.observe_course(*course)?),
+            Aiding::ZeroVelocity => Observed::Three(filter.observe_zero_velocity()),
+            Aiding::EarthRate(rate) => Observed::Three(filter.observe_earth_rate(rate)),
+            Aiding::Level(force) => Observed::Two(filter.observe_level(force)),
+            Aiding::NonHolonomic(axle) => Observed::Two(filter.observe_non_holonomic(axle)),
+            Aiding::Odometer { speed, lever_arm } => {
+                Observed::One(filter.observe_odometer(*speed, lever_arm))
+            }
+            Aiding::Barometer(height) => Observed::One(filter.observe_barometer(*height)),
+        })
+    }
+
+    fn take_in<const M: usize>(
+        &mut self,
+        channel: Channel,
+        observed: &Observation<M, N>,
+        noise: &Matrix3,
+        gate: &Gate,
+    ) -> Result<Option<Update>, FilterError> {
+        let r = noise.fixed_view::<M, M>(0, 0).into_owned();
+        if self.log.is_some() {
+            return self.take_in_logged(channel, observed, &r, gate).map(Some);
+        }
+        let tape = self.tape.as_deref_mut();
+        self.filter.update(observed, &r, gate, tape).map(Some)
+    }
+
+    fn take_in_logged<const M: usize>(
+        &mut self,
+        channel: Channel,
+        observed: &Observation<M, N>,
+        r: &SMatrix<f64, M, M>,
+        gate: &Gate,
+    ) -> Result<Update, FilterError> {
+        let before = *self.filter.covariance();
+        let mut own = Tape::<N>::default();
+        let done = self.filter.update(observed, r, gate, Some(&mut own))?;
+        let factor = match done.outcome {
+            Outcome::Rejected => return Ok(done),
+            Outcome::Used => 1.0,
+            Outcome::Weakened(factor) => factor,
+        };
+        let correction = before * own.gradient;
+        let n = self.filter.states();
+        let turn = Vector3::new(correction[6], correction[7], correction[8]);
+        let tape = self.tape.replace(Box::new(Tape::after(&turn)));
+        let transition = tape.map_or_else(SMatrix::identity, |tape| tape.transition());
+        let update = LoggedUpdate {
+            time: self.filter.nav().time,
+            channel,
+            transition: DMatrix::from_fn(n, n, |i, j| transition[(i, j)]),
+            h: DMatrix::from_fn(M, n, |i, j| observed.h[(i, j)]),
+            innovation: DVector::from_column_slice(observed.innovation.as_slice()),
+            noise: DMatrix::from_fn(M, M, |i, j| r[(i, j)] + observed.extra[(i, j)]),
+            weakened: factor,
+            correction: DVector::from_fn(n, |i, _| correction[i]),
+            white: core::array::from_fn(|axis| self.filter.sensors().axis(axis).r),
+        };
+        if let Some(log) = &self.log {
+            // Nobody listens any more: nor is it of use.
+            (log.0)(Logged::Update(Box::new(update)));
+        }
+        Ok(done)
+    }
+}
+
+impl<const N: usize> Estimator for Sized<N> {
+    fn nav(&self) -> &NavState {
+        self.filter.nav()
+    }
+
+    fn states(&self) -> usize {
+        self.filter.states()
+    }
+
+    fn covariance(&self) -> DMatrixView<'_, f64> {
+        DMatrixView::from_slice(self.filter.covariance().as_slice(), N, N)
+    }
+
+    fn estimates(&self) -> &[f64] {
+        self.filter.estimates()
+    }
+
+    fn sensors(&self) -> &Sensors {
+        self.filter.sensors()
+    }
+
+    fn parameters(&self) -> &Parameters {
+        self.filter.parameters()
+    }
+
+    fn parameter(&self, kind: Parameter) -> Option<([f64; 6], [f64; 6])> {
+        self.filter.parameter(kind)
+    }
+
+    fn time_offset(&self, kind: Parameter) -> Option<(f64, f64)> {
+        self.filter.time_offset(kind)
+    }
+
+    fn since_start(&self) -> f64 {
+        self.filter.since_start()
+    }
+
+    fn nav_std(&self) -> [f64; NAV] {
+        self.filter.nav_std()
+    }
+
+    fn sensor_error(&self) -> [f64; AXES] {
+        self.filter.sensor_error()
+    }
+
+    fn sensor_error_std(&self) -> [f64; AXES] {
+        self.filter.sensor_error_std()
+    }
+
+    fn omega_nb_b(&self) -> Vector3 {
+        self.filter.omega_nb_b()
+    }
+
+    fn antenna_position(&self, lever_b: &Vector3) -> Geodetic {
+        self.filter.antenna_position(lever_b)
+    }
+
+    fn antenna_velocity(&self, lever_b: &Vector3) -> Vector3 {
+        self.filter.antenna_velocity(lever_b)
+    }
+
+    fn vehicle_velocity(&self, lever_b: &Vector3) -> Vector3 {
+        self.filter.vehicle_velocity(lever_b)
+    }
+
+    fn check(&self) -> Result<(), FilterError> {
+        self.filter.check()
+    }
+
+    fn sample_end(&self) -> Option<f64> {
+        self.filter.sample_end()
+    }
+
+    fn bears(&self, sample: &ImuSample) -> bool {
+        self.filter.bears(sample)
+    }
+
+    fn begin(&mut self, sample: &ImuSample) {
+        self.filter.begin(sample);
+    }
+
+    fn advance(&mut self, time: Option<f64>) {
+        let tape = self.tape.as_deref_mut();
+        match time {
+            Some(time) => self.filter.advance_to(time, STAMP_ROUNDING, tape),
+            None => self.filter.advance(1.0, tape),
+        }
+    }
+
+    fn grow(&mut self, duration: f64, rate: f64, accel: f64) {
+        self.filter.grow(duration, rate, accel);
+    }
+
+    fn doubt(&mut self, position: f64, velocity: f64, tilt: f64) {
+        self.filter.doubt(position, velocity, tilt);
+    }
+
+    fn set_white_noise(&mut self, variance: &[f64; AXES]) {
+        self.filter.set_white_noise(variance);
+    }
+
+    fn fade(&mut self, factor: f64) {
+        self.filter.fade(factor);
+    }
+
+    fn doubt_heading(&mut self, heading: f64, gyro: f64) {
+        self.filter.doubt_heading(heading, gyro);
+    }
+
+    fn widen(&mut self, turn: &Matrix3, velocity: &Matrix3) {
+        self.filter.widen(turn, velocity);
+    }
+
+    fn innovation(&self, aiding: &Aiding) -> Option<Vector3> {
+        Some(match self.observe(aiding)? {
+            Observed::One(observed) => Vector3::new(observed.innovation[0], 0.0, 0.0),
+            Observed::Two(observed) => observed.innovation.push(0.0),
+            Observed::Three(observed) => observed.innovation,
+        })
+    }
+
+    fn update(
+        &mut self,
+        aiding: &Aiding,
+        noise: &Matrix3,
+        gate: &Gate,
+    ) -> Result<Option<Update>, FilterError> {
+        let channel = aiding.channel();
+        match self.observe(aiding) {
+            None => Ok(None),
+            Some(Observed::One(observed)) => self.take_in(channel, &observed, noise, gate),
+            Some(Observed::Two(observed)) => self.take_in(channel, &observed, noise, gate),
+            Some(Observed::Three(observed)) => self.take_in(channel, &observed, noise, gate),
+        }
+    }
+
+    fn update_window(&mut self, rows: &SMatrix<f64, 12, 12>) -> Result<(), FilterError> {
+        // From the filter's errors to those of the window.
+        let mut map = SMatrix::<f64, 12, N>::zeros();
+        let c_bn = self.nav().q_nb.to_rotation_matrix().transpose();
+        map.fixed_view_mut::<3, 3>(0, 3)
+            .copy_from(&-Matrix3::identity());
+        map.fixed_view_mut::<3, 3>(3, 6).copy_from(c_bn.matrix());
+        for axis in 0..AXES {
+            let (sensor, at) = (self.sensors().axis(axis), self.sensors().start(axis));
+            for i in 0..sensor.order {
+                map[(6 + axis, at + i)] = sensor.h[i];
+            }
+        }
+        let observed = Observation {
+            innovation: SVector::zeros(),
+            h: rows * map,
+            extra: SMatrix::zeros(),
+        };
+        self.filter
+            .update(&observed, &SMatrix::identity(), &Gate::OPEN, None)
+            .map(drop)
+    }
+
+    fn take_out(&mut self, error: &[f64]) {
+        let error = |i: usize, _| error.get(i).copied().unwrap_or(0.0);
+        self.filter.take_out(&SVector::from_fn(error));
+    }
+
+    fn set_nav(&mut self, nav: NavState) {
+        self.filter.set_nav(nav);
+    }
+
+    fn set_sensor_error(&mut self, error: &[f64; AXES]) {
+        self.filter.set_sensor_error(error);
+    }
+
+    fn set_position_velocity_covariance(
+        &mut self,
+        position: &Matrix3,
+        velocity: &Matrix3,
+        correlated: &[Vector3; 2],
+    ) {
+        self.filter
+            .set_position_velocity_covariance(position, velocity);
+        self.filter.share_fix_errors(&correlated[0], &correlated[1]);
+    }
+
+    fn log_to(&mut self, log: LogTo) {
+        let n = self.filter.states();
+        let covariance = self.covariance().view((0, 0), (n, n)).into_owned();
+        (log.0)(Logged::Start(self.filter.nav().time, covariance));
+        self.log = Some(log);
+        self.tape = Some(Box::default());
+    }
+
+    fn record(&mut self) {
+        self.log = None;
+        self.tape = Some(Box::default());
+    }
+
+    fn adjoint(&self) -> Option<Adjoint> {
+        let tape = self.tape.as_deref()?;
+        let dynamic = |m: &SMatrix<f64, N, N>| DMatrix::from_column_slice(N, N, m.as_slice());
+        Some(Adjoint {
+            transition: dynamic(&tape.transition()),
+            gradient: DVector::from_column_slice(tape.gradient.as_slice()),
+            information: dynamic(&tape.information),
+        })
+    }
+
+    fn numbers(&mut self, each: &mut Each) {
+        self.filter.numbers(each);
+    }
+
+    fn boxed(&self) -> Box<dyn Estimator> {
+        Box::new(Self {
+            filter: self.filter.clone(),
+            tape: None,
+            log: None,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,367 @@
+//! What fixes are wrong by, as they show it themselves: no inertial sensor is asked.
+//!
+//! A receiver measures position and velocity in different ways. What its positions move by less what its velocities
+//! integrate to, `e(t + L) − e(t)`, has half the mean square
+//!
+//! ```text
+//! γ(L) = σ_w² + σ_c² (1 − exp(−L/τ)) + what the velocities are wrong by
+//! ```
+//!
+//! the structure function of a white and a Gauss-Markov part (IEEE Std 1293 annex; Papoulis 1991, section 10). Over one
+//! interval it is the white part, over long spans it grows to the whole. Medians stand for the means, so that outliers
+//! and jumps do not count. The velocities' own error grows with L, so γ never says more of the whole than the fixes do:
+//! white and correlated part together have the stated variance, unless the white part alone is larger.
+
+use crate::median::median;
+use crate::{
+    measurement::Repeats,
+    settings::{
+        EngineSettings, FixStudySettings,
+        fix_errors::{Correlated, FixErrors},
+    },
+};
+use alloc::{vec, vec::Vec};
+#[allow(unused_imports, reason = "the standard library has its methods itself")]
+use nalgebra::ComplexField;
+use undrift_nav::{
+    Vector3,
+    sample::{GnssFix, Position},
+};
+
+/// What the fixes of a log are like.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FixStudy {
+    /// Median interval of the fixes that repeat none before \[s\].
+    pub interval: f64,
+    /// Fixes that repeat one before.
+    pub repeated: u64,
+    /// By how much the velocity is later than the position \[s\], with its standard error.
+    pub velocity_late: Option<(f64, f64)>,
+    /// What they are wrong by.
+    pub errors: FixErrors,
+}
+
+/// Of χ²(1), the median.
+const MEDIAN: f64 = 0.455;
+/// From the median absolute deviation to the standard deviation.
+const MAD: f64 = 1.4826;
+
+/// Fixes with position and velocity in order of time.
+#[derive(Default)]
+struct Track {
+    time: Vec<f64>,
+    /// Position against the first \[m\].
+    place: Vec<Vector3>,
+    velocity: Vec<Vector3>,
+    /// Stated variances of position and velocity.
+    stated: Vec<Vector3>,
+    stated_velocity: Vec<Vector3>,
+    /// Coordinates as they are written [rad or m], and metres a unit.
+    written: Vec<Vector3>,
+    metres: Vector3,
+}
+
+/// Looks into the first fixes of a log; `None` where there are too few with position and velocity.
+pub fn study(
+    fixes: impl IntoIterator<Item = GnssFix>,
+    settings: &EngineSettings,
+) -> Option<FixStudy> {
+    let set = &settings.fix_study;
+    let mut repeats = Repeats::new(settings.receiver);
+    let own = fixes.into_iter().filter(|fix| !repeats.is(fix));
+    let track = Track::of(own.take(set.most));
+    let n = track.time.len();
+    if n < set.least {
+        return None;
+    }
+    let steps: Vec<f64> = track.time.windows(2).map(|t| t[1] - t[0]).collect();
+    let interval = median(&steps);
+    if interval <= 0.0 || interval.is_nan() {
+        return None;
+    }
+    let stated =
+        Vector3::from_fn(|i, _| median(&track.stated.iter().map(|r| r[i]).collect::<Vec<_>>()));
+    let step = Vector3::from_fn(|i, _| {
+        let step = grid(&track.written, i) * track.metres[i];
+        let matters = step * step / 12.0 > set.step_share * stated[i];
+        if matters { step } else { 0.0 }
+    });
+    let rounding = step.map(|step| step * step / 12.0);
+    let mut differences = Differences {
+        set,
+        interval,
+        variance: track.stated.iter().map(|r| r + rounding).collect(),
+        error: track.less_velocity(interval),
+        time: &track.time,
+    };
+    let velocity_late = differences.take_out_latency(&track.velocity);
+    let jitter = differences.jitter(&track.velocity);
+    let one = differences.gamma(1, jitter > 0.0)?;
+    // Variance of a velocity over that of a position; by the trapezoidal rule γ has a quarter of it times dt².
+    let pairs = track.stated_velocity.iter().zip(&differences.variance);
+    let ratio = median(&pairs.map(|(v, r)| v.sum() / r.sum()).collect::<Vec<_>>());
+    let from_velocity = 0.25 * interval * interval * ratio;
+    let mut errors = FixErrors {
+        step,
+        jitter,
+        velocity_bias: differences.velocity_bias(&track.stated_velocity),
+        known: true,
+        ..FixErrors::default()
+    };
+    // Were all of it the velocities' white noise.
+    let bound = (one / from_velocity).sqrt();
+    if bound < set.modest {
+        errors.velocity_factor = bound.max(set.least_velocity);
+        errors.velocity_correlated = Some(Correlated {
+            share: set.velocity_share,
+            time: set.velocity_time,
+        });
+    }
+    let white = (one - from_velocity).max(0.0);
+    if white > set.factor * set.factor {
+        errors.position_factor = white.sqrt();
+    } else if one < set.white_share {
+        errors.correlated = differences.correlated(one, jitter > 0.0);
+    }
+    Some(FixStudy {
+        interval,
+        repeated: repeats.count(),
+        velocity_late,
+        errors,
+    })
+}
+
+impl Track {
+    fn of(fixes: impl Iterator<Item = GnssFix>) -> Self {
+        let mut track = Self::default();
+        let mut before: Option<(Position, Vector3)> = None;
+        for fix in fixes {
+            let (Some((position, r)), Some((v, r_v))) = (fix.position, fix.velocity) else {
+                continue;
+            };
+            let (place, written, metres) = match (position, before) {
+                (Position::Geodetic(here), last) => {
+                    let place = match last {
+                        Some((Position::Geodetic(last), place)) => place + last.offset_to(&here),
+                        _ => Vector3::zeros(),
+                    };
+                    let unit = undrift_nav::earth::Geodetic {
+                        lat: here.lat + 1e-6,
+                        lon: here.lon + 1e-6,
+                        height: here.height,
+                    };
+                    let mut metres = here.offset_to(&unit) * 1e6;
+                    metres.z = 1.0;
+                    (place, Vector3::new(here.lat, here.lon, here.height), metres)
+                }
+                (Position::Baseline { ned, .. }, _) => (ned, ned, Vector3::repeat(1.0)),
+            };
+            let (r, r_v) = (r.diagonal(), r_v.diagonal());
+            if !r
+                .iter()
+                .chain(r_v.iter())
+                .all(|r| *r > 0.0 && r.is_finite())
+            {
+                continue;
+            }
+            before = Some((position, place));
+            track.time.push(fix.time);
+            track.place.push(place);
+            track.velocity.push(v);
+            track.stated.push(r);
+            track.stated_velocity.push(r_v);
+            track.written.push(written);
+            track.metres = metres;
+        }
+        track
+    }
+
+    /// Positions less the integral of the velocities \[m\], with the four-point rule where intervals are even
+    /// (Abramowitz & Stegun 25.4.15).
+    fn less_velocity(&self, interval: f64) -> Vec<Vector3> {
+        let (t, v) = (&self.time, &self.velocity);
+        let even = |k: usize| ((t[k + 1] - t[k]) / interval - 1.0).abs() < 0.1;
+        let mut integral = Vector3::zeros();
+        let mut out = vec![self.place[0]];
+        for k in 0..t.len() - 1 {
+            let dt = t[k + 1] - t[k];
+            let sum = if k > 0 && k + 2 < t.len() && even(k - 1) && even(k) && even(k + 1) {
+                ((v[k] + v[k + 1]) * 13.0 - v[k - 1] - v[k + 2]) / 24.0
+            } else {
+                (v[k] + v[k + 1]) * 0.5
+            };
+            integral += sum * dt;
+            out.push(self.place[k + 1] - integral);
+        }
+        out
+    }
+}
+
+/// The step that coordinate `i` is a multiple of, in its unit; 0 where it is none that shows.
+fn grid(written: &[Vector3], i: usize) -> f64 {
+    let moves = written.windows(2).map(|w| (w[1][i] - w[0][i]).abs());
+    // Below a millionth of a metre, or what a double resolves of an angle.
+    let moves: Vec<f64> = moves.filter(|m| *m > 1e-12).collect();
+    let least = moves.iter().copied().fold(f64::INFINITY, f64::min);
+    let whole = |m: &&f64| {
+        let times = **m / least;
+        (times - times.round()).abs() < 0.02 * times.sqrt()
+    };
+    if moves.len() >= 20 && moves.iter().filter(whole).count() * 50 >= moves.len() * 49 {
+        least
+    } else {
+        0.0
+    }
+}
+
+/// What positions move by that velocities do not tell.
+struct Differences<'a> {
+    set: &'a FixStudySettings,
+    interval: f64,
+    time: &'a [f64],
+    error: Vec<Vector3>,
+    variance: Vec<Vector3>,
+}
+
+impl Differences<'_> {
+    /// Pairs of fixes `lag` intervals apart, gaps left out.
+    fn pairs(&self, lag: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let span = lag as f64 * self.interval;
+        let slack = 0.3 * self.interval * (1.0 + (lag as f64).sqrt());
+        (lag..self.time.len())
+            .map(move |k| (k - lag, k))
+            .filter(move |(a, b)| (self.time[*b] - self.time[*a] - span).abs() < slack)
+    }
+
+    /// Half the mean square of the differences over the stated variance; the median of the axes, or the least.
+    fn gamma(&self, lag: usize, least: bool) -> Option<f64> {
+        let mut axes: [Vec<f64>; 3] = Default::default();
+        for (a, b) in self.pairs(lag) {
+            let moved = self.error[b] - self.error[a];
+            let variance = (self.variance[a] + self.variance[b]) * 0.5;
+            for i in 0..3 {
+                axes[i].push(moved[i] * moved[i] / variance[i]);
+            }
+        }
+        if axes[0].len() < self.set.least_pairs {
+            return None;
+        }
+        let mut gamma = axes.map(|axis| 0.5 * median(&axis) / MEDIAN);
+        gamma.sort_by(f64::total_cmp);
+        Some(gamma[usize::from(!least)])
+    }
+
+    /// A velocity that holds `δ` later than the position makes `δ Δv` of a difference; taken out where it shows.
+    fn take_out_latency(&mut self, velocity: &[Vector3]) -> Option<(f64, f64)> {
+        let lag = (1.0 / self.interval).round().max(1.0) as usize;
+        let mut pairs = Vec::new();
+        for (a, b) in self.pairs(lag) {
+            let (e, dv) = (self.error[b] - self.error[a], velocity[b] - velocity[a]);
+            pairs.extend((0..2).map(|i| (dv[i], e[i])));
+        }
+        if pairs.len() < self.set.least_pairs {
+            return None;
+        }
+        let (mut late, mut error) = (0.0, f64::INFINITY);
+        // Huber's weights.
+        for _ in 0..10 {
+            let rest: Vec<f64> = pairs.iter().map(|(x, y)| (y - late * x).abs()).collect();
+            let spread = MAD * median(&rest);
+            let weight = |rest: f64| (2.0 * spread / rest.max(1e-12)).min(1.0);
+            let (mut xy, mut xx) = (0.0, 0.0);
+            for ((x, y), rest) in pairs.iter().zip(&rest) {
+                xy += weight(*rest) * x * y;
+                xx += weight(*rest) * x * x;
+            }
+            if xx <= 0.0 {
+                return None;
+            }
+            // Differences overlap, each second `lag` of them.
+            (late, error) = (xy / xx, spread * (lag as f64 / xx).sqrt());
+        }
+        if late.abs() < 3.0 * error {
+            return None;
+        }
+        for (e, v) in self.error.iter_mut().zip(velocity) {
+            *e -= v * late;
+        }
+        Some((late, error))
+    }
+
+    /// Standard deviation of the stamps \[s\]: they move positions along the track and not across.
+    fn jitter(&self, velocity: &[Vector3]) -> f64 {
+        let (mut along, mut across, mut speeds) = (Vec::new(), Vec::new(), Vec::new());
+        for (a, b) in self.pairs(1) {
+            let v = (velocity[a] + velocity[b]).xy() * 0.5;
+            let speed = v.norm();
+            if speed < self.set.moves {
+                continue;
+            }
+            let moved = (self.error[b] - self.error[a]).xy();
+            along.push((moved.dot(&v) / speed).powi(2));
+            across.push((moved.perp(&v) / speed).powi(2));
+            speeds.push(speed * speed);
+        }
+        if along.len() < self.set.least_pairs {
+            return 0.0;
+        }
+        let [along, across] = [along, across].map(|squares| median(&squares) / MEDIAN);
+        if along < self.set.along * self.set.along * across {
+            return 0.0;
+        }
+        let speed = speeds.iter().sum::<f64>() / speeds.len() as f64;
+        (0.5 * (along - across) / speed).sqrt()
+    }
+
+    /// What the velocities read too much for the positions, where that is beyond doubt [m/s].
+    fn velocity_bias(&self, stated: &[Vector3]) -> Vector3 {
+        let lag = (10.0 / self.interval).round().max(1.0) as usize;
+        let pairs: Vec<_> = self.pairs(lag).collect();
+        if pairs.len() < self.set.least_pairs.max(3 * lag) {
+            return Vector3::zeros();
+        }
+        Vector3::from_fn(|i, _| {
+            let span = |&(a, b): &(usize, usize)| self.time[b] - self.time[a];
+            let slope = |p: &(usize, usize)| (self.error[p.0][i] - self.error[p.1][i]) / span(p);
+            let slopes: Vec<f64> = pairs.iter().map(slope).collect();
+            let bias = median(&slopes);
+            let apart: Vec<f64> = slopes.iter().map(|s| (s - bias).abs()).collect();
+            let error = MAD * median(&apart) * (lag as f64 / slopes.len() as f64).sqrt();
+            let stated = median(&stated.iter().map(|r| r[i].sqrt()).collect::<Vec<_>>());
+            let limit = (self.set.bias_errors * error).max(self.set.bias_sigmas * stated);
+            if bias.abs() > limit.max(self.set.least_bias) {
+                bias
+            } else {
+                0.0
+            }
+        })
+    }
+
+    /// The correlated part, of fixes whose differences over one interval are `one` of what they state.
+    fn correlated(&self, one: f64, least: bool) -> Option<Correlated> {
+        // One correlation time on, this much of the rest has come.
+        let part = 1.0 - (-1f64).exp();
+        let grown = one + part * (1.0 - one);
+        let (mut lag, mut before) = (2, (self.interval, one));
+        let time = loop {
+            let span = lag as f64 * self.interval;
+            let Some(gamma) = self.gamma(lag, least).filter(|_| 4 * lag < self.time.len()) else {
+                // Not grown to the whole within the log.
+                let (span, gamma) = before;
+                let come = ((gamma - one) / (1.0 - one)).clamp(1e-3, part);
+                break span / -(1.0 - come).ln();
+            };
+            if gamma >= grown {
+                let (last, low) = before;
+                let part = (grown / low).ln() / (gamma / low).ln();
+                break last * (span / last).powf(part.clamp(0.0, 1.0));
+            }
+            before = (span, gamma);
+            lag *= 2;
+        };
+        (time > self.set.shortest).then(|| Correlated {
+            share: (1.0 - one).min(self.set.most_share),
+            time: (self.set.sooner * time).min(self.set.longest),
+        })
+    }
+}

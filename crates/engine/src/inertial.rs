@@ -1,0 +1,398 @@
+//! Samples that cannot be right: replaced before the filter has them, and doubted for as long as they last.
+//!
+//! Looked for on each axis of the sensor, in its own axes: a *spike*, one sample far from both of its neighbours, which
+//! agree with each other; a *frozen* axis, which repeats a value far longer than it usually does; a *saturated* one, which
+//! does so at the end of its range. A spike is replaced by the mean of its neighbours, the two others by what the
+//! axis reads on the average. What an axis may have read meanwhile is in doubt by its usual spread: correlated
+//! over [`SampleSettings::turn_lasts`], so that it grows with the time squared first and linearly then.
+
+use super::summary::Summary;
+use crate::settings::SampleSettings;
+#[allow(unused_imports, reason = "the standard library has its methods itself")]
+use nalgebra::ComplexField;
+use undrift_nav::{Matrix3, Vector3, covariance::AXES, sample::ImuSample};
+
+/// A sample as the filter is to have it.
+#[derive(Clone)]
+pub(super) struct Checked {
+    pub(super) sample: ImuSample,
+    /// Covariances of the turn \[rad²\] and of the change of velocity \[m²/s²\] in it that are in doubt, body axes.
+    pub(super) doubt: Option<[Matrix3; 2]>,
+}
+
+/// Watches the six axes; one sample is held back, to see what follows it.
+#[derive(Clone)]
+pub(super) struct Inertial {
+    set: SampleSettings,
+    /// From the sensor's axes to the body's.
+    rotation: Matrix3,
+    before: Option<[f64; AXES]>,
+    pending: Option<(ImuSample, [f64; AXES])>,
+    /// Whether all axes repeat their values while the vehicle stands: a simulated sensor without noise.
+    noiseless: bool,
+    axes: [AxisWatch; AXES],
+}
+
+/// What an axis usually does. Values are rates \[rad/s\] and specific forces \[m/s²\].
+#[derive(Clone, Copy, Default)]
+struct AxisWatch {
+    /// The present value, the interval of its first sample \[s\], since when \[s\], and in how many samples.
+    value: f64,
+    dt: f64,
+    since: f64,
+    samples: u64,
+    /// Values that came to an end, and their samples.
+    ended: u64,
+    of_ended: u64,
+    least: f64,
+    most: f64,
+    /// Mean and variance over [`SampleSettings::usual`].
+    mean: f64,
+    variance: f64,
+    known: f64,
+    /// Nine in ten samples are closer than this to the mean of their neighbours.
+    step: f64,
+    seen: u64,
+    /// Whether the present value came by a jump that is none of a vehicle, and stays.
+    jumped: bool,
+    /// Since when the axis has been in doubt \[s\].
+    doubted: Option<f64>,
+}
+
+impl AxisWatch {
+    /// Takes in a value; whether the axis holds it for longer than it can.
+    fn is_stuck(&mut self, set: &SampleSettings, (time, dt): (f64, f64), value: f64) -> bool {
+        // Of a log of increments those repeat, while the rounding of its times changes the rates.
+        if is_same(value, self.value) || is_same(value * dt, self.value * self.dt) {
+            self.samples += 1;
+        } else {
+            if self.samples > 0 {
+                self.ended += 1;
+                self.of_ended += self.samples;
+                if self.value < self.least {
+                    self.least = self.value;
+                }
+                if self.value > self.most {
+                    self.most = self.value;
+                }
+            }
+            (self.value, self.dt) = (value, dt);
+            (self.since, self.samples) = (time, 1);
+            self.jumped = false;
+        }
+        if self.ended < set.least_values {
+            return false;
+        }
+        let lasts = time - self.since >= set.frozen;
+        let extreme = value <= self.least || value >= self.most;
+        // Most values are neither.
+        if self.jumped || !(lasts || extreme) {
+            return self.jumped;
+        }
+        let usual = self.of_ended as f64 / self.ended as f64;
+        let times = self.samples as f64 / usual;
+        let far = (value - self.mean).abs() > set.saturated_spread * self.variance.sqrt();
+        (lasts && times >= set.frozen_times) || (far && extreme && times >= set.saturated_times)
+    }
+
+    /// Whether this value, as far from the one before as a spike, comes again: a range that ends there.
+    fn jumps(&mut self, set: &SampleSettings, least: f64, around: [f64; 2], value: f64) -> bool {
+        // What comes again is rare, and quickly seen.
+        if self.jumped || !is_same(value, around[1]) || self.seen < set.least_values {
+            return self.jumped;
+        }
+        let off = (value - around[0]).abs();
+        // Of an axis that never repeats a value less is enough.
+        let repeats = self.of_ended as f64 > set.alone * self.ended as f64;
+        let limit = if repeats {
+            (set.spike_steps * self.step).max(least)
+        } else {
+            (set.jump_steps * self.step).max(0.5 * least)
+        };
+        self.jumped = off > limit;
+        self.jumped
+    }
+
+    /// Learns from a sound value of `dt` \[s\].
+    fn learn(&mut self, set: &SampleSettings, dt: f64, value: f64) {
+        self.known = (self.known + dt).min(set.usual);
+        let gain = dt / self.known;
+        let off = value - self.mean;
+        self.mean += gain * off;
+        self.variance += gain * (off * off - self.variance);
+    }
+
+    /// Whether a value is a spike between its neighbours.
+    fn is_spike(&mut self, set: &SampleSettings, least: f64, around: [f64; 2], value: f64) -> bool {
+        let off = (value - 0.5 * (around[0] + around[1])).abs();
+        let apart = (around[1] - around[0]).abs();
+        let known = self.seen >= set.least_values;
+        if known && off > (set.spike_steps * self.step).max(least) && apart < set.spike_apart * off
+        {
+            return true;
+        }
+        self.seen += 1;
+        // The quantile by stochastic approximation: up nine times as far as down.
+        if self.step == 0.0 {
+            self.step = off;
+        } else if off > self.step {
+            self.step *= 1.0 + 0.9 * set.step_gain;
+        } else {
+            self.step *= 1.0 - 0.1 * set.step_gain;
+        }
+        false
+    }
+}
+
+/// Values that differ by less, relative to their size, are the same: turned to the body's axes and back.
+const SAME: f64 = 1e-12;
+
+fn is_same(a: f64, b: f64) -> bool {
+    (a - b).abs() <= SAME * (1.0 + a.abs())
+}
+
+impl Inertial {
+    pub(super) fn new(rotation: Matrix3, set: SampleSettings) -> Self {
+        let axis = AxisWatch {
+            value: f64::NAN,
+            least: f64::INFINITY,
+            most: f64::NEG_INFINITY,
+            ..AxisWatch::default()
+        };
+        Self {
+            set,
+            rotation,
+            before: None,
+            pending: None,
+            noiseless: false,
+            axes: [axis; AXES],
+        }
+    }
+
+    /// Takes in a sample; the one before it, now that it is known what follows.
+    ///
+    /// `moves` is whether the solution moves: all axes of a simulated sensor without noise repeat their values with the
+    /// vehicle at rest. Of such a sensor a value that lasts says nothing, not in a turn of constant rate either.
+    pub(super) fn next(
+        &mut self,
+        sample: ImuSample,
+        moves: bool,
+        summary: &mut Summary,
+    ) -> Option<Checked> {
+        let to_sensor = |v: &Vector3| self.rotation.tr_mul(v) / sample.dt;
+        let (rate, force) = (to_sensor(&sample.dtheta), to_sensor(&sample.dvel));
+        let values = [rate.x, rate.y, rate.z, force.x, force.y, force.z];
+        let ready = self.pending.replace((sample, values));
+        ready.map(|ready| self.check(ready, Some((&sample, values)), moves, summary))
+    }
+
+    /// The last sample.
+    pub(super) fn last(&mut self, moves: bool, summary: &mut Summary) -> Option<Checked> {
+        let ready = self.pending.take()?;
+        Some(self.check(ready, None, moves, summary))
+    }
+
+    fn check(
+        &mut self,
+        (mut sample, values): (ImuSample, [f64; AXES]),
+        next: Option<(&ImuSample, [f64; AXES])>,
+        moves: bool,
+        summary: &mut Summary,
+    ) -> Checked {
+        let set = &self.set;
+        let before = self.before.replace(values);
+        // A neighbour beyond a gap is none.
+        let next = next.filter(|(next, _)| next.dt < 1.5 * sample.dt);
+        let mut replaced = values;
+        let mut sound = true;
+        let mut doubt = [0.0; AXES];
+        let mut stuck = [false; AXES];
+        for (i, axis) in self.axes.iter_mut().enumerate() {
+            stuck[i] = axis.is_stuck(set, (sample.time, sample.dt), values[i]);
+        }
+        let still = |axis: &AxisWatch| sample.time - axis.since >= set.noiseless;
+        self.noiseless |= !moves && self.axes.iter().all(still);
+        if self.noiseless {
+            stuck = [false; AXES];
+        }
+        for (i, axis) in self.axes.iter_mut().enumerate() {
+            let value = values[i];
+            let (spike, floor) = if i < 3 {
+                (set.spike_rate, set.rate)
+            } else {
+                (set.spike_force, set.force)
+            };
+            let around = match (&before, &next) {
+                (Some(a), Some((_, b))) => Some([a[i], b[i]]),
+                _ => None,
+            };
+            let ends = |around| !self.noiseless && axis.jumps(set, spike, around, value);
+            if stuck[i] || around.is_some_and(ends) {
+                let since = *axis.doubted.get_or_insert(axis.since);
+                let std = axis.variance.sqrt().max(floor);
+                let grown = |t: f64| {
+                    let t = t.max(0.0);
+                    let linear = set.turn_lasts;
+                    std * std
+                        * if t < linear {
+                            t * t
+                        } else {
+                            linear * (2.0 * t - linear)
+                        }
+                };
+                // The samples before were not known to be stuck.
+                let from = if axis.samples > 1 && summary.is_new_fault(i, since) {
+                    since
+                } else {
+                    sample.time - sample.dt
+                };
+                doubt[i] = grown(sample.time - since) - grown(from - since);
+                replaced[i] = axis.mean;
+                sound = false;
+                summary.stuck(i, since, sample.time);
+                if let Some(before) = &mut self.before {
+                    before[i] = replaced[i];
+                }
+                continue;
+            }
+            axis.doubted = None;
+            if let Some(around) = around
+                && axis.is_spike(set, spike, around, value)
+            {
+                replaced[i] = 0.5 * (around[0] + around[1]);
+                sound = false;
+                let std = set.replaced_steps * axis.step + (around[1] - around[0]).abs();
+                doubt[i] = std * std * sample.dt * sample.dt;
+                summary.spike(i, sample.time);
+                // Not the neighbour of the next one.
+                if let Some(before) = &mut self.before {
+                    before[i] = replaced[i];
+                }
+                continue;
+            }
+            axis.learn(set, sample.dt, value);
+        }
+        if sound || replaced == values {
+            return Checked {
+                sample,
+                doubt: None,
+            };
+        }
+        let to_body = |v: &[f64]| self.rotation * Vector3::from_column_slice(v) * sample.dt;
+        (sample.dtheta, sample.dvel) = (to_body(&replaced[..3]), to_body(&replaced[3..]));
+        let spread = |v: &[f64]| {
+            let turned = self.rotation * Matrix3::from_diagonal(&Vector3::from_column_slice(v));
+            turned * self.rotation.transpose()
+        };
+        Checked {
+            sample,
+            doubt: Some([spread(&doubt[..3]), spread(&doubt[3..])]),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alloc::vec::Vec;
+
+    /// A number between −1 and 1 that does not repeat soon.
+    fn noise(k: usize, axis: usize) -> f64 {
+        ((k * AXES + axis) as f64 * 78.233).sin()
+    }
+
+    /// Two minutes at 100 Hz, altered: what comes out, and what is noted.
+    fn run(value: impl Fn(usize, usize) -> f64) -> (Vec<Checked>, Summary) {
+        let mut summary = Summary::default();
+        let turn = undrift_nav::attitude::from_rpy(&Vector3::new(0.3, -0.2, 2.0));
+        let rotation = turn.to_rotation_matrix().into_inner();
+        let mut inertial = Inertial::new(rotation, SampleSettings::default());
+        let mut out = Vec::new();
+        for k in 0..12_000 {
+            let of = |from: usize| Vector3::from_fn(|i, _| value(k, from + i)) * 0.01;
+            let sample = ImuSample {
+                time: 0.01 * (k + 1) as f64,
+                dt: 0.01,
+                dtheta: rotation * of(0),
+                dvel: rotation * of(3),
+            };
+            out.extend(inertial.next(sample, true, &mut summary));
+        }
+        out.extend(inertial.last(true, &mut summary));
+        assert_eq!(out.len(), 12_000);
+        (out, summary)
+    }
+
+    #[test]
+    fn what_is_sound_stays_as_it_is() {
+        let (out, summary) = run(noise);
+        assert!(out.iter().all(|checked| checked.doubt.is_none()));
+        assert!(summary.sample_faults.is_empty());
+        // Rounded coarsely, at rest: values repeat.
+        let (out, _) = run(|k, axis| (0.6 * noise(k, axis)).round() * 0.01);
+        assert!(out.iter().all(|checked| checked.doubt.is_none()));
+    }
+
+    #[test]
+    fn a_spike_is_replaced_by_its_neighbours() {
+        let value = |k, axis| {
+            if (k, axis) == (5000, 2) {
+                35.0
+            } else {
+                0.01 * noise(k, axis)
+            }
+        };
+        let (out, summary) = run(value);
+        let doubted: Vec<usize> = (0..out.len()).filter(|k| out[*k].doubt.is_some()).collect();
+        assert_eq!(doubted, [5000]);
+        assert!(out[5000].sample.dtheta.norm() < 0.01 * 0.05);
+        assert_eq!(summary.sample_faults.len(), 1);
+        assert_eq!(summary.sample_faults[0].axis, 2);
+    }
+
+    #[test]
+    fn a_frozen_axis_is_in_doubt_by_what_it_usually_does() {
+        let (from, to) = (6000, 9000);
+        let value = |k: usize, axis: usize| {
+            let k = if axis == 2 && (from..to).contains(&k) {
+                from
+            } else {
+                k
+            };
+            0.2 * (0.002 * k as f64).sin() + 0.01 * noise(k, axis)
+        };
+        let (out, summary) = run(value);
+        let doubted = out.iter().filter(|checked| checked.doubt.is_some()).count();
+        // Half a second goes by before it is known.
+        assert!((2945..=2955).contains(&doubted), "{doubted}");
+        let total: f64 = out
+            .iter()
+            .filter_map(|checked| checked.doubt)
+            .map(|doubt| doubt[0].trace())
+            .sum();
+        // 0.2/√2 rad/s, at least what a vehicle may do, over 30 s, independent after 5 s.
+        let std = (0.2 / 2f64.sqrt()).max(SampleSettings::default().rate);
+        let expected = std * std * 5.0 * (2.0 * 30.0 - 5.0);
+        assert!(
+            (0.7..1.4).contains(&(total / expected)),
+            "{}",
+            total / expected
+        );
+        let fault = summary.sample_faults[0];
+        assert_eq!((fault.axis, summary.sample_faults.len()), (2, 1));
+        assert!((fault.start - 60.01).abs() < 0.02 && (fault.end - 90.0).abs() < 0.02);
+    }
+
+    #[test]
+    fn a_saturated_axis_is_in_doubt() {
+        let value = |k: usize, axis: usize| {
+            let burst = axis == 0 && k > 3000 && k % 1000 < 30;
+            if burst { 4.0 } else { 0.1 * noise(k, axis) }
+        };
+        let (out, summary) = run(value);
+        let doubted = out.iter().filter(|checked| checked.doubt.is_some()).count();
+        // Nine bursts, the first from its second sample on.
+        assert_eq!(doubted, 29 + 8 * 30);
+        assert_eq!(summary.sample_faults.len(), 9);
+    }
+}

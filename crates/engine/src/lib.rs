@@ -1,0 +1,79 @@
+//! The navigator: samples and measurements are pushed in, a solution comes out.
+//!
+//! A sample's way: [`Navigator::imu`] keeps it until the next one shows that it can be right (`inertial`), carries the
+//! solution over it ([`estimator`]), and stops on the way at each measurement that falls due (`measurement`): a fix is
+//! judged by `receiver`, a rest, a wheel speed, a height or what the vehicle cannot do by `constraints`. Before there
+//! is a solution both go to the alignment ([`align`]). What the watches may do to the filter (widen, doubt, fade,
+//! restart) they do through [`estimator::Estimator`] alone; what happened is in [`Summary`].
+//!
+//! Measurements may come late, up to a horizon ([`Navigator::with_horizon`]): the solution is always that of the
+//! measurements in order of their own time. No file, no clock, no thread; nothing grows with the length of a drive.
+//!
+//! ```
+//! use undrift_engine::{Navigator, settings::replay::Settings};
+//! use undrift_nav::shaping::ShapingFilter;
+//! use undrift_simulate::{GnssNoise, Trajectory, simulate};
+//!
+//! let white = |density| ShapingFilter::white(density, 0.01);
+//! let (gyro, accel) = (white(1e-4)?, white(1e-3)?);
+//! let sensors = [gyro, gyro, gyro, accel, accel, accel];
+//! let log = simulate(&Trajectory::car(120.0, 1), 100.0, Some(&sensors), &GnssNoise::default(), 1)?;
+//!
+//! let mut navigator = Navigator::new(Settings::new(sensors));
+//! let mut fixes = log.gnss.iter().peekable();
+//! for sample in &log.imu {
+//!     while let Some(fix) = fixes.next_if(|fix| fix.time <= sample.time) {
+//!         navigator.fix(*fix)?;
+//!     }
+//!     navigator.imu(*sample)?;
+//! }
+//! let filter = navigator.filter().expect("aligned");
+//! assert!(filter.nav_std()[0] < 5.0, "north, one standard deviation [m]");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+#![no_std]
+
+extern crate alloc;
+#[cfg(test)]
+extern crate std;
+
+pub mod align;
+mod bridge;
+mod constraints;
+mod course;
+pub mod derived;
+pub mod estimator;
+mod events;
+mod fading;
+pub mod fixes;
+mod gate;
+mod health;
+mod inertial;
+mod measurement;
+mod median;
+mod navigator;
+mod not_aligned;
+mod observer;
+mod plausible;
+mod receiver;
+mod rest;
+mod run;
+pub mod settings;
+mod solution;
+mod summary;
+#[cfg(test)]
+mod tests;
+pub mod vehicle;
+pub mod vibration;
+mod watch;
+
+pub use events::{
+    Contradiction, FixMend, HeadingOff, Implausible, Lean, Log, Part, Restart, RestartCause,
+    SampleFault,
+};
+pub use health::CovarianceHealth;
+pub use measurement::{Measurement, Repeats, Scalar};
+pub use navigator::{Navigator, PushError};
+pub use not_aligned::NotAligned;
+pub use observer::Observer;
+pub use summary::{Innovations, MOST_EVENTS, Summary};

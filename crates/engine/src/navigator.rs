@@ -1,0 +1,299 @@
+//! The navigator as its user sees it, and how a measurement that comes late finds its place.
+
+use crate::{
+    estimator::Estimator,
+    measurement::{Measured, Measurement, Scalar},
+    not_aligned::NotAligned,
+    observer::Observer,
+    run::Run,
+    settings::replay::Settings,
+    summary::Summary,
+};
+use alloc::collections::VecDeque;
+use undrift_nav::{
+    filter::FilterError,
+    parameters::Parameter,
+    sample::{GnssFix, ImuSample},
+};
+
+/// From one snapshot to the next \[s\]: a late measurement runs at most this much more again than it is late by.
+const SNAPSHOT_SPAN: f64 = 0.2;
+
+/// What cannot be taken in.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum PushError {
+    /// A time or a value is not finite, or the sample's length is not positive.
+    #[error("{what} at {time} s has a value that is not finite, or no length")]
+    NotFinite {
+        /// Sample, fix, wheel speed or height.
+        what: &'static str,
+        /// As stamped \[s\].
+        time: f64,
+    },
+    /// A sample does not follow the one before.
+    #[error("the sample at {time} s does not follow the one at {before} s")]
+    NotInOrder {
+        /// As stamped \[s\].
+        time: f64,
+        /// That of the sample before \[s\].
+        before: f64,
+    },
+    /// The filter cannot be built.
+    #[error(transparent)]
+    Filter(#[from] FilterError),
+}
+
+/// The whole state before a sample.
+struct Snapshot {
+    run: Run,
+    /// The number of the first sample behind it.
+    next: u64,
+    /// End of the sample before it \[s\].
+    time: f64,
+}
+
+/// Samples and measurements in, a solution out.
+pub struct Navigator {
+    run: Run,
+    measured: Measured,
+    /// How far from the IMU's time base a fix may be stamped late \[s\]: see [`Navigator::ahead`].
+    ahead: f64,
+    /// By how much a measurement may come late \[s\].
+    horizon: f64,
+    /// Samples within the horizon, and how many went before them.
+    samples: VecDeque<ImuSample>,
+    gone: u64,
+    past: VecDeque<Snapshot>,
+    /// End of the last sample \[s\].
+    last: Option<f64>,
+    too_late: u64,
+}
+
+impl Navigator {
+    /// A navigator that has seen nothing; a measurement that comes late is left out ([`Navigator::with_horizon`]).
+    pub fn new(settings: Settings) -> Self {
+        let most = settings.engine.receiver.most_late;
+        let offset = |kind| {
+            let prior = settings.parameters.prior(kind);
+            prior.map_or(0.0, |prior| most * prior.std)
+        };
+        let ahead = offset(Parameter::TimeOffset).max(offset(Parameter::VelocityTimeOffset));
+        Self {
+            run: Run::new(settings),
+            measured: Measured::default(),
+            ahead,
+            horizon: 0.0,
+            samples: VecDeque::new(),
+            gone: 0,
+            past: VecDeque::new(),
+            last: None,
+            too_late: 0,
+        }
+    }
+
+    /// Takes measurements that come up to so much late \[s\] as if they had come in time: what was done since is done
+    /// again. Memory: a snapshot of 15 to 60 kB for each fifth of a second.
+    pub fn with_horizon(mut self, horizon: f64) -> Self {
+        self.horizon = if horizon > 0.0 { horizon } else { 0.0 };
+        self
+    }
+
+    /// How far beyond a sample's end fixes may be stamped that hold within it \[s\]: with an estimated latency a stamp may
+    /// be late or early by up to this. Fixes up to so much later should be there before the sample, or come late.
+    pub fn ahead(&self) -> f64 {
+        self.ahead
+    }
+
+    /// Takes in a sample. The solution goes to the end of the one before: whether a sample can be right, the next one
+    /// shows.
+    ///
+    /// # Errors
+    /// [`PushError`]; nothing is taken in then.
+    pub fn imu(&mut self, sample: ImuSample) -> Result<(), PushError> {
+        self.imu_watched(sample, &mut ())
+    }
+
+    /// As [`Navigator::imu`], watched.
+    ///
+    /// # Errors
+    /// As [`Navigator::imu`].
+    pub fn imu_watched(
+        &mut self,
+        sample: ImuSample,
+        observer: &mut dyn Observer,
+    ) -> Result<(), PushError> {
+        let values = sample.dtheta.iter().chain(sample.dvel.iter());
+        let time = sample.time;
+        if !(time.is_finite() && sample.dt > 0.0 && sample.dt.is_finite())
+            || !values.copied().all(f64::is_finite)
+        {
+            let what = "the sample";
+            return Err(PushError::NotFinite { what, time });
+        }
+        if let Some(before) = self.last.filter(|before| time <= *before) {
+            return Err(PushError::NotInOrder { time, before });
+        }
+        if self.horizon > 0.0 {
+            self.keep(sample);
+        }
+        self.last = Some(time);
+        self.step(sample, observer)?;
+        if self.horizon == 0.0 {
+            self.measured.forget(self.run.taken());
+        }
+        Ok(())
+    }
+
+    /// Takes in a fix. Whether it came in time: what is too late for the horizon is counted and left out.
+    ///
+    /// # Errors
+    /// [`PushError`]; nothing is taken in then.
+    pub fn fix(&mut self, fix: GnssFix) -> Result<bool, PushError> {
+        self.measure(Measurement::Gnss(fix))
+    }
+
+    /// Takes in a wheel speed, forward positive \[m/s\], as [`Navigator::fix`].
+    ///
+    /// # Errors
+    /// As [`Navigator::fix`].
+    pub fn odometer(&mut self, speed: Scalar) -> Result<bool, PushError> {
+        self.measure(Measurement::Odometer(speed))
+    }
+
+    /// Takes in a barometric height \[m\], as [`Navigator::fix`].
+    ///
+    /// # Errors
+    /// As [`Navigator::fix`].
+    pub fn barometer(&mut self, height: Scalar) -> Result<bool, PushError> {
+        self.measure(Measurement::Barometer(height))
+    }
+
+    /// Takes in any measurement, as [`Navigator::fix`].
+    ///
+    /// # Errors
+    /// As [`Navigator::fix`].
+    pub fn measure(&mut self, measurement: Measurement) -> Result<bool, PushError> {
+        let time = measurement.time();
+        if let Some(what) = measurement.unusable() {
+            return Err(PushError::NotFinite { what, time });
+        }
+        if time > self.run.asked() {
+            self.measured.insert(measurement);
+            return Ok(true);
+        }
+        let since = self
+            .past
+            .iter()
+            .rposition(|snapshot| snapshot.run.asked() < time);
+        let Some(since) = since else {
+            self.too_late += 1;
+            return Ok(false);
+        };
+        self.measured.insert(measurement);
+        self.again(since)?;
+        Ok(true)
+    }
+
+    /// The filter, once there is a solution.
+    pub fn filter(&self) -> Option<&dyn Estimator> {
+        self.run.filter()
+    }
+
+    /// What happened so far; what only the end shows is not in it yet.
+    pub fn summary(&self) -> &Summary {
+        self.run.summary()
+    }
+
+    /// Measurements that came too late for the horizon.
+    pub fn too_late(&self) -> u64 {
+        self.too_late
+    }
+
+    /// Whether the solution diverged and no other is to begin.
+    pub fn has_ended(&self) -> bool {
+        self.run.has_ended()
+    }
+
+    /// The end: the last sample, and what came of it all. `later` are stamps \[s\] of fixes that were not pushed: they
+    /// tell why there was no alignment.
+    ///
+    /// # Errors
+    /// [`NotAligned`] inside where there never was a solution; a filter that cannot be built.
+    pub fn end(
+        mut self,
+        later: impl Iterator<Item = f64>,
+        observer: &mut dyn Observer,
+    ) -> Result<Result<Summary, NotAligned>, FilterError> {
+        if let Some(checked) = self.run.check_last() {
+            self.run.sample(checked, &self.measured, observer)?;
+        }
+        let left = self.measured.fixes_from(self.run.taken());
+        Ok(self.run.end(left.chain(later), observer))
+    }
+
+    fn step(&mut self, sample: ImuSample, observer: &mut dyn Observer) -> Result<(), FilterError> {
+        if self.run.has_ended() {
+            return Ok(());
+        }
+        match self.run.check(sample) {
+            Some(checked) => self.run.sample(checked, &self.measured, observer),
+            None => Ok(()),
+        }
+    }
+
+    /// Keeps a sample, and the state before it where that is due; lets go of what is beyond the horizon.
+    fn keep(&mut self, sample: ImuSample) {
+        let next = self.gone + self.samples.len() as u64;
+        let start = sample.time - sample.dt;
+        let newest = self.past.back();
+        if newest.is_none_or(|newest| start - newest.time >= SNAPSHOT_SPAN) {
+            self.past.push_back(Snapshot {
+                run: self.run.clone(),
+                next,
+                time: start,
+            });
+        }
+        self.samples.push_back(sample);
+        // The last snapshot that is older than the horizon stays: from it what is just within can be done again.
+        while self.past.len() > 1 && self.past[1].time < sample.time - self.horizon {
+            self.past.pop_front();
+        }
+        if let Some(oldest) = self.past.front() {
+            self.measured.forget(oldest.run.taken());
+            while self.gone < oldest.next {
+                self.samples.pop_front();
+                self.gone += 1;
+            }
+        }
+    }
+
+    /// Does again what was done since a snapshot.
+    fn again(&mut self, since: usize) -> Result<(), FilterError> {
+        self.past.truncate(since + 1);
+        let Some(snapshot) = self.past.back() else {
+            return Ok(());
+        };
+        self.run = snapshot.run.clone();
+        let (from, mut newest) = (snapshot.next, snapshot.time);
+        for next in from..self.gone + self.samples.len() as u64 {
+            let Ok(at) = usize::try_from(next - self.gone) else {
+                return Ok(());
+            };
+            let sample = self.samples[at];
+            let start = sample.time - sample.dt;
+            if start - newest >= SNAPSHOT_SPAN {
+                newest = start;
+                self.past.push_back(Snapshot {
+                    run: self.run.clone(),
+                    next,
+                    time: start,
+                });
+            }
+            self.step(sample, &mut ())?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,121 @@
+//! Whether samples and fixes can be of one vehicle: units, axes, signs and time bases that are wrong.
+//!
+//! A wrong unit or a swapped column lets a filter struggle on with fixes left out and weights enlarged,
+//! which hides the cause. Three things are known whatever the noise model says: the specific force is
+//! gravity on the average; the course of a vehicle turns as its gyros say; positions move as velocities
+//! say. Streamed: sums and a bounded window are kept.
+
+mod moves;
+mod turns;
+
+use super::events::Implausible;
+use crate::{
+    align::Heading,
+    derived::Positions,
+    settings::{PlausibilitySettings, replay::Settings, within},
+};
+use alloc::vec::Vec;
+use moves::Moves;
+#[allow(unused_imports, reason = "the standard library has its methods itself")]
+use nalgebra::ComplexField;
+use turns::Turns;
+use undrift_nav::{
+    Vector3,
+    earth::STANDARD_GRAVITY,
+    sample::{GnssFix, ImuSample},
+};
+
+/// What is known so far.
+#[derive(Clone)]
+pub(super) struct Plausible {
+    set: PlausibilitySettings,
+    /// Whether body axes are promised to be forward, right, down.
+    level: bool,
+    /// Specific force of the present block [m/s], its length \[s\].
+    block: (Vector3, f64),
+    /// Sum of the directions of the blocks' specific force, of the logarithms of its size over gravity,
+    /// their number, and that of those of a vehicle.
+    direction: Vector3,
+    logarithms: f64,
+    blocks: u32,
+    sound: u32,
+    turns: Turns,
+    moves: Moves,
+    positions: Positions,
+}
+
+impl Plausible {
+    pub(super) fn new(settings: &Settings) -> Self {
+        let set = settings.engine.plausibility;
+        Self {
+            set,
+            level: settings.align.attitude.is_none()
+                && (settings.align.heading == Heading::Course
+                    || settings.constraints.non_holonomic.is_some()),
+            block: (Vector3::zeros(), 0.0),
+            direction: Vector3::zeros(),
+            logarithms: 0.0,
+            blocks: 0,
+            sound: 0,
+            turns: Turns::new(set),
+            moves: Moves::new(set),
+            positions: Positions::new(settings.engine.derived_velocity),
+        }
+    }
+
+    /// Takes in a sample.
+    pub(super) fn sample(&mut self, sample: &ImuSample) {
+        self.block.0 += sample.dvel;
+        self.block.1 += sample.dt;
+        if self.block.1 >= self.set.block {
+            let (sum, length) = core::mem::replace(&mut self.block, (Vector3::zeros(), 0.0));
+            let ratio = sum.norm() / length / STANDARD_GRAVITY;
+            if ratio.is_finite() {
+                self.blocks += 1;
+                self.sound += u32::from(within(self.set.gravity, ratio));
+                self.logarithms += ratio.max(1e-9).ln();
+                self.direction += sum.try_normalize(1e-9).unwrap_or_else(Vector3::zeros);
+            }
+        }
+        self.turns
+            .sample(sample, self.direction.try_normalize(1e-9));
+    }
+
+    /// Takes in a fix.
+    pub(super) fn fix(&mut self, fix: &GnssFix) {
+        if let Some((velocity, r)) = &fix.velocity {
+            let variance = r.fixed_view::<2, 2>(0, 0).trace() / 2.0;
+            self.turns.velocity(fix.time, velocity, variance);
+            self.moves.fix(fix, velocity);
+        } else if let Some(derived) = self.positions.add(fix) {
+            let variance = derived.covariance.fixed_view::<2, 2>(0, 0).trace() / 2.0;
+            self.turns.velocity(derived.time, &derived.v_n, variance);
+        }
+    }
+
+    /// What cannot be, at the end of the log.
+    pub(super) fn findings(&mut self) -> Vec<Implausible> {
+        self.turns.finish();
+        let mut found = Vec::new();
+        let blocks = f64::from(self.blocks);
+        let down = self.direction.try_normalize(0.5 * blocks).map(|up| -up);
+        if self.blocks >= self.set.least_blocks {
+            if f64::from(self.sound) < self.set.least_share * blocks {
+                found.push(Implausible::Gravity((self.logarithms / blocks).exp()));
+            }
+            if let Some(down) = down.filter(|down| self.level && down.z < self.set.down) {
+                found.push(Implausible::Down(down.into()));
+            }
+        }
+        if let Some(wrong) = self.moves.finding() {
+            // Then the course is no measure of the sensors.
+            found.push(wrong);
+        } else if let Some(down) = down {
+            found.extend(self.turns.turns(&down));
+            if self.level && down.z > self.set.down {
+                found.extend(self.turns.pushes());
+            }
+        }
+        found
+    }
+}

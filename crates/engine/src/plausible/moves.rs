@@ -1,0 +1,111 @@
+//! Whether positions move as velocities say.
+
+use crate::{
+    events::{FixMend, FixMend::*, Implausible},
+    settings::PlausibilitySettings,
+};
+#[allow(unused_imports, reason = "the standard library has its methods itself")]
+use nalgebra::ComplexField;
+use undrift_nav::{
+    Vector3,
+    earth::Geodetic,
+    sample::{GnssFix, Position},
+};
+
+/// What may be wrong with the fixes, and the matrix on the velocity (north, east) that mends it.
+const MENDS: [(FixMend, [f64; 4]); 11] = [
+    (VelocityEastNorth, [0.0, 1.0, 1.0, 0.0]),
+    (PositionSwapped, [0.0, 1.0, 1.0, 0.0]),
+    (EastReversed, [1.0, 0.0, 0.0, -1.0]),
+    (NorthReversed, [-1.0, 0.0, 0.0, 1.0]),
+    (VelocityReversed, [-1.0, 0.0, 0.0, -1.0]),
+    (KilometresPerHour, [1.0 / 3.6, 0.0, 0.0, 1.0 / 3.6]),
+    (Knots, [0.514_444, 0.0, 0.0, 0.514_444]),
+    (FeetPerSecond, [0.3048, 0.0, 0.0, 0.3048]),
+    (CentimetresPerSecond, [0.01, 0.0, 0.0, 0.01]),
+    (MillimetresPerSecond, [0.001, 0.0, 0.0, 0.001]),
+    (PositionInRadians, [0.017_453_3, 0.0, 0.0, 0.017_453_3]),
+];
+
+/// What is known so far.
+#[derive(Clone, Default)]
+pub(super) struct Moves {
+    set: PlausibilitySettings,
+    /// Time and velocity of the last fix, where the present window of motion began, and how far velocity went since \[m\].
+    last: Option<(f64, Vector3)>,
+    began: Option<(f64, Geodetic)>,
+    moved: Vector3,
+    /// Windows of motion, those that are as they should be, and the sum of what each of [`MENDS`] leaves
+    /// unexplained.
+    moves: u32,
+    sane: u32,
+    unexplained: [f64; MENDS.len()],
+}
+
+impl Moves {
+    pub(super) fn new(set: PlausibilitySettings) -> Self {
+        Self {
+            set,
+            ..Self::default()
+        }
+    }
+
+    /// Takes in a fix of this velocity.
+    pub(super) fn fix(&mut self, fix: &GnssFix, velocity: &Vector3) {
+        let (time, velocity) = (fix.time, *velocity);
+        let position = match &fix.position {
+            Some((Position::Geodetic(place), r)) => {
+                Some((*place, r.fixed_view::<2, 2>(0, 0).trace().sqrt()))
+            }
+            _ => None,
+        };
+        let last = self.last.replace((time, velocity));
+        let Some((position, std)) = position else {
+            self.began = None;
+            return;
+        };
+        let (Some((last, before)), Some((start, origin))) = (last, self.began) else {
+            (self.began, self.moved) = (Some((time, position)), Vector3::zeros());
+            return;
+        };
+        self.moved += (velocity + before) * (0.5 * (time - last));
+        if time - last <= self.set.apart && time - start < self.set.move_window {
+            return;
+        }
+        let (seen, told) = (origin.offset_to(&position), self.moved);
+        let together = time - last <= self.set.apart;
+        (self.began, self.moved) = (Some((time, position)), Vector3::zeros());
+        let size = seen.xy().norm().max(told.xy().norm());
+        // Noise of two positions is to be small against the way.
+        if !together || size < 2.0 + 10.0 * std || !size.is_finite() {
+            return;
+        }
+        self.moves += 1;
+        let left = (seen - told).xy().norm();
+        self.sane += u32::from(left < self.set.agree * size + 3.0 * std);
+        for (unexplained, (mend, matrix)) in self.unexplained.iter_mut().zip(MENDS) {
+            let [nn, mut ne, mut en, ee] = matrix;
+            if mend == PositionSwapped {
+                // The circle of latitude that is meant is that of the longitude given.
+                (ne, en) = (1.0 / position.lon.cos(), position.lat.cos());
+            }
+            let mended = [nn * told.x + ne * told.y, en * told.x + ee * told.y];
+            let size = seen.xy().norm().max(mended[0].hypot(mended[1]));
+            let left = (seen.x - mended[0]).hypot(seen.y - mended[1]);
+            *unexplained += (left / size).min(1.0);
+        }
+    }
+
+    /// What the moves show.
+    pub(super) fn finding(&self) -> Option<Implausible> {
+        let moves = f64::from(self.moves);
+        if self.moves < self.set.least_moves || f64::from(self.sane) >= self.set.least_sane * moves
+        {
+            return None;
+        }
+        let best = (0..MENDS.len())
+            .min_by(|a, b| self.unexplained[*a].total_cmp(&self.unexplained[*b]))
+            .filter(|k| self.unexplained[*k] < self.set.agree * moves);
+        Some(Implausible::Velocity(best.map(|k| MENDS[k].0)))
+    }
+}

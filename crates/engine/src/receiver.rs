@@ -1,0 +1,373 @@
+//! A fix into the filter: gated, scaled, watched.
+
+use super::{
+    events::Part,
+    fading::Fading,
+    gate::{FixGate, Scale, Verdict},
+    summary::{MOST_EVENTS, Summary},
+    watch::LeanWatch,
+};
+use crate::{
+    estimator::{Aiding, Estimator},
+    settings::{
+        EngineSettings, ReceiverSettings,
+        replay::{Doubt, GnssUse, Settings},
+    },
+};
+#[allow(unused_imports, reason = "the standard library has its methods itself")]
+use nalgebra::ComplexField;
+use nalgebra::Vector2;
+use undrift_nav::{
+    Matrix3, Vector3,
+    earth::STANDARD_GRAVITY,
+    filter::{FilterError, Gate, Update},
+    sample::{GnssFix, Position},
+};
+
+/// Lets nothing through.
+const SHUT: Gate = Gate {
+    weaken: -1.0,
+    reject: -1.0,
+};
+/// One part of the fixes.
+#[derive(Clone)]
+struct FixPart {
+    part: Part,
+    gate: FixGate,
+    scale: Scale,
+    fading: Fading,
+    lean: LeanWatch,
+}
+
+/// What is known of the receiver so far.
+#[derive(Clone)]
+pub(super) struct Receiver {
+    set: ReceiverSettings,
+    position: FixPart,
+    velocity: FixPart,
+    /// The last position, since when it has been the same \[s\], and the velocity then.
+    same: Option<(Position, f64, Option<Vector3>)>,
+    /// By how much the same fix has pulled at the velocity of late, north and east \[m/s\], and when last \[s\].
+    pull: (Vector2<f64>, f64),
+    /// How much of that the attitude may be to blame for, one standard deviation, the least since the fix is the same \[m/s\].
+    tilted: f64,
+    /// Whether the last fix was frozen.
+    frozen: bool,
+    /// The last fix that an alignment was to see.
+    before: Option<GnssFix>,
+}
+
+impl Receiver {
+    pub(super) fn new(time: f64, settings: &EngineSettings) -> Self {
+        let channel = |part| FixPart {
+            part,
+            gate: FixGate::new(part, time, settings.gate),
+            scale: Scale::new(settings.adapt),
+            fading: Fading::new(settings.fading),
+            lean: LeanWatch::new(part, settings.watch),
+        };
+        Self {
+            set: settings.receiver,
+            position: channel(Part::Position),
+            velocity: channel(Part::Velocity),
+            same: None,
+            pull: (Vector2::zeros(), time),
+            tilted: f64::INFINITY,
+            frozen: false,
+            before: None,
+        }
+    }
+
+    /// As new, but for what is known of the receiver's accuracy.
+    pub(super) fn forget_solution(
+        &mut self,
+        time: f64,
+        settings: &EngineSettings,
+        summary: &mut Summary,
+    ) {
+        let scales = (self.position.scale, self.velocity.scale);
+        self.close(summary);
+        *self = Self::new(time, settings);
+        (self.position.scale, self.velocity.scale) = scales;
+    }
+
+    /// Whether a fix may serve to align: its velocity and its way from the fix before are the same to
+    /// what their standard deviations and a vehicle's acceleration allow.
+    pub(super) fn is_consistent(&mut self, fix: &GnssFix) -> bool {
+        let set = &self.set;
+        let before = self.before.replace(*fix);
+        let (Some((to, r)), Some((v, r_v))) = (&fix.position, &fix.velocity) else {
+            return true;
+        };
+        let Some((before, (from, _))) = before.and_then(|b| Some((b, b.position?))) else {
+            return true;
+        };
+        let span = fix.time - before.time;
+        let way = match (from, to) {
+            (Position::Geodetic(from), Position::Geodetic(to)) => from.offset_to(to),
+            (Position::Baseline { ned: from, .. }, Position::Baseline { ned: to, .. }) => to - from,
+            _ => return true,
+        };
+        if !(0.0..set.odd_gap).contains(&span) {
+            return true;
+        }
+        let sigmas = (2.0 * r.trace()).sqrt() / span + r_v.trace().sqrt();
+        (way / span - v).norm() < set.odd_speed + set.odd_accel * span + set.odd_sigmas * sigmas
+    }
+
+    /// Updates the filter, which stands at or after the time `due` \[s\] at which the fix holds, with its
+    /// position and velocity, or with one of them.
+    pub(super) fn update(
+        &mut self,
+        filter: &mut dyn Estimator,
+        fix: &GnssFix,
+        part: Option<Part>,
+        due: f64,
+        settings: &Settings,
+        summary: &mut Summary,
+    ) -> [Option<Result<Update, FilterError>>; 2] {
+        let set = self.set;
+        let lever_arm = settings.lever_arm;
+        let with_velocity = fix.velocity.is_some() && settings.gnss_use != GnssUse::Position;
+        let mut updates = [None, None];
+        let before = filter.nav().v_n.xy();
+        let open = !settings.gating
+            || self.position.gate.is_senseless()
+            || self.velocity.gate.is_senseless();
+        if part != Some(Part::Velocity) {
+            let frozen = settings.gating && self.is_frozen(filter, fix, &lever_arm);
+            if self.frozen && !frozen {
+                self.position.gate.unconfirm();
+                self.velocity.gate.unconfirm();
+            }
+            self.frozen = frozen;
+        }
+        let frozen = self.frozen;
+        if let Some((position, r)) = fix.position
+            && settings.gnss_use != GnssUse::Velocity
+            && part != Some(Part::Velocity)
+        {
+            let (white, correlated) = settings.fix_errors.split(&r);
+            let offer = Offer {
+                aiding: Aiding::Position {
+                    position,
+                    lever_arm,
+                    correlated,
+                    due,
+                },
+                stated: white,
+                time: fix.time,
+                open,
+                frozen,
+                patience: match (frozen, with_velocity) {
+                    (true, _) => set.patience_frozen,
+                    (_, false) => set.patience_no_velocity,
+                    _ if self.velocity.gate.is_in_doubt() => set.patience,
+                    _ => set.patience_position_alone,
+                },
+                speed_doubted: !with_velocity,
+            };
+            updates[0] = Some(self.position.update(filter, &offer, settings, summary));
+        }
+        if let Some((v_n, r)) = fix.velocity
+            && with_velocity
+            && part != Some(Part::Position)
+        {
+            let (white, correlated) = settings.fix_errors.split_velocity(&r);
+            let aiding = Aiding::Velocity {
+                v_n,
+                lever_arm,
+                correlated,
+                due,
+            };
+            if let Some(innovation) = filter.innovation(&aiding) {
+                summary.regress(&innovation, &v_n, &r.diagonal());
+            }
+            // One that goes on while the position is held is of use.
+            let held = self.same.is_some_and(|(.., held)| held == Some(v_n));
+            let frozen = frozen && (held || v_n.norm() < 0.5 * filter.nav().v_n.norm());
+            let offer = Offer {
+                aiding,
+                stated: white,
+                time: fix.time,
+                open,
+                frozen,
+                patience: if frozen {
+                    set.patience_frozen
+                } else {
+                    set.patience
+                },
+                speed_doubted: true,
+            };
+            updates[1] = Some(self.velocity.update(filter, &offer, settings, summary));
+        }
+        self.pulled(before, filter, fix.time);
+        updates
+    }
+
+    /// Notes how far an update has moved the velocity from what it was `before`.
+    fn pulled(&mut self, before: Vector2<f64>, filter: &dyn Estimator, time: f64) {
+        let left = (-(time - self.pull.1) / self.set.pull_time).exp();
+        let pull = self.pull.0 * left + before - filter.nav().v_n.xy();
+        self.pull = (pull, time);
+    }
+
+    /// Whether the same fix, again and again, keeps a solution back that moves off: from the sensors it has a velocity that
+    /// no error of its attitude explains.
+    fn keeps_back(&mut self, filter: &dyn Estimator) -> bool {
+        let set = &self.set;
+        let std = filter.nav_std();
+        // Kept back for a while, a solution doubts its attitude.
+        self.tilted = (STANDARD_GRAVITY * std[6].max(std[7]) * set.pull_time).min(self.tilted);
+        self.pull.0.norm() > set.pull + set.frozen_sigmas * self.tilted
+    }
+
+    /// Whether the fix repeats a position that the solution has left.
+    fn is_frozen(&mut self, filter: &mut dyn Estimator, fix: &GnssFix, lever: &Vector3) -> bool {
+        let Some((position, r)) = &fix.position else {
+            return false;
+        };
+        let since = match &self.same {
+            Some((last, since, _)) if last == position => *since,
+            _ => {
+                self.same = Some((*position, fix.time, fix.velocity.map(|(v, _)| v)));
+                self.pull = (Vector2::zeros(), fix.time);
+                self.tilted = f64::INFINITY;
+                return false;
+            }
+        };
+        if self.frozen {
+            return true;
+        }
+        if self.keeps_back(filter) {
+            let (pull, time) = (self.pull.0.norm(), self.set.pull_time);
+            let tilt = pull / (STANDARD_GRAVITY * time);
+            filter.doubt(pull * time, pull, tilt.min(self.set.most_tilt));
+            return true;
+        }
+        let set = &self.set;
+        let velocity = filter.antenna_velocity(lever).xy();
+        let std = filter.nav_std();
+        let unsure = std[3].max(std[4]);
+        let moved = velocity.norm() * (fix.time - since);
+        velocity.norm() > set.frozen_speed + set.frozen_sigmas * unsure
+            && moved > set.frozen_sigmas * r.fixed_view::<2, 2>(0, 0).trace().sqrt()
+    }
+
+    /// Whether the receiver repeats itself while the solution moves.
+    pub(super) fn repeats(&self) -> bool {
+        self.frozen
+    }
+
+    /// Whether position and velocity have both given way to fixes again and again.
+    pub(super) fn is_hopeless(&self, time: f64) -> bool {
+        let both = self
+            .position
+            .gate
+            .third_last()
+            .min(self.velocity.gate.third_last());
+        time - both < self.set.three_times
+    }
+
+    /// Writes down what goes on at the end.
+    pub(super) fn close(&mut self, summary: &mut Summary) {
+        for (i, channel) in [&mut self.position, &mut self.velocity]
+            .into_iter()
+            .enumerate()
+        {
+            channel.gate.close(summary);
+            channel.lean.close(summary);
+            summary.adapted[i] = channel.scale.mean();
+        }
+    }
+}
+
+/// A part of a fix, and how it is to be judged.
+struct Offer {
+    aiding: Aiding,
+    /// Its covariance as stated.
+    stated: Matrix3,
+    time: f64,
+    /// Whether it passes in any case.
+    open: bool,
+    /// Whether the receiver repeats itself.
+    frozen: bool,
+    /// For how long fixes that agree with each other are rejected \[s\].
+    patience: f64,
+    /// Whether a contradiction stands for an error of the velocity, too.
+    speed_doubted: bool,
+}
+
+impl FixPart {
+    fn update(
+        &mut self,
+        filter: &mut dyn Estimator,
+        offer: &Offer,
+        settings: &Settings,
+        summary: &mut Summary,
+    ) -> Result<Update, FilterError> {
+        let r = if settings.adapt {
+            offer.stated * self.scale.factor()
+        } else {
+            offer.stated
+        };
+        let time = offer.time;
+        let innovation = filter
+            .innovation(&offer.aiding)
+            .ok_or(FilterError::BadMeasurement)?;
+        let mut limits = Gate::OPEN;
+        if settings.gating {
+            match self.gate.judge(time, &innovation, &r, offer.patience) {
+                Verdict::Limits(_) if offer.open => {}
+                Verdict::Limits(_) if offer.frozen => limits = SHUT,
+                Verdict::Limits(gate) => limits = gate,
+                Verdict::GiveWay(duration) => {
+                    let size = innovation.norm();
+                    let (position, velocity) = match (self.part, offer.speed_doubted) {
+                        (Part::Velocity, _) => (0.0, size),
+                        (Part::Position, true) => (size, size / duration),
+                        (Part::Position, false) => (size, 0.0),
+                    };
+                    let tilt = (velocity / (STANDARD_GRAVITY * duration))
+                        .min(settings.engine.receiver.most_tilt);
+                    filter.doubt(position, velocity, tilt);
+                    if velocity > 0.0 && summary.doubts.len() < MOST_EVENTS {
+                        summary.doubts.push(Doubt {
+                            start: time - duration,
+                            end: time,
+                            position,
+                            velocity,
+                            tilt,
+                        });
+                    }
+                    self.gate.give_way(time, &innovation, summary);
+                }
+            }
+        }
+        let update = filter
+            .update(&offer.aiding, &r, &limits)?
+            .ok_or(FilterError::BadMeasurement)?;
+        if settings.gating {
+            self.gate
+                .note(time, &innovation, &update, offer.frozen, summary);
+        }
+        if settings.adapt {
+            self.scale.learn(&update);
+        } else if settings.gating {
+            let factor = self.fading.factor(&update, settings.fix_errors.known);
+            if factor > 1.0 && filter.nav_std()[8] < settings.engine.fading.most_heading {
+                filter.fade(factor);
+                summary.faded += 1;
+            }
+        }
+        self.lean.add(time, &innovation, &update, summary);
+        match self.part {
+            Part::Position => summary.position.add(update),
+            Part::Velocity => summary.velocity.add(update),
+        }
+        Ok(update)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,591 @@
+//! The state of the navigator between samples, and what a sample and a fix do to it.
+
+use super::{
+    constraints::Vehicle,
+    course::CourseWatch,
+    events::{Part, Restart, RestartCause},
+    health::CovarianceHealth,
+    inertial::{Checked, Inertial},
+    measurement::{Latency, Measured, Measurement, Queue},
+    not_aligned::NotAligned,
+    observer::Observer,
+    plausible::Plausible,
+    receiver::Receiver,
+    solution::Solution,
+    summary::Summary,
+    vibration::Vibration,
+    watch::Streak,
+};
+use crate::{
+    align::{Aligner, Heading, Stamps, compare},
+    estimator::{Estimator, STAMP_ROUNDING},
+    settings::replay::{GnssUse, Settings},
+};
+use alloc::sync::Arc;
+#[allow(unused_imports, reason = "the standard library has its methods itself")]
+use nalgebra::ComplexField;
+use undrift_nav::{
+    filter::{FilterError, Outcome, Update},
+    parameters::Parameter,
+    sample::{GnssFix, ImuSample},
+};
+
+/// The state of the navigator between samples.
+#[derive(Clone)]
+pub(crate) struct Run {
+    settings: Arc<Settings>,
+    /// Measurements that were taken in and are not due yet.
+    queue: Queue,
+    summary: Summary,
+    solution: Option<Solution>,
+    alignment: CurrentAlignment,
+    log: LogProgress,
+    /// Watch over solution and fixes.
+    receiver: Receiver,
+    streak: Streak,
+    plausible: Plausible,
+    course: CourseWatch,
+    vehicle: Vehicle,
+    inertial: Inertial,
+    vibration: Option<Vibration>,
+}
+
+/// The alignment that goes on: the first one, or another one beside or after a solution.
+#[derive(Clone)]
+struct CurrentAlignment {
+    aligner: Aligner,
+    /// Whether one goes on beside the solution.
+    again: bool,
+}
+
+/// What of the log went by.
+#[derive(Clone, Default)]
+struct LogProgress {
+    /// Time of the first sample \[s\].
+    first_sample: Option<f64>,
+    /// Stamps of the fixes read so far.
+    stamps: Option<Stamps>,
+    /// Fixes within the samples.
+    fixes: u64,
+    previous: Option<ImuSample>,
+    /// Time of the last fix that was used or withheld \[s\], and of the last one that was so with its velocity.
+    last_fix: Option<f64>,
+    last_velocity: Option<f64>,
+}
+
+impl LogProgress {
+    /// Notes a fix, or a part of it, that was used or withheld; when the one before was.
+    fn shown(&mut self, time: f64, with_velocity: bool) -> Option<f64> {
+        if with_velocity {
+            self.last_velocity = Some(time);
+        }
+        // The parts of two fixes may come in turns.
+        let before = self.last_fix;
+        self.last_fix = Some(before.map_or(time, |before| before.max(time)));
+        before
+    }
+}
+
+/// Whether this part of a fix stands for the whole of it where fixes are counted.
+fn begins(fix: &GnssFix, part: Option<Part>) -> bool {
+    part != Some(Part::Velocity) || fix.position.is_none()
+}
+
+/// Whether this part of a fix tells all that it does of the velocity.
+fn tells_velocity(fix: &GnssFix, part: Option<Part>) -> bool {
+    part != Some(Part::Position) || fix.velocity.is_none()
+}
+
+impl Run {
+    pub(super) fn new(settings: Settings) -> Self {
+        let settings = Arc::new(settings);
+        Self {
+            queue: Queue::new(settings.engine.receiver),
+            summary: Summary::default(),
+            solution: None,
+            alignment: CurrentAlignment {
+                aligner: Aligner::new(&settings),
+                again: false,
+            },
+            log: LogProgress::default(),
+            receiver: Receiver::new(f64::NEG_INFINITY, &settings.engine),
+            streak: Streak::new(settings.engine.watch),
+            plausible: Plausible::new(&settings),
+            course: CourseWatch::new(settings.engine.course),
+            vehicle: Vehicle::new(&settings),
+            inertial: Inertial::new(settings.rotation, settings.engine.samples),
+            vibration: Vibration::of(&settings),
+            settings,
+        }
+    }
+
+    /// How many measurements were taken in.
+    pub(super) fn taken(&self) -> u64 {
+        self.queue.taken()
+    }
+
+    /// The latest stamp for which measurements were looked for \[s\].
+    pub(super) fn asked(&self) -> f64 {
+        self.queue.asked()
+    }
+
+    /// What happened so far.
+    pub(super) fn summary(&self) -> &Summary {
+        &self.summary
+    }
+
+    /// The filter, once there is a solution.
+    pub(super) fn filter(&self) -> Option<&dyn Estimator> {
+        self.solution.as_ref().map(|solution| &*solution.filter)
+    }
+
+    /// Whether the solution diverged and no other is to begin.
+    pub(super) fn has_ended(&self) -> bool {
+        self.summary.diverged.is_some()
+    }
+
+    /// Takes in a sample; the one before it, replaced where it cannot be right.
+    pub(super) fn check(&mut self, sample: ImuSample) -> Option<Checked> {
+        let moves = self.moves();
+        self.inertial.next(sample, moves, &mut self.summary)
+    }
+
+    /// The last sample, if there is one that was not given out.
+    pub(super) fn check_last(&mut self) -> Option<Checked> {
+        if self.has_ended() {
+            return None;
+        }
+        let moves = self.moves();
+        self.inertial.last(moves, &mut self.summary)
+    }
+
+    /// Whether the solution moves.
+    fn moves(&self) -> bool {
+        let solution = self.solution.as_ref();
+        let least = self.settings.engine.samples.moves;
+        solution.is_some_and(|solution| solution.filter.nav().v_n.norm() > least)
+    }
+
+    /// A sample, and the measurements up to its end.
+    pub(super) fn sample(
+        &mut self,
+        Checked { sample, doubt }: Checked,
+        measured: &Measured,
+        observer: &mut dyn Observer,
+    ) -> Result<(), FilterError> {
+        let (sample, broken_off) = self.after_gap(sample);
+        if self.log.first_sample.is_none() || broken_off {
+            self.log.first_sample.get_or_insert(sample.time);
+            let start = sample.time - sample.dt - STAMP_ROUNDING;
+            while let Some((before, _)) = self.queue.next_until(start, Latency::default(), measured)
+            {
+                if let Measurement::Gnss(fix) = before {
+                    self.log.stamps = Some(Stamps::and(self.log.stamps, fix.time));
+                    self.summary.fixes_before += 1;
+                }
+            }
+        }
+        self.plausible.sample(&sample);
+        if let Some(vibration) = &mut self.vibration
+            && let Some(variances) = vibration.next(&sample)
+            && let Some(solution) = &mut self.solution
+        {
+            solution.filter.set_white_noise(&variances);
+            vibration.count();
+        }
+        self.begin(&sample);
+        let end = sample.time + STAMP_ROUNDING;
+        while let Some((measurement, part)) = self.queue.next_until(end, self.latency(), measured) {
+            match measurement {
+                Measurement::Gnss(fix) => {
+                    if begins(&fix, part) {
+                        self.log.stamps = Some(Stamps::and(self.log.stamps, fix.time));
+                        self.log.fixes += 1;
+                        self.plausible.fix(&fix);
+                    }
+                    self.fix(&fix, part, &sample, observer)?;
+                }
+                Measurement::Odometer(speed) => {
+                    if let Some(solution) = &mut self.solution {
+                        Vehicle::odometer(solution, &speed, &self.settings, &mut self.summary);
+                    }
+                }
+                Measurement::Barometer(height) => {
+                    if let Some(solution) = &mut self.solution {
+                        Vehicle::barometer(solution, &height, &self.settings, &mut self.summary);
+                    }
+                }
+            }
+            if self.has_ended() {
+                return Ok(());
+            }
+        }
+        if let (Some([turn, velocity]), Some(solution)) = (doubt, &mut self.solution) {
+            solution.advance_to(sample.time);
+            solution.filter.widen(&turn, &velocity);
+        }
+        self.finish(&sample, observer);
+        Ok(())
+    }
+
+    /// The end; `later` are the stamps of measurements that were never taken in.
+    pub(super) fn end(
+        mut self,
+        later: impl Iterator<Item = f64>,
+        observer: &mut dyn Observer,
+    ) -> Result<Summary, NotAligned> {
+        self.summary.implausible = self.plausible.findings();
+        self.summary.judge_signs(&self.settings.engine.plausibility);
+        self.summary.repeated = self.queue.repeated();
+        self.summary.louder = self.vibration.as_ref().and_then(Vibration::louder);
+        if self.has_ended() {
+            return Ok(self.summary);
+        }
+        if self.solution.is_none() && self.summary.restarts.is_empty() {
+            let mut fixes = self.log.stamps;
+            for time in self.queue.fixes().chain(later) {
+                fixes = Some(Stamps::and(fixes, time));
+            }
+            let samples = self.log.first_sample.map(|first| Stamps {
+                first,
+                last: self.summary.ended,
+                count: self.summary.align_samples,
+            });
+            return Err(NotAligned {
+                failure: self.alignment.aligner.failure(self.log.fixes),
+                times: samples.zip(fixes).map(|(imu, gnss)| {
+                    let fault = compare(&imu, &gnss, &self.settings.engine.clocks);
+                    ([imu, gnss], fault)
+                }),
+                implausible: self.summary.implausible,
+            });
+        }
+        if let Some(solution) = &mut self.solution {
+            solution.node(self.settings.nodes, observer);
+        }
+        if let Some(last) = self.log.last_fix {
+            self.summary.without_gnss(last, self.summary.ended);
+        }
+        self.streak.judge(&mut self.summary);
+        self.receiver.close(&mut self.summary);
+        let Some(Solution { filter, .. }) = &self.solution else {
+            self.summary.diverged = self.summary.restarts.last().map(|last| last.time);
+            return Ok(self.summary);
+        };
+        self.summary.covariance = Some(CovarianceHealth::of(&**filter));
+        for (kind, _, prior) in filter.parameters().blocks() {
+            if let Some((value, std)) = filter.parameter(kind) {
+                let n = kind.width();
+                let (mut value, mut std) = (value, std);
+                let of_time = [Parameter::TimeOffset, Parameter::VelocityTimeOffset];
+                if let Some(now) = filter.time_offset(kind).filter(|_| of_time.contains(&kind)) {
+                    (value[0], std[0]) = now;
+                }
+                let furthest = value[..n]
+                    .iter()
+                    .copied()
+                    .max_by(|a, b| a.abs().total_cmp(&b.abs()));
+                let far = furthest
+                    .filter(|value| value.abs() > self.settings.engine.watch.far * prior.std);
+                let of_fixes = [Parameter::PositionError, Parameter::VelocityError];
+                let far = far.filter(|_| !of_fixes.contains(&kind));
+                self.summary
+                    .far
+                    .extend(far.map(|value| (kind, value, value.abs() / prior.std)));
+                let (value, std) = (value[..n].to_vec(), std[..n].to_vec());
+                self.summary.parameters.push((kind, value, std));
+            }
+        }
+        Ok(self.summary)
+    }
+
+    /// By how much fixes hold later than their stamps, as estimated.
+    fn latency(&self) -> Latency {
+        let solution = self.solution.as_ref();
+        solution.map_or(Latency::default(), Solution::latency)
+    }
+
+    /// The solution is not one any more: it ends here, and another one begins as soon as it is aligned.
+    fn give_up(&mut self, time: f64) {
+        if !self.settings.gating {
+            self.summary.diverged = Some(time);
+            return;
+        }
+        self.align_again(time, RestartCause::Impossible);
+        self.solution = None;
+    }
+
+    /// Aligns again beside a solution that does not agree with the fixes; it goes on until that is done.
+    fn align_again(&mut self, time: f64, why: RestartCause) {
+        if self.alignment.again {
+            return;
+        }
+        self.summary.restarts.push(Restart {
+            time,
+            why,
+            resumed: None,
+        });
+        self.alignment = CurrentAlignment {
+            aligner: self.second_aligner(),
+            again: true,
+        };
+    }
+
+    /// An aligner without what the settings say of the start.
+    fn second_aligner(&self) -> Aligner {
+        let mut settings = Settings::clone(&self.settings);
+        settings.align.attitude = None;
+        settings.align.velocity = None;
+        if let Heading::Given(..) = settings.align.heading {
+            settings.align.heading = Heading::Auto;
+        }
+        Aligner::new(&settings)
+    }
+
+    /// The sample as it is, or after a gap too long for anything to be known behind it the last interval
+    /// of it alone, with which the log begins as if there was nothing before.
+    fn after_gap(&mut self, sample: ImuSample) -> (ImuSample, bool) {
+        if sample.dt <= self.settings.engine.gaps.longest {
+            return (sample, false);
+        }
+        let before = sample.time - sample.dt;
+        self.summary.long_gap(before, sample.dt);
+        if self.solution.take().is_some() {
+            self.align_again(before, RestartCause::NoSamples);
+        }
+        // Nor does an alignment that was under way, a first one or a second, know anything any more.
+        self.alignment.aligner = if self.summary.restarts.is_empty() {
+            Aligner::new(&self.settings)
+        } else {
+            self.second_aligner()
+        };
+        self.log.previous = None;
+        let dt = self.settings.sensors[0].interval;
+        (part(&sample, dt), true)
+    }
+
+    /// Takes up a sample.
+    fn begin(&mut self, sample: &ImuSample) {
+        if let Some(solution) = &mut self.solution {
+            let interval = self.settings.sensors[0].interval;
+            let previous = self.log.previous.as_ref();
+            solution.begin(sample, previous, interval, &mut self.summary);
+        }
+    }
+
+    /// Shows the aligner a fix; whether it completes the alignment and navigation begins.
+    fn align(
+        &mut self,
+        fix: &GnssFix,
+        sample: &ImuSample,
+        observer: &mut dyn Observer,
+    ) -> Result<bool, FilterError> {
+        let aligner = &mut self.alignment.aligner;
+        aligner.advance(sample, fix.time);
+        if self.settings.gating && !self.receiver.is_consistent(fix) {
+            return Ok(false);
+        }
+        let mut seen = *fix;
+        if self.settings.gnss_use == GnssUse::Position {
+            seen.velocity = None;
+        }
+        let Some(mut aligned) = aligner.fix(&seen, &self.settings)? else {
+            return Ok(false);
+        };
+        match self.summary.restarts.last_mut() {
+            Some(restart) => restart.resumed = Some(fix.time),
+            None => {
+                self.summary.started = Some(fix.time);
+                self.summary.alignment = Some(aligned.how);
+                if let Some(start) = &self.settings.start {
+                    aligned.filter.take_out(start);
+                }
+            }
+        }
+        self.alignment.again = false;
+        self.log.shown(fix.time, true);
+        observer.used(fix.time);
+        self.streak = Streak::new(self.settings.engine.watch);
+        self.receiver
+            .forget_solution(fix.time, &self.settings.engine, &mut self.summary);
+        self.course = CourseWatch::new(self.settings.engine.course);
+        let solution = self
+            .solution
+            .insert(Solution::new(aligned.filter, &self.settings.engine));
+        if let Some(vibration) = &self.vibration {
+            solution.filter.set_white_noise(&vibration.variances());
+        }
+        if let Some(log) = &self.settings.log {
+            solution.filter.log_to(log.clone());
+        }
+        solution.node(self.settings.nodes, observer);
+        // The rest of this sample's interval.
+        let rest = sample.time - fix.time;
+        if rest > STAMP_ROUNDING {
+            self.begin(&part(sample, rest));
+        }
+        Ok(true)
+    }
+
+    /// A fix within the present sample, or a part of it.
+    fn fix(
+        &mut self,
+        fix: &GnssFix,
+        part: Option<Part>,
+        sample: &ImuSample,
+        observer: &mut dyn Observer,
+    ) -> Result<(), FilterError> {
+        let withheld = self.settings.outages.iter().any(|o| o.contains(fix.time));
+        let settings = Arc::clone(&self.settings);
+        let fix = &settings.quality.apply(fix, &settings.engine.quality);
+        let fix = &settings.fix_errors.apply(fix);
+        let begins = begins(fix, part);
+        if self.solution.is_none() && withheld {
+            self.summary.withheld += u64::from(begins);
+            return Ok(());
+        }
+        let latency = self.latency();
+        let due = fix.time
+            + match part {
+                Some(Part::Velocity) => latency.velocity.unwrap_or(latency.position),
+                _ => latency.position,
+            };
+        if (self.solution.is_none() || self.alignment.again) && begins && !withheld {
+            // A solution before this one says when it holds: within this sample.
+            let held = GnssFix { time: due, ..*fix };
+            if self.align(&held, sample, observer)? {
+                return Ok(());
+            }
+        }
+        let Some(solution) = &mut self.solution else {
+            self.summary.fixes_before += u64::from(begins);
+            return Ok(());
+        };
+        solution.advance_to(due);
+        if !withheld {
+            solution.grow_to(due);
+        }
+        if begins {
+            observer.fix(&*solution.filter, fix, withheld);
+        }
+        if withheld {
+            self.summary.withheld += u64::from(begins);
+            // An outage is no fault of the receiver's.
+            self.log.shown(fix.time, tells_velocity(fix, part));
+            solution.node(self.settings.nodes, observer);
+            return Ok(());
+        }
+        let filter = &mut *solution.filter;
+        let updates =
+            self.receiver
+                .update(filter, fix, part, due, &self.settings, &mut self.summary);
+        if tells_velocity(fix, part) {
+            self.vehicle.fix(filter, fix, &self.settings);
+            if self.settings.gating && !self.receiver.repeats() {
+                self.course.fix(filter, fix, &mut self.summary);
+            }
+        }
+        let done = updates.each_ref();
+        observer.updated(fix.time, done.map(|u| u.as_ref()?.as_ref().ok().copied()));
+        // A solution that only a fix would throw off the Earth has nothing in common with the fixes any more.
+        let off = |update: &Result<Update, FilterError>| *update == Err(FilterError::Implausible);
+        let diverged = filter.check().is_err() || updates.iter().flatten().any(off);
+        self.note_updates(fix, part, updates, observer);
+        if diverged {
+            self.give_up(fix.time);
+        } else if self.settings.gating && self.settings.restart {
+            if self.streak.is_sick(fix.time) {
+                self.align_again(fix.time, RestartCause::LargeInnovations);
+            } else if self.receiver.is_hopeless(fix.time) {
+                self.align_again(fix.time, RestartCause::GaveWayOften);
+            }
+        }
+        if let Some(solution) = &mut self.solution {
+            solution.node(self.settings.nodes, observer);
+        }
+        Ok(())
+    }
+
+    /// Notes what became of a fix.
+    fn note_updates(
+        &mut self,
+        fix: &GnssFix,
+        part: Option<Part>,
+        updates: [Option<Result<Update, FilterError>>; 2],
+        observer: &mut dyn Observer,
+    ) {
+        let time = fix.time;
+        let mut used = false;
+        for update in updates.into_iter().flatten() {
+            match update {
+                Ok(update) if update.outcome == Outcome::Rejected => {}
+                Ok(update) => {
+                    used = true;
+                    self.streak.watch(update, time, &mut self.summary);
+                }
+                Err(FilterError::Implausible) => {}
+                Err(_) => self.summary.bad_fixes += 1,
+            }
+        }
+        if used {
+            self.summary.fixes += u64::from(begins(fix, part));
+            observer.used(time);
+            if let Some(last) = self.log.shown(time, tells_velocity(fix, part)) {
+                self.summary.without_gnss(last, time);
+            }
+        }
+    }
+
+    /// The rest of the sample, after its fixes.
+    fn finish(&mut self, sample: &ImuSample, observer: &mut dyn Observer) {
+        self.log.previous = Some(*sample);
+        self.summary.ended = sample.time;
+        if let Some(solution) = &mut self.solution {
+            solution.end_sample(sample.time);
+            for doubt in &self.settings.doubts {
+                let span = sample.time.min(doubt.end) - (sample.time - sample.dt).max(doubt.start);
+                if span > 0.0 {
+                    let share = (span / (doubt.end - doubt.start)).sqrt();
+                    let [position, velocity, tilt] =
+                        [doubt.position, doubt.velocity, doubt.tilt].map(|std| std * share);
+                    solution.filter.doubt(position, velocity, tilt);
+                }
+            }
+            self.vehicle.end_sample(
+                &mut *solution.filter,
+                sample,
+                self.log.last_velocity,
+                &self.settings,
+                &mut self.summary,
+                observer,
+            );
+        }
+        if self.solution.is_none() || self.alignment.again {
+            self.alignment.aligner.advance(sample, sample.time);
+        }
+        let Some(solution) = &mut self.solution else {
+            self.summary.align_samples += 1;
+            return;
+        };
+        if solution.filter.check().is_err() {
+            self.give_up(sample.time);
+            return;
+        }
+        self.summary.samples += 1;
+        observer.sample(&*solution.filter);
+        if solution.node_is_due(self.settings.nodes, sample.time) {
+            solution.node(self.settings.nodes, observer);
+        }
+    }
+}
+
+/// The last `dt` \[s\] of a sample.
+fn part(sample: &ImuSample, dt: f64) -> ImuSample {
+    let part = dt / sample.dt;
+    ImuSample {
+        time: sample.time,
+        dt,
+        dtheta: sample.dtheta * part,
+        dvel: sample.dvel * part,
+    }
+}

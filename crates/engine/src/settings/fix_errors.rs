@@ -1,0 +1,150 @@
+//! What fixes are wrong by, beyond what they state.
+
+#[allow(unused_imports, reason = "the standard library has its methods itself")]
+use nalgebra::ComplexField;
+use undrift_nav::{
+    Matrix3, Vector3,
+    parameters::{Parameter, Parameters, Prior},
+    sample::GnssFix,
+};
+
+/// The time-correlated part of a position's error: a Gauss-Markov process beside white noise. Both together have the
+/// variance that the fixes state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Correlated {
+    /// Share of the variance, 0 to 1.
+    pub share: f64,
+    /// Correlation time \[s\].
+    pub time: f64,
+}
+
+/// Factors on standard deviations, beyond what the fixes show of themselves, as learned from a drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StdFactors {
+    /// On the white part of position and velocity.
+    pub white: [f64; 2],
+    /// On the time-correlated part of position and velocity, where they have one.
+    pub correlated: [f64; 2],
+}
+
+impl StdFactors {
+    /// None.
+    pub const ONE: Self = Self {
+        white: [1.0; 2],
+        correlated: [1.0; 2],
+    };
+}
+
+/// What fixes are wrong by, beyond what they state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FixErrors {
+    /// What the stated standard deviations of the position are multiplied by.
+    pub position_factor: f64,
+    /// What the stated standard deviations of the velocity are multiplied by.
+    pub velocity_factor: f64,
+    /// The time-correlated part of the position's error.
+    pub correlated: Option<Correlated>,
+    /// The time-correlated part of the velocity's error, of the variance that is left of the stated one.
+    pub velocity_correlated: Option<Correlated>,
+    /// The positions come in steps of this size north, east, down \[m\].
+    pub step: Vector3,
+    /// Standard deviation of the stamps \[s\].
+    pub jitter: f64,
+    /// What the velocity reads too much, north, east, down [m/s].
+    pub velocity_bias: Vector3,
+    /// Whether the fixes have shown that, and the covariances are right with it.
+    pub known: bool,
+}
+
+impl Default for FixErrors {
+    fn default() -> Self {
+        Self {
+            position_factor: 1.0,
+            velocity_factor: 1.0,
+            correlated: None,
+            velocity_correlated: None,
+            step: Vector3::zeros(),
+            jitter: 0.0,
+            velocity_bias: Vector3::zeros(),
+            known: false,
+        }
+    }
+}
+
+impl FixErrors {
+    /// The fix with covariances that cover these errors.
+    pub fn apply(&self, fix: &GnssFix) -> GnssFix {
+        let mut fix = *fix;
+        let velocity = fix.velocity.map(|(v, _)| v);
+        if let Some((_, covariance)) = &mut fix.velocity {
+            *covariance *= self.velocity_factor * self.velocity_factor;
+            *covariance += self.velocity_bias * self.velocity_bias.transpose();
+        }
+        if let Some((_, covariance)) = &mut fix.position {
+            *covariance *= self.position_factor * self.position_factor;
+            // Of a value rounded to steps the error is uniform.
+            *covariance += Matrix3::from_diagonal(&self.step.map(|step| step * step / 12.0));
+            if let Some(v) = velocity {
+                *covariance += v * v.transpose() * (self.jitter * self.jitter);
+            }
+        }
+        fix
+    }
+
+    /// With the two parts of the errors multiplied.
+    pub fn scaled(&self, factors: &StdFactors) -> Self {
+        let mut errors = *self;
+        let parts = [
+            (&mut errors.position_factor, &mut errors.correlated),
+            (&mut errors.velocity_factor, &mut errors.velocity_correlated),
+        ];
+        for (k, (factor, part)) in parts.into_iter().enumerate() {
+            let share = part.map_or(0.0, |part| part.share);
+            let white = (1.0 - share) * factors.white[k] * factors.white[k];
+            let correlated = share * factors.correlated[k] * factors.correlated[k];
+            *factor *= (white + correlated).sqrt();
+            if let Some(part) = part {
+                part.share = correlated / (white + correlated);
+            }
+        }
+        errors
+    }
+
+    /// The parameters with the states that the lasting parts need.
+    pub fn with_states(&self, mut parameters: Parameters) -> Parameters {
+        for (kind, part) in [
+            (Parameter::PositionError, self.correlated),
+            (Parameter::VelocityError, self.velocity_correlated),
+        ] {
+            if let Some(Correlated { time, .. }) = part {
+                let prior = Prior {
+                    time,
+                    ..Prior::constant(1.0)
+                };
+                parameters = parameters.with(kind, prior);
+            }
+        }
+        parameters
+    }
+
+    /// Of a position's covariance the white part, and the standard deviation of the correlated part \[m\].
+    pub fn split(&self, covariance: &Matrix3) -> (Matrix3, Vector3) {
+        split(self.correlated, covariance)
+    }
+
+    /// The same of a velocity's covariance [m/s].
+    pub fn split_velocity(&self, covariance: &Matrix3) -> (Matrix3, Vector3) {
+        split(self.velocity_correlated, covariance)
+    }
+
+    /// Standard deviations of the correlated parts of a position and a velocity [m, m/s].
+    pub fn correlated_std(&self, position: &Matrix3, velocity: &Matrix3) -> [Vector3; 2] {
+        [self.split(position).1, self.split_velocity(velocity).1]
+    }
+}
+
+fn split(correlated: Option<Correlated>, covariance: &Matrix3) -> (Matrix3, Vector3) {
+    let share = correlated.map_or(0.0, |correlated| correlated.share);
+    let std = covariance.diagonal().map(|r| (share * r).max(0.0).sqrt());
+    (covariance * (1.0 - share), std)
+}

@@ -1,0 +1,129 @@
+//! How a log is navigated.
+
+use super::{EngineSettings, fix_errors::FixErrors, quality::QualityStd};
+use crate::{
+    align::settings::AlignSettings,
+    estimator::{LogTo, STAMP_ROUNDING},
+    vehicle::Constraints,
+};
+use alloc::vec::Vec;
+use undrift_nav::{
+    Matrix3, Vector3, covariance::AXES, parameters::Parameters, shaping::ShapingFilter,
+};
+
+/// Half-open span of time without GNSS: fixes after `start` up to and including `end` are withheld.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outage {
+    /// Last instant with GNSS \[s\], in the log's time base.
+    pub start: f64,
+    /// End \[s\].
+    pub end: f64,
+}
+
+impl Outage {
+    /// Whether `time` \[s\] lies in `(start, end]`. A microsecond of slack absorbs the rounding of stamps.
+    pub fn contains(&self, time: f64) -> bool {
+        time > self.start + STAMP_ROUNDING && time <= self.end + STAMP_ROUNDING
+    }
+}
+
+/// A span over which the solution may have gone wrong, as one pass over the log has found, by so much at its
+/// end: one sigma of each axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Doubt {
+    /// Time of the last fix that agreed with the solution \[s\].
+    pub start: f64,
+    /// Time of the fix that the solution then accepted \[s\].
+    pub end: f64,
+    /// Of the position \[m\].
+    pub position: f64,
+    /// Of the velocity [m/s].
+    pub velocity: f64,
+    /// Of the tilt \[rad\].
+    pub tilt: f64,
+}
+
+/// How a log is navigated.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Noise models of gyro x, y, z and accelerometer x, y, z at the log's sample interval.
+    pub sensors: [ShapingFilter; AXES],
+    /// From the sensor's own axes to the body's: what an axis of the sensor does wrong is looked for there.
+    pub rotation: Matrix3,
+    /// IMU → antenna, body axes \[m\].
+    pub lever_arm: Vector3,
+    /// Which parts of a fix are used. Alignment takes the position in any case.
+    pub gnss_use: GnssUse,
+    /// How the first position, velocity and attitude are found.
+    pub align: AlignSettings,
+    /// Spans without GNSS, in order.
+    pub outages: Vec<Outage>,
+    /// Constants that are estimated beside the sensors' errors.
+    pub parameters: Parameters,
+    /// What is known of the vehicle.
+    pub constraints: Constraints,
+    /// Whether fixes pass a gate, and a diverged solution is re-initialised.
+    pub gating: bool,
+    /// Whether a solution that does not agree with the fixes is re-initialised, too.
+    pub restart: bool,
+    /// Whether the stated standard deviations of the fixes are corrected by the innovations.
+    pub adapt: bool,
+    /// How the kind of solution bears on the standard deviation of a position.
+    pub quality: QualityStd,
+    /// Where the white noise of the sensors follows their vibration: the factors of its standard deviation, axis by axis.
+    pub vibration: Option<[f64; AXES]>,
+    /// What the fixes are wrong by beyond what they state.
+    pub fix_errors: FixErrors,
+    /// Longest span between two nodes for a smoother \[s\]; `None`: no nodes.
+    pub nodes: Option<f64>,
+    /// What the first attitude, sensor states and parameters after alignment are off by, as a smoother
+    /// has found in a run before: taken out before navigation begins.
+    pub start: Option<Vec<f64>>,
+    /// Where a pass before has found the solution to go wrong: the covariance grows over these spans, in place of
+    /// at the one instant at which that was found.
+    pub doubts: Vec<Doubt>,
+    /// Where the filter's updates are written down.
+    pub log: Option<LogTo>,
+    /// Limits and time constants of alignment and replay.
+    pub engine: EngineSettings,
+}
+
+impl Settings {
+    /// For sensors of these models and no louder: antenna at the IMU, alignment by itself, no outages, no
+    /// parameters, no vehicle, fixes gated.
+    pub fn new(sensors: [ShapingFilter; AXES]) -> Self {
+        Self {
+            sensors,
+            rotation: Matrix3::identity(),
+            lever_arm: Vector3::zeros(),
+            gnss_use: GnssUse::Both,
+            align: AlignSettings::default(),
+            outages: Vec::new(),
+            parameters: Parameters::none(),
+            constraints: Constraints::default(),
+            gating: true,
+            restart: true,
+            adapt: false,
+            quality: QualityStd::AsStated,
+            vibration: None,
+            fix_errors: FixErrors::default(),
+            nodes: None,
+            start: None,
+            doubts: Vec::new(),
+            log: None,
+            engine: EngineSettings::default(),
+        }
+    }
+}
+
+/// Which parts of a fix are used.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum GnssUse {
+    /// Position and velocity, whichever it has.
+    #[default]
+    Both,
+    /// Position only.
+    Position,
+    /// Velocity only, once aligned.
+    Velocity,
+}

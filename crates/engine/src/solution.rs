@@ -1,0 +1,134 @@
+//! The navigation state: a filter, and how far it has come within the present sample.
+
+use super::{bridge::Bridge, measurement::Latency, observer::Observer, summary::Summary};
+use crate::{
+    estimator::{Estimator, STAMP_ROUNDING},
+    settings::{EngineSettings, GapSettings},
+};
+use alloc::boxed::Box;
+use undrift_nav::{parameters::Parameter, sample::ImuSample};
+
+pub(super) struct Solution {
+    pub(super) filter: Box<dyn Estimator>,
+    set: GapSettings,
+    /// [`ReceiverSettings::most_late`](crate::settings::ReceiverSettings::most_late).
+    most_late: f64,
+    /// While a gap is being bridged.
+    bridge: Option<Bridge>,
+    /// Time of the last node of a smoother \[s\].
+    last_node: f64,
+}
+
+/// A copy that records nothing for a smoother.
+impl Clone for Solution {
+    fn clone(&self) -> Self {
+        Self {
+            filter: self.filter.boxed(),
+            bridge: self.bridge.clone(),
+            ..*self
+        }
+    }
+}
+
+impl Solution {
+    pub(super) fn new(filter: Box<dyn Estimator>, settings: &EngineSettings) -> Self {
+        Self {
+            filter,
+            set: settings.gaps,
+            most_late: settings.receiver.most_late,
+            bridge: None,
+            last_node: f64::NEG_INFINITY,
+        }
+    }
+
+    /// By how much fixes hold later than their stamps, as estimated within limits.
+    pub(super) fn latency(&self) -> Latency {
+        let offset = |kind| {
+            let most = self.most_late * self.filter.parameters().prior(kind)?.std;
+            Some(self.filter.time_offset(kind)?.0.clamp(-most, most))
+        };
+        Latency {
+            position: offset(Parameter::TimeOffset).unwrap_or(0.0),
+            velocity: offset(Parameter::VelocityTimeOffset),
+        }
+    }
+
+    /// Takes up a sample, bridged where samples are missing before it; `interval` is the usual one \[s\].
+    pub(super) fn begin(
+        &mut self,
+        sample: &ImuSample,
+        previous: Option<&ImuSample>,
+        interval: f64,
+        summary: &mut Summary,
+    ) {
+        if sample.dt <= self.set.intervals * interval {
+            self.filter.begin(sample);
+            return;
+        }
+        let mut bridge = Bridge::new(
+            sample,
+            previous.filter(|p| p.dt > 0.0),
+            interval,
+            self.set.longest_bridge,
+        );
+        match bridge.unknown_since {
+            Some(start) => summary.long_gap(start, sample.dt),
+            None => summary.bridged += 1,
+        }
+        if let Some(first) = bridge.next() {
+            self.filter.begin(&first);
+        }
+        self.bridge = Some(bridge);
+    }
+
+    /// Moves the filter to `time` \[s\] within the present sample.
+    pub(super) fn advance_to(&mut self, time: f64) {
+        if let Some(bridge) = &mut self.bridge {
+            while bridge.reached() < time - STAMP_ROUNDING
+                && let Some(next) = bridge.next()
+            {
+                self.filter.advance(None);
+                self.filter.begin(&next);
+            }
+        }
+        self.filter.advance(Some(time));
+    }
+
+    /// Grows the covariance for the part of a long gap up to `time` \[s\] that it has not grown for.
+    pub(super) fn grow_to(&mut self, time: f64) {
+        if let Some(bridge) = &mut self.bridge
+            && let Some(since) = bridge.unknown_since
+        {
+            self.filter
+                .grow((time - since).max(0.0), self.set.rate, self.set.accel);
+            bridge.unknown_since = Some(time);
+        }
+    }
+
+    /// Whether the present sample ends a gap too long to say how the vehicle moved in it.
+    pub(super) fn in_long_gap(&self) -> bool {
+        let bridge = self.bridge.as_ref();
+        bridge.is_some_and(|bridge| bridge.unknown_since.is_some())
+    }
+
+    /// The present sample ends.
+    pub(super) fn end_sample(&mut self, time: f64) {
+        self.advance_to(time);
+        self.grow_to(time);
+        self.bridge = None;
+    }
+
+    /// Tells the observer of a node, if there is a smoother: `span` is the longest one between two \[s\].
+    pub(super) fn node(&mut self, span: Option<f64>, observer: &mut dyn Observer) {
+        if span.is_some() {
+            observer.node(&*self.filter, self.filter.adjoint().as_ref());
+            self.filter.record();
+            self.last_node = self.filter.nav().time;
+        }
+    }
+
+    /// Whether a node is due at `time` \[s\].
+    pub(super) fn node_is_due(&self, span: Option<f64>, time: f64) -> bool {
+        span.is_some_and(|span| time - self.last_node >= span - STAMP_ROUNDING)
+    }
+}

@@ -1,0 +1,274 @@
+//! What a replay was like.
+
+use super::{
+    CovarianceHealth,
+    events::{Contradiction, HeadingOff, Implausible, Lean, Restart, SampleFault},
+};
+use crate::{
+    align::Alignment,
+    settings::{PlausibilitySettings, replay::Doubt},
+};
+use alloc::vec::Vec;
+#[allow(unused_imports, reason = "the standard library has its methods itself")]
+use nalgebra::ComplexField;
+use undrift_nav::{
+    Vector3,
+    covariance::AXES,
+    filter::{Outcome, Update},
+    parameters::Parameter,
+};
+
+/// Sums of the normalised innovations squared of one kind of measurement.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(default))]
+pub struct Innovations {
+    /// Updates made.
+    pub updates: u64,
+    /// Sum of NIS over them.
+    pub nis_sum: f64,
+    /// Sum of their degrees of freedom: what `nis_sum` is on average when the model is right.
+    pub dof_sum: u64,
+    /// Measurements used with less weight than stated.
+    pub weakened: u64,
+    /// Measurements rejected.
+    pub rejected: u64,
+    /// Sums of the products of whitened innovations with those of the update before, of the squares,
+    /// and their number: for their autocorrelation.
+    lagged: (f64, f64, u64),
+    /// Whitened innovation of the last update, if it was used.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    last: Option<[f64; 3]>,
+}
+
+impl Innovations {
+    /// Adds what an update did.
+    pub fn add(&mut self, update: Update) {
+        match update.outcome {
+            Outcome::Rejected => {
+                self.rejected += 1;
+                self.last = None;
+                return;
+            }
+            Outcome::Weakened(_) => self.weakened += 1,
+            Outcome::Used => {}
+        }
+        self.updates += 1;
+        self.nis_sum += update.nis;
+        self.dof_sum += update.dof as u64;
+        if let Some(last) = self.last {
+            for (now, before) in update.whitened.iter().zip(last) {
+                self.lagged.0 += now * before;
+                self.lagged.1 += 0.5 * (now * now + before * before);
+            }
+            self.lagged.2 += update.dof as u64;
+        }
+        self.last = Some(update.whitened);
+    }
+
+    /// NIS per degree of freedom: 1 if the model is correct. `None` without updates.
+    pub fn per_dof(&self) -> Option<f64> {
+        (self.dof_sum > 0).then(|| self.nis_sum / self.dof_sum as f64)
+    }
+
+    /// Autocorrelation of the whitened innovations from one update to the next, and what it stays
+    /// below 19 times out of 20 when the model is right: `1.96/√n`.
+    pub fn autocorrelation(&self) -> Option<(f64, f64)> {
+        let (products, squares, n) = self.lagged;
+        (n > 0 && squares > 0.0).then(|| (products / squares, 1.96 / (n as f64).sqrt()))
+    }
+}
+
+/// What a replay was like.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Summary {
+    /// Samples processed after alignment.
+    pub samples: u64,
+    /// Samples used up by alignment.
+    pub align_samples: u64,
+    /// When navigation began \[s\].
+    pub started: Option<f64>,
+    /// How the first attitude was found, where navigation began.
+    pub alignment: Option<Alignment>,
+    /// Time of the last sample \[s\].
+    pub ended: f64,
+    /// Fixes used.
+    pub fixes: u64,
+    /// Fixes withheld by outages.
+    pub withheld: u64,
+    /// Fixes before the first sample or before alignment could use them.
+    pub fixes_before: u64,
+    /// Fixes that could not be used because their covariance is not one.
+    pub bad_fixes: u64,
+    /// Fixes that repeat the previous one, held by the logger: not used.
+    pub repeated: u64,
+    /// Position updates.
+    pub position: Innovations,
+    /// Velocity updates.
+    pub velocity: Innovations,
+    /// Non-holonomic constraints.
+    pub non_holonomic: Innovations,
+    /// Zero-velocity updates.
+    pub zero_velocity: Innovations,
+    /// Odometer updates.
+    pub odometer: Innovations,
+    /// Barometer updates.
+    pub barometer: Innovations,
+    /// Parameters estimated: their last values and standard deviations, in the units of [`Parameter`].
+    pub parameters: Vec<(Parameter, Vec<f64>, Vec<f64>)>,
+    /// Fixes that were rejected, run by run; the first [`MOST_EVENTS`].
+    pub contradictions: Vec<Contradiction>,
+    /// Runs of rejected fixes beyond those.
+    pub more_contradictions: u64,
+    /// Spans in which innovations leaned to one side; the first [`MOST_EVENTS`].
+    pub leans: Vec<Lean>,
+    /// Samples that could not be right and were replaced; the first [`MOST_EVENTS`] runs of them.
+    pub sample_faults: Vec<SampleFault>,
+    /// When and why the solution was aligned again.
+    pub restarts: Vec<Restart>,
+    /// Mean factors on the stated standard deviations of position and velocity, where they were adapted.
+    pub adapted: [Option<f64>; 2],
+    /// How many times the model's the white noise of each axis was, as the samples show; `None` where it was the model's.
+    pub louder: Option<[f64; AXES]>,
+    /// Regression of the innovations of velocity on the measured velocity, component by component:
+    /// sums of products and of squares.
+    pub(super) against_velocity: [(f64, f64); 3],
+    /// Components of the velocity, 0 to 2 for north, east, down, that seem to have the wrong sign.
+    pub wrong_signs: Vec<usize>,
+    /// Short gaps in the samples that were bridged by interpolation.
+    pub bridged: u64,
+    /// Gaps too long for that: their number, the first one's time \[s\], the longest \[s\]. The covariance was
+    /// grown over each of up to a minute; a longer one ended the solution, and is among `restarts`.
+    pub long_gaps: Option<(u64, f64, f64)>,
+    /// Longest span without a fix, outages aside: start and length \[s\].
+    pub longest_without_gnss: (f64, f64),
+    /// Units, axes, signs or times that cannot be right.
+    pub implausible: Vec<Implausible>,
+    /// Where the solution accepted fixes that contradict its velocity or both of its parts; the first
+    /// [`MOST_EVENTS`].
+    pub doubts: Vec<Doubt>,
+    /// Parameters that ended far from what was known of them: estimate, and prior standard deviations that it is off.
+    pub far: Vec<(Parameter, f64, f64)>,
+    /// Updates after which the covariance was made larger, because innovations were larger than it predicts.
+    pub faded: u64,
+    /// Where the course has contradicted the heading; the first [`MOST_EVENTS`].
+    pub heading_off: Vec<HeadingOff>,
+    /// When the solution diverged, if it did and was not re-initialised \[s\].
+    pub diverged: Option<f64>,
+    /// The covariance at the end, if there is a solution.
+    pub covariance: Option<CovarianceHealth>,
+    /// Start of the first `WatchSettings::suspect_updates` updates on end, or fewer at the end of the log, whose
+    /// innovations were far beyond their predicted size \[s\].
+    pub suspect: Option<f64>,
+}
+
+/// Events of a kind that are kept one by one.
+pub const MOST_EVENTS: usize = 1000;
+
+impl Summary {
+    /// Judges the signs of the velocity, at the end of the log.
+    pub(super) fn judge_signs(&mut self, set: &PlausibilitySettings) {
+        let wrong = |i: &usize| {
+            let (products, squares) = self.against_velocity[*i];
+            squares > set.sign_motion && products < set.wrong_sign * squares
+        };
+        self.wrong_signs = (0..3).filter(wrong).collect();
+    }
+
+    /// Notes a gap of `length` \[s\] too long to interpolate over.
+    pub(super) fn long_gap(&mut self, start: f64, length: f64) {
+        let (count, first, longest) = self.long_gaps.unwrap_or((0, start, 0.0));
+        self.long_gaps = Some((count + 1, first, longest.max(length)));
+    }
+
+    /// Notes a sample replaced between its neighbours.
+    pub(super) fn spike(&mut self, axis: usize, time: f64) {
+        if self.sample_faults.len() < MOST_EVENTS {
+            self.sample_faults.push(SampleFault {
+                axis,
+                start: time,
+                end: time,
+                stuck: false,
+            });
+        }
+    }
+
+    /// Whether nothing was noted of an axis that has been stuck since `since` \[s\].
+    pub(super) fn is_new_fault(&self, axis: usize, since: f64) -> bool {
+        let same = |fault: &&SampleFault| fault.stuck && fault.axis == axis;
+        let last = self.sample_faults.iter().rev().find(same);
+        last.is_none_or(|last| last.start != since)
+    }
+
+    /// Notes that an axis has been stuck from `since` to `time` \[s\].
+    pub(super) fn stuck(&mut self, axis: usize, since: f64, time: f64) {
+        let room = self.sample_faults.len() < MOST_EVENTS;
+        let same = |fault: &&mut SampleFault| fault.stuck && fault.axis == axis;
+        match self.sample_faults.iter_mut().rev().find(same) {
+            Some(last) if last.start == since => last.end = time,
+            _ if room => self.sample_faults.push(SampleFault {
+                axis,
+                start: since,
+                end: time,
+                stuck: true,
+            }),
+            _ => {}
+        }
+    }
+
+    /// Notes a heading that the course contradicts, for the first time or still.
+    pub(super) fn heading_off(&mut self, time: f64, angle: f64, goes_on: bool) {
+        let room = self.heading_off.len() < MOST_EVENTS;
+        match self.heading_off.last_mut() {
+            Some(last) if goes_on => {
+                last.end = time;
+                if angle.abs() > last.angle.abs() {
+                    last.angle = angle;
+                }
+            }
+            _ if room => self.heading_off.push(HeadingOff {
+                start: time,
+                end: time,
+                angle,
+            }),
+            _ => {}
+        }
+    }
+
+    /// Notes a span without a fix.
+    pub(super) fn without_gnss(&mut self, from: f64, to: f64) {
+        if to - from > self.longest_without_gnss.1 {
+            self.longest_without_gnss = (from, to - from);
+        }
+    }
+
+    /// Takes in the innovation (predicted less measured) of a measured velocity and the variances of its
+    /// noise, which is in both and would correlate them at rest.
+    pub(super) fn regress(&mut self, innovation: &Vector3, measured: &Vector3, noise: &Vector3) {
+        for (i, sums) in self.against_velocity.iter_mut().enumerate() {
+            sums.0 += innovation[i] * measured[i] + noise[i];
+            sums.1 += measured[i] * measured[i] - noise[i];
+        }
+    }
+
+    /// Notes a run of rejected fixes; where the solution has accepted others of the kind less than `goes_on` \[s\]
+    /// before, it is the same one that goes on.
+    pub(super) fn contradicted(&mut self, what: Contradiction, goes_on: f64) {
+        let same = |c: &&mut Contradiction| c.part == what.part;
+        if let Some(last) = self.contradictions.iter_mut().rev().find(same)
+            && last.gave_way
+            && what.start - last.end < goes_on
+        {
+            last.end = what.end;
+            last.fixes += what.fixes;
+            last.largest = last.largest.max(what.largest);
+            return;
+        }
+        if self.contradictions.len() < MOST_EVENTS {
+            self.contradictions.push(what);
+        } else {
+            self.more_contradictions += 1;
+        }
+    }
+}

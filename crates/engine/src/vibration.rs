@@ -1,0 +1,394 @@
+//! The white noise that the samples themselves show: engine, road and rotors, beside the sensor's own.
+//!
+//! Above the band of a vehicle's motion there is nothing but noise in the samples. Of blocks of them the median of the
+//! periodogram from half to seven eighths of the Nyquist frequency is taken, which lines of an engine do not reach;
+//! where it exceeds what the model has there, the filter's white noise is that much larger. Welch 1967 (windowed
+//! periodograms); the median over ln 2 as the robust mean of exponential values.
+
+use crate::median::upper_median;
+use crate::settings::{VibrationSettings, replay::Settings};
+use alloc::boxed::Box;
+use core::f64::consts::PI;
+#[allow(unused_imports, reason = "the standard library has its methods itself")]
+use nalgebra::ComplexField;
+use nalgebra::{Complex, SMatrix, SVector};
+use undrift_nav::{
+    covariance::{AXES, four_lanes},
+    filter::Each,
+    sample::ImuSample,
+    shaping::{MAX_ORDER, ShapingFilter},
+};
+
+/// Means of samples in a block.
+const BLOCK: usize = 64;
+/// The lowest frequency, in periods a block, and how many.
+const FIRST: usize = 16;
+const BINS: usize = 13;
+/// Expectation of the median of so many exponential values of mean 1: Σ 1/i from 7 to 13.
+const MEDIAN: f64 = 0.7301;
+
+/// What the samples of a drive have shown so far.
+#[derive(Clone)]
+pub struct Vibration {
+    set: VibrationSettings,
+    /// By how much the standard deviation beyond the model's is multiplied, axis by axis.
+    factors: [f64; AXES],
+    /// Samples in a mean, and its length \[s\]; zero samples: too slow a log to look.
+    each: usize,
+    interval: f64,
+    /// Cosines and sines of the frequencies under Hann's window, for periodograms as two-sided densities.
+    waves: Box<[[[f64; 2]; BINS]; BLOCK]>,
+    /// Density of the model in the band [unit²·s], the variance of its white noise \[unit²\], and a sample's interval \[s\].
+    model: [f64; AXES],
+    white: [f64; AXES],
+    step: f64,
+    /// The samples of the present mean.
+    sum: [f64; AXES],
+    count: usize,
+    /// The sums of the present block, by frequency.
+    block: [[[f64; AXES]; 2]; BINS],
+    means: usize,
+    /// Density in the band [unit²·s], and for how long it is known \[s\].
+    level: [f64; AXES],
+    known: f64,
+    /// Sum of the density beyond the model's over the blocks, and their number.
+    beyond: [f64; AXES],
+    blocks: u64,
+}
+
+impl Vibration {
+    /// Of a filter whose models these are, before its first sample. `factors` are what the standard deviation of the noise
+    /// beyond the model's is multiplied by.
+    pub fn new(
+        sensors: &[ShapingFilter; AXES],
+        factors: &[f64; AXES],
+        set: VibrationSettings,
+    ) -> Self {
+        let step = sensors[0].interval;
+        let rate = 1.0 / step;
+        let each = match rate >= set.least_rate {
+            true => (rate / set.rate).round().max(1.0) as usize,
+            false => 0,
+        };
+        let interval = step * each as f64;
+        // Hann's window has a mean square of 3/8.
+        let scale = (interval / (0.375 * BLOCK as f64)).sqrt();
+        let wave = |k: usize, bin: usize| {
+            let window = 0.5 - 0.5 * (2.0 * PI * (k as f64 + 0.5) / BLOCK as f64).cos();
+            let angle = 2.0 * PI * ((FIRST + bin) * k % BLOCK) as f64 / BLOCK as f64;
+            // Of sums, which are means times the interval.
+            [angle.cos(), angle.sin()].map(|w| w * window * scale / interval)
+        };
+        let mut waves = Box::new([[[0.0; 2]; BINS]; BLOCK]);
+        for (k, waves) in waves.iter_mut().enumerate() {
+            *waves = core::array::from_fn(|bin| wave(k, bin));
+        }
+        let hertz = |bin: usize| (FIRST + bin) as f64 / (BLOCK as f64 * interval);
+        let density = |sensor: &ShapingFilter| {
+            let sum: f64 = (0..BINS).map(|bin| spectrum(sensor, hertz(bin))).sum();
+            sum / BINS as f64
+        };
+        Self {
+            set,
+            factors: *factors,
+            each,
+            interval,
+            waves,
+            model: core::array::from_fn(|i| if each > 0 { density(&sensors[i]) } else { 0.0 }),
+            white: core::array::from_fn(|i| sensors[i].r),
+            step,
+            sum: [0.0; AXES],
+            count: 0,
+            block: [[[0.0; AXES]; 2]; BINS],
+            means: 0,
+            level: [0.0; AXES],
+            known: 0.0,
+            beyond: [0.0; AXES],
+            blocks: 0,
+        }
+    }
+
+    /// The one of a replay with these settings, where its noise follows the vibration.
+    pub fn of(settings: &Settings) -> Option<Self> {
+        let set = settings.engine.vibration;
+        let factors = settings.vibration?;
+        Some(Self::new(&settings.sensors, &factors, set))
+    }
+
+    /// Takes in a sample; at the end of a block the variance that each axis's white noise of a sample has by now \[unit²\].
+    pub fn next(&mut self, sample: &ImuSample) -> Option<[f64; AXES]> {
+        if self.each == 0 {
+            return None;
+        }
+        if sample.dt > self.set.gap * self.step {
+            (self.count, self.sum, self.means) = (0, [0.0; AXES], 0);
+            return None;
+        }
+        for i in 0..3 {
+            self.sum[i] += sample.dtheta[i];
+            self.sum[3 + i] += sample.dvel[i];
+        }
+        self.count += 1;
+        if self.count < self.each {
+            return None;
+        }
+        if self.means == 0 {
+            self.block = [[[0.0; AXES]; 2]; BINS];
+        }
+        let (waves, sum) = (&self.waves[self.means], self.sum);
+        four_lanes(
+            #[inline(always)]
+            || {
+                for (sums, wave) in self.block.iter_mut().flatten().zip(waves.iter().flatten()) {
+                    for i in 0..AXES {
+                        sums[i] += wave * sum[i];
+                    }
+                }
+            },
+        );
+        (self.count, self.sum) = (0, [0.0; AXES]);
+        self.means += 1;
+        if self.means < BLOCK {
+            return None;
+        }
+        self.means = 0;
+        self.learn();
+        Some(self.variances())
+    }
+
+    /// Takes in a whole block.
+    fn learn(&mut self) {
+        let length = self.interval * BLOCK as f64;
+        self.known = (self.known + length).min(self.set.memory.max(length));
+        let gain = length / self.known;
+        for (i, level) in self.level.iter_mut().enumerate() {
+            let mut powers = self.block.map(|[c, s]| c[i] * c[i] + s[i] * s[i]);
+            *level += gain * (upper_median(&mut powers) / MEDIAN - *level);
+        }
+    }
+
+    /// Density beyond the model's [unit²·s], with its factor.
+    fn excess(&self, axis: usize) -> f64 {
+        let (level, model) = (self.level[axis], self.model[axis]);
+        let known = self.known >= self.set.memory;
+        match known && level > self.set.from * self.set.from * model {
+            true => self.factors[axis].powi(2) * (level - model),
+            false => 0.0,
+        }
+    }
+
+    /// Variance of the white noise of a sample of each axis \[unit²\].
+    pub fn variances(&self) -> [f64; AXES] {
+        core::array::from_fn(|i| self.white[i] + self.excess(i) / self.step)
+    }
+
+    /// The factors.
+    pub fn factors(&self) -> [f64; AXES] {
+        self.factors
+    }
+
+    /// Variance of the white noise of a sample of each axis by the model \[unit²\].
+    pub fn white_noise(&self) -> [f64; AXES] {
+        self.white
+    }
+
+    /// Calls `each` with every number that samples change, always in the same order: to keep them and to put them back.
+    pub fn numbers(&mut self, each: &mut Each) {
+        for number in [&mut self.count, &mut self.means] {
+            let mut value = *number as f64;
+            each(&mut value);
+            *number = value as usize;
+        }
+        let blocks = self.block.iter_mut().flatten().flatten();
+        let axes = [&mut self.sum, &mut self.level, &mut self.beyond];
+        blocks
+            .chain(axes.into_iter().flatten())
+            .for_each(&mut *each);
+        each(&mut self.known);
+        let mut blocks = self.blocks as f64;
+        each(&mut blocks);
+        self.blocks = blocks as u64;
+    }
+
+    /// Counts the present noise in what [`Vibration::louder`] is the mean of.
+    pub(crate) fn count(&mut self) {
+        for i in 0..AXES {
+            self.beyond[i] += self.excess(i);
+        }
+        self.blocks += 1;
+    }
+
+    /// How many times the model's the density of the noise was, the root mean square; `None` where it was the
+    /// model's.
+    pub(crate) fn louder(&self) -> Option<[f64; AXES]> {
+        let ratio = |i: usize| {
+            let beyond = self.beyond[i] / self.blocks as f64;
+            (1.0 + beyond / self.model[i].max(f64::MIN_POSITIVE)).sqrt()
+        };
+        let any = self.beyond.iter().any(|beyond| *beyond > 0.0);
+        any.then(|| core::array::from_fn(ratio))
+    }
+}
+
+/// Density of the white noise in the band that samples show [unit·√s], the root mean square of all blocks; `None`
+/// of a log that is too slow or too short.
+pub fn densities(imu: &[ImuSample], settings: &Settings) -> Option<[f64; AXES]> {
+    let set = VibrationSettings {
+        memory: f64::INFINITY,
+        ..settings.engine.vibration
+    };
+    let mut vibration = Vibration::new(&settings.sensors, &[1.0; AXES], set);
+    for sample in imu {
+        vibration.next(sample);
+    }
+    (vibration.known > 0.0).then(|| vibration.level.map(f64::sqrt))
+}
+
+/// Two-sided density of a model at a frequency \[Hz\], [unit²·s]: T |H (z − F)⁻¹ G + D|², z on the unit circle.
+fn spectrum(sensor: &ShapingFilter, hertz: f64) -> f64 {
+    type Square = SMatrix<Complex<f64>, MAX_ORDER, MAX_ORDER>;
+    let (sin, cos) = (2.0 * PI * hertz * sensor.interval).sin_cos();
+    let z = Complex::new(cos, sin);
+    let real = |x: f64| Complex::new(x, 0.0);
+    // States beyond the order are those of an identity.
+    let resolvent = Square::from_fn(|i, j| {
+        let own = if i == j { z } else { real(0.0) };
+        own - real(sensor.f[i][j])
+    });
+    let h = SVector::<_, MAX_ORDER>::from_fn(|i, _| real(sensor.h[i]));
+    // g' = h (z − F)⁻¹, from its transpose.
+    let Some(g) = resolvent.transpose().lu().solve(&h) else {
+        return sensor.r * sensor.interval;
+    };
+    let mut sum = sensor.r;
+    for i in 0..sensor.order {
+        sum += 2.0 * (g[i] * sensor.s[i]).re;
+        for j in 0..sensor.order {
+            sum += (g[i] * g[j].conj() * sensor.q[i][j]).re;
+        }
+    }
+    sum.max(0.0) * sensor.interval
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+    use rand_xoshiro::Xoshiro256PlusPlus;
+
+    const STEP: f64 = 0.01;
+    const WHITE: f64 = 1e-3;
+
+    fn sensors() -> [ShapingFilter; AXES] {
+        let white = ShapingFilter::white(WHITE, STEP).unwrap();
+        let slow = ShapingFilter::gauss_markov(1e-3, 100.0, STEP).unwrap();
+        [white.plus(&slow).unwrap(); AXES]
+    }
+
+    /// Half a minute of samples whose axes read this beside white noise of a density: what the noise is taken for, as a
+    /// density.
+    fn seen(density: f64, rest: impl Fn(f64) -> f64) -> [f64; AXES] {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(7);
+        let mut vibration = Vibration::new(&sensors(), &[1.0; AXES], VibrationSettings::default());
+        let mut raised = false;
+        for k in 0..30_000 {
+            let time = STEP * k as f64;
+            let mut value = || {
+                let noise: f64 = StandardNormal.sample(&mut random);
+                (density / STEP.sqrt() * noise + rest(time)) * STEP
+            };
+            let sample = ImuSample {
+                time,
+                dt: STEP,
+                dtheta: undrift_nav::Vector3::from_fn(|_, _| value()),
+                dvel: undrift_nav::Vector3::from_fn(|_, _| value()),
+            };
+            let now = vibration.next(&sample);
+            if now.is_some() {
+                vibration.count();
+            }
+            raised |= now.is_some_and(|now| now != vibration.white);
+        }
+        let louder = vibration.louder();
+        assert_eq!(louder.is_some(), raised);
+        louder.map_or([WHITE; AXES], |louder| louder.map(|times| times * WHITE))
+    }
+
+    #[test]
+    fn noise_beyond_the_model_is_found() {
+        // Some 450 independent values of 13 frequencies each: 2 % of the density.
+        for density in seen(5.0 * WHITE, |_| 0.0) {
+            assert!((density / (5.0 * WHITE) - 1.0).abs() < 0.06, "{density}");
+        }
+    }
+
+    #[test]
+    fn noise_of_the_model_is_not_touched() {
+        assert_eq!(seen(WHITE, |_| 0.0), [WHITE; AXES]);
+    }
+
+    #[test]
+    fn lines_and_motion_are_no_noise() {
+        let line = |t: f64| 0.1 * (2.0 * PI * 31.3 * t).sin();
+        let motion = |t: f64| 3.0 * (2.0 * PI * 0.3 * t).sin() + 0.5 * (2.0 * PI * 2.0 * t).sin();
+        for density in seen(WHITE, |t| line(t) + motion(t)) {
+            // Ten times the noise of a sample, 70 times the density where it lies; with four of thirteen frequencies
+            // taken the median is the upper third of the others.
+            assert!(density < 1.5 * WHITE, "{density}");
+        }
+    }
+
+    #[test]
+    fn a_slow_log_shows_nothing() {
+        let slow = [ShapingFilter::white(WHITE, 0.1).unwrap(); AXES];
+        let mut vibration = Vibration::new(&slow, &[1.0; AXES], VibrationSettings::default());
+        for k in 0..1000 {
+            let sample = ImuSample {
+                time: 0.1 * k as f64,
+                dt: 0.1,
+                dtheta: undrift_nav::Vector3::repeat(f64::from(k % 2)),
+                dvel: undrift_nav::Vector3::zeros(),
+            };
+            assert_eq!(vibration.next(&sample), None);
+        }
+    }
+
+    #[test]
+    fn spectrum_of_a_model() {
+        // σ² T (1 − φ²) / |z − φ|², and the white noise.
+        let (phi, sigma) = (0.9, 0.2);
+        let white = ShapingFilter::white(0.05, STEP).unwrap();
+        let lasting = ShapingFilter::ar(&[phi], sigma, STEP).unwrap();
+        let model = white.plus(&lasting).unwrap();
+        for hertz in [1.0, 10.0, 37.0] {
+            let away = (Complex::cis(2.0 * PI * hertz * STEP) - phi).norm_sqr();
+            let expected = 0.05 * 0.05 + sigma * sigma * STEP / away;
+            let density = spectrum(&model, hertz);
+            assert!(
+                (density / expected - 1.0).abs() < 1e-12,
+                "{density} {expected}"
+            );
+        }
+    }
+
+    #[test]
+    fn what_the_model_has_in_the_band_is_not_added_again() {
+        let factor = 1.5;
+        let mut vibration =
+            Vibration::new(&sensors(), &[factor; AXES], VibrationSettings::default());
+        // Nine times the model's density: eight are beyond it, times the factor's square.
+        vibration.level = vibration.model.map(|model| 9.0 * model);
+        vibration.known = VibrationSettings::default().memory;
+        // In the band the Gauss-Markov process of the model is nothing: its density is that of the white noise.
+        let expected = (1.0 + factor * factor * 8.0) * WHITE * WHITE / STEP;
+        for variance in vibration.variances() {
+            assert!((variance / expected - 1.0).abs() < 1e-4, "{variance}");
+        }
+        vibration.count();
+        let louder = (1.0 + factor * factor * 8.0).sqrt();
+        for times in vibration.louder().unwrap() {
+            assert!((times / louder - 1.0).abs() < 1e-12, "{times}");
+        }
+    }
+}
