@@ -1,5 +1,63 @@
 //! What can happen in a replay that is worth telling, as values.
 
+use crate::{align::Alignment, settings::replay::Doubt};
+
+/// What happened while navigating. One that lasts is told when it is seen first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Event {
+    /// Navigation began at this time \[s\], aligned like this.
+    Started(f64, Alignment),
+    /// Samples of an axis could not be right.
+    SampleFault(SampleFault),
+    /// Fixes were rejected; told when the run of them has ended.
+    Rejected(Contradiction),
+    /// The solution accepted fixes that contradict it, and doubts itself by so much.
+    Doubted(Doubt),
+    /// The course contradicts the heading.
+    HeadingOff(HeadingOff),
+    /// Innovations leant to one side.
+    Leant(Lean),
+    /// The solution is aligned again from this time \[s\] on, and why.
+    AlignsAgain(f64, RestartCause),
+    /// Another solution began at this time \[s\].
+    Resumed(f64),
+    /// The solution diverged at this time \[s\].
+    Diverged(f64),
+    /// A measurement of this time \[s\] came later than the horizon and was left out.
+    TooLate(f64),
+}
+
+impl Event {
+    /// When it was seen first \[s\].
+    pub fn time(&self) -> f64 {
+        match self {
+            Self::Started(time, _)
+            | Self::AlignsAgain(time, _)
+            | Self::Resumed(time)
+            | Self::Diverged(time)
+            | Self::TooLate(time) => *time,
+            Self::SampleFault(fault) => fault.start,
+            Self::Rejected(fixes) => fixes.start,
+            Self::Doubted(doubt) => doubt.end,
+            Self::HeadingOff(off) => off.start,
+            Self::Leant(lean) => lean.start,
+        }
+    }
+
+    /// Whether it is the same one, seen for longer.
+    pub fn is_same(&self, other: &Self) -> bool {
+        let axis = |event: &Self| match event {
+            Self::SampleFault(fault) => Some((fault.axis, None)),
+            Self::Rejected(fixes) => Some((0, Some(fixes.part))),
+            Self::Leant(lean) => Some((0, Some(lean.part))),
+            _ => None,
+        };
+        core::mem::discriminant(self) == core::mem::discriminant(other)
+            && self.time() == other.time()
+            && axis(self) == axis(other)
+    }
+}
+
 /// A log of a drive, or a static recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -68,7 +68,7 @@ pub mod vibration;
 mod watch;
 
 pub use events::{
-    Contradiction, FixMend, HeadingOff, Implausible, Lean, Log, Part, Restart, RestartCause,
+    Contradiction, Event, FixMend, HeadingOff, Implausible, Lean, Log, Part, Restart, RestartCause,
     SampleFault,
 };
 pub use health::CovarianceHealth;

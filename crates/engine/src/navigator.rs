@@ -2,14 +2,15 @@
 
 use crate::{
     estimator::Estimator,
+    events::Event,
     measurement::{Measured, Measurement, Scalar},
     not_aligned::NotAligned,
     observer::Observer,
     run::Run,
     settings::replay::Settings,
-    summary::Summary,
+    summary::{MOST_EVENTS, Summary},
 };
-use alloc::collections::VecDeque;
+use alloc::{collections::VecDeque, vec::Vec};
 use undrift_nav::{
     filter::FilterError,
     parameters::Parameter,
@@ -67,6 +68,10 @@ pub struct Navigator {
     /// End of the last sample \[s\].
     last: Option<f64>,
     too_late: u64,
+    /// Those, until they are handed out.
+    left_out: Vec<Event>,
+    /// Events that were handed out.
+    told: Vec<Event>,
 }
 
 impl Navigator {
@@ -88,6 +93,8 @@ impl Navigator {
             past: VecDeque::new(),
             last: None,
             too_late: 0,
+            left_out: Vec::new(),
+            told: Vec::new(),
         }
     }
 
@@ -99,7 +106,7 @@ impl Navigator {
     }
 
     /// How far beyond a sample's end fixes may be stamped that hold within it \[s\]: with an estimated latency a stamp may
-    /// be late or early by up to this. Fixes up to so much later should be there before the sample, or come late.
+    /// be late by up to this. Of a log, fixes stamped up to so much later are best pushed before the sample.
     pub fn ahead(&self) -> f64 {
         self.ahead
     }
@@ -177,7 +184,12 @@ impl Navigator {
         if let Some(what) = measurement.unusable() {
             return Err(PushError::NotFinite { what, time });
         }
-        if time > self.run.asked() {
+        // Without a horizon a fix that was looked for too early counts as soon as it is there.
+        let passed = match self.horizon > 0.0 {
+            true => self.run.asked(),
+            false => self.run.reached(),
+        };
+        if time > passed {
             self.measured.insert(measurement);
             return Ok(true);
         }
@@ -187,6 +199,9 @@ impl Navigator {
             .rposition(|snapshot| snapshot.run.asked() < time);
         let Some(since) = since else {
             self.too_late += 1;
+            if self.left_out.len() < MOST_EVENTS {
+                self.left_out.push(Event::TooLate(time));
+            }
             return Ok(false);
         };
         self.measured.insert(measurement);
@@ -202,6 +217,18 @@ impl Navigator {
     /// What happened so far; what only the end shows is not in it yet.
     pub fn summary(&self) -> &Summary {
         self.run.summary()
+    }
+
+    /// What happened since this was asked last, in order of time. A measurement that came late may have undone or changed
+    /// what was told before: what is new with it is told, nothing is taken back.
+    pub fn events(&mut self) -> Vec<Event> {
+        let told = &self.told;
+        let is_new = |event: &Event| !told.iter().any(|before| before.is_same(event));
+        let mut new: Vec<Event> = self.run.summary().events().filter(is_new).collect();
+        self.told.extend_from_slice(&new);
+        new.append(&mut self.left_out);
+        new.sort_by(|a, b| a.time().total_cmp(&b.time()));
+        new
     }
 
     /// Measurements that came too late for the horizon.

@@ -129,6 +129,13 @@ impl Run {
         self.queue.asked()
     }
 
+    /// End of the last sample that was processed \[s\].
+    pub(super) fn reached(&self) -> f64 {
+        self.log
+            .first_sample
+            .map_or(f64::NEG_INFINITY, |_| self.summary.ended)
+    }
+
     /// What happened so far.
     pub(super) fn summary(&self) -> &Summary {
         &self.summary

@@ -2,7 +2,7 @@
 
 use super::{
     CovarianceHealth,
-    events::{Contradiction, HeadingOff, Implausible, Lean, Restart, SampleFault},
+    events::{Contradiction, Event, HeadingOff, Implausible, Lean, Restart, SampleFault},
 };
 use crate::{
     align::Alignment,
@@ -167,6 +167,28 @@ pub struct Summary {
 pub const MOST_EVENTS: usize = 1000;
 
 impl Summary {
+    /// What happened so far, each kind in order of time.
+    pub fn events(&self) -> impl Iterator<Item = Event> + '_ {
+        let started = self.started.zip(self.alignment);
+        let resumed = self.restarts.iter().filter_map(|restart| restart.resumed);
+        let started = started
+            .into_iter()
+            .map(|(time, how)| Event::Started(time, how));
+        started
+            .chain(self.sample_faults.iter().copied().map(Event::SampleFault))
+            .chain(self.contradictions.iter().copied().map(Event::Rejected))
+            .chain(self.doubts.iter().copied().map(Event::Doubted))
+            .chain(self.heading_off.iter().copied().map(Event::HeadingOff))
+            .chain(self.leans.iter().copied().map(Event::Leant))
+            .chain(
+                self.restarts
+                    .iter()
+                    .map(|r| Event::AlignsAgain(r.time, r.why)),
+            )
+            .chain(resumed.map(Event::Resumed))
+            .chain(self.diverged.map(Event::Diverged))
+    }
+
     /// Judges the signs of the velocity, at the end of the log.
     pub(super) fn judge_signs(&mut self, set: &PlausibilitySettings) {
         let wrong = |i: &usize| {

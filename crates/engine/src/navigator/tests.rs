@@ -116,6 +116,14 @@ fn what_is_later_than_the_horizon_is_counted_and_does_no_harm() {
         let (states, too_late) = navigate(&drive, &late, horizon);
         assert_eq!((too_late, states.last()), (1, without.last()), "{horizon}");
     }
+    // It is told once.
+    let mut navigator = Navigator::new(drive.settings.clone());
+    navigator.imu(drive.log.imu[20]).unwrap();
+    navigator.imu(drive.log.imu[21]).unwrap();
+    let early = drive.log.gnss[0];
+    assert!(!navigator.fix(early).unwrap());
+    assert_eq!(navigator.events(), [Event::TooLate(early.time)]);
+    assert!(navigator.events().is_empty());
     let (states, too_late) = navigate(&drive, &late, 4.0);
     assert_eq!(too_late, 0);
     assert_ne!(states.last(), without.last());
@@ -179,4 +187,45 @@ fn what_is_no_sample_or_measurement_is_refused_and_changes_nothing() {
     assert!(navigator.barometer(height).is_err() && navigator.odometer(height).is_err());
     assert_eq!(navigator.measured.len(), 0);
     navigator.imu(drive.log.imu[1]).unwrap();
+}
+
+#[test]
+fn events_are_handed_out_once_in_order_of_time() {
+    let (mut drive, all) = drive();
+    // Positions half a kilometre off for two seconds.
+    drive = drive.alter(20.0, 22.0, |fix| {
+        if let Some((undrift_nav::sample::Position::Geodetic(place), _)) = &mut fix.position {
+            place.height += 500.0;
+        }
+    });
+    let speeds = all.iter().filter(|m| !matches!(m, Measurement::Gnss(_)));
+    let fixes = drive.log.gnss.iter().copied().map(Measurement::Gnss);
+    let mut all: Vec<_> = fixes.chain(speeds.copied()).collect();
+    all.sort_by(|a, b| a.time().total_cmp(&b.time()));
+    for (late, horizon) in [(0.0, 0.0), (1.0, 1.5)] {
+        let mut navigator = Navigator::new(drive.settings.clone()).with_horizon(horizon);
+        let arrivals = shuffled(&all, late, 3);
+        let mut arriving = arrivals.iter().peekable();
+        let mut told = Vec::new();
+        for sample in &drive.log.imu {
+            while let Some((_, m)) = arriving.next_if(|(at, _)| *at <= sample.time) {
+                navigator.measure(*m).unwrap();
+            }
+            navigator.imu(*sample).unwrap();
+            told.extend(navigator.events());
+        }
+        let kinds: Vec<_> = told
+            .iter()
+            .map(|event| match event {
+                Event::Started(..) => "started",
+                Event::Rejected(fixes) => {
+                    assert!((fixes.largest - 500.0).abs() < 20.0, "{fixes:?}");
+                    "rejected"
+                }
+                _ => "other",
+            })
+            .collect();
+        assert_eq!(kinds, ["started", "rejected"], "{told:?}");
+        assert!(navigator.events().is_empty());
+    }
 }

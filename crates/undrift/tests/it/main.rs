@@ -2,6 +2,7 @@
 
 mod alignment;
 mod architecture;
+mod arrivals;
 mod assertions;
 mod circles;
 mod epochs;
