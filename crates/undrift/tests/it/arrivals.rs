@@ -132,7 +132,7 @@ fn fixes_late_on_the_navego_drive() {
 
 #[test]
 fn fixes_late_on_a_drive_of_a_single_frequency_receiver() {
-    if let Some(drive) = example("ublox-drives.toml", "ublox-drives/1") {
+    if let Some(drive) = example("ublox-drives.toml", "ublox-drives/parkinglot-maneuvers") {
         in_any_order(&drive);
     }
 }

@@ -1,6 +1,7 @@
 //! The hot loops, for counting instructions: `hot CRATE/TASK COUNT` does a task so many times over.
 //! `tools/instruction-budgets` runs it.
 
+mod engine;
 mod io;
 mod nav;
 mod noise;
@@ -12,6 +13,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let count = count.parse()?;
     match name.split_once('/') {
+        Some(("engine", task)) => engine::run(task, count),
         Some(("nav", task)) => nav::run(task, count),
         Some(("noise", task)) => noise::run(task, count),
         Some(("io", task)) => io::run(task, count),

@@ -17,7 +17,7 @@ const DT: f64 = 0.005;
 pub fn run(task: &str, count: u32) -> Result<(), Box<dyn std::error::Error>> {
     match task {
         "predict-9" => predict::<9>(count)?,
-        // As `undrift_estimator::build` holds 15 states.
+        // As `estimator::build` holds 15 states.
         "predict-15" => predict::<16>(count)?,
         "predict-21" => predict::<21>(count)?,
         "predict-33" => predict::<33>(count)?,
